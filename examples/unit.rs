@@ -6,7 +6,7 @@
 //!
 //! Run it with `cargo run -p basrelief-kernel-conformance --example unit`.
 
-use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemorySystem, Sink, Source, Stage, Step, Traffic, Unit, Visitor, run};
+use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemoryPorts, MemorySystem, Sink, Source, Stage, Step, Unit, Visitor, run};
 use basrelief_kernel_conformance::contract::Contract;
 
 /// Adds each number to the one before it.
@@ -24,7 +24,7 @@ impl Unit for Adder {
     }
     /// Stores the first number of a pair in one cycle. Adds the second one in four, and delivers the sum three cycles after
     /// the start.
-    fn step(&mut self, number: Option<u64>, _: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, number: Option<u64>, _: &mut MemoryPorts) -> Step<Option<u64>> {
         match (self.pending.take(), number) {
             (Some(first), Some(second)) => Step::after(3, Some(first + second)).busy(4),
             (_, number) => {

@@ -3,8 +3,8 @@
 use crate::workload::{Counted, Sample, Size, Workload, measured};
 use basrelief_kernel::Source;
 use basrelief_kernel::{
-    CacheConfig, Demand, Engine, Fifo, Limits, Machine, MemoryConfig, MemorySystem, NoProbe, Outcome, Probe, Recorder, Stage,
-    Step, Traffic, Unit, Visitor, run_functional, run_with,
+    CacheConfig, Demand, Engine, Fifo, Limits, Machine, MemoryConfig, MemoryPorts, MemorySystem, NoProbe, Outcome, Probe,
+    Recorder, Stage, Step, Unit, Visitor, run_functional, run_with,
 };
 use std::hint::black_box;
 use std::ops::Range;
@@ -32,7 +32,7 @@ impl Unit for Pass {
         Demand::All
     }
     #[inline]
-    fn step(&mut self, input: Option<u64>, _: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, input: Option<u64>, _: &mut MemoryPorts) -> Step<Option<u64>> {
         Step::after(3, input.map(|n| n + 1)).busy(self.occupancy)
     }
 }
@@ -51,7 +51,7 @@ impl Unit for Drain {
         Demand::All
     }
     #[inline]
-    fn step(&mut self, input: Option<u64>, _: &mut Traffic) -> Step<()> {
+    fn step(&mut self, input: Option<u64>, _: &mut MemoryPorts) -> Step<()> {
         self.sum += input.unwrap_or(0);
         Step::after(0, ())
     }
@@ -115,7 +115,7 @@ impl Unit for Fork {
         Demand::All
     }
     #[inline]
-    fn step(&mut self, input: Option<u64>, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Option<u64>, _: &mut MemoryPorts) -> Step<Self::Out> {
         Step::after(0, (input, input))
     }
 }
@@ -131,7 +131,7 @@ impl Unit for Join {
         Demand::All
     }
     #[inline]
-    fn step(&mut self, (a, b): Self::In, _: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, (a, b): Self::In, _: &mut MemoryPorts) -> Step<Option<u64>> {
         Step::after(0, a.zip(b).map(|(a, b)| a + b))
     }
 }
@@ -197,7 +197,7 @@ impl Unit for Access {
         Demand::All
     }
     #[inline]
-    fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, input: Option<u64>, traffic: &mut MemoryPorts) -> Step<Option<u64>> {
         let n = input.unwrap_or(0);
         match *self {
             Access::Read { stride } => traffic.read(0, n * stride, 64),

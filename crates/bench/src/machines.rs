@@ -15,9 +15,9 @@
 use crate::stopwatch::{UnitTime, unit_times};
 use crate::workload::{Counted, Sample, Size, Workload, measured};
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::tape::Reel;
+use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{
-    Engine, Limits, Machine, NoProbe, Outcome, Probe, Shape, Tape, retime, run_functional, run_recorded, run_with,
+    Engine, Limits, Machine, Netlist, NoProbe, Outcome, Probe, Recording, resimulate, run_functional, run_recorded, run_with,
 };
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
@@ -164,10 +164,10 @@ impl Job for Apart {
 struct Record;
 
 impl Job for Record {
-    type Result = (Shape, Vec<Reel>);
+    type Result = (Netlist, Vec<RecordingChunk>);
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        let shape = Shape::of(machine).expect("the machines are wired");
+        let shape = Netlist::of(machine).expect("the machines are wired");
         let mut reels = Vec::new();
         let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
         let report = run_recorded(machine, Engine::Timed, &mut NoProbe, limits, (1 << 20, &mut |reel| reels.push(reel)));
@@ -192,7 +192,7 @@ impl Job for ShowBoard {
     type Result = Board;
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        Board::new("machine", 0, Shape::of(machine).expect("its wiring was checked when it was built").diagram())
+        Board::new("machine", 0, Netlist::of(machine).expect("its wiring was checked when it was built").diagram())
     }
 }
 
@@ -275,10 +275,11 @@ fn retimed(size: Size, again: bool) -> Workload {
     let name = if again { "machine/w1/retimed-again" } else { "machine/w1/retimed" };
     Workload::new(name, Counted::Fragments, move || {
         let ((shape, reels), count) = Drawing::w1(size, &[]).work(Record);
-        let tape = Tape::new(reels.clone(), &shape, u64::MAX);
-        let time_again = move |shape: Shape| {
+        let tape = Recording::new(reels.clone(), &shape, u64::MAX);
+        let time_again = move |shape: Netlist| {
             let mut reels = reels.iter().map(Cow::Borrowed);
-            let timed = if again { tape.retime(shape) } else { retime(shape, &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX) };
+            let timed =
+                if again { tape.resimulate(shape) } else { resimulate(shape, &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX) };
             assert!(timed.is_ok_and(|report| report.outcome == Outcome::Complete), "a tape comes to its end");
         };
         time_again(shape.clone());

@@ -5,7 +5,7 @@
 //! for popping and pushing; engine, memories and caches are not there. Two clock readings per visit are included, 50 ns for
 //! some ten steps.
 
-use basrelief_kernel::{Connections, Demand, Inputs, Machine, Outputs, Place, Traffic, Unit, Visitor};
+use basrelief_kernel::{BoundStage, Connections, Demand, Inputs, Machine, MemoryPorts, Outputs, Unit, Visitor};
 use std::time::{Duration, Instant};
 
 /// What a unit did.
@@ -19,7 +19,7 @@ pub struct UnitTime {
 
 #[derive(Default)]
 struct Stopwatch {
-    traffic: Traffic,
+    traffic: MemoryPorts,
     /// By stage, in the order of the wiring.
     units: Vec<UnitTime>,
     next: usize,
@@ -27,7 +27,7 @@ struct Stopwatch {
 }
 
 impl Visitor for Stopwatch {
-    fn stage<P: Place>(&mut self, mut place: P) {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, Connections { inputs, outputs, .. }) = place.open();
         let began = Instant::now();
         let mut steps = 0;

@@ -1,6 +1,6 @@
 //! The unit contract: units that keep it pass, and each way to break it is caught and named.
 
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_kernel::{Sink, Source};
 use basrelief_kernel_conformance::contract::{ClientKind, Contract};
 use basrelief_kernel_conformance::unit_contract;
@@ -16,7 +16,7 @@ fn counter() -> Source<std::ops::Range<u32>> {
 fn counter_at(emitted: usize) -> Source<std::ops::Range<u32>> {
     let mut source = counter();
     for _ in 0..emitted {
-        source.step((), &mut Traffic::default());
+        source.step((), &mut MemoryPorts::default());
     }
     source
 }
@@ -29,7 +29,7 @@ fn sink() -> Sink<u8> {
 fn sink_of(tokens: Vec<u8>) -> Sink<u8> {
     let mut sink = sink();
     for token in tokens {
-        sink.step(Some(token), &mut Traffic::default());
+        sink.step(Some(token), &mut MemoryPorts::default());
     }
     sink
 }
@@ -58,7 +58,7 @@ impl Unit for Double {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, input: Option<u64>, _: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, input: Option<u64>, _: &mut MemoryPorts) -> Step<Option<u64>> {
         Step::after(1, input.map(|n| 2 * n))
     }
 }
@@ -77,7 +77,7 @@ impl Unit for Butterfly {
     fn demand(&self) -> Demand {
         if self.held.is_some() { Demand::All } else { Demand::Only(0) }
     }
-    fn step(&mut self, (a, b): Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (a, b): Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         match (self.held.take(), a, b) {
             (Some(h), Some(a), Some(b)) => Step::after(3, (Some(h + a + b), Some(h + a - b))).busy(2),
             (None, Some(a), None) => {
@@ -118,7 +118,7 @@ impl Unit for Triple {
     fn demand(&self) -> Demand {
         if self.held.1 > 0 { Demand::Nothing } else { Demand::All }
     }
-    fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, input: Option<u64>, traffic: &mut MemoryPorts) -> Step<Option<u64>> {
         if let Some(token) = input {
             self.held = (token, 3);
         }

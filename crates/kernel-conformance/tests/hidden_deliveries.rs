@@ -3,7 +3,7 @@
 
 use basrelief_kernel::Source;
 use basrelief_kernel::{
-    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemorySystem, Outcome, RunReport, Stage, Step, Traffic, Unit,
+    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemoryPorts, MemorySystem, Outcome, RunReport, Stage, Step, Unit,
     Visitor, run,
 };
 
@@ -16,7 +16,7 @@ impl Unit for Filter {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, input: Option<u64>, traffic: &mut MemoryPorts) -> Step<Option<u64>> {
         let passes = input.filter(|token| token % 5 == 1);
         if passes.is_none() {
             traffic.look_up(0, 64 * input.unwrap_or(0), 4);
@@ -37,7 +37,7 @@ impl Unit for Reader {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<()> {
+    fn step(&mut self, input: Option<u64>, traffic: &mut MemoryPorts) -> Step<()> {
         traffic.read(0, (1 << 20) + 64 * input.unwrap_or(0), 64);
         Step::after(0, ())
     }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use basrelief_kernel::{CriticalPath, Groups, Outcome, Shape, Stretch, critical_path};
+use basrelief_kernel::{CriticalPath, Netlist, Outcome, PathSegment, StageGroups, critical_path};
 use basrelief_kernel_conformance::plan::{Kind, Plan, PlanRequest};
 use common::random::recipe;
 use common::{Draw, machine, run_both, small_memory, tape};
@@ -13,21 +13,21 @@ fn path_of(plan: &Plan, most_events: usize) -> Option<CriticalPath> {
     path_by(plan, most_events, &[])
 }
 
-fn path_by(plan: &Plan, most_events: usize, groups: &[Groups]) -> Option<CriticalPath> {
+fn path_by(plan: &Plan, most_events: usize, groups: &[StageGroups]) -> Option<CriticalPath> {
     let tape = tape(plan, u64::MAX);
     let mut reels = tape.iter().map(Cow::Borrowed);
-    critical_path(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), most_events, groups).unwrap()
+    critical_path(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), most_events, groups).unwrap()
 }
 
 /// The parts of a path, in words.
 fn parts(draw: &Draw) -> Vec<(String, u64)> {
-    let word = |stretch: &Stretch| match stretch {
-        Stretch::Occupancy(unit) => format!("occupancy {unit}"),
-        Stretch::Latency(unit) => format!("latency {unit}"),
-        Stretch::Fifo(fifo) => format!("fifo {fifo}"),
-        Stretch::Slot(fifo) => format!("slot {fifo}"),
-        Stretch::Memory(client, phase) => format!("{phase:?} {client}"),
-        Stretch::Rest => "rest".into(),
+    let word = |stretch: &PathSegment| match stretch {
+        PathSegment::Occupancy(unit) => format!("occupancy {unit}"),
+        PathSegment::Latency(unit) => format!("latency {unit}"),
+        PathSegment::Fifo(fifo) => format!("fifo {fifo}"),
+        PathSegment::Slot(fifo) => format!("slot {fifo}"),
+        PathSegment::Memory(client, phase) => format!("{phase:?} {client}"),
+        PathSegment::Rest => "rest".into(),
     };
     path_of(&draw.0, usize::MAX).unwrap().parts.iter().map(|part| (word(&part.stretch), part.cycles)).collect()
 }
@@ -51,7 +51,7 @@ fn the_unit_that_is_always_busy_is_the_path() {
 #[test]
 fn a_stretch_is_of_the_step_that_it_begins_with() {
     let draw = Draw::chain();
-    let by_group = |groups: &[Groups]| path_by(&draw.0, usize::MAX, groups).unwrap().by_group;
+    let by_group = |groups: &[StageGroups]| path_by(&draw.0, usize::MAX, groups).unwrap().by_group;
     let tokens = vec![groups(0..4); 3];
     // Token 0 through `a`, then three of `work`; the last through `work`, `b` and `sink`.
     assert_eq!(by_group(&tokens), [(0, 1 + 3), (1, 3), (2, 3), (3, 2 + 1 + 1)]);
@@ -59,11 +59,11 @@ fn a_stretch_is_of_the_step_that_it_begins_with() {
     assert_eq!(by_group(&whole), [(7, 14)]);
     assert_eq!(by_group(&[]), []);
     // Of a stage without groups no step is told: what begins there is of the step before.
-    assert_eq!(by_group(&[groups(0..4), Groups::default(), groups(0..4)]), [(0, 13), (3, 1)]);
+    assert_eq!(by_group(&[groups(0..4), StageGroups::default(), groups(0..4)]), [(0, 13), (3, 1)]);
 }
 
-fn groups(of: impl IntoIterator<Item = u32>) -> Groups {
-    let mut groups = Groups::default();
+fn groups(of: impl IntoIterator<Item = u32>) -> StageGroups {
+    let mut groups = StageGroups::default();
     of.into_iter().for_each(|group| {
         groups.push(group);
     });
@@ -116,15 +116,15 @@ fn there_is_no_path_through_more_than_is_kept() {
 
 /// Units and FIFOs of a plan of which no stretch is on its path are made ideal.
 fn rest_made_ideal(plan: &Plan, path: &CriticalPath) -> Plan {
-    let is_on = |stretch: Stretch| path.parts.iter().any(|part| part.stretch == stretch);
+    let is_on = |stretch: PathSegment| path.parts.iter().any(|part| part.stretch == stretch);
     let mut plan = plan.clone();
     for unit in &mut plan.units {
-        if !is_on(Stretch::Occupancy(unit.name.clone())) && !is_on(Stretch::Latency(unit.name.clone())) {
+        if !is_on(PathSegment::Occupancy(unit.name.clone())) && !is_on(PathSegment::Latency(unit.name.clone())) {
             (unit.occupancy, unit.latency) = (vec![1], vec![0]);
         }
     }
     for fifo in &mut plan.fifos {
-        if !is_on(Stretch::Slot(fifo.name.clone())) {
+        if !is_on(PathSegment::Slot(fifo.name.clone())) {
             fifo.depth += 7;
         }
     }
@@ -143,7 +143,7 @@ proptest! {
             prop_assert_eq!(path.parts.iter().map(|part| part.cycles).sum::<u64>(), report.total);
             prop_assert!(path.parts.iter().all(|part| part.by_mark.iter().sum::<u64>() == part.cycles));
             prop_assert!(path.parts.is_sorted_by_key(|part| std::cmp::Reverse(part.cycles)));
-            let steps: Vec<Groups> = report.units.iter().map(|unit| groups((0..unit.steps).map(|n| n as u32 / 3))).collect();
+            let steps: Vec<StageGroups> = report.units.iter().map(|unit| groups((0..unit.steps).map(|n| n as u32 / 3))).collect();
             let by_group = path_by(&plan, usize::MAX, &steps).unwrap().by_group;
             prop_assert_eq!(by_group.iter().map(|(_, cycles)| cycles).sum::<u64>(), report.total);
         }
@@ -154,7 +154,7 @@ proptest! {
     #[test]
     fn what_is_not_on_the_path_limits_nothing(recipe in recipe()) {
         let mut recipe = recipe;
-        recipe.parts.retain(|part| !matches!(part, common::random::Part::Access { .. } | common::random::Part::Cached { .. }));
+        recipe.parts.retain(|part| !matches!(part, common::random::MemoryPart::Access { .. } | common::random::MemoryPart::Cached { .. }));
         let (plan, _) = recipe.plan();
         let report = run_both(&plan, u64::MAX).0;
         if let Some(path) = path_of(&plan, usize::MAX) {

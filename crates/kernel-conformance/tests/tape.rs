@@ -2,8 +2,8 @@
 
 mod common;
 
-use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{NoProbe, Outcome, RetimeError, RunReport, Shape, Tape, make_steps, retime, time_steps};
+use basrelief_kernel::recording::RecordingChunk;
+use basrelief_kernel::{Netlist, NoProbe, Outcome, Recording, ResimulateError, RunReport, make_steps, resimulate, time_steps};
 use basrelief_kernel_conformance::plan::{Kind, Plan};
 use common::random::{Recipe, recipe};
 use common::{Draw, machine, run_both, streams, tape};
@@ -27,9 +27,9 @@ fn other_times(plan: &Plan, other: &Recipe) -> Plan {
     plan
 }
 
-fn timed_again(tape: &[Reel], plan: &Plan) -> Result<RunReport, RetimeError> {
+fn timed_again(tape: &[RecordingChunk], plan: &Plan) -> Result<RunReport, ResimulateError> {
     let mut reels = tape.iter().map(Cow::Borrowed);
-    retime(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX)
+    resimulate(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX)
 }
 
 proptest! {
@@ -53,7 +53,7 @@ proptest! {
             Ok(again) => prop_assert_eq!(again, ran),
             // The one that was recorded stood still, and this one goes on.
             Err(error) => prop_assert!(
-                matches!(error, RetimeError::EndsEarly(_)) && recorded.outcome != Outcome::Complete, "{}", error
+                matches!(error, ResimulateError::EndsEarly(_)) && recorded.outcome != Outcome::Complete, "{}", error
             ),
         }
     }
@@ -63,20 +63,20 @@ proptest! {
     fn a_tape_that_is_held_gives_the_same_each_time(recipe in recipe(), other in recipe()) {
         let (plan, _) = recipe.plan();
         let recorded = tape(&plan, u64::MAX);
-        let shape = |plan: &Plan| Shape::of(&mut machine(plan)).unwrap();
-        let held = Tape::new(&recorded[..], &shape(&plan), u64::MAX);
+        let shape = |plan: &Plan| Netlist::of(&mut machine(plan)).unwrap();
+        let held = Recording::new(&recorded[..], &shape(&plan), u64::MAX);
         for plan in [&plan, &other_times(&plan, &other)] {
             let report = timed_again(&recorded, plan);
             let complete = |report: &RunReport| (report.outcome == Outcome::Complete).then(|| report.marked_cycles());
             prop_assert_eq!(held.cycles(shape(plan)), report.as_ref().map(complete).map_err(Clone::clone));
-            prop_assert_eq!(held.retime(shape(plan)), report);
+            prop_assert_eq!(held.resimulate(shape(plan)), report);
         }
     }
 
     #[test]
     fn frames_come_back_from_their_bytes(recipe in recipe()) {
         for reel in tape(&recipe.plan().0, u64::MAX) {
-            prop_assert_eq!(Reel::from_bytes(&reel.to_bytes()), Ok(reel));
+            prop_assert_eq!(RecordingChunk::from_bytes(&reel.to_bytes()), Ok(reel));
         }
     }
 
@@ -94,12 +94,12 @@ proptest! {
             if cut {
                 bytes.truncate(changes[0].0.index(bytes.len()));
             }
-            spoiled.extend(Reel::from_bytes(&bytes));
+            spoiled.extend(RecordingChunk::from_bytes(&bytes));
         }
         let mut reels = spoiled.into_iter().map(Cow::Owned);
-        let shape = Shape::of(&mut machine(&plan)).unwrap();
+        let shape = Netlist::of(&mut machine(&plan)).unwrap();
         // A limit, since a spoiled step may keep its unit for 2^32 cycles; what a report says of it is nobody's business.
-        let _ = retime(shape, &mut |_| Ok(reels.next()), &mut NoProbe, 1 << 20);
+        let _ = resimulate(shape, &mut |_| Ok(reels.next()), &mut NoProbe, 1 << 20);
     }
 }
 
@@ -111,7 +111,7 @@ fn work_that_is_stopped_is_timed_as_far_as_it_went() {
     let mut pieces = Vec::new();
     make_steps(&mut machine(&plan), &mut |_| false, (40, &mut |piece| pieces.push(piece))).unwrap();
     let mut pieces = pieces.into_iter();
-    let stopped = time_steps(Shape::of(&mut machine(&plan)).unwrap(), &mut || pieces.next(), None);
+    let stopped = time_steps(Netlist::of(&mut machine(&plan)).unwrap(), &mut || pieces.next(), None);
     assert_eq!(stopped.outcome, Outcome::Stopped);
     let steps = |report: &RunReport| report.units.iter().map(|unit| unit.steps).sum::<u64>();
     assert!(0 < steps(&stopped) && steps(&stopped) < steps(&whole), "{stopped:?}");
@@ -135,14 +135,14 @@ fn a_tape_that_ends_early_names_the_unit_that_could_go_on() {
     let whole = tape(&plan, u64::MAX);
     let cut = tape(&plan, run_both(&plan, u64::MAX).0.total / 2);
     assert!(timed_again(&whole, &plan).is_ok());
-    let Err(RetimeError::EndsEarly(unit)) = timed_again(&cut, &plan) else { panic!("expected an early end") };
+    let Err(ResimulateError::EndsEarly(unit)) = timed_again(&cut, &plan) else { panic!("expected an early end") };
     assert!(plan.units.iter().any(|u| u.name == unit), "{unit}");
 }
 
 #[test]
 fn a_shape_tells_other_work() {
     let plan: Plan = serde_json::from_str(include_str!("laws/merged_late.json")).unwrap();
-    let shape = |plan: &Plan| Shape::of(&mut machine(plan)).unwrap();
+    let shape = |plan: &Plan| Netlist::of(&mut machine(plan)).unwrap();
     let mut longer = plan.clone();
     longer.caches[0].line_bytes *= 2;
     assert_eq!(shape(&plan).same_work(&shape(&plan)), Ok(()));

@@ -5,7 +5,7 @@
 mod common;
 
 use basrelief_kernel::{
-    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemorySystem, Outcome, Stage, Step, Traffic, Unit, Visitor,
+    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemoryPorts, MemorySystem, Outcome, Stage, Step, Unit, Visitor,
     WiringError, check_wiring, run, run_functional,
 };
 use basrelief_kernel::{Sink, Source};
@@ -26,7 +26,7 @@ impl Unit for Talker {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, token: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, token: Option<u64>, traffic: &mut MemoryPorts) -> Step<Option<u64>> {
         if let Some((client, reads)) = self.reads {
             (0..reads).for_each(|n| traffic.read(client, 64 * u64::from(n), 8));
         }

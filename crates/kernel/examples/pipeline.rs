@@ -6,7 +6,7 @@
 //!
 //! Square keeps each number for 3 cycles, so the source waits for slots and the sink for tokens.
 
-use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemorySystem, Stage, Step, Traffic, Unit, Visitor, run};
+use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemoryPorts, MemorySystem, Stage, Step, Unit, Visitor, run};
 use basrelief_kernel::{Sink, Source};
 
 /// Squares a number in 3 cycles, one number at a time.
@@ -18,7 +18,7 @@ impl Unit for Square {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, number: Option<u64>, _: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, number: Option<u64>, _: &mut MemoryPorts) -> Step<Option<u64>> {
         Step::after(2, number.map(|n| n * n)).busy(3)
     }
 }

@@ -25,7 +25,7 @@ impl Unit for User {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, number: Option<u64>, traffic: &mut Traffic) -> Step<()> {
+    fn step(&mut self, number: Option<u64>, traffic: &mut MemoryPorts) -> Step<()> {
         let number = number.unwrap_or_default();
         match self {
             User::Reads => traffic.look_up(0, 4 * number, 4),

@@ -7,7 +7,7 @@
 //!
 //! A machine shows itself to a visitor; the engines are visitors like this one.
 
-use basrelief_kernel::{Demand, Fifo, Machine, MemorySystem, Place, Stage, Step, Traffic, Unit, Visitor, Wires};
+use basrelief_kernel::{BoundStage, Demand, Fifo, Machine, MemoryPorts, MemorySystem, Stage, Step, Unit, Visitor, Wires};
 use basrelief_kernel::{Sink, Source};
 
 /// Hands even numbers to the left and odd ones to the right.
@@ -19,7 +19,7 @@ impl Unit for Fork {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, number: Option<u64>, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, number: Option<u64>, _: &mut MemoryPorts) -> Step<Self::Out> {
         let even = number.is_some_and(|n| n % 2 == 0);
         Step::after(1, if even { (number, None) } else { (None, number) })
     }
@@ -52,7 +52,7 @@ impl Machine for Sorter {
 struct Diagram(String);
 
 impl Visitor for Diagram {
-    fn stage<P: Place>(&mut self, mut place: P) {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let names = |wires: &dyn Wires| (0..wires.count()).map(|i| format!("--{}-->", wires.link(i).name())).collect::<Vec<_>>();
         let (inputs, outputs) = (names(&connections.inputs), names(&connections.outputs));

@@ -2,12 +2,12 @@
 
 use crate::counts::CacheCounts;
 use crate::divisor::Divisor;
-use crate::watch::CacheWatch;
+use crate::memory_events::CacheEvents;
 use crate::{CacheConfig, Cycle};
 
 /// Look-ups of a step, as far as they are settled.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pending {
+pub(crate) struct PendingLookUps {
     /// Start of the step.
     pub(crate) start: Cycle,
     /// Number of the last request that one of them waits for, plus one, where its answer was not known when they were made; and the
@@ -32,7 +32,7 @@ struct Tag {
 
 /// The tags of a cache: which lines it has, and by which requests. They know of no time.
 #[derive(Clone, Debug)]
-pub(crate) struct Tags {
+pub(crate) struct CacheTagArray {
     line: Divisor,
     sets: Divisor,
     ways: usize,
@@ -42,7 +42,7 @@ pub(crate) struct Tags {
     pub(crate) always_hits: bool,
 }
 
-impl Tags {
+impl CacheTagArray {
     fn new(config: &CacheConfig) -> Self {
         let (sets, ways) = (config.sets.max(1) as usize, config.ways.max(1) as usize);
         Self {
@@ -102,18 +102,18 @@ impl Tags {
 pub(crate) struct Cache {
     pub(crate) name: String,
     pub(crate) config: CacheConfig,
-    pub(crate) tags: Tags,
+    pub(crate) tags: CacheTagArray,
     answer: Cycle,
     pub(crate) counts: CacheCounts,
     /// What look-ups found when, where a probe looks on.
-    pub(crate) watch: Option<Box<CacheWatch>>,
+    pub(crate) watch: Option<Box<CacheEvents>>,
 }
 
 impl Cache {
     pub(crate) fn new(name: &str, config: &CacheConfig) -> Self {
         Self {
             name: name.into(),
-            tags: Tags::new(config),
+            tags: CacheTagArray::new(config),
             config: config.clone(),
             answer: Cycle::ZERO,
             counts: CacheCounts::default(),

@@ -9,15 +9,15 @@
 //! - while the window is full nothing else comes into view before the choice is served;
 //! - once the oldest has been passed over `cap` times it is next, whatever comes.
 
-use crate::counts::{ChannelCounts, Row};
-use crate::watch::{ChannelWatch, MemoryEvent, closed_at};
+use crate::counts::{ChannelCounts, RowOutcome};
+use crate::memory_events::{ChannelEvents, MemoryEvent, closed_at};
 use crate::{Cycle, MemoryConfig};
 pub(crate) use burst::Burst;
-use timing::{Bank, CLOSED, Column, Timing};
+use timing::{Bank, CLOSED, ChannelTiming, ColumnCommand};
 
 /// A burst in the queue.
 #[derive(Clone, Copy, Debug)]
-struct Waiting {
+struct QueuedBurst {
     burst: Burst,
     /// Since when it is in view; behind the window, when it would be if there were room.
     from: Cycle,
@@ -26,13 +26,13 @@ struct Waiting {
 /// One channel.
 #[derive(Clone, Debug)]
 pub(crate) struct Channel {
-    timing: Timing,
+    timing: ChannelTiming,
     window: usize,
     cap: u64,
     /// Those not served, oldest first, from `first` on; the first `window` of them are in view. (What was served is left in
     /// front, and cleared away now and then: neither the oldest nor one near it moves the others, and they lie in one piece. Those
     /// behind the window in a queue of their own cost more: each was taken in twice.)
-    queue: Vec<Waiting>,
+    queue: Vec<QueuedBurst>,
     first: usize,
     /// How often the oldest has been passed over.
     passed: u64,
@@ -50,16 +50,16 @@ pub(crate) struct Channel {
     served: usize,
     columns: Box<[Cycle]>,
     /// The next choice and its place in the queue, where it was asked for before it was final.
-    choice: Option<(usize, Column)>,
+    choice: Option<(usize, ColumnCommand)>,
     /// All but what follows from the rest.
     counts: ChannelCounts,
     /// What it does, where a probe looks on.
-    pub(crate) watch: Option<Box<ChannelWatch>>,
+    pub(crate) watch: Option<Box<ChannelEvents>>,
 }
 
 impl Channel {
     pub(crate) fn new(config: &MemoryConfig) -> Self {
-        let timing = Timing::new(config);
+        let timing = ChannelTiming::new(config);
         let until = if timing.refi == 0 { Cycle::UNKNOWN } else { Cycle(timing.refi) };
         let bank = Bank { row: CLOSED, ready: Cycle::ZERO, free: Cycle::ZERO, until };
         let window = config.window.max(1) as usize;
@@ -86,15 +86,15 @@ impl Channel {
     }
 
     /// Keeps what it does from now on.
-    pub(crate) fn keep_watch(&mut self) {
-        self.watch = Some(Box::new(ChannelWatch::new(self.banks.len())));
+    pub(crate) fn keep_events(&mut self) {
+        self.watch = Some(Box::new(ChannelEvents::new(self.banks.len())));
     }
 
     /// Tells what it did since the last call, or up to the `end` of a run.
-    pub(crate) fn tell(&mut self, place: [usize; 2], end: Option<Cycle>, tell: impl FnMut(MemoryEvent)) {
+    pub(crate) fn emit(&mut self, place: [usize; 2], end: Option<Cycle>, emit: impl FnMut(MemoryEvent)) {
         if let Some(watch) = &mut self.watch {
             let open = self.banks.iter().enumerate().filter(|(_, bank)| bank.row != CLOSED);
-            watch.tell(place, open.map(|(number, bank)| (number, bank.row, bank.until)), end, tell);
+            watch.emit(place, open.map(|(number, bank)| (number, bank.row, bank.until)), end, emit);
         }
     }
 
@@ -110,7 +110,7 @@ impl Channel {
         if self.queue.len() == self.queue.capacity() {
             self.clear_away();
         }
-        let mut new = Waiting { burst, from: burst.arrival + 1 };
+        let mut new = QueuedBurst { burst, from: burst.arrival + 1 };
         if place < self.window {
             new.from = new.from.max(self.room_made(place));
             if self.choice.is_some() {
@@ -141,7 +141,7 @@ impl Channel {
     }
 
     /// A burst comes into view after the choice was made.
-    fn reconsider(&mut self, place: usize, new: &Waiting) {
+    fn reconsider(&mut self, place: usize, new: &QueuedBurst) {
         if let Some((_, best)) = self.choice.filter(|(_, best)| self.passed < self.cap && best.at > new.from.max(self.soonest)) {
             let column = self.column(new, self.bank(new));
             if column.at < best.at {
@@ -151,13 +151,13 @@ impl Channel {
     }
 
     #[inline(always)]
-    fn bank(&self, waiting: &Waiting) -> &Bank {
+    fn bank(&self, waiting: &QueuedBurst) -> &Bank {
         &self.banks[waiting.burst.bank as usize]
     }
 
     /// When the column command of a burst can go, were it the next.
     #[inline(always)]
-    fn column(&self, Waiting { burst, from }: &Waiting, bank: &Bank) -> Column {
+    fn column(&self, QueuedBurst { burst, from }: &QueuedBurst, bank: &Bank) -> ColumnCommand {
         let bus = self.next[usize::from(burst.write)].max(*from);
         let column = self.column_in(bank, burst.row, *from, bus);
         if column.at < bank.until { column } else { self.column_refreshed(column.at, burst.row, *from, bus) }
@@ -165,7 +165,7 @@ impl Channel {
 
     /// The same where a refresh comes first, or has come since the bank was last used.
     #[cold]
-    fn column_refreshed(&self, mut at: Cycle, row: u64, from: Cycle, bus: Cycle) -> Column {
+    fn column_refreshed(&self, mut at: Cycle, row: u64, from: Cycle, bus: Cycle) -> ColumnCommand {
         loop {
             let bank = self.timing.refreshed(at);
             let column = self.column_in(&bank, row, from, bus);
@@ -177,21 +177,22 @@ impl Channel {
     }
 
     #[inline(always)]
-    fn column_in(&self, bank: &Bank, row: u64, from: Cycle, bus: Cycle) -> Column {
+    fn column_in(&self, bank: &Bank, row: u64, from: Cycle, bus: Cycle) -> ColumnCommand {
         let until = bank.until;
         if bank.row == row {
-            return Column { at: bus.max(bank.ready), row: Row::Hit, activation: Cycle::ZERO, until };
+            return ColumnCommand { at: bus.max(bank.ready), row: RowOutcome::Hit, activation: Cycle::ZERO, until };
         }
         let free = bank.free.max(from);
-        let (row, free) = if bank.row == CLOSED { (Row::Closed, free) } else { (Row::Conflict, free + self.timing.rp) };
+        let (row, free) =
+            if bank.row == CLOSED { (RowOutcome::Closed, free) } else { (RowOutcome::Conflict, free + self.timing.rp) };
         let activation = free.max(self.activation);
-        Column { at: bus.max(activation + self.timing.rcd), row, activation, until }
+        ColumnCommand { at: bus.max(activation + self.timing.rcd), row, activation, until }
     }
 
     /// First ready, first come. Of bursts of one bank and direction that find their rows open, or do not, only the oldest can be
     /// first: the rest is the same for all, and views only grow.
     #[inline(always)]
-    fn first_ready(&self) -> Option<(usize, Column)> {
+    fn first_ready(&self) -> Option<(usize, ColumnCommand)> {
         let (oldest, others) = self.queue[self.first..].split_first()?;
         let bank = self.bank(oldest);
         let column = self.column(oldest, bank);
@@ -234,7 +235,7 @@ impl Channel {
     /// Serves the next choice if it is final when every request that is still to come arrives at `horizon` or later: its burst,
     /// the cycle of its column command, and the cycle after its last data.
     #[inline(always)]
-    pub(crate) fn serve(&mut self, horizon: Cycle) -> Option<(Burst, Row, Cycle, Cycle)> {
+    pub(crate) fn serve(&mut self, horizon: Cycle) -> Option<(Burst, RowOutcome, Cycle, Cycle)> {
         let (place, column) = match self.choice {
             Some(choice) => choice,
             None => self.first_ready()?,
@@ -255,7 +256,7 @@ impl Channel {
     #[inline(always)]
     fn take(&mut self, place: usize, at: Cycle) -> Burst {
         let chosen = self.first + place;
-        let Waiting { burst, .. } = self.queue[chosen];
+        let QueuedBurst { burst, .. } = self.queue[chosen];
         self.passed = if place == 0 { 0 } else { self.passed + 1 };
         if place > 0 {
             self.queue.copy_within(self.first..chosen, self.first + 1);
@@ -269,10 +270,10 @@ impl Channel {
 
     /// Gives the commands of a burst: what they leave behind.
     #[inline(always)]
-    fn command(&mut self, burst: &Burst, column: &Column) {
+    fn command(&mut self, burst: &Burst, column: &ColumnCommand) {
         let (timing, direction) = (&self.timing, usize::from(burst.write));
         let bank = &mut self.banks[burst.bank as usize];
-        if column.row != Row::Hit {
+        if column.row != RowOutcome::Hit {
             let at = column.activation;
             if let Some(watch) = &mut self.watch {
                 let before = Some(bank.row).filter(|row| *row != CLOSED);
@@ -295,11 +296,11 @@ impl Channel {
     }
 
     /// From the first command that a burst needed for its row to its column command.
-    pub(crate) fn row_cycles(&self, row: Row) -> u64 {
+    pub(crate) fn row_cycles(&self, row: RowOutcome) -> u64 {
         match row {
-            Row::Hit => 0,
-            Row::Closed => self.timing.rcd,
-            Row::Conflict => self.timing.rp + self.timing.rcd,
+            RowOutcome::Hit => 0,
+            RowOutcome::Closed => self.timing.rcd,
+            RowOutcome::Conflict => self.timing.rp + self.timing.rcd,
         }
     }
 
@@ -313,7 +314,7 @@ impl Channel {
 
 /// A bit for a burst's bank, its direction, and whether its row is open; none where there are too many banks.
 #[inline(always)]
-fn class(Waiting { burst, .. }: &Waiting, bank: &Bank) -> u64 {
+fn class(QueuedBurst { burst, .. }: &QueuedBurst, bank: &Bank) -> u64 {
     let is_open = bank.row == burst.row;
     1_u64.unbounded_shl(burst.bank * 4 + u32::from(burst.write) * 2 + u32::from(is_open))
 }

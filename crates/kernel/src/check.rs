@@ -1,11 +1,11 @@
 //! What the laws, and the proof of the timed engine, take for granted of a wiring: checked before the first step.
 
+use crate::bound_stage::BoundStage;
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::connections::Clients;
 use crate::machine::{Machine, Visitor};
-use crate::place::Place;
 use crate::wires::Wires;
-use crate::{Link, Unit};
+use crate::{FifoInfo, Unit};
 use std::fmt;
 
 /// What is wrong with a machine's wiring.
@@ -148,7 +148,7 @@ pub fn check_wiring(machine: &mut impl Machine) -> Result<(), WiringError> {
 /// Forgets who is at the ends of each FIFO.
 struct Forget;
 impl Visitor for Forget {
-    fn stage<P: Place>(&mut self, mut place: P) {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (_, connections) = place.open();
         for i in 0..connections.inputs.count() {
             connections.inputs.link_mut(i).forget_ends();
@@ -169,7 +169,7 @@ struct Stages {
 }
 
 impl Visitor for Stages {
-    fn stage<P: Place>(&mut self, mut place: P) {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let number = self.names.len();
         self.names.push(stage.name().into());
@@ -207,7 +207,7 @@ impl Stages {
         self.error.get_or_insert(error);
     }
 
-    fn clash(&self, link: &Link, first: usize, second: usize) -> (String, String, String) {
+    fn clash(&self, link: &FifoInfo, first: usize, second: usize) -> (String, String, String) {
         (link.name().into(), self.names[first].clone(), self.names[second].clone())
     }
 
@@ -243,7 +243,7 @@ impl Stages {
 /// Finds the first FIFO with one end loose.
 struct LooseEnds(Option<WiringError>);
 impl Visitor for LooseEnds {
-    fn stage<P: Place>(&mut self, mut place: P) {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let unit = || stage.name().to_owned();
         for i in 0..connections.inputs.count() {

@@ -1,6 +1,6 @@
 //! Parameters of FIFOs, memories and caches.
 
-use crate::Part;
+use crate::MemoryPart;
 #[cfg(not(feature = "config"))]
 use crate::plain_parameters::parameters;
 #[cfg(feature = "config")]
@@ -23,7 +23,7 @@ parameters! {
         /// What it is made of, by its data sheet: fpm-80, edo-60, sdr-100, sdr-133, ddr-400, ddr2-667, gddr3-1400, xdr-3200,
         /// edram-ps2, sram or ideal. Fills times, burst, banks and rows, each where it is not set beside it; custom fills
         /// nothing.
-        part: Part = Part::Custom, unit: "", Assumed("numbers as they stand"), effect: Timing;
+        part: MemoryPart = MemoryPart::Custom, unit: "", Assumed("numbers as they stand"), effect: Timing;
         /// Channels.
         channels: u32 = 1, unit: "channels", Assumed("the least there can be"), range: 1..=64, effect: Timing;
         /// Consecutive bytes that lie in one channel; the next lie in the next.

@@ -33,7 +33,7 @@ impl Latencies {
 /// processor waits for both to reach the cache before it can read them back. That took a quarter of what a memory takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
-pub(crate) enum Row {
+pub(crate) enum RowOutcome {
     /// Open.
     Hit,
     /// Their bank was closed.
@@ -56,11 +56,11 @@ pub struct RowCounts {
 
 impl RowCounts {
     #[inline]
-    pub(crate) fn count(&mut self, row: Row) {
+    pub(crate) fn count(&mut self, row: RowOutcome) {
         *match row {
-            Row::Hit => &mut self.hits,
-            Row::Closed => &mut self.closed,
-            Row::Conflict => &mut self.conflicts,
+            RowOutcome::Hit => &mut self.hits,
+            RowOutcome::Closed => &mut self.closed,
+            RowOutcome::Conflict => &mut self.conflicts,
         } += 1;
     }
 
@@ -147,18 +147,18 @@ const INTERVALS: usize = 256;
 /// When the buses of a memory moved data: how many cycles, added up over its channels, in each of at most 256 intervals of
 /// equal length. That is a power of two, doubled as the run goes on.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Bus {
+pub struct BusActivity {
     shift: u32,
     busy: Box<[u64; INTERVALS]>,
 }
 
-impl Default for Bus {
+impl Default for BusActivity {
     fn default() -> Self {
         Self { shift: 0, busy: Box::new([0; INTERVALS]) }
     }
 }
 
-impl Bus {
+impl BusActivity {
     /// Length of an interval \[cycles\].
     pub fn interval(&self) -> u64 {
         1 << self.shift
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn a_bus_counts_every_cycle_once_in_intervals_that_double() {
-        let mut bus = Bus::default();
+        let mut bus = BusActivity::default();
         bus.moved(Cycle(3), Cycle(7));
         assert_eq!((bus.interval(), bus.busy()), (1, [0, 0, 0, 1, 1, 1, 1].as_slice()));
         bus.moved(Cycle(254), Cycle(258));

@@ -1,6 +1,6 @@
 //! The block diagram as data.
 
-use crate::Role;
+use crate::UnitInfo;
 
 /// A stage and its wires, by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -8,7 +8,7 @@ pub struct StageTopology {
     /// Name of the stage.
     pub name: String,
     /// What its unit is for.
-    pub role: Role,
+    pub role: UnitInfo,
     /// Names of its input FIFOs.
     pub inputs: Vec<String>,
     /// Names of its output FIFOs.

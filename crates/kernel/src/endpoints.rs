@@ -33,7 +33,7 @@
 //! assert_eq!(report.outcome, Outcome::Fault("sink, cycle 21: token 2: got 2, expected 7".into()));
 //! ```
 
-use crate::{Demand, Step, Traffic, Unit};
+use crate::{Demand, MemoryPorts, Step, Unit};
 use std::fmt::Debug;
 
 /// Emits the items of an iterator, one per cycle or with gaps.
@@ -73,7 +73,7 @@ impl<I: Iterator> Unit for Source<I> {
         if self.next.is_some() { Demand::Nothing } else { Demand::Finished }
     }
 
-    fn step(&mut self, (): (), _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (): (), _: &mut MemoryPorts) -> Step<Self::Out> {
         let gap = pattern_entry(&self.gaps, self.emitted, 0);
         self.emitted += 1;
         Step::after(0, std::mem::replace(&mut self.next, self.items.next())).busy(1 + gap)
@@ -85,7 +85,7 @@ impl<I: Iterator> Unit for Source<I> {
 }
 /// Collects tokens, and so slowly as it is told to; with [`Sink::expect`] it checks them, too.
 ///
-/// A token that differs from the expected one is a [fault](Traffic::fault): the run ends, and names this unit, the
+/// A token that differs from the expected one is a [fault](MemoryPorts::fault): the run ends, and names this unit, the
 /// cycle, the token's index and both values. Tokens that never come leave the unit non-empty: the run ends as a
 /// deadlock that names it.
 #[derive(Clone, Debug)]
@@ -139,7 +139,7 @@ impl<T: Debug + PartialEq> Unit for Sink<T> {
         Demand::All
     }
 
-    fn step(&mut self, input: Option<T>, traffic: &mut Traffic) -> Step<()> {
+    fn step(&mut self, input: Option<T>, traffic: &mut MemoryPorts) -> Step<()> {
         let n = self.tokens.len();
         self.tokens.extend(input);
         if let Some(expected) = &self.expected

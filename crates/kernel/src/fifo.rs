@@ -1,12 +1,12 @@
 //! Bounded FIFOs: the wires between units.
 
-use crate::{Label, Link};
+use crate::{FifoInfo, Label};
 use std::collections::VecDeque;
 
 /// A bounded FIFO of tokens.
 #[derive(Clone, Debug)]
 pub struct Fifo<T> {
-    pub(crate) link: Link,
+    pub(crate) link: FifoInfo,
     tokens: VecDeque<T>,
     /// What a token is about.
     label: fn(&T) -> Label,
@@ -18,7 +18,7 @@ impl<T> Fifo<T> {
     /// # Panics
     /// If depth or latency is 0 (law 1).
     pub fn new(name: &str, depth: usize, latency: u64) -> Self {
-        Self { link: Link::new(name, depth, latency), tokens: VecDeque::with_capacity(depth), label: |_| Label::default() }
+        Self { link: FifoInfo::new(name, depth, latency), tokens: VecDeque::with_capacity(depth), label: |_| Label::default() }
     }
 
     /// The same with slots of this width \[bits\]: what a token takes in hardware, which only says what the FIFO is built of.

@@ -25,7 +25,7 @@
 //! - **Client**: a unit's access to memory: a **port** of a memory, with or without a cache in front of it. A unit numbers
 //!   its clients from 0; [`MemorySystem`] numbers the ports of each memory in the order in which they are added.
 //! - **Request**: a read or a posted write of some bytes; it *arrives* at the start of its step. A **look-up** asks a
-//!   cache for a line. Both are made through [`Traffic`].
+//!   cache for a line. Both are made through [`MemoryPorts`].
 //! - **Credit**: the right to one more request in flight on a port; there are `outstanding` of them, and each is back in
 //!   the cycle of the answer.
 //! - **Burst**: the unit of transfer, [`MemoryConfig::burst_bytes`] aligned bytes, served by one **column command** of its
@@ -45,7 +45,7 @@
 //! ```
 //! use basrelief_kernel::{Sink, Source};
 //! use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemorySystem, Outcome};
-//! use basrelief_kernel::{Stage, Step, Traffic, Unit, Visitor, run};
+//! use basrelief_kernel::{Stage, Step, MemoryPorts, Unit, Visitor, run};
 //!
 //! /// Squares a number in 3 cycles, one number at a time.
 //! struct Square;
@@ -56,7 +56,7 @@
 //!     fn demand(&self) -> Demand {
 //!         Demand::All
 //!     }
-//!     fn step(&mut self, number: Option<u64>, _: &mut Traffic) -> Step<Option<u64>> {
+//!     fn step(&mut self, number: Option<u64>, _: &mut MemoryPorts) -> Step<Option<u64>> {
 //!         Step::after(2, number.map(|n| n * n)).busy(3)
 //!     }
 //! }
@@ -110,13 +110,13 @@
 //! 1. **FIFO.** Its depth and its latency f are at least 1. A token delivered at d is visible from
 //!    max(d + f, visible time of the token before it + 1). Tokens never overtake.
 //!
-//!    *Enforced by [`Fifo::new`] and `Slots::deliver`; test `laws/law_1_fifo`.*
+//!    *Enforced by [`Fifo::new`] and `FifoTiming::deliver`; test `laws/law_1_fifo`.*
 //! 2. **Slots.** A slot is *reserved at the start* of the step that fills it: what is in flight holds slots, as under credit
 //!    flow control. It is free again the cycle after the pop. So full rate needs
 //!    depth >= ceil((latency + f + 1) / occupancy), or the loaded memory latency. Defaults are computed so; a config below it
 //!    is a warning that names the rate it allows.
 //!
-//!    *Enforced by `Slots::room_at`; test `laws/law_2_slots`.*
+//!    *Enforced by `FifoTiming::room_at`; test `laws/law_2_slots`.*
 //! 3. **Start.** A unit declares, from its own state alone, which inputs its next step takes: none, some, or all. The step
 //!    starts at the first cycle at which the unit is free, every declared input has a visible token, *every* output has a slot
 //!    (also when the step turns out to emit nothing there), and every memory port it uses has credits for its largest step.
@@ -124,7 +124,7 @@
 //!    hardware is a wider token. No choice depends on which token came first; what must, such as an arbiter, is a memory or a
 //!    kernel unit.
 //!
-//!    *Enforced by `Time::next_start`, from [`Unit::demand`] and [`Unit::largest_step`], whose word is held by [`check_wiring`] and in
+//!    *Enforced by `MachineTiming::next_start`, from [`Unit::demand`] and [`Unit::largest_step`], whose word is held by [`check_wiring`] and in
 //!    every step; tests `laws/law_3_start`, `wiring`.*
 //! 4. **Memory.** All requests of a step arrive at its start, and are split into aligned bursts, ascending. A memory has
 //!    `channels`, which share nothing: a burst at byte address a belongs to channel (a div `channel_bytes`) mod `channels`. In a
@@ -163,13 +163,13 @@
 //!    model is the same steps with a handle that answers at once, and running ahead is safe. What is tested and then updated
 //!    is tested *and* updated by the unit that owns it, in order of its tokens.
 //!
-//!    *Enforced by the signature of [`Unit::step`] and by [`Traffic`], which tells nothing; test `laws/law_6_contents`, and of every unit the [contract].*
+//!    *Enforced by the signature of [`Unit::step`] and by [`MemoryPorts`], which tells nothing; test `laws/law_6_contents`, and of every unit the [contract].*
 //! 7. **Control in band.** Beginnings and ends of work, changes of tables, of parameters and of phase are tokens in the same
 //!    FIFOs and take effect when popped. A unit that gathers (a table, a batch, a phase) flushes on the end token; what it
 //!    holds is a memory of its own with a size, and exceeding it is an error at load, not a deadlock. Feedback is an ordinary
 //!    FIFO that can hold all tokens of its loop.
 //!
-//!    *There is no other way in: [`Inputs`] are FIFOs. [`Unit::is_empty`] and [`Traffic::fault`] are for those that gather; test `laws/law_7_control_in_band`.*
+//!    *There is no other way in: [`Inputs`] are FIFOs. [`Unit::is_empty`] and [`MemoryPorts::fault`] are for those that gather; test `laws/law_7_control_in_band`.*
 //! 8. **End.** The run ends when every unit's next start is unknown - never after N idle cycles (idle stretches can last millions). Complete: sources exhausted, FIFOs empty, no unit holds
 //!    tokens; else deadlock: both engines, same text, exit 1. Total = 1 + the last cycle in which a unit was busy, a token became visible, or a memory moved data.
 //!
@@ -183,7 +183,7 @@
 //!
 //!     *Kept in [`FifoReport::histogram`]; test `laws/law_10_occupancy`.*
 //! 11. **Marks.** A marked step ends a piece of work: mark k is passed at end(k), the cycle in which that step delivers.
-//!     marks\[k\] = end(k) - end(k-1); the rest is `drain`; the sum is total. Caches, open rows and tables stay warm from mark
+//!     marks\[k\] = end(k) - end(k-1); the rest is `drain`; the sum is total. TagLookup, open rows and tables stay warm from mark
 //!     to mark.
 //!
 //!     *Marked by [`Step::marked`], kept in [`RunReport::marks`]; test `laws/law_11_marks`.*
@@ -223,8 +223,9 @@
 //! [`wire`]: Machine::wire
 
 mod account;
-mod asked;
+mod bound_stage;
 mod cache;
+mod cached;
 mod capacity;
 mod channel;
 mod check;
@@ -232,78 +233,77 @@ mod client;
 mod config;
 mod connections;
 mod counts;
+mod critical_path;
 mod cycle;
-mod derived;
 mod diagram;
 mod divisor;
 mod endpoints;
 mod engine;
-pub mod facts;
 mod fifo;
+mod fifo_info;
 mod hardware;
 mod label;
-mod link;
 mod machine;
 mod memory;
+mod memory_events;
+pub mod memory_ports;
 mod memory_system;
+mod netlist;
 mod operators;
 mod outcome;
 pub mod parts;
-mod path;
-mod place;
 #[cfg(not(feature = "config"))]
 mod plain_parameters;
 mod port;
 mod probe;
+pub mod recording;
 mod report;
 mod request;
-mod role;
-mod shape;
 mod stage;
-pub mod tape;
+pub mod stats;
+mod step_requests;
 mod time;
 mod topology;
-pub mod traffic;
 pub mod unit;
-mod watch;
+mod unit_info;
 mod wires;
 
 pub use account::{Account, Cause};
+pub use bound_stage::{BoundStage, ConnectedStage, ConnectionsOf};
+pub use cached::Cached;
 pub use capacity::{MAX_CLIENTS, MAX_LINKS};
 pub use check::{WiringError, check_wiring};
 pub use config::{CacheConfig, FifoConfig, MemoryConfig};
 pub use connections::{Clients, Connections, MemoryClients};
-pub use counts::{Bus, CacheCounts, ChannelCounts, Latencies, PortCounts, RowCounts};
+pub use counts::{BusActivity, CacheCounts, ChannelCounts, Latencies, PortCounts, RowCounts};
+pub use critical_path::{CriticalPath, PathPart, PathSegment, RequestPhase, StageGroups};
 pub use cycle::Cycle;
-pub use derived::Derived;
 pub use diagram::{ClientTopology, Diagram, FifoTopology, MemoryTopology, StageTopology};
 pub use endpoints::{Sink, Source};
 pub use engine::{
-    Engine, Limits, Piece, Reels, RetimeError, Tape, critical_path, make_steps, retime, run, run_functional, run_recorded,
-    run_with, time_steps,
+    ChunkSource, Engine, Limits, Recording, ResimulateError, StepBatch, critical_path, make_steps, resimulate, run,
+    run_functional, run_recorded, run_with, time_steps,
 };
 pub use fifo::Fifo;
+pub use fifo_info::FifoInfo;
 pub use hardware::{Hardware, HardwareKind};
 pub use label::Label;
-pub use link::Link;
 pub use machine::{Machine, Visitor};
 pub use memory::MemoryRequest;
+pub use memory_events::MemoryEvent;
+pub use memory_ports::MemoryPorts;
 pub use memory_system::MemorySystem;
-pub use operators::{OperatorConfig, Operators, Work};
-pub use outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor};
-pub use parts::Part;
-pub use path::{CriticalPath, Groups, PathPart, Phase, Stretch};
-pub use place::{Between, ConnectionsOf, Place};
+pub use netlist::Netlist;
+pub use operators::{OperatorConfig, OperatorCounts, Operators};
+pub use outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor};
+pub use parts::MemoryPart;
 pub use probe::{Interval, NoProbe, Probe, Recorder};
 pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
 pub use request::Request;
-pub use role::Role;
-pub use shape::Shape;
 pub use stage::Stage;
 pub use topology::topology;
-pub use traffic::Traffic;
 pub use unit::{Demand, Step, Unit};
-pub use watch::MemoryEvent;
+pub use unit_info::UnitInfo;
 pub use wires::{Inputs, Outputs, Wires};
 
 /// Tests the example of the README.

@@ -1,11 +1,11 @@
 //! Machines: a machine shows its block diagram to visitors, which run, account for and describe it.
 
-use crate::{MemorySystem, Place};
+use crate::{BoundStage, MemorySystem};
 
 /// Who walks a machine's wiring: engines, accounting, reports.
 pub trait Visitor {
     /// One stage in its place.
-    fn stage<P: Place>(&mut self, place: P);
+    fn stage<P: BoundStage>(&mut self, place: P);
 }
 
 /// A machine: its `wire` function is its block diagram, and the only place where the topology stands.

@@ -2,11 +2,11 @@
 
 use crate::channel::{Burst, Channel};
 use crate::client::Client;
-use crate::counts::{Bus, ChannelCounts, Row};
+use crate::counts::{BusActivity, ChannelCounts, RowOutcome};
 use crate::diagram::MemoryTopology;
 use crate::divisor::Divisor;
-use crate::port::{Answered, Arrived, Port};
-use crate::watch::MemoryEvent;
+use crate::memory_events::MemoryEvent;
+use crate::port::{ArrivedRequest, Completion, Port};
 use crate::{Cycle, MemoryConfig};
 
 /// A request, as the memory took it in.
@@ -35,12 +35,18 @@ impl MemoryRequest {
 
 /// Notes how a burst was served.
 #[cold]
-fn note_burst(channel: &mut Channel, port: &mut Port, (burst, row): (Burst, Row), column: Cycle, (data, end): (Cycle, Cycle)) {
+fn note_burst(
+    channel: &mut Channel,
+    port: &mut Port,
+    (burst, row): (Burst, RowOutcome),
+    column: Cycle,
+    (data, end): (Cycle, Cycle),
+) {
     if let Some(watch) = &mut channel.watch {
         watch.serve(burst, column, (data, end));
     }
     let row = Cycle(column.0.saturating_sub(channel.row_cycles(row)));
-    port.note(burst.request, Answered { arrival: burst.arrival, row, column, end, answer: Cycle::UNKNOWN });
+    port.note(burst.request, Completion { arrival: burst.arrival, row, column, end, answer: Cycle::UNKNOWN });
 }
 
 /// One memory.
@@ -61,7 +67,7 @@ pub(crate) struct Memory {
     banks_by: Divisor,
     channels: Vec<Channel>,
     burst_cycles: u64,
-    pub(crate) bus: Bus,
+    pub(crate) bus: BusActivity,
     /// What arrived since it was last taken, in order; none where nobody asked for it.
     pub(crate) log: Option<Vec<MemoryRequest>>,
     /// Whether anything is to be noted of what arrives: it is logged, or watched.
@@ -91,7 +97,7 @@ impl Memory {
             banks_by: Divisor::new(config.banks),
             channels: vec![Channel::new(config); config.channels.max(1) as usize],
             burst_cycles: config.burst_cycles.into(),
-            bus: Bus::default(),
+            bus: BusActivity::default(),
             log: None,
             notes_arrivals: false,
             notes_bursts: false,
@@ -173,21 +179,21 @@ impl Memory {
     }
 
     /// Keeps what it does from now on, until it is told.
-    pub(crate) fn keep_watch(&mut self) {
+    pub(crate) fn keep_events(&mut self) {
         (self.notes_arrivals, self.notes_bursts) = (true, true);
-        self.channels.iter_mut().for_each(Channel::keep_watch);
+        self.channels.iter_mut().for_each(Channel::keep_events);
     }
 
     /// Tells what it did since the last call, or up to the `end` of a run; it is memory `number`.
-    pub(crate) fn tell(&mut self, number: usize, end: Option<Cycle>, tell: &mut impl FnMut(MemoryEvent)) {
+    pub(crate) fn emit(&mut self, number: usize, end: Option<Cycle>, emit: &mut impl FnMut(MemoryEvent)) {
         for (channel, place) in self.channels.iter_mut().zip(0..) {
-            channel.tell([number, place], end, &mut *tell);
+            channel.emit([number, place], end, &mut *emit);
         }
     }
 
     /// Notes a request that is split into these bursts.
     #[cold]
-    fn note_arrival(&mut self, client: usize, port: &mut Port, r: &Arrived, (first, last): (u64, u64)) {
+    fn note_arrival(&mut self, client: usize, port: &mut Port, r: &ArrivedRequest, (first, last): (u64, u64)) {
         if let Some(log) = &mut self.log {
             log.push(MemoryRequest { arrival: r.arrival, client, write: r.write, address: r.address, bytes: r.bytes });
         }
@@ -204,7 +210,7 @@ impl Memory {
 
     /// Hands a burst of a request to its channel.
     #[inline(always)]
-    fn push(&mut self, number: u64, client: usize, request: u64, r: &Arrived) {
+    fn push(&mut self, number: u64, client: usize, request: u64, r: &ArrivedRequest) {
         let (channel, address) = self.place(number * self.burst.by);
         let (row_number, _) = self.row.split(address);
         let (row, bank) = self.banks_by.split(row_number);

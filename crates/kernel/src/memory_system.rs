@@ -1,13 +1,13 @@
 //! All memories, ports and caches of a machine, and the order in which requests are served.
 
-use crate::asked::Caches;
-use crate::cache::{Cache, Tags};
+use crate::cache::{Cache, CacheTagArray};
 use crate::client::Client;
 use crate::memory::{Memory, MemoryRequest};
-use crate::port::{Answered, Port};
-use crate::watch::Level;
+use crate::memory_events::Gauge;
+use crate::port::{Completion, Port};
+use crate::step_requests::TagLookup;
 use crate::{CacheConfig, Cycle, MemoryConfig, MemoryEvent, Probe};
-pub(crate) use look_ups::Queue;
+pub(crate) use look_ups::LookUpQueue;
 
 /// The memories of a machine.
 ///
@@ -163,26 +163,26 @@ impl MemorySystem {
     }
 
     /// Keeps what all memories, ports and caches do, until it is told.
-    pub(crate) fn keep_watch(&mut self) {
-        self.memories.iter_mut().for_each(Memory::keep_watch);
+    pub(crate) fn keep_events(&mut self) {
+        self.memories.iter_mut().for_each(Memory::keep_events);
         for Client { port, cache } in &mut self.clients {
-            port.notes.get_or_insert_default().in_flight = Some(Level::default());
+            port.notes.get_or_insert_default().in_flight = Some(Gauge::default());
             cache.iter_mut().for_each(|cache| cache.watch = Some(Box::default()));
         }
     }
 
     /// Tells a probe what they did since the last call, as far as that is settled, or up to the `end` of a run.
-    pub(crate) fn tell(&mut self, probe: &mut impl Probe, end: Option<Cycle>) {
-        let mut tell = |event| probe.memory(event);
+    pub(crate) fn emit(&mut self, probe: &mut impl Probe, end: Option<Cycle>) {
+        let mut emit = |event| probe.memory(event);
         for (number, memory) in self.memories.iter_mut().enumerate() {
-            memory.tell(number, end, &mut tell);
+            memory.emit(number, end, &mut emit);
         }
         for (client, Client { port, cache }) in self.clients.iter_mut().enumerate() {
             if let Some(in_flight) = port.notes.as_mut().and_then(|notes| notes.in_flight.as_mut()) {
-                in_flight.tell(end, |at, requests| tell(MemoryEvent::InFlight { client, at, requests }));
+                in_flight.emit(end, |at, requests| emit(MemoryEvent::InFlight { client, at, requests }));
             }
             if let Some(watch) = cache.as_mut().and_then(|cache| cache.watch.as_mut()) {
-                watch.tell(client, end.is_some(), &mut tell);
+                watch.emit(client, end.is_some(), &mut emit);
             }
         }
     }
@@ -198,7 +198,7 @@ impl MemorySystem {
     }
 
     /// The first request of a client with the last answer that it got by `at`.
-    pub(crate) fn last_answered(&self, client: usize, at: Cycle) -> Option<Answered> {
+    pub(crate) fn last_answered(&self, client: usize, at: Cycle) -> Option<Completion> {
         let answered = self.port(client).notes.as_ref()?.answered.as_deref()?;
         let behind = answered.partition_point(|request| request.answer <= at);
         let answer = answered.get(behind.checked_sub(1)?)?.answer;
@@ -239,7 +239,7 @@ impl MemorySystem {
 
     /// The tags of a client's cache, and the number of its next request; `None` where it has no cache.
     #[inline(always)]
-    pub(crate) fn tags(&mut self, client: usize) -> Option<(&mut Tags, u64)> {
+    pub(crate) fn tags(&mut self, client: usize) -> Option<(&mut CacheTagArray, u64)> {
         let Client { port, cache } = &mut self.clients[client];
         Some((&mut cache.as_mut()?.tags, port.issued))
     }
@@ -297,13 +297,13 @@ impl MemorySystem {
     }
 }
 
-impl Caches for (&[usize], &mut MemorySystem) {
+impl TagLookup for (&[usize], &mut MemorySystem) {
     #[inline(always)]
     fn clients(&self) -> usize {
         self.0.len()
     }
     #[inline(always)]
-    fn tags(&mut self, client: usize) -> Option<(&mut Tags, u64)> {
+    fn tags(&mut self, client: usize) -> Option<(&mut CacheTagArray, u64)> {
         self.1.tags(self.0[client])
     }
 }

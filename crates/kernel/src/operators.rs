@@ -1,14 +1,14 @@
 //! Operators: how long arithmetic takes, the same everywhere in a machine.
 //!
-//! A unit says what a piece of work consists of ([`Work`]) and how many operators it has for it ([`Work`] again); the machine's
+//! A unit says what a piece of work consists of ([`OperatorCounts`]) and how many operators it has for it ([`OperatorCounts`] again); the machine's
 //! table ([`Operators`]) says what that takes:
 //!
 //! ```
-//! use basrelief_kernel::{OperatorConfig, Operators, Work};
+//! use basrelief_kernel::{OperatorConfig, Operators, OperatorCounts};
 //!
 //! let operators = Operators { divide: OperatorConfig::new(7, 7), multiply: OperatorConfig::new(4, 1), ..Operators::default() };
-//! let projection = Work { divide: 1, multiply: 3, ..Work::NONE };
-//! let unit = Work { divide: 1, multiply: 2, ..Work::NONE };
+//! let projection = OperatorCounts { divide: 1, multiply: 3, ..OperatorCounts::NONE };
+//! let unit = OperatorCounts { divide: 1, multiply: 2, ..OperatorCounts::NONE };
 //! assert_eq!(operators.interval(projection, unit), 7, "one divider, kept for 7 cycles; two multipliers take 2 meanwhile");
 //! assert_eq!(operators.latency(Work { divide: 1, multiply: 1, ..Work::NONE }), 11, "a quotient, then a product of it");
 //! ```
@@ -53,7 +53,7 @@ parameter_groups! {
 
 /// How many operations of each kind, or how many operators.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
+pub struct OperatorCounts {
     /// Multiplications.
     pub multiply: u32,
     /// Additions, subtractions and comparisons.
@@ -66,7 +66,7 @@ pub struct Work {
     pub power: u32,
 }
 
-impl Work {
+impl OperatorCounts {
     /// Nothing.
     pub const NONE: Self = Self { multiply: 0, add: 0, divide: 0, square_root: 0, power: 0 };
     /// Inner product of two vectors of three.
@@ -102,19 +102,19 @@ impl Work {
 impl Operators {
     /// Cycles for which operators are kept by a piece of work when `have` of each kind work side by side: as long as the kind
     /// that is scarcest, and at least one. Of a kind that is needed there is at least one.
-    pub fn interval(&self, work: Work, have: Work) -> u64 {
+    pub fn interval(&self, work: OperatorCounts, have: OperatorCounts) -> u64 {
         self.scarcest(work, have, |times, of, interval| times.div_ceil(of) * interval)
     }
 
     /// Cycles from one piece of work to the next in a stream of equal pieces that do not wait for each other: operators of a
     /// kind take turns, so seven dividers that take 7 cycles each begin a division in every cycle, where [`Operators::interval`]
     /// would wait for all of them.
-    pub fn pace(&self, work: Work, have: Work) -> u64 {
+    pub fn pace(&self, work: OperatorCounts, have: OperatorCounts) -> u64 {
         self.scarcest(work, have, |times, of, interval| (times * interval).div_ceil(of))
     }
 
     /// The largest, and at least one, of what `kept` says of each kind: operations, operators (>= 1), interval.
-    fn scarcest(&self, work: Work, have: Work, kept: impl Fn(u64, u64, u64) -> u64) -> u64 {
+    fn scarcest(&self, work: OperatorCounts, have: OperatorCounts, kept: impl Fn(u64, u64, u64) -> u64) -> u64 {
         let kept = |times: u32, of: u32, operator: &OperatorConfig| {
             kept(u64::from(times), u64::from(of.max(1)), u64::from(operator.interval))
         };
@@ -130,7 +130,7 @@ impl Operators {
     }
 
     /// Cycles of a chain in which each operation waits for the one before.
-    pub fn latency(&self, chain: Work) -> u64 {
+    pub fn latency(&self, chain: OperatorCounts) -> u64 {
         let takes = |times: u32, operator: &OperatorConfig| u64::from(times) * u64::from(operator.latency);
         takes(chain.multiply, &self.multiply)
             + takes(chain.add, &self.add)
@@ -152,18 +152,18 @@ mod tests {
             square_root: OperatorConfig::new(7, 7),
             ..Operators::default()
         };
-        let have = |multiply, divide| Work { multiply, divide, ..Work::NONE };
-        assert_eq!(operators.interval(Work::NONE, Work::NONE), 1);
-        assert_eq!(operators.interval(Work::NORMALIZE, have(4, 1)), 7);
-        assert_eq!(operators.interval(Work::NORMALIZE.times(2), have(4, 1)), 14);
-        assert_eq!(operators.interval(Work::NORMALIZE.times(2), have(4, 2)), 14, "there is still one root");
-        assert_eq!(operators.interval(Work::INNER_PRODUCT.times(16), have(3, 0)), 32, "one adder for 32 sums");
+        let have = |multiply, divide| OperatorCounts { multiply, divide, ..OperatorCounts::NONE };
+        assert_eq!(operators.interval(OperatorCounts::NONE, OperatorCounts::NONE), 1);
+        assert_eq!(operators.interval(OperatorCounts::NORMALIZE, have(4, 1)), 7);
+        assert_eq!(operators.interval(OperatorCounts::NORMALIZE.times(2), have(4, 1)), 14);
+        assert_eq!(operators.interval(OperatorCounts::NORMALIZE.times(2), have(4, 2)), 14, "there is still one root");
+        assert_eq!(operators.interval(OperatorCounts::INNER_PRODUCT.times(16), have(3, 0)), 32, "one adder for 32 sums");
     }
 
     #[test]
     fn operators_that_take_turns_keep_pace_with_a_stream() {
         let operators = Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() };
-        let divide = |divide| Work { divide, ..Work::NONE };
+        let divide = |divide| OperatorCounts { divide, ..OperatorCounts::NONE };
         assert_eq!(operators.interval(divide(1), divide(7)), 7, "alone");
         assert_eq!([1, 4, 7, 14].map(|have| operators.pace(divide(1), divide(have))), [7, 2, 1, 1]);
         assert_eq!(operators.pace(divide(2), divide(7)), 2);

@@ -23,7 +23,7 @@ pub struct Deadlock {
     /// Cycles until nothing moved any more.
     pub total: u64,
     /// Every unit that waits, in the order of the wiring.
-    pub stuck: Vec<Stuck>,
+    pub stuck: Vec<BlockedUnit>,
     /// Units each of which waits for the next, and the last for the first; empty where they wait for tokens that will never
     /// come.
     pub circle: Vec<String>,
@@ -31,7 +31,7 @@ pub struct Deadlock {
 
 /// A unit that cannot go on. Displays as a clause: what it waits for, and how full that is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stuck {
+pub struct BlockedUnit {
     /// The unit.
     pub unit: String,
     /// What it waits for.
@@ -42,9 +42,9 @@ pub struct Stuck {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WaitsFor {
     /// A token.
-    Token(Fill),
+    Token(FifoLevel),
     /// A slot.
-    Slot(Fill),
+    Slot(FifoLevel),
     /// A credit or an answer.
     Memory {
         /// The port.
@@ -54,7 +54,7 @@ pub enum WaitsFor {
 
 /// How full a FIFO is. Displays as `` `name` (2 of 4 slots)``.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fill {
+pub struct FifoLevel {
     /// The FIFO.
     pub fifo: String,
     /// Slots held.
@@ -84,7 +84,7 @@ impl fmt::Display for Deadlock {
     }
 }
 
-impl fmt::Display for Stuck {
+impl fmt::Display for BlockedUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "`{}` waits for ", self.unit)?;
         match &self.waits_for {
@@ -95,7 +95,7 @@ impl fmt::Display for Stuck {
     }
 }
 
-impl fmt::Display for Fill {
+impl fmt::Display for FifoLevel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "`{}` ({} of {} slots)", self.fifo, self.held, self.depth)
     }

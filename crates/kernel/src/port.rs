@@ -3,11 +3,11 @@
 use crate::Cycle;
 use crate::counts::PortCounts;
 use crate::divisor::Divisor;
-use crate::watch::Level;
+use crate::memory_events::Gauge;
 
 /// A request that has arrived.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Arrived {
+pub(crate) struct ArrivedRequest {
     pub(crate) arrival: Cycle,
     pub(crate) address: u64,
     pub(crate) bytes: u32,
@@ -16,8 +16,8 @@ pub(crate) struct Arrived {
 
 /// A request from its issue until nobody asks for its answer any more.
 #[derive(Clone, Copy, Debug, Default)]
-struct Request {
-    arrived: Arrived,
+struct PortRequest {
+    arrived: ArrivedRequest,
     /// Bursts not served.
     left: u64,
     /// The end of those that are; once it is served, its answer.
@@ -26,7 +26,7 @@ struct Request {
 
 /// How a request came to its answer.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Answered {
+pub(crate) struct Completion {
     pub(crate) arrival: Cycle,
     /// Of the burst whose data came last: when its row's commands begin, and its column command.
     pub(crate) row: Cycle,
@@ -35,7 +35,7 @@ pub(crate) struct Answered {
     pub(crate) answer: Cycle,
 }
 
-impl Answered {
+impl Completion {
     /// Of a request of which no burst is served.
     const NOT: Self =
         Self { arrival: Cycle::ZERO, row: Cycle::ZERO, column: Cycle::ZERO, end: Cycle::ZERO, answer: Cycle::UNKNOWN };
@@ -50,7 +50,7 @@ pub(crate) struct Port {
     pub(crate) name: String,
     pub(crate) memory: usize,
     outstanding: u64,
-    requests: Box<[Request]>,
+    requests: Box<[PortRequest]>,
     pub(crate) issued: u64,
     split: u64,
     pub(crate) served: u64,
@@ -61,19 +61,19 @@ pub(crate) struct Port {
     last_answer: Cycle,
     pub(crate) counts: PortCounts,
     /// What is kept of its requests, where anything is.
-    pub(crate) notes: Option<Box<Notes>>,
+    pub(crate) notes: Option<Box<RequestLog>>,
 }
 
 /// What is kept of a port's requests for who looks on.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Notes {
+pub(crate) struct RequestLog {
     /// How each came to its answer, by number.
-    pub(crate) answered: Option<Vec<Answered>>,
+    pub(crate) answered: Option<Vec<Completion>>,
     /// Those that have arrived and have no answer.
-    pub(crate) in_flight: Option<Level>,
+    pub(crate) in_flight: Option<Gauge>,
 }
 
-impl Notes {
+impl RequestLog {
     /// Request `number` has its answer.
     #[cold]
     fn answer(&mut self, number: u64, at: Cycle) {
@@ -93,7 +93,7 @@ impl Port {
             name: name.into(),
             memory,
             outstanding: u64::from(outstanding),
-            requests: vec![Request::default(); ring].into(),
+            requests: vec![PortRequest::default(); ring].into(),
             issued: 0,
             split: 0,
             served: 0,
@@ -130,9 +130,9 @@ impl Port {
     }
 
     /// Notes the times of a burst, if they are kept and it is the last so far of its request.
-    pub(crate) fn note(&mut self, number: u64, burst: Answered) {
+    pub(crate) fn note(&mut self, number: u64, burst: Completion) {
         if let Some(answered) = self.notes.as_mut().and_then(|notes| notes.answered.as_mut()) {
-            answered.resize(answered.len().max(number as usize + 1), Answered::NOT);
+            answered.resize(answered.len().max(number as usize + 1), Completion::NOT);
             let kept = &mut answered[number as usize];
             if kept.end < burst.end {
                 *kept = burst;
@@ -159,9 +159,9 @@ impl Port {
         if number - self.keep_from.min(self.served) >= self.requests.len() as u64 {
             self.grow();
         }
-        let arrived = Arrived { arrival, address, bytes: bytes.max(1), write };
+        let arrived = ArrivedRequest { arrival, address, bytes: bytes.max(1), write };
         let slot = self.slot(number);
-        self.requests[slot] = Request { arrived, left: 0, end: Cycle::ZERO };
+        self.requests[slot] = PortRequest { arrived, left: 0, end: Cycle::ZERO };
         self.issued += 1;
         number
     }
@@ -171,7 +171,7 @@ impl Port {
     /// bound what may be asked for.
     #[cold]
     fn grow(&mut self) {
-        let mut ring = vec![Request::default(); 2 * self.requests.len()];
+        let mut ring = vec![PortRequest::default(); 2 * self.requests.len()];
         for number in self.issued.saturating_sub(self.requests.len() as u64)..self.issued {
             let slot = number as usize & (ring.len() - 1);
             ring[slot] = self.requests[self.slot(number)];
@@ -192,13 +192,13 @@ impl Port {
     /// The oldest request that is not split yet, if it arrived before `until`, with its number and the first and last of the bursts
     /// of size `burst` that it touches; it is counted, and waits for these.
     #[inline(always)]
-    pub(crate) fn split(&mut self, until: Cycle, burst: Divisor) -> Option<(u64, Arrived, (u64, u64))> {
+    pub(crate) fn split(&mut self, until: Cycle, burst: Divisor) -> Option<(u64, ArrivedRequest, (u64, u64))> {
         if self.split == self.issued {
             return None;
         }
         let number = self.split;
         let slot = self.slot(number);
-        let Request { arrived, left, .. } = &mut self.requests[slot];
+        let PortRequest { arrived, left, .. } = &mut self.requests[slot];
         if arrived.arrival >= until {
             return None;
         }

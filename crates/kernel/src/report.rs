@@ -1,7 +1,7 @@
 //! What a run came to: accounting, occupancy, traffic.
 
 use crate::outcome::Outcome;
-use crate::{Account, Bus, CacheCounts, ChannelCounts, PortCounts};
+use crate::{Account, BusActivity, CacheCounts, ChannelCounts, PortCounts};
 
 /// A unit's part of the report. Inputs, outputs and clients stand in the order of the wiring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub struct MemoryReport {
     /// Its channels, in order of number.
     pub channels: Vec<ChannelCounts>,
     /// When its buses moved data.
-    pub bus: Bus,
+    pub bus: BusActivity,
 }
 
 /// A memory port's part of the report.

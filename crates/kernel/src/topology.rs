@@ -1,9 +1,9 @@
 //! The block diagram as data: what `wire` shows, without running anything.
 
+use crate::bound_stage::BoundStage;
 use crate::connections::{Clients, Connections};
 use crate::diagram::StageTopology;
 use crate::machine::{Machine, Visitor};
-use crate::place::Place;
 use crate::wires::{Inputs, Outputs};
 use crate::{Stage, Unit};
 
@@ -17,7 +17,7 @@ impl StageTopology {
         let client = |&c: &usize| clients.memories().map_or("", |s| s.client_name(c)).to_owned();
         Self {
             name: stage.name().into(),
-            role: U::ROLE,
+            role: U::INFO,
             inputs: (0..inputs.count()).map(|i| inputs.link(i).name().to_owned()).collect(),
             outputs: (0..outputs.count()).map(|i| outputs.link(i).name().to_owned()).collect(),
             clients: clients.ids().iter().map(client).collect(),
@@ -27,14 +27,14 @@ impl StageTopology {
 
 /// All stages of a machine, in the order of its wiring.
 pub fn topology(machine: &mut impl Machine) -> Vec<StageTopology> {
-    struct Walk(Vec<StageTopology>);
-    impl Visitor for Walk {
-        fn stage<P: Place>(&mut self, mut place: P) {
+    struct TopologyWalk(Vec<StageTopology>);
+    impl Visitor for TopologyWalk {
+        fn stage<P: BoundStage>(&mut self, mut place: P) {
             let (stage, connections) = place.open();
             self.0.push(StageTopology::of(stage, connections));
         }
     }
-    let mut walk = Walk(Vec::new());
+    let mut walk = TopologyWalk(Vec::new());
     machine.wire(&mut walk);
     walk.0
 }

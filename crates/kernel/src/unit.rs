@@ -1,8 +1,8 @@
 //! The unit contract: what a unit does to a token and how long it is busy. When is the kernel's business.
 
-use crate::facts::Facts;
-use crate::role::Role;
-use crate::traffic::Traffic;
+use crate::memory_ports::MemoryPorts;
+use crate::stats::UnitStats;
+use crate::unit_info::UnitInfo;
 
 /// Which inputs the next step takes (law 3): declared from the unit's own state alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,10 +90,10 @@ impl<O> Step<O> {
 /// where [`Unit::demand`] declared the input. `Out` likewise.
 ///
 /// A unit must be a function of its state and its inputs: no clock, no randomness, no shared state, no I/O. Memories
-/// give time, never data (law 6): a step issues requests through [`Traffic`] and computes with what it holds.
+/// give time, never data (law 6): a step issues requests through [`MemoryPorts`] and computes with what it holds.
 pub trait Unit {
     /// What it is for, and where its code is: what a block diagram says of it.
-    const ROLE: Role = Role { does: "", module: "" };
+    const INFO: UnitInfo = UnitInfo { purpose: "", module: "" };
 
     /// What a step pops.
     type In;
@@ -107,7 +107,7 @@ pub trait Unit {
     ///
     /// Mark it `#[inline(always)]`, with what it hands tokens to, where a unit makes a step per wide token: a token is then built in
     /// its slot, instead of being copied on its way there (3 % of a run).
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out>;
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out>;
 
     /// Credits that the largest step needs of memory client `client` (as numbered in the wiring): requests it issues,
     /// or distinct lines it looks up; 0 for a client that the unit does not have. Asked before the run: it must not change
@@ -123,7 +123,7 @@ pub trait Unit {
     }
 
     /// Tells what it counted, and how fast it fills its outputs. Asked after the run.
-    fn tell(&self, facts: &mut Facts) {
-        let _ = facts;
+    fn report_stats(&self, stats: &mut UnitStats) {
+        let _ = stats;
     }
 }

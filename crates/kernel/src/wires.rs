@@ -1,15 +1,15 @@
 //! Bundles of FIFOs: the connections of one unit.
 
-use crate::{Demand, Fifo, Label, Link};
+use crate::{Demand, Fifo, FifoInfo, Label};
 
 /// A bundle of FIFOs at one end of a unit: `()`, `&mut Fifo<T>`, a tuple of two to six, or a vector.
 pub trait Wires {
     /// Number of FIFOs.
     fn count(&self) -> usize;
     /// FIFO `i`, without its tokens.
-    fn link(&self, i: usize) -> &Link;
+    fn link(&self, i: usize) -> &FifoInfo;
     /// The same, to be changed.
-    fn link_mut(&mut self, i: usize) -> &mut Link;
+    fn link_mut(&mut self, i: usize) -> &mut FifoInfo;
 }
 
 /// What a unit pops from.
@@ -38,10 +38,10 @@ impl Wires for () {
     fn count(&self) -> usize {
         0
     }
-    fn link(&self, _: usize) -> &Link {
+    fn link(&self, _: usize) -> &FifoInfo {
         unreachable!("no FIFO here")
     }
-    fn link_mut(&mut self, _: usize) -> &mut Link {
+    fn link_mut(&mut self, _: usize) -> &mut FifoInfo {
         unreachable!("no FIFO here")
     }
 }
@@ -69,11 +69,11 @@ impl<T> Wires for &mut Fifo<T> {
         1
     }
     #[inline]
-    fn link(&self, _: usize) -> &Link {
+    fn link(&self, _: usize) -> &FifoInfo {
         &self.link
     }
     #[inline]
-    fn link_mut(&mut self, _: usize) -> &mut Link {
+    fn link_mut(&mut self, _: usize) -> &mut FifoInfo {
         &mut self.link
     }
 }
@@ -108,14 +108,14 @@ macro_rules! tuple_of_fifos {
                 $count
             }
             #[inline]
-            fn link(&self, i: usize) -> &Link {
+            fn link(&self, i: usize) -> &FifoInfo {
                 match i {
                     $($i => &self.$i.link,)*
                     _ => unreachable!("no FIFO here"),
                 }
             }
             #[inline]
-            fn link_mut(&mut self, i: usize) -> &mut Link {
+            fn link_mut(&mut self, i: usize) -> &mut FifoInfo {
                 match i {
                     $($i => &mut self.$i.link,)*
                     _ => unreachable!("no FIFO here"),
@@ -160,10 +160,10 @@ impl<T> Wires for Vec<&mut Fifo<T>> {
     fn count(&self) -> usize {
         self.len()
     }
-    fn link(&self, i: usize) -> &Link {
+    fn link(&self, i: usize) -> &FifoInfo {
         &self[i].link
     }
-    fn link_mut(&mut self, i: usize) -> &mut Link {
+    fn link_mut(&mut self, i: usize) -> &mut FifoInfo {
         &mut self[i].link
     }
 }

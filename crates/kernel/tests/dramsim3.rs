@@ -5,7 +5,7 @@
 //! are in flight the two differ more: DRAMsim3 answers a write when it takes it in, and the law when its data have moved.
 //! (Where streams in turn lie was not handed down with DRAMsim3's figures: `FAR` is ours.)
 
-use basrelief_kernel::{Demand, Engine, Machine, MemoryConfig, MemorySystem, Stage, Step, Traffic, Unit, Visitor, run};
+use basrelief_kernel::{Demand, Engine, Machine, MemoryConfig, MemoryPorts, MemorySystem, Stage, Step, Unit, Visitor, run};
 
 const BURSTS: u64 = 8_000;
 
@@ -21,7 +21,7 @@ impl Unit for Requester {
     fn demand(&self) -> Demand {
         if self.1 < BURSTS { Demand::Nothing } else { Demand::Finished }
     }
-    fn step(&mut self, (): (), traffic: &mut Traffic) -> Step<()> {
+    fn step(&mut self, (): (), traffic: &mut MemoryPorts) -> Step<()> {
         let (address, write) = self.0(self.1);
         if write {
             traffic.write(0, address, 64)

@@ -1,7 +1,7 @@
 //! A step waits for its own answers, and on each output for the token ahead, never for a step beside it.
 
 use basrelief_kernel::{
-    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemorySystem, Stage, Step, Traffic, Unit, Visitor, run,
+    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemoryPorts, MemorySystem, Stage, Step, Unit, Visitor, run,
 };
 
 /// Emits the numbers below its limit.
@@ -12,7 +12,7 @@ impl Unit for Count {
     fn demand(&self) -> Demand {
         if self.0 < self.1 { Demand::Nothing } else { Demand::Finished }
     }
-    fn step(&mut self, (): (), _: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, (): (), _: &mut MemoryPorts) -> Step<Option<u64>> {
         self.0 += 1;
         Step::after(0, Some(self.0 - 1))
     }
@@ -30,7 +30,7 @@ impl Unit for Filter {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Option<u64>, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let n = input.unwrap_or_default();
         match n % 7 {
             0 | 3 => traffic.look_up(0, n * 40 % 4096, 4),
@@ -58,7 +58,7 @@ impl Unit for Write {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<()> {
+    fn step(&mut self, input: Option<u64>, traffic: &mut MemoryPorts) -> Step<()> {
         traffic.write(0, input.unwrap_or_default() * 704 % 16384, 8);
         Step::after(0, ())
     }

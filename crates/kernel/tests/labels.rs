@@ -1,7 +1,7 @@
 //! Labels: what a probe that asks is told of steps.
 
 use basrelief_kernel::{
-    Cause, Cycle, Demand, Engine, Fifo, Label, Limits, Machine, MemorySystem, Probe, Stage, Step, Traffic, Unit, Visitor,
+    Cause, Cycle, Demand, Engine, Fifo, Label, Limits, Machine, MemoryPorts, MemorySystem, Probe, Stage, Step, Unit, Visitor,
     run_with,
 };
 use basrelief_kernel::{Sink, Source};
@@ -16,7 +16,7 @@ impl Unit for Pairs {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, number: Option<u64>, _: &mut Traffic) -> Step<Option<u64>> {
+    fn step(&mut self, number: Option<u64>, _: &mut MemoryPorts) -> Step<Option<u64>> {
         let sum = self.0.take().zip(number).map(|(a, b)| a + b);
         self.0 = if sum.is_none() { number } else { None };
         Step::after(1, sum).busy(3)

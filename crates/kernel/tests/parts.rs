@@ -2,26 +2,26 @@
 //! any clock.
 
 use basrelief_kernel::parts::MOST_BURST_BYTES;
-use basrelief_kernel::{MemoryConfig, Part};
+use basrelief_kernel::{MemoryConfig, MemoryPart};
 use basrelief_parameters::Provenance;
 use proptest::prelude::*;
 
-fn at(part: Part, hz: u64) -> MemoryConfig {
+fn at(part: MemoryPart, hz: u64) -> MemoryConfig {
     let mut memory = MemoryConfig { part, ..MemoryConfig::default() };
     memory.take_part(hz, |_| false).unwrap_or_else(|e| panic!("{e}"));
     memory
 }
 
 /// Nanoseconds, as the sheets have them or as they are assumed: cl, rcd, rp, ras, refi, rfc; and GB/s of a channel.
-const SHEETS: &[(Part, [f64; 6], f64)] = &[
-    (Part::Fpm80, [40.0, 40.0, 60.0, 80.0, 15625.0, 150.0], 0.32),
-    (Part::Edo60, [30.0, 30.0, 40.0, 60.0, 15625.0, 104.0], 0.64),
-    (Part::Sdr100, [30.0, 20.0, 20.0, 50.0, 15625.0, 70.0], 0.8),
-    (Part::Sdr133, [22.5, 20.0, 20.0, 45.0, 15625.0, 67.5], 1.0667),
-    (Part::Ddr400, [15.0, 15.0, 15.0, 40.0, 7800.0, 70.0], 3.2),
-    (Part::Ddr2At667, [15.0, 15.0, 15.0, 45.0, 7800.0, 127.5], 5.3333),
-    (Part::Gddr3At1400, [15.714, 15.714, 17.143, 25.714, 3900.0, 52.0], 5.6),
-    (Part::Xdr3200, [15.0, 12.5, 15.0, 25.0, 3906.25, 40.0], 6.4),
+const SHEETS: &[(MemoryPart, [f64; 6], f64)] = &[
+    (MemoryPart::Fpm80, [40.0, 40.0, 60.0, 80.0, 15625.0, 150.0], 0.32),
+    (MemoryPart::Edo60, [30.0, 30.0, 40.0, 60.0, 15625.0, 104.0], 0.64),
+    (MemoryPart::Sdr100, [30.0, 20.0, 20.0, 50.0, 15625.0, 70.0], 0.8),
+    (MemoryPart::Sdr133, [22.5, 20.0, 20.0, 45.0, 15625.0, 67.5], 1.0667),
+    (MemoryPart::Ddr400, [15.0, 15.0, 15.0, 40.0, 7800.0, 70.0], 3.2),
+    (MemoryPart::Ddr2At667, [15.0, 15.0, 15.0, 45.0, 7800.0, 127.5], 5.3333),
+    (MemoryPart::Gddr3At1400, [15.714, 15.714, 17.143, 25.714, 3900.0, 52.0], 5.6),
+    (MemoryPart::Xdr3200, [15.0, 12.5, 15.0, 25.0, 3906.25, 40.0], 6.4),
 ];
 
 #[test]
@@ -35,14 +35,14 @@ fn every_part_with_a_clock_of_its_own_has_the_times_and_the_rate_of_its_sheet() 
         let of_part = part.bytes_per_second(1_000_000_000).unwrap() / 1e9;
         assert!((of_part / rate - 1.0).abs() < 1e-4, "{part:?}: {of_part}");
     }
-    let own_clock = |part: &Part| part.bytes_per_second(1) == part.bytes_per_second(2);
-    let listed: Vec<Part> = SHEETS.iter().map(|sheet| sheet.0).collect();
-    assert_eq!(Part::ALL.iter().copied().filter(own_clock).collect::<Vec<_>>(), listed, "a part is not in the list");
+    let own_clock = |part: &MemoryPart| part.bytes_per_second(1) == part.bytes_per_second(2);
+    let listed: Vec<MemoryPart> = SHEETS.iter().map(|sheet| sheet.0).collect();
+    assert_eq!(MemoryPart::ALL.iter().copied().filter(own_clock).collect::<Vec<_>>(), listed, "a part is not in the list");
 }
 
 #[test]
 fn what_was_not_read_in_a_sheet_says_so() {
-    let assumed = |part: Part| -> Vec<&str> {
+    let assumed = |part: MemoryPart| -> Vec<&str> {
         let numbers = part.numbers(200_000_000, [None; 2]).unwrap_or_else(|e| panic!("{e}"));
         let is_assumed = |text: &str| text.contains("; typical of the class, not in the sheet cited (");
         numbers.iter().for_each(|n| {
@@ -50,25 +50,25 @@ fn what_was_not_read_in_a_sheet_says_so() {
         });
         numbers.iter().filter(|n| is_assumed(n.provenance.text())).map(|n| n.name).collect()
     };
-    assert_eq!(assumed(Part::Fpm80), ["refi"]);
-    assert_eq!(assumed(Part::Edo60), ["rp", "refi", "rfc", "banks", "row_bytes"]);
-    assert_eq!(assumed(Part::Sdr100), ["cl", "refi", "banks", "row_bytes"]);
-    assert_eq!(assumed(Part::Sdr133), ["cl", "refi", "banks", "row_bytes"]);
-    assert_eq!(assumed(Part::Ddr400), ["banks", "row_bytes"]);
-    assert_eq!(assumed(Part::Ddr2At667), ["rtp", "wr", "wtr", "faw", "rfc"]);
-    assert_eq!(assumed(Part::Gddr3At1400), ["cwl", "wr", "faw", "rfc"]);
-    assert!(["banks", "row_bytes", "rcd"].iter().all(|name| assumed(Part::EdramPs2).contains(name)));
+    assert_eq!(assumed(MemoryPart::Fpm80), ["refi"]);
+    assert_eq!(assumed(MemoryPart::Edo60), ["rp", "refi", "rfc", "banks", "row_bytes"]);
+    assert_eq!(assumed(MemoryPart::Sdr100), ["cl", "refi", "banks", "row_bytes"]);
+    assert_eq!(assumed(MemoryPart::Sdr133), ["cl", "refi", "banks", "row_bytes"]);
+    assert_eq!(assumed(MemoryPart::Ddr400), ["banks", "row_bytes"]);
+    assert_eq!(assumed(MemoryPart::Ddr2At667), ["rtp", "wr", "wtr", "faw", "rfc"]);
+    assert_eq!(assumed(MemoryPart::Gddr3At1400), ["cwl", "wr", "faw", "rfc"]);
+    assert!(["banks", "row_bytes", "rcd"].iter().all(|name| assumed(MemoryPart::EdramPs2).contains(name)));
 }
 
 #[test]
 fn ddr_400_at_its_own_clock_is_its_sheet_in_clocks() {
-    let m = at(Part::Ddr400, 200_000_000);
+    let m = at(MemoryPart::Ddr400, 200_000_000);
     assert_eq!([m.cl, m.cwl, m.rcd, m.rp, m.ras], [3, 1, 3, 3, 8]);
     assert_eq!([m.rtp, m.wr, m.wtr, m.rrd, m.faw], [4, 3, 2, 2, 0]);
     assert_eq!([m.refi, m.rfc, m.burst_bytes, m.burst_cycles, m.banks, m.row_bytes], [1560, 14, 64, 4, 4, 2048]);
     // Rates that are no round number of bytes per cycle: bursts that are none of the part's own.
     let burst = |part| at(part, 200_000_000).burst_bytes / at(part, 200_000_000).burst_cycles;
-    assert_eq!([Part::Ddr2At667, Part::Gddr3At1400, Part::Xdr3200].map(burst), [28, 28, 32]);
+    assert_eq!([MemoryPart::Ddr2At667, MemoryPart::Gddr3At1400, MemoryPart::Xdr3200].map(burst), [28, 28, 32]);
     // The board stays.
     let board = MemoryConfig::default();
     assert_eq!([m.channels, m.channel_bytes, m.window, m.cap, m.outstanding], [1, 256, 16, 16, 8]);
@@ -78,18 +78,18 @@ fn ddr_400_at_its_own_clock_is_its_sheet_in_clocks() {
 #[test]
 fn the_parts_that_the_device_carries_keep_its_pace() {
     for hz in [25_000_000, 147_456_000, 200_000_000] {
-        let (edram, sram) = (at(Part::EdramPs2, hz), at(Part::Sram, hz));
+        let (edram, sram) = (at(MemoryPart::EdramPs2, hz), at(MemoryPart::Sram, hz));
         assert_eq!([edram.burst_bytes, edram.burst_cycles], [128, 1]);
         assert_eq!([sram.burst_bytes, sram.burst_cycles, sram.cl, sram.rcd, sram.refi], [16, 1, 1, 0, 0]);
     }
     // The Graphics Synthesizer: 1,024 bits at 147.456 MHz are 19 GB/s.
-    assert!((Part::EdramPs2.bytes_per_second(147_456_000).unwrap() - 18.874e9).abs() < 1e6);
+    assert!((MemoryPart::EdramPs2.bytes_per_second(147_456_000).unwrap() - 18.874e9).abs() < 1e6);
 }
 
 #[test]
 fn ideal_takes_no_time_and_all_channels_that_there_are_at_any_clock() {
     for hz in [1, 200_000_000, 100_000_000_000] {
-        let m = at(Part::Ideal, hz);
+        let m = at(MemoryPart::Ideal, hz);
         let times = [m.cl, m.cwl, m.rcd, m.rp, m.ras, m.wr, m.wtr, m.rrd, m.faw, m.refi, m.rfc];
         assert_eq!((times, m.channels, m.burst_cycles), ([0; 11], 64, 1));
     }
@@ -97,15 +97,15 @@ fn ideal_takes_no_time_and_all_channels_that_there_are_at_any_clock() {
 
 #[test]
 fn what_is_given_beside_a_part_stays_and_the_rest_goes_by_it() {
-    let mut m = MemoryConfig { part: Part::Sdr133, cl: 9, burst_bytes: 32, ..MemoryConfig::default() };
+    let mut m = MemoryConfig { part: MemoryPart::Sdr133, cl: 9, burst_bytes: 32, ..MemoryConfig::default() };
     m.take_part(200_000_000, |name| ["cl", "burst_bytes"].contains(&name)).unwrap();
     // 32 bytes are four clocks of 7.5 ns; a bank may be precharged when they are over.
     assert_eq!([m.cl, m.burst_bytes, m.burst_cycles, m.rtp, m.rcd], [9, 32, 6, 6, 4]);
     // Where no whole number of cycles is near, it is the next one.
-    let mut m = MemoryConfig { part: Part::Gddr3At1400, burst_bytes: 64, ..MemoryConfig::default() };
+    let mut m = MemoryConfig { part: MemoryPart::Gddr3At1400, burst_bytes: 64, ..MemoryConfig::default() };
     m.take_part(200_000_000, |name| name == "burst_bytes").unwrap();
     assert_eq!([m.burst_bytes, m.burst_cycles, m.rtp], [64, 3, 3]);
-    let mut m = MemoryConfig { part: Part::Sdr100, burst_bytes: 64, burst_cycles: 4, ..MemoryConfig::default() };
+    let mut m = MemoryConfig { part: MemoryPart::Sdr100, burst_bytes: 64, burst_cycles: 4, ..MemoryConfig::default() };
     m.take_part(200_000_000, |name| name.starts_with("burst")).unwrap();
     assert_eq!([m.burst_bytes, m.burst_cycles, m.rtp], [64, 4, 4]);
     let mut m = MemoryConfig { row_bytes: 512, ..MemoryConfig::default() };
@@ -115,14 +115,14 @@ fn what_is_given_beside_a_part_stays_and_the_rest_goes_by_it() {
 
 #[test]
 fn a_clock_that_a_part_does_not_fit_says_which_one_does_and_which_parts_fit_it() {
-    let mut m = MemoryConfig { part: Part::Ddr400, ..MemoryConfig::default() };
+    let mut m = MemoryConfig { part: MemoryPart::Ddr400, ..MemoryConfig::default() };
     let before = m.clone();
     let error = m.take_part(3_000_000, |_| false).unwrap_err().to_string();
     assert_eq!(m, before);
     for part in ["ddr-400 does not fit a clock of 3 MHz", "3.2 GB/s", "11.9 MHz or more", "fpm-80, edo-60", "ideal"] {
         assert!(error.contains(part), "`{part}` is not in: {error}");
     }
-    let mut edram = MemoryConfig { part: Part::EdramPs2, ..MemoryConfig::default() };
+    let mut edram = MemoryConfig { part: MemoryPart::EdramPs2, ..MemoryConfig::default() };
     let error = edram.take_part(77, |_| false).unwrap_err().to_string();
     assert!(error.contains("a refresh every 0 cycles leaves no time"), "{error}");
     let error = m.take_part(100_000_000_000, |_| false).unwrap_err().to_string();
@@ -131,13 +131,13 @@ fn a_clock_that_a_part_does_not_fit_says_which_one_does_and_which_parts_fit_it()
 
 #[test]
 fn names_are_those_of_the_configuration_and_every_number_has_a_source() {
-    for &part in Part::ALL {
+    for &part in MemoryPart::ALL {
         assert_eq!(serde_json::to_value(part).unwrap(), part.name());
         for number in part.numbers(200_000_000, [None; 2]).unwrap_or_else(|e| panic!("{e}")) {
             assert!(!matches!(number.provenance, Provenance::Stated(_)) && number.provenance.text().len() > 20, "{number:?}");
         }
     }
-    assert!(Part::Custom.numbers(1, [None; 2]).unwrap().is_empty() && Part::Custom.about().is_none());
+    assert!(MemoryPart::Custom.numbers(1, [None; 2]).unwrap().is_empty() && MemoryPart::Custom.about().is_none());
 }
 
 proptest! {

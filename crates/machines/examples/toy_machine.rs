@@ -7,7 +7,7 @@
 //! The counter hands on 2, 3, 4 and so on; the divider finds the least divisor of each by trial. Run it with parameters as
 //! `KEY=VALUE`: `cargo run -p basrelief-machines --example toy_machine last=1000 division=4`.
 
-use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemorySystem, RunReport, Stage, Step, Traffic, Unit, Visitor, run};
+use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemoryPorts, MemorySystem, RunReport, Stage, Step, Unit, Visitor, run};
 use basrelief_parameters::{load, parameters};
 use std::fmt::Write;
 
@@ -37,7 +37,7 @@ impl Unit for Counter {
         if self.next <= self.last { Demand::Nothing } else { Demand::Finished }
     }
 
-    fn step(&mut self, (): (), _: &mut Traffic) -> Step<Option<u32>> {
+    fn step(&mut self, (): (), _: &mut MemoryPorts) -> Step<Option<u32>> {
         self.next += 1;
         Step::after(1, Some(self.next - 1))
     }
@@ -57,7 +57,7 @@ impl Unit for Divider {
         Demand::All
     }
 
-    fn step(&mut self, number: Option<u32>, _: &mut Traffic) -> Step<()> {
+    fn step(&mut self, number: Option<u32>, _: &mut MemoryPorts) -> Step<()> {
         let Some(number) = number else { return Step::after(0, ()) };
         let divisor = (2..=number).find(|d| number % d == 0).unwrap_or(number);
         if divisor == number {

@@ -2,14 +2,14 @@
 
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::Machine;
-use basrelief_kernel::facts::{Facts, facts};
+use basrelief_kernel::stats::{UnitStats, unit_stats};
 
 /// A machine that finishes pictures.
 pub trait Draws: Machine {
     /// Where its frame buffer puts the pictures that it has finished.
     fn finished(&mut self) -> &mut Vec<FinishedFrame>;
     /// Tells figures that follow from those of several units, or from the configuration: no unit knows them alone.
-    fn derive(&self, facts: &mut Facts) {
+    fn derive(&self, facts: &mut UnitStats) {
         let _ = facts;
     }
 
@@ -20,11 +20,11 @@ pub trait Draws: Machine {
     }
 
     /// What its units tell, in the order of the wiring, then what follows from it. To be called after a run.
-    fn facts(&mut self) -> Facts
+    fn facts(&mut self) -> UnitStats
     where
         Self: Sized,
     {
-        let mut facts = facts(self);
+        let mut facts = unit_stats(self);
         self.derive(&mut facts);
         facts
     }

@@ -20,7 +20,7 @@ pub mod shade;
 pub mod texel;
 mod unit_info;
 
-pub use basrelief_kernel::facts::Facts;
+pub use basrelief_kernel::stats::UnitStats;
 pub use config::{ClockConfig, IdealConfig, ReferenceConfig, ReferenceFilter};
 pub use diagram::{BlockDiagram, PlacedText, Side, WireCell, drawn_units, numeral_of};
 pub use draws::Draws;

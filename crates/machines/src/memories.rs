@@ -1,7 +1,7 @@
 //! The memories of a machine: what they are made of by default, what follows from the clock, and what cannot be.
 
 use crate::problem::{ConfigProblem, problem};
-use basrelief_kernel::{MemoryConfig, Part};
+use basrelief_kernel::{MemoryConfig, MemoryPart};
 use basrelief_parameters::{ConfigError, Given, Parameter, Parameters, Provenance};
 
 /// Declares the memories of a machine, each with what it is made of by default, where that comes from, and the clock at which
@@ -12,7 +12,7 @@ use basrelief_parameters::{ConfigError, Given, Parameter, Parameters, Provenance
 ///     /// Memories of the machine.
 ///     pub struct MemoryConfigs at HZ {
 ///         /// Graphics-data memory (124).
-///         graphics = MemoryConfig { part: Part::Ddr400, channels: 4, ..MemoryConfig::default() }
+///         graphics = MemoryConfig { part: MemoryPart::Ddr400, channels: 4, ..MemoryConfig::default() }
 ///             => [part: Assumed("2005"), channels: Assumed("256 bits")],
 ///     }
 /// }
@@ -98,22 +98,22 @@ pub(crate) fn explain<C: HasMemories>(config: &C, table: &mut [Parameter]) {
 }
 
 /// Where the value of a memory's `field` comes from, if its part has a say in it.
-fn provenance(field: &str, parameter: &Parameter, memory: &MemoryConfig, hz: u64, by_default: Part) -> Option<Provenance> {
+fn provenance(field: &str, parameter: &Parameter, memory: &MemoryConfig, hz: u64, by_default: MemoryPart) -> Option<Provenance> {
     let part = memory.part;
     if field == "part" {
         let chosen = parameter.provenance.text();
         return part.about().map(|about| Provenance::Assumed(format!("{chosen}. {}: {about}", part.name()).into()));
     }
-    if field == "channel_bytes" && part != Part::Custom && parameter.default == memory.burst_bytes {
+    if field == "channel_bytes" && part != MemoryPart::Custom && parameter.default == memory.burst_bytes {
         return Some(Provenance::Derived("a burst, which lies in one channel".into()));
     }
-    let named = |part: Part, burst| part.numbers(hz, burst).ok()?.into_iter().find(|number| number.name == field);
+    let named = |part: MemoryPart, burst| part.numbers(hz, burst).ok()?.into_iter().find(|number| number.name == field);
     let own = part.numbers(hz, [None; 2]).ok()?;
     let beside = |name: &str, value: u32| own.iter().any(|n| n.name == name && n.value != value).then_some(value);
     let burst = [beside("burst_bytes", memory.burst_bytes), beside("burst_cycles", memory.burst_cycles)];
     let number = if field.starts_with("burst") { named(part, [None; 2]) } else { named(part, burst) };
     let Some(number) = number else {
-        let as_it_stands = part == Part::Custom && by_default != part && named(by_default, [None; 2]).is_some();
+        let as_it_stands = part == MemoryPart::Custom && by_default != part && named(by_default, [None; 2]).is_some();
         return as_it_stands.then(|| {
             Provenance::Assumed(format!("as it stands, set or by default: no part ({} by default)", by_default.name()).into())
         });

@@ -1,8 +1,8 @@
 //! What no single parameter's range can say, as every machine finds it.
 
 use crate::config::IdealConfig;
-use basrelief_kernel::facts::{Facts, SlowFifo};
-use basrelief_kernel::{Machine, Place, Visitor, WiringError, check_wiring};
+use basrelief_kernel::stats::{SlowFifo, UnitStats};
+use basrelief_kernel::{BoundStage, Machine, Visitor, WiringError, check_wiring};
 
 /// Parameters that do not fit together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -35,7 +35,7 @@ fn make_ideal(machine: &mut impl Machine, names: &str) -> Result<(), ConfigProbl
     /// What is to be made ideal, and all that there is.
     struct Idealize<'a>(Vec<&'a str>, Vec<String>);
     impl Visitor for Idealize<'_> {
-        fn stage<P: Place>(&mut self, mut place: P) {
+        fn stage<P: BoundStage>(&mut self, mut place: P) {
             let (stage, _) = place.open();
             if self.0.contains(&stage.name()) {
                 stage.make_ideal();
@@ -68,7 +68,7 @@ pub(crate) fn line_is_power_of_two(name: &str, line_bytes: u32) -> Result<(), Co
 
 /// FIFOs that cannot hold full rate (law 2): one sentence each, with the rate that they allow. Memory latency comes on top and is
 /// not looked at here.
-pub fn slow_fifos(facts: &Facts) -> Vec<String> {
+pub fn slow_fifos(facts: &UnitStats) -> Vec<String> {
     let sentence = |slow: &SlowFifo| {
         let SlowFifo { name, depth, needed, unit_latency, fifo_latency } = slow;
         let held = slow.held();

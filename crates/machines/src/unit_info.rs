@@ -10,7 +10,7 @@ pub struct UnitInfo {
     pub name: String,
     /// The patent's reference numeral; empty where the patent has no such box.
     pub numeral: String,
-    /// What it does.
+    /// What it purpose.
     pub role: &'static str,
     /// Where its code is: a file, from the root of the repository on.
     pub code: String,
@@ -25,7 +25,7 @@ pub fn units(diagram: &str, of_scene: &mut impl Machine, of_trace: &mut impl Mac
             continue;
         }
         let numeral = numeral_of(diagram, &stage.name).to_owned();
-        all.push(UnitInfo { name: stage.name, numeral, role: stage.role.does, code: file_of(stage.role.module) });
+        all.push(UnitInfo { name: stage.name, numeral, role: stage.role.purpose, code: file_of(stage.role.module) });
     }
     all
 }

@@ -1,6 +1,6 @@
 //! The memories of all machines: parts, layers, and what law 4 takes for granted.
 
-use basrelief_kernel::{MemoryConfig, Part};
+use basrelief_kernel::{MemoryConfig, MemoryPart};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
 use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
@@ -24,7 +24,7 @@ fn a_part_fills_what_the_machine_does_not_have_of_its_own() {
     assert_eq!([m.cl, m.rcd, m.rp, m.ras, m.burst_bytes, m.burst_cycles], [5, 4, 4, 9, 64, 12]);
     let default = graphics("", &[]);
     assert_eq!([m.channels, m.channel_bytes, m.window, m.cap, m.outstanding], [4, 256, 16, 16, 32]);
-    assert_eq!((default.part, default.cl, default.channels), (Part::Ddr400, 3, 4));
+    assert_eq!((default.part, default.cl, default.channels), (MemoryPart::Ddr400, 3, 4));
     // What is not asked for stays.
     assert_eq!(bump("", &[("memory.graphics.part", "sdr-133")]).memory.normal_map, bump("", &[]).memory.normal_map);
 }
@@ -33,7 +33,7 @@ fn a_part_fills_what_the_machine_does_not_have_of_its_own() {
 fn what_is_set_beside_a_part_wins_in_any_order_and_layer() {
     let [part, cl] = [("memory.graphics.part", "sdr-133"), ("memory.graphics.cl", "2")];
     let set = graphics("", &[part, cl]);
-    assert_eq!((set.part, set.cl, set.rcd), (Part::Sdr133, 2, 4));
+    assert_eq!((set.part, set.cl, set.rcd), (MemoryPart::Sdr133, 2, 4));
     assert_eq!(graphics("", &[cl, part]), set);
     assert_eq!(graphics("[memory.graphics]\ncl = 2\npart = \"sdr-133\"", &[]), set);
     assert_eq!(graphics("[memory.graphics]\npart = \"sdr-133\"", &[cl]), set);
@@ -50,7 +50,7 @@ fn parts_follow_the_clock_also_by_default_and_numbers_without_a_part_do_not() {
     let slow = graphics("", &[("clock.hz", "100000000")]);
     assert_eq!([slow.cl, slow.rcd, slow.ras, slow.refi, slow.burst_bytes, slow.burst_cycles], [2, 2, 4, 780, 64, 2]);
     let custom = graphics("", &[("clock.hz", "100000000"), ("memory.graphics.part", "custom")]);
-    assert_eq!(custom, MemoryConfig { part: Part::Custom, ..graphics("", &[]) });
+    assert_eq!(custom, MemoryConfig { part: MemoryPart::Custom, ..graphics("", &[]) });
     let shade: ShadeConfig = load("[clock]\nhz = 50_000_000", &[]).unwrap();
     assert_eq!([shade.memory.frame.cl, shade.memory.frame.rfc, shade.memory.frame.refi], [2, 8, 781]);
 }
@@ -72,7 +72,7 @@ fn a_part_that_does_not_fit_the_clock_or_is_none_is_named_with_what_fits() {
     assert!(unknown.contains("memory.graphics.part") && unknown.contains("ddr-400"), "{unknown}");
     // A part that is not used need not fit.
     let set = [("clock.hz", "3000000"), ("memory.graphics.part", "fpm-80")];
-    assert_eq!(graphics("", &set).part, Part::Fpm80);
+    assert_eq!(graphics("", &set).part, MemoryPart::Fpm80);
 }
 
 fn no_draws<C: Into<basrelief_machines::FrontConfig>>(config: C) -> SceneFront<std::iter::Empty<Draw>> {

@@ -2,8 +2,8 @@
 
 use crate::settings::RunOptions;
 use crate::tape::REEL_BYTES;
-use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{Engine, Machine, Piece, Probe, RunReport, Shape, make_steps, time_steps};
+use basrelief_kernel::recording::RecordingChunk;
+use basrelief_kernel::{Engine, Machine, Netlist, Probe, RunReport, StepBatch, make_steps, time_steps};
 use basrelief_threads as threads;
 use std::cell::Cell;
 use std::sync::mpsc::sync_channel;
@@ -26,13 +26,13 @@ pub(crate) fn may_be_apart<P: Probe>(settings: &RunOptions) -> bool {
 pub fn run_apart<M: Machine>(
     machine: &mut M,
     progress: &mut dyn FnMut(&mut M) -> bool,
-    keep: Option<&(dyn Fn(Reel) + Sync)>,
+    keep: Option<&(dyn Fn(RecordingChunk) + Sync)>,
 ) -> Option<RunReport> {
-    let shape = Shape::of(machine).ok()?;
-    let (send, pieces) = sync_channel::<Piece>(PIECES);
+    let shape = Netlist::of(machine).ok()?;
+    let (send, pieces) = sync_channel::<StepBatch>(PIECES);
     let time = move || {
         let mut keep = keep.map(|keep| move |reel| keep(reel));
-        let keep = keep.as_mut().map(|keep| (REEL_BYTES, keep as &mut dyn FnMut(Reel)));
+        let keep = keep.as_mut().map(|keep| (REEL_BYTES, keep as &mut dyn FnMut(RecordingChunk)));
         time_steps(shape, &mut || pieces.recv().ok(), keep)
     };
     let work = || {

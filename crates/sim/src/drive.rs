@@ -17,9 +17,9 @@ use crate::settings::{RunOptions, When};
 use crate::tape::{self, REEL_BYTES, WorkHash};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_input::{Held, OverBudget};
-use basrelief_kernel::tape::Reel;
+use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
-use basrelief_machines::Facts;
+use basrelief_machines::UnitStats;
 use basrelief_reference::{Picture, Quality, SizeMismatch, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_signals::{Camera, Frame};
@@ -32,7 +32,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// What the engine came to, and what the units counted.
 pub(crate) struct EngineResult {
-    facts: Facts,
+    facts: UnitStats,
     report: Option<RunReport>,
     /// What limits it, where that was measured.
     measured: Option<Measured>,
@@ -182,7 +182,7 @@ impl<'a> Session<'a> {
         machine: &mut M,
         probe: &mut P,
         kept: &mut Option<Kept>,
-    ) -> (Result<Option<RunReport>, String>, Vec<Reel>) {
+    ) -> (Result<Option<RunReport>, String>, Vec<RecordingChunk>) {
         let &RunOptions { clock, engine, max_cycles, .. } = self.settings;
         let (began, mut aside) = (clock(), 0.0);
         let reels = Mutex::new(Vec::new());
@@ -240,7 +240,7 @@ impl<'a> Session<'a> {
     }
 
     /// Takes the reels of the tape since the last call: keeps them, and shows them.
-    fn take_tape(&mut self, reels: Vec<Reel>, kept: &mut Option<Kept>) {
+    fn take_tape(&mut self, reels: Vec<RecordingChunk>, kept: &mut Option<Kept>) {
         for reel in reels {
             if self.shows_tape() {
                 self.work.add(&reel);

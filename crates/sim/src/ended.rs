@@ -2,7 +2,7 @@
 
 use crate::machines::{MachineSpec, PictureRecord, RunSummary};
 use basrelief_kernel::{Outcome, RunReport};
-use basrelief_machines::{Facts, drawn_units};
+use basrelief_machines::{UnitStats, drawn_units};
 use basrelief_report::model::{Input, Picture, PictureQuality, Size};
 use basrelief_report::{Context, Report};
 use basrelief_signals::Camera;
@@ -24,7 +24,7 @@ pub(crate) struct Ended {
 
 impl Ended {
     /// The report of the run, by what the engine came to - nothing, for the functional model - and what the units tell.
-    pub(crate) fn report<S: MachineSpec>(self, spec: &S, mut facts: Facts, run: Option<&RunReport>) -> Report {
+    pub(crate) fn report<S: MachineSpec>(self, spec: &S, mut facts: UnitStats, run: Option<&RunReport>) -> Report {
         spec.figures(&RunSummary { run, pictures: &self.shown }, &mut facts);
         let drawn = drawn_units(S::DIAGRAM).into_iter();
         let context = Context {

@@ -1,6 +1,6 @@
 //! What of a machine can be made ideal, and is worth it for a run.
 
-use basrelief_kernel::{CriticalPath, RunReport, Shape, Stretch, UnitReport};
+use basrelief_kernel::{CriticalPath, Netlist, PathSegment, RunReport, UnitReport};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::cmp::Reverse;
@@ -37,7 +37,7 @@ impl Ideal {
 /// which may answer others sooner: so what is no part of the path saves nothing, or what little other requests win by it.
 pub(crate) struct Candidates<'a> {
     pub(crate) run: &'a RunReport,
-    pub(crate) shape: &'a Shape,
+    pub(crate) shape: &'a Netlist,
     pub(crate) path: Option<&'a CriticalPath>,
 }
 
@@ -54,7 +54,7 @@ impl Candidates<'_> {
     }
 
     /// Cycles of the critical path that are spent so; all there could be, where it is not known.
-    fn spent(&self, is_so: impl Fn(&Stretch) -> bool) -> u64 {
+    fn spent(&self, is_so: impl Fn(&PathSegment) -> bool) -> u64 {
         let parts = |path: &CriticalPath| path.parts.iter().filter(|part| is_so(&part.stretch)).map(|part| part.cycles).sum();
         self.path.map_or(u64::MAX, parts)
     }
@@ -70,7 +70,7 @@ impl Candidates<'_> {
 
     fn units(&self) -> Vec<Ideal> {
         let is_on = |name: &str| {
-            self.is_much(self.spent(|s| matches!(s, Stretch::Occupancy(unit) | Stretch::Latency(unit) if unit == name)))
+            self.is_much(self.spent(|s| matches!(s, PathSegment::Occupancy(unit) | PathSegment::Latency(unit) if unit == name)))
         };
         self.slow_units().filter(|unit| is_on(&unit.name)).map(Ideal::of_unit).collect()
     }
@@ -87,14 +87,14 @@ impl Candidates<'_> {
     /// FIFOs whose slots somebody waited for. (However short: what was waited for in turn before the slot was free counts, too.)
     fn fifos(&self, group: &Map<String, Value>) -> Vec<Ideal> {
         let full = |name: &String| self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth);
-        let is_on = |name: &String| self.spent(|s| matches!(s, Stretch::Slot(fifo) if fifo == name)) > 0;
+        let is_on = |name: &String| self.spent(|s| matches!(s, PathSegment::Slot(fifo) if fifo == name)) > 0;
         let ideal = |name: &String| Ideal::new(name, "slots without bound", [(format!("fifo.{name}.depth"), SLOTS.to_string())]);
         group.keys().filter(|name| full(name) && is_on(name)).map(ideal).collect()
     }
 
     /// Whether much of the path is spent on requests of these clients.
     fn asks(&self, is_client: impl Fn(&str) -> bool) -> bool {
-        self.is_much(self.spent(|s| matches!(s, Stretch::Memory(client, _) if is_client(client))))
+        self.is_much(self.spent(|s| matches!(s, PathSegment::Memory(client, _) if is_client(client))))
     }
 
     /// Memories that were asked for anything.

@@ -6,8 +6,8 @@ use crate::run::Way;
 use crate::settings::When;
 use crate::tape::{Given, bytes_of};
 use basrelief_input::{Budget, Held, OverBudget};
-use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{self as kernel, Groups, Phase, RunReport, Shape, Stretch, Tape};
+use basrelief_kernel::recording::RecordingChunk;
+use basrelief_kernel::{self as kernel, Netlist, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
 use basrelief_report::Report;
 use basrelief_report::model::{CriticalPath, Limit, PathPart};
 use basrelief_threads as threads;
@@ -27,7 +27,7 @@ const TOGETHER: u64 = 10;
 /// The tape of a run that is timed again when it is over.
 #[derive(Debug)]
 pub(crate) struct Kept {
-    reels: Vec<Reel>,
+    reels: Vec<RecordingChunk>,
     /// Bytes that are left to keep; none once it was too long.
     left: Option<usize>,
     held: Held,
@@ -50,7 +50,7 @@ impl Kept {
     ///
     /// # Errors
     /// More than may be held, where all are wanted.
-    pub(crate) fn keep(&mut self, reel: Reel) -> Result<(), OverBudget> {
+    pub(crate) fn keep(&mut self, reel: RecordingChunk) -> Result<(), OverBudget> {
         let bytes = bytes_of(&reel);
         self.left = self.left.and_then(|left| left.checked_sub(bytes));
         if self.left.is_some() {
@@ -64,7 +64,7 @@ impl Kept {
     }
 
     /// All reels; none where there were too many.
-    pub(crate) fn reels(&self) -> Option<&[Reel]> {
+    pub(crate) fn reels(&self) -> Option<&[RecordingChunk]> {
         self.left.map(|_| self.reels.as_slice())
     }
 }
@@ -72,24 +72,24 @@ impl Kept {
 /// A part of the critical path in the report's words.
 fn part(kernel::PathPart { stretch, cycles, by_mark: frames }: kernel::PathPart) -> PathPart {
     let (resource, what) = match stretch {
-        Stretch::Occupancy(unit) => (unit, "occupancy"),
-        Stretch::Latency(unit) => (unit, "latency"),
-        Stretch::Fifo(fifo) => (fifo, "FIFO"),
-        Stretch::Slot(fifo) => (fifo, "slot"),
-        Stretch::Memory(client, phase) => (client, phase_name(phase)),
-        Stretch::Rest => (String::new(), "rest"),
+        PathSegment::Occupancy(unit) => (unit, "occupancy"),
+        PathSegment::Latency(unit) => (unit, "latency"),
+        PathSegment::Fifo(fifo) => (fifo, "FIFO"),
+        PathSegment::Slot(fifo) => (fifo, "slot"),
+        PathSegment::Memory(client, phase) => (client, phase_name(phase)),
+        PathSegment::Rest => (String::new(), "rest"),
     };
     PathPart { resource, what: what.into(), cycles, frames }
 }
 
-fn phase_name(phase: Phase) -> &'static str {
+fn phase_name(phase: RequestPhase) -> &'static str {
     match phase {
-        Phase::Arrival => "arrival",
-        Phase::Bus => "bus",
-        Phase::Bank => "bank",
-        Phase::Data => "data",
-        Phase::Order => "order",
-        Phase::Cache => "cache",
+        RequestPhase::Arrival => "arrival",
+        RequestPhase::Bus => "bus",
+        RequestPhase::Bank => "bank",
+        RequestPhase::Data => "data",
+        RequestPhase::Order => "order",
+        RequestPhase::Cache => "cache",
     }
 }
 
@@ -99,12 +99,12 @@ pub(crate) struct Recorded<'a, S> {
     /// What the user gave of its parameters: `set` is over these.
     pub(crate) given: &'a Given,
     pub(crate) way: Way,
-    pub(crate) reels: &'a [Reel],
+    pub(crate) reels: &'a [RecordingChunk],
     /// Most that timing it more than once may hold beside \[bytes\].
     pub(crate) room: u64,
     pub(crate) run: &'a RunReport,
     /// What the steps of each stage are for, where that was followed.
-    pub(crate) groups: &'a [Groups],
+    pub(crate) groups: &'a [StageGroups],
 }
 
 /// What limits a run, as far as it could be measured.
@@ -168,7 +168,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
     /// What limits the run, and its critical path; none where the machine has no shape.
     pub(crate) fn measure(&self) -> Option<Measured> {
         let shape = self.way.shape(self.spec).ok()?;
-        let tape = Tape::new(self.reels, &shape, self.room);
+        let tape = Recording::new(self.reels, &shape, self.room);
         let (path, mut timed) = self.singles((&tape, &shape)).timed(|cycles| self.saves_much(cycles));
         // Stable: of equals the first in the block diagram is first.
         timed.sort_by_key(|(_, cycles)| *cycles);
@@ -181,7 +181,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
 
     /// The critical path, and what could be saved on it, each alone. The path takes as long as some timings do: meanwhile others time
     /// the busiest units, which are worth it whatever the path is, as a rule.
-    fn singles(&self, of: (&Tape<'_>, &Shape)) -> Progress {
+    fn singles(&self, of: (&Recording<'_>, &Netlist)) -> Progress {
         let early = if threads::workers() > 1 { EARLY } else { 0 };
         let busiest = Candidates { run: self.run, shape: of.1, path: None }.busiest_units(early);
         let mut progress = Progress::default();
@@ -207,7 +207,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
         progress.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn critical_path(&self, tape: &Tape<'_>) -> Option<kernel::CriticalPath> {
+    fn critical_path(&self, tape: &Recording<'_>) -> Option<kernel::CriticalPath> {
         tape.critical_path(self.way.shape(self.spec).ok()?, EVENTS, self.groups).ok()?
     }
 
@@ -225,7 +225,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
     }
 
     /// Pairs of the first few that save more together.
-    fn pairs(&self, of: (&Tape<'_>, &Shape), timed: &[(Ideal, u64)]) -> Vec<(Ideal, u64)> {
+    fn pairs(&self, of: (&Recording<'_>, &Netlist), timed: &[(Ideal, u64)]) -> Vec<(Ideal, u64)> {
         let first = &timed[..timed.len().min(PAIRED)];
         let all = first.iter().enumerate().flat_map(|(n, a)| first[n + 1..].iter().map(move |b| (a, b)));
         let apart: Vec<_> = all.filter(|((a, _), (b, _))| a.resource != b.resource).collect();
@@ -243,7 +243,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
     }
 
     /// Cycles of the frames with these parameters; none where they change what the units do, or do not fit.
-    fn cycles(&self, (tape, recorded): (&Tape<'_>, &Shape), set: &[(String, String)]) -> Option<u64> {
+    fn cycles(&self, (tape, recorded): (&Recording<'_>, &Netlist), set: &[(String, String)]) -> Option<u64> {
         let shape = self.way.shape(&self.given.load::<S>(set).ok()?).ok()?;
         recorded.same_work(&shape).ok()?;
         tape.cycles(shape).ok()?

@@ -7,7 +7,7 @@ use crate::prepared::Prepared;
 use crate::settings::RunInput;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_input::Budget;
-use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Unit};
 use basrelief_machines::FrontConfig;
 use basrelief_signals::{Control, Draw, Scene};
 use basrelief_threads::Later;
@@ -26,7 +26,7 @@ pub fn display_list(scene: &Arc<Scene>, config: &MachineConfig) -> impl Iterator
 
 fn controls(scene: &Arc<Scene>, front: FrontConfig) -> impl Iterator<Item = Control> + use<> {
     let mut geometry = front.geometry_processor();
-    let mut traffic = Traffic::muted();
+    let mut traffic = MemoryPorts::discarding();
     SceneDraws::new(Arc::clone(scene)).filter_map(move |draw| {
         debug_assert_eq!(geometry.demand(), Demand::All, "one draw command, at most one control token");
         geometry.step(Some(draw), &mut traffic).out

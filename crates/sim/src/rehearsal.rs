@@ -9,8 +9,8 @@ use crate::observer::Observer;
 use crate::outcome::SessionError;
 use crate::record::CountedDraws;
 use crate::settings::RunOptions;
-use basrelief_kernel::facts::Value;
-use basrelief_kernel::{self as kernel, Cause, Cycle, Limits, Outcome, Probe, Shape};
+use basrelief_kernel::stats::FigureValue;
+use basrelief_kernel::{self as kernel, Cause, Cycle, Limits, Netlist, Outcome, Probe};
 use basrelief_machines::defer::RunAhead;
 use basrelief_machines::{Draws as _, SceneFront};
 use basrelief_signals::Scene;
@@ -57,7 +57,7 @@ fn run_ahead<S: MachineSpec>(
         pictures.extend(rounds.chain(last));
         observer.progress(0, None)
     };
-    let stages = Shape::of(&mut machine).map(|shape| shape.diagram().stages).unwrap_or_default();
+    let stages = Netlist::of(&mut machine).map(|shape| shape.diagram().stages).unwrap_or_default();
     let taker = stages.iter().position(|stage| stage.name == S::TAKES_TILES);
     let mut came = Came { taker, cycles: Vec::new() };
     let mut probe: &mut dyn Probe = &mut came;
@@ -71,7 +71,7 @@ fn run_ahead<S: MachineSpec>(
     pictures.sort();
     let pictures = report.marks.into_iter().zip(pictures.into_iter().map(|(_, last)| last)).collect();
     let tiles = match machine.facts().get("view_tiles") {
-        Some(Value::Counts(tiles)) => tiles.clone(),
+        Some(FigureValue::Counts(tiles)) => tiles.clone(),
         _ => vec![],
     };
     Ok(Some(RunAhead { pictures, came: came.cycles, tiles }))

@@ -14,8 +14,8 @@ use crate::rehearsal::rehearsed;
 use crate::settings::{RunInput, RunOptions, When};
 use crate::tee::{Tee, TraceNotes};
 use basrelief_deferred_renderer::TileSource;
-use basrelief_kernel::{Machine, NoProbe, Probe, Shape};
-use basrelief_machines::{ConfigProblem, Draws, Facts, SceneFront, TraceFront, numeral_of};
+use basrelief_kernel::{Machine, Netlist, NoProbe, Probe};
+use basrelief_machines::{ConfigProblem, Draws, SceneFront, TraceFront, UnitStats, numeral_of};
 use basrelief_report::model::Input;
 use basrelief_signals::Control;
 use basrelief_timeline::Board;
@@ -58,17 +58,17 @@ pub(crate) enum Way {
 
 impl Way {
     /// The machine behind this way in, without its units.
-    pub(crate) fn shape<S: MachineSpec>(self, spec: &S) -> Result<Shape, ConfigProblem> {
+    pub(crate) fn shape<S: MachineSpec>(self, spec: &S) -> Result<Netlist, ConfigProblem> {
         let shape = match self {
-            Self::Scene => Shape::of(&mut unfed(spec)?),
-            Self::Trace => Shape::of(&mut unfed_trace(spec)?),
+            Self::Scene => Netlist::of(&mut unfed(spec)?),
+            Self::Trace => Netlist::of(&mut unfed_trace(spec)?),
         };
         // Its wiring was checked when it was built.
         shape.map_err(|error| ConfigProblem { key: "wiring".into(), message: error.to_string() })
     }
 
     /// What its units tell before they have done anything.
-    pub(crate) fn facts<S: MachineSpec>(self, spec: &S) -> Result<Facts, ConfigProblem> {
+    pub(crate) fn facts<S: MachineSpec>(self, spec: &S) -> Result<UnitStats, ConfigProblem> {
         match self {
             Self::Scene => unfed(spec).map(|mut machine| machine.facts()),
             Self::Trace => unfed_trace(spec).map(|mut machine| machine.facts()),

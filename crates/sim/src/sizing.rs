@@ -7,7 +7,7 @@
 
 use crate::machines::{MachineSpec, for_machine};
 use crate::tape::{Loaded, TapeFileError};
-use basrelief_kernel::{Outcome, RunReport, Shape};
+use basrelief_kernel::{Netlist, Outcome, RunReport};
 use basrelief_threads as threads;
 use serde::Serialize;
 use std::io::Read;
@@ -149,7 +149,7 @@ impl<'a, S: MachineSpec> Sizing<'a, S> {
 
     /// A tape with these depths; with none, as it was.
     fn timed(&self, tape: &Loaded, depths: &[u32]) -> Result<RunReport, TapeFileError> {
-        Ok(tape.tape.retime(self.shape(tape, depths)?)?)
+        Ok(tape.tape.resimulate(self.shape(tape, depths)?)?)
     }
 
     /// Its cycles; none where it does not come to its end.
@@ -158,7 +158,7 @@ impl<'a, S: MachineSpec> Sizing<'a, S> {
     }
 
     /// The machine of a tape with these depths.
-    fn shape(&self, tape: &Loaded, depths: &[u32]) -> Result<Shape, TapeFileError> {
+    fn shape(&self, tape: &Loaded, depths: &[u32]) -> Result<Netlist, TapeFileError> {
         let set = |(fifo, depth): (&Sized, &u32)| (format!("fifo.{}.depth", fifo.name), depth.to_string());
         let set: Vec<(String, String)> = self.fifos.iter().zip(depths).map(set).collect();
         let spec: S = tape.given.load(&set).map_err(|error| TapeFileError::Config(error.to_string()))?;

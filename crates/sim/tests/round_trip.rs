@@ -1,7 +1,7 @@
 //! Scene to trace and back: what a recorded display list draws, and when.
 
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::{Traffic, Unit};
+use basrelief_kernel::{MemoryPorts, Unit};
 use basrelief_machines::FrontConfig;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_parameters::load;
@@ -84,7 +84,7 @@ fn tail(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> u64 {
     let mut geometry = FrontConfig::from(config).geometry_processor();
     let mut replayed = 0;
     for draw in SceneDraws::new(Arc::clone(scene)) {
-        match geometry.step(Some(draw), &mut Traffic::default()).out {
+        match geometry.step(Some(draw), &mut MemoryPorts::default()).out {
             Some(Control::Polygon(polygon)) => replayed = polygon.arrival,
             Some(_) => replayed += 1,
             None => {}

@@ -1,7 +1,7 @@
 //! The machine and the run that the tests of this crate draw.
 
 use crate::Board;
-use basrelief_kernel::{Engine, RunReport, Shape};
+use basrelief_kernel::{Engine, Netlist, RunReport};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine};
 
 /// Source, unit with a memory client, sink.
@@ -15,5 +15,5 @@ pub fn run() -> RunReport {
 
 /// The machine of [`plan`], as a time line shows it.
 pub fn board() -> Board {
-    Board::new("plan", 0, Shape::of(&mut PlanMachine::new(&plan()).unwrap()).unwrap().diagram())
+    Board::new("plan", 0, Netlist::of(&mut PlanMachine::new(&plan()).unwrap()).unwrap().diagram())
 }

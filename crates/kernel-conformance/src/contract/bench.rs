@@ -2,7 +2,7 @@
 
 use super::client_kind::ClientKind;
 use super::ends::{Back, Emitted, Front, Popped};
-use super::environment::Surroundings;
+use super::environment::TestEnvironment;
 use super::subject::{AfterStep, Subject};
 use basrelief_kernel::{Machine, MemorySystem, Stage, Unit, Visitor};
 
@@ -29,7 +29,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         tokens: <U::In as Popped>::Tokens,
         expected: Option<<U::Out as Emitted>::Tokens>,
         clients: &[ClientKind],
-        setting: &Surroundings,
+        setting: &TestEnvironment,
     ) -> Self {
         Self::with_hook((unit, None), tokens, expected, clients, setting)
     }
@@ -40,7 +40,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         tokens: <U::In as Popped>::Tokens,
         expected: Option<<U::Out as Emitted>::Tokens>,
         clients: &[ClientKind],
-        setting: &Surroundings,
+        setting: &TestEnvironment,
     ) -> Self {
         let mut memories = MemorySystem::default();
         let memory = memories.add_memory("memory", &setting.memory());

@@ -1,7 +1,7 @@
 //! The unit contract.
 
 use super::subject::AfterStep;
-use super::{Bench, ClientKind, Emitted, Popped, Surroundings};
+use super::{Bench, ClientKind, Emitted, Popped, TestEnvironment};
 use basrelief_kernel::{Engine, Outcome, RunReport, Unit, run, run_functional};
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Display;
@@ -10,7 +10,7 @@ use std::rc::Rc;
 /// A promise that a unit broke.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{place}: {what}")]
-pub struct Broken {
+pub struct ContractViolation {
     /// Which run broke it.
     pub place: String,
     /// What was seen, and what was expected.
@@ -52,21 +52,21 @@ pub struct Contract<U: Unit<In: Popped>> {
 }
 
 /// The settings that a unit is tried in.
-fn settings() -> Vec<Surroundings> {
+fn settings() -> Vec<TestEnvironment> {
     let mut all = Vec::new();
     for depth in [1, 2, 16] {
-        let plain = Surroundings { depth, latency: 1, ..Surroundings::default() };
+        let plain = TestEnvironment { depth, latency: 1, ..TestEnvironment::default() };
         all.push(plain.clone());
-        all.push(Surroundings { latency: 3, sink_occupancy: vec![1, 1, 23, 1, 4], ..plain.clone() });
-        all.push(Surroundings { latency: 2, source_gaps: vec![0, 31, 0, 5], ..plain.clone() });
-        all.push(Surroundings { slow_memory: true, ..plain });
+        all.push(TestEnvironment { latency: 3, sink_occupancy: vec![1, 1, 23, 1, 4], ..plain.clone() });
+        all.push(TestEnvironment { latency: 2, source_gaps: vec![0, 31, 0, 5], ..plain.clone() });
+        all.push(TestEnvironment { slow_memory: true, ..plain });
     }
     all
 }
 
 /// One that shows most and costs least: nothing but the unit limits the run.
-fn plain() -> Surroundings {
-    Surroundings { depth: 16, latency: 1, ..Surroundings::default() }
+fn plain() -> TestEnvironment {
+    TestEnvironment { depth: 16, latency: 1, ..TestEnvironment::default() }
 }
 
 impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
@@ -97,7 +97,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// The first that is broken.
-    pub fn check_all(&self) -> Result<(), Broken> {
+    pub fn check_all(&self) -> Result<(), ContractViolation> {
         self.reset_is_idempotent()?;
         self.runs_are_deterministic()?;
         self.no_token_is_lost_or_doubled()?;
@@ -113,7 +113,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// Names the first difference.
-    pub fn reset_is_idempotent(&self) -> Result<(), Broken> {
+    pub fn reset_is_idempotent(&self) -> Result<(), ContractViolation> {
         let setting = plain();
         let (first, used) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
         let mut again = used.unit().clone();
@@ -127,7 +127,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// Names the first difference.
-    pub fn runs_are_deterministic(&self) -> Result<(), Broken> {
+    pub fn runs_are_deterministic(&self) -> Result<(), ContractViolation> {
         for setting in settings() {
             let (first, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
             let (second, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
@@ -140,7 +140,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// Names the first token that differs and the cycle in which it came.
-    pub fn no_token_is_lost_or_doubled(&self) -> Result<(), Broken> {
+    pub fn no_token_is_lost_or_doubled(&self) -> Result<(), ContractViolation> {
         for engine in [Engine::Timed, Engine::Ticked] {
             self.run(self.fresh.clone(), engine, &plain())?;
         }
@@ -151,7 +151,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// Names the first token that differs and the cycle in which it came.
-    pub fn back_pressure_changes_no_token(&self) -> Result<(), Broken> {
+    pub fn back_pressure_changes_no_token(&self) -> Result<(), ContractViolation> {
         let expected = self.final_state(self.functional()?.unit())?;
         for setting in settings() {
             let (_, bench) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
@@ -167,7 +167,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// Names the client, what was needed and what was declared.
-    pub fn steps_keep_within_largest_step(&self) -> Result<(), Broken> {
+    pub fn steps_keep_within_largest_step(&self) -> Result<(), ContractViolation> {
         for setting in settings() {
             let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &setting);
             if let Outcome::Fault(text) = run(&mut bench, Engine::Timed).outcome {
@@ -182,7 +182,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// Says what was lost, or which token came out differently.
-    pub fn state_round_trips(&self) -> Result<(), Broken> {
+    pub fn state_round_trips(&self) -> Result<(), ContractViolation> {
         let StateOf { write, read } = self.state.clone();
         let fresh = self.fresh.clone();
         let trip: AfterStep<U> = Rc::new(move |unit: &mut U| {
@@ -193,7 +193,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
             if after == before { Ok(()) } else { Err(format!("the state was {before}, and is {after} after a round trip")) }
         });
         let unit = (self.fresh.clone(), Some(trip));
-        let setting = Surroundings { depth: 2, ..plain() };
+        let setting = TestEnvironment { depth: 2, ..plain() };
         let expected = self.functional()?.tokens();
         let mut bench = Bench::with_hook(unit, self.tokens.clone(), Some(expected), &self.clients, &setting);
         place("state through JSON after every step", completed(&run(&mut bench, Engine::Timed)))
@@ -203,7 +203,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// Names the unit or FIFO and both sums.
-    pub fn accounting_sums_to_the_total(&self) -> Result<(), Broken> {
+    pub fn accounting_sums_to_the_total(&self) -> Result<(), ContractViolation> {
         for setting in settings() {
             let (report, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
             let units = report.units.iter().map(|u| (&u.name, u.account.total()));
@@ -219,7 +219,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// Names the first part that differs.
-    pub fn engines_report_the_same(&self) -> Result<(), Broken> {
+    pub fn engines_report_the_same(&self) -> Result<(), ContractViolation> {
         for setting in settings() {
             let (timed, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
             let (ticked, _) = self.run(self.fresh.clone(), Engine::Ticked, &setting)?;
@@ -232,7 +232,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     ///
     /// # Errors
     /// Says what is left.
-    pub fn nothing_is_left_at_the_end(&self) -> Result<(), Broken> {
+    pub fn nothing_is_left_at_the_end(&self) -> Result<(), ContractViolation> {
         for setting in settings() {
             let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &setting);
             let report = run(&mut bench, Engine::Timed);
@@ -245,14 +245,14 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     }
 
     /// A functional run of the fresh unit.
-    fn functional(&self) -> Result<Bench<U>, Broken> {
+    fn functional(&self) -> Result<Bench<U>, ContractViolation> {
         let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &plain());
         place("functional model", run_functional(&mut bench, &mut |_| true))?;
         Ok(bench)
     }
 
     /// A complete run, with sinks that expect the tokens of the functional model.
-    fn run(&self, unit: U, engine: Engine, setting: &Surroundings) -> Result<(RunReport, Bench<U>), Broken> {
+    fn run(&self, unit: U, engine: Engine, setting: &TestEnvironment) -> Result<(RunReport, Bench<U>), ContractViolation> {
         let expected = self.functional()?.tokens();
         let mut bench = Bench::new(unit, self.tokens.clone(), Some(expected), &self.clients, setting);
         let report = run(&mut bench, engine);
@@ -261,14 +261,14 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     }
 
     /// The unit's state as JSON; nothing where the contract knows none.
-    fn final_state(&self, unit: &U) -> Result<String, Broken> {
+    fn final_state(&self, unit: &U) -> Result<String, ContractViolation> {
         place("final state", (self.state.write)(unit))
     }
 }
 
 /// Says where an error was seen.
-fn place<T>(place: impl Display, result: Result<T, String>) -> Result<T, Broken> {
-    result.map_err(|what| Broken { place: place.to_string(), what })
+fn place<T>(place: impl Display, result: Result<T, String>) -> Result<T, ContractViolation> {
+    result.map_err(|what| ContractViolation { place: place.to_string(), what })
 }
 
 fn completed(report: &RunReport) -> Result<(), String> {

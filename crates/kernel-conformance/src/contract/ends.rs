@@ -1,6 +1,6 @@
 //! The two sides of a bench: what feeds each shape of input, and what collects each shape of output.
 
-use super::environment::Surroundings;
+use super::environment::TestEnvironment;
 use basrelief_kernel::{Fifo, Inputs, Outputs, Sink, Source, Stage, Visitor};
 use std::fmt::Debug;
 
@@ -11,7 +11,7 @@ pub trait Popped: Sized {
     /// The sources with their FIFOs.
     type Front: Front<Item = Self>;
     /// Sources of `tokens`.
-    fn front(tokens: Self::Tokens, setting: &Surroundings) -> Self::Front;
+    fn front(tokens: Self::Tokens, setting: &TestEnvironment) -> Self::Front;
 }
 
 /// Sources with their FIFOs.
@@ -35,7 +35,7 @@ pub trait Emitted: Sized {
     /// The sinks with their FIFOs.
     type Back: Back<Item = Self, Tokens = Self::Tokens>;
     /// Sinks that expect `tokens`, if given.
-    fn back(tokens: Option<Self::Tokens>, setting: &Surroundings) -> Self::Back;
+    fn back(tokens: Option<Self::Tokens>, setting: &TestEnvironment) -> Self::Back;
 }
 
 /// Sinks with their FIFOs.
@@ -64,7 +64,7 @@ pub struct Inlet<T> {
 }
 
 impl<T> Inlet<T> {
-    fn new(n: usize, tokens: Vec<T>, setting: &Surroundings) -> Self {
+    fn new(n: usize, tokens: Vec<T>, setting: &TestEnvironment) -> Self {
         let source = Source::new(tokens).with_gaps(&setting.source_gaps);
         let fifo = Fifo::new(&format!("input_{n}"), setting.depth, setting.latency);
         Self { stage: Stage::new(&format!("source_{n}"), source), fifo }
@@ -79,7 +79,7 @@ pub struct Outlet<T> {
 }
 
 impl<T: Debug + PartialEq> Outlet<T> {
-    fn new(n: usize, tokens: Option<Vec<T>>, setting: &Surroundings) -> Self {
+    fn new(n: usize, tokens: Option<Vec<T>>, setting: &TestEnvironment) -> Self {
         let sink = tokens.map_or_else(Sink::new, Sink::expect).with_occupancy(&setting.sink_occupancy);
         let fifo = Fifo::new(&format!("output_{n}"), setting.depth, setting.latency);
         Self { stage: Stage::new(&format!("sink_{n}"), sink), fifo }
@@ -89,7 +89,7 @@ impl<T: Debug + PartialEq> Outlet<T> {
 impl Popped for () {
     type Tokens = ();
     type Front = ();
-    fn front((): (), _: &Surroundings) {}
+    fn front((): (), _: &TestEnvironment) {}
 }
 
 impl Front for () {
@@ -102,7 +102,7 @@ impl Front for () {
 impl<A: Clone> Popped for Option<A> {
     type Tokens = Vec<A>;
     type Front = Inlet<A>;
-    fn front(tokens: Vec<A>, setting: &Surroundings) -> Inlet<A> {
+    fn front(tokens: Vec<A>, setting: &TestEnvironment) -> Inlet<A> {
         Inlet::new(0, tokens, setting)
     }
 }
@@ -124,7 +124,7 @@ impl<A> Front for Inlet<A> {
 impl<A: Clone, B: Clone> Popped for (Option<A>, Option<B>) {
     type Tokens = (Vec<A>, Vec<B>);
     type Front = (Inlet<A>, Inlet<B>);
-    fn front((a, b): (Vec<A>, Vec<B>), setting: &Surroundings) -> Self::Front {
+    fn front((a, b): (Vec<A>, Vec<B>), setting: &TestEnvironment) -> Self::Front {
         (Inlet::new(0, a, setting), Inlet::new(1, b, setting))
     }
 }
@@ -148,7 +148,7 @@ impl<A, B> Front for (Inlet<A>, Inlet<B>) {
 impl Emitted for () {
     type Tokens = ();
     type Back = ();
-    fn back(_: Option<()>, _: &Surroundings) {}
+    fn back(_: Option<()>, _: &TestEnvironment) {}
 }
 
 impl Back for () {
@@ -163,7 +163,7 @@ impl Back for () {
 impl<A: Clone + Debug + PartialEq> Emitted for Option<A> {
     type Tokens = Vec<A>;
     type Back = Outlet<A>;
-    fn back(tokens: Option<Vec<A>>, setting: &Surroundings) -> Outlet<A> {
+    fn back(tokens: Option<Vec<A>>, setting: &TestEnvironment) -> Outlet<A> {
         Outlet::new(0, tokens, setting)
     }
 }
@@ -189,7 +189,7 @@ impl<A: Clone + Debug + PartialEq> Back for Outlet<A> {
 impl<A: Clone + Debug + PartialEq, B: Clone + Debug + PartialEq> Emitted for (Option<A>, Option<B>) {
     type Tokens = (Vec<A>, Vec<B>);
     type Back = (Outlet<A>, Outlet<B>);
-    fn back(tokens: Option<(Vec<A>, Vec<B>)>, setting: &Surroundings) -> Self::Back {
+    fn back(tokens: Option<(Vec<A>, Vec<B>)>, setting: &TestEnvironment) -> Self::Back {
         let (a, b) = tokens.unzip();
         (Outlet::new(0, a, setting), Outlet::new(1, b, setting))
     }

@@ -1,11 +1,11 @@
-//! Surroundings of the unit under test.
+//! TestEnvironment of the unit under test.
 
 use basrelief_kernel::{CacheConfig, MemoryConfig};
 use std::fmt;
 
 /// What surrounds the unit in one run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Surroundings {
+pub struct TestEnvironment {
     /// Slots of every FIFO.
     pub depth: usize,
     /// Cycles from delivery to visibility, of every FIFO.
@@ -18,7 +18,7 @@ pub struct Surroundings {
     pub slow_memory: bool,
 }
 
-impl fmt::Display for Surroundings {
+impl fmt::Display for TestEnvironment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { depth, latency, source_gaps, sink_occupancy, slow_memory } = self;
         let memory = if *slow_memory { "slow" } else { "fast" };
@@ -27,7 +27,7 @@ impl fmt::Display for Surroundings {
     }
 }
 
-impl Surroundings {
+impl TestEnvironment {
     pub(super) fn memory(&self) -> MemoryConfig {
         let slow = MemoryConfig { banks: 1, burst_cycles: 7, cl: 40, rcd: 23, rp: 17, ..MemoryConfig::default() };
         if self.slow_memory { slow } else { MemoryConfig::default() }

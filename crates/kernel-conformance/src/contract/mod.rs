@@ -3,7 +3,7 @@
 //! A unit crate states its contract once per configuration worth testing. The macro makes a module of tests of it:
 //!
 //! ```
-//! use basrelief_kernel::{Demand, Step, Traffic, Unit};
+//! use basrelief_kernel::{Demand, Step, MemoryPorts, Unit};
 //! use basrelief_kernel_conformance::unit_contract;
 //!
 //! /// Sums what it reads about each token; keeps a read of 8 bytes and a cached table look-up per step.
@@ -18,7 +18,7 @@
 //!     fn demand(&self) -> Demand {
 //!         Demand::All
 //!     }
-//!     fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+//!     fn step(&mut self, input: Option<u64>, traffic: &mut MemoryPorts) -> Step<Option<u64>> {
 //!         let token = input.unwrap_or(0);
 //!         traffic.read(0, 8 * token, 8);
 //!         traffic.look_up(1, 4 * token, 4);
@@ -45,7 +45,7 @@
 //! Contract::new(Sum::default(), (0..100).collect(), |unit| unit.state, |unit, state| unit.state = state)
 //!     .clients(&[ClientKind::Port, ClientKind::Cache { line_bytes: 64 }])
 //!     .check_all()?;
-//! # Ok::<(), basrelief_kernel_conformance::contract::Broken>(())
+//! # Ok::<(), basrelief_kernel_conformance::contract::ContractViolation>(())
 //! ```
 //!
 //! The state is plain data: it goes through JSON after every step, and a fresh unit goes on with it. A unit of another shape
@@ -65,10 +65,10 @@ mod subject;
 #[doc(hidden)]
 pub use basrelief_kernel::Unit;
 pub use bench::Bench;
-pub use check::{Broken, Contract};
+pub use check::{Contract, ContractViolation};
 pub use client_kind::ClientKind;
 pub use ends::{Back, Emitted, Front, Inlet, Outlet, Popped};
-pub use environment::Surroundings;
+pub use environment::TestEnvironment;
 
 /// The unit contract as a module of tests, one per promise of [`Contract`](crate::contract::Contract). It demands the unit's
 /// state, or the word `stateless`. See the [module](crate::contract) for an example.

@@ -1,6 +1,6 @@
 //! The unit under test. What its steps ask of memories is the kernel's to watch, here as in any machine.
 
-use basrelief_kernel::{Demand, Role, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit, UnitInfo};
 use std::rc::Rc;
 
 /// What is done to the unit after each step; an error is a fault.
@@ -14,7 +14,7 @@ pub(super) struct Subject<U> {
 }
 
 impl<U: Unit> Unit for Subject<U> {
-    const ROLE: Role = U::ROLE;
+    const INFO: UnitInfo = U::INFO;
     type In = U::In;
     type Out = U::Out;
 
@@ -22,7 +22,7 @@ impl<U: Unit> Unit for Subject<U> {
         self.unit.demand()
     }
 
-    fn step(&mut self, input: U::In, traffic: &mut Traffic) -> Step<U::Out> {
+    fn step(&mut self, input: U::In, traffic: &mut MemoryPorts) -> Step<U::Out> {
         let step = self.unit.step(input, traffic);
         if let Some(Err(text)) = self.after_step.clone().map(|hook| hook(&mut self.unit)) {
             traffic.fault(text);

@@ -1,7 +1,7 @@
 //! The units of a plan.
 
 use super::format::{Kind, PlannedUnit};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 
 /// A token of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +57,7 @@ impl PlanUnit {
                 let token = Token { id: self.steps, last: self.steps + 1 == tokens };
                 (self.everywhere(token), token.id)
             }
-            Kind::Work | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (self.everywhere(first), first.id),
+            Kind::OperatorCounts | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (self.everywhere(first), first.id),
             Kind::Join => {
                 let token = Token { last: taken.iter().flatten().any(|t| t.last), ..first };
                 (self.everywhere(token), token.id)
@@ -83,7 +83,7 @@ impl PlanUnit {
         }
     }
 
-    fn issue(&self, id: u64, traffic: &mut Traffic) {
+    fn issue(&self, id: u64, traffic: &mut MemoryPorts) {
         match &self.plan.kind {
             Kind::Access { requests } => {
                 for (r, &client) in requests.iter().zip(&self.clients) {
@@ -130,7 +130,7 @@ impl Unit for PlanUnit {
         }
     }
 
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let (out, id) = self.emit(&input);
         self.issue(id, traffic);
         if self.plan.outputs.is_empty() {

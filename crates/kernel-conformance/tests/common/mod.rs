@@ -4,8 +4,8 @@
 pub mod random;
 
 use basrelief_kernel::{
-    Cause, Cycle, Engine, Limits, Machine, MemoryConfig, NoProbe, Outcome, Part, Probe, Recorder, RunReport, Shape, UnitReport,
-    make_steps, retime, run, run_functional, run_recorded, run_with, tape::Reel, time_steps,
+    Cause, Cycle, Engine, Limits, Machine, MemoryConfig, MemoryPart, Netlist, NoProbe, Outcome, Probe, Recorder, RunReport,
+    UnitReport, make_steps, recording::RecordingChunk, resimulate, run, run_functional, run_recorded, run_with, time_steps,
 };
 use basrelief_kernel_conformance::plan::{
     Kind, Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token,
@@ -23,7 +23,7 @@ impl Draw {
         draw.fifo("a", 1, 1)
             .fifo("b", 2, 1)
             .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
-            .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
+            .unit("work", Kind::OperatorCounts, ["a", "b"], &[3], &[2])
             .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
         draw
     }
@@ -57,7 +57,7 @@ impl Draw {
 /// view to column: hit 0, closed 2, conflict 4 + 2 cycles; 3 more to the data. All differ, so that a mix-up shows.
 pub fn small_memory() -> PlanMemory {
     let config = MemoryConfig {
-        part: Part::Custom,
+        part: MemoryPart::Custom,
         channels: 1,
         channel_bytes: 64,
         window: 4,
@@ -106,16 +106,16 @@ pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
 }
 
 /// Report and tape of a run whose steps are made first, and timed then.
-pub fn apart<M: Machine>(mut machine: impl FnMut() -> M) -> (RunReport, Vec<Reel>) {
+pub fn apart<M: Machine>(mut machine: impl FnMut() -> M) -> (RunReport, Vec<RecordingChunk>) {
     let mut pieces = Vec::new();
     make_steps(&mut machine(), &mut |_| true, (40, &mut |piece| pieces.push(piece))).unwrap();
     let (mut pieces, mut reels) = (pieces.into_iter(), Vec::new());
-    let shape = Shape::of(&mut machine()).unwrap();
+    let shape = Netlist::of(&mut machine()).unwrap();
     (time_steps(shape, &mut || pieces.next(), Some((64, &mut |reel| reels.push(reel)))), reels)
 }
 
 /// The stream of each stage, in one piece.
-pub fn streams(tape: &[Reel]) -> Vec<Vec<u8>> {
+pub fn streams(tape: &[RecordingChunk]) -> Vec<Vec<u8>> {
     let stages = tape[0].streams().count();
     let whole = |stage| tape.iter().flat_map(|reel| reel.streams().nth(stage).unwrap().iter().copied()).collect();
     (0..stages).map(whole).collect()
@@ -131,7 +131,7 @@ pub fn fault<M: Machine>(machine: impl Fn() -> M) -> String {
 }
 
 /// The tape of a run.
-pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<Reel> {
+pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<RecordingChunk> {
     let mut reels = Vec::new();
     let limits = Limits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
     run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, (64, &mut |reel| reels.push(reel)));
@@ -139,11 +139,11 @@ pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<Reel> {
 }
 
 /// The same work on a machine by `plan`: the report and what every unit did when.
-pub fn retimed(tape: &[Reel], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
+pub fn retimed(tape: &[RecordingChunk], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     let mut intervals = Recorder::default();
     let mut reels = tape.iter().map(Cow::Borrowed);
-    let shape = Shape::of(&mut machine(plan)).unwrap();
-    let report = retime(shape, &mut |_| Ok(reels.next()), &mut intervals, max_cycles);
+    let shape = Netlist::of(&mut machine(plan)).unwrap();
+    let report = resimulate(shape, &mut |_| Ok(reels.next()), &mut intervals, max_cycles);
     (report.unwrap_or_else(|error| panic!("{error}: {}", serde_json::to_string(plan).unwrap())), intervals)
 }
 

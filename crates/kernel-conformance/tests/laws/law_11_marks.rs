@@ -1,7 +1,7 @@
 //! Mark k is passed in the cycle in which the marked step delivers; marks[k] = end(k) - end(k-1); the rest is drain.
 
-use basrelief_kernel::{Demand, Engine, RunReport, Step, Traffic, Unit, run};
-use basrelief_kernel_conformance::contract::{Bench, ClientKind, Surroundings};
+use basrelief_kernel::{Demand, Engine, MemoryPorts, RunReport, Step, Unit, run};
+use basrelief_kernel_conformance::contract::{Bench, ClientKind, TestEnvironment};
 
 /// Marks every third step; looks up the same line in each.
 #[derive(Clone)]
@@ -15,7 +15,7 @@ impl Unit for Marker {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, input: Option<u32>, traffic: &mut Traffic) -> Step<Option<u32>> {
+    fn step(&mut self, input: Option<u32>, traffic: &mut MemoryPorts) -> Step<Option<u32>> {
         if self.clients {
             traffic.look_up(0, 0, 4);
         }
@@ -28,7 +28,7 @@ impl Unit for Marker {
 }
 
 fn both(clients: bool, gaps: &[u64]) -> RunReport {
-    let setting = Surroundings { depth: 16, latency: 1, source_gaps: gaps.to_vec(), ..Surroundings::default() };
+    let setting = TestEnvironment { depth: 16, latency: 1, source_gaps: gaps.to_vec(), ..TestEnvironment::default() };
     let clients: &[ClientKind] = if clients { &[ClientKind::Cache { line_bytes: 64 }] } else { &[] };
     let unit = Marker { clients: !clients.is_empty() };
     let [timed, ticked] = [Engine::Timed, Engine::Ticked]

@@ -2,8 +2,8 @@
 //! has a slot - also when the step turns out to emit nothing there - and every port has credits for the largest step.
 
 use super::common::{Draw, fault, small_memory, starts};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_kernel_conformance::contract::{Bench, Surroundings};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
+use basrelief_kernel_conformance::contract::{Bench, TestEnvironment};
 use basrelief_kernel_conformance::plan::{Kind, PlanRequest};
 
 #[test]
@@ -91,14 +91,14 @@ impl Unit for Timeless {
     fn demand(&self) -> Demand {
         Demand::All
     }
-    fn step(&mut self, input: Option<u8>, _: &mut Traffic) -> Step<Option<u8>> {
+    fn step(&mut self, input: Option<u8>, _: &mut MemoryPorts) -> Step<Option<u8>> {
         Step::after(0, input).busy(0)
     }
 }
 
 #[test]
 fn an_occupancy_of_0_is_a_fault() {
-    let setting = Surroundings { depth: 1, latency: 1, ..Surroundings::default() };
+    let setting = TestEnvironment { depth: 1, latency: 1, ..TestEnvironment::default() };
     let text = "unit, cycle 1: a step kept its unit for 0 cycles, expected at least 1 (law 3)";
     assert_eq!(fault(|| Bench::new(Timeless, vec![1], None, &[], &setting)), text);
 }

@@ -3,7 +3,7 @@
 
 use super::common::{Draw, report, small_memory, swallowed};
 use basrelief_kernel::Request;
-use basrelief_kernel::{MemoryConfig, Outcome, Traffic};
+use basrelief_kernel::{MemoryConfig, MemoryPorts, Outcome};
 use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
 
 /// A reader and a cached client of one memory, before and behind a router and a merge.
@@ -43,7 +43,7 @@ fn tokens_do_not_depend_on_the_memory() {
 
 #[test]
 fn the_handle_takes_requests_and_tells_nothing() {
-    let mut timed = Traffic::default();
+    let mut timed = MemoryPorts::default();
     timed.read(0, 16, 4);
     timed.write(1, 32, 8);
     timed.look_up(2, 48, 2);
@@ -53,7 +53,7 @@ fn the_handle_takes_requests_and_tells_nothing() {
     );
     assert_eq!(timed.look_ups(), [Request { client: 2, write: false, address: 48, bytes: 2 }]);
     // The functional model's takes the same calls, and keeps no account.
-    let mut muted = Traffic::muted();
+    let mut muted = MemoryPorts::discarding();
     muted.read(0, 16, 4);
     muted.write(1, 32, 8);
     muted.look_up(2, 48, 2);

@@ -2,8 +2,8 @@
 //! is an ordinary FIFO.
 
 use super::common::{Draw, apart, fault, report, swallowed};
-use basrelief_kernel::{Demand, Engine, Outcome, Step, Traffic, Unit, run, run_functional};
-use basrelief_kernel_conformance::contract::{Bench, Surroundings};
+use basrelief_kernel::{Demand, Engine, MemoryPorts, Outcome, Step, Unit, run, run_functional};
+use basrelief_kernel_conformance::contract::{Bench, TestEnvironment};
 use basrelief_kernel_conformance::plan::Kind;
 
 #[test]
@@ -62,7 +62,7 @@ impl Unit for Batch {
         if self.flushing { Demand::Nothing } else { Demand::All }
     }
 
-    fn step(&mut self, input: Option<Flow>, traffic: &mut Traffic) -> Step<Option<Flow>> {
+    fn step(&mut self, input: Option<Flow>, traffic: &mut MemoryPorts) -> Step<Option<Flow>> {
         match input {
             Some(Flow::Item(_)) if self.held.len() == self.room => {
                 traffic.fault(format!("more than {} items in a batch; give `batch.room` more", self.room));
@@ -85,7 +85,7 @@ impl Unit for Batch {
 }
 
 fn bench(room: usize, tokens: Vec<Flow>) -> Bench<Batch> {
-    let setting = Surroundings { depth: 2, latency: 1, ..Surroundings::default() };
+    let setting = TestEnvironment { depth: 2, latency: 1, ..TestEnvironment::default() };
     Bench::new(Batch { room, scale: 1, held: vec![], flushing: false }, tokens, None, &[], &setting)
 }
 

@@ -2,7 +2,7 @@
 //! text. Total = 1 + the last cycle in which a unit was busy, a token became visible, or a memory moved data.
 
 use super::common::{Draw, account, report, run_both};
-use basrelief_kernel::{Engine, Fill, Limits, Outcome, Stuck, WaitsFor, run_with};
+use basrelief_kernel::{BlockedUnit, Engine, FifoLevel, Limits, Outcome, WaitsFor, run_with};
 use basrelief_kernel_conformance::plan::{Kind, Plan};
 
 fn wire(tokens: u64, source: (u64, u64), sink: u64) -> Plan {
@@ -79,8 +79,8 @@ fn too_little_room_is_a_deadlock_that_names_units_fifos_and_fill() {
     );
     assert_eq!(report.outcome, run_both(&batch_beside(2), 1000).0.outcome);
     // As data: the slots that are missing, and who waits for whom in a circle.
-    let full = Fill { fifo: "b".into(), held: 2, depth: 2 };
-    assert_eq!(deadlock.stuck[1], Stuck { unit: "fork".into(), waits_for: WaitsFor::Slot(full) });
+    let full = FifoLevel { fifo: "b".into(), held: 2, depth: 2 };
+    assert_eq!(deadlock.stuck[1], BlockedUnit { unit: "fork".into(), waits_for: WaitsFor::Slot(full) });
     assert_eq!(deadlock.circle, ["fork", "join", "expand", "gather"]);
 }
 

@@ -1,6 +1,6 @@
 //! What a channel's commands go by: the times that follow from its parameters, its banks, and what is found out of a command.
 
-use crate::counts::Row;
+use crate::counts::RowOutcome;
 use crate::{Cycle, MemoryConfig};
 
 /// Row of a closed bank: more than any row can be, as rows have 4 bytes and more.
@@ -20,9 +20,9 @@ pub(super) struct Bank {
 
 /// When the column command of a burst can go, were it the next, and what goes before it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Column {
+pub(super) struct ColumnCommand {
     pub(super) at: Cycle,
-    pub(super) row: Row,
+    pub(super) row: RowOutcome,
     pub(super) activation: Cycle,
     /// The refresh after it.
     pub(super) until: Cycle,
@@ -30,7 +30,7 @@ pub(super) struct Column {
 
 /// The times of a channel that follow from its parameters, by direction where there are two: read, write.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Timing {
+pub(super) struct ChannelTiming {
     /// From a column command in one direction to the next, in each.
     pub(super) gaps: [[u64; 2]; 2],
     /// From column command to the end of its data.
@@ -47,7 +47,7 @@ pub(super) struct Timing {
     pub(super) burst_cycles: u64,
 }
 
-impl Timing {
+impl ChannelTiming {
     pub(super) fn new(c: &MemoryConfig) -> Self {
         let [cl, cwl, burst] = [c.cl, c.cwl, c.burst_cycles].map(u64::from);
         let read_to_write = burst.max((cl + burst + 1).saturating_sub(cwl));

@@ -1,10 +1,10 @@
 //! What all engines share: limits, recordings, and the states of units between rounds.
 
-use super::work::Survey;
+use super::step_source::UnitStates;
 use crate::machine::Machine;
-use crate::tape::{Reel, Writer};
-use crate::time::{Rest, Time};
-use crate::{Cycle, Traffic};
+use crate::recording::{RecordingChunk, RecordingWriter};
+use crate::time::{FinalUnitState, MachineTiming};
+use crate::{Cycle, MemoryPorts};
 
 /// Bounds of a run and what to do as it goes.
 pub struct Limits<'a, M> {
@@ -16,30 +16,30 @@ pub struct Limits<'a, M> {
 }
 
 /// What is left of each unit.
-pub(super) fn rests(machine: &mut impl Machine) -> Vec<Rest> {
-    let mut survey = Survey::default();
+pub(super) fn unit_states(machine: &mut impl Machine) -> Vec<FinalUnitState> {
+    let mut survey = UnitStates::default();
     machine.wire(&mut survey);
     survey.0
 }
 
 /// A tape under way.
-pub(super) struct Recording<'a> {
-    pub(super) writer: &'a mut Writer,
-    pub(super) keep: &'a mut dyn FnMut(Reel),
+pub(super) struct ActiveRecording<'a> {
+    pub(super) writer: &'a mut RecordingWriter,
+    pub(super) keep: &'a mut dyn FnMut(RecordingChunk),
 }
 
 /// Between rounds: hands on what is written of a tape, where it is worth a reel, and shows the machine to who looks on, with its
 /// memories as they are by now: they are the engine's while it runs.
 pub(super) fn look<M: Machine>(
     machine: &mut M,
-    time: &mut Time,
-    (tape, keep): (&mut Option<&mut Writer>, &mut Option<&mut dyn FnMut(Reel)>),
+    time: &mut MachineTiming,
+    (tape, keep): (&mut Option<&mut RecordingWriter>, &mut Option<&mut dyn FnMut(RecordingChunk)>),
     progress: &mut dyn FnMut(&mut M) -> bool,
 ) -> bool {
     if let (Some(writer), Some(keep)) = (tape, keep)
         && writer.is_full()
     {
-        keep(writer.reel(rests(machine), false));
+        keep(writer.reel(unit_states(machine), false));
     }
     std::mem::swap(machine.memories(), &mut time.memories);
     let goes_on = progress(machine);
@@ -48,7 +48,7 @@ pub(super) fn look<M: Machine>(
 }
 
 /// A fault, prefixed with the unit that raised it and, where there is time, the cycle in which its step started.
-pub(super) fn fault_of(traffic: &mut Traffic, name: &str, start: Option<Cycle>) -> Option<String> {
+pub(super) fn fault_of(traffic: &mut MemoryPorts, name: &str, start: Option<Cycle>) -> Option<String> {
     let cycle = start.map_or_else(String::new, |start| format!(", {start}"));
     traffic.fault.take().map(|f| format!("{name}{cycle}: {f}"))
 }

@@ -1,16 +1,16 @@
 //! The functional model: the same steps, without time; memories answer at once (law 6). What it does can be handed on to who tells the
 //! times meanwhile.
 
-use super::batch::{Piece, Steps};
-use super::context::{fault_of, rests};
-use super::work::{Live, Work};
+use super::batch::{StageSteps, StepBatch};
+use super::context::{fault_of, unit_states};
+use super::step_source::{StepSource, UnitSteps};
+use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
-use crate::place::Place;
 use crate::wires::{Inputs, Outputs};
-use crate::{Connections, Demand, Traffic, Unit};
+use crate::{Connections, Demand, MemoryPorts, Unit};
 
-struct Walk {
-    traffic: Traffic,
+struct FunctionalWalk {
+    traffic: MemoryPorts,
     stage: usize,
     /// Steps made, in all, and of these handed on.
     steps: usize,
@@ -18,7 +18,7 @@ struct Walk {
     /// A stage that cannot go on.
     fault: Option<String>,
     /// What the stages do, where somebody tells the time of it.
-    made: Option<Vec<Steps>>,
+    made: Option<Vec<StageSteps>>,
     /// So many steps are handed on at a time. A stage between long FIFOs could make any number before another is looked at: so it makes
     /// a part of these at once.
     piece: usize,
@@ -27,16 +27,16 @@ struct Walk {
 /// Parts of a piece that a stage makes at once.
 const PARTS: usize = 4;
 
-impl Walk {
-    fn new(traffic: Traffic, made: Option<Vec<Steps>>, piece: usize) -> Self {
+impl FunctionalWalk {
+    fn new(traffic: MemoryPorts, made: Option<Vec<StageSteps>>, piece: usize) -> Self {
         Self { traffic, stage: 0, steps: 0, handed_on: 0, fault: None, made, piece }
     }
 
     /// What was done since the last piece.
-    fn piece(&mut self, machine: &mut impl Machine, stopped: bool) -> Piece {
+    fn piece(&mut self, machine: &mut impl Machine, stopped: bool) -> StepBatch {
         self.handed_on = self.steps;
-        let stages = self.made.iter_mut().flatten().map(Steps::take).collect();
-        Piece { stages, rests: rests(machine), stopped }
+        let stages = self.made.iter_mut().flatten().map(StageSteps::take).collect();
+        StepBatch { stages, unit_states: unit_states(machine), stopped }
     }
 }
 
@@ -53,9 +53,9 @@ fn next<U: Unit, I: Inputs, O: Outputs, C>(
     ready.then_some(demand)
 }
 
-impl Visitor for Walk {
+impl Visitor for FunctionalWalk {
     #[inline]
-    fn stage<P: Place>(&mut self, mut place: P) {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let Self { traffic, stage: number, steps, fault, made: all, piece, .. } = self;
         let mut own = all.as_mut().map(|all| &mut all[*number]);
@@ -68,7 +68,7 @@ impl Visitor for Walk {
         while count < most
             && let Some(demand) = next(&stage.unit, connections)
         {
-            let made = Live::new(&mut *stage, &mut *connections).step(demand, traffic);
+            let made = UnitSteps::new(&mut *stage, &mut *connections).step(demand, traffic);
             count += 1;
             let is_fault = traffic.fault.is_some();
             match &mut own {
@@ -85,7 +85,7 @@ impl Visitor for Walk {
 }
 
 pub(super) fn run<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
-    let mut walk = Walk::new(Traffic::muted(), None, usize::MAX);
+    let mut walk = FunctionalWalk::new(MemoryPorts::discarding(), None, usize::MAX);
     let stopped = walk_on(machine, &mut walk, progress, &mut |_, _| ());
     match walk.fault {
         Some(fault) => Err(fault),
@@ -98,9 +98,9 @@ pub(super) fn run<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) 
 pub(super) fn run_to<M: Machine>(
     machine: &mut M,
     progress: &mut dyn FnMut(&mut M) -> bool,
-    (steps, nothing, hand_on): (usize, Vec<Steps>, &mut dyn FnMut(Piece)),
+    (steps, nothing, hand_on): (usize, Vec<StageSteps>, &mut dyn FnMut(StepBatch)),
 ) {
-    let mut walk = Walk::new(Traffic::default(), Some(nothing), steps);
+    let mut walk = FunctionalWalk::new(MemoryPorts::default(), Some(nothing), steps);
     let stopped = walk_on(machine, &mut walk, progress, &mut |walk, machine| {
         if walk.steps - walk.handed_on >= walk.piece {
             hand_on(walk.piece(machine, false));
@@ -112,9 +112,9 @@ pub(super) fn run_to<M: Machine>(
 /// Makes all steps, with a `look` at them after each round; whether it was stopped.
 fn walk_on<M: Machine>(
     machine: &mut M,
-    walk: &mut Walk,
+    walk: &mut FunctionalWalk,
     progress: &mut dyn FnMut(&mut M) -> bool,
-    look: &mut dyn FnMut(&mut Walk, &mut M),
+    look: &mut dyn FnMut(&mut FunctionalWalk, &mut M),
 ) -> bool {
     for round in 1_u64.. {
         let before = walk.steps;

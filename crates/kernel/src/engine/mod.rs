@@ -1,27 +1,27 @@
 //! The engines: three ways to run the same unit code.
 
-mod apart;
+mod arity;
 mod batch;
 mod context;
-mod ends;
 mod functional;
-mod retime;
+mod overlapped;
+mod resimulate;
+mod step_source;
 mod ticked;
 mod timed;
-mod work;
 
 use crate::check::check_wiring;
 use crate::machine::Machine;
+use crate::netlist::Netlist;
+use crate::recording::{RecordingChunk, RecordingWriter};
 use crate::report::RunReport;
-use crate::shape::Shape;
-use crate::tape::{Reel, Writer};
-use crate::time::{Halt, Time};
+use crate::time::{MachineTiming, StopReason};
 use crate::{Cycle, Probe};
-pub use apart::{make_steps, time_steps};
-pub use batch::Piece;
+pub use batch::StepBatch;
 pub use context::Limits;
-use context::{Recording, rests};
-pub use retime::{Reels, RetimeError, Tape, critical_path, retime};
+use context::{ActiveRecording, unit_states};
+pub use overlapped::{make_steps, time_steps};
+pub use resimulate::{ChunkSource, Recording, ResimulateError, critical_path, resimulate};
 
 /// How to run a machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,14 +50,14 @@ pub fn run_recorded<M: Machine, P: Probe>(
     engine: Engine,
     probe: &mut P,
     limits: Limits<'_, M>,
-    (reel_bytes, keep): (usize, &mut dyn FnMut(Reel)),
+    (reel_bytes, keep): (usize, &mut dyn FnMut(RecordingChunk)),
 ) -> RunReport {
     run_on(machine, probe, |machine, time, probe| {
-        let mut writer = Writer::new(&time.shape, &time.memories, reel_bytes);
-        let recording = Some(Recording { writer: &mut writer, keep: &mut *keep });
+        let mut writer = RecordingWriter::new(&time.shape, &time.memories, reel_bytes);
+        let recording = Some(ActiveRecording { writer: &mut writer, keep: &mut *keep });
         let halt = run_engine(machine, engine, (time, probe), limits, recording);
-        if matches!(halt, Halt::Quiet | Halt::Limit(_)) {
-            keep(writer.reel(rests(machine), true));
+        if matches!(halt, StopReason::Quiet | StopReason::Limit(_)) {
+            keep(writer.reel(unit_states(machine), true));
         }
         halt
     })
@@ -66,31 +66,31 @@ pub fn run_recorded<M: Machine, P: Probe>(
 fn run_engine<M: Machine, P: Probe>(
     machine: &mut M,
     engine: Engine,
-    (time, probe): (&mut Time, &mut P),
+    (time, probe): (&mut MachineTiming, &mut P),
     limits: Limits<'_, M>,
-    recording: Option<Recording<'_>>,
-) -> Halt {
+    recording: Option<ActiveRecording<'_>>,
+) -> StopReason {
     match engine {
         Engine::Timed => timed::run(machine, time, probe, limits, recording),
         // By a constant: nothing is compiled for what is never called.
         Engine::Ticked if cfg!(feature = "ticked") => ticked::run(machine, time, probe, limits, recording),
-        Engine::Ticked => Halt::Fault("this build has no ticked engine (feature `ticked` of basrelief-kernel)".into()),
+        Engine::Ticked => StopReason::Fault("this build has no ticked engine (feature `ticked` of basrelief-kernel)".into()),
     }
 }
 
 fn run_on<M: Machine, P: Probe>(
     machine: &mut M,
     probe: &mut P,
-    engine: impl FnOnce(&mut M, &mut Time, &mut P) -> Halt,
+    engine: impl FnOnce(&mut M, &mut MachineTiming, &mut P) -> StopReason,
 ) -> RunReport {
-    let shape = match Shape::of(machine) {
+    let shape = match Netlist::of(machine) {
         Ok(shape) => shape,
         Err(error) => return RunReport::of_fault(error.to_string()),
     };
-    let mut time = Time::new(shape);
+    let mut time = MachineTiming::new(shape);
     time.keep_fills(&*probe);
     let halt = engine(machine, &mut time, probe);
-    let report = time.conclude(&rests(machine), halt);
+    let report = time.finalize(&unit_states(machine), halt);
     time.show_fills(probe, Some(Cycle(report.total)));
     *machine.memories() = time.memories;
     report

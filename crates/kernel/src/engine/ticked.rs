@@ -1,27 +1,27 @@
 //! `ticked`: every unit in every cycle. It asks for the cause of a wait one cycle at a time, and counts the slots held at the end
 //! of each cycle; `timed` does both by intervals.
 //!
-//! What it shares with `timed`: when a step can start (`Time::next_start`), the causes of a wait
-//! (`Time::split_wait`), the making of a step (`Time::step`), the steps in flight, the links and the memories. It is the
+//! What it shares with `timed`: when a step can start (`MachineTiming::next_start`), the causes of a wait
+//! (`MachineTiming::split_wait`), the making of a step (`MachineTiming::step`), the steps in flight, the links and the memories. It is the
 //! oracle of the *order* in which things are done, and of what is added up over intervals; an error in what both share it cannot
 //! see. For that there is an executable reading of the laws that shares no code with this crate. Its results stand in
 //! `tests/vectors/laws.jsonl`, one plan and result per line, and `tests/vectors.rs` holds both engines against them. To
 //! repeat it with another reading: give it the `plan` of each line, and compare; `examples/plan.rs` runs one plan, or a
 //! folder of such vectors, from the command line.
 
-use super::context::{Limits, Recording, fault_of, look};
-use super::work::{Live, Work};
+use super::context::{ActiveRecording, Limits, fault_of, look};
+use super::step_source::{StepSource, UnitSteps};
+use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
-use crate::place::Place;
-use crate::tape::Writer;
-use crate::time::{Halt, Slots, Time, Unknown, Wait, charge};
-use crate::{Cycle, Demand, Probe, Traffic, Unit};
+use crate::recording::RecordingWriter;
+use crate::time::{AnyArity, FifoTiming, MachineTiming, StopReason, Wait, charge};
+use crate::{Cycle, Demand, MemoryPorts, Probe, Unit};
 
 /// One cycle of all stages.
 struct Tick<'a, SomeProbe> {
-    time: &'a mut Time,
+    time: &'a mut MachineTiming,
     probe: &'a mut SomeProbe,
-    traffic: Traffic,
+    traffic: MemoryPorts,
     now: Cycle,
     stage: usize,
     fired: bool,
@@ -29,21 +29,21 @@ struct Tick<'a, SomeProbe> {
     /// Waits of each stage since its last step.
     waits: Vec<Vec<Wait>>,
     /// Writes down what is done, where it is wanted.
-    tape: Option<&'a mut Writer>,
+    tape: Option<&'a mut RecordingWriter>,
 }
 
 impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
     /// Makes a step that starts now.
-    fn make(&mut self, number: usize, demand: Demand, work: &mut impl Work<Declared = Demand>) {
+    fn make(&mut self, number: usize, demand: Demand, work: &mut impl StepSource<Declared = Demand>) {
         for wait in self.waits[number].drain(..) {
             charge(&mut self.time.accounts[number], self.probe, number, wait);
         }
         let takes = self.time.stages[number].takes(demand);
         let made = work.step(demand, &mut self.traffic);
-        work.tell(number, (demand, &made), &self.traffic, self.probe);
-        let (mut visit, _) = self.time.visit::<Unknown>(number);
+        work.report_step(number, (demand, &made), &self.traffic, self.probe);
+        let (mut visit, _) = self.time.visit::<AnyArity>(number);
         let asks = work.asks(&mut self.traffic, &mut visit);
-        visit.step_asking::<Unknown>(self.now, takes, &made, asks);
+        visit.step_asking::<AnyArity>(self.now, takes, &made, asks);
         if let Some(tape) = &mut self.tape {
             work.write(tape, number, (demand, &made), &self.traffic);
         }
@@ -66,7 +66,7 @@ impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
 }
 
 impl<SomeProbe: Probe> Visitor for Tick<'_, SomeProbe> {
-    fn stage<P: Place>(&mut self, mut place: P) {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let number = self.stage;
         self.stage += 1;
@@ -75,7 +75,7 @@ impl<SomeProbe: Probe> Visitor for Tick<'_, SomeProbe> {
             return;
         }
         if self.time.next_start(number, demand) <= self.now {
-            let work = &mut Live::new(stage, connections);
+            let work = &mut UnitSteps::new(stage, connections);
             self.make(number, demand, work);
         } else {
             self.wait(number, demand);
@@ -91,20 +91,20 @@ fn join(waits: &mut Vec<Wait>, (cause, from, to): Wait) {
 }
 
 /// Notes what is known of the answers that slots wait for: `timed` asks when all are known, and this engine in every cycle.
-fn note_awaits(time: &mut Time) {
-    let Time { stages, fifos, memories, .. } = time;
-    stages.iter().for_each(|clock| clock.note_awaits(fifos, memories));
+fn record_awaits(time: &mut MachineTiming) {
+    let MachineTiming { stages, fifos, memories, .. } = time;
+    stages.iter().for_each(|clock| clock.record_awaits(fifos, memories));
 }
 
 /// Whether any stage has a known next start.
 struct AnyStart<'a> {
-    time: &'a Time,
+    time: &'a MachineTiming,
     stage: usize,
     any: bool,
 }
 
 impl Visitor for AnyStart<'_> {
-    fn stage<P: Place>(&mut self, mut place: P) {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, _) = place.open();
         self.any |= self.time.next_start(self.stage, stage.unit.demand()).is_known();
         self.stage += 1;
@@ -113,14 +113,14 @@ impl Visitor for AnyStart<'_> {
 
 pub(super) fn run<M: Machine, P: Probe>(
     machine: &mut M,
-    time: &mut Time,
+    time: &mut MachineTiming,
     probe: &mut P,
     limits: Limits<'_, M>,
-    recording: Option<Recording<'_>>,
-) -> Halt {
-    let (tape, mut keep) = recording.map(|Recording { writer, keep }| (writer, keep)).unzip();
+    recording: Option<ActiveRecording<'_>>,
+) -> StopReason {
+    let (tape, mut keep) = recording.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
     time.memories.share_all();
-    let (traffic, waits) = (Traffic::default(), vec![Vec::new(); time.stages.len()]);
+    let (traffic, waits) = (MemoryPorts::default(), vec![Vec::new(); time.stages.len()]);
     let mut tick = Tick { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits, tape };
     loop {
         if tick.now.0 >= limits.max_cycles {
@@ -130,26 +130,26 @@ pub(super) fn run<M: Machine, P: Probe>(
             let mut starts = AnyStart { time: &*tick.time, stage: 0, any: false };
             machine.wire(&mut starts);
             if starts.any {
-                return Halt::Limit(limits.max_cycles);
+                return StopReason::Limit(limits.max_cycles);
             }
             // No step will ever start: what has started runs out, and is counted.
         }
         (tick.stage, tick.fired) = (0, false);
         machine.wire(&mut tick);
         if let Some(fault) = tick.fault {
-            return Halt::Fault(fault);
+            return StopReason::Fault(fault);
         }
         let time = &mut *tick.time;
         time.memories.serve_before(tick.now + 1);
         // The last cycle in which something already decided still happens.
         let busy = time.stages.iter().map(|clock| clock.free).max();
-        let visible = time.fifos.iter().filter_map(Slots::last_visible).max();
+        let visible = time.fifos.iter().filter_map(FifoTiming::last_visible).max();
         time.land_all();
-        note_awaits(time);
+        record_awaits(time);
         time.fifos.iter_mut().for_each(|fifo| fifo.count_held(tick.now));
         let horizon = busy.max(visible).unwrap_or_default().max(time.memories.last_answer());
         if !tick.fired && horizon <= tick.now && time.memories.is_idle() {
-            return Halt::Quiet;
+            return StopReason::Quiet;
         }
         tick.now = tick.now + 1;
         if !tick.now.0.is_multiple_of(4096) && !machine.has_news() {
@@ -157,7 +157,7 @@ pub(super) fn run<M: Machine, P: Probe>(
         }
         tick.time.show_fills(tick.probe, None);
         if !look(machine, tick.time, (&mut tick.tape, &mut keep), limits.progress) {
-            return Halt::Stopped;
+            return StopReason::Stopped;
         }
     }
 }

@@ -11,29 +11,29 @@
 //!    [`check_wiring`](crate::check_wiring) finds a FIFO with two producers or consumers. Tests `laws/law_6_contents`,
 //!    `wiring::a_fifo_has_one_producer_and_one_consumer`.
 //! 2. **A known time is final.** Visible, popped and answer times are written once, when all they are computed from is known,
-//!    and a time not known yet is later than any. `Slots::deliver`, `Slots::pop`, `Memory::serve`; `Cycle::UNKNOWN`. Tests
+//!    and a time not known yet is later than any. `FifoTiming::deliver`, `FifoTiming::pop`, `Memory::serve`; `Cycle::UNKNOWN`. Tests
 //!    `laws/law_1_fifo`, `laws/law_2_slots`.
 //! 3. **A start that is known is the earliest** (law 3): the greatest of four kinds of known times, each of which is final by
-//!    2 and, once passed, stays passed until the step starts. `Time::next_start`; for the causes on the way there
-//!    `Time::split_wait`. Tests `laws/law_3_start`, `laws/law_9_accounting`.
+//!    2 and, once passed, stays passed until the step starts. `MachineTiming::next_start`; for the causes on the way there
+//!    `MachineTiming::split_wait`. Tests `laws/law_3_start`, `laws/law_9_accounting`.
 //! 4. **A client's requests arrive in order of time.** They arrive at the starts of one stage's steps, which only grow; so a
 //!    port's queue is sorted. It needs one stage per client, traffic to that stage's clients only, and credits for the largest
-//!    step, beyond which a start would be known too early or never. `check_wiring`; `Clock::depart` refuses other traffic.
+//!    step, beyond which a start would be known too early or never. `check_wiring`; `StageClock::depart` refuses other traffic.
 //!    Tests `wiring::a_memory_client_belongs_to_one_stage_and_exists`, `wiring::the_largest_step_finds_credits`,
 //!    `wiring::traffic_to_no_client_is_a_fault`, `wiring::a_step_beyond_the_largest_is_a_fault`.
 //! 5. **A choice that is served is final.** What arrives at *h* or later comes into view at *h* + 1, and goes there at the
 //!    earliest; so a memory may serve every burst whose column command goes at *h* + 1 or before, all that come while its window
 //!    is full, and its oldest once that has been passed over `cap` times, if nothing unknown arrives before *h*. `Channel::serve`.
 //!    A memory that one stage uses hears of nothing before that stage is free again. `MemorySystem::find_private`,
-//!    `Time::serve_private`. Tests `laws/law_4_memory`, `vectors`.
+//!    `MachineTiming::serve_private`. Tests `laws/law_4_memory`, `vectors`.
 //! 6. **A promise is kept.** A stage that promised *p* makes no step before *p*: every input and output it waits for is not
 //!    there before what the stage at the other end has promised, plus what lies between. So the least promise of a memory's
-//!    users is such an *h*. `Time::promise`, `MemorySystem::serve_promised`. Test
+//!    users is such an *h*. `MachineTiming::promise`, `MemorySystem::serve_promised`. Test
 //!    `properties::both_engines_give_equal_reports`.
 //! 7. **When nothing moves, nothing can arrive before the horizon.** Every stage that will ever step again waits, through
 //!    whatever chain of FIFOs and credits, for an answer to a request that waits; the horizon is the earliest that any of those
 //!    can be: the least latency after the first column command that a memory can still give. For this a delivery must not seem to
-//!    wait for an answer that it does not wait for: `Flights::land` lets steps pass those ahead that emit nothing, or elsewhere.
+//!    wait for an answer that it does not wait for: `InFlightSteps::land` lets steps pass those ahead that emit nothing, or elsewhere.
 //!    `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `flights`.
 //! 8. **It ends.** From a column command to its answer it takes at least a cycle, so the burst that sets the horizon is served,
 //!    or the request split into bursts: each round makes a step, brings a memory on, or is the last. Test `laws/law_8_end`.
@@ -41,65 +41,84 @@
 //! 9. **A stage that is passed over could do nothing.** What a visit does follows from the stage itself and from what others tell it:
 //!    that its front token is visible, that its full FIFO has room, what they promise where neither is so, and how many of its
 //!    requests are served. Each of these leaves news where it changes, and a stage that a limit or the end of a tape holds back is
-//!    visited whatever happens; what it has in flight it lands before it is left. `Slots::news`, `Visit::has_news`. Without it two
+//!    visited whatever happens; what it has in flight it lands before it is left. `FifoTiming::news`, `StageVisit::has_news`. Without it two
 //!    visits of three found nothing. Tests `properties::both_engines_give_equal_reports`, `hidden_deliveries`.
 //!
 //! By 1 both engines make the same steps; by 2, 3 and 5 to 7 at the same times, in which all requests are served in the order
 //! of law 4; by 8 both come to rest, where nothing can start: so their reports are equal.
 
-use super::context::{Limits, Recording, fault_of, look};
-use super::work::{Live, Work};
+use super::context::{ActiveRecording, Limits, fault_of, look};
+use super::step_source::{StepSource, UnitSteps};
+use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
-use crate::place::Place;
-use crate::tape::Writer;
-use crate::time::{Halt, Known, Path, Takes, Time};
-use crate::{Cycle, Probe, Traffic};
+use crate::recording::RecordingWriter;
+use crate::time::{InputMask, MachineTiming, PathTracer, StageArity, StopReason};
+use crate::{Cycle, MemoryPorts, Probe};
 
 /// One walk over all stages.
 pub(super) struct RunAhead<'a, SomeProbe> {
-    pub(super) time: &'a mut Time,
+    pub(super) time: &'a mut MachineTiming,
     pub(super) probe: &'a mut SomeProbe,
-    traffic: Traffic,
+    traffic: MemoryPorts,
     end: Cycle,
     stage: usize,
     moved: bool,
     pub(super) limited: bool,
     pub(super) fault: Option<String>,
     /// A stage could make its next step, but it is not known here yet.
-    pub(super) hungry: bool,
+    pub(super) needs_more_steps: bool,
     /// Whether there are memories, so that promises are worth their while.
     promises: bool,
     accounts_for: bool,
     /// Writes down what is done, where it is wanted.
-    pub(super) tape: Option<&'a mut Writer>,
+    pub(super) tape: Option<&'a mut RecordingWriter>,
     /// Keeps what every step waited for, where that is wanted.
-    pub(super) path: Option<Path>,
+    pub(super) path: Option<PathTracer>,
 }
 
 impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
-    pub(super) fn new(time: &'a mut Time, probe: &'a mut SomeProbe, max_cycles: u64, tape: Option<&'a mut Writer>) -> Self {
+    pub(super) fn new(
+        time: &'a mut MachineTiming,
+        probe: &'a mut SomeProbe,
+        max_cycles: u64,
+        tape: Option<&'a mut RecordingWriter>,
+    ) -> Self {
         let (promises, accounts_for) = (time.memories.has_any(), time.accounts_for);
-        let (traffic, end, fault) = (Traffic::default(), Cycle(max_cycles), None);
-        let (stage, moved, limited, hungry) = (0, false, false, false);
-        Self { time, probe, traffic, end, stage, moved, limited, fault, hungry, promises, accounts_for, tape, path: None }
+        let (traffic, end, fault) = (MemoryPorts::default(), Cycle(max_cycles), None);
+        let (stage, moved, limited, needs_more_steps) = (0, false, false, false);
+        Self {
+            time,
+            probe,
+            traffic,
+            end,
+            stage,
+            moved,
+            limited,
+            fault,
+            needs_more_steps,
+            promises,
+            accounts_for,
+            tape,
+            path: None,
+        }
     }
 
     /// Begins a round.
     pub(super) fn begin(&mut self) {
-        (self.stage, self.moved, self.limited, self.hungry) = (0, false, false, false);
+        (self.stage, self.moved, self.limited, self.needs_more_steps) = (0, false, false, false);
     }
 
     /// After a round: whether anything moved, once the memories have served what was promised, or what is safe.
     pub(super) fn goes_on(&mut self) -> bool {
         let served = self.time.memories.serve_promised();
-        self.moved || served || (!self.hungry && self.time.memories.serve_safe())
+        self.moved || served || (!self.needs_more_steps && self.time.memories.serve_safe())
     }
 }
 
 impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Makes all steps of a stage whose starts are known.
     #[inline(always)]
-    fn fire_known<K: Known, W: Work>(&mut self, number: usize, work: &mut W) -> Takes {
+    fn fire_known<K: StageArity, W: StepSource>(&mut self, number: usize, work: &mut W) -> InputMask {
         let Self { time, probe, traffic, tape, path, accounts_for, .. } = self;
         let (mut visit, shape) = time.visit::<K>(number);
         loop {
@@ -112,14 +131,14 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 return takes;
             }
             if !work.has_step() {
-                (self.hungry, visit.clock.again) = (true, true);
+                (self.needs_more_steps, visit.clock.again) = (true, true);
                 return takes;
             }
             if at > visit.clock.free && *accounts_for {
                 visit.charge_wait::<K, _>(takes, at, *probe);
             }
             let made = work.step(declared, traffic);
-            work.tell(number, (declared, &made), traffic, probe);
+            work.report_step(number, (declared, &made), traffic, probe);
             if let Some(path) = path {
                 path.step(shape, &visit.sight(), (at, takes), &{ made });
             }
@@ -151,7 +170,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
 
     /// Runs a stage ahead.
     #[inline(always)]
-    pub(super) fn advance<K: Known, W: Work>(&mut self, number: usize, work: &mut W) {
+    pub(super) fn advance<K: StageArity, W: StepSource>(&mut self, number: usize, work: &mut W) {
         let (mut visit, _) = self.time.visit::<K>(number);
         if !visit.has_news::<K>() {
             return;
@@ -177,29 +196,29 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
 
 impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
     #[inline]
-    fn stage<P: Place>(&mut self, mut place: P) {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let number = self.stage;
         self.stage += 1;
-        let work = &mut Live::new(stage, connections);
-        self.advance::<Live<'_, P::Unit, P::Inputs, P::Outputs, P::Clients>, _>(number, work);
+        let work = &mut UnitSteps::new(stage, connections);
+        self.advance::<UnitSteps<'_, P::Unit, P::Inputs, P::Outputs, P::Clients>, _>(number, work);
     }
 }
 
 pub(super) fn run<M: Machine, P: Probe>(
     machine: &mut M,
-    time: &mut Time,
+    time: &mut MachineTiming,
     probe: &mut P,
     limits: Limits<'_, M>,
-    recording: Option<Recording<'_>>,
-) -> Halt {
-    let (tape, mut keep) = recording.map(|Recording { writer, keep }| (writer, keep)).unzip();
+    recording: Option<ActiveRecording<'_>>,
+) -> StopReason {
+    let (tape, mut keep) = recording.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
     let mut walk = RunAhead::new(time, probe, limits.max_cycles, tape);
     for round in 1_u64.. {
         walk.begin();
         machine.wire(&mut walk);
         if let Some(fault) = walk.fault {
-            return Halt::Fault(fault);
+            return StopReason::Fault(fault);
         }
         if !walk.goes_on() {
             break;
@@ -208,9 +227,9 @@ pub(super) fn run<M: Machine, P: Probe>(
         if (round.is_multiple_of(16) || machine.has_news())
             && !look(machine, walk.time, (&mut walk.tape, &mut keep), limits.progress)
         {
-            return Halt::Stopped;
+            return StopReason::Stopped;
         }
     }
     walk.time.land_all();
-    if walk.limited { Halt::Limit(limits.max_cycles) } else { Halt::Quiet }
+    if walk.limited { StopReason::Limit(limits.max_cycles) } else { StopReason::Quiet }
 }

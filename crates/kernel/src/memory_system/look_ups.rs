@@ -2,18 +2,18 @@
 
 use super::MemorySystem;
 use crate::Cycle;
-use crate::asked::LookUps;
-use crate::cache::Pending;
+use crate::cache::PendingLookUps;
 use crate::client::Client;
 use crate::counts::CacheCounts;
+use crate::step_requests::CacheLookUps;
 use std::collections::VecDeque;
 
 /// Look-ups of a client that have no answer yet.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Queue {
+pub(crate) struct LookUpQueue {
     /// By step.
-    pub(crate) steps: VecDeque<Pending>,
-    /// The requests that fill lines that were held, of each step as many as are [open](Pending::open).
+    pub(crate) steps: VecDeque<PendingLookUps>,
+    /// The requests that fill lines that were held, of each step as many as are [open](PendingLookUps::open).
     pub(crate) open: VecDeque<u64>,
 }
 
@@ -25,9 +25,9 @@ impl MemorySystem {
         &mut self,
         client: usize,
         start: Cycle,
-        (look_ups, held, new): (&LookUps, &[u64], &[u64]),
+        (look_ups, held, new): (&CacheLookUps, &[u64], &[u64]),
         open: &mut VecDeque<u64>,
-    ) -> (Pending, u64) {
+    ) -> (PendingLookUps, u64) {
         let Client { port, cache } = &mut self.clients[client];
         let (line_bytes, cycles) = cache.as_ref().map_or((1, 1), |c| (c.config.line_bytes, c.cycles(look_ups.lines)));
         self.memories[port.memory].arrived += new.len() as u64;
@@ -36,7 +36,7 @@ impl MemorySystem {
         }
         let counts = CacheCounts { hits: (look_ups.lines - look_ups.new).into(), misses: look_ups.new.into(), merged: 0 };
         let request = if new.is_empty() { look_ups.last_held } else { port.issued };
-        let mut pending = Pending { start, request, fill: Cycle::ZERO, counts, open: 0 };
+        let mut pending = PendingLookUps { start, request, fill: Cycle::ZERO, counts, open: 0 };
         let Some(last) = look_ups.last_held.checked_sub(1) else { return (pending, cycles) };
         // Answers come in order: mostly the last of them is there.
         let fill = port.answer(last);
@@ -66,11 +66,11 @@ impl MemorySystem {
     /// Takes out the first look-ups whose fills are known by now, as many as there are `left` to take; the last of them has this
     /// `answer`. To be asked in order of look-up.
     #[inline]
-    pub(crate) fn resolve(&mut self, client: usize, queue: &mut Queue, left: &mut u32, answer: &mut Cycle) {
+    pub(crate) fn resolve(&mut self, client: usize, queue: &mut LookUpQueue, left: &mut u32, answer: &mut Cycle) {
         let Client { port, cache } = &mut self.clients[client];
         let Some(cache) = cache else { return };
         while *left > 0
-            && let Some(&Pending { start, request, mut fill, mut counts, open }) = queue.steps.front()
+            && let Some(&PendingLookUps { start, request, mut fill, mut counts, open }) = queue.steps.front()
         {
             if let Some(last) = request.checked_sub(1) {
                 fill = port.answer(last);
@@ -89,7 +89,7 @@ impl MemorySystem {
 
     /// Accounts for look-ups that wait for nothing, and gives their answer.
     #[inline(always)]
-    pub(crate) fn resolve_at_once(&mut self, client: usize, pending: &Pending) -> Cycle {
+    pub(crate) fn resolve_at_once(&mut self, client: usize, pending: &PendingLookUps) -> Cycle {
         let cache = self.clients[client].cache.as_mut();
         cache.map_or(Cycle::ZERO, |cache| cache.resolve(pending.start, pending.fill, pending.counts))
     }

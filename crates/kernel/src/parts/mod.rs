@@ -1,7 +1,7 @@
 //! Memory parts: what a data sheet says of a memory, in cycles of the device's clock.
 //!
 //! A part fills the numbers of law 4 that belong to the chips: times, burst, banks, rows. What belongs to the board and its
-//! controller - `channels`, `channel_bytes`, `window`, `cap`, `outstanding` - stays as it is, but for [`Part::Ideal`]; only
+//! controller - `channels`, `channel_bytes`, `window`, `cap`, `outstanding` - stays as it is, but for [`MemoryPart::Ideal`]; only
 //! `channel_bytes` grow where a burst is larger.
 //!
 //! Minimum times are rounded up to whole cycles, the time between refreshes down. The burst is the part's own where that takes a
@@ -24,5 +24,5 @@ mod sheets;
 #[cfg(feature = "config")]
 pub use burst::MOST_BURST_BYTES;
 #[cfg(feature = "config")]
-pub use numbers::{Number, Unfit};
-pub use part::Part;
+pub use numbers::{PartError, PartNumber};
+pub use part::MemoryPart;

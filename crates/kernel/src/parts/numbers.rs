@@ -1,14 +1,14 @@
 //! Numbers of a memory as its part has them.
 
-use super::part::Part;
-use super::sheet::{Hertz, Length, Rate, Sheet, Time, rounded};
+use super::part::MemoryPart;
+use super::sheet::{Hertz, Length, Rate, Sheet, SheetTime, rounded};
 use crate::MemoryConfig;
 use basrelief_parameters::{Parameters, Provenance};
 use std::fmt;
 
 /// A number of a memory as its part has it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Number {
+pub struct PartNumber {
     /// Name of the parameter.
     pub name: &'static str,
     /// In its unit of measure.
@@ -19,18 +19,18 @@ pub struct Number {
 
 /// A part that there cannot be at this clock; says what would fit.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unfit(String);
+pub struct PartError(String);
 
-impl fmt::Display for Unfit {
+impl fmt::Display for PartError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Unfit {}
+impl std::error::Error for PartError {}
 
 impl Sheet {
-    fn times(&self) -> [(&'static str, Time); 12] {
+    fn times(&self) -> [(&'static str, SheetTime); 12] {
         [
             ("cl", self.cl),
             ("cwl", self.cwl),
@@ -66,7 +66,7 @@ impl Sheet {
         }
     }
 
-    fn time(&self, name: &'static str, time: Time, hz: u64, burst_cycles: u32) -> Number {
+    fn time(&self, name: &'static str, time: SheetTime, hz: u64, burst_cycles: u32) -> PartNumber {
         let (count, per) = self.cycles(time.length, hz);
         let (whole, rounding) = if name == "refi" { (count / per, "down") } else { (count.div_ceil(per), "up") };
         let burst = if name == "rtp" { burst_cycles } else { 0 };
@@ -81,7 +81,7 @@ impl Sheet {
             }
             (Length::Clocks(n) | Length::Cycles(n), _) => format!("{n} cycles"),
         };
-        Number { name, value, provenance: self.from(format!("{}: {length}", time.of), time.assumed) }
+        PartNumber { name, value, provenance: self.from(format!("{}: {length}", time.of), time.assumed) }
     }
 
     fn from(&self, text: String, assumed: bool) -> Provenance {
@@ -101,27 +101,27 @@ impl Sheet {
     }
 }
 
-impl Part {
-    /// What it is, and who says so; nothing of [`Part::Custom`].
+impl MemoryPart {
+    /// What it is, and who says so; nothing of [`MemoryPart::Custom`].
     pub fn about(self) -> Option<String> {
         self.sheet().map(|sheet| format!("{} ({})", sheet.about, sheet.source))
     }
 
-    /// Peak rate of a channel \[bytes/s\] seen from a device with a clock of `hz`; none of [`Part::Custom`].
+    /// Peak rate of a channel \[bytes/s\] seen from a device with a clock of `hz`; none of [`MemoryPart::Custom`].
     pub fn bytes_per_second(self, hz: u64) -> Option<f64> {
         self.sheet().map(|sheet| sheet.bytes_per_second(hz)).map(|(bytes, per)| bytes as f64 / per as f64)
     }
 
     /// All that it fills, at a clock of `hz`, if bytes and cycles of the burst are not given; what follows from these goes by
-    /// what is. Nothing of [`Part::Custom`].
+    /// what is. Nothing of [`MemoryPart::Custom`].
     ///
     /// # Errors
     /// Where its rate or its times are out of reach of cycles of this clock.
-    pub fn numbers(self, hz: u64, burst: [Option<u32>; 2]) -> Result<Vec<Number>, Unfit> {
+    pub fn numbers(self, hz: u64, burst: [Option<u32>; 2]) -> Result<Vec<PartNumber>, PartError> {
         self.numbers_or_why(hz, burst).map_err(|why| {
             let fit = Self::ALL.iter().filter(|part| part.numbers_or_why(hz, [None; 2]).is_ok());
             let fit = fit.map(|part| part.name()).collect::<Vec<_>>().join(", ");
-            Unfit(format!(
+            PartError(format!(
                 "{} does not fit a clock of {}: {why}; at this clock fit {fit}, and custom numbers",
                 self.name(),
                 Hertz(hz)
@@ -129,7 +129,7 @@ impl Part {
         })
     }
 
-    fn numbers_or_why(self, hz: u64, burst: [Option<u32>; 2]) -> Result<Vec<Number>, String> {
+    fn numbers_or_why(self, hz: u64, burst: [Option<u32>; 2]) -> Result<Vec<PartNumber>, String> {
         let Some(sheet) = self.sheet() else { return Ok(vec![]) };
         let [bytes, cycles] = match burst {
             [Some(bytes), Some(cycles)] => [bytes, cycles],
@@ -146,22 +146,22 @@ impl Part {
             moved(bytes, cycles),
             sheet.of_rate()
         );
-        let derived = |name, value, text: &str| Number { name, value, provenance: sheet.from(text.into(), false) };
+        let derived = |name, value, text: &str| PartNumber { name, value, provenance: sheet.from(text.into(), false) };
         let rate = [("burst_bytes", bytes), ("burst_cycles", cycles)].map(|(name, value)| derived(name, value, &text));
-        let chips = [("banks", sheet.banks), ("row_bytes", sheet.row_bytes)].map(|(name, value)| Number {
+        let chips = [("banks", sheet.banks), ("row_bytes", sheet.row_bytes)].map(|(name, value)| PartNumber {
             name,
             value,
             provenance: sheet.from(sheet.about.into(), sheet.chips_assumed),
         });
         let board = sheet.board.iter().map(|&(name, value)| derived(name, value, sheet.about));
         let times = sheet.times().into_iter().map(|(name, time)| sheet.time(name, time, hz, cycles));
-        let numbers: Vec<Number> = times.chain(rate).chain(chips).chain(board).collect();
+        let numbers: Vec<PartNumber> = times.chain(rate).chain(chips).chain(board).collect();
         can_be(&numbers).map(|()| numbers)
     }
 }
 
 /// Whether a memory can have these numbers.
-fn can_be(numbers: &[Number]) -> Result<(), String> {
+fn can_be(numbers: &[PartNumber]) -> Result<(), String> {
     let mut memory = MemoryConfig::default();
     numbers.iter().for_each(|number| memory.set(number));
     memory.check("").map_err(|e| e.to_string())?;
@@ -179,11 +179,11 @@ impl MemoryConfig {
     ///
     /// # Errors
     /// Where its part does not fit the clock; nothing is taken then.
-    pub fn take_part(&mut self, hz: u64, given: impl Fn(&str) -> bool) -> Result<(), Unfit> {
+    pub fn take_part(&mut self, hz: u64, given: impl Fn(&str) -> bool) -> Result<(), PartError> {
         let burst = [("burst_bytes", self.burst_bytes), ("burst_cycles", self.burst_cycles)];
         let numbers = self.part.numbers(hz, burst.map(|(name, value)| given(name).then_some(value)))?;
         numbers.iter().filter(|number| !given(number.name)).for_each(|number| self.set(number));
-        if self.part != Part::Custom && !given("channel_bytes") {
+        if self.part != MemoryPart::Custom && !given("channel_bytes") {
             self.channel_bytes = self.channel_bytes.max(self.burst_bytes);
         }
         Ok(())
@@ -197,7 +197,7 @@ impl MemoryConfig {
         self
     }
 
-    fn set(&mut self, number: &Number) {
+    fn set(&mut self, number: &PartNumber) {
         if let Some(value) = self.number_mut(number.name) {
             *value = number.value;
         }

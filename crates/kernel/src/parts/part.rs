@@ -10,7 +10,7 @@ macro_rules! parts {
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[cfg_attr(feature = "config", derive(schemars::JsonSchema))]
-        pub enum Part {
+        pub enum MemoryPart {
             /// No part: numbers as they stand.
             #[default]
             #[cfg_attr(feature = "serde", serde(rename = "custom"))]
@@ -18,7 +18,7 @@ macro_rules! parts {
             $($(#[$about])+ #[cfg_attr(feature = "serde", serde(rename = $name))] $part,)+
         }
 
-        impl Part {
+        impl MemoryPart {
             /// All parts with a sheet, oldest first.
             pub const ALL: &[Self] = &[$(Self::$part),+];
 

@@ -10,19 +10,19 @@ pub(super) struct Sheet {
     pub(super) rate: Rate,
     /// The burst that a controller of its time would use.
     pub(super) burst_bytes: u32,
-    pub(super) cl: Time,
-    pub(super) cwl: Time,
-    pub(super) rcd: Time,
-    pub(super) rp: Time,
-    pub(super) ras: Time,
+    pub(super) cl: SheetTime,
+    pub(super) cwl: SheetTime,
+    pub(super) rcd: SheetTime,
+    pub(super) rp: SheetTime,
+    pub(super) ras: SheetTime,
     /// Beyond the time of the burst.
-    pub(super) rtp: Time,
-    pub(super) wr: Time,
-    pub(super) wtr: Time,
-    pub(super) rrd: Time,
-    pub(super) faw: Time,
-    pub(super) refi: Time,
-    pub(super) rfc: Time,
+    pub(super) rtp: SheetTime,
+    pub(super) wr: SheetTime,
+    pub(super) wtr: SheetTime,
+    pub(super) rrd: SheetTime,
+    pub(super) faw: SheetTime,
+    pub(super) refi: SheetTime,
+    pub(super) rfc: SheetTime,
     pub(super) banks: u32,
     pub(super) row_bytes: u32,
     /// These two are not in the sheet.
@@ -50,30 +50,30 @@ pub(super) enum Length {
 
 /// A time of a sheet.
 #[derive(Clone, Copy)]
-pub(super) struct Time {
+pub(super) struct SheetTime {
     pub(super) length: Length,
     /// Its name in the sheet.
     pub(super) of: &'static str,
     pub(super) assumed: bool,
 }
 
-pub(super) const fn ps(length: u64, of: &'static str) -> Time {
-    Time { length: Length::Picoseconds(length), of, assumed: false }
+pub(super) const fn ps(length: u64, of: &'static str) -> SheetTime {
+    SheetTime { length: Length::Picoseconds(length), of, assumed: false }
 }
 
-pub(super) const fn ns(length: u64, of: &'static str) -> Time {
+pub(super) const fn ns(length: u64, of: &'static str) -> SheetTime {
     ps(1000 * length, of)
 }
 
-pub(super) const fn clocks(length: u32, of: &'static str) -> Time {
-    Time { length: Length::Clocks(length), of, assumed: false }
+pub(super) const fn clocks(length: u32, of: &'static str) -> SheetTime {
+    SheetTime { length: Length::Clocks(length), of, assumed: false }
 }
 
-pub(super) const fn cycles(length: u32, of: &'static str) -> Time {
-    Time { length: Length::Cycles(length), of, assumed: false }
+pub(super) const fn cycles(length: u32, of: &'static str) -> SheetTime {
+    SheetTime { length: Length::Cycles(length), of, assumed: false }
 }
 
-impl Time {
+impl SheetTime {
     /// Not in the sheet.
     pub(super) const fn assumed(self) -> Self {
         Self { assumed: true, ..self }

@@ -7,9 +7,9 @@
 //! class have.
 
 use super::sheet::Rate::{Device, Own};
-use super::sheet::{Sheet, Time, clocks, cycles, ns, ps};
+use super::sheet::{Sheet, SheetTime, clocks, cycles, ns, ps};
 
-const NONE: Time = cycles(0, "none");
+const NONE: SheetTime = cycles(0, "none");
 
 pub(super) const FPM_80: Sheet = Sheet {
     about: "fast page mode, 80 ns: two banks of 128 bits on one bus, each of 32 chips of 256K x 4",

@@ -1,73 +1,73 @@
 //! Time: what follows, in cycles, from what units do. It knows no units and no tokens: for each stage when it is free and what it
 //! has in flight, for each FIFO the times of its slots, and the memories.
 
-mod clock;
-mod conclude;
-mod ends;
-mod flight;
-mod made;
+mod fifo_timing;
+mod finalize;
+mod in_flight;
+mod input_mask;
+mod next_start;
 mod occupancy;
-mod path;
-mod slots;
-mod start;
-mod takes;
-mod token;
-mod visit;
+mod path_tracer;
+mod port_ids;
+mod stage_clock;
+mod stage_visit;
+mod step_timing;
+mod token_times;
 
-pub(crate) use clock::{Clock, Wait, charge};
-pub(crate) use conclude::{Halt, Rest};
-pub(crate) use made::{Known, Made, Unknown};
-pub(crate) use path::Path;
-pub(crate) use slots::Slots;
-pub(crate) use takes::Takes;
-pub(crate) use visit::Visit;
+pub(crate) use fifo_timing::FifoTiming;
+pub(crate) use finalize::{FinalUnitState, StopReason};
+pub(crate) use input_mask::InputMask;
+pub(crate) use path_tracer::PathTracer;
+pub(crate) use stage_clock::{StageClock, Wait, charge};
+pub(crate) use stage_visit::StageVisit;
+pub(crate) use step_timing::{AnyArity, StageArity, StepTiming};
 
-use crate::shape::Shape;
+use crate::netlist::Netlist;
 use crate::{Account, Cycle, MemorySystem, Probe};
 
 /// The times of a run.
 #[derive(Clone, Debug)]
-pub(crate) struct Time {
-    pub(crate) shape: Shape,
-    pub(crate) stages: Vec<Clock>,
+pub(crate) struct MachineTiming {
+    pub(crate) shape: Netlist,
+    pub(crate) stages: Vec<StageClock>,
     pub(crate) accounts: Vec<Account>,
-    pub(crate) fifos: Vec<Slots>,
+    pub(crate) fifos: Vec<FifoTiming>,
     pub(crate) memories: MemorySystem,
     /// Whether waits are charged, and how full FIFOs are is counted.
     pub(crate) accounts_for: bool,
 }
 
-impl Time {
+impl MachineTiming {
     /// At power-on.
-    pub(crate) fn new(mut shape: Shape) -> Self {
+    pub(crate) fn new(mut shape: Netlist) -> Self {
         let mut memories = std::mem::take(&mut shape.memories);
         memories.find_private(shape.stages.iter().map(|stage| stage.clients.as_slice()));
-        let stages: Vec<_> = shape.stages.iter().map(|stage| Clock::new(stage, &memories)).collect();
+        let stages: Vec<_> = shape.stages.iter().map(|stage| StageClock::new(stage, &memories)).collect();
         let has_clients = |stage: usize| !shape.stages[stage].clients.is_empty();
-        let fifos = shape.fifos.iter().map(|f| Slots::new(f.depth, f.latency, has_clients(f.producer))).collect();
+        let fifos = shape.fifos.iter().map(|f| FifoTiming::new(f.depth, f.latency, has_clients(f.producer))).collect();
         Self { accounts: vec![Account::default(); shape.stages.len()], shape, stages, fifos, memories, accounts_for: true }
     }
 
     /// Only tells time: for whom nothing else counts.
     pub(crate) fn account_for_nothing(&mut self) {
         self.accounts_for = false;
-        self.fifos.iter_mut().for_each(Slots::count_nothing);
+        self.fifos.iter_mut().for_each(FifoTiming::count_nothing);
     }
 
     /// A stage, to be worked on; and the shape of the machine.
     #[inline(always)]
-    pub(crate) fn visit<K: Known>(&mut self, stage: usize) -> (Visit<'_>, &Shape) {
+    pub(crate) fn visit<K: StageArity>(&mut self, stage: usize) -> (StageVisit<'_>, &Netlist) {
         let Self { shape, stages, accounts, fifos, memories, .. } = self;
         let (clock, account) = (&mut stages[stage], &mut accounts[stage]);
         let (inputs, outputs) = (clock.inputs.join(fifos, K::INPUTS), clock.outputs.join(fifos, K::OUTPUTS));
-        (Visit { stage, clock, account, fifos, memories, inputs, outputs }, shape)
+        (StageVisit { stage, clock, account, fifos, memories, inputs, outputs }, shape)
     }
 
     /// Keeps how full FIFOs are and what memories do, for a probe that looks on.
     pub(crate) fn keep_fills<P: Probe>(&mut self, probe: &P) {
         if P::is_on() && probe.reads_levels() {
-            self.fifos.iter().for_each(Slots::keep_fills);
-            self.memories.keep_watch();
+            self.fifos.iter().for_each(FifoTiming::keep_fills);
+            self.memories.keep_events();
         }
     }
 
@@ -77,14 +77,14 @@ impl Time {
             for (number, fifo) in self.fifos.iter().enumerate() {
                 fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.held(number, at, slots));
             }
-            self.memories.tell(probe, end);
+            self.memories.emit(probe, end);
         }
     }
 
     /// Delivers the steps of all stages in flight whose answers are known by now.
     pub(crate) fn land_all(&mut self) {
         for stage in 0..self.stages.len() {
-            self.visit::<Unknown>(stage).0.land_known::<Unknown>();
+            self.visit::<AnyArity>(stage).0.land_known::<AnyArity>();
         }
     }
 }

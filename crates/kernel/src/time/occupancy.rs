@@ -1,6 +1,6 @@
 //! Occupancy of a FIFO (law 10): slots reserved or filled, from reservation through pop.
 
-use super::token::Token;
+use super::token_times::TokenTimes;
 use crate::Cycle;
 
 /// The histogram of one FIFO's occupancy.
@@ -8,7 +8,7 @@ use crate::Cycle;
 /// Pushes and pops are each monotone, so all events up to min(last push, last pop) are settled: no event still to come
 /// can be earlier. What is left over is at most one ring of pushes.
 #[derive(Clone, Debug)]
-pub(crate) struct Occupancy {
+pub(crate) struct OccupancyHistogram {
     histogram: Vec<u64>,
     /// Numbers of the first push and the first pop that are not settled.
     push: usize,
@@ -20,17 +20,17 @@ pub(crate) struct Occupancy {
     /// Nobody asks for it.
     is_off: bool,
     /// What it held from when on, wherever that changed, where somebody looks on: since it was last taken.
-    fills: Option<Fills>,
+    fills: Option<LevelHistory>,
 }
 
 /// How full a FIFO was, in order of time.
 #[derive(Clone, Debug, Default)]
-struct Fills {
+struct LevelHistory {
     new: Vec<(Cycle, usize)>,
     last: usize,
 }
 
-impl Fills {
+impl LevelHistory {
     /// It holds so many from a cycle on, unless something else comes in the same cycle.
     fn hold(&mut self, at: Cycle, held: usize) {
         match self.new.last_mut() {
@@ -47,7 +47,7 @@ impl Fills {
     }
 }
 
-impl Occupancy {
+impl OccupancyHistogram {
     pub(crate) fn new(depth: usize) -> Self {
         Self {
             histogram: vec![0; depth + 1],
@@ -68,7 +68,7 @@ impl Occupancy {
 
     /// Keeps what it holds, to be taken.
     pub(crate) fn keep_fills(&mut self) {
-        self.fills = Some(Fills::default());
+        self.fills = Some(LevelHistory::default());
     }
 
     /// How many slots it held from when on, wherever that changed, since the last call: as far as that is settled, or up to `end`.
@@ -83,7 +83,7 @@ impl Occupancy {
     }
 
     /// Settles what can be settled, and keeps the rest: so many tokens are pushed, and so many popped.
-    pub(crate) fn settle(&mut self, ring: &[Token], ends: (usize, usize)) {
+    pub(crate) fn settle(&mut self, ring: &[TokenTimes], ends: (usize, usize)) {
         if self.counted.is_some() || self.is_off {
             return;
         }
@@ -98,7 +98,7 @@ impl Occupancy {
     }
 
     #[inline(always)]
-    fn merge(&mut self, ring: &[Token], (pushed, popped): (usize, usize), mut hold: impl FnMut(Cycle, usize)) {
+    fn merge(&mut self, ring: &[TokenTimes], (pushed, popped): (usize, usize), mut hold: impl FnMut(Cycle, usize)) {
         let mask = ring.len() - 1;
         let (mut push, mut pop, mut held, mut now) = (self.push, self.pop, self.held, self.settled_to);
         let mut change = |to: Cycle, by: isize| {
@@ -129,7 +129,7 @@ impl Occupancy {
     }
 
     /// Settles the rest of a run of `total` cycles.
-    pub(crate) fn finish(&mut self, ring: &[Token], (pushed, popped): (usize, usize), total: Cycle) -> Vec<u64> {
+    pub(crate) fn finish(&mut self, ring: &[TokenTimes], (pushed, popped): (usize, usize), total: Cycle) -> Vec<u64> {
         if let Some((held, last)) = self.counted {
             // The ticked engine learns that a run is over one cycle late.
             self.histogram[held] -= (last + 1).since(total);

@@ -7,7 +7,7 @@ use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_brightness::BrightnessSource;
 use basrelief_graphics_processor::{GraphicsProcessor, HeldEntry};
 use basrelief_kernel::Unit;
-use basrelief_kernel::facts::Facts;
+use basrelief_kernel::stats::UnitStats;
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_replacement::CodeBookMode;
 use basrelief_signals::MAX_SAMPLES;
@@ -76,7 +76,7 @@ pub(super) fn entry_bits(c: &BumpProcessorConfig) -> u32 {
 
 /// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, smaller stamps, and where claim 3 was
 /// not met.
-pub fn warnings(c: &BumpProcessorConfig, facts: &Facts) -> Vec<String> {
+pub fn warnings(c: &BumpProcessorConfig, facts: &UnitStats) -> Vec<String> {
     let fewer = stamp(c);
     let stamps = (fewer < c.rasterizer.stamp).then(|| {
         format!("stamps of {fewer} instead of {} fragments: a step of more needs more requests in flight (memory.*.outstanding) than there may be", c.rasterizer.stamp)
@@ -95,7 +95,7 @@ fn few_tables(c: &BumpProcessorConfig) -> Option<String> {
 
 /// Claim 3 wants fewer reference normals in a table than distinct pseudo-normals on the surface: says where a run was
 /// otherwise. Quantizing then costs tables without saving anything.
-fn claim_3_warning(c: &BumpProcessorConfig, facts: &Facts) -> Option<String> {
+fn claim_3_warning(c: &BumpProcessorConfig, facts: &UnitStats) -> Option<String> {
     let (distinct, searches) = (facts.count("distinct_pseudo_normals"), facts.count("searches"));
     let entries = c.replacement.entries.levels().into_iter().max().unwrap_or(0);
     (searches > 0 && distinct <= u64::from(entries)).then(|| {

@@ -8,7 +8,7 @@ use basrelief_brightness::BrightnessConfig;
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::{DepthConfig, GraphicsConfig};
-use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
+use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
 use basrelief_normal_mapping::NormalMappingConfig;
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
@@ -25,17 +25,17 @@ memories! {
     pub struct MemoryConfigs at HZ {
         /// Normal-map memory (116). Its port has the credits of the largest step, four texels of each of eight levels for each
         /// of four fragments; of four steps with two levels.
-        normal_map = MemoryConfig { part: Part::EdramPs2, outstanding: 128, ..MemoryConfig::default() } => [
+        normal_map = MemoryConfig { part: MemoryPart::EdramPs2, outstanding: 128, ..MemoryConfig::default() } => [
             part: Assumed("Figure 1 draws (116) as a memory of its own inside the device: on the chip, where its maker had put 4 MB of DRAM since 2000"),
             outstanding: Assumed("the largest step: 4 texels of 8 levels for 4 fragments"),
         ],
         /// Quantization-vector memory (120): VQ tables (121) and CLUTs (122). Its ports have the credits of four steps.
-        quantization = MemoryConfig { part: Part::Sram, outstanding: 32, ..MemoryConfig::default() } => [
+        quantization = MemoryConfig { part: MemoryPart::Sram, outstanding: 32, ..MemoryConfig::default() } => [
             part: Assumed("Figure 1 draws (120) as a memory of its own inside the device; eight levels of tables and CLUTs are some 16 KB, which is SRAM on a chip"),
             outstanding: Assumed("four steps of four fragments with two levels"),
         ],
         /// Graphics-data memory (124), with the frame buffer (126).
-        graphics = MemoryConfig { part: Part::Ddr400, channels: 4, outstanding: 32, ..MemoryConfig::default() } => [
+        graphics = MemoryConfig { part: MemoryPart::Ddr400, channels: 4, outstanding: 32, ..MemoryConfig::default() } => [
             part: Assumed("graphics boards of 2005 had DDR at 200 MHz and more, up to GDDR3 at twice that and beyond"),
             channels: Assumed("256 bits, four times 64, as graphics boards had from 2002 on (Radeon 9700, GeForce 6800)"),
             outstanding: Assumed("more than rows, CL and burst of DDR-400 take at one request per cycle"),

@@ -4,7 +4,7 @@ use super::DeferConfig;
 use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_deferred_renderer::{NumberFormat, RenderMode};
-use basrelief_kernel::facts::Facts;
+use basrelief_kernel::stats::UnitStats;
 
 /// Latest time that a user acts at: three months \[ms\].
 const LATEST_MS: f64 = 8e9;
@@ -57,7 +57,7 @@ fn check_leaving(c: &DeferConfig) -> Result<(), ConfigProblem> {
 
 /// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, requests that they do not let the path have,
 /// and what of the input the machine has no use for.
-pub fn warnings(c: &DeferConfig, facts: &Facts) -> Vec<String> {
+pub fn warnings(c: &DeferConfig, facts: &UnitStats) -> Vec<String> {
     slow_fifos(facts).into_iter().chain(unused_requests(c)).chain(input_warnings(facts)).collect()
 }
 
@@ -72,7 +72,7 @@ fn unused_requests(c: &DeferConfig) -> Option<String> {
 }
 
 /// What of the input the renderer has no use for: one sentence each.
-fn input_warnings(facts: &Facts) -> Vec<String> {
+fn input_warnings(facts: &UnitStats) -> Vec<String> {
     let none = facts.count("cells_direct") > 0 && facts.count("cells_textured") == 0;
     let unused = "no pixel has a colour texture: no tile was needed".to_owned();
     none.then_some(unused).into_iter().collect()

@@ -9,7 +9,7 @@ use basrelief_deferred_renderer::{CellConfig, EngineConfig, Lighting, PathConfig
 use basrelief_frame_buffer::{FrameDone, PixelBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
+use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_signals::{Control, Draw, Flow, Fragment, LightingStage, PictureFlow, Stamp, VertexAttributes};
@@ -19,7 +19,7 @@ const HZ: u64 = 100_000_000;
 
 /// A board of the time: 128 bits.
 fn board(outstanding: u32) -> MemoryConfig {
-    MemoryConfig { part: Part::Sdr100, channels: 2, window: 8, cap: 8, outstanding, ..MemoryConfig::default() }
+    MemoryConfig { part: MemoryPart::Sdr100, channels: 2, window: 8, cap: 8, outstanding, ..MemoryConfig::default() }
 }
 
 memories! {

@@ -15,7 +15,7 @@ use basrelief_deferred_renderer::{
 };
 use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::facts::Facts;
+use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_rasterizer::Rasterizer;
 use basrelief_signals::{Fragment, SignalWidths, Stamp};
@@ -164,7 +164,7 @@ impl<F: FrontEnd> Draws for DeferredRenderer<F> {
     }
 
     /// The size of a cell; and what a renderer would take that loads all textures whole, which only the cut into tiles tells.
-    fn derive(&self, facts: &mut Facts) {
+    fn derive(&self, facts: &mut UnitStats) {
         // Raw bytes are held against raw ones, encoded against encoded.
         let conventional = self.server.unit.conventional(self.cut());
         let (conventional, tile_bytes) = match conventional.encoded_bytes {

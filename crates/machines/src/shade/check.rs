@@ -3,7 +3,7 @@
 use super::ShadeConfig;
 use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
-use basrelief_kernel::facts::Facts;
+use basrelief_kernel::stats::UnitStats;
 
 /// Checks what spans parameters.
 pub(super) fn check(c: &ShadeConfig) -> Result<(), ConfigProblem> {
@@ -23,12 +23,12 @@ pub(super) fn check(c: &ShadeConfig) -> Result<(), ConfigProblem> {
 
 /// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, and what of the input the machine
 /// has no use for.
-pub fn warnings(facts: &Facts) -> Vec<String> {
+pub fn warnings(facts: &UnitStats) -> Vec<String> {
     slow_fifos(facts).into_iter().chain(input_warnings(facts)).collect()
 }
 
 /// What the device could not draw as it was given: one sentence each.
-fn input_warnings(facts: &Facts) -> Vec<String> {
+fn input_warnings(facts: &UnitStats) -> Vec<String> {
     let textured = facts.count("polygons_textured");
     let dropped = facts.count("polygons_dropped");
     let sentences = [

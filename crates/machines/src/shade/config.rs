@@ -11,7 +11,7 @@ use basrelief_figure_shading::{
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
+use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_signals::{Control, Draw, Flow, LightingStage, Pixel, Stamp, VertexAttributes};
 use std::sync::Arc;
@@ -32,7 +32,7 @@ memories! {
     pub struct MemoryConfigs at HZ {
         /// Frame memory (300), with the depth values.
         frame = MemoryConfig {
-            part: Part::Fpm80,
+            part: MemoryPart::Fpm80,
             window: 4,
             cap: 4,
             outstanding: 16,

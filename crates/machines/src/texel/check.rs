@@ -3,7 +3,7 @@
 use super::TexelMachineConfig;
 use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
-use basrelief_kernel::facts::Facts;
+use basrelief_kernel::stats::UnitStats;
 use basrelief_signals::LINE_PIXELS;
 
 /// Checks what spans parameters.
@@ -27,12 +27,12 @@ pub(super) fn check(c: &TexelMachineConfig) -> Result<(), ConfigProblem> {
 
 /// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, and what of the input the machine
 /// has no use for.
-pub fn warnings(facts: &Facts) -> Vec<String> {
+pub fn warnings(facts: &UnitStats) -> Vec<String> {
     slow_fifos(facts).into_iter().chain(input_warnings(facts)).collect()
 }
 
 /// What of the input the system has no use for: one sentence each.
-fn input_warnings(facts: &Facts) -> Vec<String> {
+fn input_warnings(facts: &UnitStats) -> Vec<String> {
     let (fragments, textured) = (facts.count("fragments"), facts.count("textured_fragments"));
     let none = fragments > 0 && textured == 0;
     none.then(|| "no polygon has a colour texture: nothing was divided".to_owned()).into_iter().collect()

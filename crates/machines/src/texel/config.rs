@@ -7,7 +7,7 @@ use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
+use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_signals::{Control, Draw, Flow, LightingStage, PixelPacket, VertexAttributes};
 use basrelief_texel_value_generator::signals::{
@@ -31,7 +31,7 @@ const HZ: u64 = 50_000_000;
 
 /// A board of the time: 128 bits.
 fn board(outstanding: u32) -> MemoryConfig {
-    let part = Part::Edo60;
+    let part = MemoryPart::Edo60;
     MemoryConfig { part, window: 4, cap: 4, outstanding, ..MemoryConfig::default() }
 }
 

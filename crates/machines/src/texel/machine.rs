@@ -9,7 +9,7 @@ use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::facts::Facts;
+use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::{PixelPacket, SignalWidths};
 use basrelief_texel_value_generator::signals::TexelPacket;
@@ -113,7 +113,7 @@ impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
     }
 
     /// The price of the division points, per pixel: every division of the system, and where it is made.
-    fn derive(&self, facts: &mut Facts) {
+    fn derive(&self, facts: &mut UnitStats) {
         let pixels = facts.count("textured_fragments").max(1) as f64;
         let (points, inner) = (facts.count("points_divided"), facts.count("division_points"));
         let of_points = facts.count("divisions") + facts.count("reciprocals");

@@ -2,7 +2,7 @@
 
 use crate::recipe::bumps;
 use basrelief_brightness::BrightnessFetch;
-use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Unit};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_replacement::Replacement;
@@ -31,9 +31,9 @@ pub struct Chain {
 
 /// Everything that comes out of a unit for a token.
 fn pump<A, B, U: Unit<In = Option<A>, Out = Option<B>>>(unit: &mut U, token: A) -> Vec<B> {
-    let mut out: Vec<B> = unit.step(Some(token), &mut Traffic::default()).out.into_iter().collect();
+    let mut out: Vec<B> = unit.step(Some(token), &mut MemoryPorts::default()).out.into_iter().collect();
     while unit.demand() == Demand::Nothing {
-        out.extend(unit.step(None, &mut Traffic::default()).out);
+        out.extend(unit.step(None, &mut MemoryPorts::default()).out);
     }
     out
 }

@@ -3,7 +3,7 @@
 use crate::chain::{Chain, TO_LIGHT, bumpy_map, indexes, pseudo_normals, single, uniform_map};
 use crate::recipe::{Part, SceneRecipe, Shape, Surface};
 use crate::runs::{Ran, config, functional, run_probed, small_demo, timed};
-use basrelief_kernel::facts::Value;
+use basrelief_kernel::stats::FigureValue;
 use basrelief_kernel::{Engine, Interval, Recorder};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_signals::Lighting;
@@ -34,7 +34,7 @@ fn formula(normal: [i16; 3]) -> f64 {
 const HALF_STEP: f64 = 0.5 * 1.3 / 255.0 + 1e-6;
 
 fn used(ran: &Ran) -> Vec<u64> {
-    let Some(Value::Counts(used)) = ran.facts.get("reference_normals_used") else { panic!("{:?}", ran.facts) };
+    let Some(FigureValue::Counts(used)) = ran.facts.get("reference_normals_used") else { panic!("{:?}", ran.facts) };
     used.clone()
 }
 

@@ -5,7 +5,7 @@ pub use crate::common::{Ran, small_demo};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Probe};
-use basrelief_machines::Facts;
+use basrelief_machines::UnitStats;
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, SceneFront};
 use basrelief_signals::Scene;
 use std::sync::Arc;
@@ -29,6 +29,6 @@ pub fn timed(scene: &Arc<Scene>, settings: &[(&str, &str)]) -> Ran {
 }
 
 /// Pictures and device figures of the functional model.
-pub fn functional(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> (Vec<FinishedFrame>, Facts) {
+pub fn functional(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> (Vec<FinishedFrame>, UnitStats) {
     common::functional(machine(scene, config))
 }

@@ -2,7 +2,7 @@
 
 use crate::promise::{exact, psnr};
 use crate::runs::{Ran, small_demo, timed};
-use basrelief_kernel::facts::Value;
+use basrelief_kernel::stats::FigureValue;
 use basrelief_signals::{Object, Scene};
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ fn mixed(change: impl Fn(&mut Object)) -> Arc<Scene> {
 }
 
 fn used(ran: &Ran) -> Vec<u64> {
-    let Some(Value::Counts(used)) = ran.facts.get("reference_normals_used") else { panic!("{:?}", ran.facts) };
+    let Some(FigureValue::Counts(used)) = ran.facts.get("reference_normals_used") else { panic!("{:?}", ran.facts) };
     used.clone()
 }
 

@@ -7,7 +7,7 @@ use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, Probe, RunReport, run_functional, run_with};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::{Draws, Facts, FrontConfig, FrontEnd, SceneFront, TraceFront};
+use basrelief_machines::{Draws, FrontConfig, FrontEnd, SceneFront, TraceFront, UnitStats};
 use basrelief_parameters::{Parameters, load};
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Control, Scene};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub struct Ran {
     pub report: RunReport,
     pub frames: Vec<FinishedFrame>,
-    pub facts: Facts,
+    pub facts: UnitStats,
 }
 
 impl Ran {
@@ -43,7 +43,7 @@ impl Ran {
 }
 
 /// A device figure that there must be.
-pub fn count(facts: &Facts, name: &str) -> u64 {
+pub fn count(facts: &UnitStats, name: &str) -> u64 {
     assert!(facts.get(name).is_some(), "there is no device figure `{name}`");
     facts.count(name)
 }
@@ -89,7 +89,7 @@ pub fn timed(machine: impl Draws, settings: &[(&str, &str)]) -> Ran {
 }
 
 /// Pictures and device figures of the functional model.
-pub fn functional(mut machine: impl Draws) -> (Vec<FinishedFrame>, Facts) {
+pub fn functional(mut machine: impl Draws) -> (Vec<FinishedFrame>, UnitStats) {
     run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
     (machine.drain_finished(), machine.facts())
 }

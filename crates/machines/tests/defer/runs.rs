@@ -6,7 +6,7 @@ use basrelief_deferred_renderer::{FilledBuffer, How, Page, TileList, TileRecord}
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, RunReport, run_functional, run_with};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd};
-use basrelief_machines::{Draws, Facts};
+use basrelief_machines::{Draws, UnitStats};
 use basrelief_signals::Control;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ pub struct Seen {
     /// What became of tiles, by frame.
     pub tiles: Vec<Vec<TileRecord>>,
     pub lists: Vec<(Arc<Page>, TileList)>,
-    pub facts: Facts,
+    pub facts: UnitStats,
 }
 
 /// What a run came to.

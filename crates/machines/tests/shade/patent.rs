@@ -4,8 +4,8 @@ use crate::common::covered_by_bump;
 use crate::recipe::{display_lists, frame, material, object, polygon, sun, unit};
 use crate::runs::{Ran, config, machine, replay, run, small_demo, timed};
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::facts::facts;
-use basrelief_kernel::{Engine, Hardware, HardwareKind, Traffic, Unit};
+use basrelief_kernel::stats::unit_stats;
+use basrelief_kernel::{Engine, Hardware, HardwareKind, MemoryPorts, Unit};
 use basrelief_machines::FrontConfig;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::shade::warnings;
@@ -239,7 +239,7 @@ const CIRCUITS: [&str; 9] = [
 fn every_circuit_tells_its_hardware_as_its_parameters_have_it() {
     let hardware = |settings: &[(&str, &str)]| {
         let config = config(settings);
-        facts(&mut machine(replay(&[], &config), &config)).all_hardware().to_vec()
+        unit_stats(&mut machine(replay(&[], &config), &config)).all_hardware().to_vec()
     };
     let all = hardware(&[]);
     for circuit in CIRCUITS {
@@ -267,7 +267,7 @@ fn every_circuit_tells_its_hardware_as_its_parameters_have_it() {
 fn recorded(demo: &str) -> Vec<Control> {
     let mut geometry = FrontConfig::from(&BumpProcessorConfig::default()).geometry_processor();
     let draws = SceneDraws::new(small_demo(demo));
-    draws.filter_map(|draw: Draw| geometry.step(Some(draw), &mut Traffic::default()).out).collect()
+    draws.filter_map(|draw: Draw| geometry.step(Some(draw), &mut MemoryPorts::default()).out).collect()
 }
 
 #[test]

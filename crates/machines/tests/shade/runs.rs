@@ -4,7 +4,7 @@ use crate::common;
 pub use crate::common::{Ran, replay, scene_front};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::Engine;
-use basrelief_machines::Facts;
+use basrelief_machines::UnitStats;
 use basrelief_machines::shade::{FigureShadingDevice, FrontEnd, ShadeConfig};
 use basrelief_signals::{Control, Scene};
 use std::sync::Arc;
@@ -34,6 +34,6 @@ pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
 }
 
 /// Pictures and device figures of the functional model.
-pub fn functional(front: impl FrontEnd, config: &ShadeConfig) -> (Vec<FinishedFrame>, Facts) {
+pub fn functional(front: impl FrontEnd, config: &ShadeConfig) -> (Vec<FinishedFrame>, UnitStats) {
     common::functional(machine(front, config))
 }

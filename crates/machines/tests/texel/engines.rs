@@ -4,7 +4,7 @@ use crate::common;
 use crate::common::settings::borrowed;
 use crate::recipe::{display_lists, meanings, timings};
 use crate::runs::{Ran, config, functional, machine, replay, scene_front, small_demo, timed};
-use basrelief_kernel::facts::Value;
+use basrelief_kernel::stats::FigureValue;
 use basrelief_machines::texel::{FrontEnd, TexelMachineConfig, TextureMappingSystem};
 use proptest::prelude::*;
 
@@ -17,7 +17,7 @@ fn agree<F: FrontEnd>(front: impl Fn() -> F, config: &TexelMachineConfig) -> Ran
 
 /// What counters must have in common.
 fn conserved(ran: &Ran) {
-    let Some(Value::Counts(lengths)) = ran.facts.get("segment_lengths") else { panic!("{:?}", ran.facts) };
+    let Some(FigureValue::Counts(lengths)) = ran.facts.get("segment_lengths") else { panic!("{:?}", ran.facts) };
     let segments: u64 = lengths.iter().sum();
     assert_eq!(segments, ran.count("segments"), "the histogram holds every segment");
     assert!(ran.count("points_divided") >= ran.count("division_points"));

@@ -4,8 +4,8 @@ use crate::common;
 pub use crate::common::{Ran, replay, scene_front};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::Engine;
-use basrelief_kernel::facts::Value;
-use basrelief_machines::Facts;
+use basrelief_kernel::stats::FigureValue;
+use basrelief_machines::UnitStats;
 use basrelief_machines::texel::{FrontEnd, TexelMachineConfig, TextureMappingSystem};
 use basrelief_signals::{Control, Scene};
 use std::sync::Arc;
@@ -35,14 +35,14 @@ pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
 }
 
 /// Pictures and device figures of the functional model.
-pub fn functional(front: impl FrontEnd, config: &TexelMachineConfig) -> (Vec<FinishedFrame>, Facts) {
+pub fn functional(front: impl FrontEnd, config: &TexelMachineConfig) -> (Vec<FinishedFrame>, UnitStats) {
     common::functional(machine(front, config))
 }
 
 /// A figure that is no whole number.
-pub fn figure(facts: &Facts, name: &str) -> f64 {
+pub fn figure(facts: &UnitStats, name: &str) -> f64 {
     match facts.get(name) {
-        Some(Value::Real(real)) => *real,
+        Some(FigureValue::Real(real)) => *real,
         found => panic!("device figure `{name}`: {found:?}"),
     }
 }

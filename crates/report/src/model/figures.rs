@@ -1,6 +1,6 @@
 //! Counts of a machine and figures that follow from them.
 
-use basrelief_kernel::{self as kernel, HardwareKind, facts};
+use basrelief_kernel::{self as kernel, HardwareKind, stats};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -118,27 +118,27 @@ pub enum Part {
     },
 }
 
-impl From<&facts::Value> for Figure {
-    fn from(value: &facts::Value) -> Self {
+impl From<&stats::FigureValue> for Figure {
+    fn from(value: &stats::FigureValue) -> Self {
         match value {
-            facts::Value::Count(n) => Self::Count(*n),
-            facts::Value::Real(x) => Self::Real(*x),
-            facts::Value::Counts(counts) => counts.clone().into(),
-            facts::Value::Reals(reals) => reals.clone().into(),
+            stats::FigureValue::Count(n) => Self::Count(*n),
+            stats::FigureValue::Real(x) => Self::Real(*x),
+            stats::FigureValue::Counts(counts) => counts.clone().into(),
+            stats::FigureValue::Reals(reals) => reals.clone().into(),
         }
     }
 }
 
-impl From<&facts::Figure> for Legend {
-    fn from(figure: &facts::Figure) -> Self {
+impl From<&stats::Figure> for Legend {
+    fn from(figure: &stats::Figure) -> Self {
         let part = match figure.part.clone() {
-            facts::Part::Alone => None,
-            facts::Part::Work => Some(Part::Work),
-            facts::Part::Route(name) => Some(Part::Route(name)),
-            facts::Part::Started(name) => Some(Part::Started(name)),
-            facts::Part::Needed(name) => Some(Part::Needed(name)),
-            facts::Part::Process(name) => Some(Part::Process(name)),
-            facts::Part::Column { table, title } => Some(Part::Column { table: table.into(), title: title.into() }),
+            stats::FigureGroup::Alone => None,
+            stats::FigureGroup::Work => Some(Part::Work),
+            stats::FigureGroup::Route(name) => Some(Part::Route(name)),
+            stats::FigureGroup::Started(name) => Some(Part::Started(name)),
+            stats::FigureGroup::Needed(name) => Some(Part::Needed(name)),
+            stats::FigureGroup::Process(name) => Some(Part::Process(name)),
+            stats::FigureGroup::Column { table, title } => Some(Part::Column { table: table.into(), title: title.into() }),
         };
         Self { unit: figure.unit.into(), about: figure.about.into(), part }
     }

@@ -4,7 +4,7 @@ use super::PolygonCost;
 use crate::flow::Origin;
 use crate::limits::EVENTS;
 use basrelief_input::{Held, OverBudget};
-use basrelief_kernel::Groups;
+use basrelief_kernel::StageGroups;
 use basrelief_report::costs::LISTED;
 use basrelief_report::model::{PathPolygon, PathPolygons};
 use std::cmp::Reverse;
@@ -14,14 +14,14 @@ const RUN_BYTES: u64 = 8;
 
 /// The polygons of all steps so far, by stage; none once there are more steps than a path is looked for in.
 pub(crate) struct StepGroups {
-    pub(crate) stages: Vec<Groups>,
+    pub(crate) stages: Vec<StageGroups>,
     steps: usize,
     held: Held,
 }
 
 impl StepGroups {
     pub(crate) fn new(stages: usize, held: Held) -> Self {
-        Self { stages: vec![Groups::default(); stages], steps: 0, held }
+        Self { stages: vec![StageGroups::default(); stages], steps: 0, held }
     }
 
     /// The next step of a stage is for this.
@@ -30,7 +30,7 @@ impl StepGroups {
     /// More than may be held.
     pub(super) fn step(&mut self, stage: usize, origin: &Origin) -> Result<(), OverBudget> {
         let Some(groups) = self.stages.get_mut(stage) else { return Ok(()) };
-        let group = origin.polygon.and_then(|polygon| u32::try_from(polygon.run).ok()).unwrap_or(Groups::NONE);
+        let group = origin.polygon.and_then(|polygon| u32::try_from(polygon.run).ok()).unwrap_or(StageGroups::NONE);
         if groups.push(group) {
             self.held.grow(RUN_BYTES, "polygons of steps, for the critical path")?;
         }

@@ -4,7 +4,7 @@ use super::spec::{Logs, MachineSpec};
 use crate::costs::CostPoints;
 use basrelief_brightness::Components;
 use basrelief_machines::bump::{self, BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, ReferenceFilter};
+use basrelief_machines::{ConfigProblem, FrontConfig, FrontEnd, ReferenceFilter, UnitStats};
 use basrelief_reference::{self as reference, Options, Style, TextureFilter};
 
 impl MachineSpec for BumpProcessorConfig {
@@ -41,7 +41,7 @@ impl MachineSpec for BumpProcessorConfig {
         options.into()
     }
 
-    fn warnings(&self, facts: &Facts) -> Vec<String> {
+    fn warnings(&self, facts: &UnitStats) -> Vec<String> {
         bump::warnings(self, facts)
     }
 }

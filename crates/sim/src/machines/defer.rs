@@ -6,9 +6,9 @@ use crate::exhibits::defer::{DeferLog, EXHIBITS};
 use crate::exhibits::spec::ExhibitSpec;
 use basrelief_deferred_renderer::{Lighting, Preview, RenderMode, TexelCentre, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::facts::{Part, Value};
+use basrelief_kernel::stats::{FigureGroup, FigureValue};
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer, RunAhead};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
+use basrelief_machines::{ConfigProblem, FrontConfig, FrontEnd, UnitStats};
 use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, TextureFilter};
 use std::sync::Arc;
 
@@ -71,15 +71,15 @@ impl MachineSpec for DeferConfig {
         Style { shading, options }
     }
 
-    fn warnings(&self, facts: &Facts) -> Vec<String> {
+    fn warnings(&self, facts: &UnitStats) -> Vec<String> {
         defer::warnings(self, facts)
     }
 
     /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.
-    fn figures(&self, summary: &RunSummary<'_>, facts: &mut Facts) {
+    fn figures(&self, summary: &RunSummary<'_>, facts: &mut UnitStats) {
         let shown = summary.pictures;
-        let mut column = |title, values: Value, unit, about| {
-            facts.figure(&format!("picture_{title}"), values, unit, about).part(Part::Column { table: "picture", title });
+        let mut column = |title, values: FigureValue, unit, about| {
+            facts.figure(&format!("picture_{title}"), values, unit, about).part(FigureGroup::Column { table: "picture", title });
         };
         let count = |of: fn(&PictureRecord) -> u32| shown.iter().map(|s| u64::from(of(s))).collect::<Vec<_>>();
         column("frame", count(|s| s.frame).into(), "", "Number of the frame, from 0");

@@ -3,7 +3,7 @@
 use super::spec::{Logs, MachineSpec, ShortCut};
 use crate::costs::CostPoints;
 use basrelief_machines::shade::{self, FigureShadingDevice, ShadeConfig};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
+use basrelief_machines::{ConfigProblem, FrontConfig, FrontEnd, UnitStats};
 use basrelief_reference::{Components, Options, Shading, Style, TextureFilter};
 
 impl MachineSpec for ShadeConfig {
@@ -40,7 +40,7 @@ impl MachineSpec for ShadeConfig {
         Style { shading: Shading::Phong, options }
     }
 
-    fn warnings(&self, facts: &Facts) -> Vec<String> {
+    fn warnings(&self, facts: &UnitStats) -> Vec<String> {
         shade::warnings(facts)
     }
 }

@@ -8,7 +8,7 @@ use basrelief_deferred_renderer::{Preview, TileEncoding, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Hardware, RunReport};
 use basrelief_machines::defer::RunAhead;
-use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, UnitInfo, units};
+use basrelief_machines::{ConfigProblem, Draws, FrontConfig, FrontEnd, UnitInfo, UnitStats, units};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
 use schemars::JsonSchema;
@@ -91,9 +91,9 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     /// What its pictures are held against.
     fn exact_style(&self) -> Style;
     /// What the reader of a report should know, one sentence each.
-    fn warnings(&self, facts: &Facts) -> Vec<String>;
+    fn warnings(&self, facts: &UnitStats) -> Vec<String>;
     /// Tells figures that the machine alone cannot know: of the pictures shown, and of time.
-    fn figures(&self, summary: &RunSummary<'_>, facts: &mut Facts) {
+    fn figures(&self, summary: &RunSummary<'_>, facts: &mut UnitStats) {
         let _ = (summary, facts);
     }
 

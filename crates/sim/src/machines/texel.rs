@@ -8,7 +8,7 @@ use crate::exhibits::texel::{EXHIBITS, TexelLog};
 use crate::methods::{MethodSpec, MethodSpecs, Number};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::texel::{self, TexelMachineConfig, TextureMappingSystem};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
+use basrelief_machines::{ConfigProblem, FrontConfig, FrontEnd, UnitStats};
 use basrelief_reference::{LevelRule, Options, Shading, Style, TextureFilter};
 use basrelief_signals::TexelFilter;
 use basrelief_texel_value_generator::{Division, IlluminanceMode, Method, MipMode};
@@ -56,7 +56,7 @@ impl MachineSpec for TexelMachineConfig {
         Style { shading, options }
     }
 
-    fn warnings(&self, facts: &Facts) -> Vec<String> {
+    fn warnings(&self, facts: &UnitStats) -> Vec<String> {
         texel::warnings(facts)
     }
 }

@@ -6,8 +6,8 @@ use crate::ended::Ended;
 use crate::machines::{MachineConfig, MachineInfo, for_machine};
 use crate::run::Way;
 use basrelief_input::{Budget, Held};
-use basrelief_kernel::Tape;
-use basrelief_kernel::facts::Value as FactValue;
+use basrelief_kernel::Recording;
+use basrelief_kernel::stats::FigureValue as FactValue;
 use std::io::Read;
 
 /// A whole tape in memory.
@@ -15,7 +15,7 @@ pub(crate) struct Loaded {
     pub(super) machine: &'static MachineInfo,
     pub(crate) given: Given,
     pub(crate) way: Way,
-    pub(crate) tape: Tape<'static>,
+    pub(crate) tape: Recording<'static>,
     /// What is left of the run beside its times.
     pub(crate) ended: Ended,
     /// What the units counted.
@@ -40,7 +40,7 @@ impl Loaded {
                 let (given, way) = (head.given, head.way);
                 let shape = for_machine!(&given.config(machine, &[])?, spec => way.shape(spec));
                 let shape = shape.map_err(|problem| TapeFileError::Format(problem.to_string()))?;
-                let tape = Tape::new(all, &shape, budget.left());
+                let tape = Recording::new(all, &shape, budget.left());
                 Ok(Self { machine, given, way, tape, ended, figures, work, _held: reels.waiting })
             }
             _ => Err(TapeFileError::Format("its work has another SHA-256 than it says".into())),

@@ -1,7 +1,7 @@
 //! Tapes: the work of a run in a file, from which [`retime`] makes the report that a run under other times gives.
 //!
 //! A tape is the line `basrelief-tape/1`, then pieces: a letter, the length in bytes (32 bits, lowest first), and so many bytes. `H`,
-//! first, says in JSON which machine with which parameters; `R` is a [reel](Reel) of steps; `E`, last, says in JSON what is left of
+//! first, says in JSON which machine with which parameters; `R` is a [reel](RecordingChunk) of steps; `E`, last, says in JSON what is left of
 //! the run beside its times, with the SHA-256 of the work. Files are compressed outside of this.
 
 mod loaded;
@@ -19,9 +19,9 @@ use crate::limits::Kept;
 use crate::machines::{MachineConfig, MachineInfo, MachineSpec};
 use crate::run::Way;
 use basrelief_input::OverBudget;
-use basrelief_kernel::RetimeError;
-use basrelief_kernel::facts::Value as FactValue;
-use basrelief_kernel::tape::Reel;
+use basrelief_kernel::ResimulateError;
+use basrelief_kernel::recording::RecordingChunk;
+use basrelief_kernel::stats::FigureValue as FactValue;
 use basrelief_parameters::{ConfigError, Parameters};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -55,7 +55,7 @@ pub enum TapeFileError {
     Format(String),
     /// What is recorded is no work of this machine.
     #[error(transparent)]
-    Retime(#[from] RetimeError),
+    Retime(#[from] ResimulateError),
     /// A parameter that changes what units do.
     #[error("`{0}` changes what the units do, not only when: a tape holds that fast; run the machine with it")]
     Work(String),
@@ -113,7 +113,7 @@ struct End {
 }
 
 /// Bytes of work on a reel.
-pub(crate) fn bytes_of(reel: &Reel) -> usize {
+pub(crate) fn bytes_of(reel: &RecordingChunk) -> usize {
     reel.streams().map(<[u8]>::len).sum()
 }
 
@@ -125,7 +125,7 @@ pub(crate) struct WorkHash {
 }
 
 impl WorkHash {
-    pub(crate) fn add(&mut self, reel: &Reel) {
+    pub(crate) fn add(&mut self, reel: &RecordingChunk) {
         self.stages.resize(reel.streams().count(), Sha256::new());
         self.stages.iter_mut().zip(reel.streams()).for_each(|(hash, stream)| hash.update(stream));
         self.bytes += bytes_of(reel);
@@ -158,7 +158,7 @@ pub(crate) fn head<S: MachineSpec>(way: Way, given: &Given) -> Vec<u8> {
 }
 
 /// A reel of a tape.
-pub(crate) fn reel(reel: &Reel) -> Vec<u8> {
+pub(crate) fn reel(reel: &RecordingChunk) -> Vec<u8> {
     piece(b'R', &reel.to_bytes())
 }
 

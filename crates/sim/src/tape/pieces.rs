@@ -5,8 +5,8 @@ use crate::limits::Kept;
 use crate::machines::MachineInfo;
 use crate::observer::Observer;
 use basrelief_input::{Budget, Held};
-use basrelief_kernel::RetimeError;
-use basrelief_kernel::tape::Reel;
+use basrelief_kernel::ResimulateError;
+use basrelief_kernel::recording::RecordingChunk;
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::io::{self, Read};
@@ -84,7 +84,7 @@ impl<'a> ReelsOfFile<'a> {
     }
 
     /// The next reel, for the kernel, which has so many bytes left of those before: it is told that there is a fault, and we keep what it is.
-    pub(super) fn next(&mut self, waiting: usize) -> Result<Option<Cow<'static, Reel>>, String> {
+    pub(super) fn next(&mut self, waiting: usize) -> Result<Option<Cow<'static, RecordingChunk>>, String> {
         if self.end.is_some() || self.fault.is_some() {
             return Ok(None);
         }
@@ -103,11 +103,11 @@ impl<'a> ReelsOfFile<'a> {
         shown.map_err(|fault| io::Error::other(fault).into())
     }
 
-    pub(super) fn read(&mut self) -> Result<Option<Reel>, TapeFileError> {
+    pub(super) fn read(&mut self) -> Result<Option<RecordingChunk>, TapeFileError> {
         let (letter, bytes, _held) = self.pieces.next()?;
         match letter {
             b'R' => {
-                let reel = Reel::from_bytes(&bytes).map_err(RetimeError::from)?;
+                let reel = RecordingChunk::from_bytes(&bytes).map_err(ResimulateError::from)?;
                 self.work.add(&reel);
                 self.show(&piece(letter, &bytes))?;
                 if let Some(kept) = &mut self.kept {

@@ -45,7 +45,7 @@ impl Recording {
     fn timed_again<S: MachineSpec>(&self, spec: &S) -> Result<Report, TapeFileError> {
         let recorded: S = self.tape.given.load(&[]).map_err(|error| TapeFileError::Config(error.to_string()))?;
         let shape = same_work((&recorded, spec), self.tape.way)?;
-        let run = self.tape.tape.retime(shape)?;
+        let run = self.tape.tape.resimulate(shape)?;
         complete(&run)?;
         report((spec, self.tape.way), (self.tape.ended.clone(), &self.tape.figures), &run)
     }

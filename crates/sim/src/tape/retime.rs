@@ -9,8 +9,8 @@ use crate::observer::{Observer, Unobserved};
 use crate::run::Way;
 use crate::settings::When;
 use basrelief_input::Budget;
-use basrelief_kernel::facts::Value as FactValue;
-use basrelief_kernel::{self as kernel, NoProbe, Outcome, RunReport, Shape};
+use basrelief_kernel::stats::FigureValue as FactValue;
+use basrelief_kernel::{self as kernel, Netlist, NoProbe, Outcome, RunReport};
 use basrelief_machines::ConfigProblem;
 use basrelief_parameters::Effect;
 use basrelief_report::Report;
@@ -63,7 +63,7 @@ fn timed_again<'a, S: MachineSpec>(
     let shape = same_work((&recorded, spec), way)?;
     let mut reels = ReelsOfFile::new(pieces, Some(observer), Kept::new(options.limits, &options.budget));
     reels.show(&super::head::<S>(way, given))?;
-    let timed = kernel::retime(shape, &mut |waiting| reels.next(waiting), &mut NoProbe, u64::MAX);
+    let timed = kernel::resimulate(shape, &mut |waiting| reels.next(waiting), &mut NoProbe, u64::MAX);
     // To its end: what is left of the run stands there.
     while timed.is_ok() && reels.next(0).is_ok_and(|reel| reel.is_some()) {}
     let ReelsOfFile { work, kept, end, fault, .. } = reels;
@@ -114,7 +114,7 @@ fn outcome_text(outcome: &Outcome) -> String {
 }
 
 /// The shape of a machine that does the work of another, behind the same way in: as far as shapes tell, and what its units are built of.
-pub(crate) fn same_work<S: MachineSpec>((recorded, spec): (&S, &S), way: Way) -> Result<Shape, TapeFileError> {
+pub(crate) fn same_work<S: MachineSpec>((recorded, spec): (&S, &S), way: Way) -> Result<Netlist, TapeFileError> {
     // Where a user acts at times, what is drawn follows from times.
     if spec.acts_at_times() {
         return Err(TapeFileError::OtherWork("its user acts at times".into()));

@@ -1,6 +1,6 @@
 //! Parameters of the brightness fetch unit (112).
 
-use basrelief_kernel::{Operators, Work};
+use basrelief_kernel::{OperatorCounts, Operators};
 use basrelief_parameters::parameters;
 use serde::{Deserialize, Serialize};
 
@@ -59,16 +59,17 @@ impl BrightnessConfig {
     }
 
     /// Returns the operators for the calculation of entries.
-    fn arithmetic(&self) -> Work {
-        Work { multiply: self.multipliers, add: self.multipliers, power: self.powers, ..Work::NONE }
+    fn arithmetic(&self) -> OperatorCounts {
+        OperatorCounts { multiply: self.multipliers, add: self.multipliers, power: self.powers, ..OperatorCounts::NONE }
     }
 
     /// Returns the arithmetic of one entry under this many lights. Per light it has two inner products, a power, and products
     /// with coefficients and intensity, all added up. Finally the entry is quantized.
-    fn entry(lights: usize) -> Work {
+    fn entry(lights: usize) -> OperatorCounts {
         let lights = u32::try_from(lights).unwrap_or(u32::MAX);
-        let of_a_light = Work::INNER_PRODUCT.times(2).and(Work { multiply: 4, add: 2, power: 1, ..Work::NONE });
-        of_a_light.times(lights).and(Work { multiply: 1, add: 1, ..Work::NONE })
+        let of_a_light =
+            OperatorCounts::INNER_PRODUCT.times(2).and(OperatorCounts { multiply: 4, add: 2, power: 1, ..OperatorCounts::NONE });
+        of_a_light.times(lights).and(OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE })
     }
 
     /// Returns the occupancy of an entry under this many lights \[cycles\].
@@ -78,12 +79,16 @@ impl BrightnessConfig {
 
     /// Returns the cycles from a reference normal to its brightness: inner product, power, coefficient, sum, rounding.
     pub(crate) fn entry_latency(operators: &Operators) -> u64 {
-        operators.latency(Work { multiply: 3, add: 4, power: 1, ..Work::NONE })
+        operators.latency(OperatorCounts { multiply: 3, add: 4, power: 1, ..OperatorCounts::NONE })
     }
 
     /// Returns the cycles from entries to brightness: a product with the share, and a binary tree of sums over the samples.
     pub(crate) fn latency(&self, most_samples: u32, operators: &Operators) -> u64 {
-        operators.latency(Work { multiply: 1, add: most_samples.max(2).next_power_of_two().ilog2(), ..Work::NONE })
+        operators.latency(OperatorCounts {
+            multiply: 1,
+            add: most_samples.max(2).next_power_of_two().ilog2(),
+            ..OperatorCounts::NONE
+        })
     }
 
     /// Returns the bytes of a CLUT entry in memory (120). They are rounded up to a power of two so that no entry straddles two

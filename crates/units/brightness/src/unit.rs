@@ -4,8 +4,8 @@ use crate::clut::{NormalTables, calculate};
 use crate::state::Rebuild;
 use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource};
 use arrayvec::ArrayVec;
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{TableSet, light_vectors};
 use basrelief_signals::{
     Control, Flow, MAX_SAMPLES, MAX_STAMP, NormalIndexes, ShadedFragment, Stamp, StampSample, quantization_memory,
@@ -79,7 +79,7 @@ impl BrightnessFetch {
     }
 
     #[inline(always)]
-    fn item(&mut self, indexes: &mut NormalIndexes, traffic: &mut Traffic) -> Out {
+    fn item(&mut self, indexes: &mut NormalIndexes, traffic: &mut MemoryPorts) -> Out {
         if !self.state.sets.has_found() {
             self.find_set();
         }
@@ -101,7 +101,7 @@ impl BrightnessFetch {
     }
 
     /// Makes a step without input: it calculates the next missing entries of the waiting fragment, or serves it.
-    fn resume(&mut self, traffic: &mut Traffic) -> Out {
+    fn resume(&mut self, traffic: &mut MemoryPorts) -> Out {
         if self.state.rebuild.is_none() {
             let Some(indexes) = self.state.pending.take() else { return self.quiet() };
             let lacking = indexes.samples.iter().map(|sample| sample.level).find(|level| !self.state.sets.has(*level));
@@ -119,7 +119,7 @@ impl BrightnessFetch {
     }
 
     /// Calculates all entries of a level at once. The steps that write them model the time.
-    fn calculate(&mut self, level: u8, traffic: &mut Traffic) -> usize {
+    fn calculate(&mut self, level: u8, traffic: &mut MemoryPorts) -> usize {
         let Self { config, state, normals, .. } = self;
         let entries = state.sets.calculate(level, |key| calculate(level, config, key, normals));
         entries.unwrap_or_else(|error| {
@@ -132,7 +132,7 @@ impl BrightnessFetch {
 
     /// Reads the next reference normals, and writes the entries of those read before. After the last ones the next step examines
     /// the waiting fragment again.
-    fn rebuild(&mut self, traffic: &mut Traffic) -> Out {
+    fn rebuild(&mut self, traffic: &mut MemoryPorts) -> Out {
         let Some(Rebuild { level, entries, read, written }) = self.state.rebuild.take() else { return self.quiet() };
         let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let at_once = (WRITE_BYTES / entry_bytes) as usize;
@@ -157,7 +157,7 @@ impl BrightnessFetch {
     }
 
     #[inline(always)]
-    fn fetch(&mut self, indexes: &NormalIndexes, traffic: &mut Traffic) -> Out {
+    fn fetch(&mut self, indexes: &NormalIndexes, traffic: &mut MemoryPorts) -> Out {
         let state = &mut self.state;
         let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let from_clut = self.config.source == BrightnessSource::Clut;
@@ -196,15 +196,15 @@ impl BrightnessFetch {
         Step::over(out.len(), interval, latency, Some(Flow::Item(out)))
     }
 
-    fn tell_hardware(&self, facts: &mut Facts) {
+    fn tell_hardware(&self, stats: &mut UnitStats) {
         let c = &self.config;
         let values = c.values();
         let blenders = u64::from(c.samples_per_cycle * values);
-        facts.hardware(HardwareKind::Multiplier, "share of a level", blenders, c.bits);
-        facts.hardware(HardwareKind::Adder, "sum of levels", blenders, c.bits);
-        facts.hardware(HardwareKind::Multiplier, "lighting of an entry", c.multipliers, SINGLE);
-        facts.hardware(HardwareKind::Adder, "lighting of an entry", c.multipliers, SINGLE);
-        facts.hardware(HardwareKind::Power, "highlight of an entry", c.powers, SINGLE);
+        stats.hardware(HardwareKind::Multiplier, "share of a level", blenders, c.bits);
+        stats.hardware(HardwareKind::Adder, "sum of levels", blenders, c.bits);
+        stats.hardware(HardwareKind::Multiplier, "lighting of an entry", c.multipliers, SINGLE);
+        stats.hardware(HardwareKind::Adder, "lighting of an entry", c.multipliers, SINGLE);
+        stats.hardware(HardwareKind::Power, "highlight of an entry", c.powers, SINGLE);
     }
 }
 
@@ -212,7 +212,7 @@ impl BrightnessFetch {
 const SINGLE: u32 = 32;
 
 impl Unit for BrightnessFetch {
-    basrelief_kernel::role!("looks brightness up by index, interpolates between levels");
+    basrelief_kernel::unit_info!("looks brightness up by index, interpolates between levels");
     type In = Option<Flow<NormalIndexes>>;
     type Out = Option<Flow<Stamp<ShadedFragment>>>;
 
@@ -222,7 +222,7 @@ impl Unit for BrightnessFetch {
     }
 
     #[inline(always)]
-    fn step(&mut self, mut input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, mut input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         match input {
             // By reference, because a move would copy the token.
             Some(Flow::Item(ref mut indexes)) => self.item(indexes, traffic),
@@ -245,15 +245,15 @@ impl Unit for BrightnessFetch {
         self.state.pending.is_none()
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.latency, 1_u64);
-        self.tell_hardware(facts);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.latency, 1_u64);
+        self.tell_hardware(stats);
         let c = &self.state.counters;
-        facts.figure("clut_samples", c.samples, "samples", "Samples looked up in CLUTs");
-        facts.figure("clut_rebuilds", c.rebuilds, "rebuilds", "Times that the CLUT of a level was calculated");
-        facts.figure("clut_rebuild_cycles", c.rebuild_cycles, "cycles", "Cycles that this took");
-        facts.figure("clut_rebuild_bytes", c.rebuild_bytes, "bytes", "Entries that it wrote");
-        facts.figure("clut_normal_bytes", c.normal_bytes, "bytes", "Reference normals that it read");
+        stats.figure("clut_samples", c.samples, "samples", "Samples looked up in CLUTs");
+        stats.figure("clut_rebuilds", c.rebuilds, "rebuilds", "Times that the CLUT of a level was calculated");
+        stats.figure("clut_rebuild_cycles", c.rebuild_cycles, "cycles", "Cycles that this took");
+        stats.figure("clut_rebuild_bytes", c.rebuild_bytes, "bytes", "Entries that it wrote");
+        stats.figure("clut_normal_bytes", c.normal_bytes, "bytes", "Reference normals that it read");
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::config::{EngineConfig, Lighting};
 use crate::sizes::Sizes;
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{HardwareKind, Operators, Work};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{HardwareKind, OperatorCounts, Operators};
 
 /// Single-precision number \[bits\].
 const NUMBER: u32 = 32;
@@ -19,16 +19,19 @@ const SLOPES: u32 = 5 * 3 + 9;
 /// Arithmetic of one cell. Footprint: 18 products, 13 sums, and the reciprocal of the interpolated 1/w. Logarithm: a product and
 /// two sums behind a table. D: a difference and two bounds. R, G, B, S, T: two products and two sums each. Three coefficients: a
 /// product and a sum each.
-const CELL: Work = Work { multiply: 18 + 1 + 10 + 3, add: 13 + 2 + 3 + 10 + 3, divide: 1, ..Work::NONE };
+const CELL: OperatorCounts =
+    OperatorCounts { multiply: 18 + 1 + 10 + 3, add: 13 + 2 + 3 + 10 + 3, divide: 1, ..OperatorCounts::NONE };
 /// Longest dependent chain of a cell: difference to the first corner, two terms of 1/w, reciprocal, S/w by it, an axis, its
 /// square, two products with the reciprocal, logarithm, D.
-const CELL_CHAIN: Work = Work { multiply: 7, add: 8, divide: 1, ..Work::NONE };
+const CELL_CHAIN: OperatorCounts = OperatorCounts { multiply: 7, add: 8, divide: 1, ..OperatorCounts::NONE };
 /// Arithmetic of a triangle's set-up: 1/w relative to the largest (a quotient, 3 products), twice the area (2 products, a
 /// difference) and its reciprocal, three planes (6 products and 2 sums each), their differences (16 sums, 4 products), S and T in
 /// texels (6 products), colours (18 products), planes of R, G, B, S, T (10 differences).
-const SETUP: Work = Work { multiply: 3 + 2 + 18 + 4 + 6 + 18, add: 5 + 1 + 6 + 16 + 10, divide: 2, ..Work::NONE };
+const SETUP: OperatorCounts =
+    OperatorCounts { multiply: 3 + 2 + 18 + 4 + 6 + 18, add: 5 + 1 + 6 + 16 + 10, divide: 2, ..OperatorCounts::NONE };
 /// Arithmetic of a vertex under one light: N.L, N.H, the power of it, intensity and coefficients.
-const LIT: Work = Work { multiply: 3, add: 4, power: 1, ..Work::NONE }.and(Work::INNER_PRODUCT.times(2));
+const LIT: OperatorCounts =
+    OperatorCounts { multiply: 3, add: 4, power: 1, ..OperatorCounts::NONE }.and(OperatorCounts::INNER_PRODUCT.times(2));
 
 /// Operators of the initial rasterization, and their occupancy.
 #[derive(Clone, Debug)]
@@ -64,24 +67,24 @@ impl CellWork {
         self.operators.interval(work, self.setup_operators())
     }
 
-    fn setup_operators(&self) -> Work {
-        Work { multiply: self.setup_units, add: self.setup_units, divide: 1, power: 1, ..Work::NONE }
+    fn setup_operators(&self) -> OperatorCounts {
+        OperatorCounts { multiply: self.setup_units, add: self.setup_units, divide: 1, power: 1, ..OperatorCounts::NONE }
     }
 
-    pub(crate) fn tell(&self, lighting: Lighting, sizes: Sizes, facts: &mut Facts) {
+    pub(crate) fn tell(&self, lighting: Lighting, sizes: Sizes, stats: &mut UnitStats) {
         let cells = CELL.times(self.fill_rate);
-        facts.hardware(HardwareKind::Multiplier, "cells: footprint, planes, logarithm", cells.multiply, NUMBER);
-        facts.hardware(HardwareKind::Adder, "cells: footprint, planes, logarithm", cells.add, NUMBER);
-        facts.hardware(HardwareKind::Divider, "cells: perspective of the footprint", self.dividers, NUMBER);
-        facts.hardware(HardwareKind::Table, "cells: logarithms", LOGARITHMS * self.fill_rate, LOGARITHM_BITS);
+        stats.hardware(HardwareKind::Multiplier, "cells: footprint, planes, logarithm", cells.multiply, NUMBER);
+        stats.hardware(HardwareKind::Adder, "cells: footprint, planes, logarithm", cells.add, NUMBER);
+        stats.hardware(HardwareKind::Divider, "cells: perspective of the footprint", self.dividers, NUMBER);
+        stats.hardware(HardwareKind::Table, "cells: logarithms", LOGARITHMS * self.fill_rate, LOGARITHM_BITS);
         let setup = self.setup_operators();
-        facts.hardware(HardwareKind::Multiplier, "set-up of triangles", setup.multiply, NUMBER);
-        facts.hardware(HardwareKind::Adder, "set-up of triangles", setup.add, NUMBER);
-        facts.hardware(HardwareKind::Divider, "set-up of triangles", setup.divide, NUMBER);
-        facts.hardware(HardwareKind::Registers, "triangle that is set up", SLOPES, NUMBER);
-        facts.hardware(HardwareKind::Registers, "its page and wrap modes", 1_u32, sizes.surface_bits());
+        stats.hardware(HardwareKind::Multiplier, "set-up of triangles", setup.multiply, NUMBER);
+        stats.hardware(HardwareKind::Adder, "set-up of triangles", setup.add, NUMBER);
+        stats.hardware(HardwareKind::Divider, "set-up of triangles", setup.divide, NUMBER);
+        stats.hardware(HardwareKind::Registers, "triangle that is set up", SLOPES, NUMBER);
+        stats.hardware(HardwareKind::Registers, "its page and wrap modes", 1_u32, sizes.surface_bits());
         if lighting == Lighting::Gouraud {
-            facts.hardware(HardwareKind::Power, "brightness of vertices of bump targets", setup.power, NUMBER);
+            stats.hardware(HardwareKind::Power, "brightness of vertices of bump targets", setup.power, NUMBER);
         }
     }
 }

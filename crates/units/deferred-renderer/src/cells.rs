@@ -9,8 +9,8 @@ use crate::pyramid::is_same_picture;
 use crate::sizes::Sizes;
 use crate::slopes::{Light, Slopes};
 use crate::tokens::{CellFlow, PlacedCell};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Derived, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Cached, Demand, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{LightVector, light_vectors, saturated};
 use basrelief_signals::{Control, Flow, Fragment, Frame, Polygon, Stamp, Texture, WrapMode};
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ pub(crate) struct Surface {
     page: Option<(Arc<Page>, [WrapMode; 2])>,
     /// Set-up of the triangle of the last fragment.
     #[serde(skip)]
-    slopes: Derived<Slopes>,
+    slopes: Cached<Slopes>,
 }
 
 /// Counters of the initial rasterization.
@@ -103,7 +103,7 @@ impl Cells {
     }
 
     /// Sets up a page for a texture, unless its picture has one.
-    fn set_up(&mut self, texture: &Arc<Texture>, traffic: &mut Traffic) -> Option<Arc<Page>> {
+    fn set_up(&mut self, texture: &Arc<Texture>, traffic: &mut MemoryPorts) -> Option<Arc<Page>> {
         let state = &mut self.state;
         if let Some(known) = state.pictures.iter().find(|known| is_same_picture(known, texture)) {
             let page = state.pages.get(&known.id).cloned();
@@ -135,14 +135,14 @@ impl Cells {
     }
 
     /// Returns the page of a texture as a token, if it is not set up yet.
-    fn new_page(&mut self, texture: &Arc<Texture>, traffic: &mut Traffic) -> Option<CellFlow> {
+    fn new_page(&mut self, texture: &Arc<Texture>, traffic: &mut MemoryPorts) -> Option<CellFlow> {
         if self.state.pages.contains_key(&texture.id) {
             return None;
         }
         self.set_up(texture, traffic).map(CellFlow::Page)
     }
 
-    fn begin(&mut self, polygon: &Arc<Polygon>, traffic: &mut Traffic) -> Option<CellFlow> {
+    fn begin(&mut self, polygon: &Arc<Polygon>, traffic: &mut MemoryPorts) -> Option<CellFlow> {
         let texture = polygon.material.color_texture.as_ref();
         let new = texture.and_then(|texture| self.new_page(texture, traffic));
         let page_of = |texture: &Arc<Texture>| {
@@ -150,11 +150,11 @@ impl Cells {
             Some((Arc::clone(page), self.wrap.of(texture.sampler.wrap)))
         };
         let page = texture.and_then(page_of);
-        self.state.surface = Some(Surface { polygon: Arc::clone(polygon), page, slopes: Derived::default() });
+        self.state.surface = Some(Surface { polygon: Arc::clone(polygon), page, slopes: Cached::default() });
         new
     }
 
-    fn control(&mut self, control: Control, traffic: &mut Traffic) -> Option<CellFlow> {
+    fn control(&mut self, control: Control, traffic: &mut MemoryPorts) -> Option<CellFlow> {
         match control {
             Control::Frame(frame) => {
                 self.state.declared.extend(frame.textures.iter().cloned());
@@ -213,7 +213,7 @@ impl Cells {
 }
 
 impl Unit for Cells {
-    basrelief_kernel::role!("texture, coordinates, layer depth, brightness of a pixel; sets pages (132) up");
+    basrelief_kernel::unit_info!("texture, coordinates, layer depth, brightness of a pixel; sets pages (132) up");
     type In = Option<Flow<Stamp<Fragment>>>;
     type Out = Option<CellFlow>;
 
@@ -223,7 +223,7 @@ impl Unit for Cells {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = self.work.latency(self.config.latency);
         match input {
             Some(Flow::Item(stamp)) => {
@@ -246,11 +246,11 @@ impl Unit for Cells {
         self.state.declared.is_empty()
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.work.latency(self.config.latency), self.work.interval());
-        self.work.tell(self.lighting, self.sizes, facts);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.work.latency(self.config.latency), self.work.interval());
+        self.work.tell(self.lighting, self.sizes, stats);
         let c = &self.state.counters;
-        facts.figure("cells_textured", c.textured, "cells", "Cells with a texture");
-        facts.figure("cells_direct", c.direct, "cells", "Cells with a colour");
+        stats.figure("cells_textured", c.textured, "cells", "Cells with a texture");
+        stats.figure("cells_direct", c.direct, "cells", "Cells with a colour");
     }
 }

@@ -4,8 +4,8 @@ use crate::config::TileConfig;
 use crate::encoding::TileEncoding;
 use crate::server::place_of;
 use crate::tokens::{EncodedTile, ExpandedTile};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 
 /// Expander of tiles. Raw tiles pass. It has no state.
 #[derive(Clone, Debug)]
@@ -26,27 +26,27 @@ impl Expander {
     /// Reports the JPEG hardware. Inverse cosine transform of 8 x 8 samples: 5 products and 29 sums for each row and each column
     /// (Arai, Agui, Nakajima, 1988), and a product per sample for its quantization. That is 9 and 29 for 4 samples. Colours: 4
     /// products, 6 sums.
-    fn tell_jpeg(&self, facts: &mut Facts) {
+    fn tell_jpeg(&self, stats: &mut UnitStats) {
         let rate = self.config.expand_rate;
-        facts.hardware(HardwareKind::Multiplier, "inverse cosine transform, colours", (3 * 9 * rate).div_ceil(4) + 4 * rate, 16);
-        facts.hardware(HardwareKind::Adder, "inverse cosine transform, colours", (3 * 29 * rate).div_ceil(4) + 6 * rate, 16);
-        facts.hardware(HardwareKind::Table, "Huffman codes: 4 of 256", 4 * 256_u32, 8 + 16);
-        facts.hardware(HardwareKind::Table, "quantization: 2 of 64", 2 * 64_u32, 8);
-        facts.hardware(HardwareKind::Table, "blocks between rows and columns", 3 * 64_u32, 16);
+        stats.hardware(HardwareKind::Multiplier, "inverse cosine transform, colours", (3 * 9 * rate).div_ceil(4) + 4 * rate, 16);
+        stats.hardware(HardwareKind::Adder, "inverse cosine transform, colours", (3 * 29 * rate).div_ceil(4) + 6 * rate, 16);
+        stats.hardware(HardwareKind::Table, "Huffman codes: 4 of 256", 4 * 256_u32, 8 + 16);
+        stats.hardware(HardwareKind::Table, "quantization: 2 of 64", 2 * 64_u32, 8);
+        stats.hardware(HardwareKind::Table, "blocks between rows and columns", 3 * 64_u32, 16);
     }
 
     /// Reports the PNG hardware. Inflation: a window of expanded bytes, and two codes. Then the filter of a row, of which Paeth's
     /// is the largest.
-    fn tell_png(&self, facts: &mut Facts) {
-        facts.hardware(HardwareKind::Table, "inflation: last 32 KiB", 32 * 1024_u32, 8);
-        facts.hardware(HardwareKind::Table, "inflation: codes of 288 and 32", 288_u32 + 32, 16);
-        facts.hardware(HardwareKind::Table, "row above", self.config.width, 24);
-        facts.hardware(HardwareKind::Adder, "filters of a row", 3 * 7 * self.config.expand_rate, 8);
+    fn tell_png(&self, stats: &mut UnitStats) {
+        stats.hardware(HardwareKind::Table, "inflation: last 32 KiB", 32 * 1024_u32, 8);
+        stats.hardware(HardwareKind::Table, "inflation: codes of 288 and 32", 288_u32 + 32, 16);
+        stats.hardware(HardwareKind::Table, "row above", self.config.width, 24);
+        stats.hardware(HardwareKind::Adder, "filters of a row", 3 * 7 * self.config.expand_rate, 8);
     }
 }
 
 impl Unit for Expander {
-    basrelief_kernel::role!("expands compressed tiles");
+    basrelief_kernel::unit_info!("expands compressed tiles");
     type In = Option<EncodedTile>;
     type Out = Option<ExpandedTile>;
 
@@ -54,7 +54,7 @@ impl Unit for Expander {
         Demand::All
     }
 
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let Some(EncodedTile { page, tile, bytes }) = input else { return Step::after(0, None) };
         let (first, end) = page.texels_of(tile);
         let size = [end[0] - first[0], end[1] - first[1]];
@@ -72,13 +72,13 @@ impl Unit for Expander {
         }
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let texels = self.config.width * self.config.height;
-        facts.hardware(HardwareKind::Table, "expanded tiles", self.waiting + 1, 24 * texels);
+        stats.hardware(HardwareKind::Table, "expanded tiles", self.waiting + 1, 24 * texels);
         match self.config.encoding {
             TileEncoding::Raw => {}
-            TileEncoding::Png => self.tell_png(facts),
-            TileEncoding::Jpeg => self.tell_jpeg(facts),
+            TileEncoding::Png => self.tell_png(stats),
+            TileEncoding::Jpeg => self.tell_jpeg(stats),
         }
     }
 }

@@ -4,8 +4,8 @@ use crate::cell::split_depth;
 use crate::config::EngineConfig;
 use crate::tokens::{CellBlock, Mark, MarkFlow, Marks, PassFlow};
 use crate::{Cell, Page, Sizes, interpolators};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::Frame;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -109,7 +109,7 @@ impl Identification {
 }
 
 impl Unit for Identification {
-    basrelief_kernel::role!("marks the tiles that pixels need (Figures 5A, 5B)");
+    basrelief_kernel::unit_info!("marks the tiles that pixels need (Figures 5A, 5B)");
     type In = Option<PassFlow>;
     type Out = Option<MarkFlow>;
 
@@ -119,7 +119,7 @@ impl Unit for Identification {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         let out = match input {
             Some(PassFlow::Cells(block)) => {
@@ -140,11 +140,11 @@ impl Unit for Identification {
         Step::after(latency, out)
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.figure("tiles_marked", self.state.counters.marked, "tiles", "Tiles marked, each time");
-        self.sizes.tell_block(facts);
-        self.sizes.tell_pages(facts);
-        interpolators::tell_find(self.config.scan_rate, facts);
-        interpolators::tell_marks(self.sizes, facts);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.figure("tiles_marked", self.state.counters.marked, "tiles", "Tiles marked, each time");
+        self.sizes.tell_block(stats);
+        self.sizes.tell_pages(stats);
+        interpolators::tell_find(self.config.scan_rate, stats);
+        interpolators::tell_marks(self.sizes, stats);
     }
 }

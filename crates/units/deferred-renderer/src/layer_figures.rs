@@ -1,7 +1,7 @@
 //! Figures of the final rasterization: totals of tiles, and a table with a row per texture and layer.
 
 use crate::{LayerCounts, PageTexels};
-use basrelief_kernel::facts::{Facts, Part};
+use basrelief_kernel::stats::{FigureGroup, UnitStats};
 
 /// A layer of a page, and the history of its tiles.
 struct Row<'a> {
@@ -10,23 +10,23 @@ struct Row<'a> {
     counts: LayerCounts,
 }
 
-pub(crate) fn tell(pages: &[PageTexels], facts: &mut Facts) {
+pub(crate) fn tell(pages: &[PageTexels], stats: &mut UnitStats) {
     let layers = pages.iter().flat_map(|page| (0..=page.page.dmax()).map(move |layer| (page, layer)));
     let rows: Vec<Row<'_>> = layers.map(|(page, layer)| Row { page, layer, counts: page.counts(layer) }).collect();
     let tiles = pages.iter().map(|p| u64::from(p.page.tiles())).sum::<u64>();
     let sum = |of: fn(&LayerCounts) -> u64| rows.iter().map(|row| of(&row.counts)).sum::<u64>();
-    facts.figure("textures", pages.len() as u64, "textures", "Textures that pixels have");
-    facts.figure("tiles", tiles, "tiles", "Their tiles, of all layers");
-    facts.figure(
+    stats.figure("textures", pages.len() as u64, "textures", "Textures that pixels have");
+    stats.figure("tiles", tiles, "tiles", "Their tiles, of all layers");
+    stats.figure(
         "tiles_reused",
         sum(|c| c.reused),
         "tiles",
         "Tiles of an earlier frame that a frame was coloured from, frame by frame",
     );
-    facts.figure("tiles_never_needed", sum(|c| c.never_needed), "tiles", "Tiles that no pixel was coloured from");
+    stats.figure("tiles_never_needed", sum(|c| c.never_needed), "tiles", "Tiles that no pixel was coloured from");
     let mut column = |title, unit, about, of: fn(&Row<'_>) -> u64| {
         let values: Vec<u64> = rows.iter().map(of).collect();
-        facts.figure(&format!("layers_{title}"), values, unit, about).part(Part::Column { table: "layers", title });
+        stats.figure(&format!("layers_{title}"), values, unit, about).part(FigureGroup::Column { table: "layers", title });
     };
     column("texture", "", "Number of the texture", |row| row.page.page.texture.into());
     column("layer", "", "Number of the layer", |row| row.layer.into());

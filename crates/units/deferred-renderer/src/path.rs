@@ -2,8 +2,8 @@
 
 use crate::config::PathConfig;
 use crate::tokens::{Content, EncodedTile, Parcel};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::Control;
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +64,7 @@ impl Path {
 }
 
 impl Unit for Path {
-    basrelief_kernel::role!("network (106), I/O port (104), bus (108): rate, latency");
+    basrelief_kernel::unit_info!("network (106), I/O port (104), bus (108): rate, latency");
     type In = Option<Parcel>;
     type Out = (Option<Control>, Option<EncodedTile>);
 
@@ -72,7 +72,7 @@ impl Unit for Path {
         Demand::All
     }
 
-    fn step(&mut self, parcel: Option<Parcel>, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, parcel: Option<Parcel>, _: &mut MemoryPorts) -> Step<Self::Out> {
         let Some(Parcel { bytes, content }) = parcel else { return Step::after(0, (None, None)) };
         let carried = self.carry(bytes);
         match content {
@@ -88,9 +88,9 @@ impl Unit for Path {
         }
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.figure("path_bytes", self.state.counters.bytes, "bytes", "What the path carried");
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.figure("path_bytes", self.state.counters.bytes, "bytes", "What the path carried");
         let [tiles, bytes] = self.receives;
-        facts.hardware(HardwareKind::Table, "receive buffer of the I/O port (104): tiles", tiles, 8 * bytes);
+        stats.hardware(HardwareKind::Table, "receive buffer of the I/O port (104): tiles", tiles, 8 * bytes);
     }
 }

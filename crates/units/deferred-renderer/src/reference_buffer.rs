@@ -3,8 +3,8 @@
 use crate::config::{EngineConfig, RenderMode};
 use crate::tokens::{CellBlock, CellFlow, PassFlow, PlacedCell, Round};
 use crate::{Cell, Onlooker, Page, Sizes};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_shading::{BLOCK, pixel_offset};
 use basrelief_signals::{Frame, GatheredLines, Stamp, layout};
 use serde::{Deserialize, Serialize};
@@ -125,7 +125,7 @@ impl ReferenceBuffer {
     }
 
     #[inline]
-    fn put(&mut self, cells: &Stamp<PlacedCell>, traffic: &mut Traffic) {
+    fn put(&mut self, cells: &Stamp<PlacedCell>, traffic: &mut MemoryPorts) {
         let Some(frame) = &self.state.frame else { return };
         let width = frame.width;
         for placed in cells {
@@ -139,7 +139,7 @@ impl ReferenceBuffer {
         }
     }
 
-    fn write(&self, block: u64, traffic: &mut Traffic) {
+    fn write(&self, block: u64, traffic: &mut MemoryPorts) {
         let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
         traffic.write(1, block * u64::from(bytes), bytes);
     }
@@ -152,7 +152,7 @@ impl ReferenceBuffer {
         Some(FilledBuffer { frame: frame.index, width, height, pages: self.state.pages.clone(), cells })
     }
 
-    fn fill(&mut self, token: CellFlow, traffic: &mut Traffic) -> Step<Out> {
+    fn fill(&mut self, token: CellFlow, traffic: &mut MemoryPorts) -> Step<Out> {
         let latency = u64::from(self.config.latency);
         match token {
             CellFlow::Frame(frame) => {
@@ -172,7 +172,7 @@ impl ReferenceBuffer {
     }
 
     /// Writes a gathered block. After the last of them, the buffer is filled.
-    fn flush(&mut self, traffic: &mut Traffic) -> Step<Out> {
+    fn flush(&mut self, traffic: &mut MemoryPorts) -> Step<Out> {
         if let Some(block) = self.state.lines.take() {
             self.write(block, traffic);
         }
@@ -204,7 +204,7 @@ impl ReferenceBuffer {
 
     /// Reads one block.
     #[inline]
-    fn read(&mut self, block: usize, traffic: &mut Traffic) -> Option<CellBlock> {
+    fn read(&mut self, block: usize, traffic: &mut MemoryPorts) -> Option<CellBlock> {
         let cells: &[Cell; BLOCK_CELLS] = self.state.cells[block * BLOCK_CELLS..].first_chunk()?;
         let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
         traffic.read(0, block as u64 * u64::from(bytes), bytes);
@@ -217,7 +217,7 @@ impl ReferenceBuffer {
 
     /// Returns the next block of a pass, or its end, with the cycles, and true at the end.
     #[inline]
-    fn pass(&mut self, block: usize, traffic: &mut Traffic) -> (Option<PassFlow>, u64, bool) {
+    fn pass(&mut self, block: usize, traffic: &mut MemoryPorts) -> (Option<PassFlow>, u64, bool) {
         let wants_all = matches!(self.state.phase, Phase::Colour(_));
         if (block + 1) * BLOCK_CELLS > self.state.cells.len() {
             return (Some(PassFlow::End), 1, true);
@@ -229,7 +229,7 @@ impl ReferenceBuffer {
 }
 
 impl Unit for ReferenceBuffer {
-    basrelief_kernel::role!("one cell per pixel: filled, then passed over");
+    basrelief_kernel::unit_info!("one cell per pixel: filled, then passed over");
     type In = (Option<CellFlow>, Option<Round>);
     type Out = Out;
 
@@ -243,7 +243,7 @@ impl Unit for ReferenceBuffer {
     }
 
     #[inline(always)]
-    fn step(&mut self, (cells, round): Self::In, traffic: &mut Traffic) -> Step<Out> {
+    fn step(&mut self, (cells, round): Self::In, traffic: &mut MemoryPorts) -> Step<Out> {
         let latency = u64::from(self.config.latency);
         match self.state.phase {
             Phase::Fill => match cells {
@@ -282,16 +282,16 @@ impl Unit for ReferenceBuffer {
         self.state.phase == Phase::Fill
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let interval = 16_u32.div_ceil(self.config.scan_rate);
         for output in 0..2 {
-            facts.rate(output, self.config.latency, interval);
+            stats.rate(output, self.config.latency, interval);
         }
-        facts.figure("reference_passes", self.state.counters.passes, "passes", "Passes over the reference buffer");
+        stats.figure("reference_passes", self.state.counters.passes, "passes", "Passes over the reference buffer");
         let bytes = self.state.cells.len() as u64 * u64::from(self.cell_bytes);
-        facts.figure("reference_buffer_bytes", bytes, "bytes", "Memory that its cells take");
-        facts.hardware(HardwareKind::Table, "gathered blocks", self.config.write_lines, self.sizes.gathered_bits());
-        facts.hardware(HardwareKind::Adder, "place and number of a block", 4_u32, 32);
-        self.sizes.tell_block(facts);
+        stats.figure("reference_buffer_bytes", bytes, "bytes", "Memory that its cells take");
+        stats.hardware(HardwareKind::Table, "gathered blocks", self.config.write_lines, self.sizes.gathered_bits());
+        stats.hardware(HardwareKind::Adder, "place and number of a block", 4_u32, 32);
+        self.sizes.tell_block(stats);
     }
 }

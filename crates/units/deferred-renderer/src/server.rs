@@ -6,8 +6,8 @@ use crate::polygon_memory::PolygonMemory;
 use crate::pyramid::{ServedTexture, is_same_picture};
 use crate::tokens::{Content, EncodedTile, Parcel, Request};
 use crate::{Onlooker, Page, User, page::Cut};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Derived, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Cached, Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::{Control, Texture};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -139,7 +139,7 @@ pub struct ServerState {
     pub known: BTreeMap<u32, Arc<Texture>>,
     /// Set once the source was offered the known textures. A restored state brings its own textures.
     #[serde(skip)]
-    offered: Derived<()>,
+    offered: Cached<()>,
     /// Current answer: number of the texture of its tiles, and the number of tiles so far.
     answer: Option<(u32, u32)>,
     /// Reason for a stopped server: the first tile that is not available, in a sentence.
@@ -259,7 +259,7 @@ impl Server {
 }
 
 impl Unit for Server {
-    basrelief_kernel::role!("has polygons (112) and textures (114); sends tiles on request");
+    basrelief_kernel::unit_info!("has polygons (112) and textures (114); sends tiles on request");
     type In = (Option<Control>, Option<Request>, Option<()>);
     type Out = Option<Parcel>;
 
@@ -267,7 +267,7 @@ impl Unit for Server {
         if self.state.lost.is_some() { Demand::Finished } else { Demand::Only(self.state.phase as usize) }
     }
 
-    fn step(&mut self, (control, request, shown): Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (control, request, shown): Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         if self.state.offered.is_none() {
             self.state.known.values().for_each(|texture| self.source.offer(texture));
             *self.state.offered = Some(());
@@ -283,15 +283,15 @@ impl Unit for Server {
         self.state.phase == Phase::Polygons
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let (c, polygons) = (&self.state.counters, &self.state.polygons.counters);
-        facts.figure("path_polygon_bytes", polygons.mesh_bytes, "bytes", "Meshes and surfaces sent on the path");
-        facts.figure("path_command_bytes", polygons.command_bytes, "bytes", "Commands of frames and objects sent on it");
-        facts.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent on it");
-        facts.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent on it");
-        facts.figure("path_tile_raw_bytes", c.raw_tile_bytes, "bytes", "The same tiles as raw texels");
+        stats.figure("path_polygon_bytes", polygons.mesh_bytes, "bytes", "Meshes and surfaces sent on the path");
+        stats.figure("path_command_bytes", polygons.command_bytes, "bytes", "Commands of frames and objects sent on it");
+        stats.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent on it");
+        stats.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent on it");
+        stats.figure("path_tile_raw_bytes", c.raw_tile_bytes, "bytes", "The same tiles as raw texels");
         let heads = c.answers * u64::from(self.config.head_bytes);
-        facts.figure("path_head_bytes", heads, "bytes", "Heads of the answers that they came in");
-        facts.figure("path_tiles", c.tiles, "tiles", "Tiles sent on it");
+        stats.figure("path_head_bytes", heads, "bytes", "Heads of the answers that they came in");
+        stats.figure("path_tiles", c.tiles, "tiles", "Tiles sent on it");
     }
 }

@@ -3,7 +3,7 @@
 use crate::config::{CellConfig, EngineConfig, WRAP_BITS};
 use crate::page::Cut;
 use basrelief_kernel::HardwareKind;
-use basrelief_kernel::facts::Facts;
+use basrelief_kernel::stats::UnitStats;
 
 /// Longest side of a texture \[texels\].
 const LONGEST_SIDE: u32 = 16_384;
@@ -51,16 +51,16 @@ impl Sizes {
 
     /// Reports the tables of a unit that finds texels of pages: Dmax (133), position and size of each page; width, height, tile
     /// pitch (138) and tile base (140) of each layer.
-    pub(crate) fn tell_pages(self, facts: &mut Facts) {
+    pub(crate) fn tell_pages(self, stats: &mut UnitStats) {
         let pages = 1_u64 << self.page_bits;
-        facts.hardware(HardwareKind::Table, "pages (132): Dmax (133), place, size", pages, 5 + ADDRESS + 2 * SIDE);
+        stats.hardware(HardwareKind::Table, "pages (132): Dmax (133), place, size", pages, 5 + ADDRESS + 2 * SIDE);
         let layer = 2 * SIDE + SIDE + ADDRESS;
-        facts.hardware(HardwareKind::Table, "layers: size, pitch (138), base (140)", pages * u64::from(self.layers), layer);
+        stats.hardware(HardwareKind::Table, "layers: size, pitch (138), base (140)", pages * u64::from(self.layers), layer);
     }
 
     /// Reports the registers of a unit that works on a block of cells.
-    pub(crate) fn tell_block(self, facts: &mut Facts) {
-        facts.hardware(HardwareKind::Registers, "block of cells", BLOCK_CELLS, self.cell_bits);
+    pub(crate) fn tell_block(self, stats: &mut UnitStats) {
+        stats.hardware(HardwareKind::Registers, "block of cells", BLOCK_CELLS, self.cell_bits);
     }
 
     /// Returns the bits of a gathered block: its cells, its number, and its mask.
@@ -69,15 +69,15 @@ impl Sizes {
     }
 
     /// Reports the tile load lists (136). If tiles are requested in an order, it includes the keys of the order.
-    pub(crate) fn tell_lists(self, is_ordered: bool, facts: &mut Facts) {
+    pub(crate) fn tell_lists(self, is_ordered: bool, stats: &mut UnitStats) {
         let tiles = self.tiles;
-        facts.hardware(HardwareKind::Table, "tile load lists (136): N, L or E; two ports", tiles, 2);
-        facts.hardware(HardwareKind::Registers, "pitch (138) and base (140) of a page's layers", self.layers, SIDE + ADDRESS);
-        facts.hardware(HardwareKind::Adder, "numbers of sources", 4_u32, ADDRESS);
+        stats.hardware(HardwareKind::Table, "tile load lists (136): N, L or E; two ports", tiles, 2);
+        stats.hardware(HardwareKind::Registers, "pitch (138) and base (140) of a page's layers", self.layers, SIDE + ADDRESS);
+        stats.hardware(HardwareKind::Adder, "numbers of sources", 4_u32, ADDRESS);
         if is_ordered {
-            facts.hardware(HardwareKind::Table, "pixels and distance of tiles", tiles, 2 * 32);
-            facts.hardware(HardwareKind::Table, "tiles to acquire, in order, twice for merging", 2 * tiles, self.tile_bits() + 1);
-            facts.hardware(HardwareKind::Adder, "order of tiles", 2_u32, 32);
+            stats.hardware(HardwareKind::Table, "pixels and distance of tiles", tiles, 2 * 32);
+            stats.hardware(HardwareKind::Table, "tiles to acquire, in order, twice for merging", 2 * tiles, self.tile_bits() + 1);
+            stats.hardware(HardwareKind::Adder, "order of tiles", 2_u32, 32);
         }
     }
 

@@ -4,8 +4,8 @@ use crate::acquisition::{Acquired, How, TileList};
 use crate::config::{EngineConfig, RenderMode, TileOrder};
 use crate::tokens::{Mark, MarkFlow, Order, Request, Round};
 use crate::{Leaving, Page, Sizes};
-use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::stats::{FigureGroup, UnitStats};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::collections::VecDeque;
@@ -272,10 +272,10 @@ impl TileLists {
         }
     }
 
-    fn tell_views(&self, facts: &mut Facts) {
+    fn tell_views(&self, stats: &mut UnitStats) {
         let count = |of: fn(&ViewTiles) -> u32| self.state.views.iter().map(|view| u64::from(of(view))).collect::<Vec<_>>();
         let mut column = |title, values: Vec<u64>, about| {
-            facts.figure(&format!("view_{title}"), values, "tiles", about).part(Part::Column { table: "view", title });
+            stats.figure(&format!("view_{title}"), values, "tiles", about).part(FigureGroup::Column { table: "view", title });
         };
         column("tiles", count(|view| view.loaded), "Tiles loaded for the view");
         column("abandoned", count(|view| view.abandoned), "Listed for it, and not asked for any more when it was left");
@@ -299,7 +299,7 @@ impl TileLists {
 }
 
 impl Unit for TileLists {
-    basrelief_kernel::role!("N, L or E per tile; loads or synthesizes (Figure 6)");
+    basrelief_kernel::unit_info!("N, L or E per tile; loads or synthesizes (Figure 6)");
     type In = (Option<MarkFlow>, Option<MarkFlow>);
     type Out = Out;
 
@@ -313,7 +313,7 @@ impl Unit for TileLists {
     }
 
     #[inline]
-    fn step(&mut self, (identified, improved): Self::In, _: &mut Traffic) -> Step<Out> {
+    fn step(&mut self, (identified, improved): Self::In, _: &mut MemoryPorts) -> Step<Out> {
         let latency = u64::from(self.config.latency);
         match identified.or(improved) {
             Some(token) => {
@@ -328,14 +328,14 @@ impl Unit for TileLists {
         self.state.phase == Phase::Identified
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let c = &self.state.counters;
-        facts.figure("tiles_loaded", c.loaded, "tiles", "Tiles loaded");
-        facts.figure("tiles_synthesized", c.synthesized, "tiles", "Tiles synthesized");
-        facts.figure("acquisitions", c.acquisitions, "acquisitions", "Times that the lists were worked off");
+        stats.figure("tiles_loaded", c.loaded, "tiles", "Tiles loaded");
+        stats.figure("tiles_synthesized", c.synthesized, "tiles", "Tiles synthesized");
+        stats.figure("acquisitions", c.acquisitions, "acquisitions", "Times that the lists were worked off");
         if self.leaving.is_by_tiles() {
-            self.tell_views(facts);
+            self.tell_views(stats);
         }
-        self.sizes.tell_lists(self.order != TileOrder::Listed, facts);
+        self.sizes.tell_lists(self.order != TileOrder::Listed, stats);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::Page;
 use crate::page::Tap;
-use basrelief_kernel::Traffic;
+use basrelief_kernel::MemoryPorts;
 
 /// Most lines of the texel cache that a block of 4 x 4 pixels touches: four texels of two layers each.
 pub const MOST_LINES: u32 = 16 * 2 * 4;
@@ -15,7 +15,7 @@ impl Touched {
     /// Looks up the blocks of 4 x 4 texels of a sample through a client with a cache, unless the previous pixel read the same
     /// blocks.
     #[inline]
-    pub(crate) fn look_up(&mut self, page: &Page, layer: u8, [x, y]: &[Tap; 2], (client, traffic): (u32, &mut Traffic)) {
+    pub(crate) fn look_up(&mut self, page: &Page, layer: u8, [x, y]: &[Tap; 2], (client, traffic): (u32, &mut MemoryPorts)) {
         let blocks = [x.first >> 2, x.second >> 2, y.first >> 2, y.second >> 2];
         let touched = Some((page.number, layer, blocks));
         if self.0 == touched {

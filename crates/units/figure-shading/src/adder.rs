@@ -2,8 +2,8 @@
 
 use crate::dots::needed;
 use crate::{CircuitConfig, Dot, FigureFlow, Highlight, Highlights, Selection};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_signals::width::NUMBER;
 use serde::{Deserialize, Serialize};
 
@@ -48,7 +48,7 @@ impl Adder {
     }
 
     #[inline]
-    fn sum(&mut self, dot: Dot, highlight: Highlight, traffic: &mut Traffic) -> Dot {
+    fn sum(&mut self, dot: Dot, highlight: Highlight, traffic: &mut MemoryPorts) -> Dot {
         if (dot.x, dot.y) != (highlight.x, highlight.y) {
             traffic.fault(format!(
                 "adder (52): circuit (21) is at dot {}, {} and circuit (50) at {}, {}; they run in lock step",
@@ -61,7 +61,7 @@ impl Adder {
 }
 
 impl Unit for Adder {
-    basrelief_kernel::role!("adds the specular term");
+    basrelief_kernel::unit_info!("adds the specular term");
     type In = (Option<FigureFlow>, Option<Highlights>);
     type Out = Option<FigureFlow>;
 
@@ -71,7 +71,7 @@ impl Unit for Adder {
     }
 
     #[inline]
-    fn step(&mut self, (signal, highlight): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (signal, highlight): Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let mut cycles = 1;
         let out = match (signal, highlight) {
             (Some(FigureFlow::Dot(dot)), highlight) => {
@@ -105,10 +105,10 @@ impl Unit for Adder {
         !self.state.joins
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.latency(), self.config.initiation_interval);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.latency(), self.config.initiation_interval);
         let adders = needed(3, self.operators.add.interval, self.config.initiation_interval);
-        facts.hardware(HardwareKind::Adder, "sum of red, green and blue", adders, NUMBER);
-        facts.figure("adder_sums", self.state.counters.sums, "dots", "Dots to which a highlight was added");
+        stats.hardware(HardwareKind::Adder, "sum of red, green and blue", adders, NUMBER);
+        stats.figure("adder_sums", self.state.counters.sums, "dots", "Dots to which a highlight was added");
     }
 }

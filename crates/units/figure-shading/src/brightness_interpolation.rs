@@ -2,8 +2,8 @@
 
 use crate::dots::{Corners, Dots, INTERPOLATION, set_up_cycles, tell_interpolator};
 use crate::{Dot, Figure, FigureFlow, InterpolationConfig, Selection, ShadingMode};
-use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::{FigureGroup, UnitStats};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_signals::Fragment;
 use basrelief_signals::width::NUMBER;
 use serde::{Deserialize, Serialize};
@@ -100,7 +100,7 @@ impl BrightnessInterpolation {
 }
 
 impl Unit for BrightnessInterpolation {
-    basrelief_kernel::role!("interpolates brightness: all terms but the specular");
+    basrelief_kernel::unit_info!("interpolates brightness: all terms but the specular");
     type In = Option<FigureFlow>;
     type Out = (Option<FigureFlow>, Option<FigureFlow>);
 
@@ -110,7 +110,7 @@ impl Unit for BrightnessInterpolation {
     }
 
     #[inline]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Out {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Out {
         let Some(signal) = input else { return self.draw() };
         let cycles = if let FigureFlow::Figure(figure) = &signal { self.begin(figure) } else { 1 };
         Step::after(0, (Some(signal), None)).busy(cycles)
@@ -120,18 +120,18 @@ impl Unit for BrightnessInterpolation {
         self.state.figure.is_none()
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         for output in 0..2 {
-            facts.rate(output, self.latency, self.config.initiation_interval);
+            stats.rate(output, self.latency, self.config.initiation_interval);
         }
-        tell_interpolator(facts, &self.operators, self.config.initiation_interval);
-        facts.hardware(HardwareKind::Adder, "steps of the depth", 1_u64, NUMBER);
-        facts.hardware(HardwareKind::Registers, "depth and its two slopes", 3_u64, NUMBER);
+        tell_interpolator(stats, &self.operators, self.config.initiation_interval);
+        stats.hardware(HardwareKind::Adder, "steps of the depth", 1_u64, NUMBER);
+        stats.hardware(HardwareKind::Registers, "depth and its two slopes", 3_u64, NUMBER);
         let c = &self.state.counters;
-        facts.figure("interpolation_polygons", c.polygons, "polygons", "Polygons in the brightness interpolation circuit (21)");
-        facts.figure("interpolation_dots", c.drawn, "dots", "Their dots");
-        facts
+        stats.figure("interpolation_polygons", c.polygons, "polygons", "Polygons in the brightness interpolation circuit (21)");
+        stats.figure("interpolation_dots", c.drawn, "dots", "Their dots");
+        stats
             .figure("interpolation_started_cycles", c.started_cycles, "cycles", "Cycles in which it was started")
-            .part(Part::Started("interpolation".into()));
+            .part(FigureGroup::Started("interpolation".into()));
     }
 }

@@ -3,7 +3,7 @@
 //! A process states its [`Operations`] per polygon, sample point, light or dot. The table ([`CpuConfig`]) gives their cycles. The
 //! CPU does one operation after the other: nothing overlaps, and its loops never end before their last point.
 
-use basrelief_kernel::Work;
+use basrelief_kernel::OperatorCounts;
 use basrelief_parameters::parameters;
 
 parameters! {
@@ -48,7 +48,7 @@ impl Operations {
         Self { add: 0, multiply: 0, divide: 0, square_root: 0, compare: 0, load: 0, store: 0, integer: 0 };
 
     /// Returns the operations of this arithmetic. It has no powers, because the CPU computes a power by multiplications.
-    pub(crate) const fn of(work: Work) -> Self {
+    pub(crate) const fn of(work: OperatorCounts) -> Self {
         Self {
             add: work.add as u64,
             multiply: work.multiply as u64,
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn operation_cycles_follow_table_and_scale() {
-        let product = Operations { load: 3, ..Operations::of(Work::INNER_PRODUCT) };
+        let product = Operations { load: 3, ..Operations::of(OperatorCounts::INNER_PRODUCT) };
         let cpu = CpuConfig::default();
         assert_eq!(cpu.cycles(product), 3 * 2 + 3 * 4 + 2 * 2);
         assert_eq!(cpu.cycles(product.times(2).and(Operations { divide: 1, ..Operations::NONE })), 2 * 22 + 12);

@@ -1,7 +1,7 @@
 //! Scan of a polygon's dots in both circuits and process 24: the same dots in the same order.
 
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{HardwareKind, Operators, Work};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{HardwareKind, OperatorCounts, Operators};
 use basrelief_shading::{Gradient, Raster, Scan, fan_triangles};
 use basrelief_signals::width::{COORDINATE, NUMBER};
 use basrelief_signals::{Fragment, Polygon};
@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 
 /// Longest dependent chain of a triangle's set-up in a circuit: differences of the corners, area, its reciprocal, slopes of the
 /// interpolated values.
-const SET_UP: Work = Work { multiply: 2, add: 2, divide: 1, ..Work::NONE };
+const SET_UP: OperatorCounts = OperatorCounts { multiply: 2, add: 2, divide: 1, ..OperatorCounts::NONE };
 /// Longest dependent chain from a triangle's slopes to a value at a dot: `a + w1 * (b - a) + w2 * (c - a)`.
-pub(crate) const INTERPOLATION: Work = Work { multiply: 1, add: 2, ..Work::NONE };
+pub(crate) const INTERPOLATION: OperatorCounts = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
 /// Arithmetic of the three values of a dot: two products and two sums each.
-const THREE_VALUES: Work = Work { multiply: 6, add: 6, ..Work::NONE };
+const THREE_VALUES: OperatorCounts = OperatorCounts { multiply: 6, add: 6, ..OperatorCounts::NONE };
 
 /// Returns the occupancy of a circuit by the triangles of a polygon's fan before its dots, one after the other \[cycles\].
 pub(crate) fn set_up_cycles(polygon: &Polygon, operators: &Operators) -> u64 {
@@ -26,18 +26,18 @@ pub(crate) fn needed(operations: u32, kind_interval: u32, interval: u32) -> u64 
 }
 
 /// Reports the hardware of a circuit that scans polygons and interpolates three numbers at each dot, every `interval` cycles.
-pub(crate) fn tell_interpolator(facts: &mut Facts, operators: &Operators, interval: u32) {
+pub(crate) fn tell_interpolator(stats: &mut UnitStats, operators: &Operators, interval: u32) {
     let multipliers = needed(THREE_VALUES.multiply, operators.multiply.interval, interval);
     let adders = needed(THREE_VALUES.add, operators.add.interval, interval);
-    facts.hardware(HardwareKind::Multiplier, "interpolation", multipliers, NUMBER);
-    facts.hardware(HardwareKind::Adder, "the same", adders, NUMBER);
-    facts.hardware(HardwareKind::Adder, "steps of three edges", 3_u64, NUMBER);
-    facts.hardware(HardwareKind::Multiplier, "set-up of a triangle", 1_u64, NUMBER);
-    facts.hardware(HardwareKind::Adder, "the same", 1_u64, NUMBER);
-    facts.hardware(HardwareKind::Divider, "its area", 1_u64, NUMBER);
-    facts.hardware(HardwareKind::Registers, "scan: column, row", 2_u64, COORDINATE);
-    facts.hardware(HardwareKind::Registers, "scan: three edges, value and two slopes each", 9_u64, NUMBER);
-    facts.hardware(HardwareKind::Registers, "three values at three corners", 9_u64, NUMBER);
+    stats.hardware(HardwareKind::Multiplier, "interpolation", multipliers, NUMBER);
+    stats.hardware(HardwareKind::Adder, "the same", adders, NUMBER);
+    stats.hardware(HardwareKind::Adder, "steps of three edges", 3_u64, NUMBER);
+    stats.hardware(HardwareKind::Multiplier, "set-up of a triangle", 1_u64, NUMBER);
+    stats.hardware(HardwareKind::Adder, "the same", 1_u64, NUMBER);
+    stats.hardware(HardwareKind::Divider, "its area", 1_u64, NUMBER);
+    stats.hardware(HardwareKind::Registers, "scan: column, row", 2_u64, COORDINATE);
+    stats.hardware(HardwareKind::Registers, "scan: three edges, value and two slopes each", 9_u64, NUMBER);
+    stats.hardware(HardwareKind::Registers, "three values at three corners", 9_u64, NUMBER);
 }
 
 /// A polygon in progress. The scan stands on a dot, or past the last.

@@ -1,8 +1,8 @@
 //! Gate (51).
 
 use crate::{CircuitConfig, Highlights};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use serde::{Deserialize, Serialize};
 
 /// Counters of the gate.
@@ -40,7 +40,7 @@ impl Gate {
 }
 
 impl Unit for Gate {
-    basrelief_kernel::role!("holds the specular term back where it is negligible");
+    basrelief_kernel::unit_info!("holds the specular term back where it is negligible");
     type In = Option<Highlights>;
     type Out = Option<Highlights>;
 
@@ -50,7 +50,7 @@ impl Unit for Gate {
     }
 
     #[inline]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let state = &mut self.state;
         let (out, cycles) = match input {
             Some(Highlights::Start { open }) => {
@@ -66,11 +66,11 @@ impl Unit for Gate {
         Step::after(u64::from(self.config.latency), out).busy(cycles)
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, self.config.initiation_interval);
-        facts.hardware(HardwareKind::Registers, "specular register (18) as of the polygon that passes", 1_u64, 1);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.config.latency, self.config.initiation_interval);
+        stats.hardware(HardwareKind::Registers, "specular register (18) as of the polygon that passes", 1_u64, 1);
         let c = &self.state.counters;
-        facts.figure("gate_passed", c.passed, "dots", "Highlights that the gate let pass");
-        facts.figure("gate_blocked", c.blocked, "dots", "Highlights that it held back");
+        stats.figure("gate_passed", c.passed, "dots", "Highlights that the gate let pass");
+        stats.figure("gate_blocked", c.blocked, "dots", "Highlights that it held back");
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::local_memory::{LIGHT, LIGHTS, LocalPort, PolygonBuffer, SETTINGS};
 use crate::{Finished, HostConfig};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Frame, LightKind, Lighting, ObjectInfo, Polygon, ShadingSettings};
 use serde::{Deserialize, Serialize};
@@ -75,7 +75,7 @@ impl HostInterface {
     }
 
     /// Writes and counts the numbers of a frame: mode, Ia, V, and L and Is of each light.
-    fn frame_numbers(&mut self, frame: &Frame, traffic: &mut Traffic) -> u64 {
+    fn frame_numbers(&mut self, frame: &Frame, traffic: &mut MemoryPorts) -> u64 {
         self.state.shading = [frame.shading; 2];
         self.state.point_lights = frame.lights.iter().filter(|l| matches!(l.kind, LightKind::Point { .. })).count() as u64;
         let lights = frame.lights.len() as u64;
@@ -85,7 +85,7 @@ impl HostInterface {
     }
 
     /// Writes and counts the numbers of an object: L of point lights, and the changes of mode, Ia and Is.
-    fn object_numbers(&mut self, object: &ObjectInfo, traffic: &mut Traffic) -> u64 {
+    fn object_numbers(&mut self, object: &ObjectInfo, traffic: &mut MemoryPorts) -> u64 {
         let [of_frame, before] = self.state.shading;
         let now = object.shading.or(of_frame);
         self.state.shading[1] = now;
@@ -100,7 +100,7 @@ impl HostInterface {
         LocalPort { number_bytes: self.config.number_bytes }
     }
 
-    fn polygon_numbers(&mut self, polygon: &Polygon, traffic: &mut Traffic) -> u64 {
+    fn polygon_numbers(&mut self, polygon: &Polygon, traffic: &mut MemoryPorts) -> u64 {
         let (buffer, points) =
             (PolygonBuffer::of(self.state.counters.polygons, self.config.buffers), polygon.vertices.len() as u64);
         let material = &polygon.material;
@@ -119,7 +119,7 @@ impl HostInterface {
         coefficients + 1 + points * if is_white { 6 } else { 9 }
     }
 
-    fn take(&mut self, control: Control, traffic: &mut Traffic) -> Out {
+    fn take(&mut self, control: Control, traffic: &mut MemoryPorts) -> Out {
         match &control {
             Control::Frame(frame) => {
                 let numbers = self.frame_numbers(frame, traffic);
@@ -159,7 +159,7 @@ impl HostInterface {
 }
 
 impl Unit for HostInterface {
-    basrelief_kernel::role!("transfers polygons, one or two at a time");
+    basrelief_kernel::unit_info!("transfers polygons, one or two at a time");
     type In = (Option<Control>, Option<Finished>);
     type Out = Option<Control>;
 
@@ -168,7 +168,7 @@ impl Unit for HostInterface {
         Demand::Only(usize::from(is_full || self.state.frame_ends))
     }
 
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Out {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Out {
         if let (Some(control), _) = input {
             return self.take(control, traffic);
         }
@@ -184,17 +184,17 @@ impl Unit for HostInterface {
         if client == LocalPort::CLIENT as usize { MOST_REQUESTS } else { 0 }
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let c = &self.state.counters;
-        facts.hardware(
+        stats.hardware(
             HardwareKind::Registers,
             "transfer: address and count in memory (12), polygons on their way",
             3_u64,
             NUMBER,
         );
-        facts.figure("host_bytes", c.bytes, "bytes", "What the host computer sent");
-        facts.figure("polygons_sent", c.polygons, "polygons", "Polygons that it sent");
-        facts.figure("polygons_dropped", c.dropped, "polygons", "Polygons of fewer than three points, which were not drawn");
-        facts.figure("polygons_textured", c.textured, "polygons", "Polygons with a colour texture, which took the base colour");
+        stats.figure("host_bytes", c.bytes, "bytes", "What the host computer sent");
+        stats.figure("polygons_sent", c.polygons, "polygons", "Polygons that it sent");
+        stats.figure("polygons_dropped", c.dropped, "polygons", "Polygons of fewer than three points, which were not drawn");
+        stats.figure("polygons_textured", c.textured, "polygons", "Polygons with a colour texture, which took the base colour");
     }
 }

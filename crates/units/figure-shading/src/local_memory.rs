@@ -8,7 +8,7 @@
 //! | `PLANE` | 16 | Figure 7: normal, colour, point, slopes, brightness |
 //! | `POLYGONS` | 769 each | points, their number; normals; colours; brightness |
 
-use basrelief_kernel::Traffic;
+use basrelief_kernel::MemoryPorts;
 
 /// Most lights, the limit of a display list.
 const MOST_LIGHTS: u64 = 1024;
@@ -68,13 +68,13 @@ impl LocalPort {
     /// Client of each unit that has a port.
     pub(crate) const CLIENT: u32 = 0;
 
-    pub(crate) fn read(self, traffic: &mut Traffic, from: u64, numbers: u64) {
+    pub(crate) fn read(self, traffic: &mut MemoryPorts, from: u64, numbers: u64) {
         if numbers > 0 {
             traffic.read(Self::CLIENT, from * u64::from(self.number_bytes), self.bytes(numbers));
         }
     }
 
-    pub(crate) fn write(self, traffic: &mut Traffic, from: u64, numbers: u64) {
+    pub(crate) fn write(self, traffic: &mut MemoryPorts, from: u64, numbers: u64) {
         if numbers > 0 {
             traffic.write(Self::CLIENT, from * u64::from(self.number_bytes), self.bytes(numbers));
         }

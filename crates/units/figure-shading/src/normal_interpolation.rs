@@ -2,8 +2,8 @@
 
 use crate::dots::{Corners, Dots, INTERPOLATION, needed, set_up_cycles, tell_interpolator};
 use crate::{Highlight, Highlights, NormalInterpolationConfig, NormalLoad, Power};
-use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
+use basrelief_kernel::stats::{FigureGroup, UnitStats};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
 use basrelief_signals::width::NUMBER;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -131,7 +131,7 @@ impl NormalInterpolation {
     fn dot_cycles(&self, n: f32, lights: u64) -> [u64; 2] {
         let power = self.power.occupancy(n);
         let second_product = self.power.inner_products() - u64::from(self.config.initiation_interval);
-        let sum = if lights > 1 { self.operators.latency(Work { add: 1, ..Work::NONE }) } else { 0 };
+        let sum = if lights > 1 { self.operators.latency(OperatorCounts { add: 1, ..OperatorCounts::NONE }) } else { 0 };
         let first = self.latency_before() + second_product + self.power.latency(n) + self.operators.latency(SCALE);
         [(power * lights).max(self.normalise_interval()), first + power * (lights - 1) + sum]
     }
@@ -144,48 +144,53 @@ impl NormalInterpolation {
 
     /// Returns the occupancy of a normalisation \[cycles\].
     fn normalise_interval(&self) -> u64 {
-        if self.renormalise { self.operators.interval(Work::NORMALIZE, NORMALISER) } else { 1 }
+        if self.renormalise { self.operators.interval(OperatorCounts::NORMALIZE, NORMALISER) } else { 1 }
     }
 
-    fn tell_hardware(&self, facts: &mut Facts) {
+    fn tell_hardware(&self, stats: &mut UnitStats) {
         let interval = self.config.initiation_interval;
-        tell_interpolator(facts, &self.operators, interval);
+        tell_interpolator(stats, &self.operators, interval);
         let [multiply, add] = [self.operators.multiply.interval, self.operators.add.interval];
         if interval == 1 && multiply == 1 && add == 1 {
-            facts.hardware(HardwareKind::InnerProduct, "N.H", 1_u64, NUMBER);
+            stats.hardware(HardwareKind::InnerProduct, "N.H", 1_u64, NUMBER);
         } else {
-            facts.hardware(HardwareKind::Multiplier, "N.H", needed(Work::INNER_PRODUCT.multiply, multiply, interval), NUMBER);
-            facts.hardware(HardwareKind::Adder, "N.H", needed(Work::INNER_PRODUCT.add, add, interval), NUMBER);
+            stats.hardware(
+                HardwareKind::Multiplier,
+                "N.H",
+                needed(OperatorCounts::INNER_PRODUCT.multiply, multiply, interval),
+                NUMBER,
+            );
+            stats.hardware(HardwareKind::Adder, "N.H", needed(OperatorCounts::INNER_PRODUCT.add, add, interval), NUMBER);
         }
         if self.renormalise {
             let about = "normals to length 1";
-            facts.hardware(HardwareKind::Multiplier, about, NORMALISER.multiply, NUMBER);
-            facts.hardware(HardwareKind::Adder, about, NORMALISER.add, NUMBER);
-            facts.hardware(HardwareKind::Divider, about, NORMALISER.divide, NUMBER);
-            facts.hardware(HardwareKind::SquareRoot, about, NORMALISER.square_root, NUMBER);
+            stats.hardware(HardwareKind::Multiplier, about, NORMALISER.multiply, NUMBER);
+            stats.hardware(HardwareKind::Adder, about, NORMALISER.add, NUMBER);
+            stats.hardware(HardwareKind::Divider, about, NORMALISER.divide, NUMBER);
+            stats.hardware(HardwareKind::SquareRoot, about, NORMALISER.square_root, NUMBER);
         }
-        self.power.tell(facts);
-        facts.hardware(HardwareKind::Multiplier, "Is*Ks", 1_u64, NUMBER);
-        facts.hardware(HardwareKind::Adder, "sum over lights", 1_u64, NUMBER);
-        facts.hardware(HardwareKind::Registers, "H and Is*Ks of a light, n", 5_u64, NUMBER);
+        self.power.report_stats(stats);
+        stats.hardware(HardwareKind::Multiplier, "Is*Ks", 1_u64, NUMBER);
+        stats.hardware(HardwareKind::Adder, "sum over lights", 1_u64, NUMBER);
+        stats.hardware(HardwareKind::Registers, "H and Is*Ks of a light, n", 5_u64, NUMBER);
     }
 }
 
 /// Longest dependent chain of an inner product.
-const INNER_PRODUCT: Work = Work { multiply: 1, add: 2, ..Work::NONE };
+const INNER_PRODUCT: OperatorCounts = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
 /// Longest dependent chain from a power to the gate.
-const SCALE: Work = Work { multiply: 1, ..Work::NONE };
+const SCALE: OperatorCounts = OperatorCounts { multiply: 1, ..OperatorCounts::NONE };
 /// Longest dependent chain of a normalisation: squared length, root, reciprocal, products.
-const NORMALISATION: Work = Work { multiply: 2, add: 2, divide: 1, square_root: 1, power: 0 };
+const NORMALISATION: OperatorCounts = OperatorCounts { multiply: 2, add: 2, divide: 1, square_root: 1, power: 0 };
 /// Hardware of the normalisation: multipliers and adders for one per cycle, one square-root unit and one divider, which are
 /// slower.
-const NORMALISER: Work = Work::NORMALIZE;
+const NORMALISER: OperatorCounts = OperatorCounts::NORMALIZE;
 
 /// Exponent for which the rate is reported: the patent's largest.
 const LARGEST_EXPONENT: f32 = 200.0;
 
 impl Unit for NormalInterpolation {
-    basrelief_kernel::role!("interpolates normals: the specular term");
+    basrelief_kernel::unit_info!("interpolates normals: the specular term");
     type In = Option<Arc<NormalLoad>>;
     type Out = Option<Highlights>;
 
@@ -195,7 +200,7 @@ impl Unit for NormalInterpolation {
     }
 
     #[inline]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Out {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Out {
         match input {
             Some(load) => self.begin(load),
             None => self.draw(),
@@ -206,25 +211,25 @@ impl Unit for NormalInterpolation {
         self.state.load.is_none()
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let [interval, latency] = self.dot_cycles(LARGEST_EXPONENT, 1);
-        facts.rate(0, latency, interval);
-        self.tell_hardware(facts);
+        stats.rate(0, latency, interval);
+        self.tell_hardware(stats);
         let c = &self.state.counters;
-        facts.figure(
+        stats.figure(
             "normal_interpolation_polygons",
             c.polygons,
             "polygons",
             "Polygons in the normal-interpolation brightness circuit (50)",
         );
-        facts.figure("normal_interpolation_dots", c.drawn, "dots", "Their dots");
+        stats.figure("normal_interpolation_dots", c.drawn, "dots", "Their dots");
         let circuit = || "normal_interpolation".into();
-        facts
+        stats
             .figure("normal_interpolation_started_cycles", c.started_cycles, "cycles", "Cycles in which it was started")
-            .part(Part::Started(circuit()));
-        facts
+            .part(FigureGroup::Started(circuit()));
+        stats
             .figure("normal_interpolation_needed_cycles", c.needed_cycles, "cycles", "Those whose result was needed")
-            .part(Part::Needed(circuit()));
-        facts.figure("power_table_fills", c.table_fills, "fills", "Times that the table of powers was filled");
+            .part(FigureGroup::Needed(circuit()));
+        stats.figure("power_table_fills", c.table_fills, "fills", "Times that the table of powers was filled");
     }
 }

@@ -1,8 +1,8 @@
 //! The power `(N.H)^n`.
 
 use crate::{NormalInterpolationConfig, PowerMethod};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{HardwareKind, Operators, Work};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{HardwareKind, OperatorCounts, Operators};
 use basrelief_signals::width::NUMBER;
 
 /// Largest exponent that is computed by multiplication.
@@ -56,7 +56,9 @@ impl Power {
     pub fn latency(&self, n: f32) -> u64 {
         match self.config.power {
             PowerMethod::Iteration => multiplications(n) * u64::from(self.operators.multiply.latency),
-            PowerMethod::Table => self.operators.latency(Work { multiply: 1, add: 1, power: 1, ..Work::NONE }),
+            PowerMethod::Table => {
+                self.operators.latency(OperatorCounts { multiply: 1, add: 1, power: 1, ..OperatorCounts::NONE })
+            }
         }
     }
 
@@ -66,10 +68,12 @@ impl Power {
         let products = self.inner_products();
         let own = match self.config.power {
             PowerMethod::Iteration if self.config.pipelined => {
-                self.operators.interval(Work { multiply: 1, ..Work::NONE }, Work::NONE)
+                self.operators.interval(OperatorCounts { multiply: 1, ..OperatorCounts::NONE }, OperatorCounts::NONE)
             }
             PowerMethod::Iteration => self.latency(n),
-            PowerMethod::Table => self.operators.interval(Work { multiply: 1, add: 1, power: 1, ..Work::NONE }, Work::NONE),
+            PowerMethod::Table => self
+                .operators
+                .interval(OperatorCounts { multiply: 1, add: 1, power: 1, ..OperatorCounts::NONE }, OperatorCounts::NONE),
         };
         own.max(products)
     }
@@ -86,7 +90,8 @@ impl Power {
         match self.config.power {
             PowerMethod::Iteration => 0,
             PowerMethod::Table => {
-                let entry = self.operators.interval(Work { multiply, add: 2, ..Work::NONE }, Work::NONE);
+                let entry =
+                    self.operators.interval(OperatorCounts { multiply, add: 2, ..OperatorCounts::NONE }, OperatorCounts::NONE);
                 u64::from(self.entries()) * entry
             }
         }
@@ -99,19 +104,19 @@ impl Power {
     }
 
     /// Reports its hardware.
-    pub(crate) fn tell(&self, facts: &mut Facts) {
+    pub(crate) fn report_stats(&self, stats: &mut UnitStats) {
         match self.config.power {
             PowerMethod::Iteration => {
                 let multipliers = if self.config.pipelined { PIPELINE } else { 1 };
-                facts.hardware(HardwareKind::Multiplier, "power by iteration", multipliers, NUMBER);
-                facts.hardware(HardwareKind::Registers, "square, power, rest of n", 3 * multipliers, NUMBER);
+                stats.hardware(HardwareKind::Multiplier, "power by iteration", multipliers, NUMBER);
+                stats.hardware(HardwareKind::Registers, "square, power, rest of n", 3 * multipliers, NUMBER);
             }
             PowerMethod::Table => {
-                facts.hardware(HardwareKind::Multiplier, "address in the table of powers", 1_u64, NUMBER);
-                facts.hardware(HardwareKind::Adder, "its rounding", 1_u64, NUMBER);
-                facts.hardware(HardwareKind::Multiplier, "filling the table of powers", 1_u64, NUMBER);
-                facts.hardware(HardwareKind::Adder, "the same", 1_u64, NUMBER);
-                facts.hardware(HardwareKind::Table, "powers", self.entries(), self.config.table_bits);
+                stats.hardware(HardwareKind::Multiplier, "address in the table of powers", 1_u64, NUMBER);
+                stats.hardware(HardwareKind::Adder, "its rounding", 1_u64, NUMBER);
+                stats.hardware(HardwareKind::Multiplier, "filling the table of powers", 1_u64, NUMBER);
+                stats.hardware(HardwareKind::Adder, "the same", 1_u64, NUMBER);
+                stats.hardware(HardwareKind::Table, "powers", self.entries(), self.config.table_bits);
             }
         }
     }

@@ -1,8 +1,8 @@
 //! Registers (14), (16) and (18) as hardware: written by the microcomputer (10), read by the units that they control.
 
 use crate::{FigureFlow, Order, RegisterWrite, Registers};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -48,7 +48,7 @@ impl RegisterBank {
 }
 
 impl Unit for RegisterBank {
-    basrelief_kernel::role!("mode, flatness and specular register: set by the microcomputer");
+    basrelief_kernel::unit_info!("mode, flatness and specular register: set by the microcomputer");
     type In = Option<Order>;
     type Out = Option<FigureFlow>;
 
@@ -58,7 +58,7 @@ impl Unit for RegisterBank {
     }
 
     #[inline]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let out = match input {
             Some(Order::Write(write)) => {
                 self.write(write);
@@ -75,14 +75,14 @@ impl Unit for RegisterBank {
         Step::after(1, out)
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, 1_u64, 1_u64);
-        facts.hardware(HardwareKind::Registers, "mode register (14)", 1_u64, 2);
-        facts.hardware(HardwareKind::Registers, "flatness register (16)", 1_u64, 1);
-        facts.hardware(HardwareKind::Registers, "specular register (18)", 1_u64, 1);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, 1_u64, 1_u64);
+        stats.hardware(HardwareKind::Registers, "mode register (14)", 1_u64, 2);
+        stats.hardware(HardwareKind::Registers, "flatness register (16)", 1_u64, 1);
+        stats.hardware(HardwareKind::Registers, "specular register (18)", 1_u64, 1);
         let c = &self.state.counters;
-        facts.figure("register_14_writes", c.mode_writes, "writes", "Writes of the mode register (14)");
-        facts.figure("register_16_writes", c.flat_writes, "writes", "Writes of the flatness register (16)");
-        facts.figure("register_18_writes", c.specular_writes, "writes", "Writes of the specular register (18)");
+        stats.figure("register_14_writes", c.mode_writes, "writes", "Writes of the mode register (14)");
+        stats.figure("register_16_writes", c.flat_writes, "writes", "Writes of the flatness register (16)");
+        stats.figure("register_18_writes", c.specular_writes, "writes", "Writes of the specular register (18)");
     }
 }

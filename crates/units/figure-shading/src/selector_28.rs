@@ -2,8 +2,8 @@
 
 use crate::dots::needed;
 use crate::{CircuitConfig, Dot, Figure, FigureFlow, Finished, Route, Selection, ShadingMode};
-use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::{FigureGroup, UnitStats};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_shading::saturated;
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Pixel, Stamp};
@@ -73,7 +73,7 @@ impl Selector28 {
 }
 
 impl Unit for Selector28 {
-    basrelief_kernel::role!("by the mode: (53), (21) or process 24; saturates");
+    basrelief_kernel::unit_info!("by the mode: (53), (21) or process 24; saturates");
     type In = (Option<FigureFlow>, Option<FigureFlow>, Option<FigureFlow>);
     type Out = (Option<Flow<Stamp<Pixel>>>, Option<Finished>);
 
@@ -83,7 +83,7 @@ impl Unit for Selector28 {
     }
 
     #[inline]
-    fn step(&mut self, (from_53, from_21, from_24): Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (from_53, from_21, from_24): Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let mut cycles = 1;
         let out = match from_53.or(from_21).or(from_24) {
             Some(FigureFlow::Dot(dot)) => {
@@ -112,22 +112,22 @@ impl Unit for Selector28 {
         self.state.selected == FROM_53
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, self.config.initiation_interval);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.config.latency, self.config.initiation_interval);
         let each = needed(3, 1, self.config.initiation_interval);
-        facts.hardware(HardwareKind::Multiplier, "to steps of 8 bits", each, NUMBER);
-        facts.hardware(HardwareKind::Adder, "rounding, and cutting off at either end", 3 * each, NUMBER);
-        facts.hardware(HardwareKind::Registers, "mode register (14) as of the polygon that passes", 1_u64, 2);
+        stats.hardware(HardwareKind::Multiplier, "to steps of 8 bits", each, NUMBER);
+        stats.hardware(HardwareKind::Adder, "rounding, and cutting off at either end", 3 * each, NUMBER);
+        stats.hardware(HardwareKind::Registers, "mode register (14) as of the polygon that passes", 1_u64, 2);
         let c = &self.state.counters;
-        facts.figure("fragments", c.dots.iter().sum::<u64>(), "dots", "Dots drawn; a dot is a fragment").part(Part::Work);
+        stats.figure("fragments", c.dots.iter().sum::<u64>(), "dots", "Dots drawn; a dot is a fragment").part(FigureGroup::Work);
         let routes = |counts: [u64; 6]| Route::ALL.map(|route| (route.name(), counts[route as usize]));
         for (name, polygons) in routes(c.polygons) {
-            facts
+            stats
                 .figure(&format!("polygons_{name}"), polygons, "polygons", "Polygons on this route")
-                .part(Part::Route(name.into()));
+                .part(FigureGroup::Route(name.into()));
         }
         for (name, dots) in routes(c.dots) {
-            facts.figure(&format!("dots_{name}"), dots, "dots", "Their dots").part(Part::Route(name.into()));
+            stats.figure(&format!("dots_{name}"), dots, "dots", "Their dots").part(FigureGroup::Route(name.into()));
         }
     }
 }

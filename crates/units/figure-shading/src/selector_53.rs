@@ -1,8 +1,8 @@
 //! Selector (53).
 
 use crate::{CircuitConfig, FigureFlow, Selection};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use serde::{Deserialize, Serialize};
 
 /// State of selector (53) between steps.
@@ -30,7 +30,7 @@ impl Selector53 {
 }
 
 impl Unit for Selector53 {
-    basrelief_kernel::role!("flat or not: process 24 or the adder");
+    basrelief_kernel::unit_info!("flat or not: process 24 or the adder");
     type In = (Option<FigureFlow>, Option<FigureFlow>);
     type Out = Option<FigureFlow>;
 
@@ -40,7 +40,7 @@ impl Unit for Selector53 {
     }
 
     #[inline]
-    fn step(&mut self, (sum, mean): Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (sum, mean): Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let mut cycles = 1;
         let out = sum.or(mean);
         match &out {
@@ -60,8 +60,8 @@ impl Unit for Selector53 {
         !self.state.flat
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, self.config.initiation_interval);
-        facts.hardware(HardwareKind::Registers, "flatness register (16) as of the polygon that passes", 1_u64, 1);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.config.latency, self.config.initiation_interval);
+        stats.hardware(HardwareKind::Registers, "flatness register (16) as of the polygon that passes", 1_u64, 1);
     }
 }

@@ -3,8 +3,8 @@
 use crate::config::{PixelBufferConfig, VideoOutConfig};
 use crate::state::FinishedFrame;
 use crate::unit::FrameDone;
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::{Frame, PictureFlow, PixelBlock, layout};
 use serde::{Deserialize, Serialize};
 
@@ -79,7 +79,7 @@ impl PixelBuffer {
         self.state.bytes
     }
 
-    fn begin(&mut self, frame: &Frame, traffic: &mut Traffic) {
+    fn begin(&mut self, frame: &Frame, traffic: &mut MemoryPorts) {
         let (index, width, height) = (frame.index, frame.width, frame.height);
         self.state.picture = None;
         self.state.round = 0;
@@ -96,7 +96,7 @@ impl PixelBuffer {
     }
 
     #[inline]
-    fn write(&mut self, block: &PixelBlock, traffic: &mut Traffic) {
+    fn write(&mut self, block: &PixelBlock, traffic: &mut MemoryPorts) {
         let Some(picture) = &mut self.state.picture else { return };
         if block.mask == 0 && self.state.round > 0 {
             return;
@@ -143,7 +143,7 @@ impl PixelBuffer {
 }
 
 impl Unit for PixelBuffer {
-    basrelief_kernel::role!("keeps the picture where the depth values were, and shows it");
+    basrelief_kernel::unit_info!("keeps the picture where the depth values were, and shows it");
     type In = Option<PictureFlow>;
     type Out = Out;
 
@@ -153,7 +153,7 @@ impl Unit for PixelBuffer {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Out> {
         let latency = u64::from(self.config.latency);
         match input {
             Some(PictureFlow::Pixels(block)) => {
@@ -183,20 +183,20 @@ impl Unit for PixelBuffer {
         u32::from(client == 0)
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let c = &self.state.counters;
         let saved = if self.base == layout::Z_BUFFER { self.bytes() } else { 0 };
-        facts.figure("pixels", c.pixels, "pixels", "Pixels written");
-        facts.figure("frames", c.frames, "frames", "Frames finished");
-        facts.figure("pictures", c.pictures, "pictures", "Pictures shown");
-        facts.figure(
+        stats.figure("pixels", c.pixels, "pixels", "Pixels written");
+        stats.figure("frames", c.frames, "frames", "Frames finished");
+        stats.figure("pictures", c.pictures, "pictures", "Pictures shown");
+        stats.figure(
             "memory_saved_by_sharing_bytes",
             saved,
             "bytes",
             "Memory that pixels take in place of depth values, where they share one",
         );
-        facts.hardware(HardwareKind::Registers, "block of pixels", BLOCK_PIXELS, 8 * self.config.pixel_bytes);
-        facts.hardware(HardwareKind::Adder, "address of a block", 2_u32, 32);
+        stats.hardware(HardwareKind::Registers, "block of pixels", BLOCK_PIXELS, 8 * self.config.pixel_bytes);
+        stats.hardware(HardwareKind::Adder, "address of a block", 2_u32, 32);
     }
 }
 
@@ -219,7 +219,7 @@ mod tests {
         let tokens = [frame].into_iter().chain(picture(false)).chain(picture(true));
         let mut all = Vec::new();
         for token in tokens {
-            let mut traffic = Traffic::default();
+            let mut traffic = MemoryPorts::default();
             unit.step(Some(token), &mut traffic);
             assert!(traffic.requests().len() as u32 <= unit.largest_step(0));
             all.extend(traffic.requests().iter().map(|r| (r.address, r.bytes)));
@@ -254,7 +254,7 @@ mod tests {
     fn displayed_pixels_are_not_overwritten() {
         let kept = |shared: bool| {
             let mut unit = buffer(shared);
-            let mut step = |token: Option<PictureFlow>| unit.step(token, &mut Traffic::default());
+            let mut step = |token: Option<PictureFlow>| unit.step(token, &mut MemoryPorts::default());
             step(Some(frame(640, 480)));
             let shown = step(Some(PictureFlow::Show { last: true }));
             assert!(shown.out.0.is_some() && shown.out.1.is_none() && shown.marked);

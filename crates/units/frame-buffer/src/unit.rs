@@ -2,8 +2,8 @@
 
 use crate::config::FrameBufferConfig;
 use crate::state::{FinishedFrame, FrameBufferState};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::width::{BitWidth, COLOR, COORDINATE, NUMBER, SignalWidths};
 use basrelief_signals::{
     ColorToken, Control, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines,
@@ -61,7 +61,7 @@ impl<T: ColorToken> FrameBuffer<T> {
         Self { config, state: FrameBufferState::default(), token: PhantomData }
     }
 
-    fn begin(&mut self, frame: &Frame, traffic: &mut Traffic) {
+    fn begin(&mut self, frame: &Frame, traffic: &mut MemoryPorts) {
         let (index, width, height) = (frame.index, frame.width, frame.height);
         self.state.lines = GatheredLines::default();
         self.state.picture = None;
@@ -85,7 +85,7 @@ impl<T: ColorToken> FrameBuffer<T> {
     /// Writes a pixel of a token. `is_open` is true if the line of the token is the most recently written one, which holds after
     /// its first pixel.
     #[inline(always)]
-    fn write(&mut self, (x, y, color): (u16, u16, [u8; 3]), is_open: &mut bool, traffic: &mut Traffic) {
+    fn write(&mut self, (x, y, color): (u16, u16, [u8; 3]), is_open: &mut bool, traffic: &mut MemoryPorts) {
         let Some(picture) = &mut self.state.picture else { return };
         let (x, y, width) = (u32::from(x), u32::from(y), picture.width);
         let place = y as usize * width as usize + x as usize;
@@ -107,20 +107,20 @@ impl<T: ColorToken> FrameBuffer<T> {
 
     /// Gathers a line, and writes the evicted one, if any. (Not inlined: at most once per token.)
     #[inline(never)]
-    fn gather(&mut self, line: u64, traffic: &mut Traffic) {
+    fn gather(&mut self, line: u64, traffic: &mut MemoryPorts) {
         if let Some(gone) = self.state.lines.touch(line, self.config.write_lines) {
             self.write_line(gone, traffic);
         }
     }
 
-    fn write_line(&mut self, line: u64, traffic: &mut Traffic) {
+    fn write_line(&mut self, line: u64, traffic: &mut MemoryPorts) {
         let bytes = LINE_PIXELS * self.config.pixel_bytes;
         traffic.write(0, self.base() + line * u64::from(bytes), bytes);
         self.state.counters.lines_written += 1;
     }
 
     /// Writes a gathered line, one per step. The last of them sends the end token if a frame has begun.
-    fn end(&mut self, traffic: &mut Traffic) -> Step<Option<FrameDone>> {
+    fn end(&mut self, traffic: &mut MemoryPorts) -> Step<Option<FrameDone>> {
         if let Some(line) = self.state.lines.take() {
             self.write_line(line, traffic);
         }
@@ -143,7 +143,7 @@ impl<T: ColorToken> FrameBuffer<T> {
 }
 
 impl<T: ColorToken> Unit for FrameBuffer<T> {
-    basrelief_kernel::role!("keeps the picture");
+    basrelief_kernel::unit_info!("keeps the picture");
     type In = Option<Flow<T>>;
     type Out = Option<FrameDone>;
 
@@ -153,7 +153,7 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {
             Some(Flow::Item(token)) => {
@@ -178,14 +178,14 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
         !self.state.ending
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         // Colours, mask of written pixels, number of the line in the picture.
         let line = LINE_PIXELS * (COLOR + 1) + LINE_NUMBER;
-        facts.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
+        stats.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
         let c = &self.state.counters;
-        facts.figure("pixels", c.pixels, "pixels", "Pixels written");
-        facts.figure("frames", c.frames, "frames", "Frames finished");
-        facts.figure("pixel_lines_written", c.lines_written, "lines", "Lines of pixels written");
+        stats.figure("pixels", c.pixels, "pixels", "Pixels written");
+        stats.figure("frames", c.frames, "frames", "Frames finished");
+        stats.figure("pixel_lines_written", c.lines_written, "lines", "Lines of pixels written");
     }
 }
 

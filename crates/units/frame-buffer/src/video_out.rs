@@ -5,8 +5,8 @@
 
 use crate::config::VideoOutConfig;
 use crate::unit::FrameDone;
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use serde::{Deserialize, Serialize};
 
 /// Counters of the video output.
@@ -62,7 +62,7 @@ impl VideoOut {
 }
 
 impl Unit for VideoOut {
-    basrelief_kernel::role!("reads every finished picture once, for the display");
+    basrelief_kernel::unit_info!("reads every finished picture once, for the display");
     type In = Option<FrameDone>;
     type Out = ();
 
@@ -71,7 +71,7 @@ impl Unit for VideoOut {
         if self.state.left > 0 { Demand::Nothing } else { Demand::All }
     }
 
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         if let Some(frame) = input {
             self.state.address = frame.address;
             self.state.left = if self.config.enabled { frame.bytes } else { 0 };
@@ -98,8 +98,8 @@ impl Unit for VideoOut {
         self.state.left == 0
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.figure("video_out_bytes", self.state.counters.bytes, "bytes", "What was read for the display");
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.figure("video_out_bytes", self.state.counters.bytes, "bytes", "What was read for the display");
     }
 }
 
@@ -112,7 +112,7 @@ mod tests {
         let mut input = Some(FrameDone { address: 1000, bytes, ..FrameDone::default() });
         let (mut all, mut cycles) = (Vec::new(), 0);
         while input.is_some() || unit.demand() == Demand::Nothing {
-            let mut traffic = Traffic::default();
+            let mut traffic = MemoryPorts::default();
             cycles += unit.step(input.take(), &mut traffic).occupancy;
             assert!(traffic.requests().len() as u32 <= unit.largest_step(0));
             assert!(traffic.requests().iter().all(|r| !r.write));

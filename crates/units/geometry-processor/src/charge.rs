@@ -3,22 +3,22 @@
 use crate::config::GeometryConfig;
 use crate::work;
 use crate::{GeometryProcessor, PolygonLink};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{HardwareKind, Work};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{HardwareKind, OperatorCounts};
 use basrelief_signals::{LightingStage, Material, Object, Polygon, SentAttributes};
 
-/// Work that is charged to a step.
+/// OperatorCounts that is charged to a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Charge {
     /// Arithmetic.
-    pub(crate) work: Work,
+    pub(crate) work: OperatorCounts,
     /// Bytes of vertices and indices fetched.
     pub(crate) fetched: u64,
 }
 
 impl Charge {
     /// Adds arithmetic.
-    pub(crate) fn add(&mut self, work: Work) {
+    pub(crate) fn add(&mut self, work: OperatorCounts) {
         self.work = self.work.and(work);
     }
 }
@@ -58,19 +58,19 @@ impl GeometryProcessor {
     }
 
     /// Reports the rate: the smallest polygon that the machine accepts occupies the link longest of all its minimal work.
-    pub(crate) fn tell_rate(&self, facts: &mut Facts) {
+    pub(crate) fn tell_rate(&self, stats: &mut UnitStats) {
         let smallest = |bump| self.taken.of(&Material::default(), bump, false).bytes();
         let bytes = Polygon::HEAD_BYTES + 3 * (Polygon::POSITION_BYTES + smallest(true).min(smallest(false)));
         let interval = self.kept(Charge { work: work::area(3), fetched: 0 }, bytes);
-        facts.rate(0, self.latency() + interval - 1, interval);
+        stats.rate(0, self.latency() + interval - 1, interval);
     }
 
-    pub(crate) fn tell_hardware(&self, facts: &mut Facts) {
-        facts.operators("transform, clip, project, light", self.config.operators(), NUMBER);
-        facts.hardware(HardwareKind::Registers, "matrices", 16 + 9 + 9_u32, NUMBER);
-        facts.hardware(HardwareKind::Registers, "lights", 7 * LIGHTS, NUMBER);
-        facts.hardware(HardwareKind::Registers, "corners of a clipped polygon", MOST_CORNERS, self.vertex_bits());
-        facts.hardware(HardwareKind::Table, "vertex cache", self.config.vertex_cache, INDEX + self.vertex_bits());
+    pub(crate) fn tell_hardware(&self, stats: &mut UnitStats) {
+        stats.operators("transform, clip, project, light", self.config.operators(), NUMBER);
+        stats.hardware(HardwareKind::Registers, "matrices", 16 + 9 + 9_u32, NUMBER);
+        stats.hardware(HardwareKind::Registers, "lights", 7 * LIGHTS, NUMBER);
+        stats.hardware(HardwareKind::Registers, "corners of a clipped polygon", MOST_CORNERS, self.vertex_bits());
+        stats.hardware(HardwareKind::Table, "vertex cache", self.config.vertex_cache, INDEX + self.vertex_bits());
     }
 
     /// Returns the size of a transformed vertex \[bits\]: clip and window coordinates, and all attributes that the machine may

@@ -4,7 +4,7 @@
 //! screen, and an uncut edge stays exactly the edge of its neighbour.
 
 use crate::transform::Corner;
-use basrelief_kernel::Work;
+use basrelief_kernel::OperatorCounts;
 use basrelief_signals::Vertex;
 use glam::{Vec3, Vec4};
 
@@ -29,14 +29,14 @@ pub enum Clipped {
 }
 
 /// Arithmetic of the distances of a corner to six planes, and to four more of the guard band. The product reach * w is a shift.
-pub const DISTANCES: Work = Work { add: 10, ..Work::NONE };
+pub const DISTANCES: OperatorCounts = OperatorCounts { add: 10, ..OperatorCounts::NONE };
 
 /// Returns the arithmetic of a corner at a cut edge: its share of the edge, clip coordinates, `numbers` further numbers,
 /// `directions` vectors of three made unit again, and its distances.
-pub fn made_corner(numbers: u32, directions: u32) -> Work {
-    let share = Work { divide: 1, add: 1, ..Work::NONE };
-    let mixed = Work { multiply: 1, add: 2, ..Work::NONE }.times(4 + numbers);
-    share.and(mixed).and(Work::NORMALIZE.times(directions)).and(DISTANCES)
+pub fn made_corner(numbers: u32, directions: u32) -> OperatorCounts {
+    let share = OperatorCounts { divide: 1, add: 1, ..OperatorCounts::NONE };
+    let mixed = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE }.times(4 + numbers);
+    share.and(mixed).and(OperatorCounts::NORMALIZE.times(directions)).and(DISTANCES)
 }
 
 /// Returns the signed distances to the six planes, >= 0 inside. The side planes lie `reach` times as far out as those of the

@@ -1,6 +1,6 @@
 //! Parameters of the geometry processor (102), of the bump decision and of the display-list source.
 
-use basrelief_kernel::Work;
+use basrelief_kernel::OperatorCounts;
 use basrelief_parameters::parameters;
 use serde::{Deserialize, Serialize};
 
@@ -63,9 +63,9 @@ parameters! {
 
 impl GeometryConfig {
     /// Returns the unit's operators.
-    pub fn operators(&self) -> Work {
+    pub fn operators(&self) -> OperatorCounts {
         let Self { multipliers, adders, dividers, square_roots, powers, .. } = *self;
-        Work { multiply: multipliers, add: adders, divide: dividers, square_root: square_roots, power: powers }
+        OperatorCounts { multiply: multipliers, add: adders, divide: dividers, square_root: square_roots, power: powers }
     }
 }
 

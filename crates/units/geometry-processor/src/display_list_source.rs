@@ -2,8 +2,8 @@
 
 use crate::config::{Arrival, DisplayListConfig};
 use crate::link::{POLYGON_BYTES, PolygonLink};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::Control;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -93,7 +93,7 @@ where
     I: Iterator<Item = Result<(Control, Option<u64>), E>>,
     E: Display,
 {
-    basrelief_kernel::role!("replays a recorded display list in place of host and geometry processor");
+    basrelief_kernel::unit_info!("replays a recorded display list in place of host and geometry processor");
     type In = ();
     type Out = Option<Control>;
 
@@ -101,7 +101,7 @@ where
         if self.next.is_some() { Demand::Nothing } else { Demand::Finished }
     }
 
-    fn step(&mut self, (): (), traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (): (), traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let (control, now) = match self.next.take() {
             Some(Ok(command)) => command,
             Some(Err(message)) => {
@@ -125,9 +125,9 @@ where
         self.next.is_none()
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.figure("display_list_commands", self.state.counters.commands, "commands", "Commands of the display list");
-        facts.figure("polygon_bytes", self.state.counters.polygon_bytes, "bytes", POLYGON_BYTES);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.figure("display_list_commands", self.state.counters.commands, "commands", "Commands of the display list");
+        stats.figure("polygon_bytes", self.state.counters.polygon_bytes, "bytes", POLYGON_BYTES);
     }
 }
 
@@ -152,7 +152,7 @@ mod tests {
         let mut source = DisplayListSource::new(DisplayListConfig { arrival }, link, commands);
         let (mut free, mut all) = (0, Vec::new());
         while source.demand() == Demand::Nothing {
-            let step = source.step((), &mut Traffic::default());
+            let step = source.step((), &mut MemoryPorts::default());
             assert!(step.out.is_some() && step.occupancy >= 1);
             all.push(free + step.latency);
             free += step.occupancy;
@@ -192,10 +192,10 @@ mod tests {
             let list = (0..good).map(|_| Ok((Control::FrameEnd, None))).chain([Err("line 7: truncated")]);
             let mut source = DisplayListSource::new(DisplayListConfig::default(), LINK, list);
             for _ in 0..good {
-                assert!(source.step((), &mut Traffic::default()).out.is_some());
+                assert!(source.step((), &mut MemoryPorts::default()).out.is_some());
             }
             assert_eq!(source.demand(), Demand::Nothing);
-            let mut traffic = Traffic::default();
+            let mut traffic = MemoryPorts::default();
             assert_eq!(source.step((), &mut traffic).out, None);
             assert!(format!("{traffic:?}").contains("line 7: truncated"));
             assert_eq!(source.demand(), Demand::Finished);

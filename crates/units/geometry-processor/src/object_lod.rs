@@ -3,14 +3,14 @@
 //! rho, in texels of level 0 per pixel, is taken at the centre of the object. It is the mean texel density of the object's
 //! surface, known at modelling time, divided by the pixels of a unit of length at that point.
 
-use basrelief_kernel::Work;
+use basrelief_kernel::OperatorCounts;
 use basrelief_shading::lod;
 use basrelief_signals::{Frame, Object};
 use glam::{DMat4, DVec3, DVec4};
 
 /// Arithmetic of one object in a frame: clip-space w of its centre, its square, the quotient by it, the ratio to the density, and
 /// its exponent as for a polygon.
-pub(crate) const WORK: Work = Work { multiply: 3 + 2, add: 3 + 4, divide: 2, ..Work::NONE };
+pub(crate) const WORK: OperatorCounts = OperatorCounts { multiply: 3 + 2, add: 3 + 4, divide: 2, ..OperatorCounts::NONE };
 
 /// Returns the LOD of an object, computed for the same map as the LOD of its polygons. Returns 0 if it has no map, or if its
 /// centre lies behind the viewer.

@@ -1,6 +1,6 @@
 //! Scene source: the host that feeds a scene.
 
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::{Draw, Frame, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -100,7 +100,7 @@ impl<I: Iterator<Item = Draw>> SceneSource<I> {
 }
 
 impl<I: Iterator<Item = Draw>> Unit for SceneSource<I> {
-    basrelief_kernel::role!("feeds the scene, one draw command per cycle");
+    basrelief_kernel::unit_info!("feeds the scene, one draw command per cycle");
     type In = ();
     type Out = Option<Draw>;
 
@@ -108,7 +108,7 @@ impl<I: Iterator<Item = Draw>> Unit for SceneSource<I> {
         if self.next.is_some() { Demand::Nothing } else { Demand::Finished }
     }
 
-    fn step(&mut self, (): (), _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (): (), _: &mut MemoryPorts) -> Step<Self::Out> {
         let next = self.draws.next();
         self.state.counters.commands += 1;
         Step::after(0, std::mem::replace(&mut self.next, next))
@@ -157,7 +157,7 @@ mod tests {
         let mut source = SceneSource::new(SceneDraws::new(Arc::new(scene)));
         let mut seen = String::new();
         while source.demand() == Demand::Nothing {
-            seen.push_str(&match source.step((), &mut Traffic::default()).out {
+            seen.push_str(&match source.step((), &mut MemoryPorts::default()).out {
                 Some(Draw::Frame(f)) => format!("f{} ", f.index),
                 Some(Draw::Object(o)) => format!("o{} ", o.id),
                 Some(Draw::Triangle(t)) => format!("{t} "),

@@ -1,6 +1,6 @@
 //! Transform from object space to clip and world space.
 
-use basrelief_kernel::Work;
+use basrelief_kernel::OperatorCounts;
 use basrelief_signals::{Mesh, Object, Vertex};
 use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
@@ -35,15 +35,18 @@ fn matrix(rows: &[f64; 16]) -> DMat4 {
 impl Transform {
     /// Arithmetic of the matrices of an object: a product of two 4 x 4 matrices, nine cofactors, the scale of the largest, the
     /// sign of the determinant.
-    pub const OF_OBJECT: Work = Work { multiply: 64 + 18 + 9 + 3, add: 48 + 9 + 8 + 2, divide: 1, ..Work::NONE };
+    pub const OF_OBJECT: OperatorCounts =
+        OperatorCounts { multiply: 64 + 18 + 9 + 3, add: 48 + 9 + 8 + 2, divide: 1, ..OperatorCounts::NONE };
     /// Arithmetic of a position (w = 1) times a 4 x 4 matrix.
-    pub const POSITION: Work = Work { multiply: 12, add: 12, ..Work::NONE };
+    pub const POSITION: OperatorCounts = OperatorCounts { multiply: 12, add: 12, ..OperatorCounts::NONE };
     /// Arithmetic of a normal or a tangent times a 3 x 3 matrix, made unit.
-    pub const DIRECTION: Work = Work { multiply: 9, add: 6, ..Work::NONE }.and(Work::NORMALIZE);
+    pub const DIRECTION: OperatorCounts =
+        OperatorCounts { multiply: 9, add: 6, ..OperatorCounts::NONE }.and(OperatorCounts::NORMALIZE);
     /// Longest dependent chain of a position: a product and three sums.
-    pub const POSITION_CHAIN: Work = Work { multiply: 1, add: 3, ..Work::NONE };
+    pub const POSITION_CHAIN: OperatorCounts = OperatorCounts { multiply: 1, add: 3, ..OperatorCounts::NONE };
     /// Longest dependent chain of a direction: a product and two sums, then squared length, root, reciprocal, product.
-    pub const DIRECTION_CHAIN: Work = Work { multiply: 1 + 2, add: 2 + 2, divide: 1, square_root: 1, power: 0 };
+    pub const DIRECTION_CHAIN: OperatorCounts =
+        OperatorCounts { multiply: 1 + 2, add: 2 + 2, divide: 1, square_root: 1, power: 0 };
 
     /// Creates the matrices of an object with this world matrix under this view projection, both row-major.
     pub fn new(view_projection: &[f64; 16], world: &[f64; 16]) -> Self {

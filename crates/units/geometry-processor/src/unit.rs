@@ -9,8 +9,8 @@ use crate::state::GeometryProcessorState;
 use crate::transform::{Corner, Transform, centre};
 use crate::window::Window;
 use crate::work;
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};
 use basrelief_signals::{Control, Draw, Frame, LightingStage, MeshInfo, Object, ObjectInfo, Polygon, Vertex, VertexAttributes};
 use glam::Vec3;
@@ -257,7 +257,7 @@ fn turn_round(vertices: &mut [Vertex]) {
 }
 
 impl Unit for GeometryProcessor {
-    basrelief_kernel::role!("transforms, clips, culls, projects; LOD; marks bump targets");
+    basrelief_kernel::unit_info!("transforms, clips, culls, projects; LOD; marks bump targets");
     type In = Option<Draw>;
     type Out = Option<Control>;
 
@@ -265,7 +265,7 @@ impl Unit for GeometryProcessor {
         Demand::All
     }
 
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let mut polygon = None;
         let (mut out, occupancy) = match input {
             Some(Draw::Frame(frame)) => {
@@ -298,22 +298,22 @@ impl Unit for GeometryProcessor {
         Step::after(latency, out).busy(occupancy)
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        self.tell_rate(facts);
-        self.tell_hardware(facts);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        self.tell_rate(stats);
+        self.tell_hardware(stats);
         let c = &self.state.counters;
-        facts.figure("triangles", c.triangles, "triangles", "Triangles of the scene");
-        facts.figure("triangles_outside", c.outside, "triangles", "Those outside the view");
-        facts.figure("triangles_culled", c.culled, "triangles", "Those that face away and are culled");
-        facts.figure("triangles_degenerate", c.degenerate, "triangles", "Those without area");
-        facts.figure("polygons_clipped", c.clipped, "polygons", "Those of `polygons` that were clipped");
-        facts.figure("polygons", c.polygons, "polygons", "Polygons handed on");
-        facts.figure("bump_polygons", c.bump_polygons, "polygons", "Those of `polygons` that are bump targets");
-        facts.figure("vertices_transformed", c.vertices, "vertices", "Vertices transformed");
-        facts.figure("vertex_cache_hits", c.vertex_cache_hits, "vertices", "Vertices found transformed in the vertex cache");
-        facts.figure("vertices_lit", c.vertices_lit, "vertices", "Vertices lit for polygons that are no bump target");
-        facts.figure("vertex_bytes", c.vertex_bytes, "bytes", "Vertices and indices fetched");
-        facts.figure("polygon_bytes", c.polygon_bytes, "bytes", POLYGON_BYTES);
+        stats.figure("triangles", c.triangles, "triangles", "Triangles of the scene");
+        stats.figure("triangles_outside", c.outside, "triangles", "Those outside the view");
+        stats.figure("triangles_culled", c.culled, "triangles", "Those that face away and are culled");
+        stats.figure("triangles_degenerate", c.degenerate, "triangles", "Those without area");
+        stats.figure("polygons_clipped", c.clipped, "polygons", "Those of `polygons` that were clipped");
+        stats.figure("polygons", c.polygons, "polygons", "Polygons handed on");
+        stats.figure("bump_polygons", c.bump_polygons, "polygons", "Those of `polygons` that are bump targets");
+        stats.figure("vertices_transformed", c.vertices, "vertices", "Vertices transformed");
+        stats.figure("vertex_cache_hits", c.vertex_cache_hits, "vertices", "Vertices found transformed in the vertex cache");
+        stats.figure("vertices_lit", c.vertices_lit, "vertices", "Vertices lit for polygons that are no bump target");
+        stats.figure("vertex_bytes", c.vertex_bytes, "bytes", "Vertices and indices fetched");
+        stats.figure("polygon_bytes", c.polygon_bytes, "bytes", POLYGON_BYTES);
     }
 }
 

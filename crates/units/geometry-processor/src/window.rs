@@ -1,7 +1,7 @@
 //! Projection from clip space to the window.
 
 use crate::transform::Corner;
-use basrelief_kernel::Work;
+use basrelief_kernel::OperatorCounts;
 use basrelief_signals::Frame;
 
 /// Projection of the view volume to the window.
@@ -12,9 +12,9 @@ pub(crate) struct Window {
 
 impl Window {
     /// Arithmetic of a corner: reciprocal of w, three products with it, three more and three sums for the position.
-    pub(crate) const PLACE: Work = Work { multiply: 6, add: 3, divide: 1, ..Work::NONE };
+    pub(crate) const PLACE: OperatorCounts = OperatorCounts { multiply: 6, add: 3, divide: 1, ..OperatorCounts::NONE };
     /// Longest dependent chain of the projection.
-    pub(crate) const PLACE_CHAIN: Work = Work { multiply: 2, add: 1, divide: 1, ..Work::NONE };
+    pub(crate) const PLACE_CHAIN: OperatorCounts = OperatorCounts { multiply: 2, add: 1, divide: 1, ..OperatorCounts::NONE };
 
     pub(crate) fn new(frame: &Frame) -> Self {
         Self { half: [0.5 * frame.width as f32, 0.5 * frame.height as f32] }

@@ -3,17 +3,17 @@
 use crate::clip::{DISTANCES, made_corner};
 use crate::transform::Transform;
 use crate::window::Window;
-use basrelief_kernel::{Operators, Work};
+use basrelief_kernel::{OperatorCounts, Operators};
 use basrelief_signals::{Lighting, LightingStage, SentAttributes, VertexAttributes};
 
 /// Returns the arithmetic of transforming a vertex with these attributes.
-pub(crate) fn vertex(of: SentAttributes) -> Work {
+pub(crate) fn vertex(of: SentAttributes) -> OperatorCounts {
     let directions = u32::from(of.normal) + u32::from(of.normal_map);
     Transform::POSITION.and(DISTANCES).and(Window::PLACE).and(Transform::DIRECTION.times(directions))
 }
 
 /// Returns the arithmetic of a vertex with these attributes at a cut edge.
-pub(crate) fn cut_vertex(of: SentAttributes) -> Work {
+pub(crate) fn cut_vertex(of: SentAttributes) -> OperatorCounts {
     let numbers = |there: bool, count: u32| if there { count } else { 0 };
     let all = numbers(of.normal, 3) + numbers(of.normal_map, 3 + 2) + numbers(of.texture, 2) + numbers(of.color, 4);
     made_corner(all, u32::from(of.normal) + u32::from(of.normal_map)).and(Window::PLACE)
@@ -21,43 +21,43 @@ pub(crate) fn cut_vertex(of: SentAttributes) -> Work {
 
 /// Returns the arithmetic of twice the area of a polygon of this many corners, relative to the first. It decides whether the
 /// polygon faces away.
-pub(crate) fn area(corners: usize) -> Work {
+pub(crate) fn area(corners: usize) -> OperatorCounts {
     let (edges, products) = (corners.saturating_sub(1) as u32, corners.saturating_sub(2) as u32);
-    Work { multiply: 2 * products, add: 2 * edges + 2 * products, ..Work::NONE }
+    OperatorCounts { multiply: 2 * products, add: 2 * edges + 2 * products, ..OperatorCounts::NONE }
 }
 
 /// Returns the arithmetic of the LOD of such a polygon: its area in texels, and the ratio. Root and logarithm are the exponent of
 /// the ratio and a table of the first bits of its fraction: a comparison with each of four bounds within an octave.
-pub(crate) fn lod(corners: usize) -> Work {
-    area(corners).and(Work { multiply: 2, add: 4, divide: 1, ..Work::NONE })
+pub(crate) fn lod(corners: usize) -> OperatorCounts {
+    area(corners).and(OperatorCounts { multiply: 2, add: 4, divide: 1, ..OperatorCounts::NONE })
 }
 
 /// Returns the arithmetic of the brightness of a vertex under this many lights. A term that the material lacks costs nothing.
-pub(crate) fn lighting(of: &Lighting, lights: u32) -> Work {
+pub(crate) fn lighting(of: &Lighting, lights: u32) -> OperatorCounts {
     // Per light: inner product, its sign, intensity, sum. Then the coefficient.
-    let light = Work::INNER_PRODUCT.and(Work { multiply: 1, add: 2, ..Work::NONE });
-    let coefficient = Work { multiply: 1, add: 1, ..Work::NONE };
-    let diffuse = if of.kd > 0.0 { light.times(lights).and(coefficient) } else { Work::NONE };
-    let highlight = light.and(Work { power: 1, ..Work::NONE }).times(lights).and(coefficient);
+    let light = OperatorCounts::INNER_PRODUCT.and(OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE });
+    let coefficient = OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE };
+    let diffuse = if of.kd > 0.0 { light.times(lights).and(coefficient) } else { OperatorCounts::NONE };
+    let highlight = light.and(OperatorCounts { power: 1, ..OperatorCounts::NONE }).times(lights).and(coefficient);
     if of.ks > 0.0 { diffuse.and(highlight) } else { diffuse }
 }
 
 /// Returns the arithmetic of the lights as seen from an object: direction and half-way vector, each made unit.
-pub(crate) fn object(lights: u32) -> Work {
-    let light = Work { add: 3 + 3, ..Work::NONE }.and(Work::NORMALIZE.times(2));
+pub(crate) fn object(lights: u32) -> OperatorCounts {
+    let light = OperatorCounts { add: 3 + 3, ..OperatorCounts::NONE }.and(OperatorCounts::NORMALIZE.times(2));
     Transform::OF_OBJECT.and(light.times(lights))
 }
 
 /// Returns the cycles from the last operands of a polygon to its delivery: position, projection, area and LOD, in parallel with
 /// transforming and lighting the normal.
 pub(crate) fn latency(operators: &Operators, taken: VertexAttributes) -> u64 {
-    let area = Work { multiply: 1, add: 2, ..Work::NONE };
-    let lod = Work { divide: 1, add: 1, ..Work::NONE };
+    let area = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
+    let lod = OperatorCounts { divide: 1, add: 1, ..OperatorCounts::NONE };
     let outline = Transform::POSITION_CHAIN.and(Window::PLACE_CHAIN).and(area);
     let outline = if taken.normal_maps { outline.and(lod) } else { outline };
-    let lighting = Work { multiply: 3, add: 4, power: 1, ..Work::NONE };
+    let lighting = OperatorCounts { multiply: 3, add: 4, power: 1, ..OperatorCounts::NONE };
     let normal = match taken.lit {
-        LightingStage::Nowhere => Work::NONE,
+        LightingStage::Nowhere => OperatorCounts::NONE,
         LightingStage::InMachine => Transform::DIRECTION_CHAIN,
         LightingStage::AtVertices | LightingStage::Targets => Transform::DIRECTION_CHAIN.and(lighting),
     };

@@ -69,10 +69,10 @@ fn draws() -> Vec<Draw> {
 
 #[test]
 fn strips_have_every_kind_of_triangle() {
-    use basrelief_kernel::{Traffic, Unit};
+    use basrelief_kernel::{MemoryPorts, Unit};
     let mut unit = unit();
     for draw in draws() {
-        unit.step(Some(draw), &mut Traffic::default());
+        unit.step(Some(draw), &mut MemoryPorts::default());
     }
     let c = unit.state.counters;
     let kinds =

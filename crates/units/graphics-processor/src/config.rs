@@ -1,6 +1,6 @@
 //! Parameters of the graphics processor (104) and of the z-test.
 
-use basrelief_kernel::Work;
+use basrelief_kernel::OperatorCounts;
 use basrelief_parameters::parameters;
 use basrelief_signals::TexelFilter;
 use serde::{Deserialize, Serialize};
@@ -65,8 +65,8 @@ parameters! {
 
 impl GraphicsConfig {
     /// Returns the unit's operators.
-    pub fn operators(&self) -> Work {
-        Work { multiply: self.multipliers, add: self.adders, ..Work::NONE }
+    pub fn operators(&self) -> OperatorCounts {
+        OperatorCounts { multiply: self.multipliers, add: self.adders, ..OperatorCounts::NONE }
     }
 }
 

@@ -1,14 +1,14 @@
 //! Z-test, with the z-buffer in the graphics-data memory (124).
 
 use crate::config::DepthConfig;
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
 use basrelief_signals::{Control, DepthToken, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, layout, line_of, lines};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
 /// Arithmetic of a fragment: one comparison with the z-buffer, one fragment per cycle.
-const COMPARISON: Work = Work { add: 1, ..Work::NONE };
+const COMPARISON: OperatorCounts = OperatorCounts { add: 1, ..OperatorCounts::NONE };
 
 /// Counters of the z-test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -97,13 +97,13 @@ impl<T: DepthToken> DepthTest<T> {
         self.state.z.resize(room[0] as usize * room[1] as usize, u32::MAX >> (32 - self.z_bits.clamp(1, 32)));
     }
 
-    fn tell_hardware(&self, facts: &mut Facts) {
-        facts.operators("depth", COMPARISON, self.z_bits);
+    fn tell_hardware(&self, stats: &mut UnitStats) {
+        stats.operators("depth", COMPARISON, self.z_bits);
         // Depth values, mask of written pixels, number of the line in the picture.
         let line = LINE_PIXELS * (self.z_bits + 1) + LINE_NUMBER;
-        facts.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
+        stats.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
         let flags = if self.config.clear_flags { self.config.flags } else { 0 };
-        facts.hardware(HardwareKind::Table, "flags of clear lines", flags, 1);
+        stats.hardware(HardwareKind::Table, "flags of clear lines", flags, 1);
     }
 
     /// Returns the size of a line of the z-buffer \[bytes\].
@@ -114,7 +114,7 @@ impl<T: DepthToken> DepthTest<T> {
     /// Looks up a z value unless its line is gathered or clear. A value that will be written needs the whole line, which is more
     /// than one look-up if lines of the z-cache are small.
     #[inline]
-    fn look_up(&mut self, (line, within): (u64, u32), whole: bool, traffic: &mut Traffic) {
+    fn look_up(&mut self, (line, within): (u64, u32), whole: bool, traffic: &mut MemoryPorts) {
         if self.state.lines.contains(line) {
             self.state.counters.gathered += 1;
         } else if self.state.clear.get(line as usize).is_some_and(|clear| *clear) {
@@ -129,7 +129,7 @@ impl<T: DepthToken> DepthTest<T> {
 
     /// Gathers a line, and writes the evicted one, if any.
     #[inline]
-    fn gather(&mut self, line: u64, traffic: &mut Traffic) {
+    fn gather(&mut self, line: u64, traffic: &mut MemoryPorts) {
         if let Some(clear) = self.state.clear.get_mut(line as usize) {
             *clear = false;
         }
@@ -138,7 +138,7 @@ impl<T: DepthToken> DepthTest<T> {
         }
     }
 
-    fn write(&mut self, line: u64, traffic: &mut Traffic) {
+    fn write(&mut self, line: u64, traffic: &mut MemoryPorts) {
         let bytes = self.z_line_bytes();
         traffic.write(1, layout::Z_BUFFER + line * u64::from(bytes), bytes);
         self.state.counters.lines_written += 1;
@@ -147,7 +147,7 @@ impl<T: DepthToken> DepthTest<T> {
     /// Tests a pixel of a token. `is_open` is true if the line of the token is known to be the most recently written one, so that
     /// no other work is left.
     #[inline(always)]
-    fn passes(&mut self, (x, y, z): (u16, u16, u32), is_open: &mut bool, traffic: &mut Traffic) -> bool {
+    fn passes(&mut self, (x, y, z): (u16, u16, u32), is_open: &mut bool, traffic: &mut MemoryPorts) -> bool {
         let (x, y) = (u32::from(x), u32::from(y));
         if x >= self.state.width {
             return false;
@@ -175,7 +175,7 @@ impl<T: DepthToken> DepthTest<T> {
     /// Looks up a z value in a line that is not the most recently written one, and gathers the line if `passes` is true. (Not
     /// inlined: few pixels come here. Inlined, the body of the loop over the pixels became a call per pixel.)
     #[inline(never)]
-    fn test_in_another(&mut self, line: u64, [x, y]: [u32; 2], passes: bool, traffic: &mut Traffic) {
+    fn test_in_another(&mut self, line: u64, [x, y]: [u32; 2], passes: bool, traffic: &mut MemoryPorts) {
         let [columns, rows] = T::LINE;
         self.look_up((line, y % rows * columns + x % columns), passes, traffic);
         if passes {
@@ -184,7 +184,7 @@ impl<T: DepthToken> DepthTest<T> {
     }
 
     /// Writes a gathered line, one per step. The frame end travels on with the last of them.
-    fn end(&mut self, traffic: &mut Traffic) -> Option<Flow<T>> {
+    fn end(&mut self, traffic: &mut MemoryPorts) -> Option<Flow<T>> {
         if let Some(line) = self.state.lines.take() {
             self.write(line, traffic);
         }
@@ -194,7 +194,7 @@ impl<T: DepthToken> DepthTest<T> {
 }
 
 impl<T: DepthToken> Unit for DepthTest<T> {
-    basrelief_kernel::role!("z-test: removes hidden surfaces; owns the depth values");
+    basrelief_kernel::unit_info!("z-test: removes hidden surfaces; owns the depth values");
     type In = Option<Flow<T>>;
     type Out = Option<Flow<T>>;
 
@@ -204,7 +204,7 @@ impl<T: DepthToken> Unit for DepthTest<T> {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = self.latency;
         match input {
             Some(Flow::Item(mut token)) => {
@@ -239,16 +239,16 @@ impl<T: DepthToken> Unit for DepthTest<T> {
         !self.state.ending
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.latency, 1_u64);
-        self.tell_hardware(facts);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.latency, 1_u64);
+        self.tell_hardware(stats);
         let c = &self.state.counters;
-        facts.figure("z_tested", c.tested, "fragments", "Fragments tested for depth");
-        facts.figure("z_passed", c.passed, "fragments", "Those in front");
-        facts.figure("z_clear", c.clear, "fragments", "Those tested without reading z, as their line was clear");
-        facts.figure("z_gathered", c.gathered, "fragments", "Those tested without reading z, as their line was being gathered");
-        facts.figure("z_lines_written", c.lines_written, "lines", "Lines of z values written");
-        facts.figure("z_clear_flags", c.most_flags, "bits", "Flags of lines that are clear, a bit each");
+        stats.figure("z_tested", c.tested, "fragments", "Fragments tested for depth");
+        stats.figure("z_passed", c.passed, "fragments", "Those in front");
+        stats.figure("z_clear", c.clear, "fragments", "Those tested without reading z, as their line was clear");
+        stats.figure("z_gathered", c.gathered, "fragments", "Those tested without reading z, as their line was being gathered");
+        stats.figure("z_lines_written", c.lines_written, "lines", "Lines of z values written");
+        stats.figure("z_clear_flags", c.most_flags, "bits", "Flags of lines that are clear, a bit each");
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::state::Held;
 use crate::{DrawOrder, GraphicsProcessor};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{HardwareKind, Traffic};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{HardwareKind, MemoryPorts};
 use basrelief_signals::layout;
 
 /// Client that writes and reads entries.
@@ -22,7 +22,7 @@ impl GraphicsProcessor {
     }
 
     /// Stores a stamp. An entry is written with its line, when the line is full.
-    pub(crate) fn hold(&mut self, stamp: Held, traffic: &mut Traffic) {
+    pub(crate) fn hold(&mut self, stamp: Held, traffic: &mut MemoryPorts) {
         let (fragments, is_bump) = (stamp.fragments() as u64, matches!(stamp, Held::Bump(_)));
         self.state.waiting += fragments;
         if self.state.waiting > u64::from(self.config.hold_fragments) {
@@ -41,14 +41,14 @@ impl GraphicsProcessor {
     }
 
     /// Ends the list: writes the partly filled line.
-    pub(crate) fn end_list(&mut self, traffic: &mut Traffic) {
+    pub(crate) fn end_list(&mut self, traffic: &mut MemoryPorts) {
         self.state.drawing = true;
         let held = self.state.bytes_held;
         request(held / LINE * LINE, held, |address, bytes| traffic.write(ENTRIES, address, bytes));
     }
 
     /// Removes the oldest waiting item, and reads the missing lines of its entries.
-    pub(crate) fn take_held(&mut self, traffic: &mut Traffic) -> Option<Held> {
+    pub(crate) fn take_held(&mut self, traffic: &mut MemoryPorts) -> Option<Held> {
         let held = self.state.held.pop_front()?;
         if let Held::Bump(stamp) = &held {
             let read_to = |bytes: u64| bytes.next_multiple_of(LINE).min(self.state.bytes_held);
@@ -71,10 +71,10 @@ impl GraphicsProcessor {
         self.held_bytes(u64::from(self.stamp)).div_ceil(LINE) as u32 + 1
     }
 
-    pub(crate) fn tell_held(&self, facts: &mut Facts) {
-        facts.figure("results_held", self.state.counters.held, "pixels", "Pixels of bump targets held until the list was over");
+    pub(crate) fn tell_held(&self, stats: &mut UnitStats) {
+        stats.figure("results_held", self.state.counters.held, "pixels", "Pixels of bump targets held until the list was over");
         if self.config.draw == DrawOrder::AfterList {
-            facts.hardware(HardwareKind::Registers, "lines of entries, one written and one read", 2_u32, 8 * LINE as u32);
+            stats.hardware(HardwareKind::Registers, "lines of entries, one written and one read", 2_u32, 8 * LINE as u32);
         }
     }
 }

@@ -4,8 +4,8 @@ use crate::blend::{blended, filtered};
 use crate::config::{DrawOrder, GraphicsConfig, Mip};
 use crate::state::{GraphicsProcessorState, Held, Phase};
 use crate::work::Timing;
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{Gradient, Layout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
 use basrelief_signals::{Control, Flow, Fragment, Pixel, Polygon, ShadedFragment, Stamp, TexelFilter, Texture, layout};
 use std::sync::Arc;
@@ -63,7 +63,7 @@ impl GraphicsProcessor {
 
     /// Handles a control token on the path through (106), which defines the order. Polygons that are not bump targets, and the
     /// tokens that end them, have a duplicate on the other path.
-    fn control(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
+    fn control(&mut self, control: Control, traffic: &mut MemoryPorts) -> Option<Flow<Stamp<Pixel>>> {
         if let Some(twin) = self.state.pending.take() {
             return self.accept_twin(control, &twin, traffic);
         }
@@ -76,7 +76,7 @@ impl GraphicsProcessor {
     }
 
     /// Handles a control token on the direct path.
-    fn straight(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
+    fn straight(&mut self, control: Control, traffic: &mut MemoryPorts) -> Option<Flow<Stamp<Pixel>>> {
         if let Some(twin) = self.state.pending.take() {
             return self.accept_twin(control, &twin, traffic);
         }
@@ -85,7 +85,7 @@ impl GraphicsProcessor {
         None
     }
 
-    fn accept_twin(&mut self, control: Control, twin: &Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
+    fn accept_twin(&mut self, control: Control, twin: &Control, traffic: &mut MemoryPorts) -> Option<Flow<Stamp<Pixel>>> {
         if !twins(&control, twin) {
             traffic.fault("graphics processor: its two inputs carry different control tokens; report this as a defect".into());
         }
@@ -93,7 +93,7 @@ impl GraphicsProcessor {
     }
 
     /// Applies the control, or stores it until the end of the list.
-    fn accept(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
+    fn accept(&mut self, control: Control, traffic: &mut MemoryPorts) -> Option<Flow<Stamp<Pixel>>> {
         self.state.phase = match &control {
             Control::Polygon(polygon) => Phase::Fragments(usize::from(!polygon.bump)),
             _ => Phase::Control,
@@ -129,7 +129,7 @@ impl GraphicsProcessor {
 
     /// Draws the result, or stores it until the end of the list.
     #[inline(always)]
-    fn result(&mut self, result: Held, traffic: &mut Traffic) -> Out {
+    fn result(&mut self, result: Held, traffic: &mut MemoryPorts) -> Out {
         if !matches!(self.state.phase, Phase::Fragments(_)) {
             return self.after(misplaced(traffic));
         }
@@ -151,7 +151,7 @@ impl GraphicsProcessor {
     }
 
     /// Draws the oldest waiting item.
-    fn draw_held(&mut self, traffic: &mut Traffic) -> Out {
+    fn draw_held(&mut self, traffic: &mut MemoryPorts) -> Out {
         match self.take_held(traffic) {
             Some(held) => self.draw(held, traffic),
             None => self.after(None),
@@ -159,7 +159,7 @@ impl GraphicsProcessor {
     }
 
     #[inline(always)]
-    fn draw(&mut self, held: Held, traffic: &mut Traffic) -> Out {
+    fn draw(&mut self, held: Held, traffic: &mut MemoryPorts) -> Out {
         let fragments = held.fragments();
         let pixels = match held {
             Held::Control(control) => {
@@ -178,7 +178,7 @@ impl GraphicsProcessor {
     fn pixels(
         &mut self,
         mut shaded: impl Iterator<Item = (Fragment, Option<[f32; 2]>)>,
-        traffic: &mut Traffic,
+        traffic: &mut MemoryPorts,
     ) -> Option<Stamp<Pixel>> {
         let polygon = self.state.polygon.as_deref()?;
         let first = shaded.next()?;
@@ -208,7 +208,7 @@ impl GraphicsProcessor {
     }
 
     #[inline]
-    fn sample(&self, texture: &Texture, uv: [f32; 2], traffic: &mut Traffic) -> Option<[f32; 3]> {
+    fn sample(&self, texture: &Texture, uv: [f32; 2], traffic: &mut MemoryPorts) -> Option<[f32; 3]> {
         let image = texture.levels.get(self.state.level)?;
         let taps = taps(image, &texture.sampler, self.config.filter, uv);
         let bytes = self.config.texel_bytes;
@@ -220,7 +220,7 @@ impl GraphicsProcessor {
     }
 }
 
-fn misplaced(traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
+fn misplaced(traffic: &mut MemoryPorts) -> Option<Flow<Stamp<Pixel>>> {
     traffic.fault("graphics processor: a fragment where a control token was due; report this as a defect".into());
     None
 }
@@ -246,7 +246,7 @@ fn twins(a: &Control, b: &Control) -> bool {
 }
 
 impl Unit for GraphicsProcessor {
-    basrelief_kernel::role!("texture RGB times brightness");
+    basrelief_kernel::unit_info!("texture RGB times brightness");
     type In = (Option<Flow<Stamp<ShadedFragment>>>, Option<Flow<Stamp<Fragment>>>);
     type Out = Option<Flow<Stamp<Pixel>>>;
 
@@ -262,7 +262,7 @@ impl Unit for GraphicsProcessor {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         match input {
             (Some(Flow::Item(stamp)), None) => self.result(Held::Bump(stamp), traffic),
             (None, Some(Flow::Item(stamp))) => self.result(Held::Plain(stamp), traffic),
@@ -295,13 +295,13 @@ impl Unit for GraphicsProcessor {
         self.state.pending.is_none() && self.state.held.is_empty()
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.timing.latency, 1_u64);
-        facts.operators("filter and blend", self.config.operators(), NUMBER);
-        facts.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.timing.latency, 1_u64);
+        stats.operators("filter and blend", self.config.operators(), NUMBER);
+        stats.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
         let c = &self.state.counters;
-        facts.figure("pixels_textured", c.textured, "pixels", "Pixels with a colour texture");
-        self.tell_held(facts);
+        stats.figure("pixels_textured", c.textured, "pixels", "Pixels with a colour texture");
+        self.tell_held(stats);
     }
 }
 

@@ -1,32 +1,32 @@
 //! Arithmetic and latency of a pixel.
 
 use crate::GraphicsConfig;
-use basrelief_kernel::{Operators, Work};
+use basrelief_kernel::{OperatorCounts, Operators};
 use basrelief_signals::{Polygon, TexelFilter};
 
 /// Returns the arithmetic of interpolated attributes of a fragment: two products and two sums per number.
-const fn interpolated(numbers: u32) -> Work {
-    Work { multiply: 2 * numbers, add: 2 * numbers, ..Work::NONE }
+const fn interpolated(numbers: u32) -> OperatorCounts {
+    OperatorCounts { multiply: 2 * numbers, add: 2 * numbers, ..OperatorCounts::NONE }
 }
 
 /// Arithmetic of the product with base colour and brightness, three components each. The highlight is added, and the result is
 /// limited to 8 bits.
-const BLENDED: Work = Work { multiply: 3 + 3, add: 3 + 3, ..Work::NONE };
+const BLENDED: OperatorCounts = OperatorCounts { multiply: 3 + 3, add: 3 + 3, ..OperatorCounts::NONE };
 /// Arithmetic of the vertex colours and the product with them.
-const COLOURED: Work = interpolated(3).and(Work { multiply: 3, ..Work::NONE });
+const COLOURED: OperatorCounts = interpolated(3).and(OperatorCounts { multiply: 3, ..OperatorCounts::NONE });
 /// Arithmetic of the two terms of the brightness at the vertices.
-const LIT: Work = interpolated(2);
+const LIT: OperatorCounts = interpolated(2);
 /// Arithmetic of coordinates in texels, addresses, and the product with the texel.
-const TEXTURED: Work = interpolated(2).and(Work { multiply: 2 + 3, add: 4, ..Work::NONE });
+const TEXTURED: OperatorCounts = interpolated(2).and(OperatorCounts { multiply: 2 + 3, add: 4, ..OperatorCounts::NONE });
 /// Arithmetic of fractions, four weights of which one is a product, and three components from four texels.
-const FILTERED: Work = Work { multiply: 1 + 12, add: 2 + 3 + 9, ..Work::NONE };
+const FILTERED: OperatorCounts = OperatorCounts { multiply: 1 + 12, add: 2 + 3 + 9, ..OperatorCounts::NONE };
 
 /// Longest dependent chain: coordinates, address, weights, filter, three factors, highlight, limit.
-const CHAIN: Work = Work { multiply: 1 + 1 + 1 + 1 + 4, add: 2 + 1 + 1 + 2 + 2, ..Work::NONE };
+const CHAIN: OperatorCounts = OperatorCounts { multiply: 1 + 1 + 1 + 1 + 4, add: 2 + 1 + 1 + 2 + 2, ..OperatorCounts::NONE };
 
 /// Returns the arithmetic of a pixel of this polygon.
-fn pixel(polygon: &Polygon, filter: TexelFilter) -> Work {
-    let of = |there: bool, work: Work| if there { work } else { Work::NONE };
+fn pixel(polygon: &Polygon, filter: TexelFilter) -> OperatorCounts {
+    let of = |there: bool, work: OperatorCounts| if there { work } else { OperatorCounts::NONE };
     let is_textured = polygon.material.color_texture.is_some();
     BLENDED
         .and(of(polygon.vertices.iter().any(|v| v.color != [1.0; 4]), COLOURED))
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn default_operators_blend_any_pixel_per_cycle() {
-        let all = [BLENDED, COLOURED, LIT, TEXTURED, FILTERED].into_iter().fold(Work::NONE, Work::and);
+        let all = [BLENDED, COLOURED, LIT, TEXTURED, FILTERED].into_iter().fold(OperatorCounts::NONE, OperatorCounts::and);
         assert_eq!(all, GraphicsConfig::default().operators());
     }
 }

@@ -1,6 +1,6 @@
 //! Parameters of the normal-vector mapping unit (108).
 
-use basrelief_kernel::Work;
+use basrelief_kernel::OperatorCounts;
 use basrelief_parameters::parameters;
 use basrelief_signals::TexelFilter;
 use serde::{Deserialize, Serialize};
@@ -38,8 +38,8 @@ parameters! {
 
 impl NormalMappingConfig {
     /// Returns the unit's operators.
-    pub fn operators(&self) -> Work {
-        Work { multiply: self.multipliers, add: self.adders, divide: self.dividers, ..Work::NONE }
+    pub fn operators(&self) -> OperatorCounts {
+        OperatorCounts { multiply: self.multipliers, add: self.adders, divide: self.dividers, ..OperatorCounts::NONE }
     }
 
     /// Returns the texels of one sample of a level.

@@ -1,6 +1,6 @@
 //! Cache lines of a footprint.
 
-use basrelief_kernel::Traffic;
+use basrelief_kernel::MemoryPorts;
 use basrelief_shading::{Footprints, LevelPlace};
 use wide::u32x4;
 
@@ -33,8 +33,8 @@ impl Lines {
     /// Looks up the taps of the first `count` samples of the level at this position, in most cases each line once. A repeated
     /// look-up would cost the device nothing, but it would cost host time.
     #[inline(always)]
-    pub(crate) fn look_up(&self, place: LevelPlace, (footprints, count): (&Footprints, usize), traffic: &mut Traffic) {
-        if traffic.is_muted() {
+    pub(crate) fn look_up(&self, place: LevelPlace, (footprints, count): (&Footprints, usize), traffic: &mut MemoryPorts) {
+        if traffic.is_discarding() {
             return;
         }
         let texels = place.footprints(footprints);
@@ -56,7 +56,7 @@ impl Lines {
 
     /// Looks up texels that can lie across lines. The cache handles the duplicates.
     #[inline(never)]
-    fn look_up_each(&self, start: u64, (texels, count): ([u32x4; 4], usize), traffic: &mut Traffic) {
+    fn look_up_each(&self, start: u64, (texels, count): ([u32x4; 4], usize), traffic: &mut MemoryPorts) {
         let texels = texels.map(u32x4::to_array);
         for lane in 0..count {
             for tap in texels {

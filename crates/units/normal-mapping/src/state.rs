@@ -1,7 +1,7 @@
 //! State of the normal-vector mapping unit (108) between steps.
 
 use crate::DistinctCounter;
-use basrelief_kernel::Derived;
+use basrelief_kernel::Cached;
 use basrelief_shading::{Gradient, LevelPlace, LevelSet, fan_triangle};
 use basrelief_signals::{MAX_SAMPLES, Polygon};
 use serde::{Deserialize, Serialize};
@@ -38,7 +38,7 @@ pub struct NormalMappingState {
     pub places: [LevelPlace; MAX_SAMPLES],
     /// Set-up of the triangle of the last fragment.
     #[serde(skip)]
-    pub(crate) setup: Derived<Setup>,
+    pub(crate) setup: Cached<Setup>,
     /// Counters.
     pub counters: NormalMappingCounters,
 }

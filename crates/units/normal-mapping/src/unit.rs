@@ -6,8 +6,8 @@ use crate::rotate::{FixedPoint, TangentFrame};
 use crate::state::Setup;
 use crate::work::Timing;
 use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{Footprints, LEVELS, Layout, decode_normal, footprints, select_levels, weights, wrapped};
 use basrelief_signals::{
     Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Stamp, StampLanes, StampNormals, StampSample,
@@ -69,7 +69,7 @@ impl NormalMapping {
 
     /// Computes the samples of a stamp.
     #[inline(always)]
-    fn map(&mut self, PseudoNormals { stamp, samples }: &mut PseudoNormals, traffic: &mut Traffic) {
+    fn map(&mut self, PseudoNormals { stamp, samples }: &mut PseudoNormals, traffic: &mut MemoryPorts) {
         if self.sample(stamp, samples, traffic).is_none() {
             // No polygon was announced, or it has no such triangle or level: the normal has no direction.
             samples.clear();
@@ -85,7 +85,7 @@ impl NormalMapping {
 
     /// Samples the fragments of a stamp side by side. Returns `None` if nothing can be sampled.
     #[inline(always)]
-    fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut StampSamples<StampNormals>, traffic: &mut Traffic) -> Option<()> {
+    fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut StampSamples<StampNormals>, traffic: &mut MemoryPorts) -> Option<()> {
         let NormalMappingState { polygon, levels, places, setup, counters } = &mut self.state;
         let polygon = polygon.as_deref()?;
         let triangle = stamp.first()?.triangle;
@@ -159,7 +159,7 @@ fn filtered(image: &Image, footprints: &Footprints) -> [f32x4; 3] {
 }
 
 impl Unit for NormalMapping {
-    basrelief_kernel::role!("maps the normals of the selected MIP levels: pseudo-normals N'");
+    basrelief_kernel::unit_info!("maps the normals of the selected MIP levels: pseudo-normals N'");
     type In = Option<Flow<Stamp<Fragment>>>;
     type Out = Option<Flow<PseudoNormals>>;
 
@@ -168,7 +168,7 @@ impl Unit for NormalMapping {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = self.timing.latency;
         match input {
             Some(Flow::Item(stamp)) => {
@@ -196,21 +196,21 @@ impl Unit for NormalMapping {
         self.stamp * u32::from(self.levels.clamp(1, LEVELS as u8)) * self.config.taps() * self.lines.per_texel
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.timing.latency, 1_u64);
-        facts.operators("filter, rotate, scale", self.config.operators(), NUMBER);
-        facts.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.timing.latency, 1_u64);
+        stats.operators("filter, rotate, scale", self.config.operators(), NUMBER);
+        stats.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
         let c = &self.state.counters;
-        facts.figure("bump_fragments", c.bump_fragments, "fragments", "Fragments of bump targets");
-        facts.figure("normal_texels", c.texels, "texels", "Normal-map texels read");
-        facts.figure("pseudo_normals", c.pseudo_normals, "pseudo-normals", "Pseudo-normals N' calculated");
-        facts.figure(
+        stats.figure("bump_fragments", c.bump_fragments, "fragments", "Fragments of bump targets");
+        stats.figure("normal_texels", c.texels, "texels", "Normal-map texels read");
+        stats.figure("pseudo_normals", c.pseudo_normals, "pseudo-normals", "Pseudo-normals N' calculated");
+        stats.figure(
             "distinct_pseudo_normals",
             u64::from(c.distinct.count()),
             "pseudo-normals",
             "Distinct ones; more are not told apart from `distinct_pseudo_normals_counted_to`",
         );
-        facts.figure(
+        stats.figure(
             "distinct_pseudo_normals_counted_to",
             u64::from(DistinctCounter::LIMIT),
             "pseudo-normals",

@@ -1,37 +1,37 @@
 //! Arithmetic and latency of the pseudo-normals of a fragment.
 
 use crate::NormalMappingConfig;
-use basrelief_kernel::{Operators, Work};
+use basrelief_kernel::{OperatorCounts, Operators};
 use basrelief_signals::{MAX_SAMPLES, TexelFilter};
 
 /// Returns the arithmetic of interpolated attributes of a fragment: two products and two sums per number.
-const fn interpolated(numbers: u32) -> Work {
-    Work { multiply: 2 * numbers, add: 2 * numbers, ..Work::NONE }
+const fn interpolated(numbers: u32) -> OperatorCounts {
+    OperatorCounts { multiply: 2 * numbers, add: 2 * numbers, ..OperatorCounts::NONE }
 }
 
 /// Arithmetic of the interpolated normal alone, for a polygon without a map.
-const BARE: Work = interpolated(3);
+const BARE: OperatorCounts = interpolated(3);
 
 /// Arithmetic of normal, tangent and coordinates. The bitangent is a cross product. Its sign, the handedness, costs nothing.
-const FRAME: Work = interpolated(8).and(Work { multiply: 6, add: 3, ..Work::NONE });
+const FRAME: OperatorCounts = interpolated(8).and(OperatorCounts { multiply: 6, add: 3, ..OperatorCounts::NONE });
 
 /// Arithmetic of a footprint in a level: coordinates in texels, their fractions, four weights of which one is a product, and
 /// addresses.
-const FOOTPRINT: Work = Work { multiply: 2 + 1, add: 2 + 3 + 4, ..Work::NONE };
+const FOOTPRINT: OperatorCounts = OperatorCounts { multiply: 2 + 1, add: 2 + 3 + 4, ..OperatorCounts::NONE };
 
 /// Arithmetic of three components filtered from four texels.
-const FILTERED: Work = Work { multiply: 12, add: 9, ..Work::NONE };
+const FILTERED: OperatorCounts = OperatorCounts { multiply: 12, add: 9, ..OperatorCounts::NONE };
 
 /// Arithmetic from a stored normal to world space: x and y times the scale of the map, then a matrix of 3 x 3. Decoding is a
 /// shift.
-const ROTATED: Work = Work { multiply: 2 + 9, add: 6, ..Work::NONE };
+const ROTATED: OperatorCounts = OperatorCounts { multiply: 2 + 9, add: 6, ..OperatorCounts::NONE };
 
 /// Arithmetic of scaling: the largest component, its reciprocal, three products.
-const SCALED: Work = Work { multiply: 3, add: 2, divide: 1, ..Work::NONE };
+const SCALED: OperatorCounts = OperatorCounts { multiply: 3, add: 2, divide: 1, ..OperatorCounts::NONE };
 
 /// Returns the arithmetic of `samples` pseudo-normals of a fragment. Each comes from a filtered footprint of its level, or four
 /// come from the texels of one footprint.
-fn mapped(config: &NormalMappingConfig, samples: u32) -> Work {
+fn mapped(config: &NormalMappingConfig, samples: u32) -> OperatorCounts {
     let of_a_footprint = config.samples(1);
     let footprints = samples.div_ceil(of_a_footprint);
     let is_filtered = config.filter == TexelFilter::Bilinear && of_a_footprint == 1;
@@ -40,7 +40,8 @@ fn mapped(config: &NormalMappingConfig, samples: u32) -> Work {
 }
 
 /// Longest dependent chain: attribute, footprint, filter, rotation, scale.
-const CHAIN: Work = Work { multiply: 1 + 1 + 1 + 1 + 1, add: 2 + 2 + 2 + 2 + 2, divide: 1, ..Work::NONE };
+const CHAIN: OperatorCounts =
+    OperatorCounts { multiply: 1 + 1 + 1 + 1 + 1, add: 2 + 2 + 2 + 2 + 2, divide: 1, ..OperatorCounts::NONE };
 
 /// Timing computed once from the parameters, because they do not change during a run and every step needs it.
 #[derive(Clone, Debug)]
@@ -79,7 +80,7 @@ mod tests {
         let (have, two) = (config.operators(), mapped(&config, 2));
         assert_eq!((two.multiply, two.add, two.divide), (have.multiply, have.add, 2));
         assert_eq!(operators.pace(two, have), 1);
-        let fewer = [Work { multiply: have.multiply - 1, ..have }, Work { divide: have.divide - 1, ..have }];
+        let fewer = [OperatorCounts { multiply: have.multiply - 1, ..have }, OperatorCounts { divide: have.divide - 1, ..have }];
         assert_eq!(fewer.map(|have| operators.pace(two, have)), [2, 2], "and none of them is too many");
         assert_eq!(operators.pace(mapped(&config, 3), have), 2);
     }

@@ -1,6 +1,6 @@
 //! Parameters of the rasterizer.
 
-use basrelief_kernel::Work;
+use basrelief_kernel::OperatorCounts;
 use basrelief_parameters::parameters;
 use basrelief_shading::Raster;
 use serde::{Deserialize, Serialize};
@@ -52,7 +52,7 @@ impl RasterizerConfig {
     }
 
     /// Returns the unit's operators.
-    pub fn operators(&self) -> Work {
-        Work { multiply: self.multipliers, add: self.adders, divide: self.dividers, ..Work::NONE }
+    pub fn operators(&self) -> OperatorCounts {
+        OperatorCounts { multiply: self.multipliers, add: self.adders, divide: self.dividers, ..OperatorCounts::NONE }
     }
 }

@@ -1,6 +1,6 @@
 //! Distributor: "polygons that are no bump target go straight to the graphics processor".
 
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::{Control, Flow, Fragment, Stamp};
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ pub struct Distributor {
 }
 
 impl Unit for Distributor {
-    basrelief_kernel::role!("sends what is no bump target straight on to (104)");
+    basrelief_kernel::unit_info!("sends what is no bump target straight on to (104)");
     type In = Option<Flow<Stamp<Fragment>>>;
     type Out = (Option<Flow<Stamp<Fragment>>>, Option<Flow<Stamp<Fragment>>>);
 
@@ -36,7 +36,7 @@ impl Unit for Distributor {
     }
 
     #[inline]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let out = match input {
             Some(Flow::Control(control)) => {
                 let ends_plain = self.state.plain;
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn distributor_brackets_plain_polygons_with_control() {
         let mut unit = Distributor::default();
-        let mut step = |token: &Flow<Stamp<Fragment>>| unit.step(Some(token.clone()), &mut Traffic::default()).out;
+        let mut step = |token: &Flow<Stamp<Fragment>>| unit.step(Some(token.clone()), &mut MemoryPorts::default()).out;
         let fragment = Flow::Item(Stamp::from_iter([Fragment { x: 3, ..Fragment::default() }; 2]));
         let mut plain_before = false;
         for bump in [true, false, false, true, true] {

@@ -3,8 +3,8 @@
 use crate::config::RasterizerConfig;
 use crate::state::RasterizerState;
 use crate::work::{CHAIN, FRAGMENT, SET_UP, SET_UP_NUMBERS};
-use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::{FigureGroup, UnitStats};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{BLOCK, Scan, fan_triangles};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp};
 use std::sync::Arc;
@@ -89,7 +89,7 @@ impl Rasterizer {
 }
 
 impl Unit for Rasterizer {
-    basrelief_kernel::role!("polygons to fragments: exact coverage, top-left rule");
+    basrelief_kernel::unit_info!("polygons to fragments: exact coverage, top-left rule");
     type In = Option<Control>;
     type Out = Option<Flow<Stamp<Fragment>>>;
 
@@ -99,7 +99,7 @@ impl Unit for Rasterizer {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = self.latency;
         match input {
             Some(control) => {
@@ -117,12 +117,12 @@ impl Unit for Rasterizer {
         self.state.polygon.is_none()
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.latency, self.pace);
-        facts.operators("set-up and perspective", self.config.operators(), NUMBER);
-        facts.hardware(HardwareKind::Registers, "triangle", SET_UP_NUMBERS, NUMBER);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.latency, self.pace);
+        stats.operators("set-up and perspective", self.config.operators(), NUMBER);
+        stats.hardware(HardwareKind::Registers, "triangle", SET_UP_NUMBERS, NUMBER);
         let fragments = self.state.counters.fragments;
-        facts.figure("fragments", fragments, "fragments", "Fragments found in polygons").part(Part::Work);
+        stats.figure("fragments", fragments, "fragments", "Fragments found in polygons").part(FigureGroup::Work);
     }
 }
 
@@ -156,7 +156,7 @@ mod tests {
 
     fn step(unit: &mut Rasterizer, input: Option<Control>) -> Step<Option<Flow<Stamp<Fragment>>>> {
         assert_eq!(unit.demand() == Demand::All, input.is_some());
-        unit.step(input, &mut Traffic::default())
+        unit.step(input, &mut MemoryPorts::default())
     }
 
     fn fragments(unit: &mut Rasterizer) -> Vec<Fragment> {
@@ -199,9 +199,9 @@ mod tests {
 
     #[test]
     fn unit_reports_operators_and_triangle_registers() {
-        let mut facts = Facts::default();
-        dividing(3).tell(&mut facts);
-        let count = |kind| facts.all_hardware().iter().filter(|h| h.kind == kind).map(|h| h.count).sum::<u64>();
+        let mut stats = UnitStats::default();
+        dividing(3).report_stats(&mut stats);
+        let count = |kind| stats.all_hardware().iter().filter(|h| h.kind == kind).map(|h| h.count).sum::<u64>();
         assert_eq!([HardwareKind::Divider, HardwareKind::Registers].map(count), [3, 19]);
     }
 

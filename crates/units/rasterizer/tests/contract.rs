@@ -1,6 +1,6 @@
 //! Rasterizer and distributor keep the unit contract.
 
-use basrelief_kernel::{Demand, Operators, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Operators, Unit};
 use basrelief_kernel_conformance::unit_contract;
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, ObjectInfo, Polygon, Stamp, Vertex};
@@ -72,9 +72,9 @@ fn fragments() -> Vec<Flow<Stamp<Fragment>>> {
     let mut unit = Rasterizer::new(RasterizerConfig::default(), Operators::default());
     let mut out = Vec::new();
     for control in display_list() {
-        out.extend(unit.step(Some(control), &mut Traffic::default()).out);
+        out.extend(unit.step(Some(control), &mut MemoryPorts::default()).out);
         while unit.demand() == Demand::Nothing {
-            out.extend(unit.step(None, &mut Traffic::default()).out);
+            out.extend(unit.step(None, &mut MemoryPorts::default()).out);
         }
     }
     out

@@ -1,6 +1,6 @@
 //! Fill rule: top-left. No pixel of a shared edge is drawn twice or missed.
 
-use basrelief_kernel::{Demand, Operators, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Operators, Unit};
 use basrelief_rasterizer::{Rasterizer, RasterizerConfig};
 use basrelief_signals::{Camera, Control, Flow, Frame, Polygon, Vertex};
 use proptest::prelude::*;
@@ -23,7 +23,7 @@ fn rasterizer(block: u32) -> Rasterizer {
         textures: Vec::new(),
         shading: Default::default(),
     };
-    unit.step(Some(Control::Frame(Arc::new(frame))), &mut Traffic::default());
+    unit.step(Some(Control::Frame(Arc::new(frame))), &mut MemoryPorts::default());
     unit
 }
 
@@ -38,9 +38,9 @@ fn drawn(polygons: &[&[Point]], block: u32) -> Vec<u8> {
         };
         let vertices = corners.iter().map(vertex).collect();
         let polygon = Polygon { vertices, material: Arc::default(), object: 0, lod: 0, bump: false, arrival: 0 };
-        unit.step(Some(Control::Polygon(Arc::new(polygon))), &mut Traffic::default());
+        unit.step(Some(Control::Polygon(Arc::new(polygon))), &mut MemoryPorts::default());
         while unit.demand() == Demand::Nothing {
-            match unit.step(None, &mut Traffic::default()).out {
+            match unit.step(None, &mut MemoryPorts::default()).out {
                 Some(Flow::Item(stamp)) => {
                     assert!(stamp.len() <= 4 && stamp.iter().all(|f| (f.x / 4, f.y / 4) == (stamp[0].x / 4, stamp[0].y / 4)));
                     stamp.iter().for_each(|f| count[usize::from(f.y) * SIDE as usize + usize::from(f.x)] += 1);

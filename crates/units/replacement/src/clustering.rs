@@ -12,7 +12,7 @@
 //! Finally the book is written into the space of the level's VQ table (121), where the brightness fetch unit (112) reads it.
 
 use crate::ReplacementConfig;
-use basrelief_kernel::{Operators, Work};
+use basrelief_kernel::{OperatorCounts, Operators};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -53,7 +53,7 @@ pub(crate) struct Clustering {
     spent: u64,
 }
 
-/// Work of one step of a clustering: bytes moved, each from an offset in the gathered N' on, and cycles.
+/// OperatorCounts of one step of a clustering: bytes moved, each from an offset in the gathered N' on, and cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
     pub(crate) at: u64,
@@ -67,7 +67,7 @@ impl Clustering {
     pub(crate) fn new(batch: &Batch, config: &ReplacementConfig, operators: &Operators) -> Self {
         let lanes = config.lanes.max(1);
         let have = config.arithmetic();
-        let unit_length = operators.interval(Work::NORMALIZE, have);
+        let unit_length = operators.interval(OperatorCounts::NORMALIZE, have);
         let directions = Pass {
             read: batch.bytes,
             write: batch.bytes,

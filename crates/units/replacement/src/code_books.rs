@@ -3,7 +3,7 @@
 use crate::clustering::{Batch, Clustering};
 use crate::unit::{GATHERED, Out};
 use crate::{CodeBook, CodeBookMode, NearestSearch, Replacement, build_code_book};
-use basrelief_kernel::Traffic;
+use basrelief_kernel::MemoryPorts;
 use basrelief_shading::LEVELS;
 use basrelief_signals::{Control, Flow, PseudoNormals, quantization_memory};
 
@@ -13,7 +13,7 @@ impl Replacement {
     }
 
     /// Writes N' to the lower end of the room in memory (120), and the data held beside them to the upper end.
-    pub(crate) fn gather(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
+    pub(crate) fn gather(&mut self, normals: PseudoNormals, traffic: &mut MemoryPorts) -> Out {
         let (bytes, beside) = (self.normals_bytes(&normals), crate::gather::fragments_bytes(&normals));
         if !self.has_room(u64::from(bytes) + u64::from(beside), traffic) {
             return self.quiet();
@@ -27,7 +27,7 @@ impl Replacement {
     }
 
     /// Holds a control token that arrives between gathered fragments.
-    pub(crate) fn hold(&mut self, control: Control, traffic: &mut Traffic) -> Out {
+    pub(crate) fn hold(&mut self, control: Control, traffic: &mut MemoryPorts) -> Out {
         let bytes = crate::gather::control_bytes(&control);
         if self.has_room(u64::from(bytes), traffic) {
             self.hold_beside(bytes, traffic);
@@ -42,14 +42,14 @@ impl Replacement {
         self.quiet()
     }
 
-    fn hold_beside(&mut self, bytes: u32, traffic: &mut Traffic) {
+    fn hold_beside(&mut self, bytes: u32, traffic: &mut MemoryPorts) {
         let beside = &mut self.state.gather.beside;
         beside.written += u64::from(bytes);
         traffic.write(GATHERED, quantization_memory::GATHERED + self.config.gather_bytes - beside.written, bytes);
         self.state.counters.held_beside_bytes += u64::from(bytes);
     }
 
-    fn has_room(&self, bytes: u64, traffic: &mut Traffic) -> bool {
+    fn has_room(&self, bytes: u64, traffic: &mut MemoryPorts) -> bool {
         let needed = self.state.gather.normals.written + self.state.gather.beside.written + bytes;
         let fits = needed <= self.config.gather_bytes;
         if !fits {
@@ -72,7 +72,7 @@ impl Replacement {
     }
 
     /// Makes a step without input while a batch is flushed: of the clustering, of writing the book, or of sending.
-    pub(crate) fn flush(&mut self, traffic: &mut Traffic) -> Out {
+    pub(crate) fn flush(&mut self, traffic: &mut MemoryPorts) -> Out {
         if self.state.gather.is_sending {
             return self.send(traffic);
         }
@@ -83,7 +83,7 @@ impl Replacement {
     }
 
     /// Computes the code book of the batch, one list per table level in use, and makes the first step of its cost.
-    fn cluster(&mut self, traffic: &mut Traffic) -> Out {
+    fn cluster(&mut self, traffic: &mut MemoryPorts) -> Out {
         let object = self.fixed_by_object();
         let mut lists = vec![Vec::new(); LEVELS];
         let mut batch = Batch { bytes: self.state.gather.normals.written, ..Batch::default() };
@@ -109,7 +109,7 @@ impl Replacement {
         self.cluster_on(Clustering::new(&batch, &self.config, &self.operators), traffic)
     }
 
-    fn cluster_on(&mut self, mut clustering: Clustering, traffic: &mut Traffic) -> Out {
+    fn cluster_on(&mut self, mut clustering: Clustering, traffic: &mut MemoryPorts) -> Out {
         let most = u64::from(self.config.load_bytes);
         let Some(part) = clustering.next(most) else { return self.write_book(traffic) };
         let address = quantization_memory::GATHERED + part.at;
@@ -127,7 +127,7 @@ impl Replacement {
     }
 
     /// Writes the next part of the code book to the VQ tables (121). With the last part, the book itself is sent.
-    fn write_book(&mut self, traffic: &mut Traffic) -> Out {
+    fn write_book(&mut self, traffic: &mut MemoryPorts) -> Out {
         let most = u64::from(self.config.load_bytes);
         if let Some(load) = self.state.gather.unwritten.front_mut() {
             let bytes = load.next(most);
@@ -148,7 +148,7 @@ impl Replacement {
     }
 
     /// Sends the next gathered token. The control token that ended the batch is last.
-    fn send(&mut self, traffic: &mut Traffic) -> Out {
+    fn send(&mut self, traffic: &mut MemoryPorts) -> Out {
         match self.state.gather.held.pop_front() {
             Some(Flow::Item(mut normals)) => {
                 let bytes = self.normals_bytes(&normals);
@@ -172,7 +172,7 @@ impl Replacement {
         }
     }
 
-    fn read_beside(&mut self, bytes: u32, traffic: &mut Traffic) {
+    fn read_beside(&mut self, bytes: u32, traffic: &mut MemoryPorts) {
         let beside = &mut self.state.gather.beside;
         beside.read += u64::from(bytes);
         traffic.read(GATHERED, quantization_memory::GATHERED + self.config.gather_bytes - beside.read, bytes);

@@ -1,7 +1,7 @@
 //! Parameters of the normal-vector replacement unit (110).
 
 use crate::Policy;
-use basrelief_kernel::{Operators, Work};
+use basrelief_kernel::{OperatorCounts, Operators};
 use basrelief_parameters::parameters;
 use basrelief_shading::{LEVELS, MAX_ENTRIES, Table, TableSet};
 use serde::{Deserialize, Serialize};
@@ -128,15 +128,15 @@ impl ReplacementConfig {
 
     /// Returns the operators that bring directions of code books to unit length: those of the inner products, one divider and one
     /// square-root unit.
-    pub(crate) fn arithmetic(&self) -> Work {
-        Work { divide: 1, square_root: 1, ..Work::INNER_PRODUCT.times(self.lanes) }
+    pub(crate) fn arithmetic(&self) -> OperatorCounts {
+        OperatorCounts { divide: 1, square_root: 1, ..OperatorCounts::INNER_PRODUCT.times(self.lanes) }
     }
 
     /// Returns the cycles from N' to its index without the inner products of a search: a product, two sums, and a tree of
     /// comparisons. The tree finds the largest of all lanes and of the earlier results.
     pub fn latency(&self, operators: &Operators) -> u64 {
         let comparisons = u32::BITS - (self.lanes.max(1) - 1).leading_zeros() + 1;
-        operators.latency(Work { multiply: 1, add: 2 + comparisons, ..Work::NONE })
+        operators.latency(OperatorCounts { multiply: 1, add: 2 + comparisons, ..OperatorCounts::NONE })
     }
 
     /// Returns the cycles of one search of `entries` reference normals, without the latency.

@@ -3,7 +3,7 @@
 use crate::clustering::Clustering;
 use crate::policy::History;
 use crate::{Gather, NearestSearch};
-use basrelief_kernel::Derived;
+use basrelief_kernel::Cached;
 use basrelief_shading::LEVELS;
 use basrelief_signals::{MAX_SAMPLES, ObjectInfo, PseudoNormals};
 use serde::{Deserialize, Serialize};
@@ -54,11 +54,11 @@ pub struct ReplacementState {
     pub(crate) clustering: Option<Clustering>,
     /// Search structures of the current code book.
     #[serde(skip)]
-    pub(crate) book: Derived<Vec<NearestSearch>>,
+    pub(crate) book: Cached<Vec<NearestSearch>>,
     /// Levels of the samples of a stamp that found all tables resident. The same levels in the same order leave the order of use
     /// unchanged, so the next such stamp needs no look-up.
     #[serde(skip)]
-    pub(crate) settled: Derived<SmallVec<[u8; MAX_SAMPLES]>>,
+    pub(crate) settled: Cached<SmallVec<[u8; MAX_SAMPLES]>>,
     /// Counters.
     pub counters: ReplacementCounters,
 }

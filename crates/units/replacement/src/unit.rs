@@ -4,8 +4,8 @@ use crate::policy::MOST_OBJECTS;
 use crate::state::{TableKey, TableLoad};
 use crate::tables::HostTables;
 use crate::{CodeBookMode, Policy, ReplacementConfig, ReplacementState};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{LEVELS, TableError};
 use basrelief_signals::{
     Control, Flow, MAX_STAMP, NormalIndexes, ObjectInfo, PseudoNormals, StampSample, StampSamples, quantization_memory,
@@ -70,7 +70,7 @@ impl Replacement {
     }
 
     #[inline(always)]
-    fn item(&mut self, normals: &mut PseudoNormals, traffic: &mut Traffic) -> Out {
+    fn item(&mut self, normals: &mut PseudoNormals, traffic: &mut MemoryPorts) -> Out {
         if self.config.policy != Policy::Fixed {
             let object = self.state.object.as_ref().map_or(0, |o| o.id);
             self.state.history.count(object, normals.stamp.len() as u64, self.state.lod);
@@ -86,7 +86,7 @@ impl Replacement {
         self.load(traffic)
     }
 
-    fn control(&mut self, control: Control, traffic: &mut Traffic) -> Out {
+    fn control(&mut self, control: Control, traffic: &mut MemoryPorts) -> Out {
         if self.state.gather.is_empty() {
             return self.pass(control);
         }
@@ -132,7 +132,7 @@ impl Replacement {
     }
 
     /// Makes a step without input: it loads, clusters, or sends gathered tokens.
-    fn resume(&mut self, traffic: &mut Traffic) -> Out {
+    fn resume(&mut self, traffic: &mut MemoryPorts) -> Out {
         if self.state.pending.is_some() {
             self.load(traffic)
         } else if self.state.gather.is_flushing() {
@@ -179,7 +179,7 @@ impl Replacement {
     }
 
     /// Issues one read. After the last one the waiting fragment is searched.
-    fn load(&mut self, traffic: &mut Traffic) -> Out {
+    fn load(&mut self, traffic: &mut MemoryPorts) -> Out {
         if let Some(load) = self.state.loads.front_mut() {
             let (address, bytes) = load.next(u64::from(self.config.load_bytes));
             traffic.read(TABLES, address, bytes);
@@ -199,7 +199,7 @@ impl Replacement {
     /// Searches every sample of a stamp in the table or code book of its level: first all samples of the first fragment, then
     /// those of the second. The stamp travels on.
     #[inline(always)]
-    pub(crate) fn replace(&mut self, normals: &mut PseudoNormals, traffic: &mut Traffic) -> Out {
+    pub(crate) fn replace(&mut self, normals: &mut PseudoNormals, traffic: &mut MemoryPorts) -> Out {
         let object = self.fixed_by_object();
         let fragments = normals.stamp.len();
         let mut samples = StampSamples::new();
@@ -240,28 +240,28 @@ impl Replacement {
 }
 
 impl Replacement {
-    fn tell_hardware(&self, facts: &mut Facts) {
+    fn tell_hardware(&self, stats: &mut UnitStats) {
         let c = &self.config;
         let most = c.entries.levels().into_iter().max().unwrap_or(1);
         let (width, units) = (c.entry_bits.max(self.normal_bits), u64::from(c.inner_products()));
-        facts.hardware(HardwareKind::InnerProduct, "search", units, width);
-        facts.hardware(HardwareKind::Adder, "largest inner product", units, 2 * width + 2);
+        stats.hardware(HardwareKind::InnerProduct, "search", units, width);
+        stats.hardware(HardwareKind::Adder, "largest inner product", units, 2 * width + 2);
         let held = u64::from(c.resident_tables) * u64::from(most);
-        facts.hardware(HardwareKind::Table, "VQ tables (121)", held, 3 * c.entry_bits);
+        stats.hardware(HardwareKind::Table, "VQ tables (121)", held, 3 * c.entry_bits);
         if c.codebook != CodeBookMode::Fixed {
-            facts.hardware(HardwareKind::Divider, "unit length of directions", 1_u64, width);
-            facts.hardware(HardwareKind::SquareRoot, "unit length of directions", 1_u64, 2 * width);
+            stats.hardware(HardwareKind::Divider, "unit length of directions", 1_u64, width);
+            stats.hardware(HardwareKind::SquareRoot, "unit length of directions", 1_u64, 2 * width);
             // Sums of 2^32 directions of an entry.
-            facts.hardware(HardwareKind::Table, "sums of directions", 3 * u64::from(most), width + 32);
+            stats.hardware(HardwareKind::Table, "sums of directions", 3 * u64::from(most), width + 32);
         }
         if c.policy != Policy::Fixed {
-            facts.hardware(HardwareKind::Table, "objects of two frames", 2 * MOST_OBJECTS as u64, OBJECT_BITS);
+            stats.hardware(HardwareKind::Table, "objects of two frames", 2 * MOST_OBJECTS as u64, OBJECT_BITS);
         }
     }
 }
 
 impl Unit for Replacement {
-    basrelief_kernel::role!("replaces N' by the index of the nearest reference normal");
+    basrelief_kernel::unit_info!("replaces N' by the index of the nearest reference normal");
     type In = Option<Flow<PseudoNormals>>;
     type Out = Option<Flow<NormalIndexes>>;
 
@@ -271,7 +271,7 @@ impl Unit for Replacement {
     }
 
     #[inline(always)]
-    fn step(&mut self, mut input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, mut input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         match input {
             // By reference, because a move would copy the token.
             Some(Flow::Item(ref mut normals)) => self.item(normals, traffic),
@@ -292,37 +292,37 @@ impl Unit for Replacement {
         self.state.pending.is_none() && self.state.gather.is_empty()
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let search = self.config.search_cycles(self.config.entries.levels()[0]);
         let interval = if self.config.pipelined { 1 } else { search };
-        facts.rate(0, self.latency + search, interval);
-        self.tell_hardware(facts);
+        stats.rate(0, self.latency + search, interval);
+        self.tell_hardware(stats);
         let c = &self.state.counters;
         // Claim 3 and the promise of the patent: only indexes are kept on the surface, so less is moved than with normals.
         let most = self.config.entries.levels().into_iter().max().unwrap_or(1);
         let index_bytes = u64::from(most.max(2).next_power_of_two().trailing_zeros()).div_ceil(8);
         let normal_bytes = u64::from(3 * self.normal_bits).div_ceil(8);
-        facts.figure("searches", c.searches, "searches", "Searches for the nearest reference normal");
-        facts.figure(
+        stats.figure("searches", c.searches, "searches", "Searches for the nearest reference normal");
+        stats.figure(
             "reference_normals_used",
             c.reference_normals_used().map(u64::from).to_vec(),
             "reference normals",
             "Reference normals that some search found, by VQ table",
         );
-        facts.figure("vq_table_loads", c.table_loads, "loads", "Loads of VQ tables");
-        facts.figure("vq_table_load_bytes", c.table_load_bytes, "bytes", "What they moved");
-        facts.figure("code_books", c.code_books, "code books", "Code books made of gathered pseudo-normals");
-        facts.figure("clustering_passes", c.clustering_passes, "passes", "Passes over all gathered pseudo-normals for that");
-        facts.figure("clustering_cycles", c.clustering_cycles, "cycles", "Cycles that making them took");
-        facts.figure("gathered_bytes", c.gathered_bytes, "bytes", "Pseudo-normals gathered for them");
-        facts.figure("held_beside_bytes", c.held_beside_bytes, "bytes", "Fragments and control held beside those");
-        facts.figure(
+        stats.figure("vq_table_loads", c.table_loads, "loads", "Loads of VQ tables");
+        stats.figure("vq_table_load_bytes", c.table_load_bytes, "bytes", "What they moved");
+        stats.figure("code_books", c.code_books, "code books", "Code books made of gathered pseudo-normals");
+        stats.figure("clustering_passes", c.clustering_passes, "passes", "Passes over all gathered pseudo-normals for that");
+        stats.figure("clustering_cycles", c.clustering_cycles, "cycles", "Cycles that making them took");
+        stats.figure("gathered_bytes", c.gathered_bytes, "bytes", "Pseudo-normals gathered for them");
+        stats.figure("held_beside_bytes", c.held_beside_bytes, "bytes", "Fragments and control held beside those");
+        stats.figure(
             "index_bytes",
             c.searches * index_bytes,
             "bytes",
             "What indexes take that are kept on the surface, one per search",
         );
-        facts.figure("full_normal_bytes", c.searches * normal_bytes, "bytes", "What normals would take in their place");
+        stats.figure("full_normal_bytes", c.searches * normal_bytes, "bytes", "What normals would take in their place");
     }
 }
 

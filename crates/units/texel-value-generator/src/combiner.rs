@@ -4,8 +4,8 @@ use crate::config::{CombineMode, CombinerConfig};
 use crate::log::DisplacementMap;
 use crate::signals::{IlluminancePacket, TexturePacket};
 use crate::twins::{Pair, pair};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::width::COLOR;
 use basrelief_signals::{Control, Flow, GatheredLines, LINE_PIXELS, PACKET_PIXELS, PixelPacket, layout, line_of};
 use serde::{Deserialize, Serialize};
@@ -100,7 +100,7 @@ impl Combiner {
     }
 
     /// Reads the line of a packet unless it is held. Frames alternate between two buffers.
-    fn read_back(&mut self, packet: &TexturePacket, traffic: &mut Traffic) {
+    fn read_back(&mut self, packet: &TexturePacket, traffic: &mut MemoryPorts) {
         let line = line_of::<PixelPacket>(self.state.size[0], [u32::from(packet.packet.x), u32::from(packet.packet.y)]);
         let state = &mut self.state;
         state.counters.read_back += packet.packet.pixels() as u64;
@@ -116,7 +116,7 @@ impl Combiner {
     }
 
     #[inline(always)]
-    fn combine(&mut self, texture: &TexturePacket, light: &IlluminancePacket, traffic: &mut Traffic) -> PixelPacket {
+    fn combine(&mut self, texture: &TexturePacket, light: &IlluminancePacket, traffic: &mut MemoryPorts) -> PixelPacket {
         let packet = texture.packet;
         let mut out = PixelPacket { packet, rgb: [[0; 3]; PACKET_PIXELS] };
         for i in packet.positions() {
@@ -160,18 +160,18 @@ const PIXEL_BITS: u32 = 8;
 const LINE_TAG_BITS: u32 = 32;
 
 impl Combiner {
-    fn tell_hardware(&self, facts: &mut Facts) {
-        facts.hardware(HardwareKind::Multiplier, "texture by illuminance", 4_u32, FACTOR_BITS);
+    fn tell_hardware(&self, stats: &mut UnitStats) {
+        stats.hardware(HardwareKind::Multiplier, "texture by illuminance", 4_u32, FACTOR_BITS);
         let (products, sums) = match self.config.mode {
             CombineMode::Replace => return,
             CombineMode::Modulate => (3_u32, 0_u32),
             CombineMode::Blend => (6, 3),
         };
-        facts.hardware(HardwareKind::Multiplier, "with the old value", products, PIXEL_BITS);
-        facts.hardware(HardwareKind::Adder, "with the old value", sums, PIXEL_BITS);
-        facts.hardware(HardwareKind::Table, "lines on their way to memory", self.lines, LINE_PIXELS * COLOR);
-        facts.hardware(HardwareKind::Adder, "whether a line is held", self.lines, LINE_TAG_BITS);
-        facts.hardware(HardwareKind::Registers, "which lines are held", self.lines, LINE_TAG_BITS);
+        stats.hardware(HardwareKind::Multiplier, "with the old value", products, PIXEL_BITS);
+        stats.hardware(HardwareKind::Adder, "with the old value", sums, PIXEL_BITS);
+        stats.hardware(HardwareKind::Table, "lines on their way to memory", self.lines, LINE_PIXELS * COLOR);
+        stats.hardware(HardwareKind::Adder, "whether a line is held", self.lines, LINE_TAG_BITS);
+        stats.hardware(HardwareKind::Registers, "which lines are held", self.lines, LINE_TAG_BITS);
     }
 }
 
@@ -183,7 +183,7 @@ fn product(texture: u16, illuminance: u16) -> u8 {
 }
 
 impl Unit for Combiner {
-    basrelief_kernel::role!("texture times illuminance, with the old value where asked");
+    basrelief_kernel::unit_info!("texture times illuminance, with the old value where asked");
     type In = (Option<Flow<TexturePacket>>, Option<Flow<IlluminancePacket>>);
     type Out = Option<Flow<PixelPacket>>;
 
@@ -193,7 +193,7 @@ impl Unit for Combiner {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match pair("combiner", input, traffic) {
             // All pixels are hidden.
@@ -216,18 +216,18 @@ impl Unit for Combiner {
         u32::from(client == 0 && self.config.mode != CombineMode::Replace)
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, 1_u64);
-        facts.figure("pixels_read_back", self.state.counters.read_back, "pixels", "Pixels combined with their old value");
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.config.latency, 1_u64);
+        stats.figure("pixels_read_back", self.state.counters.read_back, "pixels", "Pixels combined with their old value");
         let c = &self.state.counters;
-        facts.figure("pixel_lines_read", c.lines_read, "lines", "Lines of pixels read for that");
-        facts.figure(
+        stats.figure("pixel_lines_read", c.lines_read, "lines", "Lines of pixels read for that");
+        stats.figure(
             "pixel_lines_forwarded",
             c.forwarded,
             "packets",
             "Packets whose line was still on its way to memory, and was not read",
         );
-        self.tell_hardware(facts);
+        self.tell_hardware(stats);
     }
 }
 

@@ -3,13 +3,13 @@
 use crate::config::{DividerConfig, Division};
 use crate::fixed::{iterations, nearest, to_fixed};
 use crate::signals::{Coordinates, Point, Points, Quotients};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
 use basrelief_signals::Flow;
 use serde::{Deserialize, Serialize};
 
 /// The two products behind a reciprocal, with one multiplier each.
-const PRODUCTS: Work = Work { multiply: 2, ..Work::NONE };
+const PRODUCTS: OperatorCounts = OperatorCounts { multiply: 2, ..OperatorCounts::NONE };
 
 /// Counters of the dividers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -89,13 +89,13 @@ impl Divider {
             Coordinates([u * reciprocal, v * reciprocal].map(|c| to_fixed(c, bits)))
         };
         let products = self.operators.interval(PRODUCTS, PRODUCTS) * count;
-        let latency = latency + self.operators.latency(Work { multiply: 1, ..Work::NONE });
+        let latency = latency + self.operators.latency(OperatorCounts { multiply: 1, ..OperatorCounts::NONE });
         (points.iter().map(quotient).collect(), occupancy.max(products), latency)
     }
 }
 
 impl Unit for Divider {
-    basrelief_kernel::role!("exact u, v at ends and division points");
+    basrelief_kernel::unit_info!("exact u, v at ends and division points");
     type In = Option<Flow<Points>>;
     type Out = Option<Flow<Quotients>>;
 
@@ -105,7 +105,7 @@ impl Unit for Divider {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         match input {
             // A token without points passes.
             Some(Flow::Item(points)) if points.is_empty() => Step::after(0, Some(Flow::Item(Quotients::new()))),
@@ -118,14 +118,14 @@ impl Unit for Divider {
         }
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let (interval, latency) = self.cycles(self.per_point());
-        facts.rate(0, latency, interval);
+        stats.rate(0, latency, interval);
         let c = &self.state.counters;
-        facts.figure("points_divided", c.points, "points", "Points whose u, v were divided");
-        facts.figure("divisions", c.divisions, "divisions", "Divisions U / W and V / W");
-        facts.figure("reciprocals", c.reciprocals, "reciprocals", "Reciprocals in their place");
-        facts.figure(
+        stats.figure("points_divided", c.points, "points", "Points whose u, v were divided");
+        stats.figure("divisions", c.divisions, "divisions", "Divisions U / W and V / W");
+        stats.figure("reciprocals", c.reciprocals, "reciprocals", "Reciprocals in their place");
+        stats.figure(
             "multiplications",
             c.multiplications,
             "multiplications",
@@ -133,9 +133,9 @@ impl Unit for Divider {
         );
         // A pipeline has the hardware of an iteration once per cycle of latency.
         let copies = if self.config.pipelined { iterations(self.bits, self.config.bits_per_cycle) } else { 1 };
-        facts.hardware(HardwareKind::Divider, "u and v at division points", self.config.count * copies, self.bits);
+        stats.hardware(HardwareKind::Divider, "u and v at division points", self.config.count * copies, self.bits);
         if self.config.division == Division::Reciprocal {
-            facts.hardware(HardwareKind::Multiplier, "U and V by a reciprocal", PRODUCTS.multiply, self.bits);
+            stats.hardware(HardwareKind::Multiplier, "U and V by a reciprocal", PRODUCTS.multiply, self.bits);
         }
     }
 }

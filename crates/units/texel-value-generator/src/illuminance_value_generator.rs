@@ -2,8 +2,8 @@
 
 use crate::config::{IlluminanceConfig, IlluminanceMode};
 use crate::signals::{IlluminancePacket, LitSpan, to_16_bits};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
 use basrelief_shading::{LightVector, brightness, fan_triangle, light_vectors};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Frame, PACKET_PIXELS, Packet, Polygon, Vertex};
@@ -15,13 +15,13 @@ use std::sync::Arc;
 pub const ONE: f32 = (1 << 14) as f32;
 
 /// Arithmetic of RGBA at the corners of a triangle: base colour by vertex colour, RGB by brightness.
-const CORNERS: Work = Work { multiply: 3 * (4 + 3), ..Work::NONE };
+const CORNERS: OperatorCounts = OperatorCounts { multiply: 3 * (4 + 3), ..OperatorCounts::NONE };
 /// Arithmetic of the differences of the corners, once per triangle.
-const DIFFERENCES: Work = Work { add: 2 * 4, ..Work::NONE };
+const DIFFERENCES: OperatorCounts = OperatorCounts { add: 2 * 4, ..OperatorCounts::NONE };
 /// Arithmetic of RGBA at the ends of a span by two weights, and of the change per pixel, which is that of the triangle.
-const SPAN: Work = Work { multiply: 2 * 4 * 2 + 4, add: 2 * 4 * 2 + 4, ..Work::NONE };
+const SPAN: OperatorCounts = OperatorCounts { multiply: 2 * 4 * 2 + 4, add: 2 * 4 * 2 + 4, ..OperatorCounts::NONE };
 /// Arithmetic of the brightness of a corner under one light: N.L, N.H, a power, intensity and sums.
-const LIGHT: Work = Work { multiply: 2 * 3 + 2, add: 2 * 2 + 2, power: 1, ..Work::NONE };
+const LIGHT: OperatorCounts = OperatorCounts { multiply: 2 * 3 + 2, add: 2 * 2 + 2, power: 1, ..OperatorCounts::NONE };
 /// Width of the interpolation \[bits\]: 2 bits and 14 of a fraction, and guard bits for the pixels of a line.
 const SUM_BITS: u32 = 16 + 14;
 
@@ -75,12 +75,12 @@ impl IlluminanceValueGenerator {
     }
 
     /// Returns multipliers and adders for set-up, and the single power unit that lights vertices of bump targets.
-    fn have(&self) -> Work {
-        Work { multiply: self.config.multipliers, add: self.config.adders, power: 1, ..Work::NONE }
+    fn have(&self) -> OperatorCounts {
+        OperatorCounts { multiply: self.config.multipliers, add: self.config.adders, power: 1, ..OperatorCounts::NONE }
     }
 
     /// Returns the arithmetic of the corners of a triangle.
-    fn corners(&self) -> Work {
+    fn corners(&self) -> OperatorCounts {
         let lit = self.config.mode == IlluminanceMode::Gouraud && self.state.polygon.as_deref().is_some_and(|p| p.bump);
         let lights = if lit { 3 * self.state.lights.len() as u32 } else { 0 };
         CORNERS.and(DIFFERENCES).and(LIGHT.times(lights))
@@ -167,7 +167,7 @@ impl IlluminanceValueGenerator {
 }
 
 impl Unit for IlluminanceValueGenerator {
-    basrelief_kernel::role!("interpolates brightness and colour");
+    basrelief_kernel::unit_info!("interpolates brightness and colour");
     type In = Option<Flow<LitSpan>>;
     type Out = Option<Flow<IlluminancePacket>>;
 
@@ -177,7 +177,7 @@ impl Unit for IlluminanceValueGenerator {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         let setup = match input {
             Some(Flow::Control(control)) => {
@@ -198,15 +198,15 @@ impl Unit for IlluminanceValueGenerator {
         self.state.span.is_none()
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, 1_u64);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.config.latency, 1_u64);
         let IlluminanceConfig { multipliers, adders, mode, .. } = self.config;
-        facts.hardware(HardwareKind::Multiplier, "set-up of triangles and spans", multipliers, NUMBER);
-        facts.hardware(HardwareKind::Adder, "set-up of triangles and spans", adders, NUMBER);
+        stats.hardware(HardwareKind::Multiplier, "set-up of triangles and spans", multipliers, NUMBER);
+        stats.hardware(HardwareKind::Adder, "set-up of triangles and spans", adders, NUMBER);
         let power = u32::from(mode == IlluminanceMode::Gouraud);
-        facts.hardware(HardwareKind::Power, "highlights of bump targets", power, NUMBER);
-        facts.hardware(HardwareKind::Adder, "interpolation of RGBA", 4_u32, SUM_BITS);
-        facts.hardware(HardwareKind::Registers, "RGBA: sum and change", 2 * 4_u32, SUM_BITS);
-        facts.hardware(HardwareKind::Registers, "corners: RGBA and its differences", 3 * 4_u32, NUMBER);
+        stats.hardware(HardwareKind::Power, "highlights of bump targets", power, NUMBER);
+        stats.hardware(HardwareKind::Adder, "interpolation of RGBA", 4_u32, SUM_BITS);
+        stats.hardware(HardwareKind::Registers, "RGBA: sum and change", 2 * 4_u32, SUM_BITS);
+        stats.hardware(HardwareKind::Registers, "corners: RGBA and its differences", 3 * 4_u32, NUMBER);
     }
 }

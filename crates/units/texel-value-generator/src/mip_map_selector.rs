@@ -2,8 +2,8 @@
 
 use crate::config::{MipConfig, MipMode};
 use crate::signals::{GradientPacket, LevelPacket};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::{Control, Flow, Texture};
 use serde::{Deserialize, Serialize};
 
@@ -91,7 +91,7 @@ impl MipMapSelector {
 }
 
 impl Unit for MipMapSelector {
-    basrelief_kernel::role!("selects a level by du, dv");
+    basrelief_kernel::unit_info!("selects a level by du, dv");
     type In = Option<Flow<GradientPacket>>;
     type Out = Option<Flow<LevelPacket>>;
 
@@ -101,7 +101,7 @@ impl Unit for MipMapSelector {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {
             Some(Flow::Item(packet)) => {
@@ -116,13 +116,13 @@ impl Unit for MipMapSelector {
         }
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, 1_u64);
-        facts.figure("mip_selections", self.state.counters.selections, "pixels", "Pixels for which a level was selected");
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.config.latency, 1_u64);
+        stats.figure("mip_selections", self.state.counters.selections, "pixels", "Pixels for which a level was selected");
         if self.config.mode != MipMode::Off {
-            facts.hardware(HardwareKind::Multiplier, "du, dv by the size", 2_u32, LEVEL_BITS);
-            facts.hardware(HardwareKind::Adder, "the larger of two, clamp", 2_u32, LEVEL_BITS);
-            facts.hardware(HardwareKind::Table, "fraction of the logarithm", 1_u32 << FRACTION_BITS, FRACTION_BITS);
+            stats.hardware(HardwareKind::Multiplier, "du, dv by the size", 2_u32, LEVEL_BITS);
+            stats.hardware(HardwareKind::Adder, "the larger of two, clamp", 2_u32, LEVEL_BITS);
+            stats.hardware(HardwareKind::Table, "fraction of the logarithm", 1_u32 << FRACTION_BITS, FRACTION_BITS);
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::config::{March, ScanConverterConfig, Snap};
 use crate::signals::{LitSpan, Span, Uvw, scale_of};
-use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
+use basrelief_kernel::stats::{FigureGroup, UnitStats};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
 use basrelief_shading::{Raster, Spans, fan_triangle, fan_triangles};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Polygon, Vertex};
@@ -21,14 +21,14 @@ const SETUP_DIVISIONS: u32 = 4;
 /// - edges times the reciprocal (4 products), which are the changes of the weights; changes of each of the other four values per
 ///   pixel and per line (2 differences, 4 products, 2 sums);
 /// - change of each value per line along three edges (a product and a sum each).
-const SETUP: Work = Work {
+const SETUP: OperatorCounts = OperatorCounts {
     multiply: 2 + 6 + 4 + 4 * 4 + 3 * VALUES,
     add: 6 + 1 + 12 + 4 * 4 + 3 * VALUES,
     divide: SETUP_DIVISIONS,
-    ..Work::NONE
+    ..OperatorCounts::NONE
 };
 /// Arithmetic of a span: two edges advance, with U, V, W and the weights at both ends, and depth at the first.
-const SPAN: Work = Work { add: 2 + 2 * (VALUES - 1) + 1, ..Work::NONE };
+const SPAN: OperatorCounts = OperatorCounts { add: 2 + 2 * (VALUES - 1) + 1, ..OperatorCounts::NONE };
 /// Words of a triangle's set-up: position and slope of three edges; for each value both ends, its change per pixel, and along
 /// three edges.
 const SETUP_WORDS: u32 = 2 * 3 + VALUES * (2 + 1 + 3);
@@ -106,13 +106,13 @@ impl ScanConverter {
     }
 
     /// Returns the operators that work in parallel.
-    fn have(&self) -> Work {
+    fn have(&self) -> OperatorCounts {
         let ScanConverterConfig { dividers, multipliers, adders, .. } = self.config;
-        Work { multiply: multipliers, add: adders, divide: dividers, ..Work::NONE }
+        OperatorCounts { multiply: multipliers, add: adders, divide: dividers, ..OperatorCounts::NONE }
     }
 
     /// Takes a control token. Returns its occupancy in cycles.
-    fn take(&mut self, control: &Control, traffic: &mut Traffic) -> u64 {
+    fn take(&mut self, control: &Control, traffic: &mut MemoryPorts) -> u64 {
         match control {
             Control::Frame(frame) => self.state.screen = [frame.width, frame.height],
             Control::Polygon(polygon) => return self.begin(polygon, traffic),
@@ -121,7 +121,7 @@ impl ScanConverter {
         1
     }
 
-    fn begin(&mut self, polygon: &Arc<Polygon>, traffic: &mut Traffic) -> u64 {
+    fn begin(&mut self, polygon: &Arc<Polygon>, traffic: &mut MemoryPorts) -> u64 {
         if let Some(vertex) = polygon.vertices.iter().find(|v| !(v.position[3] > 0.0 && v.position[3].is_finite())) {
             traffic.fault(format!(
                 "scan converter: a polygon of object {} has 1 / w = {} at a vertex, expected a positive number: clip it at the near plane",
@@ -225,7 +225,7 @@ fn mixed(corners: &[Uvw; 3], share: [f64; 3], inverse_area: f64) -> Uvw {
 }
 
 impl Unit for ScanConverter {
-    basrelief_kernel::role!("finds spans with exact U, V, W at both ends");
+    basrelief_kernel::unit_info!("finds spans with exact U, V, W at both ends");
     type In = Option<Control>;
     type Out = (Option<Flow<Span>>, Option<Flow<LitSpan>>);
 
@@ -235,7 +235,7 @@ impl Unit for ScanConverter {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         if let Some(control) = input {
             let occupancy = self.take(&control, traffic);
@@ -252,23 +252,23 @@ impl Unit for ScanConverter {
         self.state.next.is_none()
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, self.operators.interval(SPAN, self.have()));
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.config.latency, self.operators.interval(SPAN, self.have()));
         let c = &self.state.counters;
-        facts.figure("triangles_scanned", c.triangles, "triangles", "Triangles scanned");
-        facts.figure("polygons_empty", c.empty, "polygons", "Polygons without a pixel");
-        facts.figure("fragments", c.fragments, "fragments", "Pixels of spans").part(Part::Work);
+        stats.figure("triangles_scanned", c.triangles, "triangles", "Triangles scanned");
+        stats.figure("polygons_empty", c.empty, "polygons", "Polygons without a pixel");
+        stats.figure("fragments", c.fragments, "fragments", "Pixels of spans").part(FigureGroup::Work);
         let divisions = u64::from(SETUP_DIVISIONS) * c.triangles;
-        facts.figure(
+        stats.figure(
             "setup_divisions",
             divisions,
             "divisions",
             "Divisions at set-up of triangles: slopes of edges, reciprocals of areas",
         );
         let ScanConverterConfig { dividers, multipliers, adders, .. } = self.config;
-        facts.hardware(HardwareKind::Divider, "set-up of triangles", dividers, NUMBER);
-        facts.hardware(HardwareKind::Multiplier, "set-up of triangles", multipliers, NUMBER);
-        facts.hardware(HardwareKind::Adder, "set-up of triangles, ends of spans", adders, NUMBER);
-        facts.hardware(HardwareKind::Registers, "a triangle that is set up", SETUP_WORDS, NUMBER);
+        stats.hardware(HardwareKind::Divider, "set-up of triangles", dividers, NUMBER);
+        stats.hardware(HardwareKind::Multiplier, "set-up of triangles", multipliers, NUMBER);
+        stats.hardware(HardwareKind::Adder, "set-up of triangles, ends of spans", adders, NUMBER);
+        stats.hardware(HardwareKind::Registers, "a triangle that is set up", SETUP_WORDS, NUMBER);
     }
 }

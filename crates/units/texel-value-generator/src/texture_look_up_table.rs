@@ -3,8 +3,8 @@
 use crate::config::LookUpConfig;
 use crate::signals::{LevelPacket, TexelPacket, TexturePacket, to_16_bits};
 use crate::twins::{Pair, pair};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_shading::{Layout, LevelPlace, Taps, taps};
 use basrelief_signals::{Control, Flow, Image, PACKET_PIXELS, TexelFilter, Texture};
 use serde::{Deserialize, Serialize};
@@ -85,7 +85,7 @@ impl TextureLookUpTable {
 
     /// Returns the texture values of a packet, and the cycles of its pixels.
     #[inline(always)]
-    fn look_up(&mut self, packet: TexelPacket, levels: &LevelPacket, traffic: &mut Traffic) -> (TexturePacket, usize) {
+    fn look_up(&mut self, packet: TexelPacket, levels: &LevelPacket, traffic: &mut MemoryPorts) -> (TexturePacket, usize) {
         let TexelPacket { packet, points, uv, displacement, .. } = packet;
         let mut out = TexturePacket { packet, points, rgba: [WHITE; PACKET_PIXELS], displacement };
         let Self { config, trilinear, state, shared, .. } = self;
@@ -123,14 +123,14 @@ const ADDRESS_BITS: u32 = 24;
 impl TextureLookUpTable {
     /// Reports the hardware. A weighted mean of two is a difference, a product and a sum. A bilinear sample is three means for
     /// each component, and two levels are one more.
-    fn tell_hardware(&self, facts: &mut Facts) {
+    fn tell_hardware(&self, stats: &mut UnitStats) {
         let means = if self.config.filter == TexelFilter::Nearest { 0 } else { 3 * self.config.samples_per_cycle };
         let levels = u32::from(self.trilinear);
-        facts.hardware(HardwareKind::Multiplier, "u, v to texels", 2 * self.config.samples_per_cycle, ADDRESS_BITS);
-        facts.hardware(HardwareKind::Multiplier, "filters", means * COMPONENTS, COMPONENT_BITS);
-        facts.hardware(HardwareKind::Adder, "filters", 2 * means * COMPONENTS, COMPONENT_BITS);
-        facts.hardware(HardwareKind::Multiplier, "between levels", levels * COMPONENTS, COMPONENT_BITS);
-        facts.hardware(HardwareKind::Adder, "between levels", 2 * levels * COMPONENTS, COMPONENT_BITS);
+        stats.hardware(HardwareKind::Multiplier, "u, v to texels", 2 * self.config.samples_per_cycle, ADDRESS_BITS);
+        stats.hardware(HardwareKind::Multiplier, "filters", means * COMPONENTS, COMPONENT_BITS);
+        stats.hardware(HardwareKind::Adder, "filters", 2 * means * COMPONENTS, COMPONENT_BITS);
+        stats.hardware(HardwareKind::Multiplier, "between levels", levels * COMPONENTS, COMPONENT_BITS);
+        stats.hardware(HardwareKind::Adder, "between levels", 2 * levels * COMPONENTS, COMPONENT_BITS);
     }
 }
 
@@ -148,7 +148,7 @@ struct Port<'a> {
 impl Port<'_> {
     /// Returns the filtered RGBA of a level, 0..=255. Missing levels use the last one.
     #[inline(always)]
-    fn sample(&mut self, level: usize, uv: [f32; 2], traffic: &mut Traffic) -> [f32; 4] {
+    fn sample(&mut self, level: usize, uv: [f32; 2], traffic: &mut MemoryPorts) -> [f32; 4] {
         let level = level.min(self.texture.levels.len().saturating_sub(1));
         let (Some(image), Some(place)) = (self.texture.levels.get(level), self.places.get(level)) else { return [255.0; 4] };
         let taps = taps(image, &self.texture.sampler, self.config.filter, uv);
@@ -162,7 +162,7 @@ impl Port<'_> {
 
     /// Looks up a texel.
     #[inline(always)]
-    fn mention(&mut self, texel: u64, traffic: &mut Traffic) {
+    fn mention(&mut self, texel: u64, traffic: &mut MemoryPorts) {
         let bytes = self.config.texel_bytes;
         let line = texel >> self.shared;
         if !self.recent.contains(&line) {
@@ -192,7 +192,7 @@ fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
 }
 
 impl Unit for TextureLookUpTable {
-    basrelief_kernel::role!("looks texels up and filters them");
+    basrelief_kernel::unit_info!("looks texels up and filters them");
     type In = (Option<Flow<TexelPacket>>, Option<Flow<LevelPacket>>);
     type Out = Option<Flow<TexturePacket>>;
 
@@ -202,7 +202,7 @@ impl Unit for TextureLookUpTable {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match pair("texture look-up table", input, traffic) {
             Pair::Items(packet, levels) => {
@@ -227,12 +227,12 @@ impl Unit for TextureLookUpTable {
         if client == 0 { PACKET_PIXELS as u32 * taps * levels * lines } else { 0 }
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, 1_u64);
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(0, self.config.latency, 1_u64);
         let c = &self.state.counters;
-        facts.figure("pixels_textured", c.pixels, "pixels", "Pixels with a texture");
-        facts.figure("samples_filtered", c.samples, "samples", "Samples of a level filtered for them");
-        facts.figure("texels_read", c.texels, "texels", "Texels read for them");
-        self.tell_hardware(facts);
+        stats.figure("pixels_textured", c.pixels, "pixels", "Pixels with a texture");
+        stats.figure("samples_filtered", c.samples, "samples", "Samples of a level filtered for them");
+        stats.figure("texels_read", c.texels, "texels", "Texels read for them");
+        self.tell_hardware(stats);
     }
 }

@@ -1,6 +1,6 @@
 //! Control tokens that arrive on two inputs and leave as one.
 
-use basrelief_kernel::Traffic;
+use basrelief_kernel::MemoryPorts;
 use basrelief_signals::{Control, Flow};
 
 /// Tokens of two inputs, paired.
@@ -15,7 +15,7 @@ pub(crate) enum Pair<A, B> {
 
 /// Pairs the tokens of two inputs that carry the same control tokens and equal numbers of items between them.
 #[inline(always)]
-pub(crate) fn pair<A, B>(unit: &str, inputs: (Option<Flow<A>>, Option<Flow<B>>), traffic: &mut Traffic) -> Pair<A, B> {
+pub(crate) fn pair<A, B>(unit: &str, inputs: (Option<Flow<A>>, Option<Flow<B>>), traffic: &mut MemoryPorts) -> Pair<A, B> {
     match inputs {
         (Some(Flow::Item(a)), Some(Flow::Item(b))) => Pair::Items(a, b),
         (Some(Flow::Control(a)), Some(Flow::Control(b))) if std::mem::discriminant(&a) == std::mem::discriminant(&b) => {

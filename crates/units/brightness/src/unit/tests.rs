@@ -74,7 +74,7 @@ fn indexes(samples: &[(u8, u16, f32)]) -> NormalIndexes {
 /// Feeds control tokens. All but code books pass.
 fn tell(unit: &mut BrightnessFetch, controls: &[Control]) {
     for control in controls {
-        let step = unit.step(Some(Flow::Control(control.clone())), &mut Traffic::default());
+        let step = unit.step(Some(Flow::Control(control.clone())), &mut MemoryPorts::default());
         let passes = !matches!(control, Control::CodeBook(_));
         assert_eq!(step.out, passes.then(|| Flow::Control(control.clone())));
     }
@@ -85,7 +85,7 @@ fn fetch(unit: &mut BrightnessFetch, samples: &[(u8, u16, f32)]) -> (ShadedFragm
     let mut requests = Vec::new();
     let mut input = Some(Flow::Item(indexes(samples)));
     loop {
-        let mut traffic = Traffic::default();
+        let mut traffic = MemoryPorts::default();
         let step = unit.step(input.take(), &mut traffic);
         assert!(traffic.requests().len() <= unit.largest_step(1) as usize);
         assert!(traffic.look_ups().len() <= unit.largest_step(0) as usize);
@@ -285,7 +285,7 @@ fn stamp_fragments_get_brightness_of_their_samples() {
     for (sample, index) in two.samples.iter_mut().zip([6, 91]) {
         (sample.weight[1], sample.value[1]) = (0.5, index);
     }
-    let step = unit.step(Some(Flow::Item(two)), &mut Traffic::default());
+    let step = unit.step(Some(Flow::Item(two)), &mut MemoryPorts::default());
     let Some(Flow::Item(shaded)) = step.out else { panic!("nothing left") };
     let expected = [0.25 * alphas[0] + 0.75 * alphas[1], 0.5 * alphas[2] + 0.5 * alphas[3]];
     assert_eq!(shaded.iter().map(|s| (s.fragment.x, s.brightness)).collect::<Vec<_>>(), [(0, expected[0]), (1, expected[1])]);
@@ -301,7 +301,7 @@ fn impossible_entries_of_an_object_are_a_fault() {
         &Operators::default(),
     );
     tell(&mut unit, &[sun(0.6), object([0.0; 3], Some(5)), polygon(Lighting::default())]);
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     unit.step(Some(Flow::Item(indexes(&[(0, 0, 1.0)]))), &mut traffic);
     assert!(format!("{traffic:?}").contains("object `ball` fixes its number of reference normals"), "{traffic:?}");
 }
@@ -310,12 +310,12 @@ fn impossible_entries_of_an_object_are_a_fault() {
 fn state_survives_checkpoint_within_rebuild() {
     let mut a = unit(BrightnessConfig::default());
     tell(&mut a, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
-    a.step(Some(Flow::Item(indexes(&[(0, 9, 1.0)]))), &mut Traffic::default());
+    a.step(Some(Flow::Item(indexes(&[(0, 9, 1.0)]))), &mut MemoryPorts::default());
     let mut b = unit(BrightnessConfig::default());
     b.state = serde_json::from_str(&serde_json::to_string(&a.state).unwrap()).unwrap();
     assert_eq!(a.state, b.state);
     while a.demand() == Demand::Nothing {
-        assert_eq!(a.step(None, &mut Traffic::default()), b.step(None, &mut Traffic::default()));
+        assert_eq!(a.step(None, &mut MemoryPorts::default()), b.step(None, &mut MemoryPorts::default()));
     }
     assert_eq!((a.state, b.demand()), (b.state, Demand::All));
 }

@@ -11,8 +11,8 @@ use crate::texels::PageTexels;
 use crate::tokens::{CellBlock, ExpandedTile, MarkFlow, Order, PassFlow};
 use crate::touched::{MOST_LINES, Touched};
 use crate::{Cell, Leaving, Sizes, interpolators};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::{PictureFlow, PixelBlock};
 
 /// Client of the texel cache.
@@ -60,7 +60,7 @@ impl Rasterization {
         std::mem::take(&mut self.state.records)
     }
 
-    fn order(&mut self, order: Order, traffic: &mut Traffic) -> Step<Out> {
+    fn order(&mut self, order: Order, traffic: &mut MemoryPorts) -> Step<Out> {
         match order {
             Order::Load { page, tile } => self.state.phase = Phase::Tile(page, tile),
             Order::Synthesize { page, tile } => return self.synthesize(page, tile, traffic),
@@ -73,7 +73,7 @@ impl Rasterization {
         Step::after(0, (None, None))
     }
 
-    fn synthesize(&mut self, page: u16, tile: u32, traffic: &mut Traffic) -> Step<Out> {
+    fn synthesize(&mut self, page: u16, tile: u32, traffic: &mut MemoryPorts) -> Step<Out> {
         let Some(texels) = self.state.pages.get_mut(usize::from(page)) else { return Step::after(0, (None, None)) };
         let bytes = texels.page.tile_bytes();
         let address = |tile: u32| texels.page.address + u64::from(tile) * bytes;
@@ -86,7 +86,7 @@ impl Rasterization {
         Step::after(0, (None, None)).busy(cycles)
     }
 
-    fn store(&mut self, arrived: &ExpandedTile, traffic: &mut Traffic) -> Step<Out> {
+    fn store(&mut self, arrived: &ExpandedTile, traffic: &mut MemoryPorts) -> Step<Out> {
         let ExpandedTile { page, tile, texels } = arrived;
         let Phase::Tile(number, ordered) = std::mem::replace(&mut self.state.phase, Phase::Orders) else {
             return Step::after(0, (None, None));
@@ -103,7 +103,7 @@ impl Rasterization {
         Step::after(0, (None, None)).busy(cycles.max(1))
     }
 
-    fn pass(&mut self, token: PassFlow, traffic: &mut Traffic) -> Step<Out> {
+    fn pass(&mut self, token: PassFlow, traffic: &mut MemoryPorts) -> Step<Out> {
         let latency = u64::from(self.config.latency);
         match token {
             PassFlow::Frame(frame) => {
@@ -144,7 +144,7 @@ impl Rasterization {
     /// The search of Figure 7B, a pipeline stage ahead of the interpolation, takes a cycle for each word of the tile load list
     /// (136) that it reads. That is one word per layer, as in the identification (461), or more.
     #[inline]
-    fn colour(&mut self, block: &CellBlock, traffic: &mut Traffic) -> Step<Out> {
+    fn colour(&mut self, block: &CellBlock, traffic: &mut MemoryPorts) -> Step<Out> {
         let mut pixels = PixelBlock { at: block.at, mask: block.mask, rgb: [[0; 3]; 16] };
         let mut marks = BlockMarks::new(block.at, self.state.centre);
         let mut touched = [Touched::default(); 2];
@@ -179,7 +179,7 @@ impl Rasterization {
         page: usize,
         cell: &Cell,
         (marks, touched): (&mut BlockMarks, &mut [Touched; 2]),
-        traffic: &mut Traffic,
+        traffic: &mut MemoryPorts,
     ) -> ([u8; 3], usize, u32) {
         let Some(texels) = self.state.pages.get_mut(page) else { return ([0; 3], 0, 0) };
         let placed = texels.page.placed(cell.coordinates, cell.wrap);
@@ -210,7 +210,7 @@ impl Rasterization {
 }
 
 impl Unit for Rasterization {
-    basrelief_kernel::role!("keeps pyramids (134) in (130), interpolates in and between layers (Figures 7A, 7B)");
+    basrelief_kernel::unit_info!("keeps pyramids (134) in (130), interpolates in and between layers (Figures 7A, 7B)");
     type In = (Option<PassFlow>, Option<Order>, Option<ExpandedTile>);
     type Out = Out;
 
@@ -224,7 +224,7 @@ impl Unit for Rasterization {
     }
 
     #[inline(always)]
-    fn step(&mut self, (pass, order, tile): Self::In, traffic: &mut Traffic) -> Step<Out> {
+    fn step(&mut self, (pass, order, tile): Self::In, traffic: &mut MemoryPorts) -> Step<Out> {
         if let Some(token) = pass {
             return self.pass(token, traffic);
         }
@@ -246,23 +246,23 @@ impl Unit for Rasterization {
         self.state.phase == Phase::Cells
     }
 
-    fn tell(&self, facts: &mut Facts) {
-        facts.rate(1, self.config.latency, 16_u32.div_ceil(self.config.interpolation_rate));
+    fn report_stats(&self, stats: &mut UnitStats) {
+        stats.rate(1, self.config.latency, 16_u32.div_ceil(self.config.interpolation_rate));
         let c = &self.state.counters;
-        facts.figure("pixels_textured", c.textured, "pixels", "Pixels coloured by a texture");
-        facts.figure("pixels_direct", c.direct, "pixels", "Pixels coloured by their cell");
-        facts.figure("interpolations_within_layers", c.interpolations, "interpolations", "Bilinear interpolations");
-        facts.figure("interpolations_between_layers", c.between_layers, "interpolations", "Interpolations between two layers");
-        facts.figure("tile_list_words", c.words, "words", "Words of the tile load lists that searches read");
-        facts.figure("most_pictures_per_frame", c.most_pictures, "pictures", "Most pictures of a frame");
-        crate::layer_figures::tell(self.pages(), facts);
-        self.sizes.tell_block(facts);
-        self.sizes.tell_pages(facts);
-        interpolators::tell_find(self.config.interpolation_rate, facts);
-        interpolators::tell_interpolate(self.config.interpolation_rate, facts);
-        interpolators::tell_average(self.config.average_rate, facts);
+        stats.figure("pixels_textured", c.textured, "pixels", "Pixels coloured by a texture");
+        stats.figure("pixels_direct", c.direct, "pixels", "Pixels coloured by their cell");
+        stats.figure("interpolations_within_layers", c.interpolations, "interpolations", "Bilinear interpolations");
+        stats.figure("interpolations_between_layers", c.between_layers, "interpolations", "Interpolations between two layers");
+        stats.figure("tile_list_words", c.words, "words", "Words of the tile load lists that searches read");
+        stats.figure("most_pictures_per_frame", c.most_pictures, "pictures", "Most pictures of a frame");
+        crate::layer_figures::tell(self.pages(), stats);
+        self.sizes.tell_block(stats);
+        self.sizes.tell_pages(stats);
+        interpolators::tell_find(self.config.interpolation_rate, stats);
+        interpolators::tell_interpolate(self.config.interpolation_rate, stats);
+        interpolators::tell_average(self.config.average_rate, stats);
         if self.mode == RenderMode::Progressive {
-            interpolators::tell_marks(self.sizes, facts);
+            interpolators::tell_marks(self.sizes, stats);
         }
     }
 }

@@ -10,7 +10,7 @@ use basrelief_deferred_renderer::{
     Cell, CellConfig, CellFormat, Cells, Cut, EngineConfig, Expander, Identification, Leaving, Lighting, Path, PathConfig,
     Rasterization, ReferenceBuffer, RenderMode, Sizes, TileConfig, TileLists, TileOrder, WrapOverride,
 };
-use basrelief_kernel::{Demand, Operators, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Operators, Unit};
 use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, Material, Polygon, Stamp, Vertex};
 use std::sync::Arc;
@@ -60,7 +60,7 @@ fn fragments() -> Vec<Flow<Stamp<Fragment>>> {
 fn drive<U: Unit>(mut unit: U, mut next: impl FnMut(Demand) -> Option<U::In>) -> Vec<U::Out> {
     let mut out = Vec::new();
     while let Some(input) = next(unit.demand()) {
-        out.push(unit.step(input, &mut Traffic::default()).out);
+        out.push(unit.step(input, &mut MemoryPorts::default()).out);
     }
     out
 }
@@ -248,7 +248,7 @@ fn reference_buffer_evicts_lru_block_and_flushes_at_end() {
     let mut input = |token: Option<CellFlow>| {
         let demand = if token.is_some() { Demand::Only(0) } else { Demand::Nothing };
         assert_eq!((unit.demand(), unit.is_empty()), (demand, token.is_some()));
-        let mut traffic = Traffic::default();
+        let mut traffic = MemoryPorts::default();
         unit.step((token, None), &mut traffic);
         traffic.requests().iter().filter(|r| r.write).map(|r| (r.client, r.address, r.bytes)).collect::<Vec<_>>()
     };

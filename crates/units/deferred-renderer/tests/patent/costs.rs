@@ -9,7 +9,7 @@ use basrelief_deferred_renderer::{
     Cell, CellConfig, Cells, Conventional, Cut, EngineConfig, Leaving, Lighting, PageTexels, PathConfig, Rasterization,
     RenderMode, ServedTexture, Server, Sizes, TextureMemory, TileEncoding, WrapOverride,
 };
-use basrelief_kernel::{Operators, Traffic, Unit};
+use basrelief_kernel::{MemoryPorts, Operators, Unit};
 use basrelief_signals::{
     Camera, Control, Flow, Fragment, Frame, Light, LightKind, Material, MeshInfo, ObjectInfo, Polygon, Sampler, Stamp, Texture,
     Vertex, WrapMode,
@@ -57,7 +57,7 @@ fn cells(lighting: Lighting) -> Cells {
 
 /// Returns the cell of a pixel of the last polygon of these commands, and the number of pages set up.
 fn cell(unit: &mut Cells, controls: &[Control]) -> (Cell, usize) {
-    let mut step = |token| unit.step(Some(token), &mut Traffic::default()).out;
+    let mut step = |token| unit.step(Some(token), &mut MemoryPorts::default()).out;
     let pages = controls.iter().filter(|c| matches!(step(Flow::Control((*c).clone())), Some(CellFlow::Page(_)))).count();
     let fragment = Fragment { x: 1, y: 1, weights: [0.1, 0.1], ..Fragment::default() };
     match step(Flow::Item(Stamp::from_iter([fragment]))) {
@@ -105,7 +105,7 @@ fn sent(config: PathConfig, lighting: Lighting, controls: &[Control]) -> (Vec<u6
     let mut server = Server::new(config, lighting, Box::new(source));
     let mut send = |control: &Control| {
         // The phase between frames does not matter here.
-        let (phase, traffic) = (matches!(control, Control::Frame(_)).then_some(()), &mut Traffic::default());
+        let (phase, traffic) = (matches!(control, Control::Frame(_)).then_some(()), &mut MemoryPorts::default());
         let Some(Parcel { bytes, .. }) = server.step((Some(control.clone()), None, phase), traffic).out else { return 0 };
         bytes
     };
@@ -159,9 +159,9 @@ fn final_rasterization_pays_for_figure_7b_search() {
         unit.state.pages.push(with_top());
         let mut block = CellBlock { mask: u16::MAX, ..CellBlock::default() };
         block.cells = [Cell::textured(0, [10.0, 10.0], depth, [255; 3]); 16];
-        unit.step((Some(PassFlow::Begin), None, None), &mut Traffic::default());
-        unit.step((None, Some(Order::End), None), &mut Traffic::default());
-        unit.step((Some(PassFlow::Cells(block)), None, None), &mut Traffic::default()).occupancy
+        unit.step((Some(PassFlow::Begin), None, None), &mut MemoryPorts::default());
+        unit.step((None, Some(Order::End), None), &mut MemoryPorts::default());
+        unit.step((Some(PassFlow::Cells(block)), None, None), &mut MemoryPorts::default()).occupancy
     };
     assert_eq!(cycles(RenderMode::Progressive, 0.0), 16, "a layer each");
     assert_eq!(cycles(RenderMode::Progressive, 3.0), 16 * 4, "layers 3, 2, 1, 0");

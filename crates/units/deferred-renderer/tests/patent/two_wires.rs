@@ -2,7 +2,7 @@
 
 use basrelief_deferred_renderer::tokens::{ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round};
 use basrelief_deferred_renderer::{Lighting, PathConfig, Rasterization, Server, TextureMemory, TileEncoding, TileLists};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::Control;
 
 /// The lists with orders and rounds on one wire.
@@ -20,7 +20,7 @@ impl Unit for TwoOutputs {
         self.0.demand()
     }
 
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let Step { out: (request, order, round), occupancy, latency, marked } = self.0.step(input, traffic);
         let orders = (order.is_some() || round.is_some()).then_some((order, round));
         Step { out: (request, orders), occupancy, latency, marked }
@@ -64,7 +64,7 @@ impl Unit for TwoInputs {
         of_two(self.0.demand())
     }
 
-    fn step(&mut self, (pass, other): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (pass, other): Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let (order, tile) = Either::apart(other);
         self.0.step((pass, order, tile), traffic)
     }
@@ -103,7 +103,7 @@ impl Unit for Requested {
         of_two(self.0.demand())
     }
 
-    fn step(&mut self, (control, other): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (control, other): Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let (request, shown) = Either::apart(other);
         self.0.step((control, request, shown), traffic)
     }

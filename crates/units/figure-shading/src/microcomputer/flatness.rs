@@ -4,13 +4,16 @@ use super::Microcomputer;
 use super::state::Process;
 use crate::cpu::Operations;
 use crate::local_memory::PolygonBuffer;
-use basrelief_kernel::{Traffic, Work};
+use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_signals::{Polygon, ShadingMode};
 use glam::Vec3;
 
 /// Distance of a sample point's normal from another: three differences, their squares, a comparison.
-pub(super) const DISTANCE: Operations =
-    Operations { load: 3, compare: 1, ..Operations::of(Work::INNER_PRODUCT.and(Work { add: 3, ..Work::NONE })) };
+pub(super) const DISTANCE: Operations = Operations {
+    load: 3,
+    compare: 1,
+    ..Operations::of(OperatorCounts::INNER_PRODUCT.and(OperatorCounts { add: 3, ..OperatorCounts::NONE }))
+};
 
 /// Returns true if no normal is farther than `tolerance` from the first one. A polygon without points is not flat.
 fn is_flat(normals: &[Vec3], tolerance: f32) -> bool {
@@ -43,7 +46,7 @@ impl Microcomputer {
         polygon: &Polygon,
         normals: &[Vec3],
         buffer: PolygonBuffer,
-        traffic: &mut Traffic,
+        traffic: &mut MemoryPorts,
     ) -> (bool, u64) {
         let matters = match self.state.settings.mode {
             ShadingMode::Normal => true,

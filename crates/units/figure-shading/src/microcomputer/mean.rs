@@ -5,7 +5,7 @@ use super::state::{Decided, Phase, Process};
 use super::unit::{Out, nothing};
 use crate::cpu::Operations;
 use crate::{Dot, FigureFlow};
-use basrelief_kernel::{Step, Traffic, Work};
+use basrelief_kernel::{MemoryPorts, OperatorCounts, Step};
 use basrelief_shading::fan_triangles;
 use basrelief_signals::{Fragment, ShadingMode};
 
@@ -17,8 +17,11 @@ const SHARE: Operations = Operations { divide: 1, multiply: 3, ..Operations::NON
 const BRIGHTNESS: Operations = Operations { store: 3, ..Operations::NONE };
 /// Set-up of a triangle of the fan: nine coordinates, x and y of each in steps of the grid; two differences, two products and a
 /// difference for each edge; sign and reciprocal of the area; two slopes of the depth.
-const SET_UP: Operations =
-    Operations { load: 9, compare: 4, ..Operations::of(Work { multiply: 6 + 6 + 6, add: 6 + 9 + 4, divide: 1, ..Work::NONE }) };
+const SET_UP: Operations = Operations {
+    load: 9,
+    compare: 4,
+    ..Operations::of(OperatorCounts { multiply: 6 + 6 + 6, add: 6 + 9 + 4, divide: 1, ..OperatorCounts::NONE })
+};
 /// A dot: a step of three edges, of the address and of the depth, and a branch. Address and depth are stored.
 pub(super) const DOT: Operations = Operations { integer: 3 + 1 + 1 + 1, store: 2, ..Operations::NONE };
 
@@ -32,7 +35,7 @@ pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
 
 impl Microcomputer {
     /// Returns the brightness of all dots, reused or calculated from the sample points, and its cycles.
-    pub(super) fn mean(&mut self, decided: &Decided, brightness: &[[f32; 3]], traffic: &mut Traffic) -> ([f32; 3], u64) {
+    pub(super) fn mean(&mut self, decided: &Decided, brightness: &[[f32; 3]], traffic: &mut MemoryPorts) -> ([f32; 3], u64) {
         if let (true, Some(plane)) = (decided.reused, &self.state.plane) {
             return (plane.brightness, 0);
         }
@@ -47,7 +50,7 @@ impl Microcomputer {
     }
 
     /// Sets up the output. Returns its cycles.
-    pub(super) fn set_up_output(&mut self, decided: &Decided, traffic: &mut Traffic) -> u64 {
+    pub(super) fn set_up_output(&mut self, decided: &Decided, traffic: &mut MemoryPorts) -> u64 {
         let (points, triangles) = (decided.polygon.vertices.len() as u64, u64::from(fan_triangles(&decided.polygon)));
         self.port.read(traffic, self.buffer(decided.number).points(), 3 * points);
         self.spend(Process::Mean, BRIGHTNESS.and(SET_UP.times(triangles)))

@@ -6,7 +6,7 @@ use super::state::Process;
 use crate::SamePlaneConfig;
 use crate::cpu::Operations;
 use crate::local_memory::{PLANE, PLANE_NUMBERS, PolygonBuffer};
-use basrelief_kernel::{Traffic, Work};
+use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_shading::doubled_area;
 use basrelief_signals::Polygon;
 use glam::Vec3;
@@ -54,14 +54,18 @@ impl Plane {
 }
 
 /// Step 92, per sample point: comparison of its normal with the stored one, and of its depth with that of the stored plane.
-const COMPARISON: Operations =
-    DISTANCE.and(Operations { load: 3, compare: 1, ..Operations::of(Work { multiply: 2, add: 5, ..Work::NONE }) });
+const COMPARISON: Operations = DISTANCE.and(Operations {
+    load: 3,
+    compare: 1,
+    ..Operations::of(OperatorCounts { multiply: 2, add: 5, ..OperatorCounts::NONE })
+});
 /// Step 92: loads of the stored data without brightness, and comparison of the colours.
 const STORED: Operations = Operations { load: 11, compare: 3, ..Operations::NONE };
 /// Step 95: load of the stored brightness.
 const READ: Operations = Operations { load: 3, ..Operations::NONE };
 /// Step 94, per sample point: its share in three areas, one along each axis, of two products and two sums each.
-const AREAS: Operations = Operations { load: 3, ..Operations::of(Work { multiply: 6, add: 6, ..Work::NONE }) };
+const AREAS: Operations =
+    Operations { load: 3, ..Operations::of(OperatorCounts { multiply: 6, add: 6, ..OperatorCounts::NONE }) };
 /// Step 94: two slopes.
 const STORE: Operations = Operations { divide: 2, store: PLANE_NUMBERS, ..Operations::NONE };
 
@@ -72,7 +76,7 @@ impl Microcomputer {
         polygon: &Polygon,
         normals: &[Vec3],
         buffer: PolygonBuffer,
-        traffic: &mut Traffic,
+        traffic: &mut MemoryPorts,
     ) -> (bool, u64) {
         if !self.short_cuts.same_plane.enabled {
             return (false, 0);
@@ -87,7 +91,13 @@ impl Microcomputer {
     }
 
     /// Runs step 94. Returns its cycles.
-    pub(super) fn store(&mut self, polygon: &Polygon, brightness: [f32; 3], buffer: PolygonBuffer, traffic: &mut Traffic) -> u64 {
+    pub(super) fn store(
+        &mut self,
+        polygon: &Polygon,
+        brightness: [f32; 3],
+        buffer: PolygonBuffer,
+        traffic: &mut MemoryPorts,
+    ) -> u64 {
         if !self.short_cuts.same_plane.enabled {
             return 0;
         }

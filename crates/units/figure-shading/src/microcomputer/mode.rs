@@ -5,7 +5,7 @@ use super::state::{Process, Settings};
 use crate::cpu::Operations;
 use crate::local_memory::{LIGHT, LIGHTS, SETTINGS};
 use crate::{Illumination, ScanConfig};
-use basrelief_kernel::{Traffic, Work};
+use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_shading::{Raster, light_vectors};
 use basrelief_signals::{Frame, ObjectInfo, Polygon, ShadingSettings};
 use std::sync::Arc;
@@ -13,8 +13,11 @@ use std::sync::Arc;
 /// Mode decision: the mode is loaded and compared with the other two.
 const DECISION: Operations = Operations { load: 1, integer: 2, ..Operations::NONE };
 /// H of a light: L and V added and normalised, and its intensity times Is. L arrives as a unit vector.
-const LIGHT_VECTOR: Operations =
-    Operations { load: 8, store: 4, ..Operations::of(Work::NORMALIZE.and(Work { add: 3, multiply: 1, ..Work::NONE })) };
+const LIGHT_VECTOR: Operations = Operations {
+    load: 8,
+    store: 4,
+    ..Operations::of(OperatorCounts::NORMALIZE.and(OperatorCounts { add: 3, multiply: 1, ..OperatorCounts::NONE }))
+};
 /// A material: Ka, Kd, Ks, n and colour, and Ka*Ia.
 const MATERIAL: Operations = Operations { load: 8, multiply: 1, ..Operations::NONE };
 
@@ -54,7 +57,7 @@ impl Microcomputer {
     }
 
     /// Updates the illumination for this polygon. Returns its cycles.
-    pub(super) fn set(&mut self, polygon: &Polygon, traffic: &mut Traffic) -> u64 {
+    pub(super) fn set(&mut self, polygon: &Polygon, traffic: &mut MemoryPorts) -> u64 {
         let material = &polygon.material;
         let [r, g, b, _] = material.base_color;
         let old = &self.state.illumination;

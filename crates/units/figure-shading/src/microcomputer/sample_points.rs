@@ -7,16 +7,20 @@ use crate::illumination::normal_of;
 use crate::local_memory::{LIGHT, LIGHTS, PolygonBuffer};
 use crate::power::multiplications;
 use crate::{Clamp, Illumination, Registers};
-use basrelief_kernel::{Traffic, Work};
+use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_signals::Polygon;
 
 /// Per sample point: its normal, Kd, Ka*Ia, the surface's colour.
-const POINT: Operations = Operations { load: 3, store: 3, ..Operations::of(Work { multiply: 4, add: 1, ..Work::NONE }) };
+const POINT: Operations =
+    Operations { load: 3, store: 3, ..Operations::of(OperatorCounts { multiply: 4, add: 1, ..OperatorCounts::NONE }) };
 /// Per sample point with a colour: that colour.
 const COLOR: Operations = Operations { load: 3, multiply: 3, ..Operations::NONE };
 /// Per sample point and light: N.L, clamped at 0, times Is, summed.
-const DIFFUSE: Operations =
-    Operations { load: 4, compare: 1, ..Operations::of(Work::INNER_PRODUCT.and(Work { multiply: 1, add: 1, ..Work::NONE })) };
+const DIFFUSE: Operations = Operations {
+    load: 4,
+    compare: 1,
+    ..Operations::of(OperatorCounts::INNER_PRODUCT.and(OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE }))
+};
 /// Step 83, per sample point and light: N.H, clamped to 0..=1, times Is, summed. The power is extra.
 const SPECULAR: Operations = Operations { load: 3, compare: 2, ..DIFFUSE };
 /// Step 83, per sample point: product with Ks, added to each component.
@@ -41,7 +45,7 @@ impl Microcomputer {
         polygon: &Polygon,
         registers: Registers,
         buffer: PolygonBuffer,
-        traffic: &mut Traffic,
+        traffic: &mut MemoryPorts,
     ) -> (Vec<[f32; 3]>, u64) {
         let (points, lights) = (polygon.vertices.len() as u64, self.state.illumination.lights.len() as u64);
         let is_colored = polygon.vertices.iter().any(|v| v.color != [1.0; 4]);

@@ -5,7 +5,7 @@ use super::state::Process;
 use crate::cpu::Operations;
 use crate::local_memory::{LIGHT, LIGHTS, PolygonBuffer};
 use crate::{Illumination, Power};
-use basrelief_kernel::{Traffic, Work};
+use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_signals::Lighting;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -20,15 +20,18 @@ const LARGEST_POWER: Operations = Operations { load: 3, store: 1, divide: 1, mul
 /// Per light and step of the search: the middle, and a comparison of its power. The power is extra.
 const STEP: Operations = Operations { add: 1, multiply: 1, compare: 1, ..Operations::NONE };
 /// Per sample point and light: N.H, and a comparison with the largest so far.
-const POINT: Operations = Operations { load: 3, compare: 1, ..Operations::of(Work::INNER_PRODUCT) };
+const POINT: Operations = Operations { load: 3, compare: 1, ..Operations::of(OperatorCounts::INNER_PRODUCT) };
 /// Per light: H and its limit, compared.
 const OF_LIGHT: Operations = Operations { load: 4, compare: 1, ..Operations::NONE };
 /// Per sample point, if normals are normalised: its part of their sum, its product with the sum's direction, and a comparison
 /// with the smallest so far.
-const SHORTEST_POINT: Operations =
-    Operations { load: 6, compare: 1, ..Operations::of(Work::INNER_PRODUCT.and(Work { add: 3, ..Work::NONE })) };
+const SHORTEST_POINT: Operations = Operations {
+    load: 6,
+    compare: 1,
+    ..Operations::of(OperatorCounts::INNER_PRODUCT.and(OperatorCounts { add: 3, ..OperatorCounts::NONE }))
+};
 /// Per polygon, if normals are normalised: the sum's direction.
-const SHORTEST: Operations = Operations::of(Work::NORMALIZE);
+const SHORTEST: Operations = Operations::of(OperatorCounts::NORMALIZE);
 /// Per light, if normals are normalised: N.H divided by the smallest product.
 const SHORTEST_OF_LIGHT: Operations = Operations { divide: 1, compare: 1, ..Operations::NONE };
 
@@ -92,7 +95,7 @@ fn shortest_sum(normals: &[Vec3]) -> f32 {
 
 impl Microcomputer {
     /// Computes the limits if Ks, n or Is have changed. Returns the cycles.
-    pub(super) fn set_limits(&mut self, traffic: &mut Traffic) -> u64 {
+    pub(super) fn set_limits(&mut self, traffic: &mut MemoryPorts) -> u64 {
         let config = &self.short_cuts.specular_negligible;
         let Illumination { lighting, lights, .. } = &*self.state.illumination;
         let wanted = Some((lighting.ks, lighting.n, lights.iter().map(|light| light.intensity).collect()));
@@ -109,7 +112,7 @@ impl Microcomputer {
     }
 
     /// Runs process 17.
-    pub(super) fn judge_specular(&mut self, normals: &[Vec3], buffer: PolygonBuffer, traffic: &mut Traffic) -> (bool, u64) {
+    pub(super) fn judge_specular(&mut self, normals: &[Vec3], buffer: PolygonBuffer, traffic: &mut MemoryPorts) -> (bool, u64) {
         if !self.short_cuts.specular_negligible.enabled {
             return (true, 0);
         }

@@ -6,7 +6,7 @@ use super::state::{Decided, Process};
 use crate::cpu::Operations;
 use crate::local_memory::{LIGHT, LIGHTS};
 use crate::{NormalLoad, Selection, SpecularSkip};
-use basrelief_kernel::Traffic;
+use basrelief_kernel::MemoryPorts;
 use basrelief_signals::ShadingMode;
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ const POINT: Operations = Operations { load: 6, store: 6, ..Operations::NONE };
 impl Microcomputer {
     /// Returns the load of circuit (50) if it is started, and the cycles. It is started if its output is selected, or if
     /// `shade.specular_skip` starts it for a closed gate (51).
-    pub(super) fn start(&mut self, decided: &Decided, traffic: &mut Traffic) -> (Option<Arc<NormalLoad>>, u64) {
+    pub(super) fn start(&mut self, decided: &Decided, traffic: &mut MemoryPorts) -> (Option<Arc<NormalLoad>>, u64) {
         let Decided { polygon, registers, number, .. } = decided;
         let starts = match registers.selection() {
             Selection::LinearAndSpecular => true,

@@ -4,14 +4,14 @@ use super::Microcomputer;
 use super::state::Process;
 use crate::cpu::Operations;
 use crate::local_memory::PolygonBuffer;
-use basrelief_kernel::Traffic;
+use basrelief_kernel::MemoryPorts;
 
 /// Per sample point: position, depth and three components.
 const POINT: Operations = Operations { load: 6, store: 6, ..Operations::NONE };
 
 impl Microcomputer {
     /// Returns the cycles for these sample points.
-    pub(super) fn transfer(&mut self, brightness: &[[f32; 3]], buffer: PolygonBuffer, traffic: &mut Traffic) -> u64 {
+    pub(super) fn transfer(&mut self, brightness: &[[f32; 3]], buffer: PolygonBuffer, traffic: &mut MemoryPorts) -> u64 {
         let points = brightness.len() as u64;
         self.port.read(traffic, buffer.points(), 3 * points);
         self.port.read(traffic, buffer.brightness(), 3 * points);

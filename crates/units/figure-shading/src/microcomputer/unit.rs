@@ -10,8 +10,8 @@ use crate::{
     CpuConfig, Figure, FigureFlow, HostConfig, NormalInterpolationConfig, NormalLoad, Order, Power, RegisterWrite, Registers,
     Route, ScanConfig, Selection, ShadingConfig, ShortCutConfigs,
 };
-use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::{FigureGroup, UnitStats};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Polygon};
 use std::sync::Arc;
@@ -111,7 +111,7 @@ impl Microcomputer {
         ordered(cycles, Order::Write(write))
     }
 
-    fn take(&mut self, control: Control, traffic: &mut Traffic) -> Out {
+    fn take(&mut self, control: Control, traffic: &mut MemoryPorts) -> Out {
         match control {
             Control::Frame(frame) => {
                 let cycles = self.begin_frame(&frame);
@@ -132,7 +132,7 @@ impl Microcomputer {
     }
 
     /// Runs processes 15, 92 and 17.
-    fn decide(&mut self, polygon: Arc<Polygon>, traffic: &mut Traffic) -> Out {
+    fn decide(&mut self, polygon: Arc<Polygon>, traffic: &mut MemoryPorts) -> Out {
         let number = self.state.polygons;
         self.state.polygons += 1;
         let buffer = self.buffer(number);
@@ -148,14 +148,14 @@ impl Microcomputer {
     }
 
     /// Runs process 20.
-    fn start_50(&mut self, decided: Decided, traffic: &mut Traffic) -> Out {
+    fn start_50(&mut self, decided: Decided, traffic: &mut MemoryPorts) -> Out {
         let (load, cycles) = self.start(&decided, traffic);
         self.state.phase = Phase::Shade(decided);
         Step::after(cycles, (None, load, None, None)).busy(cycles.max(1))
     }
 
     /// Continues with the next phase, if no dot is emitted.
-    fn go_on(&mut self, phase: Phase, traffic: &mut Traffic) -> Out {
+    fn go_on(&mut self, phase: Phase, traffic: &mut MemoryPorts) -> Out {
         match phase {
             Phase::WriteMode => self.write(Process::Mode, RegisterWrite::Mode(self.state.settings.mode)),
             Phase::WriteFlat(decided) => {
@@ -175,7 +175,7 @@ impl Microcomputer {
     }
 
     /// Runs processes 22 and 23 or 24, up to the first dot.
-    fn shade(&mut self, decided: Decided, traffic: &mut Traffic) -> Out {
+    fn shade(&mut self, decided: Decided, traffic: &mut MemoryPorts) -> Out {
         let (registers, reused, buffer) = (decided.registers, decided.reused, self.buffer(decided.number));
         let (mut brightness, mut cycles) =
             if reused { (Vec::new(), 0) } else { self.sample_points(&decided.polygon, registers, buffer, traffic) };
@@ -201,16 +201,16 @@ impl Microcomputer {
 }
 
 impl Microcomputer {
-    fn tell_hardware(&self, facts: &mut Facts) {
+    fn tell_hardware(&self, stats: &mut UnitStats) {
         for (kind, about) in [
             (HardwareKind::Multiplier, "floating-point unit of the CPU (11)"),
             (HardwareKind::Adder, "the same; comparisons"),
             (HardwareKind::Divider, "the same"),
         ] {
-            facts.hardware(kind, about, 1_u64, NUMBER);
+            stats.hardware(kind, about, 1_u64, NUMBER);
         }
         let numbers = local_memory::numbers(self.buffers);
-        facts.hardware(
+        stats.hardware(
             HardwareKind::Table,
             "memory (12): settings, lights, plane, polygons",
             numbers,
@@ -220,7 +220,7 @@ impl Microcomputer {
 }
 
 impl Unit for Microcomputer {
-    basrelief_kernel::role!("decides, shades sample points, draws flat polygons");
+    basrelief_kernel::unit_info!("decides, shades sample points, draws flat polygons");
     type In = Option<Control>;
     type Out = Outs;
 
@@ -230,7 +230,7 @@ impl Unit for Microcomputer {
     }
 
     #[inline]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Out {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Out {
         if let Some(control) = input {
             return self.take(control, traffic);
         }
@@ -250,25 +250,25 @@ impl Unit for Microcomputer {
         matches!(self.state.phase, Phase::Idle)
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let dot = self.dot_cycles;
         // Process 24 draws dots: flat polygons to selector (53), polygons of polyhedron mode to selector (28).
-        facts.rate(2, dot, dot);
-        facts.rate(3, dot, dot);
-        self.tell_hardware(facts);
+        stats.rate(2, dot, dot);
+        stats.rate(3, dot, dot);
+        self.tell_hardware(stats);
         let c = &self.state.counters;
-        facts.figure(
+        stats.figure(
             "short_cut_specular_negligible",
             c.specular_negligible,
             "polygons",
             "Polygons whose specular term was negligible",
         );
-        facts.figure("short_cut_flat", c.flat, "polygons", "Polygons found flat");
-        facts.figure("short_cut_same_plane", c.reused, "points", "Sample points whose brightness was reused");
+        stats.figure("short_cut_flat", c.flat, "polygons", "Polygons found flat");
+        stats.figure("short_cut_same_plane", c.reused, "points", "Sample points whose brightness was reused");
         for (process, name) in Process::ALL {
             let process = c.processes[process as usize];
             let mut part = |what: &str, count, unit, about| {
-                facts.figure(&format!("{name}_{what}"), count, unit, about).part(Part::Process(name.into()))
+                stats.figure(&format!("{name}_{what}"), count, unit, about).part(FigureGroup::Process(name.into()))
             };
             part("runs", process.runs, "runs", "Runs of the process");
             part("cycles", process.cycles, "cycles", "Cycles that all runs took");

@@ -5,7 +5,7 @@ use basrelief_figure_shading::{
     InterpolationConfig, Microcomputer, NormalInterpolation, NormalInterpolationConfig, NormalLoad, Order, RegisterBank,
     ScanConfig, ShadingConfig, ShortCutConfigs,
 };
-use basrelief_kernel::{Demand, OperatorConfig, Operators, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, OperatorConfig, Operators, Unit};
 use basrelief_signals::{Camera, Control, Frame, Light, LightKind, Lighting, Material, Polygon, Vertex};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -73,7 +73,7 @@ pub struct ShadedFragment {
 pub fn drain<U: Unit>(unit: &mut U, nothing: impl Fn() -> U::In) -> Vec<U::Out> {
     let mut out = Vec::new();
     while unit.demand() == Demand::Nothing {
-        out.push(unit.step(nothing(), &mut Traffic::default()).out);
+        out.push(unit.step(nothing(), &mut MemoryPorts::default()).out);
     }
     out
 }
@@ -82,7 +82,7 @@ pub fn drain<U: Unit>(unit: &mut U, nothing: impl Fn() -> U::In) -> Vec<U::Out> 
 pub fn feed<T, U: Unit<In = Option<T>>>(unit: &mut U, tokens: impl IntoIterator<Item = T>) -> Vec<U::Out> {
     let mut out = Vec::new();
     for token in tokens {
-        out.push(unit.step(Some(token), &mut Traffic::default()).out);
+        out.push(unit.step(Some(token), &mut MemoryPorts::default()).out);
         out.extend(drain(unit, || None));
     }
     out
@@ -127,7 +127,7 @@ fn add(linear: Vec<FigureFlow>, highlights: Vec<Highlights>) -> Vec<FigureFlow> 
     let (mut highlights, mut out) = (highlights.into_iter(), Vec::new());
     for signal in linear {
         let highlight = if adder.demand() == Demand::All { highlights.next() } else { None };
-        let mut traffic = Traffic::default();
+        let mut traffic = MemoryPorts::default();
         out.extend(adder.step((Some(signal), highlight), &mut traffic).out);
         assert!(format!("{traffic:?}").contains("fault: None"), "{traffic:?}");
     }

@@ -6,7 +6,7 @@ use basrelief_figure_shading::{
     HostInterface, InterpolationConfig, Microcomputer, NormalInterpolationConfig, NormalLoad, Order, PowerMethod, RegisterBank,
     Selector28, Selector53, ShadingMode, SpecularSkip,
 };
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{Control, Flow, Lighting, ObjectInfo, Pixel, Stamp};
 use glam::Vec3;
@@ -73,7 +73,7 @@ fn join<A, B, T>(unit: &mut impl Unit<In = (Option<A>, Option<B>), Out = Option<
         if first.is_none() && second.is_none() {
             return out;
         }
-        out.extend(unit.step((first, second), &mut Traffic::default()).out);
+        out.extend(unit.step((first, second), &mut MemoryPorts::default()).out);
     }
 }
 
@@ -123,7 +123,7 @@ impl Unit for OneWire {
         self.0.demand()
     }
 
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let Step { out, occupancy, latency, marked } = self.0.step(input, traffic);
         let is_something = out.0.is_some() || out.1.is_some() || out.2.is_some() || out.3.is_some();
         Step { out: is_something.then_some(out), occupancy, latency, marked }
@@ -153,7 +153,7 @@ impl Unit for TwoWays {
         if self.unit.demand() == Demand::Only(0) { Demand::Only(0) } else { Demand::Only(1) }
     }
 
-    fn step(&mut self, (first, second): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (first, second): Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let input = if self.second == 1 { (first, second, None) } else { (first, None, second) };
         self.unit.step(input, traffic)
     }
@@ -270,7 +270,7 @@ unit_contract! {
 fn message(signal: FigureFlow, highlight: Highlights) -> String {
     let mut adder = Adder::default();
     adder.state.joins = true;
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     adder.step((Some(signal), Some(highlight)), &mut traffic);
     format!("{traffic:?}")
 }
@@ -293,10 +293,10 @@ fn section_2_only_the_output_saturates() {
     adder.state.joins = true;
     let dot = FigureFlow::Dot(Dot { brightness: [0.9, -0.2, 0.1], ..Dot::default() });
     let highlight = Highlights::Dot(Highlight { brightness: 0.5, ..Highlight::default() });
-    let sum = adder.step((Some(dot), Some(highlight)), &mut Traffic::default()).out;
+    let sum = adder.step((Some(dot), Some(highlight)), &mut MemoryPorts::default()).out;
     let Some(FigureFlow::Dot(sum)) = sum else { panic!("{sum:?}") };
     assert!((sum.brightness[0] - 1.4).abs() < 1e-6 && (sum.brightness[1] - 0.3).abs() < 1e-6);
-    let (pixel, _) = Selector28::default().step((Some(FigureFlow::Dot(sum)), None, None), &mut Traffic::default()).out;
+    let (pixel, _) = Selector28::default().step((Some(FigureFlow::Dot(sum)), None, None), &mut MemoryPorts::default()).out;
     let Some(Flow::Item(pixel)) = pixel else { panic!("{pixel:?}") };
     assert_eq!(pixel[0].rgb, [255, 77, 153]);
 }

@@ -5,7 +5,7 @@ use basrelief_figure_shading::{
     CpuConfig, HostConfig, HostInterface, Microcomputer, NormalInterpolation, NormalInterpolationConfig, Order, Process,
     RegisterBank, RegisterWrite, Registers, ShadingMode,
 };
-use basrelief_kernel::{OperatorConfig, Operators, Traffic, Unit};
+use basrelief_kernel::{MemoryPorts, OperatorConfig, Operators, Unit};
 use basrelief_signals::{Control, Light, Lighting, ObjectInfo, ShadingSettings};
 use glam::Vec3;
 use std::sync::Arc;
@@ -131,14 +131,14 @@ fn process_24_pays_set_up_and_each_dot() {
     let before_dots = small - few * u64::from(6 * cpu.integer + 2 * cpu.store);
     assert!(before_dots > 2 * u64::from(cpu.divide + 18 * cpu.multiply), "two triangles are set up: {before_dots}");
     let mut unit = config.microcomputer();
-    unit.step(Some(frame(lights(1))), &mut Traffic::default());
+    unit.step(Some(frame(lights(1))), &mut MemoryPorts::default());
     let slow = Config { cpu: CpuConfig { scale: 5, ..CpuConfig::default() }, ..Config::default() };
     let occupancy = |config: &Config| {
         let mut unit = config.microcomputer();
         feed(&mut unit, [frame(lights(1))]);
-        let mut step = unit.step(Some(polygon(&SQUARE, &[Vec3::Z; 4], shiny(50.0))), &mut Traffic::default());
+        let mut step = unit.step(Some(polygon(&SQUARE, &[Vec3::Z; 4], shiny(50.0))), &mut MemoryPorts::default());
         while step.out.2.is_none() {
-            step = unit.step(None, &mut Traffic::default());
+            step = unit.step(None, &mut MemoryPorts::default());
         }
         step.occupancy
     };
@@ -150,8 +150,8 @@ fn dot_of_50(renormalise: bool, operators: Operators, power_pipelined: bool) -> 
     let config = NormalInterpolationConfig { pipelined: power_pipelined, ..NormalInterpolationConfig::default() };
     let (_, shaded) = drawn(&Config::default().plain(), lights(1), &[polygon(&SQUARE, &CURVED, shiny(50.0))]);
     let mut unit = NormalInterpolation::new(config, renormalise, operators);
-    unit.step(shaded[0].load.clone(), &mut Traffic::default());
-    unit.step(None, &mut Traffic::default()).occupancy
+    unit.step(shaded[0].load.clone(), &mut MemoryPorts::default());
+    unit.step(None, &mut MemoryPorts::default()).occupancy
 }
 
 #[test]
@@ -175,15 +175,15 @@ fn registers_14_16_18_set_the_passing_polygon() {
     let mut registers = RegisterBank::default();
     for order in orders {
         let is_write = matches!(order, Order::Write(_));
-        let step = registers.step(Some(order), &mut Traffic::default());
+        let step = registers.step(Some(order), &mut MemoryPorts::default());
         assert_eq!((step.occupancy, step.out.is_none()), (1, is_write));
     }
     assert_eq!(registers.state.registers, Registers { mode: ShadingMode::Normal, flat: false, specular: true });
     let mut others = RegisterBank::default();
-    others.step(Some(Order::Write(RegisterWrite::Mode(ShadingMode::Brightness))), &mut Traffic::default());
+    others.step(Some(Order::Write(RegisterWrite::Mode(ShadingMode::Brightness))), &mut MemoryPorts::default());
     let (_, shaded) = drawn(&Config::default(), lights(1), &[polygon(&SQUARE, &CURVED, shiny(50.0))]);
     let figure = basrelief_figure_shading::FigureFlow::Figure(shaded[0].figure.clone().expect("a figure"));
-    let out = others.step(Some(Order::Pass(figure)), &mut Traffic::default()).out;
+    let out = others.step(Some(Order::Pass(figure)), &mut MemoryPorts::default()).out;
     let Some(basrelief_figure_shading::FigureFlow::Figure(figure)) = out else { panic!("it passes") };
     assert_eq!(figure.registers.mode, ShadingMode::Brightness, "what selects is the register, not what was meant");
 }
@@ -192,7 +192,7 @@ fn registers_14_16_18_set_the_passing_polygon() {
 fn traffic_of(unit: &mut Microcomputer, control: Control) -> [u64; 2] {
     let (mut sums, mut input) = ([0; 2], Some(control));
     loop {
-        let mut traffic = Traffic::default();
+        let mut traffic = MemoryPorts::default();
         unit.step(input.take(), &mut traffic);
         assert!(traffic.requests().len() as u32 <= unit.largest_step(0));
         traffic.requests().iter().for_each(|r| sums[usize::from(r.write)] += u64::from(r.bytes));
@@ -208,7 +208,7 @@ fn host_writes_memory_12_and_processes_read_it() {
     let mut host = HostInterface::new(HostConfig::default());
     let mut written = Vec::new();
     for control in [frame(lights(1)), square()] {
-        let mut traffic = Traffic::default();
+        let mut traffic = MemoryPorts::default();
         host.step((Some(control), None), &mut traffic);
         assert!(traffic.requests().iter().all(|r| r.write && r.client == 0));
         assert!(traffic.requests().len() as u32 <= host.largest_step(0));

@@ -2,7 +2,7 @@
 
 use crate::chain::{frame, polygon, sun};
 use basrelief_figure_shading::{Finished, HostConfig, HostInterface};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::{Control, Light, LightKind, Lighting, ObjectInfo};
 use glam::Vec3;
 use std::sync::Arc;
@@ -13,12 +13,12 @@ fn unit(config: HostConfig) -> HostInterface {
 
 fn send(unit: &mut HostInterface, control: Control) -> Step<Option<Control>> {
     assert_eq!(unit.demand(), Demand::Only(0));
-    unit.step((Some(control), None), &mut Traffic::default())
+    unit.step((Some(control), None), &mut MemoryPorts::default())
 }
 
 fn finish(unit: &mut HostInterface) -> Step<Option<Control>> {
     assert_eq!(unit.demand(), Demand::Only(1));
-    unit.step((None, Some(Finished)), &mut Traffic::default())
+    unit.step((None, Some(Finished)), &mut MemoryPorts::default())
 }
 
 fn square(n: f32) -> Control {

@@ -2,7 +2,7 @@
 
 use crate::chain::{Config, SIDE, feed, polygon, shade, sun};
 use basrelief_figure_shading::{HostConfig, HostInterface, Microcomputer, Order, RegisterWrite, Route, ShadingMode};
-use basrelief_kernel::{Traffic, Unit};
+use basrelief_kernel::{MemoryPorts, Unit};
 use basrelief_signals::{Camera, Control, Frame, Lighting, ObjectInfo, ShadingSettings};
 use glam::Vec3;
 use std::sync::Arc;
@@ -73,7 +73,7 @@ fn host_sends_changed_settings() {
     let mut host = HostInterface::new(HostConfig::default());
     let mut sent = |control| {
         let before = host.state.counters.bytes;
-        host.step((Some(control), None), &mut Traffic::default());
+        host.step((Some(control), None), &mut MemoryPorts::default());
         (host.state.counters.bytes - before) / 4
     };
     let all = ShadingSettings { mode: Some(ShadingMode::Polyhedron), ia: Some(0.5), is: Some(2.0) };

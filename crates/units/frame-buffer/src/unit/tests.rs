@@ -31,7 +31,7 @@ fn unit(write_lines: u32) -> FrameBuffer {
 /// Returns address and size of the writes of a step, and its output.
 fn step(unit: &mut FrameBuffer, token: Option<Flow<Stamp<Pixel>>>) -> (Vec<(u64, u32)>, Option<FrameDone>) {
     assert_eq!(unit.demand(), if token.is_some() { Demand::All } else { Demand::Nothing });
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     let step = unit.step(token, &mut traffic);
     assert_eq!(step.marked, step.out.is_some());
     assert!(traffic.requests().len() as u32 <= unit.largest_step(0));
@@ -102,7 +102,7 @@ fn frame_end_writes_all_gathered_lines_to_its_buffer() {
 #[test]
 fn oversized_picture_is_a_fault_without_memory() {
     let mut unit = unit(8);
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     unit.step(Some(frame(7, u32::MAX, 2)), &mut traffic);
     assert!(format!("{traffic:?}").contains("frame 7 is 4294967295 x 2 pixels"));
     assert_eq!(step(&mut unit, Some(pixel(0, 0, [1; 3]))), (vec![], None));

@@ -67,7 +67,7 @@ fn unit(config: GeometryConfig, bump: BumpConfig) -> GeometryProcessor {
 }
 
 fn step(unit: &mut GeometryProcessor, draw: Draw) -> Step<Option<Control>> {
-    unit.step(Some(draw), &mut Traffic::default())
+    unit.step(Some(draw), &mut MemoryPorts::default())
 }
 
 fn polygon(unit: &mut GeometryProcessor, draws: [Draw; 2]) -> Option<Arc<Polygon>> {
@@ -350,7 +350,7 @@ fn polygon_is_delivered_after_its_last_part() {
 
 #[test]
 fn unit_reports_operators_and_vertex_cache() {
-    let mut facts = Facts::default();
+    let mut facts = UnitStats::default();
     let config = GeometryConfig { multipliers: 5, vertex_cache: 3, ..GeometryConfig::default() };
     let unit = unit(config, BumpConfig::default());
     unit.tell_hardware(&mut facts);
@@ -422,7 +422,7 @@ proptest! {
         let mut source = DisplayListSource::new(DisplayListConfig { arrival: Arrival::Recorded }, link, commands);
         let mut free = 0;
         for (control, at) in &recorded {
-            let step = source.step((), &mut Traffic::default());
+            let step = source.step((), &mut MemoryPorts::default());
             if all_known || matches!(control, Control::Polygon(_)) {
                 prop_assert_eq!(free + step.latency, *at);
             }

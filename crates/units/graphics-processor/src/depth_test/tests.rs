@@ -26,7 +26,7 @@ fn frame(width: u32, height: u32) -> Control {
 
 fn configured(config: DepthConfig, z_bits: u32, line_bytes: u32) -> Early {
     let mut unit = DepthTest::new(config, &Operators::default(), z_bits, line_bytes);
-    unit.step(Some(Flow::Control(frame(SIZE[0], SIZE[1]))), &mut Traffic::default());
+    unit.step(Some(Flow::Control(frame(SIZE[0], SIZE[1]))), &mut MemoryPorts::default());
     unit
 }
 
@@ -50,7 +50,7 @@ struct Stepped {
 /// Makes a step with z values of 4 bytes.
 fn step(unit: &mut Early, input: Option<Flow<Stamp<Fragment>>>) -> Stepped {
     assert_eq!(unit.demand(), if input.is_some() { Demand::All } else { Demand::Nothing });
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     let out = unit.step(input, &mut traffic).out;
     assert!(traffic.requests().iter().all(|r| (r.client, r.write, r.bytes) == (1, true, 64)));
     assert!(traffic.requests().len() <= unit.largest_step(1) as usize);
@@ -128,7 +128,7 @@ fn z_is_looked_up_unless_line_is_clear_or_gathered() {
         for clear_flags in [false, true] {
             let mut unit = configured(DepthConfig { clear_flags, write_lines: 1, ..PLAIN }, bits, 64);
             let mut looked_up = |x, z| {
-                let mut traffic = Traffic::default();
+                let mut traffic = MemoryPorts::default();
                 unit.step(Some(fragment(x, 1, z)), &mut traffic);
                 let from = |r: &basrelief_kernel::Request| (r.address - layout::Z_BUFFER, r.bytes);
                 traffic.look_ups().iter().map(from).collect::<Vec<_>>()
@@ -207,7 +207,7 @@ proptest! {
         let mut unit = unit(16);
         let mut last = [None; 4];
         for (i, &(x, z)) in depths.iter().enumerate() {
-            if unit.step(Some(fragment(x, 0, z)), &mut Traffic::default()).out.is_some() {
+            if unit.step(Some(fragment(x, 0, z)), &mut MemoryPorts::default()).out.is_some() {
                 last[usize::from(x)] = Some(i);
             }
         }
@@ -275,8 +275,8 @@ fn lines_beyond_last_flag_are_read() {
 fn unit_reports_comparator_gathered_lines_and_flags() {
     use basrelief_kernel::HardwareKind::{Adder, Table};
     let told = |config| {
-        let mut facts = Facts::default();
-        Early::new(config, &Operators::default(), 24, 64).tell(&mut facts);
+        let mut facts = UnitStats::default();
+        Early::new(config, &Operators::default(), 24, 64).report_stats(&mut facts);
         facts.all_hardware().iter().map(|h| (h.kind, h.count, h.width)).collect::<Vec<_>>()
     };
     let lines = (Table, 8, 16 * 25 + 20);

@@ -44,7 +44,7 @@ struct Bench {
     /// True if the last polygon fed is not a bump target.
     plain: bool,
     out: Vec<Flow<Stamp<Pixel>>>,
-    traffic: Vec<Traffic>,
+    traffic: Vec<MemoryPorts>,
 }
 
 impl Bench {
@@ -87,7 +87,7 @@ impl Bench {
                 assert!(a.next().is_none() && b.next().is_none(), "stuck at {demand:?}");
                 return self;
             }
-            let mut traffic = Traffic::default();
+            let mut traffic = MemoryPorts::default();
             self.out.extend(self.unit.step(input, &mut traffic).out);
             for client in 0..2 {
                 let requests = traffic.requests().iter().filter(|r| r.client == client).count();
@@ -100,7 +100,7 @@ impl Bench {
 
     /// Returns the requests for entries: write or read, offset from the first entry, bytes.
     fn entries(&self) -> Vec<(bool, u64, u32)> {
-        let all = self.traffic.iter().flat_map(Traffic::requests);
+        let all = self.traffic.iter().flat_map(MemoryPorts::requests);
         all.map(|r| (r.write, r.address - layout::HELD_RESULTS, r.bytes)).collect()
     }
 
@@ -282,9 +282,9 @@ fn pixel_uses_operators_of_its_polygon() {
 #[test]
 fn unit_reports_operators_and_lines_of_entries() {
     let told = |draw| {
-        let mut facts = Facts::default();
+        let mut facts = UnitStats::default();
         let config = GraphicsConfig { draw, multipliers: 7, ..GraphicsConfig::default() };
-        GraphicsProcessor::new(config, Operators::default(), false, [4, 64, 8]).tell(&mut facts);
+        GraphicsProcessor::new(config, Operators::default(), false, [4, 64, 8]).report_stats(&mut facts);
         let multipliers = facts.all_hardware().iter().find(|h| h.kind == HardwareKind::Multiplier).map(|h| h.count);
         (multipliers, facts.all_hardware().iter().map(basrelief_kernel::Hardware::bits).sum::<u64>())
     };
@@ -295,10 +295,10 @@ fn unit_reports_operators_and_lines_of_entries() {
 #[test]
 fn different_duplicates_and_misplaced_fragments_are_faults() {
     let mut unit = GraphicsProcessor::new(GraphicsConfig::default(), Operators::default(), false, [4, 64, 8]);
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     unit.step((Some(shaded(1, 1.0, 0.0)), Some(Flow::Item(Stamp::from_iter([fragment(1)])))), &mut traffic);
     assert!(format!("{traffic:?}").contains("a fragment where a control token was due"));
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     let frame_end = Control::FrameEnd;
     unit.step((Some(Flow::Control(polygon(false, Material::default()))), None), &mut traffic);
     unit.step((None, Some(Flow::Control(frame_end))), &mut traffic);

@@ -37,7 +37,7 @@ fn operators() -> Operators {
 fn unit(config: NormalMappingConfig, levels: u8, polygon: Arc<Polygon>) -> NormalMapping {
     let mut unit = NormalMapping::new(config, &operators(), levels, 4, 64);
     let control = Flow::Control(Control::Polygon(polygon));
-    let step = unit.step(Some(control.clone().into_item_type()), &mut Traffic::default());
+    let step = unit.step(Some(control.clone().into_item_type()), &mut MemoryPorts::default());
     assert_eq!(step.out, Some(control));
     unit
 }
@@ -55,7 +55,7 @@ impl IntoItemType for Flow<PseudoNormals> {
     }
 }
 
-fn mapped(unit: &mut NormalMapping, at: Fragment, traffic: &mut Traffic) -> PseudoNormals {
+fn mapped(unit: &mut NormalMapping, at: Fragment, traffic: &mut MemoryPorts) -> PseudoNormals {
     match unit.step(Some(Flow::Item(Stamp::from_iter([at]))), traffic).out {
         Some(Flow::Item(p)) => p,
         other => panic!("{other:?}"),
@@ -67,7 +67,7 @@ fn claims_1_and_5_each_level_reads_its_own_map() {
     // Level k leans along +x for even k and along +y for odd k.
     let lean = map(16, 5, |k, _, _| if k % 2 == 0 { [255, 128, 128] } else { [128, 255, 128] });
     let mut unit = unit(NormalMappingConfig::default(), 2, square(3, Some(lean)));
-    let p = mapped(&mut unit, fragment(0.4, 0.2), &mut Traffic::default());
+    let p = mapped(&mut unit, fragment(0.4, 0.2), &mut MemoryPorts::default());
     assert_eq!(p.samples.iter().map(|s| (s.level, s.weight[0])).collect::<Vec<_>>(), [(0, 5.0 / 8.0), (1, 3.0 / 8.0)]);
     let [a, b] = [0, 1].map(|i| p.samples[i].value.lane(0));
     assert_eq!((a[0], b[1]), (32_767, 32_767));
@@ -81,18 +81,18 @@ fn green_channel_leans_against_v() {
     let mut left_handed = (*square(0, Some(up))).clone();
     left_handed.vertices.iter_mut().for_each(|v| v.tangent[3] = -1.0);
     let mut unit = unit(NormalMappingConfig::default(), 1, Arc::new(left_handed));
-    assert_eq!(mapped(&mut unit, fragment(0.5, 0.5), &mut Traffic::default()).samples[0].value.lane(0)[1], -32_767);
+    assert_eq!(mapped(&mut unit, fragment(0.5, 0.5), &mut MemoryPorts::default()).samples[0].value.lane(0)[1], -32_767);
 }
 
 #[test]
 fn missing_map_or_zero_scale_keeps_normal() {
     let mut bare = unit(NormalMappingConfig::default(), 2, square(3, None));
-    let p = mapped(&mut bare, fragment(0.4, 0.2), &mut Traffic::default());
+    let p = mapped(&mut bare, fragment(0.4, 0.2), &mut MemoryPorts::default());
     assert_eq!(p.samples.iter().map(|s| s.value.lane(0)).collect::<Vec<_>>(), [[0, 0, 32_767]; 2]);
     let mut flat = (*square(0, Some(map(4, 1, |_, _, _| [255, 0, 200])))).clone();
     flat.material = Arc::new(Material { normal_scale: 0.0, ..(*flat.material).clone() });
     let mut flat = unit(NormalMappingConfig::default(), 1, Arc::new(flat));
-    assert_eq!(mapped(&mut flat, fragment(0.4, 0.2), &mut Traffic::default()).samples[0].value.lane(0), [0, 0, 32_767]);
+    assert_eq!(mapped(&mut flat, fragment(0.4, 0.2), &mut MemoryPorts::default()).samples[0].value.lane(0), [0, 0, 32_767]);
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn filtered_brightness_needs_four_searches() {
     assert_eq!(config.samples(2), 8);
     let ramp = map(8, 4, |_, x, y| [(16 * x) as u8, (16 * y) as u8, 255]);
     let mut unit = unit(config, 2, square(3, Some(ramp)));
-    let p = mapped(&mut unit, fragment(0.5, 0.3), &mut Traffic::default());
+    let p = mapped(&mut unit, fragment(0.5, 0.3), &mut MemoryPorts::default());
     let sum = |samples: &[StampSample<StampNormals>]| samples.iter().map(|s| s.weight[0]).sum::<f32>();
     assert!((sum(&p.samples) - 1.0).abs() < 1e-6 && (sum(&p.samples[..4]) - 5.0 / 8.0).abs() < 1e-6);
     assert_eq!(p.samples.iter().map(|s| s.level).collect::<Vec<_>>(), [0, 0, 0, 0, 1, 1, 1, 1]);
@@ -113,7 +113,7 @@ fn footprint_within_block_touches_one_line() {
     let flat = map(16, 1, |_, _, _| [128, 128, 255]);
     let mut unit = unit(NormalMappingConfig::default(), 1, square(0, Some(flat)));
     let lines = |unit: &mut NormalMapping, u, v| {
-        let mut traffic = Traffic::default();
+        let mut traffic = MemoryPorts::default();
         mapped(unit, fragment(u, v), &mut traffic);
         traffic.look_ups().iter().map(|r| r.address / 64).collect::<Vec<_>>()
     };
@@ -126,7 +126,7 @@ fn footprint_within_block_touches_one_line() {
 #[test]
 fn control_passes_and_unit_holds_nothing() {
     let mut unit = NormalMapping::new(NormalMappingConfig::default(), &operators(), 2, 4, 64);
-    let step = unit.step(Some(Flow::Control(Control::FrameEnd)), &mut Traffic::default());
+    let step = unit.step(Some(Flow::Control(Control::FrameEnd)), &mut MemoryPorts::default());
     assert_eq!(step.out, Some(Flow::Control(Control::FrameEnd)));
     assert_eq!(unit.demand(), Demand::All);
     assert!(unit.is_empty());
@@ -136,7 +136,7 @@ fn control_passes_and_unit_holds_nothing() {
 fn fragment_without_triangle_has_no_direction() {
     let mut unit = unit(NormalMappingConfig::default(), 2, square(0, None));
     let stray = Fragment { triangle: 77, ..Fragment::default() };
-    let p = mapped(&mut unit, stray, &mut Traffic::default());
+    let p = mapped(&mut unit, stray, &mut MemoryPorts::default());
     assert_eq!(p.samples[..], [StampSample::all(0, 1.0, [0; 3])]);
 }
 
@@ -147,7 +147,7 @@ fn operators_limit_fragment_rate() {
         let config = NormalMappingConfig { dividers, ..NormalMappingConfig::default() };
         let mut unit = unit(config, levels, square(19, normal_map));
         let latency = unit.timing.latency;
-        let all = unit.step(Some(Flow::Item(Stamp::from_iter([fragment(0.5, 0.5); 3]))), &mut Traffic::default());
+        let all = unit.step(Some(Flow::Item(Stamp::from_iter([fragment(0.5, 0.5); 3]))), &mut MemoryPorts::default());
         assert_eq!(all.latency, latency + all.occupancy * 2 / 3, "the last enters behind the others");
         all.occupancy
     };
@@ -162,7 +162,7 @@ fn four_searches_need_four_rotations_of_one_footprint() {
     let kept = |filter_at| {
         let config = NormalMappingConfig { filter_at, multipliers: 1, dividers: 256, ..NormalMappingConfig::default() };
         let mut unit = unit(config, 1, square(0, Some(map(16, 1, |_, _, _| [128, 128, 255]))));
-        unit.step(Some(Flow::Item(Stamp::from_iter([fragment(0.5, 0.5)]))), &mut Traffic::default()).occupancy
+        unit.step(Some(Flow::Item(Stamp::from_iter([fragment(0.5, 0.5)]))), &mut MemoryPorts::default()).occupancy
     };
     // Frame 22, footprint 3, filter 12, and one rotation and scale of 14, or four of these.
     assert_eq!(kept(FilterAt::Normal), 22 + 3 + 12 + 14);
@@ -171,8 +171,8 @@ fn four_searches_need_four_rotations_of_one_footprint() {
 
 #[test]
 fn unit_reports_its_operators() {
-    let mut facts = Facts::default();
-    unit(NormalMappingConfig { dividers: 5, ..NormalMappingConfig::default() }, 2, square(0, None)).tell(&mut facts);
+    let mut facts = UnitStats::default();
+    unit(NormalMappingConfig { dividers: 5, ..NormalMappingConfig::default() }, 2, square(0, None)).report_stats(&mut facts);
     let dividers = facts.all_hardware().iter().find(|h| h.kind == HardwareKind::Divider);
     assert_eq!(dividers.map(|h| (h.count, h.width)), Some((5, 32)));
 }
@@ -180,13 +180,13 @@ fn unit_reports_its_operators() {
 #[test]
 fn state_survives_checkpoint() {
     let mut a = unit(NormalMappingConfig::default(), 2, square(3, Some(map(8, 4, |k, x, _| [x as u8, k as u8, 255]))));
-    mapped(&mut a, fragment(0.3, 0.1), &mut Traffic::default());
+    mapped(&mut a, fragment(0.3, 0.1), &mut MemoryPorts::default());
     let text = serde_json::to_string(&a.state).unwrap();
     let mut b = NormalMapping::new(NormalMappingConfig::default(), &operators(), 2, 4, 64);
     b.state = serde_json::from_str(&text).unwrap();
     assert_eq!(a.state, b.state);
     let at = fragment(0.7, 0.6);
-    assert_eq!(mapped(&mut a, at, &mut Traffic::default()), mapped(&mut b, at, &mut Traffic::default()));
+    assert_eq!(mapped(&mut a, at, &mut MemoryPorts::default()), mapped(&mut b, at, &mut MemoryPorts::default()));
 }
 
 proptest! {
@@ -196,7 +196,7 @@ proptest! {
         let texel = |_: u32, x: u32, y: u32| [(x * 37 % 256) as u8, (y * 53 % 256) as u8, 255 - (x * y % 100) as u8];
         let mut unit = unit(NormalMappingConfig::default(), 1, square(0, Some(map(side, 1, texel))));
         let at = fragment(u, v);
-        let p = mapped(&mut unit, at, &mut Traffic::default());
+        let p = mapped(&mut unit, at, &mut MemoryPorts::default());
         let uv = [f64::from(at.weights[0] + at.weights[1]), f64::from(at.weights[1])];
         let [x, y] = uv.map(|c| c * f64::from(side) - 0.5);
         let wrapped = |i: f64| (i as i64).rem_euclid(i64::from(side)) as u32;
@@ -224,8 +224,8 @@ proptest! {
         let config = NormalMappingConfig { filter, filter_at, texel_bytes, ..NormalMappingConfig::default() };
         let mut unit = NormalMapping::new(config, &operators(), levels, fragments as u32, 1 << line);
         let polygon = square(lod, Some(map(1 << side, 8, |_, _, _| [1, 2, 3])));
-        unit.step(Some(Flow::Control(Control::Polygon(polygon))), &mut Traffic::default());
-        let mut traffic = Traffic::default();
+        unit.step(Some(Flow::Control(Control::Polygon(polygon))), &mut MemoryPorts::default());
+        let mut traffic = MemoryPorts::default();
         let at = Fragment { weights: [u, v], triangle, ..Fragment::default() };
         let other = |i: usize| Fragment { weights: [u + 0.3 * i as f32, v - 0.2 * i as f32], ..at };
         let stamp: Stamp<Fragment> = (0..fragments).map(other).collect();

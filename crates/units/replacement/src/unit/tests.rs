@@ -51,7 +51,7 @@ fn run(unit: &mut Replacement, input: Vec<Flow<PseudoNormals>>) -> (Vec<Out>, Ve
         if token.is_none() && unit.demand() == Demand::All {
             break;
         }
-        let mut traffic = Traffic::default();
+        let mut traffic = MemoryPorts::default();
         steps.push(unit.step(token, &mut traffic));
         for client in 0..2 {
             let issued = traffic.requests().iter().filter(|r| r.client == client).count();
@@ -155,8 +155,8 @@ fn impossible_table_is_an_error() {
             .is_err()
     );
     let mut unit = Replacement::new(tetrahedron, 16, &Operators::default()).unwrap();
-    unit.step(Some(Flow::Control(object(0, Some(5)))), &mut Traffic::default());
-    let mut traffic = Traffic::default();
+    unit.step(Some(Flow::Control(object(0, Some(5)))), &mut MemoryPorts::default());
+    let mut traffic = MemoryPorts::default();
     unit.step(Some(Flow::Item(sample(0, &[(0, [1, 0, 0])]))), &mut traffic);
     assert!(format!("{traffic:?}").contains("object `object 0` fixes"), "{traffic:?}");
 }
@@ -383,8 +383,8 @@ fn policy_follows_fragments_of_last_frame() {
 fn too_little_gather_room_fault_names_culprit_and_cure() {
     let config = ReplacementConfig { codebook: CodeBookMode::PerObject, gather_bytes: 75, ..config() };
     let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
-    unit.step(Some(Flow::Control(object(5, None))), &mut Traffic::default());
-    let mut traffic = Traffic::default();
+    unit.step(Some(Flow::Control(object(5, None))), &mut MemoryPorts::default());
+    let mut traffic = MemoryPorts::default();
     for _ in 0..4 {
         unit.step(Some(Flow::Item(sample(0, &[(0, [1, 2, 3])]))), &mut traffic);
     }
@@ -401,16 +401,16 @@ fn state_survives_checkpoint_within_batch() {
     let mut a = Replacement::new(config.clone(), 16, &Operators::default()).unwrap();
     let item = |x: u16| Some(Flow::Item(sample(x, &[(0, [x as i16, 100, 7])])));
     for x in 0..9 {
-        a.step(item(x), &mut Traffic::default());
+        a.step(item(x), &mut MemoryPorts::default());
     }
-    a.step(Some(Flow::Control(Control::FrameEnd)), &mut Traffic::default());
-    a.step(None, &mut Traffic::default());
-    a.step(None, &mut Traffic::default());
+    a.step(Some(Flow::Control(Control::FrameEnd)), &mut MemoryPorts::default());
+    a.step(None, &mut MemoryPorts::default());
+    a.step(None, &mut MemoryPorts::default());
     let mut b = Replacement::new(config, 16, &Operators::default()).unwrap();
     b.state = serde_json::from_str(&serde_json::to_string(&a.state).unwrap()).unwrap();
     assert_eq!(a.state, b.state);
     while a.demand() == Demand::Nothing {
-        assert_eq!(a.step(None, &mut Traffic::default()), b.step(None, &mut Traffic::default()));
+        assert_eq!(a.step(None, &mut MemoryPorts::default()), b.step(None, &mut MemoryPorts::default()));
     }
     assert_eq!(b.demand(), Demand::All);
 }

@@ -4,15 +4,15 @@ use super::ApproximateCalculator;
 use crate::config::MipPer;
 use crate::fixed::iterations;
 use crate::signals::Segment;
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{HardwareKind, Work};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{HardwareKind, OperatorCounts};
 use basrelief_signals::{BitWidth, SignalWidths};
 
 /// Longest dependent chain from the ends of a segment to a pixel: their difference, times a reciprocal from the table, times the
 /// position or step by step, and the start.
-const CHAIN: Work = Work { multiply: 1, add: 2, ..Work::NONE };
+const CHAIN: OperatorCounts = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
 /// Longest dependent chain from 1 / W to du, dv: a product.
-const GRADIENT: Work = Work { multiply: 1, ..Work::NONE };
+const GRADIENT: OperatorCounts = OperatorCounts { multiply: 1, ..OperatorCounts::NONE };
 
 impl ApproximateCalculator {
     /// Returns the cycles of a reciprocal 1 / W.
@@ -27,20 +27,20 @@ impl ApproximateCalculator {
         if divides { chain.max(reciprocal) } else { chain }
     }
 
-    pub(super) fn tell_hardware(&self, facts: &mut Facts) {
+    pub(super) fn tell_hardware(&self, stats: &mut UnitStats) {
         let (bits, words) = (self.bits, SignalWidths { texture: self.bits, ..SignalWidths::default() });
-        facts.hardware(HardwareKind::Table, "reciprocals of lengths", self.longest, bits);
-        facts.hardware(HardwareKind::Multiplier, "u, v per pixel", 2_u32, bits);
-        facts.hardware(HardwareKind::Adder, "difference of the ends", 2_u32, bits);
-        facts.hardware(HardwareKind::Adder, "interpolation of u, v", 2_u32, bits + self.guard());
-        facts.hardware(HardwareKind::Adder, "interpolation of depth", 1_u32, words.depth);
-        facts.hardware(HardwareKind::Registers, "the segment", 1_u32, Segment::bits(&words));
-        facts.hardware(HardwareKind::Registers, "u, v: start, end", 4_u32, bits);
-        facts.hardware(HardwareKind::Registers, "u, v: change and sum", 4_u32, bits + self.guard());
+        stats.hardware(HardwareKind::Table, "reciprocals of lengths", self.longest, bits);
+        stats.hardware(HardwareKind::Multiplier, "u, v per pixel", 2_u32, bits);
+        stats.hardware(HardwareKind::Adder, "difference of the ends", 2_u32, bits);
+        stats.hardware(HardwareKind::Adder, "interpolation of u, v", 2_u32, bits + self.guard());
+        stats.hardware(HardwareKind::Adder, "interpolation of depth", 1_u32, words.depth);
+        stats.hardware(HardwareKind::Registers, "the segment", 1_u32, Segment::bits(&words));
+        stats.hardware(HardwareKind::Registers, "u, v: start, end", 4_u32, bits);
+        stats.hardware(HardwareKind::Registers, "u, v: change and sum", 4_u32, bits + self.guard());
         if self.gradients == Some(MipPer::Pixel) {
-            facts.hardware(HardwareKind::Divider, "1 / W for du, dv", 1_u32, self.config.reciprocal_bits);
-            facts.hardware(HardwareKind::Multiplier, "du, dv of a pixel", 4_u32, self.config.reciprocal_bits);
-            facts.hardware(HardwareKind::Adder, "du, dv of a pixel", 2_u32, self.config.reciprocal_bits);
+            stats.hardware(HardwareKind::Divider, "1 / W for du, dv", 1_u32, self.config.reciprocal_bits);
+            stats.hardware(HardwareKind::Multiplier, "du, dv of a pixel", 4_u32, self.config.reciprocal_bits);
+            stats.hardware(HardwareKind::Adder, "du, dv of a pixel", 2_u32, self.config.reciprocal_bits);
         }
     }
 }

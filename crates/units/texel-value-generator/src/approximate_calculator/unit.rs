@@ -5,8 +5,8 @@ use crate::config::{ApproximationConfig, Method, MipPer, TexelConfig};
 use crate::fixed::{down, nearest};
 use crate::signals::{Coordinates, GradientPacket, Quotients, Segment, TexelPacket};
 use crate::twins::{Pair, pair};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, MemoryPorts, Operators, Step, Unit};
 use basrelief_signals::{Control, Flow, PACKET_PIXELS, Packet, WrapMode};
 
 /// Approximate calculator (310a): takes segments and the exact u, v at their ends, and interpolates between them, one pixel after
@@ -190,7 +190,7 @@ impl ApproximateCalculator {
 }
 
 impl Unit for ApproximateCalculator {
-    basrelief_kernel::role!("interpolates u, v between division points");
+    basrelief_kernel::unit_info!("interpolates u, v between division points");
     type In = (Option<Flow<Segment>>, Option<Flow<Quotients>>);
     type Out = (Option<Flow<TexelPacket>>, Option<Flow<GradientPacket>>);
 
@@ -200,7 +200,7 @@ impl Unit for ApproximateCalculator {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         if !self.state.is_walking {
             match pair("approximate calculator", input, traffic) {
                 Pair::Items(segment, quotients) => self.begin(segment, quotients),
@@ -219,25 +219,25 @@ impl Unit for ApproximateCalculator {
         !self.state.is_walking && self.state.packet.packet.mask == 0
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         for output in 0..2 {
-            facts.rate(output, self.latency(false), 1_u64);
+            stats.rate(output, self.latency(false), 1_u64);
         }
-        self.tell_hardware(facts);
+        self.tell_hardware(stats);
         let c = &self.state.counters;
-        facts.figure(
+        stats.figure(
             "multiplications",
             c.multiplications,
             "multiplications",
             "Multiplications of dividers and approximate calculator",
         );
-        facts.figure("gradient_reciprocals", c.gradient_reciprocals, "reciprocals", "Reciprocals 1 / W for du, dv");
-        facts.figure(
+        stats.figure("gradient_reciprocals", c.gradient_reciprocals, "reciprocals", "Reciprocals 1 / W for du, dv");
+        stats.figure(
             "displacement_largest",
             c.displacements.largest,
             "pixels",
             "Largest displacement measured, of all pixels with a texture",
         );
-        facts.figure("displacement_mean", c.displacements.mean(), "pixels", "Their mean displacement");
+        stats.figure("displacement_mean", c.displacements.mean(), "pixels", "Their mean displacement");
     }
 }

@@ -4,28 +4,29 @@ use super::StepCalculator;
 use crate::config::{Method, TexelConfig};
 use crate::fixed::iterations;
 use crate::signals::Span;
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{HardwareKind, Work};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{HardwareKind, OperatorCounts};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{BitWidth, SignalWidths};
 
 /// Adders of the step calculator, besides those of its points.
 const ADDERS: u32 = 3;
 /// Arithmetic of the decision if a span needs a division: two squares, two products, two sums and a comparison.
-const DECISION: Work = Work { multiply: 4, add: 3, ..Work::NONE };
+const DECISION: OperatorCounts = OperatorCounts { multiply: 4, add: 3, ..OperatorCounts::NONE };
 /// Longest dependent chain of the decision.
-const DECISION_CHAIN: Work = Work { multiply: 2, add: 2, ..Work::NONE };
+const DECISION_CHAIN: OperatorCounts = OperatorCounts { multiply: 2, add: 2, ..OperatorCounts::NONE };
 /// Arithmetic from e / |dw| to the argument of the first root, and from that root to the step.
-pub(super) const FIRST_STEP: Work = Work { multiply: 1, add: 1, ..Work::NONE };
+pub(super) const FIRST_STEP: OperatorCounts = OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE };
 /// Arithmetic from a step to the argument of the next root, which differs by e t, and from that root to the next step.
-pub(super) const NEXT_STEP: Work = Work { multiply: 1, add: 2, ..Work::NONE };
+pub(super) const NEXT_STEP: OperatorCounts = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
 /// Arithmetic of U, V and W of a point, each a product and a sum.
-const POINT: Work = Work { multiply: 1, add: 1, ..Work::NONE };
+const POINT: OperatorCounts = OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE };
 
 impl StepCalculator {
     /// Returns the occupancy of the decision if a span needs a division \[cycles\].
     pub(super) fn decision(&self) -> u64 {
-        self.operators.interval(DECISION, Work { multiply: self.config.multipliers, add: ADDERS, ..Work::NONE })
+        self.operators
+            .interval(DECISION, OperatorCounts { multiply: self.config.multipliers, add: ADDERS, ..OperatorCounts::NONE })
     }
 
     /// Returns the cycles of e / |dw|, or of a root.
@@ -44,22 +45,22 @@ impl StepCalculator {
         decision + self.operators.latency(POINT)
     }
 
-    pub(super) fn tell_hardware(&self, facts: &mut Facts) {
+    pub(super) fn tell_hardware(&self, stats: &mut UnitStats) {
         let TexelConfig { method, step_bits, coordinate_bits, multipliers, step_table, .. } = self.config;
         let widths = SignalWidths { texture: coordinate_bits, ..SignalWidths::default() };
-        facts.hardware(HardwareKind::Multiplier, "U, V, W of a point", 3_u32, coordinate_bits);
-        facts.hardware(HardwareKind::Adder, "U, V, W of a point", 3_u32, coordinate_bits);
-        facts.hardware(HardwareKind::Registers, "the span", 1_u32, Span::bits(&widths));
+        stats.hardware(HardwareKind::Multiplier, "U, V, W of a point", 3_u32, coordinate_bits);
+        stats.hardware(HardwareKind::Adder, "U, V, W of a point", 3_u32, coordinate_bits);
+        stats.hardware(HardwareKind::Registers, "the span", 1_u32, Span::bits(&widths));
         if method != Method::Adaptive {
             return;
         }
-        facts.hardware(HardwareKind::Registers, "storage element: criterion e", 1_u32, NUMBER);
-        facts.hardware(HardwareKind::Multiplier, "whether a span is divided; steps", multipliers, NUMBER);
-        facts.hardware(HardwareKind::Adder, "whether a span is divided; steps", ADDERS, NUMBER);
-        facts.hardware(HardwareKind::Divider, "e / |dw|", 1_u32, step_bits);
+        stats.hardware(HardwareKind::Registers, "storage element: criterion e", 1_u32, NUMBER);
+        stats.hardware(HardwareKind::Multiplier, "whether a span is divided; steps", multipliers, NUMBER);
+        stats.hardware(HardwareKind::Adder, "whether a span is divided; steps", ADDERS, NUMBER);
+        stats.hardware(HardwareKind::Divider, "e / |dw|", 1_u32, step_bits);
         match step_table {
-            0 => facts.hardware(HardwareKind::SquareRoot, "steps", 1_u32, step_bits),
-            entries => facts.hardware(HardwareKind::Table, "square roots", entries, step_bits),
+            0 => stats.hardware(HardwareKind::SquareRoot, "steps", 1_u32, step_bits),
+            entries => stats.hardware(HardwareKind::Table, "square roots", entries, step_bits),
         }
     }
 }

@@ -7,8 +7,8 @@ use crate::config::{Method, TexelConfig};
 use crate::fixed::down;
 use crate::log::SpanRecord;
 use crate::signals::{Points, Segment, Span};
-use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{Demand, MemoryPorts, Operators, Step, Unit};
 use basrelief_signals::{Control, Flow};
 use smallvec::smallvec;
 use std::sync::Arc;
@@ -193,7 +193,7 @@ fn evenly(last: u16, from: u16, points: u32) -> u16 {
 }
 
 impl Unit for StepCalculator {
-    basrelief_kernel::role!("chooses division points by the criterion in its storage element");
+    basrelief_kernel::unit_info!("chooses division points by the criterion in its storage element");
     type In = Option<Flow<Span>>;
     type Out = (Option<Flow<Segment>>, Option<Flow<Points>>);
 
@@ -203,7 +203,7 @@ impl Unit for StepCalculator {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = self.latency();
         if self.state.storage.selected == 0 {
             self.state.storage.select(self.config.error_bound);
@@ -226,43 +226,43 @@ impl Unit for StepCalculator {
         self.state.span.is_none()
     }
 
-    fn tell(&self, facts: &mut Facts) {
+    fn report_stats(&self, stats: &mut UnitStats) {
         let turn = if self.config.method == Method::Adaptive { self.operators.latency(NEXT_STEP) + self.root() } else { 1 };
         for output in 0..2 {
-            facts.rate(output, self.latency() + turn - 1, turn);
+            stats.rate(output, self.latency() + turn - 1, turn);
         }
-        self.tell_hardware(facts);
+        self.tell_hardware(stats);
         let c = &self.state.counters;
         let (roots, look_ups) = if self.table.is_some() { (0, c.roots) } else { (c.roots, 0) };
         let bins = c.lengths.iter().rposition(|n| *n > 0).map_or(0, |i| i + 1).min(BINS);
-        facts.figure("textured_fragments", c.textured_pixels, "pixels", "Pixels of spans with a texture");
-        facts.figure("spans", c.spans, "spans", "Spans with a texture");
-        facts.figure("spans_untextured", c.untextured, "spans", "Spans without");
-        facts.figure("spans_of_one_pixel", c.single, "spans", "Spans of one pixel");
-        facts.figure("spans_not_subdivided", c.short, "spans", "Spans too short to be subdivided");
-        facts.figure("spans_without_division", c.free, "spans", "Spans that products decided to need no division point");
-        facts.figure("segments", c.segments, "segments", "Segments between division points");
-        facts.figure(
+        stats.figure("textured_fragments", c.textured_pixels, "pixels", "Pixels of spans with a texture");
+        stats.figure("spans", c.spans, "spans", "Spans with a texture");
+        stats.figure("spans_untextured", c.untextured, "spans", "Spans without");
+        stats.figure("spans_of_one_pixel", c.single, "spans", "Spans of one pixel");
+        stats.figure("spans_not_subdivided", c.short, "spans", "Spans too short to be subdivided");
+        stats.figure("spans_without_division", c.free, "spans", "Spans that products decided to need no division point");
+        stats.figure("segments", c.segments, "segments", "Segments between division points");
+        stats.figure(
             "segment_lengths_up_to",
             (0..bins).map(|i| 1_u64 << i).collect::<Vec<_>>(),
             "pixels",
             "Longest segments of each class of `segment_lengths`",
         );
-        facts.figure("segment_lengths", c.lengths[..bins].to_vec(), "segments", "Segments of each class of lengths");
-        facts.figure("segment_longest", c.longest, "pixels", "The longest segment");
-        facts.figure("division_points", c.division_points, "points", "Division points");
-        facts.figure("square_roots", roots, "roots", "Square roots calculated");
-        facts.figure("step_table_look_ups", look_ups, "look-ups", "Square roots looked up in their place");
-        facts.figure("step_divisions", c.step_divisions, "divisions", "Divisions e / |dw| of the step calculator");
+        stats.figure("segment_lengths", c.lengths[..bins].to_vec(), "segments", "Segments of each class of lengths");
+        stats.figure("segment_longest", c.longest, "pixels", "The longest segment");
+        stats.figure("division_points", c.division_points, "points", "Division points");
+        stats.figure("square_roots", roots, "roots", "Square roots calculated");
+        stats.figure("step_table_look_ups", look_ups, "look-ups", "Square roots looked up in their place");
+        stats.figure("step_divisions", c.step_divisions, "divisions", "Divisions e / |dw| of the step calculator");
         let bound = if self.state.storage.selected > 0 { self.state.storage.largest } else { self.config.error_bound };
-        facts.figure(
+        stats.figure(
             "displacement_bound",
             bound,
             "pixels",
             "Largest displacement that the criterion allows, of all that were selected",
         );
         if let Some(table) = &self.table {
-            facts.figure("step_table_largest_error", table.largest_error(), "", "Largest relative error of the table of roots");
+            stats.figure("step_table_largest_error", table.largest_error(), "", "Largest relative error of the table of roots");
         }
     }
 }

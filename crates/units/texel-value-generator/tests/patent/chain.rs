@@ -1,6 +1,6 @@
 //! Runs spans through step calculator, dividers and approximate calculator (310a). Generates random spans.
 
-use basrelief_kernel::{Demand, OperatorConfig, Operators, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, OperatorConfig, Operators, Unit};
 use basrelief_signals::{Control, Flow, Image, Material, Polygon, Sampler, Texture, Vertex, WrapMode};
 use basrelief_texel_value_generator::signals::{GradientPacket, Segment, Span, TexelPacket, scale_of};
 use basrelief_texel_value_generator::{
@@ -83,7 +83,7 @@ pub fn walk_on(config: &TexelConfig, span: Span, polygon: &Arc<Polygon>, gradien
     let mut divider = Divider::new(DividerConfig::default(), config.coordinate_bits, operators());
     let mut approximate = ApproximateCalculator::new(ApproximationConfig::default(), config, [2, 24], gradients, operators());
     let (mut segments, mut packets, mut out_gradients) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut none, mut kept) = (Traffic::default(), (Vec::new(), 0));
+    let (mut none, mut kept) = (MemoryPorts::default(), (Vec::new(), 0));
     for token in [Flow::Control(Control::Polygon(Arc::clone(polygon))), Flow::Item(span)] {
         let mut input = Some(token);
         while input.is_some() || steps.demand() == Demand::Nothing {

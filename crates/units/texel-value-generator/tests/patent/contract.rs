@@ -2,7 +2,7 @@
 
 use crate::chain::{operators, textured};
 use crate::figures::{frame, polygon};
-use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Unit};
 use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{Control, Flow, ObjectInfo, Polygon, WrapMode};
 use basrelief_texel_value_generator::signals::{
@@ -46,7 +46,7 @@ fn fork<I, A, B>(unit: &mut impl Unit<In = Option<I>, Out = (Option<A>, Option<B
         if input.is_none() && unit.demand() == Demand::All {
             return (first, second);
         }
-        let (a, b) = unit.step(input, &mut Traffic::default()).out;
+        let (a, b) = unit.step(input, &mut MemoryPorts::default()).out;
         first.extend(a);
         second.extend(b);
     }
@@ -60,7 +60,7 @@ fn chain<I, A>(unit: &mut impl Unit<In = Option<I>, Out = Option<A>>, tokens: Ve
         if input.is_none() && unit.demand() == Demand::All {
             return out;
         }
-        out.extend(unit.step(input, &mut Traffic::default()).out);
+        out.extend(unit.step(input, &mut MemoryPorts::default()).out);
     }
 }
 
@@ -117,14 +117,14 @@ fn wires(method: Method) -> Wires {
         if pair.is_none() && unit.demand() == Demand::All {
             break;
         }
-        let (a, b) = unit.step(pair.map_or((None, None), |(a, b)| (Some(a), Some(b))), &mut Traffic::default()).out;
+        let (a, b) = unit.step(pair.map_or((None, None), |(a, b)| (Some(a), Some(b))), &mut MemoryPorts::default()).out;
         texels.extend(a);
         gradients.extend(b);
     }
     let levels = chain(&mut selector(), gradients.clone());
     let mut unit = look_up();
     let pairs = texels.clone().into_iter().zip(levels.clone());
-    let step = |(a, b)| unit.step((Some(a), Some(b)), &mut Traffic::default()).out;
+    let step = |(a, b)| unit.step((Some(a), Some(b)), &mut MemoryPorts::default()).out;
     let texture_values = pairs.filter_map(step).collect();
     let illuminances = chain(&mut IlluminanceValueGenerator::default(), lit_spans.clone());
     Wires { spans, lit_spans, segments, points, quotients, texels, gradients, levels, texture_values, illuminances }
@@ -147,10 +147,10 @@ fn contract_tokens_have_attributions() {
 
 #[test]
 fn mismatched_inputs_are_a_fault() {
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     look_up().step((Some(Flow::Control(Control::FrameEnd)), Some(Flow::Item(LevelPacket::default()))), &mut traffic);
     assert!(format!("{traffic:?}").contains("texture look-up table: its two inputs"));
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     blend().step((Some(Flow::Control(Control::FrameEnd)), Some(Flow::Control(frame(8, 8)))), &mut traffic);
     assert!(format!("{traffic:?}").contains("combiner: its two inputs"));
 }

@@ -1,7 +1,7 @@
 //! Figures 1, 2, 4A, 4B and 6 step by step, and the dividers.
 
 use crate::chain::{Walked, config, operators, span, textured, walk};
-use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Unit};
 use basrelief_signals::{Camera, Control, Flow, Frame, Polygon, Vertex, WrapMode};
 use basrelief_texel_value_generator::signals::{Coordinates, Point, Points, Span};
 use basrelief_texel_value_generator::{
@@ -34,11 +34,11 @@ pub fn polygon(corners: &[[f32; 3]]) -> Control {
 /// Returns the spans of a polygon.
 pub fn scanned(snap: Snap, march: March, corners: &[[f32; 3]]) -> (Vec<Span>, ScanConverter) {
     let mut unit = ScanConverter::new(ScanConverterConfig::default(), snap, march, operators());
-    unit.step(Some(frame(64, 64)), &mut Traffic::default());
-    unit.step(Some(polygon(corners)), &mut Traffic::default());
+    unit.step(Some(frame(64, 64)), &mut MemoryPorts::default());
+    unit.step(Some(polygon(corners)), &mut MemoryPorts::default());
     let mut spans = Vec::new();
     while unit.demand() == Demand::Nothing {
-        let (Some(Flow::Item(span)), Some(Flow::Item(lit))) = unit.step(None, &mut Traffic::default()).out else { panic!() };
+        let (Some(Flow::Item(span)), Some(Flow::Item(lit))) = unit.step(None, &mut MemoryPorts::default()).out else { panic!() };
         assert_eq!((span.x, span.y, span.count), (lit.x, lit.y, lit.count));
         spans.push(span);
     }
@@ -156,7 +156,7 @@ fn right_to_left_marching_keeps_same_bound() {
 fn non_positive_w_error_names_place() {
     for w in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         let mut unit = ScanConverter::default();
-        let mut traffic = Traffic::default();
+        let mut traffic = MemoryPorts::default();
         unit.step(Some(frame(8, 8)), &mut traffic);
         unit.step(Some(polygon(&[[0.0, 0.0, 1.0], [8.0, 0.0, w], [0.0, 8.0, 1.0]])), &mut traffic);
         let said = format!("{traffic:?}");
@@ -183,7 +183,7 @@ fn free_divider_takes_next_division() {
 /// Returns the quotients of some points, the occupancy and latency of the dividers, and the counters.
 fn divided(config: DividerConfig, bits: u32, points: &Points) -> (Vec<[i64; 2]>, u64, u64, DividerCounters) {
     let mut unit = Divider::new(config, bits, operators());
-    let step = unit.step(Some(Flow::Item(points.clone())), &mut Traffic::default());
+    let step = unit.step(Some(Flow::Item(points.clone())), &mut MemoryPorts::default());
     let Some(Flow::Item(quotients)) = step.out else { panic!() };
     (quotients.iter().map(|Coordinates(uv)| *uv).collect(), step.occupancy, step.latency, unit.state.counters)
 }

@@ -1,7 +1,7 @@
 //! MIP-map selector (320) and claim 9.
 
 use crate::chain::{Walked, bounds, config, spans, textured, walk_on};
-use basrelief_kernel::{Traffic, Unit};
+use basrelief_kernel::{MemoryPorts, Unit};
 use basrelief_signals::{Control, Flow, WrapMode};
 use basrelief_texel_value_generator::signals::GradientPacket;
 use basrelief_texel_value_generator::{MipConfig, MipMapSelector, MipMode, MipPer};
@@ -10,10 +10,10 @@ use std::collections::BTreeMap;
 
 fn levels(mode: MipMode, gradients: &[GradientPacket]) -> Vec<(u16, f32)> {
     let mut unit = MipMapSelector::new(MipConfig { mode, ..MipConfig::default() });
-    unit.step(Some(Flow::Control(Control::Polygon(textured(WrapMode::Repeat)))), &mut Traffic::default());
+    unit.step(Some(Flow::Control(Control::Polygon(textured(WrapMode::Repeat)))), &mut MemoryPorts::default());
     let mut all = Vec::new();
     for packet in gradients {
-        let Some(Flow::Item(levels)) = unit.step(Some(Flow::Item(*packet)), &mut Traffic::default()).out else { panic!() };
+        let Some(Flow::Item(levels)) = unit.step(Some(Flow::Item(*packet)), &mut MemoryPorts::default()).out else { panic!() };
         all.extend(packet.packet.positions().map(|i| (packet.packet.x + i as u16, levels.level[i])));
     }
     all

@@ -1,7 +1,7 @@
 //! Combiner (350): the old value from the buffer (360), and the time of its read.
 
 use crate::figures::frame;
-use basrelief_kernel::{Traffic, Unit};
+use basrelief_kernel::{MemoryPorts, Unit};
 use basrelief_signals::{Flow, GatheredLines};
 use basrelief_texel_value_generator::signals::{IlluminancePacket, TexturePacket};
 use basrelief_texel_value_generator::{CombineMode, Combiner, CombinerConfig};
@@ -13,7 +13,7 @@ const ONE: u16 = 1 << 14;
 
 fn combiner(mode: CombineMode, lines: u32) -> Combiner {
     let mut unit = Combiner::new(CombinerConfig { mode, ..CombinerConfig::default() }, lines);
-    unit.step((Some(Flow::Control(frame(40, 3))), Some(Flow::Control(frame(40, 3)))), &mut Traffic::default());
+    unit.step((Some(Flow::Control(frame(40, 3))), Some(Flow::Control(frame(40, 3)))), &mut MemoryPorts::default());
     unit
 }
 
@@ -23,7 +23,7 @@ fn combine(unit: &mut Combiner, [x, y]: [u16; 2], [value, alpha]: [u16; 2]) -> (
     (texture.packet.x, texture.packet.y, texture.packet.mask) = (x, y, 0b1000);
     texture.rgba[3] = [value << 8, value << 8, value << 8, alpha << 8];
     light.rgba[3] = [ONE, ONE / 2, 0, ONE];
-    let mut traffic = Traffic::default();
+    let mut traffic = MemoryPorts::default();
     let out = unit.step((Some(Flow::Item(texture)), Some(Flow::Item(light))), &mut traffic).out;
     let Some(Flow::Item(packet)) = out else { panic!() };
     assert!(traffic.requests().iter().all(|r| !r.write && r.bytes == 64));

@@ -1,0 +1,183 @@
+//! A run in two halves, which may be on two threads: one makes the steps, the other tells their times. What a step does depends on no
+//! time (law 6), so the first waits for nothing that the second finds.
+
+use super::arity::advance;
+use super::batch::{BatchedStep, StageSteps, StepBatch};
+use super::context::ActiveRecording;
+use super::functional::run_to;
+use super::step_source::StepSource;
+use super::timed::RunAhead;
+use crate::check::WiringError;
+use crate::machine::Machine;
+use crate::netlist::Netlist;
+use crate::recording::{RecordingChunk, RecordingWriter};
+use crate::report::RunReport;
+use crate::time::{FinalUnitState, InputMask, MachineTiming, StepTiming, StopReason};
+use crate::{Demand, MemoryPorts, NoProbe};
+
+/// Makes all steps of a machine, and hands them on, some `steps` at a time. They run ahead of their times: so this is for runs without a
+/// limit of cycles. `progress` as in [`Limits`](super::Limits).
+///
+/// # Errors
+/// If the wiring is wrong.
+pub fn make_steps<M: Machine>(
+    machine: &mut M,
+    progress: &mut dyn FnMut(&mut M) -> bool,
+    (steps, hand_on): (usize, &mut dyn FnMut(StepBatch)),
+) -> Result<(), WiringError> {
+    let stages = Netlist::of(machine)?.stages.len();
+    run_to(machine, progress, (steps, vec![StageSteps::default(); stages], hand_on));
+    Ok(())
+}
+
+/// Tells the times of the steps of a machine of this shape, as they come: the report that [`run_with`](super::run_with) gives with the
+/// timed engine. `keep`: who is given its [tape](crate::tape), in reels of so many bytes and somewhat more.
+pub fn time_steps(
+    shape: Netlist,
+    pieces: &mut dyn FnMut() -> Option<StepBatch>,
+    keep: Option<(usize, &mut dyn FnMut(RecordingChunk))>,
+) -> RunReport {
+    let mut time = MachineTiming::new(shape);
+    let inputs = time.shape.stages.iter().map(|stage| stage.inputs.len());
+    let mut queues: Vec<BatchedSteps> = inputs.map(BatchedSteps::new).collect();
+    let mut recording = keep.map(|(bytes, keep)| (RecordingWriter::new(&time.shape, &time.memories, bytes), keep));
+    let tape = recording.as_mut().map(|(writer, keep)| ActiveRecording { writer, keep: &mut **keep });
+    let halt = compute_times(&mut time, &mut queues, pieces, tape);
+    time.land_all();
+    let unit_states = queue_states(&queues);
+    if let (Some((mut writer, keep)), StopReason::Quiet) = (recording, &halt) {
+        keep(writer.reel(unit_states.clone(), true));
+    }
+    time.finalize(&unit_states, halt)
+}
+
+fn compute_times(
+    time: &mut MachineTiming,
+    queues: &mut [BatchedSteps],
+    pieces: &mut dyn FnMut() -> Option<StepBatch>,
+    tape: Option<ActiveRecording<'_>>,
+) -> StopReason {
+    let mut stopped = feed(queues, pieces).unwrap_or(true);
+    let (writer, mut keep) = tape.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
+    let mut probe = NoProbe;
+    let mut walk = RunAhead::new(time, &mut probe, u64::MAX, writer);
+    loop {
+        walk.begin();
+        for (number, queue) in queues.iter_mut().enumerate() {
+            advance(&mut walk, number, queue);
+        }
+        if let Some(fault) = walk.fault.take() {
+            return StopReason::Fault(fault);
+        }
+        if let (Some(writer), Some(keep)) = (&mut walk.tape, &mut keep)
+            && writer.is_full()
+        {
+            keep(writer.reel(queue_states(queues), false));
+        }
+        if walk.goes_on() {
+            continue;
+        }
+        if !walk.needs_more_steps {
+            return if stopped { StopReason::Stopped } else { StopReason::Quiet };
+        }
+        let Some(stops) = feed(queues, pieces) else { return StopReason::Stopped };
+        stopped = stops;
+    }
+}
+
+/// Goes on with the next piece, if there is one; whether the work was stopped behind it.
+fn feed(queues: &mut [BatchedSteps], pieces: &mut dyn FnMut() -> Option<StepBatch>) -> Option<bool> {
+    let StepBatch { stages, unit_states, stopped } = pieces()?;
+    for (queue, (steps, rest)) in queues.iter_mut().zip(stages.into_iter().zip(unit_states)) {
+        queue.feed(steps, rest);
+    }
+    Some(stopped)
+}
+
+fn queue_states(queues: &[BatchedSteps]) -> Vec<FinalUnitState> {
+    queues.iter().map(BatchedSteps::rest).collect()
+}
+
+/// Steps of a stage that wait for their times.
+struct BatchedSteps {
+    waiting: StageSteps,
+    /// How many of them are made, and how much of what they asked is.
+    next: usize,
+    asked: usize,
+    /// What the step behind them takes.
+    rest: FinalUnitState,
+    inputs: usize,
+}
+
+impl BatchedSteps {
+    fn new(inputs: usize) -> Self {
+        Self {
+            waiting: StageSteps::default(),
+            next: 0,
+            asked: 0,
+            rest: FinalUnitState { demand: Demand::Finished, empty: true },
+            inputs,
+        }
+    }
+
+    fn feed(&mut self, mut steps: StageSteps, rest: FinalUnitState) {
+        let waiting = &mut self.waiting;
+        if self.next < waiting.steps.len() {
+            waiting.steps.drain(..self.next);
+            waiting.asked.drain(..self.asked);
+            waiting.steps.append(&mut steps.steps);
+            waiting.asked.append(&mut steps.asked);
+            waiting.fault = waiting.fault.take().or(steps.fault);
+        } else {
+            *waiting = steps;
+        }
+        (self.next, self.asked, self.rest) = (0, 0, rest);
+    }
+
+    #[inline(always)]
+    fn demand(&self) -> Demand {
+        self.waiting.steps.get(self.next).map_or(self.rest.demand, |step| step.demand)
+    }
+
+    fn rest(&self) -> FinalUnitState {
+        FinalUnitState { demand: self.demand(), empty: self.rest.empty && !self.has_step() }
+    }
+}
+
+impl StepSource for BatchedSteps {
+    type Declared = Demand;
+
+    #[inline(always)]
+    fn next(&self) -> (Demand, InputMask) {
+        let demand = self.demand();
+        (demand, InputMask::of(demand, self.inputs))
+    }
+
+    #[inline(always)]
+    fn has_step(&self) -> bool {
+        self.next < self.waiting.steps.len()
+    }
+
+    #[inline(always)]
+    fn step(&mut self, _: Demand, traffic: &mut MemoryPorts) -> StepTiming {
+        let StageSteps { steps, asked, fault } = &mut self.waiting;
+        let BatchedStep { made, requests, look_ups, .. } = steps[self.next];
+        if requests + look_ups > 0 {
+            let (requests, rest) = asked[self.asked..].split_at(requests as usize);
+            traffic.ask(requests, &rest[..look_ups as usize]);
+            self.asked += requests.len() + look_ups as usize;
+        }
+        self.next += 1;
+        if self.next == steps.len()
+            && let Some(fault) = fault.take()
+        {
+            traffic.fault(fault);
+        }
+        made
+    }
+
+    #[inline(always)]
+    fn write(&self, tape: &mut RecordingWriter, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts) {
+        tape.step(number, demand, made, traffic);
+    }
+}

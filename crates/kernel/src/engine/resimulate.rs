@@ -1,0 +1,287 @@
+//! Times the work on a tape again: the timed engine, with steps from a tape in place of those of units.
+
+use super::arity::advance;
+use super::step_source::StepSource;
+use super::timed::RunAhead;
+use crate::netlist::Netlist;
+use crate::recording::{RecordingChunk, RecordingError, RecordingReader};
+use crate::report::RunReport;
+use crate::step_requests::StepRequestsView;
+use crate::time::{FinalUnitState, InputMask, MachineTiming, PathTracer, StageVisit, StepTiming, StopReason};
+use crate::{CriticalPath, Cycle, Demand, MemoryPorts, NoProbe, Outcome, Probe, StageGroups};
+use std::borrow::Cow;
+use std::fmt;
+
+/// Why a tape cannot be timed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ResimulateError {
+    /// What is on the tape is no work.
+    Recording(RecordingError),
+    /// It is the work of another machine.
+    Stages {
+        /// Stages of the tape.
+        found: usize,
+        /// Stages of the machine.
+        expected: usize,
+    },
+    /// A stage can go on, but the run that was recorded did not go so far.
+    EndsEarly(String),
+    /// A step does what its stage cannot.
+    Fault(String),
+    /// The tape could not be read.
+    Read(String),
+}
+
+impl fmt::Display for ResimulateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Recording(error) => error.fmt(f),
+            Self::Stages { found, expected } => write!(f, "the tape has {found} stages, but the machine has {expected}"),
+            Self::EndsEarly(stage) => write!(
+                f,
+                "under these parameters `{stage}` goes on beyond what was recorded: record a run that is complete, or that goes as far"
+            ),
+            Self::Fault(text) | Self::Read(text) => f.write_str(text),
+        }
+    }
+}
+
+impl std::error::Error for ResimulateError {}
+
+impl From<RecordingError> for ResimulateError {
+    fn from(error: RecordingError) -> Self {
+        Self::Recording(error)
+    }
+}
+
+/// Gives the reels of a tape in order, and none after the last; or says why it cannot be read. It is told how many bytes of those
+/// before are still to be timed.
+pub type ChunkSource<'a, 'f> = dyn FnMut(usize) -> Result<Option<Cow<'f, RecordingChunk>>, String> + 'a;
+
+impl StepSource for RecordingReader {
+    type Declared = ();
+
+    #[inline]
+    fn next(&self) -> ((), InputMask) {
+        ((), self.takes())
+    }
+
+    #[inline]
+    fn has_step(&self) -> bool {
+        self.has_step()
+    }
+
+    #[inline]
+    fn step(&mut self, (): (), _: &mut MemoryPorts) -> StepTiming {
+        self.step()
+    }
+
+    #[inline]
+    fn is_silent(&self, _: &MemoryPorts) -> bool {
+        self.is_silent()
+    }
+
+    #[inline]
+    fn asks<'a>(&'a mut self, traffic: &'a mut MemoryPorts, _: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
+        self.asks(traffic)
+    }
+
+    #[inline]
+    fn go_on(&mut self, _: &mut MemoryPorts) {
+        self.go_on();
+    }
+}
+
+/// Times the work on a tape on a machine of this shape: the report that a run of it gives.
+///
+/// The tape must be of the same machine with the same [work](Netlist::same_work).
+///
+/// # Errors
+/// See [`ResimulateError`].
+pub fn resimulate<P: Probe>(
+    shape: Netlist,
+    reels: &mut ChunkSource<'_, '_>,
+    probe: &mut P,
+    max_cycles: u64,
+) -> Result<RunReport, ResimulateError> {
+    let readers = new_readers(&shape);
+    Ok(timed_again((shape, readers), reels, (probe, ResimulationGoal::Report), max_cycles)?.0)
+}
+
+/// Times the work on a tape, and finds what its end waited for, back to its beginning. It keeps up to `most_events` of 16 bytes, some
+/// three per step: where that is too few, or the run is not complete, there is no path. `groups`: of the steps of each stage; or none.
+///
+/// # Errors
+/// See [`ResimulateError`].
+pub fn critical_path(
+    shape: Netlist,
+    reels: &mut ChunkSource<'_, '_>,
+    most_events: usize,
+    groups: &[StageGroups],
+) -> Result<Option<CriticalPath>, ResimulateError> {
+    let readers = new_readers(&shape);
+    Ok(timed_again((shape, readers), reels, (&mut NoProbe, ResimulationGoal::Path(most_events, groups)), u64::MAX)?.1)
+}
+
+fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
+    shape.stages.iter().map(|stage| RecordingReader::new(stage, &shape.memories)).collect()
+}
+
+/// A tape that is timed more than once: its steps are read once, and their look-ups made once, for the machine that it is timed on
+/// first and all that have the same caches.
+#[derive(Clone, Debug)]
+pub struct Recording<'a> {
+    reels: Cow<'a, [RecordingChunk]>,
+    /// Of each stage; none where the tape is too long to be held so, or wrong.
+    readers: Option<Vec<RecordingReader>>,
+    /// Most that the steps of a stage may take \[bytes\].
+    room: u64,
+}
+
+impl<'a> Recording<'a> {
+    /// All of a tape, read for a machine of this shape. Its steps are held where they take no more than about `room` bytes; otherwise it
+    /// is read for each timing.
+    pub fn new(reels: impl Into<Cow<'a, [RecordingChunk]>>, shape: &Netlist, room: u64) -> Self {
+        let room = room / shape.stages.len().max(1) as u64;
+        let mut tape = Self { reels: reels.into(), readers: None, room };
+        let is_ours = tape.reels.iter().all(|reel| reel.stages.len() == shape.stages.len());
+        tape.readers = if is_ours { (0..shape.stages.len()).map(|stage| tape.read(stage, shape)).collect() } else { None };
+        tape
+    }
+
+    fn read(&self, stage: usize, shape: &Netlist) -> Option<RecordingReader> {
+        let pieces = self.reels.iter().filter_map(|reel| reel.piece(stage));
+        RecordingReader::whole(&shape.stages[stage], &shape.memories, pieces, self.room)
+    }
+
+    /// As [`resimulate`].
+    ///
+    /// # Errors
+    /// See [`ResimulateError`].
+    pub fn resimulate(&self, shape: Netlist) -> Result<RunReport, ResimulateError> {
+        Ok(self.timed_again(shape, ResimulationGoal::Report)?.0)
+    }
+
+    /// Cycles [up to the last mark](RunReport::marked_cycles), and nothing else: in seven eighths of the instructions. None where the
+    /// run is not complete.
+    ///
+    /// # Errors
+    /// See [`ResimulateError`].
+    pub fn cycles(&self, shape: Netlist) -> Result<Option<u64>, ResimulateError> {
+        let (report, _) = self.timed_again(shape, ResimulationGoal::Cycles)?;
+        Ok((report.outcome == Outcome::Complete).then(|| report.marked_cycles()))
+    }
+
+    /// As [`critical_path`].
+    ///
+    /// # Errors
+    /// See [`ResimulateError`].
+    pub fn critical_path(
+        &self,
+        shape: Netlist,
+        most_events: usize,
+        groups: &[StageGroups],
+    ) -> Result<Option<CriticalPath>, ResimulateError> {
+        Ok(self.timed_again(shape, ResimulationGoal::Path(most_events, groups))?.1)
+    }
+
+    fn timed_again(
+        &self,
+        shape: Netlist,
+        wanted: ResimulationGoal<'_>,
+    ) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
+        let fitting = |(stage, reader): (usize, &RecordingReader)| {
+            let fits = reader.fits(&shape.stages[stage], &shape.memories);
+            if fits { Some(reader.clone()) } else { self.read(stage, &shape) }
+        };
+        let readers = self.readers.as_ref().filter(|readers| readers.len() == shape.stages.len());
+        let readers: Option<Vec<RecordingReader>> = readers.and_then(|readers| readers.iter().enumerate().map(fitting).collect());
+        let mut reels = self.reels.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.reels.len() } else { 0 });
+        let readers = readers.unwrap_or_else(|| new_readers(&shape));
+        timed_again((shape, readers), &mut |_| Ok(reels.next()), (&mut NoProbe, wanted), u64::MAX)
+    }
+}
+
+/// What is wanted of a run.
+enum ResimulationGoal<'a> {
+    /// Its cycles.
+    Cycles,
+    /// All of its report.
+    Report,
+    /// Its critical path: of how many events at most, and by which groups.
+    Path(usize, &'a [StageGroups]),
+}
+
+/// The report, and the critical path where it is wanted.
+fn timed_again<P: Probe>(
+    (shape, mut readers): (Netlist, Vec<RecordingReader>),
+    reels: &mut ChunkSource<'_, '_>,
+    (probe, wanted): (&mut P, ResimulationGoal<'_>),
+    max_cycles: u64,
+) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
+    let mut time = MachineTiming::new(shape);
+    time.keep_fills(&*probe);
+    if readers.iter().any(|reader| reader.demand().is_none()) {
+        feed(&mut readers, reels, &time)?;
+    }
+    let path = match wanted {
+        ResimulationGoal::Path(most, groups) => Some(PathTracer::new(&mut time, most, groups)),
+        ResimulationGoal::Report => None,
+        ResimulationGoal::Cycles => {
+            time.account_for_nothing();
+            None
+        }
+    };
+    let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
+    walk.path = path;
+    let halt = loop {
+        walk.begin();
+        for (number, reader) in readers.iter_mut().enumerate() {
+            advance(&mut walk, number, reader);
+        }
+        if let Some(fault) = walk.fault.take() {
+            return Err(ResimulateError::Fault(fault));
+        }
+        if let Some(error) = readers.iter_mut().find_map(|reader| reader.error.take()) {
+            return Err(error.into());
+        }
+        walk.time.show_fills(walk.probe, None);
+        if walk.goes_on() {
+            continue;
+        }
+        if !walk.needs_more_steps {
+            break if walk.limited { StopReason::Limit(max_cycles) } else { StopReason::Quiet };
+        }
+        feed(&mut readers, reels, walk.time)?;
+    };
+    let path = walk.path;
+    time.land_all();
+    let rest = |reader: &RecordingReader| FinalUnitState {
+        demand: reader.demand().unwrap_or(Demand::Finished),
+        empty: reader.is_empty() && !reader.has_step(),
+    };
+    let unit_states: Vec<FinalUnitState> = readers.iter().map(rest).collect();
+    let report = time.finalize(&unit_states, halt);
+    time.show_fills(probe, Some(Cycle(report.total)));
+    let path = path.filter(|_| report.outcome == Outcome::Complete);
+    let path = path.and_then(|path| path.trace(&time, report.total, &report.marks));
+    Ok((report, path))
+}
+
+/// Goes on with the next reel, which a stage needs.
+fn feed(readers: &mut [RecordingReader], reels: &mut ChunkSource<'_, '_>, time: &MachineTiming) -> Result<(), ResimulateError> {
+    let waiting = readers.iter().map(RecordingReader::waiting).sum();
+    let Some(reel) = reels(waiting).map_err(ResimulateError::Read)? else {
+        let needs = |&stage: &usize| {
+            let demand = readers[stage].demand().unwrap_or(Demand::Finished);
+            !readers[stage].has_step() && time.next_start(stage, demand).is_known()
+        };
+        let stage = (0..readers.len()).find(needs).unwrap_or_default();
+        return Err(ResimulateError::EndsEarly(time.shape.stages[stage].names.name.clone()));
+    };
+    if reel.stages.len() != readers.len() {
+        return Err(ResimulateError::Stages { found: reel.stages.len(), expected: readers.len() });
+    }
+    reel.feed(readers);
+    Ok(())
+}

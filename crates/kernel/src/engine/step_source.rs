@@ -1,0 +1,134 @@
+//! Work: what the steps of a stage do, one after the other, without time.
+
+use crate::bound_stage::BoundStage;
+use crate::connections::Clients;
+use crate::machine::Visitor;
+use crate::recording::RecordingWriter;
+use crate::step_requests::StepRequestsView;
+use crate::time::{FinalUnitState, InputMask, StageArity, StageVisit, StepTiming};
+use crate::wires::{Inputs, Outputs};
+use crate::{Connections, Demand, MemoryPorts, Probe, Stage, Unit};
+
+/// The steps of one stage, in order.
+pub(crate) trait StepSource {
+    /// What a unit declares of its next step: nothing, where there is no unit.
+    type Declared: Copy;
+    /// What the next step takes, as its unit declares it and as time looks at it.
+    fn next(&self) -> (Self::Declared, InputMask);
+    /// Whether the next step can be made here, once time lets it start.
+    fn has_step(&self) -> bool;
+    /// Makes it: what it did, and in `traffic` what it asked of memories, where it is made only now.
+    fn step(&mut self, declared: Self::Declared, traffic: &mut MemoryPorts) -> StepTiming;
+    /// Whether the step that was just made asked nothing of memories.
+    #[inline(always)]
+    fn is_silent(&self, traffic: &MemoryPorts) -> bool {
+        traffic.is_empty()
+    }
+    /// What the step that was just made, in this visit, asked of memories; none, and a fault in `traffic`, where it must not.
+    #[inline(always)]
+    fn asks<'a>(&'a mut self, traffic: &'a mut MemoryPorts, visit: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
+        visit.settle(traffic)
+    }
+    /// Goes on behind that step.
+    #[inline(always)]
+    fn go_on(&mut self, traffic: &mut MemoryPorts) {
+        if !traffic.is_empty() {
+            traffic.clear();
+        }
+    }
+    /// Tells a probe that asks what the step was about that has just been made.
+    fn report_step<P: Probe>(
+        &self,
+        number: usize,
+        (declared, made): (Self::Declared, &StepTiming),
+        traffic: &MemoryPorts,
+        probe: &mut P,
+    ) {
+        _ = (number, declared, made, traffic, probe);
+    }
+    /// Writes it on a tape, unless it comes from one.
+    fn write(
+        &self,
+        tape: &mut RecordingWriter,
+        number: usize,
+        (declared, made): (Self::Declared, &StepTiming),
+        traffic: &MemoryPorts,
+    ) {
+        _ = (tape, number, declared, made, traffic);
+    }
+}
+
+/// Steps that a unit makes now.
+pub(super) struct UnitSteps<'a, U, I, O, C> {
+    unit: &'a mut U,
+    connections: &'a mut Connections<I, O, C>,
+}
+
+impl<'a, U, I, O, C> UnitSteps<'a, U, I, O, C> {
+    pub(super) fn new(stage: &'a mut Stage<U>, connections: &'a mut Connections<I, O, C>) -> Self {
+        Self { unit: &mut stage.unit, connections }
+    }
+}
+
+impl<U, I: Inputs, O: Outputs, C: Clients> StageArity for UnitSteps<'_, U, I, O, C> {
+    const INPUTS: Option<usize> = I::COUNT;
+    const OUTPUTS: Option<usize> = O::COUNT;
+    const HAS_MEMORY: bool = C::HAS_MEMORY;
+}
+
+impl<U, I, O, C> StepSource for UnitSteps<'_, U, I, O, C>
+where
+    U: Unit,
+    I: Inputs<Item = U::In>,
+    O: Outputs<Item = U::Out>,
+    C: Clients,
+{
+    type Declared = Demand;
+
+    #[inline(always)]
+    fn next(&self) -> (Demand, InputMask) {
+        let demand = self.unit.demand();
+        (demand, InputMask::of(demand, self.connections.inputs.count()))
+    }
+
+    #[inline(always)]
+    fn has_step(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn step(&mut self, demand: Demand, traffic: &mut MemoryPorts) -> StepTiming {
+        let step = self.unit.step(self.connections.inputs.pop(demand), traffic);
+        if step.occupancy == 0 {
+            traffic.fault("a step kept its unit for 0 cycles, expected at least 1 (law 3)".into());
+        }
+        let outputs = self.connections.outputs.push(step.out);
+        StepTiming { occupancy: step.occupancy, latency: step.latency, outputs, marked: step.marked }
+    }
+
+    #[inline(always)]
+    fn report_step<P: Probe>(&self, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts, probe: &mut P) {
+        if P::is_on() && probe.reads_labels() {
+            let Connections { inputs, outputs, .. } = &self.connections;
+            let given = (0..outputs.count()).filter(|i| made.outputs >> i & 1 == 1).map(|i| (i, outputs.last_label(i)));
+            let given: Vec<_> = given.collect();
+            probe.stepped(number, [demand.of(inputs.count()), traffic.clients()], &given);
+        }
+    }
+
+    #[inline(always)]
+    fn write(&self, tape: &mut RecordingWriter, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts) {
+        tape.step(number, demand, made, traffic);
+    }
+}
+
+/// Asks every unit what is left of it.
+#[derive(Default)]
+pub(super) struct UnitStates(pub(super) Vec<FinalUnitState>);
+
+impl Visitor for UnitStates {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
+        let (stage, _) = place.open();
+        self.0.push(FinalUnitState { demand: stage.unit.demand(), empty: stage.unit.is_empty() });
+    }
+}

@@ -1,0 +1,65 @@
+//! Reels of a tape.
+
+use super::bytes::{RecordingError, get, get_up_to, put};
+use super::step_class::{code, demand_of};
+use crate::capacity::MAX_LINKS;
+use crate::time::FinalUnitState;
+
+/// A piece of each stage's stream, whole steps; and what the step after it takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecordingChunk {
+    pub(crate) stages: Vec<Vec<u8>>,
+    pub(crate) unit_states: Vec<FinalUnitState>,
+    pub(crate) last: bool,
+}
+
+impl RecordingChunk {
+    /// The piece of a stage's stream, with what the step after it takes.
+    pub(crate) fn piece(&self, stage: usize) -> Option<(&[u8], FinalUnitState)> {
+        Some((self.stages.get(stage)?, *self.unit_states.get(stage)?))
+    }
+
+    /// The piece of each stage's stream, in the order of the wiring. Where a stream is cut into pieces depends on times; what it comes
+    /// to does not.
+    pub fn streams(&self) -> impl Iterator<Item = &[u8]> {
+        self.stages.iter().map(Vec::as_slice)
+    }
+
+    /// As bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        put(&mut bytes, self.last.into());
+        put(&mut bytes, self.stages.len() as u64);
+        for (stream, rest) in self.stages.iter().zip(&self.unit_states) {
+            put(&mut bytes, code(rest.demand) << 1 | u64::from(rest.empty));
+            put(&mut bytes, stream.len() as u64);
+            bytes.extend_from_slice(stream);
+        }
+        bytes
+    }
+
+    /// From bytes.
+    ///
+    /// # Errors
+    /// If they are no reel.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, RecordingError> {
+        let mut at = 0;
+        let last = get_up_to(bytes, &mut at, ("whether a reel is the last", 1, "0 or 1"))? == 1;
+        let count = get_up_to(bytes, &mut at, ("the number of stages", 4096, "at most 4096"))?;
+        let mut reel = Self { stages: Vec::new(), unit_states: Vec::new(), last };
+        for _ in 0..count {
+            let rest = get(bytes, &mut at, "what is left of a stage")?;
+            reel.unit_states.push(FinalUnitState { demand: demand_of(rest >> 1, MAX_LINKS)?, empty: rest & 1 != 0 });
+            let length = get(bytes, &mut at, "the length of a stream")?;
+            let end = usize::try_from(length).ok().and_then(|length| at.checked_add(length));
+            let stream = end.and_then(|end| bytes.get(at..end)).ok_or(RecordingError::BreaksOff("a stream"))?;
+            reel.stages.push(stream.to_vec());
+            at += stream.len();
+        }
+        if at < bytes.len() {
+            let value = (bytes.len() - at) as u64;
+            return Err(RecordingError::Value { what: "what follows a reel", value, expected: "nothing" });
+        }
+        Ok(reel)
+    }
+}

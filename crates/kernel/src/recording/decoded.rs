@@ -1,0 +1,127 @@
+//! Steps that are read from a tape, ahead of when they are timed.
+
+use super::step_class::StepClass;
+use crate::cache::CacheTagArray;
+use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
+use crate::netlist::StageInfo;
+use crate::step_requests::{CacheLookUps, Count, StepRequests, TagLookup};
+use crate::time::{InputMask, StepTiming};
+use crate::{MemorySystem, Request};
+
+/// Steps that are read: several replays may share them, as no times are in them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct DecodedSteps {
+    pub(super) steps: Vec<RecordedStep>,
+    /// What they ask.
+    pub(super) asked: StepRequests,
+    /// What is wrong with what the last of them asks.
+    pub(super) refused: Option<String>,
+}
+
+/// A step that is read: what its class says of it, in few bytes, since there may be millions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RecordedStep {
+    pub(super) occupancy: u32,
+    latency: u32,
+    requests: u32,
+    pub(super) takes: InputMask,
+    outputs: u8,
+    /// Caches that it looks anything up in; beside them [`MARK`].
+    caches: u8,
+}
+
+/// Bit of [`RecordedStep::caches`]: its delivery passes a mark.
+const MARK: u8 = 1 << 7;
+/// In place of [`RecordedStep::caches`]: what it asks was refused.
+const REFUSED: u8 = MARK - 1;
+const _: () = assert!(MAX_CLIENTS < REFUSED as usize && MAX_LINKS <= 8 && size_of::<RecordedStep>() == 16);
+
+impl RecordedStep {
+    /// Of a stage with so many inputs. Numbers of classes that are read have 32 bits.
+    pub(super) fn of(StepClass { demand, made, count, .. }: &StepClass, inputs: usize) -> Self {
+        let (occupancy, latency) = (made.occupancy as u32, made.latency as u32);
+        let caches = count.caches as u8 | if made.marked { MARK } else { 0 };
+        let takes = InputMask::of(*demand, inputs);
+        Self { occupancy, latency, requests: count.requests as u32, takes, outputs: made.outputs as u8, caches }
+    }
+
+    #[inline(always)]
+    pub(super) fn made(&self) -> StepTiming {
+        let &Self { occupancy, latency, outputs, caches, .. } = self;
+        let marked = caches & MARK != 0;
+        StepTiming { occupancy: occupancy.into(), latency: latency.into(), outputs: outputs.into(), marked }
+    }
+
+    /// The same, but that what was asked is refused.
+    pub(super) fn refused(self) -> Self {
+        Self { caches: REFUSED, ..self }
+    }
+
+    #[inline(always)]
+    pub(super) fn is_refused(&self) -> bool {
+        self.caches == REFUSED
+    }
+
+    /// Whether it asks nothing.
+    #[inline(always)]
+    pub(super) fn is_silent(&self) -> bool {
+        self.requests | u32::from(self.caches & !MARK) == 0
+    }
+
+    #[inline(always)]
+    pub(super) fn count(&self) -> Count {
+        Count { requests: self.requests as usize, caches: usize::from(self.caches & !MARK) }
+    }
+}
+
+/// The tags of a stage's caches, and how many requests each client has issued.
+#[derive(Clone, Debug)]
+pub(super) struct StageTags {
+    clients: usize,
+    tags: [Option<CacheTagArray>; MAX_CLIENTS],
+    issued: [u64; MAX_CLIENTS],
+}
+
+impl TagLookup for &mut StageTags {
+    #[inline(always)]
+    fn clients(&self) -> usize {
+        self.clients
+    }
+    #[inline(always)]
+    fn tags(&mut self, client: usize) -> Option<(&mut CacheTagArray, u64)> {
+        Some((self.tags[client].as_mut()?, self.issued[client]))
+    }
+}
+
+impl StageTags {
+    /// At power-on.
+    pub(super) fn new(shape: &StageInfo, memories: &MemorySystem) -> Self {
+        let tags = std::array::from_fn(|i| tags_of(shape, memories, i).cloned());
+        Self { clients: shape.clients.len(), tags, issued: [0; MAX_CLIENTS] }
+    }
+
+    /// Whether look-ups find the same in a stage's caches.
+    pub(super) fn is_alike(&self, shape: &StageInfo, memories: &MemorySystem) -> bool {
+        self.tags.iter().enumerate().all(|(i, ours)| match (ours, tags_of(shape, memories, i)) {
+            (Some(ours), Some(theirs)) => ours.is_alike(theirs),
+            (ours, theirs) => ours.is_none() && theirs.is_none(),
+        })
+    }
+
+    /// Forgets all lines: nothing will be looked up again.
+    pub(super) fn forget(&mut self) {
+        self.tags.iter_mut().flatten().for_each(CacheTagArray::forget);
+    }
+
+    /// Counts the requests of a step.
+    #[inline(always)]
+    pub(super) fn count(&mut self, look_ups: &[CacheLookUps], requests: &[Request]) {
+        look_ups.iter().for_each(|l| self.issued[l.client as usize % MAX_CLIENTS] += u64::from(l.new));
+        requests.iter().for_each(|r| self.issued[r.client as usize % MAX_CLIENTS] += 1);
+    }
+}
+
+/// The tags of a stage's client, at power-on.
+fn tags_of<'a>(shape: &StageInfo, memories: &'a MemorySystem, client: usize) -> Option<&'a CacheTagArray> {
+    memories.clients()[*shape.clients.get(client)?].cache.as_ref().map(|cache| &cache.tags)
+}

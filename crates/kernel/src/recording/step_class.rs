@@ -1,0 +1,140 @@
+//! Classes of steps: what steps have in common, all but their addresses.
+
+use super::bytes::{RecordingError, get_up_to, put};
+use crate::capacity::MAX_LINKS;
+use crate::step_requests::Count;
+use crate::time::StepTiming;
+use crate::{Demand, Request};
+
+/// Places for classes.
+pub(super) const CLASSES: usize = 255;
+/// A step whose class follows, and takes a place.
+pub(super) const NEW: u8 = CLASSES as u8;
+
+/// The longest that a step may keep its unit or take to deliver \[cycles\], so that no sum of them overflows.
+const LONGEST: u64 = u32::MAX as u64;
+/// Most requests, and most look-ups, of one step, and most bytes of one.
+const MOST: u64 = 1 << 20;
+
+/// What steps of a class have in common.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct StepClass {
+    pub(super) demand: Demand,
+    pub(super) made: StepTiming,
+    /// Addresses are 0.
+    pub(super) requests: Vec<Request>,
+    pub(super) look_ups: Vec<Request>,
+    pub(super) count: Count,
+}
+
+impl StepClass {
+    /// None yet.
+    pub(super) const UNDEFINED: Self = Self {
+        demand: Demand::Finished,
+        made: StepTiming { occupancy: 0, latency: 0, outputs: 0, marked: false },
+        requests: vec![],
+        look_ups: vec![],
+        count: Count { requests: 0, caches: 0 },
+    };
+
+    fn new(demand: Demand, made: StepTiming, requests: Vec<Request>, look_ups: Vec<Request>) -> Self {
+        let clients = look_ups.iter().fold(0_u32, |clients, r| clients | 1 << (r.client % 32));
+        let count = Count { requests: requests.len(), caches: clients.count_ones() as usize };
+        Self { demand, made, requests, look_ups, count }
+    }
+
+    pub(super) fn of(demand: Demand, made: StepTiming, (requests, look_ups): (&[Request], &[Request])) -> Self {
+        let strip = |requests: &[Request]| requests.iter().map(|r| Request { address: 0, ..*r }).collect();
+        Self::new(demand, made, strip(requests), strip(look_ups))
+    }
+
+    /// Whether a step is of this class.
+    #[inline]
+    pub(super) fn has(&self, demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> bool {
+        self.demand == demand && self.made == *made && alike(&self.requests, requests) && alike(&self.look_ups, look_ups)
+    }
+
+    pub(super) fn write(&self, bytes: &mut Vec<u8>) {
+        let StepTiming { occupancy, latency, outputs, marked } = self.made;
+        put(bytes, code(self.demand));
+        put(bytes, u64::from(outputs) << 1 | u64::from(marked));
+        put(bytes, occupancy);
+        put(bytes, latency);
+        for requests in [&self.requests, &self.look_ups] {
+            put(bytes, requests.len() as u64);
+            for r in requests {
+                put(bytes, u64::from(r.client) << 1 | u64::from(r.write));
+                put(bytes, r.bytes.into());
+            }
+        }
+    }
+
+    /// # Errors
+    /// Where it is no class of a stage with so many inputs and outputs.
+    pub(super) fn read(bytes: &[u8], at: &mut usize, [inputs, outputs]: [usize; 2]) -> Result<Self, RecordingError> {
+        let demand = demand_of(get_up_to(bytes, at, ("what a step takes", u64::MAX, ""))?, inputs)?;
+        let all = (1 << outputs << 1) - 1;
+        let delivers = get_up_to(bytes, at, ("what a step delivers", all, "outputs that the stage has"))?;
+        let occupancy = get_up_to(bytes, at, ("how long a step keeps its unit", LONGEST, "1 to 4294967295 cycles"))?;
+        if occupancy == 0 {
+            let (what, expected) = ("how long a step keeps its unit", "1 to 4294967295 cycles");
+            return Err(RecordingError::Value { what, value: 0, expected });
+        }
+        let latency = get_up_to(bytes, at, ("when a step delivers", LONGEST, "at most 4294967295 cycles"))?;
+        let made = StepTiming { occupancy, latency, outputs: (delivers >> 1) as u32, marked: delivers & 1 != 0 };
+        let mut requests = || -> Result<Vec<Request>, RecordingError> {
+            let count = get_up_to(bytes, at, ("how many requests a step makes", MOST, "at most 1048576"))?;
+            (0..count).map(|_| request(bytes, at)).collect()
+        };
+        let (requests, look_ups) = (requests()?, requests()?);
+        Ok(Self::new(demand, made, requests, look_ups))
+    }
+}
+
+fn request(bytes: &[u8], at: &mut usize) -> Result<Request, RecordingError> {
+    let client = get_up_to(bytes, at, ("a client", 2 * MAX_LINKS as u64, "one of the stage's"))?;
+    let size = get_up_to(bytes, at, ("the size of a request", MOST, "at most 1048576 bytes"))?;
+    Ok(Request { client: (client >> 1) as u32, write: client & 1 != 0, address: 0, bytes: size as u32 })
+}
+
+/// Whether requests differ in their addresses only.
+#[inline]
+fn alike(class: &[Request], requests: &[Request]) -> bool {
+    let same = |(a, b): (&Request, &Request)| a.client == b.client && a.write == b.write && a.bytes == b.bytes;
+    class.len() == requests.len() && class.iter().zip(requests).all(same)
+}
+
+/// The place that a step's class has or takes: steps of one class always have the same.
+#[inline]
+pub(super) fn place(demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> u8 {
+    let mut hash = code(demand);
+    let mut mix = |value: u64| hash = (hash ^ value).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+    mix(made.occupancy);
+    mix(made.latency << 16 | u64::from(made.outputs) << 1 | u64::from(made.marked));
+    for r in requests.iter().chain(look_ups) {
+        mix(u64::from(r.bytes) << 8 | u64::from(r.client) << 1 | u64::from(r.write));
+    }
+    ((hash >> 32) % CLASSES as u64) as u8
+}
+
+/// A demand as a number.
+pub(super) fn code(demand: Demand) -> u64 {
+    match demand {
+        Demand::Nothing => 0,
+        Demand::All => 1,
+        Demand::Finished => 2,
+        Demand::Only(k) => 3 + k as u64,
+    }
+}
+
+/// # Errors
+/// Where it names an input that is not there.
+pub(super) fn demand_of(code: u64, inputs: usize) -> Result<Demand, RecordingError> {
+    match code {
+        0 => Ok(Demand::Nothing),
+        1 => Ok(Demand::All),
+        2 => Ok(Demand::Finished),
+        k if k < 3 + inputs as u64 => Ok(Demand::Only((k - 3) as usize)),
+        value => Err(RecordingError::Value { what: "what a step takes", value, expected: "inputs that the stage has" }),
+    }
+}

@@ -1,0 +1,94 @@
+//! Writing a tape.
+
+use super::bytes::{put, zigzag};
+use super::chunk::RecordingChunk;
+use super::step_class::{CLASSES, NEW, StepClass, place};
+use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
+use crate::netlist::Netlist;
+use crate::time::{FinalUnitState, StepTiming};
+use crate::{Demand, MemoryPorts, MemorySystem, Request};
+
+/// Writes down what the stages of a run do.
+#[derive(Clone, Debug)]
+pub(crate) struct RecordingWriter {
+    stages: Vec<StageStream>,
+    written: usize,
+    /// Bytes that are worth a reel.
+    reel: usize,
+}
+
+/// The stream of one stage.
+#[derive(Clone, Debug)]
+struct StageStream {
+    bytes: Vec<u8>,
+    classes: Vec<Option<StepClass>>,
+    /// Last address of each client.
+    last: [u64; MAX_LINKS],
+    /// Bytes of a line of each client's cache.
+    line_bytes: [u32; MAX_CLIENTS],
+    /// The look-ups of the step being written: each line once, whatever of it was asked for, and however often.
+    look_ups: Vec<Request>,
+}
+
+impl RecordingWriter {
+    pub(crate) fn new(shape: &Netlist, memories: &MemorySystem, reel: usize) -> Self {
+        let lines: Vec<u32> = memories.line_bytes().map(|bytes| bytes.unwrap_or(1)).collect();
+        let stream = |clients: &[usize]| StageStream {
+            bytes: Vec::new(),
+            classes: vec![None; CLASSES],
+            last: [0; MAX_LINKS],
+            line_bytes: std::array::from_fn(|i| clients.get(i).map_or(1, |&client| lines[client])),
+            look_ups: Vec::new(),
+        };
+        Self { stages: shape.stages.iter().map(|stage| stream(&stage.clients)).collect(), written: 0, reel }
+    }
+
+    /// Writes a step down, once its traffic is settled.
+    #[inline]
+    pub(crate) fn step(&mut self, stage: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
+        let stream = &mut self.stages[stage];
+        let before = stream.bytes.len();
+        stream.step(demand, made, traffic);
+        self.written += stream.bytes.len() - before;
+    }
+
+    /// Whether there is enough for a reel.
+    pub(crate) fn is_full(&self) -> bool {
+        self.written >= self.reel
+    }
+
+    /// What has been written since the last reel, with what the next step of each stage will take; `last`: there will be none
+    /// beyond.
+    pub(crate) fn reel(&mut self, unit_states: Vec<FinalUnitState>, last: bool) -> RecordingChunk {
+        self.written = 0;
+        let stages = self.stages.iter_mut().map(|stream| std::mem::take(&mut stream.bytes)).collect();
+        RecordingChunk { stages, unit_states, last }
+    }
+}
+
+impl StageStream {
+    #[inline]
+    fn step(&mut self, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
+        self.look_ups.clear();
+        for (client, line) in traffic.lines() {
+            let address = line * u64::from(self.line_bytes[client as usize % MAX_CLIENTS]);
+            self.look_ups.push(Request { client, write: false, address, bytes: 1 });
+        }
+        let asks = (traffic.requests(), self.look_ups.as_slice());
+        let place = place(demand, made, asks);
+        let class = &mut self.classes[usize::from(place)];
+        if !class.as_ref().is_some_and(|class| class.has(demand, made, asks)) {
+            let new = StepClass::of(demand, *made, asks);
+            self.bytes.extend([NEW, place]);
+            new.write(&mut self.bytes);
+            *class = Some(new);
+        } else {
+            self.bytes.push(place);
+        }
+        for r in asks.0.iter().chain(asks.1) {
+            let last = &mut self.last[r.client as usize % MAX_LINKS];
+            put(&mut self.bytes, zigzag(r.address.wrapping_sub(*last)));
+            *last = r.address;
+        }
+    }
+}

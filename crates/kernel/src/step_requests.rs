@@ -1,0 +1,250 @@
+//! What steps ask of memories, once the tags of their caches have been asked: all but times. Tags see look-ups in order and know of no
+//! time, so that this is work: found as it is done, or once for a tape.
+
+use crate::cache::CacheTagArray;
+use crate::{MAX_CLIENTS, Request};
+
+/// What a step looks up in one cache, each line once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CacheLookUps {
+    /// Client as its unit numbers it.
+    pub(crate) client: u32,
+    /// Lines.
+    pub(crate) lines: u32,
+    /// Those among them that a request fills which was issued before, and those that are requested now.
+    pub(crate) held: u32,
+    pub(crate) new: u32,
+    /// Number of the last of the requests issued before, plus one; 0 for none.
+    pub(crate) last_held: u64,
+}
+
+/// What one step asks, or several one behind the other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StepRequests {
+    pub(crate) requests: Vec<Request>,
+    /// One per step and client that it looks anything up in.
+    look_ups: Vec<CacheLookUps>,
+    /// Numbers of the requests that fill the lines that were held.
+    held: Vec<u64>,
+    /// The lines that are requested now.
+    new: Vec<u64>,
+    /// The lines of the step that was settled last, by client.
+    lines: Vec<u64>,
+}
+
+/// What one step asks: so many requests and look-ups in so many caches of those from a place on.
+#[derive(Debug)]
+pub(crate) struct StepRequestsView<'a> {
+    asked: &'a StepRequests,
+    at: &'a mut Cursor,
+    count: Count,
+}
+
+/// How far an [`StepRequests`] is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Cursor {
+    requests: usize,
+    look_ups: usize,
+    held: usize,
+    new: usize,
+}
+
+/// Requests of a step, and caches that it looks anything up in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Count {
+    pub(crate) requests: usize,
+    pub(crate) caches: usize,
+}
+
+/// Tags of the caches of a stage's clients, with the number of the next request of each.
+pub(crate) trait TagLookup {
+    /// Clients of the stage.
+    fn clients(&self) -> usize;
+    /// Of a client, as the unit numbers it; none where it has no cache.
+    fn tags(&mut self, client: usize) -> Option<(&mut CacheTagArray, u64)>;
+}
+
+impl StepRequests {
+    /// Nothing.
+    #[inline]
+    pub(crate) fn clear(&mut self) {
+        self.requests.clear();
+        self.look_ups.clear();
+        self.held.clear();
+        self.new.clear();
+    }
+
+    /// How much it holds.
+    pub(crate) fn len(&self) -> usize {
+        self.requests.len() + self.look_ups.len() + self.held.len() + self.new.len()
+    }
+
+    /// Puts a step behind what is asked already: its tags are asked now. Whether that is what the unit declared and the machine
+    /// wired: `largest` is what the largest step needs, by client.
+    #[inline]
+    pub(crate) fn settle(
+        &mut self,
+        (requests, look_ups): (&[Request], &[Request]),
+        mut caches: impl TagLookup,
+        largest: &[u32; MAX_CLIENTS],
+    ) -> bool {
+        let mut left = *largest;
+        self.lines.clear();
+        if !look_ups.is_empty() && !self.look_up(look_ups, &mut caches, &mut left) {
+            return false;
+        }
+        self.requests.extend_from_slice(requests);
+        requests.iter().all(|r| {
+            let own = r.client as usize;
+            let enough = own < caches.clients() && left[own] > 0;
+            if enough {
+                left[own] -= 1;
+            }
+            enough
+        })
+    }
+
+    /// Asks the tags for every line of a step, by client, since all that a client has is fetched once then. (The order between
+    /// clients decides nothing: each has its own port.)
+    #[inline]
+    fn look_up(&mut self, look_ups: &[Request], caches: &mut impl TagLookup, left: &mut [u32; MAX_CLIENTS]) -> bool {
+        if !look_ups.is_sorted_by_key(|r| r.client) {
+            let mut sorted = look_ups.to_vec();
+            sorted.sort_by_key(|r| r.client);
+            return self.look_up(&sorted, caches, left);
+        }
+        look_ups.chunk_by(|a, b| a.client == b.client).all(|look_ups| {
+            let own = look_ups[0].client as usize;
+            if own >= caches.clients() {
+                return false;
+            }
+            let Some(found) = caches.tags(own) else { return false };
+            let lines = self.look_up_in(found, look_ups, left[own]);
+            let Some(rest) = left[own].checked_sub(lines) else { return false };
+            left[own] = rest;
+            true
+        })
+    }
+
+    /// Looks lines up in one cache, whose next request has the number `next`, and stops where they are more than `most`; how many
+    /// lines there are.
+    #[inline(always)]
+    fn look_up_in(&mut self, (tags, next): (&mut CacheTagArray, u64), look_ups: &[Request], most: u32) -> u32 {
+        let (held, new, first) = (self.held.len(), self.new.len(), self.lines.len());
+        let mut last_held = 0;
+        // A bit for all lines of the same rest by 64: mostly a line is new, and no other of the step has its bit.
+        let mut seen = 0;
+        for r in look_ups {
+            let (mut line, last) = tags.lines(r.address, r.bytes);
+            // Not a range: mostly it is one line, and a range asks twice whether it is over.
+            loop {
+                let bit = 1_u64 << (line % 64);
+                if seen & bit == 0 || !self.lines[first..].contains(&line) {
+                    seen |= bit;
+                    self.lines.push(line);
+                    match tags.look_up(line, next + (self.new.len() - new) as u64) {
+                        Some(_) if tags.always_hits => {}
+                        Some(request) => {
+                            self.held.push(request);
+                            last_held = last_held.max(request + 1);
+                        }
+                        None => self.new.push(line),
+                    }
+                }
+                if line == last || self.lines.len() - first > most as usize {
+                    break;
+                }
+                line += 1;
+            }
+        }
+        let lines = (self.lines.len() - first) as u32;
+        let (held, new) = ((self.held.len() - held) as u32, (self.new.len() - new) as u32);
+        let client = look_ups.first().map_or(0, |r| r.client);
+        self.look_ups.push(CacheLookUps { client, lines, held, new, last_held });
+        lines
+    }
+
+    /// All that is behind a place, as one step.
+    #[inline]
+    pub(crate) fn all<'a>(&'a self, at: &'a mut Cursor) -> StepRequestsView<'a> {
+        let count = Count { requests: self.requests.len() - at.requests, caches: self.look_ups.len() - at.look_ups };
+        self.next(at, count)
+    }
+
+    /// The step at a place.
+    #[inline(always)]
+    pub(crate) fn next<'a>(&'a self, at: &'a mut Cursor, count: Count) -> StepRequestsView<'a> {
+        StepRequestsView { asked: self, at, count }
+    }
+
+    /// The look-ups of the step that was put in last, which are in so many caches.
+    #[inline(always)]
+    pub(crate) fn last(&self, caches: usize) -> &[CacheLookUps] {
+        &self.look_ups[self.look_ups.len().saturating_sub(caches)..]
+    }
+
+    /// The lines of the step that was settled last, with their clients.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (u32, u64)> {
+        let clients = self.look_ups.iter().flat_map(|l| std::iter::repeat_n(l.client, l.lines as usize));
+        clients.zip(self.lines.iter().copied())
+    }
+}
+
+impl<'a> StepRequestsView<'a> {
+    /// Shows `see` what it looks up, by client: with the numbers of the requests that fill what is there, and the lines that are
+    /// requested now. Then its requests are what is left.
+    #[inline(always)]
+    pub(crate) fn look_ups(self, mut see: impl FnMut(&CacheLookUps, &[u64], &[u64])) -> &'a [Request] {
+        let Self { asked, at, count } = self;
+        for look_up in &asked.look_ups[at.look_ups..][..count.caches] {
+            let (held, new) = (&asked.held[at.held..][..look_up.held as usize], &asked.new[at.new..][..look_up.new as usize]);
+            see(look_up, held, new);
+            at.held += held.len();
+            at.new += new.len();
+        }
+        at.look_ups += count.caches;
+        let first = at.requests;
+        at.requests += count.requests;
+        &asked.requests[first..at.requests]
+    }
+}
+
+/// What is wrong with what a step asks: it is not what its unit declared, or not what the machine wired.
+#[cold]
+pub(crate) fn objection(
+    (requests, look_ups): (&[Request], &[Request]),
+    mut caches: impl TagLookup,
+    largest: &[u32; MAX_CLIENTS],
+) -> String {
+    let wired = caches.clients();
+    if let Some(r) = requests.iter().chain(look_ups).find(|r| r.client as usize >= wired) {
+        return format!("a step uses memory client {}, but the wiring gives it {wired}", r.client);
+    }
+    if let Some(r) = look_ups.iter().find(|r| caches.tags(r.client as usize).is_none()) {
+        return format!("a step looks up a line in memory client {}, which has no cache", r.client);
+    }
+    for (own, &declared) in largest.iter().enumerate().take(wired) {
+        let needs = credits_needed((requests, look_ups), own, &mut caches);
+        if needs > declared {
+            return format!("a step needs {needs} credits of memory client {own}, but largest_step({own}) declares {declared}");
+        }
+    }
+    String::new()
+}
+
+/// Most lines of a step that are counted: no unit comes near.
+const MOST_LINES: usize = 1 << 20;
+
+/// Credits that a step needs of the client that its unit numbers `own`: its requests, and the lines that it looks up.
+fn credits_needed((requests, look_ups): (&[Request], &[Request]), own: usize, caches: &mut impl TagLookup) -> u32 {
+    let mine = |r: &&Request| r.client as usize == own;
+    let requests = requests.iter().filter(mine).count();
+    let Some((tags, _)) = caches.tags(own) else { return requests as u32 };
+    let lines_of = |r: &Request| tags.lines(r.address, r.bytes);
+    let all = look_ups.iter().filter(mine).map(lines_of).flat_map(|(first, last)| first..=last);
+    // A tape may say anything, and few bytes of it name many lines.
+    let mut lines: Vec<u64> = all.take(MOST_LINES).collect();
+    lines.sort_unstable();
+    lines.dedup();
+    (requests + lines.len()) as u32
+}

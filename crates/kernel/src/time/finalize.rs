@@ -1,0 +1,145 @@
+//! What a run came to, told when it is over.
+
+use super::{FifoTiming, MachineTiming, StageClock};
+use crate::netlist::{FifoSpec, StageInfo};
+use crate::outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor, circle};
+use crate::report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
+use crate::{Cause, Cycle, Demand, MemorySystem};
+
+/// Why an engine stopped.
+pub(crate) enum StopReason {
+    /// No step can ever start.
+    Quiet,
+    /// The limit of cycles.
+    Limit(u64),
+    /// The caller asked to stop.
+    Stopped,
+    /// A unit cannot go on.
+    Fault(String),
+}
+
+/// What is left of a unit at the end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct FinalUnitState {
+    /// What its next step would take.
+    pub(crate) demand: Demand,
+    /// Whether it holds no token back.
+    pub(crate) empty: bool,
+}
+
+impl MachineTiming {
+    /// Ends a run: outcome, total, and everybody's part. `unit_states`: what is left of each unit.
+    pub(crate) fn finalize(&mut self, unit_states: &[FinalUnitState], halt: StopReason) -> RunReport {
+        let quiet_total = self.last_cycle().map_or(0, |last| last.0 + 1).max(self.memories.data_end().0);
+        let (complete, total) = match halt {
+            StopReason::Quiet => (self.is_done(unit_states), quiet_total.max(1)),
+            StopReason::Limit(max) => (false, max),
+            StopReason::Stopped | StopReason::Fault(_) => (false, quiet_total),
+        };
+        let mut stuck = Vec::new();
+        let mut waits = Vec::new();
+        let units = (0..self.stages.len())
+            .map(|stage| {
+                let (unit, held_by) = self.unit_report(stage, unit_states[stage].demand, complete, Cycle(total));
+                waits.push(held_by.as_ref().and_then(|(_, on)| *on));
+                stuck.extend(held_by.map(|(waits_for, _)| BlockedUnit { unit: unit.name.clone(), waits_for }));
+                unit
+            })
+            .collect();
+        let name = |stage: usize| self.shape.stages[stage].names.name.clone();
+        let outcome = match halt {
+            StopReason::Quiet if complete => Outcome::Complete,
+            StopReason::Quiet => {
+                Outcome::Deadlock(Deadlock { total, stuck, circle: circle(&waits).into_iter().map(name).collect() })
+            }
+            StopReason::Limit(_) => Outcome::Limit,
+            StopReason::Stopped => Outcome::Stopped,
+            StopReason::Fault(text) => Outcome::Fault(text),
+        };
+        let ends: Vec<Cycle> = self.stages.iter().flat_map(|clock| clock.marks.iter().copied()).collect();
+        RunReport {
+            outcome,
+            total,
+            marks: between(&ends, total),
+            units,
+            fifos: self.fifos.iter().zip(&self.shape.fifos).map(|(slots, fifo)| fifo_report(slots, fifo, total)).collect(),
+            memories: memory_reports(&self.memories, total),
+            caches: cache_reports(&self.memories),
+        }
+    }
+
+    /// The last cycle in which a unit was busy or a token became visible.
+    pub(crate) fn last_cycle(&self) -> Option<Cycle> {
+        let busy = self.stages.iter().filter(|clock| clock.steps > 0).map(|clock| Cycle(clock.free.0 - 1));
+        busy.chain(self.fifos.iter().filter_map(FifoTiming::last_visible)).max()
+    }
+
+    /// Whether nothing is left at rest: no token in a FIFO or held back, and no step that needs none.
+    fn is_done(&self, unit_states: &[FinalUnitState]) -> bool {
+        self.fifos.iter().all(FifoTiming::is_empty) && unit_states.iter().all(|rest| rest.empty && rest.demand != Demand::Nothing)
+    }
+
+    /// A unit's part, and what holds it for ever, with the stage that could give it.
+    fn unit_report(&self, stage: usize, demand: Demand, complete: bool, total: Cycle) -> (UnitReport, Option<HeldBy>) {
+        let StageClock { free, steps, busy, .. } = &self.stages[stage];
+        let mut account = self.accounts[stage].clone();
+        account.busy = busy - free.since(total);
+        let mut held_by = None;
+        if demand == Demand::Finished || (complete && *steps > 0) {
+            account.done += total.since(*free);
+        } else {
+            self.split_wait(stage, demand, (*free, total), |(cause, from, to)| account.charge(cause, to.since(from)));
+            // A unit that was busy up to the end waits for it, too.
+            self.split_wait(stage, demand, (*free, Cycle::UNKNOWN), |(cause, ..)| held_by = Some(cause));
+        }
+        let StageInfo { names, .. } = &self.shape.stages[stage];
+        let (name, inputs, outputs) = (names.name.clone(), names.inputs.clone(), names.outputs.clone());
+        let unit = UnitReport { name, steps: *steps, account, inputs, outputs, clients: names.clients.clone() };
+        (unit, held_by.map(|cause| self.waits_for(stage, cause)))
+    }
+
+    fn waits_for(&self, stage: usize, cause: Cause) -> HeldBy {
+        let StageInfo { names, inputs, outputs, .. } = &self.shape.stages[stage];
+        let fill = |fifo: usize| {
+            let FifoSpec { name, depth, .. } = &self.shape.fifos[fifo];
+            FifoLevel { fifo: name.clone(), held: self.fifos[fifo].len(), depth: *depth }
+        };
+        match cause {
+            Cause::Starved(i) => (WaitsFor::Token(fill(inputs[i])), Some(self.shape.fifos[inputs[i]].producer)),
+            Cause::Blocked(i) => (WaitsFor::Slot(fill(outputs[i])), Some(self.shape.fifos[outputs[i]].consumer)),
+            Cause::Memory(i) => (WaitsFor::Memory { port: names.clients[i].clone() }, None),
+        }
+    }
+}
+
+/// What a unit waits for that cannot go on, and the stage that could give it.
+type HeldBy = (WaitsFor, Option<usize>);
+
+fn fifo_report(slots: &FifoTiming, FifoSpec { name, depth, .. }: &FifoSpec, total: u64) -> FifoReport {
+    FifoReport { name: name.clone(), depth: *depth, tokens: slots.tokens(), histogram: slots.finish(total) }
+}
+
+fn memory_reports(system: &MemorySystem, total: u64) -> Vec<MemoryReport> {
+    let ports_of = |memory: usize| -> Vec<PortReport> {
+        let ports = system.clients().iter().map(|c| &c.port).filter(|p| p.memory == memory);
+        ports.map(|p| PortReport { client: p.name.clone(), counts: p.counts }).collect()
+    };
+    let report = |(m, memory): (usize, &crate::memory::Memory)| MemoryReport {
+        name: memory.name.clone(),
+        ports: ports_of(m),
+        channels: memory.channel_counts(total),
+        bus: memory.bus.clone(),
+    };
+    system.memories().iter().enumerate().map(report).collect()
+}
+
+fn cache_reports(system: &MemorySystem) -> Vec<CacheReport> {
+    let caches = system.clients().iter().filter_map(|client| client.cache.as_ref());
+    caches.map(|cache| CacheReport { name: cache.name.clone(), counts: cache.counts }).collect()
+}
+
+/// Cycles between marks, of those that lie within the run.
+fn between(ends: &[Cycle], total: u64) -> Vec<u64> {
+    let mut before = Cycle::ZERO;
+    ends.iter().filter(|end| end.0 <= total).map(|&end| end.since(std::mem::replace(&mut before, end))).collect()
+}

@@ -1,0 +1,113 @@
+//! When the next step of a stage can start, and why not before (laws 3 and 9).
+
+use super::port_ids::ConnectedFifos;
+use super::stage_clock::{CreditNeed, Wait};
+use super::{AnyArity, InputMask, MachineTiming, StageArity, StageClock};
+use crate::{Cause, Cycle, Demand, MemorySystem};
+
+impl MachineTiming {
+    /// See [`StageClock::next_start`].
+    pub(crate) fn next_start(&self, stage: usize, demand: Demand) -> Cycle {
+        let clock = &self.stages[stage];
+        let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
+        clock.next_start::<AnyArity>((&inputs, &outputs), &self.memories, clock.takes(demand))
+    }
+
+    /// Splits the wait of a stage from `from` to `to` into its causes (law 9), in order, and hands each to `charge`.
+    pub(crate) fn split_wait(&self, stage: usize, demand: Demand, between: (Cycle, Cycle), charge: impl FnMut(Wait)) {
+        let clock = &self.stages[stage];
+        let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
+        clock.split_wait::<AnyArity>((&inputs, &outputs), &self.memories, clock.takes(demand), between, charge);
+    }
+}
+
+impl StageClock {
+    /// The earliest start of a stage's next step (law 3); unknown while that depends on what is not known yet, and where it will make
+    /// no further step.
+    #[inline(always)]
+    pub(super) fn next_start<K: StageArity>(
+        &self,
+        (inputs, outputs): (&ConnectedFifos<'_>, &ConnectedFifos<'_>),
+        memories: &MemorySystem,
+        takes: InputMask,
+    ) -> Cycle {
+        if takes == InputMask::NO_STEP {
+            return Cycle::UNKNOWN;
+        }
+        let mut at = self.free;
+        inputs.each(takes.inputs(), K::INPUTS, |_, fifo| at = at.max(fifo.front_visible()));
+        // Most visits end here: what else is unknown makes no difference.
+        if !at.is_known() {
+            return at;
+        }
+        outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |_, fifo| at = at.max(fifo.room_at()));
+        if K::HAS_MEMORY && self.needs.asked {
+            for &CreditNeed { client, credits, .. } in &self.needs.of {
+                at = at.max(memories.credits_at(client, credits));
+            }
+        }
+        at
+    }
+
+    /// See [`MachineTiming::split_wait`].
+    ///
+    /// In each cycle the first cause that applies counts; every condition, once met, stays met until the step starts. So
+    /// the causes follow each other in the order in which they are tried, and a running maximum splits the interval.
+    #[inline(always)]
+    pub(super) fn split_wait<K: StageArity>(
+        &self,
+        (inputs, outputs): (&ConnectedFifos<'_>, &ConnectedFifos<'_>),
+        memories: &MemorySystem,
+        takes: InputMask,
+        (from, to): (Cycle, Cycle),
+        charge: impl FnMut(Wait),
+    ) {
+        let mut wait = WaitSplitter { at: from, to, charge };
+        inputs.each(takes.inputs(), K::INPUTS, |i, fifo| wait.until(Cause::Starved(i), fifo.front_visible()));
+        if wait.is_over() {
+            return;
+        }
+        if K::HAS_MEMORY && self.needs.asked {
+            for &CreditNeed { place, client, credits } in &self.needs.of {
+                wait.until(Cause::Memory(place), memories.credits_at(client, credits));
+            }
+        }
+        outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |i, fifo| {
+            let room = fifo.room_at();
+            // Mostly there is room, and who holds what does not matter.
+            if room <= wait.at {
+                return;
+            }
+            if K::HAS_MEMORY {
+                for &client in self.needs.served_in_order.iter().take(self.clients.len()) {
+                    wait.until(Cause::Memory(client), fifo.oldest_awaits(client).min(room));
+                }
+            }
+            wait.until(Cause::Blocked(i), room);
+        });
+    }
+}
+
+/// A wait, as far as it is charged.
+struct WaitSplitter<F> {
+    at: Cycle,
+    to: Cycle,
+    charge: F,
+}
+
+impl<F: FnMut(Wait)> WaitSplitter<F> {
+    /// What is left of it up to `end` has this cause.
+    #[inline(always)]
+    fn until(&mut self, cause: Cause, end: Cycle) {
+        let end = end.min(self.to);
+        if end > self.at {
+            (self.charge)((cause, self.at, end));
+            self.at = end;
+        }
+    }
+
+    /// Whether nothing of it is left.
+    fn is_over(&self) -> bool {
+        self.at >= self.to
+    }
+}

@@ -1,0 +1,324 @@
+//! The critical path: which of the terms of law 3 bound each start, and so a chain of waits and work from the end of a run back to its
+//! first cycle.
+//!
+//! Every step is an event, and so is every token that becomes visible and every phase of a request that one of these waits for. Each
+//! has one event before it, and the cycles in between have one reason. Where several terms are equal one of them is taken: the unit's
+//! own work before its tokens, these before its credits and slots. So a path is not the only one.
+
+use super::stage_visit::StageView;
+use super::{InputMask, MachineTiming, StepTiming};
+use crate::capacity::MAX_CLIENTS;
+use crate::critical_path::{CriticalPath, PathPart, PathSegment, RequestPhase, StageGroups};
+use crate::netlist::Netlist;
+use crate::{Cycle, MemorySystem};
+use std::collections::{BTreeMap, VecDeque};
+
+/// Before the first event.
+const NONE: u32 = u32::MAX;
+
+/// Why cycles pass, with the number of a stage, FIFO or client.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum EventCause {
+    Occupancy(u16),
+    Latency(u16),
+    Fifo(u16),
+    Slot(u16),
+    Memory(u16, RequestPhase),
+    Rest,
+}
+
+/// Something that happened `at` a time, for a reason, after another event.
+#[derive(Clone, Copy, Debug)]
+struct PathEvent {
+    at: Cycle,
+    after: u32,
+    why: EventCause,
+}
+
+/// Tokens of a FIFO.
+#[derive(Clone, Debug)]
+struct FifoTokens {
+    /// Those inside: the step that made each, and when it would have delivered it without memory.
+    inside: VecDeque<(u32, Cycle)>,
+    /// The last that became visible.
+    visible: u32,
+    /// Steps that took the last ones, as many as there are slots.
+    pops: VecDeque<u32>,
+}
+
+impl FifoTokens {
+    /// The step that took the token whose slot the next one takes: as many tokens ago as there are slots, of which those inside are
+    /// not taken yet.
+    fn freed(&self, depth: usize) -> u32 {
+        let ago = depth.saturating_sub(self.inside.len());
+        self.pops.len().checked_sub(ago).and_then(|at| self.pops.get(at)).copied().unwrap_or(NONE)
+    }
+}
+
+/// What happened in a run so far.
+pub(crate) struct PathTracer {
+    events: Vec<PathEvent>,
+    /// Most events that are kept: there is no path through more.
+    most: usize,
+    /// Last step of each stage.
+    steps: Vec<u32>,
+    fifos: Vec<FifoTokens>,
+    /// The step that issued each request, by client.
+    issued: Vec<Vec<u32>>,
+    /// The last step that passes a mark, with its stage and when it would have delivered without memory.
+    mark: Option<(u32, usize, Cycle)>,
+    /// Groups of the steps to come, by stage; and steps that belong to one, with it.
+    groups: Vec<Box<dyn Iterator<Item = u32>>>,
+    of_groups: Vec<(u32, u32)>,
+}
+
+impl PathTracer {
+    /// Of a run that begins; it keeps no more than `most` events. `groups`: of the steps of each stage; or none.
+    pub(crate) fn new(time: &mut MachineTiming, most: usize, groups: &[StageGroups]) -> Self {
+        time.memories.keep_answers();
+        let tokens = FifoTokens { inside: VecDeque::new(), visible: NONE, pops: VecDeque::new() };
+        Self {
+            events: Vec::new(),
+            most: most.min(NONE as usize - 16),
+            steps: vec![NONE; time.stages.len()],
+            fifos: vec![tokens; time.fifos.len()],
+            issued: vec![Vec::new(); time.memories.clients().len()],
+            mark: None,
+            groups: groups.iter().map(|groups| Box::new(groups.clone().into_steps()) as _).collect(),
+            of_groups: vec![],
+        }
+    }
+
+    fn push(&mut self, at: Cycle, after: u32, why: EventCause) -> u32 {
+        self.events.push(PathEvent { at, after, why });
+        self.events.len() as u32 - 1
+    }
+
+    fn at(&self, event: u32) -> Cycle {
+        self.events.get(event as usize).map_or(Cycle::ZERO, |event| event.at)
+    }
+
+    /// A stage makes a step, before its times take it in. (Kept out of the engine's code: who does not ask for a path must not pay.)
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn step(&mut self, shape: &Netlist, visit: &StageView<'_>, (at, takes): (Cycle, InputMask), made: &StepTiming) {
+        if self.events.len() > self.most {
+            return;
+        }
+        let &StageView { stage, clock, memories, .. } = visit;
+        // What it has issued by now, its last step has issued last.
+        for &client in &clock.clients {
+            self.issued[client].resize(memories.issued(client) as usize, self.steps[stage]);
+        }
+        let inputs = takes.inputs();
+        for (_, fifo) in clock.inputs.of(inputs) {
+            let visible = self.token(shape, visit, fifo);
+            self.fifos[fifo].visible = visible;
+        }
+        let (after, why) = self.bound(shape, visit, (at, inputs));
+        let event = self.push(at, after, why);
+        self.steps[stage] = event;
+        if let Some(group) = self.groups.get_mut(stage).and_then(Iterator::next) {
+            self.of_groups.push((event, group));
+        }
+        for (_, fifo) in clock.inputs.of(inputs) {
+            let tokens = &mut self.fifos[fifo];
+            tokens.pops.push_back(event);
+            if tokens.pops.len() > shape.fifos[fifo].depth {
+                tokens.pops.pop_front();
+            }
+        }
+        let base = at + clock.kept(made).1;
+        for (_, fifo) in clock.outputs.of(made.outputs) {
+            self.fifos[fifo].inside.push_back((event, base));
+        }
+        if made.marked {
+            self.mark = Some((event, stage, base));
+        }
+    }
+
+    /// The term of law 3 that bound a start, and the event that it stands for.
+    fn bound(&mut self, shape: &Netlist, visit: &StageView<'_>, (at, inputs): (Cycle, u32)) -> (u32, EventCause) {
+        let &StageView { stage, clock, fifos, memories } = visit;
+        if clock.free == at {
+            return (self.steps[stage], EventCause::Occupancy(stage as u16));
+        }
+        for (_, fifo) in clock.inputs.of(inputs) {
+            if fifos[fifo].front_visible() == at {
+                return (self.fifos[fifo].visible, EventCause::Fifo(fifo as u16));
+            }
+        }
+        for (&client, &credits) in clock.clients.iter().zip(&clock.needs.credits) {
+            if memories.credits_at(client, credits) == at {
+                let number = memories.credit_of(client, credits);
+                let issued = self.issued[client].get(number as usize).copied().unwrap_or(NONE);
+                let answered = self.answer(memories, client, (issued, at));
+                return (answered, EventCause::Memory(client as u16, RequestPhase::Order));
+            }
+        }
+        for (_, fifo) in clock.outputs.of(clock.outputs.all()) {
+            if fifos[fifo].room_at() == at {
+                return (self.fifos[fifo].freed(shape.fifos[fifo].depth), EventCause::Slot(fifo as u16));
+            }
+        }
+        (self.steps[stage], EventCause::Rest)
+    }
+
+    /// The front token of a FIFO, which is popped now, becomes visible.
+    fn token(&mut self, shape: &Netlist, visit: &StageView<'_>, fifo: usize) -> u32 {
+        let (step, base) = self.fifos[fifo].inside.pop_front().unwrap_or((NONE, Cycle::ZERO));
+        let (slots, producer) = (&visit.fifos[fifo], shape.fifos[fifo].producer);
+        let (visible, why) = (slots.front_visible(), EventCause::Fifo(fifo as u16));
+        let (latest, delivered) = latest(slots.front_answers().as_ref(), base);
+        if delivered + shape.fifos[fifo].latency < visible {
+            // One token becomes visible per cycle.
+            return self.push(visible, self.fifos[fifo].visible, why);
+        }
+        let client = latest.map(|own| shape.stages[producer].clients[own]);
+        let after = self.delivery(visit.memories, (step, producer), base, (client, delivered));
+        self.push(visible, after, why)
+    }
+
+    /// A step delivers: not before `base`, and when the answer of `client` is there, if it waits for one.
+    fn delivery(
+        &mut self,
+        memories: &MemorySystem,
+        (step, stage): (u32, usize),
+        base: Cycle,
+        (client, at): (Option<usize>, Cycle),
+    ) -> u32 {
+        let ready = if base > self.at(step) { self.push(base, step, EventCause::Latency(stage as u16)) } else { step };
+        client.map_or(ready, |client| self.answer(memories, client, (ready, at)))
+    }
+
+    /// The phases of the request whose answer a client got last by `at`, after an event.
+    fn answer(&mut self, memories: &MemorySystem, client: usize, (mut after, at): (u32, Cycle)) -> u32 {
+        let Some(request) = memories.last_answered(client, at) else { return after };
+        let phases = [
+            (request.arrival + 1, RequestPhase::Arrival),
+            (request.row, RequestPhase::Bus),
+            (request.column, RequestPhase::Bank),
+            (request.end, RequestPhase::Data),
+            (request.answer, RequestPhase::Order),
+            (at, RequestPhase::Cache),
+        ];
+        for (until, phase) in phases {
+            let until = until.min(at);
+            if until > self.at(after) {
+                after = self.push(until, after, EventCause::Memory(client as u16, phase));
+            }
+        }
+        after
+    }
+
+    /// The path back from the last mark, or from the end of a run of `total` cycles where there is none. `marks`: cycles between
+    /// them. None where too much happened.
+    pub(crate) fn trace(mut self, time: &MachineTiming, total: u64, marks: &[u64]) -> Option<CriticalPath> {
+        let last = self.last(time);
+        if self.events.len() > self.most {
+            return None;
+        }
+        let end: u64 = if marks.is_empty() { total } else { marks.iter().sum() };
+        let mut event = self.push(Cycle(end), last, EventCause::Rest);
+        let spans = if marks.is_empty() { &[total] } else { marks };
+        let sum_up = |sum: &mut u64, cycles: &u64| {
+            *sum += cycles;
+            Some(*sum)
+        };
+        let ends: Vec<u64> = spans.iter().scan(0, sum_up).collect();
+        let mut spent: BTreeMap<EventCause, Vec<u64>> = BTreeMap::new();
+        let mut by_group = ByGroup::default();
+        while let Some(&PathEvent { at, after, why }) = self.events.get(event as usize) {
+            by_group.pass(self.group(event), at.since(self.at(after)));
+            let by_mark = spent.entry(why).or_insert_with(|| vec![0; ends.len()]);
+            split(&ends, (self.at(after).0, at.0), by_mark);
+            event = after;
+        }
+        let part = |(why, by_mark): (EventCause, Vec<u64>)| {
+            let cycles = by_mark.iter().sum();
+            (cycles > 0).then(|| PathPart { stretch: named(why, time), cycles, by_mark })
+        };
+        let mut parts: Vec<PathPart> = spent.into_iter().filter_map(part).collect();
+        // Stable: equals stay in the order of the block diagram.
+        parts.sort_by_key(|part| std::cmp::Reverse(part.cycles));
+        let by_group = if self.groups.is_empty() { vec![] } else { by_group.finish() };
+        Some(CriticalPath { cycles: end, parts, by_group })
+    }
+
+    /// The group of an event, if it is a step of one.
+    fn group(&self, event: u32) -> Option<u32> {
+        let place = self.of_groups.binary_search_by_key(&event, |(event, _)| *event).ok()?;
+        Some(self.of_groups[place].1)
+    }
+
+    /// The event that the end of the run waits for.
+    fn last(&mut self, time: &MachineTiming) -> u32 {
+        if let Some((step, stage, base)) = self.mark {
+            let clock = &time.stages[stage];
+            let at = clock.marks.iter().copied().max().unwrap_or(base);
+            let client = clock.clients.iter().copied().find(|&client| time.memories.is_answer(client, at));
+            return self.delivery(&time.memories, (step, stage), base, (client.filter(|_| at > base), at));
+        }
+        let stage = (0..time.stages.len()).max_by_key(|&stage| time.stages[stage].free);
+        let Some(stage) = stage.filter(|&stage| self.steps[stage] != NONE) else { return NONE };
+        self.push(time.stages[stage].free, self.steps[stage], EventCause::Occupancy(stage as u16))
+    }
+}
+
+/// Cycles of a path by group, summed up on the way back: those behind a step, up to the next one, are its own.
+#[derive(Default)]
+struct ByGroup {
+    sums: BTreeMap<u32, u64>,
+    behind: u64,
+}
+
+impl ByGroup {
+    /// Passes an event, which may be a step of a group; the cycles ahead of it.
+    fn pass(&mut self, group: Option<u32>, ahead: u64) {
+        if let Some(group) = group {
+            *self.sums.entry(group).or_default() += std::mem::take(&mut self.behind);
+        }
+        self.behind += ahead;
+    }
+
+    fn finish(mut self) -> Vec<(u32, u64)> {
+        self.pass(Some(StageGroups::NONE), 0);
+        self.sums.into_iter().filter(|(_, cycles)| *cycles > 0).collect()
+    }
+}
+
+/// The client, as the unit numbers it, whose answer came last, and when; `base`, and none, where no answer came later.
+fn latest(answers: Option<&[Cycle; MAX_CLIENTS]>, base: Cycle) -> (Option<usize>, Cycle) {
+    let answers = answers.into_iter().flatten().enumerate();
+    answers.fold((None, base), |best, (own, &answer)| if answer > best.1 { (Some(own), answer) } else { best })
+}
+
+/// Adds the cycles between two times to the spans, each up to one of these `ends`, in which they lie. (Looked for, not walked to: there
+/// may be thousands of marks, and millions of events.)
+fn split(ends: &[u64], (mut from, to): (u64, u64), by_mark: &mut [u64]) {
+    let first = ends.partition_point(|end| *end <= from);
+    for (end, sum) in ends.iter().zip(by_mark).skip(first) {
+        if from >= to {
+            break;
+        }
+        let until = to.min(*end);
+        *sum += until - from;
+        from = until;
+    }
+}
+
+fn named(why: EventCause, time: &MachineTiming) -> PathSegment {
+    let unit = |stage: u16| time.shape.stages[usize::from(stage)].names.name.clone();
+    let fifo = |fifo: u16| time.shape.fifos[usize::from(fifo)].name.clone();
+    match why {
+        EventCause::Occupancy(stage) => PathSegment::Occupancy(unit(stage)),
+        EventCause::Latency(stage) => PathSegment::Latency(unit(stage)),
+        EventCause::Fifo(number) => PathSegment::Fifo(fifo(number)),
+        EventCause::Slot(number) => PathSegment::Slot(fifo(number)),
+        EventCause::Memory(client, phase) => {
+            let name = time.memories.client_names().nth(usize::from(client)).unwrap_or_default();
+            PathSegment::Memory(name.to_owned(), phase)
+        }
+        EventCause::Rest => PathSegment::Rest,
+    }
+}

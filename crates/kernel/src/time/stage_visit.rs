@@ -1,0 +1,212 @@
+//! A stage at work: its clock, with the FIFOs and memories that it is joined to. What it is joined to does not change while it works, so
+//! that it is looked up once, and not in every step.
+
+use super::in_flight::{Delivery, InFlightStep, MARKED};
+use super::port_ids::{ConnectedFifos, PortIds};
+use super::{FifoTiming, InputMask, StageArity, StageClock, StepTiming, charge};
+use crate::step_requests::StepRequestsView;
+use crate::{Account, Cycle, MemoryPorts, MemorySystem, Probe};
+
+/// A stage, to be worked on.
+pub(crate) struct StageVisit<'a> {
+    pub(super) stage: usize,
+    pub(crate) clock: &'a mut StageClock,
+    pub(super) account: &'a mut Account,
+    pub(super) fifos: &'a [FifoTiming],
+    pub(super) memories: &'a mut MemorySystem,
+    pub(super) inputs: ConnectedFifos<'a>,
+    pub(super) outputs: ConnectedFifos<'a>,
+}
+
+/// The same, to be looked at.
+pub(crate) struct StageView<'a> {
+    pub(super) stage: usize,
+    pub(super) clock: &'a StageClock,
+    pub(super) fifos: &'a [FifoTiming],
+    pub(super) memories: &'a MemorySystem,
+}
+
+impl StageVisit<'_> {
+    /// Whether anything that it goes by has changed since the last visit: otherwise it can do no more than then.
+    #[inline(always)]
+    pub(crate) fn has_news<K: StageArity>(&mut self) -> bool {
+        let Self { clock, inputs, outputs, memories, .. } = self;
+        let mut news = std::mem::take(&mut clock.again);
+        inputs.each(inputs.all(K::INPUTS), K::INPUTS, |_, fifo| news |= fifo.has_news_for_consumer());
+        outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |_, fifo| news |= fifo.has_news_for_producer());
+        news || (K::HAS_MEMORY && clock.served != memories.served_of(&clock.clients))
+    }
+
+    /// Ends the visit: what its memories have served by now is no news.
+    #[inline(always)]
+    pub(crate) fn leave<K: StageArity>(&mut self) {
+        if K::HAS_MEMORY {
+            self.clock.served = self.memories.served_of(&self.clock.clients);
+        }
+    }
+
+    /// The earliest start of its next step (law 3); unknown while that depends on what is not known yet, and where it will make no
+    /// further step.
+    #[inline(always)]
+    pub(crate) fn next_start<K: StageArity>(&self, takes: InputMask) -> Cycle {
+        self.clock.next_start::<K>((&self.inputs, &self.outputs), self.memories, takes)
+    }
+
+    /// Charges the cycles that it waits from the end of its last step to the start of the next, at `at`.
+    #[inline(always)]
+    pub(crate) fn charge_wait<K: StageArity, P: Probe>(&mut self, takes: InputMask, at: Cycle, probe: &mut P) {
+        let Self { stage, clock, account, memories, inputs, outputs, .. } = self;
+        let between = (clock.free, at);
+        clock.split_wait::<K>((inputs, outputs), memories, takes, between, |wait| charge(account, probe, *stage, wait));
+    }
+
+    /// What a step asks of its memories: see [`MemoryPorts::settle`].
+    #[inline(always)]
+    pub(crate) fn settle<'t>(&mut self, traffic: &'t mut MemoryPorts) -> Option<StepRequestsView<'t>> {
+        traffic.settle((&self.clock.clients, self.memories), &self.clock.needs.credits)
+    }
+
+    /// Makes a step that starts at `at`: takes it into the times of its FIFOs. Its delivery is known where it asks nothing.
+    #[inline(always)]
+    pub(crate) fn step<K: StageArity>(&mut self, at: Cycle, takes: InputMask, made: &StepTiming) {
+        let (occupancy, latency) = self.begin::<K>(at, takes, made);
+        if K::HAS_MEMORY && !self.clock.flights.is_empty() {
+            let delivery = delivery(at.after(latency), made);
+            self.clock.flights.push(InFlightStep::new(delivery), (&self.clock.clients, self.memories));
+            return self.end(at, occupancy);
+        }
+        self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.deliver(at.after(latency)));
+        if made.marked {
+            self.clock.marks.push(at.after(latency));
+        }
+        self.end(at, occupancy);
+    }
+
+    /// The same of a step that asks something. With nothing known to ask, since that is not what was declared and wired, it delivers
+    /// nothing: the run ends there.
+    #[inline(always)]
+    pub(crate) fn step_asking<K: StageArity>(
+        &mut self,
+        at: Cycle,
+        takes: InputMask,
+        made: &StepTiming,
+        asks: Option<StepRequestsView<'_>>,
+    ) {
+        let kept = self.begin::<K>(at, takes, made);
+        match asks {
+            Some(asks) => self.step_asking_on(at, kept, made, asks),
+            None => self.end(at, kept.0),
+        }
+    }
+
+    /// Takes tokens and reserves slots; how long the step keeps the unit and takes to deliver, as far as no memory decides.
+    #[inline(always)]
+    fn begin<K: StageArity>(&mut self, at: Cycle, takes: InputMask, made: &StepTiming) -> (u64, u64) {
+        if K::HAS_MEMORY {
+            self.clock.needs.asked = false;
+        }
+        self.inputs.each(takes.inputs(), K::INPUTS, |_, fifo| fifo.pop(at));
+        self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.reserve(at));
+        self.clock.kept(made)
+    }
+
+    #[inline(always)]
+    fn step_asking_on(&mut self, at: Cycle, (occupancy, latency): (u64, u64), made: &StepTiming, asks: StepRequestsView<'_>) {
+        let delivery = delivery(at.after(latency), made);
+        let least = depart(self.clock, self.fifos, self.memories, (at, delivery), asks);
+        self.end(at, occupancy.max(least));
+    }
+
+    #[inline(always)]
+    fn end(&mut self, at: Cycle, occupancy: u64) {
+        self.clock.busy += occupancy;
+        self.clock.free = at.after(occupancy);
+        self.clock.steps += 1;
+    }
+
+    /// Delivers the steps in flight whose answers are known by now, and tells whether there were any. To be called before looking at
+    /// the next start.
+    ///
+    /// A step may overtake those ahead that deliver nothing where it does, such as tokens that a test let go no further: its
+    /// token must not seem to wait for their answers, or requests that it leads to would be served too late.
+    #[inline(always)]
+    pub(crate) fn land_known<K: StageArity>(&mut self) -> bool {
+        K::HAS_MEMORY && !self.clock.flights.is_empty() && land(self.clock, self.fifos, self.memories)
+    }
+
+    /// What a critical path looks at.
+    pub(crate) fn sight(&self) -> StageView<'_> {
+        StageView { stage: self.stage, clock: self.clock, fifos: self.fifos, memories: self.memories }
+    }
+
+    /// Promises that it makes no step before it can at the earliest: with what its neighbours have promised, where they have not come
+    /// so far yet. Its neighbours build on that in turn, and its memories serve what others asked for until then.
+    #[inline(always)]
+    pub(crate) fn promise<K: StageArity>(&mut self, takes: InputMask) -> Cycle {
+        let Self { clock, memories, inputs, outputs, .. } = self;
+        let mut start = if takes == InputMask::NO_STEP { Cycle::UNKNOWN } else { clock.free };
+        let (taken, room) = (takes.inputs(), outputs.all(K::OUTPUTS));
+        inputs.each(taken, K::INPUTS, |_, fifo| start = start.max(fifo.no_front_before()));
+        outputs.each(room, K::OUTPUTS, |_, fifo| start = start.max(fifo.no_room_before()));
+        inputs.each(inputs.all(K::INPUTS), K::INPUTS, |_, fifo| fifo.promise_pop(start));
+        outputs.each(room, K::OUTPUTS, |_, fifo| fifo.promise_push(start));
+        if K::HAS_MEMORY {
+            clock.clients.iter().for_each(|&client| memories.promise(client, start));
+        }
+        start
+    }
+
+    /// Serves what is final of the memories that no other stage uses, when this one makes no step before `horizon`; whether
+    /// there was any.
+    #[inline(always)]
+    pub(crate) fn serve_private<K: StageArity>(&mut self, horizon: Cycle) -> bool {
+        let Self { clock, memories, .. } = self;
+        K::HAS_MEMORY
+            && clock.has_private
+            && clock.clients.iter().fold(false, |any, &client| memories.serve_if_private(client, horizon) | any)
+    }
+}
+
+/// The delivery of a step.
+#[inline(always)]
+fn delivery(base: Cycle, made: &StepTiming) -> Delivery {
+    Delivery { base, outputs: made.outputs | if made.marked { MARKED } else { 0 } }
+}
+
+/// Issues what a step asks that starts at `start`, and delivers it if all answers are known; the least occupancy that its look-ups
+/// need. (This and what follows are no methods: were a visit lent to them, all of it would have to lie in memory.)
+fn depart(
+    clock: &mut StageClock,
+    fifos: &[FifoTiming],
+    memories: &mut MemorySystem,
+    (start, delivery): (Cycle, Delivery),
+    asks: StepRequestsView<'_>,
+) -> u64 {
+    let StageClock { flights, clients, marks, outputs, needs, .. } = clock;
+    let mut flight = InFlightStep::new(delivery);
+    let (least, at_once) = flights.issue(&mut flight, start, (clients, memories), asks);
+    needs.asked = true;
+    if at_once {
+        deliver_answered(marks, *outputs, &flight, delivery.outputs, fifos);
+    } else {
+        flights.push(flight, (clients, memories));
+    }
+    least
+}
+
+fn land(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut MemorySystem) -> bool {
+    let StageClock { flights, marks, clients, outputs, .. } = clock;
+    flights.land(outputs.all(), (clients, memories), |flight, to| deliver_answered(marks, *outputs, flight, to, fifos))
+}
+
+/// Delivers a step that has its answers, to these of its outputs.
+fn deliver_answered(marks: &mut Vec<Cycle>, outputs: PortIds, flight: &InFlightStep, to: u32, fifos: &[FifoTiming]) {
+    let at = flight.delivered();
+    for (_, fifo) in outputs.of(to & outputs.all()) {
+        fifos[fifo].set_awaits(flight.answers);
+        fifos[fifo].deliver(at);
+    }
+    if to & MARKED != 0 {
+        marks.push(at);
+    }
+}

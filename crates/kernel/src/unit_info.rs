@@ -1,0 +1,40 @@
+//! Roles of units in the block diagram.
+
+/// What a unit is for, and where its code is; a unit states it with [`unit_info!`](crate::unit_info).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UnitInfo {
+    /// What it does, in a sentence without its full stop; empty where it does not say.
+    pub purpose: &'static str,
+    /// Path of the module that states it, as `module_path!` gives it.
+    pub module: &'static str,
+}
+
+/// States the [`UnitInfo`] of a unit: the first line of its `impl Unit`.
+///
+/// ```
+/// use basrelief_kernel::{Demand, UnitInfo, Step, MemoryPorts, Unit};
+///
+/// struct Adder;
+///
+/// impl Unit for Adder {
+///     basrelief_kernel::unit_info!("adds what both inputs bring");
+///     type In = (Option<u32>, Option<u32>);
+///     type Out = Option<u32>;
+///
+///     fn demand(&self) -> Demand {
+///         Demand::All
+///     }
+///
+///     fn step(&mut self, (a, b): Self::In, _: &mut MemoryPorts) -> Step<Option<u32>> {
+///         Step::after(1, a.zip(b).map(|(a, b)| a + b))
+///     }
+/// }
+///
+/// assert_eq!(Adder::INFO, Role { purpose: "adds what both inputs bring", module: module_path!() });
+/// ```
+#[macro_export]
+macro_rules! unit_info {
+    ($purpose:literal) => {
+        const INFO: $crate::UnitInfo = $crate::UnitInfo { purpose: $purpose, module: module_path!() };
+    };
+}
