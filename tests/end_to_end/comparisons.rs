@@ -62,10 +62,10 @@ fn what_explains_a_difference_is_measured_from_the_tapes_beside_the_reports() {
         assert_eq!(Some(place.frame_cycles("promised")), share["cycles"].as_u64(), "{group}");
     }
     let told = said(&place, "a b");
-    assert!(groups.contains(&"memory.texture") && told.contains(" through memory.texture"), "{told}");
-    assert!(groups.contains(&"work") && told.contains(" through what the units do"), "{told}");
+    assert!(groups.contains(&"memory.texture") && told.contains(" memory.texture: "), "{told}");
+    assert!(groups.contains(&"work") && told.contains(" work parameters: "), "{told}");
     place.ok("retime a --set memory.texture.cl=9 --out c --quiet");
-    assert!(said(&place, "a c").contains(" all through memory.texture."), "what retime leaves is compared, too");
+    assert!(said(&place, "a c").contains(" all due to memory.texture."), "what retime leaves is compared, too");
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn several_reports_are_each_held_against_the_first() {
     assert_eq!((list[0]["explained"][0]["group"].as_str(), list[1].get("explained")), (Some("memory.texture"), None));
     let told = said(&place, "a b c");
     assert!(told.starts_with("Report cycles of frames per ") && told.contains("A: a, B: c B takes "), "{told}");
-    assert!(told.contains("all through memory.texture.") && told.contains("What explains it can be measured where"), "{told}");
+    assert!(told.contains("all due to memory.texture.") && told.contains("To measure the causes, keep the recording"), "{told}");
     let worst = |n: usize| list[n]["worst"]["percent"].as_f64().expect("a number");
     assert!(worst(0) < worst(1));
     place.ok(&format!("compare a c b --fail-over {}", worst(1)));
@@ -106,5 +106,5 @@ fn a_tape_that_is_spoiled_or_of_another_run_is_named() {
     }
     // Beside a report under another name it is none of its run.
     fs::rename(place.path("b/report.json"), place.path("b/kept.json")).expect("renamed");
-    assert!(said(&place, "a b/kept.json").contains("What explains it can be measured where"));
+    assert!(said(&place, "a b/kept.json").contains("To measure the causes, keep the recording"));
 }

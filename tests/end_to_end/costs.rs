@@ -21,10 +21,10 @@ fn costs_come_as_pictures_and_as_tables() {
     let report = place.report("out");
     let costs = &report["costs"];
     let units = report["units"].as_object().expect("units").len() as u64;
-    let all: u64 = ["pixels", "elsewhere", "nobody"].iter().filter_map(|whom| costs[whom]["cycles"].as_u64()).sum();
+    let all: u64 = ["pixels", "non_pixel", "unattributed"].iter().filter_map(|whom| costs[whom]["cycles"].as_u64()).sum();
     assert_eq!(all + costs["done"].as_u64().expect("a number"), units * report["cycles"]["total"].as_u64().expect("a number"));
     let polygons = costs["polygons"].as_array().expect("a list");
-    let cycles = |i: usize| polygons[i]["spent"]["cycles"].as_u64().expect("a number");
+    let cycles = |i: usize| polygons[i]["breakdown"]["cycles"].as_u64().expect("a number");
     assert!(polygons.len() == 100 && (1..100).all(|i| cycles(i - 1) >= cycles(i)), "the hundred most expensive, most first");
     let csv = place.text("out/report.csv");
     assert!(csv.contains("\nobjects,0,cycles,,") && csv.contains("\npolygons,others,count,,"), "{csv}");

@@ -16,10 +16,10 @@ fn a_demo_writes_picture_exact_picture_difference_and_report() {
     assert_eq!((width, height), (64, 48));
     assert_eq!(report["image"][0]["sha256"], hash.as_str());
     assert_eq!(report["image"][0]["file"], "image.png");
-    assert!(said.contains("limits this run") && said.contains("Written to out/"), "{said}");
+    assert!(said.contains("Bottleneck: ") && said.contains("Written to out/"), "{said}");
     let cycles = &report["cycles"];
     let frames: u64 = cycles["frames"].as_array().expect("frames").iter().filter_map(Value::as_u64).sum();
-    assert_eq!(cycles["total"].as_u64(), Some(frames + cycles["drain"].as_u64().expect("drain")));
+    assert_eq!(cycles["total"].as_u64(), Some(frames + cycles["scan_out_tail"].as_u64().expect("scan_out_tail")));
 }
 
 #[test]

@@ -33,14 +33,14 @@ fn timing_a_tape_again_gives_the_report_of_a_run_and_any_engine_the_same_tape() 
 fn limits_hold_as_full_runs_and_can_be_left_out() {
     let place = Place::new();
     let text = place.ok("demo corridor --size 48x36 --no-exact").out;
-    assert!(text.contains("What limits this run: "), "{text}");
+    assert!(text.contains("Bottleneck: `"), "{text}");
     let report = place.report("out");
-    let first = &report["limits"][0];
+    let first = &report["bottlenecks"][0];
     let set: Vec<String> =
         first["set"].as_array().expect("options").iter().map(|s| format!("--set {}", s.as_str().unwrap())).collect();
     place.ok(&format!("{RUN} --no-limits {} --out ideal", set.join(" ")));
     assert_eq!(place.frame_cycles("ideal"), first["cycles"].as_u64().expect("cycles"));
-    assert!(place.report("ideal").get("limits").is_none());
+    assert!(place.report("ideal").get("bottlenecks").is_none());
 }
 
 #[test]

@@ -176,10 +176,10 @@ def check_whose(shown):
     costs = shown.report["costs"]
     shown.equal("all frames", framed, sum(frame["cycles"] for frame in costs["frames"]))
     for told in costs["objects"]:
-        shown.equal(f"object {told['object']}", objects[told["object"]], told["spent"]["cycles"])
+        shown.equal(f"object {told['object']}", objects[told["object"]], told["breakdown"]["cycles"])
     for told in costs["polygons"]:
         at = f"frame {told['frame']}, polygon {told['polygon']}"
-        shown.equal(at, polygons[told["frame"] + 1, told["polygon"]], told["spent"]["cycles"])
+        shown.equal(at, polygons[told["frame"] + 1, told["polygon"]], told["breakdown"]["cycles"])
     shown.equal("whether there are polygons", len(costs["polygons"]) > 5, True)
 
 

@@ -53,7 +53,7 @@ export function changes(pinned: Run | undefined, now: Run): HTMLElement {
   const head = ["unit", "pinned above, now below", ...STATES.map(([, name]) => name)].map(name => el("th", { scope: "col" }, name));
   const set = settings(a.config, b.config).map(([key, from, to]) => el("li", {}, el("code", {}, key), ` ${from} \u2192 ${to}`));
   const totals = [
-    `cycles of the frames: ${thousands(frameCycles(a))} \u2192 ${thousands(frameCycles(b))}, ${change(frameCycles(b), frameCycles(a))}`,
+    `render cycles: ${thousands(frameCycles(a))} \u2192 ${thousands(frameCycles(b))}, ${change(frameCycles(b), frameCycles(a))}`,
     `memory traffic: ${thousands(memoryBytes(a))} \u2192 ${thousands(memoryBytes(b))} bytes, ${change(memoryBytes(b), memoryBytes(a))}`,
   ];
   if (a.quality && b.quality) {

@@ -10,7 +10,7 @@ export interface Shown { run: Run; rest: Uint8Array; /** With exact picture and 
 const OWN: [string, string][] = [["timeline", "Time line"], ["changes", "Changes"]];
 /** Sections that stand in the page's own parts already. */
 const ELSEWHERE = ["pictures", "warnings"];
-const FIRST = ["units", "diagram", "limits", "timeline", "changes"];
+const FIRST = ["units", "diagram", "bottlenecks", "timeline", "changes"];
 
 const BITS = ["fifo", "cache_data", "cache_tags", "table", "registers"];
 
@@ -42,9 +42,9 @@ export function lead(into: HTMLElement, { run, whole }: Shown): void {
     into.textContent = outcome.message ?? `The run ended early: ${outcome.kind}.`;
     return;
   }
-  const html = run.sections.find(({ id }) => id === "limits")?.html ?? "";
+  const html = run.sections.find(({ id }) => id === "bottlenecks")?.html ?? "";
   const sentence = new DOMParser().parseFromString(html, "text/html").querySelector(".lead")?.textContent ?? "";
-  into.textContent = !cycles ? "" : whole ? sentence : "What limits this run is measured when the picture rests.";
+  into.textContent = !cycles ? "" : whole ? sentence : "The bottleneck is measured when the picture rests.";
   into.classList.toggle("quiet", !whole);
 }
 
@@ -55,7 +55,7 @@ function list(run: Run): [string, string][] {
   return [...first, ...all.filter(([id]) => !FIRST.includes(id))];
 }
 
-const SHORT: Record<string, string> = { units: "Units", limits: "Limits", diagram: "Block diagram" };
+const SHORT: Record<string, string> = { units: "Units", bottlenecks: "Bottlenecks", diagram: "Block diagram" };
 
 export function tabs(into: HTMLElement, run: Run, chosen: string, choose: (panel: string) => void): string {
   const all = list(run);

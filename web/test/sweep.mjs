@@ -26,7 +26,7 @@ const places = page => page.$$eval("#points .point:not(.off)", all => all.map(do
 
 // A point of the front is shown, with its picture.
 const page = await opened();
-assert.match(await told(page), /^On the front/);
+assert.match(await told(page), /^Pareto-optimal/);
 assert.ok(await page.$eval("#point img", image => image.decode().then(() => image.naturalWidth > 0)));
 
 // Keys: from the first to the last point, and through the front alone.
@@ -40,7 +40,7 @@ for (let step = 0; step < rows; step++) {
 }
 assert.equal(seen.size, rows, "arrow keys reach every point");
 await page.keyboard.press("ArrowUp");
-assert.match(await told(page), /^On the front/);
+assert.match(await told(page), /^Pareto-optimal/);
 
 // A pointer: the point under it, kept by a click.
 await page.keyboard.press("Escape");

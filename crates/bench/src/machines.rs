@@ -28,7 +28,7 @@ use basrelief_parameters::Parameters;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Mesh, Object, Scene};
 use basrelief_sim::{MachineConfig, run_apart};
-use basrelief_timeline::Board;
+use basrelief_timeline::TimelineLayout;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -120,7 +120,7 @@ impl Drawing {
     }
 
     /// The machine, as a time line shows it.
-    pub fn board(&self) -> Board {
+    pub fn board(&self) -> TimelineLayout {
         self.work(ShowBoard).0
     }
 }
@@ -189,10 +189,10 @@ impl Job for TimeUnits {
 struct ShowBoard;
 
 impl Job for ShowBoard {
-    type Result = Board;
+    type Result = TimelineLayout;
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        Board::new("machine", 0, Netlist::of(machine).expect("its wiring was checked when it was built").diagram())
+        TimelineLayout::new("machine", 0, Netlist::of(machine).expect("its wiring was checked when it was built").diagram())
     }
 }
 

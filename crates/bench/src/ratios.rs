@@ -5,7 +5,7 @@ use crate::traces;
 use crate::workload::{Ready, Sample, Size, Workload};
 use basrelief_kernel::{Engine, NoProbe};
 use basrelief_threads as threads;
-use basrelief_timeline::{Timeline, Watcher};
+use basrelief_timeline::{PerfettoTrace, TimelineProbe};
 use serde::Serialize;
 use std::io::sink;
 
@@ -71,8 +71,8 @@ fn probed(drawing: &Drawing) -> Ready {
     let drawing = drawing.clone();
     let board = drawing.board();
     Box::new(move || {
-        let chart = Box::new(Timeline::new(sink(), &board));
-        drawing.simulate(Some(Engine::Timed), &mut Watcher::new(board.clone(), vec![chart]))
+        let chart = Box::new(PerfettoTrace::new(sink(), &board));
+        drawing.simulate(Some(Engine::Timed), &mut TimelineProbe::new(board.clone(), vec![chart]))
     })
 }
 

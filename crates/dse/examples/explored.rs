@@ -1,10 +1,10 @@
-//! What exploring would have found of a grid that has been swept as a whole: shares of its hypervolume by number of runs.
+//! Share of the hypervolume that exploration finds on a grid that was swept as a whole, by number of runs.
 //!
 //! ```text
 //! cargo run -p basrelief-dse --example explored -- sweep.csv "cycles.total min" "hardware.bits min" -- fifo.indexes.depth ...
 //! ```
 //!
-//! Objectives stand ahead of the second `--`, axes behind it. For each budget it prints the least and the mean share over eight
+//! Objectives come before the second `--`, axes after it. For each budget it prints the smallest and the mean share over eight
 //! seeds, and the same of a Sobol sequence of as many points.
 
 use basrelief_dse::explorer::{Explorer, Known};

@@ -1,18 +1,18 @@
-//! Main effects: how far an objective moves over the values of an axis, whatever the other axes are.
+//! Main effects: range of an objective over the values of an axis, averaged over the other axes.
 //!
-//! For each value of an axis the mean and the best of an objective are taken over all points with that value. The distance from
-//! the lowest to the highest mean is what the axis moves the objective by: the length of its bar in a tornado. In a whole
-//! grid all else is balanced, so that the axis alone has moved it; in a sample chance adds to it, and the less the more points
-//! there are. Effects that two axes have only together do not show; a heat map of both shows them.
+//! For each value of an axis, the mean and the best of an objective are taken over all points with that value. The distance from the
+//! lowest to the highest mean is the effect of the axis: the length of its bar in a tornado chart. A whole grid is balanced, so the
+//! effect comes from this axis only. A sample adds noise, which shrinks with the number of points. Interactions of two axes do not
+//! show here; a heat map of both shows them.
 //!
-//! Where all points differ from the first in one axis at most, those that differ in another axis say nothing of this one, and are left
-//! out: what an axis moves is then told against the first point alone.
+//! If every point differs from the first point in at most one axis, points that differ in another axis are left out: the effect of an
+//! axis is then relative to the first point only.
 
 use crate::levels::Levels;
 use crate::rules::Goal;
 use crate::table::{Row, State, Table};
 
-/// What an axis does to an objective.
+/// Effect of an axis on an objective.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
     /// Number of the axis's column.
@@ -94,7 +94,7 @@ pub(crate) fn level(table: &Table, (objective, goal): (usize, Goal), label: &str
     let run = rows.iter().map(|&row| &table.rows[row]).filter(|row| row.state == State::Ok);
     let mut values: Vec<f64> = run.filter_map(|row| row.cells.get(objective)?.number()).collect();
     let best = values.iter().copied().reduce(|a, b| if goal.better(b, a) { b } else { a })?;
-    // The same values have the same mean, in whatever order they come: an axis that moves nothing is seen to move nothing.
+    // Equal values have an equal mean in any order, so an axis without effect has an effect of exactly 0.
     values.sort_by(f64::total_cmp);
     // Each divided first: a sum of large values must not overflow.
     let mean = values.iter().map(|value| value / values.len() as f64).sum();

@@ -1,12 +1,11 @@
-//! Running what is missing, on all cores.
+//! Runs missing points on all cores.
 //!
-//! Points that do the same work, and differ in times only, are a group. The first of a group that is missing is run and recorded; the
-//! others are timed again from its tape, which takes a fraction of the time. Where that cannot be - the tape is too long, the run does
-//! not come to its end, its work turns out to be another - points are run by themselves. The results are the same to the byte.
+//! Points that differ only in timing parameters are a group. The first missing point of a group is run and recorded. The others are
+//! resimulated from its recording, which takes a fraction of the time. If the recording is too long, the run does not finish, or its
+//! work differs, points are run by themselves. The results are equal to the byte.
 //!
-//! Points are taken in an order drawn at random, and looked for again before each: of two processes on one folder each finds what the
-//! other has done. Only to begin at another place in the same order would not do: the one behind would catch up, and from there both
-//! would run the same.
+//! Points are taken in random order, and each is looked up again before it runs, so two processes on one folder reuse each other's
+//! points. A different start in the same order does not suffice: the process behind catches up, and then both run the same points.
 
 use crate::folder::Store;
 use crate::one::{Ran, run_point};
@@ -20,24 +19,23 @@ use std::hash::BuildHasher;
 use std::io::Cursor;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// What is to be done.
+/// Points to run, and options.
 #[derive(Clone, Copy, Debug)]
 pub struct Work<'a> {
-    /// Of these points.
+    /// Points of the sweep.
     pub points: &'a [&'a Point],
-    /// Points that failed are run again.
+    /// Runs failed points again.
     pub retry_failed: bool,
-    /// A picture of each point is written beside its report.
+    /// Writes a picture of each point beside its report.
     pub pictures: bool,
-    /// Points under way at a time.
+    /// Parallel runs.
     pub threads: usize,
 }
 
-/// Runs what is missing of these points.
+/// Runs the missing points.
 ///
 /// # Errors
-/// The first that cannot be written, or an input that cannot be opened any more. A point that fails is none: its failure is written
-/// down.
+/// The first file that cannot be written, or an input that can no longer be opened. A failed point is no error: its failure is stored.
 pub fn execute(plan: &Plan, work: &Work<'_>, store: &dyn Store, host: &dyn Host) -> Result<Tally, SweepError> {
     let missing: Vec<&Point> = work.points.iter().copied().filter(|point| is_missing(point, work, store)).collect();
     let (points, there) = (work.points.len(), work.points.len() - missing.len());
@@ -83,7 +81,7 @@ struct Queue<'a> {
     groups: VecDeque<Vec<&'a Point>>,
     /// To be timed again.
     again: VecDeque<(Arc<Recorded>, &'a Point)>,
-    /// Groups whose first is under way, of which others will follow.
+    /// Groups with a running first point, whose other points follow.
     begun: usize,
     tally: Tally,
     failed: Option<SweepError>,
@@ -122,7 +120,7 @@ impl<'a> Crew<'a> {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What each member does, until nothing is left.
+    /// Work loop of a thread, until no point is left.
     fn work(&self) {
         while let Some(task) = self.next() {
             let done = match task {
@@ -142,7 +140,7 @@ impl<'a> Crew<'a> {
             if queue.failed.is_some() {
                 return None;
             }
-            // First what is recorded, so that its tape goes.
+            // Recorded points first, so that their recordings are released.
             if let Some((recorded, point)) = queue.again.pop_front() {
                 return Some(Task::Retime(recorded, point));
             }
@@ -201,7 +199,7 @@ impl<'a> Crew<'a> {
         let in_time = |total: u64| total <= self.plan.max_cycles;
         match report.filter(|report| report.cycles.as_ref().is_some_and(|cycles| in_time(cycles.total))) {
             Some(report) => self.store.put(&point.id, (&report, recorded.png.as_deref()), self.host).map(|()| Way::Retimed),
-            // Other work, or no end: what there is to say of it only a run knows.
+            // Different work, or an incomplete run: only a run has its report.
             None => self.run_one(point, false).map(|placed| placed.way),
         }
     }

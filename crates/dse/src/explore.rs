@@ -1,8 +1,8 @@
-//! The front of a plan with few of its points.
+//! Finds the Pareto front of a plan with few of its points.
 //!
-//! Which points come next follows from the figures of those that are known, by [`Explorer`]; they are run as those of a sweep are, and
-//! lie in the same folder. What limits a point of the front, as its run timed again says, is raised: for that it is run once more,
-//! which counts for no point. So an exploration that was killed goes on, and what a sweep has run is not run again.
+//! [`Explorer`] chooses the next points from the figures of the known points. They are run like the points of a sweep, and stored in the
+//! same folder. The measured bottleneck of a Pareto-optimal point selects the axis to raise; the extra run that measures it does not
+//! count as a point. A killed exploration resumes, and reuses the points of a sweep.
 
 use crate::explorer::{Explorer, Known};
 use crate::one::limits;
@@ -15,12 +15,12 @@ use basrelief_report::model::Limit;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Points that are chosen at a time: as many whatever the number of threads, so that the points are the same.
+/// Points per round. Independent of the number of threads, so that the points are the same.
 const ROUND: usize = 8;
 /// Numbers that begin the coarse sample.
 const SEED: u32 = 1;
 
-/// What an exploration came to.
+/// Result of an exploration.
 #[derive(Debug)]
 pub struct Explored {
     /// The plan with the points alone that were chosen.
@@ -63,7 +63,7 @@ pub fn explore(plan: Plan, budget: usize, work: &Work<'_>, (folder, host): (&Fol
         let numbers: Vec<usize> = next.iter().filter_map(|place| places.get(place.as_slice()).copied()).collect();
         let points: Vec<&Point> = numbers.iter().map(|&number| &plan.points[number]).collect();
         let costs = costs(&plan, &points, work, (folder, host), &mut tally)?;
-        // What the plan leaves out is chosen once, and never again.
+        // An excluded point is chosen once, and never again.
         known.extend(next.iter().map(|place| (place.clone(), None)));
         known.extend(points.iter().zip(costs).map(|(point, costs)| (point.places.clone(), costs)));
         chosen.extend(numbers);
@@ -75,7 +75,7 @@ pub fn explore(plan: Plan, budget: usize, work: &Work<'_>, (folder, host): (&Fol
     Ok(Explored { plan, tally, share })
 }
 
-/// Axes whose parameters change times only, which is what makes a run ideal: their numbers, and the groups of their parameters.
+/// Axes of timing parameters, which relaxations set: their numbers, and the groups of their parameters.
 fn timing_axes(plan: &Plan) -> Vec<(usize, Vec<String>)> {
     let timing: BTreeSet<String> =
         plan.machine.parameters().into_iter().filter(|p| p.effect == Effect::Timing).map(|p| p.key).collect();
@@ -88,8 +88,7 @@ fn group(key: &str) -> &str {
     key.rsplit_once('.').map_or("", |(group, _)| group)
 }
 
-/// Numbers of the axes with a parameter of what limits, most first. Where two limit together, what each does alone says which is
-/// first.
+/// Numbers of the axes with a parameter of a bottleneck, largest saving first. For a pair, the single savings give the order.
 fn limiting(axes: &[(usize, Vec<String>)], limits: &[Limit]) -> Vec<usize> {
     let mut found = Vec::new();
     for Limit { set, .. } in limits.iter().filter(|limit| !limit.resource.contains(" and ")) {
@@ -137,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn what_limits_is_found_on_the_axes_by_its_parameters() {
+    fn bottlenecks_map_to_axes_by_parameters() {
         let axes = [(0, "fifo.a"), (2, "fifo.b"), (3, "memory.m")].map(|(number, group)| (number, vec![group.to_owned()]));
         let limits = [
             limit("a and m", "fifo.a.depth=65536"),

@@ -1,29 +1,27 @@
 //! Finding a front with few runs.
 //!
-//! An [`Explorer`] says which points of a grid to run next, from what is known of those that have run. It starts with a coarse
-//! sample: the corners where all axes are at their first or last value, and a Sobol sequence, which crosses the whole grid. Then
-//! it refines around the front:
+//! An [`Explorer`] chooses the next points of a grid from the known points. It starts with a coarse sample: the corners with all axes
+//! at their first or last value, and a Sobol sequence over the whole grid. Then it refines around the front:
 //!
-//! 1. between two points of the front that are neighbours in cost: the point halfway,
-//! 2. above each point of the front, in turns with those: one step up the axis that limits it most, where the caller knows which,
-//! 3. beside each point of the front: one step up and down each axis, those that limit first,
-//! 4. where all of that has been: two steps, four, and so on,
-//! 5. where that has been, too: the rest of the Sobol sequence.
+//! 1. the point halfway between two adjacent points of the front,
+//! 2. in turns with these: one step up the bottleneck axis of each point of the front, if the caller knows it,
+//! 3. one step up and down each axis from each point of the front, bottleneck axes first,
+//! 4. two steps, four, and so on,
+//! 5. the rest of the Sobol sequence.
 //!
-//! How much that finds, the example `explored` measures on grids that have been swept as a whole. Of `golf-ball`, four FIFO depths
-//! at 160 x 120 (1,296 points), a tenth of the points finds 99.6 % of the full grid's hypervolume at least, in eight seeds, where
-//! a Sobol sequence finds 96.6 %; of entries, lanes, levels and bits at 96 x 72 (420 points) 95.8 and 95.7 %, and with a quarter
-//! of the points 100 and 99.8 %. With a twentieth it may find less than the sequence.
+//! The example `explored` measures the result on grids that were swept as a whole. On `golf-ball` with four FIFO depths at 160 x 120
+//! (1,296 points), a tenth of the points finds at least 99.6 % of the hypervolume of the full grid in eight seeds; a Sobol sequence finds
+//! 96.6 %. With entries, lanes, levels and bits at 96 x 72 (420 points) these are 95.8 and 95.7 %, and with a quarter of the points 100
+//! and 99.8 %. With a twentieth of the points it may find less than the sequence.
 //!
-//! Points beside wide gaps of the front come first. What is proposed follows from what is known alone, so that an
-//! exploration that was killed goes on where it was.
+//! Points beside wide gaps of the front come first. Proposals depend on the known points only, so a killed exploration resumes.
 
 use crate::front::{lexicographic, nondominated};
 use crate::sample::{MOST_SOBOL, Point, SampleError, sobol};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is known of points: costs as of [`candidates`](crate::candidates), of which the smaller are better; none of a point that
-/// failed or breaks a constraint. All costs are finite, and as many for each point.
+/// Known points with their costs, as of [`candidates`](crate::candidates); smaller is better. `None` for a point that failed or
+/// violates a constraint. All costs are finite, and every point has the same number of costs.
 pub type Known = BTreeMap<Point, Option<Vec<f64>>>;
 
 /// Points of the coarse sample for each axis, where the budget is small.
@@ -87,7 +85,7 @@ impl Explorer {
         self.budget.div_ceil(4).max((PER_AXIS * self.axes.len()).min(self.budget / 2))
     }
 
-    /// Around the front of what is known.
+    /// Candidates around the known Pareto front.
     fn refined(&self, known: &Known, hint: &Hint<'_>) -> Vec<Point> {
         let front = Front::of(known);
         let longest = self.axes.iter().copied().max().unwrap_or(1);
@@ -135,7 +133,7 @@ fn halfway(a: &[usize], b: &[usize]) -> [Point; 2] {
     [0, 1].map(|up| a.iter().zip(b).map(|(a, b)| a.min(b) + (a.abs_diff(*b) + up) / 2).collect())
 }
 
-/// The front of what is known: of points with equal costs the first.
+/// Pareto front of the known points; of points with equal costs the first.
 struct Front<'a> {
     points: Vec<&'a [usize]>,
     /// Two neighbours by any cost, and how far they are from each other; the farthest first.
@@ -269,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn the_budget_is_kept_and_a_killed_exploration_goes_on_as_it_would_have() {
+    fn killed_exploration_resumes_within_budget() {
         let (model, axes) = PROBLEMS[0];
         let known = explored(model, axes, 50, 7, 3);
         assert_eq!(known.len(), 50);
@@ -292,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn what_limits_is_raised_in_turns_with_points_halfway_as_long_as_it_can_be() {
+    fn bottleneck_axes_rise_in_turns_with_midpoints() {
         let explorer = Explorer::new(&[9, 9, 9], 13, 0).unwrap();
         let mut known: Known = explorer.next(&Known::new(), 8, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
         known.insert(vec![0, 4, 4], Some(vec![1.0, 9.0]));

@@ -1,8 +1,8 @@
 //! The numbers of a report, each by its path: `cycles.total`, `quality.psnr_db`, `units.replacement.busy`.
 //!
-//! The path is that in `report.json`, with the exception of `derived.NAME`, whose `value` is meant. Of a list below `figures`, such as a
-//! number for each frame, there is the sum, `figures.NAME.sum`; other lists have no path. Three sums are added: `cycles.frames`, the cycles of all frames, for which `cycles` is short; `memories.bytes`, what all memories moved; and
-//! `hardware.bits`, what the machine holds.
+//! A path is that of `report.json`; `derived.NAME` stands for its `value`. A list below `figures`, such as a number for each frame, has
+//! the path `figures.NAME.sum`; other lists have no path. Three sums are added: `cycles.frames`, the render cycles, with the short name
+//! `cycles`; `memories.bytes`, the traffic of all memories; and `hardware.bits`, the storage of the machine.
 
 use crate::Cell;
 use basrelief_report::model::Hardware;
@@ -17,18 +17,26 @@ pub struct Figure {
     pub name: String,
     /// Unit of measure, in the plural; empty for a ratio.
     pub unit: String,
-    /// What it is; may be empty.
+    /// Description; may be empty.
     pub what: String,
     /// Its value.
     pub cell: Cell,
 }
 
+/// Keys of schema 2, which plans of version 0.1 name, and their names today.
+const RENAMED: [(&str, &str); 4] =
+    [("drain", "scan_out_tail"), ("look_ups", "lookups"), ("utilisation", "utilization"), ("bus_utilisation", "bus_utilization")];
+
 /// The path that a name in a plan stands for.
-pub fn path_of(name: &str) -> &str {
-    if name == "cycles" { "cycles.frames" } else { name }
+pub fn path_of(name: &str) -> String {
+    let Some((group, last)) = name.rsplit_once('.') else {
+        return if name == "cycles" { "cycles.frames".into() } else { name.into() };
+    };
+    let renamed = RENAMED.iter().find(|(old, _)| *old == last);
+    renamed.map_or_else(|| name.to_owned(), |(_, new)| format!("{group}.{new}"))
 }
 
-/// Parts of a report whose numbers are figures as they stand there.
+/// Parts of a report whose numbers are figures without conversion.
 const PLAIN: [&str; 6] = ["cycles", "quality", "units", "fifos", "memories", "caches"];
 
 /// The figures of a report, part by part, in the order of their names: that of JSON's keys goes by features that other crates may ask
@@ -43,7 +51,7 @@ pub fn figures(report: &Value) -> Vec<Figure> {
     figures.extend(sums(report));
     for (name, value) in sorted(&report["figures"]) {
         let legend = |key: &str| report["legend"][name][key].as_str().unwrap_or_default().to_owned();
-        let figure = |name, cell| Figure { name, unit: legend("unit"), what: legend("about"), cell };
+        let figure = |name, cell| Figure { name, unit: legend("unit"), what: legend("description"), cell };
         figures.extend(number(value).map(|cell| figure(format!("figures.{name}"), cell)));
         figures.extend(sum(value).map(|cell| figure(format!("figures.{name}.sum"), cell)));
     }
@@ -124,7 +132,7 @@ fn unit(path: &[&str]) -> &'static str {
         ("memories", "reads" | "writes") => "requests",
         ("memories", "read_bytes" | "write_bytes") => "bytes",
         ("memories", _) => "bursts",
-        ("caches", _) => "look-ups",
+        ("caches", _) => "lookups",
         ("quality", "psnr_db") => "dB",
         ("quality", "mean" | "largest") => "1/255",
         _ => "",
@@ -139,13 +147,13 @@ mod tests {
     #[test]
     fn every_number_has_its_path_and_its_unit() {
         let report = json!({
-            "cycles": { "total": 10, "frames": [7], "drain": 3 },
+            "cycles": { "total": 10, "frames": [7], "scan_out_tail": 3 },
             "units": { "a": { "numeral": 11, "busy": 4, "tokens": 2, "starved": { "in": 6 } } },
             "memories": { "m": { "clients": { "z": { "read_bytes": 5, "write_bytes": 8 } }, "channels": [{ "row_hits": 1 }] } },
-            "hardware": [{ "place": "a", "kind": "table", "about": "x", "count": 8, "width": 3 }],
+            "hardware": [{ "place": "a", "kind": "table", "description": "x", "count": 8, "width": 3 }],
             "figures": { "fragments": 9, "names": "x", "levels": [1, 2], "none": [], "waits": [1, 0.5], "words": ["y"] },
-            "legend": { "fragments": { "unit": "fragments", "about": "drawn" } },
-            "derived": { "a.utilisation": { "value": 0.4, "unit": "1", "formula": "f" }, "time_ms": { "value": 2.5, "unit": "ms", "formula": "g" } },
+            "legend": { "fragments": { "unit": "fragments", "description": "drawn" } },
+            "derived": { "a.utilization": { "value": 0.4, "unit": "1", "formula": "f" }, "time_ms": { "value": 2.5, "unit": "ms", "formula": "g" } },
             "quality": { "psnr_db": 30.5, "ssim": 1.0 },
         });
         let found: Vec<String> =
@@ -153,7 +161,7 @@ mod tests {
         assert_eq!(
             found,
             [
-                "cycles.drain = 3 cycles",
+                "cycles.scan_out_tail = 3 cycles",
                 "cycles.total = 10 cycles",
                 "quality.psnr_db = 30.5 dB",
                 "quality.ssim = 1.0",
@@ -168,10 +176,11 @@ mod tests {
                 "figures.fragments = 9 fragments",
                 "figures.levels.sum = 3",
                 "figures.waits.sum = 1.5",
-                "derived.a.utilisation = 0.4",
+                "derived.a.utilization = 0.4",
                 "derived.time_ms = 2.5 ms",
             ]
         );
-        assert_eq!((path_of("cycles"), path_of("cycles.drain")), ("cycles.frames", "cycles.drain"));
+        let paths = ["cycles", "cycles.drain", "derived.a.utilisation", "caches.c.hits"].map(path_of);
+        assert_eq!(paths, ["cycles.frames", "cycles.scan_out_tail", "derived.a.utilization", "caches.c.hits"]);
     }
 }

@@ -1,7 +1,7 @@
-//! Where points lie: `points/HASH/report.json` of each that has run to its end, `failed.json` of each that has not, and its picture.
+//! Storage of points: `points/HASH/report.json` of a complete run, `failed.json` of a failed run, and the picture.
 //!
-//! A file is there as a whole or not at all, and says the same whoever has written it: so nothing is locked, and any number of
-//! processes and machines can work on one folder.
+//! Files appear as a whole, and every writer writes the same bytes. So nothing is locked, and any number of processes and machines can
+//! work on one folder.
 
 use crate::{Host, SweepError};
 use basrelief_report::Report;
@@ -19,7 +19,7 @@ const PICTURE: &str = "image.png";
 #[derive(Clone, Debug)]
 pub struct Folder(PathBuf);
 
-/// What there is of a point.
+/// State of a point in the folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
     /// It has run to its end.
@@ -30,21 +30,21 @@ pub enum Found {
     Missing,
 }
 
-/// Where points are put: a [`Folder`], or whatever keeps of them what it needs.
+/// Storage of points: a [`Folder`], or a store that keeps only some figures.
 pub trait Store: Sync {
-    /// What there is of a point.
+    /// State of a point in the folder.
     fn find(&self, id: &str) -> Found;
 
-    /// Puts the report of a point in its place, behind its picture; an earlier failure goes.
+    /// Stores the report of a point after its picture, and removes an earlier failure.
     ///
     /// # Errors
-    /// What cannot be written.
+    /// A file that cannot be written.
     fn put(&self, id: &str, of: (&Report, Option<&[u8]>), host: &dyn Host) -> Result<(), SweepError>;
 
-    /// Says why a point has no report.
+    /// Stores the reason why a point has no report.
     ///
     /// # Errors
-    /// What cannot be written.
+    /// A file that cannot be written.
     fn put_failure(&self, id: &str, failure: &Failure, host: &dyn Host) -> Result<(), SweepError>;
 }
 
@@ -89,7 +89,7 @@ impl Folder {
         self.0.join("points").join(id).join(name)
     }
 
-    /// What there is of a point.
+    /// State of a point in the folder.
     pub fn find(&self, id: &str) -> Found {
         match [REPORT, FAILED].map(|name| self.of_point(id, name).is_file()) {
             [true, _] => Found::Report,
@@ -130,7 +130,7 @@ impl Folder {
         self.of_point(id, PICTURE).is_file().then(|| format!("points/{id}/{PICTURE}"))
     }
 
-    /// Puts the report of a point in its place, behind its picture; an earlier failure goes.
+    /// Stores the report of a point after its picture, and removes an earlier failure.
     ///
     /// # Errors
     /// A file that cannot be written.

@@ -1,7 +1,7 @@
-//! Points that no other beats.
+//! Pareto-optimal points.
 //!
-//! A point *dominates* another if it is at least as good by every objective and better by one. The front is what no point
-//! dominates. Only [`candidates`] count: rows that have run, keep every constraint and have a finite number for every
+//! A point *dominates* another if it is at least as good by every objective and better by one. Points that no point dominates are
+//! Pareto-optimal; together they are the Pareto front. Only [`candidates`] count: rows that have run, keep every constraint and have a finite number for every
 //! objective. Points that are equal by every objective do not dominate each other: all of them are on the front, or none.
 
 use crate::rules::Goal;
@@ -26,7 +26,7 @@ fn by(table: &Table, objectives: &[(usize, Goal)]) -> Vec<(usize, Vec<f64>)> {
     feasible.filter_map(|(number, row)| Some((number, costs(&row.cells)?))).collect()
 }
 
-/// Numbers of the rows on the front, in the order of the table.
+/// Returns the numbers of the Pareto-optimal rows, in the order of the table.
 ///
 /// ```
 /// use basrelief_dse::{Cell, Column, Goal, Role, Row, State, Table, front};
@@ -69,7 +69,7 @@ pub fn nondominated(costs: &[impl AsRef<[f64]>]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..costs.len()).collect();
     order.sort_by(|&a, &b| lexicographic(of(a), of(b)));
     let (mut seen, mut front) = (Seen::default(), vec![]);
-    // What dominates a point stands before it, and equal points stand together.
+    // Dominating points come before a point, and equal points are adjacent.
     for equal in order.chunk_by(|&a, &b| of(a) == of(b)) {
         if seen.add(of(equal[0])) {
             front.extend_from_slice(equal);
@@ -129,7 +129,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_front_is_what_no_point_dominates(costs in costs()) {
+        fn front_is_not_dominated(costs in costs()) {
             let free = |at: &usize| !costs.iter().any(|other| dominates(other, &costs[*at]));
             let expected: Vec<usize> = (0..costs.len()).filter(free).collect();
             prop_assert_eq!(nondominated(&costs), expected);

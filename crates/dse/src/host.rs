@@ -1,4 +1,4 @@
-//! What a sweep asks of the program that it runs in.
+//! Services that the program provides to a sweep.
 
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
@@ -18,15 +18,15 @@ pub enum Opened {
 /// How far points have come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// All that are to be there.
+    /// Points of the sweep.
     pub points: usize,
-    /// Were there before, or came from another process meanwhile.
+    /// Points that existed, or that another process added meanwhile.
     pub there: usize,
-    /// Were run.
+    /// Run points.
     pub run: usize,
-    /// Were timed again.
+    /// Resimulated points.
     pub retimed: usize,
-    /// Of those run here, failed.
+    /// Failed points of those run here.
     pub failed: usize,
 }
 
@@ -91,6 +91,6 @@ pub trait Host: Sync {
     /// So far have points come.
     fn progress(&self, tally: &Tally);
 
-    /// For what inputs and tapes hold.
+    /// Memory limit for inputs and recordings.
     fn budget(&self) -> &Budget;
 }

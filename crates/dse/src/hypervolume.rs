@@ -47,7 +47,7 @@ impl Space {
         let spread = |at: &usize| self.reference[*at] > self.best[*at];
         let counted: Vec<usize> = (0..self.best.len()).filter(spread).collect();
         let scaled = |cost: &Vec<f64>| -> Vec<f64> {
-            // What is better than the best known counts as that.
+            // Costs below the best known costs count as these.
             counted.iter().map(|&at| ((cost[at] - self.best[at]) / (self.reference[at] - self.best[at])).max(0.0)).collect()
         };
         let scaled: Vec<Vec<f64>> = costs.iter().map(scaled).collect();
@@ -55,9 +55,9 @@ impl Space {
     }
 }
 
-/// The volume that these costs dominate up to a reference point, exactly. The same to the bit in whatever order they come.
+/// Returns the exact volume that these costs dominate up to a reference point. Equal to the bit for any order of the costs.
 ///
-/// Nothing if it would take too long: points to the power of objectives less one, for which 2e7 is the bound.
+/// Returns `None` if points ^ (objectives - 1) exceeds 2e7, because it would take too long.
 ///
 /// ```
 /// use basrelief_dse::hypervolume::hypervolume;
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn what_would_take_too_long_is_refused() {
+    fn too_many_points_are_refused() {
         let sphere = |n: usize| -> Vec<[f64; 4]> { (0..n).map(|i| [i as f64, (n - i) as f64, 0.0, 0.0]).collect() };
         assert!(hypervolume(&sphere(20), &[1e9; 4]).is_some());
         assert_eq!(hypervolume(&sphere(2000), &[1e9; 4]), None);

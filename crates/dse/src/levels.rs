@@ -65,7 +65,7 @@ impl Levels {
     }
 }
 
-/// What a cell is sorted by.
+/// Sort key of a cell.
 fn key<'a>(cell: &'a Cell, words: &mut BTreeMap<&'a str, usize>) -> Option<(u8, f64)> {
     if let Cell::Text(word) = cell {
         let next = words.len();

@@ -12,7 +12,7 @@ use basrelief_signals::{Frame, Scene};
 use basrelief_sim::{MachineConfig, Observer, Pictures, RunInput, RunOptions, SessionError, Unobserved, When, doc_trace, run};
 use std::sync::Arc;
 
-/// What a run of a point came to.
+/// Result of the run of a point.
 pub(crate) struct Ran {
     /// The report, or why there is none.
     pub(crate) report: Result<Report, Failure>,
@@ -101,7 +101,7 @@ fn of_error(error: &SessionError) -> Failure {
     failure(outcome, error.to_string())
 }
 
-/// What limits a point, most first, as its run timed again has it; nothing of a point that does not come to its end.
+/// Returns the measured bottlenecks of a point, largest saving first. Empty if the run does not finish.
 pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<Limit> {
     let ran = || {
         let config = plan.config(&point.places).ok()?;
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_run_that_does_not_come_to_its_end_says_so_in_a_word_and_a_sentence() {
+    fn incomplete_run_has_outcome_and_message() {
         let source = RunInput::trace(std::io::Cursor::new(doc_trace()), "quad.dl.jsonl");
         let mut report = run(source, &RunOptions::default(), &mut Unobserved, None).unwrap().report;
         let mut ended = |kind, message: Option<&str>| {

@@ -14,10 +14,10 @@ use ::parquet::schema::types::{Type, TypePtr};
 use std::io;
 use std::sync::Arc;
 
-/// The table as Parquet. The same table gives the same bytes.
+/// Returns the table as Parquet. Equal tables give equal bytes.
 ///
 /// # Errors
-/// What the library refuses.
+/// A table that the library rejects.
 pub fn parquet(table: &Table) -> io::Result<Vec<u8>> {
     file(table).map_err(io::Error::other)
 }
@@ -74,7 +74,7 @@ mod tests {
     use ::parquet::record::Field;
 
     #[test]
-    fn what_is_written_reads_back() {
+    fn written_table_reads_back() {
         let table = every_kind();
         let bytes = parquet(&table).unwrap();
         assert_eq!(bytes, parquet(&table).unwrap(), "the same bytes");

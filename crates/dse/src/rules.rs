@@ -1,4 +1,4 @@
-//! What is to be reached, and what must be kept: objectives and constraints, as people write them.
+//! Objectives and constraints, as text.
 
 use std::fmt;
 use std::str::FromStr;
@@ -21,7 +21,7 @@ pub struct Objective {
     pub goal: Goal,
 }
 
-/// What a point must keep: `quality.psnr_db >= 36`.
+/// Constraint on a point: `quality.psnr_db >= 36`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
     /// Name of the column.
@@ -47,7 +47,7 @@ pub enum Comparison {
     Equal,
 }
 
-/// What is wrong with an objective or a constraint in words.
+/// Error in the text of an objective or a constraint.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RuleError {
     /// No column and goal.

@@ -1,19 +1,19 @@
 //! Samples of a grid: fewer points than it has, spread over all of it.
 //!
-//! Axes are given by how many values each has; a point is a place on each axis, from 0. Both samples are the same on every
-//! machine for the same seed. Where axes are short, points may repeat: whoever runs them skips what has been.
+//! An axis is given by its number of values; a point is a place on each axis, from 0. Both samples are the same on every machine for
+//! the same seed. On short axes points may repeat; the caller skips them.
 //!
-//! | sample | what it promises |
+//! | sample | property |
 //! |---|---|
-//! | [`latin_hypercube`] | along every axis, each value is taken as often as each other, give or take one |
-//! | [`sobol`] | as that, wherever the count is a power of two; and boxes of several axes are filled evenly, too |
+//! | [`latin_hypercube`] | along every axis, the counts of any two values differ by at most one |
+//! | [`sobol`] | the same if the count is a power of two; boxes of several axes are filled evenly, too |
 
 use crate::split_mix_64::SplitMix64;
 
 /// A place on each axis, from 0.
 pub type Point = Vec<usize>;
 
-/// Most points of [`sobol`]: what its generator is made for.
+/// Largest number of points of [`sobol`], a limit of its generator.
 pub const MOST_SOBOL: usize = 1 << 16;
 /// Most axes of a sample: as many have direction numbers of their own.
 pub const MOST_AXES: usize = sobol_burley::NUM_DIMENSIONS as usize;
@@ -75,7 +75,7 @@ pub fn latin_hypercube(points: usize, axes: &[usize], seed: u32) -> Result<Vec<P
 pub fn sobol(points: usize, axes: &[usize], seed: u32) -> Result<Vec<Point>, SampleError> {
     check("sobol", points, axes, MOST_SOBOL)?;
     let at = |number: u32, axis: u32, length: usize| {
-        // 24 bits, exact in double precision, whatever the length.
+        // 24 bits, exact in double precision for any length.
         let share = f64::from(sobol_burley::sample(number, axis, seed));
         ((share * length as f64) as usize).min(length - 1)
     };
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_sampled_is_refused() {
+    fn impossible_sample_is_refused() {
         let says = |error: Result<Vec<Point>, SampleError>, text: &str| assert_eq!(error.unwrap_err().to_string(), text);
         says(sobol(4, &[2, 0], 0), "axis 1 has no value; expected one at least");
         says(sobol(MOST_SOBOL + 1, &[2], 0), "65537 points of a sobol sample; expected at most 65536");

@@ -1,4 +1,4 @@
-//! Which assumptions a run hangs on: a plan around it, one value at a time, whose points are kept as the few figures that are asked for.
+//! Sensitivity of a run to assumed parameters: a plan that changes one value at a time. Its store keeps only the measures of each point.
 
 use crate::folder::{Failure, Store};
 use crate::plan::{Axis, Plan, Point};
@@ -40,10 +40,11 @@ impl Store for Measures {
     }
 }
 
-/// Runs the points of a plan [around a run](Plan::around), so many at a time, and says what each moves. The same whatever the number.
+/// Runs the points of a plan [around a run](Plan::around) on several threads and returns the effect of each. The result does not depend
+/// on the number of threads.
 ///
 /// # Errors
-/// An input that cannot be opened any more; a run that does not come to its end as it is configured.
+/// An input that can no longer be opened, or a base run that does not finish.
 pub fn sensitivity(plan: &Plan, threads: usize, host: &dyn Host) -> Result<Sensitivity, SweepError> {
     let measures = Measures::default();
     let points: Vec<&Point> = plan.points.iter().collect();

@@ -8,10 +8,10 @@ use rusqlite::types::Value;
 use rusqlite::{Connection, Result, params_from_iter};
 use std::io;
 
-/// The table as a database. The same table gives the same bytes.
+/// Returns the table as a database. Equal tables give equal bytes.
 ///
 /// # Errors
-/// What the library refuses, such as more than 2,000 columns.
+/// A table that the library rejects, for example with more than 2,000 columns.
 pub fn sqlite(table: &Table) -> io::Result<Vec<u8>> {
     database(table).map_err(io::Error::other)
 }
@@ -67,7 +67,7 @@ mod tests {
     use std::io::Cursor;
 
     #[test]
-    fn what_is_written_reads_back() {
+    fn written_table_reads_back() {
         let table = every_kind();
         let bytes = sqlite(&table).unwrap();
         assert_eq!(bytes, sqlite(&table).unwrap(), "the same bytes");

@@ -10,36 +10,36 @@ pub(crate) const PICTURE: &str = "picture";
 /// Names that no column of a table may have.
 pub(crate) const RESERVED: [&str; 4] = [OWN[0], OWN[1], OWN[2], PICTURE];
 
-/// What a sweep found.
+/// Results of a sweep.
 ///
-/// Every row has as many cells as there are columns; [`Table::check`] says where one has not. Names of columns are
-/// different from each other, and none is `id`, `state`, `reason` or `picture`, which every written table has.
+/// Every row has one cell per column; [`Table::check`] finds a row that has not. Names of columns are
+/// unique, and none is `id`, `state`, `reason` or `picture`, which every written table has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// What was swept, in words: a heading.
+    /// Heading.
     pub title: String,
     /// Columns, in the order in which they are written: objectives first.
     pub columns: Vec<Column>,
-    /// What a point must keep to be chosen.
+    /// Constraints.
     pub constraints: Vec<Constraint>,
     /// Points, in the order of the plan.
     pub rows: Vec<Row>,
 }
 
-/// What the cells of a column are.
+/// Column of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
     /// Name: of an axis the parameter, of a figure its path in the report.
     pub name: String,
     /// Unit of measure; empty for a pure number or a word.
     pub unit: String,
-    /// What the column is for.
+    /// Role of the column.
     pub role: Role,
-    /// What it is, in words; may be empty.
+    /// Description; may be empty.
     pub what: String,
 }
 
-/// What a column is for.
+/// Role of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Was chosen by the plan.
@@ -53,7 +53,7 @@ pub enum Role {
 /// A point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// What the point is known by: its hash.
+    /// Hash of the point.
     pub id: String,
     /// Whether it has figures.
     pub state: State,
@@ -77,7 +77,7 @@ pub enum State {
 /// A value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// A measure. What is not finite (`NaN`, an infinite number) is written, but never drawn, compared or chosen.
+    /// Real number. Numbers that are not finite are written, but never drawn, compared or chosen.
     Number(f64),
     /// A count.
     Whole(u64),
@@ -87,7 +87,7 @@ pub enum Cell {
     Missing,
 }
 
-/// What is wrong with a table.
+/// Error in a table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TableError {
     /// A row that is too long or too short.
@@ -95,7 +95,7 @@ pub enum TableError {
     Cells {
         /// Number of the row, from 0.
         row: usize,
-        /// What it is known by.
+        /// Hash of the row.
         id: String,
         /// How many cells it has.
         cells: usize,
@@ -105,7 +105,7 @@ pub enum TableError {
     /// A name that two columns have.
     #[error("two columns are named `{0}`; expected a name of its own for each")]
     Name(String),
-    /// A constraint on what is no column.
+    /// A constraint names no column.
     #[error("a constraint is on `{0}`, which is no column of the table")]
     Constraint(String),
 }
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_has_run_and_keeps_the_constraints_is_feasible() {
+    fn feasible_points_ran_and_meet_constraints() {
         let feasible = |cell: Cell, state: State| {
             let mut table = table(vec![cell, Cell::Text("x".into())]);
             table.rows[0].state = state;

@@ -1,4 +1,4 @@
-//! The table of all points, and what is made of it.
+//! The table of all points, and the files made from it.
 
 use crate::figures::{Figure, figures};
 use crate::folder::publish;
@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
 
-/// What a sweep writes beside its points, and what each is. The front is written last: where it is of these points, the others are.
+/// Files of a sweep and their descriptions. The front is written last: if it is up to date, all files are.
 pub const FILES: &[(&str, &str)] = &[
     ("sweep.html", "the sweep as a page"),
     ("sweep.jsonl", "the whole table, a JSON object per point"),
@@ -159,7 +159,7 @@ fn columns(plan: &Plan, points: &[(State, Vec<Figure>)]) -> Vec<Column> {
 /// Most points of a front that are printed.
 const MOST_PRINTED: usize = 40;
 
-/// The front as a plain table: what no other point beats.
+/// Returns the Pareto front as a text table.
 fn front_text(table: &Table) -> String {
     let front = front::front(table);
     let (points, of) = (front.len(), table.rows.iter().filter(|row| table.feasible(row)).count());

@@ -38,7 +38,7 @@ fn typed<'a>(cells: impl Iterator<Item = &'a Cell> + Clone) -> Values {
     Values::Whole(cells.map(|cell| if let Cell::Whole(n) = cell { i64::try_from(*n).ok() } else { None }).collect())
 }
 
-/// What is not finite is kept, as in CSV.
+/// Numbers that are not finite are kept, as in CSV.
 fn number(cell: &Cell) -> Option<f64> {
     match cell {
         Cell::Number(x) => Some(*x),

@@ -8,7 +8,7 @@ use crate::write::value;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 
-/// What the specification is written for.
+/// Version of the Vega-Lite schema.
 pub const SCHEMA: &str = "https://vega.github.io/schema/vega-lite/v6.json";
 
 /// A scatter of the first two objectives, the third by colour, with the front as a line and all axes in the tooltip. With fewer
@@ -99,7 +99,7 @@ fn field(name: &str) -> String {
     out
 }
 
-/// From point to point of the front, through what a point of it beats.
+/// Path of the Pareto front, in steps.
 fn stair(table: &Table) -> &'static str {
     match table.objectives().next() {
         Some((_, Goal::Max)) => "step-before",

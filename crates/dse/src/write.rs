@@ -1,8 +1,8 @@
 //! A table as CSV and as JSON lines: for pandas, R, jq or a spreadsheet.
 //!
-//! Both have the same columns: `id`, `state` (`ok`, `failed`, `pending`), `reason` of a failure, then those of the table under
-//! [`Column::header`](crate::Column::header): name and unit. Numbers are the shortest that read back to the same value. What is
-//! not known is an empty cell of CSV, and `null` in JSON.
+//! Both have the same columns: `id`, `state` (`ok`, `failed`, `pending`), `reason` of a failure, then the columns of the table under
+//! [`Column::header`](crate::Column::header): name and unit. Numbers are the shortest that read back to the same value. Unknown
+//! values are an empty cell in CSV, and `null` in JSON.
 
 use crate::table::{Cell, OWN, PICTURE, Row, Table};
 #[cfg(any(feature = "parquet", feature = "sqlite"))]
@@ -34,8 +34,7 @@ fn io_error(error: csv::Error) -> io::Error {
     }
 }
 
-/// The table as JSON lines: an object per row, with the columns of the CSV and `picture`. What JSON has no number for
-/// (an infinite one, `NaN`) is `null`.
+/// Writes the table as JSON lines: an object per row, with the columns of the CSV and `picture`. Numbers that are not finite are `null`.
 ///
 /// # Errors
 /// Those of `out`.
@@ -52,14 +51,14 @@ pub fn json_lines(table: &Table, mut out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-/// What is said of a column where there is room for it.
+/// Description of a column for formats that hold one.
 #[cfg(any(feature = "parquet", feature = "sqlite"))]
 #[derive(Debug, serde::Serialize)]
 pub(crate) struct AboutColumn {
     /// As it is written.
     pub(crate) name: String,
     pub(crate) unit: String,
-    /// `min` or `max` of what is to be small or large, `axis` of what the plan chose, otherwise `figure`.
+    /// `min` or `max` for an objective, `axis` for an axis, otherwise `figure`.
     pub(crate) role: &'static str,
     pub(crate) what: String,
 }
@@ -129,7 +128,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_written_reads_back_to_the_bit(x in any::<f64>(), n in any::<u64>(), word in "[a-c,\"\r\n é]{0,6}") {
+        fn written_table_reads_back_exactly(x in any::<f64>(), n in any::<u64>(), word in "[a-c,\"\r\n é]{0,6}") {
             let table = table(vec![vec![Cell::Number(x), Cell::Text(word.clone())], vec![Cell::Whole(n), Cell::Missing]]);
             let written = text(|t, o| csv(t, o), &table);
             let rows: Vec<csv::StringRecord> = csv::Reader::from_reader(written.as_bytes()).records().map(Result::unwrap).collect();

@@ -11,7 +11,7 @@ use pyo3::{Python, pyfunction};
 pub const WIDTH: usize = 120;
 
 /// The sections of a page that a notebook shows.
-const SHOWN: [&str; 4] = ["limits", "pictures", "diagram", "units"];
+const SHOWN: [&str; 4] = ["bottlenecks", "pictures", "diagram", "units"];
 
 pub fn report_of(text: &str) -> Done<Report> {
     Report::from_json(text).map_err(bad)

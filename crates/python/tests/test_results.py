@@ -34,7 +34,7 @@ def test_cycles_of_every_unit_sum_to_the_run(result: Result) -> None:
 
 
 def test_tables_are_frames_of_pandas_and_polars(result: Result) -> None:
-    for name in ("units", "fifos", "memories", "caches", "limits", "figures"):
+    for name in ("units", "fifos", "memories", "caches", "bottlenecks", "figures"):
         table: Table = getattr(result, name)
         rows = len(table.rows())
         assert rows > 0 and all(len(column) == rows for column in table.values()), name
@@ -71,7 +71,7 @@ def test_a_picture_is_an_array_without_a_copy(result: Result) -> None:
 
 def test_a_notebook_shows_a_result_and_is_left_alone_by_its_style(result: Result) -> None:
     html = result._repr_html_()
-    for part in ("What limits this run", "Block diagram", "Where the cycles went", "data:image/png;base64,"):
+    for part in ("Bottlenecks", "Block diagram", "Cycle breakdown", "data:image/png;base64,"):
         assert part in html, part
     style = html.partition("<style>")[2].partition("</style>")[0]
     assert style.startswith("@scope (.basrelief) {")

@@ -1,4 +1,4 @@
-//! What each short cut saves and costs: one line per variant, the machine as configured first.
+//! Cycles with each optimization of a machine switched off: one line per variant, the configured machine first.
 
 use crate::csv;
 use crate::model::{Input, Report, Size};
@@ -17,9 +17,9 @@ pub struct Ablation {
     pub version: String,
     /// The machine, as `--machine` names it.
     pub machine: String,
-    /// What was drawn.
+    /// Input of the run.
     pub input: Input,
-    /// Of the pictures.
+    /// Size of the pictures.
     pub size: Size,
     /// The machine as configured, without each short cut in turn, and without any.
     pub variants: Vec<Variant>,
@@ -28,7 +28,7 @@ pub struct Ablation {
 /// One run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Variant {
-    /// What is switched off.
+    /// Optimization that is switched off.
     pub variant: String,
     /// Of the run.
     pub cycles: u64,
@@ -97,7 +97,7 @@ impl Ablation {
 }
 
 impl Variant {
-    /// What a run came to, beside the first one.
+    /// Result of a run, relative to the first one.
     pub fn of(variant: String, report: &Report, first: Option<&Self>, largest_change: u8) -> Self {
         let cycles = report.frame_cycles();
         let dots = work(report).count;

@@ -1,4 +1,4 @@
-//! From what a run came to, to its report.
+//! Builds the report of a run.
 
 use crate::derived::derive;
 use crate::json::SCHEMA;
@@ -11,38 +11,38 @@ use basrelief_kernel as kernel;
 use basrelief_signals::Camera;
 use indexmap::IndexMap;
 
-/// What the kernel cannot know about a run.
+/// Parts of a report that the kernel does not know.
 #[derive(Clone, Debug)]
 pub struct Context {
     /// The machine, as `--machine` names it.
     pub machine: String,
-    /// What was drawn.
+    /// Input of the run.
     pub input: Input,
-    /// The machine's configuration, every default filled in. `clock.hz` turns cycles into seconds;
-    /// `memory.<name>.burst_cycles` turns bursts into bus cycles.
+    /// Configuration of the machine with all defaults. `clock.hz` converts cycles into seconds;
+    /// `memory.<name>.burst_cycles` converts bursts into bus cycles.
     pub config: serde_json::Value,
-    /// Of the last frame.
+    /// View of the last frame.
     pub camera: Camera,
-    /// Of the pictures.
+    /// Size of the pictures.
     pub size: Size,
-    /// The patent's reference numerals, by name of unit.
+    /// Reference numerals of the patent, by unit.
     pub numerals: IndexMap<String, u32>,
-    /// What the machine is built of.
+    /// Hardware of the machine.
     pub hardware: Vec<Hardware>,
-    /// Figures of the machine; cycles and bytes are divided by its [`work`].
+    /// Counts of the machine. Cycles and bytes are divided by its [`work`].
     pub figures: IndexMap<String, Figure>,
-    /// What they mean.
+    /// Unit of measure and meaning of the figures.
     pub legend: IndexMap<String, Legend>,
-    /// Against the exact pictures.
+    /// Quality against the exact pictures.
     pub quality: Option<PictureQuality>,
-    /// In order of time, the final picture last.
+    /// Pictures in order of time, the final picture last.
     pub image: Vec<Picture>,
-    /// One sentence each.
+    /// Warnings, one sentence each.
     pub warnings: Vec<String>,
 }
 
 impl Report {
-    /// Report of a run with time.
+    /// Returns the report of a timed run.
     pub fn timed(context: Context, run: &kernel::RunReport) -> Self {
         let numerals = context.numerals.clone();
         let mut report = Self::functional(context, &run.outcome);
@@ -55,7 +55,7 @@ impl Report {
         report
     }
 
-    /// Report of a functional run: the same steps, but no time, so neither cycles nor traffic.
+    /// Returns the report of a functional run: the same steps, without cycles and traffic.
     pub fn functional(context: Context, outcome: &kernel::Outcome) -> Self {
         Self {
             schema: SCHEMA.into(),

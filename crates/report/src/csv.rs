@@ -11,8 +11,8 @@
 //! | `fifos` | FIFO | `depth`, `tokens`, `high_water`, `mean_occupancy`, `full_cycles`, `histogram` | slots held |
 //! | `memories` | memory | `reads` ... `queue_wait`, `latency` | client |
 //! | `channels` | memory | `row_hits` ... `queued` | channel, from 0 |
-//! | `caches` | cache | `look_ups`, `hits`, `misses`, `merged` | |
-//! | `costs` | `pixels`, `elsewhere`, `nobody`, `frame` | `cycles`, `busy`, `starved`, `memory`, `blocked` | of `frame` its number |
+//! | `caches` | cache | `lookups`, `hits`, `misses`, `merged` | |
+//! | `costs` | `pixels`, `non_pixel`, `unattributed`, `frame` | `cycles`, `busy`, `starved`, `memory`, `blocked` | of `frame` its number |
 //! | `objects` | object; `others` | `polygons`, `fragments`, `cycles` ... `blocked`; of `others` `count` | |
 //! | `polygons` | frame`.`polygon; `others` | `object`, `fragments`, `cycles` ... `blocked`; of `others` `count` | |
 //! | `figures` | figure | `value` | place in a list, from 0 |

@@ -1,5 +1,5 @@
-//! Figures that follow from others, each with its unit and its formula, rounded to 6 decimals so that the text of a
-//! report is the same on every host. A figure whose divisor is 0 or unknown is left out.
+//! Derived figures, each with its unit and its formula. They are rounded to 6 decimals, so that the text of a report is the same on
+//! every host. A figure with a divisor that is 0 or unknown is left out.
 
 use crate::model::{Bus, Client, Derived, Memory, Report};
 use crate::number::round6;
@@ -29,14 +29,14 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
 
     // Drain is the display's.
     let drawing = report.frame_cycles() as f64;
-    let formula = format!("(cycles.total - cycles.drain) / {}", work.formula);
+    let formula = format!("(cycles.total - cycles.scan_out_tail) / {}", work.formula);
     figures.ratio(format!("cycles_per_{}", work.one), (drawing, fragments), "cycles", formula);
     let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
-    let formula = "(cycles.total - cycles.drain) / sum(figures.polygons_ROUTE)";
+    let formula = "(cycles.total - cycles.scan_out_tail) / sum(figures.polygons_ROUTE)";
     figures.ratio("cycles_per_polygon", (drawing, polygons), "cycles", formula);
     for circuit in circuits(report) {
         let (name, idle) = (circuit.name, drawing - circuit.started as f64);
-        let formula = format!("cycles.total - cycles.drain - figures.{}", circuit.figure);
+        let formula = format!("cycles.total - cycles.scan_out_tail - figures.{}", circuit.figure);
         figures.ratio(format!("{name}.idle"), (idle, 1.0), "cycles", formula);
     }
     figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
@@ -47,20 +47,20 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
         let formula = "config.clock.hz * count(cycles.frames) / sum(cycles.frames)";
         figures.ratio("frames_per_s", (hz * frames, drawing), "1/s", formula);
     }
-    let formula = format!("{} * config.clock.hz / (cycles.total - cycles.drain) / 1e6", work.formula);
+    let formula = format!("{} * config.clock.hz / (cycles.total - cycles.scan_out_tail) / 1e6", work.formula);
     figures.ratio("fill_rate", (fragments * hz / 1e6, drawing), &format!("M {}s/s", work.one), formula);
     memories(report, &mut figures, hz, &work);
     for (name, c) in report.caches.iter().flatten() {
-        let formula = format!("caches.{name}.hits / caches.{name}.look_ups");
+        let formula = format!("caches.{name}.hits / caches.{name}.lookups");
         figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
     }
     for (name, u) in report.units.iter().flatten() {
         let (of, cycles) = match report.drain_of(u) {
-            drain if drain == report.drain() => ("(cycles.total - cycles.drain)", drawing),
+            drain if drain == report.drain() => ("(cycles.total - cycles.scan_out_tail)", drawing),
             _ => ("cycles.total", total),
         };
         let formula = format!("units.{name}.busy / {of}");
-        figures.ratio(format!("{name}.utilisation"), (u.busy as f64, cycles), "1", formula);
+        figures.ratio(format!("{name}.utilization"), (u.busy as f64, cycles), "1", formula);
     }
     figures.0
 }
@@ -79,11 +79,11 @@ fn memories(report: &Report, figures: &mut Figures, hz: f64, work: &Work) {
         let formula = format!(
             "sum(memories.{name}.bus.busy[0..n]) / (n * memories.{name}.bus.interval * count(memories.{name}.channels)), n = sum(cycles.frames) div memories.{name}.bus.interval"
         );
-        figures.ratio(format!("{name}.bus_utilisation"), (busy, cycles), "1", formula);
+        figures.ratio(format!("{name}.bus_utilization"), (busy, cycles), "1", formula);
         if let Some([burst_bytes, burst_cycles]) = burst(report, name) {
             let seconds = cycles / memory.channels.len() as f64 / hz;
             let formula = format!(
-                "{name}.bus_utilisation * count(memories.{name}.channels) * config.memory.{name}.burst_bytes / config.memory.{name}.burst_cycles * config.clock.hz / 1e9"
+                "{name}.bus_utilization * count(memories.{name}.channels) * config.memory.{name}.burst_bytes / config.memory.{name}.burst_cycles * config.clock.hz / 1e9"
             );
             figures.ratio(format!("{name}.gb_per_s"), (busy / burst_cycles * burst_bytes / 1e9, seconds), "GB/s", formula);
         }
@@ -115,14 +115,14 @@ mod tests {
         let derived = samples::balanced().derived;
         assert_eq!(derived["cycles_per_fragment"].value, 5.0);
         assert_eq!(derived["time_ms"].value, 5.0);
-        assert_eq!(derived["replacement.utilisation"].value, 0.97);
+        assert_eq!(derived["replacement.utilization"].value, 0.97);
         assert_eq!(derived["graphics.bytes_per_fragment"].value, 8.0);
         assert_eq!(derived["graphics.gb_per_s"].value, 0.768);
-        assert_eq!(derived["graphics.bus_utilisation"].value, 0.24);
+        assert_eq!(derived["graphics.bus_utilization"].value, 0.24);
     }
 
     #[test]
-    fn what_is_told_of_the_frames_leaves_the_drain_out() {
+    fn frame_figures_exclude_scan_out_tail() {
         let mut report = samples::balanced();
         let before = report.derived.clone();
         let cycles = report.cycles.as_mut().unwrap();
@@ -133,7 +133,7 @@ mod tests {
             assert_eq!(after[name].value, figure.value, "{name}");
         }
         assert_eq!(after["time_ms"].value, 50.0);
-        assert_eq!(crate::bottleneck::blame(&report), crate::bottleneck::blame(&samples::balanced()));
+        assert_eq!(crate::bottleneck::diagnose(&report), crate::bottleneck::diagnose(&samples::balanced()));
     }
 
     #[test]

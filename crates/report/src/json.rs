@@ -1,13 +1,16 @@
-//! Reports as JSON, there and back, and the schema that they keep to.
+//! Reports as JSON: writer, reader and schema.
 
-use crate::model::Report;
+use crate::derived::derive;
+use crate::model::{FULLY_PIPELINED, Report, UNBOUNDED_FIFO};
 use basrelief_input::JsonFault;
 use std::io::{self, Write};
 
 /// Format and version of a report.
-pub const SCHEMA: &str = "basrelief-report/2";
+pub const SCHEMA: &str = "basrelief-report/3";
+/// Format and version of the reports of version 0.1.
+const SCHEMA_2: &str = "basrelief-report/2";
 
-/// A text that is no report.
+/// Error of a text that is not a report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// Not JSON, or a field is missing or has the wrong type.
@@ -15,27 +18,27 @@ pub enum ReadError {
     Format {
         /// Path of the field.
         field: String,
-        /// Line and column, what stands there, and what was expected.
+        /// Line, column, the value found, and the expected value.
         message: String,
     },
     /// A report of another version.
     #[error("field `schema` is `{found}`, expected `{SCHEMA}`: make the report again with this version")]
     Version {
-        /// What stands there.
+        /// The version found.
         found: String,
     },
 }
 
 impl Report {
-    /// The report as indented JSON, with a line feed at the end.
+    /// Returns the report as indented JSON, with a line feed at the end.
     ///
     /// # Errors
-    /// If `config` holds what is no JSON; a value made by `serde_json::to_value` never does.
+    /// A `config` that is not JSON. A value made by `serde_json::to_value` always is.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string_pretty(self).map(|text| text + "\n")
     }
 
-    /// Writes what [`Report::to_json`] gives, piece by piece: the text of a long run is never in memory as a whole.
+    /// Writes the text of [`Report::to_json`] in chunks, so that the whole text is never in memory.
     ///
     /// # Errors
     /// As [`Report::to_json`], or if `out` fails.
@@ -44,17 +47,41 @@ impl Report {
         out.write_all(b"\n")
     }
 
-    /// Reads what [`Report::to_json`] wrote.
+    /// Reads the text that [`Report::to_json`] wrote, in this version or in version 0.1.
     ///
     /// # Errors
-    /// If the text is no report, or one of another version.
+    /// A text that is not a report, or a report of an unknown schema.
     pub fn from_json(text: &str) -> Result<Self, ReadError> {
         let report: Self = basrelief_input::from_str(text).map_err(|fault| {
             let JsonFault { path, line, column, message, .. } = fault;
             ReadError::Format { field: path.to_string(), message: format!("line {line}, column {column}: {message}") }
         })?;
-        if report.schema == SCHEMA { Ok(report) } else { Err(ReadError::Version { found: report.schema }) }
+        match report.schema.as_str() {
+            SCHEMA => Ok(report),
+            SCHEMA_2 => Ok(from_schema_2(report)),
+            _ => Err(ReadError::Version { found: report.schema }),
+        }
     }
+}
+
+/// Maps the names within a report of version 0.1. Aliases of the fields have mapped its keys already.
+fn from_schema_2(mut report: Report) -> Report {
+    report.schema = SCHEMA.into();
+    report.derived = derive(&report);
+    for limit in report.limits.iter_mut().flatten() {
+        limit.what = match limit.what.as_str() {
+            "a cycle per step" => FULLY_PIPELINED,
+            "slots without bound" => UNBOUNDED_FIFO,
+            "no latency" => "zero latency",
+            "a cycle per burst" => "one cycle per burst",
+            "no latency, no row commands, a cycle per burst" => "zero latency, no row commands, one cycle per burst",
+            "every look-up hits" => "a hit on every lookup",
+            "both ideal" => "both relaxed",
+            other => other,
+        }
+        .to_owned();
+    }
+    report
 }
 
 /// The JSON schema of a report.
@@ -98,6 +125,30 @@ mod tests {
         }
     }
 
+    /// A report of version 0.1: every renamed key under its old name.
+    #[test]
+    fn schema_2_report_is_read() {
+        let report = Report { limits: None, ..samples::costed() };
+        let keys = [
+            ("scan_out_tail", "drain"),
+            ("lookups", "look_ups"),
+            ("turnarounds", "turn_arounds"),
+            ("description", "about"),
+            ("non_pixel", "elsewhere"),
+            ("unattributed", "nobody"),
+            ("breakdown", "spent"),
+        ];
+        let mut text = report.to_json().unwrap().replace(SCHEMA, SCHEMA_2).replace("utilization", "utilisation");
+        for (new, old) in keys {
+            assert!(text.contains(&format!("\"{new}\"")), "{new}");
+            text = text.replace(&format!("\"{new}\""), &format!("\"{old}\""));
+        }
+        assert_eq!(Report::from_json(&text).unwrap(), report);
+        let limits = r#"[{"resource": "a", "what": "a cycle per step", "set": [], "cycles": 3, "saved": 1}]"#;
+        let text = text.replacen("\"figures\"", &format!("\"limits\": {limits}, \"figures\""), 1);
+        assert_eq!(Report::from_json(&text).unwrap().limits.unwrap()[0].what, FULLY_PIPELINED);
+    }
+
     #[test]
     fn a_functional_report_has_no_time() {
         let json = serde_json::to_value(samples::functional()).unwrap();
@@ -107,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_report_is_refused_with_its_place() {
+    fn invalid_report_error_names_place() {
         let says = |text: &str, part: &str| {
             let message = Report::from_json(text).unwrap_err().to_string();
             assert!(message.contains(part), "{message}");
@@ -115,7 +166,7 @@ mod tests {
         says("", "line 1, column 0: the text ends within a value");
         says("[[", "at `.`: line 1, column 0: a list stands here, expected an object");
         let good = samples::balanced().to_json().unwrap();
-        says(&good.replace("basrelief-report/2", "basrelief-report/9"), "`basrelief-report/9`");
+        says(&good.replace(SCHEMA, "basrelief-report/9"), "`basrelief-report/9`");
         says(&good.replacen("\"total\": 1", "\"total\": -1", 1), "at `cycles.total`: line ");
         says(&good.replacen("\"total\": 1", "\"total\": -1", 1), "the number -1");
         says(&format!("{good} x"), "trailing");

@@ -1,22 +1,22 @@
-//! What people read and open: the report of a run, its tables, its page, and the explained difference of two.
+//! The report of a run: its data, its tables, its HTML page, and the comparison of two reports.
 //!
-//! | module | what it makes |
+//! | module | contents |
 //! |---|---|
 //! | [`model`], [`build`](mod@build) | [`Report`]: `report.json`, under a published [`schema`] |
 //! | [`derived`] | figures with unit and formula: cycles per fragment, GB/s, hit rates |
-//! | [`blame`] | what limits a run, in one sentence that follows from the accounting |
+//! | [`bottleneck`] | the bottleneck of a run, from the cycle accounting |
 //! | [`text`] | the tables of the terminal |
-//! | [`compare`](mod@compare) | what changed between two runs, and what explains it |
-//! | [`costs`] | what objects and polygons cost |
-//! | [`sensitivity`] | which of our assumptions a run hangs on |
-//! | [`ablation`] | what each short cut of a machine saves, and what it costs |
-//! | [`methods`] | what each method of choosing division points costs at the same error |
-//! | [`work`] | what a machine draws, in its own words |
+//! | [`compare`](mod@compare) | difference of two runs and its causes |
+//! | [`costs`] | cycles per object and polygon |
+//! | [`sensitivity`] | effect of each assumed parameter |
+//! | [`ablation`] | cycles with each optimization switched off |
+//! | [`methods`] | cost of each method of choosing division points at the same error |
+//! | [`work`] | work, routes, circuits and processes of a machine |
 //! | [`html`](mod@html) | the report as one page |
 //! | [`csv`] | the same figures, one per line |
 //!
-//! Nothing here opens a file, reads a clock or prints: writers are arguments, host figures are arguments, tables are
-//! strings. A report without its `host` part is the same to the bit whatever the engine, machine or thread count.
+//! This crate opens no file, reads no clock and prints nothing: writers and host figures are arguments, tables are strings. A report
+//! without its `host` part is equal to the bit for every engine, host and number of threads.
 
 pub mod ablation;
 pub mod bottleneck;

@@ -1,4 +1,4 @@
-//! A report as one long table, one figure per row: what CSV writes and what a comparison compares.
+//! A report as one long table, one figure per row, for CSV files and comparisons.
 
 use crate::model::{Channel, Client, Figure, Report, Unit};
 use crate::model::{Others, Spent};
@@ -10,11 +10,11 @@ use serde_json::Value;
 pub struct Row {
     /// Part of the report: `units`, `fifos` ...
     pub table: &'static str,
-    /// What in that part: a unit, a FIFO, a memory, a parameter.
+    /// Unit, FIFO, memory or parameter in that part.
     pub name: String,
-    /// Which figure of it.
+    /// Name of the figure.
     pub field: &'static str,
-    /// Which one of several: the FIFO waited for, the client, the frame, the number of slots.
+    /// Key within the figure: FIFO, client, frame or number of slots.
     pub key: String,
     /// The figure; never a list.
     pub value: Figure,
@@ -64,7 +64,7 @@ pub fn rows(report: &Report) -> Vec<Row> {
         }
     }
     for (name, c) in report.caches.iter().flatten() {
-        for (field, n) in [("look_ups", c.look_ups), ("hits", c.hits), ("misses", c.misses), ("merged", c.merged)] {
+        for (field, n) in [("lookups", c.look_ups), ("hits", c.hits), ("misses", c.misses), ("merged", c.merged)] {
             rows.add(("caches", name), field, "", n);
         }
     }
@@ -97,7 +97,7 @@ fn run(report: &Report, rows: &mut Rows) {
     if let Some(cycles) = &report.cycles {
         rows.add(("cycles", ""), "total", "", cycles.total);
         rows.add(("cycles", ""), "frames", "", cycles.frames.clone());
-        rows.add(("cycles", ""), "drain", "", cycles.drain);
+        rows.add(("cycles", ""), "scan_out_tail", "", cycles.drain);
     }
 }
 
@@ -156,7 +156,7 @@ fn channel(at: (&'static str, &str), key: &str, channel: &Channel, rows: &mut Ro
         ("row_hits", channel.row_hits),
         ("row_closed", channel.row_closed),
         ("row_conflicts", channel.row_conflicts),
-        ("turn_arounds", channel.turn_arounds),
+        ("turnarounds", channel.turn_arounds),
         ("refreshes", channel.refreshes),
         ("bus_busy", channel.bus_busy),
         ("queued", channel.queued),
@@ -170,7 +170,7 @@ fn costs(report: &Report, rows: &mut Rows) {
     let Some(costs) = &report.costs else { return };
     rows.add(("costs", ""), "unit_cycles", "", costs.unit_cycles);
     rows.add(("costs", ""), "done", "", costs.done);
-    for (name, whole) in [("pixels", &costs.pixels), ("elsewhere", &costs.elsewhere), ("nobody", &costs.nobody)] {
+    for (name, whole) in [("pixels", &costs.pixels), ("non_pixel", &costs.elsewhere), ("unattributed", &costs.nobody)] {
         spent(("costs", name), "", whole, rows);
     }
     for (number, frame) in costs.frames.iter().enumerate() {
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_say_for_whom_cycles_were() {
+    fn rows_contain_attributed_cycles() {
         let rows = rows(&samples::costed());
         let find = |at: [&str; 4]| rows.iter().find(|r| [r.table, &r.name, r.field, &r.key] == at).map(|r| r.value.clone());
         assert_eq!(find(["costs", "pixels", "cycles", ""]), Some(2_300_000.into()));
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_say_what_the_report_says() {
+    fn rows_equal_report() {
         let report = samples::balanced();
         let rows = rows(&report);
         let find = |name: &str, field: &str, key: &str| {

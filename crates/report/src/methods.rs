@@ -1,4 +1,4 @@
-//! What each method of choosing division points costs where all keep the same error: one line per method.
+//! Cost of each method of choosing division points at the same error bound: one line per method.
 
 use crate::csv;
 use crate::model::{Figure, Input, Report, Size};
@@ -17,9 +17,9 @@ pub struct Methods {
     pub version: String,
     /// The machine, as `--machine` names it.
     pub machine: String,
-    /// What was drawn.
+    /// Input of the run.
     pub input: Input,
-    /// Of the pictures.
+    /// Size of the pictures.
     pub size: Size,
     /// Largest displacement that every method was to keep \[pixels\].
     pub error_bound: f64,
@@ -32,7 +32,7 @@ pub struct Methods {
 pub struct Method {
     /// In words.
     pub method: String,
-    /// What makes the machine run like this.
+    /// Options that select the method.
     pub settings: Vec<String>,
     /// All divisions and reciprocals per pixel with a texture, set-up and steps included.
     pub divisions_per_pixel: f64,
@@ -128,7 +128,7 @@ impl Methods {
 }
 
 impl Method {
-    /// What a run came to.
+    /// Result of a run.
     pub fn of(method: String, settings: Vec<String>, report: &Report) -> Self {
         let cycles = report.frame_cycles();
         let pixels = work(report).count;

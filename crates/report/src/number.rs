@@ -1,4 +1,4 @@
-//! Numbers as people read them.
+//! Numbers for people.
 
 /// With thousands separators: `1,234,567`.
 pub fn thousands(n: u64) -> String {
@@ -20,7 +20,7 @@ pub fn signed(x: f64) -> String {
     if x > 0.0 { format!("+{}", real(x)) } else { real(x) }
 }
 
-/// Percent with one decimal, for tables: `12.5`; empty for exactly nothing, so that the eye finds what there is.
+/// Percent with one decimal, for tables: `12.5`. Empty for exactly 0, so that other values stand out.
 pub fn percent(part: u64, whole: u64) -> String {
     match (part, whole) {
         (0, _) | (_, 0) => String::new(),

@@ -57,7 +57,7 @@ pub fn context() -> Context {
     }
 }
 
-/// What a figure means.
+/// Meaning of a figure.
 pub fn legend(unit: &str, part: Part) -> Legend {
     Legend { unit: unit.into(), about: String::new(), part: Some(part) }
 }
@@ -227,12 +227,12 @@ fn run() -> RunReport {
     basrelief_kernel::run(&mut PlanMachine::new(&plan()).unwrap(), Engine::Timed)
 }
 
-/// What the kernel made of [`plan`].
+/// Report of a run of [`plan`].
 pub fn simulated() -> Report {
     Report::timed(context(), &run())
 }
 
-/// [`balanced`], and the same run with a quarter of the entries: the search is no longer what limits it.
+/// [`balanced`], and the same run with a quarter of the entries, where the search is not the bottleneck.
 pub fn before_and_after() -> (Report, Report) {
     let a = balanced();
     let mut b = a.clone();
@@ -264,7 +264,7 @@ pub fn before_and_after() -> (Report, Report) {
     (a, b)
 }
 
-/// [`balanced`], with what was for whom.
+/// [`balanced`], with costs.
 pub fn costed() -> Report {
     let mut report = balanced();
     let spent = |busy, starved| Spent { cycles: busy + starved, busy, starved, ..Spent::default() };

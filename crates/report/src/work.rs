@@ -1,9 +1,8 @@
-//! What a machine draws and does, as the legend of its figures says: its work, routes, circuits, processes and tables.
+//! Work, routes, circuits, processes and tables of a machine, grouped by the legend of its figures.
 
 use crate::model::{Figure, Legend, Part, Report};
 
-/// The figures of a machine that are a part of something, in its order: their names, what they count, their units of measure, and
-/// the part.
+/// The figures of a machine that belong to a group: name, value, unit of measure, group.
 fn parts(report: &Report) -> impl Iterator<Item = (&str, &Figure, &str, &Part)> {
     report.figures.iter().filter_map(|(name, figure)| {
         let Legend { unit, part, .. } = report.legend.get(name)?;
@@ -24,7 +23,7 @@ fn entry<T>(list: &mut Vec<T>, is: impl Fn(&T) -> bool, new: impl FnOnce() -> T)
     &mut list[at]
 }
 
-/// What cycles and bytes are divided by.
+/// Divisor of cycles and bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Work {
     /// One of them: `fragment` or `dot`.
@@ -69,7 +68,7 @@ pub fn routes(report: &Report) -> Vec<Route<'_>> {
 pub struct Circuit<'a> {
     /// Name.
     pub name: &'a str,
-    /// Cycles of work whose result the picture needs, where the machine tells them apart.
+    /// Cycles whose result the picture needs, if the machine counts them.
     pub needed: Option<u64>,
     /// Cycles of work.
     pub started: u64,

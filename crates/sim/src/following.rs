@@ -5,7 +5,7 @@ use crate::flow::{Flow, Follower, Origin};
 use crate::machines::MachineConfig;
 use basrelief_input::{Budget, OverBudget};
 use basrelief_kernel::{Cause, Cycle, Interval, Label, MemoryEvent, Probe, StageTopology};
-use basrelief_timeline::{Life, Watcher, Whose};
+use basrelief_timeline::{StepAttribution, TimelineProbe, TokenLife};
 use std::collections::VecDeque;
 use std::num::NonZeroU64;
 
@@ -18,7 +18,7 @@ pub struct Sample {
     pub polygons: bool,
 }
 
-/// A probe that shows a run to a [`Watcher`], with whom each step was for.
+/// A probe that shows a run to a [`TimelineProbe`], with whom each step was for.
 ///
 /// Whom it was for is told by the work, when it was by time; these need not keep step. What a unit waited for is for whom the step was that
 /// ended the wait.
@@ -29,7 +29,7 @@ pub struct Following<'a, 'b> {
     whose: Vec<VecDeque<(Origin, u32)>>,
     waits: Vec<Vec<Interval>>,
     over: Option<OverBudget>,
-    watcher: &'a mut Watcher<'b>,
+    watcher: &'a mut TimelineProbe<'b>,
 }
 
 impl std::fmt::Debug for Following<'_, '_> {
@@ -45,7 +45,7 @@ impl<'a, 'b> Following<'a, 'b> {
         stages: &[StageTopology],
         sample: Option<Sample>,
         budget: &Budget,
-        watcher: &'a mut Watcher<'b>,
+        watcher: &'a mut TimelineProbe<'b>,
     ) -> Self {
         let count = stages.len();
         Self {
@@ -63,12 +63,12 @@ impl<'a, 'b> Following<'a, 'b> {
     /// What it took to know whom steps were for was more than may be held.
     pub fn finish(mut self) -> Result<(), OverBudget> {
         for stage in 0..self.waits.len() {
-            self.show_waits(stage, &Whose::default());
+            self.show_waits(stage, &StepAttribution::default());
         }
         self.over.map_or(Ok(()), Err)
     }
 
-    fn show_waits(&mut self, stage: usize, whose: &Whose) {
+    fn show_waits(&mut self, stage: usize, whose: &StepAttribution) {
         for wait in self.waits[stage].drain(..) {
             self.watcher.add(wait, whose);
         }
@@ -85,16 +85,16 @@ pub fn last_stage(sample: Sample, config: &MachineConfig, stages: &[StageTopolog
 }
 
 /// As time lines show it.
-fn whose(origin: &Origin) -> Whose {
+fn whose(origin: &Origin) -> StepAttribution {
     let pixel = origin.pixels.map(|pixels| pixels.first());
     let pixels = origin.pixels.map_or(0, |pixels| pixels.count());
-    Whose {
+    StepAttribution {
         frame: origin.frame,
         object: origin.object,
         polygon: origin.polygon.map(|polygon| polygon.frame),
         level: origin.level(),
         asks: 0,
-        life: origin.life.map(|number| Life { number, pixel, pixels }),
+        life: origin.life.map(|number| TokenLife { number, pixel, pixels }),
     }
 }
 
@@ -129,7 +129,7 @@ impl Probe for Following<'_, '_> {
         let (origin, asks) = self.whose[stage].pop_front().unwrap_or_default();
         let whose = whose(&origin);
         self.show_waits(stage, &whose);
-        self.watcher.add(Interval { stage, cause: None, from, to }, &Whose { asks, ..whose });
+        self.watcher.add(Interval { stage, cause: None, from, to }, &StepAttribution { asks, ..whose });
     }
 
     fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {

@@ -1,6 +1,7 @@
 //! What of a machine can be made ideal, and is worth it for a run.
 
 use basrelief_kernel::{CriticalPath, Netlist, PathSegment, RunReport, UnitReport};
+use basrelief_report::model::{FULLY_PIPELINED, UNBOUNDED_FIFO};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::cmp::Reverse;
@@ -27,7 +28,7 @@ impl Ideal {
     }
 
     fn of_unit(UnitReport { name, .. }: &UnitReport) -> Self {
-        Self::new(name, "a cycle per step", [("ideal.units".to_owned(), name.clone())])
+        Self::new(name, FULLY_PIPELINED, [("ideal.units".to_owned(), name.clone())])
     }
 }
 
@@ -88,7 +89,7 @@ impl Candidates<'_> {
     fn fifos(&self, group: &Map<String, Value>) -> Vec<Ideal> {
         let full = |name: &String| self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth);
         let is_on = |name: &String| self.spent(|s| matches!(s, PathSegment::Slot(fifo) if fifo == name)) > 0;
-        let ideal = |name: &String| Ideal::new(name, "slots without bound", [(format!("fifo.{name}.depth"), SLOTS.to_string())]);
+        let ideal = |name: &String| Ideal::new(name, UNBOUNDED_FIFO, [(format!("fifo.{name}.depth"), SLOTS.to_string())]);
         group.keys().filter(|name| full(name) && is_on(name)).map(ideal).collect()
     }
 
@@ -116,7 +117,7 @@ impl Candidates<'_> {
             let is_client = |name: &str| self.shape.cache_of(name) == Some(&cache.name);
             if group.contains_key(&cache.name) && self.asks(is_client) {
                 let set = [(format!("cache.{}.always_hits", cache.name), "true".into())];
-                all.push(Ideal::new(&cache.name, "every look-up hits", set));
+                all.push(Ideal::new(&cache.name, "a hit on every lookup", set));
             }
         }
         all
@@ -134,8 +135,8 @@ fn of_memory(name: &str, burst_bytes: u64) -> Ideal {
         Ideal::new(name, what, set)
     };
     Ideal {
-        parts: vec![ideal("no latency", &[latency]), ideal("no row commands", &[rows]), ideal("a cycle per burst", &[bus])],
-        ..ideal("no latency, no row commands, a cycle per burst", &[latency, rows, bus])
+        parts: vec![ideal("zero latency", &[latency]), ideal("no row commands", &[rows]), ideal("one cycle per burst", &[bus])],
+        ..ideal("zero latency, no row commands, one cycle per burst", &[latency, rows, bus])
     }
 }
 
@@ -150,6 +151,6 @@ pub(crate) fn together(a: &Ideal, b: &Ideal) -> Ideal {
             None => set.push((key.clone(), value.clone())),
         }
     }
-    let what = if a.what == b.what { a.what } else { "both ideal" };
+    let what = if a.what == b.what { a.what } else { "both relaxed" };
     Ideal::new(&format!("{} and {}", a.resource, b.resource), what, set)
 }

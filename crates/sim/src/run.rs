@@ -18,7 +18,7 @@ use basrelief_kernel::{Machine, Netlist, NoProbe, Probe};
 use basrelief_machines::{ConfigProblem, Draws, SceneFront, TraceFront, UnitStats, numeral_of};
 use basrelief_report::model::Input;
 use basrelief_signals::Control;
-use basrelief_timeline::Board;
+use basrelief_timeline::TimelineLayout;
 use basrelief_trace::{Files, Resolver};
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
@@ -31,17 +31,17 @@ use std::rc::Rc;
 ///
 /// # Errors
 /// Parameters that do not fit together.
-pub fn board(source: &RunInput, settings: &RunOptions) -> Result<Board, ConfigProblem> {
+pub fn board(source: &RunInput, settings: &RunOptions) -> Result<TimelineLayout, ConfigProblem> {
     for_machine!(&settings.config, spec => board_of(spec, source))
 }
 
-fn board_of<S: MachineSpec>(spec: &S, source: &RunInput) -> Result<Board, ConfigProblem> {
+fn board_of<S: MachineSpec>(spec: &S, source: &RunInput) -> Result<TimelineLayout, ConfigProblem> {
     let way = match source {
         RunInput::Scene(_) | RunInput::Remote { .. } => Way::Scene,
         RunInput::Trace { .. } => Way::Trace,
     };
     let hz = serde_json::to_value(spec).unwrap_or_default().pointer("/clock/hz").and_then(serde_json::Value::as_u64);
-    let mut board = Board::new(S::NAME, hz.unwrap_or(0), way.shape(spec)?.diagram());
+    let mut board = TimelineLayout::new(S::NAME, hz.unwrap_or(0), way.shape(spec)?.diagram());
     board.numerals = board.diagram.stages.iter().map(|stage| numeral_of(S::DIAGRAM, &stage.name).to_owned()).collect();
     Ok(board)
 }

@@ -1,11 +1,11 @@
-//! What is counted: levels that hold a value until the next, and channels and banks of memories, numbered over all of them.
+//! Counters that hold a value until the next one, and the channels and banks of all memories, numbered consecutively.
 
-use crate::board::Board;
+use crate::layout::TimelineLayout;
 
 /// Cycles over which rates are taken.
 pub const RATE_CYCLES: u64 = 256;
 
-/// What a level holds.
+/// Value of a counter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
     /// How many.
@@ -30,13 +30,13 @@ pub struct Channel {
 /// A level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// What it is of: the FIFO's name, the channel's, `client NAME` or `cache NAME`.
+    /// Owner: name of the FIFO or channel, `client NAME` or `cache NAME`.
     pub of: String,
-    /// What is counted there.
+    /// Name of the counter.
     pub what: &'static str,
     /// Unit of measure.
     pub unit: &'static str,
-    /// What it holds in cycle 0.
+    /// Value in cycle 0.
     pub start: Value,
     /// The most that it can hold, where it is a count.
     pub most: u64,
@@ -73,7 +73,7 @@ pub struct Levels {
 
 impl Levels {
     /// Those of a board.
-    pub fn new(board: &Board) -> Self {
+    pub fn new(board: &TimelineLayout) -> Self {
         let diagram = &board.diagram;
         let (mut channels, mut first_channels, mut banks) = (vec![], vec![], 0);
         for (number, memory) in diagram.memories.iter().enumerate() {

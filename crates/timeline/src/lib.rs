@@ -2,41 +2,41 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`board`] | the machine and the part of its run that a time line shows |
+//! | [`layout`] | the machine and the part of its run that a time line shows |
 //! | [`levels`] | counters of a time line |
-//! | [`watcher`] | the probe: turns events of a run into calls of each chart |
+//! | [`probe`] | the probe: turns events of a run into calls of each chart |
 //! | [`perfetto`] | trace for ui.perfetto.dev |
-//! | [`waves`] | FST waves for GTKWave and Surfer |
-//! | [`tokens`] | life of single tokens for Konata |
-//! | [`strips`] | utilization over time in about a thousand columns |
+//! | [`fst`] | FST waves for GTKWave and Surfer |
+//! | [`kanata`] | life of single tokens for Konata |
+//! | [`utilization`] | utilization over time in about a thousand columns |
 //!
 //! This crate opens no file, reads no clock and prints nothing: writers are arguments.
 
-pub mod board;
+pub mod fst;
+pub mod kanata;
+pub mod layout;
 pub mod levels;
 pub mod perfetto;
+pub mod probe;
 mod proto;
 #[cfg(test)]
 mod samples;
 mod scale;
 mod streams;
-pub mod strips;
-pub mod tokens;
-pub mod watcher;
-pub mod waves;
+pub mod utilization;
 mod wires;
 
-pub use board::Board;
+pub use fst::FstWaves;
+pub use kanata::KanataLog;
+pub use layout::TimelineLayout;
 pub use levels::{Levels, RATE_CYCLES, Value};
-pub use perfetto::Timeline;
-pub use strips::Strips;
-pub use tokens::Tokens;
-pub use watcher::{Chart, Life, State, Transfer, Watcher, Whose};
-pub use waves::Waves;
+pub use perfetto::PerfettoTrace;
+pub use probe::{State, StepAttribution, TimelineProbe, TokenLife, TraceSink, Transfer};
+pub use utilization::UtilizationTimeline;
 
 #[cfg(test)]
+mod fst_tests;
+#[cfg(test)]
+mod kanata_tests;
+#[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod tokens_tests;
-#[cfg(test)]
-mod waves_tests;

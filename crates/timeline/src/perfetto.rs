@@ -1,24 +1,30 @@
-//! A time line as a trace for ui.perfetto.dev: one track per unit, slices named `busy`, `starved: <fifo>`, `blocked: <fifo>`,
-//! `memory: <client>` and, after its last step, `done`, each with whom it was for, as far as the run says that: arguments `frame`, from 1
-//! as on the track of frames, and `object`, `polygon` in its frame and MIP `level`, from 0; and what it `asks` memories for, by the names of
-//! the clients; a track of frames; a counter per FIFO: the slots that it holds; and for each
-//! memory a track of its bus with slices `<client> read` and `<client> write`, of each bank with slices `row <number>`, and counters.
+//! Trace for ui.perfetto.dev.
 //!
-//! A trace counts in whole nanoseconds. They are those of the device, by `clock.hz`; the name of the machine's track says so.
+//! | track | content |
+//! |---|---|
+//! | frames | one slice per frame |
+//! | a unit | slices `busy`, `starved: <fifo>`, `blocked: <fifo>`, `memory: <client>` and, after the last step, `done` |
+//! | a FIFO | counter of occupied slots |
+//! | a memory bus | slices `<client> read` and `<client> write`, and counters |
+//! | a memory bank | slices `row <number>` |
 //!
-//! [`Timeline`] writes as the run goes, from a buffer of fixed size, so memory does not grow with the run. Packets therefore
-//! stand in the order in which the engine finds out: in order of
-//! time on each track, but one unit may be far ahead of another. Perfetto sorts a trace without flush events as a whole,
-//! by time and then by place in the file, so the end of a slice stays ahead of the begin that follows in the same cycle.
-//! Sorting in windows here was rejected: a unit may run ahead by any number of cycles, so no window is long enough.
+//! Arguments of a unit's slice are its attribution, if known: `frame` from 1, and `object`, `polygon` in its frame and MIP `level` from
+//! 0. The argument `asks` lists the memory clients of the step.
+//!
+//! A trace counts in whole nanoseconds of the device, by `clock.hz`; the name of the machine's track states the scale.
+//!
+//! [`PerfettoTrace`] writes during the run, from a buffer of fixed size, so memory does not grow with the run. Packets are in the order of
+//! simulation: ordered in time on each track, but one unit may be far ahead of another. Perfetto sorts a trace without flush events as a
+//! whole, by time and then by place in the file, so the end of a slice stays ahead of the begin that follows in the same cycle. Sorting
+//! in windows was rejected: a unit may run ahead by any number of cycles, so no window is long enough.
 
-use crate::board::{Board, wait_name};
+use crate::layout::{TimelineLayout, wait_name};
 use crate::levels::{Channel, Level, Levels, Value};
+use crate::probe::{State, StepAttribution, TraceSink, Transfer};
 use crate::proto::{
     self, CounterDescriptor, DebugAnnotation, InternedData, InternedName, TracePacket, TrackDescriptor, TrackEvent,
 };
 use crate::scale::Scale;
-use crate::watcher::{Chart, State, Transfer, Whose};
 use basrelief_kernel::{Cause, StageTopology};
 use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint, encoded_len_varint, key_len, message, uint64};
@@ -41,7 +47,7 @@ const DONE: u64 = 2;
 /// Interned names of arguments, in the order of [`annotate`]; the first has number 1.
 const ARGUMENTS: [&str; 5] = ["frame", "object", "polygon", "level", "asks"];
 
-/// The events of a stage's slices, but for whom they are for: each is encoded once.
+/// Events of the slices of a stage without their attribution, encoded once.
 #[derive(Clone, Debug)]
 struct Slices {
     busy: Vec<u8>,
@@ -66,14 +72,14 @@ impl Slices {
     }
 }
 
-/// Writes a Perfetto trace. Write errors end the writing and are told by [`Chart::finish`].
+/// Writes a Perfetto trace. Write errors end the writing and are told by [`TraceSink::finish`].
 #[derive(Debug)]
-pub struct Timeline<W> {
+pub struct PerfettoTrace<W> {
     out: W,
     /// Packets, encoded as they come: keeping them as such until they are written took longer than the encoding.
     pub(crate) buffer: Vec<u8>,
     scale: Scale,
-    /// What is the same in all packets of events.
+    /// The common end of all packets of events.
     tail: Vec<u8>,
     /// Encoded arguments of an event.
     arguments: Vec<u8>,
@@ -89,9 +95,9 @@ pub struct Timeline<W> {
     error: Option<io::Error>,
 }
 
-impl<W: Write> Timeline<W> {
+impl<W: Write> PerfettoTrace<W> {
     /// Starts a trace of a machine.
-    pub fn new(out: W, board: &Board) -> Self {
+    pub fn new(out: W, board: &TimelineLayout) -> Self {
         let stages = &board.diagram.stages;
         let (slices, mut names) = intern(stages);
         let transfers = intern_transfers(board, &mut names);
@@ -130,8 +136,8 @@ impl<W: Write> Timeline<W> {
         timeline
     }
 
-    /// Describes the tracks of what is shown.
-    fn tracks(&mut self, board: &Board, levels: &Levels) {
+    /// Describes the visible tracks.
+    fn tracks(&mut self, board: &TimelineLayout, levels: &Levels) {
         let machine = format!("{}: {}", board.machine, self.scale.words(board.hz));
         self.track(TrackDescriptor { child_ordering: Some(proto::EXPLICIT_ORDER), ..track(MACHINE, &machine) });
         let units = (0..self.slices.len()).filter(|&s| board.shows(s)).map(|s| (FIRST_UNIT + s as u64, board.name(s)));
@@ -189,8 +195,8 @@ impl<W: Write> Timeline<W> {
     }
 }
 
-impl<W: Write> Chart for Timeline<W> {
-    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64) {
+impl<W: Write> TraceSink for PerfettoTrace<W> {
+    fn state(&mut self, stage: usize, state: State, whose: &StepAttribution, from: u64, to: u64) {
         let Some(slices) = self.slices.get(stage) else { return };
         let Some(begin) = slices.begin(state) else { return };
         annotate(&mut self.arguments, whose, &slices.clients);
@@ -247,8 +253,8 @@ fn name_of(level: &Level) -> String {
     if level.what == "fill" { level.of.clone() } else { format!("{}: {}", level.of, level.what) }
 }
 
-/// Numbers the names of what buses move for each client: of reads, and of writes.
-fn intern_transfers(board: &Board, names: &mut Vec<InternedName>) -> Vec<[u64; 2]> {
+/// Assigns numbers to the names of bus transfers: reads and writes of each client.
+fn intern_transfers(board: &TimelineLayout, names: &mut Vec<InternedName>) -> Vec<[u64; 2]> {
     let mut add = |name: String| {
         let iid = names.len() as u64 + 1;
         names.push(interned(iid, name));
@@ -261,7 +267,7 @@ fn event(kind: i32, track: u64) -> TrackEvent {
     TrackEvent { r#type: Some(kind), track_uuid: Some(track), ..TrackEvent::default() }
 }
 
-/// What is the same in all packets of events.
+/// The common end of all packets of events.
 fn tail() -> Vec<u8> {
     let packet = TracePacket {
         trusted_packet_sequence_id: Some(SEQUENCE),
@@ -271,10 +277,10 @@ fn tail() -> Vec<u8> {
     packet.encode_to_vec()
 }
 
-/// Encodes whom a slice is for, and what it asks, of these clients.
-fn annotate(arguments: &mut Vec<u8>, whose: &Whose, clients: &[String]) {
+/// Encodes the attribution of a slice and its memory requests.
+fn annotate(arguments: &mut Vec<u8>, whose: &StepAttribution, clients: &[String]) {
     arguments.clear();
-    let Whose { frame, object, polygon, level, asks, .. } = *whose;
+    let StepAttribution { frame, object, polygon, level, asks, .. } = *whose;
     let values = [frame.map(|frame| u64::from(frame) + 1), object.map(u64::from), polygon.map(u64::from), level.map(u64::from)];
     for (name, value) in (1..).zip(values) {
         if value.is_some() {

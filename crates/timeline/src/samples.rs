@@ -1,6 +1,6 @@
 //! The machine and the run that the tests of this crate draw.
 
-use crate::Board;
+use crate::TimelineLayout;
 use basrelief_kernel::{Engine, Netlist, RunReport};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine};
 
@@ -14,6 +14,6 @@ pub fn run() -> RunReport {
 }
 
 /// The machine of [`plan`], as a time line shows it.
-pub fn board() -> Board {
-    Board::new("plan", 0, Netlist::of(&mut PlanMachine::new(&plan()).unwrap()).unwrap().diagram())
+pub fn board() -> TimelineLayout {
+    TimelineLayout::new("plan", 0, Netlist::of(&mut PlanMachine::new(&plan()).unwrap()).unwrap().diagram())
 }

@@ -31,7 +31,7 @@ impl Scale {
         scales.into_iter().find(|(scale, _)| scale.whole.is_some()).unwrap_or(scales[2])
     }
 
-    /// The time at which a cycle begins, rounded down to a whole unit, and at most what 63 bits hold.
+    /// Returns the start time of a cycle, rounded down to a whole unit and saturated to 63 bits.
     pub(crate) fn at(self, cycle: u64) -> u64 {
         let time = match self.whole {
             Some(units) => cycle.saturating_mul(units),
@@ -40,7 +40,7 @@ impl Scale {
         time.min(i64::MAX as u64)
     }
 
-    /// In words, of nanoseconds: what a cycle takes on a device of `hz`, and how it is shown.
+    /// Describes the time scale: duration of a cycle on a device of `hz`, and its length in the trace.
     pub(crate) fn words(self, hz: u64) -> String {
         let ns = self.units as f64 / self.hz as f64;
         match (self.hz == hz, self.whole) {

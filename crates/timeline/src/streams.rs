@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_is_held_than_may_be() {
+    fn memory_limit_is_kept() {
         let budget = Budget::new(1000);
         let mut streams = Streams::new(2, &budget);
         (0..1000).for_each(|at| streams.change(at as usize % 2, at, 1));

@@ -22,27 +22,27 @@ fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
     run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
-/// What a run of an engine gives, and its trace.
-fn traced(board: &Board, engine: Engine) -> (RunReport, Vec<u8>) {
+/// Report and trace of a run with an engine.
+fn traced(board: &TimelineLayout, engine: Engine) -> (RunReport, Vec<u8>) {
     let mut bytes = vec![];
-    let mut watcher = Watcher::new(board.clone(), vec![Box::new(Timeline::new(&mut bytes, board))]);
+    let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(PerfettoTrace::new(&mut bytes, board))]);
     let run = record(&mut watcher, engine);
     watcher.finish(&run).into_iter().collect::<io::Result<()>>().unwrap();
     (run, bytes)
 }
 
-/// The trace of what a probe is told.
-fn told(board: &Board, run: &RunReport, tell: impl FnOnce(&mut Watcher<'_>)) -> Vec<u8> {
+/// Trace of events that the test passes to a probe.
+fn told(board: &TimelineLayout, run: &RunReport, tell: impl FnOnce(&mut TimelineProbe<'_>)) -> Vec<u8> {
     let mut bytes = vec![];
-    let mut watcher = Watcher::new(board.clone(), vec![Box::new(Timeline::new(&mut bytes, board))]);
+    let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(PerfettoTrace::new(&mut bytes, board))]);
     tell(&mut watcher);
     watcher.finish(run).into_iter().collect::<io::Result<()>>().unwrap();
     bytes
 }
 
 /// The part of the first 42 cycles or so that is cut at both ends.
-fn window() -> Board {
-    Board { from: 17, to: 41, ..samples::board() }
+fn window() -> TimelineLayout {
+    TimelineLayout { from: 17, to: 41, ..samples::board() }
 }
 
 /// The slices of units and frames.
@@ -93,7 +93,7 @@ fn counters_of(bytes: &[u8], unit: &str) -> Vec<(String, u64, i64)> {
     events.filter_map(|(at, event)| Some((tracks.get(&event.track_uuid?)?.clone(), at, event.counter_value.unwrap()))).collect()
 }
 
-fn expected(recorder: &Recorder, board: &Board, total: u64) -> Vec<(String, String, u64, u64)> {
+fn expected(recorder: &Recorder, board: &TimelineLayout, total: u64) -> Vec<(String, String, u64, u64)> {
     let names = &board.diagram.stages;
     let name = |i: &Interval| match i.cause {
         None => "busy".into(),
@@ -162,7 +162,7 @@ fn fifos_have_counters_that_begin_with_what_they_hold() {
 }
 
 #[test]
-fn only_units_that_are_asked_for_are_shown_and_the_fifos_at_their_ends() {
+fn selected_units_show_with_their_fifos() {
     let all = slices(&traced(&samples::board(), Engine::Timed).1);
     let mut board = samples::board();
     board.show_only(&["source".into()]).unwrap();
@@ -179,8 +179,8 @@ fn tracks(bytes: &[u8]) -> Vec<String> {
 }
 
 #[test]
-fn time_is_that_of_the_device_and_units_have_their_numerals() {
-    let mut board = Board { hz: 200_000_000, ..samples::board() };
+fn time_is_device_time_and_units_have_numerals() {
+    let mut board = TimelineLayout { hz: 200_000_000, ..samples::board() };
     board.numerals[0] = "110".into();
     let shown = slices(&traced(&board, Engine::Timed).1);
     let cycles = slices(&traced(&samples::board(), Engine::Timed).1);
@@ -194,14 +194,14 @@ fn time_is_that_of_the_device_and_units_have_their_numerals() {
 }
 
 #[test]
-fn a_slice_says_whom_it_is_for_and_ends_where_it_is_for_another() {
+fn slices_carry_attribution_and_end_with_it() {
     let board = samples::board();
     let stage = board.diagram.stages.iter().position(|stage| !stage.clients.is_empty()).unwrap();
-    let some = Whose { frame: Some(0), object: Some(2), polygon: Some(9), level: Some(1), asks: 0, life: None };
-    let other = Whose { level: None, ..some };
+    let some = StepAttribution { frame: Some(0), object: Some(2), polygon: Some(9), level: Some(1), asks: 0, life: None };
+    let other = StepAttribution { level: None, ..some };
     let run = RunReport { total: 6, outcome: Outcome::Complete, ..record(&mut Recorder::default(), Engine::Timed) };
     let bytes = told(&board, &run, |watcher| {
-        for (at, whose) in [some, some, other, Whose { asks: 1, ..Whose::default() }].iter().enumerate() {
+        for (at, whose) in [some, some, other, StepAttribution { asks: 1, ..StepAttribution::default() }].iter().enumerate() {
             let from = at as u64;
             watcher.add(Interval { stage, cause: None, from: Cycle(from), to: Cycle(from + 1) }, whose);
         }
@@ -235,7 +235,7 @@ fn frames_have_a_track_of_their_own() {
 }
 
 #[test]
-fn what_reaches_beyond_a_run_cut_short_is_cut() {
+fn slices_end_with_an_incomplete_run() {
     let mut run = samples::run();
     (run.total, run.outcome) = (10, Outcome::Limit);
     let bytes = told(&samples::board(), &run, |watcher| {
@@ -248,7 +248,7 @@ fn what_reaches_beyond_a_run_cut_short_is_cut() {
 
 #[test]
 fn a_window_behind_the_end_shows_nothing() {
-    let board = Board { from: 1 << 40, ..samples::board() };
+    let board = TimelineLayout { from: 1 << 40, ..samples::board() };
     let (_, bytes) = traced(&board, Engine::Timed);
     assert_eq!((slices(&bytes), counters(&bytes)), (vec![], vec![]));
 }
@@ -263,7 +263,7 @@ fn rates(bytes: &[u8]) -> Vec<(String, u64, f64)> {
 }
 
 /// The plan's machine with a cache.
-fn cached() -> Board {
+fn cached() -> TimelineLayout {
     let mut board = samples::board();
     board.diagram.clients[0].cache = Some("c".into());
     board
@@ -336,10 +336,10 @@ impl Write for Full {
 }
 
 #[test]
-fn memory_does_not_grow_with_the_run_and_write_errors_are_told() {
-    let mut timeline = Box::new(Timeline::new(Full(10 * CHUNK), &samples::board()));
+fn memory_is_bounded_and_write_errors_are_reported() {
+    let mut timeline = Box::new(PerfettoTrace::new(Full(10 * CHUNK), &samples::board()));
     for k in 0..20_000 {
-        timeline.state(0, State::Busy, &Whose::default(), 2 * k, 2 * k + 1);
+        timeline.state(0, State::Busy, &StepAttribution::default(), 2 * k, 2 * k + 1);
         assert!(timeline.buffer.capacity() <= 2 * CHUNK);
     }
     assert_eq!(timeline.finish(u64::MAX).unwrap_err().to_string(), "disk full");

@@ -1,6 +1,6 @@
-//! The signals of waves, and what is shown on them of the values that change.
+//! Signals of the wave file, and their values.
 
-use crate::board::Board;
+use crate::layout::TimelineLayout;
 use crate::levels::{Levels, Value};
 use fst_writer::{
     FstBodyWriter, FstHeaderWriter, FstScopeType, FstSignalId, FstSignalType, FstVarDirection, FstVarType, FstWriteError,
@@ -10,7 +10,7 @@ use std::io::{Seek, Write};
 /// Number of the value that is the frame.
 pub(crate) const FRAME: usize = 0;
 
-/// States of a unit; 0 is none. What waits for a FIFO or client has its number in there.
+/// States of a unit; 0 is none. A stall state contains the number of its FIFO or client.
 pub(crate) const BUSY: u64 = 1;
 pub(crate) const DONE: u64 = 2;
 pub(crate) const FIRST_WAIT: u64 = 3;
@@ -26,7 +26,7 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
-    pub(crate) fn new(board: &Board) -> Self {
+    pub(crate) fn new(board: &TimelineLayout) -> Self {
         let levels = Levels::new(board);
         let first_stage = FRAME + 1;
         let first_level = first_stage + board.diagram.stages.len();
@@ -90,7 +90,7 @@ enum Wires {
     Real(FstSignalId),
     /// Of a unit: a wire per state.
     State([Number; 5]),
-    /// Of a bus: whether it moves data; whose, and whether to the memory.
+    /// Signals of a bus: busy, client, and write.
     Bus([Number; 3]),
     /// Of a bank: whether a row is open, and which.
     Bank([Number; 2]),
@@ -98,7 +98,7 @@ enum Wires {
     Fifo(FifoWires),
 }
 
-/// A FIFO's signals, and what they follow from.
+/// Signals of a FIFO, and the values that they derive from.
 #[derive(Clone, Copy, Debug)]
 struct FifoWires {
     fill: Number,
@@ -124,7 +124,7 @@ pub(crate) struct Signals {
 }
 
 impl Signals {
-    pub(crate) fn declare<W: Write + Seek>(header: &mut Header<W>, board: &Board, numbers: &Numbers) -> Done<Self> {
+    pub(crate) fn declare<W: Write + Seek>(header: &mut Header<W>, board: &TimelineLayout, numbers: &Numbers) -> Done<Self> {
         let (levels, mut wires) = (Levels::new(board), vec![Wires::None; numbers.count]);
         within(header, &board.machine, |header| {
             wires[FRAME] = Wires::Number(Number::declare(header, "frame", u32::MAX.into())?);
@@ -197,7 +197,7 @@ impl Signals {
         }
     }
 
-    /// Writes what follows from all changes of a cycle.
+    /// Writes the signals that derive from all changes of a cycle.
     pub(crate) fn settle<W: Write + Seek>(&mut self, body: &mut Body<W>) -> Done {
         for number in self.changed.drain(..) {
             let Wires::Fifo(wires) = &mut self.wires[number] else { continue };
@@ -210,7 +210,7 @@ impl Signals {
     }
 }
 
-/// Declares signals in a scope. Viewers take what is behind a space for something else.
+/// Declares signals in a scope. Names have no spaces, because viewers end a name at a space.
 fn within<W: Write + Seek>(header: &mut Header<W>, name: &str, declare: impl FnOnce(&mut Header<W>) -> Done) -> Done {
     header.scope(name.replace(' ', "_"), "", FstScopeType::Module)?;
     declare(header)?;
@@ -244,7 +244,7 @@ fn declare_level<W: Write + Seek>(header: &mut Header<W>, level: &crate::levels:
 /// Declares a scope per channel, and one in it per bank.
 fn declare_channels<W: Write + Seek>(
     header: &mut Header<W>,
-    (board, levels): (&Board, &Levels),
+    (board, levels): (&TimelineLayout, &Levels),
     numbers: &Numbers,
     wires: &mut [Wires],
 ) -> Done {

@@ -12,7 +12,7 @@ use basrelief_sim::{
     Costs, ExhibitInfo, Form, Given, MACHINES, MachineConfig, MachineInfo, Prepared, RunInput, RunOptions, When, board, run,
 };
 use basrelief_tile_server::protocol::unpack;
-use basrelief_timeline::Strips;
+use basrelief_timeline::UtilizationTimeline;
 use basrelief_trace::looks_like_trace;
 use serde::Deserialize as _;
 use serde_json::{Value, json};
@@ -131,7 +131,7 @@ impl Desk {
         let names = board.diagram.stages.into_iter().map(|stage| stage.name).collect();
         let path = lying.path().cloned();
         let rounds = path.clone().zip(outside).map(|(path, outside)| Rounds::new(path, outside));
-        let (mut shown, mut strips) = (Shown::with(rounds), Strips::default());
+        let (mut shown, mut strips) = (Shown::with(rounds), UtilizationTimeline::default());
         let ran = run(input, &options, &mut shown, if ask.exact { Some(&mut strips) } else { None });
         let report = ran.map_err(|e| e.to_string())?.report;
         let strips = ask.exact.then_some((strips, names));

@@ -8,7 +8,7 @@ use basrelief_report::Report;
 use basrelief_report::html::sections;
 use basrelief_scene::DEMOS;
 use basrelief_sim::{Content, Exhibit, ExhibitInfo, Form, MACHINES, MachineInfo, Observer, Pictures, beside};
-use basrelief_timeline::Strips;
+use basrelief_timeline::UtilizationTimeline;
 use serde_json::{Value, json};
 use std::rc::Rc;
 
@@ -112,7 +112,12 @@ impl Shown {
     }
 
     /// The answer to a question for a run, with the command that repeats it, and what the units, by name, did when.
-    pub(crate) fn answer(self, report: &Report, command: &str, strips: Option<(Strips, Vec<String>)>) -> Result<Parcel, String> {
+    pub(crate) fn answer(
+        self,
+        report: &Report,
+        command: &str,
+        strips: Option<(UtilizationTimeline, Vec<String>)>,
+    ) -> Result<Parcel, String> {
         let mut parcel = Parcel::default();
         let pictures = self.pictures(&mut parcel)?;
         let strips = strips.map(|(strips, names)| packed(&strips, &names, &mut parcel));
@@ -158,7 +163,7 @@ impl Shown {
 }
 
 /// The time line: for each unit its columns, for each column the shares of four states, 255 for all of it.
-fn packed(strips: &Strips, names: &[String], parcel: &mut Parcel) -> Value {
+fn packed(strips: &UtilizationTimeline, names: &[String], parcel: &mut Parcel) -> Value {
     let width = strips.width();
     let share = |cycles: u64| (cycles.saturating_mul(255) / width) as u8;
     let units: Vec<Value> = strips

@@ -19,11 +19,18 @@ pub fn machine() -> impl TypedValueParser<Value = &'static MachineInfo> {
 #[derive(Clone, Debug)]
 pub struct Named(pub Vec<Tables>);
 
+/// Name of the table of bottlenecks in version 0.1.
+const OLD_BOTTLENECKS: &str = "limits";
+
 /// Names of tables, or of all of them.
 pub fn tables() -> impl TypedValueParser<Value = Named> {
-    let names = Tables::ALL.iter().map(|of| PossibleValue::new(of.name()).help(of.about()));
+    let names = Tables::ALL.iter().map(|of| {
+        let value = PossibleValue::new(of.name()).help(of.about());
+        if *of == Tables::Limits { value.alias(OLD_BOTTLENECKS) } else { value }
+    });
     let all = PossibleValue::new("all").help("All of them");
     PossibleValuesParser::new(names.chain([all])).map(|name| {
+        let name = if name == OLD_BOTTLENECKS { Tables::Limits.name() } else { name.as_str() };
         let named = Tables::ALL.iter().copied().filter(|of| name == "all" || name == of.name());
         Named(named.collect())
     })

@@ -7,7 +7,7 @@ use basrelief_input::{Budget, OverBudget};
 use basrelief_kernel::Probe;
 use basrelief_parameters::nearest;
 use basrelief_sim::{self as sim, Following, MachineConfig, Run, RunInput, RunOptions, Sample};
-use basrelief_timeline::{Board, Chart, Timeline, Tokens, Watcher, Waves};
+use basrelief_timeline::{FstWaves, KanataLog, PerfettoTrace, TimelineLayout, TimelineProbe, TraceSink};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ type Output = (PartialFile, PathBuf);
 
 /// The files that show when each unit did what.
 pub struct TimelineFiles {
-    board: Board,
+    board: TimelineLayout,
     config: MachineConfig,
     timeline: Option<Output>,
     waves: Option<Output>,
@@ -47,19 +47,19 @@ impl TimelineFiles {
         let stages = &board.diagram.stages;
         // Waves do not say whom a step was for: it need not be found out.
         let follows = timeline.is_some() || tokens.is_some();
-        let mut charts: Vec<(Box<dyn Chart + '_>, &Path)> = vec![];
+        let mut charts: Vec<(Box<dyn TraceSink + '_>, &Path)> = vec![];
         if let Some((file, path)) = timeline {
-            charts.push((Box::new(Timeline::new(BufWriter::new(file), board)), path));
+            charts.push((Box::new(PerfettoTrace::new(BufWriter::new(file), board)), path));
         }
         if let Some((file, path)) = waves {
-            charts.push((Box::new(Waves::new(BufWriter::new(file), board, budget)), path));
+            charts.push((Box::new(FstWaves::new(BufWriter::new(file), board, budget)), path));
         }
         if let (Some((file, path)), Some(sample)) = (tokens, *sample) {
             let last = sim::last_stage(sample, config, stages);
-            charts.push((Box::new(Tokens::new(packed(file, path)?, board, last, budget)), path));
+            charts.push((Box::new(KanataLog::new(packed(file, path)?, board, last, budget)), path));
         }
         let (charts, paths): (Vec<_>, Vec<_>) = charts.into_iter().unzip();
-        let mut watcher = Watcher::new(board.clone(), charts);
+        let mut watcher = TimelineProbe::new(board.clone(), charts);
         let run = if follows {
             let mut following = Following::new(config, stages, *sample, budget, &mut watcher);
             let run = run(&mut following)?;
@@ -126,7 +126,7 @@ fn create(path: PathBuf) -> Done<Output> {
 }
 
 /// What is to be shown, by `--units`, `--from-cycle` and `--to-cycle`.
-fn cut(mut board: Board, simulation: &SimulationArgs) -> Done<Board> {
+fn cut(mut board: TimelineLayout, simulation: &SimulationArgs) -> Done<TimelineLayout> {
     board.from = simulation.from_cycle.unwrap_or(0);
     board.to = simulation.to_cycle.unwrap_or(u64::MAX);
     if board.from >= board.to {
@@ -143,7 +143,7 @@ fn cut(mut board: Board, simulation: &SimulationArgs) -> Done<Board> {
     Ok(board)
 }
 
-fn no_unit(unknown: &str, board: &Board) -> String {
+fn no_unit(unknown: &str, board: &TimelineLayout) -> String {
     let names: Vec<&str> = board.diagram.stages.iter().map(|stage| stage.name.as_str()).collect();
     let hint = nearest(unknown, names.iter().copied()).map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
     format!("--units: no unit of {} is called `{unknown}`{hint} (there are {})", board.machine, names.join(", "))

@@ -1,4 +1,4 @@
-//! What the page draws: which rows, which columns, and where.
+//! Rows and columns of the page, and their positions.
 
 use super::scale::{Scale, WHOLE};
 use crate::table::{Role, State, Table};

@@ -1,4 +1,4 @@
-//! What was found, in words.
+//! Summary of the sweep in words.
 
 use super::data::Sweep;
 use super::labels;
@@ -14,11 +14,11 @@ pub(super) fn head(sweep: &Sweep<'_>) -> Html {
     let title = el("h1", &[], [text("Basrelief "), el_text("span", "quiet", &sweep.table.title)]);
     let best = sweep.table.objectives().filter_map(|objective| best(sweep, objective));
     let counts = [
-        (thousands(sweep.run() as u64), "points have run".to_owned()),
-        (thousands(sweep.front.len() as u64), "on the front".to_owned()),
+        (thousands(sweep.run() as u64), "completed points".to_owned()),
+        (thousands(sweep.front.len() as u64), "Pareto-optimal".to_owned()),
     ];
     let best = best.map(|(row, at, goal)| {
-        let least = if goal == Goal::Min { "least" } else { "most" };
+        let least = if goal == Goal::Min { "lowest" } else { "highest" };
         (value(&sweep.table.rows[row].cells[at]), format!("{least} {}", sweep.header(at)))
     });
     el("header", &[], [title, big_numbers(counts.into_iter().chain(best)), el_text("p", "lead", found(sweep)), volume(sweep)])
@@ -57,15 +57,15 @@ fn found(sweep: &Sweep<'_>) -> String {
     if !table.constraints.is_empty() {
         let kept = table.rows.iter().filter(|row| table.feasible(row)).count() as u64;
         let rules: Vec<String> = table.constraints.iter().map(ToString::to_string).collect();
-        says += &format!("{} keep {}. ", thousands(kept), rules.join(" and "));
+        says += &format!("{} meet {}. ", thousands(kept), rules.join(" and "));
     }
     let objectives: Vec<String> = table.objectives().map(|(at, goal)| format!("{} {goal}", table.columns[at].name)).collect();
     let front = sweep.front.len();
     says + &match (objectives.len(), front) {
-        (0, _) => "No objective was named, so that no point is better than another.".into(),
-        (_, 0) => format!("None can be chosen by {}.", objectives.join(", ")),
-        (_, 1) => format!("One beats all others by {}.", objectives.join(", ")),
-        _ => format!("{} are on the front: no other beats them by {}.", thousands(front as u64), objectives.join(", ")),
+        (0, _) => "No objective is named, so no point is better than another.".into(),
+        (_, 0) => format!("No completed point meets the constraints for {}.", objectives.join(", ")),
+        (_, 1) => format!("One point is Pareto-optimal for {}.", objectives.join(", ")),
+        _ => format!("{} are Pareto-optimal for {}.", thousands(front as u64), objectives.join(", ")),
     }
 }
 
@@ -76,7 +76,7 @@ fn volume(sweep: &Sweep<'_>) -> Html {
     share.map_or_else(Html::default, |share| {
         let share = about(share);
         let says = format!(
-            "The front dominates {share} of the space between the best of each objective and a tenth of its range beyond the worst."
+            "Hypervolume: the Pareto front dominates {share} of the space from the best value of each objective to 10 % beyond its worst."
         );
         el_text("p", "quiet", says)
     })

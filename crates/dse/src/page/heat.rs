@@ -35,13 +35,9 @@ pub(super) fn heat(sweep: &Sweep<'_>) -> Html {
         return Html::default();
     }
     let left = first.len() + kept;
-    let left = if left < total {
-        format!(" {left} of {total} maps are drawn, those of the axes that move most first.")
-    } else {
-        String::new()
-    };
+    let left = if left < total { format!(" {left} of {total} maps are drawn, largest effect first.") } else { String::new() };
     let about =
-        format!("Mean of an objective over all points with these two values. Where nothing stands, no point has run.{left}");
+        format!("Mean of an objective over all points with these two values. Cells without completed points are empty.{left}");
     let more = if kept > 0 { details(&format!("{kept} other pairs of axes"), more) } else { Html::default() };
     [el_text("p", "quiet", about), cards, more].into_iter().collect()
 }
@@ -87,14 +83,14 @@ fn left(levels: &Levels) -> f64 {
     (longest as f64 * 6.8 + 12.0).min(LEFT)
 }
 
-/// Room for cells and what stands beside them.
+/// Size of a map with its labels.
 fn size(upright: &Levels, across: &Levels, names: [&str; 2]) -> (f64, f64) {
     let cells = left(upright) + CELL.0 * across.labels.len() as f64 + 4.0;
     let title = 6.8 * (names[0].chars().count() + names[1].chars().count() + 7) as f64;
     (cells.max(title), TOP + CELL.1 * upright.labels.len() as f64 + 4.0)
 }
 
-/// What colour a value has, and how it is written.
+/// Colour and label of a value.
 struct Colours {
     low: f64,
     high: f64,

@@ -33,7 +33,7 @@ pub(super) fn compact(x: f64) -> String {
     format!("{}{suffix}", rounded(x / unit))
 }
 
-/// What large numbers are counted in.
+/// Unit of large numbers.
 pub(super) fn unit(largest: f64) -> (f64, &'static str) {
     let units = [(1e9, " G"), (1e6, " M"), (1e4, " k")];
     let found = units.into_iter().find(|(least, _)| (*least..1e12).contains(&largest));

@@ -1,17 +1,17 @@
-//! A sweep as one page: what it found, in words and in drawings. It works from a disk, loads nothing but the pictures of points
-//! that lie beside it, and is the same to the byte for equal tables.
+//! A sweep as one HTML page. It works from a disk, loads only the pictures of points beside it, and is equal to the byte for equal
+//! tables.
 //!
-//! | part | where |
+//! | part | module |
 //! |---|---|
-//! | what is drawn, and where it stands | `data`, `scale` |
+//! | rows, columns and positions | `data`, `scale` |
 //! | headline | `head` |
-//! | any two or three figures against each other | `scatter`, moved by `sweep.js` |
-//! | a line per point across all columns | `parallel` |
-//! | what each axis moves | `tornado`, `heat` |
-//! | points on the front, failures | `points` |
+//! | scatter plot of two or three figures | `scatter`, moved by `sweep.js` |
+//! | parallel coordinates | `parallel` |
+//! | effects of the axes | `tornado`, `heat` |
+//! | Pareto-optimal points, failures | `points` |
 //!
-//! All that is drawn is drawn here: the script moves points to positions that stand in the page and shows what was hidden. Without
-//! it the page shows the first two objectives. Only so many rows are drawn as a browser bears; the page says how many.
+//! This module draws everything: the script only moves points to positions in the page and shows hidden parts. Without it the page
+//! shows the first two objectives. The number of drawn rows is limited for the browser; the page states it.
 
 mod data;
 mod head;
@@ -61,12 +61,12 @@ fn policy() -> String {
 /// Parts that have something to say: name in addresses, heading, markup.
 fn contents(sweep: &Sweep<'_>) -> Vec<(&'static str, &'static str, Html)> {
     let all = [
-        ("scatter", "Figures against each other", scatter::scatter(sweep)),
-        ("front", "Points on the front", points::front(sweep)),
-        ("sensitivities", "What each axis moves", tornado::tornado(sweep)),
-        ("pairs", "Two axes at once", heat::heat(sweep)),
-        ("parallel", "All columns at once", parallel::parallel(sweep)),
-        ("failures", "Points that failed", points::failures(sweep)),
+        ("scatter", "Scatter plot", scatter::scatter(sweep)),
+        ("front", "Pareto-optimal points", points::front(sweep)),
+        ("sensitivities", "Effect of each axis", tornado::tornado(sweep)),
+        ("pairs", "Pairs of axes", heat::heat(sweep)),
+        ("parallel", "Parallel coordinates", parallel::parallel(sweep)),
+        ("failures", "Failed points", points::failures(sweep)),
     ];
     all.into_iter().filter(|(_, _, content)| !content.is_empty()).collect()
 }
@@ -77,9 +77,5 @@ fn files(options: &PageOptions) -> Html {
     if options.files.is_empty() {
         return Html::default();
     }
-    el(
-        "footer",
-        &[],
-        [el_text("p", "quiet", "The whole table, beside this page:"), el("ul", &[], options.files.iter().map(item))],
-    )
+    el("footer", &[], [el_text("p", "quiet", "Files with the whole table:"), el("ul", &[], options.files.iter().map(item))])
 }

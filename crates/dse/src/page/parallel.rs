@@ -22,7 +22,7 @@ const HEIGHT: f64 = 300.0;
 
 /// The axes of the drawing.
 struct Threads {
-    /// Places among the columns shown: axes of the plan first, then objectives; from what was chosen to what came of it.
+    /// Numbers of the columns: axes of the plan first, then objectives.
     columns: Vec<usize>,
     /// Distance of two.
     apart: f64,
@@ -99,8 +99,8 @@ pub(super) fn parallel(sweep: &Sweep<'_>) -> Html {
     let all = [best.len(), sweep.front.len(), others.len(), sweep.run() - sweep.front.len()].map(|count| thousands(count as u64));
     let [of_front, front, of_others, not] = all;
     let about = format!(
-        "A line per point, from what was chosen to what came of it: {of_front} of {front} points on the front, drawn strong, and \
-         {of_others} of {not} others."
+        "One line per point, from parameters to results: {of_front} of {front} Pareto-optimal points (bold) and {of_others} of {not} \
+         others."
     );
     let line = |class: &'static str| {
         let threads = &threads;

@@ -35,14 +35,17 @@ pub(super) fn front(sweep: &Sweep<'_>) -> Html {
     };
     let (first, others) = rows.split_at(rows.len().min(OPEN));
     let (all, shown) = (sweep.front.len(), rows.len());
-    let caption =
-        if first.len() == all { "All of them".into() } else { format!("The first {} of {}", first.len(), thousands(all as u64)) };
+    let caption = if first.len() == all {
+        "All Pareto-optimal points".into()
+    } else {
+        format!("{} of {} Pareto-optimal points", first.len(), thousands(all as u64))
+    };
     let left = if shown < all {
         format!("{} of {} more", others.len(), thousands((all - first.len()) as u64))
     } else {
         format!("{} more", others.len())
     };
-    let tables = [table(first, &caption), details(&left, table(others, "The others"))];
+    let tables = [table(first, &caption), details(&left, table(others, "Other Pareto-optimal points"))];
     if rows.is_empty() { Html::default() } else { el("div", &[("id", "chosen")], tables) }
 }
 
@@ -71,7 +74,7 @@ pub(super) fn failures(sweep: &Sweep<'_>) -> Html {
     let count = reasons.len();
     let row =
         |(reason, ids): (&str, Vec<&str>)| vec![text(thousands(ids.len() as u64)), text(reason), el_text("code", "", ids[0])];
-    let columns = [("points", Align::Right), ("why", Align::Left), ("the first of them", Align::Left)];
+    let columns = [("points", Align::Right), ("reason", Align::Left), ("first point", Align::Left)];
     let caption =
         if count > MOST_REASONS { format!("The {MOST_REASONS} most frequent of {count} reasons") } else { "All reasons".into() };
     with_cells(&caption, &columns, reasons.into_iter().take(MOST_REASONS).map(row).collect())

@@ -1,4 +1,4 @@
-//! Where the values of a column stand along an axis, and what is written beside it.
+//! Positions of the values of a column along an axis, and their tick labels.
 
 use super::labels::{rounded, unit};
 use crate::levels::{Levels, logarithmic, range};
@@ -16,7 +16,7 @@ const MARKS: i32 = 8;
 /// The scale of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Scale {
-    /// Marks: position, and what is written there.
+    /// Ticks: position and label.
     pub(super) ticks: Vec<(u32, String)>,
     /// Position of each row, up to [`WHOLE`]; none without a value.
     pub(super) at: Vec<Option<u32>>,
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_differ_has_no_scale() {
+    fn constant_column_has_no_scale() {
         assert_eq!(Scale::numeric(&[Some(1.0), None, Some(1.0)]), None);
         assert_eq!(Scale::numeric(&[]), None);
     }

@@ -12,14 +12,14 @@ use basrelief_report::number::thousands;
 use serde_json::{Value, json};
 
 const SIZE: (f64, f64) = (860.0, 520.0);
-/// Left, top, width, height of what points stand in.
+/// Left, top, width, height of the plot area.
 const BOX: [f64; 4] = [76.0, 26.0, 768.0, 440.0];
 
-/// The drawing, what chooses its figures, and the point that is looked at.
+/// The drawing, the selection of its figures, and the selected point.
 pub(super) fn scatter(sweep: &Sweep<'_>) -> Html {
     let Some((across, upright)) = chosen(sweep) else { return Html::default() };
     let shapes = [axes(sweep, across, upright), lines(sweep, across, upright), points(sweep, across, upright)];
-    let says = format!("Scatter plot of {} points by the figures chosen. Arrow keys go from point to point.", sweep.drawn.len());
+    let says = format!("Scatter plot of {} points. Arrow keys move between points.", sweep.drawn.len());
     let plot = svg("plot", SIZE, &says, "xMidYMid meet", shapes.into_iter().collect());
     let plot = el("div", &[("id", "plot"), ("tabindex", "0"), ("role", "group"), ("aria-label", &says)], [plot]);
     let point = el("aside", &[("id", "point"), ("aria-live", "polite"), ("hidden", "hidden")], []);
@@ -27,7 +27,7 @@ pub(super) fn scatter(sweep: &Sweep<'_>) -> Html {
     [el_text("p", "quiet", about(sweep)), choices(sweep, across, upright), sides].into_iter().collect()
 }
 
-/// Which two figures are shown first: the first two objectives, else what there is.
+/// The two figures at first: the first two objectives, otherwise the first columns.
 fn chosen(sweep: &Sweep<'_>) -> Option<(usize, usize)> {
     let mut places = sweep.table.objectives().filter_map(|(at, _)| sweep.place(at)).chain(0..sweep.shown.len());
     let across = places.next()?;
@@ -40,15 +40,14 @@ fn about(sweep: &Sweep<'_>) -> String {
     let [of_front, of_others, front, others] =
         [best, drawn - best, sweep.front.len(), run - sweep.front.len()].map(|count| thousands(count as u64));
     let all = if drawn == run {
-        format!("All {} points that have run are drawn. ", thousands(run as u64))
+        format!("All {} completed points are drawn. ", thousands(run as u64))
     } else {
         format!(
-            "Drawn are {of_front} of {front} points on the front, and {of_others} of {others} others, at equal distances in the \
-             plan. "
+            "Drawn: {of_front} of {front} Pareto-optimal points and {of_others} of {others} others, at equal distances in the plan. "
         )
     };
-    all + "The line is the front of the two figures that are shown, where both are objectives; a point on the front of all \
-           objectives may stand beside it. Arrow keys go from point to point; a click or Enter keeps one."
+    all + "The line is the Pareto front of the two figures, if both are objectives. Points that are Pareto-optimal for all \
+           objectives may lie beside it. Arrow keys move between points; click or Enter selects one."
 }
 
 /// Places of each pair of figures in the drawing: titles, marks, both directions; only those of two are seen.
@@ -70,8 +69,8 @@ fn group(id: &str, seen: bool, shapes: Html) -> Html {
 
 fn axis_title(sweep: &Sweep<'_>, column: usize, scale: &Scale) -> String {
     let goal = match sweep.table.columns[column].role {
-        Role::Objective(Goal::Min) => ", less is better",
-        Role::Objective(Goal::Max) => ", more is better",
+        Role::Objective(Goal::Min) => " (lower is better)",
+        Role::Objective(Goal::Max) => " (higher is better)",
         Role::Axis | Role::Figure => "",
     };
     format!("{}{goal}{}", sweep.header(column), if scale.logarithmic { ", logarithmic" } else { "" })
@@ -118,7 +117,7 @@ fn lines(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
     pairs.map(line).collect()
 }
 
-/// From step to step of the front of two objectives: what lies beyond the line, a point of it beats.
+/// Path of the Pareto front of two objectives: a point of the front dominates all points beyond the line.
 fn stairs(sweep: &Sweep<'_>, a: (usize, Goal), b: (usize, Goal), [across, upright]: [&Scale; 2]) -> String {
     let front = front_by(sweep.table, &[a, b]).into_iter();
     let mut steps: Vec<(u32, u32)> = front.filter_map(|row| Some((across.at[row]?, upright.at[row]?))).collect();
@@ -150,7 +149,7 @@ fn points(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
     el("g", &[("id", "points")], sweep.drawn.iter().map(point).chain([cursor]))
 }
 
-/// What a point is.
+/// Class of a point.
 fn class(sweep: &Sweep<'_>, row: usize) -> &'static str {
     match row {
         _ if sweep.is_best(row) => "point best",
@@ -165,8 +164,8 @@ fn legend(sweep: &Sweep<'_>) -> Html {
         let dot = el("svg", &[("class", "dot"), ("viewBox", "0 0 14 14"), ("aria-hidden", "true")], [dot]);
         el("li", &[], [dot, text(meaning)])
     };
-    let broken = sweep.table.constraints.iter().map(|_| item("point broken", "3.5", "breaks a constraint")).take(1);
-    let items = [item("point best", "5.5", "on the front"), item("point", "3.5", "another")].into_iter().chain(broken);
+    let broken = sweep.table.constraints.iter().map(|_| item("point broken", "3.5", "violates a constraint")).take(1);
+    let items = [item("point best", "5.5", "Pareto-optimal"), item("point", "3.5", "other")].into_iter().chain(broken);
     let scales = sweep.shown.iter().enumerate().map(|(place, shown)| {
         let swatches = (0..COLOURS).map(|k| el_text("span", &format!("swatch level-{k}"), ""));
         let [low, high] = &shown.scale.ends;
@@ -190,17 +189,17 @@ fn choices(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
     let select = |id: &str, name: &str, options: Html| {
         el("label", &[], [text(format!("{name} ")), el("select", &[("id", id)], [options])])
     };
-    let none = option("", "front and others", true);
+    let none = option("", "Pareto front", true);
     let selects = [
-        select("across", "across", options(Some(across))),
-        select("upright", "upright", options(Some(upright))),
+        select("across", "x", options(Some(across))),
+        select("upright", "y", options(Some(upright))),
         select("colour", "colour", [none, options(None)].into_iter().collect()),
     ];
     // Without the script nothing would happen.
     el("form", &[("id", "choose"), ("hidden", "hidden")], selects)
 }
 
-/// What the script needs: positions and colours of all that is drawn, and what is said of a point.
+/// Data for the script: positions and colours of all points, and their texts.
 pub(super) fn data(sweep: &Sweep<'_>) -> Html {
     let told = sweep.told();
     let columns: Vec<Value> = sweep.shown.iter().map(|shown| column(sweep, &shown.scale)).collect();

@@ -65,7 +65,7 @@
     const point = get("point");
     const here = place(row)?.join();
     const same = rows.filter((_, other) => place(other)?.join() === here).length;
-    point.replaceChildren(make("h3", best ? "On the front" : "Not on the front"), make("code", id));
+    point.replaceChildren(make("h3", best ? "Pareto-optimal" : "Not Pareto-optimal"), make("code", id));
     if (here && same > 1) point.append(make("p", `One of ${same} points at this place.`));
     if (picture) point.append(pictured(picture));
     const list = make("dl", "");
@@ -92,7 +92,7 @@
     return found >= 0 && current >= 0 && distance(current) <= least + 2 ? current : found;
   }
 
-  // Points from left to right; with `front` only those on the front.
+  // Points from left to right; with `front` only Pareto-optimal points.
   function order(front) {
     const all = rows.map((_, row) => [row, place(row)]).filter(([row, at]) => at && (!front || rows[row].best));
     return all.sort(([, a], [, b]) => a[0] - b[0] || a[1] - b[1]).map(([row]) => row);

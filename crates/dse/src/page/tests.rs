@@ -17,7 +17,7 @@ fn parsed(page: &str) -> String {
     rest
 }
 
-/// What the script reads.
+/// Data that the script reads.
 fn data_of(page: &str) -> serde_json::Value {
     let (_, rest) = page.split_once("id=\"sweep\">").unwrap();
     serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
@@ -34,7 +34,7 @@ fn a_page_has_its_parts_in_their_order() {
     let ids: Vec<&str> = markup.split("<section id=\"").skip(1).filter_map(|part| part.split('"').next()).collect();
     assert_eq!(ids, ["scatter", "front", "sensitivities", "pairs", "parallel", "failures"]);
     assert!(markup.contains("300 points, 4 failed. "), "{markup}");
-    assert!(markup.contains("keep quality.psnr_db &gt;= 18. "));
+    assert!(markup.contains("meet quality.psnr_db &gt;= 18. "));
     assert!(markup.contains("deadlock: `shaded` is full"));
     assert!(markup.contains("All 296 points that have run are drawn."));
     assert_eq!(markup.matches("class=\"map\"").count(), 9);
@@ -93,7 +93,7 @@ fn the_script_has_the_positions_that_are_drawn() {
 }
 
 #[test]
-fn what_is_drawn_is_bounded_and_said() {
+fn drawn_points_are_bounded() {
     let mut table = samples::device(10_000);
     let all = shown(&table);
     assert!(all.contains("1,821 of 9,717 others, at equal distances in the plan"));
@@ -107,7 +107,7 @@ fn what_is_drawn_is_bounded_and_said() {
         row.cells[1] = Cell::Whole(at as u64);
     }
     let stair = shown(&table);
-    assert!(stair.contains("1,000 of 10,000 points on the front"));
+    assert!(stair.contains("1,000 of 10,000 Pareto-optimal points"));
     assert_eq!(stair.matches("<circle").count(), 1_000 + 3);
     for page in [all, stair] {
         assert!(page.len() < 2_000_000, "{}", page.len());
@@ -122,7 +122,7 @@ fn the_page_is_the_same_to_the_byte() {
 }
 
 #[test]
-fn what_never_differs_is_said_in_words() {
+fn constant_objective_is_stated() {
     let mut table = samples::device(300);
     table.rows.iter_mut().for_each(|row| row.cells[1] = Cell::Number(20.5));
     let page = shown(&table);

@@ -1,4 +1,4 @@
-//! What each axis moves, largest first.
+//! Effect of each axis, largest first.
 
 use super::data::Sweep;
 use super::labels::rounded;
@@ -15,9 +15,8 @@ pub(super) fn tornado(sweep: &Sweep<'_>) -> Html {
     if tables.is_empty() {
         return tables;
     }
-    let about = "For each value of an axis the mean of an objective over all points with that value. The bar reaches from the \
-                 lowest mean to the highest: the longer, the more depends on this axis. In a sample, unlike a whole grid, chance \
-                 adds to it.";
+    let about = "Mean of an objective over all points with the same value of an axis. The bar spans the lowest to the highest mean: a longer \
+                 bar means a stronger effect. Random samples add noise; a whole grid does not.";
     [el_text("p", "quiet", about), tables].into_iter().collect()
 }
 
@@ -29,7 +28,7 @@ fn table(sweep: &Sweep<'_>, effects: &[Effect]) -> Html {
     let Some((low, high)) = low.zip(high) else { return Html::default() };
     let objective = effects[0].objective;
     if sweep.place(objective).is_none() {
-        let says = format!("{} is {} whatever the axes are.", sweep.header(objective), rounded(low));
+        let says = format!("{} is {} for all values of the axes.", sweep.header(objective), rounded(low));
         return el_text("p", "", says);
     }
     let rows = ends.iter().map(|(effect, (least, most))| {
@@ -53,12 +52,12 @@ fn table(sweep: &Sweep<'_>, effects: &[Effect]) -> Html {
     let columns = [
         ("axis", Left),
         (span.as_str(), Left),
-        ("moves the mean by", Right),
+        ("change of mean", Right),
         ("lowest mean", Right),
         ("at", Left),
         ("highest mean", Right),
         ("at", Left),
-        ("moves the best by", Right),
+        ("change of best", Right),
     ];
     let caption = format!("Mean of {}", sweep.header(objective));
     el("div", &[("class", "bars")], [with_cells(&caption, &columns, rows.collect())])

@@ -129,7 +129,7 @@ fn range_values(range: &Table, place: &str) -> Result<Vec<Value>, String> {
         return Err(wrong("it does not rise from its first value to its last".into()));
     }
     let mut values = Vec::new();
-    // By its number, not from the one before: what is rounded does not add up.
+    // From its number, not from the value before: rounding errors must not add up.
     for n in 0_u32.. {
         let x = match (step, factor) {
             (Some(step), _) => from + f64::from(n) * step,
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_excluded_has_all_the_values_that_are_named() {
+    fn exclusion_matches_all_named_values() {
         let axes = of("[axes]\na = [1, 2]\nb = [[1, 2], [3]]\n").unwrap();
         let exclusion = |text: &str| Exclusion::of(&text.parse().unwrap(), &axes);
         let left_out = |text: &str| {

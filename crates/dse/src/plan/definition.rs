@@ -6,26 +6,26 @@ use basrelief_parameters::ConfigError;
 use basrelief_sim::{ConfigLoader, Given, MachineConfig, MachineInfo};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A plan whose parts fit together, with its inputs open.
+/// A consistent plan with open inputs.
 #[derive(Debug)]
 pub struct Plan {
     /// A heading.
     pub title: String,
-    /// What is drawn.
+    /// Inputs.
     pub inputs: Vec<Input>,
-    /// Who draws it.
+    /// Machine.
     pub machine: &'static MachineInfo,
     /// In the order in which they are written; the first changes slowest.
     pub axes: Vec<Axis>,
-    /// What is to be small or large; at least one. Columns are paths of [figures](crate::figures).
+    /// Objectives; at least one. Columns are paths of [figures](crate::figures).
     pub objectives: Vec<Objective>,
-    /// What must be kept.
+    /// Constraints.
     pub constraints: Vec<Constraint>,
     /// No step starts in this cycle or later.
     pub max_cycles: u64,
     /// Whether exact pictures are drawn, and measured against. In a folder all points have them.
     pub(crate) exact: bool,
-    /// What is run, each once.
+    /// Points to run, each once.
     pub points: Vec<Point>,
     /// Parameters that all points share.
     pub(super) base: Given,
@@ -38,7 +38,7 @@ pub struct Plan {
 pub struct Input {
     /// As the plan names it.
     pub name: String,
-    /// What it is.
+    /// The open input.
     pub opened: Opened,
     /// All of it that a report depends on.
     pub(super) identity: String,

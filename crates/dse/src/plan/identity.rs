@@ -1,4 +1,4 @@
-//! By what a point is known: all that its report depends on.
+//! Identity of a point: a hash over everything that its report depends on.
 
 use super::definition::Plan;
 use crate::Opened;
@@ -9,7 +9,7 @@ use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// The first line of what is hashed.
+/// First hashed line.
 const KIND: &str = "basrelief-point/1";
 
 /// All of an input that a report depends on.
@@ -23,7 +23,7 @@ pub(super) fn of_input(name: &str, opened: &Opened, sha256: &str) -> String {
     serde_json::json!([kind, file, sha256, warnings]).to_string()
 }
 
-/// What the hashes of all points of a plan have in common.
+/// Common part of the hashes of all points of a plan.
 pub(super) struct Identity {
     /// Parameters that change times only.
     timing: BTreeSet<String>,

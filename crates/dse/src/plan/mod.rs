@@ -1,4 +1,4 @@
-//! What is run: inputs, a machine, axes, samples, objectives, constraints; and the points that follow.
+//! Plans: inputs, a machine, axes, samples, objectives and constraints, and the points that follow from them.
 
 mod axes;
 mod base;
@@ -27,7 +27,7 @@ pub struct Around {
     pub name: String,
     /// Its input.
     pub opened: Opened,
-    /// Who draws it.
+    /// Machine.
     pub machine: &'static MachineInfo,
     /// Parameters as they were given.
     pub given: Given,
@@ -38,10 +38,10 @@ pub struct Around {
 }
 
 impl Plan {
-    /// Reads a plan, opens its inputs, and checks all of it: names, values, figures, the number of points.
+    /// Reads a plan, opens its inputs, and checks names, values, figures and the number of points.
     ///
     /// # Errors
-    /// The first that is wrong: field, what was expected, what to do. The file's name is not in it.
+    /// The first wrong field, the expected value and the cure, without the name of the file.
     pub fn read(text: &str, host: &dyn Host) -> Result<Self, SweepError> {
         let mut plan = Self::parse(text, host).map_err(SweepError)?;
         let known = one::rehearse(&plan, host);
@@ -49,7 +49,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The plan whose points are a run as it is, and the same with each assumed parameter at its
+    /// Returns the plan of a run and of the same run with each assumed parameter at its
     /// [neighbours](basrelief_sim::Described::neighbours), one at a time.
     ///
     /// # Errors
@@ -124,7 +124,7 @@ impl Plan {
         Ok(Input { name: name.into(), opened, identity })
     }
 
-    /// The axes around what the plan is without them.
+    /// Axes around the base configuration of the plan.
     fn around_base(&self) -> Result<Vec<Axis>, String> {
         let base = self.load(&[]).map_err(|error| format!("config: {error}"))?;
         base::around(self.axes.clone(), &base, &|key, value| self.load(&[(key.into(), value.into())]).ok())
@@ -163,7 +163,7 @@ impl Plan {
     fn check_figures(&mut self, known: Option<&[Figure]>) -> Result<(), String> {
         let columns = self.objectives.iter_mut().map(|o| ("objectives", &mut o.column));
         for (place, column) in columns.chain(self.constraints.iter_mut().map(|c| ("constraints", &mut c.column))) {
-            *column = path_of(column).into();
+            *column = path_of(column);
             let Some(known) = known else { continue };
             if !known.iter().any(|figure| figure.name == *column) {
                 let near = nearest(column, known.iter().map(|figure| figure.name.as_str()));

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 /// Most points of a plan, over all inputs.
 pub(super) const MOST_POINTS: usize = 1 << 15;
 
-/// Places on all axes: the grid, or a sample of it, without what is excluded.
+/// Places on all axes: the grid or a sample of it, without excluded points.
 pub(super) fn places(
     axes: &[Axis],
     exclusions: &[Exclusion],

@@ -5,7 +5,7 @@ use basrelief_parameters::{nearest, syntax};
 use serde::Deserialize;
 use toml::Table;
 
-/// A plan as it is written. What each field means says docs/guide/sweep-and-explore.md.
+/// The plan file. docs/guide/sweep-and-explore.md describes its fields.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Written {

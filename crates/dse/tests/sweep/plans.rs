@@ -1,4 +1,4 @@
-//! Plans: what is wrong with them is said before the first run; what points they have.
+//! Plans: errors before the first run, and points.
 
 use crate::support::{Program, plan};
 use basrelief_dse::Plan;
@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 const HEAD: &str = "input = \"demo:ellipsoid@1\"\nmachine = \"bump\"\nobjectives = [\"cycles min\"]\n";
 
-/// What is said of a plan.
+/// Error of a plan.
 fn error(text: &str) -> String {
     Plan::read(text, &Program::new())
         .map_or_else(|error| error.to_string(), |plan| format!("it has {} points", plan.points.len()))
@@ -23,7 +23,7 @@ fn says<const N: usize>(cases: [(String, &str); N]) {
 }
 
 #[test]
-fn what_is_wrong_with_a_plan_is_said_before_the_first_run() {
+fn plan_errors_precede_the_first_run() {
     let cases = [
         ("axes = 3 4", "TOML parse error at line 4, column 8"),
         ("axis.a = [1]", "unknown field `axis`, expected one of"),
@@ -74,7 +74,7 @@ fn what_is_wrong_with_a_plan_is_said_before_the_first_run() {
 }
 
 #[test]
-fn what_is_wrong_with_the_head_of_a_plan_is_said() {
+fn plan_head_errors_name_the_field() {
     let cases = [
         ("objectives = [\"cycles min\"]", "missing field `input`"),
         ("input = \"demo:coin\"", "missing field `objectives`"),
@@ -112,7 +112,7 @@ fn figures_of_a_slow_path_can_be_named() {
 }
 
 #[test]
-fn a_grid_has_all_points_the_last_axis_fastest_and_inputs_slowest() {
+fn grid_order_is_inputs_then_axes() {
     let text = "input = [\"demo:ellipsoid@1\", \"quad.dl.jsonl\"]\nobjectives = [{ figure = \"cycles\", goal = \"min\" }]\n\
                 config = { memory.frame.part = \"sram\" }\n\
                 [axes]\nshade.mode = [\"normal\", \"brightness\"]\nfifo.shaded.depth = { from = 2, to = 8, factor = 2 }\n\
@@ -134,7 +134,7 @@ fn fifo_of(machine: &str) -> String {
 }
 
 #[test]
-fn a_point_is_known_by_all_that_its_report_depends_on_and_by_nothing_else() {
+fn point_hash_covers_exactly_its_report() {
     let host = Program::new();
     let ids = |text: &str| plan(text, &host).points.into_iter().map(|p| (p.id, p.work)).collect::<Vec<_>>();
     let axes = "[axes]\nreplacement.lanes = [8, 16]\n";

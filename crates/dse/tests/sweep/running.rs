@@ -1,4 +1,4 @@
-//! Sweeps: re-timed is run, threads change nothing, failures are rows, what is there stays.
+//! Sweeps: resimulation equals a run, threads change nothing, failures are rows, existing points stay.
 
 use crate::support::{Program, files, plan, sweep};
 use basrelief_dse::folder::{Failure, Store};
@@ -13,7 +13,7 @@ const PLAN: &str = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjective
                     memory.frame.part = [\"fpm-80\", \"sram\"]\n";
 
 #[test]
-fn a_point_that_is_timed_again_has_the_bytes_of_one_that_is_run() {
+fn resimulated_point_equals_a_run() {
     for text in [PLAN.to_owned(), PLAN.replace("demo:ellipsoid@1", "quad.dl.jsonl")] {
         let folder = tempdir().unwrap();
         let (plan, tally) = sweep(&text, folder.path(), 2);
@@ -60,7 +60,7 @@ fn limited() -> String {
 }
 
 #[test]
-fn points_that_do_not_come_to_their_end_are_rows_with_their_reason() {
+fn incomplete_points_are_rows_with_reason() {
     let folder = tempdir().unwrap();
     let (plan, tally) = sweep(&limited(), folder.path(), 2);
     let store = Folder::new(folder.path());
@@ -74,7 +74,7 @@ fn points_that_do_not_come_to_their_end_are_rows_with_their_reason() {
         table.lines().filter(|line| line.contains(",failed,limit: stopped at the limit of max_cycles,")).count(),
         failed.len()
     );
-    // What comes to its end in time is the report of a run without limit.
+    // A run within the limit has the report of a run without limit.
     let whole = tempdir().unwrap();
     let (free, _) = sweep(PLAN, whole.path(), 2);
     for (point, free) in plan.points.iter().zip(&free.points).filter(|(point, _)| store.find(&point.id) == Found::Report) {
@@ -83,7 +83,7 @@ fn points_that_do_not_come_to_their_end_are_rows_with_their_reason() {
 }
 
 #[test]
-fn parameters_that_do_not_fit_together_are_rows_with_their_reason() {
+fn invalid_parameters_are_rows_with_reason() {
     let text = "input = \"demo:ellipsoid@1\"\nmachine = \"bump\"\nobjectives = [\"cycles min\"]\n\
                 [axes]\nmemory.normal_map.outstanding = [1, 16]\nfifo.shaded.depth = [2, 4]\n";
     let folder = tempdir().unwrap();
@@ -98,7 +98,7 @@ fn parameters_that_do_not_fit_together_are_rows_with_their_reason() {
 }
 
 #[test]
-fn a_point_that_is_known_to_be_stuck_is_a_row_off_the_front_until_it_is_run_again() {
+fn deadlocked_point_stays_off_the_front() {
     let folder = tempdir().unwrap();
     let host = Program::new();
     let (plan, store) = (plan(PLAN, &host), Folder::new(folder.path()));
@@ -117,7 +117,7 @@ fn a_point_that_is_known_to_be_stuck_is_a_row_off_the_front_until_it_is_run_agai
 }
 
 #[test]
-fn what_is_there_is_not_run_again_and_what_failed_only_on_demand() {
+fn existing_points_are_reused_failed_on_demand() {
     let folder = tempdir().unwrap();
     let text = limited();
     let (_, first) = sweep(&text, folder.path(), 2);
@@ -143,7 +143,7 @@ fn a_second_plan_finds_the_points_of_the_first() {
 }
 
 #[test]
-fn a_full_disk_ends_the_sweep_with_the_name_of_the_file_and_leaves_what_is_whole() {
+fn full_disk_ends_sweep_and_keeps_whole_files() {
     for room in [0, 1, 5, 12, 24, 26] {
         let folder = tempdir().unwrap();
         let host = Program::with_room(room);
@@ -163,12 +163,12 @@ fn a_full_disk_ends_the_sweep_with_the_name_of_the_file_and_leaves_what_is_whole
 }
 
 #[test]
-fn objectives_come_first_then_axes_then_all_figures_each_with_its_unit() {
+fn columns_are_objectives_axes_figures_with_units() {
     let folder = tempdir().unwrap();
     sweep(PLAN, folder.path(), 2);
     let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
     let head = "id,state,reason,cycles.frames [cycles],hardware.bits [bits],shade.mode,\
-                fifo.interpolated.depth [tokens],memory.frame.part,cycles.drain [cycles],";
+                fifo.interpolated.depth [tokens],memory.frame.part,cycles.scan_out_tail [cycles],";
     assert!(table.starts_with(head), "{table:.600}");
     assert_eq!(table.lines().count(), 13);
     let front = fs::read_to_string(folder.path().join("front.txt")).unwrap();

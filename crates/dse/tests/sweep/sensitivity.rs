@@ -1,4 +1,4 @@
-//! Assumptions changed one at a time: all of them, each as a run with that value, the same whatever the threads.
+//! Sensitivity: every assumed parameter, each equal to a run with that value, for any number of threads.
 
 use crate::support::{Program, plan, sweep};
 use basrelief_dse::{Around, Opened, Plan, sensitivity};
@@ -24,7 +24,7 @@ fn measured(around: &Around, threads: usize) -> Sensitivity {
     sensitivity(&Plan::around(around.clone(), &host).unwrap(), threads, &host).unwrap()
 }
 
-/// What a run comes to with a parameter set over what is given.
+/// Measures of a run with one more setting.
 fn measured_alone(around: &Around, set: Option<(&str, String)>) -> Measure {
     let Opened::Scene(prepared) = &around.opened else { panic!("a scene") };
     let settings = around.given.settings.iter().cloned().chain(set.map(|(key, value)| (key.to_owned(), value))).collect();
@@ -60,7 +60,7 @@ fn every_assumption_is_changed(machine: usize, frames: u32) {
     assert!(unchanged.iter().all(|key| key == "ideal.units" || key.starts_with("defer.")), "{unchanged:?}");
 
     assert!(told.changes.windows(2).all(|pair| size(&pair[0]) >= size(&pair[1])), "the largest first");
-    // What moves most, and some of all kinds.
+    // The largest changes, and some of each kind.
     let runs = told.changes.iter().filter_map(|change| match &change.comes_to {
         ComesTo::Run(moved) => Some((change, moved)),
         ComesTo::Nothing { .. } => None,
@@ -79,27 +79,27 @@ fn every_assumption_is_changed(machine: usize, frames: u32) {
 }
 
 #[test]
-fn every_assumption_of_bump_is_changed_and_comes_to_what_a_run_with_it_does() {
+fn bump_sensitivity_equals_separate_runs() {
     every_assumption_is_changed(0, 1);
 }
 
 #[test]
-fn every_assumption_of_shade_is_changed_and_comes_to_what_a_run_with_it_does() {
+fn shade_sensitivity_equals_separate_runs() {
     every_assumption_is_changed(1, 1);
 }
 
 #[test]
-fn every_assumption_of_texel_is_changed_and_comes_to_what_a_run_with_it_does() {
+fn texel_sensitivity_equals_separate_runs() {
     every_assumption_is_changed(2, 2);
 }
 
 #[test]
-fn every_assumption_of_defer_is_changed_and_comes_to_what_a_run_with_it_does() {
+fn defer_sensitivity_equals_separate_runs() {
     every_assumption_is_changed(3, 1);
 }
 
 #[test]
-fn it_is_the_same_whatever_the_threads_and_stands_on_what_was_given() {
+fn sensitivity_does_not_depend_on_threads() {
     let settings = vec![("shade.mode".to_owned(), "normal".to_owned()), ("cpu.divide".to_owned(), "40".to_owned())];
     let around = around(&MACHINES[1], Given { toml: "[cpu]\nmultiply = 9".into(), settings }, 1);
     let [one, two] = [1, 2].map(|threads| measured(&around, threads));
@@ -116,7 +116,7 @@ fn it_is_the_same_whatever_the_threads_and_stands_on_what_was_given() {
 }
 
 #[test]
-fn what_passes_the_limit_of_cycles_is_a_row_with_its_reason_and_without_exact_pictures_there_are_no_decibels() {
+fn cycle_limit_is_a_row_and_no_pictures_no_psnr() {
     let around = around(&MACHINES[1], Given::default(), 1);
     let total = {
         let Opened::Scene(prepared) = &around.opened else { panic!("a scene") };
@@ -150,7 +150,7 @@ const PLAN: &str = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjective
                     [[zip]]\ncpu.divide = [10, 20]\ncpu.multiply = [2, 3]\n";
 
 #[test]
-fn a_plan_changes_one_axis_at_a_time_from_what_it_is_without_them() {
+fn one_at_a_time_plan_varies_one_axis() {
     let folder = tempdir().unwrap();
     let (plan, tally) = sweep(PLAN, folder.path(), 2);
     // The depth that is the default's is the base.

@@ -136,11 +136,16 @@ class Result:
         return Table.of_rows([{"cache": name, **cache} for name, cache in self._timed("caches").items()])
 
     @property
+    def bottlenecks(self) -> Table:
+        """Cycles saved when one resource is relaxed, measured by resimulation: resource, relaxation, parameters that set it, cycles of
+        the frames with it, and cycles saved."""
+        rows = self._part("bottlenecks", "run(limits=True) measures the bottlenecks of any run that completes")
+        return Table.of_rows(rows, ["resource", "relaxation", "set", "cycles", "saved"])
+
+    @property
     def limits(self) -> Table:
-        """What limits the run, measured: with what is made ideal, and how; the parameters that do so; cycles of the frames then; and how
-        many fewer these are."""
-        rows = self._part("limits", "run(limits=True) measures what limits any run that comes to its end")
-        return Table.of_rows(rows, ["resource", "what", "set", "cycles", "saved"])
+        """Old name of `bottlenecks`."""
+        return self.bottlenecks
 
     @property
     def figures(self) -> Table:
@@ -148,10 +153,10 @@ class Result:
         legend = self.report["legend"]
         counted = [{"figure": name, "value": value, **legend.get(name, {})} for name, value in self.report["figures"].items()]
         derived = [
-            {"figure": name, "value": of["value"], "unit": of["unit"], "about": of["formula"]}
+            {"figure": name, "value": of["value"], "unit": of["unit"], "description": of["formula"]}
             for name, of in self.report["derived"].items()
         ]
-        return Table.of_rows(counted + derived, ["figure", "value", "unit", "about"])
+        return Table.of_rows(counted + derived, ["figure", "value", "unit", "description"])
 
     @property
     def image(self) -> Picture:

@@ -1,101 +1,101 @@
-//! What limits a run, in one sentence that follows from the accounting (law 9).
+//! The bottleneck of a run, in a few sentences that follow from the cycle accounting (law 9).
 //!
 //! The rule, in order:
 //!
-//! 1. A run that ended in a deadlock or a fault is limited by that; its message says where.
-//! 2. Take the cycles of the frames: what is shown behind the last limits nothing. Of the units that have finished by then, take
-//!    the one with the most busy cycles, the first in the block diagram among equals. If it was busy for at least
-//!    [`BOTTLENECK`] of the cycles up to its last step, it is the bottleneck: whatever else waits, waits for it.
-//!    Cycles after its last step are left out, since what is behind it drains then.
-//! 3. Otherwise follow the waits from there. At each unit take the largest of its busy cycles and its waits:
-//!    - *busy*: this unit limits the run most, though not alone;
-//!    - *memory*: the memory behind that port does, by bandwidth or by latency, as its data bus tells;
-//!    - *starved*: go on at the unit that fills that FIFO;
-//!    - *blocked*: go on at the unit that empties that FIFO.
+//! 1. A run that ended in a deadlock or a fault has no other bottleneck; its message names the place.
+//! 2. Consider render cycles only: the scan-out tail limits nothing. Take the units that finish with the last frame, and of these the
+//!    unit with the most busy cycles; of equal ones the first in the block diagram. If it was busy for at least [`BOTTLENECK`] of the
+//!    cycles up to its last step, it is the bottleneck. Cycles after its last step do not count, because the units behind it drain
+//!    then.
+//! 3. Otherwise follow the stalls from that unit. At each unit take the largest of its busy cycles and its stalls:
+//!    - *busy*: this unit is the main bottleneck;
+//!    - *memory*: the memory of that port is the bottleneck, by bandwidth or by latency, depending on its data bus;
+//!    - *starved*: continue at the producer of that FIFO;
+//!    - *blocked*: continue at the consumer of that FIFO.
 //!
-//!    Coming back to a unit closes a circle: no unit is slow by itself, the FIFO between them is too short for the
-//!    latency around it.
+//!    A path that returns to a unit is a circle: no unit is slow by itself, and the FIFO between them is too short for the latency of
+//!    the circle.
 //!
-//! A weighted walk (each unit hands its waits on in proportion, so that shares of blame sum to 100 %) was rejected: at
-//! a saturated bottleneck it blames the units before and after it for cycles they could not have saved.
+//! A weighted walk, in which each unit passes its stalls on in proportion so that all shares sum to 100 %, was rejected: at a saturated
+//! bottleneck it blames the units before and after it for cycles that they cannot save.
 
 use crate::model::{OutcomeKind, Report, Unit};
 use crate::number::{about, thousands};
 use indexmap::IndexMap;
 
-/// Busy share of the cycles up to its last step from which a unit is the bottleneck, whatever else waits.
+/// Busy share of the cycles up to its last step at which a unit counts as the bottleneck.
 pub const BOTTLENECK: f64 = 0.9;
-/// Busy share of a data bus from which bandwidth, and not latency, is what a memory lacks.
+/// Busy share of a data bus at which bandwidth, not latency, limits a memory.
 pub const SATURATED_BUS: f64 = 0.7;
-/// Share of a run after a unit's last step from which it is worth a word.
+/// Share of a run after the last step of a unit that the sentence mentions.
 const LONG_DRAIN: f64 = 0.05;
 
-/// What limits a run.
+/// Bottleneck of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Limit {
     /// A functional run has no time.
     NoTime,
     /// Deadlock or fault.
     Ended,
-    /// This unit.
+    /// A unit.
     Unit(String),
-    /// The memory behind this client.
+    /// The memory of this client.
     Memory(String),
-    /// Units that wait for each other: the FIFOs on the way round.
+    /// Units that wait for each other, with the FIFOs between them.
     Circle(Vec<String>),
 }
 
-/// What limits a run, and why.
+/// Bottleneck of a run, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Blame {
-    /// What.
+pub struct Diagnosis {
+    /// Kind and name.
     pub limit: Limit,
     /// One sentence, without line breaks.
     pub sentence: String,
 }
 
-/// Why a unit did not work, by name.
+/// Cause of a stall, by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wait<'a> {
-    /// No token in this FIFO.
+pub enum Stall<'a> {
+    /// This input FIFO is empty.
     Starved(&'a str),
-    /// No slot in this FIFO.
+    /// This output FIFO is full.
     Blocked(&'a str),
-    /// No credit or answer at this client.
+    /// This memory client has no credit or no response.
     Memory(&'a str),
 }
 
-/// All waits of a unit with their cycles, in the order starved, blocked, memory.
-pub fn waits(unit: &Unit) -> impl Iterator<Item = (Wait<'_>, u64)> {
-    let starved = unit.starved.iter().map(|(f, &n)| (Wait::Starved(f), n));
-    let blocked = unit.blocked.iter().map(|(f, &n)| (Wait::Blocked(f), n));
-    let memory = unit.memory.iter().map(|(c, &n)| (Wait::Memory(c), n));
+/// Returns all stalls of a unit with their cycles, in the order starved, blocked, memory.
+pub fn stalls(unit: &Unit) -> impl Iterator<Item = (Stall<'_>, u64)> {
+    let starved = unit.starved.iter().map(|(f, &n)| (Stall::Starved(f), n));
+    let blocked = unit.blocked.iter().map(|(f, &n)| (Stall::Blocked(f), n));
+    let memory = unit.memory.iter().map(|(c, &n)| (Stall::Memory(c), n));
     starved.chain(blocked).chain(memory)
 }
 
-/// The unit's largest wait, the first among equals; `None` if it never waited.
-pub fn largest_wait(unit: &Unit) -> Option<(Wait<'_>, u64)> {
-    waits(unit).filter(|&(_, n)| n > 0).reduce(|best, w| if w.1 > best.1 { w } else { best })
+/// Returns the largest stall of a unit, the first of equal ones. `None` if the unit never stalled.
+pub fn largest_stall(unit: &Unit) -> Option<(Stall<'_>, u64)> {
+    stalls(unit).filter(|&(_, n)| n > 0).reduce(|best, w| if w.1 > best.1 { w } else { best })
 }
 
-/// What limits this run.
-pub fn blame(report: &Report) -> Blame {
-    let ended = |sentence: String| Blame { limit: Limit::Ended, sentence };
+/// Finds the bottleneck of a run.
+pub fn diagnose(report: &Report) -> Diagnosis {
+    let ended = |sentence: String| Diagnosis { limit: Limit::Ended, sentence };
     let message = report.outcome.message.as_deref().unwrap_or("no message");
     let prefix = match report.outcome.kind {
         OutcomeKind::Deadlock => return ended(capital(message)),
         OutcomeKind::Fault => return ended(format!("The run failed: {message}")),
         OutcomeKind::Complete => String::new(),
-        OutcomeKind::Limit => "The limit of cycles was reached; until then ".into(),
-        OutcomeKind::Stopped => "The run was stopped; until then ".into(),
+        OutcomeKind::Limit => "The run reached its cycle limit. ".into(),
+        OutcomeKind::Stopped => "The run was stopped early. ".into(),
     };
     let (Some(units), Some(_)) = (&report.units, &report.cycles) else {
-        let sentence = "A functional run has no time: nothing limits it.".into();
-        return Blame { limit: Limit::NoTime, sentence };
+        let sentence = "A functional run has no timing, so it has no bottleneck.".into();
+        return Diagnosis { limit: Limit::NoTime, sentence };
     };
     let plan = Plan { report, units, total: report.frame_cycles(), drain: report.drain() };
     let (limit, sentence) = plan.limit();
-    Blame { limit, sentence: prefix + &sentence }
+    Diagnosis { limit, sentence: prefix + &sentence }
 }
 
 fn capital(text: &str) -> String {
@@ -109,7 +109,7 @@ struct Plan<'a> {
     units: &'a IndexMap<String, Unit>,
     /// Cycles of the frames.
     total: u64,
-    /// Those behind the last, when what was drawn is shown.
+    /// Scan-out tail \[cycles\].
     drain: u64,
 }
 
@@ -120,7 +120,7 @@ impl<'a> Plan<'a> {
         let by_work =
             self.named().filter(|(_, u)| u.done >= self.drain).reduce(|best, u| if u.1.busy > best.1.busy { u } else { best });
         let Some(busiest) = by_work.filter(|(_, u)| u.busy > 0) else {
-            return (Limit::Ended, "no unit made a step.".into());
+            return (Limit::Ended, "No unit made a step.".into());
         };
         if self.busy_share(busiest.1) >= BOTTLENECK {
             return self.bottleneck(busiest);
@@ -128,11 +128,11 @@ impl<'a> Plan<'a> {
         let mut path = vec![busiest];
         loop {
             let Some(&(name, unit)) = path.last() else { return self.most(busiest) };
-            let next = match largest_wait(unit).filter(|&(_, n)| n > unit.busy) {
+            let next = match largest_stall(unit).filter(|&(_, n)| n > unit.busy) {
                 None => return self.most((name, unit)),
-                Some((Wait::Memory(client), n)) => return self.memory((name, unit), client, n),
-                Some((Wait::Starved(fifo), _)) => self.producer(fifo),
-                Some((Wait::Blocked(fifo), _)) => self.consumer(fifo),
+                Some((Stall::Memory(client), n)) => return self.memory((name, unit), client, n),
+                Some((Stall::Starved(fifo), _)) => self.producer(fifo),
+                Some((Stall::Blocked(fifo), _)) => self.consumer(fifo),
             };
             let Some(next) = next else { return self.most((name, unit)) };
             if let Some(first) = path.iter().position(|&(n, _)| n == next.0) {
@@ -168,7 +168,7 @@ impl<'a> Plan<'a> {
         about(if self.total == 0 { 0.0 } else { cycles as f64 / self.total as f64 })
     }
 
-    /// Whether the cycles after its last step are worth a word.
+    /// True if the sentence mentions the cycles after the last step.
     fn drains(&self, unit: &Unit) -> bool {
         self.done(unit) as f64 >= LONG_DRAIN * self.total as f64
     }
@@ -177,64 +177,62 @@ impl<'a> Plan<'a> {
         let drains = self.drains(unit);
         let up_to = if drains { " up to its last step" } else { "" };
         let busy = about(self.busy_share(unit));
-        let mut sentence =
-            format!("{} limits this run: busy {busy} of the cycles{up_to}{}", label(name, unit), self.victim(name));
+        let mut sentence = format!("Bottleneck: {}, busy {busy} of the cycles{up_to}.{}", label(name, unit), self.victim(name));
         if drains {
-            sentence += &format!("; the last {} of the run drain what is behind it", self.of_total(self.done(unit)));
+            sentence += &format!(" The last {} of the run drain the units behind it.", self.of_total(self.done(unit)));
         }
-        (Limit::Unit(name.into()), sentence + ".")
+        (Limit::Unit(name.into()), sentence)
     }
 
     fn most(&self, (name, unit): Named<'a>) -> (Limit, String) {
         let busy = about(self.busy_share(unit));
-        let own = largest_wait(unit).map_or(String::new(), |(wait, n)| {
+        let own = largest_stall(unit).map_or(String::new(), |(wait, n)| {
             let what = match wait {
-                Wait::Starved(fifo) => format!("for a token from {fifo}"),
-                Wait::Blocked(fifo) => format!("for a slot in {fifo}"),
-                Wait::Memory(client) => format!("for port {client}"),
+                Stall::Starved(fifo) => format!("for a token from `{fifo}`"),
+                Stall::Blocked(fifo) => format!("for a slot in `{fifo}`"),
+                Stall::Memory(client) => format!("for port `{client}`"),
             };
-            format!("; it waits {what} {} of the time", self.of_total(n))
+            format!(" It waits {what} {} of the time.", self.of_total(n))
         });
         let up_to = if self.drains(unit) { " up to its last step" } else { "" };
         let sentence = format!(
-            "{} limits this run most, though not alone: busy {busy} of the cycles{up_to}{}{own}.",
+            "Main bottleneck: {}, busy {busy} of the cycles{up_to}, so no unit is saturated.{}{own}",
             label(name, unit),
             self.victim(name)
         );
         (Limit::Unit(name.into()), sentence)
     }
 
-    /// The neighbour that waits most for `name`, as a clause; empty if none does. Blocked ones come first: back-pressure
-    /// shows that work was there and had to wait, starvation only that there was none.
+    /// The neighbour that waits most for `name`, as a sentence; empty if none does. Blocked neighbours come first: backpressure
+    /// shows that work was ready, starvation only that there was none.
     fn victim(&self, name: &str) -> String {
         let caused = |how: &'static str| {
-            let all = self.named().filter(move |&(n, _)| n != name).flat_map(waits_of);
-            let by = move |wait: Wait<'_>| match wait {
-                Wait::Starved(fifo) if how == "starved" => self.producer(fifo),
-                Wait::Blocked(fifo) if how == "blocked" => self.consumer(fifo),
+            let all = self.named().filter(move |&(n, _)| n != name).flat_map(stalls_of);
+            let by = move |wait: Stall<'_>| match wait {
+                Stall::Starved(fifo) if how == "starved" => self.producer(fifo),
+                Stall::Blocked(fifo) if how == "blocked" => self.consumer(fifo),
                 _ => None,
             };
             let ours = all.filter(move |&(_, wait, n)| n > 0 && by(wait).is_some_and(|(by, _)| by == name));
             ours.map(move |(victim, _, n)| (victim, how, n)).reduce(|best, c| if c.2 > best.2 { c } else { best })
         };
-        caused("blocked")
-            .or_else(|| caused("starved"))
-            .map_or(String::new(), |(victim, how, n)| format!("; {victim} is {how} by it {} of the time", self.of_total(n)))
+        let largest = caused("blocked").or_else(|| caused("starved"));
+        largest.map_or(String::new(), |(victim, how, n)| format!(" `{victim}` is {how} by it {} of the time.", self.of_total(n)))
     }
 
     fn memory(&self, (name, unit): Named<'a>, client: &str, cycles: u64) -> (Limit, String) {
         let memory = self.report.memories.iter().flatten().find(|(_, m)| m.clients.contains_key(client));
         let memory = memory.map_or("behind it", |(name, _)| name.as_str());
-        let bus = self.report.derived.get(&format!("{memory}.bus_utilisation")).map_or(String::new(), |bus| {
+        let bus = self.report.derived.get(&format!("{memory}.bus_utilization")).map_or(String::new(), |bus| {
             let share = about(bus.value);
             if bus.value >= SATURATED_BUS {
-                format!("; its data bus is busy {share}: bandwidth")
+                format!(" Its data bus is busy {share}: bandwidth is the limit.")
             } else {
-                format!("; its data bus is busy only {share}: latency, not bandwidth")
+                format!(" Its data bus is busy only {share}: latency is the limit, not bandwidth.")
             }
         });
         let sentence = format!(
-            "memory {memory} limits this run: {} waits for its port {client} {} of the cycles{bus}.",
+            "Bottleneck: memory `{memory}`. {} waits for its port `{client}` {} of the cycles.{bus}",
             label(name, unit),
             self.of_total(cycles)
         );
@@ -243,10 +241,10 @@ impl<'a> Plan<'a> {
 
     fn circle(&self, path: &[Named<'a>]) -> (Limit, String) {
         let waits = path.iter().filter_map(|&(name, unit)| {
-            largest_wait(unit).and_then(|(wait, n)| match wait {
-                Wait::Starved(fifo) => Some((fifo, format!("{name} for a token from {fifo} {}", self.of_total(n)))),
-                Wait::Blocked(fifo) => Some((fifo, format!("{name} for a slot in {fifo} {}", self.of_total(n)))),
-                Wait::Memory(_) => None,
+            largest_stall(unit).and_then(|(wait, n)| match wait {
+                Stall::Starved(fifo) => Some((fifo, format!("`{name}` waits {} for a token from `{fifo}`", self.of_total(n)))),
+                Stall::Blocked(fifo) => Some((fifo, format!("`{name}` waits {} for a slot in `{fifo}`", self.of_total(n)))),
+                Stall::Memory(_) => None,
             })
         });
         let (mut fifos, texts): (Vec<String>, Vec<String>) = waits.map(|(fifo, text)| (fifo.to_owned(), text)).unzip();
@@ -254,7 +252,8 @@ impl<'a> Plan<'a> {
         fifos.dedup();
         let depths = fifos.iter().map(|f| self.depth(f)).collect::<Vec<_>>().join(", ");
         let sentence = format!(
-            "a circle of waits limits this run: {} of the cycles; no unit is slow by itself, more slots may help ({depths}).",
+            "Bottleneck: units that wait for each other. Of the cycles, {}. No unit is slow by itself; more FIFO slots may help \
+             ({depths}).",
             texts.join(", ")
         );
         (Limit::Circle(fifos), sentence)
@@ -268,12 +267,12 @@ impl<'a> Plan<'a> {
     }
 }
 
-fn waits_of<'a>((name, unit): Named<'a>) -> impl Iterator<Item = (&'a str, Wait<'a>, u64)> {
-    waits(unit).map(move |(wait, n)| (name, wait, n))
+fn stalls_of<'a>((name, unit): Named<'a>) -> impl Iterator<Item = (&'a str, Stall<'a>, u64)> {
+    stalls(unit).map(move |(wait, n)| (name, wait, n))
 }
 
 fn label(name: &str, unit: &Unit) -> String {
-    unit.numeral.map_or(name.into(), |n| format!("{name} ({n})"))
+    unit.numeral.map_or(format!("`{name}`"), |n| format!("`{name}` ({n})"))
 }
 
 #[cfg(test)]

@@ -2,43 +2,43 @@ use super::*;
 use crate::samples::{self, with_units};
 
 fn check(report: &Report, limit: Limit, sentence: &str) {
-    let blame = blame(report);
-    assert_eq!(blame.sentence, sentence);
-    assert_eq!(blame.limit, limit);
+    let diagnosis = diagnose(report);
+    assert_eq!(diagnosis.sentence, sentence);
+    assert_eq!(diagnosis.limit, limit);
 }
 
 #[test]
-fn a_saturated_unit_is_the_bottleneck() {
+fn saturated_unit_is_the_bottleneck() {
     check(
         &samples::balanced(),
         Limit::Unit("replacement".into()),
-        "replacement (110) limits this run: busy 98 % of the cycles; normal-mapping is blocked by it 61 % of the time.",
+        "Bottleneck: `replacement` (110), busy 98 % of the cycles. `normal-mapping` is blocked by it 61 % of the time.",
     );
 }
 
 #[test]
-fn a_source_that_gives_too_little_is_the_bottleneck() {
+fn slow_source_is_the_bottleneck() {
     check(
         &samples::source_bound(),
         Limit::Unit("host".into()),
-        "host limits this run: busy 100 % of the cycles; rasterizer is starved by it 73 % of the time.",
+        "Bottleneck: `host`, busy 100 % of the cycles. `rasterizer` is starved by it 73 % of the time.",
     );
 }
 
 #[test]
 fn waits_lead_to_the_memory_that_causes_them() {
     let mut report = samples::memory_bound();
-    let latency = "memory graphics limits this run: depth-test waits for its port z 54 % of the cycles; its data bus is \
-                   busy only 24 %: latency, not bandwidth.";
+    let latency = "Bottleneck: memory `graphics`. `depth-test` waits for its port `z` 54 % of the cycles. Its data bus is \
+                   busy only 24 %: latency is the limit, not bandwidth.";
     check(&report, Limit::Memory("z".into()), latency);
-    report.derived["graphics.bus_utilisation"].value = 0.92;
-    let bandwidth = "memory graphics limits this run: depth-test waits for its port z 54 % of the cycles; its data bus is \
-                     busy 92 %: bandwidth.";
+    report.derived["graphics.bus_utilization"].value = 0.92;
+    let bandwidth = "Bottleneck: memory `graphics`. `depth-test` waits for its port `z` 54 % of the cycles. Its data bus is \
+                     busy 92 %: bandwidth is the limit.";
     check(&report, Limit::Memory("z".into()), bandwidth);
 }
 
 #[test]
-fn a_deadlock_is_told_as_the_kernel_tells_it() {
+fn deadlock_message_equals_the_kernels() {
     check(
         &samples::deadlocked(),
         Limit::Ended,
@@ -48,68 +48,68 @@ fn a_deadlock_is_told_as_the_kernel_tells_it() {
 }
 
 #[test]
-fn units_that_wait_for_each_other_point_at_the_fifo_between_them() {
+fn mutual_waits_name_the_fifo_between() {
     check(
         &with_units(&[
             ("a", &[("busy", 400_000), (">f", 600_000)]),
             ("b", &[("busy", 300_000), ("<f", 650_000), ("done", 50_000)]),
         ]),
         Limit::Circle(vec!["f".into()]),
-        "a circle of waits limits this run: a for a slot in f 60 %, b for a token from f 65 % of the cycles; no unit is \
-         slow by itself, more slots may help (fifo.f.depth = 4).",
+        "Bottleneck: units that wait for each other. Of the cycles, `a` waits 60 % for a slot in `f`, `b` waits 65 % for a token \
+         from `f`. No unit is slow by itself; more FIFO slots may help (fifo.f.depth = 4).",
     );
 }
 
 #[test]
-fn no_parameter_is_named_that_the_machine_does_not_have() {
+fn absent_depth_parameter_is_not_named() {
     let mut report = with_units(&[
         ("a", &[("busy", 400_000), (">f", 600_000)]),
         ("b", &[("busy", 300_000), ("<f", 650_000), ("done", 50_000)]),
     ]);
     report.config = serde_json::json!({ "fifo": { "g": { "depth": 4 } } });
-    assert!(blame(&report).sentence.ends_with("more slots may help (f has 4)."));
+    assert!(diagnose(&report).sentence.ends_with("more FIFO slots may help (f has 4)."));
 }
 
 #[test]
-fn a_unit_that_is_busy_most_but_not_always_is_not_alone() {
+fn unsaturated_unit_is_the_main_bottleneck() {
     check(
         &with_units(&[
             ("a", &[("busy", 300_000), (">f", 700_000)]),
             ("b", &[("busy", 600_000), ("<f", 100_000), ("@z", 300_000)]),
         ]),
         Limit::Unit("b".into()),
-        "b limits this run most, though not alone: busy 60 % of the cycles; a is blocked by it 70 % of the time; it \
-         waits for port z 30 % of the time.",
+        "Main bottleneck: `b`, busy 60 % of the cycles, so no unit is saturated. `a` is blocked by it 70 % of the time. It waits \
+         for port `z` 30 % of the time.",
     );
 }
 
 #[test]
-fn a_long_drain_does_not_hide_the_bottleneck() {
+fn long_drain_does_not_hide_the_bottleneck() {
     check(
         &with_units(&[
             ("a", &[("busy", 700_000), ("<in", 20_000), (">f", 0), ("done", 280_000)]),
             ("b", &[("busy", 300_000), ("<f", 700_000)]),
         ]),
         Limit::Unit("a".into()),
-        "a limits this run: busy 97 % of the cycles up to its last step; b is starved by it 70 % of the time; the last \
-         28 % of the run drain what is behind it.",
+        "Bottleneck: `a`, busy 97 % of the cycles up to its last step. `b` is starved by it 70 % of the time. The last 28 % of the \
+         run drain the units behind it.",
     );
 }
 
 #[test]
-fn a_run_cut_short_is_blamed_for_what_it_did() {
+fn incomplete_run_has_a_bottleneck() {
     let mut report = samples::balanced();
     report.outcome.kind = OutcomeKind::Limit;
-    let sentence = blame(&report).sentence;
-    assert!(sentence.starts_with("The limit of cycles was reached; until then replacement (110) limits"), "{sentence}");
-    assert_eq!(blame(&samples::functional()).limit, Limit::NoTime);
-    assert_eq!(blame(&with_units(&[])).limit, Limit::Ended);
+    let sentence = diagnose(&report).sentence;
+    assert!(sentence.starts_with("The run reached its cycle limit. Bottleneck: `replacement` (110)"), "{sentence}");
+    assert_eq!(diagnose(&samples::functional()).limit, Limit::NoTime);
+    assert_eq!(diagnose(&with_units(&[])).limit, Limit::Ended);
 }
 
 #[test]
-fn the_kernels_own_report_is_blamed_on_a_part_of_it() {
+fn kernel_report_has_a_bottleneck() {
     let report = samples::simulated();
-    match blame(&report).limit {
+    match diagnose(&report).limit {
         Limit::Unit(name) => assert!(report.units.unwrap().contains_key(&name)),
         Limit::Memory(client) => assert_eq!(client, "p"),
         other => panic!("{other:?}"),

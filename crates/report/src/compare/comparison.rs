@@ -3,7 +3,7 @@
 use crate::model::Figure;
 use serde::Serialize;
 
-/// What belongs to no group of parameters: [`Share::group`] of what the units do.
+/// [`Share::group`] of the work parameters, which belong to no other group.
 pub const WORK: &str = "work";
 
 /// One figure that differs. Absent where a report has no such figure.
@@ -11,7 +11,7 @@ pub const WORK: &str = "work";
 pub struct Change {
     /// Unit, FIFO, memory, parameter ...
     pub name: String,
-    /// Which figure of it.
+    /// Name of the figure.
     pub field: &'static str,
     /// Which one of several: FIFO, client, frame.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -26,7 +26,7 @@ pub struct Change {
     pub percent: Option<f64>,
 }
 
-/// What differs in one part of the reports, the largest change first.
+/// Differences in one part of the reports, largest change first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Section {
     /// `run`, `config`, `cycles`, `units`, `fifos`, `memories`, `channels`, `caches`, `figures`, `quality` or `image`.
@@ -35,36 +35,36 @@ pub struct Section {
     pub changes: Vec<Change>,
 }
 
-/// What got worse most.
+/// Largest regression.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Worst {
-    /// By how much \[%\]; 0 if nothing got worse.
+    /// Size \[%\]; 0 if nothing got worse.
     pub percent: f64,
-    /// What.
+    /// Kind and name.
     pub what: String,
 }
 
-/// What one group of parameters, or the work, has to do with the change of the cycles.
+/// Part of the change of the cycles that one group of parameters causes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// `memory.NAME`, `cache.NAME`, `fifo.NAME`, or the first part of the keys; [`WORK`] for what the units do.
+    /// `memory.NAME`, `cache.NAME`, `fifo.NAME`, or the first part of the keys; [`WORK`] for work parameters.
     pub group: String,
-    /// `--set` options with which a full run of B takes `cycles`; of the work, if both have the same input. None where no options say
-    /// it.
+    /// `--set` options with which a full run of B takes `cycles`. For work parameters, only if both runs have the same input. Empty if no
+    /// options have that effect.
     pub set: Vec<String>,
-    /// Cycles of the frames where this is as in A and all else as in B; none where no tape can be timed so.
+    /// Render cycles with this group as in A and all else as in B. `None` if no recording can be resimulated so.
     pub cycles: Option<u64>,
-    /// What it changes in B: B's cycles less these.
+    /// Cycles of B minus `cycles`.
     pub by: Option<i64>,
 }
 
-/// What explains the change of the cycles, measured.
+/// Measured causes of the change of the cycles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Explained {
-    /// The largest first; those that could not be measured last.
+    /// Causes, largest first. Causes that cannot be measured are last.
     #[serde(rename = "explained")]
     pub shares: Vec<Share>,
-    /// What no share has: what changes only together, and what could not be measured.
+    /// Rest of the change: the interaction of causes, and causes that cannot be measured.
     pub together: i64,
 }
 
@@ -73,19 +73,19 @@ pub struct Explained {
 pub struct Comparison {
     /// Nothing differs but the host.
     pub equal: bool,
-    /// What the cycles have changed by, and through what, in one or two sentences.
+    /// Change of the cycles and its causes, in a few sentences.
     pub explanation: String,
-    /// The same as data, where it was measured.
+    /// The causes as data, if they were measured.
     #[serde(flatten)]
     pub explained: Option<Explained>,
-    /// Only parts in which something differs.
+    /// Parts with differences.
     pub sections: Vec<Section>,
-    /// What got worse most.
+    /// Largest regression.
     pub worst: Worst,
 }
 
 impl Comparison {
-    /// By how much B is worse than A \[%\]; 0 if nothing is. Infinite if A is complete and B is not.
+    /// Returns the largest regression of B against A \[%\]; 0 if there is none. Infinite if A is complete and B is not.
     pub fn worst_percent(&self) -> f64 {
         self.worst.percent
     }

@@ -1,14 +1,14 @@
-//! What explains the change of the cycles, in a sentence.
+//! The change of the cycles and its causes in words.
 
 use super::comparison::{Explained, Share, WORK};
 use crate::model::Report;
 use crate::number::{real, signed, thousands};
 
-/// Shares below this part of A's cycles are told as one \[1/1000\].
+/// Causes below this share of the cycles of A are merged \[1/1000\].
 const TOLD: u64 = 1;
-/// What to do where nothing was measured.
-const UNMEASURED: &str = "What explains it can be measured where both runs have their tape beside the report: `--out DIR` leaves it \
-                          there if the run is short and its limits are measured, `--tape DIR/run.tape` however long it is.";
+/// Cure if nothing was measured.
+const UNMEASURED: &str = "To measure the causes, keep the recording of both runs beside their reports: `--out DIR` keeps it for short \
+                          runs, `--tape DIR/run.tape` for any run.";
 
 pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<&Explained>)) -> String {
     if equal {
@@ -18,7 +18,7 @@ pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<
     let is_one_machine = a.machine == b.machine;
     if !is_one_machine {
         sentences.push(format!(
-            "The machines differ: A is {}, B is {}; units and figures of one name need not mean the same.",
+            "The machines differ: A is {}, B is {}. Units and figures with the same name may mean different things.",
             a.machine, b.machine
         ));
     }
@@ -31,8 +31,8 @@ pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<
             let why = explained.map(|explained| why(explained, a.frame_cycles()));
             cycles((a.frame_cycles(), b.frame_cycles()), why, is_one_machine)
         }
-        (None, None) => "Both runs are functional: they have no time.".into(),
-        _ => "One of the runs is functional: there are no cycles to compare.".into(),
+        (None, None) => "Both runs are functional: they have no timing.".into(),
+        _ => "One run is functional: there are no cycles to compare.".into(),
     });
     sentences.join(" ")
 }
@@ -42,7 +42,7 @@ fn cycles((before, after): (u64, u64), why: Option<String>, is_one_machine: bool
     let relative = if before == 0 { String::new() } else { format!(" ({})", percent(delta as f64 / before as f64)) };
     let head = match delta {
         0 => format!("Both runs take {} cycles", thousands(after)),
-        _ => format!("B takes {} cycles {}{relative}", real(delta.abs() as f64), more(delta)),
+        _ => format!("B takes {} {} cycles{relative}", real(delta.abs() as f64), more(delta)),
     };
     match why {
         Some(why) => format!("{head}{why}."),
@@ -59,45 +59,41 @@ fn percent(share: f64) -> String {
     format!("{} %", signed((1000.0 * share).round() / 10.0))
 }
 
-/// So many cycles.
-fn by(delta: i64) -> String {
-    format!("{} {}", thousands(delta.unsigned_abs()), more(delta.into()))
-}
-
 /// The group in words.
 fn named(share: &Share) -> &str {
-    if share.group == WORK { "what the units do" } else { &share.group }
+    if share.group == WORK { "work parameters" } else { &share.group }
 }
 
-/// The end of the sentence: the shares, the largest first.
+/// The causes, the largest first: the end of the sentence, or a sentence of its own.
 fn why(explained: &Explained, before: u64) -> String {
-    let apart: Vec<&str> = explained.shares.iter().filter(|share| share.by.is_none()).map(named).collect();
+    let inseparable: Vec<&str> = explained.shares.iter().filter(|share| share.by.is_none()).map(named).collect();
     let counts = explained.shares.iter().filter_map(|share| Some((named(share), share.by.filter(|by| *by != 0)?)));
     let counts: Vec<(&str, i64)> = counts.collect();
-    if let ([(name, _)], 0, true) = (&*counts, explained.together, apart.is_empty()) {
-        return format!(", all through {name}");
+    if let ([(name, _)], 0, true) = (&*counts, explained.together, inseparable.is_empty()) {
+        return format!(", all due to {name}");
     }
-    let is_told = |by: i64| by.unsigned_abs().saturating_mul(1000) >= before.saturating_mul(TOLD);
-    // Where all are small, the rest would be all.
-    let (told, small): (Vec<_>, Vec<_>) = match counts.iter().any(|(_, by)| is_told(*by)) {
-        true => counts.into_iter().partition(|(_, by)| is_told(*by)),
+    let is_listed = |by: i64| by.unsigned_abs().saturating_mul(1000) >= before.saturating_mul(TOLD);
+    // If all causes are small, all are listed.
+    let (listed, small): (Vec<_>, Vec<_>) = match counts.iter().any(|(_, by)| is_listed(*by)) {
+        true => counts.into_iter().partition(|(_, by)| is_listed(*by)),
         false => (counts, vec![]),
     };
-    let mut rest: i64 = small.iter().map(|(_, by)| by).sum();
-    let told: Vec<String> = told.into_iter().map(|(name, delta)| format!("{} through {name}", by(delta))).collect();
-    let mut parts = if told.is_empty() { vec![] } else { vec![told.join(", ")] };
-    match (&*apart, explained.together) {
-        ([], together) if is_told(together) || parts.is_empty() && together != 0 => {
-            parts.push(format!("{} only together", by(together)));
-        }
-        ([], together) => rest += together,
-        (apart, 0) => parts.push(format!("{} cannot be timed apart", apart.join(" and "))),
-        (apart, left) => parts.push(format!("{} through {}, which cannot be timed apart", by(left), apart.join(" and "))),
+    let mut other: i64 = small.iter().map(|(_, by)| by).sum();
+    let cycles = |name: &str, by: i64| format!("{name}: {}", signed(by as f64));
+    let mut parts: Vec<String> = listed.into_iter().map(|(name, by)| cycles(name, by)).collect();
+    let left = explained.together;
+    if !inseparable.is_empty() {
+        let names = inseparable.join(" and ");
+        parts.push(if left == 0 { format!("{names}: not separable") } else { cycles(&format!("{names} (not separable)"), left) });
+    } else if is_listed(left) || parts.is_empty() && left != 0 {
+        parts.push(cycles("interaction", left));
+    } else {
+        other += left;
     }
-    if rest != 0 {
-        parts.push(format!("{} through the rest", by(rest)));
+    if other != 0 {
+        parts.push(cycles("other", other));
     }
-    if parts.is_empty() { String::new() } else { format!(": {}", parts.join("; ")) }
+    if parts.is_empty() { String::new() } else { format!(". Causes: {}", parts.join("; ")) }
 }
 
 #[cfg(test)]
@@ -117,49 +113,48 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_told_the_largest_first_and_small_ones_as_the_rest() {
+    fn causes_are_sorted_and_small_ones_merged() {
         let two = [("memory.graphics", Some(-500_000)), (WORK, Some(-80_000))];
-        let head =
-            "B takes 600,000 cycles fewer (-60 %): 500,000 fewer through memory.graphics, 80,000 fewer through what the units do";
-        assert_eq!(sentence(&two, -20_000), format!("{head}; 20,000 fewer only together."));
+        let head = "B takes 600,000 fewer cycles (-60 %). Causes: memory.graphics: -500,000; work parameters: -80,000";
+        assert_eq!(sentence(&two, -20_000), format!("{head}; interaction: -20,000."));
         assert_eq!(sentence(&two, 0), format!("{head}."));
         let more = [two.as_slice(), &[("fifo.a", Some(-999)), ("fifo.b", Some(99)), ("fifo.c", Some(0))]].concat();
-        assert_eq!(sentence(&more, -19_100), format!("{head}; 19,100 fewer only together; 900 fewer through the rest."));
-        assert_eq!(sentence(&more, 10), format!("{head}; 890 fewer through the rest."));
+        assert_eq!(sentence(&more, -19_100), format!("{head}; interaction: -19,100; other: -900."));
+        assert_eq!(sentence(&more, 10), format!("{head}; other: -890."));
     }
 
     #[test]
-    fn one_share_needs_no_list() {
-        let short = "B takes 600,000 cycles fewer (-60 %), all through memory.graphics.";
+    fn single_cause_needs_no_list() {
+        let short = "B takes 600,000 fewer cycles (-60 %), all due to memory.graphics.";
         assert_eq!(sentence(&[("memory.graphics", Some(-600_000))], 0), short);
         assert_eq!(sentence(&[("memory.graphics", Some(-600_000)), ("fifo.a", Some(0))], 0), short);
-        assert!(sentence(&[("fifo.a", Some(0)), ("fifo.b", Some(0))], -600_000).ends_with("%): 600,000 fewer only together."));
+        assert!(sentence(&[("fifo.a", Some(0)), ("fifo.b", Some(0))], -600_000).ends_with("%). Causes: interaction: -600,000."));
         let small = sentence(&[("fifo.a", Some(-9)), ("fifo.b", Some(7))], 2);
-        assert!(small.ends_with("%): 9 fewer through fifo.a, 7 more through fifo.b; 2 more through the rest."), "{small}");
+        assert!(small.ends_with("%). Causes: fifo.a: -9; fifo.b: +7; other: +2."), "{small}");
     }
 
     #[test]
-    fn what_cannot_be_timed_apart_is_named_and_has_what_is_left() {
+    fn inseparable_causes_share_the_rest() {
         let shares = [("fifo.a", Some(-500_000)), ("memory.graphics", None), (WORK, None)];
-        let end = "memory.graphics and what the units do, which cannot be timed apart.";
-        assert!(sentence(&shares, -100_000).ends_with(&format!("fifo.a; 100,000 fewer through {end}")));
-        assert!(sentence(&shares[..2], 0).ends_with("fifo.a; memory.graphics cannot be timed apart."));
+        let end = "memory.graphics and work parameters (not separable): -100,000.";
+        assert!(sentence(&shares, -100_000).ends_with(&format!("fifo.a: -500,000; {end}")));
+        assert!(sentence(&shares[..2], 0).ends_with("fifo.a: -500,000; memory.graphics: not separable."));
     }
 
     #[test]
-    fn without_a_tape_the_difference_is_told_and_what_would_explain_it() {
+    fn missing_recording_reports_difference_and_cure() {
         let (a, b) = samples::before_and_after();
         let told = compare(&a, &b, None).explanation;
-        assert!(told.starts_with("B takes 600,000 cycles fewer (-60 %). What explains it can be measured where "), "{told}");
-        assert!(compare(&b, &a, None).explanation.starts_with("B takes 600,000 cycles more (+150 %). "));
+        assert!(told.starts_with("B takes 600,000 fewer cycles (-60 %). To measure the causes, "), "{told}");
+        assert!(compare(&b, &a, None).explanation.starts_with("B takes 600,000 more cycles (+150 %). "));
     }
 
     #[test]
-    fn what_cannot_be_compared_is_said() {
+    fn incomparable_runs_are_reported() {
         let (a, mut b) = (samples::balanced(), samples::functional());
         assert!(compare(&a, &b, None).explanation.contains("there are no cycles to compare"));
         let other = compare(&a, &samples::with_routes(), None).explanation;
-        assert!(other.starts_with("The machines differ: A is bump, B is shade;"), "{other}");
+        assert!(other.starts_with("The machines differ: A is bump, B is shade."), "{other}");
         assert!(!other.contains("tape"), "{other}");
         b.input.sha256 = "cd".repeat(32);
         let functional = samples::functional();

@@ -1,13 +1,13 @@
-//! What changed between two runs, and what explains it.
+//! The difference of two runs, and its causes.
 //!
-//! Every figure of report A is held against the figure of B in the same place; host figures and those that follow from
-//! others are left out. Changes are listed per part of the report, parameters first, the largest absolute change first.
+//! Every figure of report A is compared with the same figure of B. Host figures and derived figures are left out. Changes are listed
+//! per part of the report, parameters first, the largest absolute change first.
 //!
-//! **Explained**: who waits for whom only passes on what happened elsewhere, so nothing of that is held to explain anything. What
-//! does is measured, where there are tapes: B's work is timed again with one group of parameters as A has it, and A's work with all
-//! times of B; whoever does so hands in what each came to. This crate puts it into words.
+//! **Causes**: stalls only pass on a delay from elsewhere, so they explain nothing. Causes are measured if both runs have recordings:
+//! B is resimulated with one group of parameters as in A, and A with all timing parameters of B. The caller passes the resulting
+//! cycles; this crate puts them into words.
 //!
-//! **Worse**: [`Comparison::worst`] is the largest of these, in percent; an improvement never counts.
+//! **Regression**: [`Comparison::worst`] is the largest of these, in percent. Improvements do not count.
 //! - growth of `cycles.total`, and of any frame;
 //! - growth of the bytes of any memory client; from nothing counts as 100 %;
 //! - loss of quality: PSNR relative to A; SSIM and FLIP, whose scale is 0..1, in hundredths;
@@ -26,7 +26,7 @@ use crate::long_table::{self, Row};
 use crate::model::{Figure, Report};
 use indexmap::IndexMap;
 
-/// Holds report `b` against report `a`, with what explains the difference, where it was measured.
+/// Compares report `b` with report `a`. `explained` holds the measured causes, if any.
 pub fn compare(a: &Report, b: &Report, explained: Option<Explained>) -> Comparison {
     let sections = sections(a, b);
     Comparison {
@@ -40,7 +40,7 @@ pub fn compare(a: &Report, b: &Report, explained: Option<Explained>) -> Comparis
 
 type Place = (&'static str, String, &'static str, String);
 
-/// The histogram is told by its high-water mark, mean and full cycles; derived figures follow from the others.
+/// Figures to compare. High-water mark, mean and full cycles stand for the histogram; derived figures follow from the others.
 fn figures(report: &Report) -> IndexMap<Place, Figure> {
     let told = |r: &Row| r.table != "derived" && r.field != "histogram";
     long_table::rows(report).into_iter().filter(told).map(|r| ((r.table, r.name, r.field, r.key), r.value)).collect()
@@ -75,7 +75,7 @@ fn change((name, field, key): (String, &'static str, String), a: Option<Figure>,
     Change { name, field, key, a, b, delta: delta.map(crate::number::round6), percent }
 }
 
-/// Largest first; of a unit, cycles before counts of steps and tokens. Parameters and facts keep their order.
+/// Sorts changes, largest first. In units, cycles come before counts of steps and tokens. Parameters and metadata keep their order.
 fn sorted(table: &str, mut changes: Vec<Change>) -> Vec<Change> {
     if !["run", "config", "image"].contains(&table) {
         let counts = |c: &Change| table == "units" && ["steps", "tokens"].contains(&c.field);

@@ -1,4 +1,4 @@
-//! Several reports side by side, a row each.
+//! Several reports in one table, one row each.
 
 use crate::model::Report;
 use crate::number::{real, thousands};
@@ -7,18 +7,13 @@ use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
 
-/// Cycles of the frames, bytes of all memories, and PSNR, of each of these reports; with a line feed at the end.
+/// Returns render cycles, memory bytes and PSNR of each report, with a line feed at the end.
 pub fn overview(reports: &[(&str, &Report)], style: Style) -> String {
     let mut kinds: Vec<String> = reports.iter().map(|(_, report)| work(report).one).collect();
     kinds.dedup();
     let each = format!("per {}", kinds.join(" or "));
-    let columns = [
-        ("Report", Left, 0),
-        ("cycles of frames", Right, 0),
-        (&*each, Right, 1),
-        ("bytes, all memories", Right, 1),
-        ("PSNR dB", Right, 1),
-    ];
+    let columns =
+        [("Report", Left, 0), ("render cycles", Right, 0), (&*each, Right, 1), ("memory bytes", Right, 1), ("PSNR dB", Right, 1)];
     let mut table = Table::new(&columns);
     for (name, report) in reports {
         let timed = report.cycles.as_ref();

@@ -12,14 +12,14 @@ use Align::{Left, Right};
 const SHOWN: usize = 12;
 
 impl Comparison {
-    /// What explains the change, the tables, and what got worse most; with a line feed at the end.
+    /// Returns the causes, the tables and the largest regression, with a line feed at the end.
     pub fn to_text(&self, style: Style) -> String {
         let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&self.explanation))];
         parts.extend(self.sections.iter().map(|section| section.to_text(style)));
         let worst = &self.worst;
         if worst.percent > 0.0 {
             let percent = if worst.percent.is_finite() { format!("{:.1} %", worst.percent) } else { "beyond any limit".into() };
-            parts.push(format!("Worse by most: {}, {percent}.", worst.what));
+            parts.push(format!("Largest regression: {}, {percent}.", worst.what));
         } else if !self.equal {
             parts.push("Nothing got worse.".into());
         }
@@ -39,7 +39,7 @@ impl Section {
         self.of(&self.changes)
     }
 
-    /// What it is a list of.
+    /// Title of the first column.
     pub(crate) fn title(&self) -> &'static str {
         match self.table {
             "run" => "Run",
@@ -83,7 +83,7 @@ impl Change {
     }
 }
 
-/// A hash is told apart by its beginning.
+/// Shortens a hash.
 fn short(text: String) -> String {
     const SHOWN: usize = 16;
     if text.chars().count() > 2 * SHOWN { text.chars().take(SHOWN).chain("..".chars()).collect() } else { text }
@@ -108,9 +108,9 @@ mod tests {
     }
 
     #[test]
-    fn what_got_worse_is_told_last() {
+    fn largest_regression_comes_last() {
         let (a, b) = samples::before_and_after();
         let text = compare(&b, &a, None).to_text(Style::default());
-        assert!(text.ends_with("Worse by most: cycles.frames[0], 160.0 %.\n"), "{text}");
+        assert!(text.ends_with("Largest regression: cycles.frames[0], 160.0 %.\n"), "{text}");
     }
 }

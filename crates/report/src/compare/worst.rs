@@ -1,4 +1,4 @@
-//! What got worse most; see the module above for what counts.
+//! The largest regression. The parent module lists the figures that count.
 
 use super::comparison::Worst;
 use crate::model::{OutcomeKind, Report};
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn what_gets_better_or_stays_apart_does_not() {
+    fn improvements_do_not_count() {
         assert_eq!(worse(|b| b.cycles.as_mut().unwrap().total -= 10_000).0, 0.0);
         assert_eq!(worse(|b| b.quality.as_mut().unwrap().last.ssim = 1.0).0, 0.0);
         assert_eq!(worse(|b| b.units.as_mut().unwrap()["replacement"].busy += 10_000).0, 0.0);

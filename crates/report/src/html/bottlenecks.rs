@@ -1,4 +1,4 @@
-//! What limits a run: in a sentence, as bars of what would be saved, and as its critical path.
+//! The bottleneck: a sentence, bars of the saved cycles, and the critical path.
 
 use super::markup::{Html, details, el, el_text, text};
 use super::svg::{Part, bar, share};
@@ -6,27 +6,27 @@ use super::table::with_cells;
 use super::units::legend;
 use crate::model::{CriticalPath, Limit, PathPart, Report};
 use crate::number::thousands;
+use crate::text::bottleneck_sentence;
 use crate::text::bottlenecks::by_polygon;
 use crate::text::table::Align::{Left, Right};
-use crate::text::what_limits;
 
-/// Parts of the critical path that are told one by one.
+/// Parts of the critical path with a row of their own.
 const TOLD: usize = 8;
-/// What stands for whatever else there is on it.
+/// Name of the other parts together.
 const REST: &str = "rest";
 
-/// All that is known of it; of a run without time only that it has none.
+/// The section. A functional run has only a sentence.
 pub(super) fn limits(report: &Report) -> Html {
-    let sentence = el_text("p", "lead", what_limits(report));
+    let sentence = el_text("p", "lead", bottleneck_sentence(report));
     [sentence, saved(report), path(report)].into_iter().collect()
 }
 
-/// What each thing saves if it is made ideal.
+/// Table of the cycles that each relaxation saves.
 fn saved(report: &Report) -> Html {
     let Some(limits) = report.limits.as_ref().filter(|limits| !limits.is_empty()) else { return Html::default() };
     let total = report.frame_cycles();
     let columns =
-        [("made ideal", Left), ("how", Left), ("cycles saved", Left), ("", Right), ("share", Right), ("cycles then", Right)];
+        [("resource", Left), ("relaxation", Left), ("cycles saved", Left), ("", Right), ("share", Right), ("cycles left", Right)];
     let row = |limit: &Limit| {
         let part: Part = ("amount", "saved".into(), limit.saved);
         let (saved, then) = (thousands(limit.saved), thousands(limit.cycles));
@@ -39,14 +39,14 @@ fn saved(report: &Report) -> Html {
             text(then),
         ]
     };
-    let caption = format!("Measured by timing the same work again, of {} cycles", thousands(total));
+    let caption = format!("Measured by resimulation, of {} render cycles", thousands(total));
     let table = with_cells(&caption, &columns, limits.iter().map(row).collect());
     let settings = limits.iter().map(|limit| {
         let set: String = limit.set.iter().map(|set| format!(" --set {set}")).collect();
         vec![text(format!("{}, {}", limit.resource, limit.what)), el_text("code", "", set.trim())]
     });
-    let settings = with_cells("Options that make it so", &[("made ideal", Left), ("options", Left)], settings.collect());
-    [el("div", &[("class", "bars")], [table]), details("How to repeat these", settings)].into_iter().collect()
+    let settings = with_cells("Options of a full run", &[("relaxation", Left), ("options", Left)], settings.collect());
+    [el("div", &[("class", "bars")], [table]), details("Options to reproduce these", settings)].into_iter().collect()
 }
 
 /// The critical path as one bar; its longest parts numbered, with their meaning in a table.
@@ -63,8 +63,8 @@ fn path(report: &Report) -> Html {
         let swatch = el("span", &[("class", &format!("swatch {class}")), ("aria-hidden", "true")], []);
         vec![[swatch, text(name)].into_iter().collect(), text(about), text(thousands(*n)), text(share(*n, path.cycles))]
     });
-    let columns = [("part", Left), ("what it is", Left), ("cycles", Right), ("share", Right)];
-    let table = with_cells("Its parts, longest first", &columns, rows.collect());
+    let columns = [("part", Left), ("meaning", Left), ("cycles", Right), ("share", Right)];
+    let table = with_cells("Parts, longest first", &columns, rows.collect());
     let colours = [("busy", "a unit at work"), ("fifo", "a FIFO"), ("memory", "a memory"), ("done", "rest")];
     let bar = el("div", &[("class", "thick")], [bar(&bars, path.cycles)]);
     [el_text("h3", "", "Critical path"), el_text("p", "quiet", about(path)), bar, legend(colours), table].into_iter().collect()
@@ -73,13 +73,13 @@ fn path(report: &Report) -> Html {
 fn about(path: &CriticalPath) -> String {
     let by_polygon = path.polygons.as_ref().map_or(String::new(), |polygons| by_polygon(polygons, path.cycles));
     format!(
-        "What the end of the last frame waited for, back to the first cycle: {} cycles without gap or overlap. Another path \
-         may be as long.{by_polygon}",
+        "Chain of work and stalls that ends with the last frame: {} cycles without gap or overlap. Other paths may \
+         tie.{by_polygon}",
         thousands(path.cycles)
     )
 }
 
-/// A part of the path: its colour, and what it is in words.
+/// A part of the path: its colour and its meaning.
 fn part(PathPart { resource, what, cycles, .. }: &PathPart) -> (Part, String) {
     let (class, about) = match what.as_str() {
         "occupancy" => ("busy", "the unit is taken"),

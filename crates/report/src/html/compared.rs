@@ -1,4 +1,4 @@
-//! Two reports or more on one page: what changed, what explains it, and both side by side.
+//! Comparison page of two or more reports: changes, causes, and both reports side by side.
 
 use super::diagram::block_diagram;
 use super::markup::{Html, details, el, el_text, text as words};
@@ -20,7 +20,7 @@ pub struct Side<'a> {
     pub name: &'a str,
     /// The report.
     pub report: &'a Report,
-    /// What is shown of it beside: its drawing, and its picture where it is at hand.
+    /// Block diagram and pictures, if any.
     pub beside: Beside,
 }
 
@@ -32,7 +32,7 @@ pub fn compared(a: &Side<'_>, others: &[(Side<'_>, &Comparison)]) -> String {
         let id = |part: &str| if several { format!("{part}-{number}") } else { part.to_owned() };
         pair(a, b, comparison, &id)
     });
-    let heading = el("h1", &[], [words("Basrelief "), el_text("span", "quiet", "what changed")]);
+    let heading = el("h1", &[], [words("Basrelief "), el_text("span", "quiet", "comparison")]);
     let body = el("body", &[], [el("header", &[], [heading]), el("main", &[], parts)]);
     whole_page(&title, POLICY, "", body)
 }
@@ -45,11 +45,11 @@ fn pair(a: &Side<'_>, b: &Side<'_>, comparison: &Comparison, id: &dyn Fn(&str) -
     );
     let explanation = [names, el_text("p", "lead", &comparison.explanation), numbers(a.report, b.report), shares(comparison)];
     let parts = [
-        ("explained", "What explains it", explanation.into_iter().collect()),
+        ("explained", "Causes", explanation.into_iter().collect()),
         ("pictures", "Pictures", side_by_side(both(a, b, |side| pictures::pictures(side.report, &side.beside.pictures)))),
-        ("units", "Where the cycles went", bars(a.report, b.report)),
+        ("units", "Cycle breakdown", bars(a.report, b.report)),
         ("diagram", "Block diagrams", both(a, b, |side| block_diagram(side.report, &side.beside.diagram))),
-        ("changes", "Every change", changes(comparison)),
+        ("changes", "All changes", changes(comparison)),
     ];
     let shown = parts.into_iter().filter(|(_, _, content): &(_, _, Html)| !content.is_empty());
     shown.map(|(part, title, content)| section(&id(part), title, content)).collect()
@@ -62,10 +62,10 @@ fn numbers(a: &Report, b: &Report) -> Html {
         let before = &of_a.iter().find(|(_, of)| *of == unit)?.0;
         Some(vec![words(&unit), words(before), words(number)])
     });
-    with_cells("The largest figures", &[("", Left), ("A", Right), ("B", Right)], rows.collect())
+    with_cells("Key figures", &[("", Left), ("A", Right), ("B", Right)], rows.collect())
 }
 
-/// What each group of parameters has to do with the cycles.
+/// Bars of the causes.
 fn shares(comparison: &Comparison) -> Html {
     let Some(explained) = comparison.explained.as_ref() else { return Html::default() };
     let most = explained.shares.iter().filter_map(|share| share.by).chain([explained.together]).map(i64::unsigned_abs).max();
@@ -75,9 +75,9 @@ fn shares(comparison: &Comparison) -> Html {
         vec![words(name), bar(&[part], most.unwrap_or(1).max(1)), words(told)]
     };
     let rows = explained.shares.iter().map(|Share { group, by, .. }| row(group, *by));
-    let rows = rows.chain([row("only together", Some(explained.together))]).collect();
-    let columns = [("through", Left), ("", Left), ("cycles in B", Right)];
-    el("div", &[("class", "bars")], [with_cells("Measured by timing the same work again", &columns, rows)])
+    let rows = rows.chain([row("interaction", Some(explained.together))]).collect();
+    let columns = [("cause", Left), ("", Left), ("cycles", Right)];
+    el("div", &[("class", "bars")], [with_cells("Measured by resimulation", &columns, rows)])
 }
 
 /// Something of A, then the same of B.
@@ -106,7 +106,7 @@ fn bars(a: &Report, b: &Report) -> Html {
             Some(vec![heading, words(which), bar(&parts, whole.max(own)), words(thousands(unit?.busy))])
         })
     });
-    let columns = [("unit", Left), ("", Left), ("cycles of the frames, both on one scale", Left), ("busy", Right)];
+    let columns = [("unit", Left), ("", Left), ("render cycles, common scale", Left), ("busy", Right)];
     let table = with_cells("Units, A above B", &columns, rows.collect());
     [units::legend(units::STATES), el("div", &[("class", "bars compared")], [table])].into_iter().collect()
 }

@@ -1,4 +1,4 @@
-//! How full the FIFOs were.
+//! Occupancy of the FIFOs.
 
 use super::markup::{Html, details, el, el_text, text};
 use super::svg::{Chart, bins, px, share};
@@ -15,7 +15,7 @@ pub(super) fn fifos(report: &Report) -> Html {
     let Some(fifos) = report.fifos.as_ref().filter(|fifos| !fifos.is_empty()) else { return Html::default() };
     let cards = fifos.iter().map(|(name, fifo)| card(name, &in_frames(fifo, report.drain())));
     let cards = el("div", &[("class", "cards")], cards);
-    let about = "Across: slots held. Upright: share of the cycles of the frames.";
+    let about = "x: occupied slots; y: % of render cycles.";
     let table = details("As a table", html("FIFOs", &sections::fifos(report)));
     [el_text("p", "quiet", about), cards, table].into_iter().collect()
 }
@@ -27,10 +27,10 @@ fn card(name: &str, fifo: &Fifo) -> Html {
     let highest = columns.iter().fold(0.0, |most: f64, (_, n)| most.max(*n));
     let title = format!("FIFO {name}");
     let per = shares.len().div_ceil(COLUMNS).max(1);
-    let upright = if per > 1 { format!("% of the cycles, {per} slots together") } else { "% of the cycles".into() };
+    let upright = if per > 1 { format!("% of cycles, {per} slots per bar") } else { "% of cycles".into() };
     let chart = Chart {
         title: &title,
-        axes: ["slots held", &upright],
+        axes: ["occupied slots", &upright],
         class: "fifo",
         columns,
         top: (highest, format!("{highest:.0} %")),
@@ -38,7 +38,7 @@ fn card(name: &str, fifo: &Fifo) -> Html {
     };
     let mean = px((mean_occupancy(fifo) * 10.0).round() / 10.0);
     let says = format!(
-        "{} of {} slots in the mean, full {} of the time, {} tokens",
+        "mean {} of {} slots; full {} of the time; {} tokens",
         mean,
         thousands(fifo.depth),
         share(full_cycles(fifo), total),

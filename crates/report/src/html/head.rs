@@ -1,4 +1,4 @@
-//! What the run was, and its largest figures.
+//! Heading of the page, with the key figures.
 
 use super::markup::{Html, el, el_text, text};
 use crate::model::{OutcomeKind, Report};
@@ -7,18 +7,18 @@ use crate::work::work;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
-/// Machine, scene, size; below, numbers one can read from a distance.
+/// Machine, scene and size, with the key figures below.
 pub(super) fn head(report: &Report) -> Html {
     let what = format!("{} · {} · {} × {}", report.machine, report.input.name, report.size.width, report.size.height);
     let title = el("h1", &[], [text("Basrelief "), el_text("span", "quiet", what)]);
     let numbers = big_numbers(numbers(report));
-    let message = report.outcome.message.as_deref().unwrap_or("The run did not come to its end.");
+    let message = report.outcome.message.as_deref().unwrap_or("The run did not finish.");
     let ended = report.outcome.kind == OutcomeKind::Complete;
     let message = if ended { Html::default() } else { el("p", &[("class", "bad"), ("role", "alert")], [text(message)]) };
     el("header", &[], [title, message, numbers])
 }
 
-/// Numbers with their units, to be read from a distance.
+/// Key figures in large type, with their units.
 pub fn big_numbers(numbers: impl IntoIterator<Item = (String, String)>) -> Html {
     el("dl", &[("class", "numbers")], numbers.into_iter().map(big))
 }
@@ -57,7 +57,7 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
 pub(super) fn save(json: &str) -> Html {
     let data = data("application/json", json.as_bytes());
     let link = el("a", &[("href", &data), ("download", "report.json")], [text("Save the report as JSON")]);
-    let note = text(" - all figures of this page, and those that it leaves out.");
+    let note = text(" (all figures, including those that are not on this page).");
     el("footer", &[], [el("p", &[], [link, note])])
 }
 

@@ -1,4 +1,4 @@
-//! When the most expensive polygons were under way.
+//! Lifetimes of the most expensive polygons.
 
 use super::markup::{Html, el};
 use super::svg::{fill, label, px, svg};
@@ -39,15 +39,14 @@ pub(super) fn draw(report: &Report) -> Html {
         [label("end", LEFT - 6.0, y + FILLED, &name), fill(&parts(p, &name), p.spent.cycles, life)]
     });
     let numbers = [label("start", LEFT, height + 14.0, "cycle 0"), label("end", WIDTH, height + 14.0, &thousands(cycles.total))];
-    let says =
-        format!("When the {} most expensive polygons were under way, over {} cycles", shown.len(), thousands(cycles.total));
+    let says = format!("Lifetimes of the {} most expensive polygons, over {} cycles", shown.len(), thousands(cycles.total));
     let shapes = frames.chain(bars).chain(numbers).collect();
     let drawing = svg("lives", (WIDTH, height + BELOW), &says, "xMinYMid meet", shapes);
     let states = STATES.into_iter().filter(|(class, _)| *class != "done");
     [legend(states), drawing].into_iter().collect()
 }
 
-/// What its cycles were spent on.
+/// Cycle breakdown of a polygon.
 fn parts(p: &PolygonCost, name: &str) -> Vec<(&'static str, String, u64)> {
     let told = |what: &str| format!("{name}, cycles {} to {}, {what}", thousands(p.from), thousands(p.to));
     let spent = [("busy", p.spent.busy), ("memory", p.spent.memory), ("starved", p.spent.starved), ("blocked", p.spent.blocked)];
@@ -61,7 +60,7 @@ mod tests {
     use crate::samples;
 
     #[test]
-    fn polygons_stand_in_the_order_in_which_they_came_each_as_long_as_it_lived() {
+    fn polygon_bars_span_lifetimes_in_order() {
         let mut report = samples::balanced();
         assert_eq!(draw(&report).into_text(), "", "no costs, no drawing");
         report.costs = samples::costed().costs;

@@ -1,4 +1,4 @@
-//! Markup that is well-formed by the way it is made: text is escaped, and what is opened is closed.
+//! Builder of well-formed markup: it escapes text and closes every element.
 
 use std::fmt::Write;
 
@@ -48,7 +48,7 @@ pub fn text(text: impl AsRef<str>) -> Html {
     Html(escape(text.as_ref()))
 }
 
-/// An element: its name, its attributes, what is in it.
+/// Returns an element with attributes and children.
 pub fn el(name: &str, attributes: &[(&str, &str)], children: impl IntoIterator<Item = Html>) -> Html {
     let mut out = format!("<{name}");
     for (key, value) in attributes {
@@ -73,7 +73,7 @@ pub fn el_text(name: &str, class: &str, content: impl AsRef<str>) -> Html {
     el(name, if class[0].1.is_empty() { &[] } else { &class }, [text(content)])
 }
 
-/// What is long: shown when its title is opened.
+/// Returns a collapsed block with a title.
 pub fn details(title: &str, content: Html) -> Html {
     if content.is_empty() { content } else { el("details", &[], [el_text("summary", "", title), content]) }
 }

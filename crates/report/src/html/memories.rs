@@ -1,4 +1,4 @@
-//! What the memories moved, when, and how long requests took.
+//! Traffic of the memories over time, and latencies of requests.
 
 use super::markup::{Html, details, el, el_text, text};
 use super::svg::{Chart, Part, bar, bins, mean, px, share};
@@ -26,8 +26,8 @@ pub(super) fn memories(report: &Report) -> Html {
 }
 
 fn one(report: &Report, name: &str, memory: &Memory, most: u64) -> Html {
-    let busy = report.derived.get(&format!("{name}.bus_utilisation"));
-    let busy = busy.map_or(String::new(), |d| format!(": bus busy {} % of the frames' time", px(100.0 * d.value)));
+    let busy = report.derived.get(&format!("{name}.bus_utilization"));
+    let busy = busy.map_or(String::new(), |d| format!(": bus utilization {} % of render cycles", px(100.0 * d.value)));
     let latencies = memory.clients.iter().filter(|(_, client)| client.latency.iter().any(|&n| n > 0));
     let latencies: Html = latencies.map(|(name, client)| latency(name, client)).collect();
     let cards = if latencies.is_empty() { latencies } else { el("div", &[("class", "cards")], [latencies]) };
@@ -50,7 +50,7 @@ fn bus(report: &Report, name: &str, memory: &Memory) -> Html {
     let title = format!("Bus of {name} over time");
     let across = match report.drain() {
         0 => "cycle".to_owned(),
-        _ => format!("cycle; from {} on only what was drawn is shown", thousands(report.frame_cycles())),
+        _ => format!("cycle; rendering ends at {}", thousands(report.frame_cycles())),
     };
     let axes = [across.as_str(), "% of the bus, all channels"];
     Chart { title: &title, axes, class: "busy", columns, top: (top, format!("{top} %")), size: (540.0, 150.0) }.draw()
@@ -63,7 +63,7 @@ fn clients(name: &str, memory: &Memory, most: u64) -> Html {
         let part: Part = ("amount", "bytes".into(), client.bytes());
         vec![text(name), bar(&[part], most), text(thousands(client.bytes())), text(hits)]
     };
-    let columns = [("client", Left), ("bytes asked for", Left), ("", Right), ("row hits", Right)];
+    let columns = [("client", Left), ("bytes requested", Left), ("", Right), ("row hits", Right)];
     let table = with_cells(&format!("Clients of {name}"), &columns, memory.clients.iter().map(row).collect());
     el("div", &[("class", "bars")], [table])
 }
@@ -73,7 +73,7 @@ fn latency(name: &str, client: &Client) -> Html {
     let columns: Vec<(String, f64)> = columns.collect();
     let most = client.latency.iter().copied().max().unwrap_or(0);
     let title = format!("Latency of {name}");
-    let axes = ["cycles, this many to twice as many", "requests"];
+    let axes = ["cycles: this value to twice it", "requests"];
     let chart =
         Chart { title: &title, axes, class: "memory", columns, top: (most as f64, thousands(most)), size: (260.0, 130.0) };
     el("div", &[("class", "card")], [el("h4", &[], [text(format!("Latency: {name}"))]), chart.draw()])

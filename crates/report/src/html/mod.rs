@@ -48,7 +48,7 @@ pub use parameters::ParameterRow;
 pub use pictures::PagePicture;
 pub use table::with_cells;
 
-/// The page, without what the host took.
+/// Returns the page, without the host part of the report.
 ///
 /// # Errors
 /// As [`Report::to_json`].
@@ -66,18 +66,18 @@ pub fn to_html(report: &Report, beside: &Beside) -> Result<String, serde_json::E
 
 type Content = (&'static str, &'static str, Html);
 
-/// In the order in which they are asked for: what limits first. Those that have nothing to say are left out.
+/// Sections in their order, bottlenecks first. Empty sections are left out.
 fn contents(report: &Report, beside: &Beside) -> Vec<Content> {
     let all = [
-        ("limits", "What limits this run", bottlenecks::limits(report)),
+        ("bottlenecks", "Bottlenecks", bottlenecks::limits(report)),
         ("pictures", "Pictures", pictures::pictures(report, &beside.pictures)),
         ("diagram", "Block diagram", diagram::block_diagram(report, &beside.diagram)),
-        ("units", "Where the cycles went", units::units(report)),
+        ("units", "Cycle breakdown", units::units(report)),
         ("fifos", "FIFOs", fifos::fifos(report)),
         ("memories", "Memories", memories::memories(report)),
         ("frames", "Frames", frames::frames(report)),
-        ("costs", "What it costs", costs(report)),
-        ("sensitivity", "What each assumption moves", sensitivity(report)),
+        ("costs", "Cycles per object and polygon", costs(report)),
+        ("sensitivity", "Sensitivity to assumed parameters", sensitivity(report)),
         ("hardware", "Hardware", hardware(report)),
         ("figures", "Figures", figures(report)),
         ("quality", "Quality", table::html("Pictures against the exact ones", &text_sections::quality(report))),
@@ -111,26 +111,26 @@ fn el_list(items: &[String]) -> Html {
     el("ul", &[("class", "warnings")], items.iter().map(|item| el_text("li", "", item)))
 }
 
-/// Which assumptions the run hangs on.
+/// Sensitivity to assumed parameters.
 fn sensitivity(report: &Report) -> Html {
     let Some(of) = &report.sensitivity else { return Html::default() };
-    let failed = table::html("What came to no end", &sensitivity_tables::failed(of));
+    let failed = table::html("Did not finish", &sensitivity_tables::failed(of));
     [table::html(&sensitivity_tables::caption(of), &sensitivity_tables::changes(of)), failed].into_iter().collect()
 }
 
-/// For whom the cycles were.
+/// Cycles per object and polygon.
 fn costs(report: &Report) -> Html {
     use cost_tables::{objects, polygons, whom};
     if report.costs.is_none() {
         return Html::default();
     }
-    let says = "Every cycle of every unit, at work or waiting, is charged to what the step was for that ends it. Percent of busy and \
-                waiting cycles are of the row.";
+    let says = "Every busy or stalled cycle of a unit counts for the object and polygon of the step that ends it. Busy and stall \
+                percentages are of the row.";
     let lists = [
-        table::html("For whom", &whom(report)),
+        table::html("Cycles by purpose", &whom(report)),
         details("The most expensive objects", table::html("Objects", &objects(report, LISTED))),
         details("The most expensive polygons", table::html("Polygons", &polygons(report, LISTED))),
-        details("When these were under way", lifetimes::draw(report)),
+        details("Lifetimes of these polygons", lifetimes::draw(report)),
     ];
     std::iter::once(el_text("p", "quiet", says)).chain(lists).collect()
 }
@@ -140,14 +140,14 @@ fn hardware(report: &Report) -> Html {
     [table::html("Totals by kind", &hardware_tables::totals(report)), pieces].into_iter().collect()
 }
 
-/// Tables that only some machines have, the figures that no table has, and what follows from them.
+/// Counts, tables that only some machines have, and derived figures.
 fn figures(report: &Report) -> Html {
     use text_sections::{circuits, columns, derived, processes, routes};
     let own: Vec<(&str, Table)> = vec![
         ("Routes", routes(report)),
         ("Circuits", circuits(report)),
         ("Processes", processes(report)),
-        ("What follows from it", derived(report)),
+        ("Derived figures", derived(report)),
     ];
     let tables = std::iter::once(counted(report)).chain(own.iter().map(|(caption, table)| table::html(caption, table)));
     let listed = work::tables(report);
@@ -156,7 +156,7 @@ fn figures(report: &Report) -> Html {
     [columns].into_iter().chain(lists).collect()
 }
 
-/// The figures that no table has, each with what it means.
+/// Table of the counts without a table of their own, each with its meaning.
 fn counted(report: &Report) -> Html {
     let table = text_sections::figures(report);
     let row = |row: &Vec<String>| {
@@ -164,6 +164,6 @@ fn counted(report: &Report) -> Html {
         let [unit, about] = legend.map_or_else(Default::default, |legend| [legend.unit.as_str(), legend.about.as_str()]);
         row.iter().map(String::as_str).chain([unit, about]).map(markup::text).collect()
     };
-    let columns = [("figure", Align::Left), ("", Align::Right), ("unit", Align::Left), ("what it is", Align::Left)];
-    table::with_cells("What the machine counted", &columns, table.rows().iter().map(row).collect())
+    let columns = [("figure", Align::Left), ("", Align::Right), ("unit", Align::Left), ("description", Align::Left)];
+    table::with_cells("Counts", &columns, table.rows().iter().map(row).collect())
 }

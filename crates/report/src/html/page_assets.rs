@@ -3,7 +3,7 @@
 use super::parameters::ParameterRow;
 use super::pictures::PagePicture;
 
-/// What a page shows beside the report.
+/// Parts of a page that are not in the report.
 #[derive(Clone, Debug, Default)]
 pub struct Beside {
     /// The drawing of the machine, as in its `diagram.txt`; empty for none.

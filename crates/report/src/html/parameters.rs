@@ -15,11 +15,11 @@ pub struct ParameterRow {
     pub default: String,
     /// Unit of measure; empty for a switch or a choice.
     pub unit: String,
-    /// What it is.
+    /// Meaning.
     pub about: String,
     /// Where the default comes from: stated, derived or assumed.
     pub provenance: String,
-    /// From what, in words.
+    /// Source of the default, in words.
     pub source: String,
 }
 

@@ -7,11 +7,11 @@ use crate::model::Report;
 /// A picture on the page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PagePicture {
-    /// What it is.
+    /// Meaning.
     pub caption: String,
     /// The file.
     pub png: Vec<u8>,
-    /// Of a difference: what full brightness stands for \[steps of 1/255\].
+    /// For a difference picture: the value of full brightness \[steps of 1/255\].
     pub largest: Option<u8>,
 }
 

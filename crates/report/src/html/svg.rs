@@ -9,14 +9,14 @@ pub fn px(x: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// A rectangle: left, top, width, height; what it says when pointed at.
+/// Returns a rectangle: left, top, width, height; with a tooltip.
 pub fn rect(class: &str, [x, y, width, height]: [f64; 4], title: &str) -> Html {
     let title = if title.is_empty() { None } else { Some(el_text("title", "", title)) };
     let sides = [x, y, width, height].map(px);
     el("rect", &[("class", class), ("x", &sides[0]), ("y", &sides[1]), ("width", &sides[2]), ("height", &sides[3])], title)
 }
 
-/// A drawing of this size that says in words what it shows; `fit` is its `preserveAspectRatio`.
+/// Returns a drawing of this size with a description; `fit` is its `preserveAspectRatio`.
 pub fn svg(class: &str, (width, height): (f64, f64), says: &str, fit: &str, shapes: Html) -> Html {
     let view = format!("0 0 {} {}", px(width), px(height));
     let attributes =
@@ -24,7 +24,7 @@ pub fn svg(class: &str, (width, height): (f64, f64), says: &str, fit: &str, shap
     el("svg", &attributes, [shapes])
 }
 
-/// A drawing that is shown so many times its size, however wide its place: by attributes, since a page may forbid styles.
+/// Returns a drawing scaled by a factor, whatever the width of its place. Attributes set the size, because a page may forbid styles.
 pub fn svg_sized(class: &str, (width, height): (f64, f64), times: f64, says: &str, shapes: Html) -> Html {
     let view = format!("0 0 {} {}", px(width), px(height));
     let (width, height) = (px(times * width), px(times * height));
@@ -39,7 +39,7 @@ pub fn svg_sized(class: &str, (width, height): (f64, f64), times: f64, says: &st
     el("svg", &attributes, [shapes])
 }
 
-/// A part of a bar: class of its colour, what it is, how much.
+/// A part of a bar: class of its colour, name, size.
 pub(super) type Part = (&'static str, String, u64);
 
 /// Share of a whole, as people read it.
@@ -72,9 +72,9 @@ pub(super) fn bar(parts: &[Part], whole: u64) -> Html {
 
 /// Columns over an axis.
 pub(super) struct Chart<'a> {
-    /// What it shows.
+    /// Title.
     pub(super) title: &'a str,
-    /// What its columns are, and what their height is.
+    /// Labels of the x and y axis.
     pub(super) axes: [&'a str; 2],
     /// Class of its colour.
     pub(super) class: &'static str,
@@ -100,7 +100,7 @@ impl Chart<'_> {
         let each = width / self.columns.len().max(1) as f64;
         let gap = if each > 5.0 { 1.0 } else { 0.0 };
         let columns = self.columns.iter().enumerate().filter(|(_, (_, n))| *n > 0.0).map(|(i, (label, n))| {
-            // What is not zero is seen.
+            // A value above zero has a visible column.
             let tall = ((n / self.top.0.max(f64::MIN_POSITIVE)).min(1.0) * height).max(1.0);
             let at = [LEFT + i as f64 * each, ABOVE + height - tall, each - gap, tall];
             rect(self.class, at, &format!("{label}: {}", number(*n)))

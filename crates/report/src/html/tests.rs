@@ -8,14 +8,14 @@ use std::fmt::Write;
 
 const DIAGRAM: &str = " [geometry] --polygons--> [replacement (110)] ==z, color== {graphics (124)}\n";
 
-/// A report that has everything, under this name of what was drawn.
+/// A report with all parts, with this name of the input.
 fn full(name: &str) -> Report {
     let mut report = samples::costed();
     report.input.name = name.into();
     report.warnings.push(name.into());
     let limit = |saved| Limit {
         resource: "replacement".into(),
-        what: "a cycle per step".into(),
+        what: crate::model::FULLY_PIPELINED.into(),
         set: vec!["ideal.units=replacement".into()],
         cycles: samples::TOTAL - saved,
         saved,
@@ -99,7 +99,7 @@ fn parts_stand_in_their_order() {
     let page = page(&full("coin"));
     let ids: Vec<&str> = page.split("<section id=\"").skip(1).filter_map(|part| part.split('"').next()).collect();
     let expected = [
-        "limits",
+        "bottlenecks",
         "pictures",
         "diagram",
         "units",
@@ -152,7 +152,7 @@ fn a_comparison_shows_both_and_what_explains_it() {
     let one = compared(&side("out/<a>", &a), &[(side("out/b", &b), &comparison)]);
     check_well_formed(&one);
     assert!(one.contains("-12,345") && one.contains("not measured") && one.contains("fifo.&lt;x&gt;"), "{one}");
-    assert!(one.contains("Where the cycles went") && one.matches("class=\"blocks\"").count() == 2);
+    assert!(one.contains("Cycle breakdown") && one.matches("class=\"blocks\"").count() == 2);
     let two = compared(&side("a", &a), &[(side("b", &b), &comparison), (side("c", &a), &comparison)]);
     check_well_formed(&two);
     assert!(two.contains("id=\"units-1\"") && two.contains("id=\"units-2\"") && !two.contains("id=\"units\""));

@@ -3,102 +3,107 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Most objects, and most polygons, that a report lists; the others stand in a sum.
+/// Largest number of objects, and of polygons, that a report lists. It adds up the others.
 pub const LISTED: usize = 100;
 
-/// Who the cycles of all units were for. `pixels` + `elsewhere` + `nobody` + `done` = `unit_cycles`.
+/// Attribution of the cycles of all units. `pixels` + `non_pixel` + `unattributed` + `done` = `unit_cycles`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Costs {
-    /// Units times cycles of the run.
+    /// Number of units times cycles of the run.
     pub unit_cycles: u64,
-    /// For pixels of the pictures.
+    /// Cycles for pixels of the pictures.
     pub pixels: Spent,
-    /// For polygons, objects and frames, and none of their pixels.
+    /// Cycles for polygons, objects and frames, without their pixels.
+    #[serde(rename = "non_pixel", alias = "elsewhere")]
     pub elsewhere: Spent,
-    /// For nobody: waits after a unit's last step.
+    /// Unattributed cycles: stalls after the last step of a unit.
+    #[serde(rename = "unattributed", alias = "nobody")]
     pub nobody: Spent,
-    /// Cycles after a unit's last step in a complete run.
+    /// Cycles after the last step of a unit in a complete run.
     pub done: u64,
-    /// By frame, all that is for it.
+    /// Cycles for each frame.
     pub frames: Vec<Spent>,
-    /// The most expensive objects, most first.
+    /// Objects with most cycles, largest first.
     pub objects: Vec<ObjectCost>,
-    /// The most expensive polygons, most first.
+    /// Polygons with most cycles, largest first.
     pub polygons: Vec<PolygonCost>,
-    /// All other objects.
+    /// Sum over all other objects.
     pub other_objects: Others,
-    /// All other polygons.
+    /// Sum over all other polygons.
     pub other_polygons: Others,
 }
 
-/// Cycles of units. `busy` + `starved` + `memory` + `blocked` = `cycles`.
+/// Cycle breakdown, added up over units. `busy` + `starved` + `memory` + `blocked` = `cycles`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Spent {
-    /// All of them.
+    /// All cycles.
     pub cycles: u64,
-    /// At work.
+    /// Busy cycles.
     pub busy: u64,
-    /// Waiting for a token.
+    /// Cycles stalled on an empty input FIFO.
     pub starved: u64,
-    /// Waiting for credits or answers of a memory.
+    /// Cycles stalled on memory.
     pub memory: u64,
-    /// Waiting for a slot.
+    /// Cycles stalled on a full output FIFO.
     pub blocked: u64,
 }
 
 impl Spent {
-    /// Its figures by name.
+    /// Returns the figures with their names.
     pub(crate) fn fields(&self) -> [(&'static str, u64); 5] {
         let &Self { cycles, busy, starved, memory, blocked } = self;
         [("cycles", cycles), ("busy", busy), ("starved", starved), ("memory", memory), ("blocked", blocked)]
     }
 }
 
-/// An object, over all frames.
+/// Cycles of an object, over all frames.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ObjectCost {
-    /// Its number, from 0.
+    /// Number of the object, from 0.
     pub object: u32,
-    /// Its name, where it comes from a scene that has one.
+    /// Name of the object in its scene, if any.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
-    /// Polygons that were drawn of it.
+    /// Drawn polygons.
     pub polygons: u64,
-    /// Fragments of these, hidden ones among them.
+    /// Fragments of the polygons, including hidden fragments.
     pub fragments: u64,
-    /// All that was for it, its polygons among it.
+    /// Cycles for the object, including its polygons.
+    #[serde(rename = "breakdown", alias = "spent")]
     pub spent: Spent,
 }
 
-/// A polygon.
+/// Cycles of a polygon.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct PolygonCost {
-    /// Number of its frame, from 0.
+    /// Frame, from 0.
     pub frame: u32,
-    /// Number in its frame, from 0, in the order of the display list.
+    /// Number in the frame, from 0, in the order of the display list.
     pub polygon: u32,
-    /// Number of its object; absent where it has none.
+    /// Object; absent if the polygon has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub object: Option<u32>,
-    /// Its fragments, hidden ones among them.
+    /// Fragments, including hidden fragments.
     pub fragments: u64,
-    /// The cycle in which the first step for it began.
+    /// First cycle of its first step.
     #[serde(default)]
     pub from: u64,
-    /// The cycle after its last step.
+    /// First cycle after its last step.
     #[serde(default)]
     pub to: u64,
-    /// All that was for it, its pixels among it.
+    /// Cycles for the polygon, including its pixels.
+    #[serde(rename = "breakdown", alias = "spent")]
     pub spent: Spent,
 }
 
-/// Those that are not listed.
+/// Sum over the objects or polygons that are not listed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Others {
-    /// How many.
+    /// Number of objects or polygons.
     pub count: u64,
-    /// Their fragments.
+    /// Fragments.
     pub fragments: u64,
-    /// What was for them.
+    /// Cycles.
+    #[serde(rename = "breakdown", alias = "spent")]
     pub spent: Spent,
 }

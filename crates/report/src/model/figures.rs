@@ -4,23 +4,24 @@ use basrelief_kernel::{self as kernel, HardwareKind, stats};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Equal pieces of hardware: no area and no energy, but counts that one can multiply.
+/// Equal pieces of hardware: counts and widths, without area and energy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Hardware {
-    /// Where: name of the unit, of the FIFO, or of the cache.
+    /// Unit, FIFO or cache.
     pub place: String,
-    /// What it is.
+    /// Kind of hardware.
     pub kind: HardwareKind,
-    /// What it is for.
+    /// Purpose.
+    #[serde(rename = "description", alias = "about")]
     pub about: String,
-    /// How many: operators, or words.
+    /// Number of operators or words.
     pub count: u64,
     /// Width of each \[bits\].
     pub width: u32,
 }
 
 impl Hardware {
-    /// Bits that it holds; 0 where it computes.
+    /// Returns the stored bits; 0 for operators.
     pub fn bits(&self) -> u64 {
         if self.kind.computes() { 0 } else { self.count.saturating_mul(u64::from(self.width)) }
     }
@@ -37,13 +38,13 @@ impl From<&kernel::Hardware> for Hardware {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Figure {
-    /// How many.
+    /// Count.
     Count(u64),
-    /// How much.
+    /// Real number.
     Real(f64),
-    /// In words.
+    /// Text.
     Text(String),
-    /// One per level, object, frame ...
+    /// One value per level, object or frame.
     List(Vec<Figure>),
 }
 
@@ -72,7 +73,7 @@ impl<T: Into<Figure>> From<Vec<T>> for Figure {
 }
 
 impl Figure {
-    /// Its value, if it is a number.
+    /// Returns the value, if it is a number.
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Count(n) => Some(*n as f64),
@@ -82,34 +83,35 @@ impl Figure {
     }
 }
 
-/// What a figure of a machine means.
+/// Meaning of a figure.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Legend {
-    /// Unit of measure, in the plural; absent for a ratio.
+    /// Unit of measure in the plural; absent for a ratio.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub unit: String,
-    /// What it is.
+    /// Meaning.
+    #[serde(rename = "description", alias = "about")]
     pub about: String,
-    /// What it is told side by side with; absent where it stands alone.
+    /// Group of figures that it belongs to, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub part: Option<Part>,
 }
 
-/// What a figure is told side by side with.
+/// Group of figures that belong together.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
-    /// With all that is divided by it: it is the work of the machine.
+    /// The work of the machine, such as fragments. Other figures are divided by it.
     Work,
-    /// With what else is counted on the route of this name.
+    /// Counts of the route with this name.
     Route(String),
-    /// With the other cycles of the circuit of this name: those in which it was started.
+    /// Cycles in which the circuit with this name was started.
     Started(String),
-    /// With the other cycles of the circuit of this name: those whose results were needed.
+    /// Cycles of the circuit with this name whose results were needed.
     Needed(String),
-    /// With what else is counted of the process of this name.
+    /// Counts of the process with this name.
     Process(String),
-    /// With the other columns of a table.
+    /// A column of a table.
     Column {
         /// Name of the table.
         table: String,
@@ -144,13 +146,13 @@ impl From<&stats::Figure> for Legend {
     }
 }
 
-/// A figure that follows from others.
+/// Figure derived from other figures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Derived {
     /// Rounded to 6 decimals.
     pub value: f64,
     /// Unit of measure; `1` for a ratio.
     pub unit: String,
-    /// How it follows, in names of this report.
+    /// Formula, in keys of this report.
     pub formula: String,
 }

@@ -3,53 +3,53 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How fast the host was.
+/// Speed of the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Host {
-    /// From start to end \[s\].
+    /// Time of the whole run \[s\].
     pub wall_s: f64,
-    /// From the first to the last simulated step, without import, reference, metrics or writing \[s\].
+    /// Time of the simulation, without import, reference, metrics and writing \[s\].
     pub simulate_s: f64,
-    /// Simulated cycles per second of `simulate_s`; absent from a functional run.
+    /// Simulated cycles per second of `simulate_s`. Absent for a functional run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycles_per_s: Option<f64>,
-    /// Fragments, or dots, per second of `simulate_s`.
+    /// Fragments or dots per second of `simulate_s`.
     pub fragments_per_s: f64,
-    /// What a real path has carried, and when pictures were there; absent where nothing came from a server.
+    /// Traffic and picture times of the real network path. Absent if no scene came from a server.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<RealPath>,
 }
 
-/// A real path, as the host has measured it; beside `first_picture_ms`, `final_picture_ms`, `picture_ms` and `path_bytes` of the
-/// modelled one.
+/// Measurements of a real network path. The figures `first_picture_ms`, `final_picture_ms`, `picture_ms` and `path_bytes` have the
+/// modelled values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RealPath {
-    /// From the request for the scene to the first picture \[ms\].
+    /// Time from the request for the scene to the first picture \[ms\].
     pub first_picture_ms: f64,
-    /// From there to the last picture of the first frame \[ms\].
+    /// Time from the first picture to the last picture of the first frame \[ms\].
     pub final_picture_ms: f64,
-    /// To each picture, from the end of the frame before \[ms\].
+    /// Time to each picture from the end of the frame before \[ms\].
     pub picture_ms: Vec<f64>,
-    /// To each picture, from the request for the scene \[ms\].
+    /// Time to each picture from the request for the scene \[ms\].
     pub picture_at_ms: Vec<f64>,
-    /// Of `first_picture_ms`, how long the path had nothing to do, since the host was at work \[ms\]: the rest is what the path took.
+    /// Part of `first_picture_ms` in which the path was idle because the host computed \[ms\].
     pub first_picture_idle_ms: f64,
-    /// The same of `final_picture_ms` \[ms\].
+    /// Part of `final_picture_ms` in which the path was idle \[ms\].
     pub final_picture_idle_ms: f64,
-    /// Connections opened.
+    /// Opened connections.
     pub connections: u64,
-    /// Requests made.
+    /// Requests.
     pub requests: u64,
     /// Bytes of requests.
     pub request_bytes: u64,
     /// Bytes of the scene, compressed.
     pub scene_bytes: u64,
-    /// Tiles that have come.
+    /// Received tiles.
     pub tiles: u64,
-    /// Their bytes.
+    /// Bytes of the received tiles.
     pub tile_bytes: u64,
-    /// Tiles that were to be asked for and were not, since their view was left for the next.
+    /// Tiles that were never requested because their view ended.
     pub abandoned_tiles: u64,
-    /// Bytes received beside scene and tiles: heads of answers, and answers that were of no use.
+    /// Received bytes of headers and of unused responses.
     pub head_bytes: u64,
 }

@@ -4,86 +4,88 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a memory moved.
+/// Traffic of a memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Memory {
-    /// By name, in order of port number.
+    /// Clients, in order of port number.
     pub clients: IndexMap<String, Client>,
-    /// In order of number.
+    /// Channels, in order of number.
     pub channels: Vec<Channel>,
-    /// When its buses moved data.
+    /// Utilization of the data buses over time.
     pub bus: Bus,
 }
 
-/// When the buses of a memory moved data: one number per interval of equal length.
+/// Utilization of the data buses of a memory over time, in intervals of equal length.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Bus {
     /// Length of an interval \[cycles\].
     pub interval: u64,
-    /// Cycles in which a bus moved data, added up over all channels, by interval from cycle 0; what is left out is 0.
+    /// Busy bus cycles of all channels in each interval, from cycle 0. Missing intervals are 0.
     pub busy: Vec<u64>,
 }
 
-/// What one channel of a memory moved.
+/// Traffic of one channel of a memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Channel {
-    /// Bursts that found their row open.
+    /// Bursts to an open row.
     pub row_hits: u64,
-    /// Bursts that found their bank closed.
+    /// Bursts to a closed bank.
     pub row_closed: u64,
-    /// Bursts that found another row open.
+    /// Bursts to a bank with another row open.
     pub row_conflicts: u64,
-    /// Changes between reading and writing.
+    /// Changes between reads and writes.
+    #[serde(rename = "turnarounds", alias = "turn_arounds")]
     pub turn_arounds: u64,
     /// Refreshes.
     pub refreshes: u64,
-    /// Cycles in which its bus moved data.
+    /// Busy cycles of the data bus.
     pub bus_busy: u64,
-    /// Sum over all cycles of the bursts that waited in its queue: divided by the cycles, the mean length of the queue.
+    /// Sum over all cycles of the bursts in the queue. Divided by the cycles, it is the mean queue length.
     pub queued: u64,
 }
 
-/// What one client of a memory moved and how it was served.
+/// Traffic and latency of one client of a memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Client {
     /// Read requests.
     pub reads: u64,
     /// Write requests.
     pub writes: u64,
-    /// Bytes asked for by reads.
+    /// Bytes requested by reads.
     pub read_bytes: u64,
-    /// Bytes given by writes.
+    /// Bytes written.
     pub write_bytes: u64,
-    /// Bursts moved; a request that is not aligned moves more bytes than it asks for.
+    /// Bursts. A request that is not aligned moves more bytes than it requests.
     pub bursts: u64,
-    /// Bursts that found their row open.
+    /// Bursts to an open row.
     pub row_hits: u64,
-    /// Bursts that found their bank closed.
+    /// Bursts to a closed bank.
     pub row_closed: u64,
-    /// Bursts that found another row open.
+    /// Bursts to a bank with another row open.
     pub row_conflicts: u64,
-    /// Cycles that its bursts waited in the queues of their channels, in view or not, beyond the one that each needs.
+    /// Cycles that its bursts waited in the queues of their channels, beyond the one cycle that each needs.
     pub queue_wait: u64,
-    /// `latency[k]` = requests answered after 2^k cycles or more and less than twice that; what is left out is 0.
+    /// `latency[k]` = requests with a latency of at least 2^k and less than 2^(k+1) cycles. Missing entries are 0.
     pub latency: Vec<u64>,
 }
 
 impl Client {
-    /// Bytes asked for, read and written.
+    /// Returns the bytes read and written.
     pub fn bytes(&self) -> u64 {
         self.read_bytes.saturating_add(self.write_bytes)
     }
 }
 
-/// What a cache's look-ups found.
+/// Hits and misses of a cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Cache {
-    /// hits + misses + merged.
+    /// Lookups: hits + misses + merged.
+    #[serde(rename = "lookups", alias = "look_ups")]
     pub look_ups: u64,
-    /// The line was there.
+    /// Lookups that found their line.
     pub hits: u64,
-    /// The line was requested from memory.
+    /// Lookups that requested their line from memory.
     pub misses: u64,
-    /// The line was on its way.
+    /// Lookups of a line that was already requested.
     pub merged: u64,
 }

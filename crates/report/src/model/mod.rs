@@ -16,4 +16,4 @@ pub use memory::{Bus, Cache, Channel, Client, Memory};
 pub use pictures::{Difference, Picture, PictureQuality};
 pub use run::{Cycles, Input, Outcome, OutcomeKind, Report, Size};
 pub use sensitivity::{Change, ComesTo, Measure, Moved, Sensitivity};
-pub use timing::{CriticalPath, Fifo, Limit, PathPart, PathPolygon, PathPolygons, Unit};
+pub use timing::{CriticalPath, FULLY_PIPELINED, Fifo, Limit, PathPart, PathPolygon, PathPolygons, UNBOUNDED_FIFO, Unit};

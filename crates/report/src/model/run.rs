@@ -12,96 +12,95 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// One run. Everything but `host` is the same to the bit whatever engine, host or number of threads made it.
+/// Report of one run. All parts except `host` are equal to the bit on every engine, host and number of threads.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Report {
-    /// `basrelief-report/1`.
+    /// `basrelief-report/3`.
     pub schema: String,
     /// Version of the simulator.
     pub version: String,
-    /// The machine, as `--machine` names it.
+    /// Machine, as in `--machine`.
     pub machine: String,
-    /// What was drawn.
+    /// Input of the run.
     pub input: Input,
-    /// How the run ended.
+    /// End of the run.
     pub outcome: Outcome,
-    /// The machine's configuration, every default filled in, in groups as in TOML.
+    /// Configuration of the machine with all defaults, in groups as in TOML.
     pub config: serde_json::Value,
-    /// Camera, light and view of the last frame.
+    /// Camera, light and viewer of the last frame.
     pub camera: Camera,
     /// Size of the pictures.
     pub size: Size,
-    /// Simulated time; this and the next four are absent from a functional run, which has no time.
+    /// Simulated time. A functional run has no timing, so it has no `cycles`, `units`, `fifos`, `memories` and `caches`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycles: Option<Cycles>,
-    /// Where the cycles of each unit went, by name, in the order of the block diagram.
+    /// Cycle breakdown of each unit, in the order of the block diagram.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub units: Option<IndexMap<String, Unit>>,
-    /// How full each FIFO was, by name.
+    /// Occupancy of each FIFO.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fifos: Option<IndexMap<String, Fifo>>,
-    /// What each memory moved, by name.
+    /// Traffic of each memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memories: Option<IndexMap<String, Memory>>,
-    /// What each cache's look-ups found, by name.
+    /// Hits and misses of each cache.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caches: Option<IndexMap<String, Cache>>,
-    /// What limits the run, most first: what it would take with one thing made ideal. Measured, by timing the same work again; absent
-    /// where it was not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Cycles saved when one resource is relaxed, largest saving first. Measured by resimulation; absent if it was not.
+    #[serde(rename = "bottlenecks", alias = "limits", default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Vec<Limit>>,
-    /// What the end of the last frame waited for, back to the first cycle; there where `limits` is.
+    /// Critical path that ends with the last frame. Present if `bottlenecks` is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub critical_path: Option<CriticalPath>,
-    /// Who the cycles of the units were for; absent where nobody has asked.
+    /// Cycles per object and polygon, with `--costs`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub costs: Option<Costs>,
-    /// What it comes to with each assumed parameter changed, one at a time; absent where nobody has asked.
+    /// Change of the run when one assumed parameter changes, with `--sensitivity`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensitivity: Option<Sensitivity>,
-    /// What the machine is built of, unit by unit, each before the FIFOs that it fills; then caches.
+    /// Hardware of each unit, followed by the FIFOs that it fills; then caches.
     #[serde(default)]
     pub hardware: Vec<Hardware>,
-    /// What the machine counts, as its units name it: fragments, searches, table look-ups ...
+    /// Counts of the machine, such as fragments, searches and table lookups.
     pub figures: IndexMap<String, Figure>,
-    /// What `figures` mean, by the same names.
+    /// Unit of measure and meaning of each figure.
     #[serde(default)]
     pub legend: IndexMap<String, Legend>,
-    /// The machine's pictures against the exact ones; absent where none were drawn.
+    /// Quality of the pictures against exact pictures. Absent if no exact pictures were drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quality: Option<PictureQuality>,
-    /// The pictures in order of time, the final one last.
+    /// Pictures in order of time; the final picture is last.
     pub image: Vec<Picture>,
-    /// Figures that follow from the others, each with its formula.
+    /// Figures derived from the other figures, each with its formula.
     pub derived: IndexMap<String, Derived>,
-    /// What the reader should know, one sentence each.
+    /// Warnings, one sentence each.
     pub warnings: Vec<String>,
-    /// How fast the host was: the only part that differs between equal runs; absent where reports are to be compared.
+    /// Speed of the host: the only part that differs between equal runs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub host: Option<Host>,
 }
 
 impl Report {
-    /// Cycles behind the last frame, in which what was drawn is shown. Of a run that was cut short nothing is known to be
-    /// behind its last frame.
+    /// Returns the scan-out tail: cycles after the last frame, in which the display shows it. The tail of an incomplete run is
+    /// unknown; the result is then 0.
     pub fn drain(&self) -> u64 {
         let ended = self.cycles.as_ref().filter(|c| self.outcome.kind == OutcomeKind::Complete && !c.frames.is_empty());
         ended.map_or(0, |cycles| cycles.drain)
     }
 
-    /// Of the drain, what this unit has behind its last step: all or nothing. Who has finished by the end of the last frame is
-    /// told in the cycles of the frames.
+    /// Returns the part of the scan-out tail after the last step of a unit: all of it, or 0. The breakdown of a unit that finishes
+    /// with the last frame covers the render cycles only.
     pub(crate) fn drain_of(&self, unit: &Unit) -> u64 {
         if unit.done >= self.drain() { self.drain() } else { 0 }
     }
 
-    /// Bytes that all memories moved, saturating, as a report may come from a file; none of a functional run.
+    /// Returns the bytes that all memories moved. Saturates, because a report may come from a file. `None` for a functional run.
     pub fn memory_bytes(&self) -> Option<u64> {
         let clients = self.memories.as_ref()?.values().flat_map(|memory| memory.clients.values());
         Some(clients.map(Client::bytes).fold(0, u64::saturating_add))
     }
 
-    /// The measures that a sensitivity analysis compares.
+    /// Returns the measures that a sensitivity analysis compares.
     pub fn measure(&self) -> Measure {
         Measure {
             cycles: self.frame_cycles(),
@@ -110,56 +109,56 @@ impl Report {
         }
     }
 
-    /// The machine's clock \[Hz\], where it has one.
+    /// Returns the clock of the machine \[Hz\], if it has one.
     pub(crate) fn clock_hz(&self) -> Option<f64> {
         self.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).filter(|hz| *hz > 0.0)
     }
 
-    /// Cycles of the frames: all but the [drain](Self::drain). None of a functional run.
+    /// Returns the render cycles: all cycles without the [scan-out tail](Self::drain). 0 for a functional run.
     pub fn frame_cycles(&self) -> u64 {
         self.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(self.drain()))
     }
 
-    /// Number of figure `name` of the machine.
+    /// Returns the value of a figure of the machine, if it is a number.
     pub fn device_number(&self, name: &str) -> Option<f64> {
         self.figures.get(name).and_then(Figure::number)
     }
 }
 
-/// What was drawn.
+/// Input of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Input {
-    /// `scene`, `demo`, `trace` ...
+    /// Kind: `scene`, `demo`, `trace` and others.
     pub kind: String,
-    /// File name or name of the demo, without the path.
+    /// Name of the file without its path, or of the demo.
     pub name: String,
-    /// SHA-256 of the canonical commands, in hexadecimal; empty where the run ended before the last of them.
+    /// SHA-256 of the canonical commands, in hexadecimal. Empty if the run ended before the last command.
     pub sha256: String,
 }
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Outcome {
-    /// In one word.
+    /// Kind of the end.
     pub kind: OutcomeKind,
-    /// What is stuck, or what went wrong.
+    /// Blocked units of a deadlock, or the reason of a fault.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
 }
 
-/// How a run ended, in one word.
+/// Kind of the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OutcomeKind {
-    /// Sources exhausted, FIFOs empty, no unit holds tokens.
+    /// All sources are exhausted, all FIFOs are empty, and no unit holds tokens.
     Complete,
-    /// Nothing could ever start again, and something was left.
+    /// No unit could start a step, and work was left.
     Deadlock,
-    /// The limit of cycles was reached.
+    /// The run reached its cycle limit.
     Limit,
     /// The caller stopped it.
     Stopped,
-    /// A unit could not go on.
+    /// A unit failed.
     Fault,
 }
 
@@ -175,10 +174,11 @@ pub struct Size {
 /// Simulated time \[cycles\].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Cycles {
-    /// 1 + the last cycle in which anything moved.
+    /// Last cycle with activity, plus 1.
     pub total: u64,
-    /// From the end of one frame to the end of the next.
+    /// Cycles of each frame, from the end of the frame before it.
     pub frames: Vec<u64>,
-    /// From the end of the last frame to the end of the run. `frames` and `drain` sum to `total`.
+    /// Cycles from the end of the last frame to the end of the run. `frames` and `scan_out_tail` sum to `total`.
+    #[serde(rename = "scan_out_tail", alias = "drain")]
     pub drain: u64,
 }

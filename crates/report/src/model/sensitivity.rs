@@ -5,81 +5,83 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// So many percent a decibel counts for where rows are put in order: a decibel more error is as much more in root mean square.
+/// Weight of a decibel in the order of rows \[%\]: one decibel is 12.2 % of root-mean-square error.
 const PERCENT_PER_DB: f64 = 12.2;
 
-/// A run with each assumed parameter changed, one at a time.
+/// Changes of a run when one assumed parameter changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Sensitivity {
-    /// The run as it is configured.
+    /// The run with the given configuration.
     pub base: Measure,
-    /// What moves most first, by the largest of its three moves, of which a decibel counts as 12.2 %; equal ones in the order of the
-    /// parameters; what came to no end last.
+    /// Changes, largest effect first. The effect is the largest of the changes of cycles, bytes and picture; a decibel counts as
+    /// 12.2 %. Equal effects keep the order of the parameters. Runs that did not finish are last.
     pub changes: Vec<Change>,
-    /// Assumed parameters that have no neighbours: texts, and lists without values.
+    /// Assumed parameters without neighbouring values: texts, and empty lists.
+    #[serde(rename = "not_varied", alias = "unchanged")]
     pub unchanged: Vec<String>,
 }
 
-/// What is measured of each run.
+/// Measures of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Measure {
-    /// Of the frames, without the drain behind the last.
+    /// Render cycles.
     pub cycles: u64,
-    /// That all memories moved.
+    /// Bytes that all memories moved.
     pub bytes: u64,
-    /// Of the final picture \[dB\]; absent without exact pictures.
+    /// PSNR of the final picture \[dB\]. Absent without exact pictures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
 }
 
-/// The run with one parameter at another value.
+/// Result of one changed parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Change {
-    /// As `--set` names it.
+    /// Parameter, as in `--set`.
     pub parameter: String,
-    /// What it is.
+    /// Meaning.
+    #[serde(rename = "description", alias = "about")]
     pub about: String,
-    /// Its unit of measure; empty for a switch or a choice.
+    /// Unit of measure; empty for a switch or a choice.
     pub unit: String,
-    /// Its value in the run.
+    /// Value in the base run.
     pub from: Value,
-    /// Its value here.
+    /// Changed value.
     pub to: Value,
-    /// What it comes to.
+    /// Result.
     #[serde(flatten)]
     pub comes_to: ComesTo,
 }
 
-/// What a change comes to.
+/// Result of a changed parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum ComesTo {
-    /// To another run, which came to its end.
+    /// A complete run.
     Run(Moved),
-    /// To none.
+    /// No complete run.
     Nothing {
-        /// `unfit`, `deadlock`, `limit`, `fault` or `error`, and why.
+        /// `unfit`, `deadlock`, `limit`, `fault` or `error`, and the reason.
         reason: String,
     },
 }
 
-/// How far a run is from the one as configured.
+/// Difference of a run from the base run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Moved {
-    /// What it came to.
+    /// Measures of the run.
     #[serde(flatten)]
     pub measure: Measure,
-    /// Change of the cycles, rounded to 6 decimals \[%\].
+    /// Change of the render cycles, rounded to 6 decimals \[%\].
     pub cycles_percent: f64,
-    /// Change of the bytes, rounded to 6 decimals \[%\]; 0 where none were moved before.
+    /// Change of the bytes, rounded to 6 decimals \[%\]. 0 if the base run moved no bytes.
     pub bytes_percent: f64,
-    /// Change of the picture, rounded to 6 decimals, more is better \[dB\]; absent without exact pictures.
+    /// Change of the PSNR, rounded to 6 decimals; more is better \[dB\]. Absent without exact pictures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr_change_db: Option<f64>,
 }
 
 impl Measure {
-    /// How far a run is from this one.
+    /// Returns the difference of a run from this one.
     pub fn moved(&self, to: Self) -> Moved {
         let percent = |from: u64, to: u64| if from == 0 { 0.0 } else { round6(100.0 * (to as f64 - from as f64) / from as f64) };
         Moved {
@@ -92,7 +94,7 @@ impl Measure {
 }
 
 impl Moved {
-    /// Its largest move \[%\].
+    /// Returns the largest change \[%\].
     pub(crate) fn size(&self) -> f64 {
         let decibels = self.psnr_change_db.unwrap_or(0.0) * PERCENT_PER_DB;
         self.cycles_percent.abs().max(self.bytes_percent.abs()).max(decibels.abs())
@@ -100,7 +102,7 @@ impl Moved {
 }
 
 impl Change {
-    /// How much it moves \[%\]; none where it came to no end.
+    /// Returns the largest change \[%\], or `None` if the run did not finish.
     pub(crate) fn size(&self) -> Option<f64> {
         match &self.comes_to {
             ComesTo::Run(moved) => Some(moved.size()),
@@ -110,9 +112,9 @@ impl Change {
 }
 
 impl Sensitivity {
-    /// Changes in the order of the parameters are put in that of what they move.
+    /// Sorts changes by their effect. `changes` are in the order of the parameters.
     pub fn new(base: Measure, mut changes: Vec<Change>, unchanged: Vec<String>) -> Self {
-        // Stable. None is less than any number.
+        // The sort is stable, and `None` is less than any number.
         changes.sort_by(|a, b| b.size().partial_cmp(&a.size()).unwrap_or(std::cmp::Ordering::Equal));
         Self { base, changes, unchanged }
     }

@@ -4,106 +4,113 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where a unit's cycles went. busy + starved + blocked + memory + done = `cycles.total`.
+/// Cycle breakdown of a unit. busy + starved + blocked + memory + done = `cycles.total`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Unit {
-    /// The patent's reference numeral.
+    /// Reference numeral in the patent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub numeral: Option<u32>,
-    /// Steps made.
+    /// Executed steps.
     pub steps: u64,
-    /// Tokens emitted, over all outputs; of a unit without outputs, tokens taken.
+    /// Tokens pushed to all outputs. For a unit without outputs, tokens taken.
     pub tokens: u64,
-    /// Cycles at work.
+    /// Busy cycles.
     pub busy: u64,
-    /// Cycles without a visible token, by input FIFO; every input is listed.
+    /// Cycles stalled on an empty input FIFO, by FIFO. Lists every input.
     pub starved: IndexMap<String, u64>,
-    /// Cycles without a free slot, by output FIFO; every output is listed.
+    /// Cycles stalled on a full output FIFO, by FIFO. Lists every output.
     pub blocked: IndexMap<String, u64>,
-    /// Cycles waiting for credits or answers, by memory client; every client is listed.
+    /// Cycles stalled on memory credits or responses, by client. Lists every client.
     pub memory: IndexMap<String, u64>,
-    /// Cycles after its last step.
+    /// Cycles after the last step.
     pub done: u64,
 }
 
-/// How full a FIFO was.
+/// Occupancy of a FIFO.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Fifo {
-    /// Slots.
+    /// Depth \[slots\].
     pub depth: u64,
-    /// Tokens that were pushed.
+    /// Pushed tokens.
     pub tokens: u64,
-    /// Most slots ever held.
+    /// Largest number of occupied slots.
     pub high_water: u64,
-    /// `histogram[k]` = cycles with k slots held, k = 0 ..= depth; sums to `cycles.total`.
+    /// `histogram[k]` = cycles with k occupied slots, k = 0 ..= depth. Sums to `cycles.total`.
     pub histogram: Vec<u64>,
 }
 
-/// A chain of work and waits, without gap or overlap, from the first cycle to the end of the last frame. Another may be as long:
-/// what something costs is told by [`Limit`].
+/// Chain of work and stalls from the first cycle to the end of the last frame, without gap or overlap. Other paths may tie.
+/// [`Limit`] lists the cycles that a change would save.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct CriticalPath {
-    /// The sum over all parts.
+    /// Sum over all parts.
     pub cycles: u64,
     /// Longest first.
     pub parts: Vec<PathPart>,
-    /// The same cycles by polygon, where costs were asked for.
+    /// The same cycles by polygon, with `--costs`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub polygons: Option<PathPolygons>,
 }
 
-/// Cycles of a critical path by polygon: a stretch is for what the step is for that it begins with. `listed` + `others` + `elsewhere` =
+/// Cycles of a critical path by polygon. A segment counts for the polygon of its first step. `listed` + `others` + `no_polygon` =
 /// `cycles` of the path.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct PathPolygons {
-    /// Those with most of it, most first.
+    /// Polygons with most cycles, largest first.
     pub listed: Vec<PathPolygon>,
-    /// Cycles for all other polygons.
+    /// Cycles of all other polygons.
     pub others: u64,
-    /// Cycles for objects and frames, and none of their polygons; and for nobody.
+    /// Cycles that belong to no polygon: of objects, of frames, or unattributed.
+    #[serde(rename = "no_polygon", alias = "elsewhere")]
     pub elsewhere: u64,
 }
 
-/// A polygon's part of a critical path.
+/// Part of a critical path that belongs to one polygon.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct PathPolygon {
-    /// Number of its frame, from 0.
+    /// Frame, from 0.
     pub frame: u32,
-    /// Number in its frame, from 0, in the order of the display list.
+    /// Number in the frame, from 0, in the order of the display list.
     pub polygon: u32,
-    /// Number of its object; absent where it has none.
+    /// Object; absent if the polygon has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub object: Option<u32>,
     /// \[cycles\]
     pub cycles: u64,
 }
 
-/// All stretches of a critical path that are spent on one thing.
+/// All segments of a critical path of one kind at one resource.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct PathPart {
-    /// Name of a unit, FIFO or memory client; empty for what is left in flight at the end.
+    /// Unit, FIFO or memory client. Empty for the tokens in flight at the end.
     pub resource: String,
-    /// Of a unit `occupancy` or `latency`; of a FIFO `FIFO`, which is its latency and one token per cycle, or `slot`; of a request
-    /// `arrival`, `bus`, `bank`, `data`, `order` or `cache`; or `rest`.
+    /// For a unit: `occupancy` or `latency`. For a FIFO: `FIFO` (its latency and one token per cycle) or `slot`. For a request:
+    /// `arrival`, `bus`, `bank`, `data`, `order` or `cache`. Otherwise `rest`.
+    #[serde(rename = "kind", alias = "what")]
     pub what: String,
     /// \[cycles\]
     pub cycles: u64,
-    /// Of these, those within each frame.
+    /// The same cycles by frame.
     pub frames: Vec<u64>,
 }
 
-/// What a run would take with something made ideal: cycles of its frames, without the drain behind the last. A full run with `set`
-/// takes exactly these.
+/// Relaxation of a unit: it starts a step in every cycle.
+pub const FULLY_PIPELINED: &str = "fully pipelined (II = 1)";
+/// Relaxation of a FIFO: it is never full.
+pub const UNBOUNDED_FIFO: &str = "unbounded FIFO";
+
+/// Render cycles with one resource relaxed. A full run with the options of `set` takes exactly these cycles.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Limit {
-    /// What is made ideal: name of a unit, FIFO, memory or cache; or two of them.
+    /// Relaxed unit, FIFO, memory or cache; or two of them.
     pub resource: String,
-    /// How.
+    /// Relaxation, such as `fully pipelined (II = 1)`.
+    #[serde(rename = "relaxation", alias = "what")]
     pub what: String,
     /// Parameters, as `--set` takes them.
     pub set: Vec<String>,
-    /// Cycles of the frames then.
+    /// Render cycles with the relaxation.
     pub cycles: u64,
-    /// Cycles fewer than as it was.
+    /// Saved render cycles.
     pub saved: u64,
 }

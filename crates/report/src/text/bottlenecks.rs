@@ -1,7 +1,7 @@
-//! What limits a run, as it was measured: a sentence, and a table.
+//! Measured bottlenecks: a sentence and a table.
 
 use super::table::{Align, Table};
-use crate::model::{Limit, PathPart, PathPolygon, PathPolygons, Report};
+use crate::model::{FULLY_PIPELINED, Limit, PathPart, PathPolygon, PathPolygons, Report, UNBOUNDED_FIFO};
 use crate::number::{about, percent, thousands};
 use Align::{Left, Right};
 
@@ -9,25 +9,50 @@ use Align::{Left, Right};
 const ROWS: usize = 8;
 /// Most parts of the critical path in its sentence.
 const PARTS: usize = 4;
-/// What is worth a word beside the first \[share of the cycles\].
+/// Smallest second saving that the sentence mentions \[share of the cycles\].
 const WORTH: f64 = 0.01;
 
-/// The first two in words, and what helps most together; none where nothing was measured.
+/// The two largest savings, and the pair that saves most together. Returns `None` if nothing was measured.
 pub(super) fn sentence(report: &Report) -> Option<String> {
     let limits = report.limits.as_ref()?;
     let total = report.frame_cycles();
     let share = |limit: &Limit| limit.saved as f64 / total.max(1) as f64;
     let (pairs, singles): (Vec<&Limit>, Vec<&Limit>) = limits.iter().partition(|limit| is_pair(limit));
-    let says = |limit: &Limit| format!("{} with {} saves {}", limit.resource, limit.what, about(share(limit)));
     let Some(first) = singles.first().or(pairs.first()) else {
-        let same = "it takes as many cycles with any unit, FIFO, memory or cache made ideal";
-        return Some(format!("Nothing limits this run by itself: {same}."));
+        return Some("No single bottleneck: relaxing any one unit, FIFO, memory or cache saves no cycles.".into());
     };
-    // Another way to better the same thing says nothing new.
+    // A second relaxation of the same resource adds no information.
     let second = singles.iter().skip(1).find(|l| l.resource != first.resource && share(l) >= WORTH);
     let pair = pairs.first().filter(|pair| share(pair) >= share(first) + WORTH);
-    let more: String = second.into_iter().chain(pair).map(|limit| format!("; {}", says(limit))).collect();
-    Some(format!("What limits this run: {} of the cycles{more}.", says(first)))
+    let more: String =
+        second.into_iter().chain(pair).map(|limit| format!(" {} {}.", relaxed(limit), about(share(limit)))).collect();
+    Some(format!("Bottleneck: {}. {} {} of the cycles.{more}", quoted(&first.resource), relaxed_it(first), about(share(first))))
+}
+
+/// Start of the sentence about the saving of a resource that the sentence before names.
+fn relaxed_it(limit: &Limit) -> String {
+    let subject = if is_pair(limit) { "both" } else { "it" };
+    match limit.what.as_str() {
+        FULLY_PIPELINED => format!("Fully pipelined (II = 1) {subject} would save"),
+        UNBOUNDED_FIFO if !is_pair(limit) => "An unbounded FIFO would save".into(),
+        other => format!("With {other} {subject} would save"),
+    }
+}
+
+/// Start of the sentence about the saving of a resource.
+fn relaxed(limit: &Limit) -> String {
+    let name = quoted(&limit.resource);
+    match limit.what.as_str() {
+        what if is_pair(limit) => format!("{name} together ({what}) would save"),
+        UNBOUNDED_FIFO => format!("An unbounded {name} FIFO would save"),
+        FULLY_PIPELINED => format!("{name} fully pipelined (II = 1) would save"),
+        other => format!("{name} with {other} would save"),
+    }
+}
+
+/// Names in code quotes.
+fn quoted(resource: &str) -> String {
+    format!("`{}`", resource.replace(" and ", "` and `"))
 }
 
 /// The first parts of the critical path; none where it is not known.
@@ -35,7 +60,7 @@ pub(super) fn path(report: &Report) -> Option<String> {
     let path = report.critical_path.as_ref()?;
     let parts: Vec<String> = path.parts.iter().take(PARTS).map(|part| part_text(part, path.cycles)).collect();
     let polygons = path.polygons.as_ref().map_or(String::new(), |polygons| by_polygon(polygons, path.cycles));
-    Some(format!("Critical path, one of several that may be as long: {}.{polygons}", parts.join(", ")))
+    Some(format!("Critical path (others may tie): {}.{polygons}", parts.join(", ")))
 }
 
 /// The polygons with most of the path, in a sentence.
@@ -58,7 +83,8 @@ fn is_pair(limit: &Limit) -> bool {
 
 /// The first few.
 pub(super) fn table(report: &Report) -> Table {
-    let mut table = Table::new(&[("Made ideal", Left, 0), ("how", Left, 0), ("cycles", Right, 0), ("saved %", Right, 0)]);
+    let mut table =
+        Table::new(&[("Relaxed resource", Left, 0), ("relaxation", Left, 0), ("cycles", Right, 0), ("saved %", Right, 0)]);
     let total = report.frame_cycles();
     for limit in report.limits.iter().flatten().take(ROWS) {
         let Limit { resource, what, cycles, saved, .. } = limit;
@@ -79,19 +105,19 @@ mod tests {
     }
 
     #[test]
-    fn the_first_two_stand_in_a_sentence_and_the_rest_in_the_table() {
+    fn two_savings_in_sentence_others_in_table() {
         let mut report = samples::simulated();
         let total = report.frame_cycles();
         assert_eq!(sentence(&report), None);
         report.limits = Some(vec![]);
-        assert!(sentence(&report).unwrap().starts_with("Nothing limits"));
+        assert!(sentence(&report).unwrap().starts_with("No single bottleneck"));
         report.limits = Some(vec![
-            limit("search", "a cycle per step", total / 2, total),
-            limit("search and reader", "a cycle per step", total / 2, total),
-            limit("texels", "no latency", total / 4, total),
+            limit("search", FULLY_PIPELINED, total / 2, total),
+            limit("search and reader", FULLY_PIPELINED, total * 3 / 4, total),
+            limit("texels", UNBOUNDED_FIFO, total / 4, total),
         ]);
-        let expected =
-            "What limits this run: search with a cycle per step saves 50 % of the cycles; texels with no latency saves 25 %.";
+        let expected = "Bottleneck: `search`. Fully pipelined (II = 1) it would save 50 % of the cycles. An unbounded `texels` FIFO \
+                        would save 25 %. `search` and `reader` together (fully pipelined (II = 1)) would save 75 %.";
         assert_eq!(sentence(&report).unwrap(), expected);
         assert_eq!(table(&report).render(Style::default()).lines().count(), 5);
     }

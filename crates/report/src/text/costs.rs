@@ -34,16 +34,16 @@ fn row(table: &mut Table, cells: impl IntoIterator<Item = String>, (spent, all):
     table.row(cells.into_iter().chain(self::cells(spent, all)));
 }
 
-/// For whom the cycles were.
+/// Cycles per object and polygon.
 pub(crate) fn whom(report: &Report) -> Table {
-    let mut whom = table(&[("Cycles of all units for", Left, 0)]);
+    let mut whom = table(&[("Cycles spent on", Left, 0)]);
     let Some(costs) = &report.costs else { return whom };
     let done = Spent { cycles: costs.done, ..Spent::default() };
     let rows = [
         ("pixels", &costs.pixels),
         ("polygons, objects, frames", &costs.elsewhere),
-        ("nobody: waits at the end", &costs.nobody),
-        ("nobody: done", &done),
+        ("unattributed: stalls at the end", &costs.nobody),
+        ("idle after the last step", &done),
     ];
     for (name, spent) in rows.into_iter().filter(|(_, spent)| spent.cycles > 0) {
         row(&mut whom, [name.to_owned()], (spent, costs.unit_cycles));
@@ -82,7 +82,7 @@ pub(crate) fn polygons(report: &Report, most: usize) -> Table {
     polygons
 }
 
-/// What a terminal shows of it.
+/// Tables for the terminal.
 pub(crate) fn tables(report: &Report) -> [Table; 3] {
     [whom(report), objects(report, SHOWN), polygons(report, SHOWN)]
 }

@@ -1,4 +1,4 @@
-//! What a machine is built of, as tables.
+//! Tables of the hardware.
 
 use super::style::Style;
 use super::table::{Align, Table};
@@ -7,7 +7,7 @@ use crate::number::thousands;
 use Align::{Left, Right};
 use basrelief_kernel::HardwareKind;
 
-/// Totals by kind: of what computes how many, of what holds bits how many bits; and where most of it is.
+/// Totals by kind: number of operators, or bits of storage; and the unit that has most.
 pub(crate) fn totals(report: &Report) -> Table {
     let mut table = Table::new(&[("Hardware", Left, 0), ("pieces", Right, 1), ("bits", Right, 0), ("most of it", Left, 2)]);
     for kind in HardwareKind::ALL {

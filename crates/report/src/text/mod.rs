@@ -1,7 +1,7 @@
-//! The report as people read it on a terminal: what limits the run, in one sentence, then tables.
+//! The report on a terminal: the bottleneck in a sentence, then tables.
 //!
-//! Columns that matter least go first where the width does not hold them all. Shares of cycles are in percent; a share
-//! of exactly nothing is left blank. Colour is off unless asked for.
+//! If the terminal is too narrow, the least important columns are dropped first. Shares are in percent; a share of exactly 0 is
+//! blank. Colour is off by default.
 
 pub(crate) mod bottlenecks;
 pub(crate) mod costs;
@@ -15,7 +15,7 @@ mod tables;
 
 pub use hardware::hardware;
 
-use crate::bottleneck::blame;
+use crate::bottleneck::diagnose;
 use crate::model::{Cycles, OutcomeKind, Report};
 use crate::number;
 pub(crate) use style::Paint;
@@ -23,14 +23,13 @@ pub use style::Style;
 pub use table::Align;
 pub use tables::Tables;
 
-/// The report: what the run was, what it cost and what limits it, then these tables; parts are parted by empty lines, with a line
-/// feed at the end.
+/// Returns the report: heading, summary, bottleneck, then these tables. Empty lines separate the parts; a line feed ends the text.
 pub fn to_text(report: &Report, style: Style, tables: &[Tables]) -> String {
     let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report)))];
     parts.push(summary::lines(report).iter().map(|line| style.wrap(line)).collect::<Vec<_>>().join("\n"));
-    parts.push(style.wrap(&what_limits(report)));
+    parts.push(style.wrap(&bottleneck_sentence(report)));
     parts.extend(bottlenecks::path(report).map(|path| style.wrap(&path)));
-    // Who asks for one of these wants to see it.
+    // A run with one of these options shows its table.
     let asked = [(Tables::Costs, report.costs.is_some()), (Tables::Sensitivity, report.sensitivity.is_some())];
     let asked = asked.into_iter().filter(|(_, is_there)| *is_there).map(|(table, _)| table);
     let tables: Vec<Tables> = tables.iter().copied().chain(asked).collect();
@@ -45,16 +44,16 @@ pub fn to_text(report: &Report, style: Style, tables: &[Tables]) -> String {
     parts.join("\n\n") + "\n"
 }
 
-/// What there is beside the tables that are shown.
+/// Sentence that lists the tables that are not shown.
 fn more(report: &Report, shown: &[Tables]) -> Option<String> {
     let rest: Vec<&str> =
         Tables::ALL.iter().filter(|of| !shown.contains(of) && !of.of(report).is_empty()).map(|of| of.name()).collect();
-    (!rest.is_empty()).then(|| format!("More with --tables all, or some of {}.", rest.join(",")))
+    (!rest.is_empty()).then(|| format!("More tables: --tables all, or any of {}.", rest.join(",")))
 }
 
-/// In one sentence: as it was measured, or else as it follows from the accounting.
-pub(crate) fn what_limits(report: &Report) -> String {
-    bottlenecks::sentence(report).unwrap_or_else(|| blame(report).sentence)
+/// Returns the bottleneck in words: as measured, otherwise from the cycle accounting.
+pub(crate) fn bottleneck_sentence(report: &Report) -> String {
+    bottlenecks::sentence(report).unwrap_or_else(|| diagnose(report).sentence)
 }
 
 fn title(report: &Report) -> String {
@@ -75,16 +74,16 @@ fn title(report: &Report) -> String {
 }
 
 fn frames(report: &Report, cycles: &Cycles) -> Vec<String> {
-    let drain = match report.drain() {
-        0 => String::new(),
-        drain => format!(" and {} of drain", number::thousands(drain)),
+    let render = number::thousands(report.frame_cycles());
+    let total = match report.drain() {
+        0 => format!("{render} cycles"),
+        tail => format!("{render} render cycles; display scan-out ends {} cycles later", number::thousands(tail)),
     };
-    let total = format!("{} cycles{drain}", number::thousands(report.frame_cycles()));
     let (least, most) = (cycles.frames.iter().min(), cycles.frames.iter().max());
     let frames = least.zip(most).filter(|_| cycles.frames.len() > 1).map(|(&least, &most)| {
         let (least, most) = (number::thousands(least), number::thousands(most));
         let range = if least == most { least } else { format!("{least} to {most}") };
-        format!("{} frames of {range}", cycles.frames.len())
+        format!("{} frames of {range} cycles", cycles.frames.len())
     });
     std::iter::once(total).chain(frames).collect()
 }
@@ -108,17 +107,14 @@ mod tests {
     }
 
     #[test]
-    fn the_first_screen_answers_and_says_what_more_there_is() {
+    fn first_screen_lists_further_tables() {
         let report = samples::balanced();
         let text = to_text(&report, Style::default(), &[]);
         assert!(text.contains("cycles per frame") && text.contains("bytes of memory traffic per frame"), "{text}");
         assert!(text.lines().count() < 20, "{text}");
-        assert!(text.contains("More with --tables all, or some of units,fifos,memories,"), "{text}");
+        assert!(text.contains("More tables: --tables all, or any of units,fifos,memories,"), "{text}");
         let units = to_text(&report, Style::default(), &[Tables::Units]);
-        assert!(
-            units.contains("shares of the cycles of the frames") && !units.contains("--tables all, or some of units"),
-            "{units}"
-        );
+        assert!(units.contains("% of render cycles") && !units.contains("--tables all, or any of units"), "{units}");
         assert!(!to_text(&report, Style::default(), &Tables::ALL).contains("--tables"));
     }
 
@@ -129,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_for_whom_stands_in_tables() {
+    fn cost_tables_show_attribution() {
         insta::assert_snapshot!(
             "costs",
             costs::tables(&samples::costed()).map(|table| table.render(Style::default())).join("\n\n")
@@ -152,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_of_one_length_are_told_as_a_table_and_long_ones_cut_short() {
+    fn equal_length_lists_become_a_table_cut_short() {
         let mut report = samples::with_routes();
         let list = |n: u64| crate::model::Figure::List((0..n).map(Into::into).collect());
         for column in ["texture", "layer", "loaded"] {

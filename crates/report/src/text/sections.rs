@@ -1,7 +1,7 @@
 //! The tables, one function each.
 
 use super::table::{Align, Table};
-use crate::bottleneck::{Wait, largest_wait};
+use crate::bottleneck::{Stall, largest_stall};
 use crate::model::{Difference, Fifo, Figure, Part, RealPath, Report};
 use crate::number::{percent, real, thousands};
 use crate::work;
@@ -21,7 +21,7 @@ pub(crate) fn units(report: &Report) -> Table {
         ("blocked %", Right, 0),
         ("memory %", Right, 0),
         ("done %", Right, 1),
-        ("waits most", Left, 2),
+        ("main stall", Left, 2),
     ]);
     for (name, unit) in report.units.iter().flatten() {
         let drain = report.drain_of(unit);
@@ -35,18 +35,18 @@ pub(crate) fn units(report: &Report) -> Table {
             share(sum(unit.blocked.values())),
             share(sum(unit.memory.values())),
             share(unit.done - drain),
-            largest_wait(unit).map_or(String::new(), |(wait, _)| cause(wait)),
+            largest_stall(unit).map_or(String::new(), |(wait, _)| cause(wait)),
         ]);
     }
     table
 }
 
 /// A wait in two words, as in the tables, the comparison and the time line.
-pub(crate) fn cause(wait: Wait<'_>) -> String {
+pub(crate) fn cause(wait: Stall<'_>) -> String {
     match wait {
-        Wait::Starved(fifo) => format!("starved: {fifo}"),
-        Wait::Blocked(fifo) => format!("blocked: {fifo}"),
-        Wait::Memory(client) => format!("memory: {client}"),
+        Stall::Starved(fifo) => format!("starved: {fifo}"),
+        Stall::Blocked(fifo) => format!("blocked: {fifo}"),
+        Stall::Memory(client) => format!("memory: {client}"),
     }
 }
 
@@ -153,18 +153,18 @@ pub(crate) fn channels(report: &Report) -> Table {
         ("Channel", Left, 0),
         ("no.", Right, 0),
         ("bus busy", Right, 0),
-        ("frames %", Right, 0),
+        ("bus %", Right, 0),
         ("over time", Left, 2),
         ("row hits %", Right, 1),
         ("conflicts %", Right, 3),
-        ("turn-arounds", Right, 4),
+        ("turnarounds", Right, 4),
         ("refreshes", Right, 5),
         ("mean queue", Right, 1),
     ]);
     let total = report.cycles.as_ref().map_or(0, |cycles| cycles.total);
     for (name, memory) in report.memories.iter().flatten() {
         let bus =
-            report.derived.get(&format!("{name}.bus_utilisation")).map_or(String::new(), |d| format!("{:.1}", 100.0 * d.value));
+            report.derived.get(&format!("{name}.bus_utilization")).map_or(String::new(), |d| format!("{:.1}", 100.0 * d.value));
         for (number, c) in memory.channels.iter().enumerate().filter(|(_, c)| c.bus_busy > 0) {
             let first = |text: &str| if number == 0 { text.to_owned() } else { String::new() };
             let bursts = c.row_hits + c.row_closed + c.row_conflicts;
@@ -187,7 +187,7 @@ pub(crate) fn channels(report: &Report) -> Table {
 
 pub(crate) fn caches(report: &Report) -> Table {
     let columns =
-        [("Cache", Left, 0), ("look-ups", Right, 0), ("hits %", Right, 0), ("misses %", Right, 0), ("merged %", Right, 1)];
+        [("Cache", Left, 0), ("lookups", Right, 0), ("hits %", Right, 0), ("misses %", Right, 0), ("merged %", Right, 1)];
     let mut table = Table::new(&columns);
     for (name, c) in report.caches.iter().flatten() {
         let share = |n: u64| percent(n, c.look_ups);
@@ -306,10 +306,10 @@ pub(crate) fn quality(report: &Report) -> Table {
     table
 }
 
-/// Derived figures, but for the utilisation of units, idle circuits and the hit rates, which stand in their tables.
+/// Derived figures, but for the utilization of units, idle circuits and the hit rates, which stand in their tables.
 pub(crate) fn derived(report: &Report) -> Table {
     let mut table = Table::new(&[("Derived", Left, 0), ("", Right, 0), ("", Left, 1)]);
-    let told = |name: &str| [".utilisation", ".hit_rate", ".idle"].iter().any(|end| name.ends_with(end));
+    let told = |name: &str| [".utilization", ".hit_rate", ".idle"].iter().any(|end| name.ends_with(end));
     for (name, d) in report.derived.iter().filter(|(name, _)| !told(name)) {
         let (value, unit) = if d.unit == "1" { (100.0 * d.value, "%") } else { (d.value, d.unit.as_str()) };
         table.row([name.clone(), rounded(value), unit.into()]);
@@ -317,7 +317,7 @@ pub(crate) fn derived(report: &Report) -> Table {
     table
 }
 
-/// About five significant digits: what people compare.
+/// Rounds to about five significant digits.
 fn rounded(x: f64) -> String {
     match x.abs() {
         a if a >= 1e4 => real(x.round()),
@@ -326,23 +326,23 @@ fn rounded(x: f64) -> String {
     }
 }
 
-/// When pictures were there on a real path, beside the modelled times, and what it carried.
+/// Picture times of a real path beside the modelled times, and its traffic.
 fn real_path(report: &Report, path: &RealPath) -> String {
     let time = |name: &str, measured: f64, idle: f64| {
-        let modelled = report.device_number(name).map_or(String::new(), |ms| format!("modelled: {:.2} s; ", ms / 1e3));
-        format!("{:.2} s ({modelled}the path was idle for {:.2} s of it)", measured / 1e3, idle / 1e3)
+        let modelled = report.device_number(name).map_or(String::new(), |ms| format!("modelled {:.2} s, ", ms / 1e3));
+        format!("{:.2} s ({modelled}path idle for {:.2} s)", measured / 1e3, idle / 1e3)
     };
     let first = time("first_picture_ms", path.first_picture_ms, path.first_picture_idle_ms);
     let last = time("final_picture_ms", path.final_picture_ms, path.final_picture_idle_ms);
     let RealPath { connections, requests, request_bytes, scene_bytes, tiles, tile_bytes, head_bytes, abandoned_tiles, .. } = path;
     let abandoned = match abandoned_tiles {
         0 => String::new(),
-        n => format!(" {n} tiles were not asked for any more when their view was left."),
+        n => format!(" {n} tiles were dropped when their view ended."),
     };
     format!(
-        "On the real path the first picture was there after {first}, the final one of its frame after {last}. {requests} requests of \
-         {request_bytes} bytes on {connections} connections brought {scene_bytes} bytes of the scene, {tile_bytes} of {tiles} tiles, and \
-         {head_bytes} around them.{abandoned}"
+        "Real path: the first picture arrived after {first}, the final picture of its frame after {last}. Sent: {requests} requests \
+         ({request_bytes} bytes) on {connections} connections. Received: {scene_bytes} bytes of the scene, {tile_bytes} bytes of \
+         {tiles} tiles, {head_bytes} bytes of headers.{abandoned}"
     )
 }
 

@@ -12,15 +12,15 @@ const SHOWN: usize = 20;
 /// Longest words about a parameter in a table \[characters\].
 const ABOUT: usize = 32;
 
-/// What its tables tell of how many.
+/// Caption of the table of changes.
 pub(crate) fn caption(sensitivity: &Sensitivity) -> String {
     let Measure { cycles, bytes, psnr_db } = sensitivity.base;
     let count = |is: &dyn Fn(Option<f64>) -> bool| sensitivity.changes.iter().filter(|change| is(change.size())).count();
     let (still, failed) = (count(&|size| size == Some(0.0)), count(&|size| size.is_none()));
     let picture = psnr_db.map_or_else(String::new, |db| format!(", {} dB", two(db)));
     format!(
-        "assumed parameters, one at a time; against {} cycles, {} bytes{picture}. {} changes, largest first; {still} move \
-         nothing, {failed} come to no end; all of them in report.json",
+        "one assumed parameter changed at a time, against {} cycles, {} bytes{picture}. {} changes, largest first; {still} have no \
+         effect, {failed} did not finish; report.json lists all",
         thousands(cycles),
         thousands(bytes),
         sensitivity.changes.len()
@@ -32,7 +32,7 @@ fn two(x: f64) -> String {
     real((x * 100.0).round() / 100.0)
 }
 
-/// With a sign and two decimals at most; nothing where nothing moves, so that the eye finds what does.
+/// Formats a change with a sign and at most two decimals. Empty for 0, so that other changes stand out.
 fn moved(x: f64) -> String {
     match x {
         0.0 => String::new(),
@@ -57,7 +57,7 @@ fn brief(about: &str) -> String {
     format!("{} ...", cut.rsplit_once(' ').map_or(cut.as_str(), |(whole, _)| whole))
 }
 
-/// What moves most.
+/// Table of the largest changes.
 pub(crate) fn changes(sensitivity: &Sensitivity) -> Table {
     let mut table = Table::new(&[
         ("Parameter", Left, 0),
@@ -66,7 +66,7 @@ pub(crate) fn changes(sensitivity: &Sensitivity) -> Table {
         ("cycles %", Right, 0),
         ("bytes %", Right, 0),
         ("dB", Right, 0),
-        ("what it is", Left, 1),
+        ("description", Left, 1),
     ]);
     let moving = sensitivity.changes.iter().filter_map(|change| match &change.comes_to {
         ComesTo::Run(moved) if moved.size() > 0.0 => Some((change, moved)),
@@ -86,9 +86,9 @@ pub(crate) fn changes(sensitivity: &Sensitivity) -> Table {
     table
 }
 
-/// What came to no end.
+/// Table of the runs that did not finish.
 pub(crate) fn failed(sensitivity: &Sensitivity) -> Table {
-    let mut table = Table::new(&[("Parameter", Left, 0), ("from", Right, 0), ("to", Right, 0), ("why there is no run", Left, 0)]);
+    let mut table = Table::new(&[("Parameter", Left, 0), ("from", Right, 0), ("to", Right, 0), ("reason", Left, 0)]);
     for change in &sensitivity.changes {
         if let ComesTo::Nothing { reason } = &change.comes_to {
             table.row([change.parameter.clone(), plain(&change.from), plain(&change.to), reason.clone()]);
@@ -133,14 +133,14 @@ mod tests {
     }
 
     #[test]
-    fn what_moves_most_comes_first_and_what_has_no_end_last() {
+    fn largest_change_is_first_and_failed_run_last() {
         let names: Vec<String> = sensitivity().changes.into_iter().map(|change| change.parameter).collect();
         // 24.4 %, 20 %, 10 % twice, nothing.
         assert_eq!(names, ["picture", "bytes", "fast", "fast as well", "still", "stuck"]);
     }
 
     #[test]
-    fn moves_are_against_the_run_as_configured() {
+    fn changes_are_relative_to_the_base_run() {
         let moved = BASE.moved(Measure { cycles: 1333, bytes: 0, psnr_db: None });
         assert_eq!((moved.cycles_percent, moved.bytes_percent, moved.psnr_change_db), (33.3, -100.0, None));
         let nothing = Measure { cycles: 0, bytes: 0, psnr_db: None };
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tables_tell_what_moves_and_what_fails() {
+    fn sensitivity_tables_list_changes_and_failures() {
         let report = Report { sensitivity: Some(sensitivity()), ..samples::balanced() };
         let text = to_text(&report, Style { width: 120, color: false }, &[]);
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
@@ -156,7 +156,7 @@ mod tests {
         has("bytes 64 32 +20 Slots");
         has("stuck 64 32 deadlock: a waits for b");
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(words.contains("6 changes, largest first; 1 move nothing, 1 come to no end"), "{text}");
+        assert!(words.contains("6 changes, largest first; 1 have no effect, 1 did not finish"), "{text}");
         assert!(!text.contains("still  "), "{text}");
         assert!(!to_text(&samples::balanced(), Style::default(), &Tables::ALL).contains("assumed parameters"));
     }

@@ -1,4 +1,4 @@
-//! The first screen: what a run costs, how good its picture is, and what it is built of, in a line each.
+//! The first screen: cycles, picture quality, memory traffic and hardware, one line each.
 
 use crate::model::{Cycles, Hardware, Report};
 use crate::number::{real, thousands};

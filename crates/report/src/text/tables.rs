@@ -1,4 +1,4 @@
-//! The tables by name, each with what its figures are shares of.
+//! The tables by name, each with a caption that states its units and totals.
 
 use super::table::Table;
 use super::{bottlenecks, costs, hardware, sections, sensitivity};
@@ -9,29 +9,29 @@ use crate::work;
 /// Tables that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tables {
-    /// What it takes with one thing made ideal.
+    /// Cycles saved when one resource is relaxed.
     Limits,
-    /// Where the cycles of each unit went.
+    /// Cycle breakdown of each unit.
     Units,
-    /// How full each FIFO was.
+    /// Occupancy of each FIFO.
     Fifos,
-    /// What clients moved, and how busy channels were.
+    /// Traffic of memory clients and utilization of channels.
     Memories,
-    /// What look-ups found.
+    /// Hits and misses of each cache.
     Caches,
-    /// Whom the cycles of the units were for.
+    /// Cycles per object and polygon.
     Costs,
-    /// What each assumption moves.
+    /// Effect of each assumed parameter.
     Sensitivity,
     /// Routes, circuits, processes and lists that only some machines have.
     Machine,
-    /// What the machine is built of.
+    /// Hardware by kind.
     Hardware,
-    /// What the machine counted.
+    /// Counts of the machine.
     Figures,
-    /// Each picture against the exact one.
+    /// Quality of each picture.
     Quality,
-    /// What follows from the figures.
+    /// Figures derived from the counts.
     Derived,
 }
 
@@ -52,10 +52,10 @@ impl Tables {
         Self::Derived,
     ];
 
-    /// As one asks for them.
+    /// Name in `--tables`.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Limits => "limits",
+            Self::Limits => "bottlenecks",
             Self::Units => "units",
             Self::Fifos => "fifos",
             Self::Memories => "memories",
@@ -70,46 +70,44 @@ impl Tables {
         }
     }
 
-    /// What they tell, in a few words.
+    /// Description for `--help`.
     pub fn about(self) -> &'static str {
         match self {
-            Self::Limits => "What it takes with one thing made ideal",
-            Self::Units => "Where the cycles of each unit went",
-            Self::Fifos => "How full each FIFO was",
-            Self::Memories => "What clients moved, and how busy channels were",
-            Self::Caches => "What look-ups found",
-            Self::Costs => "Whom the cycles of the units were for, of a run with --costs",
-            Self::Sensitivity => "What each assumption moves, of a run with --sensitivity",
+            Self::Limits => "Cycles saved when one resource is relaxed",
+            Self::Units => "Cycle breakdown of each unit",
+            Self::Fifos => "Occupancy of each FIFO",
+            Self::Memories => "Traffic of memory clients and utilization of channels",
+            Self::Caches => "Hits and misses of each cache",
+            Self::Costs => "Cycles per object and polygon (needs --costs)",
+            Self::Sensitivity => "Effect of each assumed parameter (needs --sensitivity)",
             Self::Machine => "Routes, circuits, processes and lists that only some machines have",
-            Self::Hardware => "What the machine is built of, by kind",
-            Self::Figures => "What the machine counted",
-            Self::Quality => "Each picture against the exact one",
-            Self::Derived => "What follows from the figures",
+            Self::Hardware => "Hardware by kind",
+            Self::Figures => "Counts of the machine",
+            Self::Quality => "Quality of each picture against the exact one",
+            Self::Derived => "Figures derived from the counts",
         }
     }
 
-    /// The tables that have rows, each with a line that says what its shares and counts are of.
+    /// Tables with rows, each with its caption.
     pub(super) fn of(self, report: &Report) -> Vec<(String, Table)> {
         let captioned = |caption: String, table: Table| if table.is_empty() { vec![] } else { vec![(caption, table)] };
         let plain = |table| captioned(String::new(), table);
         match self {
-            Self::Limits => captioned(in_frames(report, "cycles of the frames", &[]), bottlenecks::table(report)),
-            Self::Units => {
-                captioned(in_frames(report, "shares of the cycles of the frames", &working_on(report)), sections::units(report))
+            Self::Limits => {
+                captioned(in_frames(report, "measured by resimulation; % of render cycles", &[]), bottlenecks::table(report))
             }
-            Self::Fifos => {
-                captioned(in_frames(report, "in the cycles of the frames", &filled_behind(report)), sections::fifos(report))
-            }
+            Self::Units => captioned(in_frames(report, "% of render cycles", &working_on(report)), sections::units(report)),
+            Self::Fifos => captioned(in_frames(report, "over render cycles", &filled_behind(report)), sections::fifos(report)),
             Self::Memories => {
                 let total = report.cycles.as_ref().map_or(0, |cycles| cycles.total);
-                let caption = format!("of the whole run, {} cycles; waits in cycles", thousands(total));
-                let channels = format!("{caption}; frames %: of all channels, in the cycles of the frames");
+                let caption = format!("whole run, {} cycles; queue wait in cycles per burst", thousands(total));
+                let channels = format!("{caption}; bus %: all channels, over render cycles");
                 [captioned(caption, sections::memories(report)), captioned(channels, sections::channels(report))].concat()
             }
-            Self::Caches => captioned("of the whole run; shares of the look-ups".into(), sections::caches(report)),
+            Self::Caches => captioned("whole run; % of lookups".into(), sections::caches(report)),
             Self::Costs => {
                 let all = report.costs.as_ref().map_or(0, |costs| costs.unit_cycles);
-                let caption = format!("shares of the cycles of all units, {}", thousands(all));
+                let caption = format!("% of the cycles of all units ({})", thousands(all));
                 costs::tables(report).into_iter().flat_map(|table| captioned(caption.clone(), table)).collect()
             }
             Self::Sensitivity => report.sensitivity.iter().flat_map(sensitivity_tables).collect(),
@@ -126,21 +124,21 @@ impl Tables {
     }
 }
 
-/// What moves, then what came to no end.
+/// Table of changes, then table of failures.
 fn sensitivity_tables(of: &Sensitivity) -> Vec<(String, Table)> {
     let tables = [(sensitivity::caption(of), sensitivity::changes(of)), (String::new(), sensitivity::failed(of))];
     tables.into_iter().filter(|(_, table)| !table.is_empty()).collect()
 }
 
-/// What a table is of, and names of what is told in all cycles of the run instead.
+/// Caption with the render cycles, and the names of rows that cover all cycles of the run instead.
 fn in_frames(report: &Report, what: &str, others: &[&str]) -> String {
     let Some(cycles) = &report.cycles else { return String::new() };
     let rest = if others.is_empty() {
         String::new()
     } else {
-        format!("; {}: of the {} of the run", others.join(", "), thousands(cycles.total))
+        format!("; {}: of all {} cycles", others.join(", "), thousands(cycles.total))
     };
-    format!("{what}, {}{rest}", thousands(report.frame_cycles()))
+    format!("{what} ({}){rest}", thousands(report.frame_cycles()))
 }
 
 /// Units that work on behind the last frame.

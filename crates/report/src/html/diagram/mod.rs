@@ -28,18 +28,18 @@ pub(super) fn block_diagram(report: &Report, diagram: &str) -> Html {
     if diagram.is_empty() {
         return Html::default();
     }
-    let mut says = String::from("The numbers in brackets are those of the patent.");
+    let mut says = String::from("Numbers in brackets are the patent's reference numerals.");
     if report.cycles.is_some() {
-        says += " The strip of a box: where the unit's cycles went. Under the name of a FIFO: how full it was in the mean. \
-                 The strip of a box with double sides, a memory: how much of the time its bus moved data. What is drawn \
-                 again is filled only the first time; what this run is without is dashed.";
+        says += " The strip in a box shows the cycle breakdown of the unit. The bar under the name of a FIFO shows its mean occupancy. \
+                 The strip in a memory, a box with double sides, shows its bus utilization. A unit that is drawn twice is \
+                 filled once. A unit that this run does not use is dashed.";
     }
     let legend = if report.cycles.is_some() { diagram_legend() } else { Html::default() };
     [el_text("p", "quiet", says), legend, draw(diagram, report)].into_iter().collect()
 }
 
 fn diagram_legend() -> Html {
-    let more = [("fifo", "slots of a FIFO held")];
+    let more = [("fifo", "occupied FIFO slots")];
     units::legend(units::STATES.into_iter().chain(more))
 }
 
@@ -47,7 +47,7 @@ fn diagram_legend() -> Html {
 fn draw(diagram: &str, report: &Report) -> Html {
     let sheet = BlockDiagram::read(diagram);
     let (width, height) = (sheet.columns as f64 * CELL.0 + 2.0, sheet.rows as f64 * CELL.1);
-    let says = format!("Block diagram of {}; its numbers stand in the tables of units, FIFOs and memories", report.machine);
+    let says = format!("Block diagram of {}. The tables of units, FIFOs and memories list its numbers", report.machine);
     let notes = sheet.notes.iter().map(|note| words("note", note, note.column, MIDDLE - 1.0));
     let shapes = std::iter::once(wires(&sheet))
         .chain(notes)
@@ -135,7 +135,7 @@ fn memory_box(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let sides = el("path", &[("class", "wire"), ("d", &sides)], []);
     let [x, y, width, height] = strip(placed);
     let strip = [x + SIDE, y, width - 2.0 * SIDE, height];
-    let busy = report.derived.get(&format!("{}.bus_utilisation", placed.name())).map(|d| d.value).filter(|_| first);
+    let busy = report.derived.get(&format!("{}.bus_utilization", placed.name())).map(|d| d.value).filter(|_| first);
     let name = words("name", placed, text_column(placed), if busy.is_some() { BASELINE } else { MIDDLE });
     let used = busy.map(|busy| [rect("done", strip, ""), rect("busy", [strip[0], strip[1], strip[2] * busy, strip[3]], "")]);
     let share = busy.map_or(String::new(), |busy| format!(": bus busy {} % of the time", px(100.0 * busy)));

@@ -34,7 +34,7 @@ fn every_sign_of_a_drawing_is_drawn_once() {
 }
 
 #[test]
-fn what_is_a_wire_and_what_is_text() {
+fn wires_and_texts_are_distinguished() {
     for text in DIAGRAMS {
         let sheet = BlockDiagram::read(text);
         let is_name = |c: char| c == '_' || c.is_ascii_lowercase();
@@ -50,7 +50,7 @@ fn what_is_a_wire_and_what_is_text() {
 }
 
 #[test]
-fn what_is_drawn_again_is_filled_once() {
+fn unit_drawn_twice_is_filled_once() {
     let report = crate::samples::balanced();
     let page = draw(" [geometry] --polygons--> [rasterizer]\n [geometry] --polygons--> [x]\n", &report).into_text();
     assert_eq!(page.matches("geometry: busy 3.0 %").count(), 1, "{page}");

@@ -11,8 +11,8 @@ use std::io::Cursor;
 /// Time per cycle of the boards of these tests.
 const NS: u64 = 5;
 
-fn board() -> Board {
-    Board { hz: 200_000_000, ..samples::board() }
+fn board() -> TimelineLayout {
+    TimelineLayout { hz: 200_000_000, ..samples::board() }
 }
 
 fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
@@ -21,17 +21,17 @@ fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
 }
 
 /// The waves of a run, in sections of so many bytes.
-fn waves(board: &Board, engine: Engine, section: usize) -> (RunReport, Vec<u8>) {
+fn waves(board: &TimelineLayout, engine: Engine, section: usize) -> (RunReport, Vec<u8>) {
     let mut file = Cursor::new(vec![]);
-    let mut waves = Waves::new(&mut file, board, &Budget::default());
+    let mut waves = FstWaves::new(&mut file, board, &Budget::default());
     waves.section = section;
-    let mut watcher = Watcher::new(board.clone(), vec![Box::new(waves)]);
+    let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(waves)]);
     let run = record(&mut watcher, engine);
     watcher.finish(&run).into_iter().collect::<std::io::Result<()>>().unwrap();
     (run, file.into_inner())
 }
 
-/// Each signal's changes by its full name: when, and to what, of a number with a fraction its bits; none before the first.
+/// Changes of each signal by its full name: cycle and value (bits of a real number).
 fn read(bytes: &[u8]) -> BTreeMap<String, Vec<(u64, Option<u64>)>> {
     let mut reader = FstReader::open(Cursor::new(bytes)).unwrap();
     assert_eq!(reader.get_header().timescale_exponent, -9);
@@ -65,7 +65,7 @@ fn by_cycle(changes: &[(u64, Option<u64>)], end: u64) -> Vec<Option<u64>> {
     (0..end).map(at).collect()
 }
 
-/// The state of a stage in each cycle, by what a recorder saw.
+/// State of a stage in each cycle, from a recorder.
 fn states(recorder: &Recorder, stage: usize, total: u64) -> Vec<&'static str> {
     let name = |cause: Option<Cause>| match cause {
         None => "busy",
@@ -80,13 +80,13 @@ fn states(recorder: &Recorder, stage: usize, total: u64) -> Vec<&'static str> {
     (0..total).map(at).collect()
 }
 
-/// The slots that a FIFO holds in each cycle, by what a recorder saw.
+/// Occupied slots of a FIFO in each cycle, from a recorder.
 fn fills(recorder: &Recorder, fifo: usize, total: u64) -> Vec<u64> {
     let at = |cycle: u64| recorder.fifos[fifo].iter().rfind(|(at, _)| at.0 <= cycle).map_or(0, |(_, slots)| *slots as u64);
     (0..total).map(at).collect()
 }
 
-/// Signals of the memory of the plan in each cycle, by what a recorder saw. It has one channel of two banks, one client, and bursts of 32
+/// Signals of the memory of the plan in each cycle, from a recorder. It has one channel of two banks, one client, and bursts of 32
 /// bytes in 4 cycles.
 fn memory_by_cycle(recorder: &Recorder, total: u64) -> Vec<(String, Vec<u64>)> {
     let cycles = 0..total;
@@ -139,11 +139,11 @@ fn memory_by_cycle(recorder: &Recorder, total: u64) -> Vec<(String, Vec<u64>)> {
 }
 
 #[test]
-fn what_is_read_back_is_what_a_recorder_saw_in_every_cycle() {
+fn waves_equal_the_recorder_in_every_cycle() {
     let mut recorder = Recorder::default();
     let run = record(&mut recorder, Engine::Timed);
     let (from, to) = (run.total / 4, run.total / 2);
-    for board in [board(), Board { from, to, ..board() }] {
+    for board in [board(), TimelineLayout { from, to, ..board() }] {
         for (engine, section) in [(Engine::Timed, 1 << 22), (Engine::Ticked, 1 << 22), (Engine::Timed, 100)] {
             let (told, bytes) = waves(&board, engine, section);
             assert_eq!(told, run);
@@ -183,11 +183,11 @@ fn what_is_read_back_is_what_a_recorder_saw_in_every_cycle() {
 
 #[test]
 fn frames_are_numbered_and_names_have_numerals() {
-    let mut board = Board { hz: 200_000_000, ..samples::board() };
+    let mut board = TimelineLayout { hz: 200_000_000, ..samples::board() };
     board.numerals[0] = "110".into();
     board.show_only(&["source".into()]).unwrap();
     let mut file = Cursor::new(vec![]);
-    let watcher = Watcher::new(board.clone(), vec![Box::new(Waves::new(&mut file, &board, &Budget::default()))]);
+    let watcher = TimelineProbe::new(board.clone(), vec![Box::new(FstWaves::new(&mut file, &board, &Budget::default()))]);
     let mut run = samples::run();
     run.marks = vec![30, 12];
     assert!(watcher.finish(&run).into_iter().all(|finished| finished.is_ok()));
@@ -200,11 +200,11 @@ fn frames_are_numbered_and_names_have_numerals() {
 }
 
 #[test]
-fn waves_beyond_the_budget_are_an_error_that_says_what_to_do() {
+fn waves_beyond_the_memory_limit_are_an_error() {
     let board = board();
     let mut file = Cursor::new(vec![]);
-    let waves = Waves::new(&mut file, &board, &Budget::new(200));
-    let mut watcher = Watcher::new(board.clone(), vec![Box::new(waves)]);
+    let waves = FstWaves::new(&mut file, &board, &Budget::new(200));
+    let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(waves)]);
     let run = record(&mut watcher, Engine::Timed);
     let error = watcher.finish(&run).remove(0).unwrap_err().to_string();
     assert!(error.contains("of waves") && error.contains("--memory-limit"), "{error}");
@@ -231,6 +231,6 @@ impl std::io::Seek for Pipe {
 
 #[test]
 fn a_pipe_is_refused() {
-    let waves = Box::new(Waves::new(Pipe, &board(), &Budget::default()));
+    let waves = Box::new(FstWaves::new(Pipe, &board(), &Budget::default()));
     assert!(waves.finish(1).unwrap_err().to_string().contains("no pipe"));
 }

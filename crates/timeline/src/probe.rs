@@ -1,11 +1,11 @@
-//! From what a probe is told to what is shown: neighbours joined, cut to the window, the rest left out.
+//! The probe: joins adjacent events, cuts them to the window, and passes them to the sinks.
 
-use crate::board::Board;
+use crate::layout::TimelineLayout;
 use crate::levels::{Channel, Levels, RATE_CYCLES, Value};
 use basrelief_kernel::{CacheCounts, Cause, Cycle, Interval, MemoryEvent, Outcome, Probe, RunReport};
 use std::io;
 
-/// What a unit does.
+/// State of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// It is kept by a step.
@@ -16,9 +16,9 @@ pub enum State {
     Done,
 }
 
-/// Whom a step was for, as far as that is known; and a wait: for whom the step that ended it.
+/// Attribution of a step, as far as it is known. A stall has the attribution of the step that ends it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Whose {
+pub struct StepAttribution {
     /// Number of the frame, from 0.
     pub frame: Option<u32>,
     /// Number of the object.
@@ -27,15 +27,15 @@ pub struct Whose {
     pub polygon: Option<u32>,
     /// MIP level of the first of its pixels.
     pub level: Option<u8>,
-    /// The memory clients of its stage that the step asked for something, one bit each; of a wait none.
+    /// Memory clients of the stage that the step uses, one bit each. 0 for a stall.
     pub asks: u32,
-    /// The token that it comes from, of those whose life is told.
-    pub life: Option<Life>,
+    /// Token of the step, if its life is recorded.
+    pub life: Option<TokenLife>,
 }
 
-/// A token whose life is told.
+/// A token whose life is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Life {
+pub struct TokenLife {
     /// Its number among those of its kind.
     pub number: u64,
     /// Column and row of its first pixel, where it has any.
@@ -44,7 +44,7 @@ pub struct Life {
     pub pixels: usize,
 }
 
-/// Whose data a bus moves.
+/// Transfer on a data bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Transfer {
     /// Number of the client.
@@ -53,11 +53,11 @@ pub struct Transfer {
     pub write: bool,
 }
 
-/// A file that shows a run. What it is told lies within the window of its [`Board`], and is of what that shows. What is of one unit or
-/// one level comes in order of time; between these there is no order.
-pub trait Chart {
+/// A file that shows a run. It receives only events within the window and the selection of its layout. Events of one unit or one
+/// counter arrive in order of time. Events of different units have no order.
+pub trait TraceSink {
     /// A unit was in a state, for somebody, from one cycle to the one before another.
-    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64);
+    fn state(&mut self, stage: usize, state: State, whose: &StepAttribution, from: u64, to: u64);
     /// A [level](Levels) holds a value from a cycle on. The first is told at the window's beginning.
     fn level(&mut self, level: usize, at: u64, value: Value);
     /// The bus of a [channel](Levels) moved data of a client, or to it.
@@ -73,7 +73,7 @@ pub trait Chart {
     fn finish(self: Box<Self>, end: u64) -> io::Result<()>;
 }
 
-/// What a level has held last, and whether that was told.
+/// Last value of a counter, and whether the sinks have received it.
 #[derive(Clone, Copy, Debug)]
 struct Now {
     value: Value,
@@ -81,17 +81,17 @@ struct Now {
     is_shown: bool,
 }
 
-/// What a bus does.
+/// State of a data bus.
 #[derive(Clone, Copy, Debug, Default)]
 struct BusNow {
-    /// What may still go on.
+    /// Transfer that may continue.
     open: Option<(Transfer, u64, u64)>,
-    /// Number of the interval whose rate is being taken, and the cycles in which data moved there.
+    /// Current interval of the rate, and its busy cycles.
     interval: u64,
     busy: u64,
 }
 
-/// The interval whose hit rate is being taken, and what was found there.
+/// Current interval of the hit rate, and its lookups.
 #[derive(Clone, Copy, Debug, Default)]
 struct HitsNow {
     interval: u64,
@@ -100,26 +100,26 @@ struct HitsNow {
 }
 
 /// A probe that shows a run to charts.
-pub struct Watcher<'a> {
-    board: Board,
-    charts: Vec<Box<dyn Chart + 'a>>,
-    /// The state of each stage that may still go on, and for whom.
-    open: Vec<Option<(Interval, Whose)>>,
+pub struct TimelineProbe<'a> {
+    board: TimelineLayout,
+    charts: Vec<Box<dyn TraceSink + 'a>>,
+    /// State of each stage that may continue, with its attribution.
+    open: Vec<Option<(Interval, StepAttribution)>>,
     numbers: Levels,
     levels: Vec<Now>,
     buses: Vec<BusNow>,
     hits: Vec<HitsNow>,
 }
 
-impl std::fmt::Debug for Watcher<'_> {
+impl std::fmt::Debug for TimelineProbe<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Watcher").field("board", &self.board).field("charts", &self.charts.len()).finish_non_exhaustive()
+        f.debug_struct("TimelineProbe").field("board", &self.board).field("charts", &self.charts.len()).finish_non_exhaustive()
     }
 }
 
-impl<'a> Watcher<'a> {
+impl<'a> TimelineProbe<'a> {
     /// Shows a machine to charts that were made for the same board.
-    pub fn new(board: Board, charts: Vec<Box<dyn Chart + 'a>>) -> Self {
+    pub fn new(board: TimelineLayout, charts: Vec<Box<dyn TraceSink + 'a>>) -> Self {
         let numbers = Levels::new(&board);
         let levels = numbers.all.iter().map(|l| Now { value: l.start, told: false, is_shown: l.is_shown }).collect();
         let (buses, hits) =
@@ -127,22 +127,21 @@ impl<'a> Watcher<'a> {
         Self { open: vec![None; board.diagram.stages.len()], board, charts, numbers, levels, buses, hits }
     }
 
-    /// Shows what is still open, cut at the end of the run, and the frames.
+    /// Passes on all open events, cut at the end of the run, and the frames.
     ///
-    /// What units wait for after their last step, in a run that did not complete, no probe is shown: it stands in the
-    /// report.
+    /// Stalls after the last step of a unit in an incomplete run are in the report only.
     ///
-    /// Tells of each chart, in order, whether it could be written.
+    /// Returns the result of each sink, in order.
     pub fn finish(mut self, run: &RunReport) -> Vec<io::Result<()>> {
         let end = run.total.min(self.board.to);
-        // What is behind the end of a run cut short is not shown.
+        // Events after the end of an incomplete run are not shown.
         self.board.to = end;
         for stage in 0..self.open.len() {
             if let Some((mut last, whose)) = self.open[stage].take() {
                 last.to = last.to.min(Cycle(run.total));
                 self.show(last, &whose);
                 if run.outcome == Outcome::Complete {
-                    self.state(stage, State::Done, &Whose::default(), last.to.0, run.total);
+                    self.state(stage, State::Done, &StepAttribution::default(), last.to.0, run.total);
                 }
             }
         }
@@ -173,8 +172,8 @@ impl<'a> Watcher<'a> {
         (from < to).then_some((from, to))
     }
 
-    /// A stage was at work, or waited, for somebody. What follows at once, and is the same for the same, is one.
-    pub fn add(&mut self, new: Interval, whose: &Whose) {
+    /// Adds a busy or stalled interval of a stage. Adjacent equal intervals with equal attribution are joined.
+    pub fn add(&mut self, new: Interval, whose: &StepAttribution) {
         let Some(open) = self.open.get_mut(new.stage) else { return };
         match open {
             Some((last, of)) if last.cause == new.cause && last.to == new.from && of == whose => last.to = new.to,
@@ -186,20 +185,20 @@ impl<'a> Watcher<'a> {
         }
     }
 
-    fn show(&mut self, Interval { stage, cause, from, to }: Interval, whose: &Whose) {
+    fn show(&mut self, Interval { stage, cause, from, to }: Interval, whose: &StepAttribution) {
         self.state(stage, cause.map_or(State::Busy, State::Waits), whose, from.0, to.0);
     }
 
-    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64) {
+    fn state(&mut self, stage: usize, state: State, whose: &StepAttribution, from: u64, to: u64) {
         if let Some((from, to)) = self.cut(from, to).filter(|_| self.board.shows(stage)) {
             self.charts.iter_mut().for_each(|chart| chart.state(stage, state, whose, from, to));
         }
     }
 
-    /// A level holds something new from `at` on, or nothing more is to come. What it held before is told once it is known that it did
-    /// so at the window's beginning.
+    /// Sets a counter from cycle `at` on; `None` ends it. The value before is passed on once it is known to hold at the start of the
+    /// window.
     fn hold(&mut self, level: usize, at: u64, new: Option<Value>) {
-        let Board { from, to, .. } = self.board;
+        let TimelineLayout { from, to, .. } = self.board;
         let Some(now) = self.levels.get_mut(level).filter(|now| now.is_shown && new != Some(now.value)) else { return };
         let first = (!now.told && at > from && from < to).then_some((from, now.value));
         let next = new.map(|value| (at, value)).filter(|_| (from + 1..to).contains(&at));
@@ -210,7 +209,7 @@ impl<'a> Watcher<'a> {
         }
     }
 
-    /// The bus of a channel moves something else, or nothing more: shows what it moved before.
+    /// Ends the current transfer of a bus, passes it on, and starts the next.
     fn show_transfer(&mut self, channel: usize, next: Option<(Transfer, u64, u64)>) {
         let Some((transfer, from, to)) = std::mem::replace(&mut self.buses[channel].open, next) else { return };
         if let Some((from, to)) = self.cut(from, to) {
@@ -276,13 +275,13 @@ impl<'a> Watcher<'a> {
     }
 }
 
-impl Probe for Watcher<'_> {
+impl Probe for TimelineProbe<'_> {
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
-        self.add(Interval { stage, cause: None, from, to }, &Whose::default());
+        self.add(Interval { stage, cause: None, from, to }, &StepAttribution::default());
     }
 
     fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
-        self.add(Interval { stage, cause: Some(cause), from, to }, &Whose::default());
+        self.add(Interval { stage, cause: Some(cause), from, to }, &StepAttribution::default());
     }
 
     fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {

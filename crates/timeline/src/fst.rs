@@ -1,27 +1,27 @@
-//! A time line as waves, a file in GTKWave's format FST for GTKWave and Surfer.
+//! Waves in the format FST, for GTKWave and Surfer.
 //!
 //! | scope | signals |
 //! |---|---|
 //! | the machine | `frame`, the number of the frame, 0 behind the last |
 //! | a unit, with its numeral | `busy`, `starved`, `blocked`, `memory`, `done`: one of them is 1 |
-//! | a FIFO | `fill`, the slots that it holds; `ready`, one is free; `valid`, one is held, and the unit that takes from it is not seen to wait for it |
-//! | a channel of a memory | `queue`, `bytes_per_cycle`, `bus_use`; `bus`, it moves data; `client` and `write`, whose and whether to the memory |
+//! | a FIFO | `fill`, the occupied slots; `ready`, a slot is free; `valid`, a slot is occupied and the consumer does not starve |
+//! | a channel of a memory | `queue`, `bytes_per_cycle`, `bus_use`; `bus`, it moves data; `client` and `write` of the transfer |
 //! | a bank in it | `open`, and its `row` |
-//! | a client | `credits`, those that it has left |
+//! | a client | `credits`, the remaining credits |
 //! | a cache | `hit_rate` |
 //!
-//! States are wires, a bit each: FST has named states, but the library that writes it does not, and a number would have to be looked
-//! up. `valid` is derived: the probe is not told when a token becomes visible, but a unit that starves shows that none is.
+//! Each state is a wire of one bit: FST has named states, but the library that writes it has not, and a number is hard to read. `valid`
+//! is derived: the probe does not receive the cycle in which a token becomes visible, but a starving consumer shows that none is.
 //!
-//! FST is written in order of time, and the probe is told of one unit far ahead of another. So [`Waves`] keeps all changes, in some
-//! three bytes each and within a budget, and writes when the run is over. A file of its own to sort them in was rejected: it would
-//! need a file system here, and what does not fit is no file that anybody would look through, but one for `--from-cycle`.
+//! FST is written in order of time, and events of one unit may be far ahead of another. So [`FstWaves`] keeps all changes within a memory
+//! limit, in about three bytes each, and writes at the end of the run. A temporary file to sort them in was rejected: it needs a file
+//! system, and a run that does not fit is too long to look through; `--from-cycle` selects a part of it.
 
-use crate::board::Board;
+use crate::layout::TimelineLayout;
 use crate::levels::Value;
+use crate::probe::{State, StepAttribution, TraceSink, Transfer};
 use crate::scale::Scale;
 use crate::streams::Streams;
-use crate::watcher::{Chart, State, Transfer, Whose};
 use crate::wires::{BUSY, DONE, FIRST_WAIT, FRAME, Numbers, Signals};
 use basrelief_input::Budget;
 use basrelief_kernel::Cause;
@@ -31,11 +31,11 @@ use std::io::{self, Seek, Write};
 /// Bytes of changes that are written at once.
 const SECTION: usize = 1 << 22;
 
-/// Writes waves when the run is over.
+/// Writes waves at the end of the run.
 #[derive(Debug)]
-pub struct Waves<W> {
+pub struct FstWaves<W> {
     out: W,
-    board: Board,
+    board: TimelineLayout,
     numbers: Numbers,
     changes: Streams,
     /// When the last state of each stage, bus and bank ends, by the number of its value.
@@ -43,9 +43,9 @@ pub struct Waves<W> {
     pub(crate) section: usize,
 }
 
-impl<W: Write + Seek> Waves<W> {
-    /// Nothing yet; what is kept counts towards the budget.
-    pub fn new(out: W, board: &Board, budget: &Budget) -> Self {
+impl<W: Write + Seek> FstWaves<W> {
+    /// Creates an empty file. Kept changes count towards the memory limit.
+    pub fn new(out: W, board: &TimelineLayout, budget: &Budget) -> Self {
         let numbers = Numbers::new(board);
         let changes = Streams::new(numbers.count, budget);
         Self { out, board: board.clone(), changes, ends: vec![board.from; numbers.count], numbers, section: SECTION }
@@ -80,7 +80,7 @@ impl<W: Write + Seek> Waves<W> {
         for (at, number, new) in changes.in_order().map_err(io::Error::from)? {
             if at > now {
                 signals.settle(&mut body)?;
-                // Not at once: the library would lose what holds from the beginning.
+                // Not at once: the library would lose values that hold from the start.
                 if now > board.from && body.size() > section {
                     body.flush()?;
                 }
@@ -96,8 +96,8 @@ impl<W: Write + Seek> Waves<W> {
     }
 }
 
-impl<W: Write + Seek> Chart for Waves<W> {
-    fn state(&mut self, stage: usize, state: State, _: &Whose, from: u64, to: u64) {
+impl<W: Write + Seek> TraceSink for FstWaves<W> {
+    fn state(&mut self, stage: usize, state: State, _: &StepAttribution, from: u64, to: u64) {
         let wait = |kind, i: usize| FIRST_WAIT + 3 * i as u64 + kind;
         let state = match state {
             State::Busy => BUSY,

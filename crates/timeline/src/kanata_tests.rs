@@ -23,7 +23,7 @@ fn read(text: &str) -> Vec<Read> {
     assert_eq!(lines.next(), Some("Kanata\t0004"));
     let mut now = lines.next().unwrap().strip_prefix("C=\t").unwrap().parse::<u64>().unwrap();
     let mut tokens: Vec<Read> = vec![];
-    // By token and lane, what it is in, and since when.
+    // By token and lane: location and first cycle.
     let mut open: BTreeMap<(usize, u64), (String, u64)> = BTreeMap::new();
     let mut retired = 0;
     for line in lines {
@@ -64,25 +64,30 @@ fn run() -> RunReport {
     run_with(&mut machine, Engine::Timed, &mut NoProbe, Limits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
-fn written(board: &Board, budget: &Budget, tell: impl FnOnce(&mut Watcher<'_>)) -> std::io::Result<String> {
+fn written(board: &TimelineLayout, budget: &Budget, tell: impl FnOnce(&mut TimelineProbe<'_>)) -> std::io::Result<String> {
     let mut bytes = vec![];
     let last = board.diagram.stages.len() - 1;
-    let mut watcher = Watcher::new(board.clone(), vec![Box::new(Tokens::new(&mut bytes, board, Some(last), budget))]);
+    let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(KanataLog::new(&mut bytes, board, Some(last), budget))]);
     tell(&mut watcher);
     watcher.finish(&run()).into_iter().collect::<std::io::Result<()>>()?;
     Ok(String::from_utf8(bytes).unwrap())
 }
 
-fn life(number: u64) -> Whose {
-    Whose { frame: Some(0), polygon: Some(4), life: Some(Life { number, pixel: Some([3, 5]), pixels: 4 }), ..Whose::default() }
+fn life(number: u64) -> StepAttribution {
+    StepAttribution {
+        frame: Some(0),
+        polygon: Some(4),
+        life: Some(TokenLife { number, pixel: Some([3, 5]), pixels: 4 }),
+        ..StepAttribution::default()
+    }
 }
 
-fn add(watcher: &mut Watcher<'_>, stage: usize, cause: Option<Cause>, (from, to): (u64, u64), whose: &Whose) {
+fn add(watcher: &mut TimelineProbe<'_>, stage: usize, cause: Option<Cause>, (from, to): (u64, u64), whose: &StepAttribution) {
     watcher.add(Interval { stage, cause, from: Cycle(from), to: Cycle(to) }, whose);
 }
 
 /// Two stages next to each other, the second the last of all, and the FIFO between them.
-fn pair(board: &Board) -> ([usize; 2], String) {
+fn pair(board: &TimelineLayout) -> ([usize; 2], String) {
     let last = board.diagram.stages.len() - 1;
     let fifo = board.diagram.fifos.iter().find(|fifo| fifo.ends[1] == last).unwrap();
     (fifo.ends, fifo.name.clone())
@@ -98,7 +103,7 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
         add(watcher, before, None, (5, 6), &life(64));
         add(watcher, last, Some(Cause::Memory(0)), (7, 9), &life(0));
         add(watcher, last, None, (9, 10), &life(0));
-        add(watcher, last, None, (10, 11), &Whose::default());
+        add(watcher, last, None, (10, 11), &StepAttribution::default());
     });
     let tokens = read(&text.unwrap());
     let [name_before, name_last] = [before, last].map(|stage| board.name(stage));
@@ -114,7 +119,7 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
 }
 
 #[test]
-fn a_unit_that_is_still_at_a_token_when_the_next_takes_it_is_shown_until_then() {
+fn overlapping_unit_ends_when_the_next_begins() {
     let board = samples::board();
     let ([before, last], _) = pair(&board);
     let text = written(&board, &Budget::default(), |watcher| {
@@ -127,9 +132,9 @@ fn a_unit_that_is_still_at_a_token_when_the_next_takes_it_is_shown_until_then() 
 }
 
 #[test]
-fn no_more_is_kept_than_may_be() {
+fn memory_limit_is_kept() {
     let board = samples::board();
-    let few = |watcher: &mut Watcher<'_>| {
+    let few = |watcher: &mut TimelineProbe<'_>| {
         (0..1000).for_each(|k| add(watcher, 0, None, (2 * k, 2 * k + 1), &life(k)));
     };
     let error = written(&board, &Budget::new(10_000), few).unwrap_err();

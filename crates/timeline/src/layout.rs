@@ -1,15 +1,15 @@
-//! What there is to be shown of a machine, and what of it is.
+//! The machine and the part of its run that a time line shows.
 
 use basrelief_kernel::{Cause, Diagram, StageTopology};
 
 /// A machine as its time lines name it, and the part of a run that they show.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Board {
+pub struct TimelineLayout {
     /// The machine.
     pub machine: String,
-    /// Cycles per second; 0 where nobody has said.
+    /// Clock \[Hz\]; 0 if unknown.
     pub hz: u64,
-    /// What a probe tells of.
+    /// Stages, FIFOs, memories and clients of the machine.
     pub diagram: Diagram,
     /// The patent's reference numeral of each stage; empty where there is none.
     pub numerals: Vec<String>,
@@ -21,7 +21,7 @@ pub struct Board {
     pub to: u64,
 }
 
-impl Board {
+impl TimelineLayout {
     /// All of a machine, in all cycles.
     pub fn new(machine: &str, hz: u64, diagram: Diagram) -> Self {
         let (numerals, shown) = (vec![String::new(); diagram.stages.len()], vec![true; diagram.stages.len()]);
@@ -95,7 +95,7 @@ mod tests {
         let name = board.diagram.stages[last].name.clone();
         assert_eq!(board.name(last), format!("{name} (110)"));
         board.show_only(std::slice::from_ref(&name)).unwrap();
-        let shown = |board: &Board| (0..=last).filter(|&s| board.shows(s)).collect::<Vec<_>>();
+        let shown = |board: &TimelineLayout| (0..=last).filter(|&s| board.shows(s)).collect::<Vec<_>>();
         assert_eq!(shown(&board), [last]);
         let fifos = 0..board.diagram.fifos.len();
         assert!(fifos.clone().any(|f| board.shows_fifo(f)) && !fifos.clone().all(|f| board.shows_fifo(f)));

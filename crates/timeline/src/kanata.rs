@@ -1,34 +1,34 @@
-//! The life of single tokens, for Konata, which shows processors: where it has an instruction, there is a token here.
+//! Life of single tokens, for the pipeline viewer Konata: a token takes the place of an instruction.
 //!
-//! A token is in the unit that takes it, and then in a FIFO until the next does: these are its stages, in lane 0. That the unit waits for
-//! a memory or a slot before it takes it stands in lane 1. One that comes to where pixels end is retired there; one that does not, since
-//! others lie in front, is flushed where it is removed.
+//! Lane 0 shows the location of a token: the unit that processes it, then the FIFO in which it waits for the next unit. Lane 1 shows the
+//! stalls of that unit on memory or on a full FIFO. A token that reaches the end of the pixel pipeline is retired. A hidden token is
+//! flushed at the unit that removes it.
 //!
-//! The format, Kanata 4, counts cycles forwards only, and what tokens do is known token by token: so it is kept until the end.
+//! The format, Kanata 4, counts cycles forwards only, but events are known token by token. So events are kept until the end.
 
-use crate::board::{Board, wait_name};
+use crate::layout::{TimelineLayout, wait_name};
 use crate::levels::Value;
-use crate::watcher::{Chart, Life, State, Transfer, Whose};
+use crate::probe::{State, StepAttribution, TokenLife, TraceSink, Transfer};
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::Cause;
 use std::io::{self, Write};
 
-/// Lanes of what a token is in, and of what it is held up by.
+/// Lanes of the location of a token, and of its stalls.
 const STAGES: u8 = 0;
 const STALLS: u8 = 1;
 
 /// A unit was at work for a token, or waited with it.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
-    life: Life,
-    whose: Whose,
+    life: TokenLife,
+    whose: StepAttribution,
     stage: usize,
     state: State,
     from: u64,
     to: u64,
 }
 
-/// What the file tells of a token in a cycle. These of a token and a cycle stand in this order.
+/// An event of a token. Events of one token and cycle are written in this order.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Event {
     Begins(String),
@@ -37,11 +37,11 @@ enum Event {
     Ends { flushed: bool },
 }
 
-/// Writes the lives of tokens. Errors are told by [`Chart::finish`].
+/// Writes the lives of tokens. Errors are told by [`TraceSink::finish`].
 #[derive(Debug)]
-pub struct Tokens<W> {
+pub struct KanataLog<W> {
     out: W,
-    board: Board,
+    board: TimelineLayout,
     /// Number of the stage where pixels end.
     last: Option<usize>,
     pieces: Vec<Piece>,
@@ -49,9 +49,10 @@ pub struct Tokens<W> {
     over: Option<OverBudget>,
 }
 
-impl<W: Write> Tokens<W> {
-    /// Lives of tokens of a machine in which tokens are retired in the `last` stage. What is kept until the end counts against the budget.
-    pub fn new(out: W, board: &Board, last: Option<usize>, budget: &Budget) -> Self {
+impl<W: Write> KanataLog<W> {
+    /// Creates a log for a machine that retires tokens in its `last` stage. Events that are kept until the end count towards the memory
+    /// limit.
+    pub fn new(out: W, board: &TimelineLayout, last: Option<usize>, budget: &Budget) -> Self {
         Self { out, board: board.clone(), last, pieces: vec![], held: budget.nothing(), over: None }
     }
 
@@ -61,7 +62,7 @@ impl<W: Write> Tokens<W> {
         fifo.map_or("under way", |fifo| &fifo.name)
     }
 
-    /// What the file tells of one token, by cycle.
+    /// Events of one token, by cycle.
     fn events(&self, pieces: &[Piece]) -> Vec<(u64, Event)> {
         let Some(first) = pieces.first() else { return vec![] };
         let mut events = vec![(first.from, Event::Begins(label(first)))];
@@ -140,7 +141,7 @@ impl<W: Write> Tokens<W> {
     }
 }
 
-/// What a token is called: whom it is for, and where it is in the picture.
+/// Label of a token: its attribution and its pixel.
 fn label(Piece { life, whose, .. }: &Piece) -> String {
     let numbers = [("frame", whose.frame.map(|frame| frame + 1)), ("object", whose.object), ("polygon", whose.polygon)];
     let mut label: Vec<String> = numbers.into_iter().filter_map(|(what, number)| Some(format!("{what} {}", number?))).collect();
@@ -151,8 +152,8 @@ fn label(Piece { life, whose, .. }: &Piece) -> String {
     if label.is_empty() { format!("token {}", life.number) } else { label.join(", ") }
 }
 
-impl<W: Write> Chart for Tokens<W> {
-    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64) {
+impl<W: Write> TraceSink for KanataLog<W> {
+    fn state(&mut self, stage: usize, state: State, whose: &StepAttribution, from: u64, to: u64) {
         let Some(life) = whose.life.filter(|_| self.over.is_none()) else { return };
         // That a unit waits for the token is nothing that the token does.
         if matches!(state, State::Waits(Cause::Starved(_)) | State::Done) {

@@ -1,36 +1,36 @@
-//! What units did when, in so many columns: a time line to be looked at as a whole.
+//! Utilization of units over time in about a thousand columns.
 
 use basrelief_kernel::{Cause, Cycle, Probe};
 
 /// Most columns; there are at least half as many, of a run that is long enough.
 const COLUMNS: usize = 2048;
 
-/// What a unit can do, in the order of a column's counts.
+/// Number of states of a unit, in the order of the counts of a column.
 const STATES: usize = 4;
 
 /// A probe that counts, for each unit and column of the time line, the cycles that the unit was busy, waited for memory, was starved
 /// and was blocked. The columns grow with the run.
 #[derive(Clone, Debug)]
-pub struct Strips {
+pub struct UtilizationTimeline {
     units: Vec<Vec<[u64; STATES]>>,
     /// Cycles of a column.
     width: u64,
 }
 
-impl Default for Strips {
+impl Default for UtilizationTimeline {
     fn default() -> Self {
         Self { units: Vec::new(), width: 1 }
     }
 }
 
-impl Strips {
+impl UtilizationTimeline {
     /// Cycles of a column, a power of two.
     pub fn width(&self) -> u64 {
         self.width
     }
 
-    /// For each unit, in the order of the wiring, its columns: cycles busy, waiting for memory, starved, blocked. What is missing of a
-    /// column's width, the unit was done. A unit may have fewer columns than others.
+    /// Returns the columns of each unit, in the order of the netlist: cycles busy, stalled on memory, starved, blocked. The rest of the
+    /// width of a column is idle after the last step. Units may have different numbers of columns.
     pub fn units(&self) -> &[Vec<[u64; STATES]>] {
         &self.units
     }
@@ -63,7 +63,7 @@ impl Strips {
     }
 }
 
-impl Probe for Strips {
+impl Probe for UtilizationTimeline {
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
         self.add(stage, 0, from, to);
     }
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn every_cycle_is_in_one_column_however_long_the_run() {
-        let mut strips = Strips::default();
+        let mut strips = UtilizationTimeline::default();
         let (mut at, mut sums) = (0, [0; STATES]);
         for n in 0..4000_u64 {
             let (state, end) = ((n % 4) as usize, at + 1 + n * 7 % 13);
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn cycles_beyond_all_bounds_are_counted_too() {
-        let mut strips = Strips::default();
+        let mut strips = UtilizationTimeline::default();
         strips.worked(0, Cycle(1 << 40), Cycle((1 << 40) + 5));
         assert_eq!(strips.units()[0].iter().map(|column| column[0]).sum::<u64>(), 5);
     }
