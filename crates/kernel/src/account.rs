@@ -2,21 +2,21 @@
 
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 
-/// Why a unit did not work in a cycle.
+/// Cause of a stall of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Cause {
     /// Input `i` was the first declared one without a visible token.
     Starved(usize),
-    /// Client `i` had too few credits, or an answer on it was being waited for.
+    /// Client `i` had too few credits, or the unit waited for an answer on it.
     Memory(usize),
-    /// Output `i` was the first without a slot.
+    /// Output `i` was the first one without a free slot.
     Blocked(usize),
 }
 
-/// Where a unit's cycles went, by number of input, client and output.
+/// Breakdown of a unit's cycles, by number of input, client and output.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Account {
-    /// Cycles at work.
+    /// Cycles in which a step occupied the unit.
     pub busy: u64,
     /// Cycles after its last step.
     pub done: u64,
@@ -39,7 +39,7 @@ impl Account {
         }
     }
 
-    /// All cycles accounted for.
+    /// Sum of all cycles.
     pub fn total(&self) -> u64 {
         let sum = |v: &[u64]| v.iter().sum::<u64>();
         self.busy + self.done + sum(&self.starved) + sum(&self.memory) + sum(&self.blocked)

@@ -1,10 +1,10 @@
-//! A place in the block diagram: a stage, the FIFOs on its two sides, and the memories that it uses.
+//! Bound stages: a stage with the FIFOs on its two sides and the memories that it uses.
 
 use crate::connections::{Clients, Connections, MemoryClients};
 use crate::wires::{Inputs, Outputs};
 use crate::{MemorySystem, Stage, Unit};
 
-/// What a visitor is shown: one stage in its place. Made by [`Stage::between`].
+/// One stage with its connections, as a visitor sees it. Made by [`Stage::between`].
 pub trait BoundStage {
     /// The unit.
     type Unit: Unit;
@@ -12,17 +12,17 @@ pub trait BoundStage {
     type Inputs: Inputs<Item = <Self::Unit as Unit>::In>;
     /// The FIFOs that it pushes to.
     type Outputs: Outputs<Item = <Self::Unit as Unit>::Out>;
-    /// Its memory clients; `()` where it has none.
+    /// Its memory clients; `()` if it has none.
     type Clients: Clients;
 
-    /// The stage, and what it is connected to.
+    /// Returns the stage and its connections.
     fn open(&mut self) -> (&mut Stage<Self::Unit>, &mut ConnectionsOf<Self>);
 }
 
-/// What the stage of a place is connected to.
+/// Connections of a bound stage.
 pub type ConnectionsOf<P> = Connections<<P as BoundStage>::Inputs, <P as BoundStage>::Outputs, <P as BoundStage>::Clients>;
 
-/// A stage between FIFOs: the one [`BoundStage`] there is.
+/// A stage with its connections: the only [`BoundStage`].
 #[derive(Debug)]
 pub struct ConnectedStage<'m, U, I, O, C> {
     stage: &'m mut Stage<U>,
@@ -30,8 +30,7 @@ pub struct ConnectedStage<'m, U, I, O, C> {
 }
 
 impl<U: Unit> Stage<U> {
-    /// This stage between the FIFOs that it pops from and those that it pushes to: `()`, `&mut fifo`, a tuple of several,
-    /// or a vector.
+    /// Binds this stage to its input FIFOs and its output FIFOs: `()`, `&mut fifo`, a tuple of FIFOs, or a vector.
     #[inline]
     pub fn between<I, O>(&mut self, inputs: I, outputs: O) -> ConnectedStage<'_, U, I, O, ()>
     where
@@ -43,7 +42,7 @@ impl<U: Unit> Stage<U> {
 }
 
 impl<'m, U, I, O> ConnectedStage<'m, U, I, O, ()> {
-    /// With clients `ids` of the machine's memories, in the order in which the unit numbers them.
+    /// Adds clients `ids` of the machine's memories, in the order in which the unit numbers them.
     #[inline]
     pub fn using(self, memories: &'m mut MemorySystem, ids: &'m [usize]) -> ConnectedStage<'m, U, I, O, MemoryClients<'m>> {
         let Connections { inputs, outputs, clients: () } = self.connections;

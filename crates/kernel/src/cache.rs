@@ -10,17 +10,17 @@ use crate::{CacheConfig, Cycle};
 pub(crate) struct PendingLookUps {
     /// Start of the step.
     pub(crate) start: Cycle,
-    /// Number of the last request that one of them waits for, plus one, where its answer was not known when they were made; and the
-    /// last fill that was.
+    /// `request`: number of the last request that a look-up waits for, plus one, if its answer was unknown at the look-up;
+    /// otherwise 0. `fill`: the last fill that was known.
     pub(crate) request: u64,
     pub(crate) fill: Cycle,
-    /// What they found, as far as it is known.
+    /// Results of the look-ups, as far as they are known.
     pub(crate) counts: CacheCounts,
-    /// How many of those that were held wait for a request whose answer was not known: hits or merged.
+    /// Look-ups of lines with an earlier request whose answer was unknown. They become hits or merged look-ups.
     pub(crate) open: u32,
 }
 
-/// Number of no line: addresses have 64 bits, and lines at least 4 bytes.
+/// Marks an empty tag. No line has this number: addresses have 64 bits and lines at least 4 bytes.
 const NO_LINE: u64 = u64::MAX;
 
 /// One tag: the line and the request that fills it.
@@ -30,7 +30,7 @@ struct Tag {
     request: u64,
 }
 
-/// The tags of a cache: which lines it has, and by which requests. They know of no time.
+/// Tags of a cache: its lines, each with the request that fills it. Tags are independent of time.
 #[derive(Clone, Debug)]
 pub(crate) struct CacheTagArray {
     line: Divisor,
@@ -38,7 +38,7 @@ pub(crate) struct CacheTagArray {
     ways: usize,
     /// `sets` runs of `ways` tags, most recently used first.
     tags: Vec<Tag>,
-    /// Every line is there.
+    /// True if every look-up hits.
     pub(crate) always_hits: bool,
 }
 
@@ -54,25 +54,25 @@ impl CacheTagArray {
         }
     }
 
-    /// Whether look-ups find the same here and there, from power-on.
+    /// Returns true if look-ups give the same results in both caches from power-on.
     pub(crate) fn is_alike(&self, other: &Self) -> bool {
         let geometry = |tags: &Self| (tags.line, tags.sets, tags.ways, tags.always_hits);
         geometry(self) == geometry(other)
     }
 
-    /// Forgets all lines: nothing will be looked up again.
+    /// Frees the tags. No look-up may follow.
     pub(crate) fn forget(&mut self) {
         self.tags = Vec::new();
     }
 
-    /// First and last line that `bytes` at `address` touch.
+    /// Returns the first and last line that `bytes` at `address` touch.
     #[inline(always)]
     pub(crate) fn lines(&self, address: u64, bytes: u32) -> (u64, u64) {
         self.line.touched(address, bytes.max(1))
     }
 
-    /// Looks `line` up and makes it the most recently used of its set: the number of the request that fills it. `None` where
-    /// it is not there: it will be filled by request `next`, which the caller issues.
+    /// Looks up `line` and makes it the most recently used line of its set. Returns the number of the request that fills it.
+    /// Returns `None` on a miss: request `next`, which the caller issues, will fill the line.
     #[inline(always)]
     pub(crate) fn look_up(&mut self, line: u64, next: u64) -> Option<u64> {
         if self.always_hits {
@@ -80,11 +80,11 @@ impl CacheTagArray {
         }
         let (_, set) = self.sets.split(line);
         let tags = &mut self.tags[set as usize * self.ways..][..self.ways];
-        // Mostly it is the one used last.
+        // Usually the line is the most recently used one.
         if tags[0].line == line {
             return Some(tags[0].request);
         }
-        // Each tag moves one down, until the line is found or the last falls out.
+        // Each tag moves down by one until the line is found or the last tag is replaced.
         let mut carried = std::mem::replace(&mut tags[0], Tag { line, request: next });
         for tag in &mut tags[1..] {
             std::mem::swap(&mut carried, tag);
@@ -105,7 +105,7 @@ pub(crate) struct Cache {
     pub(crate) tags: CacheTagArray,
     answer: Cycle,
     pub(crate) counts: CacheCounts,
-    /// What look-ups found when, where a probe looks on.
+    /// Look-up results by time, if a probe is attached.
     pub(crate) watch: Option<Box<CacheEvents>>,
 }
 
@@ -121,15 +121,16 @@ impl Cache {
         }
     }
 
-    /// Cycles that this many look-ups take.
+    /// Returns the cycles that this many look-ups take.
     #[inline(always)]
     pub(crate) fn cycles(&self, look_ups: u32) -> u64 {
         let per_cycle = self.config.lookups_per_cycle.max(1);
-        // A division takes longer than all the rest.
+        // Skips the division, which takes longer than everything else here.
         if look_ups <= per_cycle { 1 } else { look_ups.div_ceil(per_cycle).into() }
     }
 
-    /// Accounts for look-ups whose fills are all known by `fill`, and gives their answer: in order, so never before the one ahead.
+    /// Accounts for look-ups whose fills are all known by `fill` and returns their answer time. Answers come in order, so never
+    /// before the previous one.
     #[inline(always)]
     pub(crate) fn resolve(&mut self, start: Cycle, fill: Cycle, counts: CacheCounts) -> Cycle {
         self.counts.hits += counts.hits;

@@ -1,12 +1,11 @@
-//! What a unit keeps beside its state only to be fast.
+//! Values that a unit caches for speed and that are not part of its state.
 
 use std::ops::{Deref, DerefMut};
 
-/// What follows from the rest of a unit's state: worked out when it is missing, and kept until that changes.
+/// A cached value that follows from the rest of a unit's state: computed if missing, and kept until the state changes.
 ///
-/// It is a field of the state, so that whoever puts a state in or resets it by assignment need not think of it; but it says
-/// nothing that the other fields do not say. So two are always equal, a copy has none, and it is not written: its field is
-/// marked `#[serde(skip)]`.
+/// It is a field of the state, so code that replaces or resets the state need not know of it. It holds no information beyond the other
+/// fields. So two of them always compare equal, a clone is empty, and the field is marked `#[serde(skip)]`.
 ///
 /// ```
 /// use basrelief_kernel::Cached;

@@ -1,13 +1,13 @@
-//! One channel of a memory (law 4): its queue, its banks of open rows, its bus.
+//! One channel of a memory (law 4): its queue, its banks with open rows, and its bus.
 //!
-//! No clock runs here. Of the bursts in view the one whose column command can go first is served next, and when each could go
-//! follows from what was served before; so the next choice, and its cycle, can be computed as soon as it is known what can be
-//! in view. A choice is *final* when nothing that is still to come could change it:
+//! No clock runs here. The next burst to serve is the one in view whose column command can be issued first, and these times
+//! follow from the bursts served before. So the next choice, and its cycle, can be computed as soon as the set of bursts in view
+//! is known. A choice is *final* if no later event can change it:
 //!
-//! - a burst of a request that arrives in cycle h or later comes into view at h + 1 or later, and goes there at the earliest:
-//!   so a choice with a column command at h + 1 or before stands (at h + 1 it is the older of equals);
-//! - while the window is full nothing else comes into view before the choice is served;
-//! - once the oldest has been passed over `cap` times it is next, whatever comes.
+//! - A burst of a request that arrives in cycle h or later comes into view at h + 1 or later, and is served there at the earliest. So a
+//!   choice with a column command at h + 1 or before is final (at h + 1 it is the older of equals).
+//! - While the window is full, no other burst comes into view before the choice is served.
+//! - Once the oldest burst has been passed over `cap` times, it is next in any case.
 
 use crate::counts::{ChannelCounts, RowOutcome};
 use crate::memory_events::{ChannelEvents, MemoryEvent, closed_at};
@@ -19,7 +19,7 @@ use timing::{Bank, CLOSED, ChannelTiming, ColumnCommand};
 #[derive(Clone, Copy, Debug)]
 struct QueuedBurst {
     burst: Burst,
-    /// Since when it is in view; behind the window, when it would be if there were room.
+    /// First cycle in view. For a burst behind the window: the first cycle in view if there were room.
     from: Cycle,
 }
 
@@ -29,31 +29,32 @@ pub(crate) struct Channel {
     timing: ChannelTiming,
     window: usize,
     cap: u64,
-    /// Those not served, oldest first, from `first` on; the first `window` of them are in view. (What was served is left in
-    /// front, and cleared away now and then: neither the oldest nor one near it moves the others, and they lie in one piece. Those
-    /// behind the window in a queue of their own cost more: each was taken in twice.)
+    /// Unserved bursts, oldest first, from `first` on. The first `window` of them are in view. (Served bursts stay in front and
+    /// are cleared from time to time. So serving the oldest burst, or one near it, moves no others, and all lie in one piece of
+    /// memory. A separate queue for bursts behind the window cost more, because each burst was inserted twice.)
     queue: Vec<QueuedBurst>,
     first: usize,
-    /// How often the oldest has been passed over.
+    /// Number of times that the oldest burst has been passed over.
     passed: u64,
     banks: Box<[Bank]>,
-    /// The next column command may go, by direction, and in either.
+    /// Earliest next column command, by direction; and the earlier of the two.
     next: [Cycle; 2],
     soonest: Cycle,
-    /// The direction of the last one: 1 where it was a write; neither before the first.
+    /// Direction of the last column command: 0 read, 1 write, 2 none yet.
     last: usize,
-    /// The next activation may go; and after each of the last four, from the one after the next three.
+    /// Earliest next activation. `four`: for each of the last four activations, the earliest cycle of the fourth activation after
+    /// it.
     activation: Cycle,
     four: [Cycle; 4],
     activations: usize,
-    /// Column commands so far, and the cycles of the last of them, at least as many as come into view together.
+    /// Number of column commands, and the cycles of the last of them: at least as many as can come into view together.
     served: usize,
     columns: Box<[Cycle]>,
-    /// The next choice and its place in the queue, where it was asked for before it was final.
+    /// The next choice and its place in the queue, if it was computed before it was final.
     choice: Option<(usize, ColumnCommand)>,
-    /// All but what follows from the rest.
+    /// All counts that do not follow from other fields.
     counts: ChannelCounts,
-    /// What it does, where a probe looks on.
+    /// Events for a probe, if one is attached.
     pub(crate) watch: Option<Box<ChannelEvents>>,
 }
 
@@ -85,12 +86,12 @@ impl Channel {
         }
     }
 
-    /// Keeps what it does from now on.
+    /// Records events from now on.
     pub(crate) fn keep_events(&mut self) {
         self.watch = Some(Box::new(ChannelEvents::new(self.banks.len())));
     }
 
-    /// Tells what it did since the last call, or up to the `end` of a run.
+    /// Emits the events since the last call, or up to the `end` of a run.
     pub(crate) fn emit(&mut self, place: [usize; 2], end: Option<Cycle>, emit: impl FnMut(MemoryEvent)) {
         if let Some(watch) = &mut self.watch {
             let open = self.banks.iter().enumerate().filter(|(_, bank)| bank.row != CLOSED);
@@ -98,12 +99,12 @@ impl Channel {
         }
     }
 
-    /// Number of its banks.
+    /// Returns the number of banks.
     pub(crate) fn banks(&self) -> usize {
         self.banks.len()
     }
 
-    /// Takes in a burst; to be called in order of (arrival, port number, issue, address).
+    /// Appends a burst. Bursts must come in order of (arrival, port number, order of issue, address).
     #[inline]
     pub(crate) fn push(&mut self, burst: Burst) {
         let place = self.queue.len() - self.first;
@@ -120,8 +121,7 @@ impl Channel {
         self.queue.push(new);
     }
 
-    /// Makes room for more where half of the queue or more is served; where less is, the queue grows. So none is moved for
-    /// long.
+    /// Frees space if at least half of the queue is served; otherwise the queue grows. So bursts are moved rarely.
     #[cold]
     fn clear_away(&mut self) {
         if 2 * self.first >= self.queue.len() {
@@ -130,8 +130,8 @@ impl Channel {
         }
     }
 
-    /// The cycle after the column command that made the room for a burst with `place` others ahead of it; that may be later than
-    /// its arrival where it was final so early.
+    /// Returns the cycle after the column command that made room for a burst with `place` others ahead of it. It may be later
+    /// than the arrival of the burst, because choices can be final early.
     #[inline]
     fn room_made(&self, place: usize) -> Cycle {
         match (self.served + place).checked_sub(self.window) {
@@ -140,7 +140,7 @@ impl Channel {
         }
     }
 
-    /// A burst comes into view after the choice was made.
+    /// Updates the choice if a burst comes into view after the choice was made.
     fn reconsider(&mut self, place: usize, new: &QueuedBurst) {
         if let Some((_, best)) = self.choice.filter(|(_, best)| self.passed < self.cap && best.at > new.from.max(self.soonest)) {
             let column = self.column(new, self.bank(new));
@@ -155,7 +155,7 @@ impl Channel {
         &self.banks[waiting.burst.bank as usize]
     }
 
-    /// When the column command of a burst can go, were it the next.
+    /// Returns the time of a burst's column command, assuming that it is the next.
     #[inline(always)]
     fn column(&self, QueuedBurst { burst, from }: &QueuedBurst, bank: &Bank) -> ColumnCommand {
         let bus = self.next[usize::from(burst.write)].max(*from);
@@ -163,7 +163,7 @@ impl Channel {
         if column.at < bank.until { column } else { self.column_refreshed(column.at, burst.row, *from, bus) }
     }
 
-    /// The same where a refresh comes first, or has come since the bank was last used.
+    /// As `column`, if a refresh comes first or has come since the last use of the bank.
     #[cold]
     fn column_refreshed(&self, mut at: Cycle, row: u64, from: Cycle, bus: Cycle) -> ColumnCommand {
         loop {
@@ -189,21 +189,21 @@ impl Channel {
         ColumnCommand { at: bus.max(activation + self.timing.rcd), row, activation, until }
     }
 
-    /// First ready, first come. Of bursts of one bank and direction that find their rows open, or do not, only the oldest can be
-    /// first: the rest is the same for all, and views only grow.
+    /// Chooses by first ready, first come. Among bursts of one bank and direction with equal row state, only the oldest can be
+    /// first: all other conditions are equal, and views only grow.
     #[inline(always)]
     fn first_ready(&self) -> Option<(usize, ColumnCommand)> {
         let (oldest, others) = self.queue[self.first..].split_first()?;
         let bank = self.bank(oldest);
         let column = self.column(oldest, bank);
-        // None can go before `soonest`: mostly the oldest finds its row open, and goes then.
+        // No command can be issued before `soonest`. Usually the oldest burst finds its row open and is served then.
         if column.at <= self.soonest || self.passed >= self.cap {
             return Some((0, column));
         }
         let mut best = (0, column);
         let mut asked = class(oldest, bank);
         for (place, candidate) in (1..self.window).zip(others) {
-            // Nor can this one, or any behind it, before it is in view.
+            // Neither this burst nor any behind it can be served before it is in view.
             if best.1.at <= candidate.from {
                 break;
             }
@@ -224,7 +224,7 @@ impl Channel {
         Some(best)
     }
 
-    /// The column command of the next choice, as far as it is known what is in view; none where nothing waits.
+    /// Returns the column command of the next choice, as far as the bursts in view are known; `None` if no burst waits.
     pub(crate) fn next_column(&mut self) -> Option<Cycle> {
         if self.choice.is_none() {
             self.choice = self.first_ready();
@@ -232,8 +232,8 @@ impl Channel {
         self.choice.map(|(_, column)| column.at)
     }
 
-    /// Serves the next choice if it is final when every request that is still to come arrives at `horizon` or later: its burst,
-    /// the cycle of its column command, and the cycle after its last data.
+    /// Serves the next choice if it is final, given that all later requests arrive at `horizon` or later. Returns the burst, its
+    /// row outcome, the cycle of its column command, and the cycle after its last data.
     #[inline(always)]
     pub(crate) fn serve(&mut self, horizon: Cycle) -> Option<(Burst, RowOutcome, Cycle, Cycle)> {
         let (place, column) = match self.choice {
@@ -252,7 +252,7 @@ impl Channel {
         Some((burst, column.row, column.at, column.at + self.timing.data[usize::from(burst.write)]))
     }
 
-    /// Takes a burst out of the queue; its column command goes at `at`, and another comes into view after that.
+    /// Removes a burst from the queue. Its column command is issued at `at`, and the next burst comes into view after that.
     #[inline(always)]
     fn take(&mut self, place: usize, at: Cycle) -> Burst {
         let chosen = self.first + place;
@@ -268,7 +268,7 @@ impl Channel {
         burst
     }
 
-    /// Gives the commands of a burst: what they leave behind.
+    /// Applies the commands of a burst to the state of its bank and channel.
     #[inline(always)]
     fn command(&mut self, burst: &Burst, column: &ColumnCommand) {
         let (timing, direction) = (&self.timing, usize::from(burst.write));
@@ -295,7 +295,7 @@ impl Channel {
         counts.queued += column.at.since(burst.arrival);
     }
 
-    /// From the first command that a burst needed for its row to its column command.
+    /// Returns the cycles from the first row command of a burst to its column command.
     pub(crate) fn row_cycles(&self, row: RowOutcome) -> u64 {
         match row {
             RowOutcome::Hit => 0,
@@ -304,7 +304,7 @@ impl Channel {
         }
     }
 
-    /// What it moved in a run of `total` cycles.
+    /// Returns the counts of a run of `total` cycles.
     pub(crate) fn counts(&self, total: u64) -> ChannelCounts {
         let bus_busy = self.counts.rows.bursts() * self.timing.burst_cycles;
         let refreshes = total.saturating_sub(1).checked_div(self.timing.refi).unwrap_or(0);
@@ -312,7 +312,7 @@ impl Channel {
     }
 }
 
-/// A bit for a burst's bank, its direction, and whether its row is open; none where there are too many banks.
+/// Returns one bit for the burst's bank, its direction and its row state; 0 if there are too many banks.
 #[inline(always)]
 fn class(QueuedBurst { burst, .. }: &QueuedBurst, bank: &Bank) -> u64 {
     let is_open = bank.row == burst.row;

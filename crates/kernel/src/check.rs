@@ -1,4 +1,4 @@
-//! What the laws, and the proof of the timed engine, take for granted of a wiring: checked before the first step.
+//! Conditions on a wiring that the laws and the proof of the timed engine assume. They are checked before the first step.
 
 use crate::bound_stage::BoundStage;
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
@@ -8,7 +8,7 @@ use crate::wires::Wires;
 use crate::{FifoInfo, Unit};
 use std::fmt;
 
-/// What is wrong with a machine's wiring.
+/// An error in a machine's wiring.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WiringError {
     /// Two units fill one FIFO.
@@ -29,32 +29,32 @@ pub enum WiringError {
         /// The other one.
         second: String,
     },
-    /// A unit waits for tokens that nobody makes.
+    /// A unit waits for tokens that no unit emits.
     NoProducer {
         /// The FIFO.
         fifo: String,
         /// Its consumer.
         unit: String,
     },
-    /// A unit makes tokens that nobody takes.
+    /// A unit emits tokens that no unit takes.
     NoConsumer {
         /// The FIFO.
         fifo: String,
         /// Its producer.
         unit: String,
     },
-    /// More FIFOs or clients at a unit than the kernel keeps account of.
+    /// A unit has more FIFOs or clients than the kernel supports.
     TooMany {
         /// The unit.
         unit: String,
         /// `inputs`, `outputs` or `memory clients`.
         what: &'static str,
-        /// How many there are.
+        /// The number of connections.
         count: usize,
-        /// How many there may be.
+        /// The maximum.
         most: usize,
     },
-    /// The number of a client that was never added.
+    /// A unit uses a client that was never added.
     NoSuchClient {
         /// The unit.
         unit: String,
@@ -81,7 +81,7 @@ pub enum WiringError {
         /// Clients wired.
         wired: usize,
     },
-    /// The largest step needs more credits than there are: the unit would never start (law 3).
+    /// The largest step needs more credits than the port has, so the unit could never start (law 3).
     TooFewCredits {
         /// The unit.
         unit: String,
@@ -127,14 +127,14 @@ impl fmt::Display for WiringError {
 
 impl std::error::Error for WiringError {}
 
-/// Checks that every FIFO has one producer and one consumer, that every memory client belongs to one stage, that the clients
-/// a unit uses are wired, and that they have the credits of its largest step.
+/// Checks that every FIFO has one producer and one consumer, that every memory client belongs to one stage, that the clients a
+/// unit uses are wired, and that they have the credits of its largest step.
 ///
-/// Engines check it before the first step, where a failure is a fault. A machine whose configuration decides about credits
-/// checks itself when it is built, to name the parameter.
+/// Engines run this check before the first step and end the run with a fault if it fails. A machine whose configuration
+/// determines credits should check itself at construction, to name the parameter.
 ///
 /// # Errors
-/// The first thing that is wrong, in the order of the wiring.
+/// Returns the first error in the order of the wiring.
 pub fn check_wiring(machine: &mut impl Machine) -> Result<(), WiringError> {
     let mut stages = Stages::default();
     machine.wire(&mut Forget);
@@ -145,7 +145,7 @@ pub fn check_wiring(machine: &mut impl Machine) -> Result<(), WiringError> {
     found.map_or(Ok(()), Err)
 }
 
-/// Forgets who is at the ends of each FIFO.
+/// Clears the producer and consumer of each FIFO.
 struct Forget;
 impl Visitor for Forget {
     fn stage<P: BoundStage>(&mut self, mut place: P) {
@@ -159,11 +159,11 @@ impl Visitor for Forget {
     }
 }
 
-/// Notes who is at the ends of each FIFO, and who uses which clients.
+/// Records the producer and consumer of each FIFO, and the users of each client.
 #[derive(Default)]
 struct Stages {
     names: Vec<String>,
-    /// Per stage: its clients, and what its largest step needs of each it could have.
+    /// Per stage: its clients, and the credits that its largest step needs of each possible client.
     clients: Vec<(Vec<usize>, [u32; MAX_CLIENTS])>,
     error: Option<WiringError>,
 }
@@ -240,7 +240,7 @@ impl Stages {
     }
 }
 
-/// Finds the first FIFO with one end loose.
+/// Finds the first FIFO without a producer or consumer.
 struct LooseEnds(Option<WiringError>);
 impl Visitor for LooseEnds {
     fn stage<P: BoundStage>(&mut self, mut place: P) {

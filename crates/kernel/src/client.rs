@@ -12,7 +12,7 @@ pub(crate) struct Client {
 }
 
 impl Client {
-    /// What it is, for who looks on; `stages` use it.
+    /// Describes the client for probes; `stages` use it.
     pub(crate) fn topology(&self, stages: Vec<usize>) -> ClientTopology {
         let Self { port, cache } = self;
         let cache = cache.as_ref().map(|cache| cache.name.clone());

@@ -1,8 +1,8 @@
-//! What a stage is connected to: FIFOs on its two sides, and the memories that it uses.
+//! Connections of a stage: FIFOs on its two sides, and the memories that it uses.
 
 use crate::MemorySystem;
 
-/// What a stage is connected to.
+/// Connections of a stage.
 #[derive(Debug)]
 pub struct Connections<I, O, C> {
     /// The FIFOs that it pops from, in order.
@@ -13,10 +13,10 @@ pub struct Connections<I, O, C> {
     pub clients: C,
 }
 
-/// The memory clients of one stage, in the order in which its unit numbers them. The type tells at compile time whether
-/// there are any: stages without memory pay nothing for those that have it.
+/// The memory clients of one stage, in the order in which its unit numbers them. The type states at compile time if there can be
+/// any, so stages without memory pay nothing for those with memory.
 pub trait Clients {
-    /// Whether there can be any.
+    /// True if there can be any client.
     const HAS_MEMORY: bool;
     /// Their numbers among the machine's memories.
     fn ids(&self) -> &[usize];
@@ -24,7 +24,7 @@ pub trait Clients {
     fn memories(&self) -> Option<&MemorySystem>;
 }
 
-/// None.
+/// A stage without memory clients.
 impl Clients for () {
     const HAS_MEMORY: bool = false;
     fn ids(&self) -> &[usize] {

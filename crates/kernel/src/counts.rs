@@ -1,15 +1,15 @@
-//! What memories count: by port, and by channel.
+//! Counters of memories, by port and by channel.
 
 use crate::Cycle;
 
-/// Classes of a [`Latencies`] histogram: enough for any answer within 2^31 cycles; longer ones count as the last.
+/// Classes of a [`Latencies`] histogram: enough for any answer within 2^31 cycles. Longer latencies count in the last class.
 const CLASSES: usize = 32;
 
-/// How long answers took: `at_least[k]` of them took 2^k cycles or more, and less than twice that.
+/// Histogram of answer latencies: `at_least[k]` answers took at least 2^k cycles and less than 2^(k+1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Latencies {
-    /// Number of answers, by class.
+    /// Number of answers by class.
     pub at_least: [u64; CLASSES],
 }
 
@@ -20,29 +20,30 @@ impl Latencies {
         self.at_least[(cycles.max(1).ilog2() as usize).min(CLASSES - 1)] += 1;
     }
 
-    /// The classes up to the last that is not empty.
+    /// Returns the classes up to the last one that is not empty.
     pub fn used(&self) -> &[u64] {
         let used = self.at_least.iter().rposition(|&n| n > 0).map_or(0, |last| last + 1);
         &self.at_least[..used]
     }
 }
 
-/// How bursts found their rows.
+/// Row outcome of a burst.
 ///
-/// As wide as what it stands beside: behind a byte the compiler copies seven that hold nothing in two pieces that overlap, and the
-/// processor waits for both to reach the cache before it can read them back. That took a quarter of what a memory takes.
+/// The type is as wide as its neighbouring fields. Behind a one-byte field the compiler copies the seven padding bytes in two
+/// overlapping pieces, and the processor waits until both reach the cache before it can read them back. That took a quarter of
+/// the time of a memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub(crate) enum RowOutcome {
-    /// Open.
+    /// The row was open.
     Hit,
-    /// Their bank was closed.
+    /// The bank was closed.
     Closed,
     /// Another row was open.
     Conflict,
 }
 
-/// How many bursts found their rows how.
+/// Number of bursts by row outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RowCounts {
@@ -70,7 +71,7 @@ impl RowCounts {
     }
 }
 
-/// What a port moved and how it was served.
+/// Counters of a port.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PortCounts {
@@ -78,16 +79,16 @@ pub struct PortCounts {
     pub reads: u64,
     /// Write requests.
     pub writes: u64,
-    /// Bytes asked for by reads.
+    /// Bytes requested by reads.
     pub read_bytes: u64,
-    /// Bytes given by writes.
+    /// Bytes requested by writes.
     pub write_bytes: u64,
-    /// Its bursts; a request that is not aligned moves more bytes than it asks for.
+    /// Bursts of the port by row outcome. An unaligned request moves more bytes than it requests.
     pub rows: RowCounts,
-    /// Cycles that its bursts waited in the queue of their channel, in view or not: from the cycle after the arrival, which
-    /// none can avoid, to the column command.
+    /// Cycles that its bursts waited in the queue of their channel, in view or not: from the cycle after the arrival, the
+    /// earliest possible, to the column command.
     pub queue_wait: u64,
-    /// From arrival to answer.
+    /// Latencies from arrival to answer.
     pub latencies: Latencies,
 }
 
@@ -111,41 +112,41 @@ impl PortCounts {
     }
 }
 
-/// What a cache's look-ups found. hits + misses + merged = look-ups.
+/// Results of the look-ups of a cache. hits + misses + merged = look-ups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "config", derive(schemars::JsonSchema))]
 pub struct CacheCounts {
-    /// The line was there.
+    /// Look-ups whose line was in the cache.
     pub hits: u64,
-    /// The line was requested from memory.
+    /// Look-ups that requested the line from memory.
     pub misses: u64,
-    /// The line was on its way.
+    /// Look-ups whose line was already being fetched.
     pub merged: u64,
 }
 
-/// What a channel moved.
+/// Counters of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChannelCounts {
-    /// Its bursts.
+    /// Bursts of the channel by row outcome.
     pub rows: RowCounts,
     /// Changes between reading and writing.
     pub turn_arounds: u64,
     /// Cycles in which its bus moved data.
     pub bus_busy: u64,
-    /// Sum over all cycles of the bursts that waited for their column command: divided by the cycles of the run, the mean
-    /// length of its queue.
+    /// Sum over all cycles of the bursts that waited for their column command. Divided by the cycles of the run it is the mean
+    /// queue length.
     pub queued: u64,
     /// Refreshes within the run.
     pub refreshes: u64,
 }
 
-/// Most intervals that a run is divided into.
+/// Maximum number of intervals of a run.
 const INTERVALS: usize = 256;
 
-/// When the buses of a memory moved data: how many cycles, added up over its channels, in each of at most 256 intervals of
-/// equal length. That is a power of two, doubled as the run goes on.
+/// Bus activity of a memory over time: cycles in which a bus moved data, summed over the channels, for at most 256 intervals of
+/// equal length. The length is a power of two that doubles as the run goes on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BusActivity {
     shift: u32,
@@ -164,17 +165,17 @@ impl BusActivity {
         1 << self.shift
     }
 
-    /// Cycles in which a bus moved data, by interval from cycle 0, up to the last in which any did.
+    /// Returns the cycles in which a bus moved data, by interval from cycle 0, up to the last active interval.
     pub fn busy(&self) -> &[u64] {
         let used = self.busy.iter().rposition(|&n| n > 0).map_or(0, |last| last + 1);
         &self.busy[..used]
     }
 
-    /// Counts data that move from one cycle to the one before another, later one.
+    /// Counts data that move from cycle `from` to the cycle before `to`; `from` < `to`.
     #[inline(always)]
     pub(crate) fn moved(&mut self, from: Cycle, to: Cycle) {
         let [first, last] = [from.0, to.0 - 1].map(|at| at >> self.shift);
-        // Mostly they move within an interval.
+        // Usually the data move within one interval.
         match self.busy.get_mut(last as usize) {
             Some(busy) if first == last => *busy += to.0 - from.0,
             _ => self.moved_across(from, to),

@@ -1,26 +1,26 @@
-//! The critical path of a run: what it waited for, from its end back to its beginning.
+//! The critical path of a run: the chain of waits and work from its end back to its beginning.
 
 /// A phase of a memory request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RequestPhase {
-    /// On its way to the memory's view.
+    /// The request travels to the memory's view.
     Arrival,
-    /// In the queue: for others ahead of it, or for the bus.
+    /// It waits in the queue: for other bursts, or for the bus.
     Bus,
-    /// For its row to be opened.
+    /// It waits for its row to open.
     Bank,
     /// From its column command to the end of its data.
     Data,
-    /// For an answer ahead of it, or the credit that comes with it.
+    /// It waits for a previous answer, or for the credit that comes with that answer.
     Order,
-    /// Through the cache.
+    /// The data pass the cache.
     Cache,
 }
 
-/// What a stretch of the path is spent on, by name.
+/// The resource that a segment of the path uses, by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PathSegment {
-    /// A unit is kept by its steps.
+    /// A step occupies a unit.
     Occupancy(String),
     /// From the start of a unit's step to its delivery.
     Latency(String),
@@ -30,42 +30,42 @@ pub enum PathSegment {
     Slot(String),
     /// A request of a memory client.
     Memory(String, RequestPhase),
-    /// What is left in flight at the end.
+    /// The rest, in flight at the end.
     Rest,
 }
 
-/// All stretches of one kind.
+/// All segments of one kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PathPart {
-    /// What they are spent on.
+    /// The resource of the segments.
     pub stretch: PathSegment,
-    /// Their cycles.
+    /// Sum of their cycles.
     pub cycles: u64,
-    /// Of these, the cycles up to each mark from the one before; where there is none, all of them.
+    /// These cycles from mark to mark; one entry with all cycles if the run has no marks.
     pub by_mark: Vec<u64>,
 }
 
-/// A chain of waits and work, without gap or overlap, from the first cycle to the last mark; where nothing passes one,
-/// to the end of the run. Paths are not unique: another may be as long.
+/// A chain of waits and work, without gap or overlap, from the first cycle to the last mark, or to the end of a run without
+/// marks. The critical path is not unique: another may be equally long.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CriticalPath {
-    /// Its length: the sum of all parts.
+    /// Length: the sum of all parts.
     pub cycles: u64,
-    /// Longest first.
+    /// Parts, longest first.
     pub parts: Vec<PathPart>,
-    /// The same cycles by group, each with its number, where steps have [`StageGroups`]: each stretch is of the step that it begins with.
+    /// The same cycles by group number, if steps have [`StageGroups`]. A segment belongs to the step with which it begins.
     pub by_group: Vec<(u32, u64)>,
 }
 
-/// What the steps of one stage are for, as the caller numbers it: runs of steps of one group, in order.
+/// Groups of the steps of one stage, as the caller numbers them: runs of steps of the same group, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StageGroups(Vec<(u32, u32)>);
 
 impl StageGroups {
-    /// What no step is for.
+    /// The group of steps that belong to no group.
     pub const NONE: u32 = u32::MAX;
 
-    /// The next step is of this group; whether that begins one more run.
+    /// Appends a step of this group. Returns true if it begins a new run.
     pub fn push(&mut self, group: u32) -> bool {
         match self.0.last_mut() {
             Some((steps, of)) if *of == group && *steps < u32::MAX => {
@@ -79,7 +79,7 @@ impl StageGroups {
         }
     }
 
-    /// The groups of all steps, one after the other.
+    /// Iterates over the groups of all steps.
     pub(crate) fn into_steps(self) -> impl Iterator<Item = u32> {
         self.0.into_iter().flat_map(|(steps, group)| std::iter::repeat_n(group, steps as usize))
     }

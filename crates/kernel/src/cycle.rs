@@ -11,24 +11,24 @@ pub struct Cycle(pub u64);
 impl Cycle {
     /// Power-on.
     pub const ZERO: Self = Self(0);
-    /// Not known yet, later than every known time; in a finished run: never.
+    /// An unknown time, later than every known time. In a finished run: never.
     pub const UNKNOWN: Self = Self(u64::MAX);
 
-    /// Whether the time is known.
+    /// Returns true if the time is known.
     #[inline]
     pub fn is_known(self) -> bool {
         self != Self::UNKNOWN
     }
 
-    /// So many cycles after a time that is known. (What may be unknown stays so with `+`, which takes two instructions more: in every
-    /// step some ten.)
+    /// Adds cycles to a known time. (Operator `+` keeps unknown times unknown, which takes two more instructions. A step adds
+    /// some ten times.)
     #[inline(always)]
     pub(crate) fn after(self, cycles: u64) -> Self {
         debug_assert!(self.is_known(), "the time is known");
         Self(self.0.wrapping_add(cycles))
     }
 
-    /// Cycles from `earlier` to here; 0 where `earlier` is later.
+    /// Returns the cycles from `earlier` to `self`; 0 if `earlier` is later.
     #[inline]
     pub fn since(self, earlier: Self) -> u64 {
         self.0.saturating_sub(earlier.0)

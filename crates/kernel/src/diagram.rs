@@ -7,7 +7,7 @@ use crate::UnitInfo;
 pub struct StageTopology {
     /// Name of the stage.
     pub name: String,
-    /// What its unit is for.
+    /// Purpose of its unit.
     pub role: UnitInfo,
     /// Names of its input FIFOs.
     pub inputs: Vec<String>,
@@ -17,7 +17,7 @@ pub struct StageTopology {
     pub clients: Vec<String>,
 }
 
-/// All that a probe tells of, by its numbers there.
+/// The stages, FIFOs, memories and clients of a machine, by the numbers that a probe receives.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagram {
     /// In the order of the wiring.
@@ -37,7 +37,7 @@ pub struct FifoTopology {
     pub name: String,
     /// Slots.
     pub depth: usize,
-    /// Numbers of the stages that fill it and that empty it.
+    /// Numbers of the producer and consumer stages.
     pub ends: [usize; 2],
 }
 
@@ -52,7 +52,7 @@ pub struct MemoryTopology {
     pub banks: usize,
     /// Bytes of a burst.
     pub burst_bytes: u32,
-    /// Cycles that a burst keeps the bus of its channel.
+    /// Cycles for which a burst occupies the bus of its channel.
     pub burst_cycles: u64,
 }
 
@@ -65,8 +65,8 @@ pub struct ClientTopology {
     pub memory: usize,
     /// Numbers of the stages that use it.
     pub stages: Vec<usize>,
-    /// Requests that it may have in flight.
+    /// Maximum number of requests in flight.
     pub credits: u64,
-    /// Its cache, where it has one.
+    /// Its cache, if it has one.
     pub cache: Option<String>,
 }

@@ -1,7 +1,7 @@
 //! Division by numbers fixed at construction.
 
-/// Splits a number by a divisor fixed at construction: a shift where the divisor is a power of two, as it nearly
-/// always is (a division costs ten times as much).
+/// Divides by a number fixed at construction. It shifts if the divisor is a power of two, as it nearly always is. (A division
+/// costs ten times as much.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Divisor {
     pub(crate) by: u64,
@@ -22,7 +22,7 @@ impl Divisor {
         }
     }
 
-    /// First and last of the numbers of the aligned pieces of this size that `bytes` (>= 1) from `address` on touch.
+    /// Returns the numbers of the first and the last aligned block of this size that `bytes` (>= 1) at `address` touch.
     #[inline(always)]
     pub(crate) fn touched(self, address: u64, bytes: u32) -> (u64, u64) {
         (self.split(address).0, self.split(address + u64::from(bytes) - 1).0)

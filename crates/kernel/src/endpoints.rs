@@ -83,11 +83,11 @@ impl<I: Iterator> Unit for Source<I> {
         self.next.is_none()
     }
 }
-/// Collects tokens, and so slowly as it is told to; with [`Sink::expect`] it checks them, too.
+/// Collects tokens, at a configurable pace. With [`Sink::expect`] it also checks them.
 ///
-/// A token that differs from the expected one is a [fault](MemoryPorts::fault): the run ends, and names this unit, the
-/// cycle, the token's index and both values. Tokens that never come leave the unit non-empty: the run ends as a
-/// deadlock that names it.
+/// A token that differs from the expected one is a [fault](MemoryPorts::fault): the run ends with a message that names this unit,
+/// the cycle, the token's index and both values. Missing tokens leave the unit non-empty: the run ends as a deadlock that names
+/// it.
 #[derive(Clone, Debug)]
 pub struct Sink<T> {
     tokens: Vec<T>,
@@ -102,30 +102,31 @@ impl<T> Default for Sink<T> {
 }
 
 impl<T> Sink<T> {
-    /// Collects whatever comes, one token per cycle.
+    /// Creates a sink that collects all tokens, one per cycle.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Expects exactly these tokens, in this order.
+    /// Creates a sink that expects exactly these tokens, in this order.
     pub fn expect(tokens: impl IntoIterator<Item = T>) -> Self {
         Self { expected: Some(tokens.into_iter().collect()), ..Self::default() }
     }
 
-    /// Is kept `occupancy[n mod length]` >= 1 cycles by token n, and so holds back those behind it.
+    /// Sets the occupancy of the step for token n to `occupancy[n mod length]` >= 1 cycles, which holds back the tokens behind
+    /// it.
     #[must_use]
     pub fn with_occupancy(mut self, occupancy: &[u64]) -> Self {
         self.occupancy = occupancy.to_vec();
         self
     }
 
-    /// The tokens that came, in order.
+    /// Returns the collected tokens, in order.
     pub fn tokens(&self) -> &[T] {
         &self.tokens
     }
 }
 
-/// What is wrong with token `n`.
+/// Describes the mismatch of token `n`.
 fn mismatch<T: Debug>(n: usize, got: Option<&T>, expected: Option<&T>) -> String {
     let show = |token: Option<&T>| token.map_or("none".into(), |t| format!("{t:?}"));
     format!("token {n}: got {}, expected {}", show(got), show(expected))

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 pub struct Fifo<T> {
     pub(crate) link: FifoInfo,
     tokens: VecDeque<T>,
-    /// What a token is about.
+    /// Returns the label of a token.
     label: fn(&T) -> Label,
 }
 
@@ -21,26 +21,26 @@ impl<T> Fifo<T> {
         Self { link: FifoInfo::new(name, depth, latency), tokens: VecDeque::with_capacity(depth), label: |_| Label::default() }
     }
 
-    /// The same with slots of this width \[bits\]: what a token takes in hardware, which only says what the FIFO is built of.
+    /// Sets the width of a slot \[bits\]. It matters for hardware counts only.
     #[must_use]
     pub fn carrying(mut self, bits: u32) -> Self {
         self.link.set_bits(bits);
         self
     }
 
-    /// The same with tokens that say by `label` what they are about: for probes that ask.
+    /// Sets the function that labels tokens, for probes that read labels.
     #[must_use]
     pub fn labelled(mut self, label: fn(&T) -> Label) -> Self {
         self.label = label;
         self
     }
 
-    /// What the token is about that was taken in last.
+    /// Returns the label of the newest token.
     pub(crate) fn newest_label(&self) -> Label {
         self.tokens.back().map(self.label).unwrap_or_default()
     }
 
-    /// Takes `token` in, if there is one; 1 if there was, else 0.
+    /// Pushes `token` if it is `Some`. Returns the number of tokens pushed.
     #[inline(always)]
     pub(crate) fn put(&mut self, token: Option<T>) -> u32 {
         let Some(token) = token else { return 0 };
@@ -49,7 +49,7 @@ impl<T> Fifo<T> {
         1
     }
 
-    /// Takes the front token out, if it is declared.
+    /// Pops the front token if `declared`.
     #[inline(always)]
     pub(crate) fn take_if(&mut self, declared: bool) -> Option<T> {
         if !declared {

@@ -1,23 +1,24 @@
-//! The untyped half of a FIFO: what it is, what it is joined to, and how many tokens are in it.
+//! The untyped half of a FIFO: its properties, its connections, and its number of tokens.
 
-/// What is known of a FIFO without knowing its tokens.
+/// Properties and state of a FIFO apart from its tokens.
 #[derive(Clone, Debug)]
 pub struct FifoInfo {
     name: String,
     depth: usize,
-    /// Width of a slot \[bits\]; 0 where nobody has said.
+    /// Width of a slot \[bits\]; 0 if unknown.
     bits: u32,
     latency: u64,
     pushed: u64,
     popped: u64,
-    /// Numbers of the stages at its ends, and its own, once the wiring is checked.
+    /// Numbers of the stages at its ends and of the FIFO itself, once the wiring is checked.
     producer: Option<usize>,
     consumer: Option<usize>,
     number: usize,
 }
 
 impl FifoInfo {
-    /// A link of `depth` slots whose tokens are visible `latency` cycles after delivery; both at least 1.
+    /// Creates the state of a FIFO of `depth` slots whose tokens are visible `latency` cycles after delivery. Both are at least
+    /// 1.
     ///
     /// # Panics
     /// If depth or latency is 0: the laws of time need both.
@@ -33,22 +34,21 @@ impl FifoInfo {
         &self.name
     }
 
-    /// Width of a slot \[bits\]; 0 where nobody has said.
+    /// Width of a slot \[bits\]; 0 if unknown.
     pub fn bits(&self) -> u32 {
         self.bits
     }
 
-    /// Says how wide a slot is.
     pub(crate) fn set_bits(&mut self, bits: u32) {
         self.bits = bits;
     }
 
-    /// Number in the wiring of the stage that fills it; none before a run.
+    /// Number of the producer stage in the wiring; `None` before a run.
     pub fn producer(&self) -> Option<usize> {
         self.producer
     }
 
-    /// Number in the wiring of the stage that empties it; none before a run.
+    /// Number of the consumer stage in the wiring; `None` before a run.
     pub fn consumer(&self) -> Option<usize> {
         self.consumer
     }
@@ -65,7 +65,7 @@ impl FifoInfo {
         (self.producer, self.consumer) = (None, None);
     }
 
-    /// Number among the FIFOs of the machine, in the order of the wiring, by producer.
+    /// Number among the FIFOs of the machine, in the order of the wiring by producer.
     pub(crate) fn number(&self) -> usize {
         self.number
     }
@@ -90,13 +90,13 @@ impl FifoInfo {
         (self.pushed - self.popped) as usize
     }
 
-    /// Whether no token is inside.
+    /// Returns true if no token is inside.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Whether another token finds a slot.
+    /// Returns true if a slot is free.
     #[inline]
     pub fn has_room(&self) -> bool {
         self.len() < self.depth

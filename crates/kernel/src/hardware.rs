@@ -1,4 +1,4 @@
-//! What a machine is built of: counts that one can multiply, no area and no energy.
+//! Hardware counts of a machine: numbers that can be multiplied, without area and energy.
 
 use crate::CacheConfig;
 use std::fmt;
@@ -12,7 +12,7 @@ const ADDRESS_BITS: u32 = 32;
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "config", derive(schemars::JsonSchema))]
 pub enum HardwareKind {
-    /// Inner product of two vectors of three: three multipliers and two adders, which are not counted beside it.
+    /// Dot-product unit for vectors of three: three multipliers and two adders, which are not counted separately.
     InnerProduct,
     /// Multiplier.
     Multiplier,
@@ -26,11 +26,11 @@ pub enum HardwareKind {
     Power,
     /// Table or buffer in memory cells: look-up tables, gathered lines, flags.
     Table,
-    /// Registers: what is set up or kept from step to step.
+    /// Registers for set-up values or values kept from step to step.
     Registers,
     /// Data of a cache.
     CacheData,
-    /// Tags of a cache, with what says which line was used last.
+    /// Tags of a cache, including the order of use.
     CacheTags,
     /// FIFO.
     Fifo,
@@ -52,12 +52,12 @@ impl HardwareKind {
         Self::Fifo,
     ];
 
-    /// Whether it computes; else it holds bits.
+    /// Returns true for operators and false for storage.
     pub fn computes(self) -> bool {
         self < Self::Table
     }
 
-    /// Its name, in the plural where there are many.
+    /// Name, in the plural for countable kinds.
     pub fn name(self) -> &'static str {
         match self {
             Self::InnerProduct => "inner products",
@@ -81,29 +81,29 @@ impl fmt::Display for HardwareKind {
     }
 }
 
-/// Equal pieces of hardware.
+/// Identical pieces of hardware.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hardware {
-    /// Where: name of the unit, of the FIFO, or of the cache.
+    /// Name of the unit, FIFO or cache.
     pub place: String,
-    /// What it is.
+    /// Its kind.
     pub kind: HardwareKind,
-    /// What it is for, in a few words.
+    /// Purpose, in a few words.
     pub about: &'static str,
-    /// How many: operators, or words.
+    /// Number of operators or words.
     pub count: u64,
     /// Width of each \[bits\].
     pub width: u32,
 }
 
 impl Hardware {
-    /// Bits that it holds; 0 where it computes.
+    /// Bits of storage; 0 for operators.
     pub fn bits(&self) -> u64 {
         if self.kind.computes() { 0 } else { self.count * u64::from(self.width) }
     }
 
-    /// Data and tags of a cache. A tag is what is left of an address of 32 bits, a bit that says whether the line is there, and
-    /// the place of the line in order of use.
+    /// Data and tags of a cache. A tag has the remaining bits of a 32-bit address, a valid bit, and the place of the line in the
+    /// order of use.
     pub(crate) fn of_cache(name: &str, config: &CacheConfig) -> [Self; 2] {
         let CacheConfig { line_bytes, sets, ways, .. } = *config;
         let lines = u64::from(sets) * u64::from(ways);

@@ -1,39 +1,40 @@
-//! Time, FIFOs, memories, engines and cycle accounting; knows no graphics.
+//! Cycle-level simulation kernel: time, FIFOs, memories, engines and cycle accounting. It knows no graphics.
 //!
-//! > A unit says what it does to a token and how long it is busy. The kernel says when. The machine's [`wire`] function
+//! > A unit states its effect on a token and how long it is busy. The kernel computes when. The machine's [`wire`] function
 //! > is the block diagram.
 //!
-//! This page is the specification. It defines the words, then gives the laws of time, each with the place that enforces
-//! it and the test that proves it, then what the laws leave open.
+//! This page is the specification. It defines the terms, then states the laws of time, each with the code that enforces it and
+//! the test that proves it. The last section settles the details that the laws leave open.
 //!
-//! # Words
+//! # Terms
 //!
-//! - **Cycle**: time is counted in [cycles](Cycle) from 0. An interval is half-open: from its first cycle to the one
-//!   after its last.
-//! - **Token**: what travels on a wire, a value of whatever type the machine chooses. Wider hardware is a wider token.
-//! - **Unit**: a [block of hardware](Unit): state, and one `step`. In its place in a machine, with its times, it is a
+//! - **Cycle**: the unit of time, counted from 0 ([`Cycle`]). An interval is half-open: from its first cycle to the cycle after
+//!   its last.
+//! - **Token**: one entry of a FIFO, a value of any type. Wider hardware has wider tokens.
+//! - **Unit**: a [block of hardware](Unit): state, and one function `step`. A unit in its place in a machine, with its name, is a
 //!   [`Stage`].
-//! - **Step**: what a unit does at once: it pops tokens of some inputs and emits [0 or 1 token per output](Step). It
-//!   *starts* in a cycle s, keeps the unit for its **occupancy** >= 1 (the next step may start at s + occupancy) and
-//!   *delivers* at s + its **latency** >= 0, or with the last memory answer it waits for. A pipelined unit has occupancy
-//!   1 and any latency.
-//! - **FIFO**: a [bounded queue](Fifo) between two units, of *depth* slots. A token delivered at d is **visible** to the
-//!   consumer f >= 1 cycles later, f being the FIFO's latency, and popped by the step that takes it.
-//! - **Slot**: a place for a token, held from the start of the step that fills it (**reserved**) through the cycle of the
-//!   pop. Its *oldest holder* is the token whose pop will free it.
-//! - **Demand**: which inputs the next step takes, [declared](Unit::demand) by the unit from its own state alone.
-//! - **Client**: a unit's access to memory: a **port** of a memory, with or without a cache in front of it. A unit numbers
-//!   its clients from 0; [`MemorySystem`] numbers the ports of each memory in the order in which they are added.
-//! - **Request**: a read or a posted write of some bytes; it *arrives* at the start of its step. A **look-up** asks a
-//!   cache for a line. Both are made through [`MemoryPorts`].
-//! - **Credit**: the right to one more request in flight on a port; there are `outstanding` of them, and each is back in
-//!   the cycle of the answer.
+//! - **Step**: the smallest piece of work of a unit. A step pops tokens from some inputs and emits [0 or 1 token per
+//!   output](Step). It *starts* in a cycle s and occupies the unit for its **occupancy** >= 1, so the next step may start at
+//!   s + occupancy. It *delivers* at s + its **latency** >= 0, or with the last memory answer that it waits for. A fully pipelined
+//!   unit has occupancy 1 (initiation interval 1) and any latency.
+//! - **FIFO**: a [bounded queue](Fifo) between two units, with a *depth* in slots. A token delivered at d is **visible** to the
+//!   consumer at d + f, where f >= 1 is the FIFO's latency. The step that takes the token pops it.
+//! - **Slot**: room for one token in a FIFO. The step that fills a slot **reserves** it at its start. The slot stays in use through
+//!   the cycle of the pop. The *oldest holder* of a full FIFO is the token whose pop will free the next slot.
+//! - **Demand**: the inputs from which the next step takes tokens, [declared](Unit::demand) by the unit from its own state.
+//! - **Client**: a unit's access path to a memory: a **port** of a memory, with or without a cache in front. A unit numbers its
+//!   clients from 0. [`MemorySystem`] numbers the ports of each memory in the order of their addition.
+//! - **Request**: a read or a posted write of some bytes. It *arrives* at the start of its step. A **look-up** requests a line from a
+//!   cache. A step issues both through [`MemoryPorts`].
+//! - **Credit**: the right to one more request in flight on a port. A port has `outstanding` credits. A credit returns in the cycle of
+//!   the answer.
 //! - **Burst**: the unit of transfer, [`MemoryConfig::burst_bytes`] aligned bytes, served by one **column command** of its
-//!   **channel**. It finds its bank's row open (*hit*), its bank closed, or another row open (*conflict*).
-//! - **Starved, memory, blocked**: why a unit does not work: no token, no credit or answer, no slot. See [`Cause`].
-//! - **Place**: a stage with the [FIFOs on its two sides and its clients](Stage::between), as a [visitor](Visitor) is shown it.
-//! - **Mark**: a [marked step](Step::marked) ends a piece of work; cycles are counted from mark to mark.
-//! - **Engine**: who makes the steps: [`Engine::Ticked`], [`Engine::Timed`] or the
+//!   **channel**. A burst finds its row open (*hit*), its bank closed, or another row open (*conflict*).
+//! - **Starved, memory, blocked**: the causes of a stall: no token, no credit or answer, no slot. See [`Cause`].
+//! - **Bound stage**: a stage with its input FIFOs, output FIFOs and [memory clients](Stage::between). A [visitor](Visitor) sees
+//!   stages in this form.
+//! - **Mark**: a [marked step](Step::marked) ends a piece of work. Cycles are counted from mark to mark.
+//! - **Engine**: the algorithm that executes the steps: [`Engine::Ticked`], [`Engine::Timed`] or the
 //!   [functional model](run_functional).
 //!
 //! # A machine in thirty lines
@@ -98,127 +99,136 @@
 //! assert_eq!((square.busy, square.starved[0], square.done), (12, 1, 1));
 //! ```
 //!
-//! To run more: `examples/pipeline.rs`, `examples/shared_memory.rs` and `examples/visitor.rs`, each under 80 lines.
+//! More examples: `examples/pipeline.rs`, `examples/shared_memory.rs` and `examples/visitor.rs`, each under 80 lines.
 //!
 //! # The laws of time
 //!
-//! Units are joined by bounded FIFOs. Time is counted in cycles from 0. A *step* of a unit starts at cycle s, keeps the unit
-//! for `occupancy` >= 1 cycles (s .. s+occupancy-1) and delivers at s + `latency` (>= 0); both may depend on the token. The
-//! laws of time are stated once, enforced at construction, and proved by tests: two people who implement them apart must get
-//! the same cycle counts.
+//! Bounded FIFOs connect the units. Time is counted in cycles from 0. A *step* of a unit starts at cycle s, occupies the unit for
+//! `occupancy` >= 1 cycles (s .. s+occupancy-1) and delivers at s + `latency` (>= 0). Both numbers may depend on the token. The
+//! laws of time are stated once, enforced at construction, and proved by tests. Two people who implement them independently must
+//! get the same cycle counts.
 //!
-//! 1. **FIFO.** Its depth and its latency f are at least 1. A token delivered at d is visible from
-//!    max(d + f, visible time of the token before it + 1). Tokens never overtake.
+//! 1. **FIFO.** The depth and the latency f of a FIFO are at least 1. A token delivered at d is visible from
+//!    max(d + f, visible time of the token before it + 1). Tokens never overtake each other.
 //!
 //!    *Enforced by [`Fifo::new`] and `FifoTiming::deliver`; test `laws/law_1_fifo`.*
-//! 2. **Slots.** A slot is *reserved at the start* of the step that fills it: what is in flight holds slots, as under credit
-//!    flow control. It is free again the cycle after the pop. So full rate needs
-//!    depth >= ceil((latency + f + 1) / occupancy), or the loaded memory latency. Defaults are computed so; a config below it
-//!    is a warning that names the rate it allows.
+//! 2. **Slots.** A step reserves the slot that it fills *at its start*. Tokens in flight therefore hold slots, as under credit flow
+//!    control. A slot is free again in the cycle after the pop. Full throughput therefore needs
+//!    depth >= ceil((latency + f + 1) / occupancy), or enough slots for the loaded memory latency. Default depths follow this rule.
+//!    A configuration with fewer slots gets a warning with the rate that it allows.
 //!
 //!    *Enforced by `FifoTiming::room_at`; test `laws/law_2_slots`.*
-//! 3. **Start.** A unit declares, from its own state alone, which inputs its next step takes: none, some, or all. The step
-//!    starts at the first cycle at which the unit is free, every declared input has a visible token, *every* output has a slot
-//!    (also when the step turns out to emit nothing there), and every memory port it uses has credits for its largest step.
-//!    It pops exactly the declared inputs and emits 0 or 1 token per output; where it emits none it reserves no slot. Wider
-//!    hardware is a wider token. No choice depends on which token came first; what must, such as an arbiter, is a memory or a
-//!    kernel unit.
+//! 3. **Start.** A unit declares, from its own state alone, the inputs of its next step: none, one, or all. The step starts at the
+//!    first cycle in which all of these hold: the unit is free; every declared input has a visible token; *every* output has a free slot,
+//!    even if the step then emits nothing there; and every memory port of the unit has credits for its largest step. The step pops
+//!    exactly the declared inputs. It emits 0 or 1 token per output, and reserves no slot on an output without a token. Wider hardware
+//!    has wider tokens. No choice depends on the arrival order of tokens of different FIFOs. A function that needs arrival order, such as
+//!    an arbiter, is a memory or a kernel unit.
 //!
-//!    *Enforced by `MachineTiming::next_start`, from [`Unit::demand`] and [`Unit::largest_step`], whose word is held by [`check_wiring`] and in
-//!    every step; tests `laws/law_3_start`, `wiring`.*
-//! 4. **Memory.** All requests of a step arrive at its start, and are split into aligned bursts, ascending. A memory has
-//!    `channels`, which share nothing: a burst at byte address a belongs to channel (a div `channel_bytes`) mod `channels`. In a
-//!    channel, bursts stand in order of (arrival, port number, order of issue, address); port numbers belong to the memory's
-//!    configuration, so the order of wires cannot matter. The first `window` of those not served are *in view*: a burst comes into
-//!    view in the cycle after its arrival, and not before the cycle after the column command that made the room.
+//!    *Enforced by `MachineTiming::next_start`, from [`Unit::demand`] and [`Unit::largest_step`]. [`check_wiring`] and every step check
+//!    these declarations. Tests `laws/law_3_start`, `wiring`.*
+//! 4. **Memory.** All requests of a step arrive at its start and are split into aligned bursts in ascending order. A memory has
+//!    `channels` that share nothing: a burst at byte address a belongs to channel (a div `channel_bytes`) mod `channels`. The bursts of a
+//!    channel form a queue in order of (arrival, port number, order of issue, address). Port numbers belong to the memory's
+//!    configuration, so the order of the wiring cannot matter. The first `window` unserved bursts are *in view*. A burst comes into view in
+//!    the cycle after its arrival, and not before the cycle after the column command that made room for it.
 //!
-//!    *First ready, first come*: of the bursts in view, the one whose column command can go first is served next, the oldest of
-//!    equals. Once the oldest has been passed over `cap` times since it became the oldest, it is next. A `window` of 1 is order of
-//!    arrival.
+//!    *First ready, first come*: the next burst is the one in view whose column command can be issued first; the oldest wins a tie. If the
+//!    oldest burst has been passed over `cap` times since it became the oldest, it is next. With a `window` of 1 bursts are served in
+//!    order of arrival.
 //!
-//!    A column command goes when its burst is in view; `burst_cycles` after the channel's last one or, after a change of direction,
-//!    `cwl` + `burst_cycles` + `wtr` (write to read) or max(`burst_cycles`, `cl` + `burst_cycles` + 1 - `cwl`) (read to write);
-//!    and when its row has been open for `rcd`. Row commands go as early as the bank allows and the burst is in view, also while
-//!    others move data: a closed bank is activated; a bank with another row is precharged - from `ras` after its activation,
-//!    `rtp` after its last read command, `cwl` + `burst_cycles` + `wr` after its last write command - and activated `rp` later.
-//!    Activations of a channel, in order of service, are `rrd` apart, and four of them take `faw`. Every `refi` cycles (0: never) all
-//!    rows close, and no activation goes for `rfc`; an activation whose column command would reach the next refresh is made
-//!    after it. Data move for `burst_cycles`, from `cl` (read) or `cwl` (write) after the column command: a bank is *not* busy until its
-//!    data have moved, row hits follow each other at the rate of the bus, and `cl` is latency, which credits hide.
+//!    A column command is issued when three conditions hold. Its burst is in view. Its row has been open for `rcd`. The bus allows it:
+//!    `burst_cycles` after the channel's last column command in the same direction, `cwl` + `burst_cycles` + `wtr` after a write if it
+//!    reads, and max(`burst_cycles`, `cl` + `burst_cycles` + 1 - `cwl`) after a read if it writes. Row commands are issued as early as the
+//!    bank allows and the burst is in view, even while the bus moves data of others. A closed bank is activated. A bank with another open
+//!    row is precharged, and activated `rp` later. A precharge is issued no earlier than `ras` after the activation, `rtp` after the last
+//!    read command, and `cwl` + `burst_cycles` + `wr` after the last write command. Activations of a channel, in order of service, are
+//!    `rrd` apart, and any four take `faw`. Every `refi` cycles (0: never) all rows close, and no activation is issued for `rfc`. An
+//!    activation whose column command would reach the next refresh is issued after that refresh. Data move for `burst_cycles`, from `cl`
+//!    (read) or `cwl` (write) after the column command. A bank does *not* stay busy until its data have moved: row hits follow each other at the
+//!    rate of the bus, and `cl` is latency, which credits hide.
 //!
-//!    An answer is there when the last data of all its bursts have moved, not before the answer ahead of it on that port. Writes
-//!    are posted. Reads and writes hold one of the port's `outstanding` credits, back in the cycle of the answer.
+//!    An answer arrives when the last data of all its bursts have moved, and not before the previous answer on that port. Writes are
+//!    posted. Reads and writes each hold one of the port's `outstanding` credits, which returns in the cycle of the answer.
 //!
-//!    *Enforced by [`MemorySystem`]; test `laws/law_4_memory`, and against DRAMsim3's figures `dramsim3`.*
-//! 5. **Cache.** A cache port makes one look-up per cycle. A step's look-ups are its n distinct lines in order of first mention,
-//!    all made at its start, and its occupancy is >= ceil(n / ports). Tags change in order of look-up at the step's start;
-//!    the least recently used goes first. They run ahead of the data (Igehy 1998), so a line in flight may be replaced, while
-//!    fills and uses stay in order. A miss makes one line request that arrives at the memory in the same cycle; the look-up is
-//!    answered at its answer + hit latency. A look-up of a line in flight is `merged`: it makes no request, and waits for that
-//!    fill. Answers come in order: a hit behind a miss waits. hits + misses + merged = look-ups.
+//!    *Enforced by [`MemorySystem`]; test `laws/law_4_memory`, and `dramsim3` against DRAMsim3's figures.*
+//! 5. **Cache.** A cache port makes one look-up per cycle. The look-ups of a step are its n distinct lines in order of first mention. All
+//!    are made at its start, and its occupancy is >= ceil(n / ports). Tags change in order of look-up at the step's start; the least
+//!    recently used line is replaced. Tags run ahead of the data (Igehy 1998), so a line in flight may be replaced, while fills and uses
+//!    stay in order. A miss makes one line request, which arrives at the memory in the same cycle. The look-up is answered at the request's
+//!    answer + hit latency. A look-up of a line in flight is `merged`: it makes no request and waits for that fill. Answers
+//!    come in order: a hit behind a miss waits. hits + misses + merged = look-ups.
 //!
-//!    *Enforced by [`MemorySystem::add_cached_client`]'s caches; counted in [`CacheCounts`]; test `laws/law_5_cache`.*
-//! 6. **Contents.** Memories give time, never data. Every bit of state belongs to exactly one unit; what another needs travels
-//!    in tokens. Results may not depend on the cycle: `step` is not given one, only its port handle is. Hence the functional
-//!    model is the same steps with a handle that answers at once, and running ahead is safe. What is tested and then updated
-//!    is tested *and* updated by the unit that owns it, in order of its tokens.
+//!    *Enforced by the caches of [`MemorySystem::add_cached_client`], counted in [`CacheCounts`]; test `laws/law_5_cache`.*
+//! 6. **Contents.** Memories give time, never data. Every bit of state belongs to exactly one unit. Data for another unit travel in
+//!    tokens. Results may not depend on the cycle: `step` receives no cycle, only its port handle does. Therefore the functional model
+//!    executes the same steps with a handle that answers at once, and lookahead is safe. State that is tested and then updated is
+//!    tested *and* updated by the unit that owns it, in order of its tokens.
 //!
-//!    *Enforced by the signature of [`Unit::step`] and by [`MemoryPorts`], which tells nothing; test `laws/law_6_contents`, and of every unit the [contract].*
-//! 7. **Control in band.** Beginnings and ends of work, changes of tables, of parameters and of phase are tokens in the same
-//!    FIFOs and take effect when popped. A unit that gathers (a table, a batch, a phase) flushes on the end token; what it
-//!    holds is a memory of its own with a size, and exceeding it is an error at load, not a deadlock. Feedback is an ordinary
+//!    *Enforced by the signature of [`Unit::step`] and by [`MemoryPorts`], which returns nothing; test `laws/law_6_contents`, and for
+//!    every unit the unit contract of `basrelief-kernel-conformance`.*
+//! 7. **Control in band.** The beginning and end of work and changes of tables, parameters and phases are tokens in the same
+//!    FIFOs. They take effect when popped. A unit that gathers tokens (a table, a batch, a phase) flushes on the end token. Its storage is a
+//!    memory of its own with a size, and exceeding the size is an error at load, not a deadlock. Feedback is an ordinary
 //!    FIFO that can hold all tokens of its loop.
 //!
-//!    *There is no other way in: [`Inputs`] are FIFOs. [`Unit::is_empty`] and [`MemoryPorts::fault`] are for those that gather; test `laws/law_7_control_in_band`.*
-//! 8. **End.** The run ends when every unit's next start is unknown - never after N idle cycles (idle stretches can last millions). Complete: sources exhausted, FIFOs empty, no unit holds
-//!    tokens; else deadlock: both engines, same text, exit 1. Total = 1 + the last cycle in which a unit was busy, a token became visible, or a memory moved data.
+//!    *Enforced by [`Inputs`], the only way into a unit, which are FIFOs. Units that gather use [`Unit::is_empty`] and
+//!    [`MemoryPorts::fault`]; test `laws/law_7_control_in_band`.*
+//! 8. **End.** The run ends when the next start of every unit is unknown, and never after N idle cycles, because an idle stretch can last
+//!    millions. The run is complete if sources are exhausted, FIFOs are empty and no unit holds tokens. Otherwise it is a deadlock, for which
+//!    both engines print the same text and the exit code is 1. Total = 1 + the last cycle in which a unit was busy, a token became
+//!    visible, or a memory moved data.
 //!
-//!    *Enforced by [`run`]; [`Outcome`] and [`RunReport::total`] say it; test `laws/law_8_end`.*
-//! 9. **Accounting** of a unit over 0 .. total-1, cycle by cycle, the first that applies: *busy*; *done* (after the last step it makes in a complete run; in a deadlock units keep the cause that holds them); *starved{first declared input without a visible token}*; *memory{port}*
-//!    (fewer credits than its largest step, or the oldest slot holder of the first full output is before its step's last answer - hits and hit latency count, posted writes never); *blocked{first output without a slot}*. They sum to total.
+//!    *Enforced by [`run`], returned as [`Outcome`] and [`RunReport::total`]; test `laws/law_8_end`.*
+//! 9. **Accounting.** Each cycle of a unit in 0 .. total-1 has the first cause of this list that applies. *busy*. *done*: after the last
+//!    step of the unit in a complete run (in a deadlock, units keep the cause that blocks them). *starved{first declared input without a
+//!    visible token}*. *memory{port}*: fewer credits than the largest step needs, or the oldest slot holder of the first full output is
+//!    before its step's last answer (hits and hit latency count, posted writes never). *blocked{first output without a slot}*. The
+//!    causes sum to the total.
 //!
 //!    *Kept in [`Account`], by [`Cause`]; test `laws/law_9_accounting`.*
-//! 10. **Occupancy** of a FIFO in a cycle = slots reserved or filled, reservation through pop. `histogram[k]`, k = 0..depth, sums to total. (In `timed`: pushes and pops of one FIFO are each monotone, so
-//!     events up to min(last push, last pop) are settled: O(1) per event, exact.)
+//! 10. **Occupancy** of a FIFO in a cycle = slots reserved or filled, from reservation through pop. `histogram[k]`, k = 0..depth, sums to
+//!     the total. (In `timed`, pushes and pops of one FIFO are each monotone, so events up to min(last push, last pop) are settled: O(1) per
+//!     event, exact.)
 //!
 //!     *Kept in [`FifoReport::histogram`]; test `laws/law_10_occupancy`.*
-//! 11. **Marks.** A marked step ends a piece of work: mark k is passed at end(k), the cycle in which that step delivers.
-//!     marks\[k\] = end(k) - end(k-1); the rest is `drain`; the sum is total. TagLookup, open rows and tables stay warm from mark
-//!     to mark.
+//! 11. **Marks.** A marked step ends a piece of work. Mark k is passed at end(k), the cycle in which that step delivers.
+//!     marks\[k\] = end(k) - end(k-1). The rest of the run is its tail, and all parts sum to the total. Caches, open rows and
+//!     tables stay warm from mark to mark.
 //!
-//!     *Marked by [`Step::marked`], kept in [`RunReport::marks`]; test `laws/law_11_marks`.*
+//!     *Set by [`Step::marked`], kept in [`RunReport::marks`]; test `laws/law_11_marks`.*
 //!
-//! Hence the order in which units are visited cannot change any result. Tests are under `tests/`; `hand` computes four
-//! whole machines by hand, `vectors` holds both engines against 320 results of a reading of these laws that shares no code
-//! with them, and `properties` tries them on random machines.
+//! Consequently the order in which units are visited cannot change any result. The tests of the laws stand in
+//! `basrelief-kernel-conformance`: `hand` computes four whole machines by hand, `vectors` compares both engines with 320 results of an
+//! independent implementation of these laws, and `properties` runs random machines.
 //!
-//! # What the laws leave open
+//! # Details that the laws leave open
 //!
 //! - **Addresses.** The burst at byte address a has in its channel the address
 //!   x = (a div (`channel_bytes` * `channels`)) * `channel_bytes` + a mod `channel_bytes`. Row number = x div `row_bytes`;
-//!   bank = row number mod `banks`; row within the bank = row number div `banks`. At first all banks are closed, and no command has
-//!   been given.
-//! - **Refresh.** It waits for nothing, and leaves `rrd` and `faw` as they are. Law 4 needs `rfc` + `rcd` < `refi`.
-//! - **Answers.** The end of a request's bursts, in the sense of law 4, is the cycle after the last data of any. A credit is
-//!   back, and may be used, in the very cycle of the answer.
-//! - **Delivery.** A step delivers at max(start + latency, its answers): those of its reads and of its look-ups. Writes are
-//!   no answers. Steps of one unit deliver in order: law 1 never lets a token overtake.
-//! - **Ports of one step.** A step's requests are issued in order; requests of different memories do not wait for each
-//!   other. What a step needs of a port is counted in requests, of a cached port in distinct lines, hits included.
-//! - **Look-ups.** At start s, of a line in the tags: *merged* if its memory answer is later than s, otherwise a *hit*. A
-//!   line replaced before its fill is absent: a new miss. Hits, merged look-ups and misses all count as use. The occupancy
-//!   of a step is max(its own, ceil(distinct lines / `lookups_per_cycle`)). Its last look-up's answer, hit latency
-//!   included, is what law 9 has it wait for.
-//! - **Order of causes.** Inputs in the order of the wiring, then clients, then outputs; where an output is full and its
-//!   oldest holder awaits several clients, first those whose memory, then whose port number, comes first.
-//! - **Done.** Counts from the end of a unit's last step in a complete run; a unit that never made a step keeps its cause,
-//!   unless it has [finished](Demand::Finished). In a deadlock only those that have finished are done.
-//! - **Complete.** No token in a FIFO, every unit [empty](Unit::is_empty), and none that would still make a step without
+//!   bank = row number mod `banks`; row within the bank = row number div `banks`. At power-on all banks are closed and no command has
+//!   been issued.
+//! - **Refresh.** A refresh waits for nothing and does not change `rrd` and `faw`. Law 4 needs `rfc` + `rcd` < `refi`.
+//! - **Answers.** In law 4, the bursts of a request end in the cycle after the last data of any burst. A credit returns, and may be
+//!   used, in the very cycle of the answer.
+//! - **Delivery.** A step delivers at max(start + latency, answers of its reads and look-ups). Writes have no answers. Steps of one
+//!   unit deliver in order, because law 1 never lets a token overtake.
+//! - **Ports of one step.** The requests of a step are issued in order. Requests to different memories do not wait for each
+//!   other. Needs of a step are counted in requests for a port, and in distinct lines for a cached port, hits included.
+//! - **Look-ups.** At start s a look-up of a line in the tags is *merged* if the line's memory answer is later than s, otherwise a
+//!   *hit*. A line replaced before its fill is absent, so its look-up is a new miss. Hits, merged look-ups and misses all count as use. The
+//!   occupancy of a step is max(its own, ceil(distinct lines / `lookups_per_cycle`)). For law 9 the step waits for the answer of its last
+//!   look-up, hit latency included.
+//! - **Order of causes.** Inputs come in the order of the wiring, then clients, then outputs. If an output is full and its
+//!   oldest holder awaits several clients, the client with the lowest memory number and then the lowest port number counts first.
+//! - **Done.** Counts from the end of a unit's last step in a complete run. A unit that never made a step keeps its cause,
+//!   unless it has [finished](Demand::Finished). In a deadlock only finished units are done.
+//! - **Complete.** No FIFO holds a token, every unit is [empty](Unit::is_empty), and no unit would still make a step without
 //!   input.
-//! - **Limit.** With [`Limits::max_cycles`] no step starts in that cycle or later. If some step would have, the run ends
-//!   there as [`Outcome::Limit`]; if none would, it ends as it would have anyway, a little later.
-//! - **Fault.** A unit that cannot go on ends the run at once. The cycle named is that of its step; what else happened by
-//!   then differs between engines, since `timed` runs ahead.
+//! - **Limit.** With [`Limits::max_cycles`] no step starts in that cycle or later. If some step would start then, the run ends
+//!   there as [`Outcome::Limit`]. Otherwise it ends as it would have ended without the limit, possibly a little later.
+//! - **Fault.** A unit that cannot continue ends the run at once. The message names the cycle of its step. The other events up to
+//!   then differ between engines, because `timed` runs ahead.
 //!
 //! [`wire`]: Machine::wire
 

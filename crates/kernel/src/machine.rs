@@ -2,20 +2,21 @@
 
 use crate::{BoundStage, MemorySystem};
 
-/// Who walks a machine's wiring: engines, accounting, reports.
+/// A visitor of a machine's wiring: an engine, the accounting, or a report.
 pub trait Visitor {
-    /// One stage in its place.
+    /// Visits one stage with its connections.
     fn stage<P: BoundStage>(&mut self, place: P);
 }
 
-/// A machine: its `wire` function is its block diagram, and the only place where the topology stands.
+/// A machine. Its `wire` function is its block diagram and the only definition of its topology.
 pub trait Machine {
     /// Shows every stage to `v`, always in the same order.
     fn wire<V: Visitor>(&mut self, v: &mut V);
     /// The memories that its stages share.
     fn memories(&mut self) -> &mut MemorySystem;
-    /// Whether it has finished something that somebody waits for: [`Limits::progress`](crate::Limits::progress) is then called as soon
-    /// as its stages have been walked over, and not only every now and then. A stage may wait for the outside in its next step.
+    /// Returns true if the machine has a finished result that the caller waits for. [`Limits::progress`](crate::Limits::progress)
+    /// is then called after the current round instead of once in several rounds. A stage may wait for the caller in its next
+    /// step.
     fn has_news(&self) -> bool {
         false
     }

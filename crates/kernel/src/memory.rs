@@ -9,14 +9,14 @@ use crate::memory_events::MemoryEvent;
 use crate::port::{ArrivedRequest, Completion, Port};
 use crate::{Cycle, MemoryConfig};
 
-/// A request, as the memory took it in.
+/// A request as it arrived at the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryRequest {
-    /// When it arrived.
+    /// Cycle of arrival.
     pub arrival: Cycle,
     /// Number of the client.
     pub client: usize,
-    /// Posted write rather than read.
+    /// True for a posted write, false for a read.
     pub write: bool,
     /// Byte address.
     pub address: u64,
@@ -25,7 +25,7 @@ pub struct MemoryRequest {
 }
 
 impl MemoryRequest {
-    /// Addresses of the aligned bursts of `burst_bytes` (>= 1) into which it is split, ascending.
+    /// Returns the addresses of the aligned bursts of `burst_bytes` (>= 1) of this request, in ascending order.
     pub fn bursts(&self, burst_bytes: u32) -> impl Iterator<Item = u64> + use<> {
         let burst = Divisor::new(burst_bytes);
         let (first, last) = burst.touched(self.address, self.bytes);
@@ -33,7 +33,7 @@ impl MemoryRequest {
     }
 }
 
-/// Notes how a burst was served.
+/// Records how a burst was served.
 #[cold]
 fn note_burst(
     channel: &mut Channel,
@@ -55,10 +55,10 @@ pub(crate) struct Memory {
     pub(crate) name: String,
     /// Its ports, in order of number.
     pub(crate) ports: Vec<usize>,
-    /// Requests that are not split into bursts yet.
+    /// Number of requests that are not split into bursts yet.
     pub(crate) arrived: u64,
     pub(crate) burst_bytes: u32,
-    /// Bursts that are not served yet.
+    /// Number of unserved bursts.
     bursts: u64,
     burst: Divisor,
     interleave: Divisor,
@@ -68,17 +68,17 @@ pub(crate) struct Memory {
     channels: Vec<Channel>,
     burst_cycles: u64,
     pub(crate) bus: BusActivity,
-    /// What arrived since it was last taken, in order; none where nobody asked for it.
+    /// Requests since they were last taken, in order; `None` if no caller asked for them.
     pub(crate) log: Option<Vec<MemoryRequest>>,
-    /// Whether anything is to be noted of what arrives: it is logged, or watched.
+    /// True if arrivals are recorded, for a log or a probe.
     pub(crate) notes_arrivals: bool,
-    /// Whether anything is to be noted of what is served: it is watched, or answers are kept.
+    /// True if served bursts are recorded, for a probe or the critical path.
     pub(crate) notes_bursts: bool,
-    /// From a column command to the end of its data, at least.
+    /// Least latency from a column command to the end of its data.
     least_latency: u64,
-    /// The end of the last data: the memory moved some up to the cycle before.
+    /// End of the last data: the memory moved data up to the cycle before.
     pub(crate) data_end: Cycle,
-    /// Whether a single stage uses it, so that nothing need be ordered against others.
+    /// True if a single stage uses it, so no order between stages is needed.
     pub(crate) private: bool,
 }
 
@@ -107,13 +107,13 @@ impl Memory {
         }
     }
 
-    /// Whether anything waits here.
+    /// Returns true if no request and no burst waits.
     #[inline]
     pub(crate) fn is_idle(&self) -> bool {
         self.arrived + self.bursts == 0
     }
 
-    /// The channel of an address, and the address there.
+    /// Returns the channel of an address, and the address within that channel.
     #[inline]
     fn place(&self, address: u64) -> (usize, u64) {
         if self.channels.len() == 1 {
@@ -124,7 +124,7 @@ impl Memory {
         (channel as usize, inner * self.interleave.by + offset)
     }
 
-    /// Splits what arrived before `horizon`, in order; the numbers of this memory's ports are those of their clients.
+    /// Splits the requests that arrived before `horizon`, in order. Ports of this memory have the numbers of their clients.
     fn split_before(&mut self, clients: &mut [Client], horizon: Cycle) {
         if let [client] = self.ports[..] {
             return self.split_from(client, &mut clients[client].port, horizon);
@@ -135,15 +135,15 @@ impl Memory {
         }
     }
 
-    /// The port whose request is the next in order of (arrival, port number, issue), and until when its requests go ahead of those
-    /// of the others; none where the next arrived at `horizon` or later.
+    /// Returns the port of the next request in order of (arrival, port number, issue), and the cycle until which its requests
+    /// precede the others. Returns `None` if the next request arrived at `horizon` or later.
     fn next_port(&self, clients: &[Client], horizon: Cycle) -> Option<(usize, Cycle)> {
         let mut next = None;
         let mut until = horizon;
         for &client in &self.ports {
             let Some(arrival) = clients[client].port.next_arrival() else { continue };
             match next {
-                // Ports stand in order of number: of equals the one before goes first.
+                // Ports are in order of number: the earlier port wins a tie.
                 Some((_, first)) if first <= arrival => until = until.min(arrival + 1),
                 Some((_, first)) => (next, until) = (Some((client, arrival)), until.min(first)),
                 None => next = Some((client, arrival)),
@@ -152,7 +152,7 @@ impl Memory {
         next.filter(|(_, arrival)| *arrival < horizon).map(|(client, _)| (client, until))
     }
 
-    /// Splits the requests of a port that arrived before `until` into bursts in their channels.
+    /// Splits the requests of a port that arrived before `until` into bursts of their channels.
     #[inline]
     fn split_from(&mut self, client: usize, port: &mut Port, until: Cycle) {
         while let Some((request, r, (first, last))) = port.split(until, self.burst) {
@@ -161,7 +161,7 @@ impl Memory {
                 self.note_arrival(client, port, &r, (first, last));
             }
             self.bursts += last - first + 1;
-            // Not a range: mostly it is one burst, and a range asks twice whether it is over.
+            // Not a range: usually there is one burst, and a range checks its end twice.
             let mut number = first;
             loop {
                 self.push(number, client, request, &r);
@@ -173,25 +173,25 @@ impl Memory {
         }
     }
 
-    /// Keeps every request from now on, until it is taken.
+    /// Records every request from now on, until it is taken.
     pub(crate) fn keep_requests(&mut self) {
         (self.log, self.notes_arrivals) = (Some(Vec::new()), true);
     }
 
-    /// Keeps what it does from now on, until it is told.
+    /// Records events from now on.
     pub(crate) fn keep_events(&mut self) {
         (self.notes_arrivals, self.notes_bursts) = (true, true);
         self.channels.iter_mut().for_each(Channel::keep_events);
     }
 
-    /// Tells what it did since the last call, or up to the `end` of a run; it is memory `number`.
+    /// Emits the events since the last call, or up to the `end` of a run. This is memory `number`.
     pub(crate) fn emit(&mut self, number: usize, end: Option<Cycle>, emit: &mut impl FnMut(MemoryEvent)) {
         for (channel, place) in self.channels.iter_mut().zip(0..) {
             channel.emit([number, place], end, &mut *emit);
         }
     }
 
-    /// Notes a request that is split into these bursts.
+    /// Records a request that is split into these bursts.
     #[cold]
     fn note_arrival(&mut self, client: usize, port: &mut Port, r: &ArrivedRequest, (first, last): (u64, u64)) {
         if let Some(log) = &mut self.log {
@@ -208,7 +208,7 @@ impl Memory {
         }
     }
 
-    /// Hands a burst of a request to its channel.
+    /// Appends a burst of a request to its channel.
     #[inline(always)]
     fn push(&mut self, number: u64, client: usize, request: u64, r: &ArrivedRequest) {
         let (channel, address) = self.place(number * self.burst.by);
@@ -218,7 +218,8 @@ impl Memory {
         self.channels[channel].push(Burst { bank, row, write: r.write, arrival: r.arrival, client, request });
     }
 
-    /// Serves whatever is final when all that is still to come arrives at `horizon` or later; whether there was any.
+    /// Serves every choice that is final, given that all later requests arrive at `horizon` or later. Returns true if there was
+    /// any.
     pub(crate) fn serve(&mut self, clients: &mut [Client], horizon: Cycle) -> bool {
         if self.arrived > 0 {
             self.split_before(clients, horizon);
@@ -242,7 +243,7 @@ impl Memory {
         self.bursts < waiting
     }
 
-    /// No answer to come is there before; none where nothing waits.
+    /// Returns a lower bound of all answers to come; `None` if nothing waits.
     pub(crate) fn earliest_answer(&mut self, clients: &[Client]) -> Option<Cycle> {
         let arrival = self.ports.iter().filter_map(|&p| clients[p].port.next_arrival()).min();
         let columns = self.channels.iter_mut().filter_map(Channel::next_column);
@@ -250,7 +251,7 @@ impl Memory {
         Some(first + self.least_latency)
     }
 
-    /// What it is, for who looks on.
+    /// Describes the memory for probes.
     pub(crate) fn topology(&self) -> MemoryTopology {
         MemoryTopology {
             name: self.name.clone(),
@@ -261,7 +262,7 @@ impl Memory {
         }
     }
 
-    /// What each channel moved in a run of `total` cycles.
+    /// Returns the counts of each channel in a run of `total` cycles.
     pub(crate) fn channel_counts(&self, total: u64) -> Vec<ChannelCounts> {
         self.channels.iter().map(|channel| channel.counts(total)).collect()
     }

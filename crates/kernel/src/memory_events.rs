@@ -1,80 +1,79 @@
-//! What memories do, kept for a probe until it is settled. Kept only where one looks on: what is here costs nothing otherwise, as it is
-//! asked for where something else is asked for anyway.
+//! Events of memories, kept for a probe until they are settled. Without a probe this costs nothing: each check is part of a check
+//! that is needed anyway.
 
 use crate::channel::Burst;
 use crate::counts::RowOutcome;
 use crate::{CacheCounts, Cycle};
 use std::collections::VecDeque;
 
-/// What a memory or one of its clients did. Memories and clients are numbered in the order in which they were added; intervals are
+/// An event of a memory or of one of its clients. Memories and clients are numbered in the order of their addition. Intervals are
 /// half-open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MemoryEvent {
-    /// The bus of a channel moved a burst; in order of time for each channel.
+    /// The bus of a channel moved a burst. Events are in order of time for each channel.
     Moved {
-        /// Of this memory.
+        /// Number of the memory.
         memory: usize,
-        /// Its number there.
+        /// Number of the channel in the memory.
         channel: usize,
-        /// Of this client.
+        /// Number of the client.
         client: usize,
-        /// Posted write rather than read.
+        /// True for a posted write, false for a read.
         write: bool,
         /// The first cycle of its data.
         from: Cycle,
         /// The cycle after the last.
         to: Cycle,
     },
-    /// A row was open, from its activation to its precharge or a refresh; in order of time for each bank.
+    /// A row was open from its activation to its precharge or a refresh. Events are in order of time for each bank.
     Open {
-        /// Of this memory.
+        /// Number of the memory.
         memory: usize,
-        /// Of this channel.
+        /// Number of the channel.
         channel: usize,
-        /// Number of the bank there.
+        /// Number of the bank in the channel.
         bank: usize,
-        /// Number of the row there.
+        /// Number of the row in the bank.
         row: u64,
         /// Its activation.
         from: Cycle,
-        /// When it was closed.
+        /// The cycle in which it closed.
         to: Cycle,
     },
-    /// So many bursts have arrived and wait for their column command from a cycle on; told where that changes. Before the first there
-    /// are none.
+    /// Number of bursts that wait for their column command from cycle `at` on. Emitted on change; 0 before the first event.
     Queued {
-        /// Of this memory.
+        /// Number of the memory.
         memory: usize,
-        /// In this channel.
+        /// Number of the channel.
         channel: usize,
-        /// From here on.
+        /// First cycle of the new number.
         at: Cycle,
-        /// How many.
+        /// Number of bursts.
         bursts: usize,
     },
-    /// So many requests have arrived and have no answer from a cycle on: each holds a credit. Told where that changes; before the first
-    /// there are none.
+    /// Number of requests that have arrived and have no answer from cycle `at` on. Each holds a credit. Emitted on change; 0
+    /// before the first event.
     InFlight {
-        /// Of this client.
+        /// Number of the client.
         client: usize,
-        /// From here on.
+        /// First cycle of the new number.
         at: Cycle,
-        /// How many.
+        /// Number of requests.
         requests: usize,
     },
-    /// What the look-ups of a step found that started in a cycle; in order of time for each client.
+    /// Results of the look-ups of the steps that started in a cycle. Events are in order of time for each client.
     LookedUp {
-        /// Of this client.
+        /// Number of the client.
         client: usize,
         /// The start of the step.
         at: Cycle,
-        /// What they found.
+        /// Results.
         found: CacheCounts,
     },
 }
 
 impl MemoryEvent {
-    /// What it is of, in numbers: events of one source come in order of time.
+    /// Returns the source of the event as numbers. Events of one source come in order of time.
     pub fn source(&self) -> [usize; 4] {
         match *self {
             Self::Moved { memory, channel, .. } => [0, memory, channel, 0],
@@ -86,7 +85,8 @@ impl MemoryEvent {
     }
 }
 
-/// A number that goes up and down. Ups come in order of time, and so do downs: all before the last of both are settled.
+/// A number that goes up and down. Ups come in order of time, and so do downs, so all changes before the last of both are
+/// settled.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gauge {
     ups: VecDeque<Cycle>,
@@ -106,7 +106,7 @@ impl Gauge {
         self.last[1] = at;
     }
 
-    /// Tells where it has changed since the last call, and to what: as far as that is settled, or up to `end`.
+    /// Emits each change since the last call with the new value, as far as changes are settled, or up to `end`.
     pub(crate) fn emit(&mut self, end: Option<Cycle>, mut emit: impl FnMut(Cycle, usize)) {
         let until = end.unwrap_or(self.last[0].min(self.last[1]));
         while let Some(at) = self.ups.front().into_iter().chain(self.downs.front()).copied().min().filter(|at| *at < until) {
@@ -118,14 +118,14 @@ impl Gauge {
     }
 }
 
-/// Takes out those in front that are of this cycle; how many there were.
+/// Removes the front entries of this cycle and returns their number.
 fn take_all(queue: &mut VecDeque<Cycle>, at: Cycle) -> usize {
     let count = queue.iter().take_while(|cycle| **cycle == at).count();
     queue.drain(..count);
     count
 }
 
-/// A row that is open, or was.
+/// A row that is or was open.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OpenRow {
     pub(crate) bank: usize,
@@ -134,14 +134,14 @@ pub(crate) struct OpenRow {
     pub(crate) to: Cycle,
 }
 
-/// What a channel does.
+/// Events of a channel.
 #[derive(Clone, Debug)]
 pub(crate) struct ChannelEvents {
     pub(crate) queue: Gauge,
-    /// Bursts, each with the first cycle of its data and the one after the last.
+    /// Bursts, each with the first cycle of its data and the cycle after the last.
     moved: Vec<(Burst, Cycle, Cycle)>,
     closed: Vec<OpenRow>,
-    /// When the row of each bank was opened last.
+    /// Cycle of the last activation, by bank.
     opened: Box<[Cycle]>,
 }
 
@@ -150,21 +150,21 @@ impl ChannelEvents {
         Self { queue: Gauge::default(), moved: vec![], closed: vec![], opened: vec![Cycle::ZERO; banks].into() }
     }
 
-    /// A burst had its column command, and its data move.
+    /// Records the column command of a burst and its data interval.
     pub(crate) fn serve(&mut self, burst: Burst, column: Cycle, (from, to): (Cycle, Cycle)) {
         self.queue.down(column);
         self.moved.push((burst, from, to));
     }
 
-    /// A bank is activated, which was closed at `to` if a row was open there.
+    /// Records an activation. If a row was open in the bank, it closed at `to`.
     #[cold]
     pub(crate) fn open(&mut self, bank: usize, before: Option<u64>, to: Cycle, activation: Cycle) {
         let from = std::mem::replace(&mut self.opened[bank], activation);
         self.closed.extend(before.map(|row| OpenRow { bank, row, from, to }));
     }
 
-    /// Tells what there was since the last call; at the end of a run, with the rows that are `left` open, each until it would be
-    /// refreshed.
+    /// Emits the events since the last call. At the end of a run it includes the rows that are `left` open, each until its next
+    /// refresh.
     pub(crate) fn emit(
         &mut self,
         [memory, channel]: [usize; 2],
@@ -186,12 +186,12 @@ impl ChannelEvents {
     }
 }
 
-/// When the row before an activation was closed: ahead of its precharge, or by a refresh.
+/// Returns the cycle in which the row before an activation closed: by its precharge, or by a refresh.
 pub(crate) fn closed_at(row: RowOutcome, activation: Cycle, precharge: u64, refresh: Cycle) -> Cycle {
     if row == RowOutcome::Conflict { Cycle(activation.0 - precharge) } else { refresh }
 }
 
-/// What the look-ups in a cache found.
+/// Look-up results of a cache.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CacheEvents {
     seen: CacheCounts,
@@ -199,7 +199,7 @@ pub(crate) struct CacheEvents {
 }
 
 impl CacheEvents {
-    /// The look-ups since the last call were of a step that started at `at`.
+    /// Assigns the look-ups since the last call to a step that started at `at`.
     #[cold]
     pub(crate) fn note(&mut self, at: Cycle, counts: CacheCounts) {
         let seen = std::mem::replace(&mut self.seen, counts);
@@ -223,7 +223,8 @@ impl CacheEvents {
         }
     }
 
-    /// Tells what there was since the last call; of the last step only at the end, as more of it may follow.
+    /// Emits the results since the last call. Results of the last step are emitted only at the end, because more of them may
+    /// follow.
     pub(crate) fn emit(&mut self, client: usize, at_end: bool, mut emit: impl FnMut(MemoryEvent)) {
         let settled = if at_end { self.new.len() } else { self.new.len().saturating_sub(1) };
         self.new.drain(..settled).for_each(|(at, found)| emit(MemoryEvent::LookedUp { client, at, found }));

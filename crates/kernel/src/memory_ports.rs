@@ -1,4 +1,4 @@
-//! The port handle that a step is given: it takes requests and tells nothing.
+//! The memory ports of a unit: a step issues requests here and receives nothing back.
 
 use crate::request::Request;
 use crate::step_requests::{Cursor, StepRequests, StepRequestsView, objection};
@@ -11,29 +11,30 @@ pub struct MemoryPorts {
     pub(crate) requests: Vec<Request>,
     pub(crate) look_ups: Vec<Request>,
     pub(crate) fault: Option<String>,
-    /// What it comes to, once tags are asked.
+    /// The requests after tag look-up.
     asked: StepRequests,
     at: Cursor,
 }
 
 impl MemoryPorts {
-    /// A handle that answers at once and keeps no account: the functional model's.
+    /// Creates ports that answer at once and discard all requests, for the functional model.
     pub fn discarding() -> Self {
         Self { discards: true, ..Self::default() }
     }
 
-    /// Whether nobody hears what is asked, so that it need not be worked out. Nothing else that a step does may depend on it (law 6).
+    /// Returns true if requests are discarded, so their addresses need not be computed. No other result of a step may depend on
+    /// it (law 6).
     #[inline(always)]
     pub fn is_discarding(&self) -> bool {
         self.discards
     }
 
-    /// The clients that were asked for something, one bit each.
+    /// Returns the clients with requests, one bit each.
     pub(crate) fn clients(&self) -> u32 {
         self.requests.iter().chain(&self.look_ups).fold(0, |clients, request| clients | 1 << (request.client & 31))
     }
 
-    /// Reads `bytes` at `address` through client `client`; the step delivers when the data are there.
+    /// Reads `bytes` at `address` through client `client`. The step delivers when the data have arrived.
     #[inline]
     pub fn read(&mut self, client: u32, address: u64, bytes: u32) {
         if !self.discards {
@@ -41,7 +42,7 @@ impl MemoryPorts {
         }
     }
 
-    /// Posts a write; nothing waits for it, but it holds a credit of the client's port.
+    /// Posts a write. No step waits for it, but it holds a credit of the client's port.
     #[inline]
     pub fn write(&mut self, client: u32, address: u64, bytes: u32) {
         if !self.discards {
@@ -49,8 +50,8 @@ impl MemoryPorts {
         }
     }
 
-    /// Looks up every line that `bytes` at `address` touch, in the cache behind client `client`. Lines mentioned
-    /// before in the same step cost nothing.
+    /// Looks up every line that `bytes` at `address` touch, in the cache of client `client`. A line looked up before in the same
+    /// step costs nothing.
     #[inline]
     pub fn look_up(&mut self, client: u32, address: u64, bytes: u32) {
         if !self.discards {
@@ -58,36 +59,36 @@ impl MemoryPorts {
         }
     }
 
-    /// Asks what was asked before, by somebody else.
+    /// Adds requests recorded earlier.
     #[inline(always)]
     pub(crate) fn ask(&mut self, requests: &[Request], look_ups: &[Request]) {
         self.requests.extend_from_slice(requests);
         self.look_ups.extend_from_slice(look_ups);
     }
 
-    /// The unit cannot go on: the run ends with this message. For what only the data can show, such as a gathering
-    /// memory that is too small; say which parameter to change.
+    /// Ends the run with this message because the unit cannot continue. Use it for errors that only the data can show, such as a
+    /// gathering memory that is too small, and name the parameter to change.
     pub fn fault(&mut self, message: String) {
         self.fault.get_or_insert(message);
     }
 
-    /// Requests of this step so far; for tests of a unit.
+    /// Returns the requests of this step so far, for tests of units.
     pub fn requests(&self) -> &[Request] {
         &self.requests
     }
 
-    /// Look-ups of this step so far; for tests of a unit.
+    /// Returns the look-ups of this step so far, for tests of units.
     pub fn look_ups(&self) -> &[Request] {
         &self.look_ups
     }
 
-    /// Whether the step issued nothing.
+    /// Returns true if the step issued nothing.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.requests.is_empty() && self.look_ups.is_empty()
     }
 
-    /// Forgets the step's requests.
+    /// Clears the requests of the step.
     #[inline]
     pub fn clear(&mut self) {
         self.requests.clear();
@@ -96,13 +97,13 @@ impl MemoryPorts {
         self.at = Cursor::default();
     }
 
-    /// The lines that the step looks up, each once, with their clients; to be asked once it is settled.
+    /// Returns the distinct lines that the step looks up, with their clients. Call it after `settle`.
     pub(crate) fn lines(&self) -> impl Iterator<Item = (u32, u64)> {
         self.asked.lines()
     }
 
-    /// What the step asks, its tags asked; none, and a fault, where that is not what its unit declared or the machine wired:
-    /// `largest` is what the largest step needs, by client.
+    /// Looks up the tags and returns the requests of the step. Returns `None` and sets a fault if the requests contradict the
+    /// unit's declaration or the wiring. `largest`: needs of the largest step, by client.
     #[inline(always)]
     pub(crate) fn settle(
         &mut self,

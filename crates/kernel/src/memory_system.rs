@@ -11,8 +11,8 @@ pub(crate) use look_ups::LookUpQueue;
 
 /// The memories of a machine.
 ///
-/// Ports are numbered within their memory in the order in which their clients are added, so the order of wires cannot
-/// matter (law 4).
+/// Ports are numbered within their memory in the order in which their clients are added, so the order of the wiring cannot matter
+/// (law 4).
 #[derive(Clone, Debug, Default)]
 pub struct MemorySystem {
     memories: Vec<Memory>,
@@ -26,7 +26,7 @@ impl MemorySystem {
         self.memories.len() - 1
     }
 
-    /// Adds a client with a port of its own on `memory`; returns the client's number.
+    /// Adds a client with its own port on `memory` and returns the client's number.
     pub fn add_client(&mut self, name: &str, memory: usize, outstanding: u32) -> usize {
         let number = self.clients.len();
         self.memories[memory].ports.push(number);
@@ -34,7 +34,7 @@ impl MemorySystem {
         number
     }
 
-    /// Adds a client whose reads go through a cache of its own.
+    /// Adds a client whose reads go through its own cache and returns the client's number.
     pub fn add_cached_client(
         &mut self,
         name: &str,
@@ -53,7 +53,7 @@ impl MemorySystem {
         &self.port(client).name
     }
 
-    /// Requests that a client may have in flight.
+    /// Maximum number of requests in flight of a client.
     pub fn outstanding(&self, client: usize) -> u64 {
         self.port(client).outstanding()
     }
@@ -68,23 +68,23 @@ impl MemorySystem {
         self.clients.iter().map(|client| client.port.name.as_str())
     }
 
-    /// Names of all memories, by number, each with the bytes of its bursts.
+    /// Names of all memories, by number, each with its burst size in bytes.
     pub fn names_and_bursts(&self) -> impl Iterator<Item = (&str, u32)> {
         self.memories.iter().map(|memory| (memory.name.as_str(), memory.burst_bytes))
     }
 
-    /// Name of the cache in front of a client's port, where there is one.
+    /// Name of the cache in front of a client's port, if it has one.
     pub fn cache_name(&self, client: usize) -> Option<&str> {
         self.clients[client].cache.as_ref().map(|c| c.name.as_str())
     }
 
-    /// Keeps every request from now on, until it is [taken](Self::take_requests).
+    /// Records every request from now on, until it is [taken](Self::take_requests).
     pub fn keep_requests(&mut self) {
         self.memories.iter_mut().for_each(Memory::keep_requests);
     }
 
-    /// Takes the requests that were kept, by memory with its name: each in order of (arrival, port number, issue), as law 4 has it.
-    /// To be called between rounds of an engine, so that what is kept does not grow with the run.
+    /// Takes the recorded requests, by memory with its name. Each list is in order of (arrival, port number, issue), as in law 4.
+    /// Call it between rounds of an engine, so that the record does not grow with the run.
     pub fn take_requests(&mut self) -> impl Iterator<Item = (&str, Vec<MemoryRequest>)> {
         let taken = |memory: &mut Memory| memory.log.as_mut().map(std::mem::take).unwrap_or_default();
         self.memories.iter_mut().map(move |memory| {
@@ -106,17 +106,17 @@ impl MemorySystem {
         &self.clients[client].port
     }
 
-    /// Bytes of a line of each client's cache, where it has one.
+    /// Line size of each client's cache in bytes, if it has one.
     pub(crate) fn line_bytes(&self) -> impl Iterator<Item = Option<u32>> {
         self.clients.iter().map(|client| client.cache.as_ref().map(|cache| cache.config.line_bytes))
     }
 
-    /// Memory and port of a client: the order in which a step's answers are listed.
+    /// Memory and port of a client: the order in which the answers of a step are listed.
     pub(crate) fn service_rank(&self, client: usize) -> (usize, usize) {
         (self.port(client).memory, client)
     }
 
-    /// Marks the memories that a single stage uses; `stages` lists each stage's clients.
+    /// Marks the memories that a single stage uses. `stages` lists the clients of each stage.
     pub(crate) fn find_private<'a>(&mut self, stages: impl Iterator<Item = &'a [usize]> + Clone) {
         for m in 0..self.memories.len() {
             let users = stages.clone().filter(|ids| ids.iter().any(|&c| self.port(c).memory == m)).count();
@@ -124,23 +124,23 @@ impl MemorySystem {
         }
     }
 
-    /// Whether a memory of one of these clients is a single stage's.
+    /// Returns true if one of these clients has a memory that a single stage uses.
     pub(crate) fn has_private(&self, clients: &[usize]) -> bool {
         clients.iter().any(|&client| self.memories[self.port(client).memory].private)
     }
 
-    /// Whether there are any, so that promises are worth their while.
+    /// Returns true if there are memories, so that promises are useful.
     pub(crate) fn has_any(&self) -> bool {
         !self.memories.is_empty()
     }
 
-    /// No request to come of this client arrives before `start`.
+    /// Promises that no later request of this client arrives before `start`.
     #[inline]
     pub(crate) fn promise(&mut self, client: usize, start: Cycle) {
         self.clients[client].port.none_before = start;
     }
 
-    /// Forgets which memories are private: the ticked engine serves them all alike.
+    /// Treats all memories as shared, for the ticked engine, which serves them all alike.
     pub(crate) fn share_all(&mut self) {
         self.memories.iter_mut().for_each(|m| m.private = false);
     }
@@ -150,19 +150,19 @@ impl MemorySystem {
         self.port(client).credits_at(credits)
     }
 
-    /// Answer to a client's request `number`.
+    /// Returns the answer time of request `number` of a client.
     #[inline]
     pub(crate) fn answer(&self, client: usize, number: u64) -> Cycle {
         self.port(client).answer(number)
     }
 
-    /// Keeps how every request comes to its answer.
+    /// Records the completion of every request.
     pub(crate) fn keep_answers(&mut self) {
         self.memories.iter_mut().for_each(|memory| memory.notes_bursts = true);
         self.clients.iter_mut().for_each(|client| client.port.notes.get_or_insert_default().answered = Some(Vec::new()));
     }
 
-    /// Keeps what all memories, ports and caches do, until it is told.
+    /// Records events of all memories, ports and caches from now on.
     pub(crate) fn keep_events(&mut self) {
         self.memories.iter_mut().for_each(Memory::keep_events);
         for Client { port, cache } in &mut self.clients {
@@ -171,7 +171,7 @@ impl MemorySystem {
         }
     }
 
-    /// Tells a probe what they did since the last call, as far as that is settled, or up to the `end` of a run.
+    /// Emits the events since the last call to a probe, as far as they are settled, or up to the `end` of a run.
     pub(crate) fn emit(&mut self, probe: &mut impl Probe, end: Option<Cycle>) {
         let mut emit = |event| probe.memory(event);
         for (number, memory) in self.memories.iter_mut().enumerate() {
@@ -187,17 +187,17 @@ impl MemorySystem {
         }
     }
 
-    /// Requests that a client has issued.
+    /// Number of requests that a client has issued.
     pub(crate) fn issued(&self, client: usize) -> u64 {
         self.port(client).issued
     }
 
-    /// The request of a client whose answer brings so many credits.
+    /// Returns the request of a client whose answer returns so many credits.
     pub(crate) fn credit_of(&self, client: usize, credits: u32) -> u64 {
         self.port(client).credit_of(credits)
     }
 
-    /// The first request of a client with the last answer that it got by `at`.
+    /// Returns the first request of a client with the latest answer by `at`.
     pub(crate) fn last_answered(&self, client: usize, at: Cycle) -> Option<Completion> {
         let answered = self.port(client).notes.as_ref()?.answered.as_deref()?;
         let behind = answered.partition_point(|request| request.answer <= at);
@@ -205,31 +205,31 @@ impl MemorySystem {
         answered.get(answered.partition_point(|request| request.answer < answer)).copied()
     }
 
-    /// Whether a client got an answer at `at`, through its cache if it has one.
+    /// Returns true if a client got an answer at `at`, through its cache if it has one.
     pub(crate) fn is_answer(&self, client: usize, at: Cycle) -> bool {
         let through = self.clients[client].cache.as_ref().map_or(0, |cache| cache.config.hit_latency);
         self.last_answered(client, at).is_some_and(|request| request.answer + u64::from(through) >= at)
     }
 
-    /// Requests of a client that have been served: the answers to all before are known.
+    /// Number of served requests of a client: all earlier answers are known.
     #[inline]
     pub(crate) fn served(&self, client: usize) -> u64 {
         self.port(client).served
     }
 
-    /// Requests of these clients that have been served.
+    /// Number of served requests of these clients.
     #[inline(always)]
     pub(crate) fn served_of(&self, clients: &[usize]) -> u64 {
         clients.iter().map(|&client| self.served(client)).sum()
     }
 
-    /// Keeps a client's answers from request `number` on, for steps in flight.
+    /// Keeps the answers of a client from request `number` on, for steps in flight.
     #[inline]
     pub(crate) fn keep_from(&mut self, client: usize, number: u64) {
         self.clients[client].port.keep_from = number;
     }
 
-    /// A direct request; returns its number.
+    /// Issues a direct request and returns its number.
     #[inline]
     pub(crate) fn issue(&mut self, client: usize, arrival: Cycle, address: u64, bytes: u32, write: bool) -> u64 {
         let port = &mut self.clients[client].port;
@@ -237,22 +237,22 @@ impl MemorySystem {
         port.issue(arrival, address, bytes, write)
     }
 
-    /// The tags of a client's cache, and the number of its next request; `None` where it has no cache.
+    /// Returns the tags of a client's cache and the number of its next request; `None` if it has no cache.
     #[inline(always)]
     pub(crate) fn tags(&mut self, client: usize) -> Option<(&mut CacheTagArray, u64)> {
         let Client { port, cache } = &mut self.clients[client];
         Some((&mut cache.as_mut()?.tags, port.issued))
     }
 
-    /// Serves what is final of a client's memory if no other stage uses it and this one makes no step before `horizon`; whether
-    /// there was any.
+    /// Serves final choices of a client's memory, if no other stage uses it and this stage makes no step before `horizon`.
+    /// Returns true if there was any.
     #[inline]
     pub(crate) fn serve_if_private(&mut self, client: usize, horizon: Cycle) -> bool {
         let memory = &mut self.memories[self.clients[client].port.memory];
         memory.private && !memory.is_idle() && memory.serve(&mut self.clients, horizon)
     }
 
-    /// Serves what is final by what the stages have promised, and tells whether there was any.
+    /// Serves choices that are final by the stages' promises. Returns true if there was any.
     pub(crate) fn serve_promised(&mut self) -> bool {
         let mut any = false;
         for memory in self.memories.iter_mut().filter(|memory| !memory.is_idle()) {
@@ -262,11 +262,11 @@ impl MemorySystem {
         any
     }
 
-    /// Serves what is final although nothing more has been promised, and tells whether anything waits.
+    /// Serves final choices without further promises. Returns true if anything waits.
     ///
-    /// To be called when no step can start before an answer is known. Then the earliest step still to come waits,
-    /// through whatever chain, for a request that waits here: it starts no earlier than the earliest answer that any
-    /// memory can still give, and so do its own requests.
+    /// Call it when no step can start before an answer is known. Then the earliest later step waits, through some chain, for a
+    /// request that waits here. It starts no earlier than the earliest answer that any memory can still give, and neither do its
+    /// own requests.
     pub(crate) fn serve_safe(&mut self) -> bool {
         let answers = self.memories.iter_mut().filter(|m| !m.is_idle()).filter_map(|m| m.earliest_answer(&self.clients));
         let Some(horizon) = answers.min() else { return false };
@@ -274,19 +274,19 @@ impl MemorySystem {
         true
     }
 
-    /// Serves what is final when all that is still to come arrives at `horizon` or later.
+    /// Serves the choices that are final, given that all later requests arrive at `horizon` or later.
     pub(crate) fn serve_before(&mut self, horizon: Cycle) {
         for memory in self.memories.iter_mut().filter(|memory| !memory.is_idle()) {
             memory.serve(&mut self.clients, horizon);
         }
     }
 
-    /// Whether any request waits to be served.
+    /// Returns true if no request waits to be served.
     pub(crate) fn is_idle(&self) -> bool {
         self.memories.iter().all(Memory::is_idle)
     }
 
-    /// The last cycle in which anything moved here or a credit came back, plus one.
+    /// The last cycle of any data movement or credit return, plus one.
     pub(crate) fn data_end(&self) -> Cycle {
         self.memories.iter().map(|m| m.data_end).max().unwrap_or(Cycle::ZERO)
     }

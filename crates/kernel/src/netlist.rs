@@ -1,4 +1,4 @@
-//! The shape of a machine: what its wiring says, as plain data. With it time can be told without the machine.
+//! The netlist of a machine: its wiring as plain data. With it the timing of a run can be computed without the machine.
 
 use crate::bound_stage::BoundStage;
 use crate::capacity::MAX_CLIENTS;
@@ -10,7 +10,7 @@ use crate::memory::Memory;
 use crate::wires::Wires;
 use crate::{MemorySystem, Unit};
 
-/// Everything that time depends on beside what the units do: stages, FIFOs, and memories on which nothing has been asked yet.
+/// Everything on which timing depends, apart from the work of the units: stages, FIFOs, and memories in their initial state.
 #[derive(Clone, Debug)]
 pub struct Netlist {
     pub(crate) stages: Vec<StageInfo>,
@@ -18,7 +18,7 @@ pub struct Netlist {
     pub(crate) memories: MemorySystem,
 }
 
-/// A stage: its names, and the numbers of what it is joined to.
+/// A stage: its names and the numbers of its connections.
 #[derive(Clone, Debug)]
 pub(crate) struct StageInfo {
     pub(crate) names: StageTopology,
@@ -27,7 +27,7 @@ pub(crate) struct StageInfo {
     pub(crate) clients: Vec<usize>,
     /// Credits that the largest step needs, by client.
     pub(crate) credits: [u32; MAX_CLIENTS],
-    /// Whether its unit is ideal.
+    /// True if its unit is fully pipelined for a relaxation.
     pub(crate) ideal: bool,
 }
 
@@ -39,16 +39,16 @@ pub(crate) struct FifoSpec {
     pub(crate) latency: u64,
     /// Width of a slot \[bits\].
     bits: u32,
-    /// Numbers of the stages at its ends.
+    /// Numbers of its producer and consumer stages.
     pub(crate) producer: usize,
     pub(crate) consumer: usize,
 }
 
 impl Netlist {
-    /// Of a machine.
+    /// Returns the netlist of a machine.
     ///
     /// # Errors
-    /// If its wiring is wrong.
+    /// If the wiring is invalid.
     pub fn of(machine: &mut impl Machine) -> Result<Self, WiringError> {
         check_wiring(machine)?;
         let mut number = FifoNumbering(0);
@@ -58,18 +58,18 @@ impl Netlist {
         Ok(Self { stages: walk.stages, fifos: walk.fifos, memories: machine.memories().clone() })
     }
 
-    /// Width of a slot of the FIFO of this name \[bits\]; 0 where there is none, or nobody has said.
+    /// Slot width of the FIFO of this name \[bits\]; 0 if there is no such FIFO or its width is unknown.
     pub fn fifo_bits(&self, name: &str) -> u32 {
         self.fifos.iter().find(|fifo| fifo.name == name).map_or(0, |fifo| fifo.bits)
     }
 
-    /// The cache in front of the memory client of this name; none where there is none.
+    /// The cache in front of the memory client of this name; `None` if there is none.
     pub fn cache_of(&self, client: &str) -> Option<&str> {
         let client = self.memories.clients().iter().find(|c| c.port.name == client)?;
         Some(&client.cache.as_ref()?.name)
     }
 
-    /// All that a probe tells of.
+    /// Returns the block diagram for probes.
     pub fn diagram(&self) -> Diagram {
         let fifo = |f: &FifoSpec| FifoTopology { name: f.name.clone(), depth: f.depth, ends: [f.producer, f.consumer] };
         let users = |client: usize| (0..self.stages.len()).filter(|&s| self.stages[s].clients.contains(&client)).collect();
@@ -81,11 +81,11 @@ impl Netlist {
         }
     }
 
-    /// Whether the units of another machine do the same as those of this one, as far as a shape tells: the same stages, joined in the
-    /// same way, with the same largest steps and lines. (Of what else a unit derives from its parameters the shape knows nothing.)
+    /// Checks that the units of another machine do the same work, as far as a netlist shows: the same stages with the same
+    /// connections, largest steps and cache lines. (Other values that a unit derives from its parameters are not in the netlist.)
     ///
     /// # Errors
-    /// What differs, in words.
+    /// Describes the first difference.
     pub fn same_work(&self, other: &Self) -> Result<(), String> {
         let wires =
             |shape: &Self| shape.fifos.iter().map(|f| (f.name.clone(), f.bits, f.producer, f.consumer)).collect::<Vec<_>>();
@@ -106,7 +106,7 @@ impl Netlist {
     }
 }
 
-/// Numbers the FIFOs, in the order of the wiring, by producer.
+/// Numbers the FIFOs, in the order of the wiring by producer.
 struct FifoNumbering(usize);
 impl Visitor for FifoNumbering {
     fn stage<P: BoundStage>(&mut self, mut place: P) {

@@ -1,16 +1,16 @@
-//! Operators: how long arithmetic takes, the same everywhere in a machine.
+//! Operators: the time that arithmetic takes, the same everywhere in a machine.
 //!
-//! A unit says what a piece of work consists of ([`OperatorCounts`]) and how many operators it has for it ([`OperatorCounts`] again); the machine's
-//! table ([`Operators`]) says what that takes:
+//! A unit states the operations of a piece of work and the number of its operators, both as [`OperatorCounts`]. The machine's table
+//! [`Operators`] gives the time:
 //!
 //! ```
-//! use basrelief_kernel::{OperatorConfig, Operators, OperatorCounts};
+//! use basrelief_kernel::{OperatorConfig, OperatorCounts, Operators};
 //!
 //! let operators = Operators { divide: OperatorConfig::new(7, 7), multiply: OperatorConfig::new(4, 1), ..Operators::default() };
 //! let projection = OperatorCounts { divide: 1, multiply: 3, ..OperatorCounts::NONE };
 //! let unit = OperatorCounts { divide: 1, multiply: 2, ..OperatorCounts::NONE };
-//! assert_eq!(operators.interval(projection, unit), 7, "one divider, kept for 7 cycles; two multipliers take 2 meanwhile");
-//! assert_eq!(operators.latency(Work { divide: 1, multiply: 1, ..Work::NONE }), 11, "a quotient, then a product of it");
+//! assert_eq!(operators.interval(projection, unit), 7, "one divider, busy for 7 cycles; two multipliers take 2 meanwhile");
+//! assert_eq!(operators.latency(OperatorCounts { divide: 1, multiply: 1, ..OperatorCounts::NONE }), 11, "a quotient, then a product of it");
 //! ```
 
 #[cfg(not(feature = "config"))]
@@ -23,7 +23,7 @@ parameters! {
     pub struct OperatorConfig {
         /// Cycles from operands to result.
         latency: u32 = 1, unit: "cycles", Assumed("each machine has its own"), range: 1..=1024;
-        /// Cycles from one operation to the next in the same operator: 1 where it is pipelined.
+        /// Initiation interval: cycles from one operation to the next in the same operator; 1 if it is fully pipelined.
         interval: u32 = 1, unit: "cycles", Assumed("each machine has its own"), range: 1..=1024;
     }
 }
@@ -36,7 +36,7 @@ impl OperatorConfig {
 }
 
 parameter_groups! {
-    /// The operators of a machine. Whatever unit multiplies takes as long for it.
+    /// The operators of a machine. All units use the same latencies and intervals.
     pub struct Operators {
         /// Multiplication.
         multiply: OperatorConfig = OperatorConfig::default(),
@@ -51,7 +51,7 @@ parameter_groups! {
     }
 }
 
-/// How many operations of each kind, or how many operators.
+/// Number of operations of each kind, or number of operators of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OperatorCounts {
     /// Multiplications.
@@ -67,14 +67,14 @@ pub struct OperatorCounts {
 }
 
 impl OperatorCounts {
-    /// Nothing.
+    /// No operation.
     pub const NONE: Self = Self { multiply: 0, add: 0, divide: 0, square_root: 0, power: 0 };
-    /// Inner product of two vectors of three.
+    /// Dot product of two vectors of three.
     pub const INNER_PRODUCT: Self = Self { multiply: 3, add: 2, ..Self::NONE };
-    /// A vector of three brought to length 1: the square of its length, a root, a reciprocal, three products.
+    /// Normalization of a vector of three: the square of its length, a root, a reciprocal, three products.
     pub const NORMALIZE: Self = Self { multiply: 6, add: 2, divide: 1, square_root: 1, power: 0 };
 
-    /// This work `times` times.
+    /// Returns these counts multiplied by `times`.
     #[must_use]
     pub const fn times(self, times: u32) -> Self {
         Self {
@@ -86,7 +86,7 @@ impl OperatorCounts {
         }
     }
 
-    /// This work and other work.
+    /// Returns the sum of both counts.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self {
@@ -100,20 +100,20 @@ impl OperatorCounts {
 }
 
 impl Operators {
-    /// Cycles for which operators are kept by a piece of work when `have` of each kind work side by side: as long as the kind
-    /// that is scarcest, and at least one. Of a kind that is needed there is at least one.
+    /// Cycles for which a piece of work occupies the operators if `have` operators of each kind work in parallel. The scarcest
+    /// kind decides; the result is at least 1. For each kind that is needed there is at least one operator.
     pub fn interval(&self, work: OperatorCounts, have: OperatorCounts) -> u64 {
         self.scarcest(work, have, |times, of, interval| times.div_ceil(of) * interval)
     }
 
-    /// Cycles from one piece of work to the next in a stream of equal pieces that do not wait for each other: operators of a
-    /// kind take turns, so seven dividers that take 7 cycles each begin a division in every cycle, where [`Operators::interval`]
-    /// would wait for all of them.
+    /// Cycles from one piece of work to the next in a stream of equal, independent pieces. Operators of a kind take turns, so
+    /// seven dividers of 7 cycles each start a division in every cycle, while [`Operators::interval`] waits for all of them.
     pub fn pace(&self, work: OperatorCounts, have: OperatorCounts) -> u64 {
         self.scarcest(work, have, |times, of, interval| (times * interval).div_ceil(of))
     }
 
-    /// The largest, and at least one, of what `kept` says of each kind: operations, operators (>= 1), interval.
+    /// Returns the maximum, and at least 1, of `kept` over all kinds. Its arguments are operations, operators (>= 1), and
+    /// interval.
     fn scarcest(&self, work: OperatorCounts, have: OperatorCounts, kept: impl Fn(u64, u64, u64) -> u64) -> u64 {
         let kept = |times: u32, of: u32, operator: &OperatorConfig| {
             kept(u64::from(times), u64::from(of.max(1)), u64::from(operator.interval))
@@ -129,7 +129,7 @@ impl Operators {
         .fold(1, u64::max)
     }
 
-    /// Cycles of a chain in which each operation waits for the one before.
+    /// Cycles of a chain in which each operation waits for the previous one.
     pub fn latency(&self, chain: OperatorCounts) -> u64 {
         let takes = |times: u32, operator: &OperatorConfig| u64::from(times) * u64::from(operator.latency);
         takes(chain.multiply, &self.multiply)

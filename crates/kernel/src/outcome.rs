@@ -1,44 +1,43 @@
-//! How a run ended, as data. Its text is made where it is shown.
+//! The outcome of a run, as data. The code that shows it makes the text.
 
 use std::fmt;
 
-/// How a run ended (law 8).
+/// The outcome of a run (law 8).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Sources exhausted, FIFOs empty, no unit holds tokens.
     Complete,
-    /// Nothing can ever start again, and something is left.
+    /// No step can ever start again, and tokens are left.
     Deadlock(Deadlock),
     /// The limit of cycles was reached.
     Limit,
     /// The caller stopped it.
     Stopped,
-    /// A unit could not go on, and says why; or the wiring is wrong.
+    /// A unit could not continue and states why, or the wiring is invalid.
     Fault(String),
 }
 
-/// Who waits for whom, for ever. Displays as one line.
+/// The waits of a deadlock. Displays as one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Deadlock {
-    /// Cycles until nothing moved any more.
+    /// Cycles until the last event.
     pub total: u64,
-    /// Every unit that waits, in the order of the wiring.
+    /// Every waiting unit, in the order of the wiring.
     pub stuck: Vec<BlockedUnit>,
-    /// Units each of which waits for the next, and the last for the first; empty where they wait for tokens that will never
-    /// come.
+    /// Units that each wait for the next, and the last for the first; empty if they wait for tokens that will never come.
     pub circle: Vec<String>,
 }
 
-/// A unit that cannot go on. Displays as a clause: what it waits for, and how full that is.
+/// A unit that cannot continue. Displays as a clause with the FIFO or port that it waits for and its fill level.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BlockedUnit {
     /// The unit.
     pub unit: String,
-    /// What it waits for.
+    /// The resource that it waits for.
     pub waits_for: WaitsFor,
 }
 
-/// What a unit waits for.
+/// The resource that a unit waits for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WaitsFor {
     /// A token.
@@ -52,19 +51,19 @@ pub enum WaitsFor {
     },
 }
 
-/// How full a FIFO is. Displays as `` `name` (2 of 4 slots)``.
+/// Fill level of a FIFO. Displays as `` `name` (2 of 4 slots)``.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FifoLevel {
     /// The FIFO.
     pub fifo: String,
-    /// Slots held.
+    /// Slots in use.
     pub held: usize,
-    /// Slots there are.
+    /// Total number of slots.
     pub depth: usize,
 }
 
 impl Deadlock {
-    /// Whether any unit waits for a slot.
+    /// Returns true if any unit waits for a slot.
     pub fn is_any_full(&self) -> bool {
         self.stuck.iter().any(|stuck| matches!(stuck.waits_for, WaitsFor::Slot(_)))
     }
@@ -101,7 +100,7 @@ impl fmt::Display for FifoLevel {
     }
 }
 
-/// The first circle in `waits`: for each stage, the one that it waits for, if any.
+/// Returns the first circle in `waits`, which holds for each stage the stage that it waits for.
 pub(crate) fn circle(waits: &[Option<usize>]) -> Vec<usize> {
     for first in 0..waits.len() {
         let mut path = vec![first];

@@ -1,4 +1,4 @@
-//! Ports of a memory (law 4): requests on their way, credits, and answers in order.
+//! Ports of a memory (law 4): requests in flight, credits, and answers in order.
 
 use crate::Cycle;
 use crate::counts::PortCounts;
@@ -14,21 +14,21 @@ pub(crate) struct ArrivedRequest {
     pub(crate) write: bool,
 }
 
-/// A request from its issue until nobody asks for its answer any more.
+/// A request from its issue until its answer is no longer needed.
 #[derive(Clone, Copy, Debug, Default)]
 struct PortRequest {
     arrived: ArrivedRequest,
-    /// Bursts not served.
+    /// Number of unserved bursts.
     left: u64,
-    /// The end of those that are; once it is served, its answer.
+    /// End of the served bursts. Once the request is served: its answer time.
     end: Cycle,
 }
 
-/// How a request came to its answer.
+/// The times of a request up to its answer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Completion {
     pub(crate) arrival: Cycle,
-    /// Of the burst whose data came last: when its row's commands begin, and its column command.
+    /// For the burst whose data came last: its first row command and its column command.
     pub(crate) row: Cycle,
     pub(crate) column: Cycle,
     pub(crate) end: Cycle,
@@ -36,15 +36,15 @@ pub(crate) struct Completion {
 }
 
 impl Completion {
-    /// Of a request of which no burst is served.
+    /// The value for a request without any served burst.
     const NOT: Self =
         Self { arrival: Cycle::ZERO, row: Cycle::ZERO, column: Cycle::ZERO, end: Cycle::ZERO, answer: Cycle::UNKNOWN };
 }
 
 /// One port of a memory.
 ///
-/// Its requests stand in one ring, by number of issue: those from `split` to `issued` have arrived, of those from `served` to `split`
-/// some bursts are in their channels, and those before have their answers.
+/// Its requests are in one ring, by number of issue. Requests from `split` to `issued` have arrived. Requests from `served` to
+/// `split` have bursts in their channels. Earlier requests have their answers.
 #[derive(Clone, Debug)]
 pub(crate) struct Port {
     pub(crate) name: String,
@@ -54,27 +54,27 @@ pub(crate) struct Port {
     pub(crate) issued: u64,
     split: u64,
     pub(crate) served: u64,
-    /// The oldest request whose answer a step in flight may still ask for.
+    /// The oldest request whose answer a step in flight may still need.
     pub(crate) keep_from: u64,
-    /// No request to come arrives before, as far as its stage has promised.
+    /// No later request arrives before this cycle, as promised by its stage.
     pub(crate) none_before: Cycle,
     last_answer: Cycle,
     pub(crate) counts: PortCounts,
-    /// What is kept of its requests, where anything is.
+    /// Record of its requests, if any is kept.
     pub(crate) notes: Option<Box<RequestLog>>,
 }
 
-/// What is kept of a port's requests for who looks on.
+/// Record of a port's requests, for probes and critical paths.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RequestLog {
-    /// How each came to its answer, by number.
+    /// Completion of each request, by number.
     pub(crate) answered: Option<Vec<Completion>>,
-    /// Those that have arrived and have no answer.
+    /// Number of requests in flight over time.
     pub(crate) in_flight: Option<Gauge>,
 }
 
 impl RequestLog {
-    /// Request `number` has its answer.
+    /// Records the answer of request `number`.
     #[cold]
     fn answer(&mut self, number: u64, at: Cycle) {
         if let Some(answered) = &mut self.answered {
@@ -105,7 +105,7 @@ impl Port {
         }
     }
 
-    /// Credits in all.
+    /// Total number of credits.
     pub(crate) fn outstanding(&self) -> u64 {
         self.outstanding
     }
@@ -115,7 +115,7 @@ impl Port {
         number as usize & (self.requests.len() - 1)
     }
 
-    /// The first cycle with at least `credits` free credits; unknown while that depends on an answer not known yet.
+    /// First cycle with at least `credits` free credits; unknown while that depends on an unknown answer.
     #[inline(always)]
     pub(crate) fn credits_at(&self, credits: u32) -> Cycle {
         match (self.issued + u64::from(credits)).checked_sub(self.outstanding) {
@@ -124,12 +124,12 @@ impl Port {
         }
     }
 
-    /// The request whose answer brings so many credits.
+    /// Returns the request whose answer returns so many credits.
     pub(crate) fn credit_of(&self, credits: u32) -> u64 {
         (self.issued + u64::from(credits)).saturating_sub(self.outstanding + 1)
     }
 
-    /// Notes the times of a burst, if they are kept and it is the last so far of its request.
+    /// Records the times of a burst, if they are kept and it is the last burst of its request so far.
     pub(crate) fn note(&mut self, number: u64, burst: Completion) {
         if let Some(answered) = self.notes.as_mut().and_then(|notes| notes.answered.as_mut()) {
             answered.resize(answered.len().max(number as usize + 1), Completion::NOT);
@@ -140,8 +140,8 @@ impl Port {
         }
     }
 
-    /// Answer time of request `number`; unknown until it is served. A request that left the ring was answered before
-    /// the start of any step that may still ask (it needed that credit), so its time is as good as 0.
+    /// Answer time of request `number`; unknown until it is served. A request that left the ring was answered before the start of
+    /// any step that may still ask (the step needed that credit), so 0 stands for its time.
     #[inline(always)]
     pub(crate) fn answer(&self, number: u64) -> Cycle {
         if number >= self.served {
@@ -166,9 +166,9 @@ impl Port {
         number
     }
 
-    /// Doubles the ring. A step that waits for one client may hold back others that have long been answered by
-    /// another, and a merged look-up may refer to a request older than the credits in use: so the credits alone do not
-    /// bound what may be asked for.
+    /// Doubles the ring. A step that waits for one client may hold back requests of another client that were answered long ago,
+    /// and a merged look-up may refer to a request older than the credits in use. So the credits alone do not bound the answers
+    /// that are needed.
     #[cold]
     fn grow(&mut self) {
         let mut ring = vec![PortRequest::default(); 2 * self.requests.len()];
@@ -179,7 +179,7 @@ impl Port {
         self.requests = ring.into();
     }
 
-    /// When the oldest request arrived that is not split into bursts yet.
+    /// Arrival of the oldest request that is not split into bursts yet.
     #[inline]
     pub(crate) fn next_arrival(&self) -> Option<Cycle> {
         (self.split < self.issued).then(|| self.requests[self.slot(self.split)].arrived.arrival)
@@ -189,8 +189,8 @@ impl Port {
         self.last_answer
     }
 
-    /// The oldest request that is not split yet, if it arrived before `until`, with its number and the first and last of the bursts
-    /// of size `burst` that it touches; it is counted, and waits for these.
+    /// Takes the oldest request that is not split yet, if it arrived before `until`. Returns its number, the request, and the
+    /// first and last burst of size `burst` that it touches. The request is counted and waits for these bursts.
     #[inline(always)]
     pub(crate) fn split(&mut self, until: Cycle, burst: Divisor) -> Option<(u64, ArrivedRequest, (u64, u64))> {
         if self.split == self.issued {
@@ -209,8 +209,8 @@ impl Port {
         Some((number, *arrived, (first, last)))
     }
 
-    /// Takes in that a burst of request `number` has moved its data by `end`; an answer is there when all its bursts have,
-    /// not before the answer ahead of it.
+    /// Records that a burst of request `number` has moved its data by `end`. The answer arrives when all bursts have moved, and
+    /// not before the previous answer.
     #[inline(always)]
     pub(crate) fn moved(&mut self, number: u64, end: Cycle) {
         let slot = self.slot(number);
@@ -220,7 +220,7 @@ impl Port {
         if number != self.served || request.left > 0 {
             return;
         }
-        // It is answered, and those behind it that waited for that only.
+        // The request is answered, and so are the requests behind it that waited only for it.
         loop {
             self.last_answer = self.last_answer.max(request.end);
             request.end = self.last_answer;

@@ -1,50 +1,51 @@
-//! Probes: what every unit did when. A type parameter of the engines, so that `NoProbe` costs nothing.
+//! Probes: observers of a run. A probe is a type parameter of the engines, so `NoProbe` costs nothing.
 
 use crate::{Cause, Cycle, Label, MemoryEvent};
 use std::collections::BTreeMap;
 
-/// Watches a run. Stages are numbered in the order of the wiring; intervals are half-open; those of one stage come in
-/// order of time, those of different stages interleave as the engine pleases.
+/// Observes a run. Stages are numbered in the order of the wiring. Intervals are half-open. Intervals of one stage come in order
+/// of time; those of different stages interleave in any order.
 pub trait Probe {
-    /// Whether to call at all. Known at compile time wherever the probe's type is; a function, so that a probe can stand
-    /// behind a pointer, which it could not with a constant.
+    /// Returns true if the probe is called at all. The result is known at compile time if the probe's type is. It is a function
+    /// and not a constant, so that a probe can stand behind a pointer.
     fn is_on() -> bool
     where
         Self: Sized,
     {
         true
     }
-    /// Whether it is to be told what steps are about; asked after every step.
+    /// Returns true if the probe reads labels of steps. Asked after every step.
     fn reads_labels(&self) -> bool {
         false
     }
-    /// Whether it is to be told of FIFOs and memories; asked before the first step.
+    /// Returns true if the probe reads FIFO levels and memory events. Asked before the first step.
     fn reads_levels(&self) -> bool {
         true
     }
-    /// The next step of stage `stage` takes a token of each of these inputs, one bit each, and gives tokens of these labels to these
-    /// outputs; `asked` has a bit for each of its memory clients that it asked for something. Told in the order in which the work is done, ahead of how long the step keeps the stage: a token is given before
-    /// it is taken; otherwise stages interleave as the engine pleases. Not told of a [tape](crate::tape): it has no tokens.
+    /// Reports a step of stage `stage`: `taken` has a bit for each input from which it takes a token, `given` has the labels of
+    /// its tokens by output, and `asked` has a bit for each memory client with a request. Calls come in order of execution, ahead
+    /// of the times of the step. A token is given before it is taken; otherwise stages interleave in any order. A
+    /// [recording](crate::recording) has no tokens, so its resimulation makes no such calls.
     fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         _ = (stage, taken, asked, given);
     }
-    /// Stage `stage` was kept by a step.
+    /// Reports that a step occupied stage `stage`.
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle);
-    /// Stage `stage` waited for `cause`.
+    /// Reports that stage `stage` waited for `cause`.
     fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle);
-    /// FIFO `fifo`, in the order of the wiring by producer, holds so many slots from cycle `at` on (law 10): told where it
-    /// changes, in order of time, some while after. Before the first it holds none.
+    /// Reports that FIFO `fifo`, in the order of the wiring by producer, holds `slots` slots from cycle `at` on (law 10). Called
+    /// on change, in order of time, with some delay. Before the first call the FIFO holds none.
     fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
         _ = (fifo, at, slots);
     }
-    /// A memory or one of its clients did something: told some while after, what is of one [source](MemoryEvent::source) in order of
-    /// time.
+    /// Reports an event of a memory or of one of its clients, with some delay. Events of one [source](MemoryEvent::source) come
+    /// in order of time.
     fn memory(&mut self, event: MemoryEvent) {
         _ = event;
     }
 }
 
-/// Watches nothing.
+/// A probe that observes nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoProbe;
 
@@ -52,7 +53,7 @@ impl Probe for NoProbe {
     fn is_on() -> bool {
         false
     }
-    /// As it is asked behind a pointer, where it is on.
+    /// Needed because a probe behind a pointer is always on.
     fn reads_levels(&self) -> bool {
         false
     }
@@ -89,7 +90,7 @@ impl<P: Probe + ?Sized> Probe for &mut P {
 pub struct Interval {
     /// Number of the stage in the wiring.
     pub stage: usize,
-    /// Why it waited; `None` while it worked.
+    /// The cause of its wait; `None` while a step occupied it.
     pub cause: Option<Cause>,
     /// First cycle.
     pub from: Cycle,
@@ -97,14 +98,14 @@ pub struct Interval {
     pub to: Cycle,
 }
 
-/// Keeps every interval, neighbours of the same kind joined.
+/// Records every interval. Adjacent intervals of the same kind are merged.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Recorder {
-    /// Per stage, in order of time.
+    /// By stage, in order of time.
     pub stages: Vec<Vec<Interval>>,
-    /// Per FIFO, how many slots it holds from which cycle on.
+    /// By FIFO: number of slots in use from each cycle on.
     pub fifos: Vec<Vec<(Cycle, usize)>>,
-    /// What memories did, by source.
+    /// Memory events, by source.
     pub memories: BTreeMap<[usize; 4], Vec<MemoryEvent>>,
 }
 

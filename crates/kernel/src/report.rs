@@ -1,16 +1,16 @@
-//! What a run came to: accounting, occupancy, traffic.
+//! The report of a run: accounting, occupancy, memory counts.
 
 use crate::outcome::Outcome;
 use crate::{Account, BusActivity, CacheCounts, ChannelCounts, PortCounts};
 
-/// A unit's part of the report. Inputs, outputs and clients stand in the order of the wiring.
+/// The report of a unit. Inputs, outputs and clients are in the order of the wiring.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnitReport {
     /// Name in the block diagram.
     pub name: String,
-    /// Steps made.
+    /// Number of steps.
     pub steps: u64,
-    /// Where its cycles went; sums to the total.
+    /// Breakdown of its cycles; sums to the total.
     pub account: Account,
     /// Names of its input FIFOs.
     pub inputs: Vec<String>,
@@ -20,27 +20,27 @@ pub struct UnitReport {
     pub clients: Vec<String>,
 }
 
-/// A FIFO's part of the report.
+/// The report of a FIFO.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FifoReport {
     /// Name.
     pub name: String,
     /// Slots.
     pub depth: usize,
-    /// Tokens that went through.
+    /// Number of tokens that passed.
     pub tokens: u64,
-    /// `histogram[k]` = cycles with k slots held; sums to the total (law 10).
+    /// `histogram[k]` = cycles with k slots in use; sums to the total (law 10).
     pub histogram: Vec<u64>,
 }
 
 impl FifoReport {
-    /// Most slots ever held.
+    /// Maximum number of slots in use.
     pub fn high_water(&self) -> usize {
         self.histogram.iter().rposition(|&n| n > 0).unwrap_or(0)
     }
 }
 
-/// A memory's part of the report.
+/// The report of a memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryReport {
     /// Name.
@@ -49,36 +49,36 @@ pub struct MemoryReport {
     pub ports: Vec<PortReport>,
     /// Its channels, in order of number.
     pub channels: Vec<ChannelCounts>,
-    /// When its buses moved data.
+    /// Activity of its buses over time.
     pub bus: BusActivity,
 }
 
-/// A memory port's part of the report.
+/// The report of a memory port.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PortReport {
-    /// The client behind it.
+    /// Name of its client.
     pub client: String,
-    /// What it moved.
+    /// Its counters.
     pub counts: PortCounts,
 }
 
-/// A cache's part of the report.
+/// The report of a cache.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CacheReport {
     /// Name.
     pub name: String,
-    /// What its look-ups found.
+    /// Results of its look-ups.
     pub counts: CacheCounts,
 }
 
-/// What a run came to. Equal, byte for byte, whatever the engine.
+/// The report of a run. All engines give equal reports, byte for byte.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunReport {
-    /// How it ended.
+    /// Outcome of the run.
     pub outcome: Outcome,
-    /// Cycles in all: 1 + the last cycle in which anything moved.
+    /// Total cycles: 1 + the last cycle of any activity.
     pub total: u64,
-    /// Cycles up to each mark from the one before (law 11); what is left of the total is drain.
+    /// Cycles from mark to mark (law 11). The rest of the total is the tail.
     pub marks: Vec<u64>,
     /// In the order of the wiring.
     pub units: Vec<UnitReport>,
@@ -91,12 +91,12 @@ pub struct RunReport {
 }
 
 impl RunReport {
-    /// Cycles up to the last mark; all, where no delivery passed one.
+    /// Cycles up to the last mark; the total if no delivery passed a mark.
     pub fn marked_cycles(&self) -> u64 {
         if self.marks.is_empty() { self.total } else { self.marks.iter().sum() }
     }
 
-    /// Of a run that could not begin.
+    /// Returns the report of a run that could not begin.
     pub(crate) fn of_fault(fault: String) -> Self {
         let (marks, units, fifos, memories, caches) = Default::default();
         Self { outcome: Outcome::Fault(fault), total: 0, marks, units, fifos, memories, caches }

@@ -5,7 +5,7 @@
 pub struct Request {
     /// Client of the unit, as numbered in the wiring.
     pub client: u32,
-    /// Posted write rather than read.
+    /// True for a posted write, false for a read.
     pub write: bool,
     /// Byte address.
     pub address: u64,

@@ -1,8 +1,8 @@
-//! A unit in its place.
+//! Stages: units with their names.
 
 use crate::Unit;
 
-/// A unit together with its name. Where its cycles go is kept by the engine.
+/// A unit together with its name. The engine keeps the account of its cycles.
 #[derive(Clone, Debug)]
 pub struct Stage<U> {
     name: String,
@@ -12,13 +12,13 @@ pub struct Stage<U> {
 }
 
 impl<U: Unit> Stage<U> {
-    /// A unit under the name it has in the block diagram.
+    /// Creates a stage from a unit and its name in the block diagram.
     pub fn new(name: &str, unit: U) -> Self {
         Self { name: name.into(), unit, ideal: false }
     }
 
-    /// Makes it ideal: every step keeps the unit for one cycle, and delivers as much earlier as it keeps it shorter. What it asks of
-    /// memories stays.
+    /// Makes the unit fully pipelined (occupancy 1), for a relaxation. Each step delivers as much earlier as its occupancy
+    /// shrinks. Its memory requests stay the same.
     pub fn make_ideal(&mut self) {
         self.ideal = true;
     }

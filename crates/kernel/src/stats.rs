@@ -1,64 +1,65 @@
-//! What units tell of themselves: what they counted, and how fast they are.
+//! Statistics of units: their counters, their rates, and their hardware.
 
 use crate::hardware::{Hardware, HardwareKind};
 use crate::{FifoInfo, OperatorCounts};
 
-/// What the units of a machine tell, each in [`Unit::tell`], in the order of the wiring. See [`facts`].
+/// Statistics of the units of a machine, reported by [`Unit::report_stats`](crate::Unit::report_stats) in the order of the
+/// wiring. See [`unit_stats`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UnitStats {
     figures: Vec<Figure>,
-    /// Of the unit that is telling.
+    /// Rates of the reporting unit.
     rates: Vec<Rate>,
     slow_fifos: Vec<SlowFifo>,
     hardware: Vec<Hardware>,
-    /// Of the unit that is telling: its name.
+    /// Name of the reporting unit.
     place: String,
 }
 
-/// One figure.
+/// One figure of the report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// Its name in the report.
     pub name: String,
-    /// How many, or how much.
+    /// Its value.
     pub value: FigureValue,
     /// Unit of measure, in the plural; empty for a ratio.
     pub unit: &'static str,
-    /// What it is, in a sentence without its full stop.
+    /// Description, as a sentence without a full stop.
     pub about: &'static str,
-    /// What it is a part of.
+    /// Group of related figures.
     pub part: FigureGroup,
 }
 
-/// How many, or how much.
+/// Value of a figure.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FigureValue {
-    /// How many.
+    /// A count.
     Count(u64),
-    /// How much.
+    /// A real number.
     Real(f64),
-    /// How many, one after the other.
+    /// A list of counts.
     Counts(Vec<u64>),
-    /// How much, one after the other.
+    /// A list of real numbers.
     Reals(Vec<f64>),
 }
 
-/// What a figure is a part of: what is to be told side by side.
+/// Group of a figure: figures of one group are shown together.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum FigureGroup {
-    /// Of nothing.
+    /// No group.
     #[default]
     Alone,
-    /// It is the work of the machine: cycles and bytes are divided by it.
+    /// The work of the machine: cycles and bytes are divided by it.
     Work,
-    /// Of what is counted on the route of this name through the machine, in this and other units of measure.
+    /// Counts of the route of this name through the machine, in this and other units of measure.
     Route(String),
-    /// Of the cycles of the circuit of this name: those in which it was started.
+    /// Cycles of the circuit of this name in which it was started.
     Started(String),
-    /// Of the cycles of the circuit of this name: those whose results were needed.
+    /// Cycles of the circuit of this name whose results were needed.
     Needed(String),
-    /// Of what is counted of the process of this name: runs, or cycles.
+    /// Counts of the process of this name: runs or cycles.
     Process(String),
     /// A column of a table, a value per row.
     Column {
@@ -93,7 +94,7 @@ impl From<Vec<f64>> for FigureValue {
     }
 }
 
-/// How fast a unit fills an output.
+/// The rate at which a unit fills an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Rate {
     output: usize,
@@ -101,15 +102,14 @@ struct Rate {
     interval: u64,
 }
 
-/// A FIFO that has not the slots for the rate of the unit that fills it (law 2). Memory latency comes on top and is not looked
-/// at.
+/// A FIFO with fewer slots than the rate of its producer needs (law 2). Memory latency is extra and is not considered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SlowFifo {
     /// Its name.
     pub name: String,
     /// Its slots.
     pub depth: u64,
-    /// The slots that full rate needs.
+    /// Slots that full throughput needs.
     pub needed: u64,
     /// Cycles from the start of the unit's step to delivery.
     pub unit_latency: u64,
@@ -132,10 +132,10 @@ impl SlowFifo {
 }
 
 impl UnitStats {
-    /// Tells a figure. Counts of one name add up, as those of two units that share the work.
+    /// Adds a figure. Counts of one name add up, for units that share the work.
     ///
     /// # Panics
-    /// If two units tell a figure of this name, and one of them no count.
+    /// If two units report a figure of this name and one value is not a count.
     pub fn figure(&mut self, name: &str, value: impl Into<FigureValue>, unit: &'static str, about: &'static str) -> &mut Figure {
         let value = value.into();
         if let Some(at) = self.figures.iter().position(|f| f.name == name) {
@@ -150,13 +150,13 @@ impl UnitStats {
         &mut self.figures[at]
     }
 
-    /// Tells how fast the unit fills its output `output`, numbered from 0 in the wiring: `latency` cycles from the start of a
-    /// step to its delivery, and a token every `interval` cycles at most.
+    /// Reports the rate at which the unit fills its output `output`, numbered from 0 in the wiring: `latency` cycles from the
+    /// start of a step to its delivery, and at most one token per `interval` cycles.
     pub fn rate(&mut self, output: usize, latency: impl Into<u64>, interval: impl Into<u64>) {
         self.rates.push(Rate { output, latency: latency.into(), interval: interval.into() });
     }
 
-    /// Tells what the unit is built of: `count` pieces of a kind, or words, each of `width` bits. What there is none of is not told.
+    /// Reports hardware of the unit: `count` operators or words of `width` bits each. Counts and widths of 0 are skipped.
     pub fn hardware(&mut self, kind: HardwareKind, about: &'static str, count: impl Into<u64>, width: u32) {
         let (place, count) = (self.place.clone(), count.into());
         if count > 0 && width > 0 {
@@ -164,7 +164,7 @@ impl UnitStats {
         }
     }
 
-    /// Tells operators of a unit, all kinds, `width` bits each.
+    /// Reports the operators of a unit, of all kinds, `width` bits each.
     pub fn operators(&mut self, about: &'static str, have: OperatorCounts, width: u32) {
         let OperatorCounts { multiply, add, divide, square_root, power } = have;
         let kinds =
@@ -174,12 +174,12 @@ impl UnitStats {
         }
     }
 
-    /// All hardware: of units in the order of the wiring, each before the FIFOs that it fills; then caches.
+    /// All hardware: units in the order of the wiring, each followed by the FIFOs that it fills; then caches.
     pub fn all_hardware(&self) -> &[Hardware] {
         &self.hardware
     }
 
-    /// Hardware of units: what they do follows from it, and from nothing that FIFOs and caches have.
+    /// Hardware of units. The work of the units depends on it, and not on FIFOs or caches.
     pub fn hardware_of_units(&self) -> impl Iterator<Item = &Hardware> {
         self.hardware.iter().filter(|h| !matches!(h.kind, HardwareKind::Fifo | HardwareKind::CacheData | HardwareKind::CacheTags))
     }
@@ -189,12 +189,12 @@ impl UnitStats {
         self.figures.iter()
     }
 
-    /// The figure of this name.
+    /// Returns the value of the figure of this name.
     pub fn get(&self, name: &str) -> Option<&FigureValue> {
         self.figures.iter().find(|f| f.name == name).map(|f| &f.value)
     }
 
-    /// Puts values in the place of those of the same names; the others stay.
+    /// Replaces the values of figures with these names.
     pub fn put(&mut self, values: &[(String, FigureValue)]) {
         for figure in &mut self.figures {
             if let Some((_, value)) = values.iter().find(|(name, _)| *name == figure.name) {
@@ -203,19 +203,19 @@ impl UnitStats {
         }
     }
 
-    /// A count; 0 where there is none of this name.
+    /// Returns a count; 0 if there is none of this name.
     pub fn count(&self, name: &str) -> u64 {
         if let Some(FigureValue::Count(count)) = self.get(name) { *count } else { 0 }
     }
 
-    /// FIFOs that cannot hold the rate of the unit that fills them, in the order of the wiring.
+    /// FIFOs that cannot sustain the rate of their producer, in the order of the wiring.
     pub fn slow_fifos(&self) -> &[SlowFifo] {
         &self.slow_fifos
     }
 }
 
 impl Figure {
-    /// Makes it a part.
+    /// Sets the group.
     pub fn part(&mut self, part: FigureGroup) {
         self.part = part;
     }

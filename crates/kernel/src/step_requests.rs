@@ -1,38 +1,38 @@
-//! What steps ask of memories, once the tags of their caches have been asked: all but times. Tags see look-ups in order and know of no
-//! time, so that this is work: found as it is done, or once for a tape.
+//! Memory requests of each step after tag look-up. Tags see look-ups in order and are independent of time. So these requests are
+//! work: computed with the step, or once for a recording and reused by every resimulation.
 
 use crate::cache::CacheTagArray;
 use crate::{MAX_CLIENTS, Request};
 
-/// What a step looks up in one cache, each line once.
+/// Look-ups of a step in one cache, each line once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CacheLookUps {
-    /// Client as its unit numbers it.
+    /// Client number within the unit.
     pub(crate) client: u32,
-    /// Lines.
+    /// Number of distinct lines.
     pub(crate) lines: u32,
-    /// Those among them that a request fills which was issued before, and those that are requested now.
+    /// `held`: lines that an earlier request fills. `new`: lines that this step requests.
     pub(crate) held: u32,
     pub(crate) new: u32,
-    /// Number of the last of the requests issued before, plus one; 0 for none.
+    /// Number of the last of the earlier requests, plus one; 0 for none.
     pub(crate) last_held: u64,
 }
 
-/// What one step asks, or several one behind the other.
+/// Requests of one step, or of several steps in order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepRequests {
     pub(crate) requests: Vec<Request>,
-    /// One per step and client that it looks anything up in.
+    /// One entry per step and client with look-ups.
     look_ups: Vec<CacheLookUps>,
-    /// Numbers of the requests that fill the lines that were held.
+    /// Numbers of the earlier requests that fill lines.
     held: Vec<u64>,
-    /// The lines that are requested now.
+    /// Lines that are requested now.
     new: Vec<u64>,
-    /// The lines of the step that was settled last, by client.
+    /// Lines of the most recent step, by client.
     lines: Vec<u64>,
 }
 
-/// What one step asks: so many requests and look-ups in so many caches of those from a place on.
+/// The requests of one step: a range of a [`StepRequests`] that starts at a cursor.
 #[derive(Debug)]
 pub(crate) struct StepRequestsView<'a> {
     asked: &'a StepRequests,
@@ -40,7 +40,7 @@ pub(crate) struct StepRequestsView<'a> {
     count: Count,
 }
 
-/// How far an [`StepRequests`] is read.
+/// Read position in a [`StepRequests`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Cursor {
     requests: usize,
@@ -49,7 +49,7 @@ pub(crate) struct Cursor {
     new: usize,
 }
 
-/// Requests of a step, and caches that it looks anything up in.
+/// Number of requests of a step, and number of caches with look-ups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Count {
     pub(crate) requests: usize,
@@ -58,14 +58,13 @@ pub(crate) struct Count {
 
 /// Tags of the caches of a stage's clients, with the number of the next request of each.
 pub(crate) trait TagLookup {
-    /// Clients of the stage.
+    /// Number of clients of the stage.
     fn clients(&self) -> usize;
-    /// Of a client, as the unit numbers it; none where it has no cache.
+    /// Tags of a client by its number within the unit; `None` if it has no cache.
     fn tags(&mut self, client: usize) -> Option<(&mut CacheTagArray, u64)>;
 }
 
 impl StepRequests {
-    /// Nothing.
     #[inline]
     pub(crate) fn clear(&mut self) {
         self.requests.clear();
@@ -74,13 +73,13 @@ impl StepRequests {
         self.new.clear();
     }
 
-    /// How much it holds.
+    /// Number of entries.
     pub(crate) fn len(&self) -> usize {
         self.requests.len() + self.look_ups.len() + self.held.len() + self.new.len()
     }
 
-    /// Puts a step behind what is asked already: its tags are asked now. Whether that is what the unit declared and the machine
-    /// wired: `largest` is what the largest step needs, by client.
+    /// Appends a step and looks up its tags. Returns false if the requests exceed the unit's declaration or the wiring.
+    /// `largest`: needs of the largest step, by client.
     #[inline]
     pub(crate) fn settle(
         &mut self,
@@ -104,8 +103,8 @@ impl StepRequests {
         })
     }
 
-    /// Asks the tags for every line of a step, by client, since all that a client has is fetched once then. (The order between
-    /// clients decides nothing: each has its own port.)
+    /// Looks up every line of a step, client by client. (The order between clients does not matter, because each has its own
+    /// port.)
     #[inline]
     fn look_up(&mut self, look_ups: &[Request], caches: &mut impl TagLookup, left: &mut [u32; MAX_CLIENTS]) -> bool {
         if !look_ups.is_sorted_by_key(|r| r.client) {
@@ -126,17 +125,17 @@ impl StepRequests {
         })
     }
 
-    /// Looks lines up in one cache, whose next request has the number `next`, and stops where they are more than `most`; how many
-    /// lines there are.
+    /// Looks up lines in one cache, whose next request has the number `next`, and stops after `most` lines. Returns the number of
+    /// lines.
     #[inline(always)]
     fn look_up_in(&mut self, (tags, next): (&mut CacheTagArray, u64), look_ups: &[Request], most: u32) -> u32 {
         let (held, new, first) = (self.held.len(), self.new.len(), self.lines.len());
         let mut last_held = 0;
-        // A bit for all lines of the same rest by 64: mostly a line is new, and no other of the step has its bit.
+        // One bit for all lines of equal remainder by 64: usually a line is new, and no other line of the step has its bit.
         let mut seen = 0;
         for r in look_ups {
             let (mut line, last) = tags.lines(r.address, r.bytes);
-            // Not a range: mostly it is one line, and a range asks twice whether it is over.
+            // Not a range: usually there is one line, and a range checks its end twice.
             loop {
                 let bit = 1_u64 << (line % 64);
                 if seen & bit == 0 || !self.lines[first..].contains(&line) {
@@ -164,26 +163,26 @@ impl StepRequests {
         lines
     }
 
-    /// All that is behind a place, as one step.
+    /// Returns everything behind a cursor as one step.
     #[inline]
     pub(crate) fn all<'a>(&'a self, at: &'a mut Cursor) -> StepRequestsView<'a> {
         let count = Count { requests: self.requests.len() - at.requests, caches: self.look_ups.len() - at.look_ups };
         self.next(at, count)
     }
 
-    /// The step at a place.
+    /// Returns the step at a cursor.
     #[inline(always)]
     pub(crate) fn next<'a>(&'a self, at: &'a mut Cursor, count: Count) -> StepRequestsView<'a> {
         StepRequestsView { asked: self, at, count }
     }
 
-    /// The look-ups of the step that was put in last, which are in so many caches.
+    /// Returns the look-ups of the most recent step, which uses so many caches.
     #[inline(always)]
     pub(crate) fn last(&self, caches: usize) -> &[CacheLookUps] {
         &self.look_ups[self.look_ups.len().saturating_sub(caches)..]
     }
 
-    /// The lines of the step that was settled last, with their clients.
+    /// Returns the lines of the most recent step with their clients.
     pub(crate) fn lines(&self) -> impl Iterator<Item = (u32, u64)> {
         let clients = self.look_ups.iter().flat_map(|l| std::iter::repeat_n(l.client, l.lines as usize));
         clients.zip(self.lines.iter().copied())
@@ -191,8 +190,8 @@ impl StepRequests {
 }
 
 impl<'a> StepRequestsView<'a> {
-    /// Shows `see` what it looks up, by client: with the numbers of the requests that fill what is there, and the lines that are
-    /// requested now. Then its requests are what is left.
+    /// Passes the look-ups to `see`, by client, with the numbers of earlier requests and the newly requested lines. Returns the
+    /// direct requests.
     #[inline(always)]
     pub(crate) fn look_ups(self, mut see: impl FnMut(&CacheLookUps, &[u64], &[u64])) -> &'a [Request] {
         let Self { asked, at, count } = self;
@@ -209,7 +208,7 @@ impl<'a> StepRequestsView<'a> {
     }
 }
 
-/// What is wrong with what a step asks: it is not what its unit declared, or not what the machine wired.
+/// Describes how the requests of a step contradict the unit's declaration or the wiring.
 #[cold]
 pub(crate) fn objection(
     (requests, look_ups): (&[Request], &[Request]),
@@ -232,17 +231,17 @@ pub(crate) fn objection(
     String::new()
 }
 
-/// Most lines of a step that are counted: no unit comes near.
+/// Maximum number of lines that are counted for a step. No unit comes near it.
 const MOST_LINES: usize = 1 << 20;
 
-/// Credits that a step needs of the client that its unit numbers `own`: its requests, and the lines that it looks up.
+/// Credits that a step needs of client `own`: its requests and the lines that it looks up.
 fn credits_needed((requests, look_ups): (&[Request], &[Request]), own: usize, caches: &mut impl TagLookup) -> u32 {
     let mine = |r: &&Request| r.client as usize == own;
     let requests = requests.iter().filter(mine).count();
     let Some((tags, _)) = caches.tags(own) else { return requests as u32 };
     let lines_of = |r: &Request| tags.lines(r.address, r.bytes);
     let all = look_ups.iter().filter(mine).map(lines_of).flat_map(|(first, last)| first..=last);
-    // A tape may say anything, and few bytes of it name many lines.
+    // A recording is untrusted input, and a few bytes of it can name many lines.
     let mut lines: Vec<u64> = all.take(MOST_LINES).collect();
     lines.sort_unstable();
     lines.dedup();

@@ -1,4 +1,4 @@
-//! The block diagram as data: what `wire` shows, without running anything.
+//! The topology of a machine, without running it.
 
 use crate::bound_stage::BoundStage;
 use crate::connections::{Clients, Connections};
@@ -8,7 +8,7 @@ use crate::wires::{Inputs, Outputs};
 use crate::{Stage, Unit};
 
 impl StageTopology {
-    /// Of a stage as it is shown to a visitor.
+    /// Describes a stage with its connections.
     pub(crate) fn of<U, I: Inputs, O: Outputs, C: Clients>(stage: &Stage<U>, connections: &Connections<I, O, C>) -> Self
     where
         U: Unit,
@@ -25,7 +25,7 @@ impl StageTopology {
     }
 }
 
-/// All stages of a machine, in the order of its wiring.
+/// Returns all stages of a machine, in the order of its wiring.
 pub fn topology(machine: &mut impl Machine) -> Vec<StageTopology> {
     struct TopologyWalk(Vec<StageTopology>);
     impl Visitor for TopologyWalk {

@@ -1,13 +1,13 @@
-//! The unit contract: what a unit does to a token and how long it is busy. When is the kernel's business.
+//! The unit interface: a unit states its effect on tokens and how long it is busy. The kernel decides when.
 
 use crate::memory_ports::MemoryPorts;
 use crate::stats::UnitStats;
 use crate::unit_info::UnitInfo;
 
-/// Which inputs the next step takes (law 3): declared from the unit's own state alone.
+/// The inputs from which the next step takes tokens (law 3), declared from the unit's own state alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Demand {
-    /// None: a source, or a unit that still emits from what it holds.
+    /// No input: a source, or a unit that still emits stored tokens.
     Nothing,
     /// Every input.
     All,
@@ -18,7 +18,7 @@ pub enum Demand {
 }
 
 impl Demand {
-    /// Whether input `i` is declared.
+    /// Returns true if input `i` is declared.
     #[inline]
     pub fn takes(self, i: usize) -> bool {
         match self {
@@ -28,7 +28,7 @@ impl Demand {
         }
     }
 
-    /// The inputs that are declared, of so many, one bit each.
+    /// Returns the declared inputs out of `inputs`, one bit each.
     #[inline(always)]
     pub(crate) fn of(self, inputs: usize) -> u32 {
         match self {
@@ -39,12 +39,12 @@ impl Demand {
     }
 }
 
-/// What a step did.
+/// The result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step<O> {
     /// 0 or 1 token per output.
     pub out: O,
-    /// Cycles the unit is kept, >= 1.
+    /// Cycles for which the step occupies the unit, >= 1.
     pub occupancy: u64,
     /// Cycles from start to delivery; memory answers may come later.
     pub latency: u64,
@@ -59,15 +59,15 @@ impl<O> Step<O> {
         Self { out, occupancy: 1, latency, marked: false }
     }
 
-    /// A step over `items` items of a wide token, which enter `interval` cycles after each other: the unit is kept for all
-    /// of them, and the last one is delivered `latency` cycles after it entered.
+    /// A step over `items` items of a wide token, which enter `interval` cycles apart. The unit is busy for all of them, and the
+    /// last one is delivered `latency` cycles after it entered.
     #[inline]
     pub fn over(items: usize, interval: u64, latency: u64, out: O) -> Self {
         let occupancy = (items as u64 * interval).max(1);
         Self { out, occupancy, latency: latency + occupancy.saturating_sub(interval), marked: false }
     }
 
-    /// Keeps the unit for this many cycles.
+    /// Sets the occupancy in cycles.
     #[inline]
     #[must_use]
     pub fn busy(mut self, occupancy: u64) -> Self {
@@ -75,7 +75,7 @@ impl<O> Step<O> {
         self
     }
 
-    /// Marks the step: its delivery is counted as the end of a piece of work (law 11).
+    /// Marks the step: its delivery ends a piece of work (law 11).
     #[inline]
     #[must_use]
     pub fn marked(mut self) -> Self {
@@ -86,43 +86,43 @@ impl<O> Step<O> {
 
 /// A hardware unit.
 ///
-/// `In` is `()` for a source, `Option<T>` for one input, a tuple of options for several; `step` finds `Some` exactly
-/// where [`Unit::demand`] declared the input. `Out` likewise.
+/// `In` is `()` for a source, `Option<T>` for one input, and a tuple of options for several. `step` receives `Some` exactly for
+/// the inputs that [`Unit::demand`] declared. The same holds for `Out`.
 ///
-/// A unit must be a function of its state and its inputs: no clock, no randomness, no shared state, no I/O. Memories
-/// give time, never data (law 6): a step issues requests through [`MemoryPorts`] and computes with what it holds.
+/// A unit must be a function of its state and its inputs: no clock, no randomness, no shared state, no I/O. Memories give time,
+/// never data (law 6): a step issues requests through [`MemoryPorts`] and computes with its own state.
 pub trait Unit {
-    /// What it is for, and where its code is: what a block diagram says of it.
+    /// Purpose of the unit and path of its code, for block diagrams.
     const INFO: UnitInfo = UnitInfo { purpose: "", module: "" };
 
-    /// What a step pops.
+    /// Tokens that a step pops.
     type In;
-    /// What a step emits.
+    /// Tokens that a step emits.
     type Out;
 
-    /// Which inputs the next step takes.
+    /// Returns the inputs of the next step.
     fn demand(&self) -> Demand;
 
-    /// One step.
+    /// Executes one step.
     ///
-    /// Mark it `#[inline(always)]`, with what it hands tokens to, where a unit makes a step per wide token: a token is then built in
-    /// its slot, instead of being copied on its way there (3 % of a run).
+    /// If a unit makes a step per wide token, mark `step` and the functions to which it passes tokens `#[inline(always)]`: a
+    /// token is then built in its slot instead of being copied there (3 % of a run).
     fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out>;
 
-    /// Credits that the largest step needs of memory client `client` (as numbered in the wiring): requests it issues,
-    /// or distinct lines it looks up; 0 for a client that the unit does not have. Asked before the run: it must not change
-    /// during one. A step that needs more is a fault.
+    /// Credits that the largest step needs of memory client `client` (as numbered in the wiring): requests that it issues, or
+    /// distinct lines that it looks up; 0 for a client that the unit does not have. The kernel asks before the run, and the
+    /// number must not change during the run. A step that needs more is a fault.
     fn largest_step(&self, client: usize) -> u32 {
         let _ = client;
         0
     }
 
-    /// Whether no token is held back; a run that ends while one is, has deadlocked.
+    /// Returns true if the unit holds no token back. A run that ends while a unit holds a token is a deadlock.
     fn is_empty(&self) -> bool {
         true
     }
 
-    /// Tells what it counted, and how fast it fills its outputs. Asked after the run.
+    /// Reports counters and the rates at which the unit fills its outputs. Called after the run.
     fn report_stats(&self, stats: &mut UnitStats) {
         let _ = stats;
     }

@@ -1,9 +1,9 @@
-//! Roles of units in the block diagram.
+//! Descriptions of units in the block diagram.
 
-/// What a unit is for, and where its code is; a unit states it with [`unit_info!`](crate::unit_info).
+/// Purpose of a unit and path of its code. A unit states it with [`unit_info!`](crate::unit_info).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UnitInfo {
-    /// What it does, in a sentence without its full stop; empty where it does not say.
+    /// Purpose, as a clause without a full stop; empty if the unit states none.
     pub purpose: &'static str,
     /// Path of the module that states it, as `module_path!` gives it.
     pub module: &'static str,
@@ -12,7 +12,7 @@ pub struct UnitInfo {
 /// States the [`UnitInfo`] of a unit: the first line of its `impl Unit`.
 ///
 /// ```
-/// use basrelief_kernel::{Demand, UnitInfo, Step, MemoryPorts, Unit};
+/// use basrelief_kernel::{Demand, MemoryPorts, Step, Unit, UnitInfo};
 ///
 /// struct Adder;
 ///
@@ -30,7 +30,7 @@ pub struct UnitInfo {
 ///     }
 /// }
 ///
-/// assert_eq!(Adder::INFO, Role { purpose: "adds what both inputs bring", module: module_path!() });
+/// assert_eq!(Adder::INFO, UnitInfo { purpose: "adds what both inputs bring", module: module_path!() });
 /// ```
 #[macro_export]
 macro_rules! unit_info {

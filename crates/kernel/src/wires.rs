@@ -6,31 +6,31 @@ use crate::{Demand, Fifo, FifoInfo, Label};
 pub trait Wires {
     /// Number of FIFOs.
     fn count(&self) -> usize;
-    /// FIFO `i`, without its tokens.
+    /// Returns FIFO `i` without its tokens.
     fn link(&self, i: usize) -> &FifoInfo;
-    /// The same, to be changed.
+    /// As `link`, but mutable.
     fn link_mut(&mut self, i: usize) -> &mut FifoInfo;
 }
 
-/// What a unit pops from.
+/// The FIFOs from which a unit pops.
 pub trait Inputs: Wires {
-    /// What a step is given.
+    /// The tokens that a step receives.
     type Item;
-    /// How many FIFOs there are, where the type tells.
+    /// Number of FIFOs, if the type determines it.
     const COUNT: Option<usize>;
-    /// Pops what `demand` declares.
+    /// Pops the tokens that `demand` declares.
     fn pop(&mut self, demand: Demand) -> Self::Item;
 }
 
-/// What a unit pushes to.
+/// The FIFOs to which a unit pushes.
 pub trait Outputs: Wires {
-    /// What a step emits.
+    /// The tokens that a step emits.
     type Item;
-    /// How many FIFOs there are, where the type tells.
+    /// Number of FIFOs, if the type determines it.
     const COUNT: Option<usize>;
-    /// Pushes what is emitted; bit i of the answer: FIFO i got a token.
+    /// Pushes the emitted tokens. Bit i of the result: FIFO i got a token.
     fn push(&mut self, item: Self::Item) -> u32;
-    /// What the token is about that was pushed last to FIFO `i`.
+    /// Returns the label of the token that was pushed last to FIFO `i`.
     fn last_label(&self, i: usize) -> Label;
 }
 

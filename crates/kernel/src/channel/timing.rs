@@ -1,37 +1,37 @@
-//! What a channel's commands go by: the times that follow from its parameters, its banks, and what is found out of a command.
+//! Timing of a channel: the times that follow from its parameters, its banks, and the outcome of a column command.
 
 use crate::counts::RowOutcome;
 use crate::{Cycle, MemoryConfig};
 
-/// Row of a closed bank: more than any row can be, as rows have 4 bytes and more.
+/// Row number of a closed bank. No row has this number, because rows have at least 4 bytes.
 pub(super) const CLOSED: u64 = u64::MAX;
 
 /// One bank.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bank {
     pub(super) row: u64,
-    /// The first column command since its activation.
+    /// Earliest column command since its activation.
     pub(super) ready: Cycle,
-    /// It may be precharged or, closed, activated.
+    /// Earliest precharge, or earliest activation if the bank is closed.
     pub(super) free: Cycle,
-    /// The next refresh, which closes it.
+    /// The next refresh, which closes the bank.
     pub(super) until: Cycle,
 }
 
-/// When the column command of a burst can go, were it the next, and what goes before it.
+/// The earliest column command of a burst, assuming that it is the next, and the row commands before it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ColumnCommand {
     pub(super) at: Cycle,
     pub(super) row: RowOutcome,
     pub(super) activation: Cycle,
-    /// The refresh after it.
+    /// The next refresh after it.
     pub(super) until: Cycle,
 }
 
-/// The times of a channel that follow from its parameters, by direction where there are two: read, write.
+/// Times of a channel that follow from its parameters, by direction (read, write) where these differ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChannelTiming {
-    /// From a column command in one direction to the next, in each.
+    /// From a column command in one direction to the next in each direction.
     pub(super) gaps: [[u64; 2]; 2],
     /// From column command to the end of its data.
     pub(super) data: [u64; 2],
@@ -67,7 +67,7 @@ impl ChannelTiming {
         }
     }
 
-    /// A bank after the last refresh up to cycle `at`.
+    /// Returns a bank as the last refresh up to cycle `at` left it.
     #[cold]
     pub(super) fn refreshed(&self, at: Cycle) -> Bank {
         let last = Cycle(at.0 / self.refi * self.refi);

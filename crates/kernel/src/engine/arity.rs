@@ -1,11 +1,11 @@
-//! Stages without units: their numbers of FIFOs are known when a run begins, and not to the compiler.
+//! Stages of a recording: their numbers of FIFOs are known when a run begins, but not at compile time.
 
 use super::step_source::StepSource;
 use super::timed::RunAhead;
 use crate::Probe;
 use crate::time::{AnyArity, StageArity};
 
-/// So many inputs and outputs, with memory clients or without.
+/// A number of inputs and outputs, with or without memory clients.
 struct FixedArity<const I: usize, const O: usize, const MEMORY: bool>;
 
 impl<const I: usize, const O: usize, const MEMORY: bool> StageArity for FixedArity<I, O, MEMORY> {
@@ -14,7 +14,7 @@ impl<const I: usize, const O: usize, const MEMORY: bool> StageArity for FixedAri
     const HAS_MEMORY: bool = MEMORY;
 }
 
-/// Runs a stage ahead, by code made for its numbers of FIFOs where these are common: a step of code made for any takes two thirds more.
+/// Advances a stage, with code specialized for common numbers of FIFOs. A step of unspecialized code takes two thirds longer.
 pub(super) fn advance<P: Probe, W: StepSource>(walk: &mut RunAhead<'_, P>, number: usize, work: &mut W) {
     let stage = &walk.time.shape.stages[number];
     match ([stage.inputs.len(), stage.outputs.len()], !stage.clients.is_empty()) {

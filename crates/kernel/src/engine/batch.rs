@@ -1,9 +1,9 @@
-//! Batches of steps, on their way from the half of a run that makes steps to the half that computes their times.
+//! Step batches: steps on their way from the half of a run that executes them to the half that computes their times.
 
 use crate::time::{FinalUnitState, StepTiming};
 use crate::{Demand, MemoryPorts, Request};
 
-/// A step as it was made, and how much it asked.
+/// An executed step and its numbers of requests.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BatchedStep {
     pub(super) demand: Demand,
@@ -16,14 +16,14 @@ pub(super) struct BatchedStep {
 #[derive(Clone, Debug, Default)]
 pub(super) struct StageSteps {
     pub(super) steps: Vec<BatchedStep>,
-    /// What they asked, one after the other: requests, then look-ups.
+    /// Their requests in order: for each step requests, then look-ups.
     pub(super) asked: Vec<Request>,
-    /// Why the last of them is a fault, if it is.
+    /// The fault of the last step, if it has one.
     pub(super) fault: Option<String>,
 }
 
 impl StageSteps {
-    /// Takes a step in, with what it asked; its fault goes with it.
+    /// Appends a step with its requests and its fault.
     #[inline(always)]
     pub(super) fn push(&mut self, demand: Demand, made: StepTiming, traffic: &mut MemoryPorts) {
         let (requests, look_ups) = (traffic.requests(), traffic.look_ups());
@@ -38,7 +38,7 @@ impl StageSteps {
         }
     }
 
-    /// What was taken in since the last call. Whether there was a fault stays known.
+    /// Takes the steps since the last call. A fault stays known.
     pub(super) fn take(&mut self) -> Self {
         let room = (Vec::with_capacity(self.steps.len()), Vec::with_capacity(self.asked.len()));
         let steps = std::mem::replace(&mut self.steps, room.0);
@@ -46,25 +46,26 @@ impl StageSteps {
         Self { steps, asked, fault: self.fault.clone() }
     }
 
-    /// Whether its stage cannot go on.
+    /// Returns true if the stage cannot continue.
     #[inline(always)]
     pub(super) fn is_fault(&self) -> bool {
         self.fault.is_some()
     }
 }
 
-/// Some steps of every stage, as they were [made](make_steps), in the order of the wiring; for who [tells](time_steps) their times.
+/// Steps of every stage, as [`make_steps`](super::make_steps) executed them, in the order of the wiring, for
+/// [`time_steps`](super::time_steps).
 #[derive(Clone, Debug)]
 pub struct StepBatch {
     pub(super) stages: Vec<StageSteps>,
-    /// What each stage's next step takes.
+    /// State of each unit after these steps.
     pub(super) unit_states: Vec<FinalUnitState>,
-    /// Whether there is more to be done, and nobody does it.
+    /// True if the run was stopped before its end.
     pub(super) stopped: bool,
 }
 
 impl StepBatch {
-    /// How many steps it holds, of all stages.
+    /// Number of steps of all stages.
     pub fn steps(&self) -> usize {
         self.stages.iter().map(|stage| stage.steps.len()).sum()
     }

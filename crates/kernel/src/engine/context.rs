@@ -6,30 +6,30 @@ use crate::recording::{RecordingChunk, RecordingWriter};
 use crate::time::{FinalUnitState, MachineTiming};
 use crate::{Cycle, MemoryPorts};
 
-/// Bounds of a run and what to do as it goes.
+/// Limits of a run, and a callback for its progress.
 pub struct Limits<'a, M> {
     /// No step starts in this cycle or later; the run then ends as [`Outcome::Limit`](crate::Outcome::Limit).
     pub max_cycles: u64,
-    /// Called every now and then with the machine, and where it has news, to show progress and to take finished results away; `false` stops
-    /// the run as [`Outcome::Stopped`](crate::Outcome::Stopped).
+    /// Called every few rounds, and after each round in which the machine has news, to show progress and to take finished
+    /// results. `false` stops the run as [`Outcome::Stopped`](crate::Outcome::Stopped).
     pub progress: &'a mut dyn FnMut(&mut M) -> bool,
 }
 
-/// What is left of each unit.
+/// Returns the state of each unit.
 pub(super) fn unit_states(machine: &mut impl Machine) -> Vec<FinalUnitState> {
     let mut survey = UnitStates::default();
     machine.wire(&mut survey);
     survey.0
 }
 
-/// A tape under way.
+/// A recording in progress.
 pub(super) struct ActiveRecording<'a> {
     pub(super) writer: &'a mut RecordingWriter,
     pub(super) keep: &'a mut dyn FnMut(RecordingChunk),
 }
 
-/// Between rounds: hands on what is written of a tape, where it is worth a reel, and shows the machine to who looks on, with its
-/// memories as they are by now: they are the engine's while it runs.
+/// Between rounds: passes on a finished chunk of the recording and calls `progress` with the machine. The engine owns the
+/// memories during a run, so they are swapped in for the call.
 pub(super) fn look<M: Machine>(
     machine: &mut M,
     time: &mut MachineTiming,
@@ -47,7 +47,7 @@ pub(super) fn look<M: Machine>(
     goes_on
 }
 
-/// A fault, prefixed with the unit that raised it and, where there is time, the cycle in which its step started.
+/// Takes a fault and adds the name of its unit and, with timing, the start cycle of its step.
 pub(super) fn fault_of(traffic: &mut MemoryPorts, name: &str, start: Option<Cycle>) -> Option<String> {
     let cycle = start.map_or_else(String::new, |start| format!(", {start}"));
     traffic.fault.take().map(|f| format!("{name}{cycle}: {f}"))

@@ -1,5 +1,5 @@
-//! The functional model: the same steps, without time; memories answer at once (law 6). What it does can be handed on to who tells the
-//! times meanwhile.
+//! The functional model: the same steps, without time; memories answer at once (law 6). The steps can be passed to another thread
+//! that computes their times.
 
 use super::batch::{StageSteps, StepBatch};
 use super::context::{fault_of, unit_states};
@@ -12,19 +12,19 @@ use crate::{Connections, Demand, MemoryPorts, Unit};
 struct FunctionalWalk {
     traffic: MemoryPorts,
     stage: usize,
-    /// Steps made, in all, and of these handed on.
+    /// Number of steps, and of those passed on.
     steps: usize,
     handed_on: usize,
-    /// A stage that cannot go on.
+    /// Fault of a stage that cannot continue.
     fault: Option<String>,
-    /// What the stages do, where somebody tells the time of it.
+    /// Steps of the stages, if their times are computed.
     made: Option<Vec<StageSteps>>,
-    /// So many steps are handed on at a time. A stage between long FIFOs could make any number before another is looked at: so it makes
-    /// a part of these at once.
+    /// Steps per batch. A stage between long FIFOs could make any number of steps before the next stage runs, so it makes at most
+    /// a part of a batch at once.
     piece: usize,
 }
 
-/// Parts of a piece that a stage makes at once.
+/// Parts of a batch that a stage makes at once.
 const PARTS: usize = 4;
 
 impl FunctionalWalk {
@@ -32,7 +32,7 @@ impl FunctionalWalk {
         Self { traffic, stage: 0, steps: 0, handed_on: 0, fault: None, made, piece }
     }
 
-    /// What was done since the last piece.
+    /// Returns the steps since the last batch.
     fn piece(&mut self, machine: &mut impl Machine, stopped: bool) -> StepBatch {
         self.handed_on = self.steps;
         let stages = self.made.iter_mut().flatten().map(StageSteps::take).collect();
@@ -40,7 +40,7 @@ impl FunctionalWalk {
     }
 }
 
-/// What the next step of a stage takes, if it can be made now.
+/// Returns the demand of the next step of a stage, if the step can be made now.
 #[inline(always)]
 fn next<U: Unit, I: Inputs, O: Outputs, C>(
     unit: &U,
@@ -60,7 +60,7 @@ impl Visitor for FunctionalWalk {
         let Self { traffic, stage: number, steps, fault, made: all, piece, .. } = self;
         let mut own = all.as_mut().map(|all| &mut all[*number]);
         *number += 1;
-        // Who tells the time must come to the start of a step that is a fault: so all others go on, as far as they can without it.
+        // Timing must reach the start of a step with a fault, so all other stages continue as far as they can.
         if own.as_ref().map_or(fault.is_some(), |own| own.is_fault()) {
             return;
         }
@@ -94,7 +94,7 @@ pub(super) fn run<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) 
     }
 }
 
-/// The same, and hands on what the stages do, some `steps` at a time; to begin with they have done nothing.
+/// As `run`, and passes the steps on, `steps` at a time. `nothing`: empty lists for all stages.
 pub(super) fn run_to<M: Machine>(
     machine: &mut M,
     progress: &mut dyn FnMut(&mut M) -> bool,
@@ -109,7 +109,7 @@ pub(super) fn run_to<M: Machine>(
     hand_on(walk.piece(machine, stopped));
 }
 
-/// Makes all steps, with a `look` at them after each round; whether it was stopped.
+/// Executes all steps and calls `look` after each round. Returns true if the run was stopped.
 fn walk_on<M: Machine>(
     machine: &mut M,
     walk: &mut FunctionalWalk,

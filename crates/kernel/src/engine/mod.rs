@@ -23,13 +23,13 @@ use context::{ActiveRecording, unit_states};
 pub use overlapped::{make_steps, time_steps};
 pub use resimulate::{ChunkSource, Recording, ResimulateError, critical_path, resimulate};
 
-/// How to run a machine.
+/// The engine of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Engine {
-    /// Time-stamped dataflow: every token carries its time, idle cycles are not visited.
+    /// Time-stamped dataflow: every token carries its time, and idle cycles are skipped.
     #[default]
     Timed,
-    /// Visits every unit in every cycle: slow, obviously right; the oracle.
+    /// Visits every unit in every cycle: slow and obviously right. It is the reference.
     Ticked,
 }
 
@@ -43,8 +43,8 @@ pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &m
     run_on(machine, probe, |machine, time, probe| run_engine(machine, engine, (time, probe), limits, None))
 }
 
-/// The same, and hands the run's [tape](crate::tape) to `keep`, in reels of `reel_bytes` and somewhat more.
-/// There is no last reel where the run is stopped, or a unit cannot go on.
+/// As [`run_with`], and passes the run's [recording](crate::recording) to `keep` in chunks of about `reel_bytes`. There is no
+/// last chunk if the run is stopped or a unit cannot continue.
 pub fn run_recorded<M: Machine, P: Probe>(
     machine: &mut M,
     engine: Engine,
@@ -72,7 +72,7 @@ fn run_engine<M: Machine, P: Probe>(
 ) -> StopReason {
     match engine {
         Engine::Timed => timed::run(machine, time, probe, limits, recording),
-        // By a constant: nothing is compiled for what is never called.
+        // A constant condition, so that the engine is not compiled into programs without the feature.
         Engine::Ticked if cfg!(feature = "ticked") => ticked::run(machine, time, probe, limits, recording),
         Engine::Ticked => StopReason::Fault("this build has no ticked engine (feature `ticked` of basrelief-kernel)".into()),
     }
@@ -96,8 +96,8 @@ fn run_on<M: Machine, P: Probe>(
     report
 }
 
-/// Runs the same steps without time, with memories that answer at once: the functional model (law 6). Returns the
-/// fault, if a unit raised one or the wiring is wrong.
+/// Runs the functional model: the same steps without time, with memories that answer at once (law 6). Returns an error if a unit
+/// raises a fault or the wiring is invalid.
 pub fn run_functional<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
     check_wiring(machine).map_err(|error| error.to_string())?;
     functional::run(machine, progress)

@@ -1,5 +1,5 @@
-//! A run in two halves, which may be on two threads: one makes the steps, the other tells their times. What a step does depends on no
-//! time (law 6), so the first waits for nothing that the second finds.
+//! A run in two halves, which may be on two threads: one executes the steps, the other computes their times. The work of a step
+//! does not depend on time (law 6), so the first half never waits for a result of the second.
 
 use super::arity::advance;
 use super::batch::{BatchedStep, StageSteps, StepBatch};
@@ -15,11 +15,11 @@ use crate::report::RunReport;
 use crate::time::{FinalUnitState, InputMask, MachineTiming, StepTiming, StopReason};
 use crate::{Demand, MemoryPorts, NoProbe};
 
-/// Makes all steps of a machine, and hands them on, some `steps` at a time. They run ahead of their times: so this is for runs without a
-/// limit of cycles. `progress` as in [`Limits`](super::Limits).
+/// Executes all steps of a machine and passes them on in batches of some `steps` steps. Execution runs ahead of timing, so it
+/// suits runs without a cycle limit. `progress` as in [`Limits`](super::Limits).
 ///
 /// # Errors
-/// If the wiring is wrong.
+/// If the wiring is invalid.
 pub fn make_steps<M: Machine>(
     machine: &mut M,
     progress: &mut dyn FnMut(&mut M) -> bool,
@@ -30,8 +30,9 @@ pub fn make_steps<M: Machine>(
     Ok(())
 }
 
-/// Tells the times of the steps of a machine of this shape, as they come: the report that [`run_with`](super::run_with) gives with the
-/// timed engine. `keep`: who is given its [tape](crate::tape), in reels of so many bytes and somewhat more.
+/// Computes the times of the steps of a machine with this netlist, batch by batch. Returns the report that
+/// [`run_with`](super::run_with) gives with the timed engine. `keep` receives the [recording](crate::recording), in chunks of
+/// about so many bytes.
 pub fn time_steps(
     shape: Netlist,
     pieces: &mut dyn FnMut() -> Option<StepBatch>,
@@ -85,7 +86,7 @@ fn compute_times(
     }
 }
 
-/// Goes on with the next piece, if there is one; whether the work was stopped behind it.
+/// Takes the next batch, if there is one. Returns whether the run was stopped after it.
 fn feed(queues: &mut [BatchedSteps], pieces: &mut dyn FnMut() -> Option<StepBatch>) -> Option<bool> {
     let StepBatch { stages, unit_states, stopped } = pieces()?;
     for (queue, (steps, rest)) in queues.iter_mut().zip(stages.into_iter().zip(unit_states)) {
@@ -101,10 +102,10 @@ fn queue_states(queues: &[BatchedSteps]) -> Vec<FinalUnitState> {
 /// Steps of a stage that wait for their times.
 struct BatchedSteps {
     waiting: StageSteps,
-    /// How many of them are made, and how much of what they asked is.
+    /// Number of steps taken, and of their requests.
     next: usize,
     asked: usize,
-    /// What the step behind them takes.
+    /// State of the unit after these steps.
     rest: FinalUnitState,
     inputs: usize,
 }

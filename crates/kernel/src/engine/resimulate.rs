@@ -1,4 +1,4 @@
-//! Times the work on a tape again: the timed engine, with steps from a tape in place of those of units.
+//! Resimulation: the timed engine, with steps from a recording instead of units.
 
 use super::arity::advance;
 use super::step_source::StepSource;
@@ -12,23 +12,23 @@ use crate::{CriticalPath, Cycle, Demand, MemoryPorts, NoProbe, Outcome, Probe, S
 use std::borrow::Cow;
 use std::fmt;
 
-/// Why a tape cannot be timed.
+/// The reason that a recording cannot be resimulated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ResimulateError {
-    /// What is on the tape is no work.
+    /// The recording is invalid.
     Recording(RecordingError),
-    /// It is the work of another machine.
+    /// It is a recording of another machine.
     Stages {
-        /// Stages of the tape.
+        /// Stages of the recording.
         found: usize,
         /// Stages of the machine.
         expected: usize,
     },
-    /// A stage can go on, but the run that was recorded did not go so far.
+    /// A stage can continue, but the recorded run ended earlier.
     EndsEarly(String),
-    /// A step does what its stage cannot.
+    /// A step does something that its stage cannot do.
     Fault(String),
-    /// The tape could not be read.
+    /// The recording could not be read.
     Read(String),
 }
 
@@ -54,8 +54,8 @@ impl From<RecordingError> for ResimulateError {
     }
 }
 
-/// Gives the reels of a tape in order, and none after the last; or says why it cannot be read. It is told how many bytes of those
-/// before are still to be timed.
+/// Returns the chunks of a recording in order and `None` after the last, or an error text if it cannot be read. The argument is
+/// the number of bytes of earlier chunks that are not timed yet.
 pub type ChunkSource<'a, 'f> = dyn FnMut(usize) -> Result<Option<Cow<'f, RecordingChunk>>, String> + 'a;
 
 impl StepSource for RecordingReader {
@@ -92,9 +92,9 @@ impl StepSource for RecordingReader {
     }
 }
 
-/// Times the work on a tape on a machine of this shape: the report that a run of it gives.
+/// Computes the timing of a recording on a machine with this netlist. Returns the report that a run of the machine gives.
 ///
-/// The tape must be of the same machine with the same [work](Netlist::same_work).
+/// The recording must come from the same machine with the same [work](Netlist::same_work).
 ///
 /// # Errors
 /// See [`ResimulateError`].
@@ -108,8 +108,9 @@ pub fn resimulate<P: Probe>(
     Ok(timed_again((shape, readers), reels, (probe, ResimulationGoal::Report), max_cycles)?.0)
 }
 
-/// Times the work on a tape, and finds what its end waited for, back to its beginning. It keeps up to `most_events` of 16 bytes, some
-/// three per step: where that is too few, or the run is not complete, there is no path. `groups`: of the steps of each stage; or none.
+/// Resimulates a recording and finds its critical path. It keeps up to `most_events` events of 16 bytes each, about three per
+/// step. Returns `None` if there are more events or the run is not complete. `groups`: groups of the steps of each stage; may be
+/// empty.
 ///
 /// # Errors
 /// See [`ResimulateError`].
@@ -127,20 +128,20 @@ fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
     shape.stages.iter().map(|stage| RecordingReader::new(stage, &shape.memories)).collect()
 }
 
-/// A tape that is timed more than once: its steps are read once, and their look-ups made once, for the machine that it is timed on
-/// first and all that have the same caches.
+/// A recording that is resimulated several times. Its steps are read once, and their look-ups are made once, for the first
+/// machine and all machines with the same caches.
 #[derive(Clone, Debug)]
 pub struct Recording<'a> {
     reels: Cow<'a, [RecordingChunk]>,
-    /// Of each stage; none where the tape is too long to be held so, or wrong.
+    /// By stage; `None` if the recording is too long or invalid.
     readers: Option<Vec<RecordingReader>>,
-    /// Most that the steps of a stage may take \[bytes\].
+    /// Maximum memory for the steps of a stage \[bytes\].
     room: u64,
 }
 
 impl<'a> Recording<'a> {
-    /// All of a tape, read for a machine of this shape. Its steps are held where they take no more than about `room` bytes; otherwise it
-    /// is read for each timing.
+    /// Reads a whole recording for a machine with this netlist. Its steps stay in memory if they take no more than about `room`
+    /// bytes; otherwise each resimulation reads it again.
     pub fn new(reels: impl Into<Cow<'a, [RecordingChunk]>>, shape: &Netlist, room: u64) -> Self {
         let room = room / shape.stages.len().max(1) as u64;
         let mut tape = Self { reels: reels.into(), readers: None, room };
@@ -162,8 +163,8 @@ impl<'a> Recording<'a> {
         Ok(self.timed_again(shape, ResimulationGoal::Report)?.0)
     }
 
-    /// Cycles [up to the last mark](RunReport::marked_cycles), and nothing else: in seven eighths of the instructions. None where the
-    /// run is not complete.
+    /// Returns only the cycles [up to the last mark](RunReport::marked_cycles), with seven eighths of the instructions. Returns
+    /// `None` if the run is not complete.
     ///
     /// # Errors
     /// See [`ResimulateError`].
@@ -202,17 +203,17 @@ impl<'a> Recording<'a> {
     }
 }
 
-/// What is wanted of a run.
+/// The result that a resimulation computes.
 enum ResimulationGoal<'a> {
-    /// Its cycles.
+    /// Only the cycles.
     Cycles,
-    /// All of its report.
+    /// The whole report.
     Report,
-    /// Its critical path: of how many events at most, and by which groups.
+    /// The critical path, of so many events at most, with these groups.
     Path(usize, &'a [StageGroups]),
 }
 
-/// The report, and the critical path where it is wanted.
+/// Returns the report, and the critical path if it is the goal.
 fn timed_again<P: Probe>(
     (shape, mut readers): (Netlist, Vec<RecordingReader>),
     reels: &mut ChunkSource<'_, '_>,
@@ -268,7 +269,7 @@ fn timed_again<P: Probe>(
     Ok((report, path))
 }
 
-/// Goes on with the next reel, which a stage needs.
+/// Reads the next chunk, which a stage needs.
 fn feed(readers: &mut [RecordingReader], reels: &mut ChunkSource<'_, '_>, time: &MachineTiming) -> Result<(), ResimulateError> {
     let waiting = readers.iter().map(RecordingReader::waiting).sum();
     let Some(reel) = reels(waiting).map_err(ResimulateError::Read)? else {

@@ -1,4 +1,4 @@
-//! Work: what the steps of a stage do, one after the other, without time.
+//! Sources of steps: units, or recorded steps.
 
 use crate::bound_stage::BoundStage;
 use crate::connections::Clients;
@@ -11,32 +11,32 @@ use crate::{Connections, Demand, MemoryPorts, Probe, Stage, Unit};
 
 /// The steps of one stage, in order.
 pub(crate) trait StepSource {
-    /// What a unit declares of its next step: nothing, where there is no unit.
+    /// Declaration of a unit about its next step; `()` without a unit.
     type Declared: Copy;
-    /// What the next step takes, as its unit declares it and as time looks at it.
+    /// Returns the inputs of the next step, as its unit declares them and as a mask.
     fn next(&self) -> (Self::Declared, InputMask);
-    /// Whether the next step can be made here, once time lets it start.
+    /// Returns true if the next step is available, once its start time is known.
     fn has_step(&self) -> bool;
-    /// Makes it: what it did, and in `traffic` what it asked of memories, where it is made only now.
+    /// Executes the step. Its requests go to `traffic` if they are computed only now.
     fn step(&mut self, declared: Self::Declared, traffic: &mut MemoryPorts) -> StepTiming;
-    /// Whether the step that was just made asked nothing of memories.
+    /// Returns true if the step just made has no memory request.
     #[inline(always)]
     fn is_silent(&self, traffic: &MemoryPorts) -> bool {
         traffic.is_empty()
     }
-    /// What the step that was just made, in this visit, asked of memories; none, and a fault in `traffic`, where it must not.
+    /// Returns the memory requests of the step just made; `None`, with a fault in `traffic`, if they are not allowed.
     #[inline(always)]
     fn asks<'a>(&'a mut self, traffic: &'a mut MemoryPorts, visit: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
         visit.settle(traffic)
     }
-    /// Goes on behind that step.
+    /// Moves on to the next step.
     #[inline(always)]
     fn go_on(&mut self, traffic: &mut MemoryPorts) {
         if !traffic.is_empty() {
             traffic.clear();
         }
     }
-    /// Tells a probe that asks what the step was about that has just been made.
+    /// Reports the labels of the step just made to a probe that reads them.
     fn report_step<P: Probe>(
         &self,
         number: usize,
@@ -46,7 +46,7 @@ pub(crate) trait StepSource {
     ) {
         _ = (number, declared, made, traffic, probe);
     }
-    /// Writes it on a tape, unless it comes from one.
+    /// Appends the step to a recording, unless it comes from one.
     fn write(
         &self,
         tape: &mut RecordingWriter,
@@ -58,7 +58,7 @@ pub(crate) trait StepSource {
     }
 }
 
-/// Steps that a unit makes now.
+/// Steps that a unit executes now.
 pub(super) struct UnitSteps<'a, U, I, O, C> {
     unit: &'a mut U,
     connections: &'a mut Connections<I, O, C>,
@@ -122,7 +122,7 @@ where
     }
 }
 
-/// Asks every unit what is left of it.
+/// Collects the state of every unit.
 #[derive(Default)]
 pub(super) struct UnitStates(pub(super) Vec<FinalUnitState>);
 

@@ -1,13 +1,13 @@
-//! `ticked`: every unit in every cycle. It asks for the cause of a wait one cycle at a time, and counts the slots held at the end
-//! of each cycle; `timed` does both by intervals.
+//! `ticked`: every unit in every cycle. It determines the cause of a wait cycle by cycle and counts the slots in use at the end
+//! of each cycle. `timed` does both by intervals.
 //!
-//! What it shares with `timed`: when a step can start (`MachineTiming::next_start`), the causes of a wait
-//! (`MachineTiming::split_wait`), the making of a step (`MachineTiming::step`), the steps in flight, the links and the memories. It is the
-//! oracle of the *order* in which things are done, and of what is added up over intervals; an error in what both share it cannot
-//! see. For that there is an executable reading of the laws that shares no code with this crate. Its results stand in
-//! `tests/vectors/laws.jsonl`, one plan and result per line, and `tests/vectors.rs` holds both engines against them. To
-//! repeat it with another reading: give it the `plan` of each line, and compare; `examples/plan.rs` runs one plan, or a
-//! folder of such vectors, from the command line.
+//! It shares with `timed` the start times of steps (`MachineTiming::next_start`), the causes of waits
+//! (`MachineTiming::split_wait`), the execution of steps, the steps in flight, the FIFOs and the memories. So it is the reference
+//! for the *order* of events and for sums over intervals. It cannot detect an error in the shared parts. For those there is an
+//! independent implementation of the laws that shares no code with this crate. `basrelief-kernel-conformance` compares both
+//! engines with its results: `tests/vectors/laws.jsonl` has one plan and its result per line, and `tests/vectors.rs` checks them.
+//! To compare with another implementation, run it on the `plan` of each line. `examples/plan.rs` runs one plan, or a folder of
+//! such vectors, from the command line.
 
 use super::context::{ActiveRecording, Limits, fault_of, look};
 use super::step_source::{StepSource, UnitSteps};
@@ -28,12 +28,12 @@ struct Tick<'a, SomeProbe> {
     fault: Option<String>,
     /// Waits of each stage since its last step.
     waits: Vec<Vec<Wait>>,
-    /// Writes down what is done, where it is wanted.
+    /// The recording, if one is made.
     tape: Option<&'a mut RecordingWriter>,
 }
 
 impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
-    /// Makes a step that starts now.
+    /// Executes a step that starts now.
     fn make(&mut self, number: usize, demand: Demand, work: &mut impl StepSource<Declared = Demand>) {
         for wait in self.waits[number].drain(..) {
             charge(&mut self.time.accounts[number], self.probe, number, wait);
@@ -58,7 +58,7 @@ impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
         }
     }
 
-    /// Counts a cycle of waiting.
+    /// Counts one cycle of waiting.
     fn wait(&mut self, number: usize, demand: Demand) {
         let waits = &mut self.waits[number];
         self.time.split_wait(number, demand, (self.now, self.now + 1), |wait| join(waits, wait));
@@ -90,13 +90,13 @@ fn join(waits: &mut Vec<Wait>, (cause, from, to): Wait) {
     }
 }
 
-/// Notes what is known of the answers that slots wait for: `timed` asks when all are known, and this engine in every cycle.
+/// Records the known answers that slots wait for. `timed` asks when all are known, but this engine asks in every cycle.
 fn record_awaits(time: &mut MachineTiming) {
     let MachineTiming { stages, fifos, memories, .. } = time;
     stages.iter().for_each(|clock| clock.record_awaits(fifos, memories));
 }
 
-/// Whether any stage has a known next start.
+/// Finds out if any stage has a known next start.
 struct AnyStart<'a> {
     time: &'a MachineTiming,
     stage: usize,
@@ -132,7 +132,7 @@ pub(super) fn run<M: Machine, P: Probe>(
             if starts.any {
                 return StopReason::Limit(limits.max_cycles);
             }
-            // No step will ever start: what has started runs out, and is counted.
+            // No further step will start. Steps that have started run out and are counted.
         }
         (tick.stage, tick.fired) = (0, false);
         machine.wire(&mut tick);
@@ -141,7 +141,7 @@ pub(super) fn run<M: Machine, P: Probe>(
         }
         let time = &mut *tick.time;
         time.memories.serve_before(tick.now + 1);
-        // The last cycle in which something already decided still happens.
+        // The last cycle of the events that are already decided.
         let busy = time.stages.iter().map(|clock| clock.free).max();
         let visible = time.fifos.iter().filter_map(FifoTiming::last_visible).max();
         time.land_all();

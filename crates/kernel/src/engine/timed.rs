@@ -55,7 +55,7 @@ use crate::recording::RecordingWriter;
 use crate::time::{InputMask, MachineTiming, PathTracer, StageArity, StopReason};
 use crate::{Cycle, MemoryPorts, Probe};
 
-/// One walk over all stages.
+/// One round over all stages.
 pub(super) struct RunAhead<'a, SomeProbe> {
     pub(super) time: &'a mut MachineTiming,
     pub(super) probe: &'a mut SomeProbe,
@@ -65,14 +65,14 @@ pub(super) struct RunAhead<'a, SomeProbe> {
     moved: bool,
     pub(super) limited: bool,
     pub(super) fault: Option<String>,
-    /// A stage could make its next step, but it is not known here yet.
+    /// True if a stage is ready but its next recorded step has not arrived.
     pub(super) needs_more_steps: bool,
-    /// Whether there are memories, so that promises are worth their while.
+    /// True if there are memories, so that promises are useful.
     promises: bool,
     accounts_for: bool,
-    /// Writes down what is done, where it is wanted.
+    /// The recording, if one is made.
     pub(super) tape: Option<&'a mut RecordingWriter>,
-    /// Keeps what every step waited for, where that is wanted.
+    /// The wait of every step, if the critical path is wanted.
     pub(super) path: Option<PathTracer>,
 }
 
@@ -108,7 +108,7 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
         (self.stage, self.moved, self.limited, self.needs_more_steps) = (0, false, false, false);
     }
 
-    /// After a round: whether anything moved, once the memories have served what was promised, or what is safe.
+    /// Ends a round: memories serve what is promised or safe. Returns true if anything moved.
     pub(super) fn goes_on(&mut self) -> bool {
         let served = self.time.memories.serve_promised();
         self.moved || served || (!self.needs_more_steps && self.time.memories.serve_safe())
@@ -116,7 +116,7 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
 }
 
 impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
-    /// Makes all steps of a stage whose starts are known.
+    /// Executes all steps of a stage whose starts are known.
     #[inline(always)]
     fn fire_known<K: StageArity, W: StepSource>(&mut self, number: usize, work: &mut W) -> InputMask {
         let Self { time, probe, traffic, tape, path, accounts_for, .. } = self;
@@ -168,7 +168,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
         }
     }
 
-    /// Runs a stage ahead.
+    /// Advances a stage as far as possible.
     #[inline(always)]
     pub(super) fn advance<K: StageArity, W: StepSource>(&mut self, number: usize, work: &mut W) {
         let (mut visit, _) = self.time.visit::<K>(number);

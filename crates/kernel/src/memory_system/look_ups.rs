@@ -1,4 +1,4 @@
-//! When look-ups are answered (law 5).
+//! Answers to look-ups (law 5).
 
 use super::MemorySystem;
 use crate::Cycle;
@@ -8,18 +8,18 @@ use crate::counts::CacheCounts;
 use crate::step_requests::CacheLookUps;
 use std::collections::VecDeque;
 
-/// Look-ups of a client that have no answer yet.
+/// Look-ups of a client without an answer.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LookUpQueue {
     /// By step.
     pub(crate) steps: VecDeque<PendingLookUps>,
-    /// The requests that fill lines that were held, of each step as many as are [open](PendingLookUps::open).
+    /// Requests that fill the lines of earlier requests: for each step as many as are [open](PendingLookUps::open).
     pub(crate) open: VecDeque<u64>,
 }
 
 impl MemorySystem {
-    /// Makes the look-ups of a step that starts at `start`: what is known of them. Numbers of requests whose answers are not known, of
-    /// lines that were held, are put behind the `open` ones. With it the least occupancy that they need (law 5).
+    /// Makes the look-ups of a step that starts at `start`. Returns their state, as far as it is known, and the least occupancy
+    /// that they need (law 5). Appends to `open` the requests with unknown answers among the lines of earlier requests.
     #[inline]
     pub(crate) fn look_up(
         &mut self,
@@ -38,7 +38,7 @@ impl MemorySystem {
         let request = if new.is_empty() { look_ups.last_held } else { port.issued };
         let mut pending = PendingLookUps { start, request, fill: Cycle::ZERO, counts, open: 0 };
         let Some(last) = look_ups.last_held.checked_sub(1) else { return (pending, cycles) };
-        // Answers come in order: mostly the last of them is there.
+        // Answers come in order: usually the last of them has arrived.
         let fill = port.answer(last);
         if fill > start {
             let hits = &mut pending.counts.hits;
@@ -63,8 +63,8 @@ impl MemorySystem {
         (pending, cycles)
     }
 
-    /// Takes out the first look-ups whose fills are known by now, as many as there are `left` to take; the last of them has this
-    /// `answer`. To be asked in order of look-up.
+    /// Removes the first look-ups whose fills are known by now, at most `left`. The last of them has this `answer`. Call it in
+    /// order of look-up.
     #[inline]
     pub(crate) fn resolve(&mut self, client: usize, queue: &mut LookUpQueue, left: &mut u32, answer: &mut Cycle) {
         let Client { port, cache } = &mut self.clients[client];
@@ -87,7 +87,7 @@ impl MemorySystem {
         }
     }
 
-    /// Accounts for look-ups that wait for nothing, and gives their answer.
+    /// Accounts for look-ups that wait for nothing and returns their answer time.
     #[inline(always)]
     pub(crate) fn resolve_at_once(&mut self, client: usize, pending: &PendingLookUps) -> Cycle {
         let cache = self.clients[client].cache.as_mut();

@@ -1,4 +1,4 @@
-//! Gathering of the facts of a machine.
+//! Collection of the statistics of a machine.
 
 use super::{SlowFifo, UnitStats};
 use crate::hardware::{Hardware, HardwareKind};
@@ -7,7 +7,7 @@ use crate::wires::{Outputs, Wires};
 use crate::{BoundStage, Unit};
 
 impl UnitStats {
-    /// Tells the FIFOs that a unit fills, those that say how wide they are.
+    /// Reports the FIFOs that a unit fills and whose width is known.
     fn report_fifos(&mut self, outputs: &impl Outputs) {
         for link in (0..outputs.count()).map(|i| outputs.link(i)).filter(|link| link.bits() > 0) {
             let (place, count, width) = (link.name().to_owned(), link.depth() as u64, link.bits());
@@ -16,7 +16,7 @@ impl UnitStats {
     }
 }
 
-/// Asks every unit of a machine what it has to tell. To be called after a run, not during one: some answers take a while.
+/// Collects the statistics of every unit of a machine. Call it after a run, not during one, because some statistics take a while.
 pub fn unit_stats(machine: &mut impl Machine) -> UnitStats {
     struct Gather(UnitStats);
     impl Visitor for Gather {

@@ -1,4 +1,4 @@
-//! The times of a FIFO: laws 1, 2 and 10.
+//! Times of a FIFO: laws 1, 2 and 10.
 
 use super::occupancy::OccupancyHistogram;
 use super::token_times::TokenTimes;
@@ -6,23 +6,23 @@ use crate::Cycle;
 use crate::capacity::MAX_CLIENTS;
 use std::cell::{Cell, RefCell};
 
-/// Tokens after which occupancy is settled: settling each as it came cost 100 instructions, a sweep costs 20. With more of them the
-/// times of a machine's FIFOs do not fit into the nearest cache.
+/// Tokens between two settlements of the occupancy. Settling each token as it came cost 100 instructions; a sweep costs 20. With
+/// a larger number, the times of a machine's FIFOs do not fit into the first-level cache.
 const SWEEP: usize = 64;
 
-/// Places of what is news for whom.
+/// Indices of `news`.
 const CONSUMER: usize = 0;
 const PRODUCER: usize = 1;
 
-/// The times of one FIFO.
+/// Times of one FIFO.
 ///
-/// A ring keeps the times of its last tokens: at least of as many as there are slots, so that the start of the next step at either end
-/// is known without any clock, each with one look; and of those whose part of the occupancy is not settled.
+/// A ring keeps the times of its last tokens: at least as many as there are slots, so that the start of the next step at either
+/// end is found with one access; and all tokens whose occupancy is not settled.
 ///
-/// Two stages act on a FIFO, and each looks at several of them while it changes its own clock: hence the cells.
+/// Two stages act on a FIFO, and each reads several FIFOs while it changes its own clock. Hence the cells.
 #[derive(Clone, Debug)]
 pub(crate) struct FifoTiming {
-    /// A power of two.
+    /// Its length is a power of two.
     ring: Box<[TokenTimes]>,
     depth: usize,
     /// Numbers of the next push, delivery and pop.
@@ -30,38 +30,39 @@ pub(crate) struct FifoTiming {
     delivered: Cell<usize>,
     popped: Cell<usize>,
     latency: u64,
-    /// When the front token is visible, and from when on the next push finds a slot: asked for at every visit, they change with a token.
+    /// First visible cycle of the front token, and first cycle with a free slot for the next push. Every visit reads them, and
+    /// they change with each token.
     front: Cell<Cycle>,
     room: Cell<Cycle>,
-    /// The next token delivered is not visible before.
+    /// The next delivered token is not visible before this cycle.
     next_visible: Cell<Cycle>,
-    /// The producer makes no step before, as far as it has promised.
+    /// The producer has promised no step before this cycle.
     no_push_before: Cell<Cycle>,
-    /// The consumer makes no step before, as far as it has promised.
+    /// The consumer has promised no step before this cycle.
     no_pop_before: Cell<Cycle>,
-    /// What its consumer or its producer may go by has changed since that last looked.
+    /// True if values for the consumer or the producer have changed since it last looked.
     news: [Cell<bool>; 2],
-    /// Of each token in the ring, the answers that the producer's step waits for, by client (law 9). Empty where the producer has no
-    /// memory client.
+    /// For each token in the ring, the answers that the producer's step waits for, by client (law 9). Empty if the producer has
+    /// no memory client.
     awaits: Box<[Cell<[Cycle; MAX_CLIENTS]>]>,
     occupancy: RefCell<OccupancyHistogram>,
 }
 
-/// The place of a token in a ring of a power of two.
+/// Index of a token in a ring whose length is a power of two.
 #[inline(always)]
 fn place<T>(ring: &[T], number: usize) -> usize {
     number & ring.len().wrapping_sub(1)
 }
 
-/// A token in its ring.
+/// Returns a token of the ring.
 #[inline(always)]
 fn token(ring: &[TokenTimes], number: usize) -> &TokenTimes {
     &ring[place(ring, number)]
 }
 
 impl FifoTiming {
-    /// Of a FIFO of `depth` slots whose tokens are visible `latency` cycles after delivery; `awaits`: whether its producer has
-    /// memory clients, so that each slot keeps their answers.
+    /// Creates the times of a FIFO of `depth` slots whose tokens are visible `latency` cycles after delivery. `awaits`: true if
+    /// its producer has memory clients, so that each slot keeps their answers.
     pub(crate) fn new(depth: usize, latency: u64, awaits: bool) -> Self {
         let unused = TokenTimes { reserved: Cell::default(), visible: Cell::new(Cycle::UNKNOWN), free: Cell::default() };
         let tokens = (depth + SWEEP).next_power_of_two();
@@ -89,7 +90,7 @@ impl FifoTiming {
         self.pushed.get() - self.popped.get()
     }
 
-    /// Whether no token is inside.
+    /// Returns true if no token is inside.
     pub(crate) fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -104,13 +105,13 @@ impl FifoTiming {
         self.next_visible.get().0.checked_sub(1).map(Cycle)
     }
 
-    /// The number of the token whose slot the next one takes.
+    /// Number of the token whose slot the next token takes.
     #[inline(always)]
     fn slot(&self) -> usize {
         self.pushed.get().wrapping_sub(self.depth)
     }
 
-    /// When the front token is visible; unknown while there is none or its delivery is not known.
+    /// First visible cycle of the front token; unknown while there is none or its delivery is unknown.
     #[inline(always)]
     pub(crate) fn front_visible(&self) -> Cycle {
         self.front.get()
@@ -122,7 +123,7 @@ impl FifoTiming {
         self.room.get()
     }
 
-    /// As [`FifoTiming::front_visible`]; where that is unknown, the front token is not visible before.
+    /// As [`FifoTiming::front_visible`]; if that is unknown, a lower bound of it.
     #[inline]
     pub(crate) fn no_front_before(&self) -> Cycle {
         match self.front_visible() {
@@ -132,7 +133,7 @@ impl FifoTiming {
         }
     }
 
-    /// As [`FifoTiming::room_at`]; where that is unknown, no slot is free before.
+    /// As [`FifoTiming::room_at`]; if that is unknown, a lower bound of it.
     #[inline]
     pub(crate) fn no_room_before(&self) -> Cycle {
         match self.room_at() {
@@ -141,16 +142,16 @@ impl FifoTiming {
         }
     }
 
-    /// The producer makes no step before `start`.
+    /// Promises that the producer makes no step before `start`.
     #[inline]
     pub(crate) fn promise_push(&self, start: Cycle) {
-        // While there is a token, the consumer goes by that.
+        // While there is a token, the consumer uses that token's time.
         if self.no_push_before.replace(start) != start && self.is_empty() {
             self.news[CONSUMER].set(true);
         }
     }
 
-    /// The consumer makes no step before `start`.
+    /// Promises that the consumer makes no step before `start`.
     #[inline]
     pub(crate) fn promise_pop(&self, start: Cycle) {
         if self.no_pop_before.replace(start) != start && !self.room_at().is_known() {
@@ -158,14 +159,14 @@ impl FifoTiming {
         }
     }
 
-    /// Law 9: until when the oldest slot holder, which keeps the next push waiting, waits itself for `client`'s answer.
-    /// Meaningful while the FIFO is full; unknown while the answer is.
+    /// Law 9: the cycle until which the oldest slot holder, which blocks the next push, waits for `client`'s answer. Only
+    /// meaningful while the FIFO is full; unknown while the answer is unknown.
     #[inline]
     pub(crate) fn oldest_awaits(&self, client: usize) -> Cycle {
         self.awaits.get(place(&self.awaits, self.slot())).map_or(Cycle::ZERO, |answers| answers.get()[client])
     }
 
-    /// The answers that the front token's step waited for, by client; none where its producer has no client.
+    /// Answers that the front token's step waited for, by client; `None` if its producer has no client.
     pub(super) fn front_answers(&self) -> Option<[Cycle; MAX_CLIENTS]> {
         self.awaits.get(place(&self.awaits, self.popped.get())).map(Cell::get)
     }
@@ -185,7 +186,7 @@ impl FifoTiming {
         let new = token(ring, number);
         new.reserved.set(start);
         new.free.set(Cycle::UNKNOWN);
-        // What stands at the place behind is older than the ring.
+        // The entry after it is older than the ring.
         token(ring, number + 1).visible.set(Cycle::UNKNOWN);
         if let Some(awaits) = self.awaits.get(place(&self.awaits, number)) {
             awaits.set(Default::default());
@@ -224,13 +225,13 @@ impl FifoTiming {
         }
     }
 
-    /// Whether there is news for its consumer since the last call.
+    /// Returns true if there is news for the consumer since the last call.
     #[inline(always)]
     pub(super) fn has_news_for_consumer(&self) -> bool {
         self.news[CONSUMER].take()
     }
 
-    /// The same for its producer.
+    /// Returns true if there is news for the producer since the last call.
     #[inline(always)]
     pub(super) fn has_news_for_producer(&self) -> bool {
         self.news[PRODUCER].take()
@@ -241,7 +242,7 @@ impl FifoTiming {
         self.occupancy.borrow_mut().settle(&self.ring, (self.pushed.get(), self.popped.get()));
     }
 
-    /// See [`OccupancyHistogram::count_nothing`]. Nor does anybody ask why it waited.
+    /// See [`OccupancyHistogram::count_nothing`]. Causes of waits are not needed either.
     pub(crate) fn count_nothing(&mut self) {
         self.occupancy.get_mut().count_nothing();
         self.awaits = Box::default();
@@ -262,9 +263,9 @@ impl FifoTiming {
         self.occupancy.borrow_mut().finish(&self.ring, (self.pushed.get(), self.popped.get()), Cycle(total))
     }
 
-    /// Counts the slots held in cycle `now`, after the actions of that cycle: law 10 read literally.
+    /// Counts the slots in use in cycle `now`, after the actions of that cycle: law 10 taken literally.
     pub(crate) fn count_held(&self, now: Cycle) {
-        // Popped in this cycle, its slot is held to its end.
+        // A slot popped in this cycle is in use until its end.
         let last = self.popped.get().checked_sub(1).map(|last| token(&self.ring, last).free.get());
         let held = self.len() + usize::from(last == Some(now + 1));
         self.occupancy.borrow_mut().count(held, now);

@@ -1,4 +1,4 @@
-//! What a run came to, told when it is over.
+//! The end of a run: outcome, totals and reports.
 
 use super::{FifoTiming, MachineTiming, StageClock};
 use crate::netlist::{FifoSpec, StageInfo};
@@ -6,7 +6,7 @@ use crate::outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor, circle
 use crate::report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
 use crate::{Cause, Cycle, Demand, MemorySystem};
 
-/// Why an engine stopped.
+/// The reason that an engine stopped.
 pub(crate) enum StopReason {
     /// No step can ever start.
     Quiet,
@@ -14,21 +14,21 @@ pub(crate) enum StopReason {
     Limit(u64),
     /// The caller asked to stop.
     Stopped,
-    /// A unit cannot go on.
+    /// A unit cannot continue.
     Fault(String),
 }
 
-/// What is left of a unit at the end.
+/// The state of a unit at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct FinalUnitState {
-    /// What its next step would take.
+    /// Demand of its next step.
     pub(crate) demand: Demand,
-    /// Whether it holds no token back.
+    /// True if it holds no token back.
     pub(crate) empty: bool,
 }
 
 impl MachineTiming {
-    /// Ends a run: outcome, total, and everybody's part. `unit_states`: what is left of each unit.
+    /// Ends a run and returns its report. `unit_states`: final state of each unit.
     pub(crate) fn finalize(&mut self, unit_states: &[FinalUnitState], halt: StopReason) -> RunReport {
         let quiet_total = self.last_cycle().map_or(0, |last| last.0 + 1).max(self.memories.data_end().0);
         let (complete, total) = match halt {
@@ -74,12 +74,12 @@ impl MachineTiming {
         busy.chain(self.fifos.iter().filter_map(FifoTiming::last_visible)).max()
     }
 
-    /// Whether nothing is left at rest: no token in a FIFO or held back, and no step that needs none.
+    /// Returns true if nothing is left: no token in a FIFO or in a unit, and no step that needs no input.
     fn is_done(&self, unit_states: &[FinalUnitState]) -> bool {
         self.fifos.iter().all(FifoTiming::is_empty) && unit_states.iter().all(|rest| rest.empty && rest.demand != Demand::Nothing)
     }
 
-    /// A unit's part, and what holds it for ever, with the stage that could give it.
+    /// Returns the report of a unit, and the resource that blocks it for ever with the stage that could provide it.
     fn unit_report(&self, stage: usize, demand: Demand, complete: bool, total: Cycle) -> (UnitReport, Option<HeldBy>) {
         let StageClock { free, steps, busy, .. } = &self.stages[stage];
         let mut account = self.accounts[stage].clone();
@@ -89,7 +89,7 @@ impl MachineTiming {
             account.done += total.since(*free);
         } else {
             self.split_wait(stage, demand, (*free, total), |(cause, from, to)| account.charge(cause, to.since(from)));
-            // A unit that was busy up to the end waits for it, too.
+            // A unit that was busy until the end waits for it, too.
             self.split_wait(stage, demand, (*free, Cycle::UNKNOWN), |(cause, ..)| held_by = Some(cause));
         }
         let StageInfo { names, .. } = &self.shape.stages[stage];
@@ -112,7 +112,7 @@ impl MachineTiming {
     }
 }
 
-/// What a unit waits for that cannot go on, and the stage that could give it.
+/// The resource that a blocked unit waits for, and the stage that could provide it.
 type HeldBy = (WaitsFor, Option<usize>);
 
 fn fifo_report(slots: &FifoTiming, FifoSpec { name, depth, .. }: &FifoSpec, total: u64) -> FifoReport {
@@ -138,7 +138,7 @@ fn cache_reports(system: &MemorySystem) -> Vec<CacheReport> {
     caches.map(|cache| CacheReport { name: cache.name.clone(), counts: cache.counts }).collect()
 }
 
-/// Cycles between marks, of those that lie within the run.
+/// Cycles between the marks that lie within the run.
 fn between(ends: &[Cycle], total: u64) -> Vec<u64> {
     let mut before = Cycle::ZERO;
     ends.iter().filter(|end| end.0 <= total).map(|&end| end.since(std::mem::replace(&mut before, end))).collect()

@@ -1,4 +1,4 @@
-//! What a stage has in flight: steps that wait for memory answers, or behind such a step (laws 4 and 5).
+//! Steps in flight: steps that wait for memory answers, or behind such a step (laws 4 and 5).
 
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::memory_system::LookUpQueue;
@@ -9,44 +9,44 @@ use std::collections::VecDeque;
 /// A step's delivery, as far as it does not depend on memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Delivery {
-    /// Start + latency: it is not delivered before.
+    /// Start + latency: the earliest delivery.
     pub(crate) base: Cycle,
-    /// Outputs that get a token, one bit each; [`MARKED`] stands beside them.
+    /// Outputs that get a token, one bit each, and the bit [`MARKED`].
     pub(crate) outputs: u32,
 }
 
 /// Bit of [`Delivery::outputs`]: the delivery passes a mark.
 pub(crate) const MARKED: u32 = 1 << MAX_LINKS;
 
-/// A step that has issued its traffic.
+/// A step that has issued its requests.
 #[derive(Clone, Debug)]
 pub(crate) struct InFlightStep {
     pub(crate) delivery: Delivery,
-    /// Steps whose look-ups have no answer, by client: its own, and those that it waits for, too.
+    /// Steps with unanswered look-ups, by client: the step itself, and steps merged into it.
     look_ups: [u32; MAX_CLIENTS],
-    /// Number of the last read by client, plus one; 0 for none, or once its answer is known.
+    /// Number of the last read plus one, by client; 0 for none, or once its answer is known.
     reads: [u64; MAX_CLIENTS],
-    /// Last answers known so far.
+    /// Latest known answers.
     pub(crate) answers: [Cycle; MAX_CLIENTS],
-    /// Requests served when it was issued, by client: it waits for none before.
+    /// Requests served at its issue, by client: it waits for none before.
     served: [u64; MAX_CLIENTS],
 }
 
 impl InFlightStep {
-    /// A step without traffic.
+    /// Creates a step without requests.
     #[inline]
     pub(crate) fn new(delivery: Delivery) -> Self {
         let (look_ups, reads, answers, served) = Default::default();
         Self { delivery, look_ups, reads, answers, served }
     }
 
-    /// When the step delivers, all its answers known.
+    /// Delivery time, if all answers are known.
     #[inline]
     pub(crate) fn delivered(&self) -> Cycle {
         self.answers.iter().fold(self.delivery.base, |latest, answer| latest.max(*answer))
     }
 
-    /// Whether all answers are known, once the answers to reads are taken in.
+    /// Takes in the answers to reads. Returns true if all answers are known.
     #[inline(always)]
     fn is_answered(&mut self, ids: &[usize], system: &MemorySystem) -> bool {
         for ((&client, reads), last) in ids.iter().zip(&mut self.reads).zip(&mut self.answers) {
@@ -62,7 +62,7 @@ impl InFlightStep {
         self.look_ups == [0; MAX_CLIENTS]
     }
 
-    /// Until when it waits for each client's answers, as far as that is known by now.
+    /// Cycle until which it waits for each client's answers, as far as it is known.
     pub(crate) fn awaited(&self, ids: &[usize], system: &MemorySystem) -> [Cycle; MAX_CLIENTS] {
         let mut awaited = self.answers;
         for (i, &client) in ids.iter().enumerate() {
@@ -78,9 +78,9 @@ impl InFlightStep {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InFlightSteps {
     steps: VecDeque<InFlightStep>,
-    /// Their look-ups that have no answer yet, by client, in order.
+    /// Their unanswered look-ups, by client, in order.
     look_ups: [LookUpQueue; MAX_CLIENTS],
-    /// Answers that were known when the steps were last asked whether they have theirs: until there are more, none has.
+    /// Number of known answers at the last check. Until there are more, no step has become complete.
     asked_at: Option<u64>,
 }
 
@@ -90,8 +90,8 @@ impl InFlightSteps {
         self.steps.is_empty()
     }
 
-    /// Issues what a step asks that starts at `start`; the least occupancy that its look-ups need (law 5), and whether all its
-    /// answers are known and nothing is ahead of it, so that it can deliver at once.
+    /// Issues the requests of a step that starts at `start`. Returns the least occupancy that its look-ups need (law 5), and true
+    /// if it can deliver at once because all its answers are known and no step is ahead.
     #[inline]
     pub(crate) fn issue(
         &mut self,
@@ -111,7 +111,7 @@ impl InFlightSteps {
         (least, !waits && self.steps.is_empty())
     }
 
-    /// Makes the look-ups of a step in one cache; the least occupancy, and whether it waits for any.
+    /// Makes the look-ups of a step in one cache. Returns the least occupancy, and true if the step waits for any.
     #[inline]
     fn look_up(
         &mut self,
@@ -133,7 +133,7 @@ impl InFlightSteps {
         (least, waits)
     }
 
-    /// Takes in a step that waits. Steps that deliver nothing wait only to be counted: those in a row wait as one.
+    /// Appends a step that waits. Adjacent steps without deliveries wait only to be counted, so they are merged.
     pub(crate) fn push(&mut self, mut flight: InFlightStep, (ids, system): (&[usize], &mut MemorySystem)) {
         match self.steps.back_mut() {
             Some(last) if last.delivery.outputs | flight.delivery.outputs == 0 => {
@@ -155,12 +155,12 @@ impl InFlightSteps {
         }
     }
 
-    /// Hands steps to `deliver` whose answers are known by now and that have nothing ahead of them on the same output, with
-    /// these outputs; tells whether there were any. `outputs`: those that the stage has.
+    /// Calls `deliver` for steps whose answers are known and that have no step ahead of them on the same output, with these
+    /// outputs. Returns true if there was any. `outputs`: outputs of the stage.
     ///
-    /// A step waits for no other: not for one that emits nothing, nor for one that emits elsewhere. Were it to wait here
-    /// for what is ahead, its delivery would be unknown although it does not depend on any answer, and what starts upon it
-    /// could issue requests earlier than [`MemorySystem::serve_safe`] may assume.
+    /// A step does not wait for a step that emits nothing or emits elsewhere. Otherwise its delivery would be unknown although it
+    /// does not depend on any answer, and the steps that it starts could issue requests earlier than [`MemorySystem::serve_safe`]
+    /// assumes.
     pub(crate) fn land(
         &mut self,
         outputs: u32,
@@ -199,7 +199,7 @@ impl InFlightSteps {
         moved
     }
 
-    /// Shows `note`, for each output, the oldest step that delivers there.
+    /// Calls `note` with the oldest step for each output.
     pub(crate) fn oldest(&self, mut note: impl FnMut(&InFlightStep, u32)) {
         let mut taken = 0;
         for flight in &self.steps {
@@ -211,7 +211,7 @@ impl InFlightSteps {
         }
     }
 
-    /// Tells the memories which answers the oldest step in flight, and so any, may still ask for.
+    /// Tells the memories which answers the oldest step in flight, and so any step, may still need.
     fn keep_answers(&self, ids: &[usize], system: &mut MemorySystem) {
         for (i, &client) in ids.iter().enumerate() {
             system.keep_from(client, self.steps.front().map_or(u64::MAX, |flight| flight.served[i]));
@@ -219,7 +219,7 @@ impl InFlightSteps {
     }
 }
 
-/// Issues the direct requests of a step; whether it waits for any.
+/// Issues the direct requests of a step. Returns true if it waits for any.
 #[inline]
 fn issue_requests(
     flight: &mut InFlightStep,
@@ -238,7 +238,7 @@ fn issue_requests(
     waits
 }
 
-/// Takes in the answers to a step's look-ups, unless one ahead of it on the same client is `stuck` (a bit each).
+/// Takes in the answers to a step's look-ups, unless an earlier step on the same client is `stuck` (one bit each).
 #[inline]
 fn resolve(
     queues: &mut [LookUpQueue; MAX_CLIENTS],

@@ -1,10 +1,10 @@
-//! What steps take.
+//! Input masks of steps.
 
 use crate::Demand;
 use crate::capacity::MAX_LINKS;
 
-/// The inputs that a step takes, one bit each; or that there will be no further step. A [`Demand`] as time looks at it: asked for in
-/// every step, and for each FIFO of one.
+/// The inputs of a step, one bit each, or the absence of a further step. It is a [`Demand`] in the form that timing needs: it is
+/// read in every step, for each FIFO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct InputMask(u16);
 
@@ -12,7 +12,7 @@ impl InputMask {
     /// There will be no further step.
     pub(crate) const NO_STEP: Self = Self(1 << MAX_LINKS);
 
-    /// Of a stage with so many inputs.
+    /// Converts the demand of a stage with this number of inputs.
     #[inline(always)]
     pub(crate) fn of(demand: Demand, inputs: usize) -> Self {
         if demand == Demand::Finished { Self::NO_STEP } else { Self(demand.of(inputs) as u16) }
@@ -24,7 +24,7 @@ impl InputMask {
         u32::from(self.0) & Self::INPUTS
     }
 
-    /// As a unit would declare it.
+    /// Converts back to a demand.
     pub(crate) fn demand(self) -> Demand {
         let inputs = self.inputs();
         match inputs.count_ones() {

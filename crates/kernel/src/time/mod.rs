@@ -1,5 +1,5 @@
-//! Time: what follows, in cycles, from what units do. It knows no units and no tokens: for each stage when it is free and what it
-//! has in flight, for each FIFO the times of its slots, and the memories.
+//! Timing: the cycles that follow from the work of units. It has no units and no tokens. It holds the clock and the steps in
+//! flight of each stage, the times of each FIFO's slots, and the memories.
 
 mod fifo_timing;
 mod finalize;
@@ -25,7 +25,7 @@ pub(crate) use step_timing::{AnyArity, StageArity, StepTiming};
 use crate::netlist::Netlist;
 use crate::{Account, Cycle, MemorySystem, Probe};
 
-/// The times of a run.
+/// The timing state of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct MachineTiming {
     pub(crate) shape: Netlist,
@@ -33,12 +33,12 @@ pub(crate) struct MachineTiming {
     pub(crate) accounts: Vec<Account>,
     pub(crate) fifos: Vec<FifoTiming>,
     pub(crate) memories: MemorySystem,
-    /// Whether waits are charged, and how full FIFOs are is counted.
+    /// True if waits are charged and occupancy is counted.
     pub(crate) accounts_for: bool,
 }
 
 impl MachineTiming {
-    /// At power-on.
+    /// Creates the state at power-on.
     pub(crate) fn new(mut shape: Netlist) -> Self {
         let mut memories = std::mem::take(&mut shape.memories);
         memories.find_private(shape.stages.iter().map(|stage| stage.clients.as_slice()));
@@ -48,13 +48,13 @@ impl MachineTiming {
         Self { accounts: vec![Account::default(); shape.stages.len()], shape, stages, fifos, memories, accounts_for: true }
     }
 
-    /// Only tells time: for whom nothing else counts.
+    /// Switches accounting off, for runs that need only the total.
     pub(crate) fn account_for_nothing(&mut self) {
         self.accounts_for = false;
         self.fifos.iter_mut().for_each(FifoTiming::count_nothing);
     }
 
-    /// A stage, to be worked on; and the shape of the machine.
+    /// Returns a stage to work on, and the netlist.
     #[inline(always)]
     pub(crate) fn visit<K: StageArity>(&mut self, stage: usize) -> (StageVisit<'_>, &Netlist) {
         let Self { shape, stages, accounts, fifos, memories, .. } = self;
@@ -63,7 +63,7 @@ impl MachineTiming {
         (StageVisit { stage, clock, account, fifos, memories, inputs, outputs }, shape)
     }
 
-    /// Keeps how full FIFOs are and what memories do, for a probe that looks on.
+    /// Records FIFO levels and memory events, if the probe reads them.
     pub(crate) fn keep_fills<P: Probe>(&mut self, probe: &P) {
         if P::is_on() && probe.reads_levels() {
             self.fifos.iter().for_each(FifoTiming::keep_fills);
@@ -71,7 +71,7 @@ impl MachineTiming {
         }
     }
 
-    /// Shows a probe how full FIFOs were and what memories did, as far as that is settled, or up to the `end` of the run.
+    /// Emits FIFO levels and memory events to a probe, as far as they are settled, or up to the `end` of the run.
     pub(crate) fn show_fills<P: Probe>(&mut self, probe: &mut P, end: Option<Cycle>) {
         if P::is_on() && probe.reads_levels() {
             for (number, fifo) in self.fifos.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! When the next step of a stage can start, and why not before (laws 3 and 9).
+//! Start of the next step of a stage, and the causes of its wait (laws 3 and 9).
 
 use super::port_ids::ConnectedFifos;
 use super::stage_clock::{CreditNeed, Wait};
@@ -13,7 +13,7 @@ impl MachineTiming {
         clock.next_start::<AnyArity>((&inputs, &outputs), &self.memories, clock.takes(demand))
     }
 
-    /// Splits the wait of a stage from `from` to `to` into its causes (law 9), in order, and hands each to `charge`.
+    /// Splits the wait of a stage into its causes (law 9), in order, and passes each to `charge`.
     pub(crate) fn split_wait(&self, stage: usize, demand: Demand, between: (Cycle, Cycle), charge: impl FnMut(Wait)) {
         let clock = &self.stages[stage];
         let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
@@ -22,8 +22,8 @@ impl MachineTiming {
 }
 
 impl StageClock {
-    /// The earliest start of a stage's next step (law 3); unknown while that depends on what is not known yet, and where it will make
-    /// no further step.
+    /// Returns the earliest start of a stage's next step (law 3); unknown while it depends on an unknown time, and if there is no
+    /// further step.
     #[inline(always)]
     pub(super) fn next_start<K: StageArity>(
         &self,
@@ -36,7 +36,7 @@ impl StageClock {
         }
         let mut at = self.free;
         inputs.each(takes.inputs(), K::INPUTS, |_, fifo| at = at.max(fifo.front_visible()));
-        // Most visits end here: what else is unknown makes no difference.
+        // Most visits end here. Other unknown times make no difference.
         if !at.is_known() {
             return at;
         }
@@ -51,8 +51,8 @@ impl StageClock {
 
     /// See [`MachineTiming::split_wait`].
     ///
-    /// In each cycle the first cause that applies counts; every condition, once met, stays met until the step starts. So
-    /// the causes follow each other in the order in which they are tried, and a running maximum splits the interval.
+    /// The first cause that applies counts in each cycle, and every condition, once met, stays met until the step starts. So the
+    /// causes follow each other in the order of the checks, and a running maximum splits the interval.
     #[inline(always)]
     pub(super) fn split_wait<K: StageArity>(
         &self,
@@ -74,7 +74,7 @@ impl StageClock {
         }
         outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |i, fifo| {
             let room = fifo.room_at();
-            // Mostly there is room, and who holds what does not matter.
+            // Usually there is room, and the slot holders do not matter.
             if room <= wait.at {
                 return;
             }
@@ -88,7 +88,7 @@ impl StageClock {
     }
 }
 
-/// A wait, as far as it is charged.
+/// A wait that is being charged.
 struct WaitSplitter<F> {
     at: Cycle,
     to: Cycle,
@@ -96,7 +96,7 @@ struct WaitSplitter<F> {
 }
 
 impl<F: FnMut(Wait)> WaitSplitter<F> {
-    /// What is left of it up to `end` has this cause.
+    /// Charges the rest up to `end` to this cause.
     #[inline(always)]
     fn until(&mut self, cause: Cause, end: Cycle) {
         let end = end.min(self.to);
@@ -106,7 +106,7 @@ impl<F: FnMut(Wait)> WaitSplitter<F> {
         }
     }
 
-    /// Whether nothing of it is left.
+    /// Returns true if nothing is left.
     fn is_over(&self) -> bool {
         self.at >= self.to
     }

@@ -3,27 +3,27 @@
 use super::token_times::TokenTimes;
 use crate::Cycle;
 
-/// The histogram of one FIFO's occupancy.
+/// Histogram of one FIFO's occupancy.
 ///
-/// Pushes and pops are each monotone, so all events up to min(last push, last pop) are settled: no event still to come
-/// can be earlier. What is left over is at most one ring of pushes.
+/// Pushes and pops are each monotone, so all events up to min(last push, last pop) are settled: no later event can be earlier. At
+/// most one ring of pushes remains unsettled.
 #[derive(Clone, Debug)]
 pub(crate) struct OccupancyHistogram {
     histogram: Vec<u64>,
-    /// Numbers of the first push and the first pop that are not settled.
+    /// Numbers of the first unsettled push and pop.
     push: usize,
     pop: usize,
     held: usize,
     settled_to: Cycle,
-    /// The ticked engine counts literally: slots held in the last cycle counted, and that cycle.
+    /// The ticked engine counts literally: slots in use in the last counted cycle, and that cycle.
     counted: Option<(usize, Cycle)>,
-    /// Nobody asks for it.
+    /// True if occupancy is not counted.
     is_off: bool,
-    /// What it held from when on, wherever that changed, where somebody looks on: since it was last taken.
+    /// Changes of the level since they were last taken, if a probe is attached.
     fills: Option<LevelHistory>,
 }
 
-/// How full a FIFO was, in order of time.
+/// Levels of a FIFO, in order of time.
 #[derive(Clone, Debug, Default)]
 struct LevelHistory {
     new: Vec<(Cycle, usize)>,
@@ -31,7 +31,7 @@ struct LevelHistory {
 }
 
 impl LevelHistory {
-    /// It holds so many from a cycle on, unless something else comes in the same cycle.
+    /// Sets the level from a cycle on, unless another change comes in the same cycle.
     fn hold(&mut self, at: Cycle, held: usize) {
         match self.new.last_mut() {
             Some(last) if last.0 == at => last.1 = held,
@@ -39,7 +39,7 @@ impl LevelHistory {
         }
     }
 
-    /// Those before a cycle: what comes there may still change.
+    /// Takes the changes before a cycle. Those in the cycle itself may still change.
     fn take_before(&mut self, until: Cycle) -> Vec<(Cycle, usize)> {
         let settled = self.new.partition_point(|(at, _)| *at < until);
         let last = &mut self.last;
@@ -61,17 +61,17 @@ impl OccupancyHistogram {
         }
     }
 
-    /// Counts nothing from now on.
+    /// Switches counting off.
     pub(crate) fn count_nothing(&mut self) {
         self.is_off = true;
     }
 
-    /// Keeps what it holds, to be taken.
+    /// Records changes of the level.
     pub(crate) fn keep_fills(&mut self) {
         self.fills = Some(LevelHistory::default());
     }
 
-    /// How many slots it held from when on, wherever that changed, since the last call: as far as that is settled, or up to `end`.
+    /// Takes the changes of the level since the last call, as far as they are settled, or up to `end`.
     pub(crate) fn take_fills(&mut self, end: Option<Cycle>) -> Vec<(Cycle, usize)> {
         let until = end.unwrap_or(self.counted.map_or(self.settled_to, |(_, last)| last));
         self.fills.as_mut().map_or_else(Vec::new, |fills| fills.take_before(until))
@@ -82,13 +82,13 @@ impl OccupancyHistogram {
         self.settled_to = self.settled_to.max(to);
     }
 
-    /// Settles what can be settled, and keeps the rest: so many tokens are pushed, and so many popped.
+    /// Settles all events that can be settled. `ends`: numbers of pushed and popped tokens.
     pub(crate) fn settle(&mut self, ring: &[TokenTimes], ends: (usize, usize)) {
         if self.counted.is_some() || self.is_off {
             return;
         }
         match self.fills.take() {
-            // By itself: asking at each event whether somebody looks on costs a tenth of a bare chain.
+            // A separate case: checking for a probe at each event costs a tenth of a bare chain.
             None => self.merge(ring, ends, |_, _| ()),
             Some(mut fills) => {
                 self.merge(ring, ends, |at, held| fills.hold(at, held));
@@ -107,9 +107,9 @@ impl OccupancyHistogram {
             held = held.wrapping_add_signed(by);
             hold(to, held);
         };
-        // In one cycle a slot may be freed and another reserved; the count in between lasts 0 cycles. Freed first, as it is held to
-        // its end: so it never seems to hold more than there are. Mostly they take turns, which a processor foresees; without a branch
-        // every event would wait for the times of the last.
+        // In one cycle a slot may be freed and another reserved; the level in between lasts 0 cycles. The free slot counts first,
+        // because it is in use until the end of the cycle, so the level never exceeds the depth. Usually pushes and pops
+        // alternate, which a branch predictor foresees. Without a branch every event would wait for the previous times.
         while push < pushed && pop < popped {
             let free = ring[pop & mask].free.get();
             while push < pushed && ring[push & mask].reserved.get() < free {
@@ -131,7 +131,7 @@ impl OccupancyHistogram {
     /// Settles the rest of a run of `total` cycles.
     pub(crate) fn finish(&mut self, ring: &[TokenTimes], (pushed, popped): (usize, usize), total: Cycle) -> Vec<u64> {
         if let Some((held, last)) = self.counted {
-            // The ticked engine learns that a run is over one cycle late.
+            // The ticked engine detects the end of a run one cycle late.
             self.histogram[held] -= (last + 1).since(total);
             return self.histogram.clone();
         }

@@ -1,9 +1,9 @@
-//! The critical path: which of the terms of law 3 bound each start, and so a chain of waits and work from the end of a run back to its
+//! The critical path: the terms of law 3 that bound each start form a chain of waits and work from the end of a run back to its
 //! first cycle.
 //!
-//! Every step is an event, and so is every token that becomes visible and every phase of a request that one of these waits for. Each
-//! has one event before it, and the cycles in between have one reason. Where several terms are equal one of them is taken: the unit's
-//! own work before its tokens, these before its credits and slots. So a path is not the only one.
+//! Every step is an event, and so is every token that becomes visible and every phase of a request that such an event waits for.
+//! Each event has one predecessor, and the cycles in between have one cause. If several terms are equal, one is chosen: the
+//! unit's own occupancy before its tokens, and tokens before credits and slots. So the path is not unique.
 
 use super::stage_visit::StageView;
 use super::{InputMask, MachineTiming, StepTiming};
@@ -13,10 +13,10 @@ use crate::netlist::Netlist;
 use crate::{Cycle, MemorySystem};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Before the first event.
+/// Stands before the first event.
 const NONE: u32 = u32::MAX;
 
-/// Why cycles pass, with the number of a stage, FIFO or client.
+/// The cause of passing cycles, with the number of a stage, FIFO or client.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum EventCause {
     Occupancy(u16),
@@ -27,7 +27,7 @@ enum EventCause {
     Rest,
 }
 
-/// Something that happened `at` a time, for a reason, after another event.
+/// An event `at` a time, with its cause and its predecessor.
 #[derive(Clone, Copy, Debug)]
 struct PathEvent {
     at: Cycle,
@@ -38,42 +38,43 @@ struct PathEvent {
 /// Tokens of a FIFO.
 #[derive(Clone, Debug)]
 struct FifoTokens {
-    /// Those inside: the step that made each, and when it would have delivered it without memory.
+    /// Tokens inside: the step that made each, and its delivery without memory.
     inside: VecDeque<(u32, Cycle)>,
-    /// The last that became visible.
+    /// The token that became visible last.
     visible: u32,
-    /// Steps that took the last ones, as many as there are slots.
+    /// Steps that took the last tokens, as many as there are slots.
     pops: VecDeque<u32>,
 }
 
 impl FifoTokens {
-    /// The step that took the token whose slot the next one takes: as many tokens ago as there are slots, of which those inside are
-    /// not taken yet.
+    /// Returns the step that freed the slot of the next token. That pop lies as many tokens back as there are slots, less the
+    /// tokens inside.
     fn freed(&self, depth: usize) -> u32 {
         let ago = depth.saturating_sub(self.inside.len());
         self.pops.len().checked_sub(ago).and_then(|at| self.pops.get(at)).copied().unwrap_or(NONE)
     }
 }
 
-/// What happened in a run so far.
+/// Events of a run so far.
 pub(crate) struct PathTracer {
     events: Vec<PathEvent>,
-    /// Most events that are kept: there is no path through more.
+    /// Maximum number of events. Longer runs have no path.
     most: usize,
     /// Last step of each stage.
     steps: Vec<u32>,
     fifos: Vec<FifoTokens>,
     /// The step that issued each request, by client.
     issued: Vec<Vec<u32>>,
-    /// The last step that passes a mark, with its stage and when it would have delivered without memory.
+    /// The last step that passes a mark, its stage, and its delivery without memory.
     mark: Option<(u32, usize, Cycle)>,
-    /// Groups of the steps to come, by stage; and steps that belong to one, with it.
+    /// Groups of the steps to come, by stage; and events of grouped steps, with their groups.
     groups: Vec<Box<dyn Iterator<Item = u32>>>,
     of_groups: Vec<(u32, u32)>,
 }
 
 impl PathTracer {
-    /// Of a run that begins; it keeps no more than `most` events. `groups`: of the steps of each stage; or none.
+    /// Creates a tracer at the begin of a run that keeps at most `most` events. `groups`: groups of the steps of each stage; may
+    /// be empty.
     pub(crate) fn new(time: &mut MachineTiming, most: usize, groups: &[StageGroups]) -> Self {
         time.memories.keep_answers();
         let tokens = FifoTokens { inside: VecDeque::new(), visible: NONE, pops: VecDeque::new() };
@@ -98,7 +99,7 @@ impl PathTracer {
         self.events.get(event as usize).map_or(Cycle::ZERO, |event| event.at)
     }
 
-    /// A stage makes a step, before its times take it in. (Kept out of the engine's code: who does not ask for a path must not pay.)
+    /// Records a step before timing takes it in. (Kept out of line, so that runs without a path pay nothing.)
     #[cold]
     #[inline(never)]
     pub(crate) fn step(&mut self, shape: &Netlist, visit: &StageView<'_>, (at, takes): (Cycle, InputMask), made: &StepTiming) {
@@ -106,7 +107,7 @@ impl PathTracer {
             return;
         }
         let &StageView { stage, clock, memories, .. } = visit;
-        // What it has issued by now, its last step has issued last.
+        // All its requests by now came from its last step at the latest.
         for &client in &clock.clients {
             self.issued[client].resize(memories.issued(client) as usize, self.steps[stage]);
         }
@@ -137,7 +138,7 @@ impl PathTracer {
         }
     }
 
-    /// The term of law 3 that bound a start, and the event that it stands for.
+    /// Returns the term of law 3 that bound a start, and the event of that term.
     fn bound(&mut self, shape: &Netlist, visit: &StageView<'_>, (at, inputs): (Cycle, u32)) -> (u32, EventCause) {
         let &StageView { stage, clock, fifos, memories } = visit;
         if clock.free == at {
@@ -164,7 +165,7 @@ impl PathTracer {
         (self.steps[stage], EventCause::Rest)
     }
 
-    /// The front token of a FIFO, which is popped now, becomes visible.
+    /// Records that the front token of a FIFO, which is popped now, became visible.
     fn token(&mut self, shape: &Netlist, visit: &StageView<'_>, fifo: usize) -> u32 {
         let (step, base) = self.fifos[fifo].inside.pop_front().unwrap_or((NONE, Cycle::ZERO));
         let (slots, producer) = (&visit.fifos[fifo], shape.fifos[fifo].producer);
@@ -179,7 +180,7 @@ impl PathTracer {
         self.push(visible, after, why)
     }
 
-    /// A step delivers: not before `base`, and when the answer of `client` is there, if it waits for one.
+    /// Records the delivery of a step: not before `base`, and not before the answer of `client`, if it waits for one.
     fn delivery(
         &mut self,
         memories: &MemorySystem,
@@ -191,7 +192,7 @@ impl PathTracer {
         client.map_or(ready, |client| self.answer(memories, client, (ready, at)))
     }
 
-    /// The phases of the request whose answer a client got last by `at`, after an event.
+    /// Records the phases of the request that a client got last by `at`, after an event.
     fn answer(&mut self, memories: &MemorySystem, client: usize, (mut after, at): (u32, Cycle)) -> u32 {
         let Some(request) = memories.last_answered(client, at) else { return after };
         let phases = [
@@ -211,8 +212,8 @@ impl PathTracer {
         after
     }
 
-    /// The path back from the last mark, or from the end of a run of `total` cycles where there is none. `marks`: cycles between
-    /// them. None where too much happened.
+    /// Returns the path back from the last mark, or from the end of a run of `total` cycles without marks. `marks`: cycles
+    /// between marks. Returns `None` if there were too many events.
     pub(crate) fn trace(mut self, time: &MachineTiming, total: u64, marks: &[u64]) -> Option<CriticalPath> {
         let last = self.last(time);
         if self.events.len() > self.most {
@@ -239,19 +240,19 @@ impl PathTracer {
             (cycles > 0).then(|| PathPart { stretch: named(why, time), cycles, by_mark })
         };
         let mut parts: Vec<PathPart> = spent.into_iter().filter_map(part).collect();
-        // Stable: equals stay in the order of the block diagram.
+        // A stable sort keeps ties in the order of the block diagram.
         parts.sort_by_key(|part| std::cmp::Reverse(part.cycles));
         let by_group = if self.groups.is_empty() { vec![] } else { by_group.finish() };
         Some(CriticalPath { cycles: end, parts, by_group })
     }
 
-    /// The group of an event, if it is a step of one.
+    /// Returns the group of an event, if it is a step of one.
     fn group(&self, event: u32) -> Option<u32> {
         let place = self.of_groups.binary_search_by_key(&event, |(event, _)| *event).ok()?;
         Some(self.of_groups[place].1)
     }
 
-    /// The event that the end of the run waits for.
+    /// Returns the event that the end of the run waits for.
     fn last(&mut self, time: &MachineTiming) -> u32 {
         if let Some((step, stage, base)) = self.mark {
             let clock = &time.stages[stage];
@@ -265,7 +266,7 @@ impl PathTracer {
     }
 }
 
-/// Cycles of a path by group, summed up on the way back: those behind a step, up to the next one, are its own.
+/// Cycles of a path by group, summed on the way back. The cycles after a step, up to the next one, belong to that step.
 #[derive(Default)]
 struct ByGroup {
     sums: BTreeMap<u32, u64>,
@@ -273,7 +274,7 @@ struct ByGroup {
 }
 
 impl ByGroup {
-    /// Passes an event, which may be a step of a group; the cycles ahead of it.
+    /// Passes an event, which may be a step of a group, and the cycles before it.
     fn pass(&mut self, group: Option<u32>, ahead: u64) {
         if let Some(group) = group {
             *self.sums.entry(group).or_default() += std::mem::take(&mut self.behind);
@@ -287,14 +288,14 @@ impl ByGroup {
     }
 }
 
-/// The client, as the unit numbers it, whose answer came last, and when; `base`, and none, where no answer came later.
+/// Returns the client, as the unit numbers it, with the latest answer and its time; `None` and `base` if no answer came later.
 fn latest(answers: Option<&[Cycle; MAX_CLIENTS]>, base: Cycle) -> (Option<usize>, Cycle) {
     let answers = answers.into_iter().flatten().enumerate();
     answers.fold((None, base), |best, (own, &answer)| if answer > best.1 { (Some(own), answer) } else { best })
 }
 
-/// Adds the cycles between two times to the spans, each up to one of these `ends`, in which they lie. (Looked for, not walked to: there
-/// may be thousands of marks, and millions of events.)
+/// Adds the cycles between two times to the spans in which they lie. Each span ends at one of `ends`. (Found by binary search,
+/// because there may be thousands of marks and millions of events.)
 fn split(ends: &[u64], (mut from, to): (u64, u64), by_mark: &mut [u64]) {
     let first = ends.partition_point(|end| *end <= from);
     for (end, sum) in ends.iter().zip(by_mark).skip(first) {

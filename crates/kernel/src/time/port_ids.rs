@@ -1,10 +1,9 @@
-//! The FIFOs or clients of a stage, by number.
+//! Numbers of the FIFOs or clients of a stage.
 
 use super::FifoTiming;
 use crate::capacity::MAX_LINKS;
 
-/// Up to eight numbers, in one piece with what they belong to: a vector of each stage's would lie elsewhere, and be asked for in
-/// every step.
+/// Up to eight numbers, stored inline. A vector per stage would lie elsewhere in memory and be read in every step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PortIds {
     count: u8,
@@ -20,25 +19,25 @@ impl PortIds {
         ends
     }
 
-    /// How many there are; with `known` the compiler knows it, too.
+    /// Number of entries. With `known` it is a constant for the compiler.
     #[inline(always)]
     pub(super) fn count(&self, known: Option<usize>) -> usize {
         known.unwrap_or(usize::from(self.count))
     }
 
-    /// The number at place `i`.
+    /// Returns the number at index `i`.
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> usize {
         usize::from(self.numbers[i % MAX_LINKS])
     }
 
-    /// A bit for each.
+    /// Returns one bit per entry.
     #[inline(always)]
     pub(super) fn all(&self) -> u32 {
         (1 << self.count) - 1
     }
 
-    /// Those of these bits, with their places, in order.
+    /// Iterates over the entries of these bits, with their indices, in order.
     #[inline(always)]
     pub(super) fn of(&self, mut bits: u32) -> impl Iterator<Item = (usize, usize)> + use<> {
         let ends = *self;
@@ -52,7 +51,7 @@ impl PortIds {
         })
     }
 
-    /// The FIFOs of these numbers: looked up once where the compiler knows how many there are, otherwise as they are used.
+    /// Looks up the FIFOs of these numbers: once if their count is known at compile time, otherwise at each use.
     #[inline(always)]
     pub(super) fn join(self, fifos: &[FifoTiming], known: Option<usize>) -> ConnectedFifos<'_> {
         let mut slots = [None; MAX_LINKS];
@@ -68,24 +67,24 @@ impl PortIds {
 pub(super) struct ConnectedFifos<'a> {
     ends: PortIds,
     fifos: &'a [FifoTiming],
-    /// As many as the compiler knows of.
+    /// As many as are known at compile time.
     slots: [Option<&'a FifoTiming>; MAX_LINKS],
 }
 
 impl<'a> ConnectedFifos<'a> {
-    /// How many there are; with `known` the compiler knows it, too.
+    /// Number of entries. With `known` it is a constant for the compiler.
     #[inline(always)]
     pub(super) fn count(&self, known: Option<usize>) -> usize {
         self.ends.count(known)
     }
 
-    /// A bit for each.
+    /// Returns one bit per entry.
     #[inline(always)]
     pub(super) fn all(&self, known: Option<usize>) -> u32 {
         (1 << self.count(known)) - 1
     }
 
-    /// Shows `see` those of these bits in order, with their places. Where it is known how many there can be, the compiler unrolls it.
+    /// Calls `see` for the entries of these bits in order, with their indices. The compiler unrolls it if the count is known.
     #[inline(always)]
     pub(super) fn each(&self, bits: u32, known: Option<usize>, mut see: impl FnMut(usize, &'a FifoTiming)) {
         let Some(count) = known else {

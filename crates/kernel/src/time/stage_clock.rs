@@ -1,4 +1,4 @@
-//! The times of a stage: when it is free, what it has in flight, where its cycles went.
+//! Times of a stage: its clock, its steps in flight, and its waits.
 
 use super::in_flight::InFlightSteps;
 use super::port_ids::PortIds;
@@ -9,10 +9,10 @@ use crate::netlist::StageInfo;
 use crate::probe::Probe;
 use crate::{Cycle, Demand, MemorySystem};
 
-/// A wait: why, its first cycle, and the cycle after its last.
+/// A wait: its cause, its first cycle, and the cycle after its last.
 pub(crate) type Wait = (Cause, Cycle, Cycle);
 
-/// The times of a stage.
+/// Times of a stage.
 #[derive(Clone, Debug)]
 pub(crate) struct StageClock {
     pub(crate) free: Cycle,
@@ -21,30 +21,30 @@ pub(crate) struct StageClock {
     /// Its FIFOs.
     pub(super) inputs: PortIds,
     pub(super) outputs: PortIds,
-    /// Its steps keep it for a cycle, and deliver as much earlier.
+    /// True if its steps occupy it for one cycle and deliver as much earlier.
     ideal: bool,
     /// Numbers of its memory clients.
     pub(super) clients: Box<[usize]>,
     pub(super) needs: MemoryNeeds,
-    /// Whether it has a memory to itself.
+    /// True if a memory is used by this stage only.
     pub(super) has_private: bool,
     pub(super) flights: InFlightSteps,
-    /// It is to be visited whether there is news for it or not.
+    /// True if it must be visited even without news.
     pub(crate) again: bool,
-    /// Requests of its clients that had been served when it was last visited.
+    /// Served requests of its clients at the last visit.
     pub(super) served: u64,
     /// Deliveries that passed a mark.
     pub(super) marks: Vec<Cycle>,
 }
 
-/// What a stage asks of its memory clients in every step.
+/// Credits that a stage needs of its memory clients in every step.
 #[derive(Clone, Debug)]
 pub(super) struct MemoryNeeds {
     /// Credits that the largest step needs, by client.
     pub(super) credits: [u32; MAX_CLIENTS],
-    /// The same of the clients that it needs any of.
+    /// The same for clients with a need above 0.
     pub(super) of: Box<[CreditNeed]>,
-    /// Whether it has asked any of them for anything in its last step: otherwise they have the credits that they had.
+    /// True if its last step issued requests. Otherwise credits have not changed.
     pub(super) asked: bool,
     /// Clients in the order in which their memories serve them.
     pub(super) served_in_order: [usize; MAX_CLIENTS],
@@ -53,7 +53,7 @@ pub(super) struct MemoryNeeds {
 /// Credits of a client.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CreditNeed {
-    /// Client as its unit numbers it, and as the memories do.
+    /// Client number within the unit, and within the memories.
     pub(super) place: usize,
     pub(super) client: usize,
     pub(super) credits: u32,
@@ -89,19 +89,19 @@ impl StageClock {
         }
     }
 
-    /// What its next step takes, by what its unit declares.
+    /// Converts a demand of its unit to a mask.
     #[inline(always)]
     pub(crate) fn takes(&self, demand: Demand) -> InputMask {
         InputMask::of(demand, self.inputs.count(None))
     }
 
-    /// How long a step keeps the unit, and how long it takes to deliver, as far as it does not depend on memory.
+    /// Returns the occupancy and the latency of a step, as far as they do not depend on memory.
     #[inline(always)]
     pub(super) fn kept(&self, &StepTiming { occupancy, latency, .. }: &StepTiming) -> (u64, u64) {
         if self.ideal { (1, latency.saturating_sub(occupancy.saturating_sub(1))) } else { (occupancy, latency) }
     }
 
-    /// Notes what the oldest slot holders wait for, as far as it is known by now: for who asks in every cycle.
+    /// Records the known answers that the oldest slot holders wait for, for the engine that asks in every cycle.
     pub(crate) fn record_awaits(&self, fifos: &[FifoTiming], memories: &MemorySystem) {
         if self.clients.is_empty() {
             return;
@@ -114,7 +114,7 @@ impl StageClock {
     }
 }
 
-/// Charges a wait of stage `stage` to its account and shows it to the probe.
+/// Charges a wait of stage `stage` to its account and reports it to the probe.
 #[inline]
 pub(crate) fn charge<P: Probe>(account: &mut Account, probe: &mut P, stage: usize, (cause, from, to): Wait) {
     account.charge(cause, to.since(from));

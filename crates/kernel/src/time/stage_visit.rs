@@ -1,5 +1,5 @@
-//! A stage at work: its clock, with the FIFOs and memories that it is joined to. What it is joined to does not change while it works, so
-//! that it is looked up once, and not in every step.
+//! A stage being advanced: its clock with its FIFOs and memories. The connections do not change during a visit, so they are
+//! looked up once and not in every step.
 
 use super::in_flight::{Delivery, InFlightStep, MARKED};
 use super::port_ids::{ConnectedFifos, PortIds};
@@ -7,7 +7,7 @@ use super::{FifoTiming, InputMask, StageArity, StageClock, StepTiming, charge};
 use crate::step_requests::StepRequestsView;
 use crate::{Account, Cycle, MemoryPorts, MemorySystem, Probe};
 
-/// A stage, to be worked on.
+/// A stage with mutable timing state.
 pub(crate) struct StageVisit<'a> {
     pub(super) stage: usize,
     pub(crate) clock: &'a mut StageClock,
@@ -18,7 +18,7 @@ pub(crate) struct StageVisit<'a> {
     pub(super) outputs: ConnectedFifos<'a>,
 }
 
-/// The same, to be looked at.
+/// A stage with read-only timing state.
 pub(crate) struct StageView<'a> {
     pub(super) stage: usize,
     pub(super) clock: &'a StageClock,
@@ -27,7 +27,7 @@ pub(crate) struct StageView<'a> {
 }
 
 impl StageVisit<'_> {
-    /// Whether anything that it goes by has changed since the last visit: otherwise it can do no more than then.
+    /// Returns true if any input of its timing has changed since the last visit. Otherwise a visit can do nothing new.
     #[inline(always)]
     pub(crate) fn has_news<K: StageArity>(&mut self) -> bool {
         let Self { clock, inputs, outputs, memories, .. } = self;
@@ -37,7 +37,7 @@ impl StageVisit<'_> {
         news || (K::HAS_MEMORY && clock.served != memories.served_of(&clock.clients))
     }
 
-    /// Ends the visit: what its memories have served by now is no news.
+    /// Ends the visit. Requests served by now are not news.
     #[inline(always)]
     pub(crate) fn leave<K: StageArity>(&mut self) {
         if K::HAS_MEMORY {
@@ -45,14 +45,14 @@ impl StageVisit<'_> {
         }
     }
 
-    /// The earliest start of its next step (law 3); unknown while that depends on what is not known yet, and where it will make no
+    /// Returns the earliest start of its next step (law 3); unknown while it depends on an unknown time, and if there is no
     /// further step.
     #[inline(always)]
     pub(crate) fn next_start<K: StageArity>(&self, takes: InputMask) -> Cycle {
         self.clock.next_start::<K>((&self.inputs, &self.outputs), self.memories, takes)
     }
 
-    /// Charges the cycles that it waits from the end of its last step to the start of the next, at `at`.
+    /// Charges the wait from the end of its last step to the start of the next, at `at`.
     #[inline(always)]
     pub(crate) fn charge_wait<K: StageArity, P: Probe>(&mut self, takes: InputMask, at: Cycle, probe: &mut P) {
         let Self { stage, clock, account, memories, inputs, outputs, .. } = self;
@@ -60,13 +60,13 @@ impl StageVisit<'_> {
         clock.split_wait::<K>((inputs, outputs), memories, takes, between, |wait| charge(account, probe, *stage, wait));
     }
 
-    /// What a step asks of its memories: see [`MemoryPorts::settle`].
+    /// Returns the memory requests of a step: see [`MemoryPorts::settle`].
     #[inline(always)]
     pub(crate) fn settle<'t>(&mut self, traffic: &'t mut MemoryPorts) -> Option<StepRequestsView<'t>> {
         traffic.settle((&self.clock.clients, self.memories), &self.clock.needs.credits)
     }
 
-    /// Makes a step that starts at `at`: takes it into the times of its FIFOs. Its delivery is known where it asks nothing.
+    /// Makes a step without requests that starts at `at`: updates the times of its FIFOs. Its delivery is known.
     #[inline(always)]
     pub(crate) fn step<K: StageArity>(&mut self, at: Cycle, takes: InputMask, made: &StepTiming) {
         let (occupancy, latency) = self.begin::<K>(at, takes, made);
@@ -82,8 +82,8 @@ impl StageVisit<'_> {
         self.end(at, occupancy);
     }
 
-    /// The same of a step that asks something. With nothing known to ask, since that is not what was declared and wired, it delivers
-    /// nothing: the run ends there.
+    /// Makes a step with requests. With `None`, because the requests contradict the declaration or the wiring, it delivers
+    /// nothing, and the run ends there.
     #[inline(always)]
     pub(crate) fn step_asking<K: StageArity>(
         &mut self,
@@ -99,7 +99,7 @@ impl StageVisit<'_> {
         }
     }
 
-    /// Takes tokens and reserves slots; how long the step keeps the unit and takes to deliver, as far as no memory decides.
+    /// Takes tokens and reserves slots. Returns occupancy and latency, as far as no memory decides.
     #[inline(always)]
     fn begin<K: StageArity>(&mut self, at: Cycle, takes: InputMask, made: &StepTiming) -> (u64, u64) {
         if K::HAS_MEMORY {
@@ -124,23 +124,22 @@ impl StageVisit<'_> {
         self.clock.steps += 1;
     }
 
-    /// Delivers the steps in flight whose answers are known by now, and tells whether there were any. To be called before looking at
-    /// the next start.
+    /// Delivers the steps in flight whose answers are known by now. Returns true if there was any. Call it before `next_start`.
     ///
-    /// A step may overtake those ahead that deliver nothing where it does, such as tokens that a test let go no further: its
-    /// token must not seem to wait for their answers, or requests that it leads to would be served too late.
+    /// A step may overtake earlier steps that deliver nothing on its outputs, such as tokens that a test discards. Its token must
+    /// not seem to wait for their answers, or the requests that it causes would be served too late.
     #[inline(always)]
     pub(crate) fn land_known<K: StageArity>(&mut self) -> bool {
         K::HAS_MEMORY && !self.clock.flights.is_empty() && land(self.clock, self.fifos, self.memories)
     }
 
-    /// What a critical path looks at.
+    /// Returns the view for a critical path.
     pub(crate) fn sight(&self) -> StageView<'_> {
         StageView { stage: self.stage, clock: self.clock, fifos: self.fifos, memories: self.memories }
     }
 
-    /// Promises that it makes no step before it can at the earliest: with what its neighbours have promised, where they have not come
-    /// so far yet. Its neighbours build on that in turn, and its memories serve what others asked for until then.
+    /// Promises that it makes no step before its earliest possible start, which builds on the promises of its neighbours. The
+    /// neighbours build on this promise in turn, and its memories serve requests of others up to it.
     #[inline(always)]
     pub(crate) fn promise<K: StageArity>(&mut self, takes: InputMask) -> Cycle {
         let Self { clock, memories, inputs, outputs, .. } = self;
@@ -156,7 +155,7 @@ impl StageVisit<'_> {
         start
     }
 
-    /// Serves what is final of the memories that no other stage uses, when this one makes no step before `horizon`; whether
+    /// Serves final choices of the memories that only this stage uses, if it makes no step before `horizon`. Returns true if
     /// there was any.
     #[inline(always)]
     pub(crate) fn serve_private<K: StageArity>(&mut self, horizon: Cycle) -> bool {
@@ -167,14 +166,15 @@ impl StageVisit<'_> {
     }
 }
 
-/// The delivery of a step.
+/// Returns the delivery of a step.
 #[inline(always)]
 fn delivery(base: Cycle, made: &StepTiming) -> Delivery {
     Delivery { base, outputs: made.outputs | if made.marked { MARKED } else { 0 } }
 }
 
-/// Issues what a step asks that starts at `start`, and delivers it if all answers are known; the least occupancy that its look-ups
-/// need. (This and what follows are no methods: were a visit lent to them, all of it would have to lie in memory.)
+/// Issues the requests of a step that starts at `start`, and delivers the step if all answers are known. Returns the least
+/// occupancy that its look-ups need. (This function and the next are not methods: with a reference to the visit, all of the visit
+/// would have to be in memory.)
 fn depart(
     clock: &mut StageClock,
     fifos: &[FifoTiming],
@@ -199,7 +199,7 @@ fn land(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut MemorySyste
     flights.land(outputs.all(), (clients, memories), |flight, to| deliver_answered(marks, *outputs, flight, to, fifos))
 }
 
-/// Delivers a step that has its answers, to these of its outputs.
+/// Delivers an answered step to these outputs.
 fn deliver_answered(marks: &mut Vec<Cycle>, outputs: PortIds, flight: &InFlightStep, to: u32, fifos: &[FifoTiming]) {
     let at = flight.delivered();
     for (_, fifo) in outputs.of(to & outputs.all()) {

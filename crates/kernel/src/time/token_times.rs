@@ -8,8 +8,8 @@ use std::cell::Cell;
 pub(super) struct TokenTimes {
     /// Start of the step that reserved a slot for it.
     pub(super) reserved: Cell<Cycle>,
-    /// When it can be popped; unknown until that is, and while there is none.
+    /// First cycle in which it can be popped; unknown until it is delivered, and if there is no token.
     pub(super) visible: Cell<Cycle>,
-    /// From when on its slot is free: the cycle after its pop; unknown until that is.
+    /// First cycle in which its slot is free again, the cycle after its pop; unknown before the pop.
     pub(super) free: Cell<Cycle>,
 }
