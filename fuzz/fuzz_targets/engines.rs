@@ -8,7 +8,7 @@
 use basrelief_trace::*;
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
-use basrelief_sim::{MACHINES, MachineInfo, RunInput, RunOptions, SessionError, Unobserved, run};
+use basrelief_sim::{MACHINES, MachineInfo, RunInput, RunOptions, RunError, Unobserved, run};
 use basrelief_signals::{Camera, Filter, Lighting, Sampler, Wrap};
 use libfuzzer_sys::fuzz_target;
 use std::io::Cursor;
@@ -152,7 +152,7 @@ fn report(machine: &MachineInfo, trace: Vec<u8>, engine: Engine) -> Result<Repor
     let options = RunOptions { config, engine: Some(engine), max_cycles: MOST_CYCLES, exact: false, ..RunOptions::default() };
     match run(RunInput::trace(Cursor::new(trace), "fuzz"), &options, &mut Unobserved, None) {
         Ok(run) => Ok(run.report),
-        Err(SessionError::Fault(fault)) => Err(fault),
+        Err(RunError::Fault(fault)) => Err(fault),
         Err(error) => panic!("{error}"),
     }
 }

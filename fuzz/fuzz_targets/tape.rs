@@ -3,12 +3,12 @@
 #![no_main]
 
 use basrelief_input::Budget;
-use basrelief_sim::{RetimeOptions, When, retime};
+use basrelief_sim::{ResimulateOptions, AnalysisPolicy, resimulate};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let options = RetimeOptions { settings: vec![], limits: When::Never, budget: Budget::new(64 << 20) };
-    if let Ok(report) = retime(&mut &bytes[..], &options) {
+    let options = ResimulateOptions { settings: vec![], bottlenecks: AnalysisPolicy::Never, budget: Budget::new(64 << 20) };
+    if let Ok(report) = resimulate(&mut &bytes[..], &options) {
         assert!(report.cycles.is_some());
     }
 });

@@ -81,7 +81,7 @@ fn where_there_is_nothing_to_compare_the_error_says_so() {
     assert!(place.run("demo coin --size 16x12 --ablate").error(2).contains("machine `bump` has no short cuts"));
     place.run("demo goblet --ablate --functional").error(2);
     let outcome = place.run("demo goblet@1 --size 16x12 --ablate --max-cycles 100");
-    assert!(outcome.error(1).contains("`as configured`: stopped at the limit of cycles"), "{}", outcome.err);
+    assert!(outcome.error(1).contains("`as configured`: reached the cycle limit"), "{}", outcome.err);
     assert_eq!(place.names(""), Vec::<String>::new());
 }
 

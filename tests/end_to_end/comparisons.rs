@@ -95,9 +95,11 @@ fn a_tape_that_is_spoiled_or_of_another_run_is_named() {
     place.ok(&format!("{QUICK} --set memory.texture.cl=9 --out b"));
     place.ok("demo goblet@1 --size 32x24 --quiet --no-exact --out c");
     let tape = place.bytes("b/run.tape");
-    for (wrong, words) in
-        [(&tape[..tape.len() / 2], "not a tape"), (b"no tape", "not a tape"), (&place.bytes("c/run.tape"), "no tape of the run")]
-    {
+    for (wrong, words) in [
+        (&tape[..tape.len() / 2], "not a recording"),
+        (b"no tape", "not a recording"),
+        (&place.bytes("c/run.tape"), "belong to different runs"),
+    ] {
         fs::write(place.path("b/run.tape"), wrong).expect("written");
         for line in ["a b", "b a", "a a b"] {
             let error = place.run(&format!("compare {line}"));

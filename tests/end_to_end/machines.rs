@@ -200,7 +200,7 @@ fn describe_shows_what_a_part_comes_to_and_why() {
     };
     assert!(entry("part").contains("= sdr-133") && entry("part").contains("HB52F649E1"), "{}", entry("part"));
     assert!(entry("rcd").contains("= 4 cycles") && entry("rcd").contains("derived: tRCD: 20 ns, rounded up at 200 MHz"));
-    assert!(entry("cl").contains("= 2 cycles") && entry("cl").contains("set beside the part, which has 5"));
+    assert!(entry("cl").contains("= 2 cycles") && entry("cl").contains("set by the user; the memory part has 5"));
     assert!(entry("channels").contains("= 4 channels") && entry("channels").contains("assumed: 256 bits"));
     fs::write(place.path("slow.toml"), "[clock]\nhz = 100_000_000\n").expect("written");
     let table = place.ok("describe bump --config slow.toml --json").out;

@@ -104,11 +104,11 @@ fn what_is_no_tape_or_cannot_be_timed_is_named() {
     for name in ["half.tape", "no.tape"] {
         for command in ["retime", "size-fifos"] {
             let error = place.run(&format!("{command} {name}"));
-            assert!(error.error(1).starts_with(&format!("{name}: not a tape")), "{}", error.err);
+            assert!(error.error(1).starts_with(&format!("{name}: not a recording")), "{}", error.err);
         }
     }
     let error = |line: &str| place.run(&format!("retime a.tape {line}"));
-    assert!(error("--set operators.divide.latency=9").error(2).contains("changes what the units do"));
+    assert!(error("--set operators.divide.latency=9").error(2).contains("changes the work of the units"));
     assert!(error("--set fifo.pixels.depht=9").error(2).contains("did you mean `fifo.pixels.depth`"));
     assert!(place.run("retime gone.tape").error(1).starts_with("gone.tape: cannot be read"));
     // Of a run that is cut short there is no tape; nor is one left that was there before.

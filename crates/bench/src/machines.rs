@@ -27,7 +27,7 @@ use basrelief_machines::{ConfigProblem, Draws, SceneFront};
 use basrelief_parameters::Parameters;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Mesh, Object, Scene};
-use basrelief_sim::{MachineConfig, run_apart};
+use basrelief_sim::{MachineConfig, run_concurrent};
 use basrelief_timeline::TimelineLayout;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -154,7 +154,7 @@ impl Job for Apart {
     type Result = std::time::Duration;
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        let (report, time) = measured(|| run_apart(machine, &mut |_| true, None));
+        let (report, time) = measured(|| run_concurrent(machine, &mut |_| true, None));
         assert_eq!(report.expect("there are two cores").outcome, Outcome::Complete, "a workload runs to its end");
         time
     }

@@ -6,7 +6,7 @@
 use crate::machines::demo_scene;
 use crate::workload::{Counted, Sample, Size, Workload, measured};
 use basrelief_signals::{Camera, Control, Lighting};
-use basrelief_sim::{MachineConfig, begin_of, display_list};
+use basrelief_sim::{MachineConfig, display_list, trace_header};
 use basrelief_trace::{
     Begin, Command, Encoding, Form, FrameBegin, FrameEnd, LightRecord, MaterialDefinition, NoFiles, ObjectBegin, PolygonRecord,
     Recorder, Resolver, TraceError, Writer, convert, open,
@@ -32,7 +32,7 @@ fn json_lines(size: Size) -> Vec<u8> {
         polygons <= most || !matches!(control, Control::Polygon(_))
     });
     let recorded = || {
-        let mut recorder = Recorder::new(Vec::new(), Form::default(), begin_of(&scene))?;
+        let mut recorder = Recorder::new(Vec::new(), Form::default(), trace_header(&scene))?;
         shortened.into_iter().try_for_each(|control| recorder.record(&control))?;
         recorder.finish(Vec::new())
     };

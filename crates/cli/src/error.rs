@@ -1,6 +1,6 @@
 //! What can go wrong, and the exit code it means.
 
-use basrelief_sim::SessionError;
+use basrelief_sim::RunError;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -15,10 +15,10 @@ pub enum Failure {
     Bad(String),
 }
 
-impl From<SessionError> for Failure {
-    fn from(error: SessionError) -> Self {
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
         match error {
-            SessionError::NoShortCuts(_) | SessionError::NoMethods(..) | SessionError::NoTimes => Self::Usage(error.to_string()),
+            RunError::NoShortcuts(_) | RunError::NoMethods(..) | RunError::NoTimes => Self::Usage(error.to_string()),
             _ => Self::bad(error),
         }
     }

@@ -6,7 +6,7 @@ use crate::views::Script;
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_scene::{SceneError, Subject, ViewOptions, demo, load_path_within, read_camera};
 use basrelief_signals::Scene;
-use basrelief_sim::{Given, MACHINES, MachineConfig, MachineInfo, Misconfigured, Prepared, RunInput};
+use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput};
 use basrelief_trace::{Form, looks_like_trace};
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// What is simulated.
 pub enum Input {
     /// Goes through the geometry processor.
-    Scene(Prepared),
+    Scene(PreparedScene),
     /// What a geometry processor handed on.
     Trace(TraceFile),
 }
@@ -27,7 +27,7 @@ impl Input {
     /// To be run more than once: what settings do not change is done once.
     pub fn for_several_runs(self, budget: &Budget) -> Self {
         match self {
-            Self::Scene(scene) => Self::Scene(Prepared::kept(Arc::clone(scene.scene()), budget)),
+            Self::Scene(scene) => Self::Scene(PreparedScene::cached(Arc::clone(scene.scene()), budget)),
             trace => trace,
         }
     }
@@ -243,7 +243,7 @@ pub fn demo_of(path: &Path) -> Option<&str> {
 }
 
 /// The machine's parameters: defaults, then the file, then single settings. A demo knows which machine it is made for.
-pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &Budget) -> Done<(MachineConfig, Given)> {
+pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &Budget) -> Done<(MachineConfig, Overrides)> {
     let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
     config_of(machine, args.config.as_deref(), &args.settings, budget)
 }
@@ -255,13 +255,13 @@ pub fn config_of(
     file: Option<&Path>,
     settings: &[(String, String)],
     budget: &Budget,
-) -> Done<(MachineConfig, Given)> {
+) -> Done<(MachineConfig, Overrides)> {
     let (toml, _held) = file.map_or_else(|| Ok((String::new(), budget.nothing())), |path| read_text(path, budget))?;
     let name = file.map(|path| path.display().to_string()).unwrap_or_default();
-    let given = Given { toml, settings: settings.to_vec() };
+    let given = Overrides { toml, settings: settings.to_vec() };
     let config = given.checked(machine, budget).map_err(|wrong| match wrong {
-        Misconfigured::File(error) => Failure::Bad(format!("{name}: {error}")),
-        Misconfigured::Settings(error) => Failure::Usage(format!("--set: {error}")),
+        OverridesError::File(error) => Failure::Bad(format!("{name}: {error}")),
+        OverridesError::Settings(error) => Failure::Usage(format!("--set: {error}")),
     })?;
     Ok((config, given))
 }

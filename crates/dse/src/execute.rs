@@ -195,7 +195,7 @@ impl<'a> Crew<'a> {
         if !is_missing(point, self.work, self.store) {
             return Ok(Way::There);
         }
-        let report = self.plan.config(&point.places).ok().and_then(|config| recorded.recording.retime(&config).ok());
+        let report = self.plan.config(&point.places).ok().and_then(|config| recorded.recording.resimulate(&config).ok());
         let in_time = |total: u64| total <= self.plan.max_cycles;
         match report.filter(|report| report.cycles.as_ref().is_some_and(|cycles| in_time(cycles.total))) {
             Some(report) => self.store.put(&point.id, (&report, recorded.png.as_deref()), self.host).map(|()| Way::Retimed),

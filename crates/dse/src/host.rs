@@ -2,7 +2,7 @@
 
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
-use basrelief_sim::{Prepared, RunInput};
+use basrelief_sim::{PreparedScene, RunInput};
 use std::io;
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use std::path::Path;
 #[derive(Clone, Debug)]
 pub enum Opened {
     /// A scene, kept for many runs.
-    Scene(Prepared),
+    Scene(PreparedScene),
     /// A display list, which is [opened](Host::trace) for each run.
     Trace,
 }

@@ -9,7 +9,9 @@ use basrelief_reference::Picture;
 use basrelief_report::Report;
 use basrelief_report::model::{Limit, OutcomeKind};
 use basrelief_signals::{Frame, Scene};
-use basrelief_sim::{MachineConfig, Observer, Pictures, RunInput, RunOptions, SessionError, Unobserved, When, doc_trace, run};
+use basrelief_sim::{
+    AnalysisPolicy, MachineConfig, Observer, Pictures, RunError, RunInput, RunOptions, Unobserved, doc_trace, run,
+};
 use std::sync::Arc;
 
 /// Result of the run of a point.
@@ -36,7 +38,7 @@ impl Observer for Watch<'_> {
         Ok(())
     }
 
-    fn tape(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
+    fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
         // Where there is no room, points are run instead.
         self.tape = self.tape.take().and_then(|(mut tape, mut held)| {
             held.grow(bytes.len() as u64, "a tape").ok()?;
@@ -56,8 +58,8 @@ pub(crate) fn run_point(plan: &Plan, point: &Point, (pictures, tape): (bool, boo
     let input = &plan.inputs[point.input];
     let source = input.opened.input(&input.name, host).map_err(SweepError)?;
     let options = RunOptions {
-        tape: if tape { When::Always } else { When::Never },
-        given: plan.given(&point.places),
+        recording: if tape { AnalysisPolicy::Always } else { AnalysisPolicy::Never },
+        overrides: plan.given(&point.places),
         exact: plan.exact,
         ..options(config, plan.max_cycles, host)
     };
@@ -67,7 +69,7 @@ pub(crate) fn run_point(plan: &Plan, point: &Point, (pictures, tape): (bool, boo
     let png = picture.map(|picture| host.png(&picture)).transpose().map_err(SweepError)?;
     Ok(match ran {
         Ok(run) if run.report.outcome.kind == OutcomeKind::Complete => {
-            let tape = tape.filter(|_| run.tape_is_whole).map(|(tape, _)| tape);
+            let tape = tape.filter(|_| run.recording_is_complete).map(|(tape, _)| tape);
             Ran { report: Ok(run.report), png, tape }
         }
         Ok(run) => Ran { report: Err(incomplete(&run.report)), png: None, tape: None },
@@ -92,10 +94,10 @@ fn incomplete(report: &Report) -> Failure {
     }
 }
 
-fn of_error(error: &SessionError) -> Failure {
+fn of_error(error: &RunError) -> Failure {
     let outcome = match error {
-        SessionError::Config(_) => "unfit",
-        SessionError::Fault(_) => "fault",
+        RunError::Config(_) => "unfit",
+        RunError::Fault(_) => "fault",
         _ => "error",
     };
     failure(outcome, error.to_string())
@@ -107,7 +109,12 @@ pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<Limit> 
         let config = plan.config(&point.places).ok()?;
         let input = &plan.inputs[point.input];
         let given = plan.given(&point.places);
-        let options = RunOptions { limits: When::Always, given, exact: false, ..options(config, plan.max_cycles, host) };
+        let options = RunOptions {
+            bottlenecks: AnalysisPolicy::Always,
+            overrides: given,
+            exact: false,
+            ..options(config, plan.max_cycles, host)
+        };
         let source = input.opened.input(&input.name, host).ok()?;
         run(source, &options, &mut Unobserved, None).ok()?.report.limits
     };
@@ -156,6 +163,6 @@ mod tests {
         assert_eq!(ended(OutcomeKind::Deadlock, Some("a waits for b")), failure("deadlock", "a waits for b".into()));
         assert_eq!(ended(OutcomeKind::Limit, None), failure("limit", "stopped at the limit of max_cycles".into()));
         assert_eq!(ended(OutcomeKind::Fault, Some("no more")), failure("fault", "no more".into()));
-        assert_eq!(of_error(&SessionError::Fault("no more".into())), failure("fault", "no more".into()));
+        assert_eq!(of_error(&RunError::Fault("no more".into())), failure("fault", "no more".into()));
     }
 }

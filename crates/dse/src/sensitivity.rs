@@ -5,7 +5,7 @@ use crate::plan::{Axis, Plan, Point};
 use crate::{Found, Host, SweepError, Work, execute};
 use basrelief_report::Report;
 use basrelief_report::sensitivity::{Change, ComesTo, Measure, Sensitivity};
-use basrelief_sim::Described;
+use basrelief_sim::ParameterInfo;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -58,7 +58,7 @@ pub fn sensitivity(plan: &Plan, threads: usize, host: &dyn Host) -> Result<Sensi
         None => return Err(SweepError("as configured: was not run".into())),
     };
     let described = plan.config(&vec![0; plan.axes.len()]).map_err(SweepError)?.described();
-    let described: BTreeMap<&str, &Described> = described.iter().map(|p| (p.key.as_str(), p)).collect();
+    let described: BTreeMap<&str, &ParameterInfo> = described.iter().map(|p| (p.key.as_str(), p)).collect();
     let change = |point: &Point| {
         let (axis, place) = plan.axes.iter().zip(&point.places).find(|(_, place)| **place > 0)?;
         Some(change(axis, *place, described.get(axis.keys[0].as_str())?, measure(point)?, base))
@@ -68,7 +68,7 @@ pub fn sensitivity(plan: &Plan, threads: usize, host: &dyn Host) -> Result<Sensi
     Ok(Sensitivity::new(base, changes, unchanged))
 }
 
-fn change(axis: &Axis, place: usize, of: &Described, measure: Result<Measure, Failure>, base: Measure) -> Change {
+fn change(axis: &Axis, place: usize, of: &ParameterInfo, measure: Result<Measure, Failure>, base: Measure) -> Change {
     Change {
         parameter: of.key.clone(),
         about: of.about.clone(),

@@ -1,10 +1,10 @@
-//! A machine of two units, from its parameters to its report: all that a machine needs.
+//! A complete machine of two units, from its parameters to its report.
 //!
 //! ```text
 //!   counter --numbers--> divider
 //! ```
 //!
-//! The counter hands on 2, 3, 4 and so on; the divider finds the least divisor of each by trial. Run it with parameters as
+//! The counter emits 2, 3, 4 and so on; the divider finds the least divisor of each number by trial. Run it with parameters as
 //! `KEY=VALUE`: `cargo run -p basrelief-machines --example toy_machine last=1000 division=4`.
 
 use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemoryPorts, MemorySystem, RunReport, Stage, Step, Unit, Visitor, run};
@@ -14,16 +14,16 @@ use std::fmt::Write;
 parameters! {
     /// All parameters of the machine.
     pub struct ToyConfig {
-        /// The last number that the counter hands on.
+        /// Last number that the counter emits.
         last: u32 = 30, unit: "", Assumed("primes enough for the counter to be held up"), range: 2..=1_000_000;
         /// One trial division.
         division: u32 = 2, unit: "cycles", Assumed("any will do"), range: 1..=1024;
-        /// Of the FIFO between them.
+        /// FIFO between counter and divider.
         depth: u32 = 4, unit: "slots", Assumed("any will do"), range: 1..=1024;
     }
 }
 
-/// Hands on a number per cycle.
+/// Emits one number per cycle.
 struct Counter {
     next: u32,
     last: u32,
@@ -43,7 +43,7 @@ impl Unit for Counter {
     }
 }
 
-/// Finds least divisors: busy with a number for all its trial divisions.
+/// Finds least divisors. A step takes the time of all trial divisions of its number.
 struct Divider {
     cycles_per_division: u32,
     primes: Vec<u32>,
@@ -68,7 +68,7 @@ impl Unit for Divider {
     }
 }
 
-/// The machine: its stages, what joins them, its memories (none).
+/// The machine: its stages and its FIFO. It has no memories.
 struct Toy {
     counter: Stage<Counter>,
     numbers: Fifo<u32>,
@@ -98,7 +98,7 @@ impl Machine for Toy {
     }
 }
 
-/// Where the cycles of each unit went.
+/// Prints the cycle breakdown of each unit.
 fn table(report: &RunReport) -> String {
     let mut text = format!("{:<8} {:>6} {:>6} {:>8} {:>8} {:>6}\n", "unit", "steps", "busy", "starved", "blocked", "done");
     for unit in &report.units {
@@ -120,7 +120,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 #[test]
-fn both_engines_agree_on_the_table_that_can_be_computed_by_hand() {
+fn toy_machine_matches_the_table_computed_by_hand() {
     let config = load::<ToyConfig>("", &[("last", "7"), ("depth", "2")]).expect("a configuration");
     // 2 to 7 take 1, 2, 1, 4, 1, 6 trial divisions of 2 cycles: from cycle 2, when the first number is visible, to 31. Of the
     // counter's steps, the last starts in the cycle after the pop of 5, in cycle 11; it waits for slots in 2, 4, 6 to 8 and 10.

@@ -1,4 +1,4 @@
-//! Parameters that every machine has.
+//! Parameters of every machine.
 
 use crate::problem::{ConfigProblem, problem};
 use basrelief_parameters::parameters;
@@ -6,34 +6,33 @@ use basrelief_shading::{Layout, TextureLayout};
 use serde::{Deserialize, Serialize};
 
 parameters! {
-    /// The machine's clock. Its units count cycles; what counts seconds - memory parts, the path, the display, and times in the
-    /// report - goes by it.
+    /// Clock of the machine. Units count cycles. Memory parts, the path, the display, and times in the report are converted with it.
     pub struct ClockConfig {
-        /// Cycles per second.
+        /// Clock frequency.
         hz: u64 = 200_000_000, unit: "Hz", Assumed("each machine has its own"), range: 1_u64..=100_000_000_000;
     }
 }
 
 parameters! {
-    /// How textures lie in memory. The sides of blocks are powers of two; in a level smaller than a block, blocks are smaller too, down
-    /// to 4 texels. Levels are padded to whole blocks.
+    /// Layout of textures in memory. The sides of blocks are powers of two. In a level smaller than a block, blocks are smaller, down to 4
+    /// texels. Levels are padded to whole blocks.
     pub struct TextureConfig {
         /// Order of the texels of a level: linear (row by row), blocked, or blocked_6d (blocks within superblocks).
-        layout: TextureLayout = TextureLayout::Blocked, unit: "", Assumed("Hakura and Gupta 1997: with blocks a texture may be crossed in any direction; Igehy, Eldridge and Proudfoot 1998 store textures in 6D blocks");
+        layout: TextureLayout = TextureLayout::Blocked, unit: "", Assumed("Hakura and Gupta 1997: blocks suit any direction of access to a texture; Igehy, Eldridge and Proudfoot 1998 store textures in 6D blocks");
         /// Side of a block, with `blocked` and `blocked_6d`.
-        block: u32 = 4, unit: "texels", Assumed("Hakura and Gupta 1997: a block is best that is a line of the cache; 4 x 4 texels of 4 bytes are one of 64"), range: 2..=64;
-        /// Side of a superblock, with `blocked_6d`; no smaller than a block.
+        block: u32 = 4, unit: "texels", Assumed("Hakura and Gupta 1997: the best block is a cache line; 4 x 4 texels of 4 bytes are 64 bytes"), range: 2..=64;
+        /// Side of a superblock, with `blocked_6d`; at least the side of a block.
         superblock: u32 = 64, unit: "texels", Derived("Hakura and Gupta 1997: a superblock has the size of the cache; 64 x 64 texels of 4 bytes are 16 KiB"), range: 2..=1024;
     }
 }
 
 impl TextureConfig {
-    /// The layout.
+    /// Returns the layout.
     pub(crate) fn layout(&self) -> Layout {
         Layout::new(self.layout, self.block, self.superblock)
     }
 
-    /// Checks what no range can say.
+    /// Checks that the parameters fit together.
     pub(crate) fn check(&self) -> Result<(), ConfigProblem> {
         for (key, side) in [("texture.block", self.block), ("texture.superblock", self.superblock)] {
             if !side.is_power_of_two() {
@@ -49,19 +48,19 @@ impl TextureConfig {
 }
 
 parameters! {
-    /// What costs nothing: to find what something costs.
+    /// Idealized units, to measure how much a unit costs.
     pub struct IdealConfig {
-        /// Names of units, with commas between, whose steps keep them for one cycle and deliver as much earlier as they keep them
-        /// shorter; what they ask of memories stays.
-        units: String = String::new(), unit: "", Assumed("no unit is"), effect: Timing;
+        /// Comma-separated names of units that are fully pipelined (initiation interval 1). Their latency shrinks by the same number of
+        /// cycles. Their memory requests stay.
+        units: String = String::new(), unit: "", Assumed("none by default"), effect: Timing;
     }
 }
 
 parameters! {
-    /// The exact picture: float64, no quantization.
+    /// Exact picture, in float64 and without quantization.
     pub struct ReferenceConfig {
         /// Texture filter of the exact picture: nearest, bilinear (both on level 0) or trilinear.
-        filter: ReferenceFilter = ReferenceFilter::Trilinear, unit: "", Assumed("what two-level interpolation approximates");
+        filter: ReferenceFilter = ReferenceFilter::Trilinear, unit: "", Assumed("two-level interpolation approximates it");
     }
 }
 

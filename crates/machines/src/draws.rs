@@ -1,4 +1,4 @@
-//! What every machine does, whichever it is.
+//! Interface of every machine.
 
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::Machine;
@@ -6,20 +6,20 @@ use basrelief_kernel::stats::{UnitStats, unit_stats};
 
 /// A machine that finishes pictures.
 pub trait Draws: Machine {
-    /// Where its frame buffer puts the pictures that it has finished.
+    /// Returns the finished pictures in the frame buffer.
     fn finished(&mut self) -> &mut Vec<FinishedFrame>;
-    /// Tells figures that follow from those of several units, or from the configuration: no unit knows them alone.
+    /// Adds figures that depend on several units or on the configuration.
     fn derive(&self, facts: &mut UnitStats) {
         let _ = facts;
     }
 
-    /// Pictures finished since the last call, in order; to be called between batches of steps, so that memory does not grow
-    /// with the number of frames.
+    /// Removes and returns the pictures finished since the last call, in order. Should be called between batches of steps, so that memory
+    /// does not grow with the number of frames.
     fn drain_finished(&mut self) -> Vec<FinishedFrame> {
         std::mem::take(self.finished())
     }
 
-    /// What its units tell, in the order of the wiring, then what follows from it. To be called after a run.
+    /// Returns the statistics of the units in the order of the wiring, then the derived figures. Must be called after a run.
     fn facts(&mut self) -> UnitStats
     where
         Self: Sized,

@@ -1,7 +1,6 @@
-//! The FIFOs of a machine, each named in one place.
+//! Declaration of the FIFOs of a machine.
 
-/// Declares the FIFOs of a machine in the order of its block diagram, each with what it carries, its token and the slots that it
-/// has where nothing else is configured:
+/// Declares the FIFOs of a machine in the order of the block diagram, each with a description, its token type and its default depth:
 ///
 /// ```text
 /// fifos! {
@@ -13,8 +12,8 @@
 /// }
 /// ```
 ///
-/// From that line follow the parameters `fifo.fragments.depth` and `fifo.fragments.latency` (the first struct), the FIFO itself
-/// (a field of the second, made by its `new`), and the name by which reports and drawings call it.
+/// That line defines the parameters `fifo.fragments.depth` and `fifo.fragments.latency` (in the first struct), the FIFO itself (a field of
+/// the second struct), and its name in reports and diagrams.
 macro_rules! fifos {
     ($(#[doc = $about:literal])* pub struct $configs:ident, $fifos:ident {
         $($(#[doc = $doc:literal])* $name:ident : $token:ty = $slots:literal,)*
@@ -33,7 +32,7 @@ macro_rules! fifos {
         }
 
         impl $fifos {
-            /// All of them, empty, as configured; `widths` are those of their tokens.
+            /// Creates all FIFOs, empty. `widths` are the widths of the tokens.
             pub(super) fn new(config: &$configs, widths: &basrelief_signals::SignalWidths) -> Self {
                 Self { $($name: $crate::fifos::fifo(stringify!($name), &config.$name, widths),)* }
             }
@@ -45,13 +44,13 @@ pub(crate) use fifos;
 use basrelief_kernel::{Fifo, FifoConfig, Label};
 use basrelief_signals::{BitWidth, SignalWidths};
 
-/// A FIFO as configured.
+/// Creates a FIFO.
 pub(crate) fn fifo<T: BitWidth>(name: &str, config: &FifoConfig, widths: &SignalWidths) -> Fifo<T> {
     let fifo = Fifo::new(name, config.depth as usize, u64::from(config.latency));
     fifo.carrying(T::bits(widths)).labelled(|token: &T| Label(token.attribution().into()))
 }
 
-/// What configures a FIFO of `depth` slots.
+/// Returns the default configuration of a FIFO with this depth.
 pub(crate) fn slots(depth: u32) -> FifoConfig {
     FifoConfig { depth, ..FifoConfig::default() }
 }

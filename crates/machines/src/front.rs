@@ -1,4 +1,4 @@
-//! What stands in front of every machine: the host with the geometry processor (102), or a recorded display list.
+//! Front ends of the machines: the host with the geometry processor (102), or a trace (display list).
 
 use basrelief_geometry_processor::{
     BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, PolygonLink, SceneSource,
@@ -7,36 +7,43 @@ use basrelief_kernel::{Fifo, Operators, Stage, Visitor};
 use basrelief_signals::{Control, Draw, VertexAttributes};
 use std::fmt::Display;
 
-/// The way in: whatever ends in the FIFO `polygons`.
+/// Draw commands of any scene. One type for all, because each type of iterator would be another machine to compile.
+pub type BoxedDraws = Box<dyn Iterator<Item = Draw>>;
+
+/// Commands of any trace, each with its arrival. One type for all, because each type of iterator would be another machine to compile.
+pub type BoxedControls = Box<dyn Iterator<Item = Result<(Control, Option<u64>), String>>>;
+
+/// Stages at the front of a machine, which fill the FIFO `polygons`.
 pub trait FrontEnd {
-    /// Shows its stages to `v`, with two FIFOs of the machine: the one that it fills, and `draws`, for a host in front of it.
+    /// Visits the stages, with two FIFOs of the machine: `polygons`, which the front end fills, and `draws`, between host and geometry
+    /// processor.
     fn wire<V: Visitor>(&mut self, v: &mut V, draws: &mut Fifo<Draw>, polygons: &mut Fifo<Control>);
 }
 
-/// What the way in needs of a machine's configuration: made from a reference to it.
+/// Configuration of a front end, converted from a reference to the machine's configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrontConfig {
     /// Geometry processor (102).
     pub geometry: GeometryConfig,
-    /// Which polygons are bump targets.
+    /// Selection of bump targets.
     pub bump: BumpConfig,
-    /// How a display list is fed.
+    /// Arrival of the commands of a trace.
     pub display_list: DisplayListConfig,
-    /// How long arithmetic takes.
+    /// Latency and initiation interval of operators.
     pub operators: Operators,
-    /// What the machine takes of vertices.
+    /// Vertex attributes that the machine uses.
     pub taken: VertexAttributes,
 }
 
 impl FrontConfig {
-    /// A geometry processor in front of this machine.
+    /// Creates a geometry processor for this machine.
     pub fn geometry_processor(self) -> GeometryProcessor {
         GeometryProcessor::new(self.geometry, self.bump, self.taken, self.operators)
     }
 }
 
-/// What the way in needs of this configuration, in which it has the same names as in every machine's; and what the machine takes of
-/// vertices, which follows from the configuration.
+/// Implements the conversion of a machine's configuration to [`FrontConfig`]. The second argument is a function from the configuration to
+/// the vertex attributes that the machine uses.
 macro_rules! front_of {
     ($config:ty, |$c:ident| $taken:expr) => {
         impl From<&$config> for $crate::FrontConfig {
@@ -54,7 +61,7 @@ macro_rules! front_of {
 }
 pub(crate) use front_of;
 
-/// Host and geometry processor (102): draws a scene.
+/// Front end for a scene: host and geometry processor (102).
 #[derive(Debug)]
 pub struct SceneFront<I: Iterator<Item = Draw>> {
     host: Stage<SceneSource<I>>,
@@ -62,7 +69,7 @@ pub struct SceneFront<I: Iterator<Item = Draw>> {
 }
 
 impl<I: Iterator<Item = Draw>> SceneFront<I> {
-    /// A front end that draws `draws`.
+    /// Creates a front end for these draw commands.
     pub fn new(draws: I, config: impl Into<FrontConfig>) -> Self {
         let geometry = config.into().geometry_processor();
         Self { host: Stage::new("host", SceneSource::new(draws)), geometry: Stage::new("geometry", geometry) }
@@ -76,14 +83,14 @@ impl<I: Iterator<Item = Draw>> FrontEnd for SceneFront<I> {
     }
 }
 
-/// A recorded display list: what a geometry processor handed on.
+/// Front end for a trace: the recorded output of a geometry processor.
 #[derive(Debug)]
 pub struct TraceFront<I> {
     display_list: Stage<DisplayListSource<I>>,
 }
 
 impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> TraceFront<I> {
-    /// A front end that replays `controls`.
+    /// Creates a front end that replays these commands.
     pub fn new(controls: I, config: impl Into<FrontConfig>) -> Self {
         let FrontConfig { geometry, display_list, taken, .. } = config.into();
         let link = PolygonLink { bytes_per_cycle: geometry.link_bytes, taken };

@@ -1,4 +1,4 @@
-//! The machines: wiring and configuration, nothing else.
+//! Machines: wiring, configuration, and the list of machines by name.
 //!
 //! | machine | device | block diagram |
 //! |---|---|---|
@@ -15,8 +15,13 @@ mod draws;
 mod fifos;
 mod front;
 mod memories;
+mod methods;
+mod neighbours;
+mod parameter_info;
 mod problem;
+mod registry;
 pub mod shade;
+mod spec;
 pub mod texel;
 mod unit_info;
 
@@ -24,6 +29,10 @@ pub use basrelief_kernel::stats::UnitStats;
 pub use config::{ClockConfig, IdealConfig, ReferenceConfig, ReferenceFilter};
 pub use diagram::{BlockDiagram, PlacedText, Side, WireCell, drawn_units, numeral_of};
 pub use draws::Draws;
-pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
+pub use front::{BoxedControls, BoxedDraws, FrontConfig, FrontEnd, SceneFront, TraceFront};
+pub use methods::{MethodNumber, MethodSpec, MethodSpecs};
+pub use parameter_info::{AllowedValues, ParameterChoice, ParameterInfo, ValueSource};
 pub use problem::{ConfigProblem, slow_fifos};
+pub use registry::{ConfigLoader, MACHINES, MachineConfig, MachineInfo};
+pub use spec::{CostPoints, InputKind, LoggingMachine, MachineSpec, PictureRecord, RunSummary, TileFetch};
 pub use unit_info::{UnitInfo, units};

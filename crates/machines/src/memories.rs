@@ -1,11 +1,11 @@
-//! The memories of a machine: what they are made of by default, what follows from the clock, and what cannot be.
+//! Memories of a machine: defaults, values derived from the clock, provenance, and checks.
 
 use crate::problem::{ConfigProblem, problem};
 use basrelief_kernel::{MemoryConfig, MemoryPart};
 use basrelief_parameters::{ConfigError, Given, Parameter, Parameters, Provenance};
 
-/// Declares the memories of a machine, each with what it is made of by default, where that comes from, and the clock at which
-/// the part's times are counted by default:
+/// Declares the memories of a machine, each with its default configuration and the provenance of the defaults. The clock converts the times
+/// of memory parts to cycles:
 ///
 /// ```text
 /// memories! {
@@ -29,7 +29,7 @@ macro_rules! memories {
         }
 
         impl $configs {
-            /// All of them, by name.
+            /// Returns all memories, by name.
             pub(crate) fn each(&self) -> Vec<(&'static str, &basrelief_kernel::MemoryConfig)> {
                 vec![$((stringify!($name), &self.$name)),*]
             }
@@ -42,17 +42,17 @@ macro_rules! memories {
 }
 pub(crate) use memories;
 
-/// A machine's configuration, as its memories see it.
+/// Configuration of a machine with memories.
 pub(crate) trait HasMemories: Parameters {
-    /// Cycles per second.
+    /// Returns the clock frequency \[Hz\].
     fn hz(&self) -> u64;
-    /// All memories, by name.
+    /// Returns all memories, by name.
     fn memories(&self) -> Vec<(&'static str, &MemoryConfig)>;
-    /// The same.
+    /// Returns all memories for modification, by name.
     fn memories_mut(&mut self) -> Vec<(&'static str, &mut MemoryConfig)>;
 }
 
-/// The memories of this configuration, which has them where every machine's has.
+/// Implements [`HasMemories`] for a configuration with the fields `clock` and `memory`.
 macro_rules! memories_of {
     ($config:ty) => {
         impl $crate::memories::HasMemories for $config {
@@ -72,7 +72,7 @@ macro_rules! memories_of {
 }
 pub(crate) use memories_of;
 
-/// Memories take what their parts fill at the machine's clock ([`Parameters::complete`]).
+/// Fills in the values of memory parts at the machine's clock ([`Parameters::complete`]).
 pub(crate) fn complete<C: HasMemories>(config: &mut C, given: &Given<'_>) -> Result<(), ConfigError> {
     let hz = config.hz();
     for (name, memory) in config.memories_mut() {
@@ -82,7 +82,7 @@ pub(crate) fn complete<C: HasMemories>(config: &mut C, given: &Given<'_>) -> Res
     Ok(())
 }
 
-/// Says of the numbers of memories which data sheet they come from ([`Parameters::explain`]).
+/// Adds the data sheets of memory parts to the provenance of parameters ([`Parameters::explain`]).
 pub(crate) fn explain<C: HasMemories>(config: &C, table: &mut [Parameter]) {
     let default = C::default();
     let parts = default.memories().into_iter().map(|(_, memory)| memory.part);
@@ -97,7 +97,7 @@ pub(crate) fn explain<C: HasMemories>(config: &C, table: &mut [Parameter]) {
     }
 }
 
-/// Where the value of a memory's `field` comes from, if its part has a say in it.
+/// Returns the provenance of a memory's field; `None` if it does not depend on the memory part.
 fn provenance(field: &str, parameter: &Parameter, memory: &MemoryConfig, hz: u64, by_default: MemoryPart) -> Option<Provenance> {
     let part = memory.part;
     if field == "part" {
@@ -105,7 +105,7 @@ fn provenance(field: &str, parameter: &Parameter, memory: &MemoryConfig, hz: u64
         return part.about().map(|about| Provenance::Assumed(format!("{chosen}. {}: {about}", part.name()).into()));
     }
     if field == "channel_bytes" && part != MemoryPart::Custom && parameter.default == memory.burst_bytes {
-        return Some(Provenance::Derived("a burst, which lies in one channel".into()));
+        return Some(Provenance::Derived("the burst size, because a burst lies in one channel".into()));
     }
     let named = |part: MemoryPart, burst| part.numbers(hz, burst).ok()?.into_iter().find(|number| number.name == field);
     let own = part.numbers(hz, [None; 2]).ok()?;
@@ -115,17 +115,20 @@ fn provenance(field: &str, parameter: &Parameter, memory: &MemoryConfig, hz: u64
     let Some(number) = number else {
         let as_it_stands = part == MemoryPart::Custom && by_default != part && named(by_default, [None; 2]).is_some();
         return as_it_stands.then(|| {
-            Provenance::Assumed(format!("as it stands, set or by default: no part ({} by default)", by_default.name()).into())
+            Provenance::Assumed(
+                format!("set by the user or by default; no memory part is selected (the default part is {})", by_default.name())
+                    .into(),
+            )
         });
     };
     if parameter.default == number.value {
         return Some(number.provenance);
     }
-    let text = format!("set beside the part, which has {}: {}", number.value, number.provenance.text());
+    let text = format!("set by the user; the memory part has {}: {}", number.value, number.provenance.text());
     Some(Provenance::Assumed(text.into()))
 }
 
-/// Checks what law 4 takes for granted of each memory.
+/// Checks the assumptions of law 4 for each memory.
 pub(crate) fn check_memories<C: HasMemories>(config: &C) -> Result<(), ConfigProblem> {
     config.memories().into_iter().try_for_each(|(name, memory)| check_memory(name, memory))
 }

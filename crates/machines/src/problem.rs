@@ -1,4 +1,4 @@
-//! What no single parameter's range can say, as every machine finds it.
+//! Errors and warnings of all machines about parameters that do not fit together.
 
 use crate::config::IdealConfig;
 use basrelief_kernel::stats::{SlowFifo, UnitStats};
@@ -10,12 +10,12 @@ use basrelief_kernel::{BoundStage, Machine, Visitor, WiringError, check_wiring};
 pub struct ConfigProblem {
     /// The parameter to change.
     pub key: String,
-    /// What is wrong, what was expected, what to do.
+    /// Error, expectation and cure.
     pub message: String,
 }
 
-/// The machine as it is built, its wiring checked and its ideal units made so. Where a memory has fewer credits than a step needs (law 3), its parameter
-/// is at fault.
+/// Checks the wiring of a new machine, and idealizes its units. If a memory has fewer credits than a step needs (law 3), the error names
+/// the parameter of that memory.
 pub(crate) fn wired<M: Machine>(mut machine: M, ideal: &IdealConfig) -> Result<M, ConfigProblem> {
     let Err(error) = check_wiring(&mut machine) else {
         return make_ideal(&mut machine, &ideal.units).map(|()| machine);
@@ -30,9 +30,9 @@ pub(crate) fn wired<M: Machine>(mut machine: M, ideal: &IdealConfig) -> Result<M
     Err(ConfigProblem { key, message })
 }
 
-/// Makes the units ideal that are named, with commas between.
+/// Idealizes units. `names` is a comma-separated list.
 fn make_ideal(machine: &mut impl Machine, names: &str) -> Result<(), ConfigProblem> {
-    /// What is to be made ideal, and all that there is.
+    /// Units to idealize, and all units.
     struct Idealize<'a>(Vec<&'a str>, Vec<String>);
     impl Visitor for Idealize<'_> {
         fn stage<P: BoundStage>(&mut self, mut place: P) {
@@ -53,12 +53,12 @@ fn make_ideal(machine: &mut impl Machine, names: &str) -> Result<(), ConfigProbl
     }
 }
 
-/// `key` is at fault.
+/// Returns an error of parameter `key`.
 pub(crate) fn problem(key: &str, message: String) -> Result<(), ConfigProblem> {
     Err(ConfigProblem { key: key.into(), message })
 }
 
-/// Lines of the cache `name` are a power of two.
+/// Checks that the line size of cache `name` is a power of two.
 pub(crate) fn line_is_power_of_two(name: &str, line_bytes: u32) -> Result<(), ConfigProblem> {
     if line_bytes.is_power_of_two() {
         return Ok(());
@@ -66,14 +66,14 @@ pub(crate) fn line_is_power_of_two(name: &str, line_bytes: u32) -> Result<(), Co
     problem(&format!("cache.{name}.line_bytes"), format!("is {line_bytes}, expected a power of two"))
 }
 
-/// FIFOs that cannot hold full rate (law 2): one sentence each, with the rate that they allow. Memory latency comes on top and is
-/// not looked at here.
+/// Returns a warning for each FIFO that cannot sustain full throughput (law 2), with the throughput that it allows. Memory latency is not
+/// considered.
 pub fn slow_fifos(facts: &UnitStats) -> Vec<String> {
     let sentence = |slow: &SlowFifo| {
         let SlowFifo { name, depth, needed, unit_latency, fifo_latency } = slow;
         let held = slow.held();
         format!(
-            "fifo.{name}.depth = {depth} allows {depth} tokens in {held} cycles (unit latency {unit_latency} + FIFO latency {fifo_latency} + 1); full rate needs {needed}"
+            "fifo.{name}.depth = {depth} allows {depth} tokens in {held} cycles (unit latency {unit_latency} + FIFO latency {fifo_latency} + 1); full throughput needs a depth of {needed}"
         )
     };
     facts.slow_fifos().iter().map(sentence).collect()

@@ -1,23 +1,23 @@
-//! The boxes of a block diagram, in words: gathered from the wiring, what its units say of themselves, and the drawing.
+//! Description of the units of a machine, from the wiring, the units and the block diagram.
 
 use crate::diagram::numeral_of;
 use basrelief_kernel::{Machine, topology};
 
-/// A box of the block diagram.
+/// Unit of the block diagram.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnitInfo {
     /// Name in the report.
     pub name: String,
-    /// The patent's reference numeral; empty where the patent has no such box.
+    /// Reference numeral of the patent; empty if the patent has no such unit.
     pub numeral: String,
-    /// What it purpose.
+    /// Function of the unit.
     pub role: &'static str,
-    /// Where its code is: a file, from the root of the repository on.
+    /// Source file, relative to the root of the repository.
     pub code: String,
 }
 
-/// The boxes of a machine's block diagram, in the order of its wiring: first those behind a scene, then what a recorded display
-/// list has in their place. The numerals are those of the drawing.
+/// Returns the units of a machine in the order of the wiring: first those for a scene, then those that only a trace has. The numerals are
+/// those of the block diagram.
 pub fn units(diagram: &str, of_scene: &mut impl Machine, of_trace: &mut impl Machine) -> Vec<UnitInfo> {
     let mut all: Vec<UnitInfo> = Vec::new();
     for stage in topology(of_scene).into_iter().chain(topology(of_trace)) {
@@ -30,25 +30,25 @@ pub fn units(diagram: &str, of_scene: &mut impl Machine, of_trace: &mut impl Mac
     all
 }
 
-/// The file of a unit crate's module: every unit stands in a file of its own, none in a `mod.rs`.
+/// Returns the source file of a unit's module. Every unit has its own file, and none is in a `mod.rs`.
 fn file_of(module: &str) -> String {
     let (package, path) = module.split_once("::").unwrap_or((module, "lib"));
     let folder = package.trim_start_matches("basrelief_").replace('_', "-");
     format!("crates/units/{folder}/src/{}.rs", path.replace("::", "/"))
 }
 
-/// The tests of a machine's boxes and drawing: `checks_the_drawing!(Machine, [config, ...])`. Its stages are those that are wired
-/// under any of these configurations, the first of them the default, whichever way in.
+/// Tests of a machine's units and block diagram: `diagram_tests!(Machine, [config, ...])`. The stages are those of all configurations, with
+/// both front ends. The first configuration is the default.
 #[cfg(test)]
-macro_rules! checks_the_drawing {
+macro_rules! diagram_tests {
     ($machine:ident, [$($config:expr),+]) => {
-        use $crate::unit_info::tests::{Wiring, drawing_is_the_wiring, every_unit_says_what_it_does_and_where};
+        use $crate::unit_info::tests::{Wiring, assert_diagram_matches_wiring, assert_units_have_roles_and_files};
         use $crate::{SceneFront, TraceFront};
 
         type Replayed = std::iter::Empty<Result<(basrelief_signals::Control, Option<u64>), String>>;
         type Wired<Drawn> = ($machine<SceneFront<Drawn>>, $machine<TraceFront<Replayed>>);
 
-        /// The machine behind either way in, under each configuration.
+        /// The machine with both front ends, under each configuration.
         fn all() -> Vec<Wired<std::iter::Empty<basrelief_signals::Draw>>> {
             let wired = |config| {
                 let scene = SceneFront::new(std::iter::empty(), &config);
@@ -64,19 +64,19 @@ macro_rules! checks_the_drawing {
         }
 
         #[test]
-        fn the_drawing_is_the_wiring_edge_by_edge() {
+        fn diagram_matches_wiring() {
             let wirings = all().into_iter().flat_map(|(mut a, mut b)| [Wiring::of(&mut a), Wiring::of(&mut b)]);
-            drawing_is_the_wiring(DIAGRAM, &units(), &wirings.collect::<Vec<_>>());
+            assert_diagram_matches_wiring(DIAGRAM, &units(), &wirings.collect::<Vec<_>>());
         }
 
         #[test]
-        fn every_unit_says_what_it_does_and_where_its_code_is() {
-            every_unit_says_what_it_does_and_where(&units());
+        fn every_unit_has_a_role_and_a_source_file() {
+            assert_units_have_roles_and_files(&units());
         }
     };
 }
 #[cfg(test)]
-pub(crate) use checks_the_drawing;
+pub(crate) use diagram_tests;
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -1,4 +1,4 @@
-//! The memories of all machines: parts, layers, and what law 4 takes for granted.
+//! Memories of all machines: parts, layers of settings, and assumptions of law 4.
 
 use basrelief_kernel::{MemoryConfig, MemoryPart};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
@@ -18,19 +18,19 @@ fn graphics(toml: &str, set: &[(&str, &str)]) -> MemoryConfig {
 }
 
 #[test]
-fn a_part_fills_what_the_machine_does_not_have_of_its_own() {
+fn part_fills_values_without_a_machine_default() {
     let m = graphics("", &[("memory.graphics.part", "sdr-133")]);
     // 22.5, 20, 20 and 45 ns at 200 MHz; 64 bytes in eight clocks of 7.5 ns.
     assert_eq!([m.cl, m.rcd, m.rp, m.ras, m.burst_bytes, m.burst_cycles], [5, 4, 4, 9, 64, 12]);
     let default = graphics("", &[]);
     assert_eq!([m.channels, m.channel_bytes, m.window, m.cap, m.outstanding], [4, 256, 16, 16, 32]);
     assert_eq!((default.part, default.cl, default.channels), (MemoryPart::Ddr400, 3, 4));
-    // What is not asked for stays.
+    // Values that are not set stay.
     assert_eq!(bump("", &[("memory.graphics.part", "sdr-133")]).memory.normal_map, bump("", &[]).memory.normal_map);
 }
 
 #[test]
-fn what_is_set_beside_a_part_wins_in_any_order_and_layer() {
+fn explicit_values_win_over_a_part_in_any_order() {
     let [part, cl] = [("memory.graphics.part", "sdr-133"), ("memory.graphics.cl", "2")];
     let set = graphics("", &[part, cl]);
     assert_eq!((set.part, set.cl, set.rcd), (MemoryPart::Sdr133, 2, 4));
@@ -38,15 +38,15 @@ fn what_is_set_beside_a_part_wins_in_any_order_and_layer() {
     assert_eq!(graphics("[memory.graphics]\ncl = 2\npart = \"sdr-133\"", &[]), set);
     assert_eq!(graphics("[memory.graphics]\npart = \"sdr-133\"", &[cl]), set);
     assert_eq!(graphics("[memory.graphics]\ncl = 2", &[part]), set);
-    // Of several parts the last one, whole.
+    // The last of several parts wins, with all its values.
     assert_eq!(graphics("[memory.graphics]\npart = \"xdr-3200\"", &[part, cl]), set);
     assert_eq!(graphics("", &[("memory.graphics.part", "ideal"), part, cl]), set);
-    // Of several values the last one.
+    // The last of several values wins.
     assert_eq!(graphics("[memory.graphics]\ncl = 9", &[part, cl]), set);
 }
 
 #[test]
-fn parts_follow_the_clock_also_by_default_and_numbers_without_a_part_do_not() {
+fn parts_follow_the_clock_and_custom_values_do_not() {
     let slow = graphics("", &[("clock.hz", "100000000")]);
     assert_eq!([slow.cl, slow.rcd, slow.ras, slow.refi, slow.burst_bytes, slow.burst_cycles], [2, 2, 4, 780, 64, 2]);
     let custom = graphics("", &[("clock.hz", "100000000"), ("memory.graphics.part", "custom")]);
@@ -56,14 +56,14 @@ fn parts_follow_the_clock_also_by_default_and_numbers_without_a_part_do_not() {
 }
 
 #[test]
-fn ideal_has_all_channels_whatever_the_machine_has_but_not_what_the_user_sets() {
+fn ideal_part_has_all_channels_unless_the_user_sets_them() {
     let ideal = graphics("", &[("memory.graphics.part", "ideal")]);
     assert_eq!([ideal.channels, ideal.window, ideal.outstanding, ideal.cl, ideal.refi], [64, 256, 4096, 0, 0]);
     assert_eq!(graphics("", &[("memory.graphics.channels", "2"), ("memory.graphics.part", "ideal")]).channels, 2);
 }
 
 #[test]
-fn a_part_that_does_not_fit_the_clock_or_is_none_is_named_with_what_fits() {
+fn unfit_or_unknown_part_is_rejected_with_alternatives() {
     let error = |set: &[(&str, &str)]| load::<BumpProcessorConfig>("", set).unwrap_err();
     let unfit = error(&[("clock.hz", "3000000")]);
     assert!(matches!(&unfit, ConfigError::Unfit { key, .. } if key == "memory.graphics.part"), "{unfit}");
@@ -79,7 +79,7 @@ fn no_draws<C: Into<basrelief_machines::FrontConfig>>(config: C) -> SceneFront<s
     SceneFront::new(std::iter::empty(), config)
 }
 
-/// Builds each machine with this setting of its memory, and hands on what is wrong.
+/// Builds each machine with this setting of its memory, and passes on the error.
 fn refused(field: &str, value: &str, beside: &str) -> Vec<ConfigProblem> {
     fn config<C: Parameters>(memory: &str, field: &str, value: &str, beside: &str) -> C {
         let text = format!("[memory.{memory}]\n{field} = {value}\n{beside}");
@@ -99,7 +99,7 @@ fn refused(field: &str, value: &str, beside: &str) -> Vec<ConfigProblem> {
 }
 
 #[test]
-fn what_law_4_takes_for_granted_is_refused_in_every_machine_with_the_parameter_and_the_cure() {
+fn invalid_memory_timing_is_rejected_with_a_hint() {
     for (field, value, beside, cure) in [
         ("refi", "17", "rfc = 14\nrcd = 3", "set it to 18 or more, or to 0"),
         ("row_bytes", "32", "burst_bytes = 64\nburst_cycles = 4", "set it to 64 or more"),
@@ -114,7 +114,7 @@ fn what_law_4_takes_for_granted_is_refused_in_every_machine_with_the_parameter_a
     assert!(refused("refi", "18", "rfc = 14\nrcd = 3").is_empty());
     assert!(refused("refi", "0", "rfc = 14\nrcd = 3").is_empty());
     assert!(refused("row_bytes", "64", "burst_bytes = 64\nburst_cycles = 4\nchannel_bytes = 64").is_empty());
-    // One channel takes all there is.
+    // One channel receives all bytes.
     assert!(refused("channel_bytes", "4", "channels = 1").is_empty());
 }
 
@@ -123,7 +123,7 @@ fn parameter<C: Parameters>(config: &C, key: &str) -> Parameter {
 }
 
 #[test]
-fn every_number_says_where_it_comes_from() {
+fn every_memory_value_has_a_provenance() {
     let default = BumpProcessorConfig::default();
     let says = |config: &BumpProcessorConfig, key: &str, words: &[&str]| {
         let p = parameter(config, key);
@@ -140,27 +140,27 @@ fn every_number_says_where_it_comes_from() {
     says(&default, "clock.hz", &["assumed: 2005"]);
     let set = bump("", &[("memory.graphics.part", "gddr3-1400"), ("memory.graphics.cl", "2"), ("memory.graphics.channels", "8")]);
     says(&set, "memory.graphics.part", &["set; the default is \"ddr-400\"", "HYB18H512321AF"]);
-    says(&set, "memory.graphics.cl", &["set beside the part, which has 4: CL: 11 clocks of 700 MHz"]);
+    says(&set, "memory.graphics.cl", &["set by the user; the memory part has 4: CL: 11 clocks of 700 MHz"]);
     says(&set, "memory.graphics.channels", &["set; the default is 4 (assumed: 256 bits"]);
     says(&set, "memory.graphics.burst_bytes", &["28 bytes in 1 cycles: 5.6 GB/s"]);
     let custom = bump("", &[("memory.graphics.part", "custom")]);
-    says(&custom, "memory.graphics.rcd", &["as it stands", "ddr-400 by default"]);
+    says(&custom, "memory.graphics.rcd", &["no memory part is selected", "the default part is ddr-400"]);
     let clock = bump("", &[("clock.hz", "100000000")]);
     says(&clock, "memory.graphics.cl", &["derived: CL: 3 clocks of 200 MHz, 15 ns, rounded up at 100 MHz"]);
 }
 
 #[test]
-fn every_memory_has_a_part_by_default_and_the_credits_of_its_machine() {
+fn every_memory_has_a_default_part_and_credits() {
     fn parts<C: Parameters>() -> Vec<serde_json::Value> {
         let value = serde_json::to_value(C::default()).unwrap();
         value["memory"].as_object().unwrap().values().map(|memory| memory["part"].clone()).collect()
     }
     assert_eq!(parts::<BumpProcessorConfig>(), ["ddr-400", "edram-ps2", "sram"]);
-    // Static RAM of the microcomputer (12), by its own numbers.
+    // Static RAM of the microcomputer (12), with explicit values.
     assert_eq!(parts::<ShadeConfig>(), ["fpm-80", "custom"]);
     assert_eq!(parts::<TexelMachineConfig>(), ["edo-60"; 3]);
     assert_eq!(parts::<DeferConfig>(), ["sdr-100"; 3]);
-    // Defaults are what loading nothing gives: at every machine's own clock its parts fit.
+    // The defaults equal an empty configuration: all default parts fit the default clock.
     assert_eq!(bump("", &[]), BumpProcessorConfig::default());
     assert_eq!(load::<ShadeConfig>("", &[]).unwrap(), ShadeConfig::default());
     assert_eq!(load::<TexelMachineConfig>("", &[]).unwrap(), TexelMachineConfig::default());

@@ -7,7 +7,7 @@ use crate::tape::opened;
 use basrelief_input::Budget;
 use basrelief_report::html::{self, compared as page_of};
 use basrelief_report::{Comparison, Report, Style, compare as difference};
-use basrelief_sim::{Taped, beside, explain};
+use basrelief_sim::{RecordedRun, explain, page_assets};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{FromPyObject, Python, pyfunction};
 
@@ -22,13 +22,14 @@ pub struct Side {
 }
 
 impl Side {
-    fn taped(&self, report: &Report) -> Done<Option<Taped>> {
-        let read = |tape: &PyBackedBytes| Taped::read(report, &mut opened(tape)?, &budget(Budget::DEFAULT)).map_err(of_tape);
+    fn taped(&self, report: &Report) -> Done<Option<RecordedRun>> {
+        let read =
+            |tape: &PyBackedBytes| RecordedRun::read(report, &mut opened(tape)?, &budget(Budget::DEFAULT)).map_err(of_tape);
         self.tape.as_ref().map(read).transpose()
     }
 
     fn shown<'a>(&'a self, report: &'a Report) -> Done<html::Side<'a>> {
-        let beside = html::Beside { pictures: pictures(self.image.as_ref(), None)?, ..beside(report).map_err(bad)? };
+        let beside = html::Beside { pictures: pictures(self.image.as_ref(), None)?, ..page_assets(report).map_err(bad)? };
         Ok(html::Side { name: &self.name, report, beside })
     }
 }

@@ -2,14 +2,14 @@
 
 use crate::error::{Done, bad, budget, usage, within};
 use basrelief_input::Budget;
-use basrelief_sim::{Given, MachineConfig, MachineInfo, Misconfigured};
+use basrelief_sim::{MachineConfig, MachineInfo, Overrides, OverridesError};
 use pyo3::{pyclass, pymethods};
 
 /// A machine with its parameters, which fit together.
 #[pyclass(frozen, module = "basrelief._basrelief")]
 pub struct Config {
     pub config: MachineConfig,
-    pub given: Given,
+    pub given: Overrides,
 }
 
 #[pymethods]
@@ -19,10 +19,10 @@ impl Config {
     fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> Done<Self> {
         let (file, toml) = file;
         let machine = MachineInfo::named(machine).map_err(usage)?;
-        let given = Given { toml, settings };
+        let given = Overrides { toml, settings };
         let config = given.checked(machine, &budget(Budget::DEFAULT)).map_err(|wrong| match wrong {
-            Misconfigured::File(error) => within(&file)(error),
-            Misconfigured::Settings(error) => usage(error),
+            OverridesError::File(error) => within(&file)(error),
+            OverridesError::Settings(error) => usage(error),
         })?;
         Ok(Self { config, given })
     }

@@ -1,7 +1,7 @@
 //! What goes wrong, as Python's exceptions, with the words of the command line.
 
 use basrelief_input::Budget;
-use basrelief_sim::{SessionError, TapeFileError};
+use basrelief_sim::{RecordingError, RunError};
 use pyo3::exceptions::PyException;
 use pyo3::{PyErr, create_exception};
 use std::fmt::{self, Display, Formatter};
@@ -54,27 +54,27 @@ pub fn within<E: Display>(name: &str) -> impl Fn(E) -> Failure {
 }
 
 /// What keeps a run of this input from giving a report.
-pub fn of_run(name: &str) -> impl Fn(SessionError) -> Failure {
+pub fn of_run(name: &str) -> impl Fn(RunError) -> Failure {
     move |error| match error {
-        SessionError::Trace(_) | SessionError::OverBudget(_) | SessionError::Fault(_) => within(name)(error),
-        SessionError::NoTimes => usage(error),
+        RunError::Trace(_) | RunError::OverBudget(_) | RunError::Fault(_) => within(name)(error),
+        RunError::NoTimes => usage(error),
         _ => bad(error),
     }
 }
 
 /// What is wrong with a tape, or with what it is to be timed with.
-pub fn of_tape(error: TapeFileError) -> Failure {
+pub fn of_tape(error: RecordingError) -> Failure {
     match error {
-        TapeFileError::Work(_) | TapeFileError::OtherWork(_) | TapeFileError::Config(_) => usage(error),
+        RecordingError::Work(_) | RecordingError::OtherWork(_) | RecordingError::Config(_) => usage(error),
         // What the decoder says in its own words.
-        TapeFileError::Read(_) => not_a_tape(),
+        RecordingError::Read(_) => not_a_tape(),
         _ => bad(error),
     }
 }
 
 /// A tape that is none.
 pub fn not_a_tape() -> Failure {
-    bad("not a tape, or not whole; Result.tape is one")
+    bad("not a recording, or incomplete; use Result.tape")
 }
 
 /// Memory for what is read.

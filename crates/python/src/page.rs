@@ -4,7 +4,7 @@ use crate::error::{Done, bad, within};
 use crate::pixels::Given;
 use basrelief_report::html::{Beside, PagePicture, STYLE, sections};
 use basrelief_report::{Report, Style, to_html, to_text};
-use basrelief_sim::{beside, page_pictures};
+use basrelief_sim::{page_assets, page_pictures};
 use pyo3::{Python, pyfunction};
 
 /// Columns of a text.
@@ -25,7 +25,7 @@ pub fn pictures(image: Option<&Given>, reference: Option<&Given>) -> Done<Vec<Pa
 }
 
 fn with_pictures(report: &Report, (image, reference): (Option<Given>, Option<Given>)) -> Done<Beside> {
-    Ok(Beside { pictures: pictures(image.as_ref(), reference.as_ref())?, ..beside(report).map_err(bad)? })
+    Ok(Beside { pictures: pictures(image.as_ref(), reference.as_ref())?, ..page_assets(report).map_err(bad)? })
 }
 
 /// A report that was written to a file of this name, without what the host took.

@@ -7,7 +7,7 @@ use crate::scene::{Drawn, Source};
 use crate::watch::Watch;
 use basrelief_input::Budget;
 use basrelief_kernel::Engine;
-use basrelief_sim::{RunOptions, When, run as sim_run};
+use basrelief_sim::{AnalysisPolicy, RunOptions, run as sim_run};
 use pyo3::types::PyBytes;
 use pyo3::{Bound, FromPyObject, IntoPyObject, PyResult, Python, pyfunction};
 
@@ -44,12 +44,12 @@ impl Options {
         }
         Ok(RunOptions {
             config: config.config.clone(),
-            given: config.given.clone(),
+            overrides: config.given.clone(),
             engine,
             max_cycles: self.max_cycles.unwrap_or(u64::MAX),
             exact: self.exact,
-            limits,
-            tape: if self.tape { When::Always } else { limits_tape(limits) },
+            bottlenecks: limits,
+            recording: if self.tape { AnalysisPolicy::Always } else { limits_tape(limits) },
             costs: self.costs,
             budget: budget(self.memory_limit.unwrap_or(Budget::DEFAULT)),
             ..RunOptions::default()
@@ -58,17 +58,17 @@ impl Options {
 }
 
 /// For which runs limits are measured.
-pub fn when(limits: Option<bool>) -> When {
+pub fn when(limits: Option<bool>) -> AnalysisPolicy {
     match limits {
-        None => When::IfShort,
-        Some(true) => When::Always,
-        Some(false) => When::Never,
+        None => AnalysisPolicy::IfShort,
+        Some(true) => AnalysisPolicy::Always,
+        Some(false) => AnalysisPolicy::Never,
     }
 }
 
 /// Which tapes are kept where nobody asks for one.
-pub fn limits_tape(limits: When) -> When {
-    if limits == When::Never { When::Never } else { When::IfShort }
+pub fn limits_tape(limits: AnalysisPolicy) -> AnalysisPolicy {
+    if limits == AnalysisPolicy::Never { AnalysisPolicy::Never } else { AnalysisPolicy::IfShort }
 }
 
 /// What a run comes to.
@@ -108,13 +108,13 @@ pub fn run<'py>(py: Python<'py>, config: &Bound<'py, Config>, drawn: Drawn<'py>,
 fn watched(source: Source, settings: &RunOptions) -> PyResult<(String, Watch, bool)> {
     let input = source.into_input()?;
     let name = input.name().to_owned();
-    let mut watch = Watch::new(settings.tape, &settings.budget).map_err(bad)?;
+    let mut watch = Watch::new(settings.recording, &settings.budget).map_err(bad)?;
     let ran = sim_run(input, settings, &mut watch, None);
     if let Some(stopped) = watch.stopped() {
         return Err(stopped);
     }
     let ran = ran.map_err(of_run(&name))?;
     // Where limits could not be measured, it cannot be timed again either; unless they were not to be.
-    let has_tape = ran.tape_is_whole && (settings.tape == When::Always || ran.report.limits.is_some());
+    let has_tape = ran.recording_is_complete && (settings.recording == AnalysisPolicy::Always || ran.report.limits.is_some());
     Ok((ran.report.to_json().map_err(bad)?, watch, has_tape))
 }

@@ -4,7 +4,7 @@ use crate::error::{Done, Failure, bad, budget, usage, within};
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_parameters::nearest;
 use basrelief_scene::{Directory, Files, Memory, SceneError, ViewOptions, demo, load_within, read_camera, text};
-use basrelief_sim::{Prepared, RunInput};
+use basrelief_sim::{PreparedScene, RunInput};
 use basrelief_trace::{Form, looks_like_trace};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyAnyMethods, PyBytes, PyType};
@@ -108,7 +108,7 @@ pub struct Scene {
     made: Made,
     view: View,
     memory_limit: Option<u64>,
-    prepared: Prepared,
+    prepared: PreparedScene,
     _held: Held,
 }
 
@@ -120,7 +120,7 @@ impl Scene {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
             let scene = demo(&name, &view.options(&budget)?).map_err(usage)?;
-            let prepared = Prepared::kept(Arc::new(scene), &budget);
+            let prepared = PreparedScene::cached(Arc::new(scene), &budget);
             Ok(Self { name, made: Made::Demo, view, memory_limit, prepared, _held: budget.nothing() })
         })
     }
@@ -231,7 +231,7 @@ impl Scene {
         // What is wrong may lie in a file that the model refers to; the model is named all the same.
         let failed = |e: SceneError| if e.file == name { bad(e) } else { within(&name)(e) };
         let (scene, held) = load_within(&main, &name, files, &view.options(budget)?, budget).map_err(failed)?;
-        let prepared = Prepared::kept(Arc::new(scene), budget);
+        let prepared = PreparedScene::cached(Arc::new(scene), budget);
         Ok(Self { name, made: Made::Model(main, BTreeMap::new()), view, memory_limit, prepared, _held: held })
     }
 }
@@ -369,7 +369,7 @@ pub enum Drawn<'py> {
 
 /// The same, to be taken along without the interpreter lock.
 pub enum Source {
-    Scene(Prepared),
+    Scene(PreparedScene),
     DisplayList(DisplayList),
 }
 

@@ -6,7 +6,7 @@ use basrelief_dse::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
 use basrelief_scene::{demo, load_path_within};
-use basrelief_sim::{Prepared, RunInput, TOML_GROWTH, to_png};
+use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, to_png};
 use basrelief_threads as threads;
 use pyo3::{PyErr, PyResult, Python, pyclass, pyfunction, pymethods};
 use std::collections::{BTreeMap, BTreeSet};
@@ -120,7 +120,7 @@ impl Files {
 
     fn opened(&self, name: &str, view: &View) -> Done<Opened> {
         let budget = &self.budget;
-        let kept = |scene| Opened::Scene(Prepared::kept(Arc::new(scene), budget));
+        let kept = |scene| Opened::Scene(PreparedScene::cached(Arc::new(scene), budget));
         if let Some(name) = name.strip_prefix("demo:") {
             return demo(name, &view.options(budget)?).map(kept).map_err(bad);
         }

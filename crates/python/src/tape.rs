@@ -4,7 +4,7 @@ use crate::error::{Done, bad, budget, not_a_tape, of_tape};
 use crate::run::{Ran, limits_tape, when};
 use crate::watch::Watch;
 use basrelief_input::Budget;
-use basrelief_sim::{RetimeOptions, When, retime_to};
+use basrelief_sim::{AnalysisPolicy, ResimulateOptions, resimulate_to};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{PyResult, Python, pyfunction};
 use std::io::Read;
@@ -29,15 +29,15 @@ pub fn retime(
 ) -> PyResult<Ran<'_>> {
     let (limits, keep) = keep;
     let limits = when(limits);
-    let kept = if keep { When::Always } else { limits_tape(limits) };
-    let options = RetimeOptions { settings, limits, budget: budget(memory_limit.unwrap_or(Budget::DEFAULT)) };
+    let kept = if keep { AnalysisPolicy::Always } else { limits_tape(limits) };
+    let options = ResimulateOptions { settings, bottlenecks: limits, budget: budget(memory_limit.unwrap_or(Budget::DEFAULT)) };
     let (report, watch) = py.detach(|| watched(&mut opened(&tape)?, &options, kept))?;
     Ran::new(py, (report, watch), true)
 }
 
-fn watched(reader: &mut dyn Read, options: &RetimeOptions, kept: When) -> PyResult<(String, Watch)> {
+fn watched(reader: &mut dyn Read, options: &ResimulateOptions, kept: AnalysisPolicy) -> PyResult<(String, Watch)> {
     let mut watch = Watch::new(kept, &options.budget).map_err(bad)?;
-    let report = retime_to(reader, options, &mut watch);
+    let report = resimulate_to(reader, options, &mut watch);
     if let Some(stopped) = watch.stopped() {
         return Err(stopped);
     }

@@ -2,7 +2,7 @@
 
 use basrelief_input::{Budget, Held};
 use basrelief_reference::Picture;
-use basrelief_sim::{Observer, Pictures, When};
+use basrelief_sim::{AnalysisPolicy, Observer, Pictures};
 use pyo3::{PyErr, Python};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -20,7 +20,7 @@ pub struct Watch {
 
 impl Watch {
     /// `tape`: which are kept, within the budget.
-    pub fn new(tape: When, budget: &Budget) -> io::Result<Self> {
+    pub fn new(tape: AnalysisPolicy, budget: &Budget) -> io::Result<Self> {
         Ok(Self { last: None, tape: Kept::new(tape, budget)?, looked: Instant::now(), stopped: None })
     }
 
@@ -54,7 +54,7 @@ impl Observer for Watch {
         Ok(())
     }
 
-    fn tape(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
+    fn recording(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
         if !self.look() {
             return Err("stopped".into());
         }
@@ -71,10 +71,10 @@ struct Kept {
 }
 
 impl Kept {
-    fn new(which: When, budget: &Budget) -> io::Result<Self> {
+    fn new(which: AnalysisPolicy, budget: &Budget) -> io::Result<Self> {
         let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
-        let encoder = (which != When::Never).then(encoder).transpose()?;
-        Ok(Self { always: which == When::Always, encoder, held: budget.nothing() })
+        let encoder = (which != AnalysisPolicy::Never).then(encoder).transpose()?;
+        Ok(Self { always: which == AnalysisPolicy::Always, encoder, held: budget.nothing() })
     }
 
     fn keep(&mut self, bytes: &[u8], is_short: bool) -> io::Result<()> {

@@ -88,9 +88,9 @@ def test_what_only_the_package_can_be_asked_for_wrongly_is_said_in_a_sentence(tm
     says("run(tape=True)", lambda: result.tape, basrelief.Error)
     says("run(exact=True)", lambda: result.reference, basrelief.Error)
     tape = machine.run(scene).tape
-    says("`replacement.entries` changes what the units do", lambda: tape.retime({"replacement.entries": 64}))
+    says("`replacement.entries` changes the work of the units", lambda: tape.retime({"replacement.entries": 64}))
     says("no picture", lambda: tape.retime().image, basrelief.Error)
-    says("not a tape", lambda: basrelief.Tape(b"none").retime(), InputError)
+    says("not a recording", lambda: basrelief.Tape(b"none").retime(), InputError)
 
 
 def test_a_run_that_does_not_come_to_its_end_leaves_its_report(program: Program, tmp_path: Path) -> None:

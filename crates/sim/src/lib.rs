@@ -1,7 +1,7 @@
-//! From input to report in one call: the machine, the exact picture, the metrics and the report put together, without a
-//! file system and without a clock of its own.
+//! Simulation of an input on a machine: the run, the exact picture, quality metrics, analyses and the report. Without a file system,
+//! and without its own clock.
 //!
-//! A program that loads a trace, runs the machine and reads its report:
+//! A program that loads a trace, runs the machine, and reads its report:
 //!
 //! ```
 //! use basrelief_sim::{RunOptions, RunInput, Unobserved, run};
@@ -18,63 +18,42 @@
 //! # }
 //! ```
 
-mod ablation;
-mod apart;
-mod beside;
-mod configured;
-mod costs;
-mod described;
-mod difference;
-mod drive;
-mod ended;
-mod exact;
-mod exhibits;
-mod expectation;
-mod explained;
-mod flow;
-mod following;
-mod held;
-mod ideals;
-mod judged;
-mod limits;
-mod machines;
-mod methods;
-mod neighbours;
+mod analysis;
+mod machine;
 mod observer;
-mod outcome;
-mod png;
+mod options;
+mod outputs;
 mod prepared;
-mod record;
-mod rehearsal;
+mod recording;
 mod run;
-mod settings;
-mod sizing;
-mod tape;
-mod tee;
 
-pub use ablation::ablate;
-pub use apart::run_apart;
-pub use beside::{beside, page_pictures};
-pub use configured::{Misconfigured, TOML_GROWTH};
-pub use costs::{CostKind, CostPoints, Costs, PARTS, PixelCost, PixelWay, PolygonCost, Spent, UnitCost, WayCost};
-pub use described::{Choice as ParameterChoice, Described, From as ValueFrom, Takes};
-pub use exhibits::content::{Content, Exhibit, ExhibitInfo, Form};
-pub use exhibits::costs::COST_PICTURES;
-pub use expectation::{check_expectation, expectation_of};
-pub use explained::{Taped, explain};
-pub use following::{Following, Sample, last_stage};
-pub use held::textures as hold_textures;
-pub use machines::{ConfigLoader, MACHINES, MachineConfig, MachineInfo, TileFetch};
-pub use methods::compare_methods;
+pub use analysis::ablation::ablate;
+pub use analysis::attribution::{AttributionProbe, TokenSample, last_stage};
+pub use analysis::comparison::{RecordedRun, explain};
+pub use analysis::costs::{
+    ActivityCost, CostKind, Costs, CycleBreakdown, PARTS, PixelActivity, PixelCost, PolygonCost, UnitCost,
+};
+pub use analysis::fifo_sizing::{DepthChoice, FifoSizing, size_fifos};
+pub use analysis::methods::compare_methods;
+pub use basrelief_machines::{
+    AllowedValues, ConfigLoader, CostPoints, MACHINES, MachineConfig, MachineInfo, ParameterChoice, ParameterInfo, TileFetch,
+    ValueSource,
+};
+pub use machine::aux_outputs;
 pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};
-pub use outcome::{Run, SessionError};
-pub use png::to_png;
-pub use prepared::Prepared;
-pub use record::{begin_of, display_list, input_sha256};
-pub use run::{board, run};
-pub use settings::{RunInput, RunOptions, When};
-pub use sizing::{Choice, Sizes, size_fifos};
-pub use tape::{Given, Recording, RetimeOptions, TapeFileError, retime, retime_to};
+pub use options::{AnalysisPolicy, Overrides, OverridesError, RunInput, RunOptions, TOML_GROWTH};
+pub use outputs::aux_output::{AuxContent, AuxForm, AuxOutput, AuxOutputInfo};
+pub use outputs::cost_maps::COST_PICTURES;
+pub use outputs::expectation::{check_expectation, expectation_of};
+pub use outputs::page_assets::{page_assets, page_pictures};
+pub use outputs::png::to_png;
+pub use prepared::PreparedScene;
+pub use recording::{Recording, RecordingError, ResimulateOptions, resimulate, resimulate_to};
+pub use run::concurrent::run_concurrent;
+pub use run::display_list::{display_list, input_sha256, trace_header};
+pub use run::memory_estimates::reserve_textures;
+pub use run::result::{Run, RunError};
+pub use run::{run, timeline_layout};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

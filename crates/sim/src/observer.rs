@@ -1,91 +1,92 @@
-//! Watching a run from outside.
+//! Observer of a run.
 
-use crate::exhibits::content::Exhibit;
+use crate::outputs::aux_output::AuxOutput;
 use basrelief_kernel::MemoryRequest;
 use basrelief_reference::{Picture, Quality};
 
-/// A finished frame, as the machine and as the exact renderer drew it.
+/// Pictures of a finished frame.
 #[derive(Debug)]
 pub struct Pictures<'a> {
-    /// Number of the frame, from 0.
+    /// Frame number, from 0.
     pub index: usize,
-    /// The machine's.
+    /// The machine's picture.
     pub machine: &'a Picture,
-    /// The exact one, and how far the machine's is from it.
+    /// The exact picture, and the quality of the machine's picture against it.
     pub exact: Option<(&'a Picture, Quality)>,
 }
 
-/// Requests that one memory has taken in since the last of them were shown, in its order: (arrival, port number, issue).
+/// Requests that a memory has accepted since the previous call, ordered by arrival, port number and issue.
 #[derive(Clone, Copy, Debug)]
 pub struct MemoryRequests<'a> {
     /// Name of the memory.
     pub memory: &'a str,
     /// The requests.
     pub requests: &'a [MemoryRequest],
-    /// Names of the machine's clients, by their number.
+    /// Names of the machine's memory clients, by number.
     pub clients: &'a [String],
 }
 
-/// Watches a run.
+/// Observer of a run. By default it ignores everything.
 pub trait Observer {
-    /// So many of `total` commands have entered the machine; `false` stops the run.
+    /// Reports that `commands` of `total` commands have entered the machine. Returns `false` to stop the run.
     fn progress(&mut self, commands: u64, total: Option<u64>) -> bool {
         let _ = (commands, total);
         true
     }
 
-    /// A picture is finished: number of its frame, and its own within the frame, both from 0. Comes before anything is made of it.
-    fn shown(&mut self, frame: u32, round: u32) {
+    /// Reports a finished picture, by the number of its frame and its number within the frame, both from 0. Called before the picture is
+    /// compared or encoded.
+    fn picture_shown(&mut self, frame: u32, round: u32) {
         let _ = (frame, round);
     }
 
-    /// A frame is finished and measured. The machine may have gone on meanwhile.
+    /// Receives a finished frame with its quality. The machine may have continued meanwhile.
     ///
     /// # Errors
-    /// What keeps the observer from taking it; stops the run.
+    /// An error stops the run.
     fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
         let _ = pictures;
         Ok(())
     }
 
-    /// Something beside the finished pictures, of those that [`RunOptions::exhibits`](crate::RunOptions::exhibits) asks for; comes
-    /// before the frame that it belongs to, but for the last picture of a frame that is shown several times.
+    /// Receives an auxiliary output selected by [`RunOptions::aux_outputs`](crate::RunOptions::aux_outputs). Called before the frame that
+    /// the output belongs to, except for the last picture of a frame that is shown in increasing quality.
     ///
     /// # Errors
-    /// What keeps the observer from taking it; stops the run.
-    fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
-        let _ = exhibit;
+    /// An error stops the run.
+    fn aux_output(&mut self, aux_output: &AuxOutput<'_>) -> Result<(), String> {
+        let _ = aux_output;
         Ok(())
     }
 
-    /// The next bytes of the run's tape, where [`RunOptions::tape`](crate::RunOptions::tape) asks for it: [`retime`](crate::retime)
-    /// reads it, once it is whole. `is_short` until there is more work on it than [`IfShort`](crate::When::IfShort) has.
+    /// Receives the next bytes of the recording selected by [`RunOptions::recording`](crate::RunOptions::recording). A complete recording
+    /// can be passed to [`resimulate`](crate::resimulate). `is_short` is true while the recording is within the limit of
+    /// [`IfShort`](crate::AnalysisPolicy::IfShort).
     ///
     /// # Errors
-    /// What keeps the observer from taking them; stops the run.
-    fn tape(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
+    /// An error stops the run.
+    fn recording(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
         let _ = (bytes, is_short);
         Ok(())
     }
 
-    /// A memory has taken requests in, where [`RunOptions::requests`](crate::RunOptions::requests) asks for them. What each
-    /// memory takes in comes in its order, whatever the engine; how it is cut, and what comes of other memories between, is not
-    /// the same for both.
+    /// Receives memory requests if [`RunOptions::requests`](crate::RunOptions::requests) is set. The order of each memory's requests is the
+    /// same for all engines. Their division into calls, and the order between memories, may differ.
     ///
     /// # Errors
-    /// What keeps the observer from taking them; stops the run.
+    /// An error stops the run.
     fn requests(&mut self, requests: &MemoryRequests<'_>) -> Result<(), String> {
         let _ = requests;
         Ok(())
     }
 }
 
-/// Watches nothing.
+/// Observer that ignores everything.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unobserved;
 impl Observer for Unobserved {}
 
-/// Name of a picture's file: `image.png`, or `image-0001.png` and on where there are several.
+/// Returns the file name of a picture: `image.png`, or `image-0001.png` and so on if there are several.
 pub fn picture_name(kind: &str, index: usize, several: bool) -> String {
     if several { format!("{kind}-{:04}.png", index + 1) } else { format!("{kind}.png") }
 }

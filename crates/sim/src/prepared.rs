@@ -1,4 +1,4 @@
-//! A scene that is run more than once: what a setting does not change is done once.
+//! Scene that is run more than once, with a cache of results that do not depend on the settings.
 
 use basrelief_input::{Budget, Held};
 use basrelief_machines::FrontConfig;
@@ -9,75 +9,75 @@ use basrelief_threads::Later;
 use basrelief_trace::Digest;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A scene to be run, and what is known of it from runs before: the hash of its display list, its exact pictures, and how far
-/// the machine's were from them. Reports are the same whether anything was known or not. Clones know the same.
+/// Scene with a cache: hashes of its display list, exact pictures, and comparisons with them. Clones share the cache. The cache does not
+/// change reports.
 ///
-/// A scene as such, `Arc<Scene>`, stands for one that is run once: nothing of it is kept.
+/// A scene converted from `Arc<Scene>` is meant for one run, and has no cache.
 #[derive(Clone, Debug)]
-pub struct Prepared {
+pub struct PreparedScene {
     scene: Arc<Scene>,
-    known: Option<Arc<Mutex<Known>>>,
+    cache: Option<Arc<Mutex<SceneCache>>>,
 }
 
-impl From<Arc<Scene>> for Prepared {
+impl From<Arc<Scene>> for PreparedScene {
     fn from(scene: Arc<Scene>) -> Self {
-        Self { scene, known: None }
+        Self { scene, cache: None }
     }
 }
 
-/// Most front ends whose display lists' hashes are remembered, and most exact pictures.
-const MOST: usize = 16;
-/// Bytes per pixel of an exact picture and of the machine's beside it.
+/// Maximum number of cached hashes, and of cached pictures.
+const MAX_ENTRIES: usize = 16;
+/// Memory per pixel of an exact picture and of the compared picture \[bytes\].
 const PIXEL: u64 = 8;
 
 #[derive(Debug)]
-struct Known {
+struct SceneCache {
     hashes: Vec<(FrontConfig, Digest)>,
-    pictures: Vec<Drawn>,
-    /// For the pictures.
+    pictures: Vec<ExactEntry>,
+    /// Memory of the pictures.
     held: Held,
 }
 
-/// An exact picture, and the machine's that was held against it last.
+/// An exact picture, and the last comparison with it.
 #[derive(Debug)]
-struct Drawn {
+struct ExactEntry {
     style: Style,
     frame: usize,
     exact: Arc<Picture>,
-    judged: Option<(Picture, Quality, Difference)>,
+    compared: Option<(Picture, Quality, Difference)>,
 }
 
-impl Prepared {
-    /// A scene to be run more than once. What is kept of it counts against the budget; where that is used up, nothing more is.
-    pub fn kept(scene: Arc<Scene>, budget: &Budget) -> Self {
-        let known = Known { hashes: vec![], pictures: vec![], held: budget.nothing() };
-        Self { scene, known: Some(Arc::new(Mutex::new(known))) }
+impl PreparedScene {
+    /// Creates a scene with a cache. When the memory limit is reached, nothing more is cached.
+    pub fn cached(scene: Arc<Scene>, budget: &Budget) -> Self {
+        let cache = SceneCache { hashes: vec![], pictures: vec![], held: budget.nothing() };
+        Self { scene, cache: Some(Arc::new(Mutex::new(cache))) }
     }
 
-    /// The scene.
+    /// Returns the scene.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 
-    fn known(&self) -> Option<MutexGuard<'_, Known>> {
-        self.known.as_ref().map(|known| known.lock().unwrap_or_else(PoisonError::into_inner))
+    fn cache(&self) -> Option<MutexGuard<'_, SceneCache>> {
+        self.cache.as_ref().map(|cache| cache.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The hash of the display list that this front end makes of it.
+    /// Returns the cached hash of the display list that this front end makes.
     pub(crate) fn hash(&self, front: &FrontConfig) -> Option<Digest> {
-        self.known()?.hashes.iter().find(|(of, _)| of == front).map(|(_, hash)| *hash)
+        self.cache()?.hashes.iter().find(|(of, _)| of == front).map(|(_, hash)| *hash)
     }
 
     pub(crate) fn keep_hash(&self, front: FrontConfig, hash: Digest) {
-        let Some(mut known) = self.known() else { return };
-        if known.hashes.len() < MOST && known.hashes.iter().all(|(of, _)| *of != front) {
-            known.hashes.push((front, hash));
+        let Some(mut cache) = self.cache() else { return };
+        if cache.hashes.len() < MAX_ENTRIES && cache.hashes.iter().all(|(of, _)| *of != front) {
+            cache.hashes.push((front, hash));
         }
     }
 
-    /// The exact picture of a frame, under way; none where there is no such frame.
+    /// Starts to draw the exact picture of a frame. Returns `None` if there is no such frame.
     pub(crate) fn exact(&self, style: Style, frame: usize) -> Option<Later<Arc<Picture>>> {
-        if let Some(exact) = self.known().and_then(|known| Some(Arc::clone(&known.drawn(style, frame)?.exact))) {
+        if let Some(exact) = self.cache().and_then(|cache| Some(Arc::clone(&cache.entry(style, frame)?.exact))) {
             return Some(Later::on_demand(move || exact));
         }
         let wanted = Arc::clone(self.scene.frames.get(frame)?);
@@ -90,44 +90,45 @@ impl Prepared {
     }
 
     fn keep_exact(&self, style: Style, frame: usize, exact: &Arc<Picture>) {
-        let Some(mut known) = self.known() else { return };
+        let Some(mut cache) = self.cache() else { return };
         let bytes = PIXEL * exact.rgb.len() as u64;
-        if known.pictures.len() < MOST && known.held.grow(bytes, "exact pictures").is_ok() {
-            known.pictures.push(Drawn { style, frame, exact: Arc::clone(exact), judged: None });
+        if cache.pictures.len() < MAX_ENTRIES && cache.held.grow(bytes, "exact pictures").is_ok() {
+            cache.pictures.push(ExactEntry { style, frame, exact: Arc::clone(exact), compared: None });
         }
     }
 
-    /// How far the machine's picture is from the exact one.
-    pub(crate) fn judge(
+    /// Compares the machine's picture of a frame with the exact picture.
+    pub(crate) fn compare(
         &self,
-        (style, frame): (Style, usize),
+        style: Style,
+        frame: usize,
         exact: &Picture,
         machine: &Picture,
     ) -> Result<(Quality, Difference), SizeMismatch> {
-        let same = |drawn: &Drawn| drawn.judged.as_ref().filter(|(of, ..)| of == machine).map(|(_, q, d)| (*q, *d));
-        if let Some(judged) = self.known().and_then(|known| known.drawn(style, frame).and_then(same)) {
-            return Ok(judged);
+        let same = |entry: &ExactEntry| entry.compared.as_ref().filter(|(of, ..)| of == machine).map(|(_, q, d)| (*q, *d));
+        if let Some(known) = self.cache().and_then(|cache| cache.entry(style, frame).and_then(same)) {
+            return Ok(known);
         }
-        let (quality, difference) = judge(exact, machine)?;
-        if let Some(drawn) = self.known().as_mut().and_then(|known| known.drawn_mut(style, frame)) {
-            drawn.judged = Some((machine.clone(), quality, difference));
+        let (quality, difference) = compare(exact, machine)?;
+        if let Some(entry) = self.cache().as_mut().and_then(|cache| cache.entry_mut(style, frame)) {
+            entry.compared = Some((machine.clone(), quality, difference));
         }
         Ok((quality, difference))
     }
 }
 
-/// How far a machine's picture is from the exact one.
-pub(crate) fn judge(exact: &Picture, machine: &Picture) -> Result<(Quality, Difference), SizeMismatch> {
-    Ok((Quality::measure(exact, machine)?, crate::difference::difference(exact, machine)))
+/// Compares a machine's picture with the exact picture.
+pub(crate) fn compare(exact: &Picture, machine: &Picture) -> Result<(Quality, Difference), SizeMismatch> {
+    Ok((Quality::measure(exact, machine)?, crate::analysis::picture_difference::difference(exact, machine)))
 }
 
-impl Known {
-    fn drawn(&self, style: Style, frame: usize) -> Option<&Drawn> {
-        self.pictures.iter().find(|drawn| drawn.style == style && drawn.frame == frame)
+impl SceneCache {
+    fn entry(&self, style: Style, frame: usize) -> Option<&ExactEntry> {
+        self.pictures.iter().find(|entry| entry.style == style && entry.frame == frame)
     }
 
-    fn drawn_mut(&mut self, style: Style, frame: usize) -> Option<&mut Drawn> {
-        self.pictures.iter_mut().find(|drawn| drawn.style == style && drawn.frame == frame)
+    fn entry_mut(&mut self, style: Style, frame: usize) -> Option<&mut ExactEntry> {
+        self.pictures.iter_mut().find(|entry| entry.style == style && entry.frame == frame)
     }
 }
 
@@ -141,34 +142,34 @@ mod tests {
     }
 
     #[test]
-    fn an_exact_picture_is_drawn_once() {
-        let prepared = Prepared::kept(scene(), &Budget::default());
+    fn exact_picture_is_drawn_once() {
+        let prepared = PreparedScene::cached(scene(), &Budget::default());
         let [first, second] = [0, 1].map(|_| prepared.exact(Style::default(), 0).unwrap().get());
         assert!(Arc::ptr_eq(&first, &second));
         assert!(prepared.exact(Style::default(), 1).is_none(), "there is one frame");
-        let once = Prepared::from(scene());
+        let once = PreparedScene::from(scene());
         let [first, second] = [0, 1].map(|_| once.exact(Style::default(), 0).unwrap().get());
         assert!(!Arc::ptr_eq(&first, &second) && first == second);
     }
 
     #[test]
-    fn nothing_is_kept_beyond_the_budget() {
-        let prepared = Prepared::kept(scene(), &Budget::new(100));
+    fn cache_respects_the_memory_limit() {
+        let prepared = PreparedScene::cached(scene(), &Budget::new(100));
         let [first, second] = [0, 1].map(|_| prepared.exact(Style::default(), 0).unwrap().get());
         assert!(!Arc::ptr_eq(&first, &second) && first == second);
     }
 
     #[test]
-    fn a_picture_that_has_changed_is_judged_again() {
-        let prepared = Prepared::kept(scene(), &Budget::default());
-        let of = (Style::default(), 0);
-        let exact = prepared.exact(of.0, of.1).unwrap().get();
+    fn changed_picture_is_compared_again() {
+        let prepared = PreparedScene::cached(scene(), &Budget::default());
+        let style = Style::default();
+        let exact = prepared.exact(style, 0).unwrap().get();
         let mut machine = (*exact).clone();
-        assert_eq!(prepared.judge(of, &exact, &machine).unwrap(), judge(&exact, &machine).unwrap());
+        assert_eq!(prepared.compare(style, 0, &exact, &machine).unwrap(), compare(&exact, &machine).unwrap());
         let drawn = machine.covered.iter().position(|covered| *covered).unwrap();
         machine.rgb[drawn] = machine.rgb[drawn].map(|c| c ^ 64);
-        let judged = prepared.judge(of, &exact, &machine).unwrap();
-        assert_eq!(judged, judge(&exact, &machine).unwrap());
-        assert_eq!(judged.1.largest, 64);
+        let compared = prepared.compare(style, 0, &exact, &machine).unwrap();
+        assert_eq!(compared, compare(&exact, &machine).unwrap());
+        assert_eq!(compared.1.largest, 64);
     }
 }

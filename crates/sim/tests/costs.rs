@@ -1,4 +1,4 @@
-//! Costs: every cycle of every unit is for somebody or for nobody, and for one only.
+//! Costs: every cycle of every unit is charged exactly once.
 
 use basrelief_input::Budget;
 use basrelief_kernel::{Account, Engine, Recorder, RunReport};
@@ -7,13 +7,13 @@ use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::Scene;
 use basrelief_sim::{
-    CostKind, Costs, Exhibit, MachineInfo, Observer, PARTS, Run, RunInput, RunOptions, Spent, Unobserved, When, begin_of,
-    display_list, run,
+    AnalysisPolicy, AuxOutput, CostKind, Costs, CycleBreakdown, MachineInfo, Observer, PARTS, Run, RunInput, RunOptions,
+    Unobserved, display_list, run, trace_header,
 };
 use std::cmp::Reverse;
 use std::sync::Arc;
 
-/// Demos, one of each machine, and of its other ways; with settings.
+/// Demos with settings: one per machine, and one per alternative path in it.
 const CASES: [(&str, &[(&str, &str)]); 12] = [
     ("mixed", &[]),
     ("golf-ball", &[("rasterizer.early_z", "false")]),
@@ -50,12 +50,12 @@ fn costs_of(scene: &Arc<Scene>, mut options: RunOptions, change: impl Fn(&mut Ru
     (ran.costs.take().unwrap(), ran)
 }
 
-/// Holds costs against the accounts of the units.
+/// Compares costs with the accounts of the units.
 fn check(costs: &Costs, report: &RunReport) {
     assert_eq!((costs.cycles, costs.units.len()), (report.total, report.units.len()));
     for (unit, own) in costs.units.iter().zip(&report.units) {
         let Account { busy, done, starved, memory, blocked } = &own.account;
-        for way in &unit.ways {
+        for way in &unit.activities {
             let at = |names: &[String]| names.iter().position(|name| *name == way.of).unwrap();
             let cycles = match way.kind {
                 CostKind::Busy => *busy,
@@ -67,15 +67,15 @@ fn check(costs: &Costs, report: &RunReport) {
             assert_eq!(way.on_pixels + way.elsewhere + way.for_nobody, cycles, "{name}");
             assert_eq!(way.parts.iter().sum::<u64>(), way.on_pixels * PARTS, "{name}: to the part of a cycle");
         }
-        let ways: u64 = unit.ways.iter().map(|way| way.on_pixels + way.elsewhere + way.for_nobody).sum();
+        let ways: u64 = unit.activities.iter().map(|way| way.on_pixels + way.elsewhere + way.for_nobody).sum();
         assert_eq!((unit.done, ways + unit.done), (*done, report.total), "{}", unit.unit);
     }
 }
 
 #[test]
-fn a_critical_path_is_told_by_polygon_to_the_cycle() {
+fn critical_path_by_polygon_sums_to_the_cycle() {
     for (name, settings) in [CASES[0], CASES[4], CASES[7], CASES[10]] {
-        let (costs, run) = costs(name, settings, |options| options.limits = When::Always);
+        let (costs, run) = costs(name, settings, |options| options.bottlenecks = AnalysisPolicy::Always);
         let path = run.report.critical_path.unwrap();
         let by_polygon = path.polygons.unwrap();
         let listed: u64 = by_polygon.listed.iter().map(|polygon| polygon.cycles).sum();
@@ -83,7 +83,7 @@ fn a_critical_path_is_told_by_polygon_to_the_cycle() {
         assert!(by_polygon.listed.is_sorted_by_key(|polygon| Reverse(polygon.cycles)));
         for on_path in &by_polygon.listed {
             let polygon = costs.polygons.iter().find(|p| (p.frame, p.number) == (on_path.frame, on_path.polygon)).unwrap();
-            // What begins with the last step for it may go on behind its end.
+            // Work that begins with the last step of a polygon may continue after its end.
             assert!(polygon.life[0] < path.cycles && polygon.object == on_path.object, "{name} {settings:?} {on_path:?}");
         }
     }
@@ -94,7 +94,7 @@ fn sum<'a>(spent: impl IntoIterator<Item = &'a Told>) -> u64 {
 }
 
 #[test]
-fn all_that_pixels_polygons_objects_frames_and_nobody_cost_is_what_the_units_spent() {
+fn costs_of_all_recipients_sum_to_unit_cycles() {
     for (name, settings) in CASES {
         let (costs, run) = costs(name, settings, |_| {});
         println!("{name} {settings:?}");
@@ -107,17 +107,17 @@ fn all_that_pixels_polygons_objects_frames_and_nobody_cost_is_what_the_units_spe
         let objects = sum(told.objects.iter().map(|o| &o.spent)) + told.other_objects.spent.cycles;
         let polygons = sum(told.polygons.iter().map(|p| &p.spent)) + told.other_polygons.spent.cycles;
         assert!(polygons <= objects && objects <= sum(&told.frames));
-        // In a complete run a unit waits for nobody only if it is not used at all.
+        // In a complete run, only an unused unit has waits for no token.
         for unit in &costs.units {
-            let unused = unit.ways.iter().all(|way| way.on_pixels + way.elsewhere == 0);
-            assert!(unused || unit.ways.iter().all(|way| way.for_nobody == 0), "{}", unit.unit);
+            let unused = unit.activities.iter().all(|way| way.on_pixels + way.elsewhere == 0);
+            assert!(unused || unit.activities.iter().all(|way| way.for_nobody == 0), "{}", unit.unit);
         }
         assert!(told.pixels.busy > 0 && told.elsewhere.busy > 0);
     }
 }
 
 #[test]
-fn what_a_run_that_is_cut_short_costs_sums_to_its_cycles_too() {
+fn costs_of_a_limited_run_sum_to_its_cycles() {
     for (name, settings) in CASES {
         let (scene, options) = (scene(name, 1), options(name, settings));
         let whole = costs_of(&scene, options.clone(), |_| {}).0.cycles;
@@ -129,7 +129,7 @@ fn what_a_run_that_is_cut_short_costs_sums_to_its_cycles_too() {
 }
 
 #[test]
-fn both_engines_charge_the_same_to_each_pixel() {
+fn engines_charge_the_same_cycles_to_each_pixel() {
     for (name, settings) in CASES {
         let [(timed, one), (ticked, other)] = [Engine::Timed, Engine::Ticked]
             .map(|engine| costs_of(&scene(name, 1), options(name, settings), |o| o.engine = Some(engine)));
@@ -143,20 +143,20 @@ fn both_engines_charge_the_same_to_each_pixel() {
 }
 
 #[test]
-fn a_pixel_tells_what_it_consists_of_and_nothing_lies_outside_of_the_picture() {
+fn pixel_costs_have_a_breakdown_within_the_picture() {
     let (costs, _) = costs("mixed", &[], |_| {});
     assert_eq!(costs.size(), [64, 48]);
     assert!(costs.pixel(64, 0).is_none() && costs.pixel(0, 48).is_none() && costs.pixel(u32::MAX, 0).is_none());
     let middle = costs.pixel(32, 24).unwrap();
-    let ways: f64 = middle.ways.iter().map(|way| way.cycles).sum();
+    let ways: f64 = middle.activities.iter().map(|way| way.cycles).sum();
     assert!((ways - middle.cycles).abs() < 1e-6 && middle.cycles > 0.0, "{middle:?}");
-    assert!(middle.ways.windows(2).all(|pair| pair[0].cycles >= pair[1].cycles));
+    assert!(middle.activities.windows(2).all(|pair| pair[0].cycles >= pair[1].cycles));
     assert!(middle.overdraw >= 2 && middle.polygon.is_some(), "{middle:?}");
     let mut sum = 0.0;
     for (x, y) in (0..48).flat_map(|y| (0..64).map(move |x| (x, y))) {
         sum += costs.pixel(x, y).unwrap().cycles;
     }
-    let of_units: u64 = costs.units.iter().flat_map(|unit| &unit.ways).map(|way| way.on_pixels).sum();
+    let of_units: u64 = costs.units.iter().flat_map(|unit| &unit.activities).map(|way| way.on_pixels).sum();
     assert!((sum - of_units as f64).abs() < 1e-3, "{sum} {of_units}");
 }
 
@@ -181,10 +181,10 @@ fn overdraw_counts_each_fragment_at_its_pixel_and_its_polygon() {
 }
 
 #[test]
-fn a_recorded_list_costs_the_units_behind_it_what_its_scene_does() {
+fn trace_has_the_costs_of_its_scene() {
     let scene = scene("mixed", 2);
     let options = options("mixed", &[]);
-    let mut recorder = basrelief_trace::Recorder::new(Vec::new(), Default::default(), begin_of(&scene)).unwrap();
+    let mut recorder = basrelief_trace::Recorder::new(Vec::new(), Default::default(), trace_header(&scene)).unwrap();
     display_list(&scene, &options.config).for_each(|control| recorder.record(&control).unwrap());
     let trace = RunInput::trace(std::io::Cursor::new(recorder.finish(Vec::new()).unwrap()), "recorded");
     let from_list = run(trace, &options, &mut Unobserved, None).unwrap().costs.unwrap();
@@ -200,9 +200,9 @@ fn a_recorded_list_costs_the_units_behind_it_what_its_scene_does() {
 
 /// The sums over polygons are those over units.
 fn check_sums(costs: &Costs) {
-    let busy = |spent: &Spent| spent.busy;
+    let busy = |spent: &CycleBreakdown| spent.busy;
     let of_polygons: u64 = costs.polygons.iter().map(|p| busy(&p.spent)).sum();
-    let ways = costs.units.iter().flat_map(|unit| &unit.ways).filter(|way| way.kind == CostKind::Busy);
+    let ways = costs.units.iter().flat_map(|unit| &unit.activities).filter(|way| way.kind == CostKind::Busy);
     assert!(of_polygons <= ways.map(|way| way.on_pixels + way.elsewhere).sum());
 }
 
@@ -210,8 +210,8 @@ fn check_sums(costs: &Costs) {
 struct Shown(Vec<String>);
 
 impl Observer for Shown {
-    fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
-        if let basrelief_sim::Content::NamedPicture(name, picture) = &exhibit.content {
+    fn aux_output(&mut self, exhibit: &AuxOutput<'_>) -> Result<(), String> {
+        if let basrelief_sim::AuxContent::NamedPicture(name, picture) = &exhibit.content {
             let drawn = picture.covered[..64 * 48].iter().filter(|covered| **covered).count();
             assert!(drawn > 0 && drawn < 64 * 48, "{name}: {drawn} drawn, the others background");
             self.0.push(name.clone());
@@ -221,7 +221,7 @@ impl Observer for Shown {
 }
 
 #[test]
-fn a_machine_shows_the_pictures_that_it_has() {
+fn machine_makes_its_own_cost_maps() {
     let shown = |name: &str, settings| {
         let mut shown = Shown::default();
         run(RunInput::scene(scene(name, 1)), &options(name, settings), &mut shown, None).unwrap();
@@ -233,7 +233,7 @@ fn a_machine_shows_the_pictures_that_it_has() {
 }
 
 #[test]
-fn another_probe_is_told_the_same_with_costs_and_without() {
+fn chained_probe_receives_the_same_events() {
     let told = |costs: bool| {
         let mut recorder = Recorder::default();
         let options = RunOptions { costs, ..options("mixed", &[]) };
@@ -244,15 +244,15 @@ fn another_probe_is_told_the_same_with_costs_and_without() {
 }
 
 #[test]
-fn what_costs_take_counts_against_the_memory_budget() {
+fn costs_respect_the_memory_limit() {
     let take = |bytes: u64| {
         let options = RunOptions { budget: Budget::new(bytes), ..options("mixed", &[]) };
         run(RunInput::scene(scene("mixed", 1)), &options, &mut Unobserved, None).map(|_| ()).map_err(|e| e.to_string())
     };
     let whole = 64 << 20;
     assert_eq!(take(whole), Ok(()));
-    // A picture of 64 x 48 pixels takes 24 KiB for each thing that a unit does: dozens of them. Beside the textures so few fit here that
-    // it is one of them that does not; how much polygons under way take depends on where the host puts them.
+    // A picture of 64 x 48 pixels takes 24 KiB for each activity of a unit, and there are dozens. The limit is so small that one of these
+    // allocations fails. The memory of polygons in flight depends on their addresses on the host.
     let error = take(1 << 19).unwrap_err();
     assert!(error.contains("costs") && error.contains("--memory-limit"), "{error}");
 }

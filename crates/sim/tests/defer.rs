@@ -4,13 +4,13 @@ use basrelief_machines::defer::DeferConfig;
 use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, load_path};
 use basrelief_signals::{Control, Material, Object, Scene, Texture, WrapMode};
-use basrelief_sim::{RunInput, RunOptions, Unobserved, begin_of, display_list, run};
+use basrelief_sim::{RunInput, RunOptions, Unobserved, display_list, run, trace_header};
 use basrelief_trace::{Form, Recorder};
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The textured patch, and behind the viewer a copy of it with a texture of its own.
+/// The textured patch, and a copy of it with another texture behind the viewer.
 fn scene() -> Arc<Scene> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/patch.gltf");
     let options = ViewOptions { size: [64, 48], frames: Some(2), orbit_degrees: Some(40.0), ..ViewOptions::default() };
@@ -32,7 +32,7 @@ fn config(mode: &str) -> DeferConfig {
 }
 
 fn recorded(scene: &Arc<Scene>, config: &DeferConfig, form: Form) -> Vec<u8> {
-    let mut recorder = Recorder::new(Vec::new(), form, begin_of(scene)).unwrap();
+    let mut recorder = Recorder::new(Vec::new(), form, trace_header(scene)).unwrap();
     display_list(scene, &config.clone().into()).for_each(|control| recorder.record(&control).unwrap());
     recorder.finish(Vec::new()).unwrap()
 }
@@ -42,14 +42,14 @@ fn report(source: RunInput, config: &DeferConfig) -> Report {
     run(source, &settings, &mut Unobserved, None).unwrap().report
 }
 
-/// What the machine counted of tiles, bytes and pixels.
+/// Returns the machine's counts of tiles, bytes and pixels.
 fn counted(report: &Report) -> String {
     let of_tiles = |name: &str| ["tile", "path", "layer", "pixel", "texture", "conventional"].iter().any(|n| name.contains(n));
     format!("{:?}", report.figures.iter().filter(|(name, _)| of_tiles(name)).collect::<Vec<_>>())
 }
 
 #[test]
-fn a_replay_draws_the_same_pictures_from_the_same_tiles_in_both_encodings_and_every_mode() {
+fn replay_draws_the_same_pictures_in_every_mode() {
     let scene = scene();
     for mode in ["best", "progressive", "conventional"] {
         let config = config(mode);
@@ -65,7 +65,7 @@ fn a_replay_draws_the_same_pictures_from_the_same_tiles_in_both_encodings_and_ev
 }
 
 #[test]
-fn the_first_frame_declares_all_textures_of_the_scene_those_out_of_view_too_452() {
+fn first_frame_declares_all_textures_of_the_scene_452() {
     let scene = scene();
     let list: Vec<Control> = display_list(&scene, &config("best").into()).collect();
     let of = |control: &Control| match control {
@@ -94,7 +94,7 @@ fn wrapped(wrap: WrapMode) -> Arc<Scene> {
 }
 
 #[test]
-fn section_3_the_exact_picture_goes_on_beyond_the_edges_of_odd_textures_as_the_device_does() {
+fn section_3_exact_picture_wraps_odd_textures_like_the_device() {
     for wrap in [WrapMode::Repeat, WrapMode::Mirror, WrapMode::Clamp] {
         for centre in ["half", "integer"] {
             let settings = [("tile.width", "4"), ("tile.height", "4"), ("defer.texel_centre", centre)];
@@ -108,7 +108,7 @@ fn section_3_the_exact_picture_goes_on_beyond_the_edges_of_odd_textures_as_the_d
 }
 
 #[test]
-fn gouraud_lights_a_model_with_normal_maps_as_the_exact_picture_has_it() {
+fn gouraud_with_normal_maps_matches_the_exact_picture() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/patch.gltf");
     let scene = load_path(&path, &ViewOptions { size: [160, 120], ..ViewOptions::default() }).unwrap();
     assert!(scene.objects.iter().any(|o| o.material.normal_map.is_some()), "its polygons are bump targets");
@@ -134,7 +134,7 @@ fn counts(report: &Report, name: &str) -> Vec<u64> {
 }
 
 #[test]
-fn a_view_that_is_left_ahead_of_a_tile_asks_for_no_more_and_the_next_goes_on_from_there_475() {
+fn left_view_requests_no_more_tiles_475() {
     let never = looking_around(&[("defer.left_at_tile", "[0]")]);
     let all = counts(&never, "view_tiles");
     assert!(all[0] > 20 && counts(&never, "view_abandoned") == [0; 3], "{all:?}");
@@ -144,14 +144,14 @@ fn a_view_that_is_left_ahead_of_a_tile_asks_for_no_more_and_the_next_goes_on_fro
     assert_eq!(counts(&left, "view_left_at_tile"), [12, 1, 0]);
     let abandoned = counts(&left, "view_abandoned");
     assert!(abandoned[0] > 0 && abandoned[1] > 0 && abandoned[2] == 0, "{abandoned:?}");
-    // What was abandoned is asked for again, and nothing twice.
+    // Abandoned tiles are requested again, and no tile is loaded twice.
     assert!(tiles[2] > all[2] && tiles.iter().sum::<u64>() <= all.iter().sum::<u64>(), "{tiles:?} {all:?}");
     assert_eq!(left.image[2].sha256, never.image[2].sha256);
     assert_ne!(left.image[0].sha256, never.image[0].sha256);
 }
 
 #[test]
-fn times_of_user_input_become_counts_that_hold_475() {
+fn user_times_become_stable_tile_counts_475() {
     let tiles_left_at = |ms: &str| {
         let report = looking_around(&[("defer.left_at_ms", ms)]);
         assert_eq!(report.config["defer"]["left_at_tile"], serde_json::to_value(counts(&report, "view_left_at_tile")).unwrap());
@@ -167,7 +167,7 @@ fn times_of_user_input_become_counts_that_hold_475() {
     assert!((60.0..75.0).contains(&at[begins]), "the next view shows at once what is there: {at:?}");
     let by_counts = looking_around(&[("defer.left_at_tile", &format!("{left:?}"))]);
     assert_eq!((&first.image, &first.cycles), (&by_counts.image, &by_counts.cycles));
-    // Who only looks at the last picture takes no cycles, and the next view begins when its time comes.
+    // Idle time after the last picture takes no cycles, and the next view begins at its time.
     let patient = tiles_left_at("[5000]");
     let never = looking_around(&[]);
     assert_eq!((&patient.image, &patient.cycles), (&never.image, &never.cycles));

@@ -21,7 +21,7 @@ impl Observer for Kept {
     }
 }
 
-/// What the machine draws with these settings; times are of no concern.
+/// Draws a scene on the functional model with these settings.
 fn draw(machine: &str, settings: &[(&str, &str)], scene: &Arc<Scene>) -> Picture {
     let config = MachineInfo::named(machine).expect("a machine").load("", settings).expect("valid parameters");
     let settings = RunOptions { config, engine: None, exact: false, ..RunOptions::default() };
@@ -52,7 +52,7 @@ fn decibels(mesa: &Mesa, path: &Path, (machine, settings): (&str, &[(&str, &str)
 /// Measured: 51.8 to 75.3 dB. On the avocado it is two pixels on edges between skin and flesh: window positions of single
 /// precision, half a step of the grid of 1/256 pixel from it, snap the other way. Without the two it is 70.8 dB.
 #[test]
-fn pictures_of_the_texture_mapping_system_with_exact_mapping_agree_with_mesa() {
+fn texture_mapping_system_matches_mesa() {
     let Some(mesa) = Mesa::find() else { return };
     let exact = ("texel", &[("texel.method", "exact"), ("illuminance.mode", "off"), ("look_up.filter", "bilinear")][..]);
     for model in models(&MODELS) {
@@ -61,12 +61,12 @@ fn pictures_of_the_texture_mapping_system_with_exact_mapping_agree_with_mesa() {
     }
 }
 
-/// Measured: 48.2 to 61.8 dB with the standard tiles. The pyramid ends with one tile of 64 x 64 texels (section 3), that of
-/// Mesa with one texel: where a pixel spans more, at the rim of the wicker ball, the machine takes the top tile. With tiles of
-/// 4 x 4 there is a coarser one: 56.1 dB. What is left are derivatives, which Mesa takes as differences between neighbouring
-/// pixels, and means of texels, which it rounds in its own way; the exact picture is as far off.
+/// Measured: 48.2 to 61.8 dB with the standard tiles. The pyramid ends with one tile of 64 x 64 texels (section 3), and
+/// Mesa's pyramid with one texel. If a pixel spans more, at the rim of the wicker ball, the machine takes the top tile. With tiles of
+/// 4 x 4 there is a coarser one: 56.1 dB. The remaining differences are derivatives and means of texels: Mesa takes derivatives as
+/// differences between neighbouring pixels, and rounds means differently. The exact picture differs by as much.
 #[test]
-fn pictures_of_the_rate_limited_renderer_agree_with_mesa() {
+fn rate_limited_renderer_matches_mesa() {
     let Some(mesa) = Mesa::find() else { return };
     for model in models(&MODELS) {
         let db = decibels(&mesa, &model, ("defer", &[]), TextureFilter::Trilinear);

@@ -1,11 +1,11 @@
-//! The presets: each loads, fits, and is what it says it is.
+//! Presets: each loads, its parameters fit together, and it matches its description.
 
 use basrelief_sim::{MACHINES, MachineConfig, MachineInfo};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Machines and texts of all presets, by name. Those that do not begin with a machine's name are paths of `defer`.
+/// Returns machine and text of each preset, by name. Presets without a machine's name are paths of `defer`.
 fn presets() -> BTreeMap<String, (&'static MachineInfo, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets");
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -25,7 +25,7 @@ fn load(name: &str) -> MachineConfig {
 }
 
 #[test]
-fn every_preset_loads_fits_and_says_for_which_machine_it_is() {
+fn every_preset_loads_and_names_its_machine() {
     for (name, (machine, text)) in presets() {
         load(&name);
         assert!(text.starts_with(&format!("# Machine `{}`", machine.name)), "{name}");
@@ -33,7 +33,7 @@ fn every_preset_loads_fits_and_says_for_which_machine_it_is() {
 }
 
 #[test]
-fn every_machine_has_an_era_which_is_its_default_and_an_ideal() {
+fn every_machine_has_an_era_and_an_ideal_preset() {
     for (machine, era) in [("bump", "2005"), ("shade", "1989"), ("texel", "1994"), ("defer", "1998")] {
         let default = MachineInfo::named(machine).unwrap().load("", &[]).unwrap();
         assert_eq!(load(&format!("{machine}-{era}")), default, "{machine}");
@@ -45,7 +45,7 @@ fn every_machine_has_an_era_which_is_its_default_and_an_ideal() {
 }
 
 #[test]
-fn the_board_of_1998_has_one_channel_of_3_2_gigabytes_a_second_under_the_device_of_2005() {
+fn board_of_1998_has_one_channel_of_3_2_gb_per_s() {
     let config = load("bump-1998").to_value();
     let graphics = &config["memory"]["graphics"];
     let number = |key: &str| graphics[key].as_u64().unwrap();
@@ -56,9 +56,9 @@ fn the_board_of_1998_has_one_channel_of_3_2_gigabytes_a_second_under_the_device_
     assert_eq!(config["clock"], MachineConfig::default().to_value()["clock"]);
 }
 
-/// What a report says of its configuration, given as a configuration again, is the same machine.
+/// The configuration in a report, loaded again, gives the same machine.
 #[test]
-fn a_configuration_with_every_value_filled_in_is_the_same_machine() {
+fn configuration_with_all_values_is_the_same_machine() {
     let settings: &[&[(&str, &str)]] = &[
         &[],
         &[("memory.graphics.part", "gddr3-1400"), ("memory.graphics.cl", "2")],

@@ -1,4 +1,4 @@
-//! Scene to trace and back: what a recorded display list draws, and when.
+//! Scene to trace and back: pictures and timing of a replayed trace.
 
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{MemoryPorts, Unit};
@@ -10,7 +10,7 @@ use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Control, Scene};
-use basrelief_sim::{Observer, Pictures, RunInput, RunOptions, Unobserved, begin_of, display_list, run};
+use basrelief_sim::{Observer, Pictures, RunInput, RunOptions, Unobserved, display_list, run, trace_header};
 use basrelief_trace::{Begin, Encoding, Form, Recorder};
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;
@@ -26,7 +26,7 @@ fn config(settings: &[(&str, &str)]) -> BumpProcessorConfig {
 }
 
 fn recorded(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> Vec<u8> {
-    let begin: Begin = begin_of(scene);
+    let begin: Begin = trace_header(scene);
     let mut recorder = Recorder::new(Vec::new(), Form { encoding, ..Form::default() }, begin).unwrap();
     display_list(scene, &config.clone().into()).for_each(|control| recorder.record(&control).unwrap());
     recorder.finish(Vec::new()).unwrap()
@@ -37,13 +37,13 @@ fn report(source: RunInput, config: &BumpProcessorConfig) -> Report {
     run(source, &settings, &mut Unobserved, None).unwrap().report
 }
 
-/// The scene's run and the run of its trace.
+/// Runs the scene and its trace.
 fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> [Report; 2] {
     let trace = RunInput::trace(Cursor::new(recorded(scene, config, encoding)), "recorded");
     [report(RunInput::scene(Arc::clone(scene)), config), report(trace, config)]
 }
 
-/// Figures of the units behind the display list.
+/// Returns the figures of the units after the front end.
 fn behind_the_list(report: &Report) -> Vec<(&String, &Figure)> {
     let front =
         ["triangles", "polygons", "bump_polygons", "vertices", "vertex_cache_hits", "display_list_commands", "vertex_bytes"];
@@ -57,7 +57,7 @@ fn bytes(report: &Report) -> Vec<(&String, &String, u64, u64)> {
 }
 
 #[test]
-fn a_replay_draws_the_same_picture_and_moves_the_same_bytes() {
+fn replay_draws_the_same_picture_and_moves_the_same_bytes() {
     for (name, frames) in [("mixed", 1), ("coin", 3), ("brick", 1)] {
         let scene = scene(name, frames);
         for encoding in [Encoding::JsonLines, Encoding::Binary] {
@@ -78,8 +78,8 @@ fn total(report: &Report) -> u64 {
     report.cycles.as_ref().unwrap().total
 }
 
-/// Cycles from where a replay delivers the last command to where the geometry processor did, had nothing blocked either: a
-/// list holds the arrival of polygons only, and what is culled behind the last of them takes time too.
+/// Returns the cycles between the delivery of the last command by a replay and by the geometry processor, both without backpressure. A
+/// trace contains only the arrival of polygons, but culled triangles after the last polygon take time, too.
 fn tail(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> u64 {
     let mut geometry = FrontConfig::from(config).geometry_processor();
     let mut replayed = 0;
@@ -93,11 +93,11 @@ fn tail(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> u64 {
     geometry.state.arrival - replayed
 }
 
-/// With room for the whole list the front end is never blocked. Then a polygon reaches the rasterizer in a replay exactly
-/// `fifo.draws.latency` cycles before it does in the scene's run (there is no host, and no FIFO behind it), and the run is
-/// shorter by that much; and by up to the tail, where the end of the last frame waits for the geometry processor.
+/// With room for the whole trace, the front end is never blocked. A replay has no host and no FIFO after
+/// it, so a polygon reaches the rasterizer exactly `fifo.draws.latency` cycles earlier than in the scene's run. The run is shorter by that
+/// much, and by up to the tail if the end of the last frame waits for the geometry processor.
 #[test]
-fn a_replay_takes_the_cycles_of_the_run_but_for_what_the_front_end_explains() {
+fn replay_takes_the_cycles_of_the_run_without_front_end() {
     let unblocked = ("fifo.polygons.depth", "65536");
     let slow = [unblocked, ("geometry.multipliers", "1"), ("geometry.dividers", "1")];
     let fast = [
@@ -127,10 +127,10 @@ fn a_replay_takes_the_cycles_of_the_run_but_for_what_the_front_end_explains() {
     assert_eq!(total(&drawn) - total(&replayed), u64::from(config.fifo.draws.latency));
 }
 
-/// Seconds that readings of a [`SlowTrace`] have taken.
+/// Time that reads of a [`SlowTrace`] have taken \[s\].
 static READING: AtomicU32 = AtomicU32::new(0);
 
-/// A trace whose every reading takes a second, by a clock that else stands still.
+/// Trace of which each read takes a second on an otherwise stopped clock.
 struct SlowTrace(Cursor<Vec<u8>>);
 
 impl Read for SlowTrace {
@@ -141,7 +141,7 @@ impl Read for SlowTrace {
 }
 
 #[test]
-fn reading_a_trace_is_no_part_of_the_simulation_not_even_its_first_command() {
+fn reading_a_trace_is_not_simulation_time() {
     let config = config(&[]);
     let trace = SlowTrace(Cursor::new(recorded(&scene("mixed", 1), &config, Encoding::Binary)));
     let clock = || f64::from(READING.load(Ordering::Relaxed));
@@ -154,7 +154,7 @@ fn reading_a_trace_is_no_part_of_the_simulation_not_even_its_first_command() {
 /// A frame, the machine's picture of it, and the exact one.
 type ShownFrame = (usize, Picture, Option<(Picture, Quality)>);
 
-/// What an observer is shown of the frames, in its order.
+/// Frames that an observer has received, in order.
 #[derive(Default, PartialEq)]
 struct Shown(Vec<ShownFrame>);
 
@@ -166,16 +166,16 @@ impl Observer for Shown {
     }
 }
 
-/// Frames of a run with exact pictures, and its report.
+/// Returns the frames of a run with exact pictures, and its report.
 fn shown(source: RunInput, max_cycles: u64) -> (Shown, String) {
     let mut shown = Shown::default();
     let report = run(source, &RunOptions { max_cycles, ..RunOptions::default() }, &mut shown, None).unwrap().report;
     (shown, report.to_json().unwrap())
 }
 
-/// Its other tests run beside this one; what they find does not depend on threads either.
+/// Other tests of this file run concurrently; their results do not depend on threads either.
 #[test]
-fn a_run_is_the_same_with_other_threads_and_without() {
+fn run_does_not_depend_on_the_number_of_threads() {
     let coin = scene("coin", 3);
     let trace = recorded(&coin, &config(&[]), Encoding::Binary);
     let all = || {

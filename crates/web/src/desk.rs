@@ -9,7 +9,8 @@ use crate::shown::{Rounds, Shown, catalogue};
 use basrelief_input::{Budget, Held};
 use basrelief_scene::{Memory, Subject};
 use basrelief_sim::{
-    Costs, ExhibitInfo, Form, Given, MACHINES, MachineConfig, MachineInfo, Prepared, RunInput, RunOptions, When, board, run,
+    AnalysisPolicy, AuxForm, AuxOutputInfo, Costs, MACHINES, MachineConfig, MachineInfo, Overrides, PreparedScene, RunInput,
+    RunOptions, run, timeline_layout,
 };
 use basrelief_tile_server::protocol::unpack;
 use basrelief_timeline::UtilizationTimeline;
@@ -46,7 +47,7 @@ enum Kind {
 /// A model, a demo or what a server offers, and the view of it that was asked for last.
 struct Looked {
     subject: Subject,
-    seen: Option<(View, Prepared)>,
+    seen: Option<(View, PreparedScene)>,
     budget: Budget,
     #[expect(dead_code, reason = "held as long as the subject")]
     held: Held,
@@ -127,7 +128,7 @@ impl Desk {
     fn run(&mut self, ask: &RunAsk) -> Result<Parcel, String> {
         let outside = self.outside.clone();
         let (lying, machine, (input, options)) = self.asked(ask)?;
-        let board = board(&input, &options).map_err(|e| e.to_string())?;
+        let board = timeline_layout(&input, &options).map_err(|e| e.to_string())?;
         let names = board.diagram.stages.into_iter().map(|stage| stage.name).collect();
         let path = lying.path().cloned();
         let rounds = path.clone().zip(outside).map(|(path, outside)| Rounds::new(path, outside));
@@ -143,7 +144,8 @@ impl Desk {
     /// Runs once more, for what each pixel costs.
     fn costs(&mut self, ask: &RunAsk) -> Result<Parcel, String> {
         let (_, _, (input, options)) = self.asked(ask)?;
-        let options = RunOptions { costs: true, exact: false, limits: When::Never, exhibits: vec![], ..options };
+        let options =
+            RunOptions { costs: true, exact: false, bottlenecks: AnalysisPolicy::Never, aux_outputs: vec![], ..options };
         let mut shown = Shown::default();
         let ran = run(input, &options, &mut shown, None).map_err(|e| e.to_string())?;
         self.costs = ran.costs;
@@ -153,7 +155,7 @@ impl Desk {
     /// What is to be run, on which machine, and how.
     fn asked(&mut self, ask: &RunAsk) -> Result<(&Lying, &'static MachineInfo, (RunInput, RunOptions)), String> {
         let lying = self.lying.as_mut().ok_or("there is nothing to draw yet: choose a demo, or drop a model")?;
-        let (machine, given) = (MachineInfo::named(&ask.machine)?, Given { toml: String::new(), settings: ask.set.clone() });
+        let (machine, given) = (MachineInfo::named(&ask.machine)?, Overrides { toml: String::new(), settings: ask.set.clone() });
         let config = given.config(machine, &[]).map_err(|e| e.to_string())?;
         config.check().map_err(|e| e.to_string())?;
         let (input, budget) = lying.input(&ask.view, &config)?;
@@ -166,7 +168,7 @@ impl Desk {
 fn pixel(costs: Option<&Costs>, x: u32, y: u32) -> Value {
     let Some(pixel) = costs.and_then(|costs| costs.pixel(x, y)) else { return Value::Null };
     let ways: Vec<Value> = pixel
-        .ways
+        .activities
         .iter()
         .map(|way| json!({ "unit": way.unit, "kind": way.kind.name(), "of": way.of, "cycles": way.cycles }))
         .collect();
@@ -190,15 +192,15 @@ fn come(path: &Path) -> Value {
 }
 
 /// `is_here`: so are the texels that an exact picture is made of. Of a scene that is not, pictures are shown as they come.
-fn options((config, given): (MachineConfig, Given), ask: &RunAsk, budget: Budget, is_here: bool) -> RunOptions {
+fn options((config, given): (MachineConfig, Overrides), ask: &RunAsk, budget: Budget, is_here: bool) -> RunOptions {
     let exact = ask.exact && is_here;
-    let wanted = |info: &ExhibitInfo| match info.form {
-        Form::PicturePerRound => !is_here,
+    let wanted = |info: &AuxOutputInfo| match info.form {
+        AuxForm::PicturePerRound => !is_here,
         _ => ask.exact && Shown::takes(info) && (exact || !info.judges),
     };
-    let exhibits = config.machine().exhibits().into_iter().filter(wanted).collect();
-    let limits = if ask.limits { When::IfShort } else { When::Never };
-    RunOptions { config, given, exact, limits, exhibits, budget, ..RunOptions::default() }
+    let exhibits = basrelief_sim::aux_outputs(config.machine()).into_iter().filter(wanted).collect();
+    let limits = if ask.limits { AnalysisPolicy::IfShort } else { AnalysisPolicy::Never };
+    RunOptions { config, overrides: given, exact, bottlenecks: limits, aux_outputs: exhibits, budget, ..RunOptions::default() }
 }
 
 impl Lying {
@@ -216,7 +218,7 @@ impl Lying {
                 let Looked { subject, seen, budget, path, .. } = &mut **looked;
                 let prepared = match seen.take() {
                     Some((of, prepared)) if of == *view => prepared,
-                    _ => Prepared::kept(Arc::new(subject.seen(&view.options()).map_err(|e| e.to_string())?), budget),
+                    _ => PreparedScene::cached(Arc::new(subject.seen(&view.options()).map_err(|e| e.to_string())?), budget),
                 };
                 *seen = Some((view.clone(), prepared.clone()));
                 let input = match path {

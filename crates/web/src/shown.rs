@@ -7,7 +7,7 @@ use basrelief_reference::{Picture, metrics};
 use basrelief_report::Report;
 use basrelief_report::html::sections;
 use basrelief_scene::DEMOS;
-use basrelief_sim::{Content, Exhibit, ExhibitInfo, Form, MACHINES, MachineInfo, Observer, Pictures, beside};
+use basrelief_sim::{AuxContent, AuxForm, AuxOutput, AuxOutputInfo, MACHINES, MachineInfo, Observer, Pictures, page_assets};
 use basrelief_timeline::UtilizationTimeline;
 use serde_json::{Value, json};
 use std::rc::Rc;
@@ -52,7 +52,7 @@ fn machine(machine: &MachineInfo) -> Value {
 pub(crate) struct Shown {
     machine: Option<Picture>,
     exact: Option<Picture>,
-    exhibits: Vec<(ExhibitInfo, Picture)>,
+    exhibits: Vec<(AuxOutputInfo, Picture)>,
     /// Where pictures that better ones follow are shown, as they come.
     rounds: Option<Rounds>,
 }
@@ -88,9 +88,9 @@ impl Observer for Shown {
         Ok(())
     }
 
-    fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
-        let (Content::Picture(picture) | Content::NamedPicture(_, picture)) = exhibit.content else { return Ok(()) };
-        if exhibit.info.form == Form::PicturePerRound {
+    fn aux_output(&mut self, exhibit: &AuxOutput<'_>) -> Result<(), String> {
+        let (AuxContent::Picture(picture) | AuxContent::NamedPicture(_, picture)) = exhibit.content else { return Ok(()) };
+        if exhibit.info.form == AuxForm::PicturePerRound {
             self.rounds.iter().for_each(|rounds| rounds.show(picture));
             return Ok(());
         }
@@ -107,8 +107,8 @@ impl Shown {
     }
 
     /// Whether it shows this exhibit: those that are pictures, but none of the machine's own pictures over again.
-    pub(crate) fn takes(info: &ExhibitInfo) -> bool {
-        !matches!(info.form, Form::Lines | Form::PicturePerRound)
+    pub(crate) fn takes(info: &AuxOutputInfo) -> bool {
+        !matches!(info.form, AuxForm::Lines | AuxForm::PicturePerRound)
     }
 
     /// The answer to a question for a run, with the command that repeats it, and what the units, by name, did when.
@@ -121,7 +121,7 @@ impl Shown {
         let mut parcel = Parcel::default();
         let pictures = self.pictures(&mut parcel)?;
         let strips = strips.map(|(strips, names)| packed(&strips, &names, &mut parcel));
-        let sections: Vec<Value> = sections(report, &beside(report)?)
+        let sections: Vec<Value> = sections(report, &page_assets(report)?)
             .into_iter()
             .map(|section| json!({ "id": section.id, "title": section.title, "html": section.html }))
             .collect();

@@ -1,7 +1,7 @@
 //! Questions and answers, as the page asks and is answered.
 
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_sim::{Given, MACHINES, MachineInfo, RunInput, RunOptions, Unobserved, When, run};
+use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, Overrides, RunInput, RunOptions, Unobserved, run};
 use basrelief_web::{Desk, Parcel};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -30,9 +30,9 @@ fn error(answer: &Value) -> &str {
 /// The report of a run as the command line makes it.
 fn report(machine: &str, name: &str, set: &[(&str, &str)]) -> Value {
     let settings = set.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    let given = Given { toml: String::new(), settings };
+    let given = Overrides { toml: String::new(), settings };
     let config = given.config(MachineInfo::named(machine).unwrap(), &[]).unwrap();
-    let options = RunOptions { config, given, limits: When::IfShort, ..RunOptions::default() };
+    let options = RunOptions { config, overrides: given, bottlenecks: AnalysisPolicy::IfShort, ..RunOptions::default() };
     let scene = demo(name, &ViewOptions { size: SIZE, turn: Some([20.0, 5.0]), ..ViewOptions::default() }).unwrap();
     let report = run(RunInput::scene(Arc::new(scene)), &options, &mut Unobserved, None).unwrap().report;
     serde_json::to_value(report).unwrap()

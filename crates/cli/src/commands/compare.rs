@@ -10,7 +10,7 @@ use basrelief_input::{Budget, json_weight};
 use basrelief_report::compare::overview;
 use basrelief_report::html::{self, PagePicture, compared};
 use basrelief_report::{Comparison, Report, compare as difference};
-use basrelief_sim::{Taped, beside, explain};
+use basrelief_sim::{RecordedRun, explain, page_assets};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ struct Side {
     report: Report,
     /// Where it lies.
     folder: PathBuf,
-    taped: Option<Taped>,
+    taped: Option<RecordedRun>,
 }
 
 /// What changed from one report to another.
@@ -96,7 +96,7 @@ impl Side {
 
     /// As a page shows it: with the picture of the last frame, where it lies beside the report.
     fn shown(&self) -> Done<html::Side<'_>> {
-        let mut beside = beside(&self.report).map_err(Failure::within(&self.name))?;
+        let mut beside = page_assets(&self.report).map_err(Failure::within(&self.name))?;
         // A name alone: a report from elsewhere must not name files of ours.
         let name = self.report.image.last().map(|picture| Path::new(&picture.file));
         let name = name.filter(|name| name.file_name() == Some(name.as_os_str()));
@@ -114,6 +114,6 @@ impl Side {
     }
 }
 
-fn read_tape(report: &Report, path: &Path, budget: &Budget) -> Done<Taped> {
-    Taped::read(report, &mut open(path)?, budget).map_err(unreadable(&path.display().to_string()))
+fn read_tape(report: &Report, path: &Path, budget: &Budget) -> Done<RecordedRun> {
+    RecordedRun::read(report, &mut open(path)?, budget).map_err(unreadable(&path.display().to_string()))
 }

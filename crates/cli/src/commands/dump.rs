@@ -2,14 +2,14 @@
 
 use crate::error::{Done, Failure};
 use crate::outputs::PartialFile;
-use basrelief_sim::{ExhibitInfo, Form, MACHINES, MachineConfig, MachineInfo};
+use basrelief_sim::{AuxForm, AuxOutputInfo, MACHINES, MachineConfig, MachineInfo};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// A file of lines that is being written.
 #[derive(Debug)]
 struct Dump {
-    what: ExhibitInfo,
+    what: AuxOutputInfo,
     path: PathBuf,
     file: PartialFile,
 }
@@ -35,7 +35,7 @@ impl DumpFiles {
     }
 
     /// Which exhibits they take.
-    pub fn exhibits(&self) -> impl Iterator<Item = ExhibitInfo> {
+    pub fn exhibits(&self) -> impl Iterator<Item = AuxOutputInfo> {
         self.0.iter().map(|dump| dump.what)
     }
 
@@ -43,7 +43,7 @@ impl DumpFiles {
     ///
     /// # Errors
     /// A file that cannot be written, in a sentence.
-    pub fn write(&mut self, what: ExhibitInfo, lines: impl Fn(&mut dyn Write) -> io::Result<()>) -> Result<(), String> {
+    pub fn write(&mut self, what: AuxOutputInfo, lines: impl Fn(&mut dyn Write) -> io::Result<()>) -> Result<(), String> {
         let mut wanted = self.0.iter_mut().filter(|dump| dump.what == what);
         wanted.try_for_each(|d| lines(&mut d.file).map_err(|e| format!("{}: cannot be written: {e}", d.path.display())))
     }
@@ -71,7 +71,7 @@ pub fn is_file(option: &str, path: &Path) -> Result<(), String> {
 }
 
 /// The exhibit of this name that comes in lines.
-fn known(what: &Path, machine: &MachineInfo) -> Result<ExhibitInfo, String> {
+fn known(what: &Path, machine: &MachineInfo) -> Result<AuxOutputInfo, String> {
     let of = |m: &MachineInfo| lines_of(m).find(|e| Path::new(e.name) == what);
     if let Some(exhibit) = of(machine) {
         return Ok(exhibit);
@@ -88,8 +88,8 @@ fn known(what: &Path, machine: &MachineInfo) -> Result<ExhibitInfo, String> {
     })
 }
 
-fn lines_of(machine: &MachineInfo) -> impl Iterator<Item = ExhibitInfo> + use<> {
-    machine.exhibits().into_iter().filter(|e| e.form == Form::Lines)
+fn lines_of(machine: &MachineInfo) -> impl Iterator<Item = AuxOutputInfo> + use<> {
+    basrelief_sim::aux_outputs(machine).into_iter().filter(|e| e.form == AuxForm::Lines)
 }
 
 /// What `--help` says of `--dump`.

@@ -11,7 +11,7 @@ use crate::progress::{Progress, TileProgress};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_input::Budget;
 use basrelief_scene::{Subject, ViewOptions};
-use basrelief_sim::{Given, MACHINES, MachineConfig, Prepared, RunInput};
+use basrelief_sim::{MACHINES, MachineConfig, Overrides, PreparedScene, RunInput};
 use basrelief_tile_server::client::{Fetcher, RemoteTiles, RetryPolicy, TileCache, TileStore};
 use basrelief_tile_server::preview::{LivePreview, PreviewedTiles};
 use basrelief_tile_server::protocol::unpack;
@@ -21,7 +21,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 /// The configuration of the machine; other machines are refused.
-fn config_of(args: &RunArgs, look: &Look, budget: &Budget) -> Done<(MachineConfig, Given)> {
+fn config_of(args: &RunArgs, look: &Look, budget: &Budget) -> Done<(MachineConfig, Overrides)> {
     let fetching = || MACHINES.iter().filter(|m| m.fetches_tiles);
     let Some(machine) = args.machine.machine.or_else(|| fetching().next()).filter(|m| m.fetches_tiles) else {
         let names: Vec<String> = fetching().map(|m| format!("`{}`", m.name)).collect();
@@ -32,7 +32,7 @@ fn config_of(args: &RunArgs, look: &Look, budget: &Budget) -> Done<(MachineConfi
 }
 
 /// Fetches the scene of a server, and looks at it; what both take is counted to the end of the program.
-fn scene_of(fetcher: &Fetcher, view: &ViewOptions, shown: &TileProgress, budget: &Budget) -> Done<Prepared> {
+fn scene_of(fetcher: &Fetcher, view: &ViewOptions, shown: &TileProgress, budget: &Budget) -> Done<PreparedScene> {
     let (address, packed, _held) = fetcher.scene(|bytes| shown.scene(bytes)).map_err(Failure::Bad)?;
     let (subject, held): (Subject, _) = unpack(&packed, &address, budget).map_err(Failure::Bad)?;
     held.keep();

@@ -5,7 +5,7 @@ use crate::outputs::PartialFile;
 use basrelief_reference::Picture;
 use basrelief_report::html::Beside;
 use basrelief_report::{Report, to_html};
-use basrelief_sim::{beside, page_pictures};
+use basrelief_sim::{page_assets, page_pictures};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -38,7 +38,7 @@ impl HtmlFile {
     pub fn finish(mut self, report: &Report) -> Done<PartialFile> {
         let pictures = self.last.as_ref().map(|(machine, exact)| page_pictures(machine, exact.as_ref()));
         let pictures = pictures.transpose().map_err(Failure::Bad)?.unwrap_or_default();
-        let beside = Beside { pictures, ..beside(report).map_err(Failure::bad)? };
+        let beside = Beside { pictures, ..page_assets(report).map_err(Failure::bad)? };
         let page = to_html(report, &beside).map_err(Failure::bad)?;
         let written = self.file.write_all(page.as_bytes()).and_then(|()| self.file.flush());
         written.map_err(Failure::file(&self.path, "be written"))?;

@@ -11,7 +11,7 @@ use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
-use basrelief_sim::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, RunOptions, picture_name, to_png};
+use basrelief_sim::{AuxContent, AuxForm, AuxOutput, MemoryRequests, Observer, Pictures, RunOptions, picture_name, to_png};
 use basrelief_threads as threads;
 use basrelief_tile_server::preview::LivePreview;
 use std::cell::Cell;
@@ -53,7 +53,7 @@ impl Observer for OutputFiles {
         true
     }
 
-    fn shown(&mut self, frame: u32, round: u32) {
+    fn picture_shown(&mut self, frame: u32, round: u32) {
         if let Some(real) = &mut self.real {
             real.shown(frame, round);
         }
@@ -79,18 +79,18 @@ impl Observer for OutputFiles {
         Ok(())
     }
 
-    fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
+    fn aux_output(&mut self, exhibit: &AuxOutput<'_>) -> Result<(), String> {
         match &exhibit.content {
-            Content::Lines(write) => self.dumps.write(exhibit.info, write),
-            Content::Picture(picture) => self.save([1, exhibit.frame as usize], exhibit.info.name, to_png(picture)),
-            Content::NamedPicture(name, picture) => {
+            AuxContent::Lines(write) => self.dumps.write(exhibit.info, write),
+            AuxContent::Picture(picture) => self.save([1, exhibit.frame as usize], exhibit.info.name, to_png(picture)),
+            AuxContent::NamedPicture(name, picture) => {
                 let png = to_png(picture);
-                if let (Some(watched), Form::PicturePerRound, Ok(png)) = (&self.watched, exhibit.info.form, &png) {
+                if let (Some(watched), AuxForm::PicturePerRound, Ok(png)) = (&self.watched, exhibit.info.form, &png) {
                     watched.show(name, png);
                 }
                 self.write(name, png)?;
                 self.extra.push(name.clone());
-                if exhibit.info.form == Form::PicturePerRound {
+                if exhibit.info.form == AuxForm::PicturePerRound {
                     if self.real.is_some() {
                         let failed = |e| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
                         self.outputs.show(name).map_err(failed)?;
@@ -106,8 +106,8 @@ impl Observer for OutputFiles {
         self.requests.as_mut().map_or(Ok(()), |file| file.write(requests))
     }
 
-    fn tape(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
-        self.run_tape.tape(bytes, is_short)?;
+    fn recording(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
+        self.run_tape.recording(bytes, is_short)?;
         self.tape.as_mut().map_or(Ok(()), |file| file.write(bytes))
     }
 }
@@ -137,7 +137,7 @@ impl OutputFiles {
             dumps: DumpFiles::open(&simulation.dump, &settings.config)?,
             requests: RequestsFile::open(simulation, &settings.config, &outputs)?,
             tape: simulation.tape.as_deref().map(TapeFile::open).transpose()?,
-            run_tape: RunTape::new(settings.limits)?,
+            run_tape: RunTape::new(settings.bottlenecks)?,
             page: simulation.html.as_deref().map(HtmlFile::open).transpose()?,
             outputs,
             progress,
@@ -152,13 +152,13 @@ impl OutputFiles {
     }
 
     /// Writes what is still to be written; what is then to be published beside the outputs, and the rest.
-    pub fn finish(self, report: &Report, tape_is_whole: bool, simulation: &SimulationArgs) -> Done<(Vec<Beside>, Rest)> {
+    pub fn finish(self, report: &Report, recording_is_complete: bool, simulation: &SimulationArgs) -> Done<(Vec<Beside>, Rest)> {
         let Self { mut dumps, requests, tape, run_tape, page, outputs, progress, frames, kinds, extra, .. } = self;
         drop(progress);
         dumps.flush()?;
         let requests = requests.map(RequestsFile::finish).transpose()?;
         // Of a run that did not come to its end there is none.
-        let tape = tape.filter(|_| tape_is_whole).map(TapeFile::finish).transpose()?;
+        let tape = tape.filter(|_| recording_is_complete).map(TapeFile::finish).transpose()?;
         let page = page.map(|page| page.finish(report)).transpose()?;
         let beside = [(requests, &simulation.requests), (tape, &simulation.tape), (page, &simulation.html)];
         let beside = beside.into_iter().filter_map(|(file, path)| Some((file?, path.clone()?))).collect();

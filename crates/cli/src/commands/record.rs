@@ -8,7 +8,7 @@ use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
 use basrelief_input::{Budget, Growing};
 use basrelief_signals::Scene;
-use basrelief_sim::{MachineConfig, RunInput, begin_of, display_list, expectation_of, hold_textures};
+use basrelief_sim::{MachineConfig, RunInput, display_list, expectation_of, reserve_textures, trace_header};
 use basrelief_trace::{Begin, Encoding, Expectation, Form, ParameterValue, Recorder};
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
@@ -27,7 +27,7 @@ pub fn record(args: &RecordArgs, budget: &Budget, quiet: bool) -> Done {
     let expectations = if args.expect { vec![expected(scene, &config, args, budget)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
         let progress = Progress::new(None, "commands", quiet);
-        write_list(scene, &config, writer, (form, begin_of(scene)), expectations, (progress, budget))
+        write_list(scene, &config, writer, (form, trace_header(scene)), expectations, (progress, budget))
     })
 }
 
@@ -41,7 +41,7 @@ pub fn write_list(
     (mut progress, budget): (Progress, &Budget),
 ) -> Done {
     // Texels as they are recorded, in base64 and in a line that grows by doubling.
-    let copies = || (0..4).map(|_| hold_textures(scene, 0, budget)).collect::<Result<Vec<_>, _>>();
+    let copies = || (0..4).map(|_| reserve_textures(scene, 0, budget)).collect::<Result<Vec<_>, _>>();
     let _copies = copies().map_err(Failure::within(&scene.name))?;
     let failed = Failure::within(&scene.name);
     let mut recorder = Recorder::new(writer, form, begin).map_err(&failed)?;
@@ -58,7 +58,7 @@ fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budge
     let mut list = Growing::new(budget, "a display list");
     let form = Form { encoding: Encoding::Binary, compressed: true };
     let progress = Progress::new(None, "commands", true);
-    write_list(scene, config, &mut list, (form, begin_of(scene)), vec![], (progress, budget))?;
+    write_list(scene, config, &mut list, (form, trace_header(scene)), vec![], (progress, budget))?;
     let (list, _held) = list.into_parts();
     let run = simulate_quietly(RunInput::trace(Cursor::new(list), &scene.name), config, None, budget)?;
     Ok(expectation_of(&run.report, settings_of(config, &args.machine.settings)?))

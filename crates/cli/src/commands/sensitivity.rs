@@ -22,7 +22,7 @@ pub fn around(input: &Input, settings: &RunOptions) -> Done<Around> {
         name,
         opened,
         machine: settings.config.machine(),
-        given: settings.given.clone(),
+        given: settings.overrides.clone(),
         max_cycles: settings.max_cycles,
         exact: settings.exact,
     })

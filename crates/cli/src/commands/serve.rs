@@ -8,7 +8,7 @@ use crate::interrupt;
 use basrelief_input::Budget;
 use basrelief_scene::{Subject, ViewOptions};
 use basrelief_signals::Texture;
-use basrelief_sim::hold_textures;
+use basrelief_sim::reserve_textures;
 use basrelief_tile_server::protocol::{hash_of_picture, pack};
 use basrelief_tile_server::server::{Limits, SceneService, index_page};
 use std::collections::BTreeMap;
@@ -28,7 +28,7 @@ pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
     let within = Failure::within(subject.name());
     // The layers that are asked for: kept to the end of the program.
     let unseen = subject.seen(&ViewOptions::default()).map_err(Failure::bad)?;
-    hold_textures(&unseen, 1, budget).map_err(&within)?.keep();
+    reserve_textures(&unseen, 1, budget).map_err(&within)?.keep();
     let textures = textures(&subject);
     let scene = packed(&subject, budget)?;
     let viewer = viewer(args.folder.as_deref())?;

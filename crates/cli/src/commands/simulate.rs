@@ -15,8 +15,8 @@ use basrelief_kernel::{Engine, Probe};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, Style, to_csv, to_text};
 use basrelief_sim::{
-    self as sim, ExhibitInfo, Form, Given, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, When,
-    picture_name,
+    self as sim, AnalysisPolicy, AuxForm, AuxOutputInfo, MachineConfig, Observer, Overrides, Run, RunError, RunInput, RunOptions,
+    Unobserved, picture_name,
 };
 use basrelief_tile_server::preview::LivePreview;
 use std::cell::Cell;
@@ -43,20 +43,20 @@ impl From<EngineName> for Engine {
 }
 
 /// As the command line says; nobody has asked for exhibits yet.
-pub fn settings_of((config, given): (MachineConfig, Given), simulation: &SimulationArgs, budget: &Budget) -> RunOptions {
+pub fn settings_of((config, given): (MachineConfig, Overrides), simulation: &SimulationArgs, budget: &Budget) -> RunOptions {
     let limits = limits_of(simulation.limits, simulation.no_limits);
     RunOptions {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
-        exhibits: vec![],
-        limits,
-        given,
-        tape: match (&simulation.tape, limits) {
-            (Some(_), _) => When::Always,
-            (None, When::Never) => When::Never,
-            (None, _) => When::IfShort,
+        aux_outputs: vec![],
+        bottlenecks: limits,
+        overrides: given,
+        recording: match (&simulation.tape, limits) {
+            (Some(_), _) => AnalysisPolicy::Always,
+            (None, AnalysisPolicy::Never) => AnalysisPolicy::Never,
+            (None, _) => AnalysisPolicy::IfShort,
         },
         costs: simulation.costs,
         requests: simulation.requests.is_some(),
@@ -66,11 +66,11 @@ pub fn settings_of((config, given): (MachineConfig, Given), simulation: &Simulat
 }
 
 /// Whether what limits a run is measured, by `--limits` and `--no-limits`.
-pub fn limits_of(always: bool, never: bool) -> When {
+pub fn limits_of(always: bool, never: bool) -> AnalysisPolicy {
     match (always, never) {
-        (true, _) => When::Always,
-        (_, true) => When::Never,
-        _ => When::IfShort,
+        (true, _) => AnalysisPolicy::Always,
+        (_, true) => AnalysisPolicy::Never,
+        _ => AnalysisPolicy::IfShort,
     }
 }
 
@@ -103,7 +103,7 @@ pub fn simulate_source(
     files.real = real;
     files.watched = simulation.watch.map(|at| listen(watched, at, quiet)).transpose()?;
     let watched = files.watched.clone();
-    settings.exhibits = exhibits(&settings, &files);
+    settings.aux_outputs = exhibits(&settings, &files);
     let ran = match &mut timelines {
         None => run_named(source, &settings, &mut files, None),
         Some(timelines) => timelines.watch(|probe| run_named(source, &settings, &mut files, Some(probe))),
@@ -115,18 +115,18 @@ pub fn simulate_source(
     if let Some(around) = around.filter(|_| run.report.outcome.kind == OutcomeKind::Complete) {
         run.report.sensitivity = Some(measured(around, &settings.budget, quiet || simulation.json)?);
     }
-    let tape_is_whole = run.tape_is_whole;
+    let recording_is_complete = run.recording_is_complete;
     let mut report = run.with_host(seconds() - began);
     if let (Some(host), Some(real)) = (&mut report.host, &files.real) {
         host.path = Some(real.path());
     }
-    let (beside, rest) = files.finish(&report, tape_is_whole, simulation)?;
+    let (beside, rest) = files.finish(&report, recording_is_complete, simulation)?;
     if simulation.json {
         // In front of what is published: where it cannot be printed, nothing is written.
         print(&report.to_json().map_err(Failure::bad)?)?;
     }
     // Where limits could not be measured, it cannot be timed again either.
-    let run_tape = (tape_is_whole && report.limits.is_some()).then_some(rest.run_tape);
+    let run_tape = (recording_is_complete && report.limits.is_some()).then_some(rest.run_tape);
     let has_tape = publish(rest.outputs, (rest.frames, &rest.kinds), (&report, run_tape), simulation)?;
     rest.dumps.publish()?;
     timelines.map_or(Ok(()), TimelineFiles::publish)?;
@@ -156,8 +156,8 @@ fn listen(watched: LivePreview, at: SocketAddr, quiet: bool) -> Done<LivePreview
 }
 
 /// What is shown beside the pictures: pictures, and what is dumped.
-fn exhibits(settings: &RunOptions, files: &OutputFiles) -> Vec<ExhibitInfo> {
-    let pictures = settings.config.machine().exhibits().into_iter().filter(|e| e.form != Form::Lines);
+fn exhibits(settings: &RunOptions, files: &OutputFiles) -> Vec<AuxOutputInfo> {
+    let pictures = basrelief_sim::aux_outputs(settings.config.machine()).into_iter().filter(|e| e.form != AuxForm::Lines);
     pictures.filter(|e| settings.exact || !e.judges).chain(files.dumps.exhibits()).collect()
 }
 
@@ -193,13 +193,13 @@ pub fn run_named(
 ) -> Done<Run> {
     let name = source.name().to_owned();
     sim::run(source, settings, observer, probe).map_err(|e| match e {
-        SessionError::Trace(_) | SessionError::OverBudget(_) | SessionError::Fault(_) => Failure::within(&name)(e),
-        SessionError::Observer(_)
-        | SessionError::Config(_)
-        | SessionError::NoShortCuts(_)
-        | SessionError::NoMethods(..)
-        | SessionError::NoTimes
-        | SessionError::Incomplete(_) => e.into(),
+        RunError::Trace(_) | RunError::OverBudget(_) | RunError::Fault(_) => Failure::within(&name)(e),
+        RunError::Observer(_)
+        | RunError::Config(_)
+        | RunError::NoShortcuts(_)
+        | RunError::NoMethods(..)
+        | RunError::NoTimes
+        | RunError::Incomplete(_) => e.into(),
     })
 }
 

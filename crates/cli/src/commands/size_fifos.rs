@@ -7,7 +7,9 @@ use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, demo_of};
 use basrelief_input::{Budget, Held};
 use basrelief_report::number::{real, thousands};
-use basrelief_sim::{Choice, Given, MachineConfig, Observer, RunOptions, Sizes, Unobserved, When, size_fifos as sized};
+use basrelief_sim::{
+    AnalysisPolicy, DepthChoice, FifoSizing, MachineConfig, Observer, Overrides, RunOptions, Unobserved, size_fifos as sized,
+};
 use basrelief_trace::Form;
 use std::fmt::Write;
 use std::io::{Cursor, Read};
@@ -59,22 +61,24 @@ impl Sized {
         let (config, given) = input::config(&args.machine, demo_of(path), budget)?;
         let options = options(config, given, budget);
         let mut kept = Kept { bytes: Vec::new(), held: budget.nothing() };
-        let run = run_named(input.again()?, &RunOptions { tape: When::Always, ..options.clone() }, &mut kept, None)?;
+        let run =
+            run_named(input.again()?, &RunOptions { recording: AnalysisPolicy::Always, ..options.clone() }, &mut kept, None)?;
         let name = path.display().to_string();
-        if !run.tape_is_whole {
+        if !run.recording_is_complete {
             return Err(Failure::within(&name)("its run does not come to its end, or its user acts at times: there is no tape"));
         }
         Ok(Self { name, tape: Box::new(Cursor::new(kept.bytes)), drawn: Some((input, options)) })
     }
 
     /// Runs it with the depths that were found: they must take the cycles that are promised.
-    fn check(&self, number: usize, sizes: &Sizes) -> Done {
+    fn check(&self, number: usize, sizes: &FifoSizing) -> Done {
         let Some((input, options)) = &self.drawn else { return Ok(()) };
         for choice in &sizes.choices {
-            let mut given = options.given.clone();
+            let mut given = options.overrides.clone();
             given.settings.extend(choice.depths.iter().map(|(name, depth)| (format!("fifo.{name}.depth"), depth.to_string())));
             let config = given.config(options.config.machine(), &[]).map_err(Failure::bad)?;
-            let run = run_named(input.again()?, &RunOptions { config, given, ..options.clone() }, &mut Unobserved, None)?;
+            let run =
+                run_named(input.again()?, &RunOptions { config, overrides: given, ..options.clone() }, &mut Unobserved, None)?;
             let cycles = run.report.frame_cycles();
             if cycles != choice.cycles[number] {
                 let promised = choice.cycles[number];
@@ -88,8 +92,8 @@ impl Sized {
 }
 
 /// Only what time needs.
-fn options(config: MachineConfig, given: Given, budget: &Budget) -> RunOptions {
-    RunOptions { config, given, exact: false, clock: seconds, budget: budget.clone(), ..RunOptions::default() }
+fn options(config: MachineConfig, given: Overrides, budget: &Budget) -> RunOptions {
+    RunOptions { config, overrides: given, exact: false, clock: seconds, budget: budget.clone(), ..RunOptions::default() }
 }
 
 /// Keeps a tape in memory.
@@ -99,14 +103,14 @@ struct Kept {
 }
 
 impl Observer for Kept {
-    fn tape(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
+    fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
         self.held.grow(bytes.len() as u64, "a tape").map_err(|error| error.to_string())?;
         self.bytes.extend_from_slice(bytes);
         Ok(())
     }
 }
 
-fn text(sizes: &Sizes) -> String {
+fn text(sizes: &FifoSizing) -> String {
     let mut text = format!("{}: the smallest FIFOs found that keep the cycles of the frames\n\n", sizes.machine);
     let Some((recorded, found)) = sizes.choices.split_first() else { return text };
     for choice in &sizes.choices {
@@ -125,7 +129,7 @@ fn text(sizes: &Sizes) -> String {
     text
 }
 
-fn fewer(choice: &Choice, recorded: &Choice) -> String {
+fn fewer(choice: &DepthChoice, recorded: &DepthChoice) -> String {
     if choice.within_percent.is_none() {
         return String::new();
     }

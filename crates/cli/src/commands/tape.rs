@@ -6,7 +6,7 @@ use crate::args::RetimeArgs;
 use crate::error::{Done, Failure, print};
 use crate::outputs::{Outputs, PartialFile, RUN_TAPE, check_distinct, check_not_read};
 use basrelief_input::Budget;
-use basrelief_sim::{Observer, RetimeOptions, TapeFileError, When, retime_to};
+use basrelief_sim::{AnalysisPolicy, Observer, RecordingError, ResimulateOptions, resimulate_to};
 use std::fs::File;
 use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -56,13 +56,13 @@ pub struct RunTape {
 }
 
 impl RunTape {
-    /// An empty one, of a run whose [limits](When) are measured.
+    /// An empty one, of a run whose [limits](AnalysisPolicy) are measured.
     ///
     /// # Errors
     /// None that is known.
-    pub fn new(limits: When) -> Done<Self> {
+    pub fn new(limits: AnalysisPolicy) -> Done<Self> {
         let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
-        let encoder = (limits != When::Never).then(encoder).transpose().map_err(Failure::bad)?;
+        let encoder = (limits != AnalysisPolicy::Never).then(encoder).transpose().map_err(Failure::bad)?;
         Ok(Self { encoder })
     }
 
@@ -78,7 +78,7 @@ impl RunTape {
 }
 
 impl Observer for RunTape {
-    fn tape(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
+    fn recording(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
         self.encoder = self.encoder.take().filter(|_| is_short);
         self.encoder.as_mut().map_or(Ok(()), |encoder| encoder.write_all(bytes)).map_err(|e| e.to_string())
     }
@@ -99,10 +99,10 @@ pub fn open(path: &Path) -> Done<zstd::Decoder<'static, BufReader<File>>> {
 }
 
 /// What is wrong with a tape of this name, or with what was to be done with it.
-pub fn failure(name: &str) -> impl Fn(TapeFileError) -> Failure {
+pub fn failure(name: &str) -> impl Fn(RecordingError) -> Failure {
     let name = name.to_owned();
     move |error| match error {
-        TapeFileError::Work(_) | TapeFileError::OtherWork(_) | TapeFileError::Config(_) => {
+        RecordingError::Work(_) | RecordingError::OtherWork(_) | RecordingError::Config(_) => {
             Failure::Usage(format!("--set: {error}"))
         }
         _ => unreadable(&name)(error),
@@ -110,12 +110,12 @@ pub fn failure(name: &str) -> impl Fn(TapeFileError) -> Failure {
 }
 
 /// What is wrong with a tape of this name by itself.
-pub fn unreadable(name: &str) -> impl Fn(TapeFileError) -> Failure {
+pub fn unreadable(name: &str) -> impl Fn(RecordingError) -> Failure {
     let name = name.to_owned();
     move |error| match error {
         // What the decoder says in its own words.
-        TapeFileError::Read(e) if e.raw_os_error().is_none() => {
-            Failure::within(&name)("not a tape, or not whole; `basrelief run --tape FILE` makes one")
+        RecordingError::Read(e) if e.raw_os_error().is_none() => {
+            Failure::within(&name)("not a recording, or incomplete; make one with `basrelief run --tape FILE`")
         }
         _ => Failure::within(&name)(error),
     }
@@ -135,9 +135,9 @@ pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
     }
     let mut reader = open(&path)?;
     let limits = limits_of(args.limits, args.no_limits);
-    let options = RetimeOptions { settings: args.settings.clone(), limits, budget: budget.clone() };
+    let options = ResimulateOptions { settings: args.settings.clone(), bottlenecks: limits, budget: budget.clone() };
     let mut tape = RunTape::new(limits)?;
-    let report = retime_to(&mut reader, &options, &mut tape).map_err(failure(&name))?;
+    let report = resimulate_to(&mut reader, &options, &mut tape).map_err(failure(&name))?;
     let took = seconds() - began;
     let report = report.with_host(took, took);
     let page = args.html.as_deref().map(|path| HtmlFile::open(path)?.finish(&report)).transpose()?;
@@ -162,14 +162,14 @@ mod tests {
     #[test]
     fn a_tape_that_has_grown_too_long_is_not_left() {
         let folder = tempfile::tempdir().unwrap();
-        let left = |limits: When, pieces: &[bool]| {
+        let left = |limits: AnalysisPolicy, pieces: &[bool]| {
             let mut tape = RunTape::new(limits).unwrap();
-            pieces.iter().for_each(|is_short| tape.tape(b"piece", *is_short).unwrap());
+            pieces.iter().for_each(|is_short| tape.recording(b"piece", *is_short).unwrap());
             let outputs = Outputs::begin(folder.path()).unwrap();
             tape.write_to(&outputs).unwrap()
         };
-        assert!(left(When::IfShort, &[true, true]));
-        assert!(!left(When::IfShort, &[true, false, true]) && !left(When::Always, &[true, false]));
-        assert!(!left(When::Never, &[true]));
+        assert!(left(AnalysisPolicy::IfShort, &[true, true]));
+        assert!(!left(AnalysisPolicy::IfShort, &[true, false, true]) && !left(AnalysisPolicy::Always, &[true, false]));
+        assert!(!left(AnalysisPolicy::Never, &[true]));
     }
 }

@@ -6,7 +6,7 @@ use crate::outputs::PartialFile;
 use basrelief_input::{Budget, OverBudget};
 use basrelief_kernel::Probe;
 use basrelief_parameters::nearest;
-use basrelief_sim::{self as sim, Following, MachineConfig, Run, RunInput, RunOptions, Sample};
+use basrelief_sim::{self as sim, AttributionProbe, MachineConfig, Run, RunInput, RunOptions, TokenSample};
 use basrelief_timeline::{FstWaves, KanataLog, PerfettoTrace, TimelineLayout, TimelineProbe, TraceSink};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub struct TimelineFiles {
     timeline: Option<Output>,
     waves: Option<Output>,
     tokens: Option<Output>,
-    sample: Option<Sample>,
+    sample: Option<TokenSample>,
     budget: Budget,
 }
 
@@ -32,9 +32,9 @@ impl TimelineFiles {
         if timeline.is_none() && waves.is_none() && tokens.is_none() {
             return Ok(None);
         }
-        let board = sim::board(source, settings).map_err(Failure::bad)?;
+        let board = sim::timeline_layout(source, settings).map_err(Failure::bad)?;
         let board = cut(board, simulation)?;
-        let sample = Sample { every: *tokens_every, polygons: *tokens_of == TokenKind::Polygons };
+        let sample = TokenSample { every: *tokens_every, polygons: *tokens_of == TokenKind::Polygons };
         let sample = tokens.as_ref().map(|_| sample);
         let [timeline, waves, tokens] = [timeline, waves, tokens].map(|path| path.clone().map(create).transpose());
         let (config, budget) = (settings.config.clone(), settings.budget.clone());
@@ -61,7 +61,7 @@ impl TimelineFiles {
         let (charts, paths): (Vec<_>, Vec<_>) = charts.into_iter().unzip();
         let mut watcher = TimelineProbe::new(board.clone(), charts);
         let run = if follows {
-            let mut following = Following::new(config, stages, *sample, budget, &mut watcher);
+            let mut following = AttributionProbe::new(config, stages, *sample, budget, &mut watcher);
             let run = run(&mut following)?;
             following.finish().map_err(|over| Failure::Bad(less(&over)))?;
             run

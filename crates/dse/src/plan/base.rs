@@ -2,7 +2,7 @@
 
 use super::axes::{Axis, cell};
 use crate::Cell;
-use basrelief_sim::{Described, MachineConfig};
+use basrelief_sim::{MachineConfig, ParameterInfo};
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use toml::Value;
@@ -14,7 +14,7 @@ pub(super) fn around(
     base: &MachineConfig,
     with: &dyn Fn(&str, &str) -> Option<MachineConfig>,
 ) -> Result<Vec<Axis>, String> {
-    let parameters: BTreeMap<String, Described> = base.described().into_iter().map(|p| (p.key.clone(), p)).collect();
+    let parameters: BTreeMap<String, ParameterInfo> = base.described().into_iter().map(|p| (p.key.clone(), p)).collect();
     if axes.is_empty() {
         return base.described().iter().filter(|p| p.provenance.kind == "assumed").map(|p| assumed(p, with)).collect();
     }
@@ -27,7 +27,7 @@ pub(super) fn around(
     axes.into_iter().map(based).collect()
 }
 
-fn assumed(parameter: &Described, with: &dyn Fn(&str, &str) -> Option<MachineConfig>) -> Result<Axis, String> {
+fn assumed(parameter: &ParameterInfo, with: &dyn Fn(&str, &str) -> Option<MachineConfig>) -> Result<Axis, String> {
     let fits = |value: &Json| {
         let config = toml_of(value).ok().and_then(|value| with(&parameter.key, &value.to_string()));
         config.is_some_and(|config| config.check().is_ok())

@@ -3,7 +3,7 @@
 use super::axes::Axis;
 use crate::{Constraint, Objective, Opened};
 use basrelief_parameters::ConfigError;
-use basrelief_sim::{ConfigLoader, Given, MachineConfig, MachineInfo};
+use basrelief_sim::{ConfigLoader, MachineConfig, MachineInfo, Overrides};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A consistent plan with open inputs.
@@ -28,7 +28,7 @@ pub struct Plan {
     /// Points to run, each once.
     pub points: Vec<Point>,
     /// Parameters that all points share.
-    pub(super) base: Given,
+    pub(super) base: Overrides,
     /// Their TOML, read.
     pub(super) loader: ConfigLoader,
 }
@@ -82,9 +82,9 @@ impl Plan {
     }
 
     /// The parameters of a point, as they are given.
-    pub fn given(&self, places: &[usize]) -> Given {
+    pub fn given(&self, places: &[usize]) -> Overrides {
         let settings = self.base.settings.iter().cloned().chain(self.settings(places)).collect();
-        Given { toml: self.base.toml.clone(), settings }
+        Overrides { toml: self.base.toml.clone(), settings }
     }
 
     /// The whole configuration of a point.

@@ -16,7 +16,7 @@ use crate::one;
 use crate::{Host, Opened, SweepError};
 use axes::{Exclusion, Places};
 use basrelief_parameters::{ConfigError, nearest};
-use basrelief_sim::{Given, MachineInfo, input_sha256};
+use basrelief_sim::{MachineInfo, Overrides, input_sha256};
 use std::collections::BTreeSet;
 use written::{Config, Method, Samples, Written};
 
@@ -30,7 +30,7 @@ pub struct Around {
     /// Machine.
     pub machine: &'static MachineInfo,
     /// Parameters as they were given.
-    pub given: Given,
+    pub given: Overrides,
     /// No step starts in this cycle or later.
     pub max_cycles: u64,
     /// Whether exact pictures are drawn, and measured against.
@@ -50,7 +50,7 @@ impl Plan {
     }
 
     /// Returns the plan of a run and of the same run with each assumed parameter at its
-    /// [neighbours](basrelief_sim::Described::neighbours), one at a time.
+    /// [neighbours](basrelief_sim::ParameterInfo::neighbours), one at a time.
     ///
     /// # Errors
     /// An input that cannot be read, parameters that do not fit together.
@@ -97,7 +97,7 @@ impl Plan {
             max_cycles: written.max_cycles.unwrap_or(u64::MAX),
             exact: true,
             points: vec![],
-            base: Given { toml: base, settings: vec![] },
+            base: Overrides { toml: base, settings: vec![] },
             loader,
         };
         plan.check_parameters()?;

@@ -5,17 +5,17 @@ use basrelief_dse::{Around, Opened, Plan, sensitivity};
 use basrelief_input::Budget;
 use basrelief_report::sensitivity::{Change, ComesTo, Measure, Sensitivity};
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_sim::{Given, MACHINES, MachineInfo, Prepared, RunInput, RunOptions, Unobserved, run};
+use basrelief_sim::{MACHINES, MachineInfo, Overrides, PreparedScene, RunInput, RunOptions, Unobserved, run};
 use std::collections::BTreeSet;
 use std::fs;
 use std::sync::Arc;
 use tempfile::tempdir;
 
 /// The first demo of a machine, small.
-fn around(machine: &'static MachineInfo, given: Given, frames: u32) -> Around {
+fn around(machine: &'static MachineInfo, given: Overrides, frames: u32) -> Around {
     let options = ViewOptions { size: [32, 24], frames: Some(frames), ..ViewOptions::default() };
     let scene = Arc::new(demo(machine.demos[0], &options).unwrap());
-    let opened = Opened::Scene(Prepared::kept(scene, &Budget::default()));
+    let opened = Opened::Scene(PreparedScene::cached(scene, &Budget::default()));
     Around { name: machine.demos[0].into(), opened, machine, given, max_cycles: u64::MAX, exact: true }
 }
 
@@ -28,9 +28,9 @@ fn measured(around: &Around, threads: usize) -> Sensitivity {
 fn measured_alone(around: &Around, set: Option<(&str, String)>) -> Measure {
     let Opened::Scene(prepared) = &around.opened else { panic!("a scene") };
     let settings = around.given.settings.iter().cloned().chain(set.map(|(key, value)| (key.to_owned(), value))).collect();
-    let given = Given { settings, ..around.given.clone() };
+    let given = Overrides { settings, ..around.given.clone() };
     let config = given.config(around.machine, &[]).unwrap();
-    let options = RunOptions { config, given, ..RunOptions::default() };
+    let options = RunOptions { config, overrides: given, ..RunOptions::default() };
     run(RunInput::Scene(prepared.clone()), &options, &mut Unobserved, None).unwrap().report.measure()
 }
 
@@ -47,7 +47,7 @@ fn size(change: &Change) -> f64 {
 /// All that is said of one machine.
 fn every_assumption_is_changed(machine: usize, frames: u32) {
     let machine = &MACHINES[machine];
-    let around = around(machine, Given::default(), frames);
+    let around = around(machine, Overrides::default(), frames);
     let told = measured(&around, 2);
     assert_eq!(told.base, measured_alone(&around, None));
 
@@ -101,7 +101,7 @@ fn defer_sensitivity_equals_separate_runs() {
 #[test]
 fn sensitivity_does_not_depend_on_threads() {
     let settings = vec![("shade.mode".to_owned(), "normal".to_owned()), ("cpu.divide".to_owned(), "40".to_owned())];
-    let around = around(&MACHINES[1], Given { toml: "[cpu]\nmultiply = 9".into(), settings }, 1);
+    let around = around(&MACHINES[1], Overrides { toml: "[cpu]\nmultiply = 9".into(), settings }, 1);
     let [one, two] = [1, 2].map(|threads| measured(&around, threads));
     assert_eq!(serde_json::to_string(&one).unwrap(), serde_json::to_string(&two).unwrap());
     let values = |key: &str| {
@@ -117,7 +117,7 @@ fn sensitivity_does_not_depend_on_threads() {
 
 #[test]
 fn cycle_limit_is_a_row_and_no_pictures_no_psnr() {
-    let around = around(&MACHINES[1], Given::default(), 1);
+    let around = around(&MACHINES[1], Overrides::default(), 1);
     let total = {
         let Opened::Scene(prepared) = &around.opened else { panic!("a scene") };
         run(
@@ -175,7 +175,7 @@ fn a_plan_without_axes_changes_every_assumption() {
     let text = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"cycles min\"]\nsamples = { method = \"one_at_a_time\" }\n";
     let of_file = plan(text, &host);
     let Opened::Scene(prepared) = &of_file.inputs[0].opened else { panic!("a scene") };
-    let around = Around { opened: Opened::Scene(prepared.clone()), ..around(&MACHINES[1], Given::default(), 1) };
+    let around = Around { opened: Opened::Scene(prepared.clone()), ..around(&MACHINES[1], Overrides::default(), 1) };
     let of_run = Plan::around(around, &host).unwrap();
     assert_eq!(of_run.points.iter().map(|p| &p.id).collect::<Vec<_>>(), of_file.points.iter().map(|p| &p.id).collect::<Vec<_>>());
     let error = Plan::read(&text.replace("time\" }", "time\", points = 4 }"), &host).unwrap_err().to_string();

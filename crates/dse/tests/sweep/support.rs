@@ -4,7 +4,7 @@ use basrelief_dse::{Folder, Host, Opened, Plan, Tally, Work, execute, tables};
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_sim::{Prepared, RunInput, doc_trace};
+use basrelief_sim::{PreparedScene, RunInput, doc_trace};
 use std::fs;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ impl Host for Program {
         let frames = view.iter().map(|(_, value)| value.parse().unwrap()).next_back();
         let options = ViewOptions { size: [40, 30], frames, ..ViewOptions::default() };
         let scene = demo(name, &options).map_err(|error| format!("input: {error}"))?;
-        Ok(Opened::Scene(Prepared::kept(Arc::new(scene), &self.budget)))
+        Ok(Opened::Scene(PreparedScene::cached(Arc::new(scene), &self.budget)))
     }
 
     fn trace(&self, name: &str) -> Result<RunInput, String> {

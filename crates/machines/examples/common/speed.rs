@@ -1,4 +1,4 @@
-//! Host speed of a machine on a display list, timed and without time.
+//! Host speed of a machine on a trace, with the timed engine and the functional model.
 
 use basrelief_kernel::{Engine, run, run_functional};
 use basrelief_machines::{ConfigProblem, Draws, FrontEnd, TraceFront};
@@ -6,14 +6,14 @@ use basrelief_parameters::Parameters;
 use basrelief_signals::Control;
 use std::time::Instant;
 
-/// The machine's defaults, with the settings of the command line.
+/// Loads the machine's defaults with the settings of the command line.
 pub fn config<C: Parameters>() -> Result<C, String> {
     let settings: Vec<String> = std::env::args().skip(1).collect();
     let settings: Vec<(&str, &str)> = settings.iter().filter_map(|s| s.split_once('=')).collect();
     basrelief_parameters::load("", &settings).map_err(|e| e.to_string())
 }
 
-/// A way in that replays these commands.
+/// Creates a front end that replays these commands.
 pub fn replay<'a, C>(controls: &'a [Control], config: &'a C) -> impl FrontEnd + use<'a, C>
 where
     basrelief_machines::FrontConfig: From<&'a C>,
@@ -21,7 +21,7 @@ where
     TraceFront::new(controls.iter().map(|control| Ok::<_, String>((control.clone(), None))), config)
 }
 
-/// Runs it both ways, and prints how many elements a second that is: as many as device figure `figure` says.
+/// Runs the timed engine and the functional model, and prints the elements per second. `figure` is the number of elements.
 pub fn print_speed<M: Draws>(machine: impl Fn() -> Result<M, ConfigProblem>, figure: &str, elements: &str) -> Result<(), String> {
     let machine = || machine().map_err(|e| e.to_string());
     let mut timed = machine()?;

@@ -1,4 +1,4 @@
-//! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
+//! Checks across parameters, and warnings for the report.
 
 use super::BumpProcessorConfig;
 use super::machine::widths;
@@ -12,12 +12,12 @@ use basrelief_normal_mapping::NormalMapping;
 use basrelief_replacement::CodeBookMode;
 use basrelief_signals::MAX_SAMPLES;
 
-/// There is no VQ table as configured.
+/// Converts an error of the configured VQ tables.
 pub(super) fn no_table(e: basrelief_shading::TableError) -> ConfigProblem {
     ConfigProblem { key: "replacement.entries".into(), message: e.to_string() }
 }
 
-/// Checks what spans parameters.
+/// Checks that the parameters fit together.
 pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
     check_memories(c)?;
     c.texture.check()?;
@@ -26,7 +26,7 @@ pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
         return problem(
             "normal_mapping.filter_at",
             format!(
-                "{samples} pseudo-normals per fragment, a token holds {MAX_SAMPLES}; set brightness.levels to 2 or less, or normal_mapping.filter_at = normal"
+                "needs {samples} pseudo-normals per fragment, but a token holds {MAX_SAMPLES}; set brightness.levels to 2 or less, or normal_mapping.filter_at = normal"
             ),
         );
     }
@@ -42,8 +42,8 @@ pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
-/// Most fragments of a stamp: as configured, but no more than ports have credits for, as a step looks up the lines of all
-/// of them (law 3). So few credits cost time, and never keep a machine from running that could run with single fragments.
+/// Returns the maximum number of fragments of a stamp: the configured number, limited by the credits of the ports, because one step looks
+/// up the lines of all fragments (law 3). With few credits, the machine is slower but still runs.
 pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
     let (levels, line_bytes) = (c.brightness.levels, c.cache.normal_map.line_bytes);
     let mapping = NormalMapping::new(c.normal_mapping.clone(), &c.operators, levels, 1, line_bytes).largest_step(0);
@@ -64,7 +64,7 @@ pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
     .max(1)
 }
 
-/// What waits of a fragment of a bump target until the list is drawn \[bits\].
+/// Returns the size of a deferred fragment of a bump target \[bits\].
 pub(super) fn entry_bits(c: &BumpProcessorConfig) -> u32 {
     let widths = widths(c, 1);
     match c.graphics.held {
@@ -74,31 +74,30 @@ pub(super) fn entry_bits(c: &BumpProcessorConfig) -> u32 {
     }
 }
 
-/// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, smaller stamps, and where claim 3 was
-/// not met.
+/// Returns warnings for the report: FIFOs that limit the throughput, reduced stamps, and violations of claim 3.
 pub fn warnings(c: &BumpProcessorConfig, facts: &UnitStats) -> Vec<String> {
     let fewer = stamp(c);
     let stamps = (fewer < c.rasterizer.stamp).then(|| {
-        format!("stamps of {fewer} instead of {} fragments: a step of more needs more requests in flight (memory.*.outstanding) than there may be", c.rasterizer.stamp)
+        format!("stamps have {fewer} instead of {} fragments, because larger ones need more requests in flight; raise memory.*.outstanding", c.rasterizer.stamp)
     });
     slow_fifos(facts).into_iter().chain(stamps).chain(few_tables(c)).chain(claim_3_warning(c, facts)).collect()
 }
 
-/// A fragment needs a table for each level that it is interpolated from: a unit that holds fewer loads them anew for each.
+/// Warns if the unit holds fewer tables than a fragment has levels, because it then loads the tables for every fragment.
 fn few_tables(c: &BumpProcessorConfig) -> Option<String> {
     let (needed, held) = (u32::from(c.brightness.levels), c.replacement.resident_tables);
     let searches_tables = c.replacement.codebook == CodeBookMode::Fixed;
     (searches_tables && held < needed).then(|| {
-        format!("a fragment of {needed} levels needs as many VQ tables, and the unit holds {held}: it loads them anew for every fragment (replacement.resident_tables)")
+        format!("a fragment with {needed} levels needs {needed} VQ tables, but the unit holds {held} and reloads them for every fragment; raise replacement.resident_tables")
     })
 }
 
-/// Claim 3 wants fewer reference normals in a table than distinct pseudo-normals on the surface: says where a run was
-/// otherwise. Quantizing then costs tables without saving anything.
+/// Warns if a table has as many reference normals as the surface has distinct pseudo-normals. Claim 3 requires fewer; otherwise
+/// quantization saves nothing.
 fn claim_3_warning(c: &BumpProcessorConfig, facts: &UnitStats) -> Option<String> {
     let (distinct, searches) = (facts.count("distinct_pseudo_normals"), facts.count("searches"));
     let entries = c.replacement.entries.levels().into_iter().max().unwrap_or(0);
     (searches > 0 && distinct <= u64::from(entries)).then(|| {
-        format!("the surface has {distinct} distinct pseudo-normals, a VQ table {entries} entries: claim 3 wants fewer entries (replacement.entries)")
+        format!("the surface has {distinct} distinct pseudo-normals, and a VQ table has {entries} entries; claim 3 requires fewer entries (replacement.entries)")
     })
 }

@@ -17,21 +17,21 @@ use basrelief_signals::{
     Control, Draw, Flow, Fragment, LightingStage, NormalIndexes, Pixel, PseudoNormals, ShadedFragment, Stamp, VertexAttributes,
 };
 
-/// Cycles per second, by default.
+/// Default clock \[Hz\].
 const HZ: u64 = 200_000_000;
 
 memories! {
-    /// The three memories.
+    /// Memories.
     pub struct MemoryConfigs at HZ {
-        /// Normal-map memory (116). Its port has the credits of the largest step, four texels of each of eight levels for each
-        /// of four fragments; of four steps with two levels.
+        /// Normal-map memory (116). Its port has credits for the largest step: four texels of each of eight levels for each of four
+        /// fragments. That equals four steps with two levels.
         normal_map = MemoryConfig { part: MemoryPart::EdramPs2, outstanding: 128, ..MemoryConfig::default() } => [
-            part: Assumed("Figure 1 draws (116) as a memory of its own inside the device: on the chip, where its maker had put 4 MB of DRAM since 2000"),
+            part: Assumed("Figure 1 draws (116) as a separate memory inside the device, which means on the chip; its maker had put 4 MB of DRAM on a chip since 2000"),
             outstanding: Assumed("the largest step: 4 texels of 8 levels for 4 fragments"),
         ],
-        /// Quantization-vector memory (120): VQ tables (121) and CLUTs (122). Its ports have the credits of four steps.
+        /// Quantization-vector memory (120): VQ tables (121) and CLUTs (122). Its ports have credits for four steps.
         quantization = MemoryConfig { part: MemoryPart::Sram, outstanding: 32, ..MemoryConfig::default() } => [
-            part: Assumed("Figure 1 draws (120) as a memory of its own inside the device; eight levels of tables and CLUTs are some 16 KB, which is SRAM on a chip"),
+            part: Assumed("Figure 1 draws (120) as a separate memory inside the device; eight levels of tables and CLUTs are about 16 KB, which is SRAM on a chip"),
             outstanding: Assumed("four steps of four fragments with two levels"),
         ],
         /// Graphics-data memory (124), with the frame buffer (126).
@@ -44,7 +44,7 @@ memories! {
 }
 
 parameter_groups! {
-    /// The caches in front of the memories.
+    /// Caches of the memories.
     pub struct CacheConfigs {
         /// Normal-map texels, for the mapping unit (108).
         normal_map: CacheConfig = CacheConfig::default(),
@@ -58,8 +58,8 @@ parameter_groups! {
 }
 
 fifos! {
-    /// FIFOs of the bump-mapping processor, by name. Defaults hold full rate (law 2): latency of the producer + FIFO
-    /// latency + 1, and on the way out of a unit that waits for memory its loaded latency too.
+    /// FIFOs of the bump-mapping processor, by name. Default depths sustain full throughput (law 2): latency of the
+    /// producer + FIFO latency + 1, plus the loaded memory latency after a unit that waits for memory.
     pub struct FifoConfigs, Fifos {
         /// Host to geometry processor: triangles.
         draws: Draw = 16,
@@ -67,7 +67,7 @@ fifos! {
         polygons: Control = 32,
         /// Rasterizer to z-test or distributor: fragments.
         fragments: Flow<Stamp<Fragment>> = 64,
-        /// Z-test to distributor, with early z.
+        /// Z-test to distributor, with early z: fragments.
         tested_fragments: Flow<Stamp<Fragment>> = 64,
         /// Distributor to normal-vector mapping unit: fragments of bump targets.
         bump_fragments: Flow<Stamp<Fragment>> = 16,
@@ -81,10 +81,10 @@ fifos! {
         shaded: Flow<Stamp<ShadedFragment>> = 64,
         /// Graphics processor to frame buffer, or to the z-test without early z: pixels.
         pixels: Flow<Stamp<Pixel>> = 128,
-        /// Z-test to frame buffer, without early z.
+        /// Z-test to frame buffer, without early z: pixels.
         tested_pixels: Flow<Stamp<Pixel>> = 64,
-        /// Frame buffer to video output: finished frames, as many as wait for the
-        /// display while drawing goes on.
+        /// Frame buffer to video output: finished frames. The depth is the number of frames that may wait for the
+        /// display while drawing continues.
         finished_frames: FrameDone = 256,
     }
 }
@@ -96,7 +96,7 @@ parameter_groups! {
         clock: ClockConfig = ClockConfig { hz: HZ } => [
             hz: Assumed("2005, between the Graphics Synthesizer of the same maker (147 MHz, 2000) and its RSX (550 MHz, 2006)"),
         ],
-        /// Operators: how long arithmetic takes, the same in every unit.
+        /// Latency and initiation interval of arithmetic operators, the same in every unit.
         operators: Operators = Operators {
             multiply: OperatorConfig::new(4, 1),
             add: OperatorConfig::new(4, 1),
@@ -115,9 +115,9 @@ parameter_groups! {
             power.latency: Assumed("EEXP of the vector units of the same maker's Emotion Engine (2000), its elementary function unit: 44 cycles; a power is no cheaper"),
             power.interval: Assumed("the same EEXP: 43 cycles"),
         ],
-        /// How a display list is fed.
+        /// Arrival of the commands of a trace.
         display_list: DisplayListConfig = DisplayListConfig::default(),
-        /// Which polygons are bump targets.
+        /// Selection of bump targets.
         bump: BumpConfig = BumpConfig::default(),
         /// Geometry processor (102).
         geometry: GeometryConfig = GeometryConfig::default(),
@@ -133,7 +133,7 @@ parameter_groups! {
         brightness: BrightnessConfig = BrightnessConfig::default(),
         /// Graphics processor (104).
         graphics: GraphicsConfig = GraphicsConfig::default(),
-        /// Normal maps in memory (116), and colour textures in memory (124).
+        /// Layout of normal maps in memory (116), and of colour textures in memory (124).
         texture: TextureConfig = TextureConfig::default(),
         /// Frame buffer (126).
         frame_buffer: FrameBufferConfig = FrameBufferConfig::default(),
@@ -145,9 +145,9 @@ parameter_groups! {
         memory: MemoryConfigs = MemoryConfigs::default(),
         /// Caches.
         cache: CacheConfigs = CacheConfigs::default(),
-        /// What costs nothing.
+        /// Idealized units, for bottleneck analysis.
         ideal: IdealConfig = IdealConfig::default(),
-        /// The exact picture that the machine's is compared with.
+        /// The exact picture, which the machine's picture is compared with.
         reference: ReferenceConfig = ReferenceConfig::default(),
     }
 }

@@ -1,4 +1,4 @@
-//! The machine: fields and wiring.
+//! The machine: its stages and their wiring.
 
 use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
@@ -37,10 +37,10 @@ pub struct BumpProcessor<F> {
 }
 
 impl<F: FrontEnd> BumpProcessor<F> {
-    /// The machine at power-on.
+    /// Creates the machine at power-on.
     ///
     /// # Errors
-    /// Where parameters, each in its range, do not fit together.
+    /// Parameters that are in range but do not fit together.
     pub fn new(front: F, config: &BumpProcessorConfig) -> Result<Self, ConfigProblem> {
         check::check(config)?;
         let c = config.clone();
@@ -95,7 +95,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
     }
 }
 
-/// How wide its signals are, with stamps of so many fragments.
+/// Returns the widths of the signals, with `stamp` fragments per stamp.
 pub(super) fn widths(config: &BumpProcessorConfig, stamp: u32) -> SignalWidths {
     let most = config.replacement.entries.levels().into_iter().max().unwrap_or(1);
     let values = if config.brightness.components == Components::Separate { 2 } else { 1 };

@@ -1,12 +1,12 @@
-//! The three memories and their clients.
+//! Memories and their clients.
 
 use super::BumpProcessorConfig;
 use basrelief_kernel::MemorySystem;
 
-/// Numbers of the clients, by unit, in the order in which the unit counts them.
+/// Numbers of the memory clients, by unit, in the unit's own order.
 ///
-/// Ports are numbered in the order of the pipeline's end first: what drains the machine goes before what fills it, when
-/// both arrive in one cycle (assumed; the reverse order was tried on paper only).
+/// Ports are numbered from the end of the pipeline, so that units that drain the machine win over units that fill it when both requests
+/// arrive in one cycle. This order is assumed.
 #[derive(Clone, Debug)]
 pub(super) struct ClientNumbers {
     pub(super) mapping: [usize; 1],
@@ -18,7 +18,7 @@ pub(super) struct ClientNumbers {
     pub(super) video_out: [usize; 1],
 }
 
-/// Builds memories (116), (120), (124) with their ports and caches.
+/// Builds the memories (116), (120) and (124) with their ports and caches.
 pub(super) fn build(config: &BumpProcessorConfig) -> (MemorySystem, ClientNumbers) {
     let (memory, cache) = (&config.memory, &config.cache);
     let mut m = MemorySystem::default();

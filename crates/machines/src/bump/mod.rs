@@ -1,6 +1,6 @@
-//! The quantized bump-mapping processor (Sony; inventor A. Ohba).
+//! Quantized bump-mapping processor (Sony; inventor A. Ohba).
 //!
-//! Figure 1, as it is wired by [`BumpProcessor`]:
+//! Figure 1, as wired by [`BumpProcessor`]:
 //!
 //! ```text
 #![doc = include_str!("diagram.txt")]
@@ -10,6 +10,7 @@ mod check;
 mod config;
 mod machine;
 mod memories;
+mod spec;
 
 pub use crate::config::{ClockConfig, ReferenceConfig, ReferenceFilter};
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
@@ -21,7 +22,7 @@ pub use machine::BumpProcessor;
 /// Name of the machine.
 pub const NAME: &str = "bump";
 
-/// Figure 1 in characters.
+/// Figure 1 as text.
 pub const DIAGRAM: &str = include_str!("diagram.txt");
 
 #[cfg(test)]
@@ -34,5 +35,5 @@ mod tests {
         config
     }
 
-    crate::unit_info::checks_the_drawing!(BumpProcessor, [BumpProcessorConfig::default(), late_z()]);
+    crate::unit_info::diagram_tests!(BumpProcessor, [BumpProcessorConfig::default(), late_z()]);
 }

@@ -1,4 +1,4 @@
-//! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
+//! Checks across parameters, and warnings for the report.
 
 use super::DeferConfig;
 use crate::memories::check_memories;
@@ -6,10 +6,10 @@ use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_deferred_renderer::{NumberFormat, RenderMode};
 use basrelief_kernel::stats::UnitStats;
 
-/// Latest time that a user acts at: three months \[ms\].
+/// Latest time of a user action: three months \[ms\].
 const LATEST_MS: f64 = 8e9;
 
-/// Checks what spans parameters.
+/// Checks that the parameters fit together.
 pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
     check_memories(c)?;
     line_is_power_of_two("depth", c.cache.depth.line_bytes)?;
@@ -26,12 +26,12 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
         ("cell.depth_fraction_bits", cell.depth_format, cell.depth_bits, cell.depth_fraction_bits),
     ];
     for (key, format, bits, fraction) in fields {
-        // The sign, and for a layer depth or a coordinate something in front of the point.
+        // One bit is the sign; a layer depth or a coordinate needs some integer bits.
         if format == NumberFormat::Fixed && fraction + 5 > bits {
             return problem(
                 key,
                 format!(
-                    "is {fraction}, but the field has {bits} bits, 5 of them in front of the point; set it to {} or less",
+                    "is {fraction}, but the field has {bits} bits, 5 of them before the point; set it to {} or less",
                     bits.saturating_sub(5)
                 ),
             );
@@ -40,28 +40,27 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
-/// Where and when viewpoints are left.
+/// Checks the times and tile counts at which views are left.
 fn check_leaving(c: &DeferConfig) -> Result<(), ConfigProblem> {
     let times = &c.defer.left_at_ms;
     if !times.iter().all(|ms| (0.0..=LATEST_MS).contains(ms)) || !times.is_sorted() {
-        return problem("defer.left_at_ms", format!("is {times:?}, expected rising times of 0 to {LATEST_MS} ms"));
+        return problem("defer.left_at_ms", format!("is {times:?}, expected ascending times from 0 to {LATEST_MS} ms"));
     }
     for (key, is_given) in [("defer.left_at_ms", !times.is_empty()), ("defer.left_at_tile", !c.defer.left_at_tile.is_empty())] {
         if is_given && c.defer.mode != RenderMode::Progressive {
-            let message = "is given, but only progressive pictures are left for better ones; set `defer.mode=progressive`";
+            let message = "is set, but a view can be left only in progressive mode; set `defer.mode=progressive`";
             return problem(key, message.into());
         }
     }
     Ok(())
 }
 
-/// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, requests that they do not let the path have,
-/// and what of the input the machine has no use for.
+/// Returns warnings for the report: FIFOs that limit the throughput or the requests in flight, and input that the machine cannot use.
 pub fn warnings(c: &DeferConfig, facts: &UnitStats) -> Vec<String> {
     slow_fifos(facts).into_iter().chain(unused_requests(c)).chain(input_warnings(facts)).collect()
 }
 
-/// Each tile in flight has an order that waits for it.
+/// Warns if the FIFO of orders limits the tiles in flight, because each tile in flight has a waiting order.
 fn unused_requests(c: &DeferConfig) -> Option<String> {
     let (orders, tiles) = (c.fifo.orders.depth, c.path.requests * c.path.tiles_per_request);
     (tiles > orders).then(|| {
@@ -71,9 +70,9 @@ fn unused_requests(c: &DeferConfig) -> Option<String> {
     })
 }
 
-/// What of the input the renderer has no use for: one sentence each.
+/// Returns warnings about input that the renderer cannot use.
 fn input_warnings(facts: &UnitStats) -> Vec<String> {
     let none = facts.count("cells_direct") > 0 && facts.count("cells_textured") == 0;
-    let unused = "no pixel has a colour texture: no tile was needed".to_owned();
+    let unused = "no pixel has a colour texture, so no tile was needed".to_owned();
     none.then_some(unused).into_iter().collect()
 }

@@ -14,47 +14,47 @@ use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_signals::{Control, Draw, Flow, Fragment, LightingStage, PictureFlow, Stamp, VertexAttributes};
 
-/// Cycles per second, by default.
+/// Default clock \[Hz\].
 const HZ: u64 = 100_000_000;
 
-/// A board of the time: 128 bits.
+/// Memory of a graphics board of the time, 128 bits wide.
 fn board(outstanding: u32) -> MemoryConfig {
     MemoryConfig { part: MemoryPart::Sdr100, channels: 2, window: 8, cap: 8, outstanding, ..MemoryConfig::default() }
 }
 
 memories! {
-    /// The three memories.
+    /// Memories.
     pub struct MemoryConfigs at HZ {
         /// Pixel/depth buffer (124).
         pixel_depth = board(32) => [
-            part: Assumed("1998: what graphics boards and computers of that year had (PC100)"),
+            part: Assumed("1998: memory of graphics boards and computers of that year (PC100)"),
             channels: Assumed("128 bits, twice 64, as RIVA TNT (1998)"),
-            window: Assumed("two bursts for each of the four banks that SDRAM brought: one moves, one opens its row"),
-            cap: Assumed("as many as are in view"),
+            window: Assumed("two bursts for each of the four banks of SDRAM: one transfers data, one opens its row"),
+            cap: Assumed("as many requests as the window holds"),
             outstanding: Assumed("more than rows, CL and burst take at one request per two cycles"),
         ],
         /// Reference buffer (126).
         reference = board(16) => [
             part: Assumed("as the pixel/depth buffer"),
             channels: Assumed("as the pixel/depth buffer"),
-            window: Assumed("two bursts for each of the four banks that SDRAM brought: one moves, one opens its row"),
-            cap: Assumed("as many as are in view"),
+            window: Assumed("two bursts for each of the four banks of SDRAM: one transfers data, one opens its row"),
+            cap: Assumed("as many requests as the window holds"),
             outstanding: Assumed("cells are read and written in order"),
         ],
-        /// Texture-data memory (130). Its ports have the credits of the largest step, four texels of each of two layers for
-        /// each of 16 pixels, twice.
+        /// Texture-data memory (130). Its ports have credits for two of the largest steps: four texels of each of two layers for each of 16
+        /// pixels.
         texture = board(256) => [
             part: Assumed("as the pixel/depth buffer"),
             channels: Assumed("as the pixel/depth buffer"),
-            window: Assumed("two bursts for each of the four banks that SDRAM brought: one moves, one opens its row"),
-            cap: Assumed("as many as are in view"),
+            window: Assumed("two bursts for each of the four banks of SDRAM: one transfers data, one opens its row"),
+            cap: Assumed("as many requests as the window holds"),
             outstanding: Assumed("the largest step, 4 texels of 2 layers for 16 pixels, twice"),
         ],
     }
 }
 
 parameter_groups! {
-    /// The caches in front of the memories.
+    /// Caches of the memories.
     pub struct CacheConfigs {
         /// Depth values, for the z-test.
         depth: CacheConfig = CacheConfig { sets: 32, lookups_per_cycle: 1, ..CacheConfig::default() },
@@ -64,15 +64,15 @@ parameter_groups! {
 }
 
 fifos! {
-    /// FIFOs of the rate-limited renderer, by name. Defaults hold full rate (law 2): latency of the producer + FIFO latency
-    /// + 1, and on the way out of a unit that waits for memory its loaded latency too. That of tiles on the path has as many
-    /// slots as there may be requests in flight: `path.requests`.
+    /// FIFOs of the rate-limited renderer, by name. Default depths sustain full throughput (law 2): latency of the producer + FIFO
+    /// latency + 1, plus the loaded memory latency after a unit that waits for memory. The FIFO
+    /// of tiles on the path has a slot for each request in flight, `path.requests`.
     pub struct FifoConfigs, Fifos {
         /// Host to geometry processor: triangles.
         draws: Draw = 16,
         /// Geometry processor to server (110): the display list, in its polygon memory (112).
         polygons: Control = 32,
-        /// Server (110) to path: what it sends.
+        /// Server (110) to path: polygons and tiles.
         parcels: Parcel = 4,
         /// Path to rasterizer: polygons.
         mesh: Control = 16,
@@ -80,9 +80,9 @@ fifos! {
         expanded: ExpandedTile = 2,
         /// Rasterizer to z-test: fragments.
         fragments: Flow<Stamp<Fragment>> = 96,
-        /// Z-test to the making of cells: fragments in front.
+        /// Z-test to cell generator: visible fragments.
         tested_fragments: Flow<Stamp<Fragment>> = 64,
-        /// To reference buffer (126): cells.
+        /// Cell generator to reference buffer (126): cells.
         cells: CellFlow = 72,
         /// Reference buffer (126) to identification (461): blocks of cells.
         marking: PassFlow = 8,
@@ -94,16 +94,16 @@ fifos! {
         improvements: MarkFlow = 16,
         /// Tile load lists (136) to server (110): requests.
         requests: Request = 8,
-        /// Tile load lists (136) to texture-data memory (130): what becomes of tiles.
+        /// Tile load lists (136) to texture-data memory (130): fates of tiles.
         orders: Order = 16,
-        /// Tile load lists (136) to reference buffer (126): whether another round follows.
+        /// Tile load lists (136) to reference buffer (126): start of another round.
         rounds: Round = 2,
         /// Final rasterization to pixel buffer (124): blocks of pixels.
         pixels: PictureFlow = 16,
         /// Pixel buffer (124) to server (110): the last picture of a frame is shown.
         shown: () = 2,
-        /// Pixel buffer (124) to video output: finished pictures, as many as wait for the
-        /// display while drawing goes on.
+        /// Pixel buffer (124) to video output: finished pictures. The depth is the number of pictures that may wait
+        /// for the display while drawing continues.
         finished_frames: FrameDone = 256,
     }
 }
@@ -113,9 +113,9 @@ parameter_groups! {
     pub struct DeferConfig completed(complete) explained(explain) {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
-            hz: Assumed("1998: what graphics chips of that year ran at (RIVA TNT 90 MHz), and the clock of PC100"),
+            hz: Assumed("1998: clock of graphics chips of that year (RIVA TNT 90 MHz), and of PC100 memory"),
         ],
-        /// Operators: how long arithmetic takes, the same in every unit.
+        /// Latency and initiation interval of arithmetic operators, the same in every unit.
         operators: Operators = Operators {
             multiply: OperatorConfig::new(3, 1),
             add: OperatorConfig::new(3, 1),
@@ -131,34 +131,34 @@ parameter_groups! {
             divide.interval: Assumed("the same, not pipelined"),
             square_root.latency: Assumed("the same processor: root in single precision 17 cycles"),
             square_root.interval: Assumed("the same, not pipelined"),
-            power.latency: Assumed("a logarithm and an exponential of some 25 cycles by polynomials on the same FMAC, and a product"),
+            power.latency: Assumed("a logarithm and an exponential of about 25 cycles each, by polynomials on the same FMAC, and a product"),
             power.interval: Assumed("the same, one at a time"),
         ],
-        /// How a display list is fed.
+        /// Arrival of the commands of a trace.
         display_list: DisplayListConfig = DisplayListConfig::default(),
-        /// Which polygons a display list marks as bump targets, for the machine that knows them; this one does not ask.
+        /// Marking of bump targets in a recorded trace. Only machine `bump` uses the marks.
         bump: BumpConfig = BumpConfig::default(),
         /// Geometry processing (453).
         geometry: GeometryConfig = GeometryConfig { fetch_bytes_per_cycle: 8, ..GeometryConfig::default() } => [
-            fetch_bytes_per_cycle: Assumed("64 bits per cycle, what PC100 memory of the server moves"),
+            fetch_bytes_per_cycle: Assumed("64 bits per cycle, the transfer rate of the server's PC100 memory"),
         ],
-        /// The rendering device (100).
+        /// Rendering device (100).
         defer: RendererConfig = RendererConfig::default(),
         /// Tiles.
         tile: TileConfig = TileConfig::default(),
-        /// The path (104, 106, 108).
+        /// Path (104, 106, 108).
         path: PathConfig = PathConfig::default(),
         /// Rasterizer.
         rasterizer: RasterizerConfig = RasterizerConfig { dividers: 17, ..RasterizerConfig::default() } => [
-            dividers: Assumed("one fragment per cycle with divisions of 17 cycles that are not pipelined: they take turns; graphics chips of 1998 drew two (RIVA TNT)"),
+            dividers: Assumed("one fragment per cycle with divisions of 17 cycles that are not pipelined, so 17 dividers take turns; graphics chips of 1998 drew two per cycle (RIVA TNT)"),
         ],
-        /// Z-test, with (124) as depth buffer.
+        /// Z-test, with the depth values in (124).
         depth: DepthConfig = DepthConfig::default(),
-        /// Cell of the reference buffer (126).
+        /// Cells of the reference buffer (126).
         cell: CellConfig = CellConfig::default(),
         /// Rates of the rendering engine (120).
         engine: EngineConfig = EngineConfig::default(),
-        /// (124) as pixel buffer.
+        /// Pixel buffer (124).
         frame_buffer: PixelBufferConfig = PixelBufferConfig::default(),
         /// Video output (116).
         video_out: VideoOutConfig = VideoOutConfig::default(),
@@ -168,7 +168,7 @@ parameter_groups! {
         memory: MemoryConfigs = MemoryConfigs::default(),
         /// Caches.
         cache: CacheConfigs = CacheConfigs::default(),
-        /// What costs nothing.
+        /// Idealized units, for bottleneck analysis.
         ideal: IdealConfig = IdealConfig::default(),
     }
 }
@@ -176,7 +176,7 @@ parameter_groups! {
 front_of!(DeferConfig, |c| VertexAttributes { lit: lit(c), normal_maps: false, textures: true });
 memories_of!(DeferConfig);
 
-/// Vertices are lit where cells hold brightness.
+/// Returns where vertices are lit: only if cells contain brightness.
 fn lit(c: &DeferConfig) -> LightingStage {
     match c.defer.lighting {
         Lighting::None => LightingStage::Nowhere,

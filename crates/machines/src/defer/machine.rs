@@ -1,4 +1,4 @@
-//! The machine: its stages, and the one function that wires them.
+//! The machine: its stages and their wiring.
 
 use super::DeferConfig;
 use super::check::check;
@@ -27,7 +27,7 @@ pub struct DeferredRenderer<F> {
     front: F,
     config: DeferConfig,
     fifos: Fifos,
-    /// Path to expander. It has as many slots as there may be tiles in flight, so no parameter of its own.
+    /// Path to expander. Its depth is the number of tiles in flight, so it has no parameter.
     tiles: Fifo<EncodedTile>,
     server: Stage<Server>,
     path: Stage<Path>,
@@ -46,26 +46,26 @@ pub struct DeferredRenderer<F> {
 }
 
 impl DeferConfig {
-    /// What colours pictures of this machine that are still growing.
+    /// Returns the colouring of partial pictures.
     pub fn preview(&self) -> Preview {
         Preview::new(cell_format(self), self.tile.encoding)
     }
 }
 
 impl<F: FrontEnd> DeferredRenderer<F> {
-    /// The machine at power-on, with a server that has the textures that polygons name.
+    /// Creates the machine at power-on, with a server that has all textures of the polygons.
     ///
     /// # Errors
-    /// Where parameters, each in its range, do not fit together.
+    /// Parameters that are in range but do not fit together.
     pub fn new(front: F, config: &DeferConfig) -> Result<Self, ConfigProblem> {
         let source = TextureMemory::new(config.tile.encoding, config.tile.jpeg_quality);
         Self::with_source(front, config, Box::new(source))
     }
 
-    /// The machine at power-on, with tiles from elsewhere.
+    /// Creates the machine at power-on, with tiles from another source.
     ///
     /// # Errors
-    /// Where parameters, each in its range, do not fit together.
+    /// Parameters that are in range but do not fit together.
     pub fn with_source(front: F, config: &DeferConfig, source: Box<dyn TileSource>) -> Result<Self, ConfigProblem> {
         check(config)?;
         let c = config.clone();
@@ -111,40 +111,38 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         )
     }
 
-    /// How textures are cut into tiles.
+    /// Returns the division of textures into tiles.
     pub fn cut(&self) -> Cut {
         cut(&self.config)
     }
 
-    /// Keeps filled reference buffers and what becomes of tiles, for [`DeferredRenderer::drain_filled`] and
-    /// [`DeferredRenderer::drain_records`]; to be called before the run.
+    /// Enables the logs of [`DeferredRenderer::drain_filled`] and [`DeferredRenderer::drain_records`]. Must be called before the run.
     pub fn keep(&mut self) {
         self.reference_buffer.unit.keep = true;
         self.rasterization.unit.keep = true;
     }
 
-    /// Progressive pictures shown since the last call that a better one follows, in order.
+    /// Returns the progressive pictures since the last call that a better picture follows, in order.
     pub fn drain_rounds(&mut self) -> Vec<FinishedFrame> {
         std::mem::take(&mut self.pixel_buffer.unit.state.rounds)
     }
 
-    /// Reference buffers (126) filled since the last call, in order, where they are kept.
+    /// Returns the reference buffers (126) filled since the last call, in order. Empty if the log is disabled.
     pub fn drain_filled(&mut self) -> Vec<FilledBuffer> {
         self.reference_buffer.unit.drain_filled()
     }
 
-    /// What became of tiles in the frames finished since the last call, where that is kept: number of the frame, from 0, and its
-    /// tiles.
+    /// Returns the tiles of the frames finished since the last call, with the number of the frame, from 0. Empty if the log is disabled.
     pub fn drain_records(&mut self) -> Vec<(u32, Vec<TileRecord>)> {
         self.rasterization.unit.drain_records()
     }
 
-    /// Why the server (110) sends nothing any more, where a tile could not be had. Such a run ends in standstill.
+    /// Returns the error of the server (110) if a tile could not be fetched. Such a run ends in a deadlock.
     pub fn lost(&self) -> Option<&str> {
         self.server.unit.state.lost.as_deref()
     }
 
-    /// Pages (132) and their tile load lists (136).
+    /// Returns all pages (132) with their tile load lists (136).
     pub fn lists(&self) -> impl Iterator<Item = (&Arc<Page>, &TileList)> {
         self.tile_lists.unit.lists()
     }
@@ -163,9 +161,9 @@ impl<F: FrontEnd> Draws for DeferredRenderer<F> {
         &mut self.pixel_buffer.unit.state.finished
     }
 
-    /// The size of a cell; and what a renderer would take that loads all textures whole, which only the cut into tiles tells.
+    /// Adds the size of a cell, and the bytes and time of a renderer that loads whole textures.
     fn derive(&self, facts: &mut UnitStats) {
-        // Raw bytes are held against raw ones, encoded against encoded.
+        // Raw bytes are compared with raw bytes, encoded bytes with encoded bytes.
         let conventional = self.server.unit.conventional(self.cut());
         let (conventional, tile_bytes) = match conventional.encoded_bytes {
             Some(encoded) => (encoded, facts.count("path_tile_bytes")),
@@ -219,7 +217,7 @@ impl<F: FrontEnd> Machine for DeferredRenderer<F> {
         &mut self.memories
     }
 
-    /// A picture: the server of a real path would be waited for ahead of the next.
+    /// One picture, because with a real server the machine would wait for it before the next picture.
     fn has_news(&self) -> bool {
         let pictures = &self.pixel_buffer.unit.state;
         !pictures.rounds.is_empty() || !pictures.finished.is_empty()

@@ -1,9 +1,10 @@
-//! The three memories and their clients.
+//! Memories and their clients.
 
 use super::DeferConfig;
 use basrelief_kernel::MemorySystem;
 
-/// Numbers of the memory clients, by unit. What drains the machine comes first, as in the bump-mapping processor.
+/// Numbers of the memory clients, by unit, in the order of priority: units near the end of the pipeline come first, as in the
+/// bump-mapping processor.
 #[derive(Clone, Debug)]
 pub(super) struct ClientNumbers {
     pub(super) pixel_buffer: [usize; 1],

@@ -1,6 +1,6 @@
-//! The rate-limited renderer (HP, 1998; JP 2000-057370).
+//! Rate-limited renderer (HP, 1998; JP 2000-057370).
 //!
-//! Figure 1, as it is wired by [`DeferredRenderer`]:
+//! Figure 1, as wired by [`DeferredRenderer`]:
 //!
 //! ```text
 #![doc = include_str!("diagram.txt")]
@@ -11,6 +11,7 @@ mod config;
 mod leaving;
 mod machine;
 mod memories;
+mod spec;
 
 pub use crate::config::ClockConfig;
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
@@ -19,11 +20,12 @@ pub use check::warnings;
 pub use config::{CacheConfigs, DeferConfig, FifoConfigs, MemoryConfigs};
 pub use leaving::RunAhead;
 pub use machine::DeferredRenderer;
+pub use spec::DeferLog;
 
 /// Name of the machine.
 pub const NAME: &str = "defer";
 
-/// Figure 1 in characters.
+/// Figure 1 as text.
 pub const DIAGRAM: &str = include_str!("diagram.txt");
 
 #[cfg(test)]
@@ -32,10 +34,10 @@ mod tests {
     use crate::Draws as _;
     use basrelief_kernel::HardwareKind;
 
-    crate::unit_info::checks_the_drawing!(DeferredRenderer, [DeferConfig::default()]);
+    crate::unit_info::diagram_tests!(DeferredRenderer, [DeferConfig::default()]);
 
     #[test]
-    fn every_unit_of_the_device_behind_the_path_tells_its_hardware() {
+    fn units_behind_the_path_report_their_hardware() {
         let mut config = DeferConfig::default();
         config.defer.mode = basrelief_deferred_renderer::RenderMode::Progressive;
         config.tile.encoding = basrelief_deferred_renderer::TileEncoding::Jpeg;
@@ -50,7 +52,7 @@ mod tests {
             assert!(counts(unit, HardwareKind::Adder) > 0, "{unit}");
         }
         let tile = 64 * 64 * 24;
-        assert_eq!(holds("path", HardwareKind::Table), 8 * tile, "a receive buffer for each request in flight");
+        assert_eq!(holds("path", HardwareKind::Table), 8 * tile, "one receive buffer per request in flight");
         assert!(holds("expander", HardwareKind::Table) >= 3 * tile);
         assert_eq!(holds("tile-lists", HardwareKind::Table), 2 * (1 << 30) / (4 * 64 * 64), "two bits a tile");
         assert_eq!((counts("cells", HardwareKind::Divider), counts("cells", HardwareKind::Power)), (17 + 1, 0));

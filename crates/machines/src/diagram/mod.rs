@@ -123,7 +123,7 @@ impl PlacedText {
 impl BlockDiagram {
     /// Reads a diagram. Every text is one, because all other text is a note.
     pub fn read(text: &str) -> Self {
-        let grid = Grid(text.lines().map(|line| line.chars().collect()).collect());
+        let grid = CharGrid(text.lines().map(|line| line.chars().collect()).collect());
         let columns = grid.0.iter().map(Vec::len).max().unwrap_or(0);
         let mut diagram = Self { columns, rows: grid.0.len(), ..Self::default() };
         for row in 0..grid.0.len() {
@@ -132,7 +132,7 @@ impl BlockDiagram {
         diagram
     }
 
-    fn read_row(&mut self, grid: &Grid, row: usize) {
+    fn read_row(&mut self, grid: &CharGrid, row: usize) {
         let line = grid.0[row].as_slice();
         let mut column = 0;
         while column < line.len() {
@@ -157,7 +157,7 @@ impl BlockDiagram {
     }
 
     /// Reads a wire cell or a word, and returns its width.
-    fn read_cell(&mut self, grid: &Grid, row: usize, column: usize) -> usize {
+    fn read_cell(&mut self, grid: &CharGrid, row: usize, column: usize) -> usize {
         if let Some(wire) = grid.wire(row, column) {
             self.wires.push(wire);
             return 1;
@@ -197,9 +197,9 @@ fn enclosed(line: &[char], open: &str, close: &str) -> Option<String> {
     Some(line.strip_prefix(open)?.split_once(close)?.0.to_owned())
 }
 
-struct Grid(Vec<Vec<char>>);
+struct CharGrid(Vec<Vec<char>>);
 
-impl Grid {
+impl CharGrid {
     fn at(&self, row: usize, column: usize) -> char {
         self.0.get(row).and_then(|line| line.get(column)).copied().unwrap_or(' ')
     }

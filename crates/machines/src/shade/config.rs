@@ -19,16 +19,16 @@ use std::sync::Arc;
 parameters! {
     /// Frame memory (300).
     pub struct FrameMemoryConfig {
-        /// Dots are tested for depth; off: the last one drawn stays.
+        /// Whether dots are tested for depth. Otherwise, later dots replace earlier ones.
         depth_test: bool = true, unit: "", Assumed("the patent has none; polygons would have to come sorted");
     }
 }
 
-/// Cycles per second, by default.
+/// Default clock \[Hz\].
 const HZ: u64 = 25_000_000;
 
 memories! {
-    /// The two memories.
+    /// Memories.
     pub struct MemoryConfigs at HZ {
         /// Frame memory (300), with the depth values.
         frame = MemoryConfig {
@@ -40,11 +40,11 @@ memories! {
         } => [
             part: Assumed("1989: 1-Mbit page mode DRAM, 80 ns its fastest common grade"),
             channels: Assumed("frame memories were wide (20 banks side by side in the IRIS GTX, Akeley and Jermoluk 1988); 128 bits move 12.8 bytes per cycle, a dot with depth takes 12"),
-            window: Assumed("an arbiter that looks at the head of each of the four ports, and prefers the open page"),
+            window: Assumed("an arbiter that considers the first request of each of the four ports, and prefers the open page"),
             cap: Assumed("one turn of the four ports"),
             outstanding: Assumed("more than a page miss of 80 ns DRAM takes at one request per cycle"),
         ],
-        /// Memory (12) of the microcomputer (10): what the host sends, and what Figure 7 keeps.
+        /// Memory (12) of the microcomputer (10): data from the host, and the data of Figure 7.
         local = MemoryConfig { cl: 1, cwl: 0, rcd: 0, rp: 0, ras: 0, rtp: 0, wr: 0, wtr: 0, rrd: 0, refi: 0, rfc: 0, burst_bytes: 4, burst_cycles: 1, banks: 1, window: 4, cap: 4, outstanding: 16, ..MemoryConfig::default() } => [
             cl: Assumed("static RAM of 25 to 35 ns, of the class of a 64-Kbit CMOS part of 1989 (Cypress CY7C164): data in the cycle after the address"),
             cwl: Assumed("the same: data come with the address"),
@@ -60,15 +60,15 @@ memories! {
             burst_bytes: Assumed("a word of 32 bits, as the bus of the host"),
             burst_cycles: Assumed("an access per cycle of 40 ns"),
             banks: Assumed("one"),
-            window: Assumed("an arbiter that looks at the heads of both ports"),
+            window: Assumed("an arbiter that considers the first request of both ports"),
             cap: Assumed("one turn of the ports"),
-            outstanding: Assumed("more than the most requests of a step, 11"),
+            outstanding: Assumed("more than the maximum number of requests of a step, 11"),
         ],
     }
 }
 
 parameter_groups! {
-    /// The one cache.
+    /// Caches.
     pub struct CacheConfigs {
         /// Depth values, for the depth test.
         depth: CacheConfig = CacheConfig { sets: 32, lookups_per_cycle: 1, ..CacheConfig::default() },
@@ -76,18 +76,18 @@ parameter_groups! {
 }
 
 fifos! {
-    /// FIFOs of the figure shading device, by name. Defaults hold full rate (law 2): latency of the producer + FIFO latency
-    /// + 1, and on the way out of a unit that waits for memory its loaded latency too.
+    /// FIFOs of the figure shading device, by name. Default depths sustain full throughput (law 2): latency of the producer + FIFO
+    /// latency + 1, plus the loaded memory latency after a unit that waits for memory.
     pub struct FifoConfigs, Fifos {
         /// Host to geometry processor: triangles.
         draws: Draw = 16,
         /// Geometry processor to host interface: the display list.
         polygons: Control = 32,
-        /// Host interface to microcomputer (10): what the host has sent.
+        /// Host interface to microcomputer (10): transferred commands.
         transfers: Control = 4,
-        /// Microcomputer (10) to registers (14), (16), (18): their values, brightness at the sample points; all control.
+        /// Microcomputer (10) to registers (14), (16), (18): register values, brightness at the sample points, and all control tokens.
         figures: Order = 4,
-        /// Registers to circuit (21): brightness at the sample points, with what the registers say; all control.
+        /// Registers to circuit (21): brightness at the sample points, register values, and all control tokens.
         selections: FigureFlow = 4,
         /// Microcomputer (10) to circuit (50): normals at the sample points.
         normals: Arc<NormalLoad> = 4,
@@ -95,26 +95,26 @@ fifos! {
         flat_dots: FigureFlow = 16,
         /// Process 24 to selector (28): dots in polyhedron mode.
         constant_dots: FigureFlow = 16,
-        /// Circuit (21) to adder (52): dots in normal-interpolation mode, all control.
+        /// Circuit (21) to adder (52): dots in normal-interpolation mode, and all control tokens.
         interpolated: FigureFlow = 16,
         /// Circuit (21) to selector (28): dots in brightness-interpolation mode.
         brightness_dots: FigureFlow = 16,
         /// Circuit (50) to gate (51): specular brightness of dots.
         highlights: Highlights = 64,
-        /// Gate (51) to adder (52).
+        /// Gate (51) to adder (52): specular brightness.
         gated: Highlights = 16,
-        /// Adder (52) to selector (53).
+        /// Adder (52) to selector (53): dots.
         sums: FigureFlow = 16,
-        /// Selector (53) to selector (28).
+        /// Selector (53) to selector (28): dots.
         selected: FigureFlow = 16,
-        /// Selector (28) to the depth test, or to the frame memory (300) without it.
+        /// Selector (28) to the depth test, or to the frame memory (300) without a depth test: pixels.
         pixels: Flow<Stamp<Pixel>> = 64,
-        /// Depth test to frame memory (300).
+        /// Depth test to frame memory (300): pixels.
         tested_pixels: Flow<Stamp<Pixel>> = 64,
-        /// Selector (28) back to the host interface: polygons that are finished.
+        /// Selector (28) to host interface: finished polygons.
         finished: Finished = 2,
-        /// Frame memory (300) to video output: finished frames, as many as wait for the
-        /// display while drawing goes on.
+        /// Frame memory (300) to video output: finished frames. The depth is the number of frames that may wait for the
+        /// display while drawing continues.
         finished_frames: FrameDone = 256,
     }
 }
@@ -124,9 +124,9 @@ parameter_groups! {
     pub struct ShadeConfig completed(complete) explained(explain) {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
-            hz: Assumed("1989: what workstations and their gate arrays ran at (MIPS R3000, 68030: 25 MHz)"),
+            hz: Assumed("1989: clock of workstations and their gate arrays (MIPS R3000, 68030: 25 MHz)"),
         ],
-        /// Operators: how long arithmetic takes, the same in every unit.
+        /// Latency and initiation interval of arithmetic operators, the same in every unit.
         operators: Operators = Operators {
             multiply: OperatorConfig::new(2, 1),
             add: OperatorConfig::new(2, 1),
@@ -134,7 +134,7 @@ parameter_groups! {
             square_root: OperatorConfig::new(11, 11),
             power: OperatorConfig::new(1, 1),
         } => [
-            multiply.latency: Assumed("floating-point chips of 1988 (the class of TI SN74ACT8847, AMD Am29C327): two stages of some 40 ns"),
+            multiply.latency: Assumed("floating-point chips of 1988 (the class of TI SN74ACT8847, AMD Am29C327): two stages of about 40 ns"),
             multiply.interval: Assumed("the same, pipelined"),
             add.latency: Assumed("the same chips"),
             add.interval: Assumed("the same chips"),
@@ -145,24 +145,24 @@ parameter_groups! {
             power.latency: Assumed("a table in ROM of 35 ns: one cycle"),
             power.interval: Assumed("the same"),
         ],
-        /// How a display list is fed.
+        /// Arrival of the commands of a trace.
         display_list: DisplayListConfig = DisplayListConfig::default(),
-        /// Which polygons a display list marks as bump targets, for the machine that knows them; this one does not ask.
+        /// Marking of bump targets in a recorded trace. Only machine `bump` uses the marks.
         bump: BumpConfig = BumpConfig::default(),
         /// Geometry processor, part of the host computer (100).
         geometry: GeometryConfig = GeometryConfig { fetch_bytes_per_cycle: 4, link_bytes: 8, ..GeometryConfig::default() } => [
             fetch_bytes_per_cycle: Assumed("the host's own memory, 32 bits wide, as workstations of 1989 had at this clock"),
             link_bytes: Assumed("within the host, a bus of 64 bits between its boards"),
         ],
-        /// What is shaded, and how.
+        /// Shading.
         shade: ShadingConfig = ShadingConfig::default(),
-        /// The three short cuts.
+        /// The three shortcuts.
         shortcut: ShortCutConfigs = ShortCutConfigs::default(),
         /// Transfers from the host computer (100).
         host: HostConfig = HostConfig::default(),
-        /// CPU (11) of the microcomputer (10): its processes are made of these operations.
+        /// CPU (11) of the microcomputer (10): cycles of the operations of its processes.
         cpu: CpuConfig = CpuConfig::default(),
-        /// How polygons are scanned.
+        /// Scan conversion of polygons.
         scan: ScanConfig = ScanConfig::default(),
         /// Brightness interpolation circuit (21).
         interpolation: InterpolationConfig = InterpolationConfig::default(),
@@ -190,7 +190,7 @@ parameter_groups! {
         memory: MemoryConfigs = MemoryConfigs::default(),
         /// Caches.
         cache: CacheConfigs = CacheConfigs::default(),
-        /// What costs nothing.
+        /// Idealized units, for bottleneck analysis.
         ideal: IdealConfig = IdealConfig::default(),
     }
 }

@@ -1,4 +1,4 @@
-//! The machine: its stages, and the one function that wires them.
+//! The machine: its stages and their wiring.
 
 use super::ShadeConfig;
 use super::check::check;
@@ -38,10 +38,10 @@ pub struct FigureShadingDevice<F> {
 }
 
 impl<F: FrontEnd> FigureShadingDevice<F> {
-    /// The machine at power-on.
+    /// Creates the machine at power-on.
     ///
     /// # Errors
-    /// Where parameters, each in its range, do not fit together.
+    /// Parameters that are in range but do not fit together.
     pub fn new(front: F, config: &ShadeConfig) -> Result<Self, ConfigProblem> {
         check(config)?;
         let c = config.clone();

@@ -1,9 +1,10 @@
-//! The frame memory (300) and the microcomputer's memory (12), and their clients.
+//! Frame memory (300) and memory (12) of the microcomputer, with their clients.
 
 use super::ShadeConfig;
 use basrelief_kernel::MemorySystem;
 
-/// Numbers of the memory clients, by unit. What drains the machine comes first, as in the bump-mapping processor.
+/// Numbers of the memory clients, by unit, in the order of priority: units near the end of the pipeline come first, as in the
+/// bump-mapping processor.
 #[derive(Clone, Debug)]
 pub(super) struct ClientNumbers {
     pub(super) frame_memory: [usize; 1],

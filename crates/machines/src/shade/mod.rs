@@ -1,6 +1,6 @@
-//! The figure shading device (Hitachi, 1986; JPH0772915B2).
+//! Figure shading device (Hitachi, 1986; JPH0772915B2).
 //!
-//! Figure 1, as it is wired by [`FigureShadingDevice`]:
+//! Figure 1, as wired by [`FigureShadingDevice`]:
 //!
 //! ```text
 #![doc = include_str!("diagram.txt")]
@@ -10,6 +10,7 @@ mod check;
 mod config;
 mod machine;
 mod memories;
+mod spec;
 
 pub use crate::config::ClockConfig;
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
@@ -21,7 +22,7 @@ pub use machine::FigureShadingDevice;
 /// Name of the machine.
 pub const NAME: &str = "shade";
 
-/// Figure 1 in characters.
+/// Figure 1 as text.
 pub const DIAGRAM: &str = include_str!("diagram.txt");
 
 #[cfg(test)]
@@ -34,5 +35,5 @@ mod tests {
         config
     }
 
-    crate::unit_info::checks_the_drawing!(FigureShadingDevice, [ShadeConfig::default(), without_depth_test()]);
+    crate::unit_info::diagram_tests!(FigureShadingDevice, [ShadeConfig::default(), without_depth_test()]);
 }

@@ -1,4 +1,4 @@
-//! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
+//! Checks across parameters, and warnings for the report.
 
 use super::TexelMachineConfig;
 use crate::memories::check_memories;
@@ -6,7 +6,7 @@ use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_signals::LINE_PIXELS;
 
-/// Checks what spans parameters.
+/// Checks that the parameters fit together.
 pub(super) fn check(c: &TexelMachineConfig) -> Result<(), ConfigProblem> {
     check_memories(c)?;
     c.texture.check()?;
@@ -17,7 +17,7 @@ pub(super) fn check(c: &TexelMachineConfig) -> Result<(), ConfigProblem> {
         return problem(
             "cache.depth.line_bytes",
             format!(
-                "is {}, but the depth of {LINE_PIXELS} pixels is tested in one look-up; set it to {depth_bytes} or more",
+                "is {}, but one look-up tests the depth of {LINE_PIXELS} pixels; set it to {depth_bytes} or more",
                 c.cache.depth.line_bytes
             ),
         );
@@ -25,13 +25,12 @@ pub(super) fn check(c: &TexelMachineConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
-/// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, and what of the input the machine
-/// has no use for.
+/// Returns warnings for the report: FIFOs that limit the throughput, and input that the machine cannot use.
 pub fn warnings(facts: &UnitStats) -> Vec<String> {
     slow_fifos(facts).into_iter().chain(input_warnings(facts)).collect()
 }
 
-/// What of the input the system has no use for: one sentence each.
+/// Returns warnings about input that the system cannot use.
 fn input_warnings(facts: &UnitStats) -> Vec<String> {
     let (fragments, textured) = (facts.count("fragments"), facts.count("textured_fragments"));
     let none = fragments > 0 && textured == 0;

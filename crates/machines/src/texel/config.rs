@@ -21,38 +21,38 @@ use basrelief_texel_value_generator::{
 parameters! {
     /// Pixel value buffer (360).
     pub struct PixelValueBufferConfig {
-        /// Pixels are tested for depth; off: the last one drawn stays.
+        /// Whether pixels are tested for depth. Otherwise, later pixels replace earlier ones.
         depth_test: bool = true, unit: "", Assumed("the patent has none; polygons would have to come sorted");
     }
 }
 
-/// Cycles per second, by default.
+/// Default clock \[Hz\].
 const HZ: u64 = 50_000_000;
 
-/// A board of the time: 128 bits.
+/// Memory of a graphics board of the time, 128 bits wide.
 fn board(outstanding: u32) -> MemoryConfig {
     let part = MemoryPart::Edo60;
     MemoryConfig { part, window: 4, cap: 4, outstanding, ..MemoryConfig::default() }
 }
 
 memories! {
-    /// The three memories.
+    /// Memories.
     pub struct MemoryConfigs at HZ {
-        /// Memory of the texture look-up table (330). Its port has the credits of the largest step: four texels of each of two
-        /// levels for each of 16 pixels.
+        /// Memory of the texture look-up table (330). Its port has credits for the largest step: four texels of each of two levels for
+        /// each of 16 pixels.
         texture = board(128) => [
-            part: Assumed("1994: EDO came in that year and was in every board of the next, which is when a device of this patent could have been built; 80 ns page mode is `fpm-80`"),
-            channels: Assumed("128 bits side by side: a line of 64 bytes is a burst of four page cycles"),
-            window: Assumed("an arbiter that looks at the head of each port, and prefers the open page"),
+            part: Assumed("1994: EDO appeared in that year and was on every board in the next one, when a device of this patent could have been built; 80 ns page mode is `fpm-80`"),
+            channels: Assumed("128 bits wide: a line of 64 bytes is a burst of four page cycles"),
+            window: Assumed("an arbiter that considers the first request of each port, and prefers the open page"),
             cap: Assumed("one turn of the ports"),
             outstanding: Assumed("the largest step: 4 texels of 2 levels for 16 pixels"),
         ],
-        /// Depth values. The patent has none, so they have a memory of their own: in that of (360) they would keep it from its
-        /// rows.
+        /// Depth values. The patent has no depth test, so depth values have a separate memory. In the memory of (360) they would cause
+        /// additional row misses.
         depth = board(16) => [
             part: Assumed("as the texture memory"),
             channels: Assumed("12.8 bytes per cycle, of which a pixel with depth takes 8"),
-            window: Assumed("an arbiter that looks at the head of each port, and prefers the open page"),
+            window: Assumed("an arbiter that considers the first request of each port, and prefers the open page"),
             cap: Assumed("one turn of the ports"),
             outstanding: Assumed("more than a page miss of 60 ns DRAM takes at one request per cycle"),
         ],
@@ -60,7 +60,7 @@ memories! {
         pixel = board(16) => [
             part: Assumed("as the texture memory"),
             channels: Assumed("12.8 bytes per cycle, of which a pixel takes 4, or 8 where it is read back"),
-            window: Assumed("an arbiter that looks at the head of each port, and prefers the open page"),
+            window: Assumed("an arbiter that considers the first request of each port, and prefers the open page"),
             cap: Assumed("one turn of the ports"),
             outstanding: Assumed("more than a page miss of 60 ns DRAM takes at one request per cycle"),
         ],
@@ -68,7 +68,7 @@ memories! {
 }
 
 parameter_groups! {
-    /// The caches.
+    /// Caches.
     pub struct CacheConfigs {
         /// Texels, in the texture look-up table (330).
         texture: CacheConfig = CacheConfig::default(),
@@ -78,8 +78,8 @@ parameter_groups! {
 }
 
 fifos! {
-    /// FIFOs of the texture mapping system, by name. Defaults hold full rate (law 2): latency of the producer + FIFO latency
-    /// + 1, and on the way out of a unit that waits for memory its loaded latency too.
+    /// FIFOs of the texture mapping system, by name. Default depths sustain full throughput (law 2): latency of the producer + FIFO
+    /// latency + 1, plus the loaded memory latency after a unit that waits for memory.
     pub struct FifoConfigs, Fifos {
         /// Host to geometry processor: triangles.
         draws: Draw = 16,
@@ -87,31 +87,30 @@ fifos! {
         polygons: Control = 32,
         /// Scan converter to step calculator: scan lines of triangles.
         spans: Flow<Span> = 8,
-        /// Scan converter to illuminance value generator (340): the same, with other values. Holds what is under way on the
-        /// other way.
+        /// Scan converter to illuminance value generator (340): scan lines with brightness. Covers the latency of the texture path.
         lit_spans: Flow<LitSpan> = 64,
         /// Step calculator to dividers: points.
         points: Flow<Points> = 4,
-        /// Step calculator to approximate calculator (310a): segments. Holds what is being divided.
+        /// Step calculator to approximate calculator (310a): segments. Covers the latency of the dividers.
         segments: Flow<Segment> = 8,
-        /// Dividers to approximate calculator (310a): exact values. So many divisions are ahead of the interpolation.
+        /// Dividers to approximate calculator (310a): exact values. The depth is the number of divisions ahead of the interpolation.
         quotients: Flow<Quotients> = 4,
-        /// Approximate calculator (310a) to depth test, or to texture look-up table (330) without it.
+        /// Approximate calculator (310a) to depth test, or to texture look-up table (330) without a depth test: texel coordinates.
         texels: Flow<TexelPacket> = 16,
-        /// Approximate calculator (310a) to MIP-map selector (320).
+        /// Approximate calculator (310a) to MIP-map selector (320): gradients.
         gradients: Flow<GradientPacket> = 16,
-        /// Depth test to texture look-up table (330).
+        /// Depth test to texture look-up table (330): texel coordinates.
         tested_texels: Flow<TexelPacket> = 64,
         /// MIP-map selector (320) to texture look-up table (330): map select.
         levels: Flow<LevelPacket> = 64,
-        /// Texture look-up table (330) to combiner (350).
+        /// Texture look-up table (330) to combiner (350): texture values.
         texture_values: Flow<TexturePacket> = 64,
-        /// Illuminance value generator (340) to combiner (350). Holds what is under way on the other way.
+        /// Illuminance value generator (340) to combiner (350): illuminance values. Covers the latency of the texture path.
         illuminances: Flow<IlluminancePacket> = 64,
-        /// Combiner (350) to pixel value buffer (360).
+        /// Combiner (350) to pixel value buffer (360): pixels.
         pixels: Flow<PixelPacket> = 64,
-        /// Pixel value buffer (360) to DACs (370): finished frames, as many as wait for the
-        /// display while drawing goes on.
+        /// Pixel value buffer (360) to DACs (370): finished frames. The depth is the number of frames that may wait for the
+        /// display while drawing continues.
         finished_frames: FrameDone = 256,
     }
 }
@@ -121,9 +120,9 @@ parameter_groups! {
     pub struct TexelMachineConfig completed(complete) explained(explain) {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
-            hz: Assumed("1994: what workstations of its maker ran their buses and boards at (SPARCstation 20: MBus of 50 MHz)"),
+            hz: Assumed("1994: clock of buses and boards in workstations of its maker (SPARCstation 20: MBus of 50 MHz)"),
         ],
-        /// Operators: how long arithmetic takes, the same in every unit.
+        /// Latency and initiation interval of arithmetic operators, the same in every unit.
         operators: Operators = Operators {
             multiply: OperatorConfig::new(3, 1),
             add: OperatorConfig::new(3, 1),
@@ -142,28 +141,28 @@ parameter_groups! {
             power.latency: Assumed("logarithm, product, exponential by iteration of 32 bits, a bit a cycle each"),
             power.interval: Assumed("the same, not pipelined"),
         ],
-        /// How a display list is fed.
+        /// Arrival of the commands of a trace.
         display_list: DisplayListConfig = DisplayListConfig::default(),
-        /// Which polygons a display list marks as bump targets, for the machine that knows them; this one lights them itself.
+        /// Marking of bump targets in a recorded trace. This machine lights bump targets itself.
         bump: BumpConfig = BumpConfig::default(),
         /// Geometry processor.
         geometry: GeometryConfig = GeometryConfig { fetch_bytes_per_cycle: 8, link_bytes: 8, ..GeometryConfig::default() } => [
             fetch_bytes_per_cycle: Assumed("64 bits per cycle at 50 MHz, of the class of the MBus of the same maker's workstations"),
-            link_bytes: Assumed("as wide as the bus that vertices come by"),
+            link_bytes: Assumed("as wide as the bus that delivers vertices"),
         ],
         /// Scan converter.
         scan: ScanConverterConfig = ScanConverterConfig::default(),
         /// Texel value generator (310): division points.
         texel: TexelConfig = TexelConfig::default(),
-        /// Its dividers.
+        /// Dividers.
         divider: DividerConfig = DividerConfig::default(),
-        /// Its approximate calculator (310a).
+        /// Approximate calculator (310a).
         approximation: ApproximationConfig = ApproximationConfig::default(),
         /// MIP-map selector (320).
         mip: MipConfig = MipConfig::default(),
         /// Texture look-up table (330).
         look_up: LookUpConfig = LookUpConfig::default(),
-        /// Textures in the memory of (330).
+        /// Layout of textures in the memory of (330).
         texture: TextureConfig = TextureConfig::default(),
         /// Illuminance value generator (340).
         illuminance: IlluminanceConfig = IlluminanceConfig::default(),
@@ -183,7 +182,7 @@ parameter_groups! {
         memory: MemoryConfigs = MemoryConfigs::default(),
         /// Caches.
         cache: CacheConfigs = CacheConfigs::default(),
-        /// What costs nothing.
+        /// Idealized units, for bottleneck analysis.
         ideal: IdealConfig = IdealConfig::default(),
     }
 }
@@ -191,7 +190,8 @@ parameter_groups! {
 front_of!(TexelMachineConfig, |c| VertexAttributes { lit: lit(c), normal_maps: false, textures: true });
 memories_of!(TexelMachineConfig);
 
-/// Vertices are lit where brightness is interpolated, those of bump targets in (340).
+/// Returns where vertices are lit: nowhere without illuminance, otherwise only those of polygons that are no bump targets; (340) lights
+/// bump targets.
 fn lit(c: &TexelMachineConfig) -> LightingStage {
     match c.illuminance.mode {
         IlluminanceMode::Off => LightingStage::Nowhere,

@@ -1,4 +1,4 @@
-//! The machine: its stages, and the one function that wires them.
+//! The machine: its stages and their wiring.
 
 use super::TexelMachineConfig;
 use super::check::check;
@@ -40,10 +40,10 @@ pub struct TextureMappingSystem<F> {
 }
 
 impl<F: FrontEnd> TextureMappingSystem<F> {
-    /// The machine at power-on.
+    /// Creates the machine at power-on.
     ///
     /// # Errors
-    /// Where parameters, each in its range, do not fit together.
+    /// Parameters that are in range but do not fit together.
     pub fn new(front: F, config: &TexelMachineConfig) -> Result<Self, ConfigProblem> {
         let c = config.clone();
         let pixel_bytes = c.frame_buffer.pixel_bytes;
@@ -56,7 +56,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let own = operators.clone();
         let approximate_calculator =
             ApproximateCalculator::new(c.approximation, &c.texel, [radix, c.scan.z_bits], gradients, operators.clone());
-        let under_way = lines_under_way(config);
+        let in_flight = lines_in_flight(config);
         wired(
             Self {
                 front,
@@ -72,7 +72,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
                 mip_map_selector: Stage::new("mip-map-selector", MipMapSelector::new(c.mip)),
                 look_up: Stage::new("texture-look-up", look_up),
                 illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance, own)),
-                combiner: Stage::new("combiner", Combiner::new(c.combiner, under_way)),
+                combiner: Stage::new("combiner", Combiner::new(c.combiner, in_flight)),
                 buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer)),
                 dacs: Stage::new("dacs", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
                 memories,
@@ -83,15 +83,15 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         )
     }
 
-    /// Keeps a log of spans and displacements from now on. To be called before the first step.
+    /// Enables the log of spans and displacements. Must be called before the first step.
     pub fn keep_log(&mut self) {
         self.step_calculator.unit.keep_log();
         self.approximate_calculator.unit.log = true;
         self.combiner.unit.keep_log();
     }
 
-    /// Logs of the pictures finished since the last call, in order; none where none is kept. To be called with
-    /// [`TextureMappingSystem::drain_finished`]: what the units have finished of later pictures stays.
+    /// Removes and returns the logs of `pictures` finished pictures, in order. Must be called together with
+    /// [`TextureMappingSystem::drain_finished`]: logs of later pictures stay. Empty if the log is disabled.
     pub fn drain_logs(&mut self, pictures: usize) -> Vec<FrameLog> {
         let spans = &mut self.step_calculator.unit.state.finished;
         let maps = &mut self.combiner.unit.state.finished;
@@ -100,10 +100,10 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
     }
 }
 
-/// Lines of pixels that can be between the combiner (350) and the memory of (360): those of packets that the combiner and the FIFO
-/// behind it have, those that gather, and those of writes that were posted. A write is posted when its port has a credit for it,
-/// so that all but as many as it has credits are done.
-fn lines_under_way(config: &TexelMachineConfig) -> u32 {
+/// Returns the maximum number of pixel lines between the combiner (350) and the memory of (360): packets in the combiner and its output
+/// FIFO, lines that are being gathered, and posted writes. A write is posted only with a credit, so the number of posted writes is at most
+/// the number of credits.
+fn lines_in_flight(config: &TexelMachineConfig) -> u32 {
     1 + config.fifo.pixels.depth + config.frame_buffer.write_lines + config.memory.pixel.outstanding
 }
 
@@ -112,12 +112,12 @@ impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
         &mut self.buffer.unit.state.finished
     }
 
-    /// The price of the division points, per pixel: every division of the system, and where it is made.
+    /// Adds the number of divisions per pixel, by unit.
     fn derive(&self, facts: &mut UnitStats) {
         let pixels = facts.count("textured_fragments").max(1) as f64;
         let (points, inner) = (facts.count("points_divided"), facts.count("division_points"));
         let of_points = facts.count("divisions") + facts.count("reciprocals");
-        // One or two per point, whatever point it is.
+        // Every point takes the same number of divisions, one or two.
         let of = |some: u64| some * of_points.checked_div(points).unwrap_or(0);
         let exact = self.step_calculator.unit.config.method == Method::Exact;
         let split = [

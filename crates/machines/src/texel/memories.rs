@@ -1,9 +1,10 @@
-//! The three memories and their clients.
+//! Memories and their clients.
 
 use super::TexelMachineConfig;
 use basrelief_kernel::MemorySystem;
 
-/// Numbers of the memory clients, by unit. What drains the machine comes first, as in the bump-mapping processor.
+/// Numbers of the memory clients, by unit, in the order of priority: units near the end of the pipeline come first, as in the
+/// bump-mapping processor.
 #[derive(Clone, Debug)]
 pub(super) struct ClientNumbers {
     pub(super) buffer: [usize; 1],
@@ -13,7 +14,7 @@ pub(super) struct ClientNumbers {
     pub(super) look_up: [usize; 1],
 }
 
-/// Builds the memories of (330), of the depth test and of (360) with their ports and caches.
+/// Builds the memories of (330), of the depth test and of (360), with their ports and caches.
 pub(super) fn build(config: &TexelMachineConfig) -> (MemorySystem, ClientNumbers) {
     let mut m = MemorySystem::default();
     let texture = m.add_memory("texture", &config.memory.texture);

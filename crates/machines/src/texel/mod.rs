@@ -1,6 +1,6 @@
-//! The texture mapping system with the texel value generator (Sun Microsystems, 1994).
+//! Texture mapping system with the texel value generator (Sun Microsystems, 1994).
 //!
-//! Figure 3, as it is wired by [`TextureMappingSystem`]:
+//! Figure 3, as wired by [`TextureMappingSystem`]:
 //!
 //! ```text
 #![doc = include_str!("diagram.txt")]
@@ -10,6 +10,7 @@ mod check;
 mod config;
 mod machine;
 mod memories;
+mod spec;
 
 pub use crate::config::ClockConfig;
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
@@ -18,11 +19,12 @@ pub use basrelief_texel_value_generator::{DisplacementMap, FrameLog, SpanRecord}
 pub use check::warnings;
 pub use config::{CacheConfigs, FifoConfigs, MemoryConfigs, PixelValueBufferConfig, TexelMachineConfig};
 pub use machine::TextureMappingSystem;
+pub use spec::TexelLog;
 
 /// Name of the machine.
 pub const NAME: &str = "texel";
 
-/// Figure 3 in characters.
+/// Figure 3 as text.
 pub const DIAGRAM: &str = include_str!("diagram.txt");
 
 #[cfg(test)]
@@ -47,19 +49,19 @@ mod tests {
     }
 
     #[test]
-    fn every_unit_of_the_generator_tells_its_hardware_as_its_parameters_have_it() {
+    fn hardware_of_generator_follows_parameters() {
         use HardwareKind::{Adder, Divider, Multiplier, SquareRoot, Table};
         let all = hardware(&[]);
         for unit in ["step-calculator", "approximate-calculator", "texture-look-up", "illuminance", "combiner", "depth-test"] {
             assert!(count(&all, unit, Adder) + count(&all, unit, Multiplier) > 0, "{unit}");
         }
-        // The patent's saving is divisions: what they take must follow from what was asked for.
+        // The patent saves divisions, so the hardware of the dividers must follow from the parameters.
         assert_eq!((count(&all, "divider", Divider), width(&all, "divider", Divider)), (2, 29));
         let many = hardware(&[("divider.count", "5"), ("texel.coordinate_bits", "33")]);
         assert_eq!((count(&many, "divider", Divider), width(&many, "divider", Divider)), (5, 33));
         let reciprocal = hardware(&[("divider.division", "reciprocal")]);
         assert!(count(&reciprocal, "divider", Multiplier) > count(&all, "divider", Multiplier));
-        // The step calculator has what its equation takes, and nothing of it where points lie elsewhere.
+        // The step calculator has the hardware of its equation, and none of it with other methods.
         let steps = |all: &[Hardware]| [Divider, SquareRoot, Table].map(|kind| count(all, "step-calculator", kind));
         assert_eq!(steps(&all), [1, 1, 0]);
         assert_eq!(steps(&hardware(&[("texel.step_table", "256")])), [1, 0, 256]);
@@ -78,5 +80,5 @@ mod tests {
         config
     }
 
-    crate::unit_info::checks_the_drawing!(TextureMappingSystem, [TexelMachineConfig::default(), without_depth_test()]);
+    crate::unit_info::diagram_tests!(TextureMappingSystem, [TexelMachineConfig::default(), without_depth_test()]);
 }

@@ -1,4 +1,4 @@
-//! What the tests of all machines share: their wiring, held against drawing and units.
+//! Shared tests of all machines: wiring against block diagram and units.
 
 use super::UnitInfo;
 use crate::diagram::connections::Connections;
@@ -6,7 +6,7 @@ use basrelief_kernel::{Engine, Machine, MemoryReport, StageTopology, run, topolo
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// How a machine is wired under one configuration.
+/// Wiring of a machine under one configuration.
 pub(crate) struct Wiring {
     stages: Vec<StageTopology>,
     memories: Vec<MemoryReport>,
@@ -17,7 +17,7 @@ impl Wiring {
         Self { stages: topology(machine), memories: run(machine, Engine::Timed).memories }
     }
 
-    /// Producer, FIFO, consumer.
+    /// Returns producer, FIFO and consumer of each edge.
     fn fifos(&self) -> impl Iterator<Item = [String; 3]> + '_ {
         let from = self.stages.iter().flat_map(|stage| stage.outputs.iter().map(move |fifo| (&stage.name, fifo)));
         from.flat_map(|(producer, fifo)| {
@@ -26,7 +26,7 @@ impl Wiring {
         })
     }
 
-    /// Unit, client, memory.
+    /// Returns unit, client and memory of each memory port.
     fn clients(&self) -> impl Iterator<Item = [String; 3]> + '_ {
         let from = self.stages.iter().flat_map(|stage| stage.clients.iter().map(move |client| (&stage.name, client)));
         from.flat_map(|(unit, client)| {
@@ -36,9 +36,8 @@ impl Wiring {
     }
 }
 
-/// `units` are exactly the stages that are wired. The drawing shows each of them, always with the same numeral, and exactly
-/// the FIFOs and clients that are wired, each from where and to where it is wired.
-pub(crate) fn drawing_is_the_wiring(drawing: &str, units: &[UnitInfo], all: &[Wiring]) {
+/// Asserts that `units` are exactly the wired stages, and that the diagram shows exactly these units, their FIFOs and their memory clients.
+pub(crate) fn assert_diagram_matches_wiring(drawing: &str, units: &[UnitInfo], all: &[Wiring]) {
     let wired: BTreeSet<&str> = all.iter().flat_map(|w| &w.stages).map(|s| s.name.as_str()).collect();
     assert_eq!(units.iter().map(|u| u.name.as_str()).collect::<BTreeSet<_>>(), wired);
     let wiring = Connections {
@@ -49,8 +48,8 @@ pub(crate) fn drawing_is_the_wiring(drawing: &str, units: &[UnitInfo], all: &[Wi
     assert_eq!(Connections::read(drawing).unwrap(), wiring);
 }
 
-/// Every unit has a role, and stands in the file that is named.
-pub(crate) fn every_unit_says_what_it_does_and_where(units: &[UnitInfo]) {
+/// Asserts that every unit has a role, and that its source file contains it.
+pub(crate) fn assert_units_have_roles_and_files(units: &[UnitInfo]) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     for unit in units {
         assert!(!unit.role.is_empty(), "{} has no role!", unit.name);

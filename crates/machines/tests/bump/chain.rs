@@ -1,4 +1,4 @@
-//! Mapping (108), replacement (110) and brightness fetch (112), step by step, with a look at every token between them.
+//! Mapping (108), replacement (110) and brightness fetch (112), step by step, with access to every token between them.
 
 use crate::recipe::bumps;
 use basrelief_brightness::BrightnessFetch;
@@ -29,7 +29,7 @@ pub struct Chain {
     brightness: BrightnessFetch,
 }
 
-/// Everything that comes out of a unit for a token.
+/// Returns all outputs of a unit for a token.
 fn pump<A, B, U: Unit<In = Option<A>, Out = Option<B>>>(unit: &mut U, token: A) -> Vec<B> {
     let mut out: Vec<B> = unit.step(Some(token), &mut MemoryPorts::default()).out.into_iter().collect();
     while unit.demand() == Demand::Nothing {
@@ -47,7 +47,7 @@ fn only_item<T>(tokens: Vec<Flow<T>>) -> T {
 }
 
 impl Chain {
-    /// The units as configured, a frame begun under [`TO_LIGHT`].
+    /// Creates the units, and begins a frame with the light at [`TO_LIGHT`].
     pub fn new(config: &BumpProcessorConfig) -> Self {
         let c = config.clone();
         let samples = c.normal_mapping.samples(c.brightness.levels);
@@ -80,7 +80,7 @@ impl Chain {
         }
     }
 
-    /// The fragments that follow are of a polygon of this LOD.
+    /// Begins a polygon with this LOD.
     pub fn begin_polygon(&mut self, lod: u8, normal_map: Arc<Texture>) {
         let vertex = |u: f32, v: f32| Vertex { tangent: [1.0, 0.0, 0.0, 1.0], uv_normal: [u, v], ..Vertex::default() };
         let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(0.0, 1.0)];
@@ -88,14 +88,14 @@ impl Chain {
         self.control(Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod, bump: true, arrival: 0 })));
     }
 
-    /// A fragment at these texture coordinates.
+    /// Passes a fragment at these texture coordinates through all units.
     pub fn fragment(&mut self, weights: [f32; 2]) -> Traced {
         let normals =
             only_item(pump(&mut self.mapping, Flow::Item(Stamp::from_iter([Fragment { weights, ..Fragment::default() }]))));
         self.replaced(normals)
     }
 
-    /// A fragment from its pseudo-normals on.
+    /// Passes a fragment with these pseudo-normals through the remaining units.
     pub fn replaced(&mut self, normals: PseudoNormals) -> Traced {
         let indexes = only_item(pump(&mut self.replacement, Flow::Item(normals.clone())));
         let shaded = only_item(pump(&mut self.brightness, Flow::Item(indexes.clone())))[0];

@@ -14,7 +14,7 @@ fn table(config: &BumpProcessorConfig, level: u8) -> Vec<[i16; 3]> {
     set.normals(level, set.entries(level, None)).unwrap()
 }
 
-/// The first index with the largest inner product, by trying all.
+/// Returns the first index with the largest inner product, by exhaustive search.
 fn nearest(table: &[[i16; 3]], n: [i16; 3]) -> u16 {
     let dot = |q: &[i16; 3]| (0..3).map(|i| i64::from(q[i]) * i64::from(n[i])).sum::<i64>();
     let best = table.iter().map(dot).max().unwrap();
@@ -39,7 +39,7 @@ fn used(ran: &Ran) -> Vec<u64> {
 }
 
 #[test]
-fn claim_1_7_each_level_has_its_own_map_and_its_own_table_whose_member_replaces_n_prime() {
+fn claim_1_7_each_level_has_its_own_map_and_table() {
     let config = config(&[]);
     let tables: Vec<_> = (0..8).map(|level| table(&config, level)).collect();
     let all: BTreeSet<_> = tables.iter().flatten().collect();
@@ -60,7 +60,7 @@ fn claim_1_7_each_level_has_its_own_map_and_its_own_table_whose_member_replaces_
 }
 
 #[test]
-fn claim_2_6_the_size_of_a_table_depends_on_the_level_and_grows_with_resolution() {
+fn claim_2_6_table_size_grows_with_resolution() {
     let entries = [64, 32, 16, 8, 4, 2, 1, 1];
     let ran = timed(
         &small_demo("brick", 1),
@@ -75,17 +75,17 @@ fn claim_2_6_the_size_of_a_table_depends_on_the_level_and_grows_with_resolution(
 }
 
 #[test]
-fn claim_3_tables_are_smaller_than_the_number_of_distinct_pseudo_normals() {
+fn claim_3_tables_are_smaller_than_distinct_pseudo_normals() {
     let ran = timed(&small_demo("sphere", 1), &[("replacement.entries", "64")]);
     let tables = used(&ran).iter().filter(|n| **n > 0).count() as u64;
     assert!(ran.count("distinct_pseudo_normals") > 64 * tables, "{}", ran.count("distinct_pseudo_normals"));
-    // The figure tells where the claim is not met: a smooth surface has few N', whatever the table.
+    // The figure shows violations of the claim: a smooth surface has few N', with any table.
     let smooth = SceneRecipe { parts: vec![Part { bump: Some(true), ..sheet(Surface::Plain) }], ..one_frame() };
     assert!(timed(&smooth.scene(), &[]).count("distinct_pseudo_normals") < 256);
 }
 
 #[test]
-fn claim_4_8_a_clut_per_level_holds_the_brightness_of_each_reference_normal() {
+fn claim_4_8_clut_per_level_holds_brightness_of_normals() {
     let config = config(&[]);
     let mut chain = Chain::new(&config);
     for level in 0..8 {
@@ -99,7 +99,7 @@ fn claim_4_8_a_clut_per_level_holds_the_brightness_of_each_reference_normal() {
 }
 
 #[test]
-fn claim_7_direct_brightness_draws_the_same_picture_within_the_step_of_a_clut() {
+fn claim_7_direct_brightness_differs_by_at_most_a_clut_step() {
     let scene = small_demo("sphere", 1);
     let (clut, direct) = (timed(&scene, &[]), timed(&scene, &[("brightness.source", "direct")]));
     assert!(clut.bytes("clut_read") > 0 && clut.bytes("clut_build") > 0);
@@ -111,7 +111,7 @@ fn claim_7_direct_brightness_draws_the_same_picture_within_the_step_of_a_clut() 
 }
 
 #[test]
-fn claim_5_9_brightness_is_fetched_per_level_and_then_interpolated() {
+fn claim_5_9_brightness_is_fetched_per_level_then_interpolated() {
     for levels in ["2", "3", "8"] {
         let config = config(&[("brightness.levels", levels), ("memory.normal_map.outstanding", "32")]);
         let mut chain = Chain::new(&config);
@@ -145,7 +145,7 @@ fn lod_3_divides_the_difference_of_two_levels_3_to_5() {
 }
 
 #[test]
-fn the_same_n_prime_at_two_levels_gives_two_slightly_different_brightness_values() {
+fn same_n_prime_at_two_levels_gives_different_brightness() {
     let mut chain = Chain::new(&config(&[]));
     let mut differ = 0;
     for i in 0..200_i16 {
@@ -158,7 +158,7 @@ fn the_same_n_prime_at_two_levels_gives_two_slightly_different_brightness_values
 }
 
 #[test]
-fn claim_10_the_functional_model_alone_gives_the_same_pictures() {
+fn claim_10_functional_model_gives_the_same_pictures() {
     for settings in [&[][..], &[("rasterizer.early_z", "false"), ("graphics.draw", "after_list"), ("replacement.lanes", "1")]] {
         let scene = small_demo("coin", 3);
         let (pictures, _) = functional(&scene, &config(settings));
@@ -169,7 +169,7 @@ fn claim_10_the_functional_model_alone_gives_the_same_pictures() {
 }
 
 #[test]
-fn erratum_the_nearest_reference_normal_has_the_largest_inner_product() {
+fn erratum_nearest_normal_has_the_largest_inner_product() {
     let config = config(&[]);
     let mut chain = Chain::new(&config);
     // Towards the light: the vector with the smallest inner product would be in the dark, ambient light alone.
@@ -215,7 +215,7 @@ fn sheet(surface: Surface) -> Part {
 }
 
 #[test]
-fn figure_4_s12_without_bump_targets_the_list_is_drawn_at_once() {
+fn figure_4_s12_list_without_bump_targets_is_drawn_at_once() {
     let parts = vec![sheet(Surface::Textured), Part { at: [0.7, 0.6, 0.0], ..sheet(Surface::Plain) }];
     let ran = timed(&SceneRecipe { parts, ..one_frame() }.scene(), &[]);
     assert!(ran.count("pixels") > 0);
@@ -228,7 +228,7 @@ fn figure_4_s12_without_bump_targets_the_list_is_drawn_at_once() {
 }
 
 #[test]
-fn figure_4_s14_to_s22_every_fragment_of_every_bump_target_is_mapped_quantized_and_fetched() {
+fn figure_4_s14_to_s22_every_bump_fragment_passes_all_steps() {
     let ran = timed(&small_demo("brick", 1), &[]);
     assert_eq!(ran.count("bump_polygons"), ran.count("polygons"));
     assert_eq!(ran.count("bump_fragments"), ran.count("pixels"));
@@ -238,7 +238,7 @@ fn figure_4_s14_to_s22_every_fragment_of_every_bump_target_is_mapped_quantized_a
     assert!(per_fragment > 1.0 && per_fragment <= 2.0, "one or two levels each");
 }
 
-/// The cycles in which a unit worked, first to last.
+/// Returns the first and the last cycle in which a unit was busy.
 fn working(recorder: &Recorder, ran: &Ran, name: &str) -> (u64, u64) {
     let stage = ran.report.units.iter().position(|u| u.name == name).unwrap();
     let mut worked = recorder.stages[stage].iter().filter(|i| i.cause.is_none());
@@ -247,7 +247,7 @@ fn working(recorder: &Recorder, ran: &Ran, name: &str) -> (u64, u64) {
 }
 
 #[test]
-fn figure_4_s24_runs_after_all_bump_targets_or_streams_to_the_same_picture() {
+fn figure_4_s24_deferred_and_streamed_pictures_are_equal() {
     let scene = small_demo("mixed", 1);
     let probed = |order| {
         let mut recorder = Recorder::default();
@@ -269,10 +269,9 @@ fn figure_4_s24_runs_after_all_bump_targets_or_streams_to_the_same_picture() {
     assert!((2 * 2 * waiting..=2 * 5 * waiting).contains(&bytes), "{bytes} bytes of {waiting} fragments");
 }
 
-/// The promise of the description: only indexes are kept on the surface, so that less memory is moved than with full normals.
-/// Here both are kept, each in a run.
+/// The description promises that storing only indexes moves less memory than storing full normals. The test runs both.
 #[test]
-fn indexes_that_wait_move_less_than_full_normals_in_two_runs_of_the_same_picture() {
+fn deferred_indexes_move_less_than_deferred_normals() {
     let scene = small_demo("golf-ball", 1);
     let single = ("rasterizer.stamp", "1");
     let held = |what| timed(&scene, &[("graphics.draw", "after_list"), ("graphics.held", what), single]);
@@ -280,7 +279,7 @@ fn indexes_that_wait_move_less_than_full_normals_in_two_runs_of_the_same_picture
     assert_eq!((&index.frames, &index.frames), (&normal.frames, &brightness.frames));
     let waiting = index.count("results_held");
     assert!(waiting > 0 && waiting == normal.count("results_held"));
-    // Of each fragment, written and read: four bytes of its place; two levels of an index of 8 bits, or of three components of 16.
+    // Each fragment is written and read: four bytes of its position, and two levels of an 8-bit index or of three 16-bit components.
     assert_eq!([&brightness, &index, &normal].map(|ran| ran.bytes("held") / (2 * waiting)), [4 + 1, 4 + 2, 4 + 12]);
     let all = |ran: &Ran| {
         ran.report.memories.iter().flat_map(|m| &m.ports).map(|p| p.counts.read_bytes + p.counts.write_bytes).sum::<u64>()

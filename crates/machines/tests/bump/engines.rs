@@ -1,17 +1,18 @@
-//! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
+//! Equal reports of both engines, equal pictures of the functional model, conservation of cycles, and freedom from deadlocks.
 
 use crate::common;
+use crate::common::machine_runs::assert_rejected;
 use crate::common::settings::borrowed;
 use crate::recipe::{meanings, scenes, timings};
 use crate::runs::{Ran, config, functional, machine, small_demo, timed};
 use basrelief_kernel::RunReport;
-use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, SceneFront};
+use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_scene::DEMOS;
 use basrelief_signals::Scene;
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Runs a scene in all three ways and holds them against each other; the timed run.
+/// Runs a scene on both engines and the functional model, asserts that they agree, and returns the timed run.
 fn agree(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> Ran {
     let timed = common::agree(|| machine(scene, config));
     assert_eq!(timed.frames.len(), scene.frames.len());
@@ -19,11 +20,11 @@ fn agree(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> Ran {
     timed
 }
 
-/// Laws 9 to 11 and what caches, ports and counters must have in common.
+/// Asserts laws 9 to 11, and relations between caches, ports and counters.
 fn conserved(ran: &Ran, config: &BumpProcessorConfig, frames: usize) {
     let RunReport { total, memories, caches, marks: ends, .. } = &ran.report;
     assert_eq!(ends.len(), frames);
-    // What is left of the total is drain.
+    // The remaining cycles are the scan-out tail.
     assert!(ends.iter().all(|f| *f > 0) && ends.iter().sum::<u64>() <= *total, "{ends:?} of {total}");
     let ports = || memories.iter().flat_map(|m| &m.ports);
     let cache = &config.cache;
@@ -52,7 +53,7 @@ fn engines_agree_on_every_demo() {
 }
 
 #[test]
-fn a_stamp_is_looked_up_once_in_the_depth_cache_where_depth_is_not_at_hand_and_each_pixel_written() {
+fn stamp_takes_one_depth_cache_lookup() {
     for (early_z, stamp) in [("true", "1"), ("false", "1"), ("true", "4"), ("false", "4")] {
         let ran = timed(&small_demo("mixed", 1), &[("rasterizer.early_z", early_z), ("rasterizer.stamp", stamp)]);
         let depth = ran.report.caches.iter().find(|c| c.name == "depth").unwrap().counts;
@@ -69,7 +70,7 @@ fn a_stamp_is_looked_up_once_in_the_depth_cache_where_depth_is_not_at_hand_and_e
 }
 
 #[test]
-fn gathered_lines_and_clear_flags_spare_traffic_and_change_no_picture() {
+fn gathered_lines_and_clear_flags_reduce_traffic_only() {
     let scene = small_demo("mixed", 2);
     let of_lines = |lines: &str| timed(&scene, &[("frame_buffer.write_lines", lines), ("depth.write_lines", lines)]);
     let runs = ["1", "2", "8", "64"].map(of_lines);
@@ -94,7 +95,7 @@ fn gathered_lines_and_clear_flags_spare_traffic_and_change_no_picture() {
 fn stamps_change_neither_picture_nor_count() {
     let scene = small_demo("mixed", 1);
     let single = timed(&scene, &[("rasterizer.stamp", "1")]);
-    // Not the hardware: FIFOs are as wide as stamps.
+    // The hardware differs, because FIFOs are as wide as stamps.
     let figures = |ran: &Ran| ran.facts.figures().cloned().collect::<Vec<_>>();
     for stamp in ["2", "3", "4"] {
         let ran = timed(&scene, &[("rasterizer.stamp", stamp)]);
@@ -107,22 +108,16 @@ fn stamps_change_neither_picture_nor_count() {
 }
 
 #[test]
-fn parameters_that_do_not_fit_together_are_refused_with_a_key() {
-    let scene = small_demo("mixed", 1);
-    let refused = |settings: &[(&str, &str)], key: &str| {
-        let config = config(settings);
-        let front = SceneFront::new(basrelief_geometry_processor::SceneDraws::new(Arc::clone(&scene)), &config);
-        let problem = BumpProcessor::new(front, &config).err().unwrap_or_else(|| panic!("{settings:?} is accepted"));
-        assert_eq!(problem.key, key, "{problem}");
-    };
-    refused(&[("brightness.levels", "3"), ("normal_mapping.filter_at", "brightness")], "normal_mapping.filter_at");
-    refused(&[("replacement.table", "tetrahedron"), ("replacement.entries", "17")], "replacement.entries");
-    refused(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
-    // Law 3: a step starts when there are credits for the largest one; with fewer than that it never would.
-    refused(&[("memory.normal_map.outstanding", "7")], "memory.normal_map.outstanding");
-    refused(&[("memory.normal_map.outstanding", "31"), ("brightness.levels", "8")], "memory.normal_map.outstanding");
-    refused(&[("memory.quantization.outstanding", "1")], "memory.quantization.outstanding");
-    refused(&[("memory.graphics.outstanding", "3")], "memory.graphics.outstanding");
+fn incompatible_parameters_are_rejected_with_a_key() {
+    let rejected = assert_rejected::<BumpProcessorConfig>;
+    rejected(&[("brightness.levels", "3"), ("normal_mapping.filter_at", "brightness")], "normal_mapping.filter_at");
+    rejected(&[("replacement.table", "tetrahedron"), ("replacement.entries", "17")], "replacement.entries");
+    rejected(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
+    // Law 3: a step starts when there are credits for the largest step. With fewer credits it would never start.
+    rejected(&[("memory.normal_map.outstanding", "7")], "memory.normal_map.outstanding");
+    rejected(&[("memory.normal_map.outstanding", "31"), ("brightness.levels", "8")], "memory.normal_map.outstanding");
+    rejected(&[("memory.quantization.outstanding", "1")], "memory.quantization.outstanding");
+    rejected(&[("memory.graphics.outstanding", "3")], "memory.graphics.outstanding");
 }
 
 proptest! {
@@ -135,7 +130,7 @@ proptest! {
     }
 
     #[test]
-    fn law_6_times_never_change_a_picture_or_a_count(scene in scenes(), meaning in meanings(), timing in timings()) {
+    fn law_6_timing_never_changes_a_picture(scene in scenes(), meaning in meanings(), timing in timings()) {
         let scene = scene.scene();
         let (frames, _) = functional(&scene, &config(&borrowed(&meaning)));
         let ran = timed(&scene, &[borrowed(&meaning), borrowed(&timing)].concat());

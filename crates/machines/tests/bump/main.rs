@@ -1,4 +1,4 @@
-//! The bump-mapping processor as a whole: its engines, its configurations, and what the patent claims for it.
+//! Tests of the whole bump-mapping processor: engines, configurations, and claims of the patent.
 
 mod chain;
 mod claims;

@@ -1,11 +1,11 @@
-//! The memories: order of ports, address map, and what the machine warns of.
+//! Memories: order of ports, address map, and warnings.
 
 use crate::runs::{config, small_demo, timed};
 use basrelief_machines::bump::warnings;
 use basrelief_signals::{Pixel, Stamp, layout, lines, quantization_memory};
 
 #[test]
-fn ports_are_numbered_from_what_drains_the_machine_to_what_fills_it() {
+fn ports_are_numbered_from_the_end_of_the_pipeline() {
     let ran = timed(&small_demo("golf-ball", 1), &[]);
     let ports = |memory: &str| -> Vec<String> {
         let memory = ran.report.memories.iter().find(|m| m.name == memory).expect("a memory of this name");
@@ -17,7 +17,7 @@ fn ports_are_numbered_from_what_drains_the_machine_to_what_fills_it() {
 }
 
 #[test]
-fn what_shares_a_memory_does_not_overlap() {
+fn surfaces_in_one_memory_do_not_overlap() {
     for [width, height] in [[4096, 4096], [4097, 4095], [16_384, 1024], [1024, 16_384], [16_384, 1], [1, 16_384]] {
         assert!(layout::fits(width, height));
         // Colours and depths have 4 bytes at most, lines have 16 pixels.
@@ -47,16 +47,16 @@ fn colour_and_depth_of_a_pixel_lie_in_different_banks() {
 }
 
 #[test]
-fn slow_fifos_small_stamps_and_needless_tables_are_warned_of() {
+fn slow_fifos_small_stamps_and_needless_tables_warn() {
     let scene = small_demo("golf-ball", 1);
     let said = |settings: &[(&str, &str)]| warnings(&config(settings), &timed(&scene, settings).facts);
     assert_eq!(said(&[]), [""; 0], "defaults hold full rate");
     let slow = said(&[("fifo.shaded.depth", "2")]);
     assert!(slow.len() == 1 && slow[0].contains("fifo.shaded.depth = 2 allows 2 tokens in"), "{slow:?}");
     let small = said(&[("memory.graphics.outstanding", "8")]);
-    assert!(small.len() == 1 && small[0].starts_with("stamps of 2 instead of 4 fragments"), "{small:?}");
+    assert!(small.len() == 1 && small[0].starts_with("stamps have 2 instead of 4 fragments"), "{small:?}");
     let few = said(&[("brightness.levels", "3")]);
-    assert!(few.len() == 1 && few[0].contains("needs as many VQ tables, and the unit holds 2"), "{few:?}");
+    assert!(few.len() == 1 && few[0].contains("VQ tables, but the unit holds 2"), "{few:?}");
     let needless = said(&[("replacement.entries", "16384")]);
-    assert!(needless.iter().any(|w| w.contains("claim 3 wants fewer entries")), "{needless:?}");
+    assert!(needless.iter().any(|w| w.contains("claim 3 requires fewer entries")), "{needless:?}");
 }

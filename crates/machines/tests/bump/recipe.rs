@@ -1,4 +1,4 @@
-//! Small random scenes and configurations.
+//! Generators of small random scenes and configurations.
 
 use crate::common::settings::{Axis, Settings, choices, choices_and_fifos};
 use basrelief_scene::pyramid::{HeightMap, color_levels, height_levels};
@@ -8,7 +8,7 @@ use basrelief_signals::{
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// What an object looks like.
+/// Surface of an object.
 #[derive(Clone, Copy, Debug)]
 pub enum Surface {
     Plain,
@@ -17,7 +17,7 @@ pub enum Surface {
     MappedAndTextured,
 }
 
-/// Its mesh.
+/// Mesh of an object.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
     /// A wavy sheet of n x n cells.
@@ -228,7 +228,7 @@ fn checks() -> Vec<Image> {
     color_levels(Image { width: 8, height: 8, texels: (0..64).map(texel).collect() })
 }
 
-/// What the machine computes.
+/// Parameters that change the work.
 const MEANING: &[Axis] = &[
     &[&[], &[("rasterizer.early_z", "false")]],
     &[
@@ -263,7 +263,7 @@ const MEANING: &[Axis] = &[
     &[&[], &[("normal_mapping.normal_bits", "9"), ("replacement.entry_bits", "10"), ("normal_mapping.texel_bytes", "2")]],
 ];
 
-/// When it computes it: none of this may change a picture.
+/// Parameters that change only the timing. They must not change a picture.
 const TIMING: &[Axis] = &[
     &[&[], &[("texture.layout", "linear")], &[("texture.layout", "blocked_6d"), ("texture.superblock", "8")]],
     &[
@@ -333,12 +333,12 @@ const FIFOS: [&str; 12] = [
     "finished_frames",
 ];
 
-/// What changes pictures.
+/// Random settings that change the work.
 pub fn meanings() -> impl Strategy<Value = Settings> {
     choices(MEANING)
 }
 
-/// What must not: times, memories, caches, FIFOs from 1 slot up.
+/// Random settings that change only the timing: operators, memories, caches, and FIFOs from 1 slot.
 pub fn timings() -> impl Strategy<Value = Settings> {
     choices_and_fifos(TIMING, &FIFOS)
 }

@@ -1,4 +1,4 @@
-//! Running a scene on the machine, in all three ways.
+//! Runs of a scene on both engines and the functional model.
 
 use crate::common::{self, scene_front};
 pub use crate::common::{Ran, small_demo};
@@ -10,7 +10,7 @@ use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, SceneFront};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 
-/// The default machine with these settings.
+/// Loads the default configuration with these settings.
 pub fn config(settings: &[(&str, &str)]) -> BumpProcessorConfig {
     common::config(settings)
 }
@@ -23,12 +23,12 @@ pub fn run_probed<P: Probe>(scene: &Arc<Scene>, config: &BumpProcessorConfig, en
     common::run_probed(machine(scene, config), engine, probe)
 }
 
-/// A timed run that must come to its end.
+/// Runs the timed engine, and asserts that the run finishes.
 pub fn timed(scene: &Arc<Scene>, settings: &[(&str, &str)]) -> Ran {
     common::timed(machine(scene, &config(settings)), settings)
 }
 
-/// Pictures and device figures of the functional model.
+/// Returns pictures and figures of the functional model.
 pub fn functional(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> (Vec<FinishedFrame>, UnitStats) {
     common::functional(machine(scene, config))
 }

@@ -1,4 +1,4 @@
-//! How textures lie in memory, and in which order pixels are visited: pictures do not depend on it, traffic does.
+//! Texture layout and raster order: they change memory traffic, but not pictures.
 
 use crate::runs::{Ran, config, machine, small_demo, timed};
 use basrelief_machines::bump::BumpProcessor;
@@ -21,7 +21,7 @@ fn misses(ran: &Ran, cache: &str) -> u64 {
 }
 
 #[test]
-fn pictures_and_fragments_are_the_same_in_every_raster_order_and_every_layout() {
+fn pictures_do_not_depend_on_raster_order_or_layout() {
     for demo in ["mixed", "brick", "coin"] {
         let scene = small_demo(demo, 1);
         let expected = timed(&scene, &[]);
@@ -36,7 +36,7 @@ fn pictures_and_fragments_are_the_same_in_every_raster_order_and_every_layout() 
 }
 
 #[test]
-fn what_is_read_of_textures_depends_on_raster_order_and_layout() {
+fn texture_traffic_depends_on_raster_order_and_layout() {
     let options = ViewOptions { size: [320, 240], frames: Some(1), ..ViewOptions::default() };
     let scene = Arc::new(demo("turntable", &options).unwrap());
     // A row of pixels needs more than its 1 KiB, a tile does not.
@@ -49,7 +49,7 @@ fn what_is_read_of_textures_depends_on_raster_order_and_layout() {
 }
 
 #[test]
-fn sides_of_blocks_that_do_not_fit_are_refused_by_name() {
+fn incompatible_block_sides_are_rejected_with_a_key() {
     let scene = small_demo("brick", 1);
     let refused = |settings: &[(&str, &str)]| {
         let config = config(settings);
@@ -59,6 +59,6 @@ fn sides_of_blocks_that_do_not_fit_are_refused_by_name() {
     assert_eq!(refused(&[("texture.superblock", "48")]), "`texture.superblock`: is 48, expected a power of two");
     let small = refused(&[("texture.layout", "blocked_6d"), ("texture.block", "16"), ("texture.superblock", "8")]);
     assert_eq!(small, "`texture.superblock`: is 8, but a block has a side of 16; set it to that or more");
-    // Without superblocks nothing is wrong with it.
+    // Valid without superblocks.
     machine(&scene, &config(&[("texture.block", "16"), ("texture.superblock", "8")]));
 }

@@ -1,4 +1,4 @@
-//! Variants (a) to (e) of the replacement, and what is moved through memory.
+//! Variants (a) to (e) of the replacement, and their memory traffic.
 
 use crate::promise::{exact, psnr};
 use crate::runs::{Ran, small_demo, timed};
@@ -21,7 +21,7 @@ fn used(ran: &Ran) -> Vec<u64> {
 }
 
 #[test]
-fn variant_a_fixed_tables_are_loaded_once_and_kept_from_frame_to_frame() {
+fn variant_a_fixed_tables_are_loaded_once() {
     let ran = timed(&small_demo("sphere", 3), &[("replacement.resident_tables", "8")]);
     assert_eq!((ran.count("code_books"), ran.count("gathered_bytes")), (0, 0));
     let levels = used(&ran).iter().filter(|n| **n > 0).count() as u64;
@@ -29,9 +29,9 @@ fn variant_a_fixed_tables_are_loaded_once_and_kept_from_frame_to_frame() {
 }
 
 #[test]
-fn variant_b_a_code_book_per_polygon_is_slower_and_a_better_picture() {
+fn variant_b_code_book_per_polygon_is_slower_and_better() {
     let scene = small_demo("brick", 1);
-    // With a front end that keeps up with polygons of a fragment: else it is all that counts in so small a picture.
+    // The front end must keep up with polygons of one fragment, because it would otherwise limit so small a picture.
     let settings = |codebook| {
         [
             ("replacement.entries", "4"),
@@ -61,7 +61,7 @@ fn variant_b_a_code_book_per_polygon_is_slower_and_a_better_picture() {
 }
 
 #[test]
-fn variant_c_the_number_of_reference_normals_is_fixed_by_the_object() {
+fn variant_c_object_fixes_the_number_of_normals() {
     let with = |entries| timed(&mixed(|object| object.entries = Some(entries)), &[]);
     for entries in [5, 40] {
         let ran = with(entries);
@@ -82,14 +82,14 @@ fn variant_d_bump_mapping_is_decided_per_object() {
 }
 
 #[test]
-fn variant_d_a_threshold_of_the_lod_decides_while_drawing() {
+fn variant_d_lod_threshold_decides_while_drawing() {
     let bump = |max_lod| timed(&small_demo("brick", 1), &[("bump.max_lod", max_lod)]).count("bump_polygons");
     let rising = ["20", "28", "36", "48", "63"].map(bump);
     assert!(rising.windows(2).all(|w| w[0] < w[1]), "{rising:?}");
 }
 
 #[test]
-fn variant_e_a_code_book_per_object_from_all_its_n_prime() {
+fn variant_e_code_book_per_object_uses_all_its_n_prime() {
     let scene = mixed(|object| object.entries = None);
     let settings = |codebook| [("replacement.entries", "16"), ("replacement.codebook", codebook)];
     let [fixed, object, polygon] = ["fixed", "per_object", "per_polygon"].map(|c| timed(&scene, &settings(c)));
@@ -104,7 +104,7 @@ fn variant_e_a_code_book_per_object_from_all_its_n_prime() {
 }
 
 #[test]
-fn cluts_are_recalculated_when_the_light_moves_and_only_then() {
+fn cluts_are_rebuilt_only_when_the_light_moves() {
     let still = timed(&small_demo("sphere", 3), &[]);
     let levels = used(&still).iter().filter(|n| **n > 0).count() as u64;
     assert_eq!(still.count("clut_rebuilds"), levels, "each level that is fetched, once");
@@ -122,8 +122,8 @@ fn cluts_are_recalculated_when_the_light_moves_and_only_then() {
 }
 
 #[test]
-fn only_indexes_are_kept_on_the_surface_so_less_is_moved_than_with_full_normals() {
-    // Indexes on the surface, CLUT entries read and rewritten, VQ tables loaded: all that replaces the normals.
+fn indexes_move_fewer_bytes_than_full_normals() {
+    // Indexes on the surface, reads and writes of CLUT entries, and loads of VQ tables replace the normals.
     let moved = |ran: &Ran| ran.count("index_bytes") + ran.bytes("clut_read") + ran.bytes("clut_build") + ran.bytes("tables");
     for name in ["sphere", "brick", "golf-ball"] {
         let ran = timed(&small_demo(name, 1), &[("replacement.entries", "64"), ("replacement.resident_tables", "8")]);

@@ -1,7 +1,9 @@
-//! What the tests of all machines share: running one in all three ways, and random settings.
-#![allow(dead_code, reason = "each machine's tests use their part")]
+//! Shared code of the machines' tests: runs on both engines and the functional model, and random settings.
+#![allow(dead_code, reason = "each machine's tests use a part of it")]
 
+pub mod machine_runs;
 pub mod settings;
+pub mod trace;
 
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
@@ -13,7 +15,7 @@ use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Control, Scene};
 use std::sync::Arc;
 
-/// What a run came to.
+/// Result of a run.
 pub struct Ran {
     pub report: RunReport,
     pub frames: Vec<FinishedFrame>,
@@ -25,13 +27,13 @@ impl Ran {
         count(&self.facts, name)
     }
 
-    /// Bytes that a client read and wrote.
+    /// Returns the bytes that a client read and wrote.
     pub fn bytes(&self, client: &str) -> u64 {
         let ports = self.report.memories.iter().flat_map(|m| &m.ports);
         ports.filter(|p| p.client == client).map(|p| p.counts.read_bytes + p.counts.write_bytes).sum()
     }
 
-    /// Largest difference of any 8-bit output.
+    /// Returns the largest difference of 8-bit values.
     pub fn difference(&self, other: &Self) -> u8 {
         assert_eq!(self.frames.len(), other.frames.len());
         let pairs = self.frames.iter().zip(&other.frames).flat_map(|(a, b)| {
@@ -42,35 +44,35 @@ impl Ran {
     }
 }
 
-/// A device figure that there must be.
+/// Returns a figure that must exist.
 pub fn count(facts: &UnitStats, name: &str) -> u64 {
-    assert!(facts.get(name).is_some(), "there is no device figure `{name}`");
+    assert!(facts.get(name).is_some(), "there is no figure `{name}`");
     facts.count(name)
 }
 
-/// A machine's defaults with these settings.
+/// Loads a machine's defaults with these settings.
 pub fn config<C: Parameters>(settings: &[(&str, &str)]) -> C {
     load("", settings).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A demo, small.
+/// Loads a demo at a small size.
 pub fn small_demo(name: &str, frames: u32) -> Arc<Scene> {
     let options = ViewOptions { size: [64, 48], frames: Some(frames), ..ViewOptions::default() };
     Arc::new(demo(name, &options).unwrap_or_else(|e| panic!("{e}")))
 }
 
-/// A way in that replays these commands.
+/// Creates a front end that replays these commands.
 pub fn replay<C: Into<FrontConfig>>(controls: &[Control], config: C) -> impl FrontEnd + use<C> {
     let commands: Vec<_> = controls.iter().map(|c| Ok::<_, String>((c.clone(), None))).collect();
     TraceFront::new(commands.into_iter(), config)
 }
 
-/// A way in that draws this scene.
+/// Creates a front end that draws this scene.
 pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> SceneFront<SceneDraws> {
     SceneFront::new(SceneDraws::new(Arc::clone(scene)), config)
 }
 
-/// Runs a machine under a probe.
+/// Runs a machine with a probe.
 pub fn run_probed<P: Probe>(mut machine: impl Draws, engine: Engine, probe: &mut P) -> Ran {
     let report = run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
     Ran { report, frames: machine.drain_finished(), facts: machine.facts() }
@@ -81,27 +83,27 @@ pub fn run(machine: impl Draws, engine: Engine) -> Ran {
     run_probed(machine, engine, &mut NoProbe)
 }
 
-/// A timed run, with these settings, that must come to its end.
+/// Runs the timed engine, and asserts that the run finishes.
 pub fn timed(machine: impl Draws, settings: &[(&str, &str)]) -> Ran {
     let ran = run(machine, Engine::Timed);
     assert_eq!(ran.report.outcome, Outcome::Complete, "{settings:?}");
     ran
 }
 
-/// Pictures and device figures of the functional model.
+/// Returns pictures and figures of the functional model.
 pub fn functional(mut machine: impl Draws) -> (Vec<FinishedFrame>, UnitStats) {
     run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
     (machine.drain_finished(), machine.facts())
 }
 
-/// Which pixels the bump-mapping processor covers.
+/// Returns the pixels that the bump-mapping processor covers.
 pub fn covered_by_bump(list: &[Control]) -> Vec<Vec<bool>> {
     let config = BumpProcessorConfig::default();
     let machine = BumpProcessor::new(replay(list, &config), &config).expect("defaults fit");
     functional(machine).0.into_iter().map(|f| f.covered).collect()
 }
 
-/// Runs a machine in all three ways and holds them against each other; the timed run.
+/// Runs both engines and the functional model, asserts that they agree, and returns the timed run.
 pub fn agree<M: Draws>(machine: impl Fn() -> M) -> Ran {
     let timed = run(machine(), Engine::Timed);
     assert_eq!(timed.report.outcome, Outcome::Complete);
@@ -114,7 +116,7 @@ pub fn agree<M: Draws>(machine: impl Fn() -> M) -> Ran {
     timed
 }
 
-/// Equal reports; if not, the parts that differ, as whole reports are hard to read.
+/// Asserts that reports are equal. The message contains only the parts that differ.
 pub fn same(timed: &RunReport, ticked: &RunReport) {
     fn differ<T: PartialEq + std::fmt::Debug>(timed: &[T], ticked: &[T]) -> String {
         timed.iter().zip(ticked).filter(|(a, b)| a != b).map(|(a, b)| format!("timed {a:?}\nticked {b:?}\n")).collect()
@@ -132,7 +134,7 @@ pub fn same(timed: &RunReport, ticked: &RunReport) {
     }
 }
 
-/// Laws 9 and 10: cycles of units and FIFOs sum to the total.
+/// Asserts laws 9 and 10: cycles of units and FIFOs sum to the total.
 pub fn conserved(report: &RunReport) {
     for unit in &report.units {
         assert_eq!(unit.account.total(), report.total, "cycles of {}", unit.name);

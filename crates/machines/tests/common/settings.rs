@@ -1,20 +1,20 @@
-//! Random settings of a machine, from axes of choices.
+//! Random settings of a machine.
 
 use proptest::prelude::*;
 
-/// `--set` arguments.
+/// Settings, as in `--set`.
 pub type Settings = Vec<(String, String)>;
 
-/// Choices of one thing, the default first; a choice is a list of settings.
+/// Alternatives, the default first. An alternative is a list of settings.
 pub type Axis = &'static [&'static [(&'static str, &'static str)]];
 
-/// A choice of each axis.
+/// One alternative of each axis.
 pub fn choices(axes: &'static [Axis]) -> impl Strategy<Value = Settings> {
     let choice: Vec<_> = axes.iter().map(|axis| (0..axis.len()).prop_map(move |i| axis[i])).collect();
     choice.prop_map(|chosen| chosen.into_iter().flatten().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect())
 }
 
-/// A choice of each axis, and depths and latencies of these FIFOs, from 1 slot up.
+/// One alternative of each axis, and depths and latencies of these FIFOs, from 1 slot.
 pub fn choices_and_fifos(axes: &'static [Axis], fifos: &'static [&'static str]) -> impl Strategy<Value = Settings> {
     let depth = prop::option::of(prop_oneof![Just(1u32), Just(2), 3u32..=64]);
     let latency = prop_oneof![3 => Just(1u32), 1 => 2u32..9];
@@ -32,7 +32,7 @@ pub fn choices_and_fifos(axes: &'static [Axis], fifos: &'static [&'static str]) 
     })
 }
 
-/// The settings as the loader takes them.
+/// Borrows the settings for the loader.
 pub fn borrowed(settings: &Settings) -> Vec<(&str, &str)> {
     settings.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect()
 }

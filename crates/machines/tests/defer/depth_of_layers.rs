@@ -1,4 +1,4 @@
-//! A cap on Dmax (133) \[0033\]: textures of more texels than are needed are kept at a lower resolution.
+//! Cap on Dmax (133) \[0033\]: textures with more texels than needed are stored at a lower resolution.
 
 use crate::recipe::{FAST, SMALL, floor, frame, object, rectangle, texture, textured};
 use crate::runs::{Ran, timed};
@@ -29,7 +29,7 @@ fn run(list: &[Control], mode: &str, cap: &str) -> Ran {
 }
 
 #[test]
-fn depth_of_layers_0033_a_cap_on_dmax_draws_the_picture_of_textures_halved_as_often() {
+fn depth_of_layers_0033_cap_on_dmax_equals_halved_textures() {
     // Tiles of 8 x 8: 128 x 128 texels have Dmax = 4, 64 x 32 have 3.
     let (ground, near) = (texture(0, [128, 128], [WrapMode::Repeat; 2]), texture(1, [64, 32], [WrapMode::Clamp; 2]));
     let halves = list(&halved(&halved(&ground)), &halved(&near));
@@ -49,7 +49,7 @@ fn depth_of_layers_0033_a_cap_on_dmax_draws_the_picture_of_textures_halved_as_of
 }
 
 #[test]
-fn depth_of_layers_0033_a_cap_of_dmax_or_more_leaves_nothing_out() {
+fn depth_of_layers_0033_cap_of_dmax_or_more_changes_nothing() {
     let list = list(&texture(0, [128, 128], [WrapMode::Repeat; 2]), &texture(1, [37, 61], [WrapMode::Clamp; 2]));
     let (all, capped) = (run(&list, "best", "31"), run(&list, "best", "4"));
     assert_eq!((all.report, &all.seen.finished, &all.seen.facts), (capped.report, &capped.seen.finished, &capped.seen.facts));

@@ -28,10 +28,10 @@ fn repainted(list: &[Control]) -> Vec<Control> {
 }
 
 #[test]
-fn embodiments_1_and_11_rasterize_without_pattern_data_then_fetch_then_finish() {
+fn embodiments_1_and_11_rasterize_then_fetch_then_finish() {
     let ran = timed(&views(&[0.0]), &[FAST, SMALL].concat());
     let (seen, report) = (&ran.seen, &ran.report);
-    // What is rasterized and fetched does not depend on pattern data; what is finished does.
+    // Rasterization and fetches do not depend on pattern data; finished pictures do.
     let other = timed(&repainted(&views(&[0.0])), &[FAST, SMALL].concat()).seen;
     assert_eq!((&seen.filled, seen.acquired(0)), (&other.filled, other.acquired(0)));
     assert_ne!(seen.finished[0].rgb, other.finished[0].rgb);
@@ -58,7 +58,7 @@ fn embodiments_2_and_12_textures_are_pyramids_of_tiles() {
 }
 
 #[test]
-fn embodiments_3_and_13_brightness_coefficients_stand_in_the_cell_and_multiply_the_texel() {
+fn embodiments_3_and_13_brightness_in_cell_multiplies_texel() {
     let base = texture(1, [8, 8], [WrapMode::Clamp; 2]);
     let half = Arc::new(Material { base_color: [0.5, 1.0, 0.0, 1.0], ..Material::clone(&textured(&base)) });
     let picture = |material: &Arc<Material>| {
@@ -74,7 +74,7 @@ fn embodiments_3_and_13_brightness_coefficients_stand_in_the_cell_and_multiply_t
 }
 
 #[test]
-fn embodiments_4_5_14_and_15_the_list_marks_tiles_l_and_they_become_e_when_acquired() {
+fn embodiments_4_5_14_and_15_tile_states_go_from_l_to_e() {
     let left_early = seen(&views(&[0.0]), &[("defer.mode", "progressive"), ("defer.pictures_per_view", "1")]);
     let states = |seen: &Seen, state: TileState| seen.lists.iter().flat_map(|(_, l)| l.states()).filter(|s| **s == state).count();
     assert!(states(&left_early, TileState::Load) > 0, "marked when the user moved on");
@@ -85,7 +85,7 @@ fn embodiments_4_5_14_and_15_the_list_marks_tiles_l_and_they_become_e_when_acqui
 }
 
 #[test]
-fn embodiments_6_9_16_and_19_a_tile_is_synthesized_where_its_sources_exist_and_loaded_elsewhere() {
+fn embodiments_6_9_16_and_19_tile_is_synthesized_or_loaded() {
     let seen = seen(&views(&[0.0]), &[]);
     let (loaded, synthesized) = (seen.tiles(0, Some(How::Loaded)), seen.tiles(0, Some(How::Synthesized)));
     assert!(!loaded.is_empty() && !synthesized.is_empty());
@@ -102,7 +102,7 @@ fn embodiments_6_9_16_and_19_a_tile_is_synthesized_where_its_sources_exist_and_l
 }
 
 #[test]
-fn embodiments_7_8_17_and_18_progressive_pictures_until_the_best() {
+fn embodiments_7_8_17_and_18_pictures_improve_to_the_best() {
     let progressive = seen(&views(&[0.0]), &[("defer.mode", "progressive")]);
     let best = seen(&views(&[0.0]), &[]);
     assert!(progressive.rounds.len() >= 3);
@@ -116,7 +116,7 @@ fn embodiments_7_8_17_and_18_progressive_pictures_until_the_best() {
 }
 
 #[test]
-fn embodiments_10_and_20_interpolate_once_at_integer_depth_and_twice_and_between_elsewhere() {
+fn embodiments_10_and_20_interpolate_once_or_twice_by_depth() {
     let base = textured(&texture(1, [32, 32], [WrapMode::Clamp; 2]));
     let interpolations = |side: f32| {
         let list = [crate::recipe::frame(0), rectangle([0.0, 0.0, side, side], 0.5, &base), Control::FrameEnd];

@@ -1,15 +1,16 @@
-//! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
+//! Equal reports of both engines, equal pictures of the functional model, conservation of cycles, and freedom from deadlocks.
 
 use crate::common;
+use crate::common::machine_runs::assert_rejected;
 use crate::common::settings::borrowed;
 use crate::recipe::{FAST, SMALL, display_lists, meanings, timings, views};
 use crate::runs::{Ran, config, functional, replay, run, timed};
 use basrelief_kernel::{Engine, Outcome};
-use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
+use basrelief_machines::defer::DeferConfig;
 use basrelief_signals::Control;
 use proptest::prelude::*;
 
-/// Runs in all three ways and holds them against each other; the timed run.
+/// Runs both engines and the functional model, asserts that they agree, and returns the timed run.
 fn agree(list: &[Control], config: &DeferConfig) -> Ran {
     let timed = run(replay(list, config), config, Engine::Timed);
     assert_eq!(timed.report.outcome, Outcome::Complete);
@@ -21,7 +22,7 @@ fn agree(list: &[Control], config: &DeferConfig) -> Ran {
     timed
 }
 
-/// Laws 9 to 11, and what counters must have in common.
+/// Asserts laws 9 to 11, and relations between counters.
 fn conserved(ran: &Ran) {
     common::conserved(&ran.report);
     let count = |name: &str| ran.seen.count(name);
@@ -43,7 +44,7 @@ fn engines_agree_on_the_hall_in_every_mode() {
 }
 
 #[test]
-fn a_path_of_28571_cycles_per_byte_takes_the_timed_engine_no_longer() {
+fn slow_path_takes_the_timed_engine_no_longer() {
     let slow = timed(&views(&[0.0]), &[SMALL, &[("path.bits_per_second", "56000"), ("path.latency_us", "100000")]].concat());
     let fast = timed(&views(&[0.0]), &[SMALL, FAST].concat());
     assert_eq!(slow.seen.finished, fast.seen.finished);
@@ -55,23 +56,19 @@ fn a_path_of_28571_cycles_per_byte_takes_the_timed_engine_no_longer() {
 }
 
 #[test]
-fn parameters_that_do_not_fit_together_are_refused_with_a_key() {
-    let refused = |settings: &[(&str, &str)], key: &str| {
-        let config = config(settings);
-        let problem = DeferredRenderer::new(replay(&[], &config), &config).err().unwrap_or_else(|| panic!("{settings:?}"));
-        assert_eq!(problem.key, key, "{problem}");
-    };
-    refused(&[("tile.width", "48")], "tile.width");
-    refused(&[("tile.height", "100")], "tile.height");
-    refused(&[("memory.texture.outstanding", "127")], "memory.texture.outstanding");
-    refused(&[("cache.texel.line_bytes", "48")], "cache.texel.line_bytes");
-    refused(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
-    refused(&[("cell.depth_bits", "12")], "cell.depth_fraction_bits");
-    refused(&[("cell.coordinate_format", "fixed"), ("cell.coordinate_bits", "12")], "cell.coordinate_fraction_bits");
+fn incompatible_parameters_are_rejected_with_a_key() {
+    let rejected = assert_rejected::<DeferConfig>;
+    rejected(&[("tile.width", "48")], "tile.width");
+    rejected(&[("tile.height", "100")], "tile.height");
+    rejected(&[("memory.texture.outstanding", "127")], "memory.texture.outstanding");
+    rejected(&[("cache.texel.line_bytes", "48")], "cache.texel.line_bytes");
+    rejected(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
+    rejected(&[("cell.depth_bits", "12")], "cell.depth_fraction_bits");
+    rejected(&[("cell.coordinate_format", "fixed"), ("cell.coordinate_bits", "12")], "cell.coordinate_fraction_bits");
 }
 
 #[test]
-fn what_only_the_scene_can_show_to_be_too_small_is_a_fault_that_names_the_parameter() {
+fn too_small_for_the_scene_is_a_fault_with_a_parameter() {
     for (setting, name) in
         [(("cell.page_bits", "2"), "cell.page_bits"), (("engine.texture_memory", "100000"), "engine.texture_memory")]
     {
@@ -94,7 +91,7 @@ proptest! {
     }
 
     #[test]
-    fn law_6_times_never_change_a_picture_or_a_tile(list in display_lists(), meaning in meanings(), timing in timings()) {
+    fn law_6_timing_never_changes_a_picture_or_a_tile(list in display_lists(), meaning in meanings(), timing in timings()) {
         let plain = config(&borrowed(&meaning));
         let seen = functional(&list, &plain);
         let ran = timed(&list, &[borrowed(&meaning), borrowed(&timing)].concat()).seen;

@@ -1,4 +1,4 @@
-//! The rate-limited renderer as a whole: its engines, its modes, its views, and what the patent says of them.
+//! Tests of the whole rate-limited renderer: engines, modes, views, and statements of the patent.
 
 #[path = "../common/mod.rs"]
 mod common;

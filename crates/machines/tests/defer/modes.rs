@@ -1,4 +1,4 @@
-//! Best resolution, progressive and conventional: the same picture, by different ways. Views one after the other.
+//! The modes: best resolution, progressive and conventional. They draw the same picture. Several views in sequence.
 
 use crate::recipe::{FAST, SMALL, display_lists, floor, frame, object, texture, views};
 use crate::runs::{Ran, Seen, Tile, config, timed};
@@ -25,7 +25,7 @@ fn pictures(seen: &Seen) -> Vec<&[[u8; 3]]> {
     seen.finished.iter().map(|f| f.rgb.as_slice()).collect()
 }
 
-/// Tiles that the pixels of a filled reference buffer read, from its cells.
+/// Returns the tiles that the pixels of a reference buffer read, from its cells.
 fn wanted(seen: &Seen, frame: usize) -> BTreeSet<Tile> {
     let filled = &seen.filled[frame];
     let of_cell = |cell: &Cell| -> Vec<Tile> {
@@ -40,7 +40,7 @@ fn layers(page: &Page, depth: f32) -> Vec<u8> {
     if fraction > 0.0 { vec![coarse, coarse + 1] } else { vec![coarse] }
 }
 
-/// Tiles of the texels that weigh anything, texel by texel.
+/// Returns the tiles of all texels with a weight above 0, texel by texel.
 fn read(page: &Page, layer: u8, cell: &Cell) -> Vec<Tile> {
     let [x, y] = page.taps(layer, page.placed(cell.coordinates, cell.wrap));
     let texels = [[x.first, y.first], [x.second, y.first], [x.first, y.second], [x.second, y.second]];
@@ -48,7 +48,7 @@ fn read(page: &Page, layer: u8, cell: &Cell) -> Vec<Tile> {
 }
 
 #[test]
-fn all_modes_end_with_the_same_picture_whatever_the_lossless_encoding_and_order() {
+fn all_modes_orders_and_lossless_encodings_end_alike() {
     let [best, progressive, conventional] = modes(&views(&[0.0, 5.0]), &[]);
     assert_eq!(pictures(&best.seen), pictures(&progressive.seen));
     assert_eq!(pictures(&best.seen), pictures(&conventional.seen));
@@ -83,7 +83,7 @@ fn best_resolution_loads_least_and_conventional_most() {
     assert!(loaded.iter().all(|(t, tile)| page_of(*t).layer_of(*tile) == page_of(*t).dmax()), "all coarser layers are averaged");
 }
 
-/// A view of the hall that declares two more textures, which no polygon names, and one that polygons name too.
+/// Returns a view of the hall that declares three more textures. Polygons use only one of them.
 fn declaring() -> Vec<Control> {
     let mut list = views(&[0.0]);
     let Some(Control::Frame(frame)) = list.first_mut() else { panic!("a list begins with a frame") };
@@ -97,7 +97,7 @@ fn declaring() -> Vec<Control> {
 }
 
 #[test]
-fn textures_that_are_declared_count_whether_polygons_name_them_or_not_452_471() {
+fn declared_textures_count_without_polygons_452_471() {
     let (named, declared) = (modes(&views(&[0.0]), &[]), modes(&declaring(), &[]));
     let more = 3 * (40 * 30 + 9 * 5);
     for (named, declared) in named.iter().zip(&declared) {
@@ -116,13 +116,13 @@ fn textures_that_are_declared_count_whether_polygons_name_them_or_not_452_471() 
 }
 
 #[test]
-fn the_first_progressive_picture_comes_before_that_of_best_resolution() {
+fn first_progressive_picture_precedes_best_resolution() {
     let slow = [("path.bits_per_second", "20000000"), ("path.requests", "4")];
     let [best, progressive, conventional] = modes(&views(&[0.0]), &slow);
     assert!(progressive.report.marks[0] < best.report.marks[0] && best.report.marks[0] < conventional.report.marks[0]);
 }
 
-/// What must hold of the pictures of every frame.
+/// Asserts properties of the pictures of every frame.
 fn progresses(ran: &Ran) {
     let most = ran.seen.lists.iter().map(|(page, _)| u32::from(page.dmax()) + 1).max().unwrap_or(1);
     for last in &ran.seen.finished {
@@ -142,7 +142,7 @@ fn progressive_takes_at_most_dmax_plus_1_pictures() {
 
 #[test]
 fn from_picture_to_picture_no_pixel_becomes_coarser() {
-    // Textures of one colour per layer would be averaged away; so layers are told by what has come, frame by frame.
+    // Layers cannot be recognized by colour, because colours are averaged. They are derived from the tiles that have arrived, by frame.
     let list = views(&[0.0]);
     let full = timed(&list, &mode("progressive", &[]));
     let mut before: Option<Vec<Vec<u8>>> = None;
@@ -166,7 +166,7 @@ fn from_picture_to_picture_no_pixel_becomes_coarser() {
 }
 
 #[test]
-fn leaving_early_forgets_what_was_to_be_loaded_and_the_next_view_goes_on() {
+fn leaving_early_drops_requests_and_next_view_continues() {
     let early = [("defer.pictures_per_view", "2")];
     let ran = timed(&views(&[0.0, 0.0, 0.0, 0.0]), &mode("progressive", &early));
     let full = timed(&views(&[0.0]), &mode("best", &[]));
@@ -177,7 +177,7 @@ fn leaving_early_forgets_what_was_to_be_loaded_and_the_next_view_goes_on() {
 }
 
 #[test]
-fn a_new_viewpoint_fetches_only_missing_tiles() {
+fn new_viewpoint_fetches_only_missing_tiles() {
     for m in ["best", "progressive"] {
         let both = timed(&views(&[12.0, 0.0]), &mode(m, &[])).seen;
         let second = timed(&views(&[0.0]), &mode(m, &[])).seen;
@@ -195,7 +195,7 @@ fn a_new_viewpoint_fetches_only_missing_tiles() {
 }
 
 #[test]
-fn integer_texel_centres_shift_the_picture_and_keep_all_modes_equal() {
+fn integer_texel_centres_keep_all_modes_equal() {
     let integer = [("defer.texel_centre", "integer")];
     let [best, progressive, conventional] = modes(&views(&[0.0]), &integer);
     assert_eq!(pictures(&best.seen), pictures(&progressive.seen));
@@ -208,7 +208,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_scene_ends_alike_in_all_modes_and_loads_what_it_reads(list in display_lists()) {
+    fn any_scene_ends_alike_in_all_modes(list in display_lists()) {
         let [best, progressive, conventional] = modes(&list, &[]);
         prop_assert_eq!(pictures(&best.seen), pictures(&progressive.seen));
         prop_assert_eq!(pictures(&best.seen), pictures(&conventional.seen));
@@ -223,7 +223,7 @@ proptest! {
 }
 
 #[test]
-fn a_list_without_textures_is_drawn_and_said_to_need_no_tile() {
+fn trace_without_textures_warns_that_no_tile_is_needed() {
     let plain = Arc::new(Material::default());
     let list = [vec![frame(0), object(0)], vec![floor(&plain, 3.0), Control::FrameEnd]].concat();
     let ran = timed(&list, &[FAST, SMALL].concat());

@@ -1,4 +1,4 @@
-//! The path: rate, latency, requests in flight; and what goes wrong on it.
+//! The path: rate, latency, requests in flight, and errors.
 
 use crate::recipe::{FAST, SMALL, views};
 use crate::runs::{Tile, config, replay, timed};
@@ -19,7 +19,7 @@ fn total(more: &[(&str, &str)]) -> u64 {
 }
 
 #[test]
-fn twice_the_rate_takes_half_the_time_where_the_path_limits() {
+fn double_rate_halves_the_time_of_a_path_bound_run() {
     let [slow, fast] = ["1000000", "2000000"].map(|rate| total(&[("path.bits_per_second", rate)]));
     let ratio = slow as f64 / fast as f64;
     assert!((1.99..2.01).contains(&ratio), "{ratio}");
@@ -30,7 +30,7 @@ fn requests_in_flight_hide_the_latency_of_the_path() {
     let slow = |requests: &str| total(&[("path.latency_us", "200"), ("path.requests", requests)]);
     let loaded = timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.count("tiles_loaded");
     let (one, four, many) = (slow("1"), slow("4"), slow("4096"));
-    // One latency is waited for by the polygons, then one per tile.
+    // The polygons wait for one latency, then each tile waits for one.
     let latency = config(&[]).clock.hz / 5_000;
     assert!((loaded * latency..(loaded + 3) * latency).contains(&one), "{loaded} tiles, {one} cycles");
     assert!(four < one / 3 && many < four);
@@ -38,10 +38,10 @@ fn requests_in_flight_hide_the_latency_of_the_path() {
 }
 
 #[test]
-fn what_travels_is_what_is_counted() {
+fn transferred_bytes_equal_counted_bytes() {
     let ran = timed(&views(&[0.0, 2.0]), &[FAST, SMALL].concat());
     let seen = &ran.seen;
-    // Polygons of 4, 4, 4, 3 and 4 corners with textures and one of 3 without, of objects that tell no mesh: only in the first frame.
+    // Polygons of 4, 4, 4, 3 and 4 corners with textures and one of 3 without, in objects without a mesh: sent only in the first frame.
     assert_eq!(seen.count("path_polygon_bytes"), 4 * (5 * (4 * 4 + 3) + 3 * 3));
     assert_eq!(seen.count("path_command_bytes"), 2 * 4 * (21 + 5 + 2 * 13), "a frame with a light, and two objects: in both");
     assert_eq!(seen.count("path_texture_size_bytes"), 8 * 5);
@@ -53,7 +53,7 @@ fn what_travels_is_what_is_counted() {
 }
 
 #[test]
-fn an_answer_has_one_head_and_holds_tiles_of_one_picture_and_one_acquisition() {
+fn response_has_one_head_and_tiles_of_one_acquisition() {
     let heads = |most: &str, bytes: &str| {
         let settings = [("path.tiles_per_request", most), ("path.head_bytes", bytes)];
         timed(&views(&[0.0]), &[FAST, SMALL, &settings].concat()).seen
@@ -71,7 +71,7 @@ fn an_answer_has_one_head_and_holds_tiles_of_one_picture_and_one_acquisition() {
     }
 }
 
-/// A server whose tiles are damaged from the fourth on.
+/// Server that damages all tiles after the third.
 #[derive(Debug)]
 struct Damaged {
     good: TextureMemory,
@@ -99,7 +99,7 @@ impl TileSource for Damaged {
 }
 
 #[test]
-fn a_tile_that_does_not_come_or_is_cut_short_is_an_error_that_names_it() {
+fn missing_or_truncated_tile_is_an_error_with_its_name() {
     for lost in [true, false] {
         let config = config(&[FAST, SMALL].concat());
         let source = Damaged { good: TextureMemory::new(TileEncoding::Raw, 85), left: 3, lost };
@@ -114,7 +114,7 @@ fn a_tile_that_does_not_come_or_is_cut_short_is_an_error_that_names_it() {
 }
 
 #[test]
-fn a_lost_tile_leaves_every_picture_that_has_its_tiles_whatever_the_engine() {
+fn lost_tile_keeps_complete_pictures_on_every_engine() {
     let settings = [FAST, SMALL, &[("defer.mode", "progressive")]].concat();
     let whole = timed(&views(&[0.0]), &settings).seen;
     let config = config(&settings);
@@ -146,7 +146,7 @@ fn a_lost_tile_leaves_every_picture_that_has_its_tiles_whatever_the_engine() {
     assert!(counts.is_sorted() && counts[2] > counts[0], "{counts:?} of {loaded} tiles");
 }
 
-/// A server that writes down what it is asked for: texture and tile.
+/// Server that logs its requests: texture and tile.
 #[derive(Debug)]
 struct Recording {
     good: TextureMemory,
@@ -173,7 +173,7 @@ impl TileSource for Recording {
     }
 }
 
-/// What is asked for, in order, and what the pixels of the picture read.
+/// Returns the requests in order, and the tiles that the pixels read.
 fn asked(order: &str) -> (Vec<Tile>, Vec<(Tile, [u32; 2])>) {
     let config = config(&[FAST, SMALL, &[("tile.order", order)]].concat());
     let (asked, announced) = (Rc::default(), Rc::default());
@@ -200,7 +200,7 @@ fn reads_of(cell: &Cell, filled: &FilledBuffer) -> Vec<Tile> {
 }
 
 #[test]
-fn tiles_are_asked_for_in_the_order_wished_for() {
+fn tiles_are_requested_in_the_configured_order() {
     let (listed, _) = asked("listed");
     let texture_order: Vec<u32> = listed.iter().map(|t| t.0).collect();
     let mut textures = texture_order.clone();

@@ -1,9 +1,9 @@
-//! Display lists of textured and plain polygons, small and random ones among them.
+//! Traces of textured and plain polygons, with generators of small random ones.
 
 use crate::common::settings::{Axis, Settings, choices};
-use basrelief_signals::{
-    Camera, Control, Frame, Image, Light, LightKind, Material, ObjectInfo, Polygon, Sampler, Texture, Vertex, WrapMode,
-};
+pub use crate::common::trace::object;
+use crate::common::trace::{self, sun};
+use basrelief_signals::{Control, Image, Material, Polygon, Sampler, Texture, Vertex, WrapMode};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -11,29 +11,7 @@ use std::sync::Arc;
 pub const SIZE: [u32; 2] = [40, 30];
 
 pub fn frame(index: u32) -> Control {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-    let lights = vec![Light { kind: LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, intensity: 1.0 }];
-    Control::Frame(Arc::new(Frame {
-        index,
-        width: SIZE[0],
-        height: SIZE[1],
-        camera,
-        lights,
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
-}
-
-pub fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id,
-        name: format!("object {id}"),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    }))
+    trace::frame(index, SIZE, vec![sun([0.0, 0.0, 1.0], 1.0)])
 }
 
 /// A texture of noise, its only level the finest.
@@ -87,7 +65,7 @@ pub fn floor(material: &Arc<Material>, repeats: f32) -> Control {
     polygon(&corners, material)
 }
 
-/// Some of everything: non-square, odd and large textures, all wrap modes, a hidden picture, direct colours.
+/// A scene with non-square, odd and large textures, all wrap modes, a hidden picture, and direct colours.
 pub fn hall() -> Vec<Control> {
     use WrapMode::{Clamp, Mirror, Repeat};
     let ground = textured(&texture(0, [64, 64], [Repeat; 2]));
@@ -152,7 +130,7 @@ pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
     })
 }
 
-/// What the machine computes.
+/// Parameters that change the work.
 const MEANING: &[Axis] = &[
     &[&[], &[("defer.mode", "progressive")], &[("defer.mode", "conventional")]],
     &[&[], &[("defer.texel_centre", "integer")]],
@@ -175,7 +153,7 @@ const MEANING: &[Axis] = &[
     &[&[], &[("rasterizer.z_bits", "16"), ("rasterizer.block", "1"), ("rasterizer.stamp", "1")]],
 ];
 
-/// When it computes it: none of this may change a picture.
+/// Parameters that change only the timing. They must not change a picture.
 const TIMING: &[Axis] = &[
     &[
         &[("path.bits_per_second", "30000000000")],
@@ -252,7 +230,7 @@ pub fn timings() -> impl Strategy<Value = Settings> {
     choices(TIMING)
 }
 
-/// A path so fast that the ticked engine gets through.
+/// A path fast enough for the ticked engine.
 pub const FAST: &[(&str, &str)] = &[("path.bits_per_second", "30000000000"), ("path.latency_us", "0")];
 /// Small tiles, so that small textures have several.
 pub const SMALL: &[(&str, &str)] = &[("tile.width", "8"), ("tile.height", "8")];

@@ -1,4 +1,4 @@
-//! Running a display list on the machine, in all three ways.
+//! Runs of a trace on both engines and the functional model.
 
 use crate::common;
 pub use crate::common::replay;
@@ -11,21 +11,21 @@ use basrelief_signals::Control;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// What a run has shown.
+/// Pictures, logs and figures of a run.
 #[derive(Debug, PartialEq)]
 pub struct Seen {
     /// Last pictures of their frames.
     pub finished: Vec<FinishedFrame>,
-    /// Those before them.
+    /// Pictures that a better picture of the same frame follows.
     pub rounds: Vec<FinishedFrame>,
     pub filled: Vec<FilledBuffer>,
-    /// What became of tiles, by frame.
+    /// Fates of tiles, by frame.
     pub tiles: Vec<Vec<TileRecord>>,
     pub lists: Vec<(Arc<Page>, TileList)>,
     pub facts: UnitStats,
 }
 
-/// What a run came to.
+/// Result of a run.
 pub struct Ran {
     pub report: RunReport,
     pub seen: Seen,
@@ -39,19 +39,19 @@ impl Seen {
         common::count(&self.facts, name)
     }
 
-    /// Tiles of a frame that came so; none: those that were there before, and were needed.
+    /// Returns the tiles of a frame that were acquired in this way; with `None`, the tiles that were reused.
     pub fn tiles(&self, frame: usize, how: Option<How>) -> BTreeSet<Tile> {
         let tiles = self.tiles[frame].iter().filter(|r| r.acquired == how);
         tiles.map(|r| (r.page.texture, r.tile)).collect()
     }
 
-    /// Tiles of a frame, however they came.
+    /// Returns all tiles acquired for a frame.
     pub fn acquired(&self, frame: usize) -> BTreeSet<Tile> {
         &self.tiles(frame, Some(How::Loaded)) | &self.tiles(frame, Some(How::Synthesized))
     }
 }
 
-/// The default machine with these settings.
+/// Loads the default configuration with these settings.
 pub fn config(settings: &[(&str, &str)]) -> DeferConfig {
     common::config(settings)
 }
@@ -74,7 +74,7 @@ pub fn run(front: impl FrontEnd, config: &DeferConfig, engine: Engine) -> Ran {
     Ran { report, seen: seen(machine) }
 }
 
-/// A timed run that must come to its end.
+/// Runs the timed engine, and asserts that the run finishes.
 pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
     let config = config(settings);
     let ran = run(replay(controls, &config), &config, Engine::Timed);
@@ -82,7 +82,7 @@ pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
     ran
 }
 
-/// What the functional model shows.
+/// Returns the results of the functional model.
 pub fn functional(controls: &[Control], config: &DeferConfig) -> Seen {
     let mut machine = DeferredRenderer::new(replay(controls, config), config).unwrap_or_else(|e| panic!("{e}"));
     machine.keep();

@@ -1,20 +1,21 @@
-//! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
+//! Equal reports of both engines, equal pictures of the functional model, conservation of cycles, and freedom from deadlocks.
 
 use crate::common;
+use crate::common::machine_runs::assert_rejected;
 use crate::common::settings::borrowed;
 use crate::recipe::{display_lists, meanings, timings};
 use crate::runs::{Ran, config, functional, machine, replay, scene_front, small_demo, timed};
-use basrelief_machines::shade::{FigureShadingDevice, FrontEnd, ShadeConfig};
+use basrelief_machines::shade::{FrontEnd, ShadeConfig};
 use proptest::prelude::*;
 
-/// Runs in all three ways and holds them against each other; the timed run.
+/// Runs both engines and the functional model, asserts that they agree, and returns the timed run.
 fn agree<F: FrontEnd>(front: impl Fn() -> F, config: &ShadeConfig) -> Ran {
     let timed = common::agree(|| machine(front(), config));
     conserved(&timed);
     timed
 }
 
-/// What counters must have in common.
+/// Asserts relations between counters.
 fn conserved(ran: &Ran) {
     let paths = ["polyhedron", "brightness", "normal", "gate_closed", "flat", "reused"];
     let sum = |what: &str| paths.iter().map(|path| ran.count(&format!("{what}_{path}"))).sum::<u64>();
@@ -42,14 +43,10 @@ fn engines_agree_on_demos_in_every_mode() {
 }
 
 #[test]
-fn parameters_that_do_not_fit_together_are_refused_with_a_key() {
-    let refused = |settings: &[(&str, &str)], key: &str| {
-        let config = config(settings);
-        let problem = FigureShadingDevice::new(replay(&[], &config), &config).err().unwrap_or_else(|| panic!("{settings:?}"));
-        assert_eq!(problem.key, key, "{problem}");
-    };
-    refused(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
-    refused(&[("host.buffers", "2"), ("fifo.finished.depth", "1")], "fifo.finished.depth");
+fn incompatible_parameters_are_rejected_with_a_key() {
+    let rejected = assert_rejected::<ShadeConfig>;
+    rejected(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
+    rejected(&[("host.buffers", "2"), ("fifo.finished.depth", "1")], "fifo.finished.depth");
 }
 
 proptest! {
@@ -64,7 +61,7 @@ proptest! {
     }
 
     #[test]
-    fn law_6_times_never_change_a_picture_or_a_path(list in display_lists(), meaning in meanings(), timing in timings()) {
+    fn law_6_timing_never_changes_a_picture(list in display_lists(), meaning in meanings(), timing in timings()) {
         let plain = config(&borrowed(&meaning));
         let (frames, _) = functional(replay(&list, &plain), &plain);
         prop_assert_eq!(timed(&list, &[borrowed(&meaning), borrowed(&timing)].concat()).frames, frames);

@@ -1,4 +1,4 @@
-//! The figure shading device as a whole: its engines, its configurations, its paths, and what the patent says of them.
+//! Tests of the whole figure shading device: engines, configurations, paths, and statements of the patent.
 
 #[path = "../common/mod.rs"]
 mod common;

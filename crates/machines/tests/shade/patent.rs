@@ -1,4 +1,4 @@
-//! What the patent's page says of the device as a whole: paths, short cuts, buffers, and what each of them costs or saves.
+//! Statements of the patent about the whole device: paths, shortcuts, buffers, and their costs.
 
 use crate::common::covered_by_bump;
 use crate::recipe::{display_lists, frame, material, object, polygon, sun, unit};
@@ -23,7 +23,7 @@ fn squares(count: usize, normals: [[f32; 3]; 4]) -> Vec<Control> {
     begin.into_iter().chain((0..count).map(square)).chain([Control::FrameEnd]).collect()
 }
 
-/// Bright in the middle, all of it, none of it, flat.
+/// Normals of four kinds of polygons: a highlight in the middle, a highlight everywhere, no highlight, and flat.
 const SHINY: [[f32; 3]; 4] = [[-0.1, 0.0, 1.0], [0.1, 0.0, 1.0], [0.1, 0.1, 1.0], [-0.1, 0.1, 1.0]];
 const DULL: [[f32; 3]; 4] = [[0.9, 0.0, 0.1], [0.8, 0.0, 0.1], [0.8, 0.1, 0.1], [0.9, 0.1, 0.1]];
 const FLAT: [[f32; 3]; 4] = [[0.1, 0.0, 1.0]; 4];
@@ -56,13 +56,13 @@ fn section_6_the_six_paths() {
 }
 
 #[test]
-fn each_path_costs_less_than_the_full_one() {
+fn each_path_costs_less_than_the_full_path() {
     let total = |normals, settings: &[(&str, &str)]| timed(&squares(8, normals), settings).report.total;
     let full = total(SHINY, &[]);
     assert!(total(DULL, &[]) < full);
     assert!(total(SHINY, &[("shade.mode", "brightness")]) < full);
     assert!(total(SHINY, &[("shade.mode", "polyhedron")]) < full);
-    // Of a flat polygon the mean, and of one on the plane before not even that.
+    // A flat polygon takes the mean, and a polygon on the same plane as the previous one reuses its result.
     let flat = total(FLAT, &[]);
     assert!(flat < total(FLAT, &[("shortcut.flatness.enabled", "false")]));
     let on_one_plane = ("shortcut.same_plane.constant_tolerance", "1");
@@ -86,7 +86,7 @@ fn short_cut_1_only_not_starting_circuit_50_saves_cycles() {
 }
 
 #[test]
-fn the_device_finishes_one_polygon_before_it_takes_the_next_or_has_two_buffers() {
+fn second_buffer_overlaps_transfer_and_drawing() {
     let run = |buffers| timed(&squares(8, SHINY), &[("host.buffers", buffers)]);
     let (single, double) = (run("1"), run("2"));
     assert_eq!(single.frames, double.frames);
@@ -111,7 +111,7 @@ fn the_power_of_circuit_50_limits_the_full_path() {
 }
 
 #[test]
-fn full_normal_interpolation_draws_the_same_picture_and_saves_at_most_the_decisions() {
+fn full_normal_interpolation_draws_the_same_picture() {
     let run = |normals, settings: &[(&str, &str)]| timed(&squares(8, normals), settings);
     let full = [
         ("normal_interpolation.inner_products", "2"),
@@ -136,7 +136,7 @@ fn full_normal_interpolation_draws_the_same_picture_and_saves_at_most_the_decisi
 }
 
 #[test]
-fn each_light_keeps_circuit_50_and_process_22_once_more() {
+fn each_light_occupies_circuit_50_and_process_22_again() {
     let run = |lights: usize| {
         let mut list = squares(8, SHINY);
         list[0] = frame(0, [40, 30], vec![sun([0.0, 0.0, 1.0], 0.5); lights]);
@@ -164,7 +164,7 @@ fn without_a_depth_test_the_last_dot_stays() {
 }
 
 #[test]
-fn what_the_device_cannot_draw_is_said() {
+fn unsupported_input_is_a_warning() {
     let mut list = squares(2, FLAT);
     assert_eq!(warnings(&timed(&list, &[]).facts), [""; 0], "defaults hold full rate");
     let short = warnings(&timed(&list, &[("fifo.interpolated.depth", "2")]).facts);
@@ -222,7 +222,7 @@ fn a_slower_cpu_takes_longer_and_draws_the_same() {
     assert_eq!(runs[2].count("process_15_cycles"), 40 * runs[0].count("process_15_cycles"));
 }
 
-/// Of the device between the host computer (100) and the frame memory (300).
+/// Units of the device between the host computer (100) and the frame memory (300).
 const CIRCUITS: [&str; 9] = [
     "host-interface",
     "microcomputer",
@@ -236,7 +236,7 @@ const CIRCUITS: [&str; 9] = [
 ];
 
 #[test]
-fn every_circuit_tells_its_hardware_as_its_parameters_have_it() {
+fn hardware_of_circuits_follows_parameters() {
     let hardware = |settings: &[(&str, &str)]| {
         let config = config(settings);
         unit_stats(&mut machine(replay(&[], &config), &config)).all_hardware().to_vec()
@@ -263,7 +263,7 @@ fn every_circuit_tells_its_hardware_as_its_parameters_have_it() {
     assert!(bits(&hardware(&[("host.buffers", "2")]), "microcomputer") > bits(&all, "microcomputer"));
 }
 
-/// The display list that the geometry processor of a bump-mapping processor makes of a demo.
+/// Returns the display list of a demo on the bump-mapping processor.
 fn recorded(demo: &str) -> Vec<Control> {
     let mut geometry = FrontConfig::from(&BumpProcessorConfig::default()).geometry_processor();
     let draws = SceneDraws::new(small_demo(demo));
@@ -271,7 +271,7 @@ fn recorded(demo: &str) -> Vec<Control> {
 }
 
 #[test]
-fn a_display_list_recorded_for_either_machine_runs_on_both_and_covers_the_same_pixels() {
+fn traces_of_either_machine_cover_the_same_pixels() {
     for demo in ["sphere", "mixed"] {
         let list = recorded(demo);
         let config = config(&[]);
@@ -292,7 +292,7 @@ proptest! {
     }
 
     #[test]
-    fn each_short_cut_moves_no_output_by_more_than_its_rounding(list in display_lists()) {
+    fn shortcuts_change_outputs_by_at_most_their_rounding(list in display_lists()) {
         let whole = timed(&list, &[]);
         for cut in ["specular_negligible", "same_plane", "flatness"] {
             let key = format!("shortcut.{cut}.enabled");

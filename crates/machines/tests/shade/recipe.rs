@@ -1,7 +1,9 @@
-//! Small random display lists and configurations.
+//! Generators of small random traces and configurations.
 
 use crate::common::settings::{Axis, Settings, choices, choices_and_fifos};
-use basrelief_signals::{Camera, Control, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex};
+use crate::common::trace;
+pub use crate::common::trace::{frame, object};
+use basrelief_signals::{Control, Light, LightKind, Lighting, Material, Polygon, Vertex};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -12,33 +14,8 @@ pub fn unit(v: V3) -> V3 {
     v.map(|c| c / length)
 }
 
-pub fn frame(index: u32, size: [u32; 2], lights: Vec<Light>) -> Control {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-    Control::Frame(Arc::new(Frame {
-        index,
-        width: size[0],
-        height: size[1],
-        camera,
-        lights,
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
-}
-
 pub fn sun(to_light: V3, intensity: f32) -> Light {
-    Light { kind: LightKind::Directional { to_light: unit(to_light) }, intensity }
-}
-
-pub fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id,
-        name: format!("object {id}"),
-        centre: [id as f32, 0.0, 0.0],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    }))
+    trace::sun(unit(to_light), intensity)
 }
 
 /// A polygon of points (x, y, depth) with their normals.
@@ -78,7 +55,7 @@ fn normals(count: usize) -> impl Strategy<Value = Vec<V3>> {
     })
 }
 
-/// A polygon of three to five points, rarely convex, now and then degenerate.
+/// A polygon of three to five points, rarely convex and sometimes degenerate.
 fn random_polygon() -> impl Strategy<Value = (Vec<V3>, Vec<V3>, usize)> {
     (3usize..6).prop_flat_map(|count| {
         let points = prop::collection::vec([-6f32..46.0, -6f32..36.0, 0f32..1.0], count);
@@ -119,7 +96,7 @@ pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
     })
 }
 
-/// What the machine computes.
+/// Parameters that change the work.
 const MEANING: &[Axis] = &[
     &[&[], &[("shade.mode", "brightness")], &[("shade.mode", "polyhedron")]],
     &[&[], &[("shade.mode", "brightness"), ("shade.flat_in_brightness_mode", "true")]],
@@ -135,7 +112,7 @@ const MEANING: &[Axis] = &[
     &[&[], &[("shade.ia", "0.5"), ("shade.is", "1.5")]],
 ];
 
-/// When it computes it: none of this may change a picture.
+/// Parameters that change only the timing. They must not change a picture.
 const TIMING: &[Axis] = &[
     &[&[], &[("host.buffers", "2")]],
     &[&[], &[("host.bytes_per_cycle", "64"), ("host.latency", "0")], &[("host.bytes_per_cycle", "1"), ("host.latency", "50")]],
@@ -177,7 +154,7 @@ const TIMING: &[Axis] = &[
     ],
 ];
 
-/// FIFOs of the machine, but `draws` and the feedback, which holds `host.buffers`.
+/// FIFOs of the machine, except `draws` and the feedback FIFO, whose depth depends on `host.buffers`.
 const FIFOS: [&str; 16] = [
     "polygons",
     "transfers",
@@ -197,12 +174,12 @@ const FIFOS: [&str; 16] = [
     "finished_frames",
 ];
 
-/// What changes pictures.
+/// Random settings that change the work.
 pub fn meanings() -> impl Strategy<Value = Settings> {
     choices(MEANING)
 }
 
-/// What must not: times, memory, FIFOs from 1 slot up.
+/// Random settings that change only the timing: operators, memories, and FIFOs from 1 slot.
 pub fn timings() -> impl Strategy<Value = Settings> {
     choices_and_fifos(TIMING, &FIFOS)
 }

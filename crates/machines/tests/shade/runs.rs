@@ -1,39 +1,24 @@
-//! Running a scene or a display list on the machine, in all three ways.
+//! Runs of a scene or a trace on the figure shading device.
 
 use crate::common;
+use crate::common::machine_runs;
+pub use crate::common::machine_runs::{functional, machine, run};
 pub use crate::common::{Ran, replay, scene_front};
-use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::Engine;
-use basrelief_machines::UnitStats;
-use basrelief_machines::shade::{FigureShadingDevice, FrontEnd, ShadeConfig};
+use basrelief_machines::shade::ShadeConfig;
 use basrelief_signals::{Control, Scene};
 use std::sync::Arc;
 
-/// The default machine with these settings.
+/// Loads the default configuration with these settings.
 pub fn config(settings: &[(&str, &str)]) -> ShadeConfig {
     common::config(settings)
 }
 
-/// A demo, small.
+/// Loads a demo at a small size.
 pub fn small_demo(name: &str) -> Arc<Scene> {
     common::small_demo(name, 1)
 }
 
-pub fn machine<F: FrontEnd>(front: F, config: &ShadeConfig) -> FigureShadingDevice<F> {
-    FigureShadingDevice::new(front, config).unwrap_or_else(|e| panic!("{e}"))
-}
-
-pub fn run(front: impl FrontEnd, config: &ShadeConfig, engine: Engine) -> Ran {
-    common::run(machine(front, config), engine)
-}
-
-/// A timed run that must come to its end.
+/// Runs the timed engine, and asserts that the run finishes.
 pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
-    let config = config(settings);
-    common::timed(machine(replay(controls, &config), &config), settings)
-}
-
-/// Pictures and device figures of the functional model.
-pub fn functional(front: impl FrontEnd, config: &ShadeConfig) -> (Vec<FinishedFrame>, UnitStats) {
-    common::functional(machine(front, config))
+    machine_runs::timed::<ShadeConfig>(controls, settings)
 }

@@ -1,4 +1,4 @@
-//! The patent's claims, and what its page says of the system as a whole.
+//! Claims of the patent, and statements about the whole system.
 
 use crate::common::covered_by_bump;
 use crate::recipe::{display_lists, frame, material, object, polygon, texture};
@@ -33,7 +33,7 @@ fn starved(ran: &Ran, unit: &str, input: &str) -> u64 {
 }
 
 #[test]
-fn claims_1_to_3_division_points_are_chosen_along_a_scan_line_and_what_is_between_them_is_approximated() {
+fn claims_1_to_3_points_between_divisions_are_approximated() {
     let list = floor([400, 8], [1.0, 0.02], 3.0);
     let log = log_of(&list, &config(&[("pixel_value_buffer.depth_test", "false")]));
     let mut inner = 0;
@@ -60,7 +60,7 @@ fn claims_1_to_3_division_points_are_chosen_along_a_scan_line_and_what_is_betwee
 }
 
 #[test]
-fn claims_4_and_7_the_pixel_value_is_modified_with_the_intermediate_texel() {
+fn claims_4_and_7_intermediate_texel_modifies_pixel_value() {
     let list = floor([64, 8], [1.0, 0.1], 2.0);
     let plain = timed(&list, &[("illuminance.mode", "off")]);
     let lit = timed(&list, &[]);
@@ -76,7 +76,7 @@ fn claims_4_and_7_the_pixel_value_is_modified_with_the_intermediate_texel() {
 }
 
 #[test]
-fn claims_5_and_6_the_step_calculator_works_by_the_criterion_in_its_storage_element() {
+fn claims_5_and_6_steps_follow_the_stored_criterion() {
     let list = floor([400, 8], [1.0, 0.02], 3.0);
     let mut before = u64::MAX;
     for e in ["0.05", "0.1", "0.5", "1", "4"] {
@@ -89,7 +89,7 @@ fn claims_5_and_6_the_step_calculator_works_by_the_criterion_in_its_storage_elem
 }
 
 #[test]
-fn claim_8_a_system_of_step_calculator_approximate_calculator_combiner_and_storage_element() {
+fn claim_8_system_has_all_four_elements() {
     let ran = timed(&floor([64, 8], [1.0, 0.1], 2.0), &[]);
     for unit in ["step-calculator", "approximate-calculator", "combiner"] {
         assert!(ran.report.units.iter().any(|u| u.name == unit));
@@ -111,7 +111,7 @@ fn claim_9_the_pixel_value_follows_the_level_of_the_segment() {
 }
 
 #[test]
-fn section_5_a_pipelined_divider_hides_its_latency_and_an_iterative_one_starves_the_interpolator_at_a_small_bound() {
+fn section_5_iterative_divider_starves_the_interpolator() {
     let list = floor([640, 32], [1.0, 0.02], 3.0);
     let starved = |settings: &[(&str, &str)]| starved(&timed(&list, settings), "approximate-calculator", "quotients");
     let one = ("divider.count", "1");
@@ -148,7 +148,7 @@ fn section_6_divisions_per_pixel_of_the_methods() {
 }
 
 #[test]
-fn section_6_every_division_is_counted_where_it_is_made() {
+fn section_6_divisions_are_counted_by_unit() {
     let list = floor([640, 16], [1.0, 0.1], 3.0);
     let of = |settings: &[(&str, &str)]| {
         let ran = timed(&list, settings);
@@ -174,16 +174,16 @@ fn section_6_every_division_is_counted_where_it_is_made() {
 }
 
 #[test]
-fn claims_6_and_8_a_display_list_selects_the_criterion_of_a_frame_and_of_an_object() {
+fn claims_6_and_8_trace_sets_criterion_of_frame_and_object() {
     let plain = floor([400, 8], [1.0, 0.02], 3.0);
     let selecting = |at: usize, e: f64| [&plain[..at], &[Control::Criterion(e)], &plain[at..]].concat();
     let points = |list: &[Control], e: &str| timed(list, &[("texel.error_bound", e)]).count("division_points");
-    // Behind the frame and behind the object: as if it had been configured.
+    // After the frame and after the object, the criterion has the same effect as a configured one.
     for at in [1, 2] {
         assert_eq!(points(&selecting(at, 0.1), "0.5"), points(&plain, "0.1"));
         assert_eq!(figure(&timed(&selecting(at, 2.0), &[]).facts, "displacement_bound"), 2.0);
     }
-    // Two objects, each with its own; what the second has not selected holds on in the next frame.
+    // Two objects with different criteria. The last criterion stays in effect in the next frame.
     let other = |e: f64| [object(1), Control::Criterion(e), plain[2].clone()];
     let both = [&selecting(1, 0.1)[..4], &other(2.0)[..], &plain[3..]].concat();
     let mut next = plain.clone();
@@ -197,8 +197,8 @@ fn claims_6_and_8_a_display_list_selects_the_criterion_of_a_frame_and_of_an_obje
 }
 
 #[test]
-fn a_trilinear_pixel_takes_two_samples_and_twice_the_time_of_a_bilinear_one() {
-    // Between two levels all along: 1.4 texels of the 16 per pixel.
+fn trilinear_pixel_takes_twice_the_time_of_a_bilinear_one() {
+    // Every pixel lies between two levels: 1.4 texels of the 16 per pixel.
     let list = floor([640, 8], [1.0, 1.0], 56.0);
     let memory = [("memory.texture.part", "ideal"), ("memory.pixel.part", "ideal"), ("memory.depth.part", "ideal")];
     let busy = |settings: &[(&str, &str)]| {
@@ -214,7 +214,7 @@ fn a_trilinear_pixel_takes_two_samples_and_twice_the_time_of_a_bilinear_one() {
 }
 
 #[test]
-fn a_log_costs_nothing_else_and_its_spans_are_those_of_the_picture() {
+fn log_changes_nothing_and_contains_all_spans() {
     let scene = small_demo("corridor");
     let config = config(&[]);
     let mut machine = TextureMappingSystem::new(scene_front(&scene, &config), &config).unwrap();
@@ -234,7 +234,7 @@ fn a_log_costs_nothing_else_and_its_spans_are_those_of_the_picture() {
 }
 
 #[test]
-fn a_span_is_told_as_one_line() {
+fn span_record_matches_its_scan_line() {
     let list = floor([40, 1], [1.0, 0.02], 3.0);
     let log = log_of(&list, &config(&[]));
     let line = serde_json::to_string(&log.spans[0]).unwrap();
@@ -242,7 +242,7 @@ fn a_span_is_told_as_one_line() {
 }
 
 #[test]
-fn what_the_system_has_no_use_for_is_said() {
+fn unused_input_is_a_warning() {
     let mut list = floor([40, 8], [1.0, 0.1], 1.0);
     assert_eq!(warnings(&timed(&list, &[]).facts), [""; 0], "defaults hold full rate");
     let short = warnings(&timed(&list, &[("fifo.texels.depth", "2")]).facts);
@@ -266,10 +266,10 @@ proptest! {
     }
 
     #[test]
-    fn no_pixel_of_any_display_list_is_displaced_by_more_than_e(list in display_lists()) {
+    fn no_pixel_is_displaced_by_more_than_e(list in display_lists()) {
         let list: Vec<Control> = list.into_iter().filter(|c| !matches!(c, Control::Criterion(_))).collect();
         for e in ["0.05", "0.5", "4"] {
-            // As many bits as there are, so that what is left is the criterion's.
+            // The maximum number of bits, so that the remaining error is that of the criterion.
             let ran = timed(&list, &[("texel.error_bound", e), ("texel.coordinate_bits", "44")]);
             prop_assert!(figure(&ran.facts, "displacement_largest") <= e.parse::<f64>().unwrap() + 1e-4);
         }

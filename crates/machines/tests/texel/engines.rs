@@ -1,27 +1,28 @@
-//! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
+//! Equal reports of both engines, equal pictures of the functional model, conservation of cycles, and freedom from deadlocks.
 
 use crate::common;
+use crate::common::machine_runs::assert_rejected;
 use crate::common::settings::borrowed;
 use crate::recipe::{display_lists, meanings, timings};
 use crate::runs::{Ran, config, functional, machine, replay, scene_front, small_demo, timed};
 use basrelief_kernel::stats::FigureValue;
-use basrelief_machines::texel::{FrontEnd, TexelMachineConfig, TextureMappingSystem};
+use basrelief_machines::texel::{FrontEnd, TexelMachineConfig};
 use proptest::prelude::*;
 
-/// Runs in all three ways and holds them against each other; the timed run.
+/// Runs both engines and the functional model, asserts that they agree, and returns the timed run.
 fn agree<F: FrontEnd>(front: impl Fn() -> F, config: &TexelMachineConfig) -> Ran {
     let timed = common::agree(|| machine(front(), config));
     conserved(&timed);
     timed
 }
 
-/// What counters must have in common.
+/// Asserts relations between counters.
 fn conserved(ran: &Ran) {
     let Some(FigureValue::Counts(lengths)) = ran.facts.get("segment_lengths") else { panic!("{:?}", ran.facts) };
     let segments: u64 = lengths.iter().sum();
     assert_eq!(segments, ran.count("segments"), "the histogram holds every segment");
     assert!(ran.count("points_divided") >= ran.count("division_points"));
-    assert!(ran.facts.count("z_passed") <= ran.facts.count("z_tested"), "neither where there is no depth test");
+    assert!(ran.facts.count("z_passed") <= ran.facts.count("z_tested"), "both are 0 without a depth test");
     assert!(ran.count("pixels") <= ran.count("fragments"));
 }
 
@@ -38,16 +39,12 @@ fn engines_agree_on_demos_by_every_method() {
 }
 
 #[test]
-fn parameters_that_do_not_fit_together_are_refused_with_a_key() {
-    let refused = |settings: &[(&str, &str)], key: &str| {
-        let config = config(settings);
-        let problem = TextureMappingSystem::new(replay(&[], &config), &config).err().unwrap_or_else(|| panic!("{settings:?}"));
-        assert_eq!(problem.key, key, "{problem}");
-    };
-    refused(&[("cache.texture.line_bytes", "48")], "cache.texture.line_bytes");
-    refused(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
-    refused(&[("cache.depth.line_bytes", "32")], "cache.depth.line_bytes");
-    refused(&[("memory.texture.outstanding", "8")], "memory.texture.outstanding");
+fn incompatible_parameters_are_rejected_with_a_key() {
+    let rejected = assert_rejected::<TexelMachineConfig>;
+    rejected(&[("cache.texture.line_bytes", "48")], "cache.texture.line_bytes");
+    rejected(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
+    rejected(&[("cache.depth.line_bytes", "32")], "cache.depth.line_bytes");
+    rejected(&[("memory.texture.outstanding", "8")], "memory.texture.outstanding");
 }
 
 proptest! {
@@ -62,14 +59,14 @@ proptest! {
     }
 
     #[test]
-    fn law_6_times_never_change_a_picture(list in display_lists(), meaning in meanings(), timing in timings()) {
+    fn law_6_timing_never_changes_a_picture(list in display_lists(), meaning in meanings(), timing in timings()) {
         let plain = config(&borrowed(&meaning));
         let (frames, _) = functional(replay(&list, &plain), &plain);
         prop_assert_eq!(timed(&list, &[borrowed(&meaning), roomy(borrowed(&timing))].concat()).frames, frames);
     }
 }
 
-/// With credits for a step whatever the lines of the cache.
+/// Adds enough credits for a step with any cache line size.
 fn roomy<'a>(mut settings: Vec<(&'a str, &'a str)>) -> Vec<(&'a str, &'a str)> {
     settings.push(("memory.texture.outstanding", "1024"));
     settings

@@ -1,4 +1,4 @@
-//! The texture mapping system as a whole: its engines, its configurations, and what the patent says of it.
+//! Tests of the whole texture mapping system: engines, configurations, and statements of the patent.
 
 mod claims;
 #[path = "../common/mod.rs"]

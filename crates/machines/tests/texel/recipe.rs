@@ -1,37 +1,14 @@
-//! Small random display lists and configurations.
+//! Generators of small random traces and configurations.
 
 use crate::common::settings::{Axis, Settings, choices, choices_and_fifos};
-use basrelief_signals::{
-    Camera, Control, Frame, Image, Light, LightKind, Material, ObjectInfo, Polygon, Sampler, TexelFilter, Texture, Vertex,
-    WrapMode,
-};
+pub use crate::common::trace::object;
+use crate::common::trace::{self, sun};
+use basrelief_signals::{Control, Image, Material, Polygon, Sampler, TexelFilter, Texture, Vertex, WrapMode};
 use proptest::prelude::*;
 use std::sync::Arc;
 
 pub fn frame(index: u32, size: [u32; 2]) -> Control {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-    let lights = vec![Light { kind: LightKind::Directional { to_light: [0.36, 0.48, 0.8] }, intensity: 1.0 }];
-    Control::Frame(Arc::new(Frame {
-        index,
-        width: size[0],
-        height: size[1],
-        camera,
-        lights,
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
-}
-
-pub fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id,
-        name: format!("object {id}"),
-        centre: [id as f32, 0.0, 0.0],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    }))
+    trace::frame(index, size, vec![sun([0.36, 0.48, 0.8], 1.0)])
 }
 
 /// A texture of noise, 16 x 8 texels and all levels, somewhat transparent.
@@ -59,7 +36,7 @@ pub fn polygon(corners: &[[f32; 4]], uv: &[[f32; 2]], material: &Arc<Material>, 
     Control::Polygon(Arc::new(Polygon { vertices, material: Arc::clone(material), object: 0, lod: 0, bump, arrival: 0 }))
 }
 
-/// A polygon of three to five points, rarely convex, now and then degenerate.
+/// A polygon of three to five points, rarely convex and sometimes degenerate.
 fn random_polygon() -> impl Strategy<Value = (Vec<[f32; 4]>, Vec<[f32; 2]>, usize, bool)> {
     (3usize..6).prop_flat_map(|count| {
         let corners = prop::collection::vec([-6f32..90.0, -6f32..36.0, 0f32..1.0, 0.01f32..1.0], count);
@@ -98,7 +75,7 @@ pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
     })
 }
 
-/// What the machine computes.
+/// Parameters that change the work.
 const MEANING: &[Axis] = &[
     &[
         &[],
@@ -123,7 +100,7 @@ const MEANING: &[Axis] = &[
     &[&[], &[("scan.z_bits", "16"), ("scan.subpixel_bits", "4")]],
 ];
 
-/// When it computes it: none of this may change a picture.
+/// Parameters that change only the timing. They must not change a picture.
 const TIMING: &[Axis] = &[
     &[&[], &[("texture.layout", "linear")], &[("texture.layout", "blocked_6d"), ("texture.superblock", "8")]],
     &[&[], &[("divider.count", "1")], &[("divider.count", "5"), ("divider.bits_per_cycle", "1")]],
@@ -152,7 +129,7 @@ const TIMING: &[Axis] = &[
     ],
 ];
 
-/// FIFOs of the machine, but `draws`.
+/// FIFOs of the machine, except `draws`.
 const FIFOS: [&str; 14] = [
     "polygons",
     "spans",
@@ -170,12 +147,12 @@ const FIFOS: [&str; 14] = [
     "finished_frames",
 ];
 
-/// What changes pictures.
+/// Random settings that change the work.
 pub fn meanings() -> impl Strategy<Value = Settings> {
     choices(MEANING)
 }
 
-/// What must not: times, memory, FIFOs from 1 slot up.
+/// Random settings that change only the timing: operators, memories, and FIFOs from 1 slot.
 pub fn timings() -> impl Strategy<Value = Settings> {
     choices_and_fifos(TIMING, &FIFOS)
 }

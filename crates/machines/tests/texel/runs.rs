@@ -1,45 +1,31 @@
-//! Running a scene or a display list on the machine, in all three ways.
+//! Runs of a scene or a trace on the texture mapping system.
 
 use crate::common;
+use crate::common::machine_runs;
+pub use crate::common::machine_runs::{functional, machine, run};
 pub use crate::common::{Ran, replay, scene_front};
-use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::Engine;
 use basrelief_kernel::stats::FigureValue;
 use basrelief_machines::UnitStats;
-use basrelief_machines::texel::{FrontEnd, TexelMachineConfig, TextureMappingSystem};
+use basrelief_machines::texel::TexelMachineConfig;
 use basrelief_signals::{Control, Scene};
 use std::sync::Arc;
 
-/// The default machine with these settings.
+/// Loads the default configuration with these settings.
 pub fn config(settings: &[(&str, &str)]) -> TexelMachineConfig {
     common::config(settings)
 }
 
-/// A demo, small.
+/// Loads a demo at a small size.
 pub fn small_demo(name: &str) -> Arc<Scene> {
     common::small_demo(name, 1)
 }
 
-pub fn machine<F: FrontEnd>(front: F, config: &TexelMachineConfig) -> TextureMappingSystem<F> {
-    TextureMappingSystem::new(front, config).unwrap_or_else(|e| panic!("{e}"))
-}
-
-pub fn run(front: impl FrontEnd, config: &TexelMachineConfig, engine: Engine) -> Ran {
-    common::run(machine(front, config), engine)
-}
-
-/// A timed run that must come to its end.
+/// Runs the timed engine, and asserts that the run finishes.
 pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
-    let config = config(settings);
-    common::timed(machine(replay(controls, &config), &config), settings)
+    machine_runs::timed::<TexelMachineConfig>(controls, settings)
 }
 
-/// Pictures and device figures of the functional model.
-pub fn functional(front: impl FrontEnd, config: &TexelMachineConfig) -> (Vec<FinishedFrame>, UnitStats) {
-    common::functional(machine(front, config))
-}
-
-/// A figure that is no whole number.
+/// Returns a real-valued figure.
 pub fn figure(facts: &UnitStats, name: &str) -> f64 {
     match facts.get(name) {
         Some(FigureValue::Real(real)) => *real,

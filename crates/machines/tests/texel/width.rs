@@ -1,4 +1,4 @@
-//! How wide u and v have to be.
+//! Width of u and v.
 
 use crate::common::scene_front;
 use crate::runs::{config, figure, functional};
@@ -7,13 +7,13 @@ use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 
-/// The largest displacement in the first picture of a demo, of its usual size, with u and v of so many bits \[pixels\].
+/// Returns the largest displacement in the first picture of a demo at its usual size, with u and v of this many bits \[pixels\].
 fn displacement(scene: &Arc<Scene>, bits: u32) -> f64 {
     let config = config(&[("texel.coordinate_bits", &bits.to_string())]);
     figure(&functional(scene_front(scene, &config), &config).1, "displacement_largest")
 }
 
-/// Whether both demos keep the bound that is configured.
+/// True if both demos keep the configured bound.
 fn keeps_bound(bits: u32) -> bool {
     let bound = TexelMachineConfig::default().texel.error_bound;
     ["corridor", "turntable"].iter().all(|name| {
@@ -23,7 +23,7 @@ fn keeps_bound(bits: u32) -> bool {
 }
 
 #[test]
-fn the_default_width_of_u_and_v_is_the_narrowest_that_keeps_the_bound_on_the_demos() {
+fn default_uv_width_is_the_narrowest_within_the_bound() {
     let bits = TexelMachineConfig::default().texel.coordinate_bits;
     assert!(keeps_bound(bits) && !keeps_bound(bits - 1), "{bits}");
 }

@@ -5,11 +5,11 @@ use std::error::Error;
 
 const ENTRIES: [&str; 4] = ["16", "64", "256", "1024"];
 
-/// What is varied: levels, and whether their tables differ.
+/// Variants: number of levels, and whether their tables differ.
 const LEVELS: [(&str, &str, &str); 4] =
     [("1", "1", "different"), ("2", "2", "different"), ("2, identical tables", "2", "identical"), ("3", "3", "different")];
 
-/// By table size alone.
+/// Table by table size.
 pub fn entries(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let head =
         ["reference normals per level", "PSNR dB", "SSIM", "FLIP", "cycles", "bytes, all memories", "of these, tables and CLUTs"];
@@ -27,7 +27,7 @@ pub fn entries(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     Ok(table.text())
 }
 
-/// By table size and levels; a table for each input.
+/// Table by table size and levels, for each input.
 pub fn quality(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let mut text = String::new();
     for name in of {
@@ -35,7 +35,7 @@ pub fn quality(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
         let mut table = Table::new(&["entries", "levels", "PSNR dB", "SSIM", "FLIP", "cycles", "bytes"], 2);
         for entries in ENTRIES {
             for (label, levels, tables) in LEVELS {
-                // A table of each level is held: else every fragment would load them anew.
+                // The unit holds a table per level. Otherwise, every fragment would reload the tables.
                 let held = if levels == "3" { "3" } else { "2" };
                 let set: Set<'_> = &[
                     ("replacement.entries", entries),

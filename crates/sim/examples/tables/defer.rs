@@ -32,8 +32,8 @@ fn draw(scene: &Arc<Scene>, mode: &str, (_, rate, latency): (&str, &str, &str)) 
     report(scene, &settings("defer", &set, false)?)
 }
 
-/// By mode: bytes and tiles, then, per rate, seconds to the first and to the last picture of the first view, or to that of the
-/// last view.
+/// Row of a mode: bytes and tiles, then for each rate the seconds to the first and the last picture of the first view, or to the picture of
+/// the last view.
 fn by_mode(scene: &Arc<Scene>, frames: u32) -> Result<String, Box<dyn Error>> {
     let head = ["mode", "bytes over the path", "tiles loaded", "synthesized", "reused"];
     let head: Vec<&str> = head.into_iter().chain(PATHS.map(|p| p.0)).collect();
@@ -51,13 +51,13 @@ fn by_mode(scene: &Arc<Scene>, frames: u32) -> Result<String, Box<dyn Error>> {
     Ok(table.text())
 }
 
-/// Of all frames, by the machine's clock.
+/// Returns the time of all frames by the machine's clock.
 fn total_seconds(report: &Report) -> f64 {
     let hz = report.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).unwrap_or(1.0);
     report.frame_cycles() as f64 / hz
 }
 
-/// By mode and path, for one view and for an orbit; two tables for each input.
+/// Tables by mode and path, for one view and for an orbit, for each input.
 pub fn tiles(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let mut text = String::new();
     for name in of {
@@ -69,7 +69,7 @@ pub fn tiles(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     Ok(text)
 }
 
-/// By cap on Dmax: bytes of tiles, those of the conventional way, and the picture.
+/// Table by cap on Dmax: bytes of tiles, bytes of the conventional mode, and picture quality.
 pub fn dmax(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let mut table = Table::new(&["input", "`defer.dmax`", "tile bytes", "conventional", "PSNR dB"], 1);
     for name in of {

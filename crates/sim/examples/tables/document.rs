@@ -1,9 +1,9 @@
-//! Tables in their place in a document.
+//! Replacement of tables in documents.
 
 use std::error::Error;
 use std::path::Path;
 
-/// What stands ahead of a command: a table is measured by runs, or a machine described as it is.
+/// Prefixes of commands: tables measured by runs, and descriptions of machines.
 const BEGIN: [&str; 2] = ["<!-- measured: ", "<!-- described: "];
 const END: &str = "<!-- end -->";
 
@@ -22,10 +22,10 @@ pub fn update(path: &Path, mut make: impl FnMut(&str) -> Result<Option<String>, 
     std::fs::write(path, text).map_err(|e| said(&e).into())
 }
 
-/// A document with every table replaced by what `make` gives for its command; `None` leaves it.
+/// Returns a document with every table replaced by the result of `make` for its command. `None` keeps the table.
 ///
 /// # Errors
-/// What `make` says, or a table without an end.
+/// Errors of `make`, and a table without an end.
 pub fn replaced(
     text: &str,
     mut make: impl FnMut(&str) -> Result<Option<String>, Box<dyn Error>>,

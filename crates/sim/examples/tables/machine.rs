@@ -1,13 +1,13 @@
-//! A machine as docs/reference/machines.md shows it: its drawing, and its units with what they do and where their code is.
+//! Description of a machine for docs/reference/machines.md: block diagram, and units with their functions and source files.
 
 use crate::support::{Inputs, Table};
 use basrelief_sim::MachineInfo;
 use std::error::Error;
 
-/// Drawing and units of the machine of this name.
+/// Returns block diagram and units of a machine.
 ///
 /// # Errors
-/// No such machine.
+/// An unknown machine.
 pub fn machine(_: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let machine = MachineInfo::named(of.first().ok_or("expected the name of a machine")?)?;
     let mut table = Table::new(&["unit", "function", "code"], 3);

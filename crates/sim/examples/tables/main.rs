@@ -1,14 +1,14 @@
-//! The tables of docs/, made again where they stand.
+//! Regenerates the tables of docs/ in place.
 //!
 //! ```text
 //! cargo run --release -p basrelief-sim --example tables -- [--models FOLDER] [FILE.md ...]
 //! cargo run --release -p basrelief-sim --example tables -- --print 'entries golf-ball'
 //! ```
 //!
-//! A table stands between `<!-- measured: NAME INPUT ... -->` and `<!-- end -->`: the first line says what makes it, and what
-//! stands between is replaced. Without files, all are. An input is a demo scene or a model, looked up in the folder; a table
-//! with a model that is not there stays as it is, and says so on standard error. `described:` in place of `measured:` says that
-//! what stands there follows from the machine itself, without a run; a test holds that.
+//! A table is between `<!-- measured: NAME INPUT ... -->` and `<!-- end -->`. The first line selects the table, and the text up to the end
+//! is replaced. Without files, all files are processed. An input is a demo scene or a model in the folder. If a model is missing, the table
+//! is kept and a message is printed to stderr. `described:` instead of `measured:` marks a table that follows from the machine without a
+//! run; a test checks it.
 
 mod bump;
 mod defer;
@@ -24,7 +24,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use support::{Inputs, Missing};
 
-/// Makes a table, as text, of its inputs.
+/// Function that makes a table from its inputs.
 type Make = fn(&Inputs, &[&str]) -> Result<String, Box<dyn Error>>;
 
 /// All tables, by name.
@@ -44,7 +44,7 @@ const TABLES: &[(&str, Make)] = &[
     ("machine", machine::machine),
 ];
 
-/// Files that hold tables.
+/// Files with tables.
 const FILES: [&str; 7] = [
     "docs/tutorial.md",
     "docs/reference/machines.md",
@@ -55,7 +55,7 @@ const FILES: [&str; 7] = [
     "docs/experiments/texture-caches.md",
 ];
 
-/// What `NAME INPUT ...` comes to.
+/// Makes the table of a command `NAME INPUT ...`.
 fn make(inputs: &Inputs, command: &str) -> Result<String, Box<dyn Error>> {
     let words: Vec<&str> = command.split_whitespace().collect();
     let (name, of) = words.split_first().ok_or("expected the name of a table")?;

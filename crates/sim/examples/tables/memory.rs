@@ -1,7 +1,7 @@
 //! Tables of two published experiments with texture memories, repeated on the texture mapping system.
 //!
-//! - Igehy, Eldridge and Proudfoot, "Prefetching in a texture cache architecture" (1998): where tags run ahead of the data and a
-//!   FIFO holds the fragments meanwhile, latency costs next to nothing.
+//! - Igehy, Eldridge and Proudfoot, "Prefetching in a texture cache architecture" (1998): if tags run ahead of the data and a FIFO
+//!   buffers the fragments, latency costs almost nothing.
 //! - Hakura and Gupta, "The design and analysis of a cache architecture for texture mapping" (1997): a cache of 16 KiB needs a
 //!   third to a fifteenth of the bandwidth that texels need without one.
 
@@ -13,36 +13,36 @@ use std::sync::Arc;
 
 /// Latencies of the texture memory, from read command to first data \[cycles\].
 const LATENCIES: [u64; 3] = [6, 24, 96];
-/// Cycles of a burst on its bus: one that is wide, and one that is busy half of the time.
+/// Bus cycles of a burst: a wide bus, and a bus that is busy half of the time.
 const BURST_CYCLES: [u64; 2] = [1, 4];
-/// From look-up to data in the cache \[cycles\].
+/// Latency of the cache \[cycles\].
 const HIT_LATENCY: u64 = 2;
-/// From delivery to visibility, in any FIFO \[cycles\].
+/// Latency of a FIFO \[cycles\].
 const FIFO_LATENCY: u64 = 1;
-/// Lines that a step of the look-up table misses where none of its texture is in the cache, or so: as many as pixels.
+/// Approximate number of misses of a look-up step with a cold cache: one per pixel.
 const LINES: u64 = 16;
-/// Lines that a step may miss, and needs credits for: four texels of each of two levels for each of 16 pixels.
+/// Maximum number of misses of a step, which need credits: four texels of each of two levels for each of 16 pixels.
 const LARGEST_STEP: u64 = 128;
-/// Deeper than any latency here needs \[steps\].
+/// Depth that exceeds all latencies in this table \[steps\].
 const DEEP: u64 = 64;
-/// Lines of a set of the cache, where it has as many.
+/// Ways of the cache.
 const WAYS: u64 = 4;
 
 /// Parameters, by key.
 type Settings = Vec<(String, String)>;
 
-/// A run of the texture mapping system with these parameters.
+/// Runs the texture mapping system with these parameters.
 fn run(scene: &Arc<Scene>, all: &Settings) -> Result<Report, Box<dyn Error>> {
     let all: Vec<(&str, &str)> = all.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
     report(scene, &settings("texel", &all, false)?)
 }
 
-/// Settings of parameters that share the beginning of their keys.
+/// Returns settings with a common prefix of their keys.
 fn below(group: &str, set: &[(&str, u64)]) -> Settings {
     set.iter().map(|(key, value)| (format!("{group}.{key}"), value.to_string())).collect()
 }
 
-/// A memory whose row commands take no time, never refreshed: what is left is its bus and its latency.
+/// Memory without row commands and refreshes, so that only bus and latency remain.
 fn pipelined(name: &str, cl: u64, burst_cycles: u64, credits: u64) -> Settings {
     let none = ["rcd", "rp", "ras", "rtp", "wr", "wtr", "rrd", "faw", "refi", "rfc"].map(|key| (key, 0));
     let rest = [("channels", 1), ("window", 16), ("cap", 16), ("cl", cl), ("cwl", 0), ("burst_cycles", burst_cycles)];
@@ -50,8 +50,7 @@ fn pipelined(name: &str, cl: u64, burst_cycles: u64, credits: u64) -> Settings {
     below(&format!("memory.{name}"), &[&none[..], &rest, &burst].concat())
 }
 
-/// Trilinear texture on every pixel, a pixel per cycle, behind a cache of 16 KiB; nothing but the texture memory is ever waited
-/// for.
+/// Settings: trilinear texture on every pixel, one pixel per cycle, and a cache of 16 KiB. Only the texture memory causes waits.
 fn texture_alone() -> Settings {
     let words = [
         ("video_out.enabled", "false"),
@@ -71,26 +70,26 @@ fn texture_alone() -> Settings {
     [words, below("look_up", &look_up), below("cache.texture", &cache), below("divider", &divider), others].concat()
 }
 
-/// The texture mapping system with a memory of this latency and burst \[cycles\], a FIFO of this depth behind the look-up table,
-/// and so many credits.
+/// Returns the settings for a texture memory with this latency and burst \[cycles\], the depth of the FIFO after the look-up table, and the
+/// number of credits.
 fn prefetching(scene: &Arc<Scene>, [cl, burst_cycles]: [u64; 2], [depth, credits]: [u64; 2]) -> Result<Report, Box<dyn Error>> {
-    // What the other way holds meanwhile must not keep the look-up table from running ahead.
+    // The FIFOs of the illuminance path must not block the look-up table.
     let fifos = [("texture_values.depth", depth), ("illuminances.depth", 4 * DEEP), ("lit_spans.depth", 4 * DEEP)];
     let memory = pipelined("texture", cl, burst_cycles, credits);
     run(scene, &[texture_alone(), memory, below("fifo", &fifos)].concat())
 }
 
-/// Credits that never keep a step waiting while so many are under way: theirs, and those for the largest.
+/// Returns enough credits for `steps` steps in flight and one more of the largest size.
 fn credits(depth: u64) -> u64 {
     LARGEST_STEP + LINES * depth
 }
 
-/// A scene, drawn without latency: what a latency is held against.
+/// A scene drawn without memory latency, as the baseline.
 struct Without<'a> {
     scene: &'a Arc<Scene>,
     burst_cycles: u64,
     cycles: f64,
-    /// Cycles that a step keeps the look-up table, in the mean.
+    /// Returns the mean occupancy of the look-up table per step \[cycles\].
     occupancy: f64,
 }
 
@@ -102,25 +101,25 @@ impl<'a> Without<'a> {
         Ok(Self { scene, burst_cycles, cycles: drawing(&report), occupancy })
     }
 
-    /// Law 2: full rate needs depth >= (latency + f + 1) / occupancy, and the latency is that of the loaded memory: a cycle to
-    /// come into view, its latency, the bursts of a step, and the cache behind it.
+    /// Law 2: full throughput needs depth >= (latency + f + 1) / occupancy, with the latency of the loaded memory: one cycle until the
+    /// request is visible, the memory latency, the bursts of a step, and the cache latency.
     fn depth(&self, cl: u64) -> u64 {
         let latency = 1 + cl + LINES * self.burst_cycles + HIT_LATENCY;
         ((latency + FIFO_LATENCY + 1) as f64 / self.occupancy).ceil() as u64
     }
 
-    /// Speed at a latency, over that without.
+    /// Returns the speed at a latency relative to the baseline.
     fn speed(&self, cl: u64, room: [u64; 2]) -> Result<f64, Box<dyn Error>> {
         Ok(self.cycles / drawing(&prefetching(self.scene, [cl, self.burst_cycles], room)?))
     }
 }
 
-/// Cycles of the frames.
+/// Returns the render cycles.
 fn drawing(report: &Report) -> f64 {
     report.frame_cycles() as f64
 }
 
-/// By bus and latency: speed at the depth that law 2 asks for, at others, and with credits for a single step.
+/// Table by bus and latency: speed at the depth of law 2, at other depths, and with credits for a single step.
 pub fn igehy(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let head =
         ["input", "bus", "`cl`", "occupancy", "depth", "credits", "speed %", "twice %", "half %", "depth 1 %", "128 credits %"];
@@ -150,17 +149,17 @@ const TEXEL: u64 = 4;
 const CACHES: [[u64; 2]; 7] =
     [[1 << 10, 64], [4 << 10, 64], [16 << 10, 16], [16 << 10, 32], [16 << 10, 64], [16 << 10, 128], [64 << 10, 64]];
 
-/// What a run reads of its texture \[bytes\].
+/// Texture bytes that a run reads.
 struct Moved {
     pixels: f64,
-    /// Every texel, every time that a pixel needs it.
+    /// Bytes without a cache.
     used: u64,
-    /// From memory.
+    /// Bytes from memory.
     read: u64,
 }
 
 impl Moved {
-    /// Behind a cache of `size` bytes in lines of `line`; the memory moves a line in a burst.
+    /// Runs with a cache of `size` bytes and lines of `line` bytes. The memory transfers a line in a burst.
     fn behind(scene: &Arc<Scene>, [size, line]: [u64; 2]) -> Result<Self, Box<dyn Error>> {
         let ways = WAYS.min(size / line);
         let cache = below("cache.texture", &[("line_bytes", line), ("ways", ways), ("sets", size / line / ways)]);
@@ -172,7 +171,7 @@ impl Moved {
     }
 }
 
-/// By cache: bytes from the texture memory.
+/// Table by cache: bytes from the texture memory.
 pub fn hakura(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let head = ["input", "cache", "line", "bytes", "bytes/pixel", "of none", "of one texel"];
     let mut table = Table::new(&head, 2);
@@ -203,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn igehy_1998_latency_is_hidden_at_the_depth_that_law_2_asks_for_and_not_at_a_smaller_one() {
+    fn igehy_1998_depth_of_law_2_hides_the_latency() {
         let scene = corridor([640, 480]);
         for burst_cycles in BURST_CYCLES {
             let without = Without::measure(&scene, burst_cycles).unwrap();
@@ -219,9 +218,9 @@ mod tests {
         }
     }
 
-    /// Wider lines do not do on this scene, as docs/experiments/texture-caches.md explains: where they do, take the last line away.
+    /// Wider lines do not reach a third on this scene; docs/experiments/texture-caches.md explains why. If they do, delete the last assertion.
     #[test]
-    fn hakura_1997_a_cache_of_16_kib_reads_a_third_and_less() {
+    fn hakura_1997_cache_of_16_kib_reads_at_most_a_third() {
         let scene = corridor([640, 480]);
         let times = |line| {
             let moved = Moved::behind(&scene, [16 << 10, line]).unwrap();

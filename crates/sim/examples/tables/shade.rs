@@ -1,5 +1,5 @@
-//! Tables of the figure shading device: cycles and picture on each of the six paths, what each short cut saves, and how that
-//! grows with the time that circuit (50) takes.
+//! Tables of the figure shading device: cycles and picture of each of the six paths, savings of each shortcut, and their dependence on the
+//! time of circuit (50).
 
 use crate::support::{Inputs, Set, Table, cycles, grouped, report, settings};
 use basrelief_signals::Scene;
@@ -7,7 +7,7 @@ use basrelief_sim::{RunInput, Unobserved, ablate, run};
 use std::error::Error;
 use std::sync::Arc;
 
-/// Every polygon on one path, by thresholds that nothing exceeds.
+/// Settings that put every polygon on one path, by thresholds that nothing exceeds.
 const PATHS: [(&str, Set<'static>); 6] = [
     ("polyhedron", &[("shade.mode", "polyhedron")]),
     ("brightness", &[("shade.mode", "brightness")]),
@@ -27,10 +27,10 @@ const PATHS: [(&str, Set<'static>); 6] = [
 /// Key of the cycles of a multiplication.
 const MULTIPLY: &str = "operators.multiply.latency";
 
-/// Cycles of a multiplication, on which the power of circuit (50) takes several.
+/// Cycles of a multiplication. The power of circuit (50) consists of several multiplications.
 const MULTIPLY_CYCLES: [&str; 6] = ["1", "2", "4", "8", "16", "32"];
 
-/// The same picture by full normal interpolation.
+/// Settings for the same picture by full normal interpolation.
 const FULL: Set<'static> = &[
     ("normal_interpolation.inner_products", "2"),
     ("shortcut.specular_negligible.enabled", "false"),
@@ -42,7 +42,7 @@ fn triangles(scene: &Scene) -> String {
     grouped(scene.objects.iter().map(|o| o.mesh.indices.len() as u64 / 3).sum())
 }
 
-/// By path.
+/// Table by path.
 pub fn paths(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let head = ["model", "triangles", "path", "cycles/dot", "cycles/polygon", "PSNR dB", "mean error, 8 bits"];
     let mut table = Table::new(&head, 3);
@@ -66,7 +66,7 @@ pub fn paths(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     Ok(table.text())
 }
 
-/// By time of a multiplication: cycles as configured, and change without each short cut and without any.
+/// Table by time of a multiplication: cycles as configured, and change without each shortcut and without all.
 pub fn short_cuts(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let head = [
         "model",
@@ -96,7 +96,7 @@ pub fn short_cuts(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>
     Ok(table.text())
 }
 
-/// Cycles of full normal interpolation over those of the device as configured, by time of a multiplication.
+/// Table of the cycles of full normal interpolation relative to the configured device, by time of a multiplication.
 pub fn full_over_hybrid(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let head: Vec<&str> = ["model"].into_iter().chain(MULTIPLY_CYCLES).collect();
     let mut table = Table::new(&head, 1);
@@ -115,12 +115,11 @@ pub fn full_over_hybrid(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn 
     Ok(table.text())
 }
 
-/// How many times slower than the default the CPU (11) is.
+/// Slowdown of the CPU (11) relative to the default.
 const CPU_SCALES: [&str; 7] = ["1", "2", "5", "10", "20", "30", "40"];
 
-/// Cycles of full normal interpolation over those of the device as configured, by the cost of the CPU's operations, and the first
-/// cost at which the device no longer pays. Without the short cuts' decisions the CPU has less to do, so the ratio falls with the
-/// cost.
+/// Table of the cycles of full normal interpolation relative to the configured device, by the cost of CPU operations, and the first cost at
+/// which the device no longer pays. Without the decisions of the shortcuts the CPU has less work, so the ratio falls with the cost.
 pub fn cpu(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let heads = CPU_SCALES.map(|scale| format!("x{scale}"));
     let head: Vec<&str> = ["model"].into_iter().chain(heads.iter().map(String::as_str)).chain(["pays below"]).collect();
@@ -142,7 +141,7 @@ pub fn cpu(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     Ok(table.text())
 }
 
-/// The cost at which the gain falls to 1, on a straight line between the costs that were tried.
+/// Returns the cost at which the gain falls to 1, by linear interpolation between the measured costs.
 fn break_even(gains: &[f64]) -> String {
     let scales: Vec<f64> = CPU_SCALES.iter().filter_map(|scale| scale.parse().ok()).collect();
     let Some(first) = gains.iter().position(|gain| *gain < 1.0) else {
@@ -156,7 +155,7 @@ fn break_even(gains: &[f64]) -> String {
 }
 
 #[test]
-fn the_break_even_lies_where_the_gain_falls_to_one() {
+fn break_even_is_at_a_gain_of_one() {
     assert_eq!(break_even(&[0.9; 7]), "never");
     assert_eq!(break_even(&[1.2; 7]), "above x40");
     assert_eq!(break_even(&[2.0, 1.5, 1.2, 1.1, 0.9, 0.8, 0.7]), "x15.0");

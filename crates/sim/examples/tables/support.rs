@@ -1,4 +1,4 @@
-//! What all tables need: inputs, runs, figures, rows.
+//! Shared code of all tables: inputs, runs, figures and rows.
 
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
@@ -13,23 +13,23 @@ use std::sync::Arc;
 /// Parameters set, by key.
 pub type Set<'a> = &'a [(&'a str, &'a str)];
 
-/// A model that is not there.
+/// A missing model.
 #[derive(Debug, thiserror::Error)]
 #[error("`{0}` is no demo scene and not in the folder of --models")]
 pub struct Missing(String);
 
-/// Where models are.
+/// Folder of models.
 #[derive(Default)]
 pub struct Inputs {
-    /// Looked through with the folders in it.
+    /// Folder, searched with its subfolders.
     pub models: Option<PathBuf>,
 }
 
 impl Inputs {
-    /// A demo scene, or a model, in so many frames of an orbit.
+    /// Loads a demo scene or a model, with `frames` frames of an orbit.
     ///
     /// # Errors
-    /// A model that is not there or cannot be read.
+    /// A model that is missing or cannot be read.
     pub fn open(&self, name: &str, frames: u32) -> Result<Arc<Scene>, Box<dyn Error>> {
         let orbit_degrees = (frames > 1).then_some(360.0);
         let options = ViewOptions { frames: Some(frames), orbit_degrees, ..ViewOptions::default() };
@@ -40,7 +40,7 @@ impl Inputs {
         Ok(Arc::new(load_path(&path, &options)?))
     }
 
-    /// The file of this name in the folder, or in a folder of it that has its stem for a name.
+    /// Finds the file of this name in the folder, or in the subfolder named like its stem.
     fn path_of(&self, name: &str) -> Option<PathBuf> {
         let folder = self.models.as_ref()?;
         let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
@@ -48,35 +48,35 @@ impl Inputs {
     }
 }
 
-/// Settings of a machine.
+/// Loads a machine with settings.
 ///
 /// # Errors
-/// A parameter that is none, or out of its range.
+/// Unknown parameters, and values out of range.
 pub fn settings(machine: &str, set: Set<'_>, exact: bool) -> Result<RunOptions, Box<dyn Error>> {
     Ok(RunOptions { config: MachineInfo::named(machine)?.load("", set)?, exact, ..RunOptions::default() })
 }
 
-/// The report of a run.
+/// Returns the report of a run.
 ///
 /// # Errors
-/// As the run.
+/// Errors of the run.
 pub fn report(scene: &Arc<Scene>, settings: &RunOptions) -> Result<Report, Box<dyn Error>> {
     Ok(run(RunInput::scene(Arc::clone(scene)), settings, &mut Unobserved, None)?.report)
 }
 
-/// Cycles of all frames.
+/// Returns the render cycles of all frames.
 pub fn cycles(report: &Report) -> u64 {
     report.frame_cycles()
 }
 
-/// Bytes that the clients for which `counts` holds moved, by memory and name.
+/// Returns the bytes of all clients for which `counts` is true.
 pub fn bytes(report: &Report, counts: impl Fn(&str, &str) -> bool) -> u64 {
     let memories = report.memories.iter().flatten();
     let clients = memories.flat_map(|(memory, m)| m.clients.iter().map(move |(client, c)| (memory, client, c)));
     clients.filter(|(memory, client, _)| counts(memory, client)).map(|(.., c)| c.bytes()).sum()
 }
 
-/// A figure of the machine; 0 where it has none of this name.
+/// Returns a figure of the machine; 0 if there is none of this name.
 pub fn figure(report: &Report, name: &str) -> f64 {
     match report.figures.get(name) {
         Some(Figure::Count(n)) => *n as f64,
@@ -85,7 +85,7 @@ pub fn figure(report: &Report, name: &str) -> f64 {
     }
 }
 
-/// A whole number in groups of three.
+/// Formats an integer with thousands separators.
 pub fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let mut text = String::new();
@@ -98,23 +98,23 @@ pub fn grouped(n: u64) -> String {
     text
 }
 
-/// A table in Markdown: numbers to the right, what stands in the first `left` columns to the left.
+/// Markdown table. The first `left` columns are left-aligned, numbers are right-aligned.
 pub struct Table(String);
 
 impl Table {
-    /// Its head.
+    /// Creates a table with this header.
     pub fn new(head: &[&str], left: usize) -> Self {
         let rule: Vec<&str> = (0..head.len()).map(|i| if i < left { "---" } else { "---:" }).collect();
         Self(format!("| {} |\n|{}|\n", head.join(" | "), rule.join("|")))
     }
 
-    /// One more row.
+    /// Adds a row.
     pub fn row(&mut self, cells: &[String]) {
         // Formatting into a string cannot fail.
         let _ = writeln!(self.0, "| {} |", cells.join(" | "));
     }
 
-    /// As text.
+    /// Returns the Markdown text.
     pub fn text(self) -> String {
         self.0
     }

@@ -1,5 +1,5 @@
-//! Tables of the texture mapping system: divisions, cycles, displacement and picture of each way to place division points, and
-//! when the time of a division is hidden.
+//! Tables of the texture mapping system: divisions, cycles, displacement and picture of each method to place division points, and the
+//! conditions under which the latency of a division is hidden.
 
 use crate::support::{Inputs, Set, Table, cycles, figure, report, settings};
 use basrelief_report::Report;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Accuracy criteria \[pixels\].
 const BOUNDS: [&str; 8] = ["0.05", "0.1", "0.2", "0.35", "0.5", "1", "2", "4"];
 
-/// What the adaptive method is held against.
+/// Methods that are compared with the adaptive method.
 const OTHERS: [(&str, Set<'static>); 11] = [
     ("adaptive, e 0.5, approximate step", &[("texel.step_form", "approximate")]),
     ("adaptive, e 0.5, table of 64 steps", &[("texel.step_table", "64")]),
@@ -25,18 +25,18 @@ const OTHERS: [(&str, Set<'static>); 11] = [
     ("exact, reciprocal", &[("texel.method", "exact"), ("divider.division", "reciprocal")]),
 ];
 
-/// Dividers: how many, bits of a quotient that a cycle finds, pipelined.
+/// Dividers: count, quotient bits per cycle, and whether they are pipelined.
 const DIVIDERS: [[&str; 3]; 5] =
     [["1", "1", "false"], ["1", "2", "false"], ["2", "2", "false"], ["2", "1", "false"], ["2", "1", "true"]];
 
-/// Cycles in which the interpolator had a segment and no quotients.
+/// Returns the cycles in which the interpolator had a segment but no quotients.
 fn starved(report: &Report) -> f64 {
     let unit = report.units.as_ref().and_then(|units| units.get("approximate-calculator"));
     unit.and_then(|unit| unit.starved.get("quotients")).copied().unwrap_or(0) as f64
 }
 
-/// One way to place division points. Pictures of textures alone: what is lost is lost by division points. No video output:
-/// cycles are those of drawing.
+/// Runs one method to place division points, without illuminance, so that the error is that of the division points. Without video output, so
+/// that the cycles are render cycles.
 fn row(scene: &Arc<Scene>, label: String, set: Set<'_>) -> Result<Vec<String>, Box<dyn Error>> {
     let set = [&[("illuminance.mode", "off"), ("video_out.enabled", "false")], set].concat();
     let report = report(scene, &settings("texel", &set, true)?)?;
@@ -55,7 +55,7 @@ fn row(scene: &Arc<Scene>, label: String, set: Set<'_>) -> Result<Vec<String>, B
     ])
 }
 
-/// By method; a table for each input.
+/// Table by method, for each input.
 pub fn methods(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let head =
         ["method", "divisions/pixel", "cycles/pixel", "starved/pixel", "largest displacement", "mean", "PSNR dB", "SSIM", "FLIP"];
@@ -74,7 +74,7 @@ pub fn methods(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     Ok(text)
 }
 
-/// Memories that never keep anybody waiting leave the texel value generator alone.
+/// Settings for memories without waits, so that only the texel value generator limits the speed.
 const FAST: Set<'static> = &[
     ("video_out.enabled", "false"),
     ("memory.texture.burst_cycles", "1"),
@@ -83,14 +83,14 @@ const FAST: Set<'static> = &[
     ("cache.texture.sets", "4096"),
 ];
 
-/// Cycles per pixel in which the interpolator starved for a division, and in all.
+/// Returns the cycles per pixel in which the interpolator starved for a division, and all cycles per pixel.
 fn hidden(scene: &Arc<Scene>, dividers: Set<'_>, method: (&str, &str)) -> Result<String, Box<dyn Error>> {
     let report = report(scene, &settings("texel", &[FAST, dividers, &[method]].concat(), false)?)?;
     let pixels = figure(&report, "fragments");
     Ok(format!("{:.4} of {:.2}", starved(&report) / pixels, cycles(&report) as f64 / pixels))
 }
 
-/// By dividers and criterion; a table for each input.
+/// Table by dividers and accuracy criterion, for each input.
 pub fn dividers(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let bounds = BOUNDS.map(|e| format!("e {e}"));
     let head: Vec<&str> =

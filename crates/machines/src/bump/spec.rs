@@ -1,0 +1,31 @@
+//! The quantized bump-mapping processor as a [`MachineSpec`].
+
+use super::{BumpProcessor, BumpProcessorConfig};
+use crate::front::{FrontConfig, FrontEnd};
+use crate::problem::ConfigProblem;
+use crate::spec::{CostPoints, LoggingMachine, MachineSpec};
+use basrelief_kernel::stats::UnitStats;
+
+impl MachineSpec for BumpProcessorConfig {
+    const NAME: &'static str = super::NAME;
+    const ABOUT: &'static str = "Sony's quantized bump-mapping processor";
+    const DIAGRAM: &'static str = super::DIAGRAM;
+    const DEMOS: &'static [&'static str] = &["golf-ball", "coin", "brick", "mixed", "sphere"];
+    const COST_POINTS: CostPoints = CostPoints { drawn: "fragments", shown: &["tested_pixels", "pixels"] };
+    type Machine<F: FrontEnd> = BumpProcessor<F>;
+    type Log = ();
+
+    fn build<F: FrontEnd>(&self, front: F) -> Result<BumpProcessor<F>, ConfigProblem> {
+        BumpProcessor::new(front, self)
+    }
+
+    fn front(&self) -> FrontConfig {
+        self.into()
+    }
+
+    fn warnings(&self, facts: &UnitStats) -> Vec<String> {
+        super::warnings(self, facts)
+    }
+}
+
+impl<F: FrontEnd> LoggingMachine<()> for BumpProcessor<F> {}

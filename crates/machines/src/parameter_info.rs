@@ -1,0 +1,166 @@
+//! Parameters of a machine as data, for `describe --json` and for user interfaces.
+
+use crate::registry::MachineConfig;
+use basrelief_parameters::Parameter;
+use serde::Serialize;
+use serde_json::Value;
+
+/// Description of a parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParameterInfo {
+    /// Key, as in `--set KEY=VALUE`.
+    pub key: String,
+    /// Value in this configuration.
+    pub value: Value,
+    /// Default value of the machine.
+    pub default: Value,
+    /// Unit of measure; empty for a switch or a choice.
+    pub unit: &'static str,
+    /// Allowed values as text; empty if [`takes`](Self::takes) is complete.
+    pub range: String,
+    /// Allowed values.
+    pub takes: AllowedValues,
+    /// Meaning.
+    pub about: String,
+    /// `timing` if the parameter changes only the timing, otherwise `work`.
+    pub effect: &'static str,
+    /// Source of the value.
+    pub provenance: ValueSource,
+}
+
+/// Source of a value.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ValueSource {
+    /// `stated`, `derived` or `assumed`.
+    pub kind: &'static str,
+    /// Place in the patent, derivation or reason.
+    pub text: String,
+}
+
+/// Allowed values of a parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum AllowedValues {
+    /// `true` or `false`.
+    Switch,
+    /// One of several names.
+    Choice {
+        /// The names, with their meanings.
+        choices: Vec<ParameterChoice>,
+    },
+    /// An integer.
+    Integer {
+        /// Minimum.
+        min: f64,
+        /// Maximum.
+        max: f64,
+    },
+    /// A number.
+    Number {
+        /// Minimum.
+        min: f64,
+        /// Maximum.
+        max: f64,
+    },
+    /// A text or a list.
+    Text,
+}
+
+/// One of several names.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ParameterChoice {
+    /// Name, as in `--set`.
+    pub name: String,
+    /// Meaning.
+    pub about: String,
+}
+
+impl MachineConfig {
+    /// Returns descriptions of all parameters, in the order of the block diagram.
+    pub fn described(&self) -> Vec<ParameterInfo> {
+        let schema = self.machine().schema();
+        let defaults = self.machine().parameters();
+        let described = |(here, default): (Parameter, &Parameter)| ParameterInfo {
+            takes: takes(&here, &schema),
+            key: here.key,
+            value: here.default,
+            default: default.default.clone(),
+            unit: here.unit,
+            range: here.range,
+            about: here.doc,
+            effect: here.effect.name(),
+            provenance: ValueSource { kind: here.provenance.kind(), text: here.provenance.text().into() },
+        };
+        self.parameters().into_iter().zip(&defaults).map(described).collect()
+    }
+}
+
+fn takes(parameter: &Parameter, schema: &Value) -> AllowedValues {
+    let named = parameter.key.split('.').try_fold(schema, |at, part| resolved(at, schema).get("properties")?.get(part));
+    let named = named.map_or(&Value::Null, |named| resolved(named, schema));
+    if let Some(choices) = named.get("oneOf").and_then(Value::as_array) {
+        return AllowedValues::Choice { choices: choices.iter().filter_map(choice).collect() };
+    }
+    match (&parameter.default, bounds(&parameter.range)) {
+        (Value::Bool(_), _) => AllowedValues::Switch,
+        (Value::Number(n), Some([min, max])) if n.is_f64() => AllowedValues::Number { min, max },
+        (Value::Number(_), Some([min, max])) => AllowedValues::Integer { min, max },
+        _ => AllowedValues::Text,
+    }
+}
+
+/// Follows a reference within a schema.
+fn resolved<'a>(part: &'a Value, schema: &'a Value) -> &'a Value {
+    let place = part.get("$ref").and_then(Value::as_str).and_then(|place| place.strip_prefix('#'));
+    place.and_then(|place| schema.pointer(place)).unwrap_or(part)
+}
+
+fn choice(one: &Value) -> Option<ParameterChoice> {
+    let text = |key| one.get(key).and_then(Value::as_str);
+    Some(ParameterChoice { name: text("const")?.into(), about: text("description").unwrap_or_default().into() })
+}
+
+/// Parses the first range in a text such as `1..=64`.
+pub(crate) fn bounds(range: &str) -> Option<[f64; 2]> {
+    let (min, rest) = range.split_once("..=")?;
+    let max = rest.split(|c: char| c == ',' || c.is_whitespace()).next()?;
+    Some([min.parse().ok()?, max.parse().ok()?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::registry::MACHINES;
+
+    fn of(machine: usize, key: &str) -> ParameterInfo {
+        let config = MACHINES[machine].load("", &[]).unwrap();
+        config.described().into_iter().find(|p| p.key == key).unwrap()
+    }
+
+    #[test]
+    fn allowed_values_are_data() {
+        assert_eq!(of(0, "replacement.lanes").takes, AllowedValues::Integer { min: 1.0, max: 65536.0 });
+        assert_eq!(of(0, "replacement.entries").takes, AllowedValues::Integer { min: 1.0, max: 65536.0 });
+        assert_eq!(of(0, "depth.clear_flags").takes, AllowedValues::Switch);
+        assert_eq!(of(0, "ideal.units").takes, AllowedValues::Text);
+        assert!(matches!(of(1, "shade.ia").takes, AllowedValues::Number { min: 0.0, .. }));
+        let AllowedValues::Choice { choices } = of(0, "memory.graphics.part").takes else { panic!("no choice") };
+        assert!(choices.iter().any(|c| c.name == "ddr-400" && !c.about.is_empty()));
+    }
+
+    #[test]
+    fn numbers_have_bounds_and_choices_have_their_default() {
+        for machine in MACHINES {
+            for ParameterInfo { key, default, takes, .. } in machine.load("", &[]).unwrap().described() {
+                match takes {
+                    AllowedValues::Choice { choices } => assert!(choices.iter().any(|c| default == c.name), "{key}"),
+                    AllowedValues::Integer { min, max } | AllowedValues::Number { min, max } => {
+                        assert!((min..=max).contains(&default.as_f64().unwrap()), "{key}");
+                    }
+                    AllowedValues::Switch => assert!(default.is_boolean(), "{key}"),
+                    AllowedValues::Text => assert!(default.is_string() || default.is_array(), "{key} is {default}"),
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! The figure shading device as a [`MachineSpec`].
+
+use super::{FigureShadingDevice, ShadeConfig};
+use crate::front::{FrontConfig, FrontEnd};
+use crate::problem::ConfigProblem;
+use crate::spec::{CostPoints, LoggingMachine, MachineSpec, Shortcut};
+use basrelief_kernel::stats::UnitStats;
+
+impl MachineSpec for ShadeConfig {
+    const NAME: &'static str = super::NAME;
+    const ABOUT: &'static str = "Hitachi's figure shading device";
+    const DIAGRAM: &'static str = super::DIAGRAM;
+    const DEMOS: &'static [&'static str] = &["ellipsoid", "cut-plane", "goblet"];
+    const SHORTCUTS: &'static [Shortcut<Self>] = &[
+        ("specular-negligible", |c| c.shortcut.specular_negligible.enabled = false),
+        ("flatness", |c| c.shortcut.flatness.enabled = false),
+        ("same-plane", |c| c.shortcut.same_plane.enabled = false),
+    ];
+    const COST_POINTS: CostPoints = CostPoints { drawn: "pixels", shown: &["tested_pixels", "pixels"] };
+    type Machine<F: FrontEnd> = FigureShadingDevice<F>;
+    type Log = ();
+
+    fn build<F: FrontEnd>(&self, front: F) -> Result<FigureShadingDevice<F>, ConfigProblem> {
+        FigureShadingDevice::new(front, self)
+    }
+
+    fn front(&self) -> FrontConfig {
+        self.into()
+    }
+
+    fn warnings(&self, facts: &UnitStats) -> Vec<String> {
+        super::warnings(facts)
+    }
+}
+
+impl<F: FrontEnd> LoggingMachine<()> for FigureShadingDevice<F> {}

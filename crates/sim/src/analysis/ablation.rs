@@ -1,0 +1,118 @@
+//! Ablation: runs the same input with each shortcut of the machine disabled in turn.
+
+use crate::observer::{Observer, Pictures};
+use crate::options::{AnalysisPolicy, RunOptions};
+use crate::run::result::{Run, RunError};
+use basrelief_input::Held;
+use basrelief_kernel::Outcome;
+use basrelief_report::Report;
+use basrelief_report::ablation::{Ablation, Variant};
+
+/// Runs the machine as configured, without each shortcut in turn, and without all shortcuts. `run` performs one run of the same input
+/// with the given options and observer, without the exact picture. That observer forwards only the progress to `observer`.
+///
+/// # Errors
+/// A machine without shortcuts, a run without time, a run that does not finish, and all errors of `run`.
+pub fn ablate<E: From<RunError>>(
+    settings: &RunOptions,
+    observer: &mut dyn Observer,
+    mut run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>,
+) -> Result<Ablation, E> {
+    let no_shortcuts = || RunError::NoShortcuts(settings.config.machine().name);
+    let mut comparison =
+        PictureComparison { observer, kept: Vec::new(), held: settings.budget.nothing(), first: true, largest: 0 };
+    let mut ablation: Option<Ablation> = None;
+    for (variant, config) in settings.config.ablations() {
+        let settings = RunOptions {
+            config,
+            exact: false,
+            bottlenecks: AnalysisPolicy::Never,
+            recording: AnalysisPolicy::Never,
+            ..settings.clone()
+        };
+        let report = complete(&variant, run(&settings, &mut comparison)?)?;
+        let ablation = ablation.get_or_insert_with(|| Ablation::of(&report));
+        ablation.variants.push(Variant::of(variant, &report, ablation.variants.first(), comparison.largest));
+        (comparison.first, comparison.largest) = (false, 0);
+    }
+    ablation.ok_or_else(|| no_shortcuts().into())
+}
+
+/// Returns the report of a run that finished and has time.
+pub(crate) fn complete(variant: &str, run: Run) -> Result<Report, RunError> {
+    let why = match run.timing.as_ref().map(|t| &t.outcome) {
+        Some(Outcome::Complete) => return Ok(run.report),
+        Some(Outcome::Limit) => "reached the cycle limit",
+        Some(_) => run.report.outcome.message.as_deref().unwrap_or("stopped"),
+        None => "has no cycles to compare",
+    };
+    Err(RunError::Incomplete(format!("`{variant}`: {why}")))
+}
+
+/// Observer that keeps the pictures of the first run, and compares those of later runs with them.
+struct PictureComparison<'a> {
+    observer: &'a mut dyn Observer,
+    kept: Vec<Vec<[u8; 3]>>,
+    held: Held,
+    first: bool,
+    largest: u8,
+}
+
+impl Observer for PictureComparison<'_> {
+    fn progress(&mut self, commands: u64, total: Option<u64>) -> bool {
+        self.observer.progress(commands, total)
+    }
+
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        let rgb = &pictures.machine.rgb;
+        if self.first {
+            let held = self.held.grow(size_of_val(rgb.as_slice()) as u64, "the pictures of the first run of an ablation");
+            held.map_err(|error| format!("{error}, or reduce the number of frames or the picture size"))?;
+            self.kept.push(rgb.clone());
+            return Ok(());
+        }
+        let kept = self.kept.get(pictures.index).ok_or("the run has more pictures than the first run")?;
+        let steps = kept.as_flattened().iter().zip(rgb.as_flattened()).map(|(a, b)| a.abs_diff(*b));
+        self.largest = steps.max().unwrap_or(0).max(self.largest);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observer::Unobserved;
+    use basrelief_input::Budget;
+    use basrelief_reference::Picture;
+
+    fn picture(grey: u8) -> Picture {
+        let mut picture = Picture::new(2, 1);
+        picture.rgb = vec![[7; 3], [7, grey, 7]];
+        picture
+    }
+
+    fn show(comparison: &mut PictureComparison<'_>, index: usize, machine: &Picture) -> Result<(), String> {
+        comparison.frame(&Pictures { index, machine, exact: None })
+    }
+
+    #[test]
+    fn largest_change_of_any_picture_counts() {
+        let held = Budget::default().nothing();
+        let mut comparison = PictureComparison { observer: &mut Unobserved, kept: vec![], held, first: true, largest: 0 };
+        show(&mut comparison, 0, &picture(100)).unwrap();
+        show(&mut comparison, 1, &picture(50)).unwrap();
+        comparison.first = false;
+        show(&mut comparison, 0, &picture(91)).unwrap();
+        show(&mut comparison, 1, &picture(52)).unwrap();
+        assert_eq!(comparison.largest, 9);
+        assert!(show(&mut comparison, 2, &picture(0)).unwrap_err().contains("more pictures"));
+    }
+
+    #[test]
+    fn pictures_beyond_memory_limit_are_an_error_with_a_hint() {
+        let held = Budget::new(6).nothing();
+        let mut comparison = PictureComparison { observer: &mut Unobserved, kept: vec![], held, first: true, largest: 0 };
+        show(&mut comparison, 0, &picture(0)).unwrap();
+        assert!(show(&mut comparison, 1, &picture(0)).unwrap_err().contains("reduce the number of frames"));
+    }
+}

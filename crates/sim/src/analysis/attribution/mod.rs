@@ -1,0 +1,11 @@
+//! Attribution: assigns each step to a frame, object, polygon and pixels.
+
+mod flow;
+mod origin;
+mod polygon_index;
+mod probe;
+
+pub(crate) use flow::{Flow, FlowEvents, StepTokens};
+pub use origin::TokenSample;
+pub(crate) use origin::{Origin, Polygon};
+pub use probe::{AttributionProbe, last_stage};

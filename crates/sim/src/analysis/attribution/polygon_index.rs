@@ -1,0 +1,46 @@
+//! Index of the polygons of a run by their addresses.
+
+use super::origin::{Origin, Polygon};
+use basrelief_input::{Budget, Held, OverBudget};
+use std::collections::BTreeMap;
+
+/// Size of an entry \[bytes\].
+const ENTRY_BYTES: u64 = 2 * size_of::<(u64, Origin)>() as u64;
+
+/// Polygons that have entered the machine.
+pub(super) struct PolygonIndex {
+    /// Polygon by its address in the host's memory: the last one that entered there, because a polygon in flight keeps its address.
+    by_address: BTreeMap<u64, Origin>,
+    count: usize,
+    /// Frame of the last polygon, and its number within the frame.
+    last: Option<(u32, u32)>,
+    held: Held,
+}
+
+impl PolygonIndex {
+    pub(super) fn new(budget: &Budget) -> Self {
+        Self { by_address: BTreeMap::new(), count: 0, last: None, held: budget.nothing() }
+    }
+
+    /// Adds a polygon of an object.
+    ///
+    /// # Errors
+    /// The memory limit is exceeded.
+    pub(super) fn enter(&mut self, address: u64, object: &Origin) -> Result<Origin, OverBudget> {
+        let frame = object.frame.unwrap_or_default();
+        let number = self.last.filter(|(last, _)| *last == frame).map_or(0, |(_, number)| number + 1);
+        self.last = Some((frame, number));
+        let polygon = Polygon { run: self.count, frame: number };
+        self.count += 1;
+        let origin = Origin { object: object.object, polygon: Some(polygon), ..Origin::whole(object.frame) };
+        if self.by_address.insert(address, origin).is_none() {
+            self.held.grow(ENTRY_BYTES, "polygons in flight")?;
+        }
+        Ok(origin)
+    }
+
+    /// Returns the polygon at an address.
+    pub(super) fn origin(&self, address: u64) -> Option<Origin> {
+        self.by_address.get(&address).copied()
+    }
+}

@@ -1,0 +1,136 @@
+//! Timelines with the origin of each step.
+
+use super::flow::{Flow, FlowEvents, StepTokens};
+use super::origin::{Origin, TokenSample};
+use basrelief_input::{Budget, OverBudget};
+use basrelief_kernel::{Cause, Cycle, Interval, Label, MemoryEvent, Probe, StageTopology};
+use basrelief_machines::{CostPoints, MachineConfig};
+use basrelief_timeline::{StepAttribution, TimelineProbe, TokenLife};
+use std::collections::VecDeque;
+
+/// Probe that passes a run to a [`TimelineProbe`], with the origin of each step.
+///
+/// The origin comes from execution, the timestamps from timing; the two streams may be offset. A wait belongs to the step that ended it.
+pub struct AttributionProbe<'a, 'b> {
+    flow: Flow,
+    /// Origins of each stage's steps that are executed but not yet timed, with the memory clients that they used.
+    untimed: Vec<VecDeque<(Origin, u32)>>,
+    /// Waits of each stage since its last step.
+    waits: Vec<Vec<Interval>>,
+    over_budget: Option<OverBudget>,
+    timeline: &'a mut TimelineProbe<'b>,
+}
+
+impl std::fmt::Debug for AttributionProbe<'_, '_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("AttributionProbe").field("timeline", &self.timeline).finish_non_exhaustive()
+    }
+}
+
+impl<'a, 'b> AttributionProbe<'a, 'b> {
+    /// Creates a probe for a machine with these stages.
+    pub fn new(
+        config: &MachineConfig,
+        stages: &[StageTopology],
+        sample: Option<TokenSample>,
+        budget: &Budget,
+        timeline: &'a mut TimelineProbe<'b>,
+    ) -> Self {
+        let count = stages.len();
+        Self {
+            flow: Flow::new(stages, config.cost_points(), sample, budget),
+            untimed: vec![VecDeque::new(); count],
+            waits: vec![Vec::new(); count],
+            over_budget: None,
+            timeline,
+        }
+    }
+
+    /// Passes on the waits after the last steps.
+    ///
+    /// # Errors
+    /// The attribution exceeded the memory limit.
+    pub fn finish(mut self) -> Result<(), OverBudget> {
+        for stage in 0..self.waits.len() {
+            self.show_waits(stage, &StepAttribution::default());
+        }
+        self.over_budget.map_or(Ok(()), Err)
+    }
+
+    fn show_waits(&mut self, stage: usize, owner: &StepAttribution) {
+        for wait in self.waits[stage].drain(..) {
+            self.timeline.add(wait, owner);
+        }
+    }
+}
+
+/// Returns the number of the stage in which a complete trace ends: the stage that creates fragments, or the one that finishes visible
+/// pixels.
+pub fn last_stage(sample: TokenSample, config: &MachineConfig, stages: &[StageTopology]) -> Option<usize> {
+    let CostPoints { drawn, shown } = config.cost_points();
+    if sample.polygons {
+        return stages.iter().position(|stage| stage.outputs.iter().any(|output| output == drawn));
+    }
+    shown.iter().find_map(|fifo| stages.iter().position(|stage| stage.inputs.iter().any(|input| input == fifo)))
+}
+
+/// Converts an origin for the timelines.
+fn attribution(origin: &Origin) -> StepAttribution {
+    let pixel = origin.pixels.map(|pixels| pixels.first());
+    let pixels = origin.pixels.map_or(0, |pixels| pixels.count());
+    StepAttribution {
+        frame: origin.frame,
+        object: origin.object,
+        polygon: origin.polygon.map(|polygon| polygon.frame),
+        level: origin.level(),
+        asks: 0,
+        life: origin.life.map(|number| TokenLife { number, pixel, pixels }),
+    }
+}
+
+/// Ignores all events.
+struct NoEvents;
+
+impl FlowEvents for NoEvents {
+    fn frame(&mut self, _: [u32; 2]) -> Result<(), OverBudget> {
+        Ok(())
+    }
+    fn entered(&mut self, _: &Origin) -> Result<(), OverBudget> {
+        Ok(())
+    }
+    fn drawn(&mut self, _: &Origin) {}
+    fn shown(&mut self, _: &Origin) {}
+    fn taken(&mut self, _: &Origin) {}
+}
+
+impl Probe for AttributionProbe<'_, '_> {
+    fn reads_labels(&self) -> bool {
+        self.over_budget.is_none()
+    }
+
+    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+        match self.flow.step(&StepTokens { stage, taken, given }, &mut NoEvents) {
+            Ok(origin) => self.untimed[stage].push_back((origin, asked)),
+            Err(error) => self.over_budget = Some(error),
+        }
+    }
+
+    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+        let (origin, asks) = self.untimed[stage].pop_front().unwrap_or_default();
+        let owner = attribution(&origin);
+        self.show_waits(stage, &owner);
+        self.timeline.add(Interval { stage, cause: None, from, to }, &StepAttribution { asks, ..owner });
+    }
+
+    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+        self.waits[stage].push(Interval { stage, cause: Some(cause), from, to });
+    }
+
+    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+        self.timeline.held(fifo, at, slots);
+    }
+
+    fn memory(&mut self, event: MemoryEvent) {
+        self.timeline.memory(event);
+    }
+}

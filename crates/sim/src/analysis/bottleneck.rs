@@ -1,0 +1,214 @@
+//! Bottleneck analysis: each candidate is relaxed in turn, and the recorded steps are resimulated.
+
+use super::relaxations::{Candidates, PART, Relaxation, combined};
+use crate::options::Overrides;
+use basrelief_kernel::recording::RecordingChunk;
+use basrelief_kernel::{self as kernel, Netlist, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
+use basrelief_machines::{InputKind, MachineSpec};
+use basrelief_report::Report;
+use basrelief_report::model::{CriticalPath, Limit, PathPart};
+use basrelief_threads as threads;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::sync::{Mutex, PoisonError};
+
+/// Number of the best single relaxations that are tried in pairs.
+const PAIRED: usize = 3;
+/// Relaxations that are resimulated concurrently with the critical path. Together they take about as long as the path.
+const EARLY: usize = 2;
+/// Maximum number of events in the search for a critical path, of 16 bytes each.
+pub(crate) const EVENTS: usize = 8 << 20;
+/// Minimum interaction of a pair that is reported \[1/1000 of the cycles\]: cycles that both save together beyond the sum of their
+/// single savings.
+const MIN_INTERACTION: u64 = 10;
+
+/// Converts a part of the critical path for the report.
+fn path_part(kernel::PathPart { stretch, cycles, by_mark: frames }: kernel::PathPart) -> PathPart {
+    let (resource, what) = match stretch {
+        PathSegment::Occupancy(unit) => (unit, "occupancy"),
+        PathSegment::Latency(unit) => (unit, "latency"),
+        PathSegment::Fifo(fifo) => (fifo, "FIFO"),
+        PathSegment::Slot(fifo) => (fifo, "slot"),
+        PathSegment::Memory(client, phase) => (client, phase_name(phase)),
+        PathSegment::Rest => (String::new(), "rest"),
+    };
+    PathPart { resource, what: what.into(), cycles, frames }
+}
+
+fn phase_name(phase: RequestPhase) -> &'static str {
+    match phase {
+        RequestPhase::Arrival => "arrival",
+        RequestPhase::Bus => "bus",
+        RequestPhase::Bank => "bank",
+        RequestPhase::Data => "data",
+        RequestPhase::Order => "order",
+        RequestPhase::Cache => "cache",
+    }
+}
+
+/// A completed run with its recorded steps.
+pub(crate) struct CompletedRun<'a, S> {
+    pub(crate) spec: &'a S,
+    /// Parameters that the user gave. A relaxation is applied after them.
+    pub(crate) overrides: &'a Overrides,
+    pub(crate) input: InputKind,
+    pub(crate) chunks: &'a [RecordingChunk],
+    /// Memory that repeated resimulation may use \[bytes\].
+    pub(crate) room: u64,
+    pub(crate) run: &'a RunReport,
+    /// Polygons of the steps of each stage; empty if they were not attributed.
+    pub(crate) groups: &'a [StageGroups],
+}
+
+/// BottleneckList and critical path of a run.
+#[derive(Debug)]
+pub(crate) struct BottleneckList {
+    list: Vec<Limit>,
+    path: Option<kernel::CriticalPath>,
+}
+
+impl BottleneckList {
+    /// Adds the bottlenecks to a report, and returns the cycles of the critical path by group.
+    pub(crate) fn add_to(self, report: &mut Report) -> Vec<(u32, u64)> {
+        report.limits = Some(self.list);
+        let Some(kernel::CriticalPath { cycles, parts, by_group }) = self.path else { return vec![] };
+        let parts = parts.into_iter().map(path_part).collect();
+        report.critical_path = Some(CriticalPath { cycles, parts, polygons: None });
+        by_group
+    }
+}
+
+/// A task for a worker thread.
+enum AnalysisTask {
+    Path,
+    Resimulate(Relaxation),
+}
+
+/// Results of the tasks so far.
+#[derive(Default)]
+struct AnalysisProgress {
+    path: Option<kernel::CriticalPath>,
+    /// Candidates in the order of the block diagram; empty until the critical path is known.
+    candidates: Vec<Relaxation>,
+    /// Cycles by settings; `None` while the resimulation runs, and if it does not finish.
+    cycles: BTreeMap<Vec<(String, String)>, Option<u64>>,
+}
+
+impl AnalysisProgress {
+    /// Returns tasks for the relaxations that no thread resimulates yet.
+    fn claim(&mut self, relaxations: &[Relaxation]) -> Vec<AnalysisTask> {
+        let mut claimed = vec![];
+        for relaxation in relaxations {
+            if let Entry::Vacant(place) = self.cycles.entry(relaxation.set.clone()) {
+                place.insert(None);
+                claimed.push(AnalysisTask::Resimulate(relaxation.clone()));
+            }
+        }
+        claimed
+    }
+
+    /// Returns the critical path, and all relaxations with their cycles: the candidates, then the parts of candidates for which
+    /// `saves_much` is true. The order does not depend on the order of execution.
+    fn timed(self, saves_much: impl Fn(u64) -> bool) -> (Option<kernel::CriticalPath>, Vec<(Relaxation, u64)>) {
+        let known =
+            |relaxation: Relaxation| self.cycles.get(&relaxation.set).copied().flatten().map(|cycles| (relaxation, cycles));
+        let mut timed: Vec<_> = self.candidates.into_iter().filter_map(known).collect();
+        let parts = timed.iter().filter(|(_, cycles)| saves_much(*cycles)).flat_map(|(whole, _)| whole.parts.clone());
+        timed.extend(parts.filter_map(known).collect::<Vec<_>>());
+        (self.path, timed)
+    }
+}
+
+/// The recorded steps, ready for repeated resimulation, and the netlist that they were recorded on.
+struct RecordedSteps<'a> {
+    tape: Recording<'a>,
+    netlist: Netlist,
+}
+
+impl<S: MachineSpec> CompletedRun<'_, S> {
+    /// Returns the bottlenecks and the critical path; `None` if the machine has no netlist.
+    pub(crate) fn bottlenecks(&self) -> Option<BottleneckList> {
+        let netlist = self.input.shape(self.spec).ok()?;
+        let recorded = RecordedSteps { tape: Recording::new(self.chunks, &netlist, self.room), netlist };
+        let (path, mut timed) = self.singles(&recorded).timed(|cycles| self.saves_much(cycles));
+        // The sort is stable: ties keep the order of the block diagram.
+        timed.sort_by_key(|(_, cycles)| *cycles);
+        let pairs = self.pairs(&recorded, &timed);
+        let all = timed.into_iter().chain(pairs);
+        let mut list: Vec<Limit> = all.filter_map(|(relaxation, cycles)| self.bottleneck(relaxation, cycles)).collect();
+        list.sort_by_key(|limit| limit.cycles);
+        Some(BottleneckList { list, path })
+    }
+
+    /// Finds the critical path, and resimulates each candidate on it. Meanwhile, other threads resimulate the busiest units, which are
+    /// usually candidates, because the path takes as long as some resimulations.
+    fn singles(&self, recorded: &RecordedSteps<'_>) -> AnalysisProgress {
+        let early = if threads::workers() > 1 { EARLY } else { 0 };
+        let busiest = Candidates { run: self.run, netlist: &recorded.netlist, path: None }.busiest_units(early);
+        let mut progress = AnalysisProgress::default();
+        let first: Vec<AnalysisTask> = [AnalysisTask::Path].into_iter().chain(progress.claim(&busiest)).collect();
+        let progress = Mutex::new(progress);
+        threads::tasks(first, |task, tasks| match task {
+            AnalysisTask::Path => {
+                let path = self.critical_path(&recorded.tape);
+                let candidates =
+                    Candidates { run: self.run, netlist: &recorded.netlist, path: path.as_ref() }.relaxations(self.spec);
+                let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+                tasks.add(progress.claim(&candidates));
+                (progress.path, progress.candidates) = (path, candidates);
+            }
+            AnalysisTask::Resimulate(relaxation) => {
+                let cycles = self.cycles(recorded, &relaxation.set);
+                let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+                if cycles.is_some_and(|cycles| self.saves_much(cycles)) {
+                    tasks.add(progress.claim(&relaxation.parts));
+                }
+                progress.cycles.insert(relaxation.set, cycles);
+            }
+        });
+        progress.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn critical_path(&self, tape: &Recording<'_>) -> Option<kernel::CriticalPath> {
+        tape.critical_path(self.input.shape(self.spec).ok()?, EVENTS, self.groups).ok()?
+    }
+
+    /// True if the parts of a relaxation are worth a resimulation each. The parts of memories that save next to nothing were as many
+    /// resimulations as all others.
+    fn saves_much(&self, cycles: u64) -> bool {
+        let total = self.run.marked_cycles();
+        total.saturating_sub(cycles) > total / PART
+    }
+
+    fn bottleneck(&self, relaxation: Relaxation, cycles: u64) -> Option<Limit> {
+        let saved = self.run.marked_cycles().checked_sub(cycles).filter(|saved| *saved > 0)?;
+        let Relaxation { resource, what, set, .. } = relaxation;
+        let set = set.into_iter().map(|(key, value)| format!("{key}={value}")).collect();
+        Some(Limit { resource, what: what.into(), set, cycles, saved })
+    }
+
+    /// Resimulates pairs of the best relaxations, and returns those with an interaction.
+    fn pairs(&self, recorded: &RecordedSteps<'_>, timed: &[(Relaxation, u64)]) -> Vec<(Relaxation, u64)> {
+        let best = &timed[..timed.len().min(PAIRED)];
+        let all = best.iter().enumerate().flat_map(|(n, a)| best[n + 1..].iter().map(move |b| (a, b)));
+        let pairs: Vec<_> = all.filter(|((a, _), (b, _))| a.resource != b.resource).collect();
+        let resimulated = threads::map(pairs.iter().collect(), |((a, _), (b, _)): &(&(Relaxation, u64), &(Relaxation, u64))| {
+            let both = combined(a, b);
+            self.cycles(recorded, &both.set).map(|cycles| (both, cycles))
+        });
+        let total = self.run.marked_cycles();
+        let interacts = |cycles: u64, singles: [u64; 2]| {
+            let sum: u64 = singles.into_iter().map(|cycles| total.saturating_sub(cycles)).sum();
+            total.saturating_sub(cycles) > sum + total * MIN_INTERACTION / 1000
+        };
+        let results = pairs.iter().zip(resimulated);
+        results.filter_map(|(((_, a), (_, b)), both)| both.filter(|(_, cycles)| interacts(*cycles, [*a, *b]))).collect()
+    }
+
+    /// Returns the render cycles with these settings; `None` if they change the work of the units or do not fit together.
+    fn cycles(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<u64> {
+        let netlist = self.input.shape(&self.overrides.load::<S>(set).ok()?).ok()?;
+        recorded.netlist.same_work(&netlist).ok()?;
+        recorded.tape.cycles(netlist).ok()?
+    }
+}

@@ -1,0 +1,188 @@
+//! Probe that accumulates costs.
+
+use super::accumulator::{Charge, CostAccumulator, kind_of, slot_of};
+use super::pixels::PixelRecords;
+use super::polygons::Polygons;
+use super::run_costs::Costs;
+use super::step_polygons::StepPolygons;
+use crate::analysis::attribution::{Flow, FlowEvents, Origin, StepTokens};
+use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_kernel::{Cause, Cycle, Label, MemoryEvent, Probe, RunReport, StageTopology};
+use basrelief_machines::CostPoints;
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+/// Probe that accumulates costs, and forwards all events to another probe.
+///
+/// The origin of a step comes from execution, its duration from timing. The two streams may be offset, but each is in the order of the
+/// stage's steps.
+pub(crate) struct CostProbe<'a> {
+    stages: Vec<StageTopology>,
+    /// First cycle in which no step may start. Later cycles do not count.
+    end: u64,
+    flow: Flow,
+    tally: Tally,
+    accumulators: Vec<CostAccumulator>,
+    /// Origins of each stage's steps that are executed but not yet timed.
+    untimed: Vec<VecDeque<Origin>>,
+    /// Waits of each stage since its last step.
+    waits: Vec<Vec<Charge>>,
+    /// Polygon of each step, for the critical path.
+    step_polygons: Option<Rc<RefCell<StepPolygons>>>,
+    over_budget: Option<OverBudget>,
+    next: Option<&'a mut dyn Probe>,
+}
+
+/// Options of a [`CostProbe`].
+pub(crate) struct CostOptions<'a> {
+    pub(crate) points: CostPoints,
+    /// First cycle in which no step may start.
+    pub(crate) end: u64,
+    pub(crate) budget: &'a Budget,
+}
+
+/// Recipients of costs.
+struct Tally {
+    pixels: PixelRecords,
+    polygons: Polygons,
+    held: Held,
+}
+
+impl FlowEvents for Tally {
+    fn frame(&mut self, size: [u32; 2]) -> Result<(), OverBudget> {
+        self.pixels.begin(size, &mut self.held)
+    }
+
+    fn entered(&mut self, origin: &Origin) -> Result<(), OverBudget> {
+        self.polygons.enter(origin, &mut self.held)
+    }
+
+    fn drawn(&mut self, origin: &Origin) {
+        self.pixels.draw(origin);
+        self.polygons.draw(origin);
+    }
+
+    fn shown(&mut self, origin: &Origin) {
+        self.pixels.show(origin);
+    }
+
+    fn taken(&mut self, origin: &Origin) {
+        self.pixels.note(origin);
+    }
+}
+
+impl<'a> CostProbe<'a> {
+    pub(crate) fn new(
+        stages: Vec<StageTopology>,
+        CostOptions { points, end, budget }: CostOptions<'_>,
+        step_polygons: Option<Rc<RefCell<StepPolygons>>>,
+        next: Option<&'a mut dyn Probe>,
+    ) -> Self {
+        let count = stages.len();
+        Self {
+            flow: Flow::new(&stages, points, None, budget),
+            stages,
+            end,
+            tally: Tally { pixels: PixelRecords::default(), polygons: Polygons::default(), held: budget.nothing() },
+            accumulators: vec![CostAccumulator::default(); count],
+            untimed: vec![VecDeque::new(); count],
+            waits: vec![Vec::new(); count],
+            step_polygons,
+            over_budget: None,
+            next,
+        }
+    }
+
+    /// Charges a step and its waits.
+    fn charge(&mut self, stage: usize, from: Cycle, to: Cycle) -> Result<(), OverBudget> {
+        let origin = self.untimed[stage].pop_front().unwrap_or_default();
+        if let Some(polygons) = &self.step_polygons {
+            polygons.borrow_mut().step(stage, &origin)?;
+        }
+        let Self { accumulators, tally: Tally { pixels, polygons, held }, waits, .. } = self;
+        let (to, busy) = (to.0.min(self.end), Cycle(to.0.min(self.end)).since(from));
+        polygons.live(&origin, from.0, to);
+        let spent = polygons.spent(&origin);
+        for charge in waits[stage].drain(..).chain([Charge { slot: 0, cycles: busy }]) {
+            spent.charge(kind_of(charge.slot), charge.cycles);
+            accumulators[stage].charge(charge, &origin, pixels, held)?;
+        }
+        Ok(())
+    }
+
+    /// Returns an error if the costs exceeded the memory limit.
+    ///
+    /// # Errors
+    /// The memory limit was exceeded.
+    pub(crate) fn check(&self) -> Result<(), OverBudget> {
+        self.over_budget.clone().map_or(Ok(()), Err)
+    }
+
+    /// Returns the costs of the run with this report.
+    pub(crate) fn finish(self, report: &RunReport) -> Costs {
+        let Tally { pixels, polygons: Polygons { list, objects, frames, .. }, held } = self.tally;
+        let units = self.accumulators.into_iter().zip(&self.stages).zip(&report.units);
+        Costs {
+            cycles: report.total,
+            frames: self.flow.frames(),
+            units: units.map(|((accumulator, stage), unit)| accumulator.finish(stage, unit)).collect(),
+            polygons: list,
+            pixels,
+            objects,
+            whole_frames: frames,
+            _held: held,
+        }
+    }
+}
+
+impl Probe for CostProbe<'_> {
+    fn reads_labels(&self) -> bool {
+        self.over_budget.is_none() || self.next.as_ref().is_some_and(|probe| probe.reads_labels())
+    }
+
+    fn reads_levels(&self) -> bool {
+        self.next.as_ref().is_some_and(|probe| probe.reads_levels())
+    }
+
+    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+        if let Some(next) = self.next.as_mut().filter(|probe| probe.reads_labels()) {
+            next.stepped(stage, [taken, asked], given);
+        }
+        if self.over_budget.is_some() {
+            return;
+        }
+        match self.flow.step(&StepTokens { stage, taken, given }, &mut self.tally) {
+            Ok(origin) => self.untimed[stage].push_back(origin),
+            Err(error) => self.over_budget = Some(error),
+        }
+    }
+
+    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+        if let Some(next) = &mut self.next {
+            next.worked(stage, from, to);
+        }
+        if self.over_budget.is_none() {
+            self.over_budget = self.charge(stage, from, to).err();
+        }
+    }
+
+    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+        if let Some(next) = &mut self.next {
+            next.waited(stage, cause, from, to);
+        }
+        self.waits[stage].push(Charge { slot: slot_of(cause), cycles: to.since(from) });
+    }
+
+    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+        if let Some(next) = &mut self.next {
+            next.held(fifo, at, slots);
+        }
+    }
+
+    fn memory(&mut self, event: MemoryEvent) {
+        if let Some(next) = &mut self.next {
+            next.memory(event);
+        }
+    }
+}

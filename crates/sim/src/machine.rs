@@ -1,0 +1,131 @@
+//! Additions to the machines that only a simulation needs: exact rendering style and auxiliary outputs.
+
+use crate::outputs::aux_output::AuxOutputInfo;
+use crate::outputs::aux_spec::AuxOutputSpec;
+use crate::outputs::{defer, texel};
+use basrelief_brightness::Components;
+use basrelief_deferred_renderer::{Lighting, TexelCentre};
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_machines::defer::DeferConfig;
+use basrelief_machines::shade::ShadeConfig;
+use basrelief_machines::texel::TexelMachineConfig;
+use basrelief_machines::{MachineInfo, MachineSpec, ReferenceFilter, for_machine};
+use basrelief_reference::{self as reference, LevelRule, Options, Pyramid, Shading, Style, TextureFilter};
+use basrelief_signals::TexelFilter;
+use basrelief_texel_value_generator::{IlluminanceMode, MipMode};
+
+/// A machine that can be compared with an exact picture.
+pub(crate) trait SimulatedMachine: MachineSpec {
+    /// Auxiliary outputs of the machine.
+    const AUX_OUTPUTS: &'static [AuxOutputSpec<Self, Self::Log>] = &[];
+
+    /// Returns the style of the exact picture.
+    fn exact_style(&self) -> Style;
+}
+
+/// Returns the auxiliary outputs of a machine.
+pub fn aux_outputs(machine: &MachineInfo) -> Vec<AuxOutputInfo> {
+    fn of<S: SimulatedMachine>(_: &S) -> Vec<AuxOutputInfo> {
+        S::AUX_OUTPUTS.iter().map(|output| output.info).collect()
+    }
+    let defaults = machine.load("", &[]).unwrap_or_default();
+    for_machine!(&defaults, spec => of(spec))
+}
+
+impl SimulatedMachine for BumpProcessorConfig {
+    fn exact_style(&self) -> Style {
+        let options = Options {
+            filter: match self.reference.filter {
+                ReferenceFilter::Nearest => TextureFilter::Nearest,
+                ReferenceFilter::Bilinear => TextureFilter::Bilinear,
+                ReferenceFilter::Trilinear => TextureFilter::Trilinear,
+            },
+            components: match self.brightness.components {
+                Components::Combined => reference::Components::Combined,
+                Components::Separate => reference::Components::Separate,
+            },
+            two_sided_lighting: self.geometry.two_sided_lighting,
+            ..Options::default()
+        };
+        options.into()
+    }
+}
+
+impl SimulatedMachine for ShadeConfig {
+    /// Phong shading in every mode, so that the errors of all modes and shortcuts are comparable. The device has no textures, and its
+    /// highlights have the colour of the light.
+    fn exact_style(&self) -> Style {
+        let options = Options {
+            filter: TextureFilter::None,
+            components: reference::Components::Separate,
+            two_sided_lighting: self.geometry.two_sided_lighting,
+            ..Options::default()
+        };
+        Style { shading: Shading::Phong, options }
+    }
+}
+
+impl SimulatedMachine for TexelMachineConfig {
+    const AUX_OUTPUTS: &'static [AuxOutputSpec<Self, Self::Log>] = texel::AUX_OUTPUTS;
+
+    /// Exact mapping with the machine's own filter, so that the difference is the error of the division points.
+    fn exact_style(&self) -> Style {
+        let filter = match (self.mip.mode, self.look_up.filter) {
+            (MipMode::Off, TexelFilter::Nearest) => TextureFilter::Nearest,
+            (MipMode::Off, TexelFilter::Bilinear) => TextureFilter::Bilinear,
+            (MipMode::Nearest, TexelFilter::Nearest) => TextureFilter::NearestMipNearest,
+            (MipMode::Nearest, TexelFilter::Bilinear) => TextureFilter::BilinearMipNearest,
+            (MipMode::Trilinear, TexelFilter::Nearest) => TextureFilter::NearestMipLinear,
+            (MipMode::Trilinear, TexelFilter::Bilinear) => TextureFilter::Trilinear,
+        };
+        let options = Options {
+            filter,
+            level: LevelRule::AlongScanLine,
+            two_sided_lighting: self.geometry.two_sided_lighting,
+            ..Options::default()
+        };
+        let shading = match self.illuminance.mode {
+            IlluminanceMode::Off => Shading::Texture,
+            IlluminanceMode::Gouraud => Shading::Gouraud,
+        };
+        Style { shading, options }
+    }
+}
+
+impl SimulatedMachine for DeferConfig {
+    const AUX_OUTPUTS: &'static [AuxOutputSpec<Self, Self::Log>] = defer::AUX_OUTPUTS;
+
+    /// Trilinear interpolation in the device's own pyramid, with the wrap modes of the textures.
+    fn exact_style(&self) -> Style {
+        let centre = match self.defer.texel_centre {
+            TexelCentre::Half => reference::TexelCentre::Half,
+            TexelCentre::Integer => reference::TexelCentre::Integer,
+        };
+        let options = Options {
+            filter: TextureFilter::Trilinear,
+            pyramid: Pyramid::Tiled { tile: [self.tile.width, self.tile.height], centre },
+            two_sided_lighting: self.geometry.two_sided_lighting,
+            ..Options::default()
+        };
+        let shading = if self.defer.lighting == Lighting::Gouraud { Shading::Gouraud } else { Shading::Texture };
+        Style { shading, options }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outputs::aux_output::AuxForm;
+    use basrelief_machines::MACHINES;
+
+    /// Lines are selected by name alone, and the name of a picture is the name of its file.
+    #[test]
+    fn aux_output_names_are_unique() {
+        let all: Vec<_> = MACHINES.iter().flat_map(aux_outputs).collect();
+        let is_lines = |output: &AuxOutputInfo| output.form == AuxForm::Lines;
+        for (n, one) in all.iter().enumerate() {
+            let same = |other: &&AuxOutputInfo| other.name == one.name && is_lines(other) == is_lines(one);
+            assert_eq!(all[n..].iter().filter(same).count(), 1, "{}", one.name);
+        }
+    }
+}

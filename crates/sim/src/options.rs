@@ -1,0 +1,191 @@
+//! Input and options of a run.
+
+use crate::outputs::aux_output::AuxOutputInfo;
+use crate::prepared::PreparedScene;
+use basrelief_deferred_renderer::TileSource;
+use basrelief_input::Budget;
+use basrelief_kernel::Engine;
+use basrelief_machines::{InputKind, MachineConfig, MachineInfo};
+use basrelief_parameters::{ConfigError, Parameters};
+use basrelief_trace::{Files, NoFiles};
+use serde::{Deserialize, Serialize};
+use std::io::Read;
+
+/// Input of a run.
+pub enum RunInput {
+    /// A scene, through the geometry processor.
+    Scene(PreparedScene),
+    /// A trace in any form, read once, as a stream.
+    Trace {
+        /// Bytes of the trace.
+        reader: Box<dyn Read>,
+        /// Files that the trace refers to.
+        files: Box<dyn Files>,
+        /// Name for messages. The report contains it without its folders.
+        name: String,
+    },
+    /// A scene whose texels are [on a server](basrelief_signals::Texture::elsewhere), for a machine that fetches tiles. It passes
+    /// through the geometry processor. No exact picture is drawn.
+    Remote {
+        /// The scene.
+        scene: PreparedScene,
+        /// Tiles of the server.
+        tiles: Box<dyn TileSource>,
+        /// Origin of the scene, for messages.
+        name: String,
+    },
+}
+
+impl RunInput {
+    /// Returns the name that the user gave.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Scene(prepared) => &prepared.scene().name,
+            Self::Trace { name, .. } | Self::Remote { name, .. } => name,
+        }
+    }
+
+    /// Creates an input from a scene.
+    pub fn scene(scene: impl Into<PreparedScene>) -> Self {
+        Self::Scene(scene.into())
+    }
+
+    /// Creates an input from a trace that refers to no other files.
+    pub fn trace(reader: impl Read + 'static, name: &str) -> Self {
+        Self::Trace { reader: Box::new(reader), files: Box::new(NoFiles), name: name.into() }
+    }
+
+    /// Returns the kind of input.
+    pub(crate) fn kind(&self) -> InputKind {
+        match self {
+            Self::Scene(_) | Self::Remote { .. } => InputKind::Scene,
+            Self::Trace { .. } => InputKind::Trace,
+        }
+    }
+}
+
+/// Runs that are analysed. The cost of an analysis grows with the number of recorded steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AnalysisPolicy {
+    /// None.
+    #[default]
+    Never,
+    /// Runs so short that some twenty resimulations take no longer than pictures and metrics.
+    IfShort,
+    /// All runs.
+    Always,
+}
+
+/// Parameters that the user gave, over the defaults.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Overrides {
+    /// Text of a TOML file.
+    pub toml: String,
+    /// Single settings, applied after the file.
+    pub settings: Vec<(String, String)>,
+}
+
+impl Overrides {
+    /// Returns the machine's configuration with these overrides, then with `more` settings.
+    ///
+    /// # Errors
+    /// Unknown parameters, and values out of range.
+    pub fn config(&self, machine: &MachineInfo, more: &[(String, String)]) -> Result<MachineConfig, ConfigError> {
+        machine.load(&self.toml, &self.with(more))
+    }
+
+    /// Returns a configuration of type `C` with these overrides, then with `more` settings.
+    pub(crate) fn load<C: Parameters>(&self, more: &[(String, String)]) -> Result<C, ConfigError> {
+        basrelief_parameters::load(&self.toml, &self.with(more))
+    }
+
+    fn with<'a>(&'a self, more: &'a [(String, String)]) -> Vec<(&'a str, &'a str)> {
+        self.settings.iter().chain(more).map(|(key, value)| (key.as_str(), value.as_str())).collect()
+    }
+
+    /// Returns the checked configuration: defaults, then the file, then single settings.
+    ///
+    /// # Errors
+    /// Unknown parameters, values out of range, and parameters that do not fit together, with the place of the error.
+    pub fn checked(&self, machine: &MachineInfo, budget: &Budget) -> Result<MachineConfig, OverridesError> {
+        let growth = budget.take(TOML_GROWTH * self.toml.len() as u64, "what a configuration says");
+        let _growth = growth.map_err(|error| OverridesError::File(error.to_string()))?;
+        // Single settings may repair a file whose parameters do not fit together, and vice versa.
+        let file_fits = match machine.load(&self.toml, &[]) {
+            Err(ConfigError::Unfit { .. }) => false,
+            Err(error) => return Err(OverridesError::File(machine.explain(&error))),
+            Ok(config) => config.check().is_ok(),
+        };
+        let place = |error: String| if file_fits { OverridesError::Settings(error) } else { OverridesError::File(error) };
+        let config = self.config(machine, &[]).map_err(|error| match &error {
+            ConfigError::Unfit { .. } => place(error.to_string()),
+            _ => OverridesError::Settings(machine.explain(&error)),
+        })?;
+        config.check().map_err(|problem| place(problem.to_string()))?;
+        Ok(config)
+    }
+}
+
+/// Upper bound of the memory that parsing a TOML text takes \[times its length\]; reached by short keys with short values.
+pub const TOML_GROWTH: u64 = 200;
+
+/// Error in the parameters that the user gave, as a sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum OverridesError {
+    /// Error in the file.
+    File(String),
+    /// Error in the single settings.
+    Settings(String),
+}
+
+/// Options of a run.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// The machine, with all its parameters.
+    pub config: MachineConfig,
+    /// The engine; `None` is the functional model, without time.
+    pub engine: Option<Engine>,
+    /// First cycle in which no step may start.
+    pub max_cycles: u64,
+    /// Whether to draw the exact picture and to compare the machine's picture with it.
+    pub exact: bool,
+    /// Auxiliary outputs to pass to the observer, from [`aux_outputs`](crate::aux_outputs). They cost nothing if this is empty.
+    pub aux_outputs: Vec<AuxOutputInfo>,
+    /// Runs whose [bottlenecks](basrelief_report::model::Limit) are measured. Only completed runs of the timed and the ticked engine have
+    /// bottlenecks.
+    pub bottlenecks: AnalysisPolicy,
+    /// Parameters that the user gave, from which `config` was loaded. Bottleneck analysis and recordings need them.
+    pub overrides: Overrides,
+    /// Runs whose [recording](crate::Observer::recording) is passed to the observer. It costs nothing otherwise.
+    pub recording: AnalysisPolicy,
+    /// Whether to attribute the cycles of the timed or the ticked engine to pixels, polygons, objects and frames, and to pass the
+    /// [cost maps](crate::COST_PICTURES) to the observer. Costs nothing otherwise.
+    pub costs: bool,
+    /// Whether to pass every [memory request](crate::Observer::requests) to the observer. Costs nothing otherwise.
+    pub requests: bool,
+    /// Monotonic clock \[s\] for the host figures. It influences nothing else.
+    pub clock: fn() -> f64,
+    /// Memory pool for data whose size depends on the input.
+    pub budget: Budget,
+}
+
+impl Default for RunOptions {
+    /// The default machine with the timed engine and the exact picture, without a clock, and with its own memory pool.
+    fn default() -> Self {
+        Self {
+            config: MachineConfig::default(),
+            engine: Some(Engine::Timed),
+            max_cycles: u64::MAX,
+            exact: true,
+            aux_outputs: vec![],
+            bottlenecks: AnalysisPolicy::Never,
+            overrides: Overrides::default(),
+            recording: AnalysisPolicy::Never,
+            costs: false,
+            requests: false,
+            clock: || 0.0,
+            budget: Budget::default(),
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Content of an HTML page other than the report.
+
+use super::png::to_png;
+use basrelief_machines::MachineInfo;
+use basrelief_parameters::{Parameter, as_option};
+use basrelief_reference::{Picture, metrics};
+use basrelief_report::Report;
+use basrelief_report::html::{Beside, PagePicture, ParameterRow};
+use serde_json::Value;
+
+/// Returns the block diagram of the report's machine, and its parameters with their values in this run. Contains no pictures.
+///
+/// # Errors
+/// An unknown machine.
+pub fn page_assets(report: &Report) -> Result<Beside, String> {
+    let machine = MachineInfo::named(&report.machine)?;
+    let parameters = machine.parameters().iter().map(|parameter| row(parameter, &report.config)).collect();
+    Ok(Beside { diagram: machine.diagram.into(), pictures: vec![], parameters })
+}
+
+/// Returns the pictures of a page: the machine's picture and, if given, the exact picture and the difference.
+///
+/// # Errors
+/// Pictures of different sizes, and pictures that cannot be encoded.
+pub fn page_pictures(machine: &Picture, exact: Option<&Picture>) -> Result<Vec<PagePicture>, String> {
+    let made = |caption: &str, picture: &Picture, largest| -> Result<PagePicture, String> {
+        Ok(PagePicture { caption: caption.into(), png: to_png(picture)?, largest })
+    };
+    let mut list = vec![made("The machine's picture", machine, None)?];
+    if let Some(exact) = exact {
+        let (difference, largest) = metrics::scaled_difference(exact, machine).map_err(|e| e.to_string())?;
+        list.push(made("The exact picture", exact, None)?);
+        list.push(made("The difference", &difference, Some(largest))?);
+    }
+    Ok(list)
+}
+
+fn row(parameter: &Parameter, config: &Value) -> ParameterRow {
+    let value = config.pointer(&format!("/{}", parameter.key.replace('.', "/"))).unwrap_or(&parameter.default);
+    ParameterRow {
+        key: parameter.key.clone(),
+        value: as_option(value),
+        default: parameter.as_option(),
+        unit: parameter.unit.into(),
+        about: parameter.doc.clone(),
+        provenance: parameter.provenance.kind().into(),
+        source: parameter.provenance.text().into(),
+    }
+}

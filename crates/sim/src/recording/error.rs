@@ -1,0 +1,37 @@
+//! Errors of recordings.
+
+use basrelief_input::OverBudget;
+use basrelief_kernel::ResimulateError;
+use std::io;
+
+/// Error in a recording, or in the parameters that it is resimulated with.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// The recording cannot be read.
+    #[error(transparent)]
+    Read(#[from] io::Error),
+    /// The file is not a recording, or is incomplete.
+    #[error("not a recording: {0}; make one with `basrelief run --tape FILE`")]
+    Format(String),
+    /// The recorded steps do not belong to this machine.
+    #[error(transparent)]
+    Retime(#[from] ResimulateError),
+    /// A parameter that changes the work of the units.
+    #[error("`{0}` changes the work of the units, which a recording fixes; run the machine with this parameter instead")]
+    Work(String),
+    /// Parameters that change the work of the units only in combination.
+    #[error("under these parameters the machine does other work than was recorded: {0}; run the machine with them instead")]
+    OtherWork(String),
+    /// Parameters that are unknown, out of range, or that do not fit together.
+    #[error("{0}")]
+    Config(String),
+    /// The run does not finish, so that its pictures and counts would be different.
+    #[error("under these parameters the run does not finish: {0}")]
+    Incomplete(String),
+    /// The recording and the report next to it belong to different runs or to different versions.
+    #[error("the recording and the report next to it belong to different runs")]
+    OtherRun,
+    /// The memory limit is exceeded.
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
+}

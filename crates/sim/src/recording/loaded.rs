@@ -1,0 +1,56 @@
+//! A whole recording in memory.
+
+use super::error::RecordingError;
+use super::reader::{Blocks, ChunkReader, checked_end};
+use crate::options::Overrides;
+use crate::run::untimed::UntimedResult;
+use basrelief_input::{Budget, Held};
+use basrelief_kernel::Recording;
+use basrelief_kernel::stats::FigureValue;
+use basrelief_machines::{InputKind, MachineConfig, MachineInfo, for_machine};
+use std::io::Read;
+
+/// A whole recording in memory.
+pub(crate) struct LoadedRecording {
+    pub(super) machine: &'static MachineInfo,
+    pub(crate) overrides: Overrides,
+    pub(crate) input: InputKind,
+    pub(crate) tape: Recording<'static>,
+    pub(crate) result: UntimedResult,
+    /// Statistics of the units.
+    pub(super) figures: Vec<(String, FigureValue)>,
+    /// SHA-256 of the work.
+    pub(crate) work: String,
+    _held: Held,
+}
+
+impl LoadedRecording {
+    /// Reads a recording to its end.
+    pub(crate) fn read(reader: &mut dyn Read, budget: &Budget) -> Result<Self, RecordingError> {
+        let mut blocks = Blocks { reader, budget };
+        let (header, machine) = blocks.header()?;
+        let mut chunks = ChunkReader::new(blocks, None, None);
+        let mut all = Vec::new();
+        while let Some(chunk) = chunks.read()? {
+            all.push(chunk);
+        }
+        let end = checked_end(chunks.end, chunks.work)?;
+        let (overrides, input) = (header.overrides, header.input);
+        let config = overrides.config(machine, &[]).map_err(config_error)?;
+        let netlist = for_machine!(&config, spec => input.shape(spec));
+        let netlist = netlist.map_err(|problem| RecordingError::Format(problem.to_string()))?;
+        let tape = Recording::new(all, &netlist, budget.left());
+        let (result, figures, work) = (end.result, end.figures, end.work);
+        Ok(Self { machine, overrides, input, tape, result, figures, work, _held: chunks.waiting })
+    }
+
+    /// Returns the configuration of the recorded run with `more` settings.
+    pub(crate) fn config(&self, more: &[(String, String)]) -> Result<MachineConfig, RecordingError> {
+        self.overrides.config(self.machine, more).map_err(config_error)
+    }
+}
+
+/// Converts an error in the parameters.
+pub(crate) fn config_error(error: impl std::fmt::Display) -> RecordingError {
+    RecordingError::Config(error.to_string())
+}

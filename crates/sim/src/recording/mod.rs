@@ -1,0 +1,18 @@
+//! Recordings: the steps of a run in a file, whose timing [`resimulate`] computes anew under other timing parameters.
+
+mod error;
+mod file;
+mod format;
+mod kept;
+mod loaded;
+mod reader;
+mod resimulation;
+
+pub use error::RecordingError;
+pub use file::Recording;
+pub(crate) use format::{CHUNK_BYTES, WorkHash, end, header, steps};
+pub(crate) use kept::KeptSteps;
+pub(crate) use loaded::LoadedRecording;
+pub(crate) use loaded::config_error;
+pub(crate) use resimulation::netlist_of_same_work;
+pub use resimulation::{ResimulateOptions, resimulate, resimulate_to};

@@ -1,0 +1,139 @@
+//! Reader of recordings, block by block.
+
+use super::error::RecordingError;
+use super::format::{End, FIRST_LINE, Header, MAX_BLOCK_BYTES, WorkHash, block, work_bytes};
+use super::kept::KeptSteps;
+use crate::observer::Observer;
+use basrelief_input::{Budget, Held};
+use basrelief_kernel::ResimulateError;
+use basrelief_kernel::recording::RecordingChunk;
+use basrelief_machines::MachineInfo;
+use serde::Deserialize;
+use std::borrow::Cow;
+use std::io::{self, Read};
+
+/// Blocks of a recording.
+pub(super) struct Blocks<'a> {
+    pub(super) reader: &'a mut dyn Read,
+    pub(super) budget: &'a Budget,
+}
+
+impl Blocks<'_> {
+    /// Reads the header, and finds its machine.
+    pub(super) fn header(&mut self) -> Result<(Header, &'static MachineInfo), RecordingError> {
+        let mut first = [0; FIRST_LINE.len()];
+        self.fill(&mut first)?;
+        if first != FIRST_LINE {
+            return Err(RecordingError::Format("it does not begin with `basrelief-tape/1`".into()));
+        }
+        let (b'H', content, _held) = self.next()? else { return Err(RecordingError::Format("it has no header".into())) };
+        let header: Header = parse(&content, "header")?;
+        let machine = MachineInfo::named(&header.machine).map_err(RecordingError::Format)?;
+        Ok((header, machine))
+    }
+
+    /// Reads the letter and the content of the next block.
+    fn next(&mut self) -> Result<(u8, Vec<u8>, Held), RecordingError> {
+        let mut start = [0; 5];
+        self.fill(&mut start)?;
+        let [letter, length @ ..] = start;
+        let length = u32::from_le_bytes(length);
+        if length > MAX_BLOCK_BYTES {
+            return Err(RecordingError::Format(format!("a block of {length} bytes, expected at most {MAX_BLOCK_BYTES}")));
+        }
+        // The vector grows with the bytes read, so that a wrong length alone allocates no memory.
+        let held = self.budget.take(length.into(), "a block of a recording")?;
+        let mut content = Vec::new();
+        self.reader.take(length.into()).read_to_end(&mut content)?;
+        if content.len() < length as usize {
+            return Err(RecordingError::Format("it is truncated within a block".into()));
+        }
+        Ok((letter, content, held))
+    }
+
+    fn fill(&mut self, bytes: &mut [u8]) -> Result<(), RecordingError> {
+        self.reader.read_exact(bytes).map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => RecordingError::Format("it is truncated".into()),
+            _ => error.into(),
+        })
+    }
+}
+
+fn parse<T: for<'de> Deserialize<'de>>(content: &[u8], name: &str) -> Result<T, RecordingError> {
+    basrelief_input::from_slice(content)
+        .map_err(|fault| RecordingError::Format(format!("{name}: at `{}`: {}", fault.path, fault.message)))
+}
+
+/// Chunks of steps of a recording, read on demand.
+pub(super) struct ChunkReader<'a> {
+    blocks: Blocks<'a>,
+    /// Observer that receives a copy of the recording.
+    observer: Option<&'a mut dyn Observer>,
+    pub(super) work: WorkHash,
+    /// Steps kept for bottleneck analysis.
+    pub(super) kept: Option<KeptSteps>,
+    pub(super) end: Option<End>,
+    pub(super) error: Option<RecordingError>,
+    /// Memory of steps that are read but not yet timed.
+    pub(super) waiting: Held,
+}
+
+impl<'a> ChunkReader<'a> {
+    pub(super) fn new(blocks: Blocks<'a>, observer: Option<&'a mut dyn Observer>, kept: Option<KeptSteps>) -> Self {
+        let waiting = blocks.budget.nothing();
+        Self { blocks, observer, work: WorkHash::default(), kept, end: None, error: None, waiting }
+    }
+
+    /// Returns the next chunk to the kernel, which still has `waiting` bytes of previous chunks. The kernel receives only the text of an
+    /// error; the error itself is kept in `self.error`.
+    pub(super) fn next(&mut self, waiting: usize) -> Result<Option<Cow<'static, RecordingChunk>>, String> {
+        if self.end.is_some() || self.error.is_some() {
+            return Ok(None);
+        }
+        self.waiting.shrink_to(waiting as u64);
+        self.read().map(|chunk| chunk.map(Cow::Owned)).map_err(|error| {
+            let text = error.to_string();
+            self.error = Some(error);
+            text
+        })
+    }
+
+    /// Passes bytes of the recording to the observer.
+    pub(super) fn show(&mut self, bytes: &[u8]) -> Result<(), RecordingError> {
+        let is_short = self.work.is_short();
+        let shown = self.observer.as_mut().map_or(Ok(()), |observer| observer.recording(bytes, is_short));
+        shown.map_err(|error| io::Error::other(error).into())
+    }
+
+    /// Reads the next chunk; `None` at the end.
+    pub(super) fn read(&mut self) -> Result<Option<RecordingChunk>, RecordingError> {
+        let (letter, content, _held) = self.blocks.next()?;
+        match letter {
+            b'R' => {
+                let chunk = RecordingChunk::from_bytes(&content).map_err(ResimulateError::from)?;
+                self.work.add(&chunk);
+                self.show(&block(letter, &content))?;
+                if let Some(kept) = &mut self.kept {
+                    kept.keep(chunk.clone())?;
+                }
+                self.waiting.grow(work_bytes(&chunk) as u64, "the steps of a recording")?;
+                Ok(Some(chunk))
+            }
+            b'E' => {
+                self.end = Some(parse(&content, "end")?);
+                self.show(&block(letter, &content))?;
+                Ok(None)
+            }
+            other => Err(RecordingError::Format(format!("a block `{}`, expected R or E", other.escape_ascii()))),
+        }
+    }
+}
+
+/// Returns the end of a recording if its SHA-256 is that of the work that was read.
+pub(super) fn checked_end(end: Option<End>, work: WorkHash) -> Result<End, RecordingError> {
+    match end {
+        None => Err(RecordingError::Format("it has no end".into())),
+        Some(end) if work.finish() == end.work => Ok(end),
+        Some(_) => Err(RecordingError::Format("the SHA-256 of its work is not the one that it states".into())),
+    }
+}

@@ -1,0 +1,35 @@
+//! Comparison of a finished frame with its exact picture, on a background thread.
+
+use super::exact::ExactPicture;
+use basrelief_reference::{Picture, Quality, SizeMismatch};
+use basrelief_report::model::Difference;
+use basrelief_threads::Later;
+use sha2::{Digest as _, Sha256};
+use std::sync::Arc;
+
+/// A finished frame with its comparison.
+pub(crate) struct ComparedFrame {
+    pub(crate) index: usize,
+    pub(crate) machine: Picture,
+    /// SHA-256 of the RGB8 rows, top row first.
+    pub(crate) digest: String,
+    pub(crate) exact: Option<(Arc<Picture>, Quality, Difference)>,
+}
+
+/// Compares a frame while the machine continues.
+pub(crate) fn compare_frame(
+    index: usize,
+    machine: Picture,
+    exact: Option<ExactPicture>,
+) -> Later<Result<ComparedFrame, SizeMismatch>> {
+    Later::start(move || {
+        let exact = exact.map(|exact| exact.compare(&machine)).transpose()?;
+        Ok(ComparedFrame { index, digest: digest(&machine), machine, exact })
+    })
+}
+
+fn digest(picture: &Picture) -> String {
+    let mut hash = Sha256::new();
+    hash.update(picture.rgb.as_flattened());
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,48 @@
+//! Execution and timing on two threads: this thread executes the steps, and another thread computes their timing.
+
+use crate::options::RunOptions;
+use crate::recording::CHUNK_BYTES;
+use basrelief_kernel::recording::RecordingChunk;
+use basrelief_kernel::{Engine, Machine, Netlist, Probe, RunReport, StepBatch, make_steps, time_steps};
+use basrelief_threads as threads;
+use std::cell::Cell;
+use std::sync::mpsc::sync_channel;
+
+/// Steps in a batch for the other thread: about 200 KB.
+const BATCH_STEPS: usize = 4096;
+/// Maximum number of batches between the threads, so that memory does not grow with the run.
+const MAX_BATCHES: usize = 4;
+
+/// True if a run may use two threads. A probe, or a record of memory requests, needs execution and timing on one thread. With a cycle
+/// limit, execution would run beyond the limit. A core must be free; the exact picture uses one.
+pub(crate) fn may_run_concurrently<P: Probe>(settings: &RunOptions) -> bool {
+    let &RunOptions { engine, max_cycles, requests, exact, .. } = settings;
+    let needs_one_thread = P::is_on() || requests || max_cycles < u64::MAX;
+    engine == Some(Engine::Timed) && !needs_one_thread && threads::workers() > 1 + usize::from(exact)
+}
+
+/// Runs a machine to its end, without a cycle limit, and returns the report of the timed engine. Returns `None` and does nothing if no
+/// thread is available or the wiring is invalid. `keep` receives the recorded steps.
+pub fn run_concurrent<M: Machine>(
+    machine: &mut M,
+    progress: &mut dyn FnMut(&mut M) -> bool,
+    keep: Option<&(dyn Fn(RecordingChunk) + Sync)>,
+) -> Option<RunReport> {
+    let netlist = Netlist::of(machine).ok()?;
+    let (send, batches) = sync_channel::<StepBatch>(MAX_BATCHES);
+    let time = move || {
+        let mut keep = keep.map(|keep| move |chunk| keep(chunk));
+        let keep = keep.as_mut().map(|keep| (CHUNK_BYTES, keep as &mut dyn FnMut(RecordingChunk)));
+        time_steps(netlist, &mut || batches.recv().ok(), keep)
+    };
+    let work = || {
+        // Dropping the sender ends the other thread.
+        let send = send;
+        // The receiver is gone if a step was a fault.
+        let is_over = Cell::new(false);
+        let mut progress = |machine: &mut M| !is_over.get() && progress(machine);
+        make_steps(machine, &mut progress, (BATCH_STEPS, &mut |batch| is_over.set(send.send(batch).is_err())))
+    };
+    let (report, worked) = threads::apart(time, work)?;
+    worked.ok().map(|()| report)
+}

@@ -1,0 +1,48 @@
+//! Untimed result of a run: everything in its report that does not depend on timing.
+
+use basrelief_kernel::{Outcome, RunReport};
+use basrelief_machines::{MachineSpec, PictureRecord, RunSummary, UnitStats, drawn_units};
+use basrelief_report::model::{Input, Picture, PictureQuality, Size};
+use basrelief_report::{Context, Report};
+use basrelief_signals::Camera;
+use serde::{Deserialize, Serialize};
+
+/// Untimed result of a run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct UntimedResult {
+    pub(crate) input: Input,
+    pub(crate) camera: Camera,
+    pub(crate) size: Size,
+    pub(crate) quality: Option<PictureQuality>,
+    pub(crate) image: Vec<Picture>,
+    /// Warnings about the input.
+    pub(crate) warnings: Vec<String>,
+    pub(crate) shown: Vec<PictureRecord>,
+}
+
+impl UntimedResult {
+    /// Returns the report of the run. `run` is `None` for the functional model.
+    pub(crate) fn report<S: MachineSpec>(self, spec: &S, mut facts: UnitStats, run: Option<&RunReport>) -> Report {
+        spec.figures(&RunSummary { run, pictures: &self.shown }, &mut facts);
+        let drawn = drawn_units(S::DIAGRAM).into_iter();
+        let context = Context {
+            machine: S::NAME.into(),
+            input: self.input,
+            config: serde_json::to_value(spec).unwrap_or_default(),
+            camera: self.camera,
+            size: self.size,
+            numerals: drawn.filter_map(|(name, numeral)| Some((name.to_owned(), numeral.parse().ok()?))).collect(),
+            figures: facts.figures().map(|f| (f.name.clone(), (&f.value).into())).collect(),
+            hardware: facts.all_hardware().iter().map(Into::into).collect(),
+            legend: facts.figures().map(|f| (f.name.clone(), f.into())).collect(),
+            quality: self.quality,
+            image: self.image,
+            warnings: self.warnings.into_iter().chain(spec.warnings(&facts)).collect(),
+        };
+        match run {
+            Some(run) => Report::timed(context, run),
+            None => Report::functional(context, &Outcome::Complete),
+        }
+    }
+}
