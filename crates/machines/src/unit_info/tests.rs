@@ -54,6 +54,6 @@ pub(crate) fn assert_units_have_roles_and_files(units: &[UnitInfo]) {
     for unit in units {
         assert!(!unit.role.is_empty(), "{} has no role!", unit.name);
         let code = std::fs::read_to_string(root.join(&unit.code)).unwrap_or_else(|e| panic!("{}: {e}", unit.code));
-        assert!(code.contains(&format!("role!(\"{}\")", unit.role)), "{} is not in {}", unit.name, unit.code);
+        assert!(code.contains(&format!("unit_info!(\"{}\")", unit.role)), "{} is not in {}", unit.name, unit.code);
     }
 }
