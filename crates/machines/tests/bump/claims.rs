@@ -1,4 +1,4 @@
-//! The patent's claims, its worked example, its flow chart and its erratum. The table is docs/claims.md.
+//! The patent's claims, its worked example, its flow chart and its erratum. The table is docs/reference/claims.csv.
 
 use crate::chain::{Chain, TO_LIGHT, bumpy_map, indexes, pseudo_normals, single, uniform_map};
 use crate::recipe::{Part, SceneRecipe, Shape, Surface};
