@@ -80,7 +80,7 @@ fn several_reports_are_each_held_against_the_first() {
     assert_eq!(list[0], json(&place, "a b"));
     assert_eq!((list[0]["explained"][0]["group"].as_str(), list[1].get("explained")), (Some("memory.texture"), None));
     let told = said(&place, "a b c");
-    assert!(told.starts_with("Report cycles of frames per ") && told.contains("A: a, B: c B takes "), "{told}");
+    assert!(told.starts_with("Report render cycles per ") && told.contains("A: a, B: c B takes "), "{told}");
     assert!(told.contains("all due to memory.texture.") && told.contains("To measure the causes, keep the recording"), "{told}");
     let worst = |n: usize| list[n]["worst"]["percent"].as_f64().expect("a number");
     assert!(worst(0) < worst(1));
