@@ -54,8 +54,8 @@ fn fork_and_join() {
     }
     draw.unit("source", Kind::Source { tokens: 3 }, ["", "in"], &[1], &[0])
         .unit("fork", Kind::Fork, ["in", "l r"], &[1], &[0])
-        .unit("left", Kind::OperatorCounts, ["l", "l2"], &[1], &[0])
-        .unit("right", Kind::OperatorCounts, ["r", "r2"], &[2], &[3])
+        .unit("left", Kind::Work, ["l", "l2"], &[1], &[0])
+        .unit("right", Kind::Work, ["r", "r2"], &[2], &[3])
         .unit("join", Kind::Join, ["l2 r2", "out"], &[1], &[0])
         .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
     assert_eq!(starts(&draw.0, "join"), [6, 11, 16]);

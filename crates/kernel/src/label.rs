@@ -1,6 +1,6 @@
-//! What tokens are about, for who asks. The kernel hands it on and does not look into it.
+//! Labels of tokens, for probes. The kernel passes them on and does not read them.
 
-/// What a token says that it is about. Its meaning is between the machine, which labels its FIFOs, and the probe that reads it; all
-/// zeros where nobody has said.
+/// Label of a token. Its meaning is an agreement between the machine, which labels its FIFOs, and the probe that reads it. All
+/// zeros: no label.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Label(pub [u64; 3]);

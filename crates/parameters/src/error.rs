@@ -1,17 +1,17 @@
 //! Errors of configurations.
 
-/// What is wrong with a configuration, where, and what to write instead.
+/// An error in a configuration: its place and its cure.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
-    /// The text is no TOML.
+    /// The text is not valid TOML.
     #[error("not valid TOML: {0}")]
     Syntax(String),
     /// No parameter has this name.
     #[error("unknown parameter `{key}`{} (`basrelief describe` lists all)", hint(nearest))]
     Unknown {
-        /// As given.
+        /// The name as given.
         key: String,
-        /// The nearest known name, if any is near.
+        /// The nearest known name, if there is one.
         nearest: Option<String>,
     },
     /// The value has the wrong type.
@@ -19,18 +19,18 @@ pub enum ConfigError {
     Type {
         /// Dotted name.
         key: String,
-        /// What was expected.
+        /// The expected values.
         message: String,
     },
     /// The value is out of range.
     #[error(transparent)]
     Range(#[from] RangeError),
-    /// Other parameters do not follow from this one as the rest stands.
+    /// Dependent parameters cannot follow from this parameter and the others.
     #[error("`{key}`: {message}")]
     Unfit {
         /// Dotted name.
         key: String,
-        /// What is wrong, what was expected, what to do.
+        /// The error, the expectation and the cure.
         message: String,
     },
 }
@@ -45,8 +45,8 @@ fn hint(nearest: &Option<String>) -> String {
 pub struct RangeError {
     /// Dotted name.
     pub key: String,
-    /// What was given.
+    /// The given value.
     pub value: String,
-    /// What is allowed.
+    /// The allowed values.
     pub expected: String,
 }

@@ -2,12 +2,12 @@
 
 use toml::Table;
 
-/// What the user has given, in whatever way: the rest are defaults.
+/// The parameters that the user has set. All others have their defaults.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'a>(pub(crate) &'a Table);
 
 impl Given<'_> {
-    /// Whether this parameter was given.
+    /// Returns true if the user has set this parameter.
     pub fn has(&self, key: &str) -> bool {
         let (path, leaf) = key.rsplit_once('.').unwrap_or(("", key));
         let group = path.split('.').filter(|p| !p.is_empty()).try_fold(self.0, |at, part| at.get(part)?.as_table());

@@ -1,8 +1,8 @@
-//! Parameters of the machines: one table carries every fact about each.
+//! Parameters of the machines, declared in tables that hold every property of each parameter.
 //!
-//! A unit declares its configuration once, with [`parameters!`]; from that one declaration follow the struct,
-//! its defaults, its range checks, the lines of `basrelief describe`, the JSON schema and the nearest-name hint
-//! for a mistyped key. Nothing about a parameter is written down twice.
+//! A unit declares its configuration once, with [`parameters!`]. The struct, its defaults, its range checks, the lines of `basrelief
+//! describe`, the JSON schema and the nearest-name hint for a mistyped key follow from that declaration. No property of a parameter
+//! is written twice.
 //!
 //! ```
 //! use basrelief_parameters::{parameters, Parameters};

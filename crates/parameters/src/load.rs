@@ -6,16 +6,17 @@ use serde_json::Value as Json;
 use std::marker::PhantomData;
 use toml::{Table, Value};
 
-/// Reads a configuration: defaults, then the TOML text, then single settings in order. What follows from other parameters
-/// ([`Parameters::complete`]) and was not given takes the place of its default, so it does not matter which was given first.
+/// Reads a configuration: defaults, then the TOML text, then single settings in order. Dependent parameters
+/// ([`Parameters::complete`]) that the user has not set replace their defaults last, so the order of the settings does not
+/// matter.
 ///
-/// A setting's value is TOML (`32`, `[256, 128]`, `true`); what is no TOML is taken as a string, so that
-/// `replacement.codebook=fixed` needs no quotes.
+/// A setting's value is TOML (`32`, `[256, 128]`, `true`). Any other text is a string, so `replacement.codebook=fixed` needs no
+/// quotes.
 pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result<C, ConfigError> {
     Loader::new(toml_text)?.load(settings)
 }
 
-/// Loads many configurations over one TOML text: what does not go by the settings is done once.
+/// Loads many configurations over one TOML text. Work that does not depend on the settings is done once.
 #[derive(Clone, Debug)]
 pub struct Loader<C> {
     given: Table,
@@ -25,10 +26,10 @@ pub struct Loader<C> {
 }
 
 impl<C: Parameters> Loader<C> {
-    /// Over this text.
+    /// Parses the text.
     ///
     /// # Errors
-    /// A text that is no TOML. What else is wrong with it is said when it is loaded.
+    /// If the text is not valid TOML. Other errors are found when a configuration is loaded.
     pub fn new(toml_text: &str) -> Result<Self, ConfigError> {
         let given: Table = toml_text.parse().map_err(|e| ConfigError::Syntax(syntax(toml_text, &e)))?;
         let known = C::table().into_iter().map(|p| p.key).collect();
@@ -54,20 +55,20 @@ impl<C: Parameters> Loader<C> {
         Ok(config)
     }
 
-    /// All parameters: as given, the rest as the whole configuration has it. (Serde's own defaults would be those of the
-    /// innermost struct, so that setting one parameter of a group would reset what the group says of its neighbours.)
+    /// Merges the given values over the defaults of the whole configuration. (Serde's own defaults would be those of the
+    /// innermost struct, so setting one parameter of a group would reset its neighbours.)
     ///
-    /// What is read is a value of JSON, as configurations in reports and tapes are: each reader is compiled for every type of every
-    /// machine, and one of TOML's values beside it took an eighth of the page.
+    /// The input is JSON, as in reports and recordings, because each deserializer is compiled for every type of every machine. A
+    /// second one for TOML values took an eighth of the web page's size.
     fn over_defaults(&self, given: Table) -> Result<C, serde_json::Error> {
         let mut tree = self.default.clone();
         merge(&mut tree, Value::Table(given))?;
         serde_json::from_value(tree)
     }
 
-    /// The first parameter that alone keeps a configuration from being read: the reader's own words, without the place that it
-    /// repeats, and what the table says of the parameter. (A reader that remembers where it is, for every type of every machine,
-    /// took a tenth of the time of a build.)
+    /// Finds the first parameter that alone makes the configuration invalid. Returns the deserializer's message, without the
+    /// repeated place, and the range from the table. (A deserializer that tracks its place, for every type of every machine, took
+    /// a tenth of the build time.)
     fn wrong_type(&self, given: &Table, whole: &serde_json::Error) -> ConfigError {
         let alone = |(key, value): (String, &Value)| {
             let mut tree = Table::new();
@@ -83,10 +84,10 @@ impl<C: Parameters> Loader<C> {
     }
 }
 
-/// Longest that a message may be that shows the line it is about: a line can be as long as the file \[bytes\].
+/// Maximum length of a message that quotes a line \[bytes\]. A line can be as long as the file.
 const LONGEST: usize = 1000;
 
-/// What is wrong with a TOML text, with its line and column.
+/// Describes an error in a TOML text, with line and column.
 pub fn syntax(text: &str, error: &toml::de::Error) -> String {
     let whole = error.to_string();
     if whole.len() <= LONGEST {
@@ -95,12 +96,12 @@ pub fn syntax(text: &str, error: &toml::de::Error) -> String {
     let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
     let line = before.bytes().filter(|b| *b == b'\n').count() + 1;
     let column = before.len() - before.rfind('\n').map_or(0, |at| at + 1) + 1;
-    // Its own words are short, but for names that it quotes.
+    // The message itself is short, apart from names that it quotes.
     let words: String = error.message().chars().take(LONGEST).collect();
     format!("line {line}, column {column}: {words}")
 }
 
-/// Dotted names and values of what is given, groups opened.
+/// Flattens the given values to dotted names.
 fn leaves<'a>(tree: &'a Table, prefix: &str, known: &[String]) -> Vec<(String, &'a Value)> {
     let leaf = |(name, value): (&String, &'a Value)| {
         let key = format!("{prefix}{name}");
@@ -115,7 +116,7 @@ fn leaves<'a>(tree: &'a Table, prefix: &str, known: &[String]) -> Vec<(String, &
 fn merge(tree: &mut Json, given: Value) -> Result<(), serde_json::Error> {
     match given {
         Value::Table(given) if tree.is_object() => given.into_iter().try_for_each(|(key, value)| merge(&mut tree[key], value)),
-        // JSON has no such numbers, and would call them null.
+        // JSON has no such numbers and would turn them into null.
         Value::Float(number) if !number.is_finite() => {
             Err(serde::de::Error::invalid_value(Unexpected::Float(number), &"a finite number"))
         }
@@ -173,15 +174,15 @@ fn check_known(key: &str, known: &[String]) -> Result<(), ConfigError> {
     Err(ConfigError::Unknown { key: key.into(), nearest })
 }
 
-/// The known name, dotted or not, that is nearest to the `given` one, if any is near.
+/// Returns the known name, dotted or not, that is nearest to the `given` one, if any is near.
 pub fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    // Half of it may be wrong; beyond that a suggestion would only mislead.
+    // At most half of the name may differ. A more distant suggestion would mislead.
     let near = known.map(|k| (distance(given, k), k)).filter(|(edits, _)| 2 * edits <= given.len());
     near.min_by_key(|(edits, _)| *edits).map(|(_, k)| k)
 }
 
-/// Levenshtein distance of what was `given` from a `known` name or the group that it is in, with a bonus for a shared last
-/// part: users forget groups more often than they mistype.
+/// Levenshtein distance between the `given` name and a `known` name or its group. An equal last part has a bonus, because users
+/// forget groups more often than they mistype.
 fn distance(given: &str, known: &str) -> usize {
     let last = |s: &str| s.rsplit('.').next().unwrap_or("").to_owned();
     let group: Vec<&str> = known.split('.').take(given.split('.').count()).collect();
@@ -275,7 +276,7 @@ mod tests {
             assert_eq!(lanes("", &set), 9);
         }
         assert_eq!(lanes("[narrow]\nlanes = 9", &[("wide.lanes", "64")]), 9);
-        // What follows must be in its range, too.
+        // Dependent values must be in their range, too.
         let error = load::<Following>("", &[("wide.lanes", "1")]).unwrap_err().to_string();
         assert!(error.contains("`narrow.lanes` is 0"), "{error}");
     }

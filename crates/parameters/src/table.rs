@@ -4,14 +4,14 @@ use crate::{ConfigError, Given, RangeError};
 use serde::{Serialize, de::DeserializeOwned};
 use std::borrow::Cow;
 
-/// Where a number or a behaviour comes from.
+/// Origin of a value or a behaviour.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Provenance {
-    /// Fixed by the patent; the text says where.
+    /// Fixed by the patent. The text names the place.
     Stated(Cow<'static, str>),
-    /// Follows from the patent, or from a data sheet; the text shows how.
+    /// Follows from the patent or from a data sheet. The text shows how.
     Derived(Cow<'static, str>),
-    /// Our modelling choice; the text says why.
+    /// Our modelling choice. The text gives the reason.
     Assumed(Cow<'static, str>),
 }
 
@@ -33,12 +33,12 @@ impl Provenance {
     }
 }
 
-/// What a parameter changes.
+/// The part of a run that a parameter changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// What the units do: pictures, traffic, how long each step takes.
+    /// The work of the units: images, memory requests, durations of steps.
     Work,
-    /// Only when they do it: a recorded run can be timed again with another value.
+    /// Only the timing: a recording can be resimulated with another value.
     Timing,
 }
 
@@ -57,56 +57,56 @@ impl Effect {
 pub struct Parameter {
     /// Dotted name, as in `--set KEY=VALUE` and in TOML.
     pub key: String,
-    /// What it is.
+    /// Description.
     pub doc: String,
     /// Unit of measure; empty for a switch or a choice.
     pub unit: &'static str,
-    /// Allowed values in words; empty when the type says all.
+    /// Allowed values in words; empty if the type determines them.
     pub range: String,
     /// The default, as JSON.
     pub default: serde_json::Value,
-    /// Where the default comes from.
+    /// Origin of the default.
     pub provenance: Provenance,
-    /// What it changes.
+    /// The part of a run that it changes.
     pub effect: Effect,
 }
 
 impl Parameter {
-    /// The value as `--set` takes it.
+    /// Returns the default in the syntax of `--set`.
     pub fn as_option(&self) -> String {
         as_option(&self.default)
     }
 }
 
-/// A value as `--set` takes it.
+/// Returns a value in the syntax of `--set`.
 pub fn as_option(value: &serde_json::Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 /// A configuration declared with [`parameters!`](crate::parameters) or [`parameter_groups!`](crate::parameter_groups).
 pub trait Parameters: Serialize + DeserializeOwned + Default {
-    /// All parameters, in order of declaration, keys relative to this struct.
+    /// Returns all parameters in order of declaration, with keys relative to this struct.
     fn table() -> Vec<Parameter>;
-    /// Checks every range; `prefix` is put before each key.
+    /// Checks every range. `prefix` precedes each key in errors.
     fn check(&self, prefix: &str) -> Result<(), RangeError>;
 
-    /// Gives parameters that follow from others their values, but for those that the user has `given`. Every value is in its
-    /// range; [`load`](crate::load) checks them once more. By itself nothing follows from anything.
+    /// Sets dependent parameters that the user has not `given`. All values are in their ranges before the call, and
+    /// [`load`](crate::load) checks them again after it. By default no parameter depends on others.
     ///
     /// # Errors
-    /// Where nothing can follow: [`ConfigError::Unfit`].
+    /// [`ConfigError::Unfit`] if no value is possible.
     fn complete(&mut self, given: &Given<'_>) -> Result<(), ConfigError> {
         let _ = given;
         Ok(())
     }
 
-    /// Says in this configuration's `table` where values come from that follow from others.
+    /// Sets the provenance of dependent parameters in this configuration's `table`.
     fn explain(&self, table: &mut [Parameter]) {
         let _ = table;
     }
 }
 
-/// All parameters of this configuration: its values in place of the defaults, and where they come from.
+/// Returns all parameters of this configuration with its values in place of the defaults, and their provenance.
 pub fn resolved<C: Parameters>(config: &C) -> Vec<Parameter> {
     let mut table = C::table();
     let values = serde_json::to_value(config).unwrap_or_default();
@@ -162,7 +162,7 @@ macro_rules! parameters {
                     return Err($crate::RangeError {
                         key: format!("{prefix}{}", stringify!($field)),
                         value: match $crate::private::serde_json::to_value(&self.$field).unwrap_or_default() {
-                            // What is not finite has no JSON.
+                            // Non-finite numbers have no JSON.
                             $crate::private::serde_json::Value::Null => format!("{:?}", self.$field),
                             value => value.to_string(),
                         },
@@ -177,8 +177,8 @@ macro_rules! parameters {
 
 /// Declares a configuration that is made of others, one per named group.
 ///
-/// What a group's default has of its own may say where it comes from: `clock: Clock = Clock { hz: 5 } => [hz: Assumed("why")],`.
-/// Where parameters follow from others, two functions do what [`Parameters::complete`] and [`Parameters::explain`] say:
+/// A group's default may state the provenance of its own values: `clock: Clock = Clock { hz: 5 } => [hz: Assumed("why")],`.
+/// Two functions implement [`Parameters::complete`] and [`Parameters::explain`] for dependent parameters:
 /// `pub struct Config completed(FUNCTION) explained(FUNCTION) { ... }`.
 #[macro_export]
 macro_rules! parameter_groups {

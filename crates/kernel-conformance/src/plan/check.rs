@@ -95,7 +95,7 @@ fn unit(unit: &PlannedUnit) -> Result<(), PlanError> {
     let most = MAX_LINKS as u64;
     let (ins, outs) = match unit.kind {
         Kind::Source { .. } => (0..=0, 1..=1),
-        Kind::OperatorCounts | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (1..=1, 0..=most),
+        Kind::Work | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (1..=1, 0..=most),
         Kind::Join | Kind::Merge { .. } => (1..=most, 1..=1),
         Kind::Route => (1..=1, 1..=most),
         Kind::Expand { .. } | Kind::Gather { .. } => (1..=1, 1..=1),

@@ -93,7 +93,7 @@ pub enum Kind {
         tokens: u64,
     },
     /// Hands its token on.
-    OperatorCounts,
+    Work,
     /// Hands its token to every output.
     Fork,
     /// Takes a token of every input; emits the first, last if any has last.

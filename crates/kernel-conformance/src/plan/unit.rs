@@ -57,7 +57,7 @@ impl PlanUnit {
                 let token = Token { id: self.steps, last: self.steps + 1 == tokens };
                 (self.everywhere(token), token.id)
             }
-            Kind::OperatorCounts | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (self.everywhere(first), first.id),
+            Kind::Work | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (self.everywhere(first), first.id),
             Kind::Join => {
                 let token = Token { last: taken.iter().flatten().any(|t| t.last), ..first };
                 (self.everywhere(token), token.id)

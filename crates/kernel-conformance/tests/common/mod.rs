@@ -23,7 +23,7 @@ impl Draw {
         draw.fifo("a", 1, 1)
             .fifo("b", 2, 1)
             .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
-            .unit("work", Kind::OperatorCounts, ["a", "b"], &[3], &[2])
+            .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
             .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
         draw
     }

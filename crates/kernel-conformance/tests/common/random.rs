@@ -9,8 +9,8 @@ use proptest::sample::select;
 
 /// What follows what between source and sink.
 #[derive(Clone, Debug)]
-pub enum MemoryPart {
-    OperatorCounts,
+pub enum GraphPart {
+    Work,
     Expand {
         factor: u64,
     },
@@ -50,7 +50,7 @@ pub enum MemoryPart {
 #[derive(Clone, Debug)]
 pub struct Recipe {
     pub tokens: u64,
-    pub parts: Vec<MemoryPart>,
+    pub parts: Vec<GraphPart>,
     pub fifos: Vec<(usize, u64)>,
     pub times: Vec<(Vec<u64>, Vec<u64>)>,
     pub memories: [PlanMemory; 2],
@@ -96,22 +96,22 @@ fn memory() -> impl Strategy<Value = PlanMemory> {
     })
 }
 
-fn part() -> impl Strategy<Value = MemoryPart> {
+fn part() -> impl Strategy<Value = GraphPart> {
     let request = (0..2_usize, any::<bool>(), select(vec![1_u32, 4, 32, 70]), select(vec![4_u64, 32, 96, 260]));
     let cache = (0..2_usize, vec(select(vec![0_u64, 4, 16, 40]), 1..=3), select(vec![1_u32, 2, 3]), 1..=2_u32);
     prop_oneof![
-        2 => Just(MemoryPart::OperatorCounts),
-        1 => (2..=3_u64).prop_map(|factor| MemoryPart::Expand { factor }),
-        1 => (2..=4_u64).prop_map(|size| MemoryPart::Gather { size }),
-        2 => (vec(request, 1..=3), 0..=4_u32).prop_map(|(requests, spare)| MemoryPart::Access { requests, spare }),
+        2 => Just(GraphPart::Work),
+        1 => (2..=3_u64).prop_map(|factor| GraphPart::Expand { factor }),
+        1 => (2..=4_u64).prop_map(|size| GraphPart::Gather { size }),
+        2 => (vec(request, 1..=3), 0..=4_u32).prop_map(|(requests, spare)| GraphPart::Access { requests, spare }),
         2 => (cache, 0..=3_u32, 1..=2_u32, 0..=3_u32).prop_map(
-            |((memory, strides, sets, ways), hit_latency, per_cycle, spare)| MemoryPart::Cached {
+            |((memory, strides, sets, ways), hit_latency, per_cycle, spare)| GraphPart::Cached {
                 memory, strides, sets, ways, hit_latency, per_cycle, spare
             }
         ),
-        2 => (2..=3_usize, proptest::option::of(2..=4_u64)).prop_map(|(width, batch)| MemoryPart::ForkJoin { width, batch }),
-        1 => (2..=3_usize).prop_map(|width| MemoryPart::RouteMerge { width }),
-        1 => Just(MemoryPart::Feedback),
+        2 => (2..=3_usize, proptest::option::of(2..=4_u64)).prop_map(|(width, batch)| GraphPart::ForkJoin { width, batch }),
+        1 => (2..=3_usize).prop_map(|width| GraphPart::RouteMerge { width }),
+        1 => Just(GraphPart::Feedback),
     ]
 }
 
@@ -188,7 +188,7 @@ impl Builder<'_> {
                     self.unit(Kind::Gather { size }, start, &middle);
                     self.unit(Kind::Expand { factor: size }, &middle, end);
                 }
-                None => self.unit(Kind::OperatorCounts, start, end),
+                None => self.unit(Kind::Work, start, end),
             }
         }
         self.unit(join, &ends.join(" "), &to);
@@ -204,20 +204,20 @@ impl Builder<'_> {
         self.then(Kind::Merge { tokens: self.tokens });
     }
 
-    fn add(&mut self, part: &MemoryPart) {
+    fn add(&mut self, part: &GraphPart) {
         match part {
-            MemoryPart::OperatorCounts => self.then(Kind::OperatorCounts),
-            MemoryPart::Expand { factor } if self.tokens * factor > MOST => self.then(Kind::OperatorCounts),
-            &MemoryPart::Expand { factor } => {
+            GraphPart::Work => self.then(Kind::Work),
+            GraphPart::Expand { factor } if self.tokens * factor > MOST => self.then(Kind::Work),
+            &GraphPart::Expand { factor } => {
                 self.tokens *= factor;
                 self.then(Kind::Expand { factor });
             }
-            &MemoryPart::Gather { size } => {
+            &GraphPart::Gather { size } => {
                 self.tokens = self.tokens.div_ceil(size);
                 self.then(Kind::Gather { size });
             }
-            MemoryPart::Access { requests, spare } => self.access(requests, *spare),
-            MemoryPart::Cached { memory, strides, sets, ways, hit_latency, per_cycle, spare } => {
+            GraphPart::Access { requests, spare } => self.access(requests, *spare),
+            GraphPart::Cached { memory, strides, sets, ways, hit_latency, per_cycle, spare } => {
                 let port = self.port(*memory, strides.len() as u32 + spare);
                 let name = format!("c{}", self.draw.0.caches.len());
                 let (sets, ways, hit_latency) = (*sets, *ways, *hit_latency);
@@ -227,13 +227,13 @@ impl Builder<'_> {
                 self.draw.cache(cache);
                 self.then(kind);
             }
-            MemoryPart::ForkJoin { width, batch } => {
+            GraphPart::ForkJoin { width, batch } => {
                 // What it gathers it must expand to as much again.
                 let batch = batch.and_then(|size| [size, 4, 3, 2].into_iter().find(|&size| self.tokens.is_multiple_of(size)));
                 self.branches(*width, Kind::Fork, Kind::Join, batch);
             }
-            MemoryPart::RouteMerge { width } => self.branches(*width, Kind::Route, Kind::Merge { tokens: self.tokens }, None),
-            MemoryPart::Feedback => self.feedback(),
+            GraphPart::RouteMerge { width } => self.branches(*width, Kind::Route, Kind::Merge { tokens: self.tokens }, None),
+            GraphPart::Feedback => self.feedback(),
         }
     }
 }
@@ -243,8 +243,8 @@ pub fn tight_recipe() -> impl Strategy<Value = Recipe> {
     (recipe(), 1..=2_u64, 0..=5_usize, 3..=4_u64, vec((1..=2_usize, 1..=2_u64), 1..=3)).prop_map(
         |(mut recipe, n, at, size, fifos)| {
             let at = at.min(recipe.parts.len());
-            recipe.parts.retain(|part| !matches!(part, MemoryPart::Gather { .. }));
-            recipe.parts.insert(at.min(recipe.parts.len()), MemoryPart::ForkJoin { width: 2, batch: Some(size) });
+            recipe.parts.retain(|part| !matches!(part, GraphPart::Gather { .. }));
+            recipe.parts.insert(at.min(recipe.parts.len()), GraphPart::ForkJoin { width: 2, batch: Some(size) });
             Recipe { tokens: 12 * n, fifos, ..recipe }
         },
     )

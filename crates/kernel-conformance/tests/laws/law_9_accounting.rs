@@ -24,7 +24,7 @@ fn request(write: bool) -> Kind {
 fn busy_starved_blocked_done() {
     // Two tokens, one slot behind, a sink kept 5 cycles. Step 0 at 1, visible and popped 2, slot free 3. Step 1 at 3,
     // visible 4, popped when the sink is free, at 7; that ends at 12.
-    let report = report(&around(Kind::OperatorCounts, 2, 1, 1, 5));
+    let report = report(&around(Kind::Work, 2, 1, 1, 5));
     assert_eq!(report.total, 12);
     // 0 starved, 1 busy, 2 blocked, 3 busy, 4 .. 11 done.
     assert_eq!(account(&report, "unit"), "busy 2, done 8, starved in 1, blocked out 1");

@@ -1,51 +1,51 @@
-//! `timed`: every stage runs ahead as far as its inputs, outputs and credits are known; when none can go on, the
-//! memories make the choices that nothing still to come can change. Cost is O(tokens x stages), whatever the cycles.
+//! `timed`: every stage advances as far as its inputs, outputs and credits are known. If no stage can advance, the
+//! memories make the choices that no later event can change. The cost is O(tokens x stages), whatever the cycles.
 //!
-//! # Why it gives what `ticked` gives
+//! # Why its reports equal those of `ticked`
 //!
-//! Each invariant holds before and after every visit of a stage. Named: where the code keeps it, and what fails without it.
+//! Each invariant holds before and after every visit of a stage. Each names the code that maintains it and the tests that fail
+//! without it.
 //!
-//! 1. **What a step does depends on no time.** It is a function of the unit's state and of the tokens that the unit declared
-//!    from its state; tokens of one FIFO come in order, from one producer to one consumer. So the steps of a unit, and the
-//!    tokens on each FIFO, are the same in whatever order stages are visited. [`Unit::step`] is given no cycle;
+//! 1. **The work of a step does not depend on time.** It is a function of the unit's state and of the tokens that the unit declared
+//!    from its state. Tokens of one FIFO come in order, from one producer to one consumer. So the steps of a unit, and the
+//!    tokens on each FIFO, are the same in any order of visits. [`Unit::step`](crate::Unit::step) receives no cycle;
 //!    [`check_wiring`](crate::check_wiring) finds a FIFO with two producers or consumers. Tests `laws/law_6_contents`,
 //!    `wiring::a_fifo_has_one_producer_and_one_consumer`.
-//! 2. **A known time is final.** Visible, popped and answer times are written once, when all they are computed from is known,
-//!    and a time not known yet is later than any. `FifoTiming::deliver`, `FifoTiming::pop`, `Memory::serve`; `Cycle::UNKNOWN`. Tests
+//! 2. **A known time is final.** Visible, popped and answer times are written once, when all their inputs are known. An unknown time is
+//!    later than any known time. `FifoTiming::deliver`, `FifoTiming::pop`, `Memory::serve`; `Cycle::UNKNOWN`. Tests
 //!    `laws/law_1_fifo`, `laws/law_2_slots`.
-//! 3. **A start that is known is the earliest** (law 3): the greatest of four kinds of known times, each of which is final by
-//!    2 and, once passed, stays passed until the step starts. `MachineTiming::next_start`; for the causes on the way there
+//! 3. **A known start is the earliest** (law 3). It is the maximum of four kinds of known times. Each is final by 2 and, once
+//!    passed, stays passed until the step starts. `MachineTiming::next_start`; for the causes of the wait
 //!    `MachineTiming::split_wait`. Tests `laws/law_3_start`, `laws/law_9_accounting`.
-//! 4. **A client's requests arrive in order of time.** They arrive at the starts of one stage's steps, which only grow; so a
-//!    port's queue is sorted. It needs one stage per client, traffic to that stage's clients only, and credits for the largest
-//!    step, beyond which a start would be known too early or never. `check_wiring`; `StageClock::depart` refuses other traffic.
+//! 4. **Requests of a client arrive in order of time.** They arrive at the starts of one stage's steps, which only grow, so the queue of a
+//!    port is sorted. This needs one stage per client, requests to that stage's clients only, and credits for the largest
+//!    step; otherwise a start would be known too early or never. `check_wiring`; `MemoryPorts::settle` refuses other requests.
 //!    Tests `wiring::a_memory_client_belongs_to_one_stage_and_exists`, `wiring::the_largest_step_finds_credits`,
 //!    `wiring::traffic_to_no_client_is_a_fault`, `wiring::a_step_beyond_the_largest_is_a_fault`.
-//! 5. **A choice that is served is final.** What arrives at *h* or later comes into view at *h* + 1, and goes there at the
-//!    earliest; so a memory may serve every burst whose column command goes at *h* + 1 or before, all that come while its window
-//!    is full, and its oldest once that has been passed over `cap` times, if nothing unknown arrives before *h*. `Channel::serve`.
-//!    A memory that one stage uses hears of nothing before that stage is free again. `MemorySystem::find_private`,
-//!    `MachineTiming::serve_private`. Tests `laws/law_4_memory`, `vectors`.
-//! 6. **A promise is kept.** A stage that promised *p* makes no step before *p*: every input and output it waits for is not
-//!    there before what the stage at the other end has promised, plus what lies between. So the least promise of a memory's
-//!    users is such an *h*. `MachineTiming::promise`, `MemorySystem::serve_promised`. Test
+//! 5. **A served choice is final.** A request that arrives at *h* or later comes into view at *h* + 1 at the earliest, and is served
+//!    there at the earliest. So if no unknown request arrives before *h*, a memory may serve every burst whose column command is at
+//!    *h* + 1 or before, all bursts while its window is full, and its oldest burst once that has been passed over `cap` times.
+//!    `Channel::serve`. A memory that only one stage uses gets no request before that stage is free again.
+//!    `MemorySystem::find_private`, `StageVisit::serve_private`. Tests `laws/law_4_memory`, `vectors`.
+//! 6. **Promises are kept.** A stage that promised *p* makes no step before *p*. Each input and output that it waits for comes no earlier
+//!    than the promise of the stage at the other end plus the latency between. So the least promise of a memory's
+//!    users is such an *h*. `StageVisit::promise`, `MemorySystem::serve_promised`. Test
 //!    `properties::both_engines_give_equal_reports`.
-//! 7. **When nothing moves, nothing can arrive before the horizon.** Every stage that will ever step again waits, through
-//!    whatever chain of FIFOs and credits, for an answer to a request that waits; the horizon is the earliest that any of those
-//!    can be: the least latency after the first column command that a memory can still give. For this a delivery must not seem to
-//!    wait for an answer that it does not wait for: `InFlightSteps::land` lets steps pass those ahead that emit nothing, or elsewhere.
-//!    `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `flights`.
-//! 8. **It ends.** From a column command to its answer it takes at least a cycle, so the burst that sets the horizon is served,
-//!    or the request split into bursts: each round makes a step, brings a memory on, or is the last. Test `laws/law_8_end`.
+//! 7. **If nothing moves, no request can arrive before the horizon.** Every stage with further steps waits, through
+//!    some chain of FIFOs and credits, for an answer to a waiting request. The horizon is the earliest possible such answer:
+//!    the least latency after the first column command that a memory can still issue. Therefore a delivery must not seem to
+//!    wait for an answer on which it does not depend: `InFlightSteps::land` lets steps overtake earlier steps that emit nothing or emit
+//!    elsewhere. `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `flights`.
+//! 8. **The engine terminates.** An answer comes at least one cycle after its column command, so the burst that sets the horizon is
+//!    served, or its request is split into bursts. Each round makes a step, advances a memory, or is the last. Test `laws/law_8_end`.
+//! 9. **A skipped stage could do nothing.** A visit depends on the stage itself and on four inputs: its front token is visible, its
+//!    full FIFO has room, the promises while neither is so, and its number of served requests. Each input sets a news flag when it
+//!    changes. A stage that a limit or the end of a recording holds back is visited in any case. A visit lands all its steps in flight
+//!    before it ends. `FifoTiming::news`, `StageVisit::has_news`. Without the flags two of three visits found nothing. Tests
+//!    `properties::both_engines_give_equal_reports`, `hidden_deliveries`.
 //!
-//! 9. **A stage that is passed over could do nothing.** What a visit does follows from the stage itself and from what others tell it:
-//!    that its front token is visible, that its full FIFO has room, what they promise where neither is so, and how many of its
-//!    requests are served. Each of these leaves news where it changes, and a stage that a limit or the end of a tape holds back is
-//!    visited whatever happens; what it has in flight it lands before it is left. `FifoTiming::news`, `StageVisit::has_news`. Without it two
-//!    visits of three found nothing. Tests `properties::both_engines_give_equal_reports`, `hidden_deliveries`.
-//!
-//! By 1 both engines make the same steps; by 2, 3 and 5 to 7 at the same times, in which all requests are served in the order
-//! of law 4; by 8 both come to rest, where nothing can start: so their reports are equal.
+//! By 1 both engines make the same steps. By 2, 3 and 5 to 7 the steps have the same times, and all requests are served in the order
+//! of law 4. By 8 both engines end in a state in which no step can start. So their reports are equal.
 
 use super::context::{ActiveRecording, Limits, fault_of, look};
 use super::step_source::{StepSource, UnitSteps};

@@ -1,14 +1,14 @@
-//! Memory parts: what a data sheet says of a memory, in cycles of the device's clock.
+//! Memory parts: data sheets of memories, in cycles of the device's clock.
 //!
-//! A part fills the numbers of law 4 that belong to the chips: times, burst, banks, rows. What belongs to the board and its
-//! controller - `channels`, `channel_bytes`, `window`, `cap`, `outstanding` - stays as it is, but for [`MemoryPart::Ideal`]; only
-//! `channel_bytes` grow where a burst is larger.
+//! A part sets the numbers of law 4 that belong to the chips: times, burst, banks, rows. The numbers of the board and its
+//! controller - `channels`, `channel_bytes`, `window`, `cap`, `outstanding` - stay unchanged, except with [`MemoryPart::Ideal`],
+//! and `channel_bytes` grows if a burst is larger.
 //!
-//! Minimum times are rounded up to whole cycles, the time between refreshes down. The burst is the part's own where that takes a
-//! whole number of cycles within 5 %. Otherwise, of all multiples of four bytes up to [`MOST_BURST_BYTES`] that come within
-//! 5 % of the part's rate, it is the one that moves aligned lines of 64 bytes in the least time: so DDR2-667 and GDDR3-1400
-//! have bursts of 28 bytes at 200 MHz. (Rejected: only powers of two. GDDR3-1400 would then need bursts of 256 bytes there,
-//! and a line would take 9 cycles in place of 2.3; with 28 bytes it takes 3.1.)
+//! Minimum times are rounded up to whole cycles, and the refresh interval is rounded down. A part keeps its own burst if that
+//! takes a whole number of cycles within 5 %. Otherwise the burst is chosen among all multiples of four bytes, up to
+//! `MOST_BURST_BYTES`, that come within 5 % of the part's rate: the one that moves aligned lines of 64 bytes in the least time.
+//! So DDR2-667 and GDDR3-1400 have bursts of 28 bytes at 200 MHz. (Rejected: only powers of two. GDDR3-1400 would then need
+//! bursts of 256 bytes there, and a line would take 9 cycles in place of 2.3; with 28 bytes it takes 3.1.)
 
 mod part;
 

@@ -1,4 +1,4 @@
-//! Numbers of a memory as its part has them.
+//! Memory numbers of a part.
 
 use super::part::MemoryPart;
 use super::sheet::{Hertz, Length, Rate, Sheet, SheetTime, rounded};
@@ -6,18 +6,18 @@ use crate::MemoryConfig;
 use basrelief_parameters::{Parameters, Provenance};
 use std::fmt;
 
-/// A number of a memory as its part has it.
+/// A memory number of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartNumber {
     /// Name of the parameter.
     pub name: &'static str,
-    /// In its unit of measure.
+    /// Value in the parameter's unit of measure.
     pub value: u32,
-    /// What the sheet says, and how it became this.
+    /// The entry of the data sheet, and its conversion.
     pub provenance: Provenance,
 }
 
-/// A part that there cannot be at this clock; says what would fit.
+/// A part that does not fit the clock. The text lists the parts that fit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PartError(String);
 
@@ -47,7 +47,7 @@ impl Sheet {
         ]
     }
 
-    /// Bytes per second as a ratio, seen from a device with a clock of `hz`.
+    /// Rate in bytes per second as a ratio, seen from a device with a clock of `hz`.
     pub(super) fn bytes_per_second(&self, hz: u64) -> (u128, u128) {
         match self.rate {
             Rate::Own { bytes, hz: (clocks, per), .. } => (u128::from(bytes) * u128::from(clocks), u128::from(per)),
@@ -102,21 +102,21 @@ impl Sheet {
 }
 
 impl MemoryPart {
-    /// What it is, and who says so; nothing of [`MemoryPart::Custom`].
+    /// Description of the chips and its source; `None` for [`MemoryPart::Custom`].
     pub fn about(self) -> Option<String> {
         self.sheet().map(|sheet| format!("{} ({})", sheet.about, sheet.source))
     }
 
-    /// Peak rate of a channel \[bytes/s\] seen from a device with a clock of `hz`; none of [`MemoryPart::Custom`].
+    /// Peak bandwidth of a channel \[bytes/s\], seen from a device with a clock of `hz`; `None` for [`MemoryPart::Custom`].
     pub fn bytes_per_second(self, hz: u64) -> Option<f64> {
         self.sheet().map(|sheet| sheet.bytes_per_second(hz)).map(|(bytes, per)| bytes as f64 / per as f64)
     }
 
-    /// All that it fills, at a clock of `hz`, if bytes and cycles of the burst are not given; what follows from these goes by
-    /// what is. Nothing of [`MemoryPart::Custom`].
+    /// Returns all numbers that the part sets at a clock of `hz`. `burst`: bytes and cycles of the burst, if the user has set
+    /// them; dependent numbers follow the set values. Empty for [`MemoryPart::Custom`].
     ///
     /// # Errors
-    /// Where its rate or its times are out of reach of cycles of this clock.
+    /// If its rate or its times cannot be expressed in cycles of this clock.
     pub fn numbers(self, hz: u64, burst: [Option<u32>; 2]) -> Result<Vec<PartNumber>, PartError> {
         self.numbers_or_why(hz, burst).map_err(|why| {
             let fit = Self::ALL.iter().filter(|part| part.numbers_or_why(hz, [None; 2]).is_ok());
@@ -160,7 +160,7 @@ impl MemoryPart {
     }
 }
 
-/// Whether a memory can have these numbers.
+/// Checks that a memory can have these numbers.
 fn can_be(numbers: &[PartNumber]) -> Result<(), String> {
     let mut memory = MemoryConfig::default();
     numbers.iter().for_each(|number| memory.set(number));
@@ -174,11 +174,11 @@ fn can_be(numbers: &[PartNumber]) -> Result<(), String> {
 }
 
 impl MemoryConfig {
-    /// Takes what its part fills at a clock of `hz`, but for numbers that are `given`, by name. A burst lies in one channel:
-    /// where it is larger than `channel_bytes`, these grow with it.
+    /// Sets the numbers of the part at a clock of `hz`, except those that are `given`, by name. A burst must lie in one channel,
+    /// so `channel_bytes` grows with a larger burst.
     ///
     /// # Errors
-    /// Where its part does not fit the clock; nothing is taken then.
+    /// If the part does not fit the clock. Then nothing changes.
     pub fn take_part(&mut self, hz: u64, given: impl Fn(&str) -> bool) -> Result<(), PartError> {
         let burst = [("burst_bytes", self.burst_bytes), ("burst_cycles", self.burst_cycles)];
         let numbers = self.part.numbers(hz, burst.map(|(name, value)| given(name).then_some(value)))?;
@@ -189,10 +189,10 @@ impl MemoryConfig {
         Ok(())
     }
 
-    /// The memory as its part has it at a clock of `hz`; as it stands, where the part does not fit that.
+    /// Returns the memory with the numbers of its part at a clock of `hz`; unchanged if the part does not fit.
     #[must_use]
     pub fn at(mut self, hz: u64) -> Self {
-        // An unfit part takes nothing.
+        // A part that does not fit changes nothing.
         let _ = self.take_part(hz, |_| false);
         self
     }

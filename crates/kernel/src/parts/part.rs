@@ -1,17 +1,17 @@
-//! The choice of a part.
+//! Memory parts by name.
 
 #[cfg(feature = "config")]
 use super::{sheet::Sheet, sheets};
 
-/// Declares the parts: the choice, its names, and the sheet of each.
+/// Declares the parts: the enum, its names, and the sheet of each.
 macro_rules! parts {
     ($($(#[$about:meta])+ $part:ident = $name:literal, $sheet:ident;)+) => {
-        /// What a memory is made of.
+        /// Memory part: the type of memory chips.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[cfg_attr(feature = "config", derive(schemars::JsonSchema))]
         pub enum MemoryPart {
-            /// No part: numbers as they stand.
+            /// No part: numbers are set one by one.
             #[default]
             #[cfg_attr(feature = "serde", serde(rename = "custom"))]
             Custom,
@@ -22,7 +22,7 @@ macro_rules! parts {
             /// All parts with a sheet, oldest first.
             pub const ALL: &[Self] = &[$(Self::$part),+];
 
-            /// As it is called in a configuration.
+            /// Name in a configuration.
             pub fn name(self) -> &'static str {
                 match self {
                     Self::Custom => "custom",

@@ -2,20 +2,20 @@
 
 use std::fmt;
 
-/// What a data sheet says of a channel.
+/// Data sheet of a channel.
 pub(super) struct Sheet {
-    /// Chips, and how they stand.
+    /// Chips and their arrangement.
     pub(super) about: &'static str,
     pub(super) source: &'static str,
     pub(super) rate: Rate,
-    /// The burst that a controller of its time would use.
+    /// Typical burst of a controller of its time.
     pub(super) burst_bytes: u32,
     pub(super) cl: SheetTime,
     pub(super) cwl: SheetTime,
     pub(super) rcd: SheetTime,
     pub(super) rp: SheetTime,
     pub(super) ras: SheetTime,
-    /// Beyond the time of the burst.
+    /// Time beyond the burst.
     pub(super) rtp: SheetTime,
     pub(super) wr: SheetTime,
     pub(super) wtr: SheetTime,
@@ -25,26 +25,26 @@ pub(super) struct Sheet {
     pub(super) rfc: SheetTime,
     pub(super) banks: u32,
     pub(super) row_bytes: u32,
-    /// These two are not in the sheet.
+    /// True if `banks` and `row_bytes` are not in the sheet.
     pub(super) chips_assumed: bool,
-    /// What it takes of the board to be what it is called.
+    /// Board parameters that the part implies.
     pub(super) board: &'static [(&'static str, u32)],
 }
 
-/// What the data bus of a channel moves.
+/// Rate of the data bus of a channel.
 pub(super) enum Rate {
-    /// So many bytes per clock of its own; the clock as a ratio \[Hz\].
+    /// Bytes per clock of the part; the clock is a ratio \[Hz\].
     Own { bytes: u32, hz: (u64, u64), of: &'static str },
-    /// So many bytes per cycle of the device, on whose chip it is.
+    /// Bytes per cycle of the device, for memory on the device's chip.
     Device { bytes: u32, of: &'static str },
 }
 
 #[derive(Clone, Copy)]
 pub(super) enum Length {
     Picoseconds(u64),
-    /// Of the part.
+    /// Clocks of the part.
     Clocks(u32),
-    /// Of the device.
+    /// Cycles of the device.
     Cycles(u32),
 }
 
@@ -74,13 +74,13 @@ pub(super) const fn cycles(length: u32, of: &'static str) -> SheetTime {
 }
 
 impl SheetTime {
-    /// Not in the sheet.
+    /// Marks a time that is not in the sheet.
     pub(super) const fn assumed(self) -> Self {
         Self { assumed: true, ..self }
     }
 }
 
-/// A clock rate in words.
+/// A clock rate, for display.
 pub(super) struct Hertz(pub(super) u64);
 
 impl fmt::Display for Hertz {
@@ -89,7 +89,7 @@ impl fmt::Display for Hertz {
     }
 }
 
-/// To two places.
+/// Rounds to two decimal places.
 pub(super) fn rounded(x: f64) -> f64 {
     (100.0 * x).round() / 100.0
 }

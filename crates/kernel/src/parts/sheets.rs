@@ -1,10 +1,9 @@
-//! The data sheets: numbers as JEDEC or the maker has them, in nanoseconds and clocks of the part.
+//! The data sheets: numbers from JEDEC or the maker, in nanoseconds and clocks of the part.
 //!
-//! A sheet is of one *channel*: chips side by side that take one command together. How many channels there are, and how requests
-//! wait for them, the board and its controller decide, not the part.
+//! A sheet describes one *channel*: chips side by side that take one command together. The number of channels and the queues belong to
+//! the board and its controller, not to the part.
 //!
-//! What is *assumed* was not read in the sheet cited, nor does arithmetic from what was read give it: it is what parts of the
-//! class have.
+//! An *assumed* number is not in the cited sheet and does not follow from it. It is typical of the class.
 
 use super::sheet::Rate::{Device, Own};
 use super::sheet::{Sheet, SheetTime, clocks, cycles, ns, ps};

@@ -2,18 +2,18 @@
 
 use std::fmt;
 
-/// What is wrong with a tape.
+/// An error in a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RecordingError {
-    /// It ends within a step or a reel.
+    /// It ends within a step or a chunk.
     BreaksOff(&'static str),
     /// A value that no step can have.
     Value {
-        /// What the value is.
+        /// Description of the value.
         what: &'static str,
         /// The value.
         value: u64,
-        /// What was expected.
+        /// The allowed values.
         expected: &'static str,
     },
 }
@@ -39,10 +39,10 @@ pub(super) fn put(bytes: &mut Vec<u8>, mut value: u64) {
     bytes.push(value as u8);
 }
 
-/// Takes a number from `bytes` at `at`.
+/// Reads a number from `bytes` at `at`.
 ///
 /// # Errors
-/// If they end, or it is wider than 64 bits.
+/// If the bytes end, or the number is wider than 64 bits.
 #[inline]
 pub(super) fn get(bytes: &[u8], at: &mut usize, what: &'static str) -> Result<u64, RecordingError> {
     let mut value = 0;
@@ -57,10 +57,10 @@ pub(super) fn get(bytes: &[u8], at: &mut usize, what: &'static str) -> Result<u6
     Err(RecordingError::Value { what, value, expected: "a number of 64 bits" })
 }
 
-/// The same, up to `most`.
+/// As [`get`], with a maximum.
 ///
 /// # Errors
-/// As [`get`], or if it is more.
+/// As [`get`], or if the number is larger than `most`.
 pub(super) fn get_up_to(
     bytes: &[u8],
     at: &mut usize,
@@ -70,14 +70,14 @@ pub(super) fn get_up_to(
     if value <= most { Ok(value) } else { Err(RecordingError::Value { what, value, expected }) }
 }
 
-/// Small differences as small numbers, whichever their sign.
+/// Encodes a difference so that small differences of either sign become small numbers.
 #[inline]
 pub(super) fn zigzag(difference: u64) -> u64 {
     let signed = difference as i64;
     ((signed << 1) ^ (signed >> 63)) as u64
 }
 
-/// The difference of a [`zigzag`] number.
+/// Decodes a [`zigzag`] number.
 #[inline]
 pub(super) fn unzigzag(number: u64) -> u64 {
     (number >> 1) ^ (number & 1).wrapping_neg()

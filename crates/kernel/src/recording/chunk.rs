@@ -1,11 +1,11 @@
-//! Reels of a tape.
+//! Chunks of a recording.
 
 use super::bytes::{RecordingError, get, get_up_to, put};
 use super::step_class::{code, demand_of};
 use crate::capacity::MAX_LINKS;
 use crate::time::FinalUnitState;
 
-/// A piece of each stage's stream, whole steps; and what the step after it takes.
+/// A part of each stage's stream, in whole steps, with the state of each unit after it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordingChunk {
     pub(crate) stages: Vec<Vec<u8>>,
@@ -14,18 +14,18 @@ pub struct RecordingChunk {
 }
 
 impl RecordingChunk {
-    /// The piece of a stage's stream, with what the step after it takes.
+    /// Returns the part of a stage's stream, with the state of its unit after it.
     pub(crate) fn piece(&self, stage: usize) -> Option<(&[u8], FinalUnitState)> {
         Some((self.stages.get(stage)?, *self.unit_states.get(stage)?))
     }
 
-    /// The piece of each stage's stream, in the order of the wiring. Where a stream is cut into pieces depends on times; what it comes
-    /// to does not.
+    /// Returns the part of each stage's stream, in the order of the wiring. The cuts between chunks depend on timing; the whole
+    /// streams do not.
     pub fn streams(&self) -> impl Iterator<Item = &[u8]> {
         self.stages.iter().map(Vec::as_slice)
     }
 
-    /// As bytes.
+    /// Encodes the chunk.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         put(&mut bytes, self.last.into());
@@ -38,10 +38,10 @@ impl RecordingChunk {
         bytes
     }
 
-    /// From bytes.
+    /// Decodes a chunk.
     ///
     /// # Errors
-    /// If they are no reel.
+    /// If the bytes are not a valid chunk.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, RecordingError> {
         let mut at = 0;
         let last = get_up_to(bytes, &mut at, ("whether a reel is the last", 1, "0 or 1"))? == 1;

@@ -1,4 +1,4 @@
-//! Steps that are read from a tape, ahead of when they are timed.
+//! Decoded steps of a recording.
 
 use super::step_class::StepClass;
 use crate::cache::CacheTagArray;
@@ -8,17 +8,17 @@ use crate::step_requests::{CacheLookUps, Count, StepRequests, TagLookup};
 use crate::time::{InputMask, StepTiming};
 use crate::{MemorySystem, Request};
 
-/// Steps that are read: several replays may share them, as no times are in them.
+/// Decoded steps. Several resimulations may share them, because they hold no times.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DecodedSteps {
     pub(super) steps: Vec<RecordedStep>,
-    /// What they ask.
+    /// Their memory requests.
     pub(super) asked: StepRequests,
-    /// What is wrong with what the last of them asks.
+    /// Error in the requests of the last step.
     pub(super) refused: Option<String>,
 }
 
-/// A step that is read: what its class says of it, in few bytes, since there may be millions.
+/// A decoded step: the contents of its class in 16 bytes, because there may be millions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RecordedStep {
     pub(super) occupancy: u32,
@@ -26,18 +26,18 @@ pub(super) struct RecordedStep {
     requests: u32,
     pub(super) takes: InputMask,
     outputs: u8,
-    /// Caches that it looks anything up in; beside them [`MARK`].
+    /// Number of caches with look-ups, and the bit [`MARK`].
     caches: u8,
 }
 
-/// Bit of [`RecordedStep::caches`]: its delivery passes a mark.
+/// Bit of [`RecordedStep::caches`]: the delivery passes a mark.
 const MARK: u8 = 1 << 7;
-/// In place of [`RecordedStep::caches`]: what it asks was refused.
+/// Replaces [`RecordedStep::caches`] if the requests were refused.
 const REFUSED: u8 = MARK - 1;
 const _: () = assert!(MAX_CLIENTS < REFUSED as usize && MAX_LINKS <= 8 && size_of::<RecordedStep>() == 16);
 
 impl RecordedStep {
-    /// Of a stage with so many inputs. Numbers of classes that are read have 32 bits.
+    /// Converts a class of a stage with this number of inputs. Numbers of decoded classes fit into 32 bits.
     pub(super) fn of(StepClass { demand, made, count, .. }: &StepClass, inputs: usize) -> Self {
         let (occupancy, latency) = (made.occupancy as u32, made.latency as u32);
         let caches = count.caches as u8 | if made.marked { MARK } else { 0 };
@@ -52,7 +52,7 @@ impl RecordedStep {
         StepTiming { occupancy: occupancy.into(), latency: latency.into(), outputs: outputs.into(), marked }
     }
 
-    /// The same, but that what was asked is refused.
+    /// The same step with refused requests.
     pub(super) fn refused(self) -> Self {
         Self { caches: REFUSED, ..self }
     }
@@ -62,7 +62,7 @@ impl RecordedStep {
         self.caches == REFUSED
     }
 
-    /// Whether it asks nothing.
+    /// Returns true if it has no requests.
     #[inline(always)]
     pub(super) fn is_silent(&self) -> bool {
         self.requests | u32::from(self.caches & !MARK) == 0
@@ -74,7 +74,7 @@ impl RecordedStep {
     }
 }
 
-/// The tags of a stage's caches, and how many requests each client has issued.
+/// Tags of a stage's caches, and the number of requests that each client has issued.
 #[derive(Clone, Debug)]
 pub(super) struct StageTags {
     clients: usize,
@@ -94,13 +94,13 @@ impl TagLookup for &mut StageTags {
 }
 
 impl StageTags {
-    /// At power-on.
+    /// Creates the tags at power-on.
     pub(super) fn new(shape: &StageInfo, memories: &MemorySystem) -> Self {
         let tags = std::array::from_fn(|i| tags_of(shape, memories, i).cloned());
         Self { clients: shape.clients.len(), tags, issued: [0; MAX_CLIENTS] }
     }
 
-    /// Whether look-ups find the same in a stage's caches.
+    /// Returns true if look-ups give the same results in a stage's caches.
     pub(super) fn is_alike(&self, shape: &StageInfo, memories: &MemorySystem) -> bool {
         self.tags.iter().enumerate().all(|(i, ours)| match (ours, tags_of(shape, memories, i)) {
             (Some(ours), Some(theirs)) => ours.is_alike(theirs),
@@ -108,7 +108,7 @@ impl StageTags {
         })
     }
 
-    /// Forgets all lines: nothing will be looked up again.
+    /// Frees the tags. No look-up may follow.
     pub(super) fn forget(&mut self) {
         self.tags.iter_mut().flatten().for_each(CacheTagArray::forget);
     }
@@ -121,7 +121,7 @@ impl StageTags {
     }
 }
 
-/// The tags of a stage's client, at power-on.
+/// Tags of a stage's client at power-on.
 fn tags_of<'a>(shape: &StageInfo, memories: &'a MemorySystem, client: usize) -> Option<&'a CacheTagArray> {
     memories.clients()[*shape.clients.get(client)?].cache.as_ref().map(|cache| &cache.tags)
 }

@@ -1,10 +1,10 @@
-//! The tape: the work of a run, step by step and stage by stage, without any time. From it every time follows again, under other
-//! FIFOs, memories and caches (laws 3 and 6: what a step does depends on no time).
+//! Recordings: the work of a run, step by step and stage by stage, without times. All times can be computed again from it, under
+//! other FIFOs, memories and caches (laws 3 and 6: the work of a step does not depend on time).
 //!
-//! A stage's steps are one stream of bytes. Steps that take, keep, deliver and ask the same - all but the addresses - are of one
-//! *class*; there are places for 255 of them at a time, and a step of a class that has its place is a byte, followed by its
-//! addresses, each as the difference from the last one of its client; of look-ups each line once. Streams come in [reels](RecordingChunk): a piece of each, as the run
-//! goes on, so that nobody need hold them whole.
+//! The steps of a stage are one stream of bytes. Steps that are equal in demand, occupancy, latency, outputs and requests - in
+//! everything except addresses - form a *class*. Up to 255 classes have a place at a time. A step of such a class is one byte,
+//! followed by its addresses, each as the difference from the last address of its client. Look-ups list each line once. Streams
+//! come in [chunks](RecordingChunk) as the run goes on, so no program needs to hold them whole.
 
 mod bytes;
 mod chunk;

@@ -1,4 +1,4 @@
-//! Reading a tape.
+//! Reading of recordings.
 
 use super::bytes::{RecordingError, get, unzigzag};
 use super::chunk::RecordingChunk;
@@ -11,44 +11,44 @@ use crate::time::{FinalUnitState, InputMask, StepTiming};
 use crate::{Demand, MemoryPorts, MemorySystem, Request};
 use std::sync::Arc;
 
-/// Addresses are below this, so that none of what lies beside them overflows.
+/// Bound of addresses, so that the end of no request overflows.
 const ADDRESSES: u64 = 1 << 60;
-/// Steps that are read at a time, and about as many requests and lines.
+/// Number of steps, and about the number of requests and lines, that are decoded at a time.
 const AHEAD: usize = 512;
-/// Most steps of a stage, and about as many requests and lines, that are kept to be shared.
+/// Maximum number of steps of a stage, and about of requests and lines, that are kept for sharing.
 const SHARED: usize = 1 << 20;
-/// What such a step takes, or a request or line of it, at most \[bytes\].
+/// Upper bound of the memory for such a step, request or line \[bytes\].
 const SHARED_BYTES: u64 = 64;
 
 /// The stream of one stage, as far as it has been read.
 ///
-/// Steps are read some hundred at a time, with all of their look-ups, and then timed one after the other.
+/// Some hundred steps are decoded at a time, with all of their look-ups, and then timed one by one.
 #[derive(Clone, Debug)]
 pub(crate) struct RecordingReader {
     bytes: Vec<u8>,
     at: usize,
-    /// By place, each with a step of it; occupancy 0 where there is none yet.
+    /// By place, each with a step of the class; occupancy 0 if undefined.
     classes: Vec<(RecordedStep, StepClass)>,
-    /// What is read, and the next step of it.
+    /// Decoded steps, and the next of them.
     ahead: Arc<DecodedSteps>,
     next: usize,
-    /// Whether the step that was made last asks nothing.
+    /// True if the last step has no requests.
     is_silent: bool,
     at_asked: Cursor,
-    /// What the step after the stream will take, if that is known.
+    /// State of the unit after the stream, if it is known.
     rest: Option<FinalUnitState>,
     last: [u64; MAX_LINKS],
     ends: [usize; 2],
     tags: StageTags,
-    /// What the largest step needs, by client.
+    /// Credits that the largest step needs, by client.
     largest: [u32; MAX_CLIENTS],
-    /// The step being read.
+    /// Requests of the step being decoded.
     raw: Vec<Request>,
     pub(crate) error: Option<RecordingError>,
 }
 
 impl RecordingReader {
-    /// Of a stage, before the first reel.
+    /// Creates a reader of a stage before the first chunk.
     pub(crate) fn new(shape: &StageInfo, memories: &MemorySystem) -> Self {
         Self {
             bytes: Vec::new(),
@@ -68,8 +68,8 @@ impl RecordingReader {
         }
     }
 
-    /// Of a stage whose whole stream these pieces are: its clones share the steps. None where they are too many for that, or for so
-    /// many bytes of `room`, or no steps.
+    /// Creates a reader of a stage from all parts of its stream. Its clones share the steps. Returns `None` if there are too many
+    /// steps for that or for `room` bytes, or the stream is invalid.
     pub(crate) fn whole<'a>(
         shape: &StageInfo,
         memories: &MemorySystem,
@@ -85,18 +85,18 @@ impl RecordingReader {
         reader.read_up_to(SHARED.min((room / SHARED_BYTES) as usize), &mut ahead);
         let is_whole = reader.at == reader.bytes.len() && reader.error.is_none();
         reader.ahead = Arc::new(ahead);
-        // What it was read by is of no more use.
+        // The decoding state is no longer needed.
         (reader.bytes, reader.at, reader.classes) = Default::default();
         reader.tags.forget();
         is_whole.then_some(reader)
     }
 
-    /// Whether the steps that were read ask the same of a stage and its memories.
+    /// Returns true if the decoded requests hold for a stage and its memories.
     pub(crate) fn fits(&self, shape: &StageInfo, memories: &MemorySystem) -> bool {
         self.largest == shape.credits && self.tags.is_alike(shape, memories)
     }
 
-    /// Goes on with a piece of the stream.
+    /// Appends a part of the stream.
     pub(crate) fn feed(&mut self, bytes: &[u8], rest: FinalUnitState) {
         self.bytes.drain(..self.at);
         self.at = 0;
@@ -107,18 +107,18 @@ impl RecordingReader {
         }
     }
 
-    /// Bytes that are not read yet.
+    /// Number of bytes that are not decoded yet.
     pub(crate) fn waiting(&self) -> usize {
         self.bytes.len() - self.at
     }
 
-    /// Whether there is a step.
+    /// Returns true if there is a step.
     #[inline(always)]
     pub(crate) fn has_step(&self) -> bool {
         self.next < self.ahead.steps.len()
     }
 
-    /// What the next step takes; no step where that is not known.
+    /// Returns the inputs of the next step; `NO_STEP` if they are unknown.
     #[inline(always)]
     pub(crate) fn takes(&self) -> InputMask {
         match self.ahead.steps.get(self.next) {
@@ -132,7 +132,7 @@ impl RecordingReader {
         self.rest.map_or(InputMask::NO_STEP, |rest| InputMask::of(rest.demand, self.ends[0]))
     }
 
-    /// The same as a unit would declare it, if that is known.
+    /// Returns the demand of the next step, if it is known.
     pub(crate) fn demand(&self) -> Option<Demand> {
         match self.ahead.steps.get(self.next) {
             Some(step) => Some(step.takes.demand()),
@@ -140,12 +140,12 @@ impl RecordingReader {
         }
     }
 
-    /// Whether the unit holds no token back after the stream.
+    /// Returns true if the unit holds no token back after the stream.
     pub(crate) fn is_empty(&self) -> bool {
         self.rest.is_some_and(|rest| rest.empty)
     }
 
-    /// The next step, which there is.
+    /// Returns the next step. There must be one.
     #[inline(always)]
     pub(crate) fn step(&mut self) -> StepTiming {
         let step = &self.ahead.steps[self.next];
@@ -153,13 +153,13 @@ impl RecordingReader {
         step.made()
     }
 
-    /// Whether that step asks nothing of memories.
+    /// Returns true if that step has no memory requests.
     #[inline(always)]
     pub(crate) fn is_silent(&self) -> bool {
         self.is_silent
     }
 
-    /// What that step asks of memories; what is wrong with it goes to `traffic`.
+    /// Returns the memory requests of that step. An error in them goes to `traffic`.
     #[inline(always)]
     pub(crate) fn asks(&mut self, traffic: &mut MemoryPorts) -> Option<StepRequestsView<'_>> {
         let DecodedSteps { steps, refused, asked } = &*self.ahead;
@@ -171,7 +171,7 @@ impl RecordingReader {
         Some(asked.next(&mut self.at_asked, step.count()))
     }
 
-    /// Goes on behind it.
+    /// Moves on to the next step.
     #[inline(always)]
     pub(crate) fn go_on(&mut self) {
         self.next += 1;
@@ -180,10 +180,10 @@ impl RecordingReader {
         }
     }
 
-    /// Reads the next steps, once those before are made.
+    /// Decodes more steps, once the decoded ones are used.
     #[inline(never)]
     fn read_ahead(&mut self) {
-        // Nobody shares what is read piece by piece.
+        // Steps that are decoded piece by piece are not shared.
         let mut ahead = Arc::try_unwrap(std::mem::take(&mut self.ahead)).unwrap_or_default();
         ahead.steps.clear();
         ahead.asked.clear();
@@ -192,7 +192,7 @@ impl RecordingReader {
         self.ahead = Arc::new(ahead);
     }
 
-    /// Reads steps up to about so many, or requests and lines.
+    /// Decodes up to about so many steps, or requests and lines.
     fn read_up_to(&mut self, most: usize, ahead: &mut DecodedSteps) {
         while ahead.steps.len() < most && ahead.asked.len() < most && ahead.refused.is_none() {
             let Some(&place) = self.bytes.get(self.at) else { return };
@@ -204,7 +204,7 @@ impl RecordingReader {
         }
     }
 
-    /// Reads a step of the class at this place, or of a new one.
+    /// Decodes a step of the class at this place, or of a new class.
     #[inline(always)]
     fn read_step(&mut self, mut place: u8, ahead: &mut DecodedSteps) -> Result<(), RecordingError> {
         if place == NEW {
@@ -253,7 +253,7 @@ impl RecordingReader {
 }
 
 impl RecordingChunk {
-    /// Feeds the readers of all stages.
+    /// Passes the chunk to the readers of all stages.
     pub(crate) fn feed(&self, readers: &mut [RecordingReader]) {
         for ((reader, bytes), &rest) in readers.iter_mut().zip(&self.stages).zip(&self.unit_states) {
             reader.feed(bytes, rest);

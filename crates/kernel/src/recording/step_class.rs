@@ -1,4 +1,4 @@
-//! Classes of steps: what steps have in common, all but their addresses.
+//! Classes of steps: the common part of equal steps, without addresses.
 
 use super::bytes::{RecordingError, get_up_to, put};
 use crate::capacity::MAX_LINKS;
@@ -6,29 +6,29 @@ use crate::step_requests::Count;
 use crate::time::StepTiming;
 use crate::{Demand, Request};
 
-/// Places for classes.
+/// Number of places for classes.
 pub(super) const CLASSES: usize = 255;
-/// A step whose class follows, and takes a place.
+/// Marks a step whose class follows and takes a place.
 pub(super) const NEW: u8 = CLASSES as u8;
 
-/// The longest that a step may keep its unit or take to deliver \[cycles\], so that no sum of them overflows.
+/// Maximum occupancy and latency of a step \[cycles\], so that no sum of them overflows.
 const LONGEST: u64 = u32::MAX as u64;
-/// Most requests, and most look-ups, of one step, and most bytes of one.
+/// Maximum number of requests, and of look-ups, of a step, and of bytes of a request.
 const MOST: u64 = 1 << 20;
 
-/// What steps of a class have in common.
+/// The common part of the steps of a class.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StepClass {
     pub(super) demand: Demand,
     pub(super) made: StepTiming,
-    /// Addresses are 0.
+    /// Their addresses are 0.
     pub(super) requests: Vec<Request>,
     pub(super) look_ups: Vec<Request>,
     pub(super) count: Count,
 }
 
 impl StepClass {
-    /// None yet.
+    /// A class without a definition.
     pub(super) const UNDEFINED: Self = Self {
         demand: Demand::Finished,
         made: StepTiming { occupancy: 0, latency: 0, outputs: 0, marked: false },
@@ -48,7 +48,7 @@ impl StepClass {
         Self::new(demand, made, strip(requests), strip(look_ups))
     }
 
-    /// Whether a step is of this class.
+    /// Returns true if a step belongs to this class.
     #[inline]
     pub(super) fn has(&self, demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> bool {
         self.demand == demand && self.made == *made && alike(&self.requests, requests) && alike(&self.look_ups, look_ups)
@@ -69,8 +69,10 @@ impl StepClass {
         }
     }
 
+    /// Decodes a class.
+    ///
     /// # Errors
-    /// Where it is no class of a stage with so many inputs and outputs.
+    /// If it is not valid for a stage with so many inputs and outputs.
     pub(super) fn read(bytes: &[u8], at: &mut usize, [inputs, outputs]: [usize; 2]) -> Result<Self, RecordingError> {
         let demand = demand_of(get_up_to(bytes, at, ("what a step takes", u64::MAX, ""))?, inputs)?;
         let all = (1 << outputs << 1) - 1;
@@ -97,14 +99,14 @@ fn request(bytes: &[u8], at: &mut usize) -> Result<Request, RecordingError> {
     Ok(Request { client: (client >> 1) as u32, write: client & 1 != 0, address: 0, bytes: size as u32 })
 }
 
-/// Whether requests differ in their addresses only.
+/// Returns true if requests differ in their addresses only.
 #[inline]
 fn alike(class: &[Request], requests: &[Request]) -> bool {
     let same = |(a, b): (&Request, &Request)| a.client == b.client && a.write == b.write && a.bytes == b.bytes;
     class.len() == requests.len() && class.iter().zip(requests).all(same)
 }
 
-/// The place that a step's class has or takes: steps of one class always have the same.
+/// Returns the place of a step's class. Steps of one class always have the same place.
 #[inline]
 pub(super) fn place(demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> u8 {
     let mut hash = code(demand);
@@ -117,7 +119,7 @@ pub(super) fn place(demand: Demand, made: &StepTiming, (requests, look_ups): (&[
     ((hash >> 32) % CLASSES as u64) as u8
 }
 
-/// A demand as a number.
+/// Encodes a demand.
 pub(super) fn code(demand: Demand) -> u64 {
     match demand {
         Demand::Nothing => 0,
@@ -127,8 +129,10 @@ pub(super) fn code(demand: Demand) -> u64 {
     }
 }
 
+/// Decodes a demand.
+///
 /// # Errors
-/// Where it names an input that is not there.
+/// If it names an input that does not exist.
 pub(super) fn demand_of(code: u64, inputs: usize) -> Result<Demand, RecordingError> {
     match code {
         0 => Ok(Demand::Nothing),

@@ -1,4 +1,4 @@
-//! Writing a tape.
+//! Writing of recordings.
 
 use super::bytes::{put, zigzag};
 use super::chunk::RecordingChunk;
@@ -8,12 +8,12 @@ use crate::netlist::Netlist;
 use crate::time::{FinalUnitState, StepTiming};
 use crate::{Demand, MemoryPorts, MemorySystem, Request};
 
-/// Writes down what the stages of a run do.
+/// Records the steps of all stages of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct RecordingWriter {
     stages: Vec<StageStream>,
     written: usize,
-    /// Bytes that are worth a reel.
+    /// Minimum size of a chunk \[bytes\].
     reel: usize,
 }
 
@@ -24,9 +24,9 @@ struct StageStream {
     classes: Vec<Option<StepClass>>,
     /// Last address of each client.
     last: [u64; MAX_LINKS],
-    /// Bytes of a line of each client's cache.
+    /// Line size of each client's cache \[bytes\].
     line_bytes: [u32; MAX_CLIENTS],
-    /// The look-ups of the step being written: each line once, whatever of it was asked for, and however often.
+    /// Look-ups of the current step, each line once.
     look_ups: Vec<Request>,
 }
 
@@ -43,7 +43,7 @@ impl RecordingWriter {
         Self { stages: shape.stages.iter().map(|stage| stream(&stage.clients)).collect(), written: 0, reel }
     }
 
-    /// Writes a step down, once its traffic is settled.
+    /// Records a step, once its requests are settled.
     #[inline]
     pub(crate) fn step(&mut self, stage: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
         let stream = &mut self.stages[stage];
@@ -52,13 +52,12 @@ impl RecordingWriter {
         self.written += stream.bytes.len() - before;
     }
 
-    /// Whether there is enough for a reel.
+    /// Returns true if there is enough for a chunk.
     pub(crate) fn is_full(&self) -> bool {
         self.written >= self.reel
     }
 
-    /// What has been written since the last reel, with what the next step of each stage will take; `last`: there will be none
-    /// beyond.
+    /// Returns the bytes since the last chunk, with the state of each unit after them. `last`: true for the last chunk.
     pub(crate) fn reel(&mut self, unit_states: Vec<FinalUnitState>, last: bool) -> RecordingChunk {
         self.written = 0;
         let stages = self.stages.iter_mut().map(|stream| std::mem::take(&mut stream.bytes)).collect();
