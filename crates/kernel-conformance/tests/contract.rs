@@ -167,14 +167,14 @@ fn contract_of(unit: Triple, tokens: Vec<u64>) -> Contract<Triple> {
 }
 
 #[test]
-fn a_step_beyond_the_largest_is_named() {
+fn step_beyond_largest_is_named() {
     let broken = contract(Triple { greedy: true, ..Triple::default() }).steps_keep_within_largest_step().unwrap_err();
     assert!(broken.what.starts_with("unit, cycle "), "{broken}");
     assert!(broken.what.ends_with("a step needs 3 credits of memory client 1, but largest_step(1) declares 2"), "{broken}");
 }
 
 #[test]
-fn a_client_that_is_not_listed_is_named() {
+fn unlisted_client_is_named() {
     let broken = contract(Triple::default()).clients(&[ClientKind::Cache { line_bytes: 64 }]).check_all().unwrap_err();
     assert!(broken.what.ends_with("`unit` declares a largest step for its memory client 1, but 1 are wired"), "{broken}");
     let broken = contract(Triple::default()).clients(&[ClientKind::Port, ClientKind::Port]).check_all().unwrap_err();
@@ -182,7 +182,7 @@ fn a_client_that_is_not_listed_is_named() {
 }
 
 #[test]
-fn state_that_is_not_saved_is_found() {
+fn unsaved_state_is_found() {
     let contract = contract(Triple { forgetful: true, ..Triple::default() });
     let broken = contract.state_round_trips().unwrap_err();
     assert!(broken.what.ends_with("token 1: got 1, expected 2"), "{broken}");
@@ -191,7 +191,7 @@ fn state_that_is_not_saved_is_found() {
 }
 
 #[test]
-fn a_unit_that_is_called_stateless_and_is_not_is_found() {
+fn stateful_unit_declared_stateless_is_found() {
     let contract = Contract::stateless(Triple::default(), (0..30).collect()).clients(&CLIENTS);
     let broken = contract.state_round_trips().unwrap_err();
     assert!(broken.what.ends_with("token 1: got 1, expected 0"), "{broken}");
@@ -204,13 +204,13 @@ fn state_shared_between_clones_is_found() {
 }
 
 #[test]
-fn a_token_held_back_is_a_deadlock_that_names_the_unit() {
+fn token_held_back_is_deadlock_naming_unit() {
     let broken = contract(Triple { hoards: true, ..Triple::default() }).nothing_is_left_at_the_end().unwrap_err();
     assert!(broken.what.contains("`unit` waits for a token from `input_0` (0 of 1 slots)"), "{broken}");
 }
 
 #[test]
-fn a_unit_that_never_works_is_no_proof() {
+fn unit_without_steps_breaks_contract() {
     let broken = contract_of(Triple::default(), vec![]).check_all().unwrap_err();
     assert!(broken.what.contains("made no step"), "{broken}");
 }

@@ -88,7 +88,7 @@ fn report(engine: Engine, outstanding: u32) -> RunReport {
 }
 
 #[test]
-fn engines_agree_where_tokens_follow_steps_that_deliver_nothing() {
+fn engines_agree_on_tokens_behind_silent_steps() {
     for outstanding in [1, 2, 8, 64] {
         let timed = report(Engine::Timed, outstanding);
         assert_eq!(timed.outcome, Outcome::Complete);

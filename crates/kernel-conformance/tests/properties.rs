@@ -23,7 +23,7 @@ proptest! {
     }
 
     #[test]
-    fn the_order_of_units_does_not_matter(recipe in recipe()) {
+    fn order_of_units_does_not_matter(recipe in recipe()) {
         let (here, there) = (report(&recipe.plan().0), report(&recipe.reordered()));
         prop_assert_eq!(result(&here), result(&there));
         if let (Outcome::Deadlock(here), Outcome::Deadlock(there)) = (&here.outcome, &there.outcome) {
@@ -32,7 +32,7 @@ proptest! {
     }
 
     #[test]
-    fn accounting_sums_to_the_total_and_so_do_histograms(recipe in recipe()) {
+    fn accounts_and_histograms_sum_to_total(recipe in recipe()) {
         let report = report(&recipe.plan().0);
         for unit in &report.units {
             prop_assert_eq!(unit.account.total(), report.total, "{}", &unit.name);
@@ -62,7 +62,7 @@ proptest! {
     }
 
     #[test]
-    fn a_graph_with_too_little_room_reports_its_deadlock_by_name(recipe in tight_recipe()) {
+    fn shallow_graph_reports_deadlock_by_name(recipe in tight_recipe()) {
         let (plan, _) = recipe.plan();
         let outcome = report(&plan).outcome;
         // About half of them do.
@@ -87,7 +87,7 @@ proptest! {
     }
 
     #[test]
-    fn probe_intervals_tile_each_units_time(recipe in recipe()) {
+    fn probe_intervals_cover_each_units_time(recipe in recipe()) {
         let (plan, _) = recipe.plan();
         let (report, intervals) = run_both(&plan, u64::MAX);
         for (unit, intervals) in report.units.iter().zip(&intervals.stages) {
@@ -110,7 +110,7 @@ proptest! {
 
     /// What a probe is shown of a FIFO comes to its histogram.
     #[test]
-    fn fills_add_up_to_histograms(recipe in recipe()) {
+    fn fifo_levels_add_up_to_histograms(recipe in recipe()) {
         let (report, seen) = run_both(&recipe.plan().0, u64::MAX);
         for (number, fifo) in report.fifos.iter().enumerate() {
             let fills = seen.fifos.get(number).cloned().unwrap_or_default();
@@ -127,7 +127,7 @@ proptest! {
 
     /// What a probe is shown of memories comes to what they count.
     #[test]
-    fn what_memories_do_adds_up_to_the_report(recipe in recipe()) {
+    fn memory_events_add_up_to_report(recipe in recipe()) {
         let plan = recipe.plan().0;
         let (report, seen) = run_both(&plan, u64::MAX);
         if report.outcome != Outcome::Complete {
@@ -164,7 +164,7 @@ proptest! {
     }
 
     #[test]
-    fn every_limit_of_cycles_gives_equal_reports(recipe in recipe(), first in 0..64_u64) {
+    fn every_cycle_limit_gives_equal_reports(recipe in recipe(), first in 0..64_u64) {
         let (plan, _) = recipe.plan();
         let whole = report(&plan);
         // Every limit of a short run; some 64 of a long one, other ones in each case.

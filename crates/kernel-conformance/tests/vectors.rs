@@ -5,7 +5,7 @@ use basrelief_kernel_conformance::plan::{Plan, PlanMachine, result};
 use serde_json::Value;
 
 #[test]
-fn both_engines_agree_with_the_literal_reading_of_the_laws() {
+fn both_engines_match_law_vectors() {
     let vectors = include_str!("vectors/laws.jsonl");
     assert_eq!(vectors.lines().count(), 320);
     for line in vectors.lines() {

@@ -140,7 +140,7 @@ fn error(machine: impl Fn() -> Line) -> WiringError {
 }
 
 #[test]
-fn a_machine_wired_rightly_runs() {
+fn valid_wiring_runs() {
     let talker = Talker { reads: Some((0, 4)), lines: Some((1, 4)), largest: [4, 4, 0, 0] };
     for engine in [Engine::Timed, Engine::Ticked] {
         assert_eq!(run(&mut line(talker, Some(&[0, 1])), engine).outcome, Outcome::Complete);
@@ -149,7 +149,7 @@ fn a_machine_wired_rightly_runs() {
 }
 
 #[test]
-fn a_fifo_has_one_producer_and_one_consumer() {
+fn fifo_has_one_producer_and_one_consumer() {
     let two = error(|| drawn(Drawn::Source)).to_string();
     assert_eq!(two, "FIFO `numbers` is filled by `source` and by `second source`; give each a FIFO of its own");
     let two = error(|| drawn(Drawn::Sink)).to_string();
@@ -161,7 +161,7 @@ fn a_fifo_has_one_producer_and_one_consumer() {
 }
 
 #[test]
-fn a_memory_client_belongs_to_one_stage_and_exists() {
+fn memory_client_exists_and_belongs_to_one_stage() {
     let reads = Talker { largest: [1, 0, 0, 0], ..Talker::default() };
     let shared = error(|| {
         let other = (Stage::new("other", reads), Fifo::new("out", 1, 1), vec![0]);
@@ -177,7 +177,7 @@ fn a_memory_client_belongs_to_one_stage_and_exists() {
 }
 
 #[test]
-fn the_clients_that_a_unit_uses_are_wired() {
+fn used_clients_are_wired() {
     let missing = |client, wired| WiringError::MissingClient { unit: "talker".into(), client, wired };
     let one = Talker { largest: [1, 0, 0, 0], ..Talker::default() };
     assert_eq!(error(|| line(one, None)), missing(0, 0));
@@ -186,7 +186,7 @@ fn the_clients_that_a_unit_uses_are_wired() {
 }
 
 #[test]
-fn the_largest_step_finds_credits() {
+fn largest_step_has_enough_credits() {
     let talker = Talker { largest: [4, 5, 0, 0], ..Talker::default() };
     let few = error(|| line(talker, Some(&[0, 1])));
     let (unit, memory, port) = ("talker".into(), "store".into(), "lines".into());
@@ -199,7 +199,7 @@ fn fault(talker: Talker, clients: Option<&[usize]>) -> String {
 }
 
 #[test]
-fn traffic_to_no_client_is_a_fault() {
+fn request_to_missing_client_is_a_fault() {
     let reads = Talker { reads: Some((0, 1)), ..Talker::default() };
     assert_eq!(fault(reads, None), "talker, cycle 1: a step uses memory client 0, but the wiring gives it 0");
     let looks_up = Talker { lines: Some((0, 1)), ..Talker::default() };
@@ -211,13 +211,13 @@ fn traffic_to_no_client_is_a_fault() {
 }
 
 #[test]
-fn a_look_up_without_a_cache_is_a_fault() {
+fn look_up_without_cache_is_a_fault() {
     let talker = Talker { lines: Some((0, 1)), largest: [1, 1, 0, 0], ..Talker::default() };
     assert_eq!(fault(talker, Some(&[0, 1])), "talker, cycle 1: a step looks up a line in memory client 0, which has no cache");
 }
 
 #[test]
-fn a_step_beyond_the_largest_is_a_fault() {
+fn step_beyond_largest_is_a_fault() {
     let beyond = |client| {
         format!("talker, cycle 1: a step needs 3 credits of memory client {client}, but largest_step({client}) declares 2")
     };

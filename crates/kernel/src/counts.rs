@@ -209,7 +209,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bus_counts_every_cycle_once_in_intervals_that_double() {
+    fn bus_activity_counts_each_cycle_once_as_intervals_double() {
         let mut bus = BusActivity::default();
         bus.moved(Cycle(3), Cycle(7));
         assert_eq!((bus.interval(), bus.busy()), (1, [0, 0, 0, 1, 1, 1, 1].as_slice()));
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn latencies_are_classed_by_their_power_of_two() {
+    fn latencies_are_classed_by_power_of_two() {
         let mut latencies = Latencies::default();
         [1, 2, 3, 4, 1023, u64::MAX].into_iter().for_each(|n| latencies.count(n));
         assert_eq!(latencies.used()[..10], [1, 2, 1, 0, 0, 0, 0, 0, 0, 1]);

@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cache_is_its_lines_and_their_tags() {
+    fn cache_hardware_is_lines_and_tags() {
         let config = CacheConfig { line_bytes: 64, sets: 64, ways: 4, ..CacheConfig::default() };
         let [data, tags] = Hardware::of_cache("c", &config);
         assert_eq!((data.bits(), data.count), (16 * 1024 * 8, 256));
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_computes_holds_nothing() {
+    fn operators_have_no_storage() {
         let all = HardwareKind::ALL.map(|kind| Hardware { place: String::new(), kind, about: "", count: 3, width: 5 }.bits());
         assert_eq!(all, [0, 0, 0, 0, 0, 0, 15, 15, 15, 15, 15]);
         assert!(HardwareKind::ALL.is_sorted());

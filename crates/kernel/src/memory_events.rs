@@ -236,7 +236,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_level_is_told_once_where_it_changes_and_as_far_as_it_is_settled() {
+    fn gauge_emits_each_settled_change_once() {
         let (mut level, mut told) = (Gauge::default(), vec![]);
         [0, 2, 2, 5].into_iter().for_each(|at| level.up(Cycle(at)));
         level.down(Cycle(2));
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn look_ups_of_one_step_are_told_together() {
+    fn look_ups_of_one_step_are_emitted_together() {
         let counts = |hits, misses, merged| CacheCounts { hits, misses, merged };
         let (mut watch, mut told) = (CacheEvents::default(), vec![]);
         for (at, seen) in [(3, counts(1, 0, 0)), (3, counts(1, 2, 0)), (4, counts(1, 2, 0)), (7, counts(1, 2, 1))] {

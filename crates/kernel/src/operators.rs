@@ -145,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_scarcest_operator_says_how_long_a_piece_of_work_keeps_a_unit() {
+    fn scarcest_operator_sets_the_interval() {
         let operators = Operators {
             multiply: OperatorConfig::new(4, 1),
             divide: OperatorConfig::new(7, 7),
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn operators_that_take_turns_keep_pace_with_a_stream() {
+    fn alternating_operators_keep_pace_with_stream() {
         let operators = Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() };
         let divide = |divide| OperatorCounts { divide, ..OperatorCounts::NONE };
         assert_eq!(operators.interval(divide(1), divide(7)), 7, "alone");

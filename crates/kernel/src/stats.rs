@@ -239,14 +239,14 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "told twice")]
-    fn other_figures_of_one_name_do_not() {
+    fn other_figures_of_one_name_panic() {
         let mut facts = UnitStats::default();
         facts.figure("mean", 0.5, "", "of one unit");
         facts.figure("mean", 0.5, "", "of another");
     }
 
     #[test]
-    fn a_fifo_is_slow_below_latencies_and_one_per_interval() {
+    fn fifo_below_rate_of_producer_is_slow() {
         let slow = |depth, interval| SlowFifo::of(&FifoInfo::new("f", depth, 2), Rate { output: 0, latency: 5, interval });
         assert_eq!(slow(7, 1).map(|s| (s.needed, s.held())), Some((8, 8)));
         assert!(slow(8, 1).is_none() && slow(3, 3).is_none());

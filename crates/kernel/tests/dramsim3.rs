@@ -113,7 +113,7 @@ const TABLE: [(&str, Stream, [f64; 2], f64); 8] = [
 ];
 
 #[test]
-fn streams_take_the_cycles_that_dramsim3_gives() {
+fn streams_take_the_cycles_of_dramsim3() {
     println!("{:<36} {:>5} {:>8} {:>5} {:>8}", "cycles per burst", "8", "DRAMsim3", "32", "DRAMsim3");
     for (name, stream, theirs, within) in TABLE {
         let ours = [8, 32].map(|outstanding| cycles_per_burst(stream, outstanding, Engine::Timed));

@@ -85,7 +85,7 @@ fn told(engine: Engine, asks: bool) -> Told {
 }
 
 #[test]
-fn a_probe_that_asks_is_told_what_each_step_takes_and_gives_ahead_of_its_time() {
+fn label_probe_receives_each_step_ahead_of_its_time() {
     for engine in [Engine::Timed, Engine::Ticked] {
         let told = told(engine, true);
         assert_eq!(told.steps[0], [100, 101, 102, 103].map(|label| (0, vec![label])));
@@ -96,7 +96,7 @@ fn a_probe_that_asks_is_told_what_each_step_takes_and_gives_ahead_of_its_time() 
 }
 
 #[test]
-fn a_probe_that_does_not_ask_is_told_times_only() {
+fn probe_without_labels_receives_times_only() {
     let told = told(Engine::Timed, false);
     assert_eq!((told.steps, told.worked), (Default::default(), [4, 4, 2]));
 }

@@ -25,7 +25,7 @@ const SHEETS: &[(MemoryPart, [f64; 6], f64)] = &[
 ];
 
 #[test]
-fn every_part_with_a_clock_of_its_own_has_the_times_and_the_rate_of_its_sheet() {
+fn clocked_parts_match_their_sheets() {
     // At 1 GHz a cycle is a nanosecond.
     for &(part, [cl, rcd, rp, ras, refi, rfc], rate) in SHEETS {
         let m = at(part, 1_000_000_000);
@@ -41,7 +41,7 @@ fn every_part_with_a_clock_of_its_own_has_the_times_and_the_rate_of_its_sheet() 
 }
 
 #[test]
-fn what_was_not_read_in_a_sheet_says_so() {
+fn assumed_numbers_say_so() {
     let assumed = |part: MemoryPart| -> Vec<&str> {
         let numbers = part.numbers(200_000_000, [None; 2]).unwrap_or_else(|e| panic!("{e}"));
         let is_assumed = |text: &str| text.contains("; typical of the class, not in the sheet cited (");
@@ -61,7 +61,7 @@ fn what_was_not_read_in_a_sheet_says_so() {
 }
 
 #[test]
-fn ddr_400_at_its_own_clock_is_its_sheet_in_clocks() {
+fn ddr_400_at_its_own_clock_equals_its_sheet() {
     let m = at(MemoryPart::Ddr400, 200_000_000);
     assert_eq!([m.cl, m.cwl, m.rcd, m.rp, m.ras], [3, 1, 3, 3, 8]);
     assert_eq!([m.rtp, m.wr, m.wtr, m.rrd, m.faw], [4, 3, 2, 2, 0]);
@@ -76,7 +76,7 @@ fn ddr_400_at_its_own_clock_is_its_sheet_in_clocks() {
 }
 
 #[test]
-fn the_parts_that_the_device_carries_keep_its_pace() {
+fn on_chip_parts_follow_the_device_clock() {
     for hz in [25_000_000, 147_456_000, 200_000_000] {
         let (edram, sram) = (at(MemoryPart::EdramPs2, hz), at(MemoryPart::Sram, hz));
         assert_eq!([edram.burst_bytes, edram.burst_cycles], [128, 1]);
@@ -87,7 +87,7 @@ fn the_parts_that_the_device_carries_keep_its_pace() {
 }
 
 #[test]
-fn ideal_takes_no_time_and_all_channels_that_there_are_at_any_clock() {
+fn ideal_part_has_no_latency_at_any_clock() {
     for hz in [1, 200_000_000, 100_000_000_000] {
         let m = at(MemoryPart::Ideal, hz);
         let times = [m.cl, m.cwl, m.rcd, m.rp, m.ras, m.wr, m.wtr, m.rrd, m.faw, m.refi, m.rfc];
@@ -96,7 +96,7 @@ fn ideal_takes_no_time_and_all_channels_that_there_are_at_any_clock() {
 }
 
 #[test]
-fn what_is_given_beside_a_part_stays_and_the_rest_goes_by_it() {
+fn given_numbers_override_the_part() {
     let mut m = MemoryConfig { part: MemoryPart::Sdr133, cl: 9, burst_bytes: 32, ..MemoryConfig::default() };
     m.take_part(200_000_000, |name| ["cl", "burst_bytes"].contains(&name)).unwrap();
     // 32 bytes are four clocks of 7.5 ns; a bank may be precharged when they are over.
@@ -114,7 +114,7 @@ fn what_is_given_beside_a_part_stays_and_the_rest_goes_by_it() {
 }
 
 #[test]
-fn a_clock_that_a_part_does_not_fit_says_which_one_does_and_which_parts_fit_it() {
+fn unfit_clock_names_fitting_clock_and_parts() {
     let mut m = MemoryConfig { part: MemoryPart::Ddr400, ..MemoryConfig::default() };
     let before = m.clone();
     let error = m.take_part(3_000_000, |_| false).unwrap_err().to_string();
@@ -130,7 +130,7 @@ fn a_clock_that_a_part_does_not_fit_says_which_one_does_and_which_parts_fit_it()
 }
 
 #[test]
-fn names_are_those_of_the_configuration_and_every_number_has_a_source() {
+fn every_number_has_name_and_source() {
     for &part in MemoryPart::ALL {
         assert_eq!(serde_json::to_value(part).unwrap(), part.name());
         for number in part.numbers(200_000_000, [None; 2]).unwrap_or_else(|e| panic!("{e}")) {
@@ -146,7 +146,7 @@ proptest! {
     /// Rounding keeps its promise at any clock: no time is shorter than its sheet's nor a cycle longer, refreshes are no rarer, and
     /// the peak rate is within 5 %.
     #[test]
-    fn rounding_never_shortens_a_time_and_changes_the_rate_by_5_percent_at_most(
+    fn rounding_keeps_times_long_enough_and_rate_within_5_percent(
         hz in 10_000_000_u64..=1_000_000_000,
         sheet in prop::sample::select(SHEETS),
     ) {

@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn setting_one_parameter_of_a_group_leaves_the_others_as_the_group_has_them() {
+    fn setting_one_parameter_keeps_its_group_defaults() {
         let c: All = load("", &[("search.pipelined", "true")]).unwrap();
         assert_eq!((c.search.lanes, c.search.pipelined), (16, true));
         let c: All = load("[search]\npipelined = true", &[]).unwrap();
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn the_table_shows_the_default_of_the_group() {
+    fn table_shows_default_of_group() {
         assert_eq!(All::table()[0].default, serde_json::json!(16));
         assert_eq!(All::table()[0].key, "search.lanes");
     }
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn what_follows_is_completed_but_not_what_is_given_in_whatever_order() {
+    fn dependent_values_yield_to_given_values_in_any_order() {
         let lanes = |toml: &str, set: &[(&str, &str)]| load::<Following>(toml, set).unwrap().narrow.lanes;
         assert_eq!(lanes("", &[]), 4);
         assert_eq!(lanes("", &[("wide.lanes", "64")]), 32);
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn the_resolved_table_has_the_values_of_the_configuration_and_their_provenance() {
+    fn resolved_table_has_values_and_provenance() {
         let table = crate::resolved(&load::<Following>("", &[("wide.lanes", "64")]).unwrap());
         let set = "set; the default is 8 (stated: claim 1)";
         assert_eq!((table[0].default.clone(), table[0].provenance.text()), (serde_json::json!(64), set));
@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_mistake_is_named() {
+    fn every_kind_of_error_is_named() {
         let says = |toml: &str, set: &[(&str, &str)], part: &str| {
             let e = load::<All>(toml, set).unwrap_err().to_string();
             assert!(e.contains(part), "{e}");

@@ -38,7 +38,7 @@ fn both(clients: bool, gaps: &[u64]) -> RunReport {
 }
 
 #[test]
-fn a_mark_is_passed_when_its_step_delivers() {
+fn mark_is_passed_at_delivery() {
     // Steps at 1 .. 7, each delivered 2 later. Marked tokens 2 and 5: at 3 and 6, delivered 5 and 8. Token 6: at 7,
     // delivered 9, visible and popped 10: 11 cycles, 3 of them drain.
     let report = both(false, &[]);
@@ -46,7 +46,7 @@ fn a_mark_is_passed_when_its_step_delivers() {
 }
 
 #[test]
-fn waiting_for_memory_comes_before_the_mark() {
+fn memory_wait_comes_before_mark() {
     // The first look-up misses: step at 1, in view 2, closed 3, data from 5 + 3 to 12, hit latency 2: 14. The others are
     // merged and come with it: marked tokens leave at 14. Visible one after the other: the seventh at 21.
     let report = both(true, &[]);
@@ -55,7 +55,7 @@ fn waiting_for_memory_comes_before_the_mark() {
 }
 
 #[test]
-fn caches_stay_warm_from_mark_to_mark() {
+fn caches_stay_warm_between_marks() {
     // One token every 40 cycles: the line is there for all but the first, also after the marks.
     let report = both(true, &[39]);
     assert_eq!((report.caches[0].counts.misses, report.caches[0].counts.hits), (1, 6));

@@ -15,7 +15,7 @@ fn wire(depth: usize, fifo_latency: u64, latency: &[u64]) -> Plan {
 }
 
 #[test]
-fn a_token_is_visible_f_cycles_after_its_delivery() {
+fn token_is_visible_f_cycles_after_delivery() {
     // Starts 0, 1, 2; delivered 0, 1, 2; visible 5, 6, 7.
     assert_eq!(starts(&wire(8, 5, &[0, 0, 0]), "sink"), [5, 6, 7]);
 }
@@ -38,18 +38,18 @@ fn one_token_becomes_visible_per_cycle() {
 
 #[test]
 #[should_panic(expected = "FIFO f: depth 0, expected at least 1 (law 1)")]
-fn depth_0_is_refused() {
+fn depth_0_is_rejected() {
     Fifo::<u8>::new("f", 0, 1);
 }
 
 #[test]
 #[should_panic(expected = "FIFO f: latency 0, expected at least 1 (law 1)")]
-fn latency_0_is_refused() {
+fn latency_0_is_rejected() {
     Fifo::<u8>::new("f", 1, 0);
 }
 
 #[test]
-fn a_plan_with_either_is_refused_by_name() {
+fn plan_with_depth_or_latency_0_is_rejected_by_name() {
     let error = |depth, latency| PlanMachine::new(&wire(depth, latency, &[0])).unwrap_err().to_string();
     assert_eq!(error(0, 1), "FIFO `f`: `depth` is 0, expected 1..=1048576");
     assert_eq!(error(1, 0), "FIFO `f`: `latency` is 0, expected 1..=1099511627776");

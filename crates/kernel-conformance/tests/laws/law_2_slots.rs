@@ -17,14 +17,14 @@ fn wire(depth: usize, f: u64, occupancy: u64, latency: u64, tokens: u64) -> Plan
 }
 
 #[test]
-fn a_slot_is_held_from_the_start_through_the_pop() {
+fn slot_is_held_from_start_through_pop() {
     // Latency 5, f = 1: a token that starts at s is visible and popped at s + 6, its slot is free at s + 7. With two
     // slots: 0 and 1, then 7 and 8 in their slots, and so on.
     assert_eq!(starts(&wire(2, 1, 1, 5, 6), "source"), [0, 1, 7, 8, 14, 15]);
 }
 
 #[test]
-fn full_rate_needs_the_depth_of_the_law_and_no_more() {
+fn full_rate_needs_exactly_the_depth_of_law_2() {
     for (f, occupancy, latency) in [(1, 1, 0), (1, 1, 5), (3, 1, 0), (2, 2, 5), (1, 3, 10), (1, 4, 0)] {
         let depth = (latency + f + 1_u64).div_ceil(occupancy) as usize;
         let full_rate: Vec<u64> = (0..40).map(|n| n * occupancy).collect();

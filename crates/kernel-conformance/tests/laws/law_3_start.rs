@@ -7,7 +7,7 @@ use basrelief_kernel_conformance::contract::{Bench, TestEnvironment};
 use basrelief_kernel_conformance::plan::{Kind, PlanRequest};
 
 #[test]
-fn a_join_waits_for_the_last_of_its_inputs() {
+fn join_waits_for_its_last_input() {
     let mut draw = Draw::default();
     draw.fifo("a", 4, 1)
         .fifo("b", 4, 1)
@@ -21,7 +21,7 @@ fn a_join_waits_for_the_last_of_its_inputs() {
 }
 
 #[test]
-fn exactly_the_declared_inputs_are_popped() {
+fn exactly_declared_inputs_are_popped() {
     let mut draw = Draw::default();
     draw.fifo("a", 4, 1)
         .fifo("b", 4, 1)
@@ -36,7 +36,7 @@ fn exactly_the_declared_inputs_are_popped() {
 }
 
 #[test]
-fn every_output_needs_a_slot_even_where_nothing_is_emitted() {
+fn start_needs_slot_on_every_output() {
     let mut draw = Draw::default();
     draw.fifo("in", 8, 1)
         .fifo("out", 1, 1)
@@ -51,7 +51,7 @@ fn every_output_needs_a_slot_even_where_nothing_is_emitted() {
 }
 
 #[test]
-fn where_a_step_emits_nothing_it_reserves_no_slot() {
+fn silent_output_reserves_no_slot() {
     let mut draw = Draw::default();
     draw.fifo("in", 8, 1)
         .fifo("left", 1, 1)
@@ -66,7 +66,7 @@ fn where_a_step_emits_nothing_it_reserves_no_slot() {
 }
 
 #[test]
-fn a_step_starts_only_with_credits_for_the_largest_step() {
+fn start_needs_credits_for_largest_step() {
     // Two reads of 32 bytes per step, 3 credits. Memory: closed 2, and 3 to the data, of 2 cycles per burst.
     let mut draw = Draw::default();
     let read = |offset| PlanRequest { port: "p".into(), write: false, bytes: 32, stride: 0, offset, span: 64 };
@@ -97,7 +97,7 @@ impl Unit for Timeless {
 }
 
 #[test]
-fn an_occupancy_of_0_is_a_fault() {
+fn occupancy_0_is_a_fault() {
     let setting = TestEnvironment { depth: 1, latency: 1, ..TestEnvironment::default() };
     let text = "unit, cycle 1: a step kept its unit for 0 cycles, expected at least 1 (law 3)";
     assert_eq!(fault(|| Bench::new(Timeless, vec![1], None, &[], &setting)), text);

@@ -35,7 +35,7 @@ fn counts(report: &RunReport, port: &str) -> PortCounts {
 }
 
 #[test]
-fn hit_closed_and_conflict_take_their_times() {
+fn hit_closed_and_conflict_have_their_latencies() {
     // Step at 1, three reads, rows 0, 0, 1, in view at 2. Activated 2, column 4, data 7 .. 9. Hit: column 6, data 9 .. 11.
     // Conflict: precharged at 6, activated 10, column 12, data 15 .. 17. Delivered 17, visible 18.
     let plan = client(1, 8, vec![request("p", false, 4, 0), request("p", false, 4, 32), request("p", false, 4, 64)]);
@@ -53,7 +53,7 @@ fn hit_closed_and_conflict_take_their_times() {
 }
 
 #[test]
-fn a_request_is_split_into_aligned_bursts() {
+fn request_is_split_into_aligned_bursts() {
     // 60 bytes from 20 touch the bursts at 0, 32 and 64: as the three requests before, in one.
     let plan = client(1, 1, vec![request("p", false, 60, 20)]);
     assert_eq!(starts(&plan, "sink"), [18]);
@@ -62,7 +62,7 @@ fn a_request_is_split_into_aligned_bursts() {
 }
 
 #[test]
-fn channels_share_nothing_and_take_turns_by_their_bytes() {
+fn channels_share_nothing_and_interleave_by_bytes() {
     // 0 and 32 are in channel 0, 64 in channel 1, where row 0 is closed too: 7 .. 9 on both. The second of channel 0 is a hit
     // at 6: 9 .. 11, visible 12.
     let requests = [0, 32, 64].map(|offset| request("p", false, 32, offset));
@@ -89,7 +89,7 @@ fn writes_are_posted_but_hold_a_credit() {
 }
 
 #[test]
-fn an_answer_is_not_before_the_one_ahead_of_it() {
+fn answers_of_a_port_come_in_order() {
     // Row 0, row 1, row 0: the third is served before the second, at 6, and answered with it.
     let requests = [0, 64, 32].map(|offset| request("p", false, 32, offset));
     let report = report(&client(1, 8, requests.into()));
@@ -115,7 +115,7 @@ fn two_clients(order: [usize; 2]) -> Plan {
 }
 
 #[test]
-fn of_requests_in_one_cycle_the_lower_port_goes_first_however_they_are_wired() {
+fn lower_port_wins_same_cycle_in_any_wiring() {
     for order in [[0, 1], [1, 0]] {
         let plan = two_clients(order);
         // Both arrive at 1. Port 0: column 4, data 7 .. 9, visible 10. Port 1: precharged at 4, column 10, data 13 .. 15,
@@ -126,7 +126,7 @@ fn of_requests_in_one_cycle_the_lower_port_goes_first_however_they_are_wired() {
 }
 
 #[test]
-fn who_comes_first_is_served_first() {
+fn earlier_request_is_served_first() {
     let mut plan = two_clients([0, 1]);
     plan.units[0].latency = vec![1];
     // Client 0 starts one cycle later. Port 1: data 7 .. 9, visible 10; port 0 as the other before.
@@ -136,7 +136,7 @@ fn who_comes_first_is_served_first() {
 }
 
 #[test]
-fn a_step_waits_for_the_last_of_its_answers_whichever_is_known_first() {
+fn step_waits_for_its_last_answer() {
     // Every step reads a slow memory of its own, with one credit, and a quick one that another unit shares: when the
     // quick answers are settled, the slow ones have long been known - once so long that they were forgotten.
     let slow = MemoryConfig { cl: 90, ..small_memory().config };
@@ -158,7 +158,7 @@ fn a_step_waits_for_the_last_of_its_answers_whichever_is_known_first() {
 }
 
 #[test]
-fn waiting_for_memory_is_charged_to_the_port() {
+fn memory_wait_is_charged_to_port() {
     let report = report(&client(2, 1, vec![request("p", false, 32, 0)]));
     // Steps at 1 and at 9; the second answer, a hit: 9 + 1 + 3 + 2 = 15, visible 16. 17 cycles.
     assert_eq!(unit(&report, "client").steps, 2);
@@ -166,7 +166,7 @@ fn waiting_for_memory_is_charged_to_the_port() {
 }
 
 #[test]
-fn requests_can_be_kept_in_the_order_in_which_the_memory_took_them_in() {
+fn request_log_keeps_arrival_order() {
     for engine in [Engine::Timed, Engine::Ticked] {
         let mut machine = machine(&two_clients([1, 0]));
         machine.memories().keep_requests();

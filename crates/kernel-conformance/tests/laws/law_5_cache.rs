@@ -29,7 +29,7 @@ fn counts(plan: &Plan) -> CacheCounts {
 }
 
 #[test]
-fn a_miss_goes_to_memory_and_a_line_in_flight_is_merged() {
+fn miss_goes_to_memory_and_line_in_flight_is_merged() {
     // Three steps, at 1, 2, 3, all of line 0. Miss: closed, column 4, data 7 .. 9, + 2: delivered 11, visible 12. The
     // others find the line in flight: max(9, their start) + 2 = 11 as well, visible one after the other.
     let plan = client(3, (4, 1, 1), vec![look_up(0, 0)]);
@@ -38,7 +38,7 @@ fn a_miss_goes_to_memory_and_a_line_in_flight_is_merged() {
 }
 
 #[test]
-fn once_the_line_is_there_it_is_a_hit() {
+fn present_line_is_a_hit() {
     // The source lets token 1 go at 8: its step is at 9, when the answer is there: a hit, delivered 9 + 2 = 11 - in the
     // cycle of the miss, so visible one later. One cycle sooner it is merged, with the same times.
     for (occupancy, expected) in [(8, (1, 0)), (7, (0, 1))] {
@@ -52,7 +52,7 @@ fn once_the_line_is_there_it_is_a_hit() {
 }
 
 #[test]
-fn a_hit_behind_a_miss_waits() {
+fn hit_behind_miss_waits() {
     // Token 0 misses line 0, token 1 line 1, long after; token 2, at 32, hits line 0 but answers behind line 1.
     let mut plan = client(3, (4, 1, 1), vec![PlanLookUp { span: 64, ..look_up(32, 0) }]);
     plan.units[0].occupancy = vec![30, 1, 1];
@@ -64,7 +64,7 @@ fn a_hit_behind_a_miss_waits() {
 }
 
 #[test]
-fn least_recently_used_goes_first() {
+fn least_recently_used_line_is_replaced() {
     // One set of two ways. Steps look up lines 0 1, 0 2, 0 3: line 0 is used in each, so 2 replaces 1 and 3 replaces 2.
     // Oldest first would lose line 0 to line 2, and miss it twice more.
     let plan = client(3, (1, 2, 1), vec![look_up(0, 0), look_up(32, 32)]);
@@ -76,7 +76,7 @@ fn least_recently_used_goes_first() {
 }
 
 #[test]
-fn a_line_replaced_in_flight_is_a_new_miss() {
+fn line_replaced_in_flight_is_a_new_miss() {
     // One line in all: 0, 1, 0. The first fill of line 0 is under way when line 1 takes its place.
     let plan = client(3, (1, 1, 1), vec![PlanLookUp { span: 64, ..look_up(32, 0) }]);
     // Columns 4, 6, 8: data 7 .. 9, 9 .. 11, 11 .. 13; + 2, visible one later.
@@ -85,7 +85,7 @@ fn a_line_replaced_in_flight_is_a_new_miss() {
 }
 
 #[test]
-fn look_ups_per_cycle_bound_the_rate() {
+fn look_ups_per_cycle_limit_the_rate() {
     // Five distinct lines (one twice) at two per cycle: three cycles per step.
     let lines = [0, 32, 64, 0, 96, 128].map(|offset| look_up(0, offset)).to_vec();
     let mut plan = client(3, (8, 1, 2), lines);
@@ -94,7 +94,7 @@ fn look_ups_per_cycle_bound_the_rate() {
 }
 
 #[test]
-fn a_merged_look_up_may_refer_to_a_request_older_than_the_credits() {
+fn merged_look_up_may_be_older_than_credits() {
     // A unit with four credits, whose memory another shares: line 1 is asked for in step 1 and looked up again in the
     // next, while later steps have issued five more requests by the time the answers are known. Once this was taken for
     // a hit.

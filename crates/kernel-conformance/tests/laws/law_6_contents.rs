@@ -42,7 +42,7 @@ fn tokens_do_not_depend_on_the_memory() {
 }
 
 #[test]
-fn the_handle_takes_requests_and_tells_nothing() {
+fn memory_ports_return_nothing() {
     let mut timed = MemoryPorts::default();
     timed.read(0, 16, 4);
     timed.write(1, 32, 8);

@@ -7,7 +7,7 @@ use basrelief_kernel_conformance::contract::{Bench, TestEnvironment};
 use basrelief_kernel_conformance::plan::Kind;
 
 #[test]
-fn who_gathers_flushes_on_the_last_token() {
+fn gathering_unit_flushes_on_last_token() {
     let mut draw = Draw::default();
     draw.fifo("in", 2, 1)
         .fifo("out", 2, 1)
@@ -90,7 +90,7 @@ fn bench(room: usize, tokens: Vec<Flow>) -> Bench<Batch> {
 }
 
 #[test]
-fn control_takes_effect_when_it_is_popped() {
+fn control_token_takes_effect_when_popped() {
     use Flow::{End, Item, Scale};
     let tokens = vec![Item(1), Scale(10), Item(2), Item(3), End, Item(4), Scale(1), Item(5), End];
     for engine in [Engine::Timed, Engine::Ticked] {
@@ -101,7 +101,7 @@ fn control_takes_effect_when_it_is_popped() {
 }
 
 #[test]
-fn without_its_end_token_a_gathering_unit_does_not_end_normally() {
+fn gathering_unit_without_end_token_deadlocks() {
     let unended = || bench(3, vec![Flow::Item(1), Flow::Item(2)]);
     let report = run(&mut unended(), Engine::Timed);
     assert_eq!(apart(unended).0, report, "work apart from time, left");
@@ -116,7 +116,7 @@ fn without_its_end_token_a_gathering_unit_does_not_end_normally() {
 }
 
 #[test]
-fn holding_more_than_its_memory_is_an_error_and_no_deadlock() {
+fn exceeding_gather_memory_is_error_not_deadlock() {
     let tokens = || vec![Flow::Item(1), Flow::Item(2), Flow::Item(3), Flow::End];
     let what = "more than 2 items in a batch; give `batch.room` more";
     assert_eq!(fault(|| bench(2, tokens())), format!("unit, cycle 3: {what}"));

@@ -41,7 +41,7 @@ fn idle_stretches_do_not_end_a_run() {
 }
 
 #[test]
-fn however_long_they_are() {
+fn long_idle_stretches_do_not_end_a_run() {
     // As before, with 2^40 for 50,000.
     let mut machine = super::common::machine(&wire(3, (1, 1 << 40), 7));
     let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut _| true };
@@ -50,21 +50,21 @@ fn however_long_they_are() {
 }
 
 #[test]
-fn an_empty_run_takes_one_cycle() {
+fn empty_run_takes_one_cycle() {
     let report = report(&wire(0, (1, 0), 1));
     assert_eq!((&report.outcome, report.total), (&Outcome::Complete, 1));
     assert_eq!(account(&report, "source"), "busy 0, done 1");
 }
 
 #[test]
-fn the_last_busy_cycle_counts() {
+fn last_busy_cycle_counts() {
     // One token at 0, visible and popped at 1; the source is kept for 9 cycles, 0 .. 8.
     assert_eq!(report(&wire(1, (9, 0), 1)).total, 9);
     assert_eq!(report(&wire(1, (1, 0), 9)).total, 10);
 }
 
 #[test]
-fn too_little_room_is_a_deadlock_that_names_units_fifos_and_fill() {
+fn deadlock_names_units_fifos_and_levels() {
     // fork: steps at 1 and 3, when b is full. in gets its third token at 4, visible 5: 6 cycles. gather holds two
     // tokens of four, the other two will never come.
     let report = report(&batch_beside(2));
@@ -85,12 +85,12 @@ fn too_little_room_is_a_deadlock_that_names_units_fifos_and_fill() {
 }
 
 #[test]
-fn enough_room_resolves_it() {
+fn enough_slots_resolve_the_deadlock() {
     assert_eq!(report(&batch_beside(4)).outcome, Outcome::Complete);
 }
 
 #[test]
-fn a_limit_ends_the_run_with_the_state_so_far() {
+fn cycle_limit_ends_run_with_current_state() {
     let plan = wire(100, (1, 0), 1);
     let whole = report(&plan).total;
     let (cut, _) = run_both(&plan, 20);
@@ -100,7 +100,7 @@ fn a_limit_ends_the_run_with_the_state_so_far() {
 }
 
 #[test]
-fn the_caller_may_stop_a_run() {
+fn caller_may_stop_a_run() {
     let plan = wire(100_000, (1, 0), 1);
     for engine in [Engine::Timed, Engine::Ticked] {
         let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut _| false };

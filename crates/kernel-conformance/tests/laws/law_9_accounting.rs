@@ -33,7 +33,7 @@ fn busy_starved_blocked_done() {
 }
 
 #[test]
-fn too_few_credits_is_memory() {
+fn too_few_credits_count_as_memory() {
     // One credit. Step 0 at 1: closed, column 4, data 7 .. 9. The credit is back at 9: step 1. 2 .. 8 memory.
     // Hit, column 10, data 13 .. 15, visible and popped 16: 17 cycles.
     let report = report(&around(request(false), 2, 1, 8, 1));
@@ -42,7 +42,7 @@ fn too_few_credits_is_memory() {
 }
 
 #[test]
-fn a_full_output_whose_oldest_token_awaits_an_answer_is_memory_until_then() {
+fn full_output_awaiting_answer_counts_as_memory() {
     // Credits enough, one slot. Step 0 at 1, data 7 .. 9, visible and popped 10, slot free 11: step 1. Of 2 .. 10, up to
     // the answer at 9 it is the memory that holds it; 9 and 10 are the FIFO's. Hit, column 12, data 15 .. 17, popped 18.
     let report = report(&around(request(false), 2, 8, 1, 1));
@@ -51,7 +51,7 @@ fn a_full_output_whose_oldest_token_awaits_an_answer_is_memory_until_then() {
 }
 
 #[test]
-fn a_posted_write_holds_no_token() {
+fn posted_write_delays_no_token() {
     // As before with a write: visible and popped 2, slot free 3, step 1 there. 2 is the FIFO's. Popped 4. The memory
     // moves data 7 .. 9 and, a hit with its column command at 6, 9 .. 11.
     let report = report(&around(request(true), 2, 8, 1, 1));
@@ -60,7 +60,7 @@ fn a_posted_write_holds_no_token() {
 }
 
 #[test]
-fn a_hit_counts_as_memory_with_its_latency() {
+fn hit_latency_counts_as_memory() {
     // Line 0 twice, the second long after the first; then a third right behind, into one slot.
     let lookups = vec![PlanLookUp { stride: 0, offset: 0, span: 64 }];
     let mut plan = around(Kind::Cached { cache: "cache".into(), lookups }, 3, 8, 1, 1);
@@ -76,7 +76,7 @@ fn a_hit_counts_as_memory_with_its_latency() {
 }
 
 #[test]
-fn the_first_starved_input_counts() {
+fn first_starved_input_counts() {
     let mut draw = Draw::default();
     draw.fifo("a", 4, 1)
         .fifo("b", 4, 1)
@@ -90,7 +90,7 @@ fn the_first_starved_input_counts() {
 }
 
 #[test]
-fn in_a_deadlock_units_keep_the_cause_that_holds_them() {
+fn deadlocked_units_keep_their_cause() {
     let mut draw = Draw::default();
     draw.fifo("a", 2, 1)
         .fifo("b", 2, 1)

@@ -46,13 +46,13 @@ fn columns(config: &MemoryConfig, sent: &[Sent]) -> Vec<(u64, u64)> {
 }
 
 #[test]
-fn row_hits_follow_each_other_at_the_rate_of_the_bus_and_the_column_is_latency() {
+fn row_hits_run_at_bus_rate_and_cl_is_latency() {
     let slow = MemoryConfig { cl: 40, ..quick() };
     assert_eq!(served(&slow, &[(0, 0, READ, 7); 3]), [(0, 8, 50), (1, 10, 52), (2, 12, 54)]);
 }
 
 #[test]
-fn a_closed_bank_is_activated_and_another_row_precharged() {
+fn closed_bank_is_activated_and_other_row_precharged() {
     let config = MemoryConfig { rcd: 5, rp: 11, ..quick() };
     // In view, and activated, at 1: column at 6. Precharged with that, for nothing keeps the bank longer: 6 + 11 + 5.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (0, 1, READ, 0)]), [(0, 6), (1, 22)]);
@@ -69,14 +69,14 @@ fn a_closed_bank_is_activated_and_another_row_precharged() {
 }
 
 #[test]
-fn row_commands_go_while_others_move_data() {
+fn row_commands_overlap_data() {
     let config = MemoryConfig { rcd: 3, burst_cycles: 4, ..quick() };
     // Bank 1 is activated at 1, as bank 0; its column waits for the bus alone.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (1, 0, READ, 0)]), [(0, 4), (1, 8)]);
 }
 
 #[test]
-fn a_bank_is_precharged_after_ras_rtp_and_wr() {
+fn precharge_waits_for_ras_rtp_and_wr() {
     let next = |config: MemoryConfig, first: bool| columns(&config, &[(0, 0, first, 0), (0, 1, READ, 0)])[1].1;
     // Activated, and read, at 1.
     assert_eq!(next(MemoryConfig { ras: 20, ..quick() }, READ), 1 + 20);
@@ -87,7 +87,7 @@ fn a_bank_is_precharged_after_ras_rtp_and_wr() {
 }
 
 #[test]
-fn a_change_of_direction_takes_its_time() {
+fn bus_turnaround_takes_its_time() {
     let config = MemoryConfig { cl: 6, cwl: 2, wtr: 7, burst_cycles: 3, ..quick() };
     // Write to read: 2 + 3 + 7. Read to write: 6 + 3 + 1 - 2.
     assert_eq!(columns(&config, &[(0, 0, WRITE, 0), (0, 0, READ, 1), (0, 0, WRITE, 50)]), [(0, 1), (1, 13), (2, 51)]);
@@ -98,7 +98,7 @@ fn a_change_of_direction_takes_its_time() {
 }
 
 #[test]
-fn activations_keep_their_distance_and_four_take_faw() {
+fn activations_keep_rrd_and_faw() {
     let sent: Vec<Sent> = (0..6).map(|n| (n % 4, u64::from(n / 4), READ, 0)).collect();
     let config = MemoryConfig { rrd: 5, window: 1, ..quick() };
     // In view one after the other; activated at 1, 6, 11 ...
@@ -108,7 +108,7 @@ fn activations_keep_their_distance_and_four_take_faw() {
 }
 
 #[test]
-fn first_ready_goes_first_the_oldest_of_equals() {
+fn first_ready_wins_then_oldest() {
     let config = MemoryConfig { rcd: 4, rp: 4, ..quick() };
     // Row 0 is opened at 1; number 1 wants another, and 2 the same: that goes before.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (0, 1, READ, 0), (0, 0, READ, 0)]), [(0, 5), (2, 7), (1, 15)]);
@@ -117,14 +117,14 @@ fn first_ready_goes_first_the_oldest_of_equals() {
 }
 
 #[test]
-fn a_window_of_one_is_order_of_arrival() {
+fn window_of_one_serves_in_arrival_order() {
     let config = MemoryConfig { rcd: 4, rp: 4, window: 1, ..quick() };
     // Number 1 comes into view at 6, and its row is opened then.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (0, 1, READ, 0), (0, 0, READ, 0)]), [(0, 5), (1, 14), (2, 23)]);
 }
 
 #[test]
-fn the_oldest_is_passed_over_cap_times_at_most() {
+fn oldest_is_passed_over_at_most_cap_times() {
     let hits: Vec<Sent> = [(0, 0, READ, 0), (0, 1, READ, 0)].into_iter().chain([(0, 0, READ, 0); 5]).collect();
     let order = |cap: u32| -> Vec<u64> {
         let config = MemoryConfig { rp: 90, window: 16, cap, ..quick() };
@@ -136,7 +136,7 @@ fn the_oldest_is_passed_over_cap_times_at_most() {
 }
 
 #[test]
-fn a_refresh_closes_all_rows_and_activations_wait_for_it() {
+fn refresh_closes_rows_and_delays_activations() {
     let config = MemoryConfig { rcd: 3, refi: 20, rfc: 8, ..quick() };
     // Closed at 0; open at 15; the refresh at 20 closes it: activated at 28.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (0, 0, READ, 14), (0, 0, READ, 19)]), [(0, 4), (1, 15), (2, 31)]);
@@ -149,7 +149,7 @@ fn a_refresh_closes_all_rows_and_activations_wait_for_it() {
 }
 
 #[test]
-fn a_choice_waits_until_nothing_can_change_it() {
+fn choice_waits_until_final() {
     let config = MemoryConfig { rcd: 9, window: 2, ..quick() };
     let burst = |row, arrival| Burst { bank: 0, row, write: READ, arrival: Cycle(arrival), client: 0, request: 0 };
     let mut channel = Channel::new(&config);
@@ -166,7 +166,7 @@ fn a_choice_waits_until_nothing_can_change_it() {
 }
 
 #[test]
-fn a_burst_comes_into_view_after_the_command_that_made_room_also_where_that_was_served_ahead() {
+fn burst_enters_view_after_command_that_made_room() {
     let config = MemoryConfig { rcd: 9, window: 1, ..quick() };
     let mut channel = Channel::new(&config);
     channel.push(Burst { bank: 0, row: 0, write: READ, arrival: Cycle(0), client: 0, request: 0 });

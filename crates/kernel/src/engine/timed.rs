@@ -10,7 +10,7 @@
 //!    from its state. Tokens of one FIFO come in order, from one producer to one consumer. So the steps of a unit, and the
 //!    tokens on each FIFO, are the same in any order of visits. [`Unit::step`](crate::Unit::step) receives no cycle;
 //!    [`check_wiring`](crate::check_wiring) finds a FIFO with two producers or consumers. Tests `laws/law_6_contents`,
-//!    `wiring::a_fifo_has_one_producer_and_one_consumer`.
+//!    `wiring::fifo_has_one_producer_and_one_consumer`.
 //! 2. **A known time is final.** Visible, popped and answer times are written once, when all their inputs are known. An unknown time is
 //!    later than any known time. `FifoTiming::deliver`, `FifoTiming::pop`, `Memory::serve`; `Cycle::UNKNOWN`. Tests
 //!    `laws/law_1_fifo`, `laws/law_2_slots`.
@@ -20,8 +20,8 @@
 //! 4. **Requests of a client arrive in order of time.** They arrive at the starts of one stage's steps, which only grow, so the queue of a
 //!    port is sorted. This needs one stage per client, requests to that stage's clients only, and credits for the largest
 //!    step; otherwise a start would be known too early or never. `check_wiring`; `MemoryPorts::settle` refuses other requests.
-//!    Tests `wiring::a_memory_client_belongs_to_one_stage_and_exists`, `wiring::the_largest_step_finds_credits`,
-//!    `wiring::traffic_to_no_client_is_a_fault`, `wiring::a_step_beyond_the_largest_is_a_fault`.
+//!    Tests `wiring::memory_client_exists_and_belongs_to_one_stage`, `wiring::largest_step_has_enough_credits`,
+//!    `wiring::request_to_missing_client_is_a_fault`, `wiring::step_beyond_largest_is_a_fault`.
 //! 5. **A served choice is final.** A request that arrives at *h* or later comes into view at *h* + 1 at the earliest, and is served
 //!    there at the earliest. So if no unknown request arrives before *h*, a memory may serve every burst whose column command is at
 //!    *h* + 1 or before, all bursts while its window is full, and its oldest burst once that has been passed over `cap` times.
@@ -35,7 +35,7 @@
 //!    some chain of FIFOs and credits, for an answer to a waiting request. The horizon is the earliest possible such answer:
 //!    the least latency after the first column command that a memory can still issue. Therefore a delivery must not seem to
 //!    wait for an answer on which it does not depend: `InFlightSteps::land` lets steps overtake earlier steps that emit nothing or emit
-//!    elsewhere. `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `flights`.
+//!    elsewhere. `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `in_flight`.
 //! 8. **The engine terminates.** An answer comes at least one cycle after its column command, so the burst that sets the horizon is
 //!    served, or its request is split into bursts. Each round makes a step, advances a memory, or is the last. Test `laws/law_8_end`.
 //! 9. **A skipped stage could do nothing.** A visit depends on the stage itself and on four inputs: its front token is visible, its

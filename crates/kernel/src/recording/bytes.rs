@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_come_back() {
+    fn numbers_round_trip() {
         for value in [0, 1, 127, 128, 16_383, 16_384, u64::MAX / 2, u64::MAX] {
             let mut bytes = Vec::new();
             put(&mut bytes, value);

@@ -42,14 +42,14 @@ fn expect(draw: &Draw, expected: &[(&str, u64)]) {
 
 /// The work of the middle unit back to back, once the first token has come and until the last has gone.
 #[test]
-fn the_unit_that_is_always_busy_is_the_path() {
+fn always_busy_unit_is_the_path() {
     let draw = Draw::chain();
     expect(&draw, &[("fifo a", 1), ("occupancy work", 9), ("latency work", 2), ("fifo b", 1), ("occupancy sink", 1)]);
 }
 
 /// The same; steps of each stage are for the tokens 0 to 3, one after the other.
 #[test]
-fn a_stretch_is_of_the_step_that_it_begins_with() {
+fn segment_belongs_to_its_first_step() {
     let draw = Draw::chain();
     let by_group = |groups: &[StageGroups]| path_by(&draw.0, usize::MAX, groups).unwrap().by_group;
     let tokens = vec![groups(0..4); 3];
@@ -72,7 +72,7 @@ fn groups(of: impl IntoIterator<Item = u32>) -> StageGroups {
 
 /// One slot: source at 0, 2, 4, sink at 1, 3, 5.
 #[test]
-fn a_single_slot_goes_to_and_fro() {
+fn single_slot_alternates_on_path() {
     let mut draw = Draw::default();
     draw.fifo("a", 1, 1).unit("source", Kind::Source { tokens: 3 }, ["", "a"], &[1], &[0]).unit(
         "sink",
@@ -87,7 +87,7 @@ fn a_single_slot_goes_to_and_fro() {
 /// Asked for at 1, in view at 2, its row open at 4, its data there at 9. The second asks at 9 with the credit that the first gives
 /// back: its row is open, so that it has its data at 15.
 #[test]
-fn a_request_is_told_phase_by_phase() {
+fn request_appears_phase_by_phase() {
     let request = |write| PlanRequest { port: "p".into(), write, bytes: 32, stride: 0, offset: 0, span: 64 };
     let mut draw = Draw::default();
     draw.fifo("a", 2, 1)
@@ -102,7 +102,7 @@ fn a_request_is_told_phase_by_phase() {
 }
 
 #[test]
-fn there_is_no_path_through_more_than_is_kept() {
+fn too_many_events_give_no_path() {
     let mut draw = Draw::default();
     draw.fifo("a", 1, 1).unit("source", Kind::Source { tokens: 30 }, ["", "a"], &[1], &[0]).unit(
         "sink",
@@ -133,7 +133,7 @@ fn rest_made_ideal(plan: &Plan, path: &CriticalPath) -> Plan {
 
 proptest! {
     #[test]
-    fn a_path_is_as_long_as_the_run(recipe in recipe()) {
+    fn path_is_as_long_as_run(recipe in recipe()) {
         let (plan, _) = recipe.plan();
         let report = run_both(&plan, u64::MAX).0;
         let path = path_of(&plan, usize::MAX);
@@ -152,9 +152,9 @@ proptest! {
     /// A path binds from below: as long as nothing on it gets shorter, nor does the run. (Where memories are shared what is faster
     /// may come first.)
     #[test]
-    fn what_is_not_on_the_path_limits_nothing(recipe in recipe()) {
+    fn unit_off_the_path_limits_nothing(recipe in recipe()) {
         let mut recipe = recipe;
-        recipe.parts.retain(|part| !matches!(part, common::random::MemoryPart::Access { .. } | common::random::MemoryPart::Cached { .. }));
+        recipe.parts.retain(|part| !matches!(part, common::random::GraphPart::Access { .. } | common::random::GraphPart::Cached { .. }));
         let (plan, _) = recipe.plan();
         let report = run_both(&plan, u64::MAX).0;
         if let Some(path) = path_of(&plan, usize::MAX) {

@@ -115,7 +115,7 @@ impl Machine for Bench {
 }
 
 #[test]
-fn both_engines_agree_where_steps_overtake_each_other() {
+fn both_engines_agree_when_steps_overtake() {
     for depth in [1, 3, 16, 64] {
         for cl in [0, 6, 60] {
             for outstanding in [1, 2, 8, 32] {

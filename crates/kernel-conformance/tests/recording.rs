@@ -35,7 +35,7 @@ fn timed_again(tape: &[RecordingChunk], plan: &Plan) -> Result<RunReport, Resimu
 proptest! {
     /// Law 6, of the units of plans: what they do is the same under any times.
     #[test]
-    fn the_tape_is_the_same_under_any_times(recipe in recipe(), other in recipe()) {
+    fn recording_is_independent_of_timing(recipe in recipe(), other in recipe()) {
         let (plan, _) = recipe.plan();
         let slower = other_times(&plan, &other);
         let [here, there] = [&plan, &slower].map(|plan| run_both(plan, u64::MAX).0.outcome);
@@ -45,7 +45,7 @@ proptest! {
     }
 
     #[test]
-    fn timing_a_tape_again_gives_what_a_run_gives(recipe in recipe(), other in recipe()) {
+    fn resimulation_equals_run(recipe in recipe(), other in recipe()) {
         let (plan, _) = recipe.plan();
         let slower = other_times(&plan, &other);
         let (recorded, ran) = (run_both(&plan, u64::MAX).0, run_both(&slower, u64::MAX).0);
@@ -60,7 +60,7 @@ proptest! {
 
     /// Held and read once, with all of a report or with its cycles alone.
     #[test]
-    fn a_tape_that_is_held_gives_the_same_each_time(recipe in recipe(), other in recipe()) {
+    fn shared_recording_gives_same_report_each_time(recipe in recipe(), other in recipe()) {
         let (plan, _) = recipe.plan();
         let recorded = tape(&plan, u64::MAX);
         let shape = |plan: &Plan| Netlist::of(&mut machine(plan)).unwrap();
@@ -74,7 +74,7 @@ proptest! {
     }
 
     #[test]
-    fn frames_come_back_from_their_bytes(recipe in recipe()) {
+    fn chunks_round_trip_through_bytes(recipe in recipe()) {
         for reel in tape(&recipe.plan().0, u64::MAX) {
             prop_assert_eq!(RecordingChunk::from_bytes(&reel.to_bytes()), Ok(reel));
         }
@@ -82,7 +82,7 @@ proptest! {
 
     /// Whatever a tape says, timing it ends, in a report or an error.
     #[test]
-    fn a_spoiled_tape_hurts_nobody(recipe in recipe(), changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut: bool) {
+    fn corrupt_recording_causes_no_panic(recipe in recipe(), changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut: bool) {
         let (plan, _) = recipe.plan();
         let mut spoiled = Vec::new();
         for reel in tape(&plan, u64::MAX) {
@@ -104,7 +104,7 @@ proptest! {
 }
 
 #[test]
-fn work_that_is_stopped_is_timed_as_far_as_it_went() {
+fn stopped_work_is_timed_up_to_its_end() {
     let mut plan = Draw::chain().0;
     plan.units[0].kind = Kind::Source { tokens: 400 };
     let whole = run_both(&plan, u64::MAX).0;
@@ -119,7 +119,7 @@ fn work_that_is_stopped_is_timed_as_far_as_it_went() {
 
 /// However long the FIFOs are, and however much could be done before anybody takes it.
 #[test]
-fn pieces_of_work_are_small() {
+fn step_batches_are_small() {
     let mut plan = Draw::chain().0;
     plan.units[0].kind = Kind::Source { tokens: 5_000 };
     plan.fifos.iter_mut().for_each(|fifo| fifo.depth = 10_000);
@@ -130,7 +130,7 @@ fn pieces_of_work_are_small() {
 }
 
 #[test]
-fn a_tape_that_ends_early_names_the_unit_that_could_go_on() {
+fn truncated_recording_names_unit_that_could_continue() {
     let plan: Plan = serde_json::from_str(include_str!("laws/merged_late.json")).unwrap();
     let whole = tape(&plan, u64::MAX);
     let cut = tape(&plan, run_both(&plan, u64::MAX).0.total / 2);
@@ -140,7 +140,7 @@ fn a_tape_that_ends_early_names_the_unit_that_could_go_on() {
 }
 
 #[test]
-fn a_shape_tells_other_work() {
+fn netlist_detects_other_work() {
     let plan: Plan = serde_json::from_str(include_str!("laws/merged_late.json")).unwrap();
     let shape = |plan: &Plan| Netlist::of(&mut machine(plan)).unwrap();
     let mut longer = plan.clone();
