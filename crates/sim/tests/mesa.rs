@@ -68,12 +68,15 @@ fn texture_mapping_system_matches_mesa() {
 #[test]
 fn rate_limited_renderer_matches_mesa() {
     let Some(mesa) = Mesa::find() else { return };
+    let small_tiles = &[("tile.width", "4"), ("tile.height", "4")][..];
     for model in models(&MODELS) {
-        let db = decibels(&mesa, &model, ("defer", &[]), TextureFilter::Trilinear);
+        // Its textures are smaller than a standard tile, so only small tiles give it a pyramid.
+        let is_alcove = name_of(&model) == "alcove.gltf";
+        let settings = if is_alcove { small_tiles } else { &[] };
+        let db = decibels(&mesa, &model, ("defer", settings), TextureFilter::Trilinear);
         assert!(db >= 45.0, "{}: {db:.2} dB", model.display());
     }
-    let small = ("defer", &[("tile.width", "4"), ("tile.height", "4")][..]);
     let Some(folder) = foreign_models() else { return };
-    let db = decibels(&mesa, &folder.join("ClearcoatWicker.glb"), small, TextureFilter::Trilinear);
+    let db = decibels(&mesa, &folder.join("ClearcoatWicker.glb"), ("defer", small_tiles), TextureFilter::Trilinear);
     assert!(db >= 54.0, "tiles of 4 x 4: {db:.2} dB");
 }
