@@ -1,23 +1,23 @@
-//! What may be held of what strangers send, counted before it is allocated.
+//! Memory limit for untrusted input, counted before memory is allocated.
 
 use std::fmt::{self, Display, Formatter};
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// Memory for all that is read from outside; clones draw on the same.
+/// Pool of memory for untrusted input. Clones share one pool.
 ///
-/// Who is about to hold something takes as much from it first: [`Budget::take`]. What is counted is what is held, so a small
-/// file that unfolds into much counts as much. What a program takes by itself is not counted.
+/// A reader takes memory from the pool with [`Budget::take`] before it allocates. The count covers data structures and not
+/// file sizes, so that a small file that expands into large structures is refused. Memory of the program itself is not counted.
 #[derive(Clone, Debug)]
 pub struct Budget(Arc<Account>);
 
 #[derive(Debug)]
 struct Account {
     limit: u64,
-    /// What to do where that is too little.
+    /// Advice for errors.
     advice: &'static str,
-    /// Atomic, since tiles of a server are fetched by several threads.
+    /// Returns the bytes taken. Atomic, because several threads fetch tiles of a server.
     held: AtomicU64,
 }
 
@@ -28,41 +28,41 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// What may be held where nobody says otherwise \[bytes\].
+    /// Default limit \[bytes\].
     pub const DEFAULT: u64 = 1 << 30;
 
-    /// So many bytes may be held at a time, as the user says.
+    /// Creates a pool of this many bytes, whose errors name `--memory-limit`.
     pub fn new(limit: u64) -> Self {
         Self::with_advice(limit, "give more with --memory-limit, if this input is to be trusted")
     }
 
-    /// So many bytes may be held at a time, with what an error advises where more would be needed.
+    /// Creates a pool of this many bytes, with advice for its errors.
     pub fn with_advice(limit: u64, advice: &'static str) -> Self {
         Self(Arc::new(Account { limit, advice, held: AtomicU64::new(0) }))
     }
 
-    /// What may still be taken \[bytes\].
+    /// Returns the bytes that are left.
     pub fn left(&self) -> u64 {
         self.0.limit.saturating_sub(self.0.held.load(Relaxed))
     }
 
-    /// Takes `bytes` for `what`: a noun, such as `texels`. Given back when the result is dropped.
+    /// Takes `bytes` for `what`: a noun, such as `texels`. Dropping the result gives them back.
     ///
     /// # Errors
-    /// More than is left; then nothing is taken.
+    /// `bytes` exceeds the bytes that are left. Nothing is taken then.
     pub fn take(&self, bytes: u64, what: impl Display) -> Result<Held, OverBudget> {
         let mut held = self.nothing();
         held.grow(bytes, what)?;
         Ok(held)
     }
 
-    /// Nothing yet, to grow.
+    /// Returns a reservation of 0 bytes, which can grow.
     pub fn nothing(&self) -> Held {
         Held { budget: self.clone(), bytes: 0 }
     }
 }
 
-/// Bytes taken from a [`Budget`], given back when this is dropped.
+/// Reservation of bytes of a [`Budget`]. Dropping it gives the bytes back.
 #[derive(Debug)]
 pub struct Held {
     budget: Budget,
@@ -70,10 +70,10 @@ pub struct Held {
 }
 
 impl Held {
-    /// Takes more.
+    /// Takes more bytes.
     ///
     /// # Errors
-    /// More than is left; then nothing is taken.
+    /// `bytes` exceeds the bytes that are left. Nothing is taken then.
     pub fn grow(&mut self, bytes: u64, what: impl Display) -> Result<(), OverBudget> {
         let Account { limit, advice, held } = &*self.budget.0;
         let more = |before: u64| before.checked_add(bytes).filter(|sum| sum <= limit);
@@ -83,7 +83,7 @@ impl Held {
         Ok(())
     }
 
-    /// Makes room in a list for `more` items, as it would grow by itself: by as much as it has.
+    /// Makes room in a list for `more` items. A full list doubles its capacity.
     ///
     /// # Errors
     /// As [`Held::grow`].
@@ -96,29 +96,29 @@ impl Held {
         Ok(())
     }
 
-    /// Gives back all but so many bytes.
+    /// Gives back all but this many bytes.
     pub fn shrink_to(&mut self, bytes: u64) {
         self.give_back(self.bytes.saturating_sub(bytes));
     }
 
-    /// Gives back so many bytes, at most all.
+    /// Gives back this many bytes, at most all.
     pub fn give_back(&mut self, bytes: u64) {
         let bytes = bytes.min(self.bytes);
         self.bytes -= bytes;
         self.budget.0.held.fetch_sub(bytes, Relaxed);
     }
 
-    /// Bytes taken.
+    /// Returns the bytes taken.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// What another has taken is this one's from now on.
+    /// Adds the bytes of another reservation.
     pub fn join(&mut self, mut other: Self) {
         self.bytes += std::mem::take(&mut other.bytes);
     }
 
-    /// Never given back: what was taken for stays to the end of the program.
+    /// Keeps the bytes until the program ends.
     pub fn keep(mut self) {
         self.bytes = 0;
     }
@@ -130,13 +130,13 @@ impl Drop for Held {
     }
 }
 
-/// More than may be held.
+/// Error of a request that exceeds the limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OverBudget {
-    /// For what.
+    /// Purpose of the request.
     what: String,
     bytes: u64,
-    /// Before.
+    /// Bytes that were taken before.
     held: u64,
     limit: u64,
     advice: &'static str,
@@ -159,13 +159,13 @@ impl From<OverBudget> for io::Error {
 }
 
 impl OverBudget {
-    /// The error that a reader or writer hands through, where it is one of these.
+    /// Returns the limit error inside an I/O error, or `None` for another I/O error.
     pub fn within(error: &io::Error) -> Option<&Self> {
         error.get_ref()?.downcast_ref()
     }
 }
 
-/// Bytes in words: `1 GiB`, `1.5 MiB`.
+/// Number of bytes that is shown as `1 GiB` or `1.5 MiB`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size(pub u64);
 
@@ -173,7 +173,7 @@ impl Display for Size {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let unit = [("GiB", 30), ("MiB", 20), ("KiB", 10)].into_iter().find(|(_, bits)| self.0 >> bits > 0);
         let Some((unit, bits)) = unit else { return write!(f, "{} bytes", self.0) };
-        // Tenths, rounded up: what is over a limit does not look like it.
+        // Tenths are rounded up, so that a size above a limit is not shown as the limit.
         match (u128::from(self.0) * 10).div_ceil(1 << bits) {
             tenths if tenths.is_multiple_of(10) => write!(f, "{} {unit}", tenths / 10),
             tenths => write!(f, "{}.{} {unit}", tenths / 10, tenths % 10),
@@ -184,7 +184,7 @@ impl Display for Size {
 impl std::str::FromStr for Size {
     type Err = String;
 
-    /// A whole number of bytes, or of `KiB`, `MiB` or `GiB`.
+    /// Parses a whole number of bytes, `KiB`, `MiB` or `GiB`.
     fn from_str(text: &str) -> Result<Self, String> {
         let units = [("KiB", 10), ("MiB", 20), ("GiB", 30)];
         let unit = units.into_iter().find_map(|(unit, bits)| Some((text.strip_suffix(unit)?, bits)));
@@ -194,7 +194,7 @@ impl std::str::FromStr for Size {
     }
 }
 
-/// Bytes that are written to memory, counted as they come.
+/// Writer into memory that counts bytes as they arrive.
 #[derive(Debug)]
 pub struct Growing {
     bytes: Vec<u8>,
@@ -203,22 +203,22 @@ pub struct Growing {
 }
 
 impl Growing {
-    /// Nothing yet.
+    /// Creates an empty buffer.
     pub fn new(budget: &Budget, what: &'static str) -> Self {
         Self { bytes: Vec::new(), held: budget.nothing(), what }
     }
 
-    /// What was written, and what it holds.
+    /// Returns the bytes written and their reservation.
     pub fn into_parts(self) -> (Vec<u8>, Held) {
         (self.bytes, self.held)
     }
 
-    /// Bytes so far.
+    /// Returns the number of bytes written.
     pub fn len(&self) -> usize {
         self.bytes.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if nothing was written.
     pub fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
@@ -236,10 +236,10 @@ impl Write for Growing {
     }
 }
 
-/// Reads to the end, counted as it comes. `expected`: bytes there should be, where known.
+/// Reads to the end and counts bytes as they arrive. `expected` is the number of bytes, or 0 if it is unknown.
 ///
 /// # Errors
-/// Whatever keeps it from being read, and [`OverBudget`].
+/// A failed read, or [`OverBudget`].
 pub fn read_to_end(reader: &mut dyn Read, expected: u64, budget: &Budget, what: &'static str) -> io::Result<(Vec<u8>, Held)> {
     let mut all = Growing::new(budget, what);
     all.held.room(&mut all.bytes, usize::try_from(expected).unwrap_or(usize::MAX), what)?;
@@ -252,7 +252,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_dropped_is_given_back() {
+    fn dropped_reservation_is_given_back() {
         let budget = Budget::new(100);
         let mut a = budget.take(60, "texels").unwrap();
         assert_eq!(budget.clone().left(), 40);

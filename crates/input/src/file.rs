@@ -5,10 +5,10 @@ use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
 use std::path::{Component, Path};
 
-/// A text file, and what it takes; a device that never ends is an error, not all of the memory.
+/// Reads a text file, with its reservation. A device that never ends exceeds the limit.
 ///
 /// # Errors
-/// What keeps it from being read, [`OverBudget`](crate::OverBudget), and `InvalidData` where it is no UTF-8.
+/// A failed read, [`OverBudget`](crate::OverBudget), or `InvalidData` if the file is not UTF-8.
 pub fn read_text(path: &Path, budget: &Budget) -> io::Result<(String, Held)> {
     let (bytes, held) = read_to_end(&mut File::open(path)?, 0, budget, "a text")?;
     String::from_utf8(bytes).map(|text| (text, held)).map_err(|_| io::ErrorKind::InvalidData.into())

@@ -1,4 +1,4 @@
-//! JSON, with the place and the words of what is wrong.
+//! JSON whose errors name their place in plain words.
 
 use crate::strict::Strict;
 use crate::words::plain;
@@ -7,22 +7,22 @@ use serde_json::Deserializer;
 use serde_json::de::Read;
 use serde_path_to_error::{Path, Track};
 
-/// What is wrong with a JSON text, and where.
+/// Fault of a JSON text, with its place.
 #[derive(Debug)]
 pub struct JsonFault {
-    /// Where in the document; empty where no place could be made out.
+    /// Path in the document; empty if it is unknown.
     pub path: Path,
-    /// Line, from 1; 0 where unknown.
+    /// Line, from 1; 0 if unknown.
     pub line: usize,
-    /// Column \[bytes, from 1\]; 0 where unknown.
+    /// Column \[bytes, from 1\]; 0 if unknown.
     pub column: usize,
-    /// The text is JSON, but does not say what it should.
+    /// The text is JSON, but has a wrong type, key or value.
     pub is_data: bool,
-    /// What was found, and where known what was expected.
+    /// The value found and, if known, the value expected.
     pub message: String,
 }
 
-/// Reads a value. A list is no object, and what follows the value is an error.
+/// Reads a value. A list for an object and text behind the value are errors.
 ///
 /// # Errors
 /// Not JSON, or not the JSON that was expected.
@@ -38,8 +38,8 @@ pub fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, JsonFault> {
     read(|| Deserializer::from_slice(bytes))
 }
 
-/// Keeping track of the place takes time, so it is done only where there is a fault to place, at a second reading. Not so in the page:
-/// there every reader is loaded, and of every type a second one.
+/// Tracking places takes time, so a faulty text is read a second time for its place. The page for browsers reads once, because it would
+/// have to load a second reader for every type.
 fn read<'a, R: Read<'a>, T: DeserializeOwned>(open: impl Fn() -> Deserializer<R>) -> Result<T, JsonFault> {
     let unplaced = |error| fault(Track::new().path(), &error);
     #[cfg(not(target_family = "wasm"))]
@@ -99,7 +99,7 @@ mod tests {
         (fault.path.to_string(), fault.message)
     }
 
-    /// serde takes a list for a struct, field by field; each place where one can stand is tried.
+    /// serde reads a list as a struct, field by field. Each place that can hold a list is tested.
     #[test]
     fn a_list_is_no_object_anywhere() {
         let expected = "a list stands here, expected an object";
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_right_is_read() {
+    fn valid_value_is_read() {
         let text = r#"{"one": {"a": 1, "b": [1, 2]}, "many": [{"a": 2}], "named": {"x": {"a": 3}},
             "choices": [{"new": {"a": 4}}, {"fields": {"x": 5}}, {"empty": {}}]}"#;
         let inner = |a| Inner { a, b: None };

@@ -1,5 +1,5 @@
-//! Reading what strangers send: a budget of memory for it; JSON whose
-//! objects are objects, with errors in plain words.
+//! Reading of untrusted input: a limit of memory, and JSON with errors in
+//! plain words that does not accept lists as objects.
 
 mod budget;
 mod file;

@@ -1,13 +1,12 @@
-//! A deserializer that takes objects for structs, and nothing else.
+//! Deserializer that accepts only objects as structs.
 //!
-//! serde's derived code also takes a list, field by field: `"asset": ["2.0", null]` would be glTF, and a trace could leave
-//! its keys out. Refused here, in one place for all structs there are; an attribute at each of them would be forgotten at
-//! the next.
+//! serde's derived code also accepts a list, field by field: `"asset": ["2.0", null]` would be glTF, and a trace could leave
+//! its keys out. This module refuses lists for all structs. An attribute at each struct would be forgotten at the next one.
 
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error, MapAccess, SeqAccess, VariantAccess, Visitor};
 use std::fmt;
 
-/// Passes everything on to what it wraps, and wraps what comes back.
+/// Forwards every call to the wrapped value, and wraps the result.
 pub(crate) struct Strict<T>(pub T);
 
 macro_rules! pass_on {
@@ -54,7 +53,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<D> {
         deserialize_ignored_any();
     }
 
-    /// The one thing that differs.
+    /// The only call that is not forwarded: a list is refused.
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _: &'static str,
@@ -192,7 +191,7 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Strict<A> {
         self.0.tuple_variant(length, Strict(visitor))
     }
 
-    /// As a value of its own: asked for the fields of a variant, `serde_json` takes a list, too.
+    /// Reads a variant as a value of its own, because `serde_json` accepts a list for its fields, too.
     fn struct_variant<V: Visitor<'de>>(self, _: &'static [&'static str], visitor: V) -> Result<V::Value, A::Error> {
         self.0.newtype_variant_seed(Fields(visitor))
     }

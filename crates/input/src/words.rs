@@ -1,6 +1,6 @@
-//! The words of serde and `serde_json` in those of a user, who sees lists, objects and numbers, and no types.
+//! Errors of serde and `serde_json` in terms of JSON: lists, objects and numbers.
 
-/// What is wrong, without line and column.
+/// Text of an error, without line and column.
 pub(crate) fn plain(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let text = text.strip_suffix(&format!(" at line {} column {}", error.line(), error.column())).unwrap_or(&text);
@@ -30,7 +30,7 @@ fn syntax(text: &str) -> String {
     }
 }
 
-/// What stands there.
+/// Name of the value found.
 fn unexpected(found: &str) -> String {
     let number = found.strip_prefix("integer ").or_else(|| found.strip_prefix("floating point "));
     match found {
@@ -47,7 +47,7 @@ fn unexpected(found: &str) -> String {
     }
 }
 
-/// What should stand there.
+/// Name of the value expected.
 fn wanted(expected: &str) -> String {
     match expected {
         "a sequence" => "a list".into(),
@@ -68,7 +68,7 @@ fn wanted(expected: &str) -> String {
     }
 }
 
-/// The beginning of a text that may be as long as the file.
+/// Beginning of a text that can be as long as the file.
 fn shorten(text: &str) -> String {
     const LONGEST: usize = 120;
     match text.char_indices().nth(LONGEST) {

@@ -9,8 +9,8 @@ use std::ops::RangeInclusive;
 /// Window coordinates lie within this many pixels around the origin: beyond any geometry processor's guard band, and
 /// small enough for exact fixed-point edge functions in 64 bits.
 pub const GUARD_BAND: f32 = (1 << 19) as f32;
-/// Depth is 0..=1, but corners cut at the near or far plane may lie beyond by the rounding of z / w, which is not small
-/// where w is. Who draws, clamps.
+/// Depth is 0..=1. Corners cut at the near or far plane may exceed it by the rounding of z / w, which is large if w is
+/// small. The machine clamps.
 const DEPTH: RangeInclusive<f32> = -1.0..=2.0;
 /// Largest arrival \[cycles\]: every JSON reader holds integers up to 2^53 exactly.
 const MAX_ARRIVAL: u64 = 1 << 53;
@@ -76,7 +76,7 @@ fn check_texture(texture: &TextureDefinition) -> Result<(), Fault> {
     }
 }
 
-/// Whether `bytes` bytes are what the levels need; `field` is where they come from.
+/// Checks that the levels need `bytes` bytes. `field` is the source of the bytes.
 pub(crate) fn check_length(texture: &TextureDefinition, bytes: u64, field: &str) -> Result<(), Fault> {
     let expected = texture.texel_count() * texture.kind.texel_bytes();
     if bytes != expected {
@@ -87,7 +87,7 @@ pub(crate) fn check_length(texture: &TextureDefinition, bytes: u64, field: &str)
     Ok(())
 }
 
-/// A trace from elsewhere must not reach outside the folder it lies in.
+/// Refuses paths that lead out of the folder of the trace.
 fn check_file_name(file: &str) -> Result<(), Fault> {
     let plain = |part: &str| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':', '\0']);
     if file.split('/').all(plain) {

@@ -35,13 +35,13 @@ pub enum Command {
     Polygon(PolygonRecord),
     /// Closes the frame.
     FrameEnd(FrameEnd),
-    /// What a machine should make of this trace; any number of them, outside frames.
+    /// Expected results of a machine; up to 64, outside frames.
     Expect(Box<Expectation>),
     /// Closes the trace.
     End(End),
-    /// How the figure shading device shades what the next command opens, a frame or an object.
+    /// Shading settings of the figure shading device for the next frame or object.
     Shading(ShadingRecord),
-    /// How important the object is that the next command begins.
+    /// Importance of the next object.
     Importance(Importance),
     /// Selects the accuracy criterion of the texel value generator.
     Criterion(Criterion),
@@ -119,7 +119,7 @@ macro_rules! fields {
     };
 }
 
-/// First command: what the trace is.
+/// First command: format, version and size of the pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Begin {
@@ -134,7 +134,7 @@ pub struct Begin {
     /// [`MAX_PICTURE_PIXELS`](basrelief_signals::MAX_PICTURE_PIXELS).
     #[schemars(range(min = 1, max = MAX_SIDE))]
     pub height: u32,
-    /// What made the trace. No version and no date, so that an unchanged trace keeps its hash.
+    /// Program that wrote the trace. No version and no date, so that an unchanged trace keeps its hash.
     pub generator: String,
 }
 
@@ -145,7 +145,7 @@ impl Begin {
     }
 }
 
-/// What a texture is used as.
+/// Use of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TextureKind {
@@ -291,11 +291,11 @@ pub struct FrameBegin {
 }
 
 fields! {
-    /// How the figure shading device shades what the next command opens: a frame, or an object, which goes ahead of its frame.
-    /// What neither says is the machine's configuration. Other machines do not ask.
+    /// Shading settings of the figure shading device for the next frame or object. Settings of an object precede those of its
+    /// frame; missing settings are those of the machine's configuration. Other machines ignore them.
     ///
-    /// A command of its own, and no fields of `frame` and `object`: in the binary form, which has no field names, these would
-    /// have made every trace recorded before unreadable.
+    /// A command and not fields of `frame` and `object`: the binary form has no field names, so that new fields would make
+    /// older traces unreadable.
     pub struct ShadingRecord {} optional {
         /// Mode register (14).
         mode: Option<ShadingMode>,
@@ -308,7 +308,7 @@ fields! {
     }
 }
 
-/// How important the object is that the next command begins; a command of its own, as `shading` is.
+/// Importance of the next object. A command for the same reason as `shading`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Importance {
@@ -330,7 +330,7 @@ impl From<&ShadingRecord> for ShadingSettings {
 }
 
 fields! {
-    /// The polygons that follow belong to this object; the object before it is complete.
+    /// Begins an object, which owns the following polygons. The previous object is complete.
     pub struct ObjectBegin {
         /// Number.
         id: u32,
@@ -342,7 +342,7 @@ fields! {
         /// Number of reference normals, where the model fixes it, 1..=65536.
         #[schemars(range(min = 1, max = 65_536))]
         entries: Option<u32>,
-        /// What the indexed mesh consists of that the polygons are made of. A binary record may end ahead of it: then it is none.
+        /// Sizes of the indexed mesh of the polygons. A binary record may end ahead of this field, which is then empty.
         mesh: Option<MeshInfo>,
     }
 }
@@ -383,11 +383,10 @@ fields! {
 }
 
 /// Selects the accuracy criterion e of the texel value generator (its step 442), in a frame: behind `frame` for all of it, behind
-/// `object` for that object. It holds until another is selected; ahead of the first it is `texel.error_bound`. Other machines do
-/// not ask.
+/// `object` for that object. It holds until the next one; ahead of the first it is `texel.error_bound`. Other machines ignore it.
 ///
-/// A command of its own, and no field of `frame` and `object`: records of the binary form have no field names, so that one more
-/// field would have made every trace recorded before unreadable.
+/// A command and not a field of `frame` and `object`: the binary form has no field names, so that a new field would make older
+/// traces unreadable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Criterion {
@@ -411,12 +410,11 @@ pub struct ExpectedTraffic {
     pub write_bytes: u64,
 }
 
-/// Most expectations of a trace: whoever verifies it replays it for each.
+/// Most expectations of a trace. `verify` replays the trace for each.
 pub const MAX_EXPECTATIONS: usize = 64;
 
 fields! {
-    /// What a machine should make of this trace: replaying the trace is a test of itself. What is left out is not
-    /// checked.
+    /// Expected results of a machine: replaying the trace is a test. Missing fields are not checked.
     pub struct Expectation {} optional {
         /// Machine, such as `bump`.
         machine: Option<String>,
@@ -448,7 +446,7 @@ impl Default for Expectation {
 }
 
 impl Expectation {
-    /// What it takes in memory, about \[bytes\]: a place in a map takes what its node has of it, a text what is allocated.
+    /// Returns the approximate memory \[bytes\]: the share of a map node per entry, and the capacity of texts.
     pub(crate) fn bytes(&self) -> u64 {
         const PLACE: usize = 160;
         let settings = self.config.iter().map(|(name, value)| PLACE + name.len() + value.bytes());

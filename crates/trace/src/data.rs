@@ -17,7 +17,7 @@ pub struct Texels(pub Vec<u8>);
 impl Serialize for Texels {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() {
-            // Piece by piece: as a whole it would take four thirds as much again.
+            // Encoded in pieces. As a whole the text would take another four thirds of the memory.
             serializer.collect_str(&Base64Display::new(&self.0, &STANDARD))
         } else {
             serializer.serialize_bytes(&self.0)
@@ -71,7 +71,7 @@ impl JsonSchema for Texels {
 pub struct Digest(pub [u8; 32]);
 
 impl Digest {
-    /// Of these bytes.
+    /// Computes the digest of bytes.
     pub fn of(bytes: &[u8]) -> Self {
         Self(Sha256::digest(bytes).into())
     }

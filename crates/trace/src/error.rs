@@ -1,17 +1,17 @@
-//! What is wrong with a trace, where, and what to do.
+//! Errors of traces, with their place and their cure.
 
 use basrelief_input::OverBudget;
 use std::fmt;
 use std::io;
 
-/// Where in a trace.
+/// Place in a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// JSON Lines: line, counted from 1, and column \[bytes, from 1\] where known.
+    /// JSON Lines: line, counted from 1, and column \[bytes, from 1\] if known.
     Line {
         /// Line number.
         line: u64,
-        /// Column; `None` where the line as a whole is meant.
+        /// Column; `None` for the whole line.
         column: Option<usize>,
     },
     /// Binary form: record, counted from 1.
@@ -34,7 +34,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// What kind of trouble.
+/// Kind of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The reader or writer below failed; the trace may be in order.
@@ -49,17 +49,17 @@ pub enum ErrorKind {
     OverBudget,
 }
 
-/// An error in a trace. Its text names place, command and field, what was expected and what to do; who knows the name
-/// of the file puts it in front.
+/// An error in a trace. Its text names place, command, field, expectation and cure. The caller puts the name of the file
+/// in front.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TraceError {
-    /// Where.
+    /// Place.
     pub place: Place,
-    /// What kind.
+    /// Kind.
     pub kind: ErrorKind,
-    /// Command and field, such as `polygon.position[2]`; empty where no command could be made out.
+    /// Command and field, such as `polygon.position[2]`; empty if the command is unknown.
     pub path: String,
-    /// What was found, what was expected, what to do.
+    /// The value found, the value expected, and the cure.
     pub message: String,
 }
 
@@ -104,7 +104,7 @@ impl TraceError {
     }
 }
 
-/// What is wrong with a command, before it is known where the command stands.
+/// Fault of a command, without its place in the trace.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {
     kind: ErrorKind,
@@ -122,7 +122,7 @@ impl Fault {
         self
     }
 
-    /// A field, or the command as a whole, that would hold too much.
+    /// Fault of a field or a command that exceeds the memory limit.
     pub(crate) fn over_budget(field: &'static str) -> impl Fn(OverBudget) -> Self {
         move |error| Self::new(field, error.to_string()).of_kind(ErrorKind::OverBudget)
     }

@@ -1,4 +1,4 @@
-//! The four forms of a trace and the layer that undoes or does the compression.
+//! The four forms of a trace, and the layer that compresses and decompresses.
 
 use basrelief_input::{Budget, Held};
 use std::io::{self, BufRead, BufReader, BufWriter, Chain, Cursor, Read, Write};
@@ -19,12 +19,12 @@ pub enum Encoding {
     Binary,
 }
 
-/// Form of a trace; told apart on reading by its first bytes, never by a file's name.
+/// Form of a trace. Readers recognise it by its first bytes and not by the name of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Form {
     /// How commands are written.
     pub encoding: Encoding,
-    /// Whether all of it is compressed with zstd.
+    /// The file is compressed with zstd.
     pub compressed: bool,
 }
 
@@ -49,8 +49,8 @@ impl Form {
     }
 }
 
-/// Whether a file that starts so is meant as a display list, in whatever form; for callers that take other kinds of file
-/// too. JSON is one if its first command is `begin`.
+/// Returns true if the first bytes of a file are those of a display list of any form. JSON is one if its first command is
+/// `begin`. For callers that also accept other kinds of file.
 pub fn looks_like_trace(start: &[u8]) -> bool {
     let json = start.trim_ascii_start().strip_prefix(b"{").map(<[u8]>::trim_ascii_start);
     start.starts_with(&BINARY_MAGIC) || start.starts_with(&ZSTD_MAGIC) || json.is_some_and(|rest| rest.starts_with(b"\"begin\""))
@@ -59,7 +59,7 @@ pub fn looks_like_trace(start: &[u8]) -> bool {
 /// Longest beginning of a compressed trace that says how large a window it takes \[bytes\].
 const ZSTD_HEAD: u64 = 18;
 
-/// A reader whose first bytes were looked at and put back.
+/// Reader whose first bytes were read and put back.
 type Peeked<R> = Chain<Cursor<Vec<u8>>, R>;
 
 #[cfg(feature = "zstd")]
@@ -79,7 +79,7 @@ pub(crate) enum TraceBytes<R: Read> {
 }
 
 impl<R: Read> TraceBytes<R> {
-    /// The first bytes of what it will give, the source, and what it takes itself.
+    /// Returns the first uncompressed bytes, the source, and the reservation of the decompressor.
     pub(crate) fn open(reader: R, budget: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
         let (mut head, reader) = peek(reader, ZSTD_HEAD)?;
         if head.starts_with(&ZSTD_MAGIC) {
@@ -109,8 +109,8 @@ impl<R: Read> TraceBytes<R> {
 #[cfg(feature = "zstd")]
 const COMMON_WINDOW: u32 = 23;
 
-/// Bits of the window that a compressed trace asks for, by its first frame (RFC 8878, 3.1.1.1); later ones may ask for no
-/// larger one, but the common one. More than 2^27 bytes are refused, as by everybody else.
+/// Bits of the window that the first frame of a compressed trace needs (RFC 8878, 3.1.1.1). Later frames may need the same
+/// window or the common one. Windows above 2^27 bytes are refused, as other decompressors do.
 #[cfg(feature = "zstd")]
 fn window_bits(head: &[u8]) -> u32 {
     const LEAST: u32 = 10;

@@ -1,4 +1,4 @@
-//! Tokens that are counted as long as anybody has them.
+//! Tokens whose memory is counted until the last clone is dropped.
 
 use crate::error::Fault;
 use basrelief_input::{Budget, Held};
@@ -6,11 +6,10 @@ use basrelief_signals::{Control, Frame, ObjectInfo, Polygon};
 use std::collections::VecDeque;
 use std::sync::{Arc, Weak};
 
-/// What a token takes beside what it holds: counters, places in lists, its part here \[bytes\].
+/// Memory of a token beside its content \[bytes\]: counters, places in lists, and its entry here.
 const TOKEN: usize = 128;
 
-/// Tokens that were given out. How many a machine has at a time is its own business: most hold what their FIFOs have room
-/// for, but some keep the list of a whole frame.
+/// Tokens that a machine holds. Most machines hold as many as their FIFOs; some keep the list of a whole frame.
 pub(crate) struct Lent {
     frames: Kind<Frame>,
     objects: Kind<ObjectInfo>,
@@ -47,7 +46,7 @@ impl<T> Kind<T> {
     }
 
     fn lend(&mut self, token: &Arc<T>, bytes: usize, what: &str, field: &'static str) -> Result<(), Fault> {
-        // They come back in the order in which they went, one or two apart.
+        // Tokens return in almost the order in which they were given out.
         while let Some((first, bytes)) = self.out.front()
             && first.strong_count() == 0
         {

@@ -1,4 +1,4 @@
-//! The display-list trace: what the geometry processor (102) hands on, recorded.
+//! The display-list trace: the recorded output of the geometry processor (102).
 //!
 //! # Format
 //!
@@ -8,13 +8,13 @@
 //! |---|---|---|
 //! | `begin` | first | format, version, size of the pictures |
 //! | `texture`, `material` | before their first use | definitions, by number |
-//! | `frame` ... `frame_end` | | a picture: camera, lights; colour textures defined ahead of it since the frame before are declared with it, used or not |
+//! | `frame` ... `frame_end` | | a picture: camera and lights. It declares all colour textures defined since the previous frame |
 //! | `object` | in a frame | the polygons that follow belong to it |
 //! | `shading` | directly ahead of `frame` or `object` | mode, Ia and Is of the figure shading device for it |
 //! | `importance` | directly ahead of `object` | levels by which its VQ table and CLUT are coarser |
 //! | `criterion` | in a frame | the texel value generator keeps this bound from here on |
 //! | `polygon` | behind its object | a convex polygon in window coordinates |
-//! | `expect` | outside frames | what a machine should make of the trace; at most 64 |
+//! | `expect` | outside frames | results that a machine must give for the trace; at most 64 |
 //! | `end` | last | count of commands before it; without it a trace is truncated |
 //!
 //! An unknown command, an unknown field, a number that is not finite and an index out of range are errors. Numbers are
@@ -32,7 +32,7 @@
 //!                      |                    ^
 //!                  Resolver              Recorder
 //!                      v                    |
-//!                  Control (what travels on the wires)  --> CanonicalHash
+//!                  Control (tokens of the wires)       --> CanonicalHash
 //! ```
 //!
 //! ```

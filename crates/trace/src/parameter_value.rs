@@ -32,7 +32,7 @@ pub enum ParameterValue {
 }
 
 impl ParameterValue {
-    /// What it takes beside itself \[bytes\], twice as much for lists, which grow by doubling.
+    /// Returns the allocated memory \[bytes\]. Lists count twice, because they grow by doubling.
     pub(crate) fn bytes(&self) -> usize {
         let text = |scalar: &Scalar| if let Scalar::Text(text) = scalar { 32 + text.len() } else { 0 };
         match self {

@@ -13,17 +13,17 @@ use std::io::{self, BufRead, Read};
 const LIMIT: u64 = 16 << 20;
 /// Longest line or record of a texture \[bytes\].
 const TEXTURE_LIMIT: u64 = 512 << 20;
-/// Lines and records up to this length \[bytes\] are not counted, nor is what is made of them: of these there is one at a time.
+/// Lines and records up to this length \[bytes\] are not counted, because there is one at a time.
 const SMALL: usize = 1 << 16;
-/// What a record grows to in memory, at most: a list of switches in an expectation does \[times\].
+/// Largest growth of a record in memory \[times\], reached by a list of switches in an expectation.
 const GROWTH: u64 = 32;
 
-/// A stream of commands, `begin` and `end` included. Each passed the checks of a command by itself (finite numbers,
-/// ranges, lengths), and `begin` stands first, `end` last with the right count. A trace that stops without `end` is
-/// an error. After an error the iterator ends.
+/// Stream of commands, `begin` and `end` included. Each command has passed its checks (finite numbers, ranges, lengths).
+/// `begin` is the first command and `end`, with the right count, the last. A trace without `end` is an error. After an error
+/// the iterator ends.
 ///
-/// One command is in memory at a time; what a file says about sizes drives no allocation, only the bytes that arrive. These,
-/// and what is made of them, are counted against a budget until the next command is asked for.
+/// One command is in memory at a time. Allocations follow the bytes that arrive and not the sizes that a file declares. A
+/// command is counted against the memory limit until the next one is requested.
 pub struct Reader<R: Read> {
     source: TraceBytes<R>,
     encoding: Encoding,
@@ -32,13 +32,13 @@ pub struct Reader<R: Read> {
     given_begin: bool,
     failed: bool,
     buffer: Vec<u8>,
-    /// What the buffer and the last command take.
+    /// Reservation of the buffer and the last command.
     held: Held,
-    /// What the decompressor takes.
+    /// Reservation of the decompressor.
     _window: Held,
 }
 
-/// Opens a trace of any form, told apart by its first bytes, and reads its `begin`.
+/// Opens a trace of any form, recognised by its first bytes, and reads its `begin`.
 ///
 /// # Errors
 /// If the input cannot be read, is no display list, or has another version.
@@ -46,10 +46,10 @@ pub fn open<R: Read>(reader: R) -> Result<Reader<R>, TraceError> {
     open_within(reader, &Budget::default())
 }
 
-/// As [`open`], within a budget.
+/// As [`open`], with a memory limit.
 ///
 /// # Errors
-/// As [`open`], and what is over the budget.
+/// As [`open`], or over the memory limit.
 pub fn open_within<R: Read>(reader: R, budget: &Budget) -> Result<Reader<R>, TraceError> {
     let (head, source, window) = TraceBytes::open(reader, budget).map_err(|e| open_error(&e))?;
     let encoding = if head.starts_with(&BINARY_MAGIC) { Encoding::Binary } else { Encoding::JsonLines };
@@ -91,17 +91,17 @@ impl<R: Read> Reader<R> {
         &self.begin
     }
 
-    /// Where the last command stands; while one is being read, where that one does.
+    /// Place of the last command, or of the command that is being read.
     pub(crate) fn place(&self) -> Place {
         self.place_of(self.order.count().max(1))
     }
 
-    /// Bytes that the last command takes, where they are counted.
+    /// Counted bytes of the last command.
     pub(crate) fn held(&self) -> u64 {
         self.held.bytes()
     }
 
-    /// The error, at the last command, of something that is over the budget.
+    /// Error of a request beyond the memory limit, at the last command.
     pub(crate) fn over_budget(&self, error: &OverBudget) -> TraceError {
         TraceError::over_budget(self.place(), error)
     }
@@ -152,13 +152,16 @@ impl<R: Read> Reader<R> {
             }
             most = (2 * most).min(limit(texture));
         }
-        if self.buffer.pop_if(|last| *last == b'\n').is_none() {
+        let ended = self.buffer.pop_if(|last| *last == b'\n').is_some();
+        if !ended && (self.buffer.is_empty() || self.buffer.len() as u64 >= LIMIT) {
             return Err(self.unfinished_line());
         }
         if self.buffer.len() > SMALL {
             self.hold(json_weight(&self.buffer), "what a line says")?;
         }
-        basrelief_input::from_slice(&self.buffer).map_err(|fault| self.line_error(&fault))
+        // The last line may lack its line end. It is whole if its JSON is.
+        let fault = |fault| if ended { self.line_error(&fault) } else { self.unfinished_line() };
+        basrelief_input::from_slice(&self.buffer).map_err(fault)
     }
 
     /// Fills the buffer up to this length, or to the end of the line.
@@ -190,7 +193,7 @@ impl<R: Read> Reader<R> {
         match self.buffer.len() as u64 {
             0 => TraceError::truncated(place, "expected a command, at the latest `end`"),
             LIMIT | TEXTURE_LIMIT => too_long(place, self.buffer.len() as u64),
-            _ => TraceError::truncated(place, "the line stops without a line end"),
+            _ => TraceError::truncated(place, "the last line is incomplete"),
         }
     }
 
@@ -229,7 +232,7 @@ impl<R: Read> Reader<R> {
             let message = format!("not a valid record ({what}): the file is damaged, or not of this version");
             TraceError::new(place, ErrorKind::Malformed, name.copied().unwrap_or("unknown command"), message)
         };
-        // An object's record from before it told its mesh ends ahead of that: as if it said that there is none.
+        // Older records of objects end ahead of the field `mesh`. They are read as if it was empty.
         let spare = usize::from(name == Some(&"object"));
         self.buffer.resize(self.buffer.len() + spare, 0);
         match postcard::take_from_bytes(&self.buffer) {
@@ -239,7 +242,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Fills the buffer with exactly this many bytes. It grows with what arrives: the count is not to be trusted.
+    /// Fills the buffer with exactly this many bytes. It grows as bytes arrive, because the count is untrusted.
     fn fill(&mut self, bytes: u64) -> Result<(), TraceError> {
         let place = self.next_place();
         self.buffer.clear();
@@ -262,8 +265,15 @@ impl<R: Read> Reader<R> {
 
     fn expect_nothing(&mut self) -> Result<(), TraceError> {
         let place = self.next_place();
-        if self.source.fill_buf().map_err(|e| TraceError::read(place, &e))?.is_empty() {
-            return Ok(());
+        loop {
+            let rest = self.source.fill_buf().map_err(|e| TraceError::read(place, &e))?;
+            // Blank lines behind the last command are skipped.
+            let blank = if self.encoding == Encoding::JsonLines { rest.trim_ascii().is_empty() } else { rest.is_empty() };
+            match rest.len() {
+                0 => return Ok(()),
+                length if blank => self.source.consume(length),
+                _ => break,
+            }
         }
         Err(TraceError::new(place, ErrorKind::Malformed, "", "something stands after `end`; nothing may follow it"))
     }
@@ -301,7 +311,7 @@ pub(crate) fn too_long(place: Place, bytes: u64) -> TraceError {
     TraceError::new(place, ErrorKind::Malformed, "", message)
 }
 
-/// A `begin` of another version may have other fields: then the version is the news, not the field.
+/// Fault of a `begin` of another version. Its fields may differ, too, so the version is reported first.
 fn other_version(line: &[u8]) -> Option<Fault> {
     #[derive(Deserialize)]
     struct Probe {

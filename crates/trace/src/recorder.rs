@@ -1,4 +1,4 @@
-//! From what travels on the wires to commands: recording, and the hash of an input.
+//! Recording of tokens as commands, and the hash of an input.
 
 use crate::command::*;
 use crate::data::{Digest, Texels};
@@ -22,7 +22,7 @@ impl<W: Write> Recorder<W> {
     /// Opens a trace of this form and writes `begin`.
     ///
     /// # Errors
-    /// If `writer` fails, `begin` holds what is not allowed, or this build lacks the form.
+    /// A failed write, a value of `begin` that is not allowed, or a form that this build lacks.
     pub fn new(writer: W, form: Form, begin: Begin) -> Result<Self, TraceError> {
         let mut writer = Writer::new(writer, form)?;
         let describer = Describer::new(&begin);
@@ -30,12 +30,11 @@ impl<W: Write> Recorder<W> {
         Ok(Self { writer, describer })
     }
 
-    /// Records a token; textures that a frame declares are defined ahead of it, others and materials ahead of their first
-    /// use.
+    /// Records a token. Textures that a frame declares are defined ahead of it, other textures and materials ahead of their
+    /// first use.
     ///
     /// # Errors
-    /// If the token is none of a display list, is out of order, or holds what a trace must not; or if the writer below
-    /// fails.
+    /// A token that belongs to no display list or is out of order, a value that a trace cannot hold, or a failed write.
     pub fn record(&mut self, control: &Control) -> Result<(), TraceError> {
         let Self { writer, describer } = self;
         describer.describe(control, &mut |command| writer.write(command))
@@ -57,16 +56,16 @@ impl<W: Write> Recorder<W> {
     }
 }
 
-/// Hash of an input: SHA-256 over the canonical JSON lines of its commands, without `expect` and `end`, all texels
-/// inline; where they are elsewhere, with their hash alone. A scene and its recorded trace have the same one; for a recorded trace in JSON Lines it is what
-/// `grep -vE '^\{"(expect|end)"' | sha256sum` says.
+/// Hash of an input: SHA-256 over the canonical JSON lines of its commands, without `expect` and `end`, with all texels
+/// inline. Texels that are elsewhere contribute their hash alone. A scene and its recorded trace have the same hash. For a
+/// recorded trace in JSON Lines it is the output of `grep -vE '^\{"(expect|end)"' | sha256sum`.
 pub struct CanonicalHash {
     hash: BufWriter<Hashing>,
     describer: Describer,
 }
 
 impl CanonicalHash {
-    /// Of an input that opens so.
+    /// Starts the hash of an input with this `begin`.
     pub fn new(begin: &Begin) -> Self {
         let mut hash = BufWriter::new(Hashing(Sha256::new()));
         feed(&mut hash, &Command::Begin(begin.clone()));
@@ -76,7 +75,7 @@ impl CanonicalHash {
     /// Takes the next token.
     ///
     /// # Errors
-    /// As [`Recorder::record`], but for what only writing checks.
+    /// As [`Recorder::record`], without the checks of the writer.
     pub fn update(&mut self, control: &Control) -> Result<(), TraceError> {
         let Self { hash, describer } = self;
         describer.describe(control, &mut |command| {
@@ -92,7 +91,7 @@ impl CanonicalHash {
     }
 }
 
-/// Hashes what is written.
+/// Writer that hashes its input.
 struct Hashing(Sha256);
 
 impl Write for Hashing {
@@ -106,13 +105,13 @@ impl Write for Hashing {
     }
 }
 
-/// As it is written, not as a line of its own: with its texels, that may be long.
+/// Hashes a command while it is written. With its texels, the line may be long.
 fn feed(hash: &mut BufWriter<Hashing>, command: &Command) {
     // Hashing cannot fail, nor can a command: it has no keys but names.
     let _ = write_line(command, hash);
 }
 
-/// Says control tokens as commands, and defines what they use at its first use.
+/// Turns control tokens into commands. Defines textures and materials at their first use.
 struct Describer {
     width: u32,
     height: u32,
@@ -165,7 +164,7 @@ impl Describer {
         self.emit(&command, emit)
     }
 
-    /// Ahead of what it is said of, and only where it says something.
+    /// Writes `shading` ahead of its frame or object, unless it is empty.
     fn shading(&mut self, shading: ShadingSettings, emit: &mut Emit<'_>) -> Result<(), TraceError> {
         if shading == ShadingSettings::default() {
             return Ok(());
@@ -219,7 +218,7 @@ impl Describer {
     }
 }
 
-/// Whether what has the same number is the same; the same place in memory is the usual and cheap case.
+/// Returns true if two definitions of one number are equal. Usually they are the same place in memory, which is cheap to test.
 fn same<T: PartialEq + Numbered>(known: &Arc<T>, found: &Arc<T>) -> Result<(), Fault> {
     if Arc::ptr_eq(known, found) || known == found {
         return Ok(());
@@ -330,7 +329,7 @@ fn polygon_record(polygon: &Polygon) -> PolygonRecord {
     }
 }
 
-/// Empty where every vertex has the default, compared by bits: -0 is not 0.
+/// Returns an empty list if every vertex has the default. Compared by bits: -0 is not 0.
 fn attribute<const N: usize>(vertices: &[Vertex], of: impl Fn(&Vertex) -> [f32; N]) -> Vec<[f32; N]> {
     let default = of(&Vertex::default()).map(f32::to_bits);
     if vertices.iter().all(|v| of(v).map(f32::to_bits) == default) {

@@ -1,4 +1,4 @@
-//! From commands to what travels on the wires.
+//! Replay of commands as the tokens that travel on the wires.
 
 use crate::check::check_length;
 use crate::command::*;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::sync::Arc;
 
-/// What a texture or a material takes beside its name and its texels, with its places in tables \[bytes\].
+/// Memory of a texture or a material beside its name and its texels, with its entries in tables \[bytes\].
 const DEFINITION: u64 = 1 << 10;
 /// Bytes of a texel.
 const TEXEL: u64 = 4;
@@ -33,7 +33,7 @@ impl<F: FnMut(&str) -> io::Result<Box<dyn Read>>> Files for F {
     }
 }
 
-/// Files of a trace that stands alone, such as one on standard input: there are none.
+/// Files of a trace without a folder, such as one on standard input: none.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoFiles;
 
@@ -45,9 +45,9 @@ impl Files for NoFiles {
 
 /// Checks a trace and turns its commands into control tokens, each with the cycle of its arrival (polygons only).
 ///
-/// Iterate to the end: only then is it known that the trace is whole, and are all [expectations](Self::expectations)
-/// there. Textures and materials are kept, and shared by the polygons that use them; polygons are not. All that is kept
-/// is counted against a budget, and so are tokens, as long as anybody has them.
+/// Iterate to the end. The trace is checked, and all [expectations](Self::expectations) are there, only then. Textures and
+/// materials are kept and shared by their polygons; polygons are not kept. Kept data count against the memory limit.
+/// Tokens count until their last clone is dropped.
 pub struct Resolver<R: Read, F> {
     reader: Reader<R>,
     files: F,
@@ -56,16 +56,16 @@ pub struct Resolver<R: Read, F> {
     /// Colour textures defined ahead of the next frame: it declares them.
     declared: Vec<Arc<Texture>>,
     materials: BTreeMap<u32, Arc<Material>>,
-    /// Said of the frame or object that comes next.
+    /// Shading settings of the next frame or object.
     shading: ShadingSettings,
-    /// Said of the object that comes next.
+    /// Importance of the next object.
     bias: Option<u8>,
     expectations: Vec<Expectation>,
     failed: bool,
     budget: Budget,
-    /// What is kept.
+    /// Reservation of the kept data.
     held: Held,
-    /// Texels of the largest texture, which are copied where it is hashed or recorded.
+    /// Texels of the largest texture. Hashing and recording copy them.
     copied: Held,
     texture_copies: u64,
     lent: Lent,
@@ -80,14 +80,14 @@ impl<R: Read, F: Files> Resolver<R, F> {
         Self::within(reader, files, &Budget::default())
     }
 
-    /// As [`Resolver::new`], within a budget.
+    /// As [`Resolver::new`], with a memory limit.
     ///
     /// # Errors
-    /// As [`open`](crate::open), and what is over the budget.
+    /// As [`open`](crate::open), or over the memory limit.
     pub fn within(reader: R, files: F, budget: &Budget) -> Result<Self, TraceError> {
         let reader = open_within(reader, budget)?;
         let begin = reader.begin();
-        // It is copied where the trace is hashed.
+        // Hashing the trace copies it.
         let generator = budget.take(4 * begin.generator.len() as u64, "the name of what made the trace");
         let held = generator.map_err(|e| Fault::over_budget("generator")(e).at(reader.place(), "begin"))?;
         Ok(Self {
@@ -109,33 +109,33 @@ impl<R: Read, F: Files> Resolver<R, F> {
         })
     }
 
-    /// Counts the texels of each texture so many times more: copies that the machine behind it makes.
+    /// Counts the texels of each texture this many times more, for copies in the machine.
     #[must_use]
     pub fn with_texture_copies(mut self, copies: u64) -> Self {
         self.texture_copies = copies;
         self
     }
 
-    /// The error, at the last command, of something that it makes necessary and that is over the budget.
+    /// Error of a request beyond the memory limit that the last command causes.
     pub fn over_budget(&self, error: &OverBudget) -> TraceError {
         self.reader.over_budget(error)
     }
 
-    /// Size of the pictures, and what made the trace.
+    /// First command: size of the pictures, and generator.
     pub fn begin(&self) -> &Begin {
         self.reader.begin()
     }
 
-    /// Expectations read so far; all of them once the iteration has ended.
+    /// Expectations read so far. All are there after the iteration has ended.
     pub fn expectations(&self) -> &[Expectation] {
         &self.expectations
     }
 
-    /// All expectations, and what they take of the budget.
+    /// Returns all expectations with their reservation.
     pub fn into_expectations(self) -> (Vec<Expectation>, Held) {
         let bytes = self.expectations.iter().map(|expectation| 2 * expectation.bytes()).sum();
         let Self { mut held, expectations, .. } = self;
-        // They were counted when they were read.
+        // Counted when they were read.
         held.shrink_to(bytes);
         (expectations, held)
     }
@@ -157,7 +157,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
         Ok(Some(control))
     }
 
-    /// Commands that put nothing on a wire.
+    /// Handles commands that give no token.
     fn keep(&mut self, command: Command) -> Result<(), Fault> {
         match command {
             Command::Texture(texture) => return self.define_texture(texture),
@@ -170,7 +170,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
                         format!("is one too many, expected at most {MAX_EXPECTATIONS}: `verify` replays the trace for each");
                     return Err(Fault::new("", message));
                 }
-                // Twice: they are given to whoever runs the trace.
+                // Twice, because the caller receives a copy.
                 self.held.grow(2 * expectation.bytes(), "expectations").map_err(Fault::over_budget(""))?;
                 self.expectations.push(*expectation);
             }
@@ -246,7 +246,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
         Ok(())
     }
 
-    /// The texels' bytes, as many as the levels need, and what they take. Those of the command itself the reader counts.
+    /// Returns the texels, as many bytes as the levels need, with their reservation. The reader counts texels inside a command.
     fn texels(&mut self, definition: &mut TextureDefinition) -> Result<(Vec<u8>, Held), Fault> {
         if let Some(data) = definition.data.take() {
             return Ok((data.0, self.budget.nothing()));

@@ -1,5 +1,4 @@
-//! Checks of commands in their order. [`Order`] holds for every stream of commands; [`Nesting`] is what a machine
-//! relies on.
+//! Checks of the order of commands. [`Order`] holds for every stream of commands; machines rely on [`Nesting`].
 
 use crate::command::Command;
 use crate::error::Fault;
@@ -37,7 +36,7 @@ impl Order {
         self.count
     }
 
-    /// Whether `end` was seen.
+    /// Returns true if `end` was read.
     pub(crate) fn ended(&self) -> bool {
         self.ended
     }
@@ -50,12 +49,12 @@ pub(crate) struct Nesting {
     in_frame: bool,
     object: Option<u32>,
     arrival: u64,
-    /// The command that waits for what it is said of, `shading` or `importance`.
+    /// The pending command `shading` or `importance`, which concerns the next command.
     ahead: Option<&'static str>,
 }
 
 impl Nesting {
-    /// What is said of a frame or an object stands directly ahead of it, `shading` before `importance`.
+    /// Checks that `shading` and `importance`, in this order, precede their frame or object directly.
     fn fits_ahead(&mut self, command: &Command) -> Result<(), Fault> {
         let expected = match (self.ahead.take(), command) {
             (None, _) | (Some(_), Command::Object(_)) => return Ok(()),
@@ -105,7 +104,7 @@ impl Nesting {
         Ok(())
     }
 
-    /// Whether a frame is open.
+    /// Returns true if a frame is open.
     pub(crate) fn in_frame(&self) -> bool {
         self.in_frame
     }

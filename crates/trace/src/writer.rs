@@ -9,7 +9,7 @@ use crate::sequence::Order;
 use basrelief_input::Budget;
 use std::io::{self, Read, Write};
 
-/// Writes commands. Each passes the same checks as on reading, so that what was written can be read.
+/// Writes commands. Each command passes the checks of the reader, so that the output can be read.
 pub struct Writer<W: Write> {
     sink: Sink<W>,
     encoding: Encoding,
@@ -38,7 +38,7 @@ impl<W: Write> Writer<W> {
     /// Writes a command: first `begin`.
     ///
     /// # Errors
-    /// If the command is out of order or holds what is not allowed, or if the writer below fails.
+    /// A command out of order, a value that is not allowed, or a failed write.
     pub fn write(&mut self, command: &Command) -> Result<(), TraceError> {
         let place = Place::Command(self.order.count() + 1);
         let checked = check(command).and_then(|()| self.order.accept(command));
@@ -90,8 +90,8 @@ pub(crate) fn write_line(command: &Command, mut line: impl Write) -> io::Result<
     line.write_all(b"\n")
 }
 
-/// Turns a trace of any form into another form without loss; JSON Lines come out canonical: no spaces, fields in a
-/// fixed order, optional ones left out where they have their default, shortest decimals. Gives the count of commands.
+/// Converts a trace to another form without loss. JSON Lines are canonical: no spaces, fields in a fixed order, no optional
+/// fields with their default, shortest decimals. Returns the number of commands.
 ///
 /// # Errors
 /// If the trace is malformed or truncated, or reading or writing fails.
@@ -99,14 +99,14 @@ pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: Form) -> Result<u6
     convert_within(reader, writer, form, &Budget::default())
 }
 
-/// As [`convert`], within a budget.
+/// As [`convert`], with a memory limit.
 ///
 /// # Errors
-/// As [`convert`], and what is over the budget.
+/// As [`convert`], or over the memory limit.
 pub fn convert_within<R: Read, W: Write>(reader: R, writer: W, form: Form, budget: &Budget) -> Result<u64, TraceError> {
     let mut out = Writer::new(writer, form)?;
     let mut commands = open_within(reader, budget)?;
-    // What a command takes as a line or record, once more: it is written from memory.
+    // The line or record of a command counts twice, because it is written from memory.
     let mut written = budget.nothing();
     while let Some(command) = commands.next().transpose()? {
         written.shrink_to(0);

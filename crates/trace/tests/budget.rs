@@ -1,4 +1,4 @@
-//! A small file unfolds into much: whatever it makes us hold is counted, field by field, and refused over the budget.
+//! A small file can expand into large data. Each field is counted, and refused above the limit.
 
 use basrelief_input::Budget;
 use basrelief_trace::*;
@@ -146,7 +146,7 @@ fn hostile((name, field, how): (&str, &str, Hostile), number: usize, bytes: usiz
     format!("{}\n", json!({ name: command }).to_string().replace("\"VALUE\"", &value))
 }
 
-/// What stands before a command.
+/// Commands in front of the tested one.
 fn before(name: &str) -> String {
     let names = match name {
         "begin" => &[][..],
@@ -195,7 +195,7 @@ fn every_field_of_every_command_is_held_within_the_budget() {
 }
 
 #[test]
-fn what_is_kept_is_counted_however_small_its_parts() {
+fn small_parts_are_counted() {
     for (name, field) in KEPT {
         let how = FIELDS.iter().find(|(n, f, _)| (*n, *f) == (name, field)).expect("a field").2;
         let many = (0..400).map(|i| hostile((name, field, how), i, SHORT));

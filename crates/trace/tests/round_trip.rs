@@ -27,7 +27,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_was_recorded_resolves_to_equal_controls(controls in controls(), form in 0..4usize) {
+    fn recording_resolves_to_equal_controls(controls in controls(), form in 0..4usize) {
         let resolved = resolve(&record(&controls, Form::ALL[form]).unwrap()).unwrap();
         prop_assert!(same(&resolved, &controls));
     }
@@ -77,7 +77,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn textures_that_a_frame_declares_are_in_its_trace_though_no_polygon_names_them(
+    fn declared_textures_are_recorded_without_a_use(
         controls in controls(), a in texture(90, false), b in texture(70, false), form in 0..4usize,
     ) {
         let controls = declaring(controls, vec![a, b]);
@@ -92,7 +92,7 @@ proptest! {
 }
 
 #[test]
-fn mode_ia_and_is_of_frames_and_objects_survive_every_form_and_traces_without_them_are_as_they_were() {
+fn shading_settings_survive_every_form() {
     let plain = resolve(SAMPLE.replacen(r#""width":8,"height":8"#, r#""width":64,"height":48"#, 1).as_bytes()).unwrap();
     let said = ShadingSettings { mode: Some(ShadingMode::Brightness), ia: Some(0.5), is: Some(-0.0) };
     let shaded: Vec<Control> = plain
@@ -120,7 +120,7 @@ fn mode_ia_and_is_of_frames_and_objects_survive_every_form_and_traces_without_th
 }
 
 #[test]
-fn textures_defined_in_a_frame_as_older_traces_have_them_are_declared_with_none() {
+fn textures_defined_inside_a_frame_are_declared_with_none() {
     let texture = |id| {
         format!(
             r#"{{"texture":{{"id":{id},"name":"t","kind":"color","sampler":{{"wrap":["repeat","repeat"],"filter":"nearest"}},"width":1,"height":1,"levels":1,"offset":0,"sha256":"{}","data":"AAAAAA=="}}}}"#,
@@ -236,7 +236,7 @@ fn without_meshes(trace: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn an_objects_record_from_before_it_told_its_mesh_is_read_as_if_there_were_none() {
+fn object_record_without_mesh_sizes_is_read() {
     let trace = sample_as(Form { encoding: Encoding::Binary, compressed: false });
     let older = without_meshes(&trace);
     assert!(older.len() < trace.len());

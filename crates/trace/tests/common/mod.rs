@@ -130,7 +130,7 @@ fn frame_data() -> impl Strategy<Value = (Camera, Vec<Light>)> {
     })
 }
 
-/// What a geometry processor might hand on: frames of objects of polygons.
+/// Possible output of a geometry processor: frames of objects of polygons.
 pub fn controls() -> impl Strategy<Value = Vec<Control>> {
     let object = (array(), proptest::option::of(1..65_537u32), shading(), proptest::collection::vec(shape(), 0..4));
     let frame = (frame_data(), shading(), proptest::collection::vec(object, 0..4));
