@@ -4,7 +4,7 @@ use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use crate::views::Script;
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
-use basrelief_scene::{SceneError, Subject, ViewOptions, demo, load_path_within, read_camera};
+use basrelief_scene::{ImportOptions, SceneError, Subject, ViewOptions, demo, load_path_with, read_camera};
 use basrelief_signals::Scene;
 use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput};
 use basrelief_trace::{Form, looks_like_trace};
@@ -14,6 +14,7 @@ use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What is simulated.
 pub enum Input {
@@ -111,6 +112,18 @@ impl<R: Read> Read for Counting<R> {
     }
 }
 
+/// Models may name files outside their folders: `--allow-outside`.
+static ALLOW_OUTSIDE: AtomicBool = AtomicBool::new(false);
+
+/// Sets `--allow-outside` for all models that the program opens.
+pub fn set_allow_outside(allow_outside: bool) {
+    ALLOW_OUTSIDE.store(allow_outside, Ordering::Relaxed);
+}
+
+fn import_options(budget: &Budget) -> ImportOptions {
+    ImportOptions { budget: budget.clone(), allow_outside: ALLOW_OUTSIDE.load(Ordering::Relaxed) }
+}
+
 /// Opens a model, a demo (`demo:NAME`) or a display list.
 pub fn open(path: &Path, view: &ViewArgs, budget: &Budget) -> Done<Input> {
     open_seen(path, &look(view, budget)?.without_times()?, budget)
@@ -128,7 +141,7 @@ pub fn open_seen(path: &Path, view: &ViewOptions, budget: &Budget) -> Done<Input
         }
         return Ok(Input::Trace(trace));
     }
-    let (scene, held) = load_path_within(path, view, budget).map_err(failed_within(path))?;
+    let (scene, held) = load_path_with(path, view, &import_options(budget)).map_err(failed_within(path))?;
     // It is there to the end of the program.
     held.keep();
     Ok(Input::Scene(Arc::new(scene).into()))
@@ -142,7 +155,7 @@ pub fn open_subject(path: &Path, budget: &Budget) -> Done<Option<Subject>> {
     if path == Path::new("-") || TraceFile::open(path)?.is_one()? {
         return Ok(None);
     }
-    let (subject, held) = Subject::load_path_within(path, budget).map_err(failed_within(path))?;
+    let (subject, held) = Subject::load_path_with(path, &import_options(budget)).map_err(failed_within(path))?;
     // It is there to the end of the program.
     held.keep();
     Ok(Some(subject))

@@ -19,6 +19,7 @@ fn main() -> ExitCode {
     let cli = args::Cli::parse();
     // In front of all threads, which take address space at times of their own: the same budget in every run.
     let budget = address_space::budget(cli.memory_limit);
+    input::set_allow_outside(cli.allow_outside);
     interrupt::listen();
     match commands::dispatch(cli, &budget) {
         Ok(()) => ExitCode::SUCCESS,

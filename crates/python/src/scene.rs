@@ -127,11 +127,11 @@ impl Scene {
 
     /// A model: a .glb, .gltf or .obj file.
     #[staticmethod]
-    fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>) -> Done<Self> {
+    fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>, allow_outside: bool) -> Done<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
             let name = path.display().to_string();
-            let folder = Folder::of(&path, &budget);
+            let folder = Folder::of(&path, allow_outside, &budget);
             let (bytes, held) = folder.main(&path, &budget).map_err(cannot_be_read(&name))?;
             if looks_like_trace(&bytes) || Form::for_file_name(&name).is_some() {
                 return Err(usage(format_args!(
@@ -253,9 +253,10 @@ struct Folder {
 }
 
 impl Folder {
-    fn of(path: &Path, budget: &Budget) -> Self {
+    fn of(path: &Path, allow_outside: bool, budget: &Budget) -> Self {
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self { folder: Directory::new(folder), read: RefCell::new((BTreeMap::new(), budget.nothing())) }
+        let folder = Directory::new(folder).allow_outside(allow_outside);
+        Self { folder, read: RefCell::new((BTreeMap::new(), budget.nothing())) }
     }
 
     /// The model itself.

@@ -5,7 +5,7 @@ use crate::scene::{DisplayList, Source, View, text_of};
 use basrelief_dse::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
-use basrelief_scene::{demo, load_path_within};
+use basrelief_scene::{ImportOptions, demo, load_path_with};
 use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, to_png};
 use basrelief_threads as threads;
 use pyo3::{PyErr, PyResult, Python, pyclass, pyfunction, pymethods};
@@ -129,7 +129,8 @@ impl Files {
             return if view.is_default() { Ok(Opened::Trace) } else { Err(bad(VIEW_OF_A_DISPLAY_LIST)) };
         }
         let shown = path.display().to_string();
-        let loaded = load_path_within(&path, &view.options(budget)?, budget);
+        let options = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
+        let loaded = load_path_with(&path, &view.options(budget)?, &options);
         let (scene, held) = loaded.map_err(|error| if error.file == shown { bad(error) } else { within(&shown)(error) })?;
         // It is there as long as the budget.
         held.keep();

@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn depth_runs_from_minus_one_at_the_near_plane_to_one_at_the_far_plane() {
+    fn depth_runs_from_minus_one_near_to_one_far() {
         let depth = |lens: Lens, z: f64| {
             let clip = lens.projection(1.5) * DVec4::new(0.0, 0.0, -z, 1.0);
             clip.z / clip.w

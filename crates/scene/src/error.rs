@@ -2,20 +2,20 @@
 
 use std::fmt::{Display, Formatter, Result as FmtResult};
 
-/// What is wrong with an input, where, what was expected, and what to do about it.
+/// Fault of an input, with its place, the expectation, and the cure.
 ///
-/// Reads as `FILE: PLACE: what is wrong; expected ...; what to do`.
+/// Shown as `FILE: PLACE: fault; expected ...; cure`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, thiserror::Error)]
 pub struct SceneError {
     /// File as the user named it, or as the model refers to it.
     pub file: String,
-    /// JSON pointer, line or byte offset within the file; empty where the whole file is meant.
+    /// JSON pointer, line or byte offset within the file; empty for the whole file.
     pub place: String,
-    /// What was found.
+    /// The fault.
     pub what: String,
-    /// What would have been right.
+    /// The expectation.
     pub expected: String,
-    /// What the user can do; may be empty.
+    /// The cure; may be empty.
     pub cure: Box<str>,
     /// The input may be in order, but holds more than the budget allows.
     pub over_budget: bool,
@@ -45,21 +45,21 @@ impl SceneError {
         Self { place: place.into(), what: what.into(), ..Self::default() }
     }
 
-    /// Says what would have been right.
+    /// Adds the expectation.
     #[must_use]
     pub(crate) fn expected(mut self, expected: impl Into<String>) -> Self {
         self.expected = expected.into();
         self
     }
 
-    /// Says what to do.
+    /// Adds the cure.
     #[must_use]
     pub(crate) fn cure(mut self, cure: impl Into<String>) -> Self {
         self.cure = cure.into().into_boxed_str();
         self
     }
 
-    /// Adds what was noticed before the error: it may be the reason.
+    /// Adds earlier warnings, which may name the reason.
     #[must_use]
     pub(crate) fn with_notes(mut self, notes: &[String]) -> Self {
         if !notes.is_empty() {
@@ -86,21 +86,21 @@ impl SceneError {
     }
 }
 
-/// Sentences on what was left out or replaced, each kept once.
+/// Warnings of an import, each kept once.
 #[derive(Debug, Default)]
 pub(crate) struct Warnings {
     sentences: Vec<String>,
     dropped: usize,
 }
 
-/// More than this many different sentences help nobody.
+/// Most different warnings that are kept.
 const MOST_WARNINGS: usize = 100;
 
-/// Longest sentence \[characters\]: it may name what has a name as long as the file.
+/// Longest warning \[characters\]. A name in it can be as long as the file.
 const LONGEST_WARNING: usize = 1000;
 
 impl Warnings {
-    /// Adds a sentence, unless it was said before.
+    /// Adds a warning, unless it is there.
     pub(crate) fn add(&mut self, sentence: impl Into<String>) {
         let mut sentence = sentence.into();
         if let Some((end, _)) = sentence.char_indices().nth(LONGEST_WARNING) {

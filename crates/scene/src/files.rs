@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Where a model's other files come from: buffers, pictures, material libraries.
+/// Source of the other files of a model: buffers, pictures, material libraries.
 pub trait Files {
-    /// The bytes of a file, named relative to the model, `/` between folders, and what they take of the budget.
+    /// Reads a file, with its reservation. The name is relative to the model, with `/` between folders.
     ///
     /// # Errors
-    /// Whatever kept the file from being read; `NotFound` where there is none,
-    /// [`OverBudget`](basrelief_input::OverBudget) where it is larger than the budget allows.
+    /// A failed read, `NotFound` if there is no such file, or [`OverBudget`](basrelief_input::OverBudget) if it exceeds the
+    /// memory limit.
     fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)>;
 }
 
@@ -19,17 +19,45 @@ pub trait Files {
 #[derive(Clone, Debug)]
 pub struct Directory {
     folder: PathBuf,
+    allow_outside: bool,
 }
 
 impl Directory {
-    /// Files relative to this folder.
+    /// Files relative to this folder, and only files in it or below it.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
-        Self { folder: folder.into() }
+        Self { folder: folder.into(), allow_outside: false }
     }
+
+    /// Allows or forbids names with `..` that lead out of the folder.
+    #[must_use]
+    pub fn allow_outside(self, allow_outside: bool) -> Self {
+        Self { allow_outside, ..self }
+    }
+}
+
+/// A name leads out of the folder of a [`Directory`], which does not allow it.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("leads out of the folder of the model")]
+pub(crate) struct OutsideFolder;
+
+/// True if the parts of a name lead out of the folder that it starts in.
+fn leads_outside(relative: &str) -> bool {
+    let depths = relative.split(['/', '\\']).scan(0, |depth, part| {
+        match part {
+            "" | "." => {}
+            ".." => *depth -= 1,
+            _ => *depth += 1,
+        }
+        Some(*depth)
+    });
+    depths.into_iter().any(|depth: i64| depth < 0)
 }
 
 impl Files for Directory {
     fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+        if !self.allow_outside && leads_outside(relative) {
+            return Err(io::Error::new(io::ErrorKind::PermissionDenied, OutsideFolder));
+        }
         read_regular(&self.folder.join(relative), budget)
     }
 }
@@ -57,12 +85,12 @@ impl Files for Memory {
     }
 }
 
-/// What is counted when a file is read.
+/// Reason for taking memory.
 const FILE: &str = "a file";
 
 /// Reads a regular file; pipes and devices are refused, since reading them may never end.
 pub(crate) fn read_regular(path: &Path, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
-    // Looked at before it is opened: opening a pipe waits for somebody who writes into it.
+    // Checked before the file is opened, because opening a pipe waits for its writer.
     let facts = std::fs::metadata(path)?;
     if !facts.is_file() {
         return Err(io::Error::other("not a regular file"));
@@ -70,8 +98,7 @@ pub(crate) fn read_regular(path: &Path, budget: &Budget) -> io::Result<(Vec<u8>,
     read_to_end(&mut std::fs::File::open(path)?, facts.len(), budget, FILE)
 }
 
-/// Turns a reference in a model into a name for [`Files::read`]: relative paths only. `..` is allowed, since models
-/// often keep textures in a sibling folder; URLs and absolute paths are refused.
+/// Turns a reference in a model into a name for [`Files::read`]: relative paths only. URLs and absolute paths are refused.
 pub(crate) fn relative_name(reference: &str) -> Result<&str, &'static str> {
     if reference.is_empty() {
         return Err("is empty");
@@ -111,6 +138,24 @@ mod tests {
         for good in ["a.png", "../textures/a.png", "x/y:z.png", "ä b.png"] {
             assert_eq!(relative_name(good), Ok(good));
         }
+    }
+
+    #[test]
+    fn names_that_lead_outside_are_refused_unless_allowed() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("model")).unwrap();
+        std::fs::write(folder.path().join("a"), b"xyz").unwrap();
+        std::fs::write(folder.path().join("model/b"), b"b").unwrap();
+        let budget = Budget::default();
+        let files = Directory::new(folder.path().join("model"));
+        assert_eq!(files.read("../model/../a", &budget).unwrap_err().kind(), io::ErrorKind::PermissionDenied);
+        assert_eq!(
+            Outside::new(&files, &budget).read("../a", "/uri").unwrap_err().to_string(),
+            "/uri: `../a` leads out of the folder of the model; expected a file in this folder or below it; \
+             move the file there, or allow it with --allow-outside"
+        );
+        assert_eq!(files.read("x/../b", &budget).unwrap_err().kind(), io::ErrorKind::NotFound);
+        assert_eq!(files.allow_outside(true).read("../a", &budget).unwrap().0, b"xyz");
     }
 
     #[test]

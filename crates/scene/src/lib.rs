@@ -1,7 +1,7 @@
 //! From models to scenes: glTF 2.0 and OBJ import, cameras, MIP pyramids and the demo scenes.
 //!
-//! What comes out is a [`Scene`]: objects, frames, and one sentence for everything that was left out. A model's other
-//! files are read through [`Files`], so that the same importer runs where there is no file system.
+//! The result is a [`Scene`]: objects, frames, and a warning for everything that was left out. Other files of a model are
+//! read through [`Files`], so that the importer also runs without a file system.
 
 mod camera;
 mod demo;
@@ -37,9 +37,9 @@ use std::io;
 use std::path::Path;
 use view::ViewHints;
 
-/// Imports a model: GLB and glTF are told by their content, OBJ by the ending of its name.
+/// Imports a model. GLB and glTF are recognised by their content, OBJ by the ending of its name.
 ///
-/// `name` is the file's name, for messages and as the scene's name; `files` gives what the model refers to.
+/// `name` is the name of the file and of the scene. `files` supplies the other files of the model.
 ///
 /// # Errors
 /// Neither of the formats, corrupt, a required extension that is not supported, over a limit, or nothing to draw.
@@ -47,10 +47,10 @@ pub fn load(bytes: &[u8], name: &str, files: &dyn Files, options: &ViewOptions) 
     load_within(bytes, name, files, options, &Budget::default()).map(|(scene, _)| scene)
 }
 
-/// As [`load`], within a budget: the scene, and what it takes of it.
+/// As [`load`], with a memory limit: the scene and its reservation.
 ///
 /// # Errors
-/// As [`load`], and what is over the budget.
+/// As [`load`], or over the memory limit.
 pub fn load_within(
     bytes: &[u8],
     name: &str,
@@ -68,7 +68,7 @@ impl Subject {
     /// Imports a model as [`load_within`](crate::load_within) does, to be looked at later.
     ///
     /// # Errors
-    /// As [`load`], and what is over the budget.
+    /// As [`load`], or over the memory limit.
     pub fn load_within(bytes: &[u8], name: &str, files: &dyn Files, budget: &Budget) -> Result<(Self, Held), SceneError> {
         let mut warnings = Warnings::default();
         let outside = Outside::new(files, budget);
@@ -78,11 +78,12 @@ impl Subject {
         Ok((subject, outside.into_kept()))
     }
 
-    /// Imports a model from the file system as [`load_path_within`](crate::load_path_within) does, to be looked at later.
+    /// Imports a model from the file system as [`load_path_with`](crate::load_path_with) does, to be looked at later.
     ///
     /// # Errors
-    /// As [`load_path_within`](crate::load_path_within).
-    pub fn load_path_within(path: &Path, budget: &Budget) -> Result<(Self, Held), SceneError> {
+    /// As [`load_path_with`](crate::load_path_with).
+    pub fn load_path_with(path: &Path, options: &ImportOptions) -> Result<(Self, Held), SceneError> {
+        let ImportOptions { budget, allow_outside } = options;
         let shown = path.display().to_string();
         let cannot = |e: io::Error| match OverBudget::within(&e) {
             Some(error) => over_budget("", error),
@@ -90,27 +91,36 @@ impl Subject {
         };
         let (bytes, _held) = files::read_regular(path, budget).map_err(|e| cannot(e).in_file(&shown))?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::load_within(&bytes, &shown, &Directory::new(folder), budget)
+        Self::load_within(&bytes, &shown, &Directory::new(folder).allow_outside(*allow_outside), budget)
     }
 }
 
-/// Imports a model from the file system; what it refers to is looked for in its folder.
+/// Imports a model from the file system. Its other files are read from its folder.
 ///
 /// # Errors
-/// As [`load`], and where the file cannot be read.
+/// As [`load`], or the file cannot be read.
 pub fn load_path(path: &Path, options: &ViewOptions) -> Result<Scene, SceneError> {
-    load_path_within(path, options, &Budget::default()).map(|(scene, _)| scene)
+    load_path_with(path, options, &ImportOptions::default()).map(|(scene, _)| scene)
 }
 
-/// As [`load_path`], within a budget: the scene, and what it takes of it.
+/// As [`load_path`], with options of the import: the scene, and the memory that it takes.
 ///
 /// # Errors
-/// As [`load_path`], and what is over the budget.
-pub fn load_path_within(path: &Path, options: &ViewOptions, budget: &Budget) -> Result<(Scene, Held), SceneError> {
-    let (subject, mut held) = Subject::load_path_within(path, budget)?;
-    let (scene, frames) = subject.seen_within(options, budget)?;
+/// As [`load_path`], and over the budget.
+pub fn load_path_with(path: &Path, view: &ViewOptions, options: &ImportOptions) -> Result<(Scene, Held), SceneError> {
+    let (subject, mut held) = Subject::load_path_with(path, options)?;
+    let (scene, frames) = subject.seen_within(view, &options.budget)?;
     held.join(frames);
     Ok((scene, held))
+}
+
+/// Limits of an import from the file system.
+#[derive(Clone, Debug, Default)]
+pub struct ImportOptions {
+    /// Memory that the model may take.
+    pub budget: Budget,
+    /// The model may name files outside its folder, with `..`.
+    pub allow_outside: bool,
 }
 
 fn import(bytes: &[u8], name: &str, outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {

@@ -1,4 +1,4 @@
-//! What an importer yields.
+//! Result of an import.
 
 use crate::camera::{Bounds, Viewpoint};
 use crate::view::Lamp;
@@ -6,7 +6,7 @@ use basrelief_signals::{Object, ShadingSettings};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
-/// A model without the user's wishes.
+/// A model without view options.
 pub(crate) struct Model {
     /// In drawing order.
     pub objects: Vec<Arc<Object>>,

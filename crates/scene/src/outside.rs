@@ -1,17 +1,17 @@
-//! What a model may hold, and where its other files come from.
+//! Memory limit of an import, and access to the other files of a model.
 
 use crate::SceneError;
-use crate::files::{Files, relative_name, shorten};
+use crate::files::{Files, OutsideFolder, relative_name, shorten};
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_signals::Mesh;
 use std::cell::RefCell;
 use std::fmt::Display;
 
-/// What all parts of an importer have: the model's other files, and the budget that all it makes us hold is counted against.
+/// The other files of a model, and the memory limit of its import. All parts of an importer share it.
 pub(crate) struct Outside<'a> {
     files: &'a dyn Files,
     budget: Budget,
-    /// What stays in the scene.
+    /// Memory that stays in the scene.
     kept: RefCell<Held>,
 }
 
@@ -20,32 +20,32 @@ impl<'a> Outside<'a> {
         Self { files, budget: budget.clone(), kept: RefCell::new(budget.nothing()) }
     }
 
-    /// Takes bytes for something that does not stay.
+    /// Takes memory that is given back before the import ends.
     pub(crate) fn take(&self, bytes: u64, place: impl Into<String>, what: impl Display) -> Result<Held, SceneError> {
         self.budget.take(bytes, what).map_err(|error| over_budget(place, &error))
     }
 
-    /// What may still be taken \[bytes\].
+    /// Returns the bytes that are left.
     pub(crate) fn left(&self) -> u64 {
         self.budget.left()
     }
 
-    /// Nothing yet, to grow.
+    /// Returns a reservation of 0 bytes, which can grow.
     pub(crate) fn nothing(&self) -> Held {
         self.budget.nothing()
     }
 
-    /// Takes bytes for something that stays in the scene.
+    /// Takes memory that stays in the scene.
     pub(crate) fn hold(&self, bytes: u64, place: impl Into<String>, what: impl Display) -> Result<(), SceneError> {
         self.kept.borrow_mut().grow(bytes, what).map_err(|error| over_budget(place, &error))
     }
 
-    /// What was taken stays in the scene.
+    /// Keeps a reservation with the scene.
     pub(crate) fn keep(&self, held: Held) {
         self.kept.borrow_mut().join(held);
     }
 
-    /// The scene is complete: what stays in it is given back with this.
+    /// Returns the reservation of the complete scene.
     pub(crate) fn into_kept(self) -> Held {
         self.kept.into_inner()
     }
@@ -59,6 +59,11 @@ impl<'a> Outside<'a> {
         })?;
         self.files.read(name, &self.budget).map_err(|e| match OverBudget::within(&e) {
             Some(error) => over_budget(place, error).in_file(&shorten(name)),
+            None if e.get_ref().is_some_and(|inner| inner.is::<OutsideFolder>()) => {
+                SceneError::at(place, format!("`{}` {OutsideFolder}", shorten(name)))
+                    .expected("a file in this folder or below it")
+                    .cure("move the file there, or allow it with --allow-outside")
+            }
             None => SceneError::at(place, format!("cannot read `{}`: {e}", shorten(name)))
                 .expected("a file at this path, relative to the model")
                 .cure("put the file there or correct the reference"),
@@ -66,12 +71,12 @@ impl<'a> Outside<'a> {
     }
 }
 
-/// The error of something at this place of a file that would hold too much.
+/// Error of a request beyond the memory limit, at this place of a file.
 pub(crate) fn over_budget(place: impl Into<String>, error: &OverBudget) -> SceneError {
     SceneError { over_budget: true, ..SceneError::at(place, error.to_string()) }
 }
 
-/// What the lists of a mesh take \[bytes\].
+/// Memory of the lists of a mesh \[bytes\].
 pub(crate) fn mesh_bytes(mesh: &Mesh) -> u64 {
     let Mesh { positions, normals, tangents, uv, uv_normal, colors, indices } = mesh;
     let threes = size_of_val(&**positions) + size_of_val(&**normals);

@@ -9,7 +9,7 @@
 use basrelief_signals::{Image, WrapMode};
 use basrelief_threads as threads;
 
-/// Levels of a normal map, 0..=7: what the LOD range 0..=63 can address.
+/// Levels of a normal map, 0..=7: the LOD range 0..=63 addresses these.
 pub const NORMAL_LEVELS: usize = 8;
 
 /// A grey image of heights.
@@ -104,7 +104,7 @@ struct Cover {
 }
 
 impl Cover {
-    /// What texel `i` of the next level covers of a side.
+    /// Part of a side that texel `i` of the next level covers.
     fn of(i: u32, size: u32) -> Self {
         let m = size / 2;
         let weights = match size {

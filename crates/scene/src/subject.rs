@@ -1,4 +1,4 @@
-//! What a view is a view of.
+//! Models and demos without a view.
 
 use crate::outside::over_budget;
 use crate::view::ViewHints;
@@ -7,7 +7,7 @@ use basrelief_input::{Budget, Held};
 use basrelief_signals::{Frame, Light, Object, Scene};
 use std::sync::Arc;
 
-/// A model or a demo that nobody looks at yet: it is made once, and seen from as many sides as one likes. Made by
+/// A model or a demo without a view. It is built once, and then drawn from any number of views. Built by
 /// [`Subject::load_within`](Self::load_within) and [`Subject::demo`](Self::demo).
 pub struct Subject {
     pub(crate) name: String,
@@ -17,7 +17,7 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The scene as these options look at it. What they leave open is the model's choice.
+    /// Returns the scene from this view. The model supplies missing options.
     ///
     /// # Errors
     /// Options out of range.
@@ -27,10 +27,10 @@ impl Subject {
         Ok(Scene { name, objects, frames: hints.frames(options)?, warnings })
     }
 
-    /// As [`seen`](Self::seen), within a budget: the scene, and what its frames take of it.
+    /// As [`seen`](Self::seen), with a memory limit: the scene, and the reservation of its frames.
     ///
     /// # Errors
-    /// As [`seen`](Self::seen), and what is over the budget.
+    /// As [`seen`](Self::seen), or over the memory limit.
     pub fn seen_within(&self, options: &ViewOptions, budget: &Budget) -> Result<(Scene, Held), SceneError> {
         let frame = (size_of::<Frame>() + 64 + self.hints.lamps.len() * size_of::<Light>()) as u64;
         let frames = self.hints.count(options) as u64;
@@ -54,7 +54,7 @@ impl Subject {
         self.objects.iter().map(|object| object.mesh.indices.len() / 3).sum()
     }
 
-    /// What was left out or replaced on import, one sentence each.
+    /// Warnings of the import, one sentence each.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }

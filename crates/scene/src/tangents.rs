@@ -9,9 +9,8 @@ use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
-/// What [`generate`] takes, at most \[bytes per corner\]: its lists of corners, faces and groups, tables of vertices to be
-/// split, and the lists of the mesh with a vertex for each corner. Measured: 167 where all corners are one, 250 where none is
-/// another's.
+/// Most memory of [`generate`] \[bytes per corner\]: lists of corners, faces and groups, tables of vertices to be split, and
+/// the mesh with a vertex per corner. Measured: 167 if all corners share a vertex, 250 if each has its own.
 pub(crate) const BYTES_PER_CORNER: u64 = 320;
 
 /// Gives the mesh tangents from its positions, normals and normal-map coordinates. Vertices whose faces disagree, as

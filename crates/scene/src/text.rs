@@ -1,11 +1,11 @@
-//! Options of a view as people write them, checked where they are given.
+//! View options as text, checked when they are parsed.
 
 use basrelief_signals::MAX_PICTURE_PIXELS;
 
 /// Size of a picture, `WIDTHxHEIGHT` \[pixels\].
 ///
 /// # Errors
-/// What was expected.
+/// Text in another form. The error says the expected one.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let expected = "expected WIDTHxHEIGHT, each 1..=16384, such as 640x480";
     let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;
@@ -17,10 +17,10 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     Ok(size)
 }
 
-/// A number that is one.
+/// A finite number.
 ///
 /// # Errors
-/// What was expected.
+/// Text in another form. The error says the expected one.
 pub fn finite(text: &str) -> Result<f64, String> {
     text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| "expected a finite number".into())
 }
@@ -28,7 +28,7 @@ pub fn finite(text: &str) -> Result<f64, String> {
 /// Two angles, `AROUND,UP` \[degrees\].
 ///
 /// # Errors
-/// What was expected.
+/// Text in another form. The error says the expected one.
 pub fn angles(text: &str) -> Result<[f64; 2], String> {
     let expected = "expected AROUND,UP, two angles in degrees such as 30,-10";
     let (around, up) = text.split_once(',').ok_or(expected)?;
@@ -38,7 +38,7 @@ pub fn angles(text: &str) -> Result<[f64; 2], String> {
 /// A direction in world space, `X,Y,Z`.
 ///
 /// # Errors
-/// What was expected.
+/// Text in another form. The error says the expected one.
 pub fn direction(text: &str) -> Result<[f64; 3], String> {
     let expected = "expected X,Y,Z, not all zero, such as 0.4,0.8,0.45";
     let parts: Vec<f64> = text.split(',').map(|p| finite(p.trim())).collect::<Result<_, _>>().map_err(|_| expected)?;

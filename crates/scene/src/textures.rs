@@ -7,10 +7,10 @@ use crate::pyramid::{color_levels, height_levels, heights_of, normal_levels};
 use basrelief_signals::{Image, Sampler, Texture};
 use std::sync::Arc;
 
-/// What a texture takes beside its name and its texels \[bytes\].
+/// Memory of a texture beside its name and its texels \[bytes\].
 const TEXTURE: u64 = 1 << 10;
 
-/// What a texture holds.
+/// Content of a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Content {
     /// Colours.

@@ -1,4 +1,4 @@
-//! From what the user and the model say about the view to the frames of a scene.
+//! Frames of a scene from the view options of the user and the hints of the model.
 
 use crate::SceneError;
 use crate::camera::{AUTO_VIEW, Bounds, View, Viewpoint, check_camera, direction, rows, turn, turn_around};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-/// Direction to the light where nobody says otherwise (assumed); normalised.
+/// Default direction to the light (assumed); normalised.
 const DEFAULT_LIGHT: [f64; 3] = [0.4, 0.8, 0.45];
 
 /// Most pixels per side: coordinates of fragments have 16 bits, and a frame buffer must fit in memory.
@@ -20,7 +20,7 @@ const ZOOM: RangeInclusive<f64> = 0.01..=100.0;
 /// Most frames of one scene.
 const MAX_FRAMES: u32 = 1_000_000;
 
-/// A view of several, each chosen by itself: what it leaves open is as in the [`ViewOptions`] that it stands in.
+/// One of several views. Missing options are those of the surrounding [`ViewOptions`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OwnView {
     /// As [`ViewOptions::camera`].
@@ -38,10 +38,10 @@ pub struct OwnView {
 }
 
 impl OwnView {
-    /// Whether all is in range, whatever is looked at.
+    /// Checks that all options are in range for any model.
     ///
     /// # Errors
-    /// What is not, at its place among the views.
+    /// An option out of range, with its place among the views.
     pub fn check(views: &[Self]) -> Result<(), SceneError> {
         let nothing = Bounds { low: DVec3::ZERO, high: DVec3::ZERO };
         let options = ViewOptions { size: [1; 2], views: views.to_vec(), ..ViewOptions::default() };
@@ -49,7 +49,7 @@ impl OwnView {
     }
 }
 
-/// What the user asks of the view. The default leaves everything to the model.
+/// View options of the user. The default leaves everything to the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewOptions {
     /// Width and height of the picture \[pixels\], each 1..=16384, together at most [`MAX_PICTURE_PIXELS`].
@@ -71,7 +71,7 @@ pub struct ViewOptions {
     /// The light turns by this angle around the vertical axis, over all frames \[degrees\]; `None` leaves it to the
     /// model.
     pub light_orbit_degrees: Option<f64>,
-    /// A frame for each of these, in place of `frames` and of both orbits; none: as those say.
+    /// A frame for each of these views, in place of `frames` and of both orbits; may be empty.
     pub views: Vec<OwnView>,
 }
 
@@ -114,14 +114,14 @@ pub(crate) enum Lamp {
 pub(crate) enum LightOrbit {
     /// By this angle over all frames \[degrees\].
     Degrees(f64),
-    /// With the camera: the model turns under a light that stands.
+    /// With the camera: the model turns under a fixed light.
     WithCamera,
 }
 
 /// A view, and the lights with their intensities.
 type Seen = (View, Vec<(Lamp, f64)>);
 
-/// What a model or a demo says about its view.
+/// View hints of a model or a demo.
 pub(crate) struct ViewHints {
     /// Around all vertices, in the world.
     pub bounds: Bounds,
@@ -178,7 +178,7 @@ impl ViewHints {
         if options.views.is_empty() { self.along_orbits(options, frame) } else { self.each_view(options, frame) }
     }
 
-    /// How many frames these options come to.
+    /// Number of frames of these options.
     pub(crate) fn count(&self, options: &ViewOptions) -> usize {
         if options.views.is_empty() { options.frames.unwrap_or(self.frames) as usize } else { options.views.len() }
     }
@@ -216,7 +216,7 @@ impl ViewHints {
         Ok((self.zoom(self.turn(self.first_view(options)?, options)?, options)?, self.first_lamps(options)?))
     }
 
-    /// How far camera and light turn; `share` of the model's own orbits, where nobody says.
+    /// Angles of camera and light: those of the options, or `share` of the model's own orbits.
     fn turns(&self, options: &ViewOptions, share: f64) -> Result<[f64; 2], SceneError> {
         let orbit = finite(options.orbit_degrees.unwrap_or(share * self.orbit), "orbit")?;
         let own_light_orbit = match self.light_orbit {
@@ -363,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_seen_larger_keeps_its_middle() {
+    fn zoom_keeps_the_centre_of_the_picture() {
         let place = |zoom, point: DVec3| {
             let options = ViewOptions { zoom, ..ViewOptions::default() };
             let camera = hints(vec![]).frames(&options).unwrap()[0].camera;
@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn views_of_their_own_are_those_of_the_options_that_say_the_same() {
+    fn own_views_equal_the_same_options() {
         let turning = ViewHints { frames: 4, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..hints(vec![]) };
         let own = |orbit_degrees| OwnView { orbit_degrees, ..OwnView::default() };
         let lit = OwnView { light: Some([0., 0., 2.]), light_orbit_degrees: Some(90.0), zoom: Some(2.0), ..own(None) };
@@ -408,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_that_is_none_is_named_by_its_place() {
+    fn invalid_view_is_named_by_its_place() {
         let refused = |own: OwnView| OwnView::check(&[OwnView::default(), own]).unwrap_err().to_string();
         let d = OwnView::default;
         assert!(refused(OwnView { zoom: Some(0.0), ..d() }).starts_with("/views/1/zoom: 0; expected a number from 0.01 to 100"));
@@ -436,7 +436,7 @@ mod tests {
     }
 
     #[test]
-    fn the_users_light_goes_before_the_camera_files_and_that_before_the_models() {
+    fn light_option_precedes_camera_file_and_model() {
         let camera = Camera { view_projection: rows(DMat4::IDENTITY), to_light: [1., 0., 0.], to_viewer: [0., 0., 1.] };
         let lamps = vec![(Lamp::Point(DVec3::new(2., 11., 1.)), 0.5), (Lamp::Directional(DVec3::Z), 1.0)];
         let first = |options: ViewOptions| hints(lamps.clone()).frames(&options).unwrap()[0].clone();
@@ -449,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn absurd_wishes_are_refused() {
+    fn options_out_of_range_are_refused() {
         let refuses = |options: ViewOptions| hints(vec![]).frames(&options).unwrap_err();
         let d = ViewOptions::default;
         refuses(ViewOptions { size: [0, 4], ..d() });
@@ -465,7 +465,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_camera_is_used_and_an_orthographic_viewer_stands_on_its_axis() {
+    fn model_camera_is_used() {
         let lens = Lens::Orthographic { half_height: 1.0, near: 0.1, far: 10.0 };
         let mut s = hints(vec![]);
         s.camera = Viewpoint::placed(DMat4::from_translation(DVec3::new(0., 0., 5.)), lens);

@@ -1,4 +1,4 @@
-//! Why glTF and OBJ are read by this crate and not by `gltf` and `tobj`: what those cannot do, one test each.
+//! Reasons for own readers of glTF and OBJ: faults of `gltf` and `tobj`, one test each.
 //!
 //! A test that fails here is good news: the library has mended that fault. Weigh again then whether it can take the place
 //! of our reader (docs/adr/0033-gltf-and-obj-readers-are-our-own.md), and take the test away.
@@ -7,7 +7,7 @@ use basrelief_scene::{Memory, ViewOptions, load};
 use serde_json::{Value, json};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Says what to do when a library does what it could not.
+/// Asserts that a library still has a fault, and says how to react if it is mended.
 #[track_caller]
 fn still(fault: bool, what: &str) {
     assert!(fault, "mended: {what}; weigh the library again (docs/adr/0033) and take this test away");
@@ -167,7 +167,7 @@ fn tobj_says_nothing_of_what_it_skips() {
 }
 
 #[test]
-fn tobj_takes_options_of_maps_for_their_names_and_knows_no_normal_maps() {
+fn tobj_reads_map_options_as_names_and_no_normal_maps() {
     let read = |text: &str| tobj::load_mtl_buf(&mut text.as_bytes()).unwrap().0.remove(0);
     let color = read("newmtl a\nmap_Kd -clamp on wall.png\n").diffuse_texture;
     still(color.as_deref() != Some("wall.png"), "tobj reads the options of maps");

@@ -30,6 +30,9 @@ pub struct Cli {
     /// GiB behind]. More is an error.
     #[arg(long, global = true, value_name = "BYTES", default_value_t = Size(Budget::DEFAULT))]
     pub memory_limit: Size,
+    /// Let models name files outside their folders, with `../`. Without it such a name is an error.
+    #[arg(long, global = true)]
+    pub allow_outside: bool,
 }
 
 /// The commands.

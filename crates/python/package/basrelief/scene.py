@@ -42,6 +42,7 @@ def scene(
     light: tuple[float, float, float] | None = None,
     light_orbit: float | None = None,
     memory_limit: int | None = None,
+    allow_outside: bool = False,
 ) -> Scene:
     """A model: a .glb, .gltf or .obj file.
 
@@ -53,10 +54,12 @@ def scene(
     `orbit`, `light_orbit`: turn the camera, the light, about the model by this much over all frames [degrees].
     `light`: direction to the light, in world space, instead of the scene's lights.
     `memory_limit`: for what is held of the scene [bytes; default 1 GiB].
+    `allow_outside`: the model may name files outside its folder, with `../`.
 
     A scene pickles as the bytes of its files and its view. Raises `InputError` for a file that cannot be drawn.
     """
-    return Scene.open(path, _view(size, camera, turn, zoom, frames, orbit, light, light_orbit), memory_limit)
+    view = _view(size, camera, turn, zoom, frames, orbit, light, light_orbit)
+    return Scene.open(path, view, memory_limit, allow_outside)
 
 
 def display_list(path: FilePath) -> DisplayList:

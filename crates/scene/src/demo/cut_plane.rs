@@ -89,7 +89,7 @@ mod tests {
 
     /// The case of Figure 7: all facets on one plane, equal normals, one after the other.
     #[test]
-    fn facets_are_coplanar_consecutive_and_meet_the_body_without_a_gap() {
+    fn facets_are_coplanar_and_meet_the_body_without_a_gap() {
         for tessellation in [1, 4] {
             let stage = build(tessellation);
             let [plane, _, body] = [0, 1, 2].map(|i| &stage.objects[i].mesh);

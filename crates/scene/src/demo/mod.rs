@@ -36,7 +36,7 @@ const DEFAULT_TESSELLATION: u32 = 4;
 pub struct DemoInfo {
     /// As given to [`demo`].
     pub name: &'static str,
-    /// What it shows, in a sentence.
+    /// Description, in a sentence.
     pub about: &'static str,
     build: Build,
 }
@@ -82,7 +82,7 @@ impl DemoInfo {
     }
 }
 
-/// All demos. Any machine draws any of them; which one a machine draws where none is named, it says itself.
+/// All demos. Any machine draws any of them. Each machine names its default demo.
 pub const DEMOS: &[DemoInfo] = &[
     DemoInfo::fixed("golf-ball", "A golf ball: 336 dimples in a normal map on a smooth sphere.", golf_ball::build),
     DemoInfo::fixed(
@@ -125,7 +125,7 @@ pub const DEMOS: &[DemoInfo] = &[
     ),
 ];
 
-/// Builds a demo scene, by its name or as `NAME@N` with tessellation N. What the options leave open is the demo's choice.
+/// Builds a demo scene, by its name or as `NAME@N` with tessellation N. The demo supplies missing view options.
 ///
 /// # Errors
 /// No demo of this name; a tessellation that it does not have; options out of range.
@@ -269,7 +269,7 @@ mod tests {
         assert!(says("teapot@4").contains("no demo is called `teapot`"));
     }
 
-    /// What the shading device is for: no textures, highlights as sharp as its page says, n 50..=200.
+    /// Demo of the shading device: no textures, highlights as sharp as its page says, n 50..=200.
     #[test]
     fn demos_of_the_shading_device_shine_and_have_no_textures() {
         for scene in ["ellipsoid", "cut-plane", "goblet"].map(|name| demo(name, &ViewOptions::default()).unwrap()) {
@@ -283,7 +283,7 @@ mod tests {
 
     /// Polygons in front of the near plane and behind it, texture coordinates in the hundreds.
     #[test]
-    fn the_corridor_begins_behind_the_eye_and_repeats_its_texture_a_thousand_times() {
+    fn corridor_begins_behind_the_eye_and_repeats_its_texture() {
         let scene = demo("corridor", &ViewOptions::default()).unwrap();
         let camera = glam::DMat4::from_cols_array(&scene.frames[0].camera.view_projection).transpose();
         for object in scene.objects.iter().filter(|o| o.material.color_texture.is_some()) {
@@ -309,9 +309,9 @@ mod tests {
         assert!(nearest.fold(f64::INFINITY, f64::min) < 0.8, "close to the eye");
     }
 
-    /// What the rate-limited renderer is for.
+    /// Demo of the rate-limited renderer.
     #[test]
-    fn the_gallery_has_many_large_pictures_of_all_sizes_and_plain_polygons() {
+    fn gallery_has_pictures_of_all_sizes_and_plain_polygons() {
         let scene = demo("gallery", &ViewOptions { frames: Some(12), ..ViewOptions::default() }).unwrap();
         let pictures: Vec<_> = scene.objects.iter().filter_map(|o| o.material.color_texture.as_ref()).collect();
         let sizes: Vec<_> = pictures.iter().map(|t| (t.levels[0].width, t.levels[0].height)).collect();

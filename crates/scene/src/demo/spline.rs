@@ -52,7 +52,7 @@ mod tests {
     ]);
 
     #[test]
-    fn the_curve_starts_and_ends_at_its_outer_control_points_along_the_polygon() {
+    fn curve_starts_and_ends_at_its_outer_control_points() {
         let [(start, leaving), (end, arriving)] = [0.0, 1.0].map(|t| ZIGZAG.at(t));
         assert_eq!((start, end), (ZIGZAG.0[0], ZIGZAG.0[6]));
         assert!(leaving.perp_dot(ZIGZAG.0[1] - ZIGZAG.0[0]).abs() < 1e-12 && leaving.x > 0.0);

@@ -1,4 +1,4 @@
-//! What demos are built with: curved surfaces, textures, materials.
+//! Building blocks of the demos: curved surfaces, textures, materials.
 
 use crate::camera::Viewpoint;
 use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
@@ -9,7 +9,7 @@ use basrelief_threads as threads;
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
-/// A demo without the user's wishes.
+/// A demo without view options.
 pub(super) struct Stage {
     pub objects: Vec<Arc<Object>>,
     pub camera: Viewpoint,
@@ -268,7 +268,7 @@ impl Workshop {
         self.place_as(name, mesh, world, material, None, None);
     }
 
-    /// Places a mesh whose number of reference normals, or whose bump mapping, was decided when it was modelled.
+    /// Places a mesh with a fixed number of reference normals or a fixed choice of bump mapping.
     pub(super) fn place_as(
         &mut self,
         name: &str,

@@ -1,8 +1,8 @@
 //! Accessors: typed vertex data out of bytes that may claim anything.
 //!
-//! Every number in the file is untrusted. Offsets are added with overflow checks, nothing is allocated before it is known
-//! that the bytes for it are there, and all that is decoded is counted against the budget (a small buffer that a million
-//! primitives refer to would otherwise grow without bounds).
+//! Every number in the file is untrusted. Offsets are added with overflow checks. Nothing is allocated before the bytes for
+//! it are found. Decoded data are counted against the memory limit, because a million primitives can refer to one small
+//! buffer.
 
 use super::buffers::Buffers;
 use super::check::resolve;
@@ -14,7 +14,7 @@ use crate::outside::{Outside, over_budget};
 use basrelief_input::Held;
 use std::cell::RefCell;
 
-/// Of two numbers, the smaller or the larger.
+/// Function that returns the smaller or the larger of two numbers.
 type Fold = fn(f32, f32) -> f32;
 
 /// Most elements of an accessor without a buffer view, which nothing in the file backs.
@@ -25,7 +25,7 @@ pub(crate) struct Accessors<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
     outside: &'a Outside<'a>,
-    /// What the mesh takes that is being built.
+    /// Memory of the mesh that is being built.
     building: RefCell<Held>,
 }
 
@@ -100,7 +100,7 @@ impl<'a> Accessors<'a> {
         Some((view, self.document.buffer_views.get(view.index())?.byte_stride?.0))
     }
 
-    /// Warns where `min` or `max` is not what the data hold. Nothing here relies on them; other readers do.
+    /// Warns if `min` or `max` differs from the data. This importer does not use them; other readers do.
     fn check_extremes(&self, index: Int, packed: &Packed, warnings: &mut Warnings) {
         let Some(accessor) = self.document.accessors.get(index.index()) else { return };
         let stored = Format { normalized: false, ..packed.format };
@@ -120,7 +120,7 @@ impl<'a> Accessors<'a> {
         }
     }
 
-    /// Checks the numbers of every accessor of floats: for files of which nothing is drawn, to find out why.
+    /// Checks the numbers of every accessor of floats. A fault may be the reason why nothing is drawn.
     pub(crate) fn check_finite(&self, warnings: &mut Warnings) -> Result<(), SceneError> {
         for i in 0..self.document.accessors.len() {
             let index = Int(i as u64);
@@ -144,7 +144,7 @@ impl<'a> Accessors<'a> {
         self.building.borrow_mut().grow(bytes, "vertices and triangles").map_err(|error| over_budget(place, &error))
     }
 
-    /// The mesh is built: so many bytes stay, the rest was needed on the way.
+    /// Ends a mesh. This many bytes stay, and the rest is given back.
     pub(crate) fn built(&self, bytes: u64) {
         let mut held = self.building.replace(self.outside.nothing());
         held.shrink_to(bytes);
@@ -204,8 +204,8 @@ impl<'a> Accessors<'a> {
         Ok(numbers)
     }
 
-    /// Indices have no stride. One that says no more than that they lie side by side does no harm; with any other, readers
-    /// that look at it draw other triangles than those that do not.
+    /// Indices have no stride. A stride of the size of an index does no harm. With another stride, readers that use it draw
+    /// other triangles than readers that ignore it.
     fn check_stride_of_indices(&self, index: Int, component: Component, warnings: &mut Warnings) -> Result<(), SceneError> {
         let Some((view, stride)) = self.stride(index) else { return Ok(()) };
         let (place, used_by) = (format!("/bufferViews/{}/byteStride", view.0), format!("/accessors/{}", index.0));
@@ -238,7 +238,7 @@ impl<'a> Accessors<'a> {
         Ok(Packed { format, bytes, _held: held })
     }
 
-    /// Where the elements lie; `None` for an accessor of zeros.
+    /// Place of the elements; `None` for an accessor of zeros.
     fn source(&self, accessor: &Accessor, i: usize, format: Format) -> Result<Option<Span>, SceneError> {
         let place = format!("/accessors/{i}");
         let count = accessor.count.0;

@@ -43,7 +43,7 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// What the buffers come in.
+/// Container of the buffers.
 #[derive(Clone, Copy)]
 pub(crate) enum Container<'a> {
     /// A `.gltf` file.
@@ -68,7 +68,7 @@ fn check_view(document: &Document, i: usize, view: &BufferView) -> Result<(), Sc
     Ok(())
 }
 
-/// Bytes of a buffer, and what is counted for them.
+/// Bytes of a buffer with their reservation.
 type HeldBytes<'a> = (Cow<'a, [u8]>, Held);
 
 fn load_buffer<'a>(
@@ -103,7 +103,7 @@ fn load_buffer<'a>(
     Ok(Some((data, held)))
 }
 
-/// The bytes that a URI stands for, a data URI or a file relative to the model, and what they take.
+/// Reads the bytes of a data URI or of a file relative to the model, with their reservation.
 pub(crate) fn read_uri(uri: &str, outside: &Outside<'_>, place: &str) -> Result<(Vec<u8>, Held), SceneError> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         let held = outside.take(uri.len() as u64, place, "a data URI")?;

@@ -1,4 +1,4 @@
-//! What can be checked in a document before any of its data is read: version, extensions, references.
+//! Checks of a document before its data are read: version, extensions, references.
 
 use super::json::{Document, Int, MaterialDef, Node, Primitive, TextureInfo};
 use super::parse::escape;
@@ -41,7 +41,7 @@ pub(crate) fn resolve<'a, T>(
     })
 }
 
-/// Checks everything that needs no data.
+/// Checks version, extensions, references and strides.
 pub(crate) fn check(document: &Document, warnings: &mut Warnings) -> Result<(), SceneError> {
     check_version(document, warnings)?;
     check_extensions(document, warnings)?;
@@ -60,6 +60,14 @@ pub(crate) fn check(document: &Document, warnings: &mut Warnings) -> Result<(), 
     }
     for (i, material) in document.materials.iter().enumerate() {
         check_material(document, i, material)?;
+    }
+    for (i, skin) in document.skins.iter().enumerate() {
+        if let Some(matrices) = skin.inverse_bind_matrices {
+            resolve(&document.accessors, "accessors", matrices, || format!("/skins/{i}/inverseBindMatrices"))?;
+        }
+        for (j, joint) in skin.joints.iter().enumerate() {
+            resolve(&document.nodes, "nodes", *joint, || format!("/skins/{i}/joints/{j}"))?;
+        }
     }
     check_textures(document)?;
     check_data(document)?;
@@ -143,6 +151,11 @@ fn check_primitive(document: &Document, place: &str, primitive: &Primitive) -> R
     for (name, accessor) in &primitive.attributes {
         resolve(&document.accessors, "accessors", *accessor, || format!("{place}/attributes/{}", escape(name)))?;
     }
+    for (i, target) in primitive.targets.iter().enumerate() {
+        for (name, accessor) in target {
+            resolve(&document.accessors, "accessors", *accessor, || format!("{place}/targets/{i}/{}", escape(name)))?;
+        }
+    }
     if let Some(indices) = primitive.indices {
         resolve(&document.accessors, "accessors", indices, || format!("{place}/indices"))?;
     }
@@ -188,7 +201,7 @@ fn check_textures(document: &Document) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// A stride that glTF forbids says where the elements lie all the same.
+/// Warns of strides that glTF forbids. They still define the places of the elements.
 fn check_strides(document: &Document, warnings: &mut Warnings) {
     let strides = document.buffer_views.iter().enumerate().filter_map(|(i, view)| Some((i, view.byte_stride?.0)));
     for (i, stride) in strides.filter(|(_, stride)| !(4..=252).contains(stride) || !stride.is_multiple_of(4)) {

@@ -1,11 +1,11 @@
-//! What this project keeps in a document's `extras`.
+//! Extras of this project in a glTF document.
 
 use basrelief_signals::ShadingSettings;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use std::fmt::{Formatter, Result as FmtResult};
 
-/// What the `extras.basrelief` of a node, a material or a scene says; any other extras are somebody else's.
+/// Content of `extras.basrelief` of a node, a material or a scene. Other extras belong to other programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Extras {
     /// Number of reference normals of the object.

@@ -54,7 +54,7 @@ impl Component {
     }
 }
 
-/// What an accessor's elements are made of.
+/// Format of the elements of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Format {
     pub component: Component,

@@ -3,14 +3,16 @@
 use super::accessor::Accessors;
 use super::format::{Component, Format};
 use super::json::{Int, Primitive, TextureTransform};
+use super::skin::Influences;
 use crate::SceneError;
 use crate::error::Warnings;
 use crate::normals;
 use crate::tangents;
 use basrelief_signals::Mesh;
 use glam::DVec3;
+use std::collections::BTreeMap;
 
-/// What the material asks of a primitive's texture coordinates.
+/// Texture coordinates that a material requests.
 #[derive(Clone, Default)]
 pub(crate) struct UvRequest {
     /// Which TEXCOORD set.
@@ -19,7 +21,7 @@ pub(crate) struct UvRequest {
     pub transform: Option<TextureTransform>,
 }
 
-/// Texture coordinates that a primitive must provide; `None` where the material has no such texture.
+/// Texture coordinates that a primitive must provide; `None` if the material has no such texture.
 #[derive(Clone, Default)]
 pub(crate) struct Needs {
     pub color: Option<UvRequest>,
@@ -33,8 +35,20 @@ pub(crate) struct Geometry<'a> {
     pub quantized: bool,
 }
 
-/// Which formats a vertex attribute may have.
+/// A primitive with everything that its mesh depends on.
 #[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub primitive: &'a Primitive,
+    pub needs: &'a Needs,
+    /// Weights of its morph targets.
+    pub weights: &'a [f64],
+    pub skin: Option<&'a Influences>,
+    /// JSON pointer.
+    pub place: &'a str,
+}
+
+/// Which formats a vertex attribute may have.
+#[derive(Clone, Copy, PartialEq)]
 enum Semantic {
     Position,
     Direction,
@@ -70,23 +84,15 @@ impl Semantic {
 }
 
 impl Geometry<'_> {
-    /// The mesh of a primitive; `None` where it has no triangles.
-    pub(crate) fn mesh(
-        &self,
-        primitive: &Primitive,
-        needs: &Needs,
-        place: &str,
-        warnings: &mut Warnings,
-    ) -> Result<Option<Mesh>, SceneError> {
+    /// Returns the mesh of a primitive; `None` if it has no triangles.
+    pub(crate) fn mesh(&self, source: &Source<'_>, warnings: &mut Warnings) -> Result<Option<Mesh>, SceneError> {
+        let Source { primitive, place, .. } = *source;
         let mode = primitive.mode.map_or(TRIANGLES, |m| m.0);
         if mode < TRIANGLES {
             warnings.add(format!("{place} draws points or lines: skipped"));
             return Ok(None);
         }
-        if !primitive.targets.is_empty() {
-            warnings.add(format!("{place}: morph targets are ignored: drawn at rest"));
-        }
-        let Some(positions) = self.attribute::<3>(primitive, "POSITION", None, Semantic::Position, place, warnings)? else {
+        let Some(positions) = self.attribute::<3>(source, "POSITION", None, Semantic::Position, warnings)? else {
             warnings.add(format!("{place} has no POSITION: skipped"));
             return Ok(None);
         };
@@ -96,28 +102,25 @@ impl Geometry<'_> {
             return Ok(None);
         }
         let mut mesh = Mesh { positions, indices, ..Mesh::default() };
-        self.fill(&mut mesh, primitive, needs, place, warnings)?;
+        self.fill(&mut mesh, source, warnings)?;
         Ok(Some(mesh))
     }
 
     /// Everything beside positions and indices.
-    fn fill(
-        &self,
-        mesh: &mut Mesh,
-        primitive: &Primitive,
-        needs: &Needs,
-        place: &str,
-        warnings: &mut Warnings,
-    ) -> Result<(), SceneError> {
+    fn fill(&self, mesh: &mut Mesh, source: &Source<'_>, warnings: &mut Warnings) -> Result<(), SceneError> {
+        let Source { needs, place, .. } = *source;
         let count = Some(mesh.positions.len());
-        mesh.uv = self.uv(primitive, needs.color.as_ref(), mesh.positions.len(), place, warnings)?;
-        mesh.uv_normal = self.uv(primitive, needs.normal_map.as_ref(), mesh.positions.len(), place, warnings)?;
-        mesh.colors = self.attribute(primitive, "COLOR_0", count, Semantic::Color, place, warnings)?.unwrap_or_default();
+        mesh.uv = self.uv(source, needs.color.as_ref(), mesh.positions.len(), warnings)?;
+        mesh.uv_normal = self.uv(source, needs.normal_map.as_ref(), mesh.positions.len(), warnings)?;
+        mesh.colors = self.attribute(source, "COLOR_0", count, Semantic::Color, warnings)?.unwrap_or_default();
         for color in &mut mesh.colors {
             *color = color.map(|c| c.clamp(0.0, 1.0));
         }
-        let normals = self.attribute::<3>(primitive, "NORMAL", count, Semantic::Direction, place, warnings)?;
-        let tangents = self.attribute::<4>(primitive, "TANGENT", count, Semantic::Direction, place, warnings)?;
+        let mut normals = self.attribute::<3>(source, "NORMAL", count, Semantic::Direction, warnings)?;
+        let mut tangents = self.attribute::<4>(source, "TANGENT", count, Semantic::Direction, warnings)?;
+        if let Some(skin) = source.skin {
+            skin.pose(mesh, normals.as_mut(), tangents.as_mut(), place)?;
+        }
         let has_normals = normals.is_some();
         match normals {
             Some(normals) => {
@@ -147,15 +150,15 @@ impl Geometry<'_> {
 
     fn uv(
         &self,
-        primitive: &Primitive,
+        source: &Source<'_>,
         request: Option<&UvRequest>,
         count: usize,
-        place: &str,
         warnings: &mut Warnings,
     ) -> Result<Vec<[f32; 2]>, SceneError> {
+        let place = source.place;
         let Some(request) = request else { return Ok(Vec::new()) };
         let name = format!("TEXCOORD_{}", request.set);
-        let uv = self.attribute::<2>(primitive, &name, Some(count), Semantic::TexCoord, place, warnings)?;
+        let uv = self.attribute::<2>(source, &name, Some(count), Semantic::TexCoord, warnings)?;
         if uv.is_none() {
             self.accessors.charge(size_of::<[f32; 2]>() as u64 * count as u64, place)?;
         }
@@ -176,16 +179,66 @@ impl Geometry<'_> {
     /// An attribute with one element per vertex.
     fn attribute<const N: usize>(
         &self,
-        primitive: &Primitive,
+        source: &Source<'_>,
+        name: &str,
+        count: Option<usize>,
+        semantic: Semantic,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
+        let place = format!("{}/attributes/{name}", source.place);
+        let base = self.elements(&source.primitive.attributes, name, count, semantic, &place, warnings)?;
+        let Some(mut base) = base else { return Ok(None) };
+        self.morph(&mut base, source, name, semantic, warnings)?;
+        Ok(Some(base))
+    }
+
+    /// Adds the morph targets of an attribute, each times its weight.
+    fn morph<const N: usize>(
+        &self,
+        base: &mut [[f32; N]],
+        source: &Source<'_>,
+        name: &str,
+        semantic: Semantic,
+        warnings: &mut Warnings,
+    ) -> Result<(), SceneError> {
+        let Source { primitive, weights, place, .. } = *source;
+        if weights.len() != primitive.targets.len() && !weights.is_empty() {
+            warnings.add(format!("{place}: {} weights for {} morph targets", weights.len(), primitive.targets.len()));
+        }
+        for (i, (target, weight)) in primitive.targets.iter().zip(weights).enumerate().filter(|(_, (_, weight))| **weight != 0.0)
+        {
+            let place = format!("{place}/targets/{i}/{name}");
+            let add = |value: &mut f32, delta: f32| *value = (f64::from(*value) + weight * f64::from(delta)) as f32;
+            // The handedness of a tangent, its fourth component, has no delta.
+            if semantic == Semantic::Direction && N == 4 {
+                let deltas = self.elements::<3>(target, name, Some(base.len()), semantic, &place, warnings)?.unwrap_or_default();
+                base.iter_mut().zip(deltas).for_each(|(base, delta)| base.iter_mut().zip(delta).for_each(|(b, d)| add(b, d)));
+            } else {
+                let deltas = self.elements::<N>(target, name, Some(base.len()), semantic, &place, warnings)?.unwrap_or_default();
+                // The alpha that a colour of three components gets is no delta.
+                base.iter_mut()
+                    .zip(deltas)
+                    .for_each(|(base, delta)| base.iter_mut().zip(delta).take(3).for_each(|(b, d)| add(b, d)));
+            }
+            if base.iter().flatten().any(|value| !value.is_finite()) {
+                return Err(SceneError::at(place, "its weight makes vertices infinite").expected("weights of ordinary size"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The elements of the accessor that attributes name.
+    fn elements<const N: usize>(
+        &self,
+        attributes: &BTreeMap<String, Int>,
         name: &str,
         count: Option<usize>,
         semantic: Semantic,
         place: &str,
         warnings: &mut Warnings,
     ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
-        let Some(index) = primitive.attributes.get(name) else { return Ok(None) };
-        let place = format!("{place}/attributes/{name}");
-        let (format, elements) = self.accessors.describe(*index, &place)?;
+        let Some(index) = attributes.get(name) else { return Ok(None) };
+        let (format, elements) = self.accessors.describe(*index, place)?;
         let width_fits = format.is_vector(N) || (matches!(semantic, Semantic::Color) && format.is_vector(3));
         if !width_fits || !semantic.allows(format, self.quantized) {
             return Err(SceneError::at(place, format!("accessor {} is {}", index.0, format.name()))
@@ -200,7 +253,7 @@ impl Geometry<'_> {
             let bytes = format.element_bytes();
             warnings.add(format!("{place}: vertices of accessor {} lie {bytes} bytes apart, expected a multiple of 4", index.0));
         }
-        self.accessors.floats(*index, &place, warnings).map(Some)
+        self.accessors.floats(*index, place, warnings).map(Some)
     }
 
     /// Vertex numbers of all triangles, without those that use a vertex twice.
@@ -238,9 +291,9 @@ impl Geometry<'_> {
     }
 }
 
-/// What it takes to make normals unit: sums of those of faces, and two lists \[bytes per vertex\].
+/// Memory for making normals unit \[bytes per vertex\]: sums of face normals, and two lists.
 const SMOOTHING: u64 = 48;
-/// What it takes to give each corner a vertex of its own: all lists but tangents, and normals of faces \[bytes per corner\].
+/// Memory for a vertex per corner \[bytes per corner\]: all lists but tangents, and face normals.
 const FLATTENING: u64 = 80;
 
 const TRIANGLES: u64 = 4;
@@ -263,7 +316,7 @@ fn triangulate(order: &[u32], mode: u64) -> Vec<u32> {
     triangles.filter(|[a, b, c]| a != b && b != c && c != a).flatten().collect()
 }
 
-/// Makes normals unit; those without direction are computed from the faces around.
+/// Makes normals unit. Normals of length 0 are computed from the faces around them.
 fn unit_normals(given: Vec<[f32; 3]>, mesh: &Mesh, place: &str, warnings: &mut Warnings) -> Vec<[f32; 3]> {
     let vector = |n: &[f32; 3]| DVec3::from_array(n.map(f64::from));
     if given.iter().all(|n| vector(n).try_normalize().is_some()) {
@@ -274,7 +327,7 @@ fn unit_normals(given: Vec<[f32; 3]>, mesh: &Mesh, place: &str, warnings: &mut W
     given.iter().zip(computed).map(|(n, c)| normals::unit(vector(n), DVec3::from_array(c.map(f64::from)))).collect()
 }
 
-/// Gives each triangle its own vertices and flat normals, as glTF asks for where there are none.
+/// Gives each triangle its own vertices and flat normals, as glTF asks for meshes without normals.
 fn flatten(mesh: &mut Mesh) {
     fn pick<T: Copy>(list: &[T], indices: &[u32]) -> Vec<T> {
         if list.is_empty() { Vec::new() } else { indices.iter().filter_map(|i| list.get(*i as usize).copied()).collect() }

@@ -1,4 +1,4 @@
-//! The parts of a glTF 2.0 document that this importer reads. Names follow the specification, so does what is optional.
+//! The parts of a glTF 2.0 document that this importer reads. Names and optional fields follow the specification.
 
 use super::extras::Extras;
 use serde::Deserialize;
@@ -11,7 +11,7 @@ use std::fmt::{Formatter, Result as FmtResult};
 pub(crate) struct Int(pub u64);
 
 impl Int {
-    /// As an index; too large for this platform is out of range of any list, too.
+    /// Returns the number as an index. A number too large for this platform is out of range of any list.
     pub(crate) fn index(self) -> usize {
         usize::try_from(self.0).unwrap_or(usize::MAX)
     }
@@ -73,7 +73,7 @@ pub(crate) struct Document {
     #[serde(default)]
     pub cameras: Vec<CameraDef>,
     #[serde(default)]
-    pub skins: Vec<IgnoredAny>,
+    pub skins: Vec<SkinDef>,
     #[serde(default)]
     pub animations: Vec<IgnoredAny>,
     #[serde(default)]
@@ -134,6 +134,8 @@ pub(crate) struct Node {
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
     pub mesh: Option<Int>,
+    /// Weights of morph targets, in place of the mesh's own.
+    pub weights: Option<Vec<f64>>,
     pub camera: Option<Int>,
     pub skin: Option<Int>,
     pub extensions: Option<Box<NodeExtensions>>,
@@ -168,6 +170,17 @@ fn yes() -> bool {
 pub(crate) struct MeshDef {
     pub name: Option<String>,
     pub primitives: Vec<Primitive>,
+    /// Weights of morph targets at rest.
+    #[serde(default)]
+    pub weights: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct SkinDef {
+    pub inverse_bind_matrices: Option<Int>,
+    #[serde(default)]
+    pub joints: Vec<Int>,
 }
 
 #[derive(Deserialize)]
@@ -177,7 +190,7 @@ pub(crate) struct Primitive {
     pub material: Option<Int>,
     pub mode: Option<Int>,
     #[serde(default)]
-    pub targets: Vec<IgnoredAny>,
+    pub targets: Vec<BTreeMap<String, Int>>,
 }
 
 #[derive(Deserialize)]
@@ -246,6 +259,8 @@ pub(crate) struct MaterialDef {
     pub normal_texture: Option<TextureInfo>,
     pub occlusion_texture: Option<TextureInfo>,
     pub emissive_texture: Option<TextureInfo>,
+    #[serde(default)]
+    pub emissive_factor: [f64; 3],
     pub alpha_mode: Option<String>,
     #[serde(default)]
     pub double_sided: bool,
@@ -310,7 +325,7 @@ pub(crate) struct TextureDef {
     pub extensions: BTreeMap<String, OtherSource>,
 }
 
-/// What extensions such as `KHR_texture_basisu` put beside a texture's ordinary picture.
+/// Picture that an extension such as `KHR_texture_basisu` adds to a texture.
 #[derive(Deserialize)]
 pub(crate) struct OtherSource {
     pub source: Option<Int>,

@@ -11,15 +11,15 @@ use crate::outside::Outside;
 use crate::picture;
 use crate::textures::{Content, TextureStore};
 use basrelief_input::Held;
-use basrelief_signals::{Material, Sampler, TexelFilter, Texture, WrapMode};
+use basrelief_signals::{Lighting, Material, Sampler, TexelFilter, Texture, WrapMode};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What a material takes beside its name \[bytes\].
+/// Memory of a material beside its name \[bytes\].
 const MATERIAL: u64 = 512;
 
-/// A material and what it asks of the primitives that use it.
+/// A material and its requests to the primitives that use it.
 #[derive(Clone)]
 pub(crate) struct Surface {
     pub material: Arc<Material>,
@@ -68,7 +68,9 @@ impl<'a> Materials<'a> {
         let place = format!("/materials/{i}");
         warn_of_omissions(def, &place, warnings);
         let pbr = def.pbr_metallic_roughness.as_ref();
-        let color_info = pbr.and_then(|p| p.base_color_texture.as_ref());
+        let emits = emits_only(def);
+        let base_texture = pbr.and_then(|p| p.base_color_texture.as_ref());
+        let color_info = if emits { def.emissive_texture.as_ref() } else { base_texture };
         let color = self.texture(color_info, Content::Color, warnings)?;
         let normal_info = def.normal_texture.as_ref();
         let normal_map = self.texture(normal_info, Content::Normals, warnings)?;
@@ -77,6 +79,13 @@ impl<'a> Materials<'a> {
             return Err(SceneError::at(format!("{place}/pbrMetallicRoughness/baseColorFactor"), format!("is {factor:?}"))
                 .expected("four numbers, each 0..=1"));
         }
+        if def.emissive_factor.iter().any(|c| !(0.0..=1.0).contains(c)) {
+            return Err(SceneError::at(format!("{place}/emissiveFactor"), format!("is {:?}", def.emissive_factor))
+                .expected("three numbers, each 0..=1"));
+        }
+        let [red, green, blue] = def.emissive_factor;
+        let factor = if emits { [red, green, blue, factor[3]] } else { factor };
+        let lighting = if emits { Lighting { ka: 1.0, kd: 0.0, ..Lighting::default() } } else { Lighting::default() };
         let scale = normal_info.and_then(|n| n.scale).unwrap_or(1.0) as f32;
         if !scale.is_finite() {
             return Err(
@@ -97,12 +106,12 @@ impl<'a> Materials<'a> {
             normal_map,
             normal_scale: scale,
             double_sided: def.double_sided,
-            ..Material::default()
+            lighting,
         };
         Ok(Surface { material: Arc::new(material), needs })
     }
 
-    /// The texture that a material refers to; `None` where there is none, or none that can be read.
+    /// Returns the texture of a material; `None` if it has none that can be read.
     fn texture(
         &mut self,
         info: Option<&TextureInfo>,
@@ -152,7 +161,7 @@ impl<'a> Materials<'a> {
         Ok(Sampler { wrap: [wrap(definition.wrap_s, "wrapS")?, wrap(definition.wrap_t, "wrapT")?], filter })
     }
 
-    /// Bytes and name of a picture file, and what they take.
+    /// Returns the bytes and the name of a picture file, with their reservation.
     fn image(&self, index: Int) -> Result<(Cow<'a, [u8]>, String, Held), SceneError> {
         let place = format!("/images/{}", index.0);
         let image = resolve(&self.document.images, "images", index, || place.clone())?;
@@ -175,7 +184,7 @@ impl<'a> Materials<'a> {
         Ok((bytes, name, held))
     }
 
-    /// Decodes every picture: for files of which nothing is drawn, to find out why.
+    /// Decodes every picture. A fault may be the reason why nothing is drawn.
     pub(crate) fn check_pictures(&mut self) -> Result<(), SceneError> {
         for i in 0..self.document.images.len() {
             let index = Int(i as u64);
@@ -215,7 +224,23 @@ fn request(info: &TextureInfo) -> UvRequest {
     UvRequest { set: set.0, transform }
 }
 
+/// True if a surface emits light and reflects none: its emission can be drawn as constant ambient light.
+fn emits_only(definition: &MaterialDef) -> bool {
+    let base = definition.pbr_metallic_roughness.as_ref().map_or([1.0; 4], |p| p.base_color_factor);
+    definition.emissive_factor != [0.0; 3] && base.iter().take(3).all(|c| *c == 0.0)
+}
+
 fn warn_of_omissions(definition: &MaterialDef, place: &str, warnings: &mut Warnings) {
+    if definition.emissive_factor != [0.0; 3] && !emits_only(definition) {
+        warnings.add(format!("{place}: its emission is not used, because its base colour is not black"));
+    }
+    let roughness = definition.pbr_metallic_roughness.as_ref().and_then(|p| p.metallic_roughness_texture.as_ref());
+    for (texture, name) in [(roughness, "metallicRoughnessTexture"), (definition.occlusion_texture.as_ref(), "occlusionTexture")]
+    {
+        if texture.is_some() {
+            warnings.add(format!("`{name}` is not used: the devices have no such property"));
+        }
+    }
     if let Some(mode) = definition.alpha_mode.as_deref().filter(|m| *m != "OPAQUE") {
         warnings.add(format!("{place}: alphaMode {mode} is not supported: drawn opaque"));
     }

@@ -1,7 +1,7 @@
 //! glTF 2.0: `.gltf` with external files or data URIs, and `.glb`.
 //!
-//! The JSON is read into structs of this crate ([`json`]), not those of a glTF library: the known ones either reject what
-//! can be drawn or panic on offsets beyond the end, and none says where in the file the fault lies.
+//! The JSON is read into structs of this crate ([`json`]) and not of a glTF library. The known libraries reject files that
+//! can be drawn or panic on offsets beyond the end, and their errors do not name the place in the file.
 
 mod accessor;
 mod buffers;
@@ -15,6 +15,7 @@ mod material;
 mod nodes;
 pub(crate) mod parse;
 mod scene;
+mod skin;
 #[cfg(test)]
 mod tests;
 
@@ -27,18 +28,19 @@ use accessor::Accessors;
 use basrelief_signals::{Material, Mesh, Object, ShadingSettings};
 use buffers::{Buffers, Container};
 use extras::Extras;
-use geometry::Geometry;
-use glam::DMat4;
+use geometry::{Geometry, Source};
+use glam::{DMat3, DMat4};
 use json::{Document, Node, Primitive};
 use material::Materials;
 use nodes::Placed;
+use skin::Skins;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Most vertices of all objects together: a mesh may be placed many times.
 const MAX_PLACED_VERTICES: usize = 1 << 27;
 
-/// What a placed object takes beside its name and its mesh \[bytes\].
+/// Memory of a placed object beside its name and its mesh \[bytes\].
 const OBJECT: u64 = 512;
 
 /// Imports a `.glb` file.
@@ -57,7 +59,7 @@ fn import(json: &[u8], container: Container<'_>, outside: &Outside<'_>, warnings
     check::check(&document, warnings)?;
     let buffers = Buffers::load(&document, container, outside)?;
     let accessors = Accessors::new(&document, &buffers, outside, warnings)?;
-    // Nodes in the world, those that are still to be placed, and who has a parent; lists that grow by doubling.
+    // Lists that grow by doubling: nodes in the world, nodes to be placed, and a flag for nodes with a parent.
     let placed = document.nodes.len() as u64 * 4 * size_of::<Placed>() as u64;
     let _placed = outside.take(placed, "/nodes", "nodes in the world")?;
     let nodes = nodes::place(&document, warnings)?;
@@ -67,6 +69,7 @@ fn import(json: &[u8], container: Container<'_>, outside: &Outside<'_>, warnings
         document: &document,
         outside,
         geometry: Geometry { accessors: &accessors, quantized },
+        skins: Skins::new(&document, &accessors, warnings)?,
         materials: Materials::new(&document, &buffers, outside),
         primitives: BTreeMap::new(),
         objects: Vec::new(),
@@ -76,7 +79,7 @@ fn import(json: &[u8], container: Container<'_>, outside: &Outside<'_>, warnings
     importer.materials.check_unused(warnings);
     let objects = std::mem::take(&mut importer.objects);
     if objects.is_empty() {
-        // The reason may be a fault in what would have been drawn.
+        // The reason may be a fault in the data of the model.
         accessors.check_finite(warnings)?;
         importer.materials.check_pictures()?;
         return Err(nothing_to_draw(&document).with_notes(warnings.sentences()));
@@ -99,6 +102,12 @@ fn nothing_to_draw(document: &Document) -> SceneError {
     SceneError::at(place, "nothing to draw").expected("at least one triangle in the scene").cure(cure)
 }
 
+/// True if a transform leaves no area: two or more of its scales are 0.
+fn is_line_or_point(world: DMat4) -> bool {
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = DMat3::from_mat4(world);
+    [x.cross(y), y.cross(z), z.cross(x)].iter().all(|area| area.length_squared() == 0.0)
+}
+
 /// A primitive ready to be placed.
 type Built = (Arc<Mesh>, Arc<Material>, Extras);
 
@@ -107,27 +116,28 @@ struct Importer<'a> {
     document: &'a Document,
     outside: &'a Outside<'a>,
     geometry: Geometry<'a>,
+    skins: Skins<'a>,
     materials: Materials<'a>,
-    primitives: BTreeMap<(usize, usize), Option<Built>>,
+    /// By mesh, primitive, and the node whose skin or weights it has.
+    primitives: BTreeMap<(usize, usize, Option<usize>), Option<Built>>,
     objects: Vec<Arc<Object>>,
     vertices: usize,
 }
 
 impl Importer<'_> {
-    /// Draws the meshes of the nodes; those of the file, where it has no nodes at all.
+    /// Draws the meshes of the nodes, or all meshes if the file has no nodes.
     fn draw_nodes(&mut self, nodes: &[Placed], warnings: &mut Warnings) -> Result<(), SceneError> {
         let document = self.document;
         for placed in nodes {
             let Some(node) = document.nodes.get(placed.index) else { continue };
             let Some(mesh) = node.mesh else { continue };
-            if node.skin.is_some() {
-                warnings.add(format!("/nodes/{}: its skin is ignored: drawn unposed, where the node stands", placed.index));
-            }
-            if placed.world.determinant() == 0.0 {
-                warnings.add(format!("/nodes/{} is scaled to nothing: not drawn", placed.index));
+            // The joints alone say where a skinned mesh is (glTF 2.0, section 3.7.3.3).
+            let world = if node.skin.is_some() { DMat4::IDENTITY } else { placed.world };
+            if is_line_or_point(world) {
+                warnings.add(format!("/nodes/{} is scaled to a line or a point: not drawn", placed.index));
                 continue;
             }
-            self.draw_mesh(mesh.index(), placed.world, Some(node), warnings)?;
+            self.draw_mesh(mesh.index(), world, Some((placed.index, node)), warnings)?;
         }
         if document.nodes.is_empty() && !document.meshes.is_empty() {
             warnings.add("the file has no nodes: all its meshes are drawn where they are");
@@ -138,13 +148,21 @@ impl Importer<'_> {
         Ok(())
     }
 
-    fn draw_mesh(&mut self, mesh: usize, world: DMat4, node: Option<&Node>, warnings: &mut Warnings) -> Result<(), SceneError> {
+    fn draw_mesh(
+        &mut self,
+        mesh: usize,
+        world: DMat4,
+        placed: Option<(usize, &Node)>,
+        warnings: &mut Warnings,
+    ) -> Result<(), SceneError> {
+        let node = placed.map(|(_, node)| node);
         let document = self.document;
         let Some(definition) = document.meshes.get(mesh) else { return Ok(()) };
         let node_name = node.and_then(|n| n.name.clone());
         let base = node_name.or(definition.name.clone()).unwrap_or_else(|| format!("mesh {mesh}"));
         for (i, primitive) in definition.primitives.iter().enumerate() {
-            let Some((built, material, extras)) = self.primitive((mesh, i), primitive, warnings)? else { continue };
+            let posed = placed.filter(|(_, node)| node.skin.is_some() || node.weights.is_some());
+            let Some((built, material, extras)) = self.primitive((mesh, i), primitive, posed, warnings)? else { continue };
             self.vertices = self.vertices.saturating_add(built.positions.len());
             if self.vertices > MAX_PLACED_VERTICES {
                 return Err(SceneError::at(format!("/meshes/{mesh}"), "is placed so often that there is too much to draw")
@@ -172,16 +190,25 @@ impl Importer<'_> {
     /// The mesh and material of a primitive, built once.
     fn primitive(
         &mut self,
-        key: (usize, usize),
+        (mesh, number): (usize, usize),
         primitive: &Primitive,
+        posed: Option<(usize, &Node)>,
         warnings: &mut Warnings,
     ) -> Result<Option<Built>, SceneError> {
+        let key = (mesh, number, posed.map(|(node, _)| node));
         if let Some(built) = self.primitives.get(&key) {
             return Ok(built.clone());
         }
-        let place = format!("/meshes/{}/primitives/{}", key.0, key.1);
+        let place = format!("/meshes/{mesh}/primitives/{number}");
         let surface = self.materials.surface(primitive.material, warnings)?;
-        let mesh = self.geometry.mesh(primitive, &surface.needs, &place, warnings)?;
+        let own = self.document.meshes.get(mesh).map_or(&[][..], |mesh| &mesh.weights);
+        let weights = posed.and_then(|(_, node)| node.weights.as_deref()).unwrap_or(own);
+        let skin = match posed.and_then(|(_, node)| node.skin) {
+            Some(skin) => self.skins.influences(skin, primitive, &place, warnings)?,
+            None => None,
+        };
+        let source = Source { primitive, needs: &surface.needs, weights, skin: skin.as_ref(), place: &place };
+        let mesh = self.geometry.mesh(&source, warnings)?;
         self.geometry.accessors.built(mesh.as_ref().map_or(0, mesh_bytes));
         let extras = primitive.material.and_then(|m| self.document.materials.get(m.index())).map(|m| m.extras);
         let built = mesh.map(|mesh| (Arc::new(mesh), surface.material, extras.unwrap_or_default()));

@@ -35,6 +35,24 @@ pub(crate) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<
     Ok(placed)
 }
 
+/// World matrix of every node, whether it is in the scene or not. [`place`] has checked that nodes are trees.
+pub(crate) fn worlds(document: &Document, warnings: &mut Warnings) -> Result<Vec<DMat4>, SceneError> {
+    let mut worlds = vec![DMat4::IDENTITY; document.nodes.len()];
+    let mut stack: Vec<Placed> = check_tree(document)?
+        .iter()
+        .enumerate()
+        .filter(|(_, has_parent)| !**has_parent)
+        .map(|(index, _)| Placed { index, world: DMat4::IDENTITY })
+        .collect();
+    while let Some(Placed { index, world: parent }) = stack.pop() {
+        let (Some(node), Some(slot)) = (document.nodes.get(index), worlds.get_mut(index)) else { continue };
+        *slot = parent * local(node, index, warnings)?;
+        let world = *slot;
+        stack.extend(node.children.iter().map(|child| Placed { index: child.index(), world }));
+    }
+    Ok(worlds)
+}
+
 fn visible(node: &Node) -> bool {
     node.extensions.as_ref().and_then(|e| e.visibility.as_ref()).is_none_or(|v| v.visible)
 }
@@ -76,7 +94,7 @@ fn check_tree(document: &Document) -> Result<Vec<bool>, SceneError> {
     }
 }
 
-/// Roots of what is to be drawn: of the default scene, else the first one, else all nodes without a parent.
+/// Roots of the default scene, else of the first scene, else all nodes without a parent.
 fn roots(document: &Document, has_parent: &[bool], warnings: &mut Warnings) -> Result<Vec<usize>, SceneError> {
     if document.scenes.is_empty() && document.scene.is_none() {
         if !document.nodes.is_empty() {
@@ -109,7 +127,7 @@ fn roots(document: &Document, has_parent: &[bool], warnings: &mut Warnings) -> R
     Ok(roots)
 }
 
-/// How far a rotation's length may be from 1 without a word: what four components of 8 bits are off, as in the validator.
+/// Deviation of the length of a rotation from 1 without a warning: the error of four components of 8 bits, as in the validator.
 const LENGTH_TOLERANCE: f64 = 0.00769;
 
 fn local(node: &Node, index: usize, warnings: &mut Warnings) -> Result<DMat4, SceneError> {

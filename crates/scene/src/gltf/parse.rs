@@ -6,7 +6,7 @@ use crate::outside::Outside;
 use basrelief_input::{Held, JsonFault, json_weight};
 use serde_path_to_error::{Path, Segment};
 
-/// Parses the JSON of a glTF file. With it comes what it takes.
+/// Parses the JSON of a glTF file, with its reservation.
 pub(crate) fn parse(bytes: &[u8], outside: &Outside<'_>) -> Result<(Document, Held), SceneError> {
     if bytes.starts_with(b"\xef\xbb\xbf") {
         return Err(SceneError::at("byte 0", "begins with a byte order mark")
@@ -23,7 +23,7 @@ pub(crate) fn parse(bytes: &[u8], outside: &Outside<'_>) -> Result<(Document, He
     Ok((document, held))
 }
 
-/// A fault of a JSON text: what is wrong in it has a pointer, wrong syntax a line and column.
+/// Error of a JSON text. Wrong values have a pointer, wrong syntax a line and column.
 pub(crate) fn json_error(fault: &JsonFault) -> SceneError {
     let JsonFault { line, column, is_data, message, .. } = fault;
     let pointer = pointer(&fault.path);

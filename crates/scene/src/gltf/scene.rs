@@ -55,8 +55,8 @@ fn lens(camera: &CameraDef, i: usize) -> Result<Lens, SceneError> {
     }
 }
 
-/// The lights of the drawn nodes. Intensities in a file are physical (lux, candela); what these devices have is a factor
-/// of the lighting formula, so they are scaled for the strongest to be 1 at the model's centre.
+/// The lights of the drawn nodes. Intensities in a file are physical (lux, candela). The devices have a factor in the
+/// lighting formula, so intensities are scaled: the strongest is 1 at the centre of the model.
 pub(crate) fn lamps(
     document: &Document,
     nodes: &[Placed],
@@ -121,7 +121,7 @@ fn luminance(light: &LightDef, warnings: &mut Warnings) -> f64 {
     (0.2126 * r + 0.7152 * g + 0.0722 * b) * light.intensity
 }
 
-/// What a light's distance makes of its intensity, at the model's centre.
+/// Factor of the intensity of a light at the centre of the model, by its distance.
 fn falloff(lamp: Lamp, centre: DVec3) -> f64 {
     match lamp {
         Lamp::Directional(_) => 1.0,

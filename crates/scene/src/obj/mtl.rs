@@ -1,121 +1,136 @@
 //! Material libraries (MTL).
 
-use super::parse::numbers;
+use super::map::{self, Map};
+use super::text::{Line, escaped, keyword_and_rest, lines, numbers, shown};
 use crate::SceneError;
 use crate::error::Warnings;
 use crate::outside::Outside;
 
 /// A material as written.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct MtlMaterial {
-    pub name: String,
+pub(super) struct MtlMaterial {
+    pub name: Vec<u8>,
     /// Kd.
     pub diffuse: [f32; 3],
+    /// Ks.
+    pub specular: Option<[f32; 3]>,
+    /// Ns.
+    pub exponent: Option<f32>,
+    /// Ke.
+    pub emission: [f32; 3],
+    /// illum.
+    pub model: Option<u32>,
     /// map_Kd.
-    pub color: Option<Map>,
+    pub color: Option<Box<Map>>,
+    /// map_Ke.
+    pub emission_map: Option<Box<Map>>,
     /// map_Bump, bump: heights.
-    pub bump: Option<Map>,
+    pub bump: Option<Box<Map>>,
     /// norm: a tangent-space normal map.
-    pub normal: Option<Map>,
+    pub normal: Option<Box<Map>>,
 }
 
-/// A reference to a picture.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Map {
-    /// As written, `/` between folders.
-    pub file: String,
-    /// -clamp on.
-    pub clamp: bool,
-    /// -bm: multiplies heights.
-    pub multiplier: f64,
+impl MtlMaterial {
+    fn new(name: &[u8]) -> Self {
+        Self {
+            name: name.into(),
+            diffuse: [1.0; 3],
+            specular: None,
+            exponent: None,
+            emission: [0.0; 3],
+            model: None,
+            color: None,
+            emission_map: None,
+            bump: None,
+            normal: None,
+        }
+    }
+
+    /// All references to pictures.
+    pub fn maps(&mut self) -> impl Iterator<Item = &mut Map> {
+        [&mut self.color, &mut self.emission_map, &mut self.bump, &mut self.normal].into_iter().flatten().map(|map| &mut **map)
+    }
 }
 
 /// Begins a material.
-const KEYWORD: &str = "newmtl";
+const KEYWORD: &[u8] = b"newmtl";
 
-/// Parses a material library.
-pub(crate) fn parse(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Vec<MtlMaterial>, SceneError> {
+/// Parses a material library. A statement that cannot be used is left out with a warning that names `file`.
+///
+/// # Errors
+/// Over the budget.
+pub(super) fn parse(
+    bytes: &[u8],
+    file: &str,
+    outside: &Outside<'_>,
+    warnings: &mut Warnings,
+) -> Result<Vec<MtlMaterial>, SceneError> {
     // It stays as long as the scene is read, and so it is counted as if it stayed for good.
-    let materials = bytes.windows(KEYWORD.len()).filter(|window| *window == KEYWORD.as_bytes()).count();
-    let structs = 2 * size_of::<MtlMaterial>() * materials;
+    let materials = bytes.windows(KEYWORD.len()).filter(|window| *window == KEYWORD).count();
+    let structs = (2 * size_of::<MtlMaterial>() + size_of::<Map>()) * materials;
     outside.hold((structs + 3 * bytes.len()) as u64, "", "materials of a library")?;
-    let text = String::from_utf8_lossy(bytes);
     let mut materials: Vec<MtlMaterial> = Vec::new();
-    for (i, line) in text.lines().enumerate() {
-        statement(line, &mut materials, warnings).map_err(|e| SceneError { place: format!("line {}", i + 1), ..e })?;
+    for line in lines(bytes) {
+        if let Err(error) = statement(&line, &mut materials, warnings) {
+            let error = SceneError { place: format!("line {}", line.number), ..error }.in_file(file);
+            warnings.add(format!("{error}; this statement is left out"));
+        }
     }
     Ok(materials)
 }
 
-fn statement(line: &str, materials: &mut Vec<MtlMaterial>, warnings: &mut Warnings) -> Result<(), SceneError> {
-    let line = line.trim();
-    let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+fn statement(line: &Line<'_>, materials: &mut Vec<MtlMaterial>, warnings: &mut Warnings) -> Result<(), SceneError> {
+    let (keyword, rest) = keyword_and_rest(&line.text);
     if keyword == KEYWORD {
-        let name = rest.trim().to_owned();
-        materials.push(MtlMaterial { name, diffuse: [1.0; 3], color: None, bump: None, normal: None });
+        materials.push(MtlMaterial::new(rest.trim_ascii()));
         return Ok(());
     }
-    let Some(material) = materials.last_mut() else { return Ok(()) };
-    match keyword.to_ascii_lowercase().as_str() {
-        "kd" => match rest.split_whitespace().next() {
-            Some("spectral" | "xyz") => warnings.add(format!("MTL: {line}: only RGB is supported: white")),
-            _ => material.diffuse = gray_or_rgb(rest)?,
-        },
-        "map_kd" => material.color = map(rest, warnings)?,
-        "map_bump" | "bump" => material.bump = map(rest, warnings)?,
-        "norm" | "map_kn" => material.normal = map(rest, warnings)?,
-        "d" | "tr" => {
-            let opaque = if keyword == "d" { 1.0 } else { 0.0 };
-            if numbers::<1>(rest.trim_start_matches("-halo"), 1)?.1 != [opaque] {
-                warnings.add(format!("material `{}` is transparent: drawn opaque", material.name));
+    let keyword = keyword.to_ascii_lowercase();
+    let Some(material) = materials.last_mut() else {
+        let what = format!("`{}` in front of the first material", shown(&keyword));
+        return if keyword.is_empty() { Ok(()) } else { Err(SceneError::at("", what).expected("newmtl")) };
+    };
+    match keyword.as_slice() {
+        b"" => {}
+        b"kd" => material.diffuse = color(rest, material.diffuse, &keyword, warnings)?.map(|c| clamped(c, "Kd", warnings)),
+        b"ks" => material.specular = Some(color(rest, [0.0; 3], &keyword, warnings)?.map(|c| clamped(c, "Ks", warnings))),
+        b"ke" => material.emission = color(rest, [0.0; 3], &keyword, warnings)?.map(|c| clamped(c, "Ke", warnings)),
+        b"ns" => material.exponent = Some(numbers::<1>(rest, 1)?.1[0] as f32),
+        b"illum" => material.model = Some(numbers::<1>(rest, 1)?.1[0] as u32),
+        b"map_kd" => material.color = map::parse(rest, warnings)?,
+        b"map_ke" => material.emission_map = map::parse(rest, warnings)?,
+        b"map_bump" | b"bump" => material.bump = map::parse(rest, warnings)?,
+        b"norm" | b"map_kn" => material.normal = map::parse(rest, warnings)?,
+        b"d" | b"tr" => {
+            let opaque = if keyword == b"d" { 1.0 } else { 0.0 };
+            if numbers::<1>(rest.strip_prefix(b"-halo").unwrap_or(rest), 1)?.1 != [opaque] {
+                warnings.add(format!("material `{}` is transparent: drawn opaque", escaped(&material.name)));
             }
         }
-        _ => {}
+        b"ka" => warnings.add("MTL statement `Ka` is not used: ambient light has the colour of `Kd`"),
+        // Refraction concerns transparent materials only, and sharpness reflection maps.
+        b"ni" | b"tf" | b"sharpness" => {}
+        _ => warnings.add(format!("MTL statement `{}` is not used", shown(keyword_and_rest(&line.text).0))),
     }
     Ok(())
 }
 
-fn gray_or_rgb(rest: &str) -> Result<[f32; 3], SceneError> {
+/// A colour as one number or three; `fallback` if it is given in another way.
+fn color(rest: &[u8], fallback: [f32; 3], keyword: &[u8], warnings: &mut Warnings) -> Result<[f32; 3], SceneError> {
+    if matches!(keyword_and_rest(rest).0, b"spectral" | b"xyz") {
+        warnings.add(format!("MTL: `{} {}` is not used: only red, green and blue are supported", shown(keyword), shown(rest)));
+        return Ok(fallback);
+    }
     let (count, rgb) = numbers::<3>(rest, 1)?;
-    let rgb = if count == 3 { rgb } else { [rgb[0]; 3] };
-    Ok(rgb.map(|c| c.clamp(0.0, 1.0)))
+    let rgb = rgb.map(|c| c as f32);
+    Ok(if count == 3 { rgb } else { [rgb[0]; 3] })
 }
 
-/// A file name after options; `None` where there is no name.
-fn map(rest: &str, warnings: &mut Warnings) -> Result<Option<Map>, SceneError> {
-    let mut map = Map { file: String::new(), clamp: false, multiplier: 1.0 };
-    let mut rest = rest.trim();
-    while rest.starts_with('-') {
-        let (option, tail) = next_word(rest);
-        let (argument, after) = next_word(tail);
-        rest = after;
-        match option {
-            "-bm" => map.multiplier = f64::from(numbers::<1>(argument, 1)?.1[0]),
-            "-clamp" => map.clamp = argument == "on",
-            "-blendu" | "-blendv" | "-cc" | "-imfchan" | "-texres" | "-boost" | "-type" => {}
-            "-mm" | "-o" | "-s" | "-t" => {
-                warnings.add(format!("MTL option {option} is not supported: drawn without it"));
-                while next_word(rest).0.parse::<f32>().is_ok() {
-                    rest = next_word(rest).1;
-                }
-            }
-            _ => {
-                return Err(SceneError::at("", format!("unknown option `{option}`"))
-                    .expected("-bm, -clamp or another of the MTL format, then a file name"));
-            }
-        }
+fn clamped(component: f32, name: &str, warnings: &mut Warnings) -> f32 {
+    if !(0.0..=1.0).contains(&component) {
+        warnings.add(format!("MTL: `{name}` beyond 0..=1 is clamped"));
     }
-    if rest.is_empty() {
-        warnings.add("MTL: a map without a file name is ignored");
-        return Ok(None);
-    }
-    map.file = rest.replace('\\', "/");
-    Ok(Some(map))
-}
-
-fn next_word(text: &str) -> (&str, &str) {
-    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    (word, rest.trim_start())
+    component.clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -124,32 +139,51 @@ mod tests {
     use crate::Memory;
     use basrelief_input::Budget;
 
-    fn read(text: &str) -> Result<Vec<MtlMaterial>, SceneError> {
+    fn read(text: &str) -> (Vec<MtlMaterial>, Vec<String>) {
         let files = Memory::default();
-        parse(text.as_bytes(), &Outside::new(&files, &Budget::default()), &mut Warnings::default())
+        let mut warnings = Warnings::default();
+        let outside = Outside::new(&files, &Budget::default());
+        let materials = parse(text.as_bytes(), "m.mtl", &outside, &mut warnings).unwrap();
+        (materials, warnings.into_vec())
     }
 
     #[test]
-    fn maps_with_options_are_read() {
-        let text =
-            "# c\nnewmtl my wall\nKd 0.5 0.25 2\nmap_Kd -s 2 2 1 -clamp on tex\\my wall.png\nbump -bm 0.5 h.png\nnorm n.png\n";
-        let map = |file: &str, clamp, multiplier| Some(Map { file: file.into(), clamp, multiplier });
-        assert_eq!(
-            read(text).unwrap(),
-            [MtlMaterial {
-                name: "my wall".into(),
-                diffuse: [0.5, 0.25, 1.0],
-                color: map("tex/my wall.png", true, 1.0),
-                bump: map("h.png", false, 0.5),
-                normal: map("n.png", false, 1.0),
-            }]
-        );
+    fn statements_of_a_material_are_read() {
+        let text = "\u{feff}newmtl my wall\nKd 0.5 0.25 1\nKs 0.5\nNs 20\nKe 0 0 0\nillum 2\nmap_Kd a.png\nbump h.png\nnorm n.png\nNi 1\nd 1\n";
+        let map = |file: &str| map::parse(file.as_bytes(), &mut Warnings::default()).unwrap();
+        let material = MtlMaterial {
+            diffuse: [0.5, 0.25, 1.0],
+            specular: Some([0.5; 3]),
+            exponent: Some(20.0),
+            model: Some(2),
+            color: map("a.png"),
+            bump: map("h.png"),
+            normal: map("n.png"),
+            ..MtlMaterial::new(b"my wall")
+        };
+        assert_eq!(read(text), (vec![material], vec![]));
     }
 
     #[test]
-    fn mistakes_are_named_with_their_line() {
-        assert!(read("newmtl a\nKd x\n").unwrap_err().to_string().starts_with("line 2: `x`"));
-        assert!(read("newmtl a\nmap_Kd -foo x.png\n").unwrap_err().to_string().contains("unknown option `-foo`"));
-        assert!(read("newmtl a\nbump -bm\n").is_err());
+    fn statements_that_are_not_used_are_named() {
+        for statement in ["Ka 1 1 1", "map_d a.png", "map_Ka a.png", "map_Ks a.png", "disp a.png", "Pr 0.5", "Kq 1"] {
+            let keyword = statement.split(' ').next().unwrap();
+            let (_, warnings) = read(&format!("newmtl a\n{statement}\n{statement}\nnewmtl b\n{statement}\n"));
+            assert!(warnings.len() == 1 && warnings[0].contains(&format!("`{keyword}` is not used")), "{warnings:?}");
+        }
+    }
+
+    #[test]
+    fn mistakes_are_warnings_with_their_line() {
+        let says = |text: &str, part: &str| {
+            let (_, warnings) = read(text);
+            assert!(warnings.len() == 1 && warnings[0].starts_with(part), "{warnings:?}");
+        };
+        says("newmtl a\nKd x\n", "m.mtl: line 2: `x`; expected a finite number of single precision; this statement is left out");
+        says("newmtl a\nbump -bm\n", "m.mtl: line 2: 0 numbers behind `-bm`");
+        says("Kd 1 1 1\n", "m.mtl: line 1: `kd` in front of the first material; expected newmtl");
+        says("newmtl a\nKd 1 1 2\n", "MTL: `Kd` beyond 0..=1 is clamped");
+        says("newmtl a\nd 0.5\n", "material `a` is transparent: drawn opaque");
+        says("newmtl a\nKd xyz 1 1 1\n", "MTL: `kd xyz 1 1 1` is not used");
     }
 }

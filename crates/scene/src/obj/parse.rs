@@ -1,167 +1,210 @@
 //! The statements of an OBJ file.
 
+use super::text::{Line, keyword_and_rest, lines, number, numbers, shown, takes_name, words};
 use crate::SceneError;
 use crate::error::Warnings;
-use crate::files::shorten;
 use crate::outside::{Outside, over_budget};
 use basrelief_input::{Held, OverBudget};
 use std::collections::BTreeMap;
 
-/// What a group takes beside its names and triangles \[bytes\].
+/// Memory of a group beside its names and faces \[bytes\].
 const GROUP: u64 = 256;
 
 /// No texture coordinate, or no normal.
-pub(crate) const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Smoothing group of faces in front of the first `s` statement.
+const UNSET: u32 = u32::MAX;
 
 /// Numbers of position, texture coordinate and normal, from 0; [`NONE`] where not given.
-pub(crate) type Corner = [u32; 3];
+pub(super) type Corner = [u32; 3];
 
-/// Triangles of one object and material.
+/// A polygon of a group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Face {
+    /// Number of corners of this face and of those ahead of it in its group.
+    end: usize,
+    /// Smoothing group: faces of one group share normals; 0 if the face is flat.
+    pub smoothing: u32,
+}
+
+/// Faces of one object and material.
 #[derive(Debug, Default)]
-pub(crate) struct Group {
-    pub object: String,
-    pub material: String,
-    pub triangles: Vec<[Corner; 3]>,
+pub(super) struct Group {
+    pub object: Vec<u8>,
+    pub material: Vec<u8>,
+    corners: Vec<Corner>,
+    faces: Vec<Face>,
+}
+
+impl Group {
+    /// Faces with their corners, at least 3 each.
+    pub fn faces(&self) -> impl Iterator<Item = (Face, &[Corner])> {
+        let begins = std::iter::once(0).chain(self.faces.iter().map(|face| face.end));
+        begins.zip(&self.faces).map(|(begin, face)| (*face, self.corners.get(begin..face.end).unwrap_or_default()))
+    }
+
+    /// Number of triangles that the faces consist of.
+    pub fn triangles(&self) -> usize {
+        self.corners.len() - 2 * self.faces.len()
+    }
 }
 
 /// An OBJ file.
 #[derive(Debug, Default)]
-pub(crate) struct Obj {
-    pub positions: Vec<[f32; 3]>,
+pub(super) struct Obj {
+    pub positions: Vec<[f64; 3]>,
     /// As many as positions, or none.
     pub colors: Vec<[f32; 4]>,
     /// v runs up, as in the file.
     pub uv: Vec<[f32; 2]>,
     pub normals: Vec<[f32; 3]>,
     pub groups: Vec<Group>,
-    pub libraries: Vec<String>,
+    /// The file has no `s` statement.
+    pub smoothing_is_assumed: bool,
+    /// Arguments of the `mtllib` statements.
+    pub libraries: Vec<Vec<u8>>,
 }
 
-/// Parses OBJ text. Polygons become fans; elements other than faces are left out with a warning. With it comes what it takes.
-pub(crate) fn parse(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<(Obj, Held), SceneError> {
+/// Parses OBJ text, with the memory that the result takes. Elements other than faces are left out with a warning.
+pub(super) fn parse(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<(Obj, Held), SceneError> {
     if let Some(at) = bytes.iter().position(|b| *b == 0) {
-        return Err(SceneError::at(format!("byte {at}"), "binary data").expected("OBJ text"));
+        let what = if matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) { "UTF-16 text" } else { "binary data" };
+        return Err(SceneError::at(format!("byte {at}"), what).expected("OBJ text").cure("save the file as UTF-8 or ASCII text"));
     }
-    // A line may be the whole text. What is no UTF-8 is replaced by three bytes, in a text of its own.
-    let copies = if std::str::from_utf8(bytes).is_ok() { 1 } else { 2 * 3 };
-    let _lines = outside.take(copies * bytes.len() as u64, "", "lines of OBJ text")?;
-    let text = String::from_utf8_lossy(bytes);
+    // Only lines that are joined are copied. One may be the whole text, in a list that grows by doubling.
+    let joined = bytes.windows(2).any(|pair| matches!(pair, b"\\\n" | b"\\\r"));
+    let _lines = outside.take(if joined { 2 * bytes.len() as u64 } else { 0 }, "", "lines of OBJ text")?;
     let mut parser = Parser {
         warnings,
         obj: Obj::default(),
         held: outside.nothing(),
-        corners: Vec::new(),
-        current: None,
         groups: BTreeMap::new(),
+        current: None,
         names: Default::default(),
+        smoothing: UNSET,
         largest: [(0, 0); 3],
     };
-    for (number, line) in logical_lines(&text) {
-        parser.statement(&line, number).map_err(|e| SceneError { place: format!("line {number}"), ..e })?;
+    for line in lines(bytes) {
+        parser.statement(&line).map_err(|e| SceneError { place: format!("line {}", line.number), ..e })?;
     }
     parser.finish()
-}
-
-/// Lines with their numbers from 1, those that end in a backslash joined with the next, comments removed.
-fn logical_lines(text: &str) -> impl Iterator<Item = (usize, String)> + '_ {
-    let mut lines = text.lines().enumerate();
-    std::iter::from_fn(move || {
-        let (number, first) = lines.next()?;
-        let mut line = first.to_owned();
-        while line.ends_with('\\') {
-            line.pop();
-            line.push(' ');
-            line.push_str(lines.next().map_or("", |(_, next)| next));
-        }
-        line.truncate(line.find('#').unwrap_or(line.len()));
-        Some((number + 1, line))
-    })
 }
 
 struct Parser<'a> {
     warnings: &'a mut Warnings,
     obj: Obj,
-    /// What all of it takes.
+    /// Memory of all of it.
     held: Held,
-    /// Of the face that is being read.
-    corners: Vec<Corner>,
     /// Groups by object and material.
-    groups: BTreeMap<[String; 2], usize>,
+    groups: BTreeMap<[Vec<u8>; 2], usize>,
     /// Group that faces go to; `None` after a change of object or material.
     current: Option<usize>,
     /// Current object and material.
-    names: [String; 2],
+    names: [Vec<u8>; 2],
+    /// Current smoothing group.
+    smoothing: u32,
     /// Largest number of a position, texture coordinate and normal used so far, and its line.
     largest: [(u32, usize); 3],
 }
 
 impl Parser<'_> {
-    fn statement(&mut self, line: &str, number: usize) -> Result<(), SceneError> {
-        let line = line.trim();
-        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    fn statement(&mut self, line: &Line<'_>) -> Result<(), SceneError> {
+        let (keyword, rest) = keyword_and_rest(&line.text);
+        if line.parts > 1 && takes_name(keyword) {
+            let what = "a name that ends in a backslash is continued in the next line, as the format asks for";
+            self.warnings.add(format!("line {}: {what}", line.number));
+        }
         match keyword {
-            "" | "g" | "s" => {}
-            "v" => self.vertex(rest)?,
-            "vt" => {
-                let [u, v] = numbers(rest, 1)?.1;
+            b"" | b"g" => {}
+            b"v" => self.vertex(rest)?,
+            b"vt" => {
+                let [u, v] = numbers(rest, 1)?.1.map(|c: f64| c as f32);
                 self.held.room(&mut self.obj.uv, 1, "texture coordinates").map_err(over)?;
                 self.obj.uv.push([u, v]);
             }
-            "vn" => {
+            b"vn" => {
                 self.held.room(&mut self.obj.normals, 1, "normals").map_err(over)?;
-                self.obj.normals.push(numbers(rest, 3)?.1);
+                self.obj.normals.push(numbers(rest, 3)?.1.map(|c: f64| c as f32));
             }
-            "f" => self.face(rest, number)?,
-            "o" => self.rename(0, rest),
-            "usemtl" => self.rename(1, rest),
-            "mtllib" => {
+            b"f" => self.face(rest, line.number)?,
+            b"s" => self.smoothing(rest)?,
+            b"o" => self.rename(0, rest),
+            b"usemtl" => self.rename(1, rest),
+            b"mtllib" => {
                 self.held.grow(64 + rest.len() as u64, "names of material libraries").map_err(over)?;
-                self.obj.libraries.push(rest.trim().into());
+                self.obj.libraries.push(rest.trim_ascii().into());
             }
-            "l" | "p" => self.warnings.add("lines and points are skipped"),
-            other => self.warnings.add(format!("OBJ statement `{}` is skipped", shorten(other))),
+            b"l" | b"p" => self.warnings.add("lines and points are skipped"),
+            other => self.warnings.add(format!("OBJ statement `{}` is skipped", shown(other))),
         }
         Ok(())
     }
 
-    fn vertex(&mut self, rest: &str) -> Result<(), SceneError> {
-        let (count, [x, y, z, r, g, b]) = numbers(rest, 3)?;
+    fn vertex(&mut self, rest: &[u8]) -> Result<(), SceneError> {
+        let (count, [x, y, z, r, g, b, ..]) = numbers::<8>(rest, 3)?;
         self.held.room(&mut self.obj.positions, 1, "positions").map_err(over)?;
         self.obj.positions.push([x, y, z]);
-        if count >= 6 {
-            let missing = self.obj.positions.len() - self.obj.colors.len();
-            self.held.room(&mut self.obj.colors, missing, "colours").map_err(over)?;
-            // Vertices before the first coloured one are white.
-            self.obj.colors.resize(self.obj.positions.len() - 1, [1.0; 4]);
-            self.obj.colors.push([r.clamp(0.0, 1.0), g.clamp(0.0, 1.0), b.clamp(0.0, 1.0), 1.0]);
+        match count {
+            3 | 6 => {}
+            4 if r == 1.0 => {}
+            4 => self.warnings.add("weights of vertices (a fourth number) are not used"),
+            5 => self.warnings.add("vertices of 5 numbers: the fourth and fifth are not used"),
+            _ => {
+                self.warnings.add(format!("vertices of {count} or more numbers: the first six are taken as x y z red green blue"))
+            }
         }
+        if count < 6 {
+            return Ok(());
+        }
+        let color = [r, g, b].map(|c| c as f32);
+        if color.iter().any(|c| !(0.0..=1.0).contains(c)) {
+            self.warnings.add("vertex colours beyond 0..=1 are clamped");
+        }
+        let missing = self.obj.positions.len() - self.obj.colors.len();
+        self.held.room(&mut self.obj.colors, missing, "colours").map_err(over)?;
+        // Vertices before the first coloured one are white.
+        self.obj.colors.resize(self.obj.positions.len() - 1, [1.0; 4]);
+        let [r, g, b] = color.map(|c| c.clamp(0.0, 1.0));
+        self.obj.colors.push([r, g, b, 1.0]);
         Ok(())
     }
 
-    fn rename(&mut self, which: usize, name: &str) {
+    fn rename(&mut self, which: usize, name: &[u8]) {
         if let Some(slot) = self.names.get_mut(which) {
-            *slot = name.trim().into();
+            *slot = name.trim_ascii().into();
         }
         self.current = None;
     }
 
-    fn face(&mut self, rest: &str, line: usize) -> Result<(), SceneError> {
-        let mut corners = std::mem::take(&mut self.corners);
-        corners.clear();
-        for token in rest.split_whitespace() {
-            self.held.room(&mut corners, 1, "corners of a face").map_err(over)?;
-            corners.push(self.corner(token, line)?);
-        }
-        let (Some(hub), true) = (corners.first().copied(), corners.len() >= 3) else {
-            return Err(SceneError::at("", format!("face of {} vertices", corners.len())).expected("at least 3"));
+    fn smoothing(&mut self, rest: &[u8]) -> Result<(), SceneError> {
+        let group = rest.trim_ascii();
+        let wrong = || SceneError::at("", format!("smoothing group `{}`", shown(group))).expected("a number from 0, or off");
+        self.smoothing = match group {
+            b"off" => 0,
+            b"on" => 1,
+            _ => number(group).filter(|n| n.fract() == 0.0 && (0.0..f64::from(UNSET)).contains(n)).ok_or_else(wrong)? as u32,
         };
-        let group = self.group()?;
-        let Self { obj, held, .. } = self;
-        let Some(Group { triangles, .. }) = obj.groups.get_mut(group) else { return Ok(()) };
-        held.room(triangles, corners.len() - 2, "triangles").map_err(over)?;
-        let fan = corners.get(1..).unwrap_or_default().windows(2);
-        triangles.extend(fan.filter_map(|w| w.first_chunk().map(|[a, b]| [hub, *a, *b])));
-        self.corners = corners;
+        Ok(())
+    }
+
+    fn face(&mut self, rest: &[u8], line: usize) -> Result<(), SceneError> {
+        let index = self.group()?;
+        let Some(mut group) = self.obj.groups.get_mut(index).map(std::mem::take) else { return Ok(()) };
+        let begin = group.corners.len();
+        for word in words(rest) {
+            self.held.room(&mut group.corners, 1, "corners of faces").map_err(over)?;
+            group.corners.push(self.corner(word, line)?);
+        }
+        let end = group.corners.len();
+        if end < begin + 3 {
+            return Err(SceneError::at("", format!("face of {} vertices", end - begin)).expected("at least 3"));
+        }
+        self.held.room(&mut group.faces, 1, "faces").map_err(over)?;
+        group.faces.push(Face { end, smoothing: self.smoothing });
+        if let Some(slot) = self.obj.groups.get_mut(index) {
+            *slot = group;
+        }
         Ok(())
     }
 
@@ -172,25 +215,25 @@ impl Parser<'_> {
             return Ok(current);
         }
         let [object, material] = &self.names;
-        // The names stand in the group and in the table of groups.
+        // The group and the table of groups both hold the names.
         let names = 2 * (object.len() + material.len()) as u64;
         self.held.grow(GROUP + names, "groups and their names").map_err(over)?;
         let index = self.obj.groups.len();
-        self.obj.groups.push(Group { object: object.clone(), material: material.clone(), triangles: Vec::new() });
+        self.obj.groups.push(Group { object: object.clone(), material: material.clone(), ..Group::default() });
         self.groups.insert(self.names.clone(), index);
         self.current = Some(index);
         Ok(index)
     }
 
     /// `position`, `position/uv`, `position//normal` or `position/uv/normal`; negative numbers count from the end.
-    fn corner(&mut self, token: &str, line: usize) -> Result<Corner, SceneError> {
+    fn corner(&mut self, word: &[u8], line: usize) -> Result<Corner, SceneError> {
         let counts = [self.obj.positions.len(), self.obj.uv.len(), self.obj.normals.len()];
         let mut corner = [NONE; 3];
         let wrong = || {
-            SceneError::at("", format!("face vertex `{}`", shorten(token)))
+            SceneError::at("", format!("face vertex `{}`", shown(word)))
                 .expected("position[/texture[/normal]], each a number from 1, or from -1 backwards")
         };
-        let mut parts = token.split('/');
+        let mut parts = std::str::from_utf8(word).map_err(|_| wrong())?.split('/');
         for (i, part) in parts.by_ref().take(3).enumerate() {
             if part.is_empty() && i > 0 {
                 continue;
@@ -221,30 +264,23 @@ impl Parser<'_> {
             self.held.room(&mut self.obj.colors, missing, "colours").map_err(over)?;
             self.obj.colors.resize(self.obj.positions.len(), [1.0; 4]);
         }
+        self.set_initial_smoothing();
         Ok((self.obj, self.held))
+    }
+
+    /// Faces in front of the first `s` statement are flat, as the format says. In a file without any `s` all faces are one
+    /// group: such files are mostly scans and exports of smooth surfaces.
+    fn set_initial_smoothing(&mut self) {
+        self.obj.smoothing_is_assumed = self.smoothing == UNSET;
+        let initial = u32::from(self.obj.smoothing_is_assumed);
+        for face in self.obj.groups.iter_mut().flat_map(|group| &mut group.faces).filter(|face| face.smoothing == UNSET) {
+            face.smoothing = initial;
+        }
     }
 }
 
 fn over(error: OverBudget) -> SceneError {
     over_budget("", &error)
-}
-
-/// Up to `N` finite numbers, at least `least` of them; the rest is 0. Also how many there were.
-pub(crate) fn numbers<const N: usize>(text: &str, least: usize) -> Result<(usize, [f32; N]), SceneError> {
-    let mut values = [0.0; N];
-    let mut count = 0;
-    for (value, token) in values.iter_mut().zip(text.split_whitespace()) {
-        *value = token
-            .parse()
-            .ok()
-            .filter(|v: &f32| v.is_finite())
-            .ok_or_else(|| SceneError::at("", format!("`{}`", shorten(token))).expected("a finite number"))?;
-        count += 1;
-    }
-    if count < least {
-        return Err(SceneError::at("", format!("{count} numbers")).expected(format!("at least {least}")));
-    }
-    Ok((count, values))
 }
 
 #[cfg(test)]
@@ -264,17 +300,25 @@ mod tests {
         let obj = read("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0 # corner\nvt 0 0\nvn 0 0 1\nf 1 2 \\\n 3 4\nf -4/1 -3//1 -2/-1/1\n")
             .unwrap();
         let n = NONE;
-        assert_eq!(
-            obj.groups[0].triangles,
-            [[[0, n, n], [1, n, n], [2, n, n]], [[0, n, n], [2, n, n], [3, n, n]], [[0, 0, n], [1, n, 0], [2, 0, 0]],]
-        );
+        let faces: Vec<_> = obj.groups[0].faces().map(|(_, corners)| corners).collect();
+        assert_eq!(faces, [&[[0, n, n], [1, n, n], [2, n, n], [3, n, n]][..], &[[0, 0, n], [1, n, 0], [2, 0, 0]]]);
+        assert_eq!(obj.groups[0].triangles(), 3);
     }
 
     #[test]
     fn groups_follow_object_and_material() {
         let obj = read("v 0 0 0\nusemtl a\nf 1 1 1\nusemtl b\nf 1 1 1\nusemtl a\nf 1 1 1\no x\nf 1 1 1\n").unwrap();
-        let sizes: Vec<_> = obj.groups.iter().map(|g| (&*g.object, &*g.material, g.triangles.len())).collect();
-        assert_eq!(sizes, [("", "a", 2), ("", "b", 1), ("x", "a", 1)]);
+        let sizes: Vec<_> = obj.groups.iter().map(|g| (&*g.object, &*g.material, g.triangles())).collect();
+        assert_eq!(sizes, [(&b""[..], &b"a"[..], 2), (b"", b"b", 1), (b"x", b"a", 1)]);
+    }
+
+    #[test]
+    fn smoothing_groups_are_read() {
+        let smoothing = |text: &str| -> Vec<u32> {
+            read(&format!("v 0 0 0\n{text}")).unwrap().groups[0].faces().map(|(face, _)| face.smoothing).collect()
+        };
+        assert_eq!(smoothing("f 1 1 1\ns 2\nf 1 1 1\ns off\nf 1 1 1\ns 0\nf 1 1 1\n"), [0, 2, 0, 0]);
+        assert_eq!(smoothing("f 1 1 1\n"), [1]);
     }
 
     #[test]
@@ -286,6 +330,8 @@ mod tests {
         says("v 0 0\n", "line 1: 2 numbers; expected at least 3");
         says("\nv 0 0 x\n", "line 2: `x`; expected a finite number");
         says("v 0 0 nan\n", "`nan`");
+        says("v 0 0 1e39\n", "`1e39`");
+        says("s -1\n", "line 1: smoothing group `-1`; expected a number from 0, or off");
         says("v 0 0 0\nf 1 1\n", "line 2: face of 2 vertices");
         says("v 0 0 0\nf 1 1 2\n", "line 2: uses vertex 2; expected at most 1");
         says("v 0 0 0\nf 1/1 1 1\n", "uses texture coordinate 1; expected at most 0");

@@ -37,7 +37,7 @@ pub(super) struct Arrays<'a> {
 }
 
 impl<'a> Arrays<'a> {
-    /// Of these bytes; what they take joins what is held already.
+    /// Creates a reader of these bytes, whose memory is added to a reservation.
     pub(super) fn new(rest: &'a [u8], budget: &Budget, held: Held) -> Self {
         Self { rest, budget: budget.clone(), held }
     }
@@ -61,7 +61,7 @@ impl<'a> Arrays<'a> {
         Ok(uv.to_vec())
     }
 
-    /// So many groups of numbers, all finite.
+    /// Reads this many groups of finite numbers.
     fn numbers<const N: usize>(&mut self, count: usize, index: usize, field: &str) -> Result<Vec<[f32; N]>, SceneError> {
         let bytes = self.take(count, 4 * N, index, field)?;
         let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
@@ -90,7 +90,7 @@ impl<'a> Arrays<'a> {
         Ok(indices)
     }
 
-    /// The next `count * size` bytes. What they unfold into is counted first: numbers are copied once more while they are checked.
+    /// Returns the next `count * size` bytes. Their memory is counted first; numbers are copied once more while they are checked.
     fn take(&mut self, count: usize, size: usize, index: usize, field: &str) -> Result<&'a [u8], SceneError> {
         let bytes = count.saturating_mul(size);
         let Some((taken, rest)) = self.rest.split_at_checked(bytes) else {
@@ -109,7 +109,7 @@ impl<'a> Arrays<'a> {
         Ok(())
     }
 
-    /// What all takes; nothing may be left.
+    /// Returns the reservation. Bytes that are left are an error.
     pub(super) fn finish(self) -> Result<Held, SceneError> {
         match self.rest.len() {
             0 => Ok(self.held),

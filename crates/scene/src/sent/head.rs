@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Everything but arrays; what refers to something else has its place in the list of that.
+/// Everything but arrays. References are places in lists.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Head {
     name: String,
@@ -22,7 +22,7 @@ pub(super) struct Head {
     warnings: Vec<String>,
 }
 
-/// A texture: its size, and which picture it is.
+/// A texture: its size and the hash of its picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct TextureHead {
     id: u32,
@@ -122,7 +122,7 @@ impl<'a, T> Shared<'a, T> {
 }
 
 impl Head {
-    /// The head of a subject, and the meshes whose arrays follow it.
+    /// The head of a subject, and the meshes of the following arrays.
     pub(super) fn of<'a>(subject: &'a Subject, hash: &mut dyn FnMut(&Texture) -> [u8; 32]) -> (Self, Vec<&'a Arc<Mesh>>) {
         let (mut meshes, mut materials, mut textures) = (Shared::new(), Shared::new(), Shared::new());
         let object = |object: &'a Arc<Object>| ObjectHead {
@@ -189,7 +189,7 @@ fn distinct(list: &str, ids: impl Iterator<Item = u32>) -> Result<(), SceneError
     }
 }
 
-/// What a reference refers to.
+/// Returns the element of a reference.
 fn referred<T>(list: &[Arc<T>], place: u32, field: &'static str) -> Result<Arc<T>, (&'static str, String)> {
     let there = list.get(place as usize).cloned();
     there.ok_or_else(|| (field, format!("{place}, but there are {}", list.len())))

@@ -2,14 +2,14 @@
 //!
 //! `basrelief-scene/1`, uncompressed, all numbers with the low byte first:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 18 | `basrelief-scene/1` and a line end |
 //! | 4 | length of the head |
-//! | so many | the [head](head::Head): names, textures, materials, objects, view, and how long the arrays are; postcard's encoding |
+//! | that many | the [head](head::Head): names, textures, materials, objects, view, and how long the arrays are; postcard's encoding |
 //! | the rest | the [arrays](arrays) of all meshes, one mesh after the other, each mesh once however many objects it has |
 //!
-//! Tangents stay behind: only machines with normal maps ask for them, and those need the texels.
+//! Tangents are not sent. Only machines with normal maps use them, and these need the texels.
 
 mod arrays;
 mod head;
@@ -25,7 +25,7 @@ use head::{Head, MeshHead};
 
 /// How it begins.
 const MAGIC: &[u8] = b"basrelief-scene/1\n";
-/// What a byte of the head unfolds into at most, lists that grow by doubling included: an empty sentence is one byte there, and 24
+/// Most memory per byte of the head, with lists that grow by doubling: an empty sentence is one byte there, and 24
 /// here \[bytes\].
 const HEAD_WEIGHT: u64 = 64;
 
@@ -43,11 +43,11 @@ impl Subject {
         Ok(bytes)
     }
 
-    /// Reads what [`to_bytes`](Self::to_bytes) has written, and checks all of it: the subject, with textures whose texels are
-    /// [elsewhere](Texture::elsewhere), and what it takes of the budget. `name` is for messages.
+    /// Reads and checks the output of [`to_bytes`](Self::to_bytes). The texels of the textures are
+    /// [elsewhere](Texture::elsewhere). Returns the subject and its reservation. `name` is for messages.
     ///
     /// # Errors
-    /// Bytes that are no such scene, with the place; what is over the budget.
+    /// Bytes that are not a valid scene, with their place, or over the memory limit.
     pub fn from_bytes(bytes: &[u8], name: &str, budget: &Budget) -> Result<(Self, Held), SceneError> {
         read(bytes, budget).map_err(|e| e.in_file(name))
     }

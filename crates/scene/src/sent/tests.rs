@@ -1,11 +1,11 @@
-//! What is sent is what comes, and nothing else is believed.
+//! Scenes arrive as they were sent; other bytes are refused.
 
 use super::*;
 use crate::{Memory, ViewOptions};
 use basrelief_signals::{Material, Scene, WrapMode};
 use std::sync::Arc;
 
-/// Stands for the hash of a picture.
+/// Test value for the hash of a picture.
 fn hash(texture: &Texture) -> [u8; 32] {
     [texture.id as u8; 32]
 }
@@ -34,7 +34,7 @@ fn without_texels(scene: Scene) -> Scene {
 }
 
 #[test]
-fn what_is_sent_is_what_comes_whatever_it_is_looked_at_from() {
+fn sent_scene_arrives_unchanged_from_any_view() {
     let orbit = ViewOptions { frames: Some(3), orbit_degrees: Some(100.0), turn: Some([5.0, 7.0]), ..ViewOptions::default() };
     for name in ["mixed", "coin", "goblet@2", "turntable"] {
         let subject = Subject::demo(name).unwrap();
@@ -47,7 +47,7 @@ fn what_is_sent_is_what_comes_whatever_it_is_looked_at_from() {
 }
 
 #[test]
-fn what_several_objects_share_is_sent_once() {
+fn shared_parts_are_sent_once() {
     let subject = Subject::demo("gallery").unwrap();
     let there = received(&sent(&subject)).unwrap();
     let shared = |s: &Subject| {
@@ -67,7 +67,7 @@ fn triangle() -> Subject {
 }
 
 #[test]
-fn a_scene_cut_short_anywhere_or_with_more_behind_it_is_refused_with_its_place() {
+fn truncated_or_extended_scene_is_refused_with_its_place() {
     let bytes = sent(&triangle());
     for length in 0..bytes.len() {
         let error = received(&bytes[..length]).err().unwrap_or_else(|| panic!("{length} of {}", bytes.len()));
@@ -78,7 +78,7 @@ fn a_scene_cut_short_anywhere_or_with_more_behind_it_is_refused_with_its_place()
 }
 
 #[test]
-fn any_byte_changed_is_another_scene_or_an_error_and_no_panic() {
+fn changed_byte_is_another_scene_or_an_error() {
     let bytes = sent(&triangle());
     for (i, bit) in (0..bytes.len()).flat_map(|i| (0..8).map(move |bit| (i, bit))) {
         let mut changed = bytes.clone();
@@ -98,7 +98,7 @@ fn refused(change: impl FnOnce(&mut basrelief_signals::Object)) -> String {
 }
 
 #[test]
-fn what_is_out_of_range_is_refused_with_its_place() {
+fn values_out_of_range_are_refused_with_their_place() {
     let mesh = |change: fn(&mut Mesh)| refused(|o| change(Arc::make_mut(&mut o.mesh)));
     let material = |change: fn(&mut Material)| refused(|o| change(Arc::make_mut(&mut o.material)));
     assert_eq!(mesh(|m| m.indices[2] = 3), "there: /meshes/0/indices/2: 3; expected below 3, the vertices");
@@ -115,7 +115,7 @@ fn what_is_out_of_range_is_refused_with_its_place() {
 }
 
 #[test]
-fn what_numbers_ask_for_is_counted_before_it_is_held() {
+fn declared_sizes_are_counted_before_allocation() {
     let bytes = sent(&Subject::demo("sphere").unwrap());
     let budget = Budget::new(bytes.len() as u64);
     let error = Subject::from_bytes(&bytes, "there", &budget).map(|_| ()).unwrap_err();

@@ -1,10 +1,13 @@
 //! PNG and JPEG decoding within limits.
 
+mod jpeg;
+
 use crate::SceneError;
 use crate::outside::Outside;
 use basrelief_input::Held;
 use basrelief_signals::Image;
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageDecoder, ImageError, Limits};
 use std::io::Cursor;
 
 /// Most texels per side.
@@ -16,62 +19,76 @@ const TEXEL: u64 = 4;
 /// Memory that a decoder may take beyond its result \[bytes\].
 const SCRATCH: u64 = 1 << 26;
 
-/// What a JPEG decoder takes beside its result: the file once more and, of a progressive one, all coefficients \[bytes per
-/// texel\].
-const COEFFICIENTS: u64 = 6;
-
-/// Decodes a PNG or JPEG file, told apart by content, into RGBA with 8 bits each (16-bit files are rounded). With it comes
-/// what it takes: 4 bytes per texel.
+/// Decodes a PNG or JPEG file, recognised by its content, into RGBA with 8 bits each (16-bit files are rounded). The
+/// reservation is 4 bytes per texel.
 ///
 /// # Errors
 /// Neither PNG nor JPEG, corrupt, over [`MAX_SIDE`], or over the budget.
 pub(crate) fn decode(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<(Image, Held), SceneError> {
-    let fail = |what: String| SceneError { file: name.into(), ..SceneError::at("", what) };
-    let format = sniff(bytes).ok_or_else(|| {
-        fail(format!("neither PNG nor JPEG{}", look_alike(bytes)))
+    let decoded = match sniff(bytes) {
+        Some(Format::Png) => decode_png(bytes, name, outside),
+        Some(Format::Jpeg) => jpeg::decode(bytes, name, outside),
+        None => Err(SceneError::at("", format!("neither PNG nor JPEG{}", look_alike(bytes)))
             .expected("a PNG or JPEG picture, whatever its file name says")
-            .cure("convert it")
-    })?;
+            .cure("convert it")),
+    };
+    decoded.map_err(|e| e.in_file(name))
+}
+
+fn decode_png(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<(Image, Held), SceneError> {
     // Texts and colour profiles are expanded ahead of the dimensions: a file of a known length, by a thousand times.
     let most = SCRATCH.min(1024 * bytes.len() as u64).min(outside.left() / 4);
-    let scratch = outside.take(most, "", "what stands beside texels")?;
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let scratch = outside.take(most, "", "scratch memory of the PNG decoder")?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(scratch.bytes());
-    reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(|e| corrupt(&fail, format, &e))?;
+    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(|e| png_fault(&e))?;
     let (width, height) = decoder.dimensions();
-    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
-        return Err(fail(format!("picture is {width} x {height} texels"))
-            .expected(format!("1..={MAX_SIDE} per side"))
-            .cure("scale it down"));
-    }
-    let what = || format!("texels of {name}, a picture of {width} x {height}");
+    check_size([width, height])?;
     let (texels, raw) = (u64::from(width) * u64::from(height), decoder.total_bytes());
     let rgba = TEXEL * texels;
-    let coefficients = if format == ImageFormat::Jpeg { COEFFICIENTS * texels + bytes.len() as u64 } else { 0 };
     // As it is stored and as RGBA, and that again as it is kept.
-    let mut held = outside.take((raw + rgba.max(coefficients)).max(2 * rgba), "", what()).map_err(|e| e.in_file(name))?;
-    let pixels = DynamicImage::from_decoder(decoder).map_err(|e| corrupt(&fail, format, &e))?.into_rgba8();
+    let mut held = outside.take((raw + rgba).max(2 * rgba), "", texels_of(name, [width, height]))?;
+    let pixels = DynamicImage::from_decoder(decoder).map_err(|e| png_fault(&e))?.into_rgba8();
     let image = Image { width, height, texels: pixels.as_raw().as_chunks().0.to_vec() };
     held.shrink_to(rgba);
     Ok((image, held))
 }
 
+fn check_size([width, height]: [u32; 2]) -> Result<(), SceneError> {
+    if [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
+        return Ok(());
+    }
+    Err(SceneError::at("", format!("picture is {width} x {height} texels"))
+        .expected(format!("1..={MAX_SIDE} per side"))
+        .cure("scale it down"))
+}
+
+/// The picture, as a reason to take memory.
+fn texels_of(name: &str, [width, height]: [u32; 2]) -> String {
+    format!("texels of {name}, a picture of {width} x {height}")
+}
+
+/// A picture format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Format {
+    Png,
+    Jpeg,
+}
+
 /// The format that the first bytes announce.
-pub(crate) fn sniff(bytes: &[u8]) -> Option<ImageFormat> {
+pub(crate) fn sniff(bytes: &[u8]) -> Option<Format> {
     if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
-        Some(ImageFormat::Png)
+        Some(Format::Png)
     } else if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
-        Some(ImageFormat::Jpeg)
+        Some(Format::Jpeg)
     } else {
         None
     }
 }
 
-/// What else it looks like, to make the message useful.
+/// Name of another format, for the message.
 fn look_alike(bytes: &[u8]) -> &'static str {
     match bytes {
         [] => " (the file is empty)",
@@ -85,17 +102,18 @@ fn look_alike(bytes: &[u8]) -> &'static str {
     }
 }
 
-fn corrupt(fail: &impl Fn(String) -> SceneError, format: ImageFormat, error: &ImageError) -> SceneError {
-    let format = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
+fn png_fault(error: &ImageError) -> SceneError {
     let what = match error {
-        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => format!("this {format} is cut off"),
-        ImageError::Limits(_) => format!("this {format} takes more memory to decode than its size allows"),
-        ImageError::Unsupported(_) => format!("this {format} is of a kind that is not supported"),
-        // The decoder's own words name its types and steps; what helps is whether bytes were changed.
-        other if other.to_string().contains("CRC") => format!("this {format} is corrupt: a checksum does not match"),
-        _ => format!("this {format} is corrupt"),
+        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => "this PNG is cut off",
+        ImageError::Limits(_) => "this PNG takes more memory to decode than its size allows",
+        ImageError::Unsupported(_) => "this PNG is of a kind that is not supported",
+        // The decoder's own words name its types and steps; a failed checksum means that bytes were changed.
+        other if other.to_string().contains("CRC") => "this PNG is corrupt: a checksum does not match",
+        _ => "this PNG is corrupt",
     };
-    fail(what).expected("a complete picture").cure("open it in a picture editor and save it again, or fetch it again")
+    SceneError::at("", what)
+        .expected("a complete picture")
+        .cure("open it in a picture editor and save it again, or fetch it again")
 }
 
 #[cfg(test)]
@@ -103,7 +121,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::Memory;
     use basrelief_input::Budget;
-    use image::{ImageBuffer, Luma, Rgba};
+    use image::{ImageBuffer, ImageFormat, Luma, Rgba};
 
     fn decoded(bytes: &[u8], name: &str, limit: u64) -> Result<Image, SceneError> {
         let files = Memory::default();

@@ -1,0 +1,158 @@
+//! Skins in their rest pose: vertices follow joints (glTF 2.0, section 3.7.3).
+
+use super::accessor::Accessors;
+use super::json::{Document, Int, Primitive};
+use super::nodes;
+use crate::SceneError;
+use crate::error::Warnings;
+use basrelief_signals::Mesh;
+use glam::{DMat3, DMat4, DVec3, DVec4};
+
+/// How far the sum of a vertex's weights may be from 1 without a warning: three weights of 8 bits are each rounded.
+const SUM_TOLERANCE: f64 = 0.01;
+
+/// The skins of a document.
+pub(crate) struct Skins<'a> {
+    document: &'a Document,
+    accessors: &'a Accessors<'a>,
+    /// World matrix of each node; none if the document has no skin.
+    worlds: Vec<DMat4>,
+}
+
+/// Matrix of each vertex of a primitive, from mesh space to the world.
+pub(crate) struct Influences {
+    matrices: Vec<DMat4>,
+}
+
+impl<'a> Skins<'a> {
+    pub fn new(document: &'a Document, accessors: &'a Accessors<'a>, warnings: &mut Warnings) -> Result<Self, SceneError> {
+        let worlds = if document.skins.is_empty() { Vec::new() } else { nodes::worlds(document, warnings)? };
+        Ok(Self { document, accessors, worlds })
+    }
+
+    /// Matrices of a primitive's vertices. `None` if it has no joints or no weights: it is then drawn where it is defined.
+    pub fn influences(
+        &self,
+        skin: Int,
+        primitive: &Primitive,
+        place: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Influences>, SceneError> {
+        let joints = self.joint_matrices(skin, warnings)?;
+        let mut matrices: Vec<DMat4> = Vec::new();
+        let mut sums: Vec<f64> = Vec::new();
+        for set in 0.. {
+            let attribute = |name: &str| primitive.attributes.get(&format!("{name}_{set}")).copied();
+            let (Some(numbers), Some(weights)) = (attribute("JOINTS"), attribute("WEIGHTS")) else { break };
+            let at = |name: &str| format!("{place}/attributes/{name}_{set}");
+            let numbers = self.accessors.floats::<4>(numbers, &at("JOINTS"), warnings)?;
+            let weights = self.accessors.floats::<4>(weights, &at("WEIGHTS"), warnings)?;
+            self.accessors.charge((size_of::<DMat4>() + size_of::<f64>()) as u64 * numbers.len() as u64, place)?;
+            matrices.resize(numbers.len().max(matrices.len()), DMat4::ZERO);
+            sums.resize(matrices.len(), 0.0);
+            for (i, (numbers, weights)) in numbers.iter().zip(&weights).enumerate() {
+                for (number, weight) in numbers.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+                    let joint = joints.get(*number as usize).ok_or_else(|| {
+                        SceneError::at(at("JOINTS"), format!("vertex {i} follows joint {number}")).expected(format!(
+                            "a joint below {}, the number of joints of /skins/{}",
+                            joints.len(),
+                            skin.0
+                        ))
+                    })?;
+                    matrices[i] += *joint * f64::from(*weight);
+                    sums[i] += f64::from(*weight);
+                }
+            }
+        }
+        if matrices.is_empty() {
+            warnings.add(format!("{place} has no JOINTS_0 and WEIGHTS_0, which its skin asks for: drawn without the skin"));
+            return Ok(None);
+        }
+        normalize(&mut matrices, &sums, place, warnings);
+        Ok(Some(Influences { matrices }))
+    }
+
+    /// World matrix of each joint behind its inverse bind matrix.
+    fn joint_matrices(&self, skin: Int, warnings: &mut Warnings) -> Result<Vec<DMat4>, SceneError> {
+        let place = format!("/skins/{}", skin.0);
+        let Some(definition) = self.document.skins.get(skin.index()) else { return Ok(Vec::new()) };
+        let inverse = match definition.inverse_bind_matrices {
+            None => vec![DMat4::IDENTITY; definition.joints.len()],
+            Some(index) => {
+                let place = format!("{place}/inverseBindMatrices");
+                let (format, _) = self.accessors.describe(index, &place)?;
+                if format.name() != "MAT4 of float" {
+                    return Err(
+                        SceneError::at(place, format!("accessor {} is {}", index.0, format.name())).expected("MAT4 of float")
+                    );
+                }
+                let elements = self.accessors.floats::<16>(index, &place, warnings)?;
+                elements.iter().map(|m| DMat4::from_cols_array(&m.map(f64::from))).collect()
+            }
+        };
+        if inverse.len() < definition.joints.len() {
+            return Err(SceneError::at(place, format!("{} inverse bind matrices", inverse.len()))
+                .expected(format!("{}, the number of joints", definition.joints.len())));
+        }
+        let world = |joint: &Int| self.worlds.get(joint.index()).copied().unwrap_or_default();
+        Ok(definition.joints.iter().zip(inverse).map(|(joint, inverse)| world(joint) * inverse).collect())
+    }
+}
+
+/// Divides matrices by the sums of their weights.
+fn normalize(matrices: &mut [DMat4], sums: &[f64], place: &str, warnings: &mut Warnings) {
+    for (matrix, sum) in matrices.iter_mut().zip(sums) {
+        if (sum - 1.0).abs() > SUM_TOLERANCE {
+            warnings.add(format!(
+                "{place}: weights of vertices do not add up to 1: scaled, and vertices without weights stay in place"
+            ));
+        }
+        if *sum == 0.0 {
+            *matrix = DMat4::IDENTITY;
+        } else if *sum != 1.0 {
+            *matrix *= 1.0 / sum;
+        }
+    }
+}
+
+impl Influences {
+    /// Moves positions, normals and tangents to where the joints take them.
+    pub fn pose(
+        &self,
+        mesh: &mut Mesh,
+        normals: Option<&mut Vec<[f32; 3]>>,
+        tangents: Option<&mut Vec<[f32; 4]>>,
+        place: &str,
+    ) -> Result<(), SceneError> {
+        if self.matrices.len() != mesh.positions.len() {
+            return Err(SceneError::at(format!("{place}/attributes/JOINTS_0"), format!("{} elements", self.matrices.len()))
+                .expected(format!("{}, as many as POSITION", mesh.positions.len())));
+        }
+        for (position, matrix) in mesh.positions.iter_mut().zip(&self.matrices) {
+            *position = matrix.transform_point3(DVec3::from_array(position.map(f64::from))).as_vec3().to_array();
+        }
+        if mesh.positions.iter().flatten().any(|c| !c.is_finite()) {
+            return Err(
+                SceneError::at(place, "its skin moves vertices beyond single precision").expected("joints of ordinary size")
+            );
+        }
+        for (normal, matrix) in normals.into_iter().flatten().zip(&self.matrices) {
+            let n = DVec3::from_array(normal.map(f64::from));
+            *normal = (cofactors(matrix) * n).normalize_or_zero().as_vec3().to_array();
+        }
+        for (tangent, matrix) in tangents.into_iter().flatten().zip(&self.matrices) {
+            let [x, y, z, w] = tangent.map(f64::from);
+            let t = matrix.transform_vector3(DVec3::new(x, y, z)).normalize_or_zero();
+            *tangent = DVec4::from((t, w)).as_vec4().to_array();
+        }
+        Ok(())
+    }
+}
+
+/// Takes normals to where a matrix takes surfaces: its inverse transpose up to a factor of positive sign.
+fn cofactors(matrix: &DMat4) -> DMat3 {
+    let linear = DMat3::from_mat4(*matrix);
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
+    let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign
+}
