@@ -1,4 +1,4 @@
-//! Camera files: no input may panic; what is read is finite, and is the same when written and read again.
+//! Camera files: no input may panic. A camera that is read is finite, and is the same when written and read again.
 
 #![no_main]
 

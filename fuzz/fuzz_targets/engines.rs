@@ -1,7 +1,7 @@
-//! Differential: a tiny trace, whatever the bytes make of it, comes to the same report on both engines, in JSON Lines as in
-//! the binary form, and again when it is recorded and replayed.
+//! Differential test: a tiny trace, built from the bytes, gives the same report on both engines, in JSON Lines and in binary
+//! form, and when recorded and replayed.
 //!
-//! Input: the machine, then the trace, a byte for each choice; bytes that are missing are 0.
+//! Input: the machine, then the trace, one byte per choice. Missing bytes are 0.
 
 #![no_main]
 
@@ -13,10 +13,10 @@ use basrelief_signals::{Camera, Filter, Lighting, Sampler, Wrap};
 use libfuzzer_sys::fuzz_target;
 use std::io::Cursor;
 
-/// Longest run \[cycles\]: the ticked engine takes time for each.
+/// Longest run \[cycles\], because the ticked engine takes time for each cycle.
 const MOST_CYCLES: u64 = 300_000;
 
-/// Choices.
+/// Reader of choices.
 struct Choices<'a>(&'a [u8]);
 
 impl Choices<'_> {
@@ -25,7 +25,7 @@ impl Choices<'_> {
         first.copied().unwrap_or_default()
     }
 
-    /// Below `end`, which is at most 256.
+    /// Returns a number below `end`, which is at most 256.
     fn below(&mut self, end: u32) -> u32 {
         u32::from(self.byte()) % end
     }
@@ -34,12 +34,12 @@ impl Choices<'_> {
         self.byte() % 2 == 1
     }
 
-    /// -1 ..= 1.
+    /// Returns a number in -1 ..= 1.
     fn signed(&mut self) -> f32 {
         f32::from(self.byte() as i8) / 128.0
     }
 
-    /// 0 ..= 1.
+    /// Returns a number in 0 ..= 1.
     fn share(&mut self) -> f32 {
         f32::from(self.byte()) / 255.0
     }
@@ -139,7 +139,7 @@ fn written(commands: &[Command], encoding: Encoding) -> Vec<u8> {
     writer.finish().expect("in memory")
 }
 
-/// The same tokens, recorded.
+/// Returns a trace of the same tokens, recorded.
 fn recorded(trace: &[u8]) -> Vec<u8> {
     let resolver = Resolver::new(trace, NoFiles).expect("a valid trace");
     let mut recorder = Recorder::new(Vec::new(), Form::default(), resolver.begin().clone()).expect("a valid begin");

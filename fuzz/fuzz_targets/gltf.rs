@@ -1,4 +1,4 @@
-//! glTF and GLB: no input may panic, hang or take memory out of proportion; what loads can be drawn.
+//! glTF and GLB: no input may panic, hang or allocate out of proportion. A loaded scene can be drawn.
 //!
 //! Input: a GLB file, or glTF as JSON. Two files lie beside it: `a.bin`, 1,024 bytes, and `a.png`, a picture.
 

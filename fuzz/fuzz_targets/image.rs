@@ -1,4 +1,4 @@
-//! PNG and JPEG, as a model's normal map: no input may panic, hang or take memory out of proportion.
+//! PNG and JPEG as a model's normal map: no input may panic, hang or allocate out of proportion.
 
 #![no_main]
 

@@ -1,6 +1,6 @@
-//! OBJ with MTL: no input may panic, hang or take memory out of proportion; what loads can be drawn.
+//! OBJ with MTL: no input may panic, hang or allocate out of proportion. A loaded scene can be drawn.
 //!
-//! Input: an OBJ text, then optionally a zero byte and the text of its library, `a.mtl`; `a.png` is a picture.
+//! Input: an OBJ text, then optionally a zero byte and the text of its library, `a.mtl`. `a.png` is a picture.
 
 #![no_main]
 

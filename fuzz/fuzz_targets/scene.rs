@@ -1,4 +1,4 @@
-//! Scenes that travel: whatever one says, it is a scene that can be looked at, or an error.
+//! Transmitted scenes: any input is a scene that can be viewed, or an error.
 
 #![no_main]
 
@@ -8,7 +8,7 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok((subject, _held)) = Subject::from_bytes(bytes, "scene", &Budget::new(64 << 20)) {
-        // A view of it may be refused.
+        // A view of it may be rejected.
         let _ = subject.seen(&ViewOptions { size: [16, 12], ..ViewOptions::default() });
     }
 });

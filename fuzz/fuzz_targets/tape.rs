@@ -1,4 +1,4 @@
-//! Tapes: whatever one says, timing it again ends, in a report or an error.
+//! Recordings: the resimulation of any input ends with a report or an error.
 
 #![no_main]
 

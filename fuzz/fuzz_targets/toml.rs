@@ -24,11 +24,11 @@ parameters! {
 }
 
 parameter_groups! {
-    /// Two groups.
+    /// Configuration of two groups.
     pub struct Config {
-        /// The first.
+        /// First group.
         first: Leaf = Leaf::default(),
-        /// The second.
+        /// Second group.
         second: Leaf = Leaf::default(),
     }
 }

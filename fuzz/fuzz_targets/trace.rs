@@ -1,5 +1,5 @@
-//! Traces of all forms: no input may panic, hang or take memory out of proportion; what resolves can be recorded, and
-//! converts into every form and back.
+//! Traces of all forms: no input may panic, hang or allocate out of proportion. A resolved trace can be recorded, and converts
+//! into every form and back.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! What the targets share.
+//! Functions shared by the targets.
 
 use basrelief_scene::{SceneError, ViewOptions};
 use basrelief_signals::Scene;
@@ -6,12 +6,13 @@ use basrelief_signals::Scene;
 /// A PNG of 4 x 4 texels.
 pub const PICTURE: &[u8] = include_bytes!("../../tests/models/checks.png");
 
-/// A small view.
+/// Returns a small view.
 pub fn view() -> ViewOptions {
     ViewOptions { size: [8, 8], ..ViewOptions::default() }
 }
 
-/// What is loaded can be drawn: it has triangles, and their corners exist. What is refused has a reason and a file.
+/// Checks a loaded scene or an error. A scene can be drawn: it has triangles, and their corners exist. An error has a reason and
+/// a file.
 pub fn check(result: Result<Scene, SceneError>) {
     match result {
         Ok(scene) => {

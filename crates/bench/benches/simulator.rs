@@ -1,13 +1,13 @@
-//! Everything, under criterion: `cargo bench`, or `cargo bench -p basrelief-bench -- PART` for the workloads whose names hold
-//! PART.
+//! All workloads under criterion: `cargo bench`, or `cargo bench -p basrelief-bench -- PART` for the workloads whose names
+//! contain PART.
 
 use basrelief_bench::workload::{Counted, Size, Workload};
 use basrelief_bench::{machines, workloads};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::time::Duration;
 
-/// Whether the command line asks for this name; criterion decides again, but a workload that it would leave out need not be
-/// made ready.
+/// Returns true if the command line selects this name. Criterion decides again, but a workload that is not selected need not be
+/// prepared.
 fn asked_for(name: &str) -> bool {
     let mut parts = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).peekable();
     parts.peek().is_none() || parts.any(|part| name.contains(&part))

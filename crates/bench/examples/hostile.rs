@@ -1,14 +1,14 @@
-//! Hostile runs of the program, counted: `hostile PROGRAM [--cases N] [--seed S]` prints a table in Markdown, and fails where
-//! anything was found. What was found stays in `target/hostile-findings/`.
+//! Hostile runs of the program: `hostile PROGRAM [--cases N] [--seed S]` prints a table in Markdown, and fails if there is any
+//! finding. Findings are stored in `target/hostile-findings/`.
 
 use basrelief_bench::hostile::{Case, Chance, Kind, Program, Sources, Table, run_twice};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 const USAGE: &str = "usage: hostile PROGRAM [--cases N] [--seed S]";
-/// Of each kind.
+/// Default number of cases of each kind.
 const CASES: u64 = 400;
-/// What is told, though it is no fault by itself: the host may have been busy.
+/// Time above which a run is reported \[s\]. It is no fault by itself, because the host may have been busy.
 const SLOW_S: f64 = 5.0;
 const FINDINGS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/hostile-findings");
 
@@ -47,7 +47,7 @@ fn main() -> Result<(), String> {
     if found == 0 { Ok(()) } else { Err(format!("{found} findings; {FINDINGS} holds them")) }
 }
 
-/// Keeps the files of a case, and its command line.
+/// Stores the files of a case, and its command line.
 fn keep(kind: Kind, number: u64, case: &Case) -> Result<PathBuf, String> {
     let folder = Path::new(FINDINGS).join(format!("{kind:?}-{number}"));
     let failed = |e: std::io::Error| format!("{}: {e}", folder.display());

@@ -1,4 +1,4 @@
-//! Ratios, counts of instructions, long traces. The library says which commands there are.
+//! Ratios, instruction counts, long traces. The crate documentation lists the commands.
 
 use basrelief_bench::instructions::{Budgets, compiler, count_all};
 use basrelief_bench::ratios::{Ratio, ratios};
@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 const USAGE: &str = "usage: measure ratios [--rounds N] [--json FILE] | instructions [--bless] | trace POLYGONS";
-/// Where the budgets are.
+/// Path of the budgets.
 const BUDGETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/budgets.json");
 const ROUNDS: usize = 15;
 
@@ -46,7 +46,7 @@ fn write_json(path: &str, value: &impl serde::Serialize) -> Result<(), String> {
     fs::write(path, text + "\n").map_err(|e| format!("{path}: {e}"))
 }
 
-/// Budgets as they would be now.
+/// Returns the budgets with the counts of this build.
 fn counted() -> Result<Budgets, String> {
     let names: Vec<String> = workloads(Size::Small).into_iter().map(|w| w.name).collect();
     let program = std::env::current_exe().map_err(|e| e.to_string())?;
@@ -81,7 +81,7 @@ fn bless() -> Result<(), String> {
     write_json(BUDGETS, &counted()?)
 }
 
-/// What callgrind looks at: on one thread, since which of several does how much is chance.
+/// Runs a workload for callgrind. It uses one thread, because the division of work between several threads varies.
 fn run(name: &str) -> Result<(), String> {
     basrelief_threads::work_alone();
     let found = workloads(Size::Small).into_iter().find(|w| w.name == name);

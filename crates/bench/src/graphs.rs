@@ -1,4 +1,4 @@
-//! Cost of the kernel itself, per token and stage, on statically wired machines whose units do next to nothing.
+//! Cost of the kernel itself per token and stage, on statically wired machines with minimal units.
 
 use crate::workload::{Counted, Sample, Size, Workload, measured};
 use basrelief_kernel::Source;
@@ -19,7 +19,7 @@ fn fifo(name: &str) -> Fifo<u64> {
     Fifo::new(name, 16, 1)
 }
 
-/// Passes its token on.
+/// Unit that passes its token on.
 struct Pass {
     occupancy: u64,
 }
@@ -37,7 +37,7 @@ impl Unit for Pass {
     }
 }
 
-/// Swallows tokens.
+/// Unit that drops tokens.
 #[derive(Default)]
 struct Drain {
     sum: u64,
@@ -104,7 +104,7 @@ impl Machine for Chain {
     }
 }
 
-/// Gives its token to both sides.
+/// Unit that sends its token to both outputs.
 struct Fork;
 
 impl Unit for Fork {
@@ -120,7 +120,7 @@ impl Unit for Fork {
     }
 }
 
-/// Adds both sides.
+/// Unit that adds both inputs.
 struct Join;
 
 impl Unit for Join {
@@ -180,10 +180,10 @@ impl Machine for ForkJoin {
     }
 }
 
-/// What a client does per token.
+/// Memory access of a client per token.
 #[derive(Clone, Copy)]
 enum Access {
-    /// One read of 64 bytes, this far apart.
+    /// One read of 64 bytes at this stride.
     Read { stride: u64 },
     /// Four texels of a row, two of them in the next: mostly hits.
     LookUp,
@@ -288,7 +288,7 @@ fn recorded<M: Machine>(machine: &mut M) {
     black_box(intervals);
 }
 
-/// Runs of fresh machines, in elements of one token in one stage.
+/// Creates a workload of runs of fresh machines, counted in tokens times stages.
 fn workload<M: Machine + 'static>(
     name: impl Into<String>,
     elements: u64,
@@ -304,7 +304,7 @@ fn workload<M: Machine + 'static>(
     })
 }
 
-/// Chains on both engines, without time and under a probe; fork and join; clients that share a memory.
+/// Returns chains on both engines, without time and under a probe, a fork and join, and clients that share a memory.
 pub fn workloads(size: Size) -> Vec<Workload> {
     let n = size.of(100_000, 10_000);
     let chain = move |name: String, service: u64, run| workload(name, n * Chain::STAGES, move || Chain::new(n, service), run);

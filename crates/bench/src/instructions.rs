@@ -1,37 +1,37 @@
-//! Instructions of the small workloads, counted by callgrind, against committed budgets. A count hardly depends on what else
-//! the host does, so that a slow-down is a failed check and no opinion.
+//! Instruction counts of the small workloads by callgrind, checked against committed budgets. A count hardly depends on the load
+//! of the host, so a slow-down is a failed check.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// What a count may be above its budget \[percent\].
+/// Tolerance of a count above its budget \[%\].
 pub const TOLERANCE_PERCENT: u64 = 3;
 
-/// What the workloads may cost.
+/// Instruction budgets of the workloads.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Budgets {
-    /// The compiler that the counts are of, as `rustc --version` names it.
+    /// Compiler of the counts, as named by `rustc --version`.
     pub compiler: String,
-    /// What it compiled for.
+    /// Architecture of the counts.
     pub architecture: String,
-    /// By workload.
+    /// Budgets by workload.
     pub instructions: BTreeMap<String, u64>,
 }
 
-/// What a comparison came to.
+/// Result of a comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
-    /// A line per workload.
+    /// One line per workload.
     pub lines: Vec<String>,
-    /// What is wrong: workloads over budget, or without one, or that are no more.
+    /// Workloads over budget, without a budget, or no longer existing.
     pub failures: Vec<String>,
 }
 
 impl Budgets {
-    /// Holds counts against the budgets.
+    /// Compares counts with the budgets.
     pub fn compare(&self, counts: &BTreeMap<String, u64>) -> Verdict {
         let mut verdict = Verdict::default();
         for (name, &count) in counts {
@@ -54,20 +54,20 @@ impl Budgets {
     }
 }
 
-/// The compiler at hand.
+/// Returns the current compiler.
 ///
 /// # Errors
-/// If it cannot be asked.
+/// Returns an error if it cannot be run.
 pub fn compiler() -> Result<String, String> {
     let rustc = std::env::var("RUSTC").unwrap_or("rustc".into());
     let output = Command::new(&rustc).arg("--version").output().map_err(|e| format!("{rustc} --version: {e}"))?;
     Ok(String::from_utf8_lossy(&output.stdout).trim().into())
 }
 
-/// Instructions of the measured part of `program count NAME`.
+/// Counts the instructions of the measured part of `program count NAME`.
 ///
 /// # Errors
-/// If valgrind is absent or fails, or counts nothing.
+/// Returns an error if valgrind is absent, fails, or counts nothing.
 pub fn count(program: &Path, name: &str) -> Result<u64, String> {
     let mut callgrind = Command::new("valgrind");
     callgrind.args(["--tool=callgrind", "--callgrind-out-file=/dev/null", "--toggle-collect=*::measured*"]);
@@ -85,10 +85,10 @@ pub fn count(program: &Path, name: &str) -> Result<u64, String> {
     }
 }
 
-/// Counts all workloads, on as many threads as there are cores: counts do not feel each other.
+/// Counts all workloads on as many threads as there are cores. Counts do not influence each other.
 ///
 /// # Errors
-/// As [`count`].
+/// Returns the error of [`count`].
 pub fn count_all(program: &Path, names: &[String]) -> Result<BTreeMap<String, u64>, String> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let next = std::sync::atomic::AtomicUsize::new(0);
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_exceeds_its_budget_by_more_than_the_tolerance_fails() {
+    fn only_excess_beyond_tolerance_fails() {
         let budgets = Budgets { instructions: counts(&[("a", 1000), ("b", 1000), ("c", 1000)]), ..Budgets::default() };
         let verdict = budgets.compare(&counts(&[("a", 1030), ("b", 1031), ("c", 500)]));
         assert_eq!(verdict.failures, ["b: 1031 instructions, 3.10 % above the budget of 1000; 3 % are allowed"]);
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn every_workload_has_a_budget_and_every_budget_a_workload() {
+    fn budgets_and_workloads_match() {
         let budgets = Budgets { instructions: counts(&[("gone", 1)]), ..Budgets::default() };
         let failures = budgets.compare(&counts(&[("new", 1)])).failures;
         assert_eq!(failures, ["new: has no budget", "gone: has a budget, but there is no such workload"]);

@@ -1,17 +1,15 @@
-//! The workloads, in one place, and what measures them.
+//! All workloads, and their measuring commands.
 //!
-//! | what | command |
+//! | measurement | command |
 //! |---|---|
-//! | criterion, everything | `cargo bench` |
+//! | criterion, all workloads | `cargo bench` |
 //! | ratios within one run, as a table and as JSON | `cargo run --release -p basrelief-bench --example measure -- ratios --json FILE` |
 //! | instructions against the committed budgets | `cargo run --release -p basrelief-bench --example measure -- instructions` |
 //! | new budgets | `cargo run --release -p basrelief-bench --example measure -- instructions --bless` |
 //! | hostile runs of the program, as a table | `cargo run --release -p basrelief-bench --example hostile -- target/release/basrelief` |
 //! | a trace of N polygons on standard output | `cargo run --release -p basrelief-bench --example measure -- trace N` |
 //!
-//! `measure` is an example, not a binary: the workspace has one binary, so that `cargo run` knows what is meant.
-//!
-//! docs/lab-notebook/host-speed.md has the figures.
+//! `measure` is an example, not a binary, so that the workspace has one binary and `cargo run` is unambiguous.
 
 pub mod graphs;
 pub mod hostile;
@@ -25,7 +23,7 @@ pub mod workload;
 
 use workload::{Size, Workload};
 
-/// Everything but the single units, which exist at full size only.
+/// Returns all workloads except the single units, which exist at full size only.
 pub fn workloads(size: Size) -> Vec<Workload> {
     [graphs::workloads(size), machines::workloads(size), traces::workloads(size), models::workloads(size)]
         .into_iter()

@@ -9,8 +9,8 @@
 //! | W5 | `texel` | `corridor`: floor, walls and ceiling to the vanishing point, 640 x 480, adaptive |
 //! | W6 | `defer` | `gallery`: one view of the hall with 34 pictures, 640 x 480, mode best |
 //!
-//! Everything is modelled, with the machines' defaults. Only the simulation is measured: scene, exact picture and metrics
-//! are made outside.
+//! All parts are modelled, with the machines' defaults. Only the simulation is measured: scene, exact picture and metrics are
+//! made outside.
 
 use crate::stopwatch::{UnitTime, unit_times};
 use crate::workload::{Counted, Sample, Size, Workload, measured};
@@ -32,7 +32,7 @@ use basrelief_timeline::TimelineLayout;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Settings of a machine, by dotted name.
+/// Settings of a machine by dotted name.
 pub type Set = &'static [(&'static str, &'static str)];
 
 /// A scene, and the machine that draws it.
@@ -43,43 +43,43 @@ pub struct Drawing {
     config: MachineConfig,
 }
 
-/// What is done with a machine at power-on.
+/// Job for a machine in its power-on state.
 trait Job {
     type Result;
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result;
 }
 
 impl Drawing {
-    /// W1.
+    /// Creates W1.
     pub fn w1(size: Size, set: Set) -> Self {
         Self::bump(demo_scene("sphere", size.of([640, 480], [128, 96])), set)
     }
 
-    /// W2.
+    /// Creates W2.
     pub fn w2(size: Size, set: Set) -> Self {
         Self::bump(demo_scene("brick", size.of([640, 480], [128, 96])), set)
     }
 
-    /// W3.
+    /// Creates W3.
     pub fn w3(size: Size, set: Set) -> Self {
         Self::bump(plane(size.of([1920, 1080], [160, 90])), set)
     }
 
-    /// W4.
+    /// Creates W4.
     pub fn w4(size: Size, set: Set) -> Self {
         let scene = demo_scene(size.of("goblet", "goblet@1"), size.of([640, 480], [160, 120]));
         Self { scene: Arc::new(scene), config: load::<ShadeConfig>(set) }
     }
 
-    /// W5.
+    /// Creates W5.
     pub fn w5(size: Size, set: Set) -> Self {
         let scene = demo_scene("corridor", size.of([640, 480], [160, 120]));
         Self { scene: Arc::new(scene), config: load::<TexelMachineConfig>(set) }
     }
 
-    /// W6.
+    /// Creates W6.
     pub fn w6(size: Size, set: Set) -> Self {
-        // Small, another scene too: making the gallery's pictures takes longer than rendering it.
+        // The small size uses another scene too, because creating the gallery's pictures takes longer than rendering it.
         let scene = demo_scene(size.of("gallery", "corridor"), size.of([640, 480], [160, 120]));
         Self { scene: Arc::new(scene), config: load::<DeferConfig>(set) }
     }
@@ -88,7 +88,7 @@ impl Drawing {
         Self { scene: Arc::new(scene), config: load::<BumpProcessorConfig>(set) }
     }
 
-    /// Does the job, and tells how many fragments the machine has made by then.
+    /// Runs the job. Also returns the fragments of the machine.
     fn work<J: Job>(&self, job: J) -> (J::Result, u64) {
         let draws = SceneDraws::new(Arc::clone(&self.scene));
         match &self.config {
@@ -99,27 +99,27 @@ impl Drawing {
         }
     }
 
-    /// Simulates it, on an engine or without time.
+    /// Simulates the drawing, on an engine or without time.
     pub fn simulate<P: Probe>(&self, engine: Option<Engine>, probe: &mut P) -> Sample {
         let (time, count) = self.work(Simulate { engine, probe });
         Sample { time, count }
     }
 
-    /// Simulates it with its work on one thread and its time on another.
+    /// Simulates the drawing with execution on one thread and timing on another.
     ///
     /// # Panics
-    /// Where there is one core.
+    /// Panics on a single core.
     pub fn simulate_apart(&self) -> Sample {
         let (time, count) = self.work(Apart);
         Sample { time, count }
     }
 
-    /// Time and steps of every unit in the functional model.
+    /// Returns time and steps of every unit in the functional model.
     pub fn unit_times(&self) -> Vec<UnitTime> {
         self.work(TimeUnits).0
     }
 
-    /// The machine, as a time line shows it.
+    /// Returns the machine's layout in a timeline.
     pub fn board(&self) -> TimelineLayout {
         self.work(ShowBoard).0
     }
@@ -147,7 +147,7 @@ impl<P: Probe> Job for Simulate<'_, P> {
     }
 }
 
-/// Simulates it on two threads.
+/// Job that simulates a machine on two threads.
 struct Apart;
 
 impl Job for Apart {
@@ -160,7 +160,7 @@ impl Job for Apart {
     }
 }
 
-/// Records its tape.
+/// Job that records a machine.
 struct Record;
 
 impl Job for Record {
@@ -196,7 +196,7 @@ impl Job for ShowBoard {
     }
 }
 
-/// Does the job with a machine, and tells how many fragments it has made by then.
+/// Runs the job with a machine. Also returns its fragments.
 fn done<J: Job, M: Draws>(job: J, machine: Result<M, ConfigProblem>) -> (J::Result, u64) {
     let mut machine = machine.expect("what the workloads set fits the defaults");
     (job.with(&mut machine), machine.facts().count("fragments"))
@@ -209,12 +209,12 @@ where
     basrelief_parameters::load::<C>("", set).expect("the workloads set parameters that there are").into()
 }
 
-/// A demo scene.
+/// Creates a demo scene.
 pub fn demo_scene(name: &str, size: [u32; 2]) -> Scene {
     demo(name, &ViewOptions { size, ..ViewOptions::default() }).expect("the demo is there")
 }
 
-/// One plane that fills the picture, in the material of W1.
+/// Creates one plane that fills the picture, in the material of W1.
 fn plane(size: [u32; 2]) -> Scene {
     let Scene { mut objects, mut frames, warnings, .. } = demo_scene("sphere", size);
     let mesh = Mesh {
@@ -245,7 +245,7 @@ fn plane(size: [u32; 2]) -> Scene {
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// A workload by name, and what makes it.
+/// Name of a workload, and its constructor.
 type Make = (&'static str, fn(Size, Set) -> Drawing);
 
 const MAKE: [Make; 6] = [
@@ -257,7 +257,7 @@ const MAKE: [Make; 6] = [
     ("w6", Drawing::w6),
 ];
 
-/// The machines with and without time.
+/// Returns the machines with and without time.
 pub fn workloads(size: Size) -> Vec<Workload> {
     let workload = |(name, make): Make, engine: Option<Engine>| {
         let mode = if engine.is_some() { "timed" } else { "functional" };
@@ -270,7 +270,7 @@ pub fn workloads(size: Size) -> Vec<Workload> {
     runs.chain([false, true].map(|again| retimed(size, again))).collect()
 }
 
-/// The tape of W1, timed as it is read, or once more.
+/// Returns the resimulation of W1's recording, timed while it is read, or again.
 fn retimed(size: Size, again: bool) -> Workload {
     let name = if again { "machine/w1/retimed-again" } else { "machine/w1/retimed" };
     Workload::new(name, Counted::Fragments, move || {
@@ -290,7 +290,7 @@ fn retimed(size: Size, again: bool) -> Workload {
     })
 }
 
-/// Every unit alone: each machine on one workload.
+/// Returns every unit alone, with each machine on one workload.
 pub fn units() -> Vec<Workload> {
     let of = |(name, make): Make| {
         let drawing = make(Size::Full, &[]);

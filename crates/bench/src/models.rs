@@ -1,4 +1,4 @@
-//! Scene import, and the exact picture: the model is the sphere of W1, written out as GLB and as OBJ.
+//! Scene import, and the exact picture. The model is the sphere of W1, written as GLB and as OBJ.
 
 use crate::machines::demo_scene;
 use crate::workload::{Counted, Sample, Size, Workload, measured};
@@ -9,24 +9,24 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::sync::Arc;
 
-/// A relief of 16 x 16 texels, so that tangents and the levels of a normal map are made, too.
+/// A relief of 16 x 16 texels, so that tangents and the levels of a normal map are computed too.
 const BUMPS: &[u8] = include_bytes!("../../../tests/models/bumps.png");
 
 fn mesh(size: Size) -> Arc<Mesh> {
     Arc::clone(&demo_scene(size.of("sphere", "mixed"), [64, 48]).objects[0].mesh)
 }
 
-/// Coordinates of a texture: the sphere has those of its normal map alone.
+/// Returns the coordinates of a texture. The sphere has only those of its normal map.
 fn uv(mesh: &Mesh) -> &[[f32; 2]] {
     if mesh.uv.is_empty() { &mesh.uv_normal } else { &mesh.uv }
 }
 
-/// Little-endian bytes of rows of numbers.
+/// Returns the little-endian bytes of rows of numbers.
 fn bytes<const N: usize>(rows: &[[f32; N]]) -> Vec<u8> {
     rows.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// The mesh as a GLB file whose normal map lies in its binary chunk.
+/// Returns the mesh as a GLB file with its normal map in the binary chunk.
 fn glb(mesh: &Mesh) -> Vec<u8> {
     let indices: Vec<u8> = mesh.indices.iter().flat_map(|i| i.to_le_bytes()).collect();
     let parts = [bytes(&mesh.positions), bytes(&mesh.normals), bytes(uv(mesh)), indices, BUMPS.to_vec()];
@@ -58,7 +58,7 @@ fn glb(mesh: &Mesh) -> Vec<u8> {
     [b"glTF", &word(2)[..], &word(total), &word(json.len()), b"JSON", &json, &word(binary.len()), b"BIN\0", &binary].concat()
 }
 
-/// The mesh as an OBJ file.
+/// Returns the mesh as an OBJ file.
 fn obj(mesh: &Mesh) -> Vec<u8> {
     let mut text = String::new();
     let mut line = |key: &str, row: &[f32]| {
@@ -76,7 +76,7 @@ fn obj(mesh: &Mesh) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Import of what `write` makes of the mesh.
+/// Returns the import of the file that `write` creates from the mesh.
 fn import(size: Size, kind: &'static str, write: fn(&Mesh) -> Vec<u8>) -> Workload {
     Workload::new(format!("scene/{kind}"), Counted::Triangles, move || {
         let mesh = mesh(size);
@@ -126,7 +126,7 @@ fn metrics(size: Size) -> Workload {
     })
 }
 
-/// Import, the exact picture, and the metrics.
+/// Returns import, the exact picture, and the metrics.
 pub fn workloads(size: Size) -> Vec<Workload> {
     vec![import(size, "glb", glb), import(size, "obj", obj), demo(size), exact(size), metrics(size)]
 }

@@ -1,4 +1,4 @@
-//! Ratios of two runs that take turns in one process, so that what else the host does cancels.
+//! Ratios of two runs that alternate in one process, so that the host's other load cancels.
 
 use crate::machines::{self, Drawing, Set};
 use crate::traces;
@@ -9,12 +9,12 @@ use basrelief_timeline::{PerfettoTrace, TimelineProbe};
 use serde::Serialize;
 use std::io::sink;
 
-/// One above the other.
+/// Ratio of two runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Ratio {
-    /// What is compared.
+    /// Compared runs.
     pub name: String,
-    /// Pairs of runs.
+    /// Number of pairs of runs.
     pub rounds: usize,
     /// Median of the ratios of the pairs.
     pub median: f64,
@@ -26,7 +26,7 @@ pub struct Ratio {
     pub ns: [f64; 2],
 }
 
-/// A search of 1 cycle and one of 256, the same otherwise: a new one starts every cycle.
+/// A search of 1 cycle and one of 256, otherwise the same: a new one starts every cycle.
 const SEARCH_1: Set = &[("replacement.lanes", "256"), ("fifo.indexes.depth", "512")];
 const SEARCH_256: Set = &[("replacement.lanes", "1"), ("fifo.indexes.depth", "512")];
 
@@ -34,7 +34,7 @@ fn nanoseconds(sample: Sample) -> f64 {
     sample.time.as_secs_f64() * 1e9 / sample.count as f64
 }
 
-/// Value at this share of the sorted values.
+/// Returns the value at this share of the sorted values.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * share).round() as usize]
 }
@@ -45,7 +45,7 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
-/// Runs both in turn, once ahead of counting.
+/// Runs both alternately, once before counting.
 fn ratio(name: &str, rounds: usize, mut above: Ready, mut below: Ready) -> Ratio {
     let mut pair = || [nanoseconds(above()), nanoseconds(below())];
     pair();
@@ -66,7 +66,7 @@ fn apart(drawing: &Drawing) -> Ready {
     Box::new(move || drawing.simulate_apart())
 }
 
-/// With the time line of every unit, written to nowhere.
+/// Prepares a run with the timeline of every unit, written to a sink.
 fn probed(drawing: &Drawing) -> Ready {
     let drawing = drawing.clone();
     let board = drawing.board();
@@ -80,7 +80,7 @@ fn prepared(workloads: &[Workload], name: &str) -> Ready {
     workloads.iter().find(|w| w.name == name).expect("a workload of this name").prepare()
 }
 
-/// All ratios, each over this many pairs of runs; `each` hears of every one as it is done.
+/// Measures all ratios, each over this many pairs of runs. Calls `each` after every one.
 pub fn ratios(size: Size, rounds: usize, mut each: impl FnMut(&Ratio)) -> Vec<Ratio> {
     let timed = Some(Engine::Timed);
     let makes = [Drawing::w1, Drawing::w2, Drawing::w3, Drawing::w4, Drawing::w5, Drawing::w6];

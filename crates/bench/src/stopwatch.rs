@@ -1,26 +1,26 @@
-//! Times every unit by itself: runs a machine's units without time, each for as long as its FIFOs let it, and reads the clock
+//! Times every unit by itself. It runs a machine's units without time, each for as long as its FIFOs allow, and reads the clock
 //! around that.
 //!
-//! Thus each unit gets the tokens of a real run, hands its requests to a handle that keeps them, as under an engine, and pays
-//! for popping and pushing; engine, memories and caches are not there. Two clock readings per visit are included, 50 ns for
-//! some ten steps.
+//! Thus each unit gets the tokens of a real run, passes its requests to a handle that keeps them, as under an engine, and pays
+//! for popping and pushing. Engine, memories and caches are absent. Two clock readings per visit are included, 50 ns for some ten
+//! steps.
 
 use basrelief_kernel::{BoundStage, Connections, Demand, Inputs, Machine, MemoryPorts, Outputs, Unit, Visitor};
 use std::time::{Duration, Instant};
 
-/// What a unit did.
+/// Measured time of a unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UnitTime {
-    /// In its steps.
+    /// Time in its steps.
     pub time: Duration,
-    /// Their number.
+    /// Number of steps.
     pub steps: u64,
 }
 
 #[derive(Default)]
 struct Stopwatch {
     traffic: MemoryPorts,
-    /// By stage, in the order of the wiring.
+    /// Times by stage, in the order of the wiring.
     units: Vec<UnitTime>,
     next: usize,
     stepped: bool,
@@ -51,7 +51,7 @@ impl Visitor for Stopwatch {
     }
 }
 
-/// What the next step takes, if it can be made now.
+/// Returns the inputs of the next step if it can start now.
 fn ready<U: Unit, I: Inputs, O: Outputs>(unit: &U, inputs: &I, outputs: &O) -> Option<Demand> {
     let demand = unit.demand();
     let has_inputs = (0..inputs.count()).all(|i| !demand.takes(i) || !inputs.link(i).is_empty());
@@ -59,7 +59,7 @@ fn ready<U: Unit, I: Inputs, O: Outputs>(unit: &U, inputs: &I, outputs: &O) -> O
     (demand != Demand::Finished && has_inputs && has_room()).then_some(demand)
 }
 
-/// Runs the machine to its end; time and steps of each unit, in the order of the wiring.
+/// Runs the machine to its end. Returns time and steps of each unit, in the order of the wiring.
 pub fn unit_times<M: Machine>(machine: &mut M) -> Vec<UnitTime> {
     let mut watch = Stopwatch { stepped: true, ..Stopwatch::default() };
     while std::mem::take(&mut watch.stepped) {

@@ -1,7 +1,7 @@
 //! Readers and writers of traces: the display list of W1 in all four forms, without its texels, which are read faster than
 //! polygons.
 //!
-//! Throughput is in bytes of the JSON Lines, whatever the form: the same content, so that forms can be compared.
+//! Throughput is in bytes of the JSON Lines for every form: the same content, so that forms can be compared.
 
 use crate::machines::demo_scene;
 use crate::workload::{Counted, Sample, Size, Workload, measured};
@@ -16,7 +16,7 @@ use std::io::{Write, sink};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The JSON Lines of the display list of W1 without its normal map, with at most this many polygons.
+/// Returns the JSON Lines of the display list of W1 without its normal map, with at most this many polygons.
 fn json_lines(size: Size) -> Vec<u8> {
     let most = size.of(usize::MAX, 1_000);
     let mut scene = demo_scene("sphere", [640, 480]);
@@ -47,12 +47,12 @@ fn name_of(form: Form) -> String {
     if form.compressed { format!("{encoding}-zstd") } else { encoding.into() }
 }
 
-/// Commands of a trace, read to its end.
+/// Reads a trace to its end. Returns the number of commands.
 fn read(bytes: &[u8]) -> Result<usize, TraceError> {
     open(bytes)?.try_fold(0, |count, command| command.map(|command| count + usize::from(black_box(command).name() == "polygon")))
 }
 
-/// As [`read`], and turned into what travels on the wires.
+/// Reads a trace as [`read`], and resolves it into tokens.
 fn resolve(bytes: &[u8]) -> Result<usize, TraceError> {
     Resolver::new(bytes, NoFiles)?.try_fold(0, |count, control| control.map(|control| count + black_box([control]).len()))
 }
@@ -63,7 +63,7 @@ fn write(commands: &[Command], form: Form) -> Result<usize, TraceError> {
     writer.finish().map(|_| commands.len())
 }
 
-/// Reading, resolving and writing.
+/// Returns reading, resolving and writing.
 pub fn workloads(size: Size) -> Vec<Workload> {
     let reading = |what: &str, form: Form, run: fn(&[u8]) -> Result<usize, TraceError>| {
         Workload::new(format!("trace/{what}/{}", name_of(form)), Counted::Bytes, move || {
@@ -101,10 +101,10 @@ const GENERATED: [u32; 2] = [640, 480];
 /// Side of its triangles \[pixels\].
 const SIDE: u64 = 4;
 
-/// Writes a trace of this many small triangles, row after row and sheet over sheet, in JSON Lines. Nothing is kept.
+/// Writes a trace of this many small triangles, row after row and layer over layer, in JSON Lines. It keeps nothing in memory.
 ///
 /// # Errors
-/// If `out` cannot be written.
+/// Returns an error if `out` cannot be written.
 pub fn generate(polygons: u64, out: impl Write) -> Result<(), TraceError> {
     let mut writer = Writer::new(out, Form::default())?;
     let [width, height] = GENERATED;

@@ -1,15 +1,15 @@
-//! What is measured, whatever measures it: criterion, the ratios, or the count of instructions.
+//! Workloads, independent of the measuring method: criterion, ratios, or instruction counts.
 
 use std::time::{Duration, Instant};
 
-/// What a workload's throughput is counted in.
+/// Unit of a workload's throughput.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counted {
     /// A token in a stage.
     TokenStages,
     /// A fragment, or a dot of the shading device.
     Fragments,
-    /// A byte; of the JSON Lines with the same content, in whatever form a trace is.
+    /// A byte of the JSON Lines with the same content, whatever the form of the trace.
     Bytes,
     /// A triangle of a model.
     Triangles,
@@ -19,29 +19,29 @@ pub enum Counted {
     Steps,
 }
 
-/// One measured run.
+/// Result of one measured run.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Time of the measured part.
     pub time: Duration,
-    /// How much was done in it.
+    /// Amount of work in that time.
     pub count: u64,
 }
 
-/// A workload made ready: each call is a run from fresh state, of which only what matters is measured.
+/// A prepared workload: each call is a run from fresh state, of which only the relevant part is measured.
 pub type Ready = Box<dyn FnMut() -> Sample>;
 
-/// Something to measure.
+/// A workload.
 pub struct Workload {
-    /// Group and name, such as `machine/w1/timed`.
+    /// Group and name, for example `machine/w1/timed`.
     pub name: String,
-    /// What is counted.
+    /// Unit of its throughput.
     pub counted: Counted,
     prepare: Box<dyn Fn() -> Ready>,
 }
 
 impl Workload {
-    /// A workload that `prepare` makes ready.
+    /// Creates a workload from its `prepare` function.
     pub fn new<R: FnMut() -> Sample + 'static>(
         name: impl Into<String>,
         counted: Counted,
@@ -50,23 +50,23 @@ impl Workload {
         Self { name: name.into(), counted, prepare: Box::new(move || Box::new(prepare())) }
     }
 
-    /// Makes it ready.
+    /// Prepares the workload.
     pub fn prepare(&self) -> Ready {
         (self.prepare)()
     }
 }
 
-/// How large the workloads are.
+/// Size of the workloads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
-    /// For measuring time.
+    /// For time measurements.
     Full,
-    /// For counting instructions: the same work, less of it.
+    /// For instruction counts: the same work, but less of it.
     Small,
 }
 
 impl Size {
-    /// One of two values.
+    /// Selects one of two values.
     pub fn of<T>(self, full: T, small: T) -> T {
         match self {
             Self::Full => full,
@@ -75,8 +75,8 @@ impl Size {
     }
 }
 
-/// Runs `work` and times it. All that is measured runs in here and nothing else does: callgrind counts the instructions of
-/// this function, by its name.
+/// Runs `work` and times it. Only measured work runs in here, because callgrind counts the instructions of this function by its
+/// name.
 #[inline(never)]
 pub fn measured<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let began = Instant::now();

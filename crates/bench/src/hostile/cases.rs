@@ -1,4 +1,4 @@
-//! What is run: a file that was spoiled, and a command line.
+//! Hostile cases: a damaged file, and a command line.
 
 use super::chance::Chance;
 use super::{mutate, options, settings};
@@ -20,30 +20,30 @@ pub enum Kind {
     TraceCompressed,
     /// glTF as JSON.
     Gltf,
-    /// GLB.
+    /// glTF as JSON.
     Glb,
-    /// OBJ and its library.
+    /// Binary glTF (GLB).
     Obj,
     /// PNG and JPEG.
     Picture,
     /// Configurations and cameras.
     Settings,
-    /// Tapes.
+    /// Recordings.
     Tape,
     /// Command lines.
     Options,
 }
 
-/// A run to be made.
+/// A run of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Files that lie in its folder.
+    /// Files in its folder.
     pub files: Vec<(String, Vec<u8>)>,
-    /// Behind the program's name.
+    /// Arguments of the program.
     pub arguments: Vec<String>,
 }
 
-/// What is spoiled.
+/// Valid inputs, to be damaged.
 #[derive(Clone, Debug)]
 pub struct Sources {
     traces: Vec<String>,
@@ -57,7 +57,7 @@ pub struct Sources {
 }
 
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
-/// Of every run of a file: short, and without what is measured elsewhere.
+/// Options of every run of a file: short, and without analyses that other cases cover.
 const SHORT: &str = "--max-cycles 200000 --out out";
 const CAMERA: &str = r#"{"view_projection":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"to_light":[0,0,1],"to_viewer":[0,0.5,1]}"#;
 
@@ -65,7 +65,7 @@ impl Sources {
     /// Reads the samples of the workspace.
     ///
     /// # Errors
-    /// One that cannot be read.
+    /// Returns an error if a sample cannot be read.
     pub fn load() -> Result<Self, String> {
         let bytes = |name: &str| fs::read(Path::new(WORKSPACE).join(name)).map_err(|e| format!("{name}: {e}"));
         let text = |name: &str| bytes(name).map(|b| String::from_utf8_lossy(&b).into_owned());
@@ -85,7 +85,7 @@ impl Sources {
     }
 }
 
-/// Presets of a machine: `presets/MACHINE-NAME.toml`, in order of name.
+/// Returns the presets of a machine, `presets/MACHINE-NAME.toml`, in order of name.
 fn presets(machine: &MachineInfo) -> Result<Vec<String>, String> {
     let folder = Path::new(WORKSPACE).join("presets");
     let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
@@ -98,7 +98,7 @@ fn presets(machine: &MachineInfo) -> Result<Vec<String>, String> {
 }
 
 impl Kind {
-    /// All.
+    /// All kinds.
     pub const ALL: [Self; 10] = [
         Self::TraceText,
         Self::TraceBinary,
@@ -112,7 +112,7 @@ impl Kind {
         Self::Options,
     ];
 
-    /// In words.
+    /// Returns the name for the table.
     pub fn name(self) -> &'static str {
         match self {
             Self::TraceText => "traces, JSON Lines",
@@ -128,7 +128,7 @@ impl Kind {
         }
     }
 
-    /// One case.
+    /// Creates one case.
     pub fn case(self, sources: &Sources, chance: &mut Chance) -> Case {
         match self {
             Self::TraceText => trace("t.jsonl", spoiled_lines(chance.one::<String>(&sources.traces), chance), chance),
@@ -148,7 +148,7 @@ impl Kind {
     }
 }
 
-/// Words between spaces.
+/// Splits a line at spaces.
 fn words(line: &str) -> Vec<String> {
     line.split_whitespace().map(str::to_owned).collect()
 }
@@ -177,7 +177,7 @@ fn model(name: &str, bytes: Vec<u8>, mut files: Vec<(String, Vec<u8>)>, chance: 
     Case { files, arguments: words(&line) }
 }
 
-/// A line is spoiled as JSON, or the text as text, or its bytes.
+/// Damages a line as JSON, the text as text, or its bytes.
 fn spoiled_lines(text: &str, chance: &mut Chance) -> Vec<u8> {
     if chance.once_in(4) {
         return mutate::text(text, chance).into_bytes();
@@ -198,7 +198,7 @@ fn spoiled_lines(text: &str, chance: &mut Chance) -> Vec<u8> {
 fn spoiled_form(name: &str, sources: &Sources, chance: &mut Chance) -> Vec<u8> {
     let form = Form::for_file_name(name).unwrap_or_default();
     let mut bytes = Vec::new();
-    // The samples are sound.
+    // The samples are valid.
     convert(chance.one(&sources.traces).as_bytes(), &mut bytes, form).unwrap_or_default();
     mutate::bytes(&mut bytes, chance);
     bytes
@@ -210,7 +210,7 @@ fn spoiled_gltf(sources: &Sources, chance: &mut Chance) -> String {
     document.to_string()
 }
 
-/// The container of a document, with a few bytes behind it; either is spoiled.
+/// Damages the container of a document with a few bytes behind it, or the document.
 fn spoiled_glb(sources: &Sources, chance: &mut Chance) -> Vec<u8> {
     let mut json = if chance.once_in(2) { spoiled_gltf(sources, chance) } else { chance.one(&sources.gltf).to_string() };
     json.push_str(&" ".repeat(json.len().next_multiple_of(4) - json.len()));
@@ -245,7 +245,7 @@ fn obj(sources: &Sources, chance: &mut Chance) -> Case {
     model("m.obj", object, files, chance)
 }
 
-/// As a colour texture and as a normal map.
+/// Creates a model with a damaged picture as colour texture and as normal map.
 fn picture(sources: &Sources, chance: &mut Chance) -> Case {
     let mut files = pictures(sources);
     let mut bytes = chance.one(&sources.pictures).clone();
@@ -274,7 +274,7 @@ fn settings(sources: &Sources, chance: &mut Chance) -> Case {
     Case { files: vec![(name.into(), bytes)], arguments: words(&line) }
 }
 
-/// Spoiled below its compression, which finds by itself that bytes are others; one in four above.
+/// Damages a recording below its compression, which has its own checksum, or in one of four cases above it.
 fn tape(sources: &Sources, chance: &mut Chance) -> Case {
     let mut plain = sources.tape.clone();
     let above = chance.once_in(4);

@@ -1,11 +1,11 @@
-//! Chance that is the same for everyone.
+//! Deterministic random numbers.
 
-/// A generator of numbers (SplitMix64).
+/// Random generator (SplitMix64).
 #[derive(Clone, Debug)]
 pub struct Chance(u64);
 
 impl Chance {
-    /// That of one case.
+    /// Creates the generator of one case.
     pub fn of(seed: u64, kind: u64, number: u64) -> Self {
         let mut chance = Self(seed);
         for part in [kind, number] {
@@ -21,25 +21,25 @@ impl Chance {
         z ^ (z >> 31)
     }
 
-    /// Below `end`; 0 where that is 0.
+    /// Returns a number below `end`, or 0 if `end` is 0.
     pub fn below(&mut self, end: usize) -> usize {
         (self.next() % end.max(1) as u64) as usize
     }
 
-    /// Once in `times`.
+    /// Returns true once in `times` calls on average.
     pub fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }
 
-    /// One of these.
+    /// Returns one of these values.
     ///
     /// # Panics
-    /// If there is none.
+    /// Panics if there is none.
     pub fn one<'a, T>(&mut self, of: &'a [T]) -> &'a T {
         &of[self.below(of.len())]
     }
 
-    /// Any byte, odd ones more often.
+    /// Returns any byte, unusual ones more often.
     pub fn byte(&mut self) -> u8 {
         const ODD: [u8; 8] = [0, 1, 0x20, 0x7f, 0x80, 0xfe, 0xff, b'9'];
         if self.once_in(2) { *self.one(&ODD) } else { self.next() as u8 }

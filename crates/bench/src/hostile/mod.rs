@@ -1,7 +1,7 @@
-//! Hostile runs: inputs and command lines that a seeded generator has spoiled, through the program itself.
+//! Hostile runs: inputs and command lines damaged by a seeded generator, run through the program itself.
 //!
-//! Each must end by itself, with exit code 0, 1 or 2, with an error in words where it fails, within the memory that files may
-//! take, and a second time with the same bytes everywhere. Fuzz targets (`fuzz/`) find more in a reader; this finds what lies
+//! Each run must end by itself, with exit code 0, 1 or 2, with an error message if it fails, and within the memory limit of
+//! files. A second run must write the same bytes. Fuzz targets (`fuzz/`) find more in a reader. This driver tests the path
 //! between a file and an exit code.
 
 mod cases;
@@ -19,28 +19,28 @@ pub use table::Table;
 
 use std::path::Path;
 
-/// Longest that a run may work before it counts as a hang \[s of the processor\]; who does nothing is waited for longer.
+/// Processor time after which a run counts as a hang \[s\]. Idle runs are given more time.
 pub const PATIENCE_S: u64 = 20;
-/// What may be resident: what files may take by default, and what the program takes by itself \[MiB\].
+/// Most resident memory \[MiB\]: the default limit for files, and the program's own memory.
 pub const MOST_MEBIBYTES: u64 = 1024 + 64;
 
-/// What is wrong with a run, if anything.
+/// Fault of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finding {
-    /// A panic, a signal, an exit code that means nothing, or a failure without a word.
+    /// A panic, a signal, an undefined exit code, or a failure without a message.
     Crash,
-    /// It did not end.
+    /// The run did not end.
     Hang,
-    /// It took more than it may.
+    /// The run exceeded its memory.
     Memory,
-    /// The second run came to something else.
+    /// The second run had other results.
     Unequal,
 }
 
 /// Runs a case twice in `folder`.
 ///
 /// # Errors
-/// What keeps it from being run at all.
+/// Returns an error if the case cannot be run.
 pub fn run_twice(program: &Program, case: &Case, folder: &Path) -> Result<(Ended, Option<Finding>), String> {
     let first = program.run(case, folder)?;
     if let Some(finding) = judge(&first) {
@@ -54,7 +54,7 @@ pub fn run_twice(program: &Program, case: &Case, folder: &Path) -> Result<(Ended
 
 fn judge(run: &Ended) -> Option<Finding> {
     let said = String::from_utf8_lossy(&run.said);
-    // An empty command line is answered with help.
+    // An empty command line prints help.
     let in_words = run.code == 0 || said.starts_with("error: ") && said.len() > 12 || said.contains("\nUsage: basrelief");
     match run.code {
         137 => Some(Finding::Hang),
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_ends_with_a_code_that_means_something_and_in_words() {
+    fn run_must_end_with_defined_code_and_message() {
         let verdict = |code, said: &str, mebibytes| judge(&ended(code, said, mebibytes));
         assert_eq!(verdict(0, "", 10), None);
         assert_eq!(verdict(1, "error: a.gltf: nothing to draw", 10), None);
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_seed_makes_the_same_cases_of_every_kind() {
+    fn same_seed_creates_same_cases() {
         let sources = Sources::load().expect("the workspace is there");
         for kind in Kind::ALL {
             let made: Vec<Case> = (0..20).map(|n| kind.case(&sources, &mut Chance::of(7, kind as u64, n))).collect();

@@ -1,9 +1,9 @@
-//! Ways to spoil an input.
+//! Damages to an input.
 
 use super::chance::Chance;
 use serde_json::{Value, json};
 
-/// Numbers that are seldom thought of.
+/// Unusual numbers.
 pub const ODD_NUMBERS: [&str; 18] = [
     "0",
     "-0",
@@ -25,12 +25,12 @@ pub const ODD_NUMBERS: [&str; 18] = [
     "nan",
 ];
 
-/// In how many places: mostly one, since the first of many keeps the others from being read.
+/// Returns the number of places: mostly one, because the first of many keeps the others from being read.
 fn places(chance: &mut Chance) -> usize {
     *chance.one(&[1, 1, 1, 2, 4])
 }
 
-/// Spoils bytes in a few places.
+/// Damages bytes in a few places.
 pub fn bytes(bytes: &mut Vec<u8>, chance: &mut Chance) {
     for _ in 0..places(chance) {
         let at = chance.below(bytes.len());
@@ -58,7 +58,7 @@ fn odd_float(chance: &mut Chance) -> f32 {
     *chance.one(&[f32::NAN, f32::INFINITY, -1e30, 1e30, f32::MAX, f32::MIN_POSITIVE, -0.0, 1e-40, 3.5])
 }
 
-/// Spoils a text: lines and words are lost, doubled, moved, or become numbers that nobody expects.
+/// Damages a text: lines and words are lost, doubled, moved, or replaced by unexpected numbers.
 pub fn text(text: &str, chance: &mut Chance) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     for _ in 0..places(chance) {
@@ -77,7 +77,7 @@ pub fn text(text: &str, chance: &mut Chance) -> String {
     lines.join("\n") + "\n"
 }
 
-/// One word becomes another; only where there is one.
+/// Replaces one word by another, if the line has any.
 fn words(line: &str, chance: &mut Chance) -> String {
     let mut words: Vec<&str> = line.split(' ').collect();
     let other = *chance.one(&words);
@@ -86,7 +86,7 @@ fn words(line: &str, chance: &mut Chance) -> String {
     words.join(" ")
 }
 
-/// Spoils a JSON document in a few places.
+/// Damages a JSON document in a few places.
 pub fn document(document: &mut Value, chance: &mut Chance) {
     for _ in 0..places(chance) {
         let mut all = Vec::new();

@@ -5,7 +5,7 @@ use super::mutate::ODD_NUMBERS;
 use super::settings::setting;
 use basrelief_sim::{MACHINES, MachineInfo};
 
-/// What may stand on a command line, as `FILE` a trace and as `MODEL` a model.
+/// Command lines, with `FILE` for a trace and `MODEL` for a model.
 const COMMANDS: [&str; 12] = [
     "run FILE",
     "run MODEL",
@@ -54,12 +54,12 @@ const OPTIONS: [&str; 30] = [
     "--camera FILE",
 ];
 
-/// A command line.
+/// Returns a command line.
 pub fn command_line(chance: &mut Chance) -> Vec<String> {
     let mut words: Vec<String> = chance.one(&COMMANDS).split(' ').map(str::to_owned).collect();
     let simulates = ["run", "demo"].contains(&words[0].as_str());
     if simulates {
-        // Small and short, unless what follows says otherwise.
+        // Small and short, unless the following options override it.
         words.extend(["--max-cycles", *chance.one(&["100", "50000", "200000"]), "--out", "out"].map(str::to_owned));
         if words.iter().any(|w| w == "MODEL") || words[0] == "demo" {
             words.extend(["--size", "32x24"].map(str::to_owned));
@@ -82,7 +82,7 @@ pub fn command_line(chance: &mut Chance) -> Vec<String> {
     words.into_iter().map(|w| if w.contains('N') { number(w, chance) } else { w }).collect()
 }
 
-/// The machine that these words choose; the first where they name none that there is.
+/// Returns the machine that these words select, or the first machine if they name none.
 fn machine_of(words: &[String]) -> &'static MachineInfo {
     let named = words.iter().skip_while(|word| *word != "--machine").nth(1);
     named.and_then(|name| MachineInfo::named(name).ok()).unwrap_or(&MACHINES[0])

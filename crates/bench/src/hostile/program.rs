@@ -8,35 +8,35 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The program under test.
+/// Program under test.
 #[derive(Clone, Debug)]
 pub struct Program(PathBuf);
 
-/// How a run has ended.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Ended {
-    /// Exit code; of a signal, 128 and its number.
+    /// Exit code. For a signal it is 128 plus its number.
     pub code: i32,
     /// Standard error.
     pub said: Vec<u8>,
     /// Largest resident memory.
     pub mebibytes: u64,
-    /// Time of the processor that it took: on a busy host the clock says little.
+    /// Processor time used, because elapsed time means little on a busy host.
     pub seconds: f64,
-    /// What it has left: files and streams by name, without what is of the host.
+    /// Files and streams by name, without host data.
     pub left: BTreeMap<String, Vec<u8>>,
 }
 
-/// How much longer the clock may run than a program may work.
+/// Factor between the limit of elapsed time and that of processor time.
 const BUSY: u64 = 12;
-/// Where GNU time writes what it measures; beside the folder of the run.
+/// File in which GNU time writes its measurements, beside the folder of the run.
 const MEASURED: &str = "measured";
 
 impl Program {
-    /// The program at a path.
+    /// Creates a program at a path.
     ///
     /// # Errors
-    /// It is not there, or what measures it is not.
+    /// Returns an error if the program, or its measuring tool, does not exist.
     pub fn new(path: &Path) -> Result<Self, String> {
         let path = path.canonicalize().map_err(|e| format!("{}: {e}", path.display()))?;
         for tool in ["time", "timeout"] {
@@ -46,10 +46,10 @@ impl Program {
         Ok(Self(path))
     }
 
-    /// Runs a case in a folder, emptied before.
+    /// Runs a case in a folder that is emptied first.
     ///
     /// # Errors
-    /// What keeps it from being run at all.
+    /// Returns an error if the case cannot be run.
     pub fn run(&self, case: &Case, folder: &Path) -> Result<Ended, String> {
         let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
         let inside = folder.join("in");
@@ -59,7 +59,7 @@ impl Program {
         }
         fs::create_dir_all(&inside).map_err(failed)?;
         case.files.iter().try_for_each(|(name, bytes)| fs::write(inside.join(name), bytes)).map_err(failed)?;
-        // `timeout` ends the program itself; killed from here, the one between would leave it behind.
+        // `timeout` ends the program itself. A kill from here would leave it behind.
         let output = Command::new("time")
             .args(["--quiet", "-f", "%M %U %S", "-o"])
             .arg(&measured)
@@ -83,7 +83,7 @@ impl Program {
     }
 }
 
-/// The numbers in the last line of what GNU time has written.
+/// Returns the numbers in the last line of the output of GNU time.
 fn measured_in(text: &str) -> Option<[f64; 3]> {
     let numbers = text.lines().last()?.split(' ').map(str::parse);
     numbers.collect::<Result<Vec<f64>, _>>().ok()?.try_into().ok()
@@ -101,7 +101,7 @@ fn collect(folder: &Path, prefix: &str, into: &mut BTreeMap<String, Vec<u8>>) ->
     Ok(())
 }
 
-/// A report without what it says of the host, in JSON, as a table and as text.
+/// Removes host data from a report, in JSON, as a table and as text.
 fn without_host(bytes: &[u8]) -> Vec<u8> {
     if let Ok(Value::Object(mut report)) = serde_json::from_slice::<Value>(bytes) {
         report.remove("host");

@@ -1,4 +1,4 @@
-//! Parameters of a machine at values that are seldom thought of.
+//! Parameters of a machine at unusual values.
 
 use super::chance::Chance;
 use super::mutate::ODD_NUMBERS;
@@ -6,10 +6,10 @@ use basrelief_parameters::Parameter;
 use basrelief_sim::MachineInfo;
 use serde_json::Value;
 
-/// What is no value of most parameters.
+/// Values that are invalid for most parameters.
 const WORDS: [&str; 11] = ["true", "[]", "[1, 2]", "[0]", "\"x\"", "", "{}", "inf", "-inf", "identical", "per_polygon"];
 
-/// A parameter of this machine and a value: mostly within its range, at the ends of it more often than not.
+/// Returns a parameter of this machine and a value: mostly within its range, in most cases at its ends.
 pub fn setting(machine: &MachineInfo, chance: &mut Chance) -> (String, String) {
     let parameter = chance.one(&machine.parameters()).clone();
     let choices = choices(machine, &parameter.key);
@@ -17,7 +17,7 @@ pub fn setting(machine: &MachineInfo, chance: &mut Chance) -> (String, String) {
     (parameter.key, value)
 }
 
-/// A configuration of this machine as TOML: a few settings, one a line. A file mostly ends at the first that is refused.
+/// Returns a configuration of this machine as TOML: a few settings, one per line. Most files end at the first invalid one.
 pub fn configuration(machine: &MachineInfo, chance: &mut Chance) -> String {
     let count = *chance.one(&[1, 1, 2, 3, 5]);
     let lines = (0..count).map(|_| setting(machine, chance));
@@ -37,7 +37,7 @@ fn within(parameter: &Parameter, choices: &[String], chance: &mut Chance) -> Str
     }
 }
 
-/// An end of the range, or what lies beside it, or a power of two within.
+/// Returns an end of the range, a neighbour of it, or a power of two within.
 fn whole_number([low, high]: [u64; 2], chance: &mut Chance) -> u64 {
     match chance.below(6) {
         0 => low,
@@ -48,7 +48,7 @@ fn whole_number([low, high]: [u64; 2], chance: &mut Chance) -> u64 {
     }
 }
 
-/// Just out of the range, far out of it, or something else altogether.
+/// Returns a value just out of the range, far out of it, or of another type.
 fn beyond(parameter: &Parameter, chance: &mut Chance) -> String {
     let ends = range(parameter).and_then(|[low, high]| Some([low.parse::<i128>().ok()? - 1, high.parse::<i128>().ok()? + 1]));
     match (chance.below(3), ends) {
@@ -58,13 +58,13 @@ fn beyond(parameter: &Parameter, chance: &mut Chance) -> String {
     }
 }
 
-/// The ends of a range, as the table of parameters says them.
+/// Returns the ends of a range in the table of parameters.
 fn range(parameter: &Parameter) -> Option<[&str; 2]> {
     let (low, rest) = parameter.range.split_once("..=")?;
     Some([low, rest.split(',').next().unwrap_or(rest)])
 }
 
-/// The names that a parameter may have as its value, where it has names.
+/// Returns the names that are valid values of a parameter, if it has any.
 fn choices(machine: &MachineInfo, key: &str) -> Vec<String> {
     if key == "ideal.units" {
         return machine.units().iter().map(|unit| unit.name.clone()).collect();
@@ -77,7 +77,7 @@ fn choices(machine: &MachineInfo, key: &str) -> Vec<String> {
     names.filter_map(|name| name.as_str().map(str::to_owned)).collect()
 }
 
-/// What a schema refers to.
+/// Resolves the reference of a schema.
 fn resolved(schema: &Value, at: &Value) -> Value {
     let pointer = at["$ref"].as_str().and_then(|place| place.strip_prefix('#'));
     pointer.and_then(|pointer| schema.pointer(pointer)).unwrap_or(at).clone()
@@ -89,7 +89,7 @@ mod tests {
     use basrelief_sim::MACHINES;
 
     #[test]
-    fn most_settings_are_of_the_machine_and_within_its_ranges_and_some_are_not() {
+    fn most_settings_are_valid_and_some_are_not() {
         for machine in MACHINES {
             let mut chance = Chance::of(3, 0, 0);
             let taken = (0..300).filter(|_| {
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn every_parameter_is_a_switch_or_has_choices_or_a_range() {
+    fn every_parameter_has_choices_or_range() {
         for machine in MACHINES {
             for p in machine.parameters().iter().filter(|p| !p.default.is_boolean() && range(p).is_none()) {
                 let choices = choices(machine, &p.key);

@@ -1,17 +1,17 @@
-//! What the runs came to, as a table in Markdown.
+//! Results of the runs as a table in Markdown.
 
 use super::cases::Kind;
 use super::{Ended, Finding};
 use std::fmt::{self, Display, Formatter};
 
-/// One row for each kind, and one for all.
+/// One row per kind, and one for all.
 #[derive(Clone, Debug, Default)]
 pub struct Table(Vec<(&'static str, Row)>);
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
     runs: u64,
-    /// By exit code.
+    /// Counts by exit code.
     codes: [u64; 3],
     crashes: u64,
     hangs: u64,
@@ -43,7 +43,7 @@ impl Table {
     }
 
     fn row(&mut self, name: &'static str) -> &mut Row {
-        // That of all stands last.
+        // The row of all is last.
         let at = self.0.iter().position(|(n, _)| *n == name).unwrap_or_else(|| {
             let at = self.0.len() - usize::from(self.0.last().is_some_and(|(n, _)| *n == "all"));
             self.0.insert(at, (name, Row::default()));
