@@ -1,7 +1,7 @@
 //! All workloads under criterion: `cargo bench`, or `cargo bench -p basrelief-bench -- PART` for the workloads whose names
 //! contain PART.
 
-use basrelief_bench::workload::{Counted, Size, Workload};
+use basrelief_bench::workload::{ThroughputUnit, Workload, WorkloadSize};
 use basrelief_bench::{machines, workloads};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::time::Duration;
@@ -16,7 +16,8 @@ fn asked_for(name: &str) -> bool {
 fn bench(c: &mut Criterion, workload: &Workload) {
     let mut run = workload.prepare();
     let count = run().count;
-    let throughput = if workload.counted == Counted::Bytes { Throughput::Bytes(count) } else { Throughput::Elements(count) };
+    let throughput =
+        if workload.counted == ThroughputUnit::Bytes { Throughput::Bytes(count) } else { Throughput::Elements(count) };
     let (group, name) = workload.name.split_once('/').unwrap_or(("", &workload.name));
     let mut group = c.benchmark_group(group);
     group.throughput(throughput).sample_size(10);
@@ -26,7 +27,7 @@ fn bench(c: &mut Criterion, workload: &Workload) {
 }
 
 fn simulator(c: &mut Criterion) {
-    let all = workloads(Size::Full).into_iter().chain(machines::units());
+    let all = workloads(WorkloadSize::Full).into_iter().chain(machines::units());
     all.filter(|workload| asked_for(&workload.name)).for_each(|workload| bench(c, &workload));
 }
 

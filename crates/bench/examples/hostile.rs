@@ -1,7 +1,7 @@
 //! Hostile runs of the program: `hostile PROGRAM [--cases N] [--seed S]` prints a table in Markdown, and fails if there is any
 //! finding. Findings are stored in `target/hostile-findings/`.
 
-use basrelief_bench::hostile::{Case, Chance, Kind, Program, Sources, Table, run_twice};
+use basrelief_bench::hostile::{HostileCase, InputKind, RunTable, SampleInputs, SplitMix64, TestedProgram, run_twice};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -25,12 +25,12 @@ fn main() -> Result<(), String> {
             _ => return Err(USAGE.into()),
         }
     }
-    let (program, sources) = (Program::new(Path::new(program))?, Sources::load()?);
+    let (program, sources) = (TestedProgram::new(Path::new(program))?, SampleInputs::load()?);
     let folder = std::env::temp_dir().join(format!("basrelief-hostile-{}", std::process::id()));
-    let (mut table, mut found) = (Table::default(), 0);
-    for kind in Kind::ALL {
+    let (mut table, mut found) = (RunTable::default(), 0);
+    for kind in InputKind::ALL {
         for number in 0..cases {
-            let case = kind.case(&sources, &mut Chance::of(seed, kind as u64, number));
+            let case = kind.case(&sources, &mut SplitMix64::of(seed, kind as u64, number));
             let (run, finding) = run_twice(&program, &case, &folder)?;
             table.add(kind, &run, finding);
             if run.seconds > SLOW_S {
@@ -48,7 +48,7 @@ fn main() -> Result<(), String> {
 }
 
 /// Stores the files of a case, and its command line.
-fn keep(kind: Kind, number: u64, case: &Case) -> Result<PathBuf, String> {
+fn keep(kind: InputKind, number: u64, case: &HostileCase) -> Result<PathBuf, String> {
     let folder = Path::new(FINDINGS).join(format!("{kind:?}-{number}"));
     let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
     fs::create_dir_all(&folder).map_err(failed)?;

@@ -1,8 +1,8 @@
 //! Ratios, instruction counts, long traces. The crate documentation lists the commands.
 
 use basrelief_bench::instructions::{Budgets, compiler, count_all};
-use basrelief_bench::ratios::{Ratio, ratios};
-use basrelief_bench::workload::Size;
+use basrelief_bench::ratios::{TimeRatio, ratios};
+use basrelief_bench::workload::WorkloadSize;
 use basrelief_bench::{traces, workloads};
 use std::fs;
 use std::path::Path;
@@ -35,7 +35,7 @@ fn compare(options: &[&str]) -> Result<(), String> {
         }
     }
     println!("medians of {rounds} pairs of runs in turn, quartiles, ns per fragment or byte of each");
-    let all: Vec<Ratio> = ratios(Size::Full, rounds, |r| {
+    let all: Vec<TimeRatio> = ratios(WorkloadSize::Full, rounds, |r| {
         println!("{:<52} {:>6.3}  {:>6.3} .. {:<6.3} {:>8.2} {:>8.2}", r.name, r.median, r.low, r.high, r.ns[0], r.ns[1]);
     });
     file.map_or(Ok(()), |path| write_json(path, &all))
@@ -48,7 +48,7 @@ fn write_json(path: &str, value: &impl serde::Serialize) -> Result<(), String> {
 
 /// Returns the budgets with the counts of this build.
 fn counted() -> Result<Budgets, String> {
-    let names: Vec<String> = workloads(Size::Small).into_iter().map(|w| w.name).collect();
+    let names: Vec<String> = workloads(WorkloadSize::Small).into_iter().map(|w| w.name).collect();
     let program = std::env::current_exe().map_err(|e| e.to_string())?;
     let instructions = count_all(Path::new(&program), &names)?;
     Ok(Budgets { compiler: compiler()?, architecture: std::env::consts::ARCH.into(), instructions })
@@ -84,7 +84,7 @@ fn bless() -> Result<(), String> {
 /// Runs a workload for callgrind. It uses one thread, because the division of work between several threads varies.
 fn run(name: &str) -> Result<(), String> {
     basrelief_threads::work_alone();
-    let found = workloads(Size::Small).into_iter().find(|w| w.name == name);
+    let found = workloads(WorkloadSize::Small).into_iter().find(|w| w.name == name);
     found.ok_or_else(|| format!("no workload is called `{name}`"))?.prepare()();
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Cost of the kernel itself per token and stage, on statically wired machines with minimal units.
 
-use crate::workload::{Counted, Sample, Size, Workload, measured};
+use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
 use basrelief_kernel::Source;
 use basrelief_kernel::{
     CacheConfig, Demand, Engine, Fifo, Limits, Machine, MemoryConfig, MemoryPorts, MemorySystem, NoProbe, Outcome, Probe,
@@ -295,17 +295,17 @@ fn workload<M: Machine + 'static>(
     new: impl Fn() -> M + Copy + 'static,
     run: fn(&mut M),
 ) -> Workload {
-    Workload::new(format!("kernel/{}", name.into()), Counted::TokenStages, move || {
+    Workload::new(format!("kernel/{}", name.into()), ThroughputUnit::TokenStages, move || {
         move || {
             let mut machine = new();
             let ((), time) = measured(|| run(&mut machine));
-            Sample { time, count: elements }
+            RunSample { time, count: elements }
         }
     })
 }
 
 /// Returns chains on both engines, without time and under a probe, a fork and join, and clients that share a memory.
-pub fn workloads(size: Size) -> Vec<Workload> {
+pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
     let n = size.of(100_000, 10_000);
     let chain = move |name: String, service: u64, run| workload(name, n * Chain::STAGES, move || Chain::new(n, service), run);
     let mut all = Vec::new();

@@ -23,7 +23,7 @@ pub struct Budgets {
 
 /// Result of a comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Verdict {
+pub struct BudgetVerdict {
     /// One line per workload.
     pub lines: Vec<String>,
     /// Workloads over budget, without a budget, or no longer existing.
@@ -32,8 +32,8 @@ pub struct Verdict {
 
 impl Budgets {
     /// Compares counts with the budgets.
-    pub fn compare(&self, counts: &BTreeMap<String, u64>) -> Verdict {
-        let mut verdict = Verdict::default();
+    pub fn compare(&self, counts: &BTreeMap<String, u64>) -> BudgetVerdict {
+        let mut verdict = BudgetVerdict::default();
         for (name, &count) in counts {
             let Some(&budget) = self.instructions.get(name) else {
                 verdict.failures.push(format!("{name}: has no budget"));

@@ -21,10 +21,10 @@ pub mod stopwatch;
 pub mod traces;
 pub mod workload;
 
-use workload::{Size, Workload};
+use workload::{Workload, WorkloadSize};
 
 /// Returns all workloads except the single units, which exist at full size only.
-pub fn workloads(size: Size) -> Vec<Workload> {
+pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
     [graphs::workloads(size), machines::workloads(size), traces::workloads(size), models::workloads(size)]
         .into_iter()
         .flatten()

@@ -13,7 +13,7 @@
 //! made outside.
 
 use crate::stopwatch::{UnitTime, unit_times};
-use crate::workload::{Counted, Sample, Size, Workload, measured};
+use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{
@@ -33,11 +33,11 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Settings of a machine by dotted name.
-pub type Set = &'static [(&'static str, &'static str)];
+pub type SettingList = &'static [(&'static str, &'static str)];
 
 /// A scene, and the machine that draws it.
 #[derive(Clone, Debug)]
-pub struct Drawing {
+pub struct MachineScene {
     /// The scene.
     pub scene: Arc<Scene>,
     config: MachineConfig,
@@ -49,42 +49,42 @@ trait Job {
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result;
 }
 
-impl Drawing {
+impl MachineScene {
     /// Creates W1.
-    pub fn w1(size: Size, set: Set) -> Self {
+    pub fn w1(size: WorkloadSize, set: SettingList) -> Self {
         Self::bump(demo_scene("sphere", size.of([640, 480], [128, 96])), set)
     }
 
     /// Creates W2.
-    pub fn w2(size: Size, set: Set) -> Self {
+    pub fn w2(size: WorkloadSize, set: SettingList) -> Self {
         Self::bump(demo_scene("brick", size.of([640, 480], [128, 96])), set)
     }
 
     /// Creates W3.
-    pub fn w3(size: Size, set: Set) -> Self {
+    pub fn w3(size: WorkloadSize, set: SettingList) -> Self {
         Self::bump(plane(size.of([1920, 1080], [160, 90])), set)
     }
 
     /// Creates W4.
-    pub fn w4(size: Size, set: Set) -> Self {
+    pub fn w4(size: WorkloadSize, set: SettingList) -> Self {
         let scene = demo_scene(size.of("goblet", "goblet@1"), size.of([640, 480], [160, 120]));
         Self { scene: Arc::new(scene), config: load::<ShadeConfig>(set) }
     }
 
     /// Creates W5.
-    pub fn w5(size: Size, set: Set) -> Self {
+    pub fn w5(size: WorkloadSize, set: SettingList) -> Self {
         let scene = demo_scene("corridor", size.of([640, 480], [160, 120]));
         Self { scene: Arc::new(scene), config: load::<TexelMachineConfig>(set) }
     }
 
     /// Creates W6.
-    pub fn w6(size: Size, set: Set) -> Self {
+    pub fn w6(size: WorkloadSize, set: SettingList) -> Self {
         // The small size uses another scene too, because creating the gallery's pictures takes longer than rendering it.
         let scene = demo_scene(size.of("gallery", "corridor"), size.of([640, 480], [160, 120]));
         Self { scene: Arc::new(scene), config: load::<DeferConfig>(set) }
     }
 
-    fn bump(scene: Scene, set: Set) -> Self {
+    fn bump(scene: Scene, set: SettingList) -> Self {
         Self { scene: Arc::new(scene), config: load::<BumpProcessorConfig>(set) }
     }
 
@@ -100,18 +100,18 @@ impl Drawing {
     }
 
     /// Simulates the drawing, on an engine or without time.
-    pub fn simulate<P: Probe>(&self, engine: Option<Engine>, probe: &mut P) -> Sample {
+    pub fn simulate<P: Probe>(&self, engine: Option<Engine>, probe: &mut P) -> RunSample {
         let (time, count) = self.work(Simulate { engine, probe });
-        Sample { time, count }
+        RunSample { time, count }
     }
 
     /// Simulates the drawing with execution on one thread and timing on another.
     ///
     /// # Panics
     /// Panics on a single core.
-    pub fn simulate_apart(&self) -> Sample {
+    pub fn simulate_apart(&self) -> RunSample {
         let (time, count) = self.work(Apart);
-        Sample { time, count }
+        RunSample { time, count }
     }
 
     /// Returns time and steps of every unit in the functional model.
@@ -202,7 +202,7 @@ fn done<J: Job, M: Draws>(job: J, machine: Result<M, ConfigProblem>) -> (J::Resu
     (job.with(&mut machine), machine.facts().count("fragments"))
 }
 
-fn load<C: Parameters>(set: Set) -> MachineConfig
+fn load<C: Parameters>(set: SettingList) -> MachineConfig
 where
     MachineConfig: From<C>,
 {
@@ -246,22 +246,22 @@ fn plane(size: [u32; 2]) -> Scene {
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// Name of a workload, and its constructor.
-type Make = (&'static str, fn(Size, Set) -> Drawing);
+type Make = (&'static str, fn(WorkloadSize, SettingList) -> MachineScene);
 
 const MAKE: [Make; 6] = [
-    ("w1", Drawing::w1),
-    ("w2", Drawing::w2),
-    ("w3", Drawing::w3),
-    ("w4", Drawing::w4),
-    ("w5", Drawing::w5),
-    ("w6", Drawing::w6),
+    ("w1", MachineScene::w1),
+    ("w2", MachineScene::w2),
+    ("w3", MachineScene::w3),
+    ("w4", MachineScene::w4),
+    ("w5", MachineScene::w5),
+    ("w6", MachineScene::w6),
 ];
 
 /// Returns the machines with and without time.
-pub fn workloads(size: Size) -> Vec<Workload> {
+pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
     let workload = |(name, make): Make, engine: Option<Engine>| {
         let mode = if engine.is_some() { "timed" } else { "functional" };
-        Workload::new(format!("machine/{name}/{mode}"), Counted::Fragments, move || {
+        Workload::new(format!("machine/{name}/{mode}"), ThroughputUnit::Fragments, move || {
             let drawing = make(size, &[]);
             move || drawing.simulate(engine, &mut NoProbe)
         })
@@ -271,10 +271,10 @@ pub fn workloads(size: Size) -> Vec<Workload> {
 }
 
 /// Returns the resimulation of W1's recording, timed while it is read, or again.
-fn retimed(size: Size, again: bool) -> Workload {
+fn retimed(size: WorkloadSize, again: bool) -> Workload {
     let name = if again { "machine/w1/retimed-again" } else { "machine/w1/retimed" };
-    Workload::new(name, Counted::Fragments, move || {
-        let ((shape, reels), count) = Drawing::w1(size, &[]).work(Record);
+    Workload::new(name, ThroughputUnit::Fragments, move || {
+        let ((shape, reels), count) = MachineScene::w1(size, &[]).work(Record);
         let tape = Recording::new(reels.clone(), &shape, u64::MAX);
         let time_again = move |shape: Netlist| {
             let mut reels = reels.iter().map(Cow::Borrowed);
@@ -285,7 +285,7 @@ fn retimed(size: Size, again: bool) -> Workload {
         time_again(shape.clone());
         move || {
             let ((), time) = measured(|| time_again(shape.clone()));
-            Sample { time, count }
+            RunSample { time, count }
         }
     })
 }
@@ -293,15 +293,15 @@ fn retimed(size: Size, again: bool) -> Workload {
 /// Returns every unit alone, with each machine on one workload.
 pub fn units() -> Vec<Workload> {
     let of = |(name, make): Make| {
-        let drawing = make(Size::Full, &[]);
+        let drawing = make(WorkloadSize::Full, &[]);
         let stages = drawing.board().diagram.stages.into_iter().enumerate();
         stages.map(move |(i, stage)| {
             let drawing = drawing.clone();
-            Workload::new(format!("unit/{name}/{}", stage.name), Counted::Steps, move || {
+            Workload::new(format!("unit/{name}/{}", stage.name), ThroughputUnit::Steps, move || {
                 let drawing = drawing.clone();
                 move || {
                     let UnitTime { time, steps } = drawing.unit_times()[i];
-                    Sample { time, count: steps }
+                    RunSample { time, count: steps }
                 }
             })
         })

@@ -1,7 +1,7 @@
 //! Scene import, and the exact picture. The model is the sphere of W1, written as GLB and as OBJ.
 
 use crate::machines::demo_scene;
-use crate::workload::{Counted, Sample, Size, Workload, measured};
+use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
 use basrelief_reference::{Options, Picture, Quality, Style, draw_scene};
 use basrelief_scene::{Memory, ViewOptions, load};
 use basrelief_signals::{Mesh, Scene};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// A relief of 16 x 16 texels, so that tangents and the levels of a normal map are computed too.
 const BUMPS: &[u8] = include_bytes!("../../../tests/models/bumps.png");
 
-fn mesh(size: Size) -> Arc<Mesh> {
+fn mesh(size: WorkloadSize) -> Arc<Mesh> {
     Arc::clone(&demo_scene(size.of("sphere", "mixed"), [64, 48]).objects[0].mesh)
 }
 
@@ -77,23 +77,23 @@ fn obj(mesh: &Mesh) -> Vec<u8> {
 }
 
 /// Returns the import of the file that `write` creates from the mesh.
-fn import(size: Size, kind: &'static str, write: fn(&Mesh) -> Vec<u8>) -> Workload {
-    Workload::new(format!("scene/{kind}"), Counted::Triangles, move || {
+fn import(size: WorkloadSize, kind: &'static str, write: fn(&Mesh) -> Vec<u8>) -> Workload {
+    Workload::new(format!("scene/{kind}"), ThroughputUnit::Triangles, move || {
         let mesh = mesh(size);
         let (bytes, name) = (write(&mesh), format!("model.{kind}"));
         move || {
             let (scene, time) = measured(|| load(&bytes, &name, &Memory::default(), &ViewOptions::default()));
             let scene: Scene = scene.expect("the model is sound");
-            Sample { time, count: (scene.objects[0].mesh.indices.len() / 3) as u64 }
+            RunSample { time, count: (scene.objects[0].mesh.indices.len() / 3) as u64 }
         }
     })
 }
 
-fn demo(size: Size) -> Workload {
-    Workload::new("scene/demo", Counted::Triangles, move || {
+fn demo(size: WorkloadSize) -> Workload {
+    Workload::new("scene/demo", ThroughputUnit::Triangles, move || {
         move || {
             let (scene, time) = measured(|| demo_scene(size.of("sphere", "goblet"), [64, 48]));
-            Sample { time, count: (scene.objects[0].mesh.indices.len() / 3) as u64 }
+            RunSample { time, count: (scene.objects[0].mesh.indices.len() / 3) as u64 }
         }
     })
 }
@@ -102,18 +102,18 @@ fn picture(scene: &Scene) -> Picture {
     draw_scene(scene, &scene.frames[0], &Style::from(Options::default()))
 }
 
-fn exact(size: Size) -> Workload {
-    Workload::new("reference/picture", Counted::Pixels, move || {
+fn exact(size: WorkloadSize) -> Workload {
+    Workload::new("reference/picture", ThroughputUnit::Pixels, move || {
         let scene = demo_scene("sphere", size.of([640, 480], [64, 48]));
         move || {
             let (picture, time) = measured(|| picture(&scene));
-            Sample { time, count: picture.rgb.len() as u64 }
+            RunSample { time, count: picture.rgb.len() as u64 }
         }
     })
 }
 
-fn metrics(size: Size) -> Workload {
-    Workload::new("reference/metrics", Counted::Pixels, move || {
+fn metrics(size: WorkloadSize) -> Workload {
+    Workload::new("reference/metrics", ThroughputUnit::Pixels, move || {
         let scene = demo_scene("sphere", size.of([640, 480], [64, 48]));
         let exact = picture(&scene);
         let mut other = exact.clone();
@@ -121,12 +121,12 @@ fn metrics(size: Size) -> Workload {
         move || {
             let (quality, time) = measured(|| Quality::measure(&exact, &other));
             black_box(quality.expect("pictures of one size"));
-            Sample { time, count: exact.rgb.len() as u64 }
+            RunSample { time, count: exact.rgb.len() as u64 }
         }
     })
 }
 
 /// Returns import, the exact picture, and the metrics.
-pub fn workloads(size: Size) -> Vec<Workload> {
+pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
     vec![import(size, "glb", glb), import(size, "obj", obj), demo(size), exact(size), metrics(size)]
 }

@@ -1,8 +1,8 @@
 //! Ratios of two runs that alternate in one process, so that the host's other load cancels.
 
-use crate::machines::{self, Drawing, Set};
+use crate::machines::{self, MachineScene, SettingList};
 use crate::traces;
-use crate::workload::{Ready, Sample, Size, Workload};
+use crate::workload::{Ready, RunSample, Workload, WorkloadSize};
 use basrelief_kernel::{Engine, NoProbe};
 use basrelief_threads as threads;
 use basrelief_timeline::{PerfettoTrace, TimelineProbe};
@@ -11,7 +11,7 @@ use std::io::sink;
 
 /// Ratio of two runs.
 #[derive(Clone, Debug, Serialize)]
-pub struct Ratio {
+pub struct TimeRatio {
     /// Compared runs.
     pub name: String,
     /// Number of pairs of runs.
@@ -27,10 +27,10 @@ pub struct Ratio {
 }
 
 /// A search of 1 cycle and one of 256, otherwise the same: a new one starts every cycle.
-const SEARCH_1: Set = &[("replacement.lanes", "256"), ("fifo.indexes.depth", "512")];
-const SEARCH_256: Set = &[("replacement.lanes", "1"), ("fifo.indexes.depth", "512")];
+const SEARCH_1: SettingList = &[("replacement.lanes", "256"), ("fifo.indexes.depth", "512")];
+const SEARCH_256: SettingList = &[("replacement.lanes", "1"), ("fifo.indexes.depth", "512")];
 
-fn nanoseconds(sample: Sample) -> f64 {
+fn nanoseconds(sample: RunSample) -> f64 {
     sample.time.as_secs_f64() * 1e9 / sample.count as f64
 }
 
@@ -46,28 +46,28 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
 }
 
 /// Runs both alternately, once before counting.
-fn ratio(name: &str, rounds: usize, mut above: Ready, mut below: Ready) -> Ratio {
+fn ratio(name: &str, rounds: usize, mut above: Ready, mut below: Ready) -> TimeRatio {
     let mut pair = || [nanoseconds(above()), nanoseconds(below())];
     pair();
     let pairs: Vec<[f64; 2]> = (0..rounds).map(|_| pair()).collect();
     let ratios = sorted(pairs.iter().map(|[a, b]| a / b));
     let ns = [0, 1].map(|i| quantile(&sorted(pairs.iter().map(|pair| pair[i])), 0.5));
     let [low, median, high] = [0.25, 0.5, 0.75].map(|share| quantile(&ratios, share));
-    Ratio { name: name.into(), rounds, median, low, high, ns }
+    TimeRatio { name: name.into(), rounds, median, low, high, ns }
 }
 
-fn engine(drawing: &Drawing, engine: Option<Engine>) -> Ready {
+fn engine(drawing: &MachineScene, engine: Option<Engine>) -> Ready {
     let drawing = drawing.clone();
     Box::new(move || drawing.simulate(engine, &mut NoProbe))
 }
 
-fn apart(drawing: &Drawing) -> Ready {
+fn apart(drawing: &MachineScene) -> Ready {
     let drawing = drawing.clone();
     Box::new(move || drawing.simulate_apart())
 }
 
 /// Prepares a run with the timeline of every unit, written to a sink.
-fn probed(drawing: &Drawing) -> Ready {
+fn probed(drawing: &MachineScene) -> Ready {
     let drawing = drawing.clone();
     let board = drawing.board();
     Box::new(move || {
@@ -81,12 +81,12 @@ fn prepared(workloads: &[Workload], name: &str) -> Ready {
 }
 
 /// Measures all ratios, each over this many pairs of runs. Calls `each` after every one.
-pub fn ratios(size: Size, rounds: usize, mut each: impl FnMut(&Ratio)) -> Vec<Ratio> {
+pub fn ratios(size: WorkloadSize, rounds: usize, mut each: impl FnMut(&TimeRatio)) -> Vec<TimeRatio> {
     let timed = Some(Engine::Timed);
-    let makes = [Drawing::w1, Drawing::w2, Drawing::w3, Drawing::w4, Drawing::w5, Drawing::w6];
+    let makes = [MachineScene::w1, MachineScene::w2, MachineScene::w3, MachineScene::w4, MachineScene::w5, MachineScene::w6];
     let drawings = makes.map(|make| make(size, &[]));
     let [w1, _, _, w4, ..] = &drawings;
-    let search = [SEARCH_256, SEARCH_1].map(|set| Drawing::w1(size, set));
+    let search = [SEARCH_256, SEARCH_1].map(|set| MachineScene::w1(size, set));
     let traces = traces::workloads(size);
     let mut all = Vec::new();
     let mut compare = |name: &str, above: Ready, below: Ready| {

@@ -4,7 +4,7 @@
 //! Throughput is in bytes of the JSON Lines for every form: the same content, so that forms can be compared.
 
 use crate::machines::demo_scene;
-use crate::workload::{Counted, Sample, Size, Workload, measured};
+use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
 use basrelief_signals::{Camera, Control, Lighting};
 use basrelief_sim::{MachineConfig, display_list, trace_header};
 use basrelief_trace::{
@@ -17,7 +17,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Returns the JSON Lines of the display list of W1 without its normal map, with at most this many polygons.
-fn json_lines(size: Size) -> Vec<u8> {
+fn json_lines(size: WorkloadSize) -> Vec<u8> {
     let most = size.of(usize::MAX, 1_000);
     let mut scene = demo_scene("sphere", [640, 480]);
     scene.objects.iter_mut().for_each(|object| {
@@ -64,28 +64,28 @@ fn write(commands: &[Command], form: Form) -> Result<usize, TraceError> {
 }
 
 /// Returns reading, resolving and writing.
-pub fn workloads(size: Size) -> Vec<Workload> {
+pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
     let reading = |what: &str, form: Form, run: fn(&[u8]) -> Result<usize, TraceError>| {
-        Workload::new(format!("trace/{what}/{}", name_of(form)), Counted::Bytes, move || {
+        Workload::new(format!("trace/{what}/{}", name_of(form)), ThroughputUnit::Bytes, move || {
             let json = json_lines(size);
             let mut bytes = Vec::new();
             convert(json.as_slice(), &mut bytes, form).expect("the trace is sound");
             move || {
                 let (done, time) = measured(|| run(&bytes));
                 done.expect("the trace is sound");
-                Sample { time, count: json.len() as u64 }
+                RunSample { time, count: json.len() as u64 }
             }
         })
     };
     let writing = |form: Form| {
-        Workload::new(format!("trace/write/{}", name_of(form)), Counted::Bytes, move || {
+        Workload::new(format!("trace/write/{}", name_of(form)), ThroughputUnit::Bytes, move || {
             let json = json_lines(size);
             let commands: Result<Vec<Command>, _> = open(json.as_slice()).expect("the trace is sound").collect();
             let commands = Rc::new(commands.expect("the trace is sound"));
             move || {
                 let (done, time) = measured(|| write(&commands, form));
                 done.expect("the trace is sound");
-                Sample { time, count: json.len() as u64 }
+                RunSample { time, count: json.len() as u64 }
             }
         })
     };

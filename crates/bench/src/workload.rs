@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 /// Unit of a workload's throughput.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Counted {
+pub enum ThroughputUnit {
     /// A token in a stage.
     TokenStages,
     /// A fragment, or a dot of the shading device.
@@ -21,7 +21,7 @@ pub enum Counted {
 
 /// Result of one measured run.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample {
+pub struct RunSample {
     /// Time of the measured part.
     pub time: Duration,
     /// Amount of work in that time.
@@ -29,22 +29,22 @@ pub struct Sample {
 }
 
 /// A prepared workload: each call is a run from fresh state, of which only the relevant part is measured.
-pub type Ready = Box<dyn FnMut() -> Sample>;
+pub type Ready = Box<dyn FnMut() -> RunSample>;
 
 /// A workload.
 pub struct Workload {
     /// Group and name, for example `machine/w1/timed`.
     pub name: String,
     /// Unit of its throughput.
-    pub counted: Counted,
+    pub counted: ThroughputUnit,
     prepare: Box<dyn Fn() -> Ready>,
 }
 
 impl Workload {
     /// Creates a workload from its `prepare` function.
-    pub fn new<R: FnMut() -> Sample + 'static>(
+    pub fn new<R: FnMut() -> RunSample + 'static>(
         name: impl Into<String>,
-        counted: Counted,
+        counted: ThroughputUnit,
         prepare: impl Fn() -> R + 'static,
     ) -> Self {
         Self { name: name.into(), counted, prepare: Box::new(move || Box::new(prepare())) }
@@ -58,14 +58,14 @@ impl Workload {
 
 /// Size of the workloads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Size {
+pub enum WorkloadSize {
     /// For time measurements.
     Full,
     /// For instruction counts: the same work, but less of it.
     Small,
 }
 
-impl Size {
+impl WorkloadSize {
     /// Selects one of two values.
     pub fn of<T>(self, full: T, small: T) -> T {
         match self {

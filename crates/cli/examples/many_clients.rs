@@ -10,7 +10,7 @@
 
 mod common;
 
-use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource as _};
+use basrelief_deferred_renderer::{PyramidCut, TextureMemory, TexturePage, TileEncoding, TileSource as _};
 use basrelief_scene::Subject;
 use basrelief_signals::Texture;
 use basrelief_tile_server::protocol::{hash_of, hash_of_picture, hex};
@@ -113,14 +113,14 @@ impl Model {
         let [_, picture, size, encoding, number] = parts[..] else { return Err(format!("{address}: no tile").into()) };
         let texture = self.textures.get(picture).ok_or("a picture of another scene")?;
         let (width, height) = size.split_once('x').ok_or("no size")?;
-        let cut = Cut { tile: [width.parse()?, height.parse()?], ..Cut::default() };
+        let cut = PyramidCut { tile: [width.parse()?, height.parse()?], ..PyramidCut::default() };
         let (encoding, quality) = match encoding.split_once('-') {
             Some((_, quality)) => (TileEncoding::Jpeg, quality.parse()?),
             None => (if encoding == "png" { TileEncoding::Png } else { TileEncoding::Raw }, 100),
         };
         let mut memory = TextureMemory::new(encoding, quality);
         memory.offer(texture);
-        let tile = memory.tile(&Arc::new(Page::new(0, texture, cut, 0)), number.parse()?)?;
+        let tile = memory.tile(&Arc::new(TexturePage::new(0, texture, cut, 0)), number.parse()?)?;
         let hash: Arc<str> = hash_of(&tile).into();
         self.hashes.insert(address.into(), Arc::clone(&hash));
         Ok(hash)

@@ -2,7 +2,7 @@
 
 use crate::problem::{ConfigProblem, problem};
 use basrelief_parameters::parameters;
-use basrelief_shading::{Layout, TextureLayout};
+use basrelief_shading::{BlockLayout, TextureLayout};
 use serde::{Deserialize, Serialize};
 
 parameters! {
@@ -28,8 +28,8 @@ parameters! {
 
 impl TextureConfig {
     /// Returns the layout.
-    pub(crate) fn layout(&self) -> Layout {
-        Layout::new(self.layout, self.block, self.superblock)
+    pub(crate) fn layout(&self) -> BlockLayout {
+        BlockLayout::new(self.layout, self.block, self.superblock)
     }
 
     /// Checks that the parameters fit together.

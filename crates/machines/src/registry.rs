@@ -9,7 +9,7 @@ use crate::shade::ShadeConfig;
 use crate::spec::{CostPoints, MachineSpec, Shortcut, TileFetch, empty_machine};
 use crate::texel::TexelMachineConfig;
 use crate::unit_info::UnitInfo;
-use basrelief_deferred_renderer::Preview;
+use basrelief_deferred_renderer::PicturePreview;
 use basrelief_kernel::{Hardware, Machine as _};
 use basrelief_parameters::{ConfigError, Loader, Parameter, resolved};
 use serde_json::Value;
@@ -126,7 +126,7 @@ impl MachineConfig {
     }
 
     /// Returns the colouring of partial pictures; `None` if the machine fetches no tiles.
-    pub fn preview(&self) -> Option<Preview> {
+    pub fn preview(&self) -> Option<PicturePreview> {
         for_machine!(self, machine => MachineSpec::preview(machine))
     }
 

@@ -6,7 +6,7 @@ use crate::front::{BoxedControls, BoxedDraws, FrontConfig, FrontEnd, SceneFront,
 use crate::methods::MethodSpecs;
 use crate::problem::ConfigProblem;
 use crate::unit_info::{UnitInfo, units};
-use basrelief_deferred_renderer::{Preview, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{PicturePreview, TileEncoding, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Hardware, Netlist, RunReport};
@@ -79,7 +79,7 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
         None
     }
     /// Returns the colouring of partial pictures; `None` if the machine fetches no tiles.
-    fn preview(&self) -> Option<Preview> {
+    fn preview(&self) -> Option<PicturePreview> {
         None
     }
     /// Returns the configuration of the front end.

@@ -1,6 +1,6 @@
 //! Homogeneous clipping.
 
-use crate::surface::Attributes;
+use crate::surface::PixelAttributes;
 use glam::DVec4;
 
 /// Sides of the guard band, in multiples of the picture's half width and height. They are far enough out that almost nothing is
@@ -23,11 +23,11 @@ const PLANES: [DVec4; 6] = [
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClipVertex {
     pub position: DVec4,
-    pub attributes: Attributes,
+    pub attributes: PixelAttributes,
 }
 
-impl AsMut<Attributes> for ClipVertex {
-    fn as_mut(&mut self) -> &mut Attributes {
+impl AsMut<PixelAttributes> for ClipVertex {
+    fn as_mut(&mut self) -> &mut PixelAttributes {
         &mut self.attributes
     }
 }
@@ -68,7 +68,7 @@ fn cut(polygon: &[ClipVertex], plane: DVec4) -> Vec<ClipVertex> {
 fn between(from: &ClipVertex, to: &ClipVertex, share: f64) -> ClipVertex {
     ClipVertex {
         position: from.position + (to.position - from.position) * share,
-        attributes: Attributes::weighted([&from.attributes, &to.attributes], [1.0 - share, share]),
+        attributes: PixelAttributes::weighted([&from.attributes, &to.attributes], [1.0 - share, share]),
     }
 }
 
@@ -78,7 +78,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn vertex([x, y, z, w]: [f64; 4]) -> ClipVertex {
-        ClipVertex { position: DVec4::new(x, y, z, w), attributes: Attributes::default() }
+        ClipVertex { position: DVec4::new(x, y, z, w), attributes: PixelAttributes::default() }
     }
 
     #[test]

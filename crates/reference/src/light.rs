@@ -5,28 +5,28 @@ use glam::DVec3;
 
 /// Lights of a frame as seen from one object, with its material's coefficients.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Illumination {
+pub(crate) struct ObjectLight {
     ambient: f64,
     diffuse: f64,
     specular: f64,
     exponent: f64,
-    beams: Vec<Beam>,
+    beams: Vec<LightBeam>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Beam {
+struct LightBeam {
     to_light: DVec3,
     half: DVec3,
     intensity: f64,
 }
 
-impl Illumination {
+impl ObjectLight {
     /// Computes the light on an object around `centre` in the given frame.
     pub fn new(frame: &Frame, lighting: &Lighting, centre: [f32; 3]) -> Self {
         let to_viewer = DVec3::from(frame.camera.to_viewer).normalize_or_zero();
         let beam = |light: &Light| {
             let to_light = direction(light, centre);
-            Beam { to_light, half: (to_light + to_viewer).normalize_or_zero(), intensity: f64::from(light.intensity) }
+            LightBeam { to_light, half: (to_light + to_viewer).normalize_or_zero(), intensity: f64::from(light.intensity) }
         };
         Self {
             ambient: f64::from(lighting.ka),
@@ -101,7 +101,7 @@ mod tests {
         let behind = LightKind::Directional { to_light: [0.0, 0.0, -1.0] };
         let point = LightKind::Point { position: [5.0, 0.0, 9.0] };
         let lights = [(behind, 1.0), (point, 0.5)].map(|(kind, intensity)| Light { kind, intensity });
-        let light = Illumination::new(&frame(lights.to_vec()), &lighting, [5.0, 0.0, 2.0]);
+        let light = ObjectLight::new(&frame(lights.to_vec()), &lighting, [5.0, 0.0, 2.0]);
         assert_eq!(light.on(DVec3::Z), (0.25 + 0.5 * 0.5, 0.125 * 0.5));
         assert_eq!(light.on(DVec3::NEG_Z), (0.25 + 0.5, 0.0));
         let (diffuse, specular) = light.on(DVec3::new(0.6, 0.0, 0.8));

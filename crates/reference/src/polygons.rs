@@ -1,9 +1,9 @@
 //! The exact picture of a display list.
 
-use crate::pyramid::Pyramids;
-use crate::raster::{Corner, doubled_area};
-use crate::renderer::Renderer;
-use crate::surface::{Attributes, Lit, Surface, face_normal};
+use crate::pyramid::PyramidCache;
+use crate::raster::{WindowCorner, doubled_area};
+use crate::renderer::BatchRenderer;
+use crate::surface::{LightTerms, LitSurface, PixelAttributes, face_normal};
 use crate::{Picture, Style};
 use basrelief_signals::{Frame, Material, ObjectInfo, Polygon, Vertex};
 use glam::{DMat4, DVec2, DVec3, DVec4};
@@ -23,8 +23,8 @@ pub struct PolygonRenderer {
     unproject: DMat4,
     centre: [f32; 3],
     material: Option<Arc<Material>>,
-    pyramids: Pyramids,
-    renderer: Renderer,
+    pyramids: PyramidCache,
+    renderer: BatchRenderer,
 }
 
 impl PolygonRenderer {
@@ -37,8 +37,8 @@ impl PolygonRenderer {
             unproject: DMat4::IDENTITY,
             centre: [0.0; 3],
             material: None,
-            pyramids: Pyramids::default(),
-            renderer: Renderer::new(width, height),
+            pyramids: PyramidCache::default(),
+            renderer: BatchRenderer::new(width, height),
         }
     }
 
@@ -60,13 +60,13 @@ impl PolygonRenderer {
     pub fn polygon(&mut self, polygon: &Polygon) {
         if !self.material.as_ref().is_some_and(|current| Arc::ptr_eq(current, &polygon.material)) {
             let Some(frame) = &self.frame else { return };
-            let surface = Surface::new(self.style, frame, &polygon.material, self.centre, &mut self.pyramids);
+            let surface = LitSurface::new(self.style, frame, &polygon.material, self.centre, &mut self.pyramids);
             self.renderer.surface(surface);
             self.material = Some(polygon.material.clone());
         }
         let mut corners: Vec<_> = polygon.vertices.iter().map(corner).collect();
-        let place = |c: &Corner| self.unproject.project_point3(c.window.extend(c.depth));
-        let face = |corners: &[Corner]| face_normal(&corners.iter().map(place).collect::<Vec<_>>());
+        let place = |c: &WindowCorner| self.unproject.project_point3(c.window.extend(c.depth));
+        let face = |corners: &[WindowCorner]| face_normal(&corners.iter().map(place).collect::<Vec<_>>());
         let back = clockwise(&corners);
         self.renderer.light(&mut corners, face, back);
         let Some((first, rest)) = corners.split_first() else { return };
@@ -79,7 +79,7 @@ impl PolygonRenderer {
     pub fn finish(&mut self) -> Picture {
         let [width, height] = self.size;
         self.material = None;
-        std::mem::replace(&mut self.renderer, Renderer::new(width, height)).finish()
+        std::mem::replace(&mut self.renderer, BatchRenderer::new(width, height)).finish()
     }
 }
 
@@ -95,27 +95,27 @@ fn unproject(frame: &Frame) -> DMat4 {
 }
 
 /// Returns true if a polygon runs clockwise on the screen.
-fn clockwise(corners: &[Corner]) -> bool {
-    let area = |pair: &[Corner]| doubled_area([corners[0].window, pair[0].window, pair[1].window]);
+fn clockwise(corners: &[WindowCorner]) -> bool {
+    let area = |pair: &[WindowCorner]| doubled_area([corners[0].window, pair[0].window, pair[1].window]);
     corners.windows(2).skip(1).map(area).sum::<f64>() > 0.0
 }
 
-fn corner(vertex: &Vertex) -> Corner {
+fn corner(vertex: &Vertex) -> WindowCorner {
     let [x, y, depth, inverse_w] = vertex.position.map(f64::from);
     let [tx, ty, tz, handedness] = vertex.tangent.map(f64::from);
     let [r, g, b, _] = vertex.color.map(f64::from);
-    Corner {
+    WindowCorner {
         window: DVec2::new(x, y),
         depth,
         inverse_w,
-        attributes: Attributes {
+        attributes: PixelAttributes {
             normal: DVec3::from(vertex.normal.map(f64::from)),
             tangent: DVec3::new(tx, ty, tz),
             handedness,
             uv: DVec2::from(vertex.uv.map(f64::from)),
             uv_normal: DVec2::from(vertex.uv_normal.map(f64::from)),
             color: DVec3::new(r, g, b),
-            lit: Lit::default(),
+            lit: LightTerms::default(),
         },
     }
 }

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 /// Cache of textures with the levels that the picture needs. Each is built once.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Pyramids(Vec<(Arc<Texture>, Arc<Texture>)>);
+pub(crate) struct PyramidCache(Vec<(Arc<Texture>, Arc<Texture>)>);
 
-impl Pyramids {
+impl PyramidCache {
     /// Returns the texture as it is sampled. The options are the same in every call.
     pub fn of(&mut self, texture: &Arc<Texture>, options: &Options) -> Arc<Texture> {
         let Pyramid::Tiled { tile, .. } = options.pyramid else { return Arc::clone(texture) };
@@ -76,16 +76,9 @@ mod tests {
 
     #[test]
     fn pyramid_is_built_once_and_given_levels_are_kept() {
-        let texture = Texture {
-            id: 3,
-            name: "t".into(),
-            sampler: Default::default(),
-            levels: vec![image(9, 2)],
-            offset: 7,
-            elsewhere: None,
-        };
+        let texture = Texture { id: 3, name: "t".into(), levels: vec![image(9, 2)], offset: 7, ..Texture::default() };
         let texture = Arc::new(texture);
-        let mut pyramids = Pyramids::default();
+        let mut pyramids = PyramidCache::default();
         assert!(Arc::ptr_eq(&pyramids.of(&texture, &Options::default()), &texture));
         let pyramid = Pyramid::Tiled { tile: [4, 4], centre: TexelCentre::Half };
         let options = Options { pyramid, ..Options::default() };

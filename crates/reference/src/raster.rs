@@ -1,7 +1,7 @@
 //! Coverage of a triangle, and the weights of its pixels.
 
-use crate::surface::{Attributes, Point};
-use crate::texture::Footprint;
+use crate::surface::{PixelAttributes, SurfacePoint};
+use crate::texture::TextureFootprint;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
@@ -11,23 +11,23 @@ const SUBPIXEL: f64 = 256.0;
 
 /// A vertex in window coordinates (y down).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Corner {
+pub(crate) struct WindowCorner {
     /// Window x, y \[pixels\].
     pub window: DVec2,
     /// Depth, 0 = near.
     pub depth: f64,
     /// 1 / w of the clip-space position.
     pub inverse_w: f64,
-    pub attributes: Attributes,
+    pub attributes: PixelAttributes,
 }
 
-impl AsMut<Attributes> for Corner {
-    fn as_mut(&mut self) -> &mut Attributes {
+impl AsMut<PixelAttributes> for WindowCorner {
+    fn as_mut(&mut self) -> &mut PixelAttributes {
         &mut self.attributes
     }
 }
 
-impl Corner {
+impl WindowCorner {
     fn is_finite(&self) -> bool {
         self.window.is_finite() && self.depth.is_finite() && self.inverse_w.is_finite()
     }
@@ -44,20 +44,20 @@ pub(crate) fn doubled_area([a, b, c]: [DVec2; 3]) -> f64 {
 
 /// A triangle with at least one covered pixel.
 #[derive(Clone, Debug)]
-pub(crate) struct Triangle {
-    corners: [Corner; 3],
-    edges: [Edge; 3],
+pub(crate) struct CoveredTriangle {
+    corners: [WindowCorner; 3],
+    edges: [EdgeFunction; 3],
     bounds: [DVec2; 2],
     /// Screen-space weight of each corner: `x * gradient.x + y * gradient.y + constant`.
-    planes: [Plane; 3],
+    planes: [LinearPlane; 3],
     /// True if counter-clockwise on the screen as given: a front face unless its object is mirrored.
     pub counter_clockwise: bool,
 }
 
-impl Triangle {
+impl CoveredTriangle {
     /// Creates a triangle. Returns `None` if no area is left after snapping, or a coordinate is not finite.
-    pub fn new(mut corners: [Corner; 3]) -> Option<Self> {
-        if !corners.iter().all(Corner::is_finite) {
+    pub fn new(mut corners: [WindowCorner; 3]) -> Option<Self> {
+        if !corners.iter().all(WindowCorner::is_finite) {
             return None;
         }
         let area = doubled_area(corners.map(|c| c.snapped()));
@@ -73,7 +73,7 @@ impl Triangle {
         let interpolated = if doubled_area(exact) > 0.0 { exact } else { [a, b, c].map(|p| p / SUBPIXEL) };
         Some(Self {
             corners,
-            edges: [Edge::new(b, c), Edge::new(c, a), Edge::new(a, b)],
+            edges: [EdgeFunction::new(b, c), EdgeFunction::new(c, a), EdgeFunction::new(a, b)],
             bounds: [a.min(b).min(c) / SUBPIXEL, a.max(b).max(c) / SUBPIXEL],
             planes: weight_planes(interpolated),
             counter_clockwise: area < 0.0,
@@ -103,14 +103,14 @@ impl Triangle {
     }
 
     /// Returns the attributes at a pixel centre, perspective-correct. `back` is true if seen from behind.
-    pub fn point(&self, column: usize, row: usize, back: bool) -> Point {
+    pub fn point(&self, column: usize, row: usize, back: bool) -> SurfacePoint {
         let screen = self.weights(column, row);
         let shares = [0, 1, 2].map(|i| screen[i] * self.corners[i].inverse_w);
         let inverse_w: f64 = shares.iter().sum();
         let parts = [0, 1, 2].map(|i| &self.corners[i].attributes);
-        let attributes = Attributes::weighted(parts, shares.map(|share| share / inverse_w));
-        let footprint = |at: DVec2, of: fn(&Attributes) -> DVec2| self.footprint(at, inverse_w, of);
-        Point {
+        let attributes = PixelAttributes::weighted(parts, shares.map(|share| share / inverse_w));
+        let footprint = |at: DVec2, of: fn(&PixelAttributes) -> DVec2| self.footprint(at, inverse_w, of);
+        SurfacePoint {
             attributes,
             uv: footprint(attributes.uv, |a| a.uv),
             uv_normal: footprint(attributes.uv_normal, |a| a.uv_normal),
@@ -120,7 +120,7 @@ impl Triangle {
 
     /// Returns the footprint. With U = sum(weight * u / w) and W = sum(weight / w), both linear on the screen, u = U / W and
     /// du/dx = (dU/dx - u * dW/dx) / W.
-    fn footprint(&self, at: DVec2, inverse_w: f64, of: fn(&Attributes) -> DVec2) -> Footprint {
+    fn footprint(&self, at: DVec2, inverse_w: f64, of: fn(&PixelAttributes) -> DVec2) -> TextureFootprint {
         let mut right = DVec2::ZERO;
         let mut down = DVec2::ZERO;
         for (corner, plane) in self.corners.iter().zip(&self.planes) {
@@ -128,7 +128,7 @@ impl Triangle {
             right += offset * plane.gradient.x;
             down += offset * plane.gradient.y;
         }
-        Footprint { at, right, down }
+        TextureFootprint { at, right, down }
     }
 
     /// Returns the screen-space weights of the corners, each 0..=1. A pixel covered only by snapping gets the weights of the
@@ -142,27 +142,27 @@ impl Triangle {
 
 /// Linear function of the window position that is 1 at its corner and 0 on the opposite edge.
 #[derive(Clone, Copy, Debug)]
-struct Plane {
+struct LinearPlane {
     origin: DVec2,
     gradient: DVec2,
 }
 
-impl Plane {
+impl LinearPlane {
     fn at(&self, window: DVec2) -> f64 {
         (window - self.origin).dot(self.gradient)
     }
 }
 
-fn weight_planes(corners: [DVec2; 3]) -> [Plane; 3] {
+fn weight_planes(corners: [DVec2; 3]) -> [LinearPlane; 3] {
     let area = doubled_area(corners);
     let [a, b, c] = corners;
-    [(b, c), (c, a), (a, b)].map(|(from, to)| Plane { origin: from, gradient: (to - from).perp() / area })
+    [(b, c), (c, a), (a, b)].map(|(from, to)| LinearPlane { origin: from, gradient: (to - from).perp() / area })
 }
 
 /// Edge function of a clockwise triangle (y down) in steps of 1 / [`SUBPIXEL`], in whole numbers. A pixel centre is inside if it
 /// is >= 0.
 #[derive(Clone, Copy, Debug)]
-struct Edge {
+struct EdgeFunction {
     /// Change per column.
     across: f64,
     /// Change per row.
@@ -171,7 +171,7 @@ struct Edge {
     start: f64,
 }
 
-impl Edge {
+impl EdgeFunction {
     fn new(from: DVec2, to: DVec2) -> Self {
         let along = to - from;
         // Clockwise with y down: top edges run right, left edges run up. Other edges do not own the pixels on them.
@@ -199,14 +199,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn corner(x: f64, y: f64) -> Corner {
-        Corner { window: DVec2::new(x, y), depth: 0.5, inverse_w: 1.0, attributes: Attributes::default() }
+    fn corner(x: f64, y: f64) -> WindowCorner {
+        WindowCorner { window: DVec2::new(x, y), depth: 0.5, inverse_w: 1.0, attributes: PixelAttributes::default() }
     }
 
     const SIDE: usize = 24;
 
     fn count(hits: &mut [u32], corners: [[f64; 2]; 3]) {
-        let Some(triangle) = Triangle::new(corners.map(|[x, y]| corner(x, y))) else { return };
+        let Some(triangle) = CoveredTriangle::new(corners.map(|[x, y]| corner(x, y))) else { return };
         triangle.spans(SIDE, &(0..SIDE), |row, columns| {
             for column in columns {
                 hits[row * SIDE + column] += 1;
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn weights_are_linear_and_sum_to_one() {
-        let triangle = Triangle::new([corner(0.0, 0.0), corner(0.0, 20.0), corner(20.0, 0.0)]).expect("has area");
+        let triangle = CoveredTriangle::new([corner(0.0, 0.0), corner(0.0, 20.0), corner(20.0, 0.0)]).expect("has area");
         let weights = triangle.weights(4, 9);
         let by_corner: Vec<_> = triangle.corners.iter().zip(weights).map(|(c, w)| c.window * w).collect();
         let sum = by_corner[0] + by_corner[1] + by_corner[2];
@@ -238,8 +238,8 @@ mod tests {
 
     #[test]
     fn invalid_triangles_cover_nothing_and_huge_ones_are_drawn() {
-        assert!(Triangle::new([corner(0.0, f64::NAN), corner(1.0, 0.0), corner(0.0, 1.0)]).is_none());
-        assert!(Triangle::new([corner(0.0, 0.0), corner(1.0, 1.0), corner(2.0, 2.0)]).is_none());
+        assert!(CoveredTriangle::new([corner(0.0, f64::NAN), corner(1.0, 0.0), corner(0.0, 1.0)]).is_none());
+        assert!(CoveredTriangle::new([corner(0.0, 0.0), corner(1.0, 1.0), corner(2.0, 2.0)]).is_none());
         let mut hits = vec![0; SIDE * SIDE];
         count(&mut hits, [[-1e300, -1e300], [1e300, -1e300], [0.0, 1e300]]);
         count(&mut hits, [[-1e5, -1e5], [1e5, -1e5], [0.0, 2e5]]);
@@ -277,7 +277,7 @@ mod tests {
         #[test]
         fn spans_match_edge_functions(values in prop::array::uniform6(-10.0..40.0f64)) {
             let [a, b, c, d, e, f] = values;
-            let Some(triangle) = Triangle::new([corner(a, b), corner(c, d), corner(e, f)]) else { return Ok(()) };
+            let Some(triangle) = CoveredTriangle::new([corner(a, b), corner(c, d), corner(e, f)]) else { return Ok(()) };
             let mut expected = Vec::new();
             for i in 0..SIDE * SIDE {
                 let (x, y) = ((i % SIDE) as f64, (i / SIDE) as f64);

@@ -1,8 +1,8 @@
 //! Visibility, then shading, of batches of triangles, by bands of rows.
 
 use crate::Picture;
-use crate::raster::{Corner, Triangle};
-use crate::surface::{Attributes, Surface};
+use crate::raster::{CoveredTriangle, WindowCorner};
+use crate::surface::{LitSurface, PixelAttributes};
 use basrelief_threads as threads;
 use glam::DVec3;
 use std::ops::Range;
@@ -16,22 +16,22 @@ const NOTHING: u32 = u32::MAX;
 
 /// A picture being drawn.
 #[derive(Clone, Debug)]
-pub(crate) struct Renderer {
+pub(crate) struct BatchRenderer {
     picture: Picture,
     depth: Vec<f64>,
     visible: Vec<u32>,
-    surfaces: Vec<Surface>,
+    surfaces: Vec<LitSurface>,
     pending: Vec<Pending>,
 }
 
 #[derive(Clone, Debug)]
 struct Pending {
-    triangle: Triangle,
+    triangle: CoveredTriangle,
     surface: usize,
     back: bool,
 }
 
-impl Renderer {
+impl BatchRenderer {
     pub fn new(width: u32, height: u32) -> Self {
         let picture = Picture::new(width, height);
         let pixels = picture.rgb.len();
@@ -39,7 +39,7 @@ impl Renderer {
     }
 
     /// Sets the surface of the following triangles.
-    pub fn surface(&mut self, surface: Surface) {
+    pub fn surface(&mut self, surface: LitSurface) {
         let unused = self.pending.last().is_none_or(|last| last.surface + 1 < self.surfaces.len());
         if unused {
             self.surfaces.pop();
@@ -47,8 +47,8 @@ impl Renderer {
         self.surfaces.push(surface);
     }
 
-    /// Lights the vertices of a polygon of the current surface, as [`Surface::light`].
-    pub fn light<V: AsMut<Attributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
+    /// Lights the vertices of a polygon of the current surface, as [`LitSurface::light`].
+    pub fn light<V: AsMut<PixelAttributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
         if let Some(surface) = self.surfaces.last() {
             surface.light(vertices, face, back);
         }
@@ -56,8 +56,8 @@ impl Renderer {
 
     /// Draws a triangle of the current surface. `mirrored`: the winding of front faces is clockwise on the screen. `cull`: back
     /// faces are left out.
-    pub fn triangle(&mut self, corners: [Corner; 3], mirrored: bool, cull: bool) {
-        let Some(triangle) = Triangle::new(corners) else { return };
+    pub fn triangle(&mut self, corners: [WindowCorner; 3], mirrored: bool, cull: bool) {
+        let Some(triangle) = CoveredTriangle::new(corners) else { return };
         let back = triangle.counter_clockwise == mirrored;
         let Some(surface) = self.surfaces.len().checked_sub(1) else { return };
         if back && cull {
@@ -92,7 +92,7 @@ impl Renderer {
             .enumerate()
             .map(|(i, ((rgb, covered), (depth, visible)))| {
                 let height = rgb.len() / width.max(1);
-                Band { width, rows: i * rows..i * rows + height, rgb, covered, depth, visible }
+                RowBand { width, rows: i * rows..i * rows + height, rgb, covered, depth, visible }
             });
         let (pending, surfaces) = (&self.pending, &self.surfaces);
         threads::map(bands.collect(), |mut band| band.draw(pending, surfaces));
@@ -102,7 +102,7 @@ impl Renderer {
 }
 
 /// A band of rows of the picture and its buffers.
-struct Band<'a> {
+struct RowBand<'a> {
     width: usize,
     rows: Range<usize>,
     rgb: &'a mut [[u8; 3]],
@@ -111,8 +111,8 @@ struct Band<'a> {
     visible: &'a mut [u32],
 }
 
-impl Band<'_> {
-    fn draw(&mut self, pending: &[Pending], surfaces: &[Surface]) {
+impl RowBand<'_> {
+    fn draw(&mut self, pending: &[Pending], surfaces: &[LitSurface]) {
         for (number, entry) in (0..).zip(pending) {
             self.cover(number, &entry.triangle);
         }
@@ -123,7 +123,7 @@ impl Band<'_> {
         }
     }
 
-    fn cover(&mut self, number: u32, triangle: &Triangle) {
+    fn cover(&mut self, number: u32, triangle: &CoveredTriangle) {
         let (width, start) = (self.width, self.rows.start);
         triangle.spans(width, &self.rows, |row, columns| {
             for column in columns {
@@ -137,7 +137,7 @@ impl Band<'_> {
         });
     }
 
-    fn shade(&mut self, column: usize, row: usize, pending: &[Pending], surfaces: &[Surface]) {
+    fn shade(&mut self, column: usize, row: usize, pending: &[Pending], surfaces: &[LitSurface]) {
         let at = (row - self.rows.start) * self.width + column;
         let number = std::mem::replace(&mut self.visible[at], NOTHING);
         if let Some(entry) = pending.get(number as usize) {
@@ -152,30 +152,21 @@ impl Band<'_> {
 mod tests {
     use super::*;
     use crate::Style;
-    use crate::pyramid::Pyramids;
-    use basrelief_signals::{Camera, Frame, Material};
+    use crate::pyramid::PyramidCache;
+    use basrelief_signals::{Frame, Material};
     use glam::DVec2;
 
-    fn corner(x: f64, y: f64, depth: f64) -> Corner {
-        let attributes = Attributes { color: DVec3::new(x / 64.0, y / 48.0, depth), ..Attributes::default() };
-        Corner { window: DVec2::new(x, y), depth, inverse_w: 1.0 - depth / 2.0, attributes }
+    fn corner(x: f64, y: f64, depth: f64) -> WindowCorner {
+        let attributes = PixelAttributes { color: DVec3::new(x / 64.0, y / 48.0, depth), ..PixelAttributes::default() };
+        WindowCorner { window: DVec2::new(x, y), depth, inverse_w: 1.0 - depth / 2.0, attributes }
     }
 
     #[test]
     fn band_height_does_not_change_picture() {
-        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        let frame = Frame {
-            index: 0,
-            width: 64,
-            height: 48,
-            camera,
-            lights: Vec::new(),
-            textures: Vec::new(),
-            shading: Default::default(),
-        };
+        let frame = Frame { width: 64, height: 48, ..Frame::default() };
         let material = Material { base_color: [9.0; 4], ..Material::default() };
-        let mut renderer = Renderer::new(64, 48);
-        renderer.surface(Surface::new(Style::default(), &frame, &material, [0.0; 3], &mut Pyramids::default()));
+        let mut renderer = BatchRenderer::new(64, 48);
+        renderer.surface(LitSurface::new(Style::default(), &frame, &material, [0.0; 3], &mut PyramidCache::default()));
         renderer.triangle([corner(3.0, 2.0, 0.1), corner(60.0, 20.0, 0.9), corner(20.0, 45.0, 0.5)], false, false);
         renderer.triangle([corner(1.0, 40.0, 0.6), corner(63.0, 30.0, 0.2), corner(20.0, 3.0, 0.8)], false, false);
         let pictures = [1, 5, 48, 100].map(|rows| {

@@ -1,10 +1,10 @@
 //! The exact picture of a scene.
 
 use crate::clip::{ClipVertex, clipped, inside};
-use crate::pyramid::Pyramids;
-use crate::raster::Corner;
-use crate::renderer::Renderer;
-use crate::surface::{Attributes, Lit, Surface, face_normal};
+use crate::pyramid::PyramidCache;
+use crate::raster::WindowCorner;
+use crate::renderer::BatchRenderer;
+use crate::surface::{LightTerms, LitSurface, PixelAttributes, face_normal};
 use crate::{Picture, Style};
 use basrelief_signals::{Frame, Mesh, Object, Scene};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
@@ -16,10 +16,10 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 /// Triangles with invalid indices or coordinates are left out.
 pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<Style> + Copy)) -> Picture {
     let style = (*style).into();
-    let mut renderer = Renderer::new(frame.width, frame.height);
-    let mut pyramids = Pyramids::default();
+    let mut renderer = BatchRenderer::new(frame.width, frame.height);
+    let mut pyramids = PyramidCache::default();
     for object in &scene.objects {
-        let surface = Surface::new(style, frame, &object.material, object_centre(object), &mut pyramids);
+        let surface = LitSurface::new(style, frame, &object.material, object_centre(object), &mut pyramids);
         renderer.surface(surface);
         draw_object(&mut renderer, object, frame);
     }
@@ -36,7 +36,7 @@ pub fn object_centre(object: &Object) -> [f32; 3] {
 }
 
 /// Draws the triangles of an object in the current surface.
-fn draw_object(renderer: &mut Renderer, object: &Object, frame: &Frame) {
+fn draw_object(renderer: &mut BatchRenderer, object: &Object, frame: &Frame) {
     let world = row_major(&object.world);
     let mirrored = DMat3::from_mat4(world).determinant() < 0.0;
     let cull = !object.material.double_sided;
@@ -74,14 +74,14 @@ fn transformed(mesh: &Mesh, world: DMat4, view_projection: DMat4) -> Vec<ClipVer
         let [tx, ty, tz, handedness] = mesh.tangents.get(i).map_or([0.0; 4], |tangent| tangent.map(f64::from));
         ClipVertex {
             position: view_projection * world.transform_point3(wide(position)).extend(1.0),
-            attributes: Attributes {
+            attributes: PixelAttributes {
                 normal: (cofactors * mesh.normals.get(i).map_or(DVec3::ZERO, |&n| wide(n))).normalize_or_zero(),
                 tangent: (linear * DVec3::new(tx, ty, tz)).normalize_or_zero(),
                 handedness,
                 uv: mesh.uv.get(i).map_or(DVec2::ZERO, |uv| DVec2::from(uv.map(f64::from))),
                 uv_normal: mesh.uv_normal.get(i).map_or(DVec2::ZERO, |uv| DVec2::from(uv.map(f64::from))),
                 color: DVec3::new(r, g, b),
-                lit: Lit::default(),
+                lit: LightTerms::default(),
             },
         }
     };
@@ -96,9 +96,9 @@ fn cofactors(linear: DMat3) -> DMat3 {
     DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign
 }
 
-fn projected(vertex: &ClipVertex, size: DVec2) -> Corner {
+fn projected(vertex: &ClipVertex, size: DVec2) -> WindowCorner {
     let DVec4 { x, y, z, w } = vertex.position;
-    Corner {
+    WindowCorner {
         window: DVec2::new(0.5 + 0.5 * x / w, 0.5 - 0.5 * y / w) * size,
         depth: 0.5 + 0.5 * z / w,
         inverse_w: 1.0 / w,

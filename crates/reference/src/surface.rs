@@ -1,9 +1,9 @@
 //! Colour of interpolated attributes: the one pixel pipeline of both entries.
 
-use crate::light::Illumination;
+use crate::light::ObjectLight;
 use crate::picture::to_8_bits;
-use crate::pyramid::Pyramids;
-use crate::texture::{Footprint, sample};
+use crate::pyramid::PyramidCache;
+use crate::texture::{TextureFootprint, sample};
 use crate::{Components, Options, Pyramid, Shading, Style, TextureFilter};
 use basrelief_signals::{Frame, Material, Texture};
 use glam::{DVec2, DVec3};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Values interpolated over a triangle besides depth.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Attributes {
+pub(crate) struct PixelAttributes {
     pub normal: DVec3,
     pub tangent: DVec3,
     pub handedness: f64,
@@ -19,28 +19,28 @@ pub(crate) struct Attributes {
     pub uv_normal: DVec2,
     pub color: DVec3,
     /// Light on the vertex, unless it is computed per pixel.
-    pub lit: Lit,
+    pub lit: LightTerms,
 }
 
 /// Light times a vertex colour: the two terms of the lighting formula, before factor and texture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Lit {
+pub(crate) struct LightTerms {
     /// Ambient and diffuse, times the vertex colour.
     pub diffuse: DVec3,
     /// Specular, times the vertex colour if the components are combined.
     pub specular: DVec3,
 }
 
-impl Lit {
+impl LightTerms {
     fn add(&mut self, other: &Self, weight: f64) {
         self.diffuse += other.diffuse * weight;
         self.specular += other.specular * weight;
     }
 }
 
-impl Attributes {
+impl PixelAttributes {
     /// Returns the weighted sum.
-    pub fn weighted<const N: usize>(parts: [&Attributes; N], weights: [f64; N]) -> Self {
+    pub fn weighted<const N: usize>(parts: [&PixelAttributes; N], weights: [f64; N]) -> Self {
         let mut sum = Self::default();
         for (part, weight) in parts.into_iter().zip(weights) {
             sum.normal += part.normal * weight;
@@ -57,27 +57,27 @@ impl Attributes {
 
 /// A point of a surface: attributes, and the change of its texture coordinates per pixel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Point {
-    pub attributes: Attributes,
-    pub uv: Footprint,
-    pub uv_normal: Footprint,
+pub(crate) struct SurfacePoint {
+    pub attributes: PixelAttributes,
+    pub uv: TextureFootprint,
+    pub uv_normal: TextureFootprint,
     /// True if the triangle is seen from behind.
     pub back: bool,
 }
 
 /// A material under the lights of its frame, at the position of its object.
 #[derive(Clone, Debug)]
-pub(crate) struct Surface {
+pub(crate) struct LitSurface {
     style: Style,
     base: DVec3,
     color_texture: Option<Arc<Texture>>,
     normal_map: Option<Arc<Texture>>,
     normal_scale: f64,
-    light: Illumination,
+    light: ObjectLight,
 }
 
-impl Surface {
-    pub fn new(style: Style, frame: &Frame, material: &Material, centre: [f32; 3], pyramids: &mut Pyramids) -> Self {
+impl LitSurface {
+    pub fn new(style: Style, frame: &Frame, material: &Material, centre: [f32; 3], pyramids: &mut PyramidCache) -> Self {
         let [r, g, b, _] = material.base_color.map(f64::from);
         let mapped = style.shading == Shading::NormalMap && style.options.filter != TextureFilter::None;
         Self {
@@ -86,20 +86,20 @@ impl Surface {
             color_texture: material.color_texture.as_ref().map(|texture| pyramids.of(texture, &style.options)),
             normal_map: material.normal_map.clone().filter(|_| mapped),
             normal_scale: f64::from(material.normal_scale),
-            light: Illumination::new(frame, &material.lighting, centre),
+            light: ObjectLight::new(frame, &material.lighting, centre),
         }
     }
 
     /// Lights the vertices of a polygon, unless lighting is per pixel. `face` returns its geometric normal, of any length. `back`
     /// is true if it is seen from behind.
-    pub fn light<V: AsMut<Attributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
+    pub fn light<V: AsMut<PixelAttributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
         let normal = match self.style.shading {
             Shading::NormalMap | Shading::Phong | Shading::Texture => return,
             Shading::Face => Some(face(vertices)),
             Shading::Gouraud | Shading::Mean => None,
         };
         let weight = 1.0 / vertices.len() as f64;
-        let mut mean = Lit::default();
+        let mut mean = LightTerms::default();
         for vertex in vertices.iter_mut().map(AsMut::as_mut) {
             vertex.lit = self.lit(vertex.color, normal.unwrap_or(vertex.normal), back);
             mean.add(&vertex.lit, weight);
@@ -110,7 +110,7 @@ impl Surface {
     }
 
     /// Returns the colour of a point, 8 bits each.
-    pub fn shade(&self, point: &Point) -> [u8; 3] {
+    pub fn shade(&self, point: &SurfacePoint) -> [u8; 3] {
         let mut base = self.base;
         if let Some(texture) = &self.color_texture {
             base *= sample(texture, &self.style.options, &point.uv);
@@ -118,7 +118,7 @@ impl Surface {
         let lit = match self.style.shading {
             Shading::NormalMap | Shading::Phong => self.lit(point.attributes.color, self.normal(point), point.back),
             Shading::Gouraud | Shading::Face | Shading::Mean => point.attributes.lit,
-            Shading::Texture => Lit { diffuse: point.attributes.color, specular: DVec3::ZERO },
+            Shading::Texture => LightTerms { diffuse: point.attributes.color, specular: DVec3::ZERO },
         };
         let color = match self.style.options.components {
             Components::Combined => base * (lit.diffuse + lit.specular),
@@ -128,19 +128,19 @@ impl Surface {
     }
 
     /// Returns the light at a point of this colour. Normals need not have length 1.
-    fn lit(&self, color: DVec3, normal: DVec3, back: bool) -> Lit {
+    fn lit(&self, color: DVec3, normal: DVec3, back: bool) -> LightTerms {
         let unit = normal.normalize_or_zero();
         let (diffuse, specular) = self.light.on(if back && self.style.options.two_sided_lighting { -unit } else { unit });
         let highlight = match self.style.options.components {
             Components::Combined => color,
             Components::Separate => DVec3::ONE,
         };
-        Lit { diffuse: color * diffuse, specular: highlight * specular }
+        LightTerms { diffuse: color * diffuse, specular: highlight * specular }
     }
 
     /// Returns the normal before it is normalised.
-    fn normal(&self, point: &Point) -> DVec3 {
-        let Attributes { normal, tangent, handedness, .. } = point.attributes;
+    fn normal(&self, point: &SurfacePoint) -> DVec3 {
+        let PixelAttributes { normal, tangent, handedness, .. } = point.attributes;
         self.normal_map.as_ref().map_or(normal, |map| {
             let options = Options { pyramid: Pyramid::Given, ..self.style.options };
             let texel = sample(map, &options, &point.uv_normal) * 2.0 - 1.0;

@@ -6,16 +6,16 @@ use glam::{DVec2, DVec3};
 
 /// Texture coordinates of a pixel and their change per pixel to the right and down.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Footprint {
+pub(crate) struct TextureFootprint {
     pub at: DVec2,
     pub right: DVec2,
     pub down: DVec2,
 }
 
 /// Returns the filtered RGB, 0..=1. A texture without levels is white.
-pub(crate) fn sample(texture: &Texture, options: &Options, footprint: &Footprint) -> DVec3 {
+pub(crate) fn sample(texture: &Texture, options: &Options, footprint: &TextureFootprint) -> DVec3 {
     let Some(finest) = texture.levels.first() else { return DVec3::ONE };
-    let sampler = Sampler { texture, finest, pyramid: options.pyramid, at: footprint.at };
+    let sampler = TextureSampler { texture, finest, pyramid: options.pyramid, at: footprint.at };
     let lod = || {
         let last = texture.levels.len() - 1;
         level_of_detail(finest, options.level, footprint).clamp(0.0, last as f64)
@@ -33,7 +33,7 @@ pub(crate) fn sample(texture: &Texture, options: &Options, footprint: &Footprint
 }
 
 /// Returns the level of detail of a pixel, or minus infinity if its footprint is a point.
-fn level_of_detail(finest: &Image, rule: LevelRule, footprint: &Footprint) -> f64 {
+fn level_of_detail(finest: &Image, rule: LevelRule, footprint: &TextureFootprint) -> f64 {
     let size = DVec2::new(f64::from(finest.width), f64::from(finest.height));
     let (right, down) = (footprint.right * size, footprint.down * size);
     match rule {
@@ -56,14 +56,14 @@ fn nearest_level(lod: f64) -> usize {
 }
 
 /// A texture at one pair of coordinates.
-struct Sampler<'a> {
+struct TextureSampler<'a> {
     texture: &'a Texture,
     finest: &'a Image,
     pyramid: Pyramid,
     at: DVec2,
 }
 
-impl Sampler<'_> {
+impl TextureSampler<'_> {
     fn nearest(&self, level: usize) -> DVec3 {
         let Some(image) = self.texture.levels.get(level) else { return DVec3::ZERO };
         let [column, row] = self.place(image, level).map(|(at, size, wrap)| wrapped(at.floor(), size, wrap));
@@ -154,7 +154,7 @@ mod tests {
 
     /// Returns the value in fifths at column coordinate `u` \[texels of level 0\], with a footprint of `step` texels.
     fn fifths(texture: &Texture, filter: TextureFilter, u: f64, step: f64) -> f64 {
-        let at = Footprint { at: DVec2::new(u / 4.0, 0.5), right: DVec2::new(step / 4.0, 0.0), down: DVec2::ZERO };
+        let at = TextureFootprint { at: DVec2::new(u / 4.0, 0.5), right: DVec2::new(step / 4.0, 0.0), down: DVec2::ZERO };
         sample(texture, &Options { filter, ..Options::default() }, &at).x * 5.0
     }
 
@@ -162,7 +162,8 @@ mod tests {
     fn fifths_by(texture: &Texture, options: Options, u: f64, right: [f64; 2], down: [f64; 2]) -> f64 {
         let finest = &texture.levels[0];
         let size = DVec2::new(f64::from(finest.width), f64::from(finest.height));
-        let at = Footprint { at: DVec2::new(u, 0.5) / size, right: DVec2::from(right) / size, down: DVec2::from(down) / size };
+        let at =
+            TextureFootprint { at: DVec2::new(u, 0.5) / size, right: DVec2::from(right) / size, down: DVec2::from(down) / size };
         sample(texture, &options, &at).x * 5.0
     }
 

@@ -15,13 +15,13 @@ pub fn fan_triangle(polygon: &Polygon, triangle: u16) -> Option<[&Vertex; 3]> {
 ///
 /// The `N` attributes lie side by side, so that the compiler can use vector registers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gradient<const N: usize> {
+pub struct AttributeGradient<const N: usize> {
     first: [f32; N],
     second: [f32; N],
     third: [f32; N],
 }
 
-impl<const N: usize> Gradient<N> {
+impl<const N: usize> AttributeGradient<N> {
     /// Creates the gradient from the attributes of the three vertices.
     #[inline]
     pub fn new([a, b, c]: [&[f32; N]; 3]) -> Self {
@@ -36,7 +36,7 @@ impl<const N: usize> Gradient<N> {
         std::array::from_fn(|i| self.first[i] + weights[0] * self.second[i] + weights[1] * self.third[i])
     }
 
-    /// Computes [`Gradient::at`] for four fragments side by side.
+    /// Computes [`AttributeGradient::at`] for four fragments side by side.
     #[inline(always)]
     pub fn side_by_side(&self, [second, third]: [f32x4; 2]) -> [f32x4; N] {
         let mut attributes = [f32x4::ZERO; N];
@@ -57,10 +57,10 @@ pub fn weights(stamp: &Stamp<Fragment>) -> [f32x4; 2] {
     [f32x4::new([a[0], b[0], c[0], d[0]]), f32x4::new([a[1], b[1], c[1], d[1]])]
 }
 
-/// Returns one attribute at `weights` of a triangle. See [`Gradient::at`].
+/// Returns one attribute at `weights` of a triangle. See [`AttributeGradient::at`].
 #[inline]
 pub fn interpolate<const N: usize>(vertices: [&[f32; N]; 3], weights: [f32; 2]) -> [f32; N] {
-    Gradient::new(vertices).at(weights)
+    AttributeGradient::new(vertices).at(weights)
 }
 
 #[cfg(test)]
@@ -77,7 +77,7 @@ mod tests {
         assert_eq!(at([0.0, 1.0]), v[2]);
         assert_eq!(at([0.3, 0.17])[1], 0.1);
         let weights = [[0.3, 1.0, 0.0, 0.5], [0.17, 0.0, 0.0, 0.5]];
-        let side_by_side = Gradient::new([&v[0], &v[1], &v[2]]).side_by_side(weights.map(f32x4::new));
+        let side_by_side = AttributeGradient::new([&v[0], &v[1], &v[2]]).side_by_side(weights.map(f32x4::new));
         for lane in 0..4 {
             assert_eq!(side_by_side.map(|a| a.to_array()[lane]), at(weights.map(|w| w[lane])));
         }

@@ -5,7 +5,7 @@
 //! cache's size keep vertical neighbours from sharing a cache set.
 
 use crate::texture::times;
-use crate::{Footprints, Taps};
+use crate::{SampleFootprints, SampleTaps};
 use basrelief_signals::{Image, Texture};
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, BitAnd};
@@ -35,20 +35,20 @@ pub enum TextureLayout {
 
 /// A [`TextureLayout`] with the sides of its blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layout {
+pub struct BlockLayout {
     /// Sides of a block and of a superblock \[texels\]: powers of two, the first no larger than the second. Row order uses blocks
     /// of one texel. Blocks without superblocks use superblocks of one block.
     sides: [u32; 2],
 }
 
-impl Default for Layout {
+impl Default for BlockLayout {
     /// Returns the layout with blocks of 4 x 4 texels.
     fn default() -> Self {
         Self { sides: [BLOCK; 2] }
     }
 }
 
-impl Layout {
+impl BlockLayout {
     /// Creates a layout with blocks and superblocks of these sides \[texels\], which are powers of two. Sides that the layout
     /// does not have are ignored.
     pub fn new(layout: TextureLayout, block: u32, superblock: u32) -> Self {
@@ -124,7 +124,7 @@ impl LevelPlace {
 
     /// Computes [`LevelPlace::texel`] for each tap. Column and row contribute separately, and four taps share two of each.
     #[inline(always)]
-    pub fn taps(&self, taps: &Taps) -> [u64; 4] {
+    pub fn taps(&self, taps: &SampleTaps) -> [u64; 4] {
         let [[x0, y0], [x1, _], [_, y1], _] = taps.texel;
         let (left, right) = (self.column(u64::from(x0)), self.column(u64::from(x1)));
         let (upper, lower) = (self.start + self.row(u64::from(y0)), self.start + self.row(u64::from(y1)));
@@ -134,7 +134,7 @@ impl LevelPlace {
     /// Computes the addresses of samples side by side \[texels from the start of the level\]: the largest picture needs 32 bits.
     /// (Closures over arrays are not always inlined: they took 6 % of the instructions of W1.)
     #[inline(always)]
-    pub fn footprints(&self, footprints: &Footprints) -> [u32x4; 4] {
+    pub fn footprints(&self, footprints: &SampleFootprints) -> [u32x4; 4] {
         let ([left, right], [upper, lower]) = (footprints.columns, footprints.rows);
         let (left, right) = (self.column(left), self.column(right));
         let (upper, lower) = (self.row(upper), self.row(lower));
@@ -143,7 +143,7 @@ impl LevelPlace {
 
     /// Returns the part of a column or row under each mask.
     #[inline(always)]
-    fn parts<C: Coordinate>(&self, c: C) -> [C; 3] {
+    fn parts<C: LaneCoordinate>(&self, c: C) -> [C; 3] {
         let [texel, block, superblock] = self.masks;
         [c & C::from(texel), c & C::from(block), c & C::from(superblock)]
     }
@@ -151,14 +151,14 @@ impl LevelPlace {
     /// Returns the contribution of a column to an address. The part under a mask is a number of blocks times their side. Multiplied
     /// by the side again, it counts their texels.
     #[inline(always)]
-    fn column<C: Coordinate>(&self, x: C) -> C {
+    fn column<C: LaneCoordinate>(&self, x: C) -> C {
         let [texel, block, superblock] = self.parts(x);
         let [b, s] = self.sides;
         superblock.times(s) + block.times(b) + texel
     }
 
     #[inline(always)]
-    fn row<C: Coordinate>(&self, y: C) -> C {
+    fn row<C: LaneCoordinate>(&self, y: C) -> C {
         let [texel, block, superblock] = self.parts(y);
         let [b, s] = self.sides;
         superblock.times(self.width) + block.times(s) + texel.times(b)
@@ -166,12 +166,12 @@ impl LevelPlace {
 }
 
 /// A column or row of one sample, or of several samples side by side.
-trait Coordinate: Copy + From<u32> + BitAnd<Output = Self> + Add<Output = Self> {
+trait LaneCoordinate: Copy + From<u32> + BitAnd<Output = Self> + Add<Output = Self> {
     /// Multiplies by a width or side.
     fn times(self, n: u32) -> Self;
 }
 
-impl Coordinate for u64 {
+impl LaneCoordinate for u64 {
     /// (Shifts by amounts unknown to the compiler took up to 2 % more instructions of a run than this product.)
     #[inline(always)]
     fn times(self, n: u32) -> Self {
@@ -179,7 +179,7 @@ impl Coordinate for u64 {
     }
 }
 
-impl Coordinate for u32x4 {
+impl LaneCoordinate for u32x4 {
     #[inline(always)]
     fn times(self, n: u32) -> Self {
         times(self, n)
@@ -206,10 +206,10 @@ mod tests {
         Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset, elsewhere: None }
     }
 
-    fn any_layout() -> impl Strategy<Value = Layout> {
+    fn any_layout() -> impl Strategy<Value = BlockLayout> {
         use TextureLayout::{Blocked, Blocked6d, Linear};
         (prop_oneof![Just(Linear), Just(Blocked), Just(Blocked6d)], 1u32..5, 0u32..4)
-            .prop_map(|(layout, block, more)| Layout::new(layout, 1 << block, 1 << (block + more)))
+            .prop_map(|(layout, block, more)| BlockLayout::new(layout, 1 << block, 1 << (block + more)))
     }
 
     fn texels([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
@@ -219,16 +219,16 @@ mod tests {
     #[test]
     fn default_layout_is_blocked_4_x_4() {
         let texture = texture(&[[6, 5], [3, 2], [1, 1]], 32);
-        let at = |level, texel| Layout::default().level(&texture, level).texel(texel);
+        let at = |level, texel| BlockLayout::default().level(&texture, level).texel(texel);
         assert_eq!([at(0, [0, 0]), at(0, [3, 1]), at(0, [4, 0]), at(0, [1, 4])], [32, 32 + 7, 32 + 16, 32 + 33]);
         assert_eq!([at(1, [2, 1]), at(2, [0, 0]), at(99, [0, 0])], [32 + 64 + 6, 32 + 64 + 16, 32 + 64 + 32]);
-        assert_eq!(Layout::default(), Layout::new(TextureLayout::Blocked, 4, 64));
+        assert_eq!(BlockLayout::default(), BlockLayout::new(TextureLayout::Blocked, 4, 64));
     }
 
     #[test]
     fn each_layout_matches_hand_computed_texel() {
         let texture = texture(&[[32, 16]], 0);
-        let at = |layout, block, superblock| Layout::new(layout, block, superblock).level(&texture, 0).texel([21, 11]);
+        let at = |layout, block, superblock| BlockLayout::new(layout, block, superblock).level(&texture, 0).texel([21, 11]);
         assert_eq!(at(TextureLayout::Linear, 4, 8), 11 * 32 + 21);
         // The first row of blocks has 256 texels, and two blocks are to the left.
         assert_eq!(at(TextureLayout::Blocked, 8, 8), 256 + 2 * 64 + 3 * 8 + 5);
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn superblocks_and_blocks_are_contiguous() {
         let texture = texture(&[[96, 64]], 0);
-        let place = Layout::new(TextureLayout::Blocked6d, 4, 32).level(&texture, 0);
+        let place = BlockLayout::new(TextureLayout::Blocked6d, 4, 32).level(&texture, 0);
         for side in [4, 32] {
             let numbers = |texel: [u32; 2]| place.texel(texel) / u64::from(side * side);
             let blocks: BTreeSet<_> = texels([96, 64]).map(|t| (numbers(t), t.map(|n| n / side))).collect();
@@ -267,20 +267,20 @@ mod tests {
         fn adjacent_textures_do_not_overlap(layout in any_layout(), sizes in prop::collection::vec([1u32..99, 1u32..99], 1..5)) {
             let one = texture(&sizes, 32);
             // Position of the next texture in a scene.
-            let next = texture(&sizes, Layout::default().level(&one, sizes.len()).start);
+            let next = texture(&sizes, BlockLayout::default().level(&one, sizes.len()).start);
             prop_assert!(layout.level(&one, sizes.len()).start <= layout.level(&next, 0).start);
         }
 
         #[test]
         fn default_blocks_are_stored_row_by_row(size in [1u32..70, 1u32..70]) {
-            let place = Layout::default().level(&texture(&[size], 0), 0);
+            let place = BlockLayout::default().level(&texture(&[size], 0), 0);
             let expected = |[x, y]: [u32; 2]| (y / 4 * size[0].div_ceil(4) + x / 4) * 16 + y % 4 * 4 + x % 4;
             prop_assert!(texels(size).all(|texel| place.texel(texel) == u64::from(expected(texel))));
         }
 
         #[test]
         fn linear_is_row_by_row(size in [1u32..70, 1u32..70]) {
-            let place = Layout::new(TextureLayout::Linear, 4, 64).level(&texture(&[size], 0), 0);
+            let place = BlockLayout::new(TextureLayout::Linear, 4, 64).level(&texture(&[size], 0), 0);
             prop_assert!(texels(size).map(|texel| place.texel(texel)).eq(0..u64::from(size[0] * size[1])));
         }
 

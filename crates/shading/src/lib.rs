@@ -22,10 +22,10 @@ pub mod scan;
 pub mod texture;
 
 pub use area::{doubled_area, polygon_lod};
-pub use interpolation::{Gradient, fan_triangle, interpolate, weights};
-pub use layout::{BLOCK, Layout, LevelPlace, TextureLayout, pixel_offset};
+pub use interpolation::{AttributeGradient, fan_triangle, interpolate, weights};
+pub use layout::{BLOCK, BlockLayout, LevelPlace, TextureLayout, pixel_offset};
 pub use lighting::{LightVector, brightness, light_vectors, saturated};
 pub use lod::{LEVELS, LevelSet, lod, select_levels};
 pub use reference_normals::{MAX_ENTRIES, Table, TableError, TableSet, quantize_unit, reference_normals};
-pub use scan::{MAX_BLOCK, Raster, Scan, Spans, fan_triangles};
-pub use texture::{Footprints, LANES, Taps, decode_normal, footprints, taps, wrapped};
+pub use scan::{MAX_BLOCK, PolygonScan, PolygonSpans, RasterGrid, fan_triangles};
+pub use texture::{LANES, SampleFootprints, SampleTaps, decode_normal, footprints, taps, wrapped};

@@ -6,7 +6,7 @@ use wide::{f32x4, u32x4};
 
 /// Texels of a sample and their weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Taps {
+pub struct SampleTaps {
     /// Texels in use: 1 (nearest) or 4 (bilinear).
     pub count: u8,
     /// Column and row of each texel, inside the image: upper left, upper right, lower left, lower right. All are equal if one
@@ -23,7 +23,7 @@ const _: () = assert!(LANES == MAX_STAMP, "a stamp has a lane for each of its fr
 
 /// Texels of [`LANES`] samples, side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Footprints {
+pub struct SampleFootprints {
     /// Texels in use per sample: 1 (nearest) or 4 (bilinear).
     pub count: u8,
     /// Left and right columns, inside the image. They are equal if one texel is in use.
@@ -34,14 +34,14 @@ pub struct Footprints {
     pub shares: [f32x4; 2],
 }
 
-impl Footprints {
-    /// Returns the shares of each texel, in the order of [`Taps`]. They sum to 1.
+impl SampleFootprints {
+    /// Returns the shares of each texel, in the order of [`SampleTaps`]. They sum to 1.
     #[inline(always)]
     pub fn weights(&self) -> [f32x4; 4] {
         shares(f32x4::ONE, self.shares)
     }
 
-    /// Returns the number of each texel in an image of this width, row by row, in the order of [`Taps`].
+    /// Returns the number of each texel in an image of this width, row by row, in the order of [`SampleTaps`].
     #[inline(always)]
     pub fn numbers(&self, width: u32) -> [u32x4; 4] {
         let ([left, right], [upper, lower]) = (self.columns, self.rows.map(|row| times(row, width)));
@@ -50,12 +50,12 @@ impl Footprints {
 
     /// Returns texels and weights of sample `lane`.
     #[inline(always)]
-    pub fn taps(&self, lane: usize) -> Taps {
+    pub fn taps(&self, lane: usize) -> SampleTaps {
         let of = |lanes: u32x4| lanes.to_array()[lane];
         let ([left, right], [upper, lower], [fx, fy]) = (self.columns, self.rows, self.shares);
         let (x0, x1, y0, y1) = (of(left), of(right), of(upper), of(lower));
         let weight = shares(1.0, [fx.to_array()[lane], fy.to_array()[lane]]);
-        Taps { count: self.count, texel: [[x0, y0], [x1, y0], [x0, y1], [x1, y1]], weight }
+        SampleTaps { count: self.count, texel: [[x0, y0], [x1, y0], [x0, y1], [x1, y1]], weight }
     }
 }
 
@@ -76,16 +76,16 @@ pub fn wrapped(sampler: &Sampler, [u, v]: [f32x4; 2]) -> [f32x4; 2] {
 /// Returns the texels of `image` for samples at coordinates that are already [`wrapped`]. The caller passes the filter, because
 /// it is a choice of the machine.
 #[inline(always)]
-pub fn footprints(image: &Image, sampler: &Sampler, filter: TexelFilter, [u, v]: [f32x4; 2]) -> Footprints {
+pub fn footprints(image: &Image, sampler: &Sampler, filter: TexelFilter, [u, v]: [f32x4; 2]) -> SampleFootprints {
     let (columns, fx) = axis(u, image.width, sampler.wrap[0], filter);
     let (rows, fy) = axis(v, image.height, sampler.wrap[1], filter);
     let count = if filter == TexelFilter::Nearest { 1 } else { 4 };
-    Footprints { count, columns, rows, shares: [fx, fy] }
+    SampleFootprints { count, columns, rows, shares: [fx, fy] }
 }
 
 /// Computes [`footprints`] for one sample at `uv`, not wrapped yet. (As a call it took a fifth of a run of W5.)
 #[inline(always)]
-pub fn taps(image: &Image, sampler: &Sampler, filter: TexelFilter, uv: [f32; 2]) -> Taps {
+pub fn taps(image: &Image, sampler: &Sampler, filter: TexelFilter, uv: [f32; 2]) -> SampleTaps {
     footprints(image, sampler, filter, wrapped(sampler, uv.map(f32x4::splat))).taps(0)
 }
 

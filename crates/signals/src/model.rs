@@ -51,7 +51,7 @@ pub struct Image {
 /// A texture (118) or an ordinary colour texture, with its MIP levels.
 ///
 /// A normal map stores unit tangent-space normals as RGB = round(127.5 * (n + 1)), +Y up (glTF convention), A = 255.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Texture {
     /// Number within its display list or scene. Colour textures and normal maps share one numbering.
     pub id: u32,
@@ -238,7 +238,7 @@ pub struct Light {
 }
 
 /// View of a frame. Its fields are the keys of `--camera` files and of the report.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     /// View-projection matrix, row-major: clip = M \[x y z 1\]^T, OpenGL depth range.
@@ -254,7 +254,7 @@ pub struct Camera {
 pub const MAX_PICTURE_PIXELS: u64 = 1 << 23;
 
 /// One picture of a sequence. Width times height is at most [`MAX_PICTURE_PIXELS`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Frame number, counted from 0.
     pub index: u32,

@@ -138,7 +138,7 @@ impl Polygon {
 }
 
 /// Data of an object that the units need.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjectInfo {
     /// Object number, counted from 0.
     pub id: u32,
@@ -173,17 +173,10 @@ pub struct MeshInfo {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Sampler, Texture};
+    use crate::Texture;
 
     fn texture() -> Arc<Texture> {
-        Arc::new(Texture {
-            id: 0,
-            name: String::new(),
-            sampler: Sampler::default(),
-            levels: Vec::new(),
-            offset: 0,
-            elsewhere: None,
-        })
+        Arc::new(Texture { ..Texture::default() })
     }
 
     fn polygon(bump: bool, material: Material) -> Polygon {

@@ -4,7 +4,7 @@ use crate::outputs::aux_output::AuxOutputInfo;
 use crate::outputs::aux_spec::AuxOutputSpec;
 use crate::outputs::{defer, texel};
 use basrelief_brightness::Components;
-use basrelief_deferred_renderer::{Lighting, TexelCentre};
+use basrelief_deferred_renderer::{LightingMode, TexelCentre};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
@@ -107,7 +107,7 @@ impl SimulatedMachine for DeferConfig {
             two_sided_lighting: self.geometry.two_sided_lighting,
             ..Options::default()
         };
-        let shading = if self.defer.lighting == Lighting::Gouraud { Shading::Gouraud } else { Shading::Texture };
+        let shading = if self.defer.lighting == LightingMode::Gouraud { Shading::Gouraud } else { Shading::Texture };
         Style { shading, options }
     }
 }

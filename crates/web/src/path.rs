@@ -2,7 +2,7 @@
 
 use crate::outside::Outside;
 use basrelief_deferred_renderer::server::place_of;
-use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding, TileSource};
 use basrelief_input::{Budget, Held};
 use basrelief_signals::Texture;
 use basrelief_tile_server::protocol::{
@@ -124,7 +124,7 @@ impl PathTiles {
         Self { path, offered: TileCatalog::new(encoding), announced: VecDeque::new(), ahead: Vec::new() }
     }
 
-    fn address(&self, page: &Page, tiles: &[u32]) -> String {
+    fn address(&self, page: &TexturePage, tiles: &[u32]) -> String {
         tiles_path(&self.offered.picture(page.texture), page.cut, self.offered.encoding, tiles)
     }
 
@@ -133,7 +133,7 @@ impl PathTiles {
     }
 
     /// This tile, and those of its texture that follow and are not there.
-    fn together(&self, page: &Page, tile: u32) -> Vec<u32> {
+    fn together(&self, page: &TexturePage, tile: u32) -> Vec<u32> {
         let next =
             self.announced.iter().filter(|(texture, next)| *texture == page.texture && *next != tile).map(|(_, next)| *next);
         let missing = next.filter(|next| !self.is_there(&self.address(page, &[*next])));
@@ -141,7 +141,7 @@ impl PathTiles {
     }
 
     /// Fetches a tile, and others with it.
-    fn fetch(&mut self, page: &Page, tile: u32) -> Result<(), String> {
+    fn fetch(&mut self, page: &TexturePage, tile: u32) -> Result<(), String> {
         let wanted = self.together(page, tile);
         let encoding = self.offered.encoding.0;
         let checked = |body: Vec<u8>| -> Result<Vec<Arc<[u8]>>, String> {
@@ -173,11 +173,11 @@ impl TileSource for PathTiles {
         self.offered.offer(texture);
     }
 
-    fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
+    fn announce(&mut self, tiles: &[(Arc<TexturePage>, u32)]) {
         self.announced.extend(tiles.iter().map(|(page, tile)| (page.texture, *tile)));
     }
 
-    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+    fn tile(&mut self, page: &Arc<TexturePage>, tile: u32) -> Result<Arc<[u8]>, String> {
         let address = self.address(page, &[tile]);
         if !self.is_there(&address) {
             self.fetch(page, tile).map_err(|e| format!("{}: {e}", place_of(page, tile)))?;
@@ -190,7 +190,7 @@ impl TileSource for PathTiles {
         come.ok_or_else(|| format!("{}: has not come", place_of(page, tile)))
     }
 
-    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: PyramidCut) -> Option<u64> {
         self.offered.finest_bytes(texture, cut, |address| self.path.number(address))
     }
 }

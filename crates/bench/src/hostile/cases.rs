@@ -1,6 +1,6 @@
 //! Hostile cases: a damaged file, and a command line.
 
-use super::chance::Chance;
+use super::split_mix::SplitMix64;
 use super::{mutate, options, settings};
 use basrelief_sim::{MACHINES, MachineInfo};
 use basrelief_trace::{Form, convert};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Kinds of inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
-pub enum Kind {
+pub enum InputKind {
     /// Traces in JSON Lines.
     TraceText,
     /// Traces in binary.
@@ -36,7 +36,7 @@ pub enum Kind {
 
 /// A run of the program.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Case {
+pub struct HostileCase {
     /// Files in its folder.
     pub files: Vec<(String, Vec<u8>)>,
     /// Arguments of the program.
@@ -45,7 +45,7 @@ pub struct Case {
 
 /// Valid inputs, to be damaged.
 #[derive(Clone, Debug)]
-pub struct Sources {
+pub struct SampleInputs {
     traces: Vec<String>,
     gltf: Vec<Value>,
     obj: String,
@@ -61,7 +61,7 @@ const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 const SHORT: &str = "--max-cycles 200000 --out out";
 const CAMERA: &str = r#"{"view_projection":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"to_light":[0,0,1],"to_viewer":[0,0.5,1]}"#;
 
-impl Sources {
+impl SampleInputs {
     /// Reads the samples of the workspace.
     ///
     /// # Errors
@@ -97,7 +97,7 @@ fn presets(machine: &MachineInfo) -> Result<Vec<String>, String> {
     own.map(|path| fs::read_to_string(path).map_err(failed)).collect()
 }
 
-impl Kind {
+impl InputKind {
     /// All kinds.
     pub const ALL: [Self; 10] = [
         Self::TraceText,
@@ -129,21 +129,21 @@ impl Kind {
     }
 
     /// Creates one case.
-    pub fn case(self, sources: &Sources, chance: &mut Chance) -> Case {
+    pub fn case(self, sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
         match self {
-            Self::TraceText => trace("t.jsonl", spoiled_lines(chance.one::<String>(&sources.traces), chance), chance),
-            Self::TraceBinary => trace("t.bdl", spoiled_form("t.bdl", sources, chance), chance),
+            Self::TraceText => trace("t.jsonl", spoiled_lines(random.one::<String>(&sources.traces), random), random),
+            Self::TraceBinary => trace("t.bdl", spoiled_form("t.bdl", sources, random), random),
             Self::TraceCompressed => {
-                let name = *chance.one(&["t.jsonl.zst", "t.bdl.zst"]);
-                trace(name, spoiled_form(name, sources, chance), chance)
+                let name = *random.one(&["t.jsonl.zst", "t.bdl.zst"]);
+                trace(name, spoiled_form(name, sources, random), random)
             }
-            Self::Gltf => model("m.gltf", spoiled_gltf(sources, chance).into_bytes(), vec![], chance),
-            Self::Glb => model("m.glb", spoiled_glb(sources, chance), vec![], chance),
-            Self::Obj => obj(sources, chance),
-            Self::Picture => picture(sources, chance),
-            Self::Settings => settings(sources, chance),
-            Self::Tape => tape(sources, chance),
-            Self::Options => command_line(sources, chance),
+            Self::Gltf => model("m.gltf", spoiled_gltf(sources, random).into_bytes(), vec![], random),
+            Self::Glb => model("m.glb", spoiled_glb(sources, random), vec![], random),
+            Self::Obj => obj(sources, random),
+            Self::Picture => picture(sources, random),
+            Self::Settings => settings(sources, random),
+            Self::Tape => tape(sources, random),
+            Self::Options => command_line(sources, random),
         }
     }
 }
@@ -153,148 +153,148 @@ fn words(line: &str) -> Vec<String> {
     line.split_whitespace().map(str::to_owned).collect()
 }
 
-fn machine(chance: &mut Chance) -> &'static str {
-    chance.one(MACHINES).name
+fn machine(random: &mut SplitMix64) -> &'static str {
+    random.one(MACHINES).name
 }
 
-fn trace(name: &str, bytes: Vec<u8>, chance: &mut Chance) -> Case {
-    let line = match chance.below(8) {
+fn trace(name: &str, bytes: Vec<u8>, random: &mut SplitMix64) -> HostileCase {
+    let line = match random.below(8) {
         0 => format!("verify {name}"),
         1 => format!("convert {name} back.bdl.zst"),
         2 => format!("run {name} --functional --out out"),
-        _ => format!("run {name} {SHORT} --machine {}", machine(chance)),
+        _ => format!("run {name} {SHORT} --machine {}", machine(random)),
     };
-    Case { files: vec![(name.into(), bytes)], arguments: words(&line) }
+    HostileCase { files: vec![(name.into(), bytes)], arguments: words(&line) }
 }
 
-fn model(name: &str, bytes: Vec<u8>, mut files: Vec<(String, Vec<u8>)>, chance: &mut Chance) -> Case {
-    let line = match chance.below(8) {
+fn model(name: &str, bytes: Vec<u8>, mut files: Vec<(String, Vec<u8>)>, random: &mut SplitMix64) -> HostileCase {
+    let line = match random.below(8) {
         0 => format!("record {name} --size 32x24 --out t.jsonl"),
         1 => format!("run {name} --size 32x24 {SHORT} --frames 2 --orbit 30"),
-        _ => format!("run {name} --size 32x24 {SHORT} --machine {}", machine(chance)),
+        _ => format!("run {name} --size 32x24 {SHORT} --machine {}", machine(random)),
     };
     files.push((name.into(), bytes));
-    Case { files, arguments: words(&line) }
+    HostileCase { files, arguments: words(&line) }
 }
 
 /// Damages a line as JSON, the text as text, or its bytes.
-fn spoiled_lines(text: &str, chance: &mut Chance) -> Vec<u8> {
-    if chance.once_in(4) {
-        return mutate::text(text, chance).into_bytes();
+fn spoiled_lines(text: &str, random: &mut SplitMix64) -> Vec<u8> {
+    if random.once_in(4) {
+        return mutate::text(text, random).into_bytes();
     }
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    let at = chance.below(lines.len());
+    let at = random.below(lines.len());
     if let Ok(mut value) = serde_json::from_str::<Value>(&lines[at]) {
-        mutate::document(&mut value, chance);
+        mutate::document(&mut value, random);
         lines[at] = value.to_string();
     }
     let mut bytes = (lines.join("\n") + "\n").into_bytes();
-    if chance.once_in(4) {
-        mutate::bytes(&mut bytes, chance);
+    if random.once_in(4) {
+        mutate::bytes(&mut bytes, random);
     }
     bytes
 }
 
-fn spoiled_form(name: &str, sources: &Sources, chance: &mut Chance) -> Vec<u8> {
+fn spoiled_form(name: &str, sources: &SampleInputs, random: &mut SplitMix64) -> Vec<u8> {
     let form = Form::for_file_name(name).unwrap_or_default();
     let mut bytes = Vec::new();
     // The samples are valid.
-    convert(chance.one(&sources.traces).as_bytes(), &mut bytes, form).unwrap_or_default();
-    mutate::bytes(&mut bytes, chance);
+    convert(random.one(&sources.traces).as_bytes(), &mut bytes, form).unwrap_or_default();
+    mutate::bytes(&mut bytes, random);
     bytes
 }
 
-fn spoiled_gltf(sources: &Sources, chance: &mut Chance) -> String {
-    let mut document = chance.one(&sources.gltf).clone();
-    mutate::document(&mut document, chance);
+fn spoiled_gltf(sources: &SampleInputs, random: &mut SplitMix64) -> String {
+    let mut document = random.one(&sources.gltf).clone();
+    mutate::document(&mut document, random);
     document.to_string()
 }
 
 /// Damages the container of a document with a few bytes behind it, or the document.
-fn spoiled_glb(sources: &Sources, chance: &mut Chance) -> Vec<u8> {
-    let mut json = if chance.once_in(2) { spoiled_gltf(sources, chance) } else { chance.one(&sources.gltf).to_string() };
+fn spoiled_glb(sources: &SampleInputs, random: &mut SplitMix64) -> Vec<u8> {
+    let mut json = if random.once_in(2) { spoiled_gltf(sources, random) } else { random.one(&sources.gltf).to_string() };
     json.push_str(&" ".repeat(json.len().next_multiple_of(4) - json.len()));
-    let data: Vec<u8> = (0..64).map(|_| chance.byte()).collect();
+    let data: Vec<u8> = (0..64).map(|_| random.byte()).collect();
     let length = |bytes: &[u8]| (bytes.len() as u32).to_le_bytes();
     let chunks = [&length(json.as_bytes())[..], b"JSON", json.as_bytes(), &length(&data), b"BIN\0", &data].concat();
     let total = (chunks.len() as u32 + 12).to_le_bytes();
     let mut all = [b"glTF", &2u32.to_le_bytes(), &total, &chunks[..]].concat();
-    if !chance.once_in(3) {
-        mutate::bytes(&mut all, chance);
+    if !random.once_in(3) {
+        mutate::bytes(&mut all, random);
     }
     all
 }
 
-fn pictures(sources: &Sources) -> Vec<(String, Vec<u8>)> {
+fn pictures(sources: &SampleInputs) -> Vec<(String, Vec<u8>)> {
     vec![("bumps.png".into(), sources.pictures[0].clone()), ("checks.png".into(), sources.pictures[1].clone())]
 }
 
-fn obj(sources: &Sources, chance: &mut Chance) -> Case {
+fn obj(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
     let (mut object, mut library) = (sources.obj.clone(), sources.mtl.clone());
-    if chance.once_in(3) {
-        library = mutate::text(&library, chance);
+    if random.once_in(3) {
+        library = mutate::text(&library, random);
     } else {
-        object = mutate::text(&object, chance);
+        object = mutate::text(&object, random);
     }
     let mut object = object.into_bytes();
-    if chance.once_in(4) {
-        mutate::bytes(&mut object, chance);
+    if random.once_in(4) {
+        mutate::bytes(&mut object, random);
     }
     let mut files = pictures(sources);
     files.push(("patch.mtl".into(), library.into_bytes()));
-    model("m.obj", object, files, chance)
+    model("m.obj", object, files, random)
 }
 
 /// Creates a model with a damaged picture as colour texture and as normal map.
-fn picture(sources: &Sources, chance: &mut Chance) -> Case {
+fn picture(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
     let mut files = pictures(sources);
-    let mut bytes = chance.one(&sources.pictures).clone();
-    mutate::bytes(&mut bytes, chance);
-    files[chance.below(2)].1 = bytes;
+    let mut bytes = random.one(&sources.pictures).clone();
+    mutate::bytes(&mut bytes, random);
+    files[random.below(2)].1 = bytes;
     files.push(("patch.mtl".into(), sources.mtl.clone().into_bytes()));
-    model("m.obj", sources.obj.clone().into_bytes(), files, chance)
+    model("m.obj", sources.obj.clone().into_bytes(), files, random)
 }
 
-fn settings(sources: &Sources, chance: &mut Chance) -> Case {
-    let spoiled = |text: &str, chance: &mut Chance| {
-        let mut bytes = mutate::text(text, chance).into_bytes();
-        if chance.once_in(3) {
-            mutate::bytes(&mut bytes, chance);
+fn settings(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
+    let spoiled = |text: &str, random: &mut SplitMix64| {
+        let mut bytes = mutate::text(text, random).into_bytes();
+        if random.once_in(3) {
+            mutate::bytes(&mut bytes, random);
         }
         bytes
     };
-    let number = chance.below(MACHINES.len());
+    let number = random.below(MACHINES.len());
     let (machine, presets) = (&MACHINES[number], &sources.configurations[number]);
-    let (name, bytes, option) = match chance.below(4) {
-        0 => ("c.json", spoiled(CAMERA, chance), "--camera c.json"),
-        1 => ("c.toml", spoiled(chance.one::<String>(presets), chance), "--config c.toml"),
-        _ => ("c.toml", settings::configuration(machine, chance).into_bytes(), "--config c.toml"),
+    let (name, bytes, option) = match random.below(4) {
+        0 => ("c.json", spoiled(CAMERA, random), "--camera c.json"),
+        1 => ("c.toml", spoiled(random.one::<String>(presets), random), "--config c.toml"),
+        _ => ("c.toml", settings::configuration(machine, random).into_bytes(), "--config c.toml"),
     };
     let line = format!("demo --machine {} --size 32x24 {SHORT} {option}", machine.name);
-    Case { files: vec![(name.into(), bytes)], arguments: words(&line) }
+    HostileCase { files: vec![(name.into(), bytes)], arguments: words(&line) }
 }
 
 /// Damages a recording below its compression, which has its own checksum, or in one of four cases above it.
-fn tape(sources: &Sources, chance: &mut Chance) -> Case {
+fn tape(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
     let mut plain = sources.tape.clone();
-    let above = chance.once_in(4);
+    let above = random.once_in(4);
     if !above {
-        mutate::bytes(&mut plain, chance);
+        mutate::bytes(&mut plain, random);
     }
     let mut bytes = zstd::encode_all(&plain[..], 0).unwrap_or_default();
     if above {
-        mutate::bytes(&mut bytes, chance);
+        mutate::bytes(&mut bytes, random);
     }
-    let line = match chance.below(8) {
+    let line = match random.below(8) {
         0 => "size-fifos t.tape".into(),
         1 => "retime t.tape --limits --out out".into(),
-        2 => format!("retime t.tape --set fifo.spans.depth={} --json", 1 << chance.below(8)),
+        2 => format!("retime t.tape --set fifo.spans.depth={} --json", 1 << random.below(8)),
         _ => "retime t.tape --no-limits --out out".to_owned(),
     };
-    Case { files: vec![("t.tape".into(), bytes)], arguments: words(&line) }
+    HostileCase { files: vec![("t.tape".into(), bytes)], arguments: words(&line) }
 }
 
-fn command_line(sources: &Sources, chance: &mut Chance) -> Case {
+fn command_line(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
     let model = serde_json::to_vec(&sources.gltf[0]).unwrap_or_default();
     let files = vec![("t0.jsonl".into(), sources.traces[0].clone().into_bytes()), ("m.gltf".into(), model)];
     let named = |word: String| match word.as_str() {
@@ -302,5 +302,5 @@ fn command_line(sources: &Sources, chance: &mut Chance) -> Case {
         "MODEL" => "m.gltf".into(),
         _ => word,
     };
-    Case { files, arguments: options::command_line(chance).into_iter().map(named).collect() }
+    HostileCase { files, arguments: options::command_line(random).into_iter().map(named).collect() }
 }

@@ -5,17 +5,17 @@
 //! between a file and an exit code.
 
 mod cases;
-mod chance;
 mod mutate;
 mod options;
 mod program;
 mod settings;
+mod split_mix;
 mod table;
 
-pub use cases::{Case, Kind, Sources};
-pub use chance::Chance;
-pub use program::{Ended, Program};
-pub use table::Table;
+pub use cases::{HostileCase, InputKind, SampleInputs};
+pub use program::{RunResult, TestedProgram};
+pub use split_mix::SplitMix64;
+pub use table::RunTable;
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub const MOST_MEBIBYTES: u64 = 1024 + 64;
 
 /// Fault of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Finding {
+pub enum RunFault {
     /// A panic, a signal, an undefined exit code, or a failure without a message.
     Crash,
     /// The run did not end.
@@ -41,26 +41,26 @@ pub enum Finding {
 ///
 /// # Errors
 /// Returns an error if the case cannot be run.
-pub fn run_twice(program: &Program, case: &Case, folder: &Path) -> Result<(Ended, Option<Finding>), String> {
+pub fn run_twice(program: &TestedProgram, case: &HostileCase, folder: &Path) -> Result<(RunResult, Option<RunFault>), String> {
     let first = program.run(case, folder)?;
     if let Some(finding) = judge(&first) {
         return Ok((first, Some(finding)));
     }
     let second = program.run(case, folder)?;
     let equal = first.left == second.left && first.code == second.code;
-    let finding = judge(&second).or((!equal).then_some(Finding::Unequal));
+    let finding = judge(&second).or((!equal).then_some(RunFault::Unequal));
     Ok((if second.mebibytes > first.mebibytes { second } else { first }, finding))
 }
 
-fn judge(run: &Ended) -> Option<Finding> {
+fn judge(run: &RunResult) -> Option<RunFault> {
     let said = String::from_utf8_lossy(&run.said);
     // An empty command line prints help.
     let in_words = run.code == 0 || said.starts_with("error: ") && said.len() > 12 || said.contains("\nUsage: basrelief");
     match run.code {
-        137 => Some(Finding::Hang),
-        _ if run.seconds > PATIENCE_S as f64 => Some(Finding::Hang),
-        0..=2 if in_words && !said.contains("panicked") => (run.mebibytes > MOST_MEBIBYTES).then_some(Finding::Memory),
-        _ => Some(Finding::Crash),
+        137 => Some(RunFault::Hang),
+        _ if run.seconds > PATIENCE_S as f64 => Some(RunFault::Hang),
+        0..=2 if in_words && !said.contains("panicked") => (run.mebibytes > MOST_MEBIBYTES).then_some(RunFault::Memory),
+        _ => Some(RunFault::Crash),
     }
 }
 
@@ -68,8 +68,8 @@ fn judge(run: &Ended) -> Option<Finding> {
 mod tests {
     use super::*;
 
-    fn ended(code: i32, said: &str, mebibytes: u64) -> Ended {
-        Ended { code, said: said.into(), mebibytes, seconds: 0.0, left: Default::default() }
+    fn ended(code: i32, said: &str, mebibytes: u64) -> RunResult {
+        RunResult { code, said: said.into(), mebibytes, seconds: 0.0, left: Default::default() }
     }
 
     #[test]
@@ -77,21 +77,21 @@ mod tests {
         let verdict = |code, said: &str, mebibytes| judge(&ended(code, said, mebibytes));
         assert_eq!(verdict(0, "", 10), None);
         assert_eq!(verdict(1, "error: a.gltf: nothing to draw", 10), None);
-        assert_eq!(verdict(1, "", 10), Some(Finding::Crash));
+        assert_eq!(verdict(1, "", 10), Some(RunFault::Crash));
         assert_eq!(verdict(2, "What it is\n\nUsage: basrelief [OPTIONS] <COMMAND>", 10), None);
-        assert_eq!(verdict(101, "thread 'main' panicked at x", 10), Some(Finding::Crash));
-        assert_eq!(verdict(134, "memory allocation failed", 10), Some(Finding::Crash));
-        assert_eq!(verdict(137, "", 10), Some(Finding::Hang));
-        assert_eq!(verdict(0, "", 2000), Some(Finding::Memory));
-        assert_eq!(judge(&Ended { seconds: 21.0, ..ended(0, "", 10) }), Some(Finding::Hang));
+        assert_eq!(verdict(101, "thread 'main' panicked at x", 10), Some(RunFault::Crash));
+        assert_eq!(verdict(134, "memory allocation failed", 10), Some(RunFault::Crash));
+        assert_eq!(verdict(137, "", 10), Some(RunFault::Hang));
+        assert_eq!(verdict(0, "", 2000), Some(RunFault::Memory));
+        assert_eq!(judge(&RunResult { seconds: 21.0, ..ended(0, "", 10) }), Some(RunFault::Hang));
     }
 
     #[test]
     fn same_seed_creates_same_cases() {
-        let sources = Sources::load().expect("the workspace is there");
-        for kind in Kind::ALL {
-            let made: Vec<Case> = (0..20).map(|n| kind.case(&sources, &mut Chance::of(7, kind as u64, n))).collect();
-            let again: Vec<Case> = (0..20).map(|n| kind.case(&sources, &mut Chance::of(7, kind as u64, n))).collect();
+        let sources = SampleInputs::load().expect("the workspace is there");
+        for kind in InputKind::ALL {
+            let made: Vec<HostileCase> = (0..20).map(|n| kind.case(&sources, &mut SplitMix64::of(7, kind as u64, n))).collect();
+            let again: Vec<HostileCase> = (0..20).map(|n| kind.case(&sources, &mut SplitMix64::of(7, kind as u64, n))).collect();
             assert_eq!(made, again, "{kind:?}");
             assert!((1..20).any(|n| made[n] != made[0]), "{kind:?}: all the same");
         }

@@ -1,8 +1,8 @@
 //! Command lines that make little sense.
 
-use super::chance::Chance;
 use super::mutate::ODD_NUMBERS;
 use super::settings::setting;
+use super::split_mix::SplitMix64;
 use basrelief_sim::{MACHINES, MachineInfo};
 
 /// Command lines, with `FILE` for a trace and `MODEL` for a model.
@@ -55,31 +55,31 @@ const OPTIONS: [&str; 30] = [
 ];
 
 /// Returns a command line.
-pub fn command_line(chance: &mut Chance) -> Vec<String> {
-    let mut words: Vec<String> = chance.one(&COMMANDS).split(' ').map(str::to_owned).collect();
+pub fn command_line(random: &mut SplitMix64) -> Vec<String> {
+    let mut words: Vec<String> = random.one(&COMMANDS).split(' ').map(str::to_owned).collect();
     let simulates = ["run", "demo"].contains(&words[0].as_str());
     if simulates {
         // Small and short, unless the following options override it.
-        words.extend(["--max-cycles", *chance.one(&["100", "50000", "200000"]), "--out", "out"].map(str::to_owned));
+        words.extend(["--max-cycles", *random.one(&["100", "50000", "200000"]), "--out", "out"].map(str::to_owned));
         if words.iter().any(|w| w == "MODEL") || words[0] == "demo" {
             words.extend(["--size", "32x24"].map(str::to_owned));
         }
     }
-    for _ in 0..chance.below(3) {
-        words.extend(chance.one(&OPTIONS).split(' ').map(str::to_owned));
+    for _ in 0..random.below(3) {
+        words.extend(random.one(&OPTIONS).split(' ').map(str::to_owned));
     }
-    if simulates || chance.once_in(4) {
+    if simulates || random.once_in(4) {
         let machine = machine_of(&words);
-        for _ in 0..chance.below(3) {
-            let (key, value) = setting(machine, chance);
+        for _ in 0..random.below(3) {
+            let (key, value) = setting(machine, random);
             words.extend(["--set".to_owned(), format!("{key}={value}")]);
         }
     }
-    if chance.once_in(8) {
-        words.remove(chance.below(words.len()));
+    if random.once_in(8) {
+        words.remove(random.below(words.len()));
     }
-    let number = |word: String, chance: &mut Chance| word.replace('N', chance.one::<&str>(&ODD_NUMBERS));
-    words.into_iter().map(|w| if w.contains('N') { number(w, chance) } else { w }).collect()
+    let number = |word: String, random: &mut SplitMix64| word.replace('N', random.one::<&str>(&ODD_NUMBERS));
+    words.into_iter().map(|w| if w.contains('N') { number(w, random) } else { w }).collect()
 }
 
 /// Returns the machine that these words select, or the first machine if they name none.

@@ -1,7 +1,7 @@
 //! The program, run in a folder of its own, with time and memory measured.
 
 use super::PATIENCE_S;
-use super::cases::Case;
+use super::cases::HostileCase;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,11 +10,11 @@ use std::process::{Command, Stdio};
 
 /// Program under test.
 #[derive(Clone, Debug)]
-pub struct Program(PathBuf);
+pub struct TestedProgram(PathBuf);
 
 /// Result of a run.
 #[derive(Clone, Debug)]
-pub struct Ended {
+pub struct RunResult {
     /// Exit code. For a signal it is 128 plus its number.
     pub code: i32,
     /// Standard error.
@@ -32,7 +32,7 @@ const BUSY: u64 = 12;
 /// File in which GNU time writes its measurements, beside the folder of the run.
 const MEASURED: &str = "measured";
 
-impl Program {
+impl TestedProgram {
     /// Creates a program at a path.
     ///
     /// # Errors
@@ -50,7 +50,7 @@ impl Program {
     ///
     /// # Errors
     /// Returns an error if the case cannot be run.
-    pub fn run(&self, case: &Case, folder: &Path) -> Result<Ended, String> {
+    pub fn run(&self, case: &HostileCase, folder: &Path) -> Result<RunResult, String> {
         let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
         let inside = folder.join("in");
         let measured = folder.join(MEASURED);
@@ -79,7 +79,7 @@ impl Program {
         let [kibibytes, user, system] = measured_in(&fs::read_to_string(&measured).map_err(failed)?)
             .ok_or("time: does not say how much memory and time was used: GNU time is needed")?;
         let (mebibytes, seconds) = ((kibibytes as u64).div_ceil(1024), user + system);
-        Ok(Ended { code: output.status.code().unwrap_or(-1), said: output.stderr, mebibytes, seconds, left })
+        Ok(RunResult { code: output.status.code().unwrap_or(-1), said: output.stderr, mebibytes, seconds, left })
     }
 }
 

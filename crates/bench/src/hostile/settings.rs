@@ -1,7 +1,7 @@
 //! Parameters of a machine at unusual values.
 
-use super::chance::Chance;
 use super::mutate::ODD_NUMBERS;
+use super::split_mix::SplitMix64;
 use basrelief_parameters::Parameter;
 use basrelief_sim::MachineInfo;
 use serde_json::Value;
@@ -10,51 +10,51 @@ use serde_json::Value;
 const WORDS: [&str; 11] = ["true", "[]", "[1, 2]", "[0]", "\"x\"", "", "{}", "inf", "-inf", "identical", "per_polygon"];
 
 /// Returns a parameter of this machine and a value: mostly within its range, in most cases at its ends.
-pub fn setting(machine: &MachineInfo, chance: &mut Chance) -> (String, String) {
-    let parameter = chance.one(&machine.parameters()).clone();
+pub fn setting(machine: &MachineInfo, random: &mut SplitMix64) -> (String, String) {
+    let parameter = random.one(&machine.parameters()).clone();
     let choices = choices(machine, &parameter.key);
-    let value = if chance.once_in(6) { beyond(&parameter, chance) } else { within(&parameter, &choices, chance) };
+    let value = if random.once_in(6) { beyond(&parameter, random) } else { within(&parameter, &choices, random) };
     (parameter.key, value)
 }
 
 /// Returns a configuration of this machine as TOML: a few settings, one per line. Most files end at the first invalid one.
-pub fn configuration(machine: &MachineInfo, chance: &mut Chance) -> String {
-    let count = *chance.one(&[1, 1, 2, 3, 5]);
-    let lines = (0..count).map(|_| setting(machine, chance));
+pub fn configuration(machine: &MachineInfo, random: &mut SplitMix64) -> String {
+    let count = *random.one(&[1, 1, 2, 3, 5]);
+    let lines = (0..count).map(|_| setting(machine, random));
     lines.map(|(key, value)| format!("{key} = {value}\n")).collect()
 }
 
-fn within(parameter: &Parameter, choices: &[String], chance: &mut Chance) -> String {
+fn within(parameter: &Parameter, choices: &[String], random: &mut SplitMix64) -> String {
     if !choices.is_empty() {
-        return format!("\"{}\"", chance.one(choices));
+        return format!("\"{}\"", random.one(choices));
     }
     let whole = range(parameter).and_then(|[low, high]| Some([low.parse::<u64>().ok()?, high.parse().ok()?]));
     match (&parameter.default, whole, range(parameter)) {
-        (Value::Bool(_), ..) => (*chance.one(&["true", "false"])).to_owned(),
-        (_, Some(ends), _) => whole_number(ends, chance).to_string(),
-        (_, None, Some(ends)) => (*chance.one(&ends)).to_owned(),
+        (Value::Bool(_), ..) => (*random.one(&["true", "false"])).to_owned(),
+        (_, Some(ends), _) => whole_number(ends, random).to_string(),
+        (_, None, Some(ends)) => (*random.one(&ends)).to_owned(),
         _ => parameter.default.to_string(),
     }
 }
 
 /// Returns an end of the range, a neighbour of it, or a power of two within.
-fn whole_number([low, high]: [u64; 2], chance: &mut Chance) -> u64 {
-    match chance.below(6) {
+fn whole_number([low, high]: [u64; 2], random: &mut SplitMix64) -> u64 {
+    match random.below(6) {
         0 => low,
         1 => high,
         2 => low.saturating_add(1).min(high),
         3 => high.saturating_sub(1).max(low),
-        _ => (1 << chance.below(64)).clamp(low, high),
+        _ => (1 << random.below(64)).clamp(low, high),
     }
 }
 
 /// Returns a value just out of the range, far out of it, or of another type.
-fn beyond(parameter: &Parameter, chance: &mut Chance) -> String {
+fn beyond(parameter: &Parameter, random: &mut SplitMix64) -> String {
     let ends = range(parameter).and_then(|[low, high]| Some([low.parse::<i128>().ok()? - 1, high.parse::<i128>().ok()? + 1]));
-    match (chance.below(3), ends) {
-        (0, Some(ends)) => chance.one(&ends).to_string(),
-        (1, _) => (*chance.one(&WORDS)).to_owned(),
-        _ => (*chance.one(&ODD_NUMBERS)).to_owned(),
+    match (random.below(3), ends) {
+        (0, Some(ends)) => random.one(&ends).to_string(),
+        (1, _) => (*random.one(&WORDS)).to_owned(),
+        _ => (*random.one(&ODD_NUMBERS)).to_owned(),
     }
 }
 
@@ -91,9 +91,9 @@ mod tests {
     #[test]
     fn most_settings_are_valid_and_some_are_not() {
         for machine in MACHINES {
-            let mut chance = Chance::of(3, 0, 0);
+            let mut random = SplitMix64::of(3, 0, 0);
             let taken = (0..300).filter(|_| {
-                let (key, value) = setting(machine, &mut chance);
+                let (key, value) = setting(machine, &mut random);
                 assert!(machine.parameters().iter().any(|p| p.key == key), "{key}");
                 let config = machine.load("", &[(&key, &value)]);
                 config.is_ok_and(|config| config.check().is_ok())

@@ -1,12 +1,12 @@
 //! Results of the runs as a table in Markdown.
 
-use super::cases::Kind;
-use super::{Ended, Finding};
+use super::cases::InputKind;
+use super::{RunFault, RunResult};
 use std::fmt::{self, Display, Formatter};
 
 /// One row per kind, and one for all.
 #[derive(Clone, Debug, Default)]
-pub struct Table(Vec<(&'static str, Row)>);
+pub struct RunTable(Vec<(&'static str, Row)>);
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
@@ -21,9 +21,9 @@ struct Row {
     seconds: f64,
 }
 
-impl Table {
+impl RunTable {
     /// Counts a case.
-    pub fn add(&mut self, kind: Kind, run: &Ended, finding: Option<Finding>) {
+    pub fn add(&mut self, kind: InputKind, run: &RunResult, finding: Option<RunFault>) {
         for name in [kind.name(), "all"] {
             let row = self.row(name);
             row.runs += 1;
@@ -31,10 +31,10 @@ impl Table {
                 *count += 1;
             }
             match finding {
-                Some(Finding::Crash) => row.crashes += 1,
-                Some(Finding::Hang) => row.hangs += 1,
-                Some(Finding::Memory) => row.over += 1,
-                Some(Finding::Unequal) => row.unequal += 1,
+                Some(RunFault::Crash) => row.crashes += 1,
+                Some(RunFault::Hang) => row.hangs += 1,
+                Some(RunFault::Memory) => row.over += 1,
+                Some(RunFault::Unequal) => row.unequal += 1,
                 None => {}
             }
             row.mebibytes = row.mebibytes.max(run.mebibytes);
@@ -53,7 +53,7 @@ impl Table {
     }
 }
 
-impl Display for Table {
+impl Display for RunTable {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(
             f,

@@ -4,8 +4,10 @@ use crate::config::{ClockConfig, IdealConfig};
 use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
-use basrelief_deferred_renderer::tokens::{CellFlow, ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round};
-use basrelief_deferred_renderer::{CellConfig, EngineConfig, Lighting, PathConfig, RendererConfig, TileConfig};
+use basrelief_deferred_renderer::tokens::{
+    CellFlow, ExpandedTile, MarkFlow, PassFlow, PassRound, StoreOrder, TileRequest, TileResponse,
+};
+use basrelief_deferred_renderer::{CellConfig, EngineConfig, LightingMode, PathConfig, RendererConfig, TileConfig};
 use basrelief_frame_buffer::{FrameDone, PixelBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
@@ -73,7 +75,7 @@ fifos! {
         /// Geometry processor to server (110): the display list, in its polygon memory (112).
         polygons: Control = 32,
         /// Server (110) to path: polygons and tiles.
-        parcels: Parcel = 4,
+        parcels: TileResponse = 4,
         /// Path to rasterizer: polygons.
         mesh: Control = 16,
         /// Expander to texture-data memory (130): tiles.
@@ -93,11 +95,11 @@ fifos! {
         /// Final rasterization (472) to tile load lists (136): tiles that would improve the picture.
         improvements: MarkFlow = 16,
         /// Tile load lists (136) to server (110): requests.
-        requests: Request = 8,
+        requests: TileRequest = 8,
         /// Tile load lists (136) to texture-data memory (130): fates of tiles.
-        orders: Order = 16,
+        orders: StoreOrder = 16,
         /// Tile load lists (136) to reference buffer (126): start of another round.
-        rounds: Round = 2,
+        rounds: PassRound = 2,
         /// Final rasterization to pixel buffer (124): blocks of pixels.
         pixels: PictureFlow = 16,
         /// Pixel buffer (124) to server (110): the last picture of a frame is shown.
@@ -179,7 +181,7 @@ memories_of!(DeferConfig);
 /// Returns where vertices are lit: only if cells contain brightness.
 fn lit(c: &DeferConfig) -> LightingStage {
     match c.defer.lighting {
-        Lighting::None => LightingStage::Nowhere,
-        Lighting::Gouraud => LightingStage::AtVertices,
+        LightingMode::None => LightingStage::Nowhere,
+        LightingMode::Gouraud => LightingStage::AtVertices,
     }
 }

@@ -10,8 +10,9 @@ use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_deferred_renderer::tokens::EncodedTile;
 use basrelief_deferred_renderer::{
-    CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Leaving, Page, Path, Preview, Rasterization,
-    ReferenceBuffer, Server, Sizes, TextureMemory, TileList, TileLists, TileRecord, TileSource, brightness_range,
+    CellFormat, Cells, DepthPixel, Expander, FilledBuffer, Identification, Path, PicturePreview, PyramidCut, Rasterization,
+    ReferenceBuffer, Server, TableSizes, TextureMemory, TexturePage, TileList, TileLists, TileRecord, TileSource, ViewpointEnds,
+    brightness_range,
 };
 use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
@@ -47,8 +48,8 @@ pub struct DeferredRenderer<F> {
 
 impl DeferConfig {
     /// Returns the colouring of partial pictures.
-    pub fn preview(&self) -> Preview {
-        Preview::new(cell_format(self), self.tile.encoding)
+    pub fn preview(&self) -> PicturePreview {
+        PicturePreview::new(cell_format(self), self.tile.encoding)
     }
 }
 
@@ -74,9 +75,9 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let (mode, engine) = (c.defer.mode, c.engine.clone());
         let cut = cut(config);
         let format = cell_format(config);
-        let (leaving, onlooker) = (Leaving::new(&c.defer, source.user()), source.onlooker());
+        let (leaving, onlooker) = (ViewpointEnds::new(&c.defer, source.user()), source.onlooker());
         let shared = (c.defer.depth_pixel == DepthPixel::Shared).then(|| (c.video_out.clone(), c.clock.hz));
-        let sizes = Sizes::new(&c.cell, cut, &engine);
+        let sizes = TableSizes::new(&c.cell, cut, &engine);
         let cells = Cells::new((engine.clone(), c.operators.clone()), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
         let tile_bytes = 3 * c.tile.width * c.tile.height;
         let widths = SignalWidths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..SignalWidths::default() };
@@ -112,7 +113,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
     }
 
     /// Returns the division of textures into tiles.
-    pub fn cut(&self) -> Cut {
+    pub fn cut(&self) -> PyramidCut {
         cut(&self.config)
     }
 
@@ -143,7 +144,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
     }
 
     /// Returns all pages (132) with their tile load lists (136).
-    pub fn lists(&self) -> impl Iterator<Item = (&Arc<Page>, &TileList)> {
+    pub fn lists(&self) -> impl Iterator<Item = (&Arc<TexturePage>, &TileList)> {
         self.tile_lists.unit.lists()
     }
 }
@@ -152,8 +153,8 @@ fn cell_format(config: &DeferConfig) -> CellFormat {
     CellFormat::new(&config.cell, brightness_range(config.defer.lighting))
 }
 
-fn cut(config: &DeferConfig) -> Cut {
-    Cut { tile: [config.tile.width, config.tile.height], centre: config.defer.texel_centre, most_depth: config.defer.dmax }
+fn cut(config: &DeferConfig) -> PyramidCut {
+    PyramidCut { tile: [config.tile.width, config.tile.height], centre: config.defer.texel_centre, most_depth: config.defer.dmax }
 }
 
 impl<F: FrontEnd> Draws for DeferredRenderer<F> {

@@ -4,7 +4,7 @@ use super::{DeferConfig, DeferredRenderer, RunAhead};
 use crate::front::{FrontConfig, FrontEnd};
 use crate::problem::ConfigProblem;
 use crate::spec::{CostPoints, LoggingMachine, MachineSpec, PictureRecord, RunSummary, TileFetch};
-use basrelief_deferred_renderer::{FilledBuffer, Page, Preview, RenderMode, TileList, TileRecord, TileSource};
+use basrelief_deferred_renderer::{FilledBuffer, PicturePreview, RenderMode, TexturePage, TileList, TileRecord, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::stats::{FigureGroup, FigureValue, UnitStats};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub enum DeferLog {
     /// Tiles acquired for a frame, and tiles of earlier frames that it reused.
     Tiles(Vec<TileRecord>),
     /// Tile load lists (136) of all pages (132) at the end of the run.
-    TileLists(Vec<(Arc<Page>, TileList)>),
+    TileLists(Vec<(Arc<TexturePage>, TileList)>),
 }
 
 impl MachineSpec for DeferConfig {
@@ -54,7 +54,7 @@ impl MachineSpec for DeferConfig {
         })
     }
 
-    fn preview(&self) -> Option<Preview> {
+    fn preview(&self) -> Option<PicturePreview> {
         Some(DeferConfig::preview(self))
     }
 

@@ -5,8 +5,8 @@ use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_figure_shading::{
-    CircuitConfig, CpuConfig, FigureFlow, Finished, Highlights, HostConfig, InterpolationConfig, NormalInterpolationConfig,
-    NormalLoad, Order, ScanConfig, ShadingConfig, ShortCutConfigs,
+    CircuitConfig, CpuConfig, FigureFlow, FinishedPolygon, HostConfig, InterpolationConfig, NormalInterpolationConfig,
+    NormalLoad, RegisterOrder, ScanConfig, ShadingConfig, ShortCutConfigs, SpecularFlow,
 };
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
@@ -86,7 +86,7 @@ fifos! {
         /// Host interface to microcomputer (10): transferred commands.
         transfers: Control = 4,
         /// Microcomputer (10) to registers (14), (16), (18): register values, brightness at the sample points, and all control tokens.
-        figures: Order = 4,
+        figures: RegisterOrder = 4,
         /// Registers to circuit (21): brightness at the sample points, register values, and all control tokens.
         selections: FigureFlow = 4,
         /// Microcomputer (10) to circuit (50): normals at the sample points.
@@ -100,9 +100,9 @@ fifos! {
         /// Circuit (21) to selector (28): dots in brightness-interpolation mode.
         brightness_dots: FigureFlow = 16,
         /// Circuit (50) to gate (51): specular brightness of dots.
-        highlights: Highlights = 64,
+        highlights: SpecularFlow = 64,
         /// Gate (51) to adder (52): specular brightness.
-        gated: Highlights = 16,
+        gated: SpecularFlow = 16,
         /// Adder (52) to selector (53): dots.
         sums: FigureFlow = 16,
         /// Selector (53) to selector (28): dots.
@@ -112,7 +112,7 @@ fifos! {
         /// Depth test to frame memory (300): pixels.
         tested_pixels: Flow<Stamp<Pixel>> = 64,
         /// Selector (28) to host interface: finished polygons.
-        finished: Finished = 2,
+        finished: FinishedPolygon = 2,
         /// Frame memory (300) to video output: finished frames. The depth is the number of frames that may wait for the
         /// display while drawing continues.
         finished_frames: FrameDone = 256,

@@ -11,7 +11,8 @@ use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Op
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_signals::{Control, Draw, Flow, LightingStage, PixelPacket, VertexAttributes};
 use basrelief_texel_value_generator::signals::{
-    GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Points, Quotients, Segment, Span, TexelPacket, TexturePacket,
+    DivisionPoints, GradientPacket, IlluminancePacket, LevelPacket, LineSegment, LitSpan, Quotients, ScanSpan, TexelPacket,
+    TexturePacket,
 };
 use basrelief_texel_value_generator::{
     ApproximationConfig, CombinerConfig, DividerConfig, IlluminanceConfig, IlluminanceMode, LookUpConfig, MipConfig,
@@ -86,13 +87,13 @@ fifos! {
         /// Geometry processor to scan converter: the display list.
         polygons: Control = 32,
         /// Scan converter to step calculator: scan lines of triangles.
-        spans: Flow<Span> = 8,
+        spans: Flow<ScanSpan> = 8,
         /// Scan converter to illuminance value generator (340): scan lines with brightness. Covers the latency of the texture path.
         lit_spans: Flow<LitSpan> = 64,
         /// Step calculator to dividers: points.
-        points: Flow<Points> = 4,
+        points: Flow<DivisionPoints> = 4,
         /// Step calculator to approximate calculator (310a): segments. Covers the latency of the dividers.
-        segments: Flow<Segment> = 8,
+        segments: Flow<LineSegment> = 8,
         /// Dividers to approximate calculator (310a): exact values. The depth is the number of divisions ahead of the interpolation.
         quotients: Flow<Quotients> = 4,
         /// Approximate calculator (310a) to depth test, or to texture look-up table (330) without a depth test: texel coordinates.

@@ -2,7 +2,7 @@
 
 use crate::recipe::{FAST, SMALL, rectangle, texture, textured, views};
 use crate::runs::{Seen, timed};
-use basrelief_deferred_renderer::How;
+use basrelief_deferred_renderer::TileOrigin;
 use basrelief_deferred_renderer::acquisition::TileState;
 use basrelief_signals::{Control, Material, Polygon, WrapMode};
 use std::sync::Arc;
@@ -87,7 +87,7 @@ fn embodiments_4_5_14_and_15_tile_states_go_from_l_to_e() {
 #[test]
 fn embodiments_6_9_16_and_19_tile_is_synthesized_or_loaded() {
     let seen = seen(&views(&[0.0]), &[]);
-    let (loaded, synthesized) = (seen.tiles(0, Some(How::Loaded)), seen.tiles(0, Some(How::Synthesized)));
+    let (loaded, synthesized) = (seen.tiles(0, Some(TileOrigin::Loaded)), seen.tiles(0, Some(TileOrigin::Synthesized)));
     assert!(!loaded.is_empty() && !synthesized.is_empty());
     let all = seen.acquired(0);
     for (page, _) in &seen.lists {

@@ -3,7 +3,7 @@
 use crate::recipe::{FAST, SMALL, display_lists, floor, frame, object, texture, views};
 use crate::runs::{Ran, Seen, Tile, config, timed};
 use basrelief_deferred_renderer::cell::split_depth;
-use basrelief_deferred_renderer::{Cell, How, Page};
+use basrelief_deferred_renderer::{Cell, TexturePage, TileOrigin};
 use basrelief_machines::defer::warnings;
 use basrelief_signals::{Control, Frame, Material, WrapMode};
 use proptest::prelude::*;
@@ -35,13 +35,13 @@ fn wanted(seen: &Seen, frame: usize) -> BTreeSet<Tile> {
     filled.cells.iter().flat_map(of_cell).collect()
 }
 
-fn layers(page: &Page, depth: f32) -> Vec<u8> {
+fn layers(page: &TexturePage, depth: f32) -> Vec<u8> {
     let (coarse, fraction) = split_depth(depth, page.dmax());
     if fraction > 0.0 { vec![coarse, coarse + 1] } else { vec![coarse] }
 }
 
 /// Returns the tiles of all texels with a weight above 0, texel by texel.
-fn read(page: &Page, layer: u8, cell: &Cell) -> Vec<Tile> {
+fn read(page: &TexturePage, layer: u8, cell: &Cell) -> Vec<Tile> {
     let [x, y] = page.taps(layer, page.placed(cell.coordinates, cell.wrap));
     let texels = [[x.first, y.first], [x.second, y.first], [x.first, y.second], [x.second, y.second]];
     texels.map(|texel| (page.texture, page.tile_of(layer, texel))).to_vec()
@@ -78,7 +78,7 @@ fn best_resolution_loads_least_and_conventional_most() {
     assert_eq!(best.seen.count("conventional_tile_bytes"), bytes(&conventional));
     let finest: u32 = [64 * 64, 150 * 40, 37 * 61, 128 * 128, 200 * 200].iter().sum();
     assert_eq!(bytes(&conventional), 3 * u64::from(finest));
-    let loaded = conventional.seen.tiles(0, Some(How::Loaded));
+    let loaded = conventional.seen.tiles(0, Some(TileOrigin::Loaded));
     let page_of = |texture: u32| conventional.seen.lists.iter().map(|l| &l.0).find(|p| p.texture == texture).unwrap();
     assert!(loaded.iter().all(|(t, tile)| page_of(*t).layer_of(*tile) == page_of(*t).dmax()), "all coarser layers are averaged");
 }

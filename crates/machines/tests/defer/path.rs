@@ -4,7 +4,9 @@ use crate::recipe::{FAST, SMALL, views};
 use crate::runs::{Tile, config, replay, timed};
 use basrelief_deferred_renderer::identification::layers_of;
 use basrelief_deferred_renderer::server::place_of;
-use basrelief_deferred_renderer::{Cell, Cut, FilledBuffer, How, Page, TextureMemory, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{
+    Cell, FilledBuffer, PyramidCut, TextureMemory, TexturePage, TileEncoding, TileOrigin, TileSource,
+};
 use basrelief_kernel::{Engine, Outcome, run, run_functional};
 use basrelief_machines::Draws;
 use basrelief_machines::defer::DeferredRenderer;
@@ -46,7 +48,7 @@ fn transferred_bytes_equal_counted_bytes() {
     assert_eq!(seen.count("path_command_bytes"), 2 * 4 * (21 + 5 + 2 * 13), "a frame with a light, and two objects: in both");
     assert_eq!(seen.count("path_texture_size_bytes"), 8 * 5);
     let texels = |frame: usize| -> u64 {
-        let loaded = seen.tiles[frame].iter().filter(|r| r.acquired == Some(How::Loaded));
+        let loaded = seen.tiles[frame].iter().filter(|r| r.acquired == Some(TileOrigin::Loaded));
         loaded.map(|r| r.page.texels_of(r.tile)).map(|(a, b)| u64::from((b[0] - a[0]) * (b[1] - a[1]))).sum()
     };
     assert_eq!(seen.count("path_tile_bytes"), 3 * (texels(0) + texels(1)));
@@ -61,7 +63,7 @@ fn response_has_one_head_and_tiles_of_one_acquisition() {
     let (none, one, some, all) = (heads("1", "0"), heads("1", "100"), heads("3", "100"), heads("64", "100"));
     assert_eq!(one.count("path_head_bytes"), 100 * one.count("tiles_loaded"), "each tile by itself");
     let mut pictures = BTreeMap::<u32, u64>::new();
-    for record in all.tiles[0].iter().filter(|record| matches!(record.acquired, Some(How::Loaded))) {
+    for record in all.tiles[0].iter().filter(|record| matches!(record.acquired, Some(TileOrigin::Loaded))) {
         *pictures.entry(record.page.texture).or_default() += 1;
     }
     assert_eq!(all.count("path_head_bytes"), 100 * pictures.len() as u64, "one acquisition: an answer for each picture");
@@ -84,7 +86,7 @@ impl TileSource for Damaged {
         self.good.offer(texture);
     }
 
-    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+    fn tile(&mut self, page: &Arc<TexturePage>, tile: u32) -> Result<Arc<[u8]>, String> {
         let bytes = self.good.tile(page, tile)?;
         if self.left > 0 {
             self.left -= 1;
@@ -93,7 +95,7 @@ impl TileSource for Damaged {
         if self.lost { Err(format!("{}: the server is gone", place_of(page, tile))) } else { Ok(bytes[..bytes.len() / 2].into()) }
     }
 
-    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: PyramidCut) -> Option<u64> {
         self.good.finest_bytes(texture, cut)
     }
 }
@@ -159,16 +161,16 @@ impl TileSource for Recording {
         self.good.offer(texture);
     }
 
-    fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
+    fn announce(&mut self, tiles: &[(Arc<TexturePage>, u32)]) {
         self.announced.borrow_mut().extend(tiles.iter().map(|(page, tile)| (page.texture, *tile)));
     }
 
-    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+    fn tile(&mut self, page: &Arc<TexturePage>, tile: u32) -> Result<Arc<[u8]>, String> {
         self.asked.borrow_mut().push((page.texture, tile));
         self.good.tile(page, tile)
     }
 
-    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: PyramidCut) -> Option<u64> {
         self.good.finest_bytes(texture, cut)
     }
 }

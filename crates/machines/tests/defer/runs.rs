@@ -2,7 +2,7 @@
 
 use crate::common;
 pub use crate::common::replay;
-use basrelief_deferred_renderer::{FilledBuffer, How, Page, TileList, TileRecord};
+use basrelief_deferred_renderer::{FilledBuffer, TexturePage, TileList, TileOrigin, TileRecord};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, RunReport, run_functional, run_with};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd};
@@ -21,7 +21,7 @@ pub struct Seen {
     pub filled: Vec<FilledBuffer>,
     /// Fates of tiles, by frame.
     pub tiles: Vec<Vec<TileRecord>>,
-    pub lists: Vec<(Arc<Page>, TileList)>,
+    pub lists: Vec<(Arc<TexturePage>, TileList)>,
     pub facts: UnitStats,
 }
 
@@ -40,14 +40,14 @@ impl Seen {
     }
 
     /// Returns the tiles of a frame that were acquired in this way; with `None`, the tiles that were reused.
-    pub fn tiles(&self, frame: usize, how: Option<How>) -> BTreeSet<Tile> {
+    pub fn tiles(&self, frame: usize, how: Option<TileOrigin>) -> BTreeSet<Tile> {
         let tiles = self.tiles[frame].iter().filter(|r| r.acquired == how);
         tiles.map(|r| (r.page.texture, r.tile)).collect()
     }
 
     /// Returns all tiles acquired for a frame.
     pub fn acquired(&self, frame: usize) -> BTreeSet<Tile> {
-        &self.tiles(frame, Some(How::Loaded)) | &self.tiles(frame, Some(How::Synthesized))
+        &self.tiles(frame, Some(TileOrigin::Loaded)) | &self.tiles(frame, Some(TileOrigin::Synthesized))
     }
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// Continuation of a picture beyond its rim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Rim {
+pub(crate) enum RimMode {
     /// The rim pixel is repeated.
     Extended,
     /// The picture is mirrored, including the rim pixel.
@@ -13,12 +13,12 @@ pub(crate) enum Rim {
 
 /// Part of a picture on which filters are computed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Window {
+pub(crate) struct FilterWindow {
     pub columns: Range<usize>,
     pub rows: Range<usize>,
 }
 
-impl Window {
+impl FilterWindow {
     pub fn width(&self) -> usize {
         self.columns.len()
     }
@@ -37,15 +37,15 @@ pub(crate) const STRIP_ROWS: usize = 64;
 
 /// Rows of a strip, and the rows that its filters reach.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Strip {
+pub(crate) struct RowStrip {
     pub rows: Range<usize>,
     pub reached: Range<usize>,
 }
 
-impl Strip {
+impl RowStrip {
     /// Divides a window into strips of about this many pixels. A filter of this radius has the same result in a strip as in the
     /// whole window: the strip's rim is the window's, or lies beyond the reach of the filter.
-    pub fn all(pixels: usize, window: &Window, radius: usize) -> Vec<Self> {
+    pub fn all(pixels: usize, window: &FilterWindow, radius: usize) -> Vec<Self> {
         if window.pixels() == 0 {
             return Vec::new();
         }
@@ -61,9 +61,9 @@ impl Strip {
 
 /// Weights at -radius..=radius.
 #[derive(Clone, Debug)]
-pub(crate) struct Kernel(pub Vec<f64>);
+pub(crate) struct FilterKernel(pub Vec<f64>);
 
-impl Kernel {
+impl FilterKernel {
     /// Creates weights `f(-radius) ..= f(radius)`.
     pub fn new(radius: usize, f: impl Fn(f64) -> f64) -> Self {
         let radius = radius as i32;
@@ -107,9 +107,9 @@ impl Kernel {
 /// Last rows of a plane, filtered across: as many as a filter down the plane reads. Some twenty whole planes would come from
 /// memory in every pass, and from the operating system for every picture: two threads lost two fifths of their time there.
 #[derive(Clone, Debug)]
-pub(crate) struct Rows<'a> {
-    across: &'a Kernel,
-    rim: Rim,
+pub(crate) struct FilteredRows<'a> {
+    across: &'a FilterKernel,
+    rim: RimMode,
     width: usize,
     height: usize,
     /// Ring buffer of rows.
@@ -118,10 +118,10 @@ pub(crate) struct Rows<'a> {
     padded: Vec<f64>,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> FilteredRows<'a> {
     /// Creates a buffer for a plane of this width and height. Rows are received up to a radius ahead of the row that is filtered
     /// down.
-    pub fn new(across: &'a Kernel, radius: usize, (width, height): (usize, usize), rim: Rim) -> Self {
+    pub fn new(across: &'a FilterKernel, radius: usize, (width, height): (usize, usize), rim: RimMode) -> Self {
         let held = height.min(2 * radius + 1);
         Self { across, rim, width, height, values: vec![0.0; held * width], padded: vec![0.0; width + 2 * across.radius()] }
     }
@@ -145,7 +145,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Returns a row of the plane, filtered both across and down.
-    pub fn down(&self, row: usize, kernel: &Kernel, out: &mut [f64]) {
+    pub fn down(&self, row: usize, kernel: &FilterKernel, out: &mut [f64]) {
         out.fill(0.0);
         kernel.add_taps(out, |k| {
             let from = self.rim.inside((row + k) as isize - kernel.radius() as isize, self.height);
@@ -160,12 +160,12 @@ pub(crate) fn due(taken: &mut usize, last: usize, height: usize) -> Range<usize>
     std::mem::replace(taken, until)..until
 }
 
-impl Rim {
+impl RimMode {
     fn inside(self, at: isize, size: usize) -> usize {
         let size = size as isize;
         let inside = match self {
-            Rim::Extended => at.clamp(0, size - 1),
-            Rim::Mirrored => {
+            RimMode::Extended => at.clamp(0, size - 1),
+            RimMode::Mirrored => {
                 let folded = at.rem_euclid(2 * size);
                 if folded < size { folded } else { 2 * size - 1 - folded }
             }
@@ -179,11 +179,11 @@ mod tests {
     use super::*;
 
     /// Returns a plane filtered across and down. Without kernels it is unchanged.
-    fn filtered(plane: &[f64], width: usize, kernels: [Option<&Kernel>; 2], rim: Rim) -> Vec<f64> {
-        let same = Kernel(vec![1.0]);
+    fn filtered(plane: &[f64], width: usize, kernels: [Option<&FilterKernel>; 2], rim: RimMode) -> Vec<f64> {
+        let same = FilterKernel(vec![1.0]);
         let [across, down] = kernels.map(|kernel| kernel.unwrap_or(&same));
         let (height, radius) = (plane.len() / width, down.radius());
-        let mut rows = Rows::new(across, radius, (width, height), rim);
+        let mut rows = FilteredRows::new(across, radius, (width, height), rim);
         let mut result = vec![0.0; plane.len()];
         let mut taken = 0;
         for (row, out) in result.chunks_exact_mut(width).enumerate() {
@@ -197,27 +197,30 @@ mod tests {
 
     #[test]
     fn kernel_normalises_positive_and_negative_weights() {
-        let kernel = Kernel::new(2, |x| -x).normalised();
+        let kernel = FilterKernel::new(2, |x| -x).normalised();
         assert_eq!(kernel.0, [2.0 / 3.0, 1.0 / 3.0, 0.0, -1.0 / 3.0, -2.0 / 3.0]);
     }
 
     #[test]
     fn rims_extend_or_mirror() {
-        let kernel = Kernel(vec![1.0, 0.0, 0.0, 0.0, 0.0]);
+        let kernel = FilterKernel(vec![1.0, 0.0, 0.0, 0.0, 0.0]);
         let row = [1.0, 2.0, 3.0, 4.0];
-        assert_eq!(filtered(&row, 4, [Some(&kernel), None], Rim::Extended), [1.0, 1.0, 1.0, 2.0]);
-        assert_eq!(filtered(&row, 4, [Some(&kernel), None], Rim::Mirrored), [2.0, 1.0, 1.0, 2.0]);
-        assert_eq!(filtered(&row, 1, [None, Some(&kernel)], Rim::Extended), [1.0, 1.0, 1.0, 2.0]);
-        assert_eq!(filtered(&row, 1, [None, Some(&kernel)], Rim::Mirrored), [2.0, 1.0, 1.0, 2.0]);
-        assert_eq!(filtered(&[5.0, 6.0], 2, [None, Some(&kernel)], Rim::Mirrored), [5.0, 6.0]);
+        assert_eq!(filtered(&row, 4, [Some(&kernel), None], RimMode::Extended), [1.0, 1.0, 1.0, 2.0]);
+        assert_eq!(filtered(&row, 4, [Some(&kernel), None], RimMode::Mirrored), [2.0, 1.0, 1.0, 2.0]);
+        assert_eq!(filtered(&row, 1, [None, Some(&kernel)], RimMode::Extended), [1.0, 1.0, 1.0, 2.0]);
+        assert_eq!(filtered(&row, 1, [None, Some(&kernel)], RimMode::Mirrored), [2.0, 1.0, 1.0, 2.0]);
+        assert_eq!(filtered(&[5.0, 6.0], 2, [None, Some(&kernel)], RimMode::Mirrored), [5.0, 6.0]);
     }
 
     #[test]
     fn plane_may_have_more_rows_than_buffer() {
         let plane: Vec<f64> = (0..9).map(f64::from).collect();
-        let two_up = Kernel(vec![1.0, 0.0, 0.0, 0.0, 0.0]);
-        let two_down = Kernel(vec![0.0, 0.0, 0.0, 0.0, 1.0]);
-        assert_eq!(filtered(&plane, 1, [None, Some(&two_up)], Rim::Extended), [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-        assert_eq!(filtered(&plane, 1, [None, Some(&two_down)], Rim::Mirrored), [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.0, 7.0]);
+        let two_up = FilterKernel(vec![1.0, 0.0, 0.0, 0.0, 0.0]);
+        let two_down = FilterKernel(vec![0.0, 0.0, 0.0, 0.0, 1.0]);
+        assert_eq!(filtered(&plane, 1, [None, Some(&two_up)], RimMode::Extended), [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(
+            filtered(&plane, 1, [None, Some(&two_down)], RimMode::Mirrored),
+            [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.0, 7.0]
+        );
     }
 }

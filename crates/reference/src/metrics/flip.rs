@@ -4,7 +4,7 @@
 //! Alternating Images. Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020. Section numbers below are those of the paper. The
 //! spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps instead of 441.
 
-use super::filter::{Kernel, Rim, Rows, Strip, Window, due};
+use super::filter::{FilterKernel, FilterWindow, FilteredRows, RimMode, RowStrip, due};
 use super::{SizeMismatch, covered, covered_in, mean, same_size, strip_pixels};
 use crate::Picture;
 use std::f64::consts::PI;
@@ -47,13 +47,13 @@ pub fn flip(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
 }
 
 /// Computes the error in strips of about this many pixels.
-fn flip_by(exact: &Picture, other: &Picture, window: &Window, strip_pixels: usize) -> f64 {
-    let planes = Planes::new();
+fn flip_by(exact: &Picture, other: &Picture, window: &FilterWindow, strip_pixels: usize) -> f64 {
+    let planes = FlipFilters::new();
     let largest = largest_color_difference();
     let picture_width = exact.width as usize;
-    mean(&Strip::all(strip_pixels, window, COLOR_RADIUS), 0.0, |strip| {
-        let part = Window { columns: window.columns.clone(), rows: strip.reached.clone() };
-        let mut eyes = [exact, other].map(|picture| Eye::new(&planes, picture, &part));
+    mean(&RowStrip::all(strip_pixels, window, COLOR_RADIUS), 0.0, |strip| {
+        let part = FilterWindow { columns: window.columns.clone(), rows: strip.reached.clone() };
+        let mut eyes = [exact, other].map(|picture| VisionRow::new(&planes, picture, &part));
         let mut errors = Vec::with_capacity(strip.rows.len() * part.width());
         for row in strip.rows.clone() {
             eyes.iter_mut().for_each(|eye| eye.look_at(row - part.rows.start));
@@ -69,7 +69,7 @@ fn flip_by(exact: &Picture, other: &Picture, window: &Window, strip_pixels: usiz
 }
 
 /// Returns the covered pixels and the pixels in reach of their filters.
-fn reach(exact: &Picture, other: &Picture) -> Option<Window> {
+fn reach(exact: &Picture, other: &Picture) -> Option<FilterWindow> {
     let (width, height) = (exact.width as usize, exact.height as usize);
     let mut pixels = covered(exact, other).map(|i| (i % width, i / width));
     let (x, y) = pixels.next()?;
@@ -77,20 +77,20 @@ fn reach(exact: &Picture, other: &Picture) -> Option<Window> {
     let (columns, rows) = pixels.fold(((x, x), (y, y)), |(columns, rows), (x, y)| (grow(columns, x), grow(rows, y)));
     let reached =
         |(low, high): (usize, usize), size: usize| low.saturating_sub(COLOR_RADIUS)..(high + COLOR_RADIUS + 1).min(size);
-    Some(Window { columns: reached(columns, width), rows: reached(rows, height) })
+    Some(FilterWindow { columns: reached(columns, width), rows: reached(rows, height) })
 }
 
 /// Vision model of a row: filtered colour, and strength of edges and points in its luminance. It moves down the picture.
-struct Eye<'a> {
-    planes: &'a Planes,
+struct VisionRow<'a> {
+    planes: &'a FlipFilters,
     picture: &'a Picture,
-    window: &'a Window,
+    window: &'a FilterWindow,
     /// Rows received so far.
     taken: usize,
     /// Luminance, red-green and blue-yellow (the latter twice).
-    opponents: [Rows<'a>; 4],
+    opponents: [FilteredRows<'a>; 4],
     /// Lightness: smooth, its slope, its bend.
-    features: [Rows<'a>; 3],
+    features: [FilteredRows<'a>; 3],
     /// Filtered luminance and the two chrominances (YCxCz).
     color: [Vec<f64>; 3],
     edges: [Vec<f64>; 2],
@@ -99,11 +99,11 @@ struct Eye<'a> {
     rest: Vec<f64>,
 }
 
-impl<'a> Eye<'a> {
-    fn new(planes: &'a Planes, picture: &'a Picture, window: &'a Window) -> Self {
+impl<'a> VisionRow<'a> {
+    fn new(planes: &'a FlipFilters, picture: &'a Picture, window: &'a FilterWindow) -> Self {
         let size = (window.width(), window.rows.len());
         // The features' kernels have a smaller radius, but their rows are received with the others.
-        let rows = |across: &'a Kernel| Rows::new(across, COLOR_RADIUS, size, Rim::Extended);
+        let rows = |across: &'a FilterKernel| FilteredRows::new(across, COLOR_RADIUS, size, RimMode::Extended);
         let [(_, first), (_, second)] = &planes.blue_yellow;
         let row = || vec![0.0; window.width()];
         Self {
@@ -126,7 +126,7 @@ impl<'a> Eye<'a> {
         for due in due(&mut self.taken, row + COLOR_RADIUS, height) {
             self.take(due);
         }
-        let Planes { luminance, red_green, blue_yellow: [(a, first), (b, second)], smooth, slope, bend, .. } = self.planes;
+        let FlipFilters { luminance, red_green, blue_yellow: [(a, first), (b, second)], smooth, slope, bend, .. } = self.planes;
         let [y, cx, cz, rest] = &self.opponents;
         y.down(row, luminance, &mut self.color[0]);
         cx.down(row, red_green, &mut self.color[1]);
@@ -169,22 +169,22 @@ impl<'a> Eye<'a> {
 }
 
 /// Filters, built once per comparison.
-struct Planes {
+struct FlipFilters {
     linear: Vec<f64>,
     /// Gaussians of the contrast sensitivity of luminance, red-green, and (two, with their weights) blue-yellow.
-    luminance: Kernel,
-    red_green: Kernel,
-    blue_yellow: [(f64, Kernel); 2],
-    smooth: Kernel,
-    slope: Kernel,
-    bend: Kernel,
+    luminance: FilterKernel,
+    red_green: FilterKernel,
+    blue_yellow: [(f64, FilterKernel); 2],
+    smooth: FilterKernel,
+    slope: FilterKernel,
+    bend: FilterKernel,
 }
 
-impl Planes {
+impl FlipFilters {
     fn new() -> Self {
         let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
         let gauss = |x: f64| libm::exp(-x * x / (2.0 * deviation * deviation));
-        let feature = |f: &dyn Fn(f64) -> f64| Kernel::new(FEATURE_RADIUS, f).normalised();
+        let feature = |f: &dyn Fn(f64) -> f64| FilterKernel::new(FEATURE_RADIUS, f).normalised();
         Self {
             linear: (0..=255u8).map(|value| linear(f64::from(value) / 255.0)).collect(),
             luminance: sensitivity(0.0047).normalised(),
@@ -198,13 +198,13 @@ impl Planes {
 }
 
 /// Returns one Gaussian of a contrast sensitivity function, in pixels: exp(-pi^2 d^2 / b) at d degrees (4.1.1).
-fn sensitivity(b: f64) -> Kernel {
-    Kernel::new(COLOR_RADIUS, |x| libm::exp(-(PI * x / PIXELS_PER_DEGREE) * (PI * x / PIXELS_PER_DEGREE) / b))
+fn sensitivity(b: f64) -> FilterKernel {
+    FilterKernel::new(COLOR_RADIUS, |x| libm::exp(-(PI * x / PIXELS_PER_DEGREE) * (PI * x / PIXELS_PER_DEGREE) / b))
 }
 
 /// Returns the parts of blue-yellow: the sum of two Gaussians a * sqrt(pi / b) * exp(..), which sums to 1. Each is normalised by
 /// itself and keeps its share.
-fn blue_yellow() -> [(f64, Kernel); 2] {
+fn blue_yellow() -> [(f64, FilterKernel); 2] {
     let parts = [(34.1, 0.04), (13.5, 0.025)].map(|(a, b)| {
         let kernel = sensitivity(b);
         let sum: f64 = kernel.0.iter().sum();
@@ -215,7 +215,7 @@ fn blue_yellow() -> [(f64, Kernel); 2] {
 }
 
 /// Returns the difference of edges or of points, the larger of the two, 0..=1 (4.2).
-fn feature_difference(left: &Eye<'_>, right: &Eye<'_>, at: usize) -> f64 {
+fn feature_difference(left: &VisionRow<'_>, right: &VisionRow<'_>, at: usize) -> f64 {
     let strength = |pair: &[Vec<f64>; 2]| (pair[0][at] * pair[0][at] + pair[1][at] * pair[1][at]).sqrt();
     let edges = (strength(&left.edges) - strength(&right.edges)).abs();
     let points = (strength(&left.points) - strength(&right.points)).abs();

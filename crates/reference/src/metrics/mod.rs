@@ -14,7 +14,7 @@ pub use ssim::ssim;
 
 use crate::Picture;
 use basrelief_threads as threads;
-use filter::{STRIP_PIXELS, STRIP_ROWS, Strip, Window};
+use filter::{FilterWindow, RowStrip, STRIP_PIXELS, STRIP_ROWS};
 use std::ops::Range;
 
 /// PSNR of identical pictures \[dB\], and the largest reported value.
@@ -143,7 +143,7 @@ fn covered_in<'a>(exact: &'a Picture, other: &'a Picture, rows: Range<usize>) ->
 /// Returns the mean of a map over the pixels covered in either picture, or `empty` if no pixel is. `values` returns the covered
 /// pixels of the map in a strip. Strips are computed in parallel and added in order: the sum is identical to the bit to a
 /// sequential one.
-fn mean(strips: &[Strip], empty: f64, values: impl Fn(&Strip) -> Vec<f64> + Sync) -> f64 {
+fn mean(strips: &[RowStrip], empty: f64, values: impl Fn(&RowStrip) -> Vec<f64> + Sync) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     // As many strips at a time as there are workers, so that the planes of the others are not in memory.
     for together in strips.chunks(threads::workers()) {
@@ -157,7 +157,7 @@ fn mean(strips: &[Strip], empty: f64, values: impl Fn(&Strip) -> Vec<f64> + Sync
 
 /// Returns the pixels of a strip. All strips computed in parallel have about [`STRIP_PIXELS`] together, at most. A small picture
 /// has one strip per worker, of at least [`STRIP_ROWS`] rows.
-fn strip_pixels(window: &Window) -> usize {
+fn strip_pixels(window: &FilterWindow) -> usize {
     let shared = window.pixels().min(STRIP_PIXELS).div_ceil(threads::workers());
     shared.max(STRIP_ROWS * window.width())
 }

@@ -1,6 +1,6 @@
 //! Structural similarity.
 
-use super::filter::{Kernel, Rim, Rows, Strip, Window, due};
+use super::filter::{FilterKernel, FilterWindow, FilteredRows, RimMode, RowStrip, due};
 use super::{SizeMismatch, covered_in, mean, same_size, strip_pixels};
 use crate::Picture;
 
@@ -17,15 +17,15 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 /// Returns an error if the pictures differ in size.
 pub fn ssim(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
-    let whole = Window { columns: 0..exact.width as usize, rows: 0..exact.height as usize };
+    let whole = FilterWindow { columns: 0..exact.width as usize, rows: 0..exact.height as usize };
     Ok(ssim_by(exact, other, &whole, strip_pixels(&whole)))
 }
 
 /// Computes the similarity in strips of about this many pixels.
-fn ssim_by(exact: &Picture, other: &Picture, whole: &Window, strip_pixels: usize) -> f64 {
-    let kernel = Kernel::new(RADIUS, |d| libm::exp(-d * d / (2.0 * SIGMA * SIGMA))).normalised();
-    mean(&Strip::all(strip_pixels, whole, RADIUS), 1.0, |strip| {
-        let mut moments = Moments::new(&kernel, (whole.width(), strip.reached.len()));
+fn ssim_by(exact: &Picture, other: &Picture, whole: &FilterWindow, strip_pixels: usize) -> f64 {
+    let kernel = FilterKernel::new(RADIUS, |d| libm::exp(-d * d / (2.0 * SIGMA * SIGMA))).normalised();
+    mean(&RowStrip::all(strip_pixels, whole, RADIUS), 1.0, |strip| {
+        let mut moments = LumaMoments::new(&kernel, (whole.width(), strip.reached.len()));
         let mut similarities = Vec::with_capacity(strip.rows.len() * whole.width());
         let mut taken = 0;
         for row in strip.rows.clone() {
@@ -43,15 +43,15 @@ fn ssim_by(exact: &Picture, other: &Picture, whole: &Window, strip_pixels: usize
 }
 
 /// Blurred luma of both pictures, and of its products, for one row.
-struct Moments<'a> {
+struct LumaMoments<'a> {
     /// Luma of both, its squares, and its product.
-    rows: [Rows<'a>; 5],
+    rows: [FilteredRows<'a>; 5],
     blurred: [Vec<f64>; 5],
 }
 
-impl<'a> Moments<'a> {
-    fn new(kernel: &'a Kernel, size: (usize, usize)) -> Self {
-        let rows = || Rows::new(kernel, RADIUS, size, Rim::Mirrored);
+impl<'a> LumaMoments<'a> {
+    fn new(kernel: &'a FilterKernel, size: (usize, usize)) -> Self {
+        let rows = || FilteredRows::new(kernel, RADIUS, size, RimMode::Mirrored);
         Self { rows: [(); 5].map(|()| rows()), blurred: [(); 5].map(|()| vec![0.0; size.0]) }
     }
 
@@ -63,7 +63,7 @@ impl<'a> Moments<'a> {
     }
 
     /// Moves to a row.
-    fn down(&mut self, row: usize, kernel: &Kernel) {
+    fn down(&mut self, row: usize, kernel: &FilterKernel) {
         self.rows.iter().zip(&mut self.blurred).for_each(|(rows, blurred)| rows.down(row, kernel, blurred));
     }
 
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn strips_match_whole_picture() {
         let (exact, other) = (noise(23, 41, 1), noise(23, 41, 2));
-        let window = Window { columns: 0..23, rows: 0..41 };
+        let window = FilterWindow { columns: 0..23, rows: 0..41 };
         let whole = ssim_by(&exact, &other, &window, usize::MAX);
         for pixels in [1, 23 * 6, 23 * 30] {
             assert_eq!(ssim_by(&exact, &other, &window, pixels).to_bits(), whole.to_bits(), "{pixels}");

@@ -158,14 +158,6 @@ pub fn polygons(object: &Object, frame: &Frame) -> (ObjectInfo, Vec<Polygon>) {
         (b[0] - a[0]) * (c[1] - a[1]) < (c[0] - a[0]) * (b[1] - a[1])
     };
     let centre = basrelief_reference::object_centre(object);
-    let info = ObjectInfo {
-        id: object.id,
-        name: String::new(),
-        centre,
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    };
+    let info = ObjectInfo { id: object.id, centre, ..ObjectInfo::default() };
     (info, mesh.indices.chunks_exact(3).map(polygon).filter(front).collect())
 }

@@ -1,6 +1,6 @@
 //! Traversal of a polygon, triangle by triangle of its fan.
 
-use super::{Edges, Raster, Triangle, Walk, doubled_grid_area, snap};
+use super::{RasterGrid, RasterTriangle, TriangleEdges, TriangleWalk, doubled_grid_area, snap};
 use crate::fan_triangle;
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
@@ -12,14 +12,14 @@ pub fn fan_triangles(polygon: &Polygon) -> u16 {
 
 /// Winding of a polygon on the sub-pixel grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Winding {
+pub(super) struct PolygonWinding {
     /// +-1, or 0 for a polygon without area.
     sign: i64,
     /// True if triangles of its fan overlap.
     pub(super) folded: bool,
 }
 
-impl Winding {
+impl PolygonWinding {
     pub(super) fn of(polygon: &Polygon, bits: u32) -> Self {
         let area = |t| fan_triangle(polygon, t).map_or(0, |v| doubled_grid_area(v.map(|v| snap(v, bits))));
         let (positive, negative) = (0..fan_triangles(polygon)).map(area).fold((0i64, 0i64), |(p, n), a| {
@@ -30,15 +30,15 @@ impl Winding {
     }
 
     /// Returns the first triangle of the fan, from number `from` on, that has pixels.
-    pub(super) fn triangle(self, polygon: &Polygon, from: u16, raster: Raster) -> Option<Triangle> {
-        (from..fan_triangles(polygon)).find_map(|t| Triangle::new(fan_triangle(polygon, t)?, t, self.sign, raster))
+    pub(super) fn triangle(self, polygon: &Polygon, from: u16, raster: RasterGrid) -> Option<RasterTriangle> {
+        (from..fan_triangles(polygon)).find_map(|t| RasterTriangle::new(fan_triangle(polygon, t)?, t, self.sign, raster))
     }
 
     /// Returns true if a pixel of a folded polygon belongs to `triangle`. Triangles of such a fan overlap. A pixel is inside if
     /// more triangles wind with the polygon than against it, and it belongs to the first that winds with the polygon.
     pub(super) fn gives(self, polygon: &Polygon, bits: u32, triangle: u16, [x, y]: [i32; 2]) -> bool {
         let covers = |t, sign| {
-            let edges = fan_triangle(polygon, t).and_then(|v| Edges::new(v.map(|v| snap(v, bits)), sign, bits));
+            let edges = fan_triangle(polygon, t).and_then(|v| TriangleEdges::new(v.map(|v| snap(v, bits)), sign, bits));
             edges.is_some_and(|e| e.covers(x, y))
         };
         let with = |t: &u16| covers(*t, self.sign);
@@ -55,22 +55,22 @@ impl Winding {
 /// neither share nor miss a pixel of it, even if snapping to the sub-pixel grid has made one slightly concave. The winding of a
 /// polygon is that of its snapped outline. A polygon without area has no pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Scan {
-    raster: Raster,
-    winding: Winding,
+pub struct PolygonScan {
+    raster: RasterGrid,
+    winding: PolygonWinding,
     /// Number of the next triangle of the fan.
     next_triangle: u16,
     /// Traversal of the current triangle, which stands on the current pixel.
-    pub walk: Walk,
+    pub walk: TriangleWalk,
 }
 
-impl Scan {
+impl PolygonScan {
     /// Creates a traversal that stands in front of the first pixel of `polygon`.
-    pub fn new(polygon: &Polygon, raster: Raster) -> Self {
-        Self { raster, winding: Winding::of(polygon, raster.bits), next_triangle: 0, walk: Walk::default() }
+    pub fn new(polygon: &Polygon, raster: RasterGrid) -> Self {
+        Self { raster, winding: PolygonWinding::of(polygon, raster.bits), next_triangle: 0, walk: TriangleWalk::default() }
     }
 
-    /// Advances to the next pixel of `polygon`, the polygon passed to [`Scan::new`]. Returns false past the last pixel.
+    /// Advances to the next pixel of `polygon`, the polygon passed to [`PolygonScan::new`]. Returns false past the last pixel.
     #[inline]
     pub fn advance(&mut self, polygon: &Polygon) -> bool {
         loop {
@@ -95,7 +95,7 @@ impl Scan {
     fn enter_triangle(&mut self, polygon: &Polygon) -> bool {
         let Some(triangle) = self.winding.triangle(polygon, self.next_triangle, self.raster) else { return false };
         self.next_triangle = triangle.number() + 1;
-        self.walk = Walk::new(triangle, self.raster);
+        self.walk = TriangleWalk::new(triangle, self.raster);
         true
     }
 
@@ -112,7 +112,7 @@ mod tests {
     use std::sync::Arc;
 
     fn visited(polygon: &Polygon, block: u32, columns: bool) -> Vec<(u16, [i32; 2])> {
-        let mut scan = Scan::new(polygon, Raster { columns, ..Raster::new([60, 40], 8, 24, block) });
+        let mut scan = PolygonScan::new(polygon, RasterGrid { columns, ..RasterGrid::new([60, 40], 8, 24, block) });
         std::iter::from_fn(|| scan.advance(polygon).then(|| (scan.triangle(), scan.walk.pixel()))).collect()
     }
 

@@ -1,18 +1,18 @@
 //! Traversal of a polygon scan line by scan line, one span at a time.
 
-use super::polygon::Winding;
-use super::{MAX_BLOCK, Raster, Triangle};
+use super::polygon::PolygonWinding;
+use super::{MAX_BLOCK, RasterGrid, RasterTriangle};
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
 
 /// Spans of a polygon. A span is a run of pixels on a scan line that belong to one triangle of the fan. The spans cover the
-/// pixels that [`Scan`](super::Scan) visits, triangle by triangle, top to bottom and left to right.
+/// pixels that [`PolygonScan`](super::PolygonScan) visits, triangle by triangle, top to bottom and left to right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Spans {
-    raster: Raster,
-    winding: Winding,
+pub struct PolygonSpans {
+    raster: RasterGrid,
+    winding: PolygonWinding,
     /// Triangle being scanned.
-    pub triangle: Triangle,
+    pub triangle: RasterTriangle,
     /// Number of the next triangle of the fan.
     next_triangle: u16,
     /// Spans of the rows from `top` on.
@@ -24,13 +24,13 @@ pub struct Spans {
     left: [i32; 2],
 }
 
-impl Spans {
+impl PolygonSpans {
     /// Creates a traversal that stands in front of the first span of `polygon`.
-    pub fn new(polygon: &Polygon, raster: Raster) -> Self {
-        Self { raster, winding: Winding::of(polygon, raster.bits), ..Self::default() }
+    pub fn new(polygon: &Polygon, raster: RasterGrid) -> Self {
+        Self { raster, winding: PolygonWinding::of(polygon, raster.bits), ..Self::default() }
     }
 
-    /// Returns row, first and last column of the next span of `polygon`, the polygon passed to [`Spans::new`].
+    /// Returns row, first and last column of the next span of `polygon`, the polygon passed to [`PolygonSpans::new`].
     pub fn next(&mut self, polygon: &Polygon) -> Option<[i32; 3]> {
         loop {
             if self.left[0] < self.left[1] {
@@ -83,7 +83,7 @@ impl Spans {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scan;
+    use crate::PolygonScan;
     use basrelief_signals::Vertex;
     use proptest::prelude::*;
     use std::sync::Arc;
@@ -95,8 +95,8 @@ mod tests {
         ) {
             let vertices = corners.iter().map(|&[x, y]| Vertex { position: [x, y, 0.5, 1.0], ..Vertex::default() }).collect();
             let polygon = Polygon { vertices, material: Arc::default(), object: 0, lod: 0, bump: false, arrival: 0 };
-            let raster = Raster::new([60, 40], 8, 24, 1);
-            let (mut scan, mut spans) = (Scan::new(&polygon, raster), Spans::new(&polygon, raster));
+            let raster = RasterGrid::new([60, 40], 8, 24, 1);
+            let (mut scan, mut spans) = (PolygonScan::new(&polygon, raster), PolygonSpans::new(&polygon, raster));
             let (mut expected, mut covered) = (Vec::new(), Vec::new());
             while scan.advance(&polygon) {
                 expected.push((scan.triangle(), scan.walk.pixel()));

@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 const MAX_COORDINATE: f64 = (1u32 << 19) as f64;
 
 /// A point on the sub-pixel grid.
-pub type Point = [i64; 2];
+pub type GridPoint = [i64; 2];
 
 /// Returns the position of a vertex on the grid of 2^-`bits` pixel. NaN counts as 0.
 #[inline]
-pub fn snap(vertex: &Vertex, bits: u32) -> Point {
+pub fn snap(vertex: &Vertex, bits: u32) -> GridPoint {
     let steps = f64::from(1u32 << bits);
     let to_grid = |v: f32| {
         let scaled = f64::from(v).clamp(-MAX_COORDINATE, MAX_COORDINATE) * steps + 0.5;
@@ -29,13 +29,13 @@ pub fn snap(vertex: &Vertex, bits: u32) -> Point {
 
 /// Returns twice the signed area. It is positive if the corners run clockwise on the screen.
 #[inline]
-pub fn doubled_grid_area([a, b, c]: [Point; 3]) -> i64 {
+pub fn doubled_grid_area([a, b, c]: [GridPoint; 3]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// An edge function: positive inside the triangle, 0 on the edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Edge {
+pub struct EdgeFunction {
     /// Change per pixel in x and y, in units of 2^bits.
     step: [i64; 2],
     /// Value at the centre of pixel (0, 0).
@@ -46,8 +46,8 @@ pub struct Edge {
     cover: i64,
 }
 
-impl Edge {
-    fn new(from: Point, to: Point, sign: i64, bits: u32) -> Self {
+impl EdgeFunction {
+    fn new(from: GridPoint, to: GridPoint, sign: i64, bits: u32) -> Self {
         let half = 1i64 << (bits - 1);
         let step = [sign * (from[1] - to[1]), sign * (to[0] - from[0])];
         let origin = step[0] * (half - from[0]) + step[1] * (half - from[1]);
@@ -99,21 +99,21 @@ fn floor_division(v: i64, d: i64) -> i64 {
 
 /// The three edges of a triangle, which define its coverage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Edges {
+pub struct TriangleEdges {
     /// Edge `i` lies opposite corner `i`. The three values sum to `area`.
-    edges: [Edge; 3],
+    edges: [EdgeFunction; 3],
     /// Twice the area, > 0.
     area: i64,
 }
 
-impl Edges {
+impl TriangleEdges {
     /// Creates the edges. `sign` is +-1: the winding that counts as positive. Returns `None` if the triangle winds the other way
     /// or has no area.
     #[inline]
-    pub fn new(corners: [Point; 3], sign: i64, bits: u32) -> Option<Self> {
+    pub fn new(corners: [GridPoint; 3], sign: i64, bits: u32) -> Option<Self> {
         let area = sign * doubled_grid_area(corners);
         let [a, b, c] = corners;
-        let edge = |from, to| Edge::new(from, to, sign, bits);
+        let edge = |from, to| EdgeFunction::new(from, to, sign, bits);
         (area > 0).then(|| Self { edges: [edge(b, c), edge(c, a), edge(a, b)], area })
     }
 
@@ -125,16 +125,16 @@ impl Edges {
 
 /// Bounds of the pixels that may be covered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Bounds {
+pub struct PixelBounds {
     /// First column and column behind the last.
     pub x: [i32; 2],
     /// First row and row behind the last.
     pub y: [i32; 2],
 }
 
-impl Bounds {
+impl PixelBounds {
     #[inline]
-    fn new(corners: [Point; 3], screen: [u32; 2], bits: u32) -> Option<Self> {
+    fn new(corners: [GridPoint; 3], screen: [u32; 2], bits: u32) -> Option<Self> {
         let half = 1i64 << (bits - 1);
         let range = |axis: usize| {
             let [a, b, c] = corners.map(|p| p[axis]);
@@ -149,10 +149,10 @@ impl Bounds {
 
 /// A triangle of a fan, ready to be walked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Triangle {
+pub struct RasterTriangle {
     /// Bounds of its fragments.
-    pub bounds: Bounds,
-    edges: Edges,
+    pub bounds: PixelBounds,
+    edges: TriangleEdges,
     /// Depth of each corner \[steps of the z-buffer per unit of its edge function\].
     depth: [f64; 3],
     /// 1 / w of each corner, relative to the largest.
@@ -167,7 +167,7 @@ pub struct Triangle {
 
 /// Parameters of a triangle's set-up besides its vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Raster {
+pub struct RasterGrid {
     /// Width and height \[pixels\].
     pub screen: [u32; 2],
     /// Sub-pixel bits, 1..=10.
@@ -180,7 +180,7 @@ pub struct Raster {
     pub columns: bool,
 }
 
-impl Raster {
+impl RasterGrid {
     /// Creates a raster of `screen` pixels with depth values of `z_bits` (1..=32) bits.
     pub fn new(screen: [u32; 2], bits: u32, z_bits: u32, block: u32) -> Self {
         let z_max = u32::MAX >> 32u32.saturating_sub(z_bits).min(31);
@@ -188,13 +188,13 @@ impl Raster {
     }
 }
 
-impl Triangle {
+impl RasterTriangle {
     /// Creates triangle `number` of a fan that winds with `sign`. Returns `None` if it covers no pixel.
-    pub fn new(vertices: [&Vertex; 3], number: u16, sign: i64, raster: Raster) -> Option<Self> {
-        let Raster { screen, bits, z_max, .. } = raster;
+    pub fn new(vertices: [&Vertex; 3], number: u16, sign: i64, raster: RasterGrid) -> Option<Self> {
+        let RasterGrid { screen, bits, z_max, .. } = raster;
         let corners = vertices.map(|v| snap(v, bits));
-        let bounds = Bounds::new(corners, screen, bits)?;
-        let edges = Edges::new(corners, sign, bits)?;
+        let bounds = PixelBounds::new(corners, screen, bits)?;
+        let edges = TriangleEdges::new(corners, sign, bits)?;
         let scale = f64::from(z_max) / edges.area as f64;
         let depth = vertices.map(|v| f64::from(v.position[2]) * scale);
         let inverse_w = relative(vertices.map(|v| v.position[3]));
@@ -214,7 +214,7 @@ impl Triangle {
         self.spans_across(0, top, count, spans);
     }
 
-    /// Computes [`Triangle::spans`]. If `across` is 1, columns and rows are exchanged: covered rows of columns.
+    /// Computes [`RasterTriangle::spans`]. If `across` is 1, columns and rows are exchanged: covered rows of columns.
     #[inline]
     pub(super) fn spans_across(&self, across: usize, top: i32, count: i32, spans: &mut [[i32; 2]; MAX_BLOCK]) {
         let bounds = [self.bounds.x, self.bounds.y];
@@ -231,7 +231,7 @@ impl Triangle {
     /// Returns the three edge functions of a covered pixel, each >= 0. They sum to twice the area.
     #[inline]
     pub fn shares(&self, x: i32, y: i32) -> [f64; 3] {
-        let Edges { edges, area } = &self.edges;
+        let TriangleEdges { edges, area } = &self.edges;
         let (e1, e2) = (edges[1].at(x, y, self.bits), edges[2].at(x, y, self.bits));
         [area - e1 - e2, e1, e2].map(|e| e as f64)
     }

@@ -6,7 +6,7 @@
 //! tests per fragment. Walking the spans without a mask was also rejected: its branch at the end of every four pixels cannot be
 //! predicted.
 
-use super::{MAX_BLOCK, Raster, Triangle};
+use super::{MAX_BLOCK, RasterGrid, RasterTriangle};
 use basrelief_signals::Fragment;
 use serde::{Deserialize, Serialize};
 
@@ -15,9 +15,9 @@ const ROW: u32 = MAX_BLOCK as u32;
 
 /// Traversal of a triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Walk {
+pub struct TriangleWalk {
     /// Triangle being traversed.
-    pub triangle: Triangle,
+    pub triangle: RasterTriangle,
     /// Side of a block \[pixels\], 1..=[`MAX_BLOCK`].
     block: i32,
     /// True if rows and columns are exchanged.
@@ -34,10 +34,10 @@ pub struct Walk {
     mask: u64,
 }
 
-impl Walk {
+impl TriangleWalk {
     /// Creates a traversal that stands in front of the first pixel.
     #[inline]
-    pub fn new(triangle: Triangle, raster: Raster) -> Self {
+    pub fn new(triangle: RasterTriangle, raster: RasterGrid) -> Self {
         let (block, columns) = (raster.block.clamp(1, ROW) as i32, raster.columns);
         let first = if columns { triangle.bounds.x[0] } else { triangle.bounds.y[0] };
         Self { triangle, block, columns, top: first / block * block - block, ..Self::default() }

@@ -1,6 +1,6 @@
 //! Reference buffer and tiles as JSON lines.
 
-use basrelief_deferred_renderer::{FilledBuffer, How, TileRecord};
+use basrelief_deferred_renderer::{FilledBuffer, TileOrigin, TileRecord};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -60,8 +60,8 @@ pub(super) fn write_tiles(frame: u32, tiles: &[TileRecord], out: &mut dyn Write)
     for TileRecord { page, tile, acquired } in tiles {
         let [width, height] = page.texture_size;
         let state = match acquired {
-            Some(How::Loaded) => "loaded",
-            Some(How::Synthesized) => "synthesized",
+            Some(TileOrigin::Loaded) => "loaded",
+            Some(TileOrigin::Synthesized) => "synthesized",
             None => "reused",
         };
         let layer = page.layer_of(*tile);
@@ -73,14 +73,14 @@ pub(super) fn write_tiles(frame: u32, tiles: &[TileRecord], out: &mut dyn Write)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_deferred_renderer::{Cell, Cut, Page};
+    use basrelief_deferred_renderer::{Cell, PyramidCut, TexturePage};
     use basrelief_signals::{Image, Sampler, Texture};
     use std::sync::Arc;
 
-    fn page() -> Arc<Page> {
+    fn page() -> Arc<TexturePage> {
         let levels = vec![Image { width: 100, height: 60, texels: vec![] }];
         let texture = Texture { id: 5, name: "t".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None };
-        Arc::new(Page::new(0, &texture, Cut::default(), 0))
+        Arc::new(TexturePage::new(0, &texture, PyramidCut::default(), 0))
     }
 
     fn buffer(frame: u32) -> FilledBuffer {
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn tile_is_one_line() {
         let record = |tile, acquired| TileRecord { page: page(), tile, acquired };
-        let all = [record(0, Some(How::Synthesized)), record(1, Some(How::Loaded)), record(2, None)];
+        let all = [record(0, Some(TileOrigin::Synthesized)), record(1, Some(TileOrigin::Loaded)), record(2, None)];
         let lines = text(|out| write_tiles(0, &all, out));
         let states: Vec<&str> = lines.lines().map(|l| l.rsplit('"').nth(1).unwrap()).collect();
         assert_eq!(states, ["synthesized", "loaded", "reused"]);

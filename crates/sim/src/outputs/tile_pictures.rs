@@ -2,7 +2,7 @@
 
 use super::heat_map::{Scale, heat_map};
 use super::lettering::{ADVANCE, LINE, set, write};
-use basrelief_deferred_renderer::{Cell, FilledBuffer, Layer, Page, TileList, TileState};
+use basrelief_deferred_renderer::{Cell, FilledBuffer, PyramidLayer, TexturePage, TileList, TileState};
 use basrelief_reference::Picture;
 use std::sync::Arc;
 
@@ -43,18 +43,18 @@ fn colour_of(state: TileState) -> [u8; 3] {
 }
 
 /// Returns the width of a layer in the map \[pixels\].
-fn width_of(layer: &Layer) -> u32 {
+fn width_of(layer: &PyramidLayer) -> u32 {
     layer.pitch.saturating_mul(TILE_SIDE)
 }
 
-fn title_of(page: &Page) -> String {
+fn title_of(page: &TexturePage) -> String {
     let name: String = page.name.chars().take(24).collect();
     let [width, height] = page.texture_size;
     format!("{}: {name} {width}x{height}", page.texture)
 }
 
 /// Returns the size of a texture in the map, with gaps \[pixels\].
-fn size_of(page: &Page) -> [u32; 2] {
+fn size_of(page: &TexturePage) -> [u32; 2] {
     let layers = page.layers.iter().fold(0, |sum: u32, l| sum.saturating_add(width_of(l)).saturating_add(GAP));
     let title = title_of(page).chars().count() as u32 * ADVANCE + 2 * GAP;
     let rows = page.layers.last().map_or(0, |l| l.rows);
@@ -83,7 +83,7 @@ fn places(sizes: &[[u32; 2]]) -> (Vec<[u32; 2]>, [u32; 2]) {
 
 /// Draws the tile load lists (136) at the end of a run. Each texture has a title with number, name and size, and its numbered layers from
 /// the coarsest on the left to the finest. Grey is N, yellow is L, green is E. Tiles beyond the maximum size are omitted.
-pub(super) fn tile_map_picture(lists: &[(Arc<Page>, TileList)]) -> Picture {
+pub(super) fn tile_map_picture(lists: &[(Arc<TexturePage>, TileList)]) -> Picture {
     let sizes: Vec<_> = lists.iter().map(|(page, _)| size_of(page)).collect();
     let (places, [width, height]) = places(&sizes);
     // Legend below the map.
@@ -104,7 +104,7 @@ pub(super) fn tile_map_picture(lists: &[(Arc<Page>, TileList)]) -> Picture {
 }
 
 /// Draws a texture.
-fn draw(picture: &mut Picture, page: &Page, list: &TileList, [left, top]: [u32; 2]) {
+fn draw(picture: &mut Picture, page: &TexturePage, list: &TileList, [left, top]: [u32; 2]) {
     if top >= picture.height {
         return;
     }
@@ -132,13 +132,13 @@ fn fill(picture: &mut Picture, [left, top]: [u32; 2], colour: [u8; 3]) {
 mod tests {
     use super::super::heat_map::BAR_HEIGHT;
     use super::*;
-    use basrelief_deferred_renderer::Cut;
+    use basrelief_deferred_renderer::PyramidCut;
     use basrelief_signals::{Image, Sampler, Texture};
 
-    fn page([width, height]: [u32; 2]) -> Arc<Page> {
+    fn page([width, height]: [u32; 2]) -> Arc<TexturePage> {
         let levels = vec![Image { width, height, texels: vec![] }];
         let texture = Texture { id: 5, name: "t".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None };
-        Arc::new(Page::new(0, &texture, Cut::default(), 0))
+        Arc::new(TexturePage::new(0, &texture, PyramidCut::default(), 0))
     }
 
     #[test]

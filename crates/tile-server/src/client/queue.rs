@@ -3,7 +3,7 @@
 use super::FetchProgress;
 use super::metrics::TransferMetrics;
 use crate::protocol::TileCatalog;
-use basrelief_deferred_renderer::Page;
+use basrelief_deferred_renderer::TexturePage;
 use basrelief_input::Held;
 use basrelief_signals::Texture;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -23,7 +23,7 @@ pub(super) type CountedTile = (Arc<[u8]>, Held);
 /// A tile to fetch.
 #[derive(Clone, Debug)]
 pub(super) struct TileRequest {
-    pub(super) page: Arc<Page>,
+    pub(super) page: Arc<TexturePage>,
     pub(super) tile: u32,
     /// The hash of its picture.
     pub(super) picture: Arc<str>,
@@ -61,7 +61,7 @@ struct QueueState {
 
 impl QueueState {
     /// A tile that will be taken: from what has come, or it is to be fetched.
-    fn announce(&mut self, page: Arc<Page>, tile: u32) -> bool {
+    fn announce(&mut self, page: Arc<TexturePage>, tile: u32) -> bool {
         let key = (page.texture, tile);
         if !self.announced.insert(key) {
             return false;
@@ -87,7 +87,7 @@ impl QueueState {
 
     /// The next tiles to fetch by one request: of one picture, at most so many, and no more than leaves something to each other thread
     /// that has nothing to do.
-    fn next(&mut self, most: impl Fn(&Page) -> usize) -> Vec<TileRequest> {
+    fn next(&mut self, most: impl Fn(&TexturePage) -> usize) -> Vec<TileRequest> {
         let share = self.queue.len().div_ceil(self.idle.max(1));
         let Some(first) = self.queue.front() else { return vec![] };
         let (texture, most) = (first.page.texture, most(&first.page).min(share));
@@ -137,7 +137,7 @@ impl TileFetchQueue {
     }
 
     /// Tiles that will be taken, in order.
-    pub(super) fn announce(&self, tiles: impl IntoIterator<Item = (Arc<Page>, u32)>) {
+    pub(super) fn announce(&self, tiles: impl IntoIterator<Item = (Arc<TexturePage>, u32)>) {
         let mut new = 0;
         self.change(|shared| new = tiles.into_iter().filter(|(page, tile)| shared.announce(Arc::clone(page), *tile)).count());
         if new > 0 {
@@ -146,7 +146,7 @@ impl TileFetchQueue {
     }
 
     /// The next tiles to fetch; none when all is over.
-    pub(super) fn take(&self, most: impl Fn(&Page) -> usize) -> Option<Vec<TileRequest>> {
+    pub(super) fn take(&self, most: impl Fn(&TexturePage) -> usize) -> Option<Vec<TileRequest>> {
         let mut shared = self.lock();
         shared.idle += 1;
         let next = loop {
@@ -192,7 +192,7 @@ impl TileFetchQueue {
 
     /// Waits until the first of these tiles is there, if it has come before nothing is asked for any more. They are announced, if it was
     /// not.
-    pub(super) fn is_there_in_time(&self, tiles: &mut dyn Iterator<Item = (Arc<Page>, u32)>) -> bool {
+    pub(super) fn is_there_in_time(&self, tiles: &mut dyn Iterator<Item = (Arc<TexturePage>, u32)>) -> bool {
         let Some((page, tile)) = tiles.next() else { return true };
         let key = (page.texture, tile);
         if !self.lock().announced.contains(&key) {

@@ -1,7 +1,7 @@
 //! Who looks at the pictures of a real path: turns from view to view by the clock.
 
 use super::queue::TileFetchQueue;
-use basrelief_deferred_renderer::{Ahead, User};
+use basrelief_deferred_renderer::{UpcomingTiles, ViewUser};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -24,7 +24,7 @@ impl ViewSchedule {
     }
 }
 
-impl User for ViewSchedule {
+impl ViewUser for ViewSchedule {
     fn turn_to(&self, view: u64) {
         if let Some(time) = self.left_at(view.checked_sub(1)) {
             self.queue.pause(time.saturating_duration_since(Instant::now()));
@@ -32,7 +32,7 @@ impl User for ViewSchedule {
         self.queue.ask_until(self.left_at(Some(view)));
     }
 
-    fn leaves(&self, tiles: Ahead<'_>) -> bool {
+    fn leaves(&self, tiles: UpcomingTiles<'_>) -> bool {
         let is_left = !self.queue.is_there_in_time(tiles);
         if is_left {
             self.queue.abandon();

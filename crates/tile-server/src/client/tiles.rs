@@ -6,7 +6,7 @@ use super::schedule::ViewSchedule;
 use super::{FetchProgress, Fetcher, TileCache};
 use crate::protocol::{MAX_TILE_BYTES, TileCatalog, check_tile, max_tiles_per_request, tiles_path};
 use basrelief_deferred_renderer::server::place_of;
-use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource, User};
+use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding, TileSource, ViewUser};
 use basrelief_signals::Texture;
 use basrelief_sim::TileFetch;
 use std::sync::{Arc, OnceLock};
@@ -52,7 +52,7 @@ impl FetchWorker {
     }
 
     /// Most tiles of a page that one request asks for.
-    fn most(&self, page: &Page) -> usize {
+    fn most(&self, page: &TexturePage) -> usize {
         max_tiles_per_request(page).min(self.tiles_per_request)
     }
 
@@ -148,22 +148,22 @@ impl TileSource for RemoteTiles {
     }
 
     /// Where somebody looks by the clock, it is they who announce: what they have left is not asked for any more.
-    fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
+    fn announce(&mut self, tiles: &[(Arc<TexturePage>, u32)]) {
         if self.user.is_none() {
             self.worker.queue.announce(tiles.iter().cloned());
         }
     }
 
-    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+    fn tile(&mut self, page: &Arc<TexturePage>, tile: u32) -> Result<Arc<[u8]>, String> {
         self.worker.queue.announce([(Arc::clone(page), tile)]);
         self.worker.queue.wait((page.texture, tile)).map_err(|e| format!("{}: {e}", place_of(page, tile)))
     }
 
-    fn user(&self) -> Option<Arc<dyn User>> {
-        self.user.clone().map(|user| user as Arc<dyn User>)
+    fn user(&self) -> Option<Arc<dyn ViewUser>> {
+        self.user.clone().map(|user| user as Arc<dyn ViewUser>)
     }
 
-    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: PyramidCut) -> Option<u64> {
         self.worker.queue.offered().finest_bytes(texture, cut, |address| self.worker.fetcher.number(address))
     }
 }

@@ -1,7 +1,7 @@
 //! A picture that grows while its tiles come, for who watches: between the pictures that the device shows, which has none there.
 
 use super::live::LivePreview;
-use basrelief_deferred_renderer::{Cut, FilledBuffer, Onlooker, Page, Preview, TileSource, User};
+use basrelief_deferred_renderer::{FilledBuffer, PicturePreview, PreviewObserver, PyramidCut, TexturePage, TileSource, ViewUser};
 use basrelief_reference::Picture;
 use basrelief_signals::Texture;
 use basrelief_sim::to_png;
@@ -32,13 +32,13 @@ impl TileCount {
 }
 
 /// A tile that has come: its page, its number, itself as it is encoded.
-type Tile = (Arc<Page>, u32, Arc<[u8]>);
+type Tile = (Arc<TexturePage>, u32, Arc<[u8]>);
 
 /// What has come of the picture that is under way. It is coloured by who watches: where nobody does, never.
 #[derive(Debug, Default)]
 pub(crate) struct PartialFrame {
     /// None where tiles are not waited for, and while somebody colours.
-    preview: Option<Preview>,
+    preview: Option<PicturePreview>,
     filled: Option<Arc<FilledBuffer>>,
     /// Tiles that the preview has not got yet.
     tiles: Vec<Tile>,
@@ -50,7 +50,7 @@ pub(crate) struct PartialFrame {
 
 impl PartialFrame {
     /// From now on, coloured by this.
-    pub(crate) fn begin(&mut self, preview: Preview) {
+    pub(crate) fn begin(&mut self, preview: PicturePreview) {
         self.preview = Some(preview);
     }
 
@@ -93,7 +93,7 @@ impl PartialFrame {
 /// A picture that is being coloured.
 #[derive(Debug)]
 pub(crate) struct PreviewRender {
-    preview: Preview,
+    preview: PicturePreview,
     filled: Arc<FilledBuffer>,
     tiles: Vec<Tile>,
     pub(crate) come: TileCount,
@@ -122,7 +122,7 @@ pub struct PreviewedTiles {
 
 impl PreviewedTiles {
     /// Shows a picture that grows with these tiles.
-    pub fn new(source: Box<dyn TileSource>, watched: LivePreview, preview: Preview) -> Self {
+    pub fn new(source: Box<dyn TileSource>, watched: LivePreview, preview: PicturePreview) -> Self {
         watched.grow(|growing| growing.begin(preview));
         Self { source, watched }
     }
@@ -133,31 +133,31 @@ impl TileSource for PreviewedTiles {
         self.source.offer(texture);
     }
 
-    fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
+    fn announce(&mut self, tiles: &[(Arc<TexturePage>, u32)]) {
         self.watched.grow(|growing| growing.listed(tiles.len() as u64));
         self.source.announce(tiles);
     }
 
-    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+    fn tile(&mut self, page: &Arc<TexturePage>, tile: u32) -> Result<Arc<[u8]>, String> {
         let bytes = self.source.tile(page, tile)?;
         self.watched.grow(|growing| growing.came((Arc::clone(page), tile, Arc::clone(&bytes))));
         Ok(bytes)
     }
 
-    fn user(&self) -> Option<Arc<dyn User>> {
+    fn user(&self) -> Option<Arc<dyn ViewUser>> {
         self.source.user()
     }
 
-    fn onlooker(&self) -> Option<Arc<dyn Onlooker>> {
+    fn onlooker(&self) -> Option<Arc<dyn PreviewObserver>> {
         Some(Arc::new(self.watched.clone()))
     }
 
-    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: PyramidCut) -> Option<u64> {
         self.source.finest_bytes(texture, cut)
     }
 }
 
-impl Onlooker for LivePreview {
+impl PreviewObserver for LivePreview {
     fn filled(&self, filled: FilledBuffer) {
         self.grow(|growing| growing.filled = Some(Arc::new(filled)));
     }

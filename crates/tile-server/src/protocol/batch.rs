@@ -1,6 +1,6 @@
 //! Several tiles in one answer: of each its length, and itself.
 
-use basrelief_deferred_renderer::Page;
+use basrelief_deferred_renderer::TexturePage;
 
 /// Most tiles that one request asks for.
 pub const MAX_TILES_PER_REQUEST: usize = 64;
@@ -9,7 +9,7 @@ pub const MAX_TILES_PER_REQUEST: usize = 64;
 const MOST_BYTES: u64 = 1 << 17;
 
 /// How many tiles of a page one request asks for at most.
-pub fn max_tiles_per_request(page: &Page) -> usize {
+pub fn max_tiles_per_request(page: &TexturePage) -> usize {
     let raw = 3 * page.cut.tile.map(u64::from).iter().product::<u64>();
     (MOST_BYTES / raw).clamp(1, MAX_TILES_PER_REQUEST as u64) as usize
 }

@@ -1,7 +1,7 @@
 //! What a renderer knows of the tiles of a server: their addresses, what they must be, and what all of them take.
 
 use super::{encoding_name, hex};
-use basrelief_deferred_renderer::{Cut, Page, TileEncoding};
+use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding};
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -38,23 +38,28 @@ impl TileCatalog {
 
     /// Bytes of all tiles of the finest layer of a texture, as they are encoded: as raw texels the sizes tell it, otherwise the
     /// server, who is asked for the number at an address. None where it does not tell.
-    pub fn finest_bytes(&self, texture: &Texture, cut: Cut, number: impl FnOnce(&str) -> Result<u64, String>) -> Option<u64> {
+    pub fn finest_bytes(
+        &self,
+        texture: &Texture,
+        cut: PyramidCut,
+        number: impl FnOnce(&str) -> Result<u64, String>,
+    ) -> Option<u64> {
         if self.encoding.0 == TileEncoding::Raw {
             return Some(cut.raw_bytes(texture.levels.first().map_or([1; 2], |image| [image.width, image.height])));
         }
-        let (picture, layer) = (hex(texture.elsewhere.as_ref()?), Page::new(0, texture, cut, 0).dmax());
+        let (picture, layer) = (hex(texture.elsewhere.as_ref()?), TexturePage::new(0, texture, cut, 0).dmax());
         number(&format!("bytes/{}/{layer}", cut_name(&picture, cut, self.encoding))).ok()
     }
 }
 
 /// A picture, how it is cut and how its tiles are encoded, as an address says it.
-fn cut_name(picture: &str, cut: Cut, encoding: (TileEncoding, u8)) -> String {
+fn cut_name(picture: &str, cut: PyramidCut, encoding: (TileEncoding, u8)) -> String {
     let [width, height] = cut.tile;
     format!("{picture}/{width}x{height}/{}", encoding_name(encoding))
 }
 
 /// Address of tiles of a picture.
-pub fn tiles_path(picture: &str, cut: Cut, encoding: (TileEncoding, u8), tiles: &[u32]) -> String {
+pub fn tiles_path(picture: &str, cut: PyramidCut, encoding: (TileEncoding, u8), tiles: &[u32]) -> String {
     let numbers: Vec<String> = tiles.iter().map(u32::to_string).collect();
     format!("tile/{}/{}", cut_name(picture, cut, encoding), numbers.join(","))
 }
@@ -63,7 +68,7 @@ pub fn tiles_path(picture: &str, cut: Cut, encoding: (TileEncoding, u8), tiles: 
 ///
 /// # Errors
 /// A sentence, where it cannot or has not.
-pub fn check_tile(encoding: TileEncoding, page: &Page, tile: u32, body: &[u8]) -> Result<(), String> {
+pub fn check_tile(encoding: TileEncoding, page: &TexturePage, tile: u32, body: &[u8]) -> Result<(), String> {
     let (first, end) = page.texels_of(tile);
     encoding.decode(body, [end[0] - first[0], end[1] - first[1]]).map(drop).map_err(|e| format!("corrupt: {e}"))
 }

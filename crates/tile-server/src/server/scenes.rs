@@ -5,7 +5,7 @@ use super::http::{CachePolicy, Response};
 use super::listen::{Limits, ListeningServer, RequestHandler, listen};
 use super::semaphore::Semaphore;
 use crate::protocol::{MAX_TILES_PER_REQUEST, etag_of, hash_of_picture, hex, join, parse_encoding};
-use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
+use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TexturePage, TileEncoding};
 use basrelief_signals::Texture;
 use basrelief_threads as threads;
 use std::collections::BTreeMap;
@@ -137,7 +137,7 @@ impl SceneService {
         let Some(offered) = self.pictures.get(picture) else {
             return Err((404, "there is no such picture: the server may have another scene by now\n".into()));
         };
-        let page = Page::new(0, &offered.texture, Cut { tile, ..Cut::default() }, 0);
+        let page = TexturePage::new(0, &offered.texture, PyramidCut { tile, ..PyramidCut::default() }, 0);
         Ok(Some(TiledPicture { offered, page, encoding }))
     }
 
@@ -180,7 +180,7 @@ impl RequestHandler for SceneService {
 /// A picture as it is asked for.
 struct TiledPicture<'a> {
     offered: &'a ServedPicture,
-    page: Page,
+    page: TexturePage,
     /// With its quality.
     encoding: (TileEncoding, u8),
 }

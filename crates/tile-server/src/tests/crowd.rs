@@ -14,7 +14,7 @@ const CONNECTIONS: usize = 16;
 fn clients_with_ten_times_the_connections_that_there_may_be_get_every_tile_as_it_is() {
     let limits = Limits { connections: CONNECTIONS, ..Limits::default() };
     let (address, _server) = served().listen(([127, 0, 0, 1], 0).into(), limits).unwrap();
-    let page = Arc::new(Page::new(0, &texture(), Cut { tile: [16, 16], ..Cut::default() }, 0));
+    let page = Arc::new(TexturePage::new(0, &texture(), PyramidCut { tile: [16, 16], ..PyramidCut::default() }, 0));
     let tiles: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
     let mut model = TextureMemory::new(TileEncoding::Raw, 100);
     model.offer(&texture());

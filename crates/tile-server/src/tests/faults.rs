@@ -18,7 +18,7 @@ fn tiles_come_as_they_are_whatever_the_requests_in_flight() {
 fn what_nobody_takes_is_not_fetched_without_end_and_what_is_asked_for_comes_all_the_same() {
     let (url, count) = faulty(u32::MAX, |_| Fault::None);
     let mut tiles = tiles(&url, 4, None);
-    let page = Arc::new(Page::new(0, &texture(), Cut { tile: [4, 4], ..Cut::default() }, 0));
+    let page = Arc::new(TexturePage::new(0, &texture(), PyramidCut { tile: [4, 4], ..PyramidCut::default() }, 0));
     let all: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
     tiles.offer(&elsewhere());
     tiles.announce(&all);

@@ -10,7 +10,7 @@ mod turning;
 use crate::client::{Fetcher, NoProgress, RemoteTiles, RetryPolicy, TileCache, TileStore};
 use crate::protocol::{hash_of, hash_of_picture, hex};
 use crate::server::SceneService;
-use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{PyramidCut, TextureMemory, TexturePage, TileEncoding, TileSource};
 use basrelief_signals::{Image, Sampler, Texture};
 use basrelief_sim::TileFetch;
 use std::io::{BufRead, BufReader, Write};
@@ -113,8 +113,8 @@ fn address(numbers: impl std::fmt::Display) -> String {
     format!("/tile/{}/64x64/png/{numbers}", hex(&hash_of_picture(&texture())))
 }
 
-fn page() -> Arc<Page> {
-    Arc::new(Page::new(0, &texture(), Cut::default(), 0))
+fn page() -> Arc<TexturePage> {
+    Arc::new(TexturePage::new(0, &texture(), PyramidCut::default(), 0))
 }
 
 /// RequestHandler a request, with a fault.

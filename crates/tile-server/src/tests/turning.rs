@@ -5,7 +5,7 @@ use crate::client::TransferMetrics;
 use std::sync::mpsc::{Sender, channel};
 
 /// The tiles of the page, from this one on.
-fn from(page: &Arc<Page>, first: u32) -> impl Iterator<Item = (Arc<Page>, u32)> {
+fn from(page: &Arc<TexturePage>, first: u32) -> impl Iterator<Item = (Arc<TexturePage>, u32)> {
     (first..page.tiles()).map(|tile| (Arc::clone(page), tile))
 }
 

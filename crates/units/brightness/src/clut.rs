@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Reference normals, one list per MIP level.
-pub(crate) type Book = Arc<Vec<Vec<[i16; 3]>>>;
+pub(crate) type ReferenceBook = Arc<Vec<Vec<[i16; 3]>>>;
 
 /// Inputs of the entries of a CLUT. If none of them changes, nothing is recalculated.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,19 +20,19 @@ pub struct ClutKey {
     /// Number of reference normals if the object fixes it.
     pub entries: Option<u32>,
     /// Code book that replaces the fixed tables.
-    pub book: Option<Book>,
+    pub book: Option<ReferenceBook>,
 }
 
 /// Calculated levels of the CLUTs (122) of a set. Only levels that some fragment needed are calculated.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Clut {
+pub struct ClutLevels {
     /// `[ambient + diffuse (+ specular), specular]` of each entry, one list per level.
     levels: [Vec<[f32; 2]>; LEVELS],
     /// Mask of the calculated levels.
     calculated: u8,
 }
 
-impl Clut {
+impl ClutLevels {
     /// Returns the brightness by index.
     #[inline]
     pub fn entries(&self, level: u8) -> &[[f32; 2]] {
@@ -63,7 +63,7 @@ pub(crate) fn calculate(
     key: &ClutKey,
     normals: &mut NormalTables,
 ) -> Result<Vec<[f32; 2]>, TableError> {
-    let scale = Scale::new(config, key);
+    let scale = EntryScale::new(config, key);
     let list = match &key.book {
         Some(book) => book.get(usize::from(level)).map_or(&[][..], Vec::as_slice),
         None => normals.of(level, key.entries)?,
@@ -72,7 +72,7 @@ pub(crate) fn calculate(
 }
 
 /// Conversion of brightness to CLUT entries.
-struct Scale {
+struct EntryScale {
     combined: bool,
     /// Full scale of each value: the largest possible brightness, with every light facing the surface and the viewer (assumed).
     full: [f32; 2],
@@ -80,7 +80,7 @@ struct Scale {
     steps: Option<f32>,
 }
 
-impl Scale {
+impl EntryScale {
     fn new(config: &BrightnessConfig, key: &ClutKey) -> Self {
         let light: f32 = key.lights.iter().map(|l| l.intensity).sum();
         let Lighting { ka, kd, ks, .. } = key.lighting;

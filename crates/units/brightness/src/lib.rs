@@ -17,7 +17,7 @@ mod sets;
 mod state;
 mod unit;
 
-pub use clut::{Clut, ClutKey};
+pub use clut::{ClutKey, ClutLevels};
 pub use config::{BrightnessConfig, BrightnessSource, Components};
 pub use state::{BrightnessFetchCounters, BrightnessFetchState};
 pub use unit::BrightnessFetch;

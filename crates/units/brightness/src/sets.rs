@@ -1,7 +1,7 @@
 //! Sets of CLUTs (122) in memory (120), one per material and lights. As many are held as fit, and the least recently used is
 //! replaced.
 
-use crate::{BrightnessConfig, Clut, ClutKey};
+use crate::{BrightnessConfig, ClutKey, ClutLevels};
 use basrelief_shading::{LEVELS, TableError};
 use basrelief_signals::quantization_memory::{CLUTS, GATHERED, clut_stride};
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ pub(crate) struct ClutSet {
     key: ClutKey,
     /// Number of its space in memory.
     place: usize,
-    clut: Clut,
+    clut: ClutLevels,
 }
 
 /// Sets in memory, most recently used first.
@@ -44,7 +44,7 @@ impl ClutSets {
         self.sets.truncate(most - 1);
         let is_free = |place: &usize| self.sets.iter().all(|set| set.place != *place);
         let place = (0..most).find(is_free).unwrap_or(0);
-        self.sets.insert(0, ClutSet { key: key.clone(), place, clut: Clut::default() });
+        self.sets.insert(0, ClutSet { key: key.clone(), place, clut: ClutLevels::default() });
     }
 
     /// Marks the current key as changed.

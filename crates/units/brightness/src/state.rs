@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// A recalculation in progress.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Rebuild {
+pub(crate) struct ClutRebuild {
     /// Level being written.
     pub(crate) level: u8,
     /// Entries of the level.
@@ -30,7 +30,7 @@ pub struct BrightnessFetchState {
     pub(crate) lights_changed: bool,
     /// Sets in memory (120).
     pub(crate) sets: ClutSets,
-    pub(crate) rebuild: Option<Rebuild>,
+    pub(crate) rebuild: Option<ClutRebuild>,
     /// Fragment that waits for a recalculation.
     pub(crate) pending: Option<NormalIndexes>,
     /// Counters.

@@ -1,7 +1,7 @@
 //! The unit and its step.
 
 use crate::clut::{NormalTables, calculate};
-use crate::state::Rebuild;
+use crate::state::ClutRebuild;
 use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource};
 use arrayvec::ArrayVec;
 use basrelief_kernel::stats::UnitStats;
@@ -113,7 +113,7 @@ impl BrightnessFetch {
                 return self.resume(traffic);
             }
             self.state.counters.rebuilds += 1;
-            self.state.rebuild = Some(Rebuild { level, entries, read: 0, written: 0 });
+            self.state.rebuild = Some(ClutRebuild { level, entries, read: 0, written: 0 });
         }
         self.rebuild(traffic)
     }
@@ -133,7 +133,7 @@ impl BrightnessFetch {
     /// Reads the next reference normals, and writes the entries of those read before. After the last ones the next step examines
     /// the waiting fragment again.
     fn rebuild(&mut self, traffic: &mut MemoryPorts) -> Out {
-        let Some(Rebuild { level, entries, read, written }) = self.state.rebuild.take() else { return self.quiet() };
+        let Some(ClutRebuild { level, entries, read, written }) = self.state.rebuild.take() else { return self.quiet() };
         let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let at_once = (WRITE_BYTES / entry_bytes) as usize;
         // Entries calculated in the previous step.
@@ -150,7 +150,7 @@ impl BrightnessFetch {
             traffic.read(BUILD, address, bytes);
             self.state.counters.normal_bytes += u64::from(bytes);
         }
-        self.state.rebuild = (count > 0).then_some(Rebuild { level, entries, read: read + count, written: read });
+        self.state.rebuild = (count > 0).then_some(ClutRebuild { level, entries, read: read + count, written: read });
         let cycles = (count as u64 * self.config.entry_cycles(self.state.wanted.lights.len(), &self.operators)).max(1);
         self.state.counters.rebuild_cycles += cycles;
         self.quiet().busy(cycles)

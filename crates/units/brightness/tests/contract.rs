@@ -18,27 +18,11 @@ fn unit(config: BrightnessConfig) -> BrightnessFetch {
 fn frame() -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lamp = Light { kind: LightKind::Point { position: [0.0, 0.0, 10.0] }, intensity: 1.0 };
-    Control::Frame(Arc::new(Frame {
-        index: 0,
-        width: 6,
-        height: 6,
-        camera,
-        lights: vec![lamp],
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
+    Control::Frame(Arc::new(Frame { width: 6, height: 6, camera, lights: vec![lamp], ..Frame::default() }))
 }
 
 fn object(x: f32) -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id: 0,
-        name: "ball".into(),
-        centre: [x, 0.0, 0.0],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    }))
+    Control::Object(Arc::new(ObjectInfo { name: "ball".into(), centre: [x, 0.0, 0.0], ..ObjectInfo::default() }))
 }
 
 fn polygon() -> Control {

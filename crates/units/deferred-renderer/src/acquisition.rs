@@ -1,6 +1,6 @@
 //! Figure 6: loading or synthesis of the tiles in the tile load list (136).
 
-use crate::Page;
+use crate::TexturePage;
 use serde::{Deserialize, Serialize};
 
 /// State of a tile in the tile load list (136), 2 bits.
@@ -28,7 +28,7 @@ impl TileState {
 
 /// Origin of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum How {
+pub enum TileOrigin {
     /// Loaded over the path.
     Loaded,
     /// Averaged from its sources in the layer below it (the next finer one).
@@ -37,11 +37,11 @@ pub enum How {
 
 /// A tile to be acquired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Acquired {
+pub struct AcquiredTile {
     /// Number of the tile in its texture.
     pub tile: u32,
     /// Origin of the tile.
-    pub how: How,
+    pub how: TileOrigin,
 }
 
 /// Tile load list (136) of one page.
@@ -93,7 +93,7 @@ impl TileList {
     /// state becomes E. The result is in order: a tile follows its sources.
     ///
     /// A layer ends before the first tile of the next finer one (the text says behind it).
-    pub fn acquire(&mut self, page: &Page) -> Vec<Acquired> {
+    pub fn acquire(&mut self, page: &TexturePage) -> Vec<AcquiredTile> {
         let mut all = Vec::new();
         if self.waiting == 0 {
             return all;
@@ -105,9 +105,10 @@ impl TileList {
                 }
                 let sources = page.sources(tile);
                 let exist = |t: &u32| self.states[*t as usize] == TileState::Exists;
-                let how = if !sources.is_empty() && sources.iter().all(exist) { How::Synthesized } else { How::Loaded };
+                let how =
+                    if !sources.is_empty() && sources.iter().all(exist) { TileOrigin::Synthesized } else { TileOrigin::Loaded };
                 self.states[tile as usize] = TileState::Exists;
-                all.push(Acquired { tile, how });
+                all.push(AcquiredTile { tile, how });
             }
         }
         self.waiting = 0;

@@ -1,7 +1,7 @@
 //! Cell of the reference buffer (126), Figures 3A and 3B, and the number formats of its fields.
 
 use crate::config::{CellConfig, NumberFormat};
-use crate::page::Page;
+use crate::page::TexturePage;
 use basrelief_signals::WrapMode;
 use serde::{Deserialize, Serialize};
 
@@ -84,8 +84,8 @@ pub fn most_pages(bits: u32) -> usize {
 /// Precomputed formats of the fields.
 #[derive(Clone, Debug)]
 pub struct CellFormat {
-    coordinate: Rounding,
-    depth: Rounding,
+    coordinate: FieldRounding,
+    depth: FieldRounding,
     /// Largest stored coefficient.
     full: f32,
     /// Brightness that the largest coefficient represents.
@@ -96,14 +96,14 @@ pub struct CellFormat {
 
 /// Rounding of a number to its field.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Rounding {
+enum FieldRounding {
     /// Fixed point: steps per unit, and largest magnitude.
     Fixed(f64, f64),
     /// Floating point: dropped bits of the fraction of single precision.
     Float(u32),
 }
 
-impl Rounding {
+impl FieldRounding {
     fn new(format: NumberFormat, bits: u32, fraction_bits: u32) -> Self {
         match format {
             NumberFormat::Fixed => {
@@ -139,8 +139,8 @@ impl CellFormat {
     pub fn new(config: &CellConfig, range: f32) -> Self {
         let c = config;
         Self {
-            coordinate: Rounding::new(c.coordinate_format, c.coordinate_bits, c.coordinate_fraction_bits),
-            depth: Rounding::new(c.depth_format, c.depth_bits, c.depth_fraction_bits),
+            coordinate: FieldRounding::new(c.coordinate_format, c.coordinate_bits, c.coordinate_fraction_bits),
+            depth: FieldRounding::new(c.depth_format, c.depth_bits, c.depth_fraction_bits),
             full: ((1u32 << c.brightness_bits) - 1) as f32,
             range,
             bytes: c.bits().div_ceil(8),
@@ -149,7 +149,7 @@ impl CellFormat {
 
     /// Creates the cell of a textured pixel: coordinates \[texels of the finest layer\], layer depth, brightness per channel.
     #[inline]
-    pub fn textured(&self, page: &Page, st: [f32; 2], depth: f32, brightness: [f32; 3]) -> Cell {
+    pub fn textured(&self, page: &TexturePage, st: [f32; 2], depth: f32, brightness: [f32; 3]) -> Cell {
         let scale = self.full / self.range;
         let stored = brightness.map(|b| (b * scale + 0.5).clamp(0.0, self.full) as u16);
         let depth = self.depth.apply(depth).clamp(0.0, f32::from(page.dmax()));

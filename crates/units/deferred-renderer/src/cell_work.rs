@@ -1,7 +1,7 @@
 //! Arithmetic of the initial rasterization (454).
 
-use crate::config::{EngineConfig, Lighting};
-use crate::sizes::Sizes;
+use crate::config::{EngineConfig, LightingMode};
+use crate::sizes::TableSizes;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{HardwareKind, OperatorCounts, Operators};
 
@@ -71,7 +71,7 @@ impl CellWork {
         OperatorCounts { multiply: self.setup_units, add: self.setup_units, divide: 1, power: 1, ..OperatorCounts::NONE }
     }
 
-    pub(crate) fn tell(&self, lighting: Lighting, sizes: Sizes, stats: &mut UnitStats) {
+    pub(crate) fn tell(&self, lighting: LightingMode, sizes: TableSizes, stats: &mut UnitStats) {
         let cells = CELL.times(self.fill_rate);
         stats.hardware(HardwareKind::Multiplier, "cells: footprint, planes, logarithm", cells.multiply, NUMBER);
         stats.hardware(HardwareKind::Adder, "cells: footprint, planes, logarithm", cells.add, NUMBER);
@@ -83,7 +83,7 @@ impl CellWork {
         stats.hardware(HardwareKind::Divider, "set-up of triangles", setup.divide, NUMBER);
         stats.hardware(HardwareKind::Registers, "triangle that is set up", SLOPES, NUMBER);
         stats.hardware(HardwareKind::Registers, "its page and wrap modes", 1_u32, sizes.surface_bits());
-        if lighting == Lighting::Gouraud {
+        if lighting == LightingMode::Gouraud {
             stats.hardware(HardwareKind::Power, "brightness of vertices of bump targets", setup.power, NUMBER);
         }
     }

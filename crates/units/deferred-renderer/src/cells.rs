@@ -3,11 +3,11 @@
 use crate::Cell;
 use crate::cell::{CellFormat, layer_depth, most_pages};
 use crate::cell_work::CellWork;
-use crate::config::{CellConfig, EngineConfig, Lighting, WrapOverride};
-use crate::page::{Cut, Page};
+use crate::config::{CellConfig, EngineConfig, LightingMode, WrapOverride};
+use crate::page::{PyramidCut, TexturePage};
 use crate::pyramid::is_same_picture;
-use crate::sizes::Sizes;
-use crate::slopes::{Light, Slopes};
+use crate::sizes::TableSizes;
+use crate::slopes::{TriangleSlopes, VertexLight};
 use crate::tokens::{CellFlow, PlacedCell};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Cached, Demand, MemoryPorts, Operators, Step, Unit};
@@ -19,13 +19,13 @@ use std::sync::Arc;
 
 /// The current polygon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Surface {
+pub(crate) struct PolygonSurface {
     polygon: Arc<Polygon>,
     /// Page of its texture, and the wrap modes of the coordinates.
-    page: Option<(Arc<Page>, [WrapMode; 2])>,
+    page: Option<(Arc<TexturePage>, [WrapMode; 2])>,
     /// Set-up of the triangle of the last fragment.
     #[serde(skip)]
-    slopes: Cached<Slopes>,
+    slopes: Cached<TriangleSlopes>,
 }
 
 /// Counters of the initial rasterization.
@@ -41,7 +41,7 @@ pub struct CellsCounters {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CellsState {
     /// Pages set up so far, by texture number. Textures of the same picture share a page.
-    pub pages: BTreeMap<u32, Arc<Page>>,
+    pub pages: BTreeMap<u32, Arc<TexturePage>>,
     /// First texture of each page, by page number.
     pub pictures: Vec<Arc<Texture>>,
     /// Declared textures whose pages follow.
@@ -53,7 +53,7 @@ pub struct CellsState {
     /// Lights of the frame as seen from the centre of the current object.
     pub lights: Vec<LightVector>,
     /// Polygon of the next fragments.
-    pub(crate) surface: Option<Surface>,
+    pub(crate) surface: Option<PolygonSurface>,
     /// Counters.
     pub counters: CellsCounters,
 }
@@ -67,18 +67,18 @@ pub struct Cells {
     pub config: EngineConfig,
     format: CellFormat,
     page_bits: u32,
-    lighting: Lighting,
+    lighting: LightingMode,
     wrap: WrapOverride,
-    cut: Cut,
+    cut: PyramidCut,
     work: CellWork,
-    sizes: Sizes,
+    sizes: TableSizes,
     /// State between steps.
     pub state: CellsState,
 }
 
 /// Returns the largest brightness that a coefficient represents. With light, vertices can be brighter than 1.
-pub fn brightness_range(lighting: Lighting) -> f32 {
-    if lighting == Lighting::Gouraud { 2.0 } else { 1.0 }
+pub fn brightness_range(lighting: LightingMode) -> f32 {
+    if lighting == LightingMode::Gouraud { 2.0 } else { 1.0 }
 }
 
 impl Cells {
@@ -86,12 +86,12 @@ impl Cells {
     pub fn new(
         (config, operators): (EngineConfig, Operators),
         cell: &CellConfig,
-        (lighting, wrap): (Lighting, WrapOverride),
-        cut: Cut,
+        (lighting, wrap): (LightingMode, WrapOverride),
+        cut: PyramidCut,
     ) -> Self {
         Self {
             work: CellWork::new(&config, operators),
-            sizes: Sizes::new(cell, cut, &config),
+            sizes: TableSizes::new(cell, cut, &config),
             config,
             format: CellFormat::new(cell, brightness_range(lighting)),
             page_bits: cell.page_bits,
@@ -103,7 +103,7 @@ impl Cells {
     }
 
     /// Sets up a page for a texture, unless its picture has one.
-    fn set_up(&mut self, texture: &Arc<Texture>, traffic: &mut MemoryPorts) -> Option<Arc<Page>> {
+    fn set_up(&mut self, texture: &Arc<Texture>, traffic: &mut MemoryPorts) -> Option<Arc<TexturePage>> {
         let state = &mut self.state;
         if let Some(known) = state.pictures.iter().find(|known| is_same_picture(known, texture)) {
             let page = state.pages.get(&known.id).cloned();
@@ -118,7 +118,7 @@ impl Cells {
             ));
             return None;
         }
-        let page = Arc::new(Page::new(pages as u16, texture, self.cut, state.end));
+        let page = Arc::new(TexturePage::new(pages as u16, texture, self.cut, state.end));
         state.end += page.bytes();
         if state.end > self.config.texture_memory {
             traffic.fault(format!(
@@ -150,7 +150,7 @@ impl Cells {
             Some((Arc::clone(page), self.wrap.of(texture.sampler.wrap)))
         };
         let page = texture.and_then(page_of);
-        self.state.surface = Some(Surface { polygon: Arc::clone(polygon), page, slopes: Cached::default() });
+        self.state.surface = Some(PolygonSurface { polygon: Arc::clone(polygon), page, slopes: Cached::default() });
         new
     }
 
@@ -178,20 +178,20 @@ impl Cells {
     fn setup(&self, control: &Control) -> u64 {
         let Control::Polygon(polygon) = control else { return 1 };
         let vertices = polygon.vertices.len() as u32;
-        let lit = if polygon.bump && self.lighting == Lighting::Gouraud { vertices } else { 0 };
+        let lit = if polygon.bump && self.lighting == LightingMode::Gouraud { vertices } else { 0 };
         self.work.setup(vertices.saturating_sub(2), lit, self.state.lights.len() as u32)
     }
 
     #[inline]
     fn cells(&mut self, fragments: &Stamp<Fragment>) -> Stamp<PlacedCell> {
         let CellsState { surface, counters, lights, .. } = &mut self.state;
-        let light = Light { lighting: self.lighting, lights };
+        let light = VertexLight { lighting: self.lighting, lights };
         let Some(surface) = surface else { return Stamp::new() };
         let mut cells = Stamp::new();
         for f in fragments {
             if surface.slopes.as_ref().is_none_or(|s| s.number != f.triangle) {
                 let size = surface.page.as_ref().map_or([1.0; 2], |(page, _)| page.size());
-                *surface.slopes = Slopes::new(&surface.polygon, size, f.triangle, light);
+                *surface.slopes = TriangleSlopes::new(&surface.polygon, size, f.triangle, light);
             }
             let Some(slopes) = &*surface.slopes else { continue };
             let colour = slopes.colour.at(f.weights);

@@ -3,13 +3,13 @@
 use crate::Cell;
 use crate::cell::CellFormat;
 use crate::identification::layers_of;
-use crate::page::{Placed, Tap};
+use crate::page::{AxisTap, WrappedCoordinates};
 use crate::texels::PageTexels;
 use basrelief_shading::saturated;
 
 /// Layers from which a pixel is coloured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
+pub struct LayerChoice {
     /// The coarser layer, or the only one.
     pub lower: u8,
     /// The finer layer, and its share.
@@ -22,16 +22,16 @@ pub struct Choice {
 
 /// Returns the layers by Figure 7A, with all tiles present.
 #[inline]
-pub fn best(texels: &PageTexels, cell: &Cell) -> Choice {
+pub fn best(texels: &PageTexels, cell: &Cell) -> LayerChoice {
     let (coarse, fraction, fine) = layers_of(&texels.page, cell);
-    Choice { lower: coarse, upper: fine.map(|f| (f, fraction)), improve: None, words: 0 }
+    LayerChoice { lower: coarse, upper: fine.map(|f| (f, fraction)), improve: None, words: 0 }
 }
 
 /// Returns the layers by Figure 7B: the finest present layer up to D_G, and the layer that would improve it. (If D_f = 0 the
 /// search starts at D_L, because the text would fetch a layer of weight zero.) Returns `None` if not even the top tile is
 /// present. A word of the tile load list (136) has `entries` entries.
 #[inline]
-pub fn progressive(texels: &PageTexels, cell: &Cell, placed: Placed, entries: u32) -> Option<Choice> {
+pub fn progressive(texels: &PageTexels, cell: &Cell, placed: WrappedCoordinates, entries: u32) -> Option<LayerChoice> {
     let (coarse, fraction, fine) = layers_of(&texels.page, cell);
     let wished = fine.unwrap_or(coarse);
     let mut words = 0;
@@ -42,11 +42,11 @@ pub fn progressive(texels: &PageTexels, cell: &Cell, placed: Placed, entries: u3
     };
     let found = (0..=wished).rev().find(|&layer| is_there(layer))?;
     let both = found == wished && fine.is_some() && is_there(coarse);
-    let alone = |improve| Some(Choice { lower: found, upper: None, improve, words });
+    let alone = |improve| Some(LayerChoice { lower: found, upper: None, improve, words });
     match fine {
         _ if found < wished => alone(Some(found + 1)),
         None => alone(None),
-        Some(fine) if both => Some(Choice { lower: coarse, upper: Some((fine, fraction)), improve: None, words }),
+        Some(fine) if both => Some(LayerChoice { lower: coarse, upper: Some((fine, fraction)), improve: None, words }),
         // With tiles of an earlier view the finer layer may be present without the coarser.
         Some(_) => alone(Some(coarse)),
     }
@@ -54,26 +54,26 @@ pub fn progressive(texels: &PageTexels, cell: &Cell, placed: Placed, entries: u3
 
 /// Colour of a pixel from one or two layers, and the texels read.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct PixelSample {
     /// Colour, 0..=255 per channel.
     pub colour: [f32; 4],
     /// Layers read, with the taps.
-    pub read: [Option<(u8, [Tap; 2])>; 2],
+    pub read: [Option<(u8, [AxisTap; 2])>; 2],
 }
 
 /// Computes R0 = R1 + (R2 - R1) * D_f, with R1 of the coarser layer and R2 of the finer, in every mode.
 #[inline]
-pub fn sample(texels: &PageTexels, choice: &Choice, placed: Placed) -> Sample {
+pub fn sample(texels: &PageTexels, choice: &LayerChoice, placed: WrappedCoordinates) -> PixelSample {
     let taps = texels.page.taps(choice.lower, placed);
     let lower = texels.bilinear(choice.lower, &taps);
     let first = Some((choice.lower, taps));
     match choice.upper {
-        None => Sample { colour: lower, read: [first, None] },
+        None => PixelSample { colour: lower, read: [first, None] },
         Some((layer, share)) => {
             let taps = texels.page.taps(layer, placed);
             let upper = texels.bilinear(layer, &taps);
             let colour = std::array::from_fn(|c| lower[c] + (upper[c] - lower[c]) * share);
-            Sample { colour, read: [first, Some((layer, taps))] }
+            PixelSample { colour, read: [first, Some((layer, taps))] }
         }
     }
 }

@@ -33,7 +33,7 @@ pub enum DepthPixel {
 /// Contents of the brightness coefficients.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Lighting {
+pub enum LightingMode {
     /// Colour of the material times that of the vertices.
     #[default]
     None,
@@ -105,7 +105,7 @@ parameters! {
         depth_pixel: DepthPixel = DepthPixel::Shared, unit: "", Stated("[0067], [0076]");
         /// Contents of the brightness coefficients: none (colours of material and vertices) or gouraud (times the brightness at
         /// the vertices).
-        lighting: Lighting = Lighting::None, unit: "", Assumed("what is fetched is told by the pictures alone; gouraud is the patent's use");
+        lighting: LightingMode = LightingMode::None, unit: "", Assumed("what is fetched is told by the pictures alone; gouraud is the patent's use");
         /// Wrap modes: sampler (the texture's own), or repeat, mirror, clamp for all.
         wrap: WrapOverride = WrapOverride::Sampler, unit: "", Assumed("the scene knows");
         /// Progressive pictures after which the viewpoint changes (475: user input). 0: never.

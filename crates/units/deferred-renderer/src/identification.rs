@@ -2,8 +2,8 @@
 
 use crate::cell::split_depth;
 use crate::config::EngineConfig;
-use crate::tokens::{CellBlock, Mark, MarkFlow, Marks, PassFlow};
-use crate::{Cell, Page, Sizes, interpolators};
+use crate::tokens::{CellBlock, MarkFlow, PassFlow, TileMark, TileMarks};
+use crate::{Cell, TableSizes, TexturePage, interpolators};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::Frame;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Returns the layers of a cell's interpolation: D_L, D_f, and D_G = D_L + 1 if D_f is above 0.
 #[inline]
-pub fn layers_of(page: &Page, cell: &Cell) -> (u8, f32, Option<u8>) {
+pub fn layers_of(page: &TexturePage, cell: &Cell) -> (u8, f32, Option<u8>) {
     let (coarse, fraction) = split_depth(cell.depth, page.dmax());
     (coarse, fraction, (fraction > 0.0).then_some(coarse + 1))
 }
@@ -20,7 +20,7 @@ pub fn layers_of(page: &Page, cell: &Cell) -> (u8, f32, Option<u8>) {
 /// Collector of the marks of the pixels of one block.
 #[derive(Clone, Debug, Default)]
 pub struct BlockMarks {
-    marks: Marks,
+    marks: TileMarks,
     distance: u32,
 }
 
@@ -29,7 +29,7 @@ impl BlockMarks {
     #[inline]
     pub fn new(at: [u16; 2], centre: [u32; 2]) -> Self {
         let distance = [0, 1].map(|i| (u32::from(at[i]) * 4 + 2).abs_diff(centre[i]));
-        Self { marks: Marks::new(), distance: distance[0] * distance[0] + distance[1] * distance[1] }
+        Self { marks: TileMarks::new(), distance: distance[0] * distance[0] + distance[1] * distance[1] }
     }
 
     /// Counts one more pixel that needs this tile.
@@ -37,7 +37,7 @@ impl BlockMarks {
     pub fn add(&mut self, page: u16, tile: u32) {
         match self.marks.iter_mut().find(|m| m.tile == tile && m.page == page) {
             Some(mark) => mark.pixels += 1,
-            None => self.marks.push(Mark { page, tile, pixels: 1, distance: self.distance }),
+            None => self.marks.push(TileMark { page, tile, pixels: 1, distance: self.distance }),
         }
     }
 
@@ -64,7 +64,7 @@ pub struct IdentificationCounters {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IdentificationState {
     /// Pages so far, by number.
-    pub pages: Vec<Arc<Page>>,
+    pub pages: Vec<Arc<TexturePage>>,
     /// Centre of the frame's picture \[pixels\].
     pub centre: [u32; 2],
     /// Counters.
@@ -76,14 +76,14 @@ pub struct IdentificationState {
 pub struct Identification {
     /// Parameters.
     pub config: EngineConfig,
-    sizes: Sizes,
+    sizes: TableSizes,
     /// State between steps.
     pub state: IdentificationState,
 }
 
 impl Identification {
     /// Creates the unit in its power-on state.
-    pub fn new(config: EngineConfig, sizes: Sizes) -> Self {
+    pub fn new(config: EngineConfig, sizes: TableSizes) -> Self {
         Self { config, sizes, state: IdentificationState::default() }
     }
 

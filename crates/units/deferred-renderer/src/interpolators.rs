@@ -43,7 +43,7 @@ pub(crate) fn tell_average(rate: u32, stats: &mut UnitStats) {
 
 /// Reports the hardware that collects the marks of a block: the distance to the centre of the screen, and one comparator per mark
 /// side by side.
-pub(crate) fn tell_marks(sizes: crate::Sizes, stats: &mut UnitStats) {
+pub(crate) fn tell_marks(sizes: crate::TableSizes, stats: &mut UnitStats) {
     stats.hardware(HardwareKind::Multiplier, "distance to the centre", 2_u32, COLOUR);
     stats.hardware(HardwareKind::Adder, "distance to the centre, equal marks", 3_u32 + 4, ADDRESS);
     stats.hardware(HardwareKind::Registers, "marks of a block", 4_u32, sizes.tile_bits() + 5);

@@ -4,7 +4,7 @@ use crate::{LayerCounts, PageTexels};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
 
 /// A layer of a page, and the history of its tiles.
-struct Row<'a> {
+struct LayerRow<'a> {
     page: &'a PageTexels,
     layer: u8,
     counts: LayerCounts,
@@ -12,7 +12,7 @@ struct Row<'a> {
 
 pub(crate) fn tell(pages: &[PageTexels], stats: &mut UnitStats) {
     let layers = pages.iter().flat_map(|page| (0..=page.page.dmax()).map(move |layer| (page, layer)));
-    let rows: Vec<Row<'_>> = layers.map(|(page, layer)| Row { page, layer, counts: page.counts(layer) }).collect();
+    let rows: Vec<LayerRow<'_>> = layers.map(|(page, layer)| LayerRow { page, layer, counts: page.counts(layer) }).collect();
     let tiles = pages.iter().map(|p| u64::from(p.page.tiles())).sum::<u64>();
     let sum = |of: fn(&LayerCounts) -> u64| rows.iter().map(|row| of(&row.counts)).sum::<u64>();
     stats.figure("textures", pages.len() as u64, "textures", "Textures that pixels have");
@@ -24,7 +24,7 @@ pub(crate) fn tell(pages: &[PageTexels], stats: &mut UnitStats) {
         "Tiles of an earlier frame that a frame was coloured from, frame by frame",
     );
     stats.figure("tiles_never_needed", sum(|c| c.never_needed), "tiles", "Tiles that no pixel was coloured from");
-    let mut column = |title, unit, about, of: fn(&Row<'_>) -> u64| {
+    let mut column = |title, unit, about, of: fn(&LayerRow<'_>) -> u64| {
         let values: Vec<u64> = rows.iter().map(of).collect();
         stats.figure(&format!("layers_{title}"), values, unit, about).part(FigureGroup::Column { table: "layers", title });
     };

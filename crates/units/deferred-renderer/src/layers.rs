@@ -15,7 +15,7 @@ pub enum TexelCentre {
 
 /// Division of a texture into layers and tiles, the same for all pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Cut {
+pub struct PyramidCut {
     /// Width and height of a tile \[texels\], powers of two.
     pub tile: [u32; 2],
     /// Position of texel centres.
@@ -24,25 +24,25 @@ pub struct Cut {
     pub most_depth: u8,
 }
 
-impl Default for Cut {
+impl Default for PyramidCut {
     fn default() -> Self {
         Self { tile: [64, 64], centre: TexelCentre::Half, most_depth: u8::MAX }
     }
 }
 
-impl Cut {
+impl PyramidCut {
     /// Returns the layers of a texture of `size` texels from the coarsest to the finest, and the number of finer ones that the
     /// cap leaves out.
     ///
     /// Layers are counted from the top, so the cap changes neither depths nor tile numbers of the remaining layers.
-    pub(crate) fn layers(&self, size: [u32; 2]) -> (Vec<Layer>, u8) {
+    pub(crate) fn layers(&self, size: [u32; 2]) -> (Vec<PyramidLayer>, u8) {
         let dmax = deepest(size, self.tile);
         let kept = dmax.min(u32::from(self.most_depth));
         let mut base = 0;
         let layer = |depth: u32| {
             let size = halved(size, dmax - depth);
             let [pitch, rows] = [0, 1].map(|i| size[i].div_ceil(self.tile[i]));
-            let layer = Layer { size, pitch, rows, base, scale: 1.0 / (1_u64 << (kept - depth)) as f32 };
+            let layer = PyramidLayer { size, pitch, rows, base, scale: 1.0 / (1_u64 << (kept - depth)) as f32 };
             base += pitch * rows;
             layer
         };
@@ -73,7 +73,7 @@ fn deepest(size: [u32; 2], tile: [u32; 2]) -> u32 {
 
 /// A layer of a pyramid (134).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Layer {
+pub struct PyramidLayer {
     /// Width and height \[texels\].
     pub size: [u32; 2],
     /// Tile pitch (138): tiles per row.

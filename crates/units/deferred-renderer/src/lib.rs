@@ -46,25 +46,25 @@ pub mod tokens;
 mod touched;
 mod widths;
 
-pub use acquisition::{Acquired, How, TileList, TileState};
+pub use acquisition::{AcquiredTile, TileList, TileOrigin, TileState};
 pub use cell::{Cell, CellFormat};
 pub use cells::{Cells, CellsCounters, CellsState, brightness_range};
 pub use config::{
-    CellConfig, DepthPixel, EngineConfig, Lighting, NumberFormat, PathConfig, RenderMode, RendererConfig, TileConfig, TileOrder,
-    WrapOverride,
+    CellConfig, DepthPixel, EngineConfig, LightingMode, NumberFormat, PathConfig, RenderMode, RendererConfig, TileConfig,
+    TileOrder, WrapOverride,
 };
 pub use encoding::TileEncoding;
 pub use expander::Expander;
 pub use identification::{Identification, IdentificationCounters, IdentificationState};
-pub use leaving::{Ahead, Leaving, User};
-pub use page::{Cut, Layer, Page, Placed, TexelCentre};
+pub use leaving::{UpcomingTiles, ViewUser, ViewpointEnds};
+pub use page::{PyramidCut, PyramidLayer, TexelCentre, TexturePage, WrappedCoordinates};
 pub use path::{Path, PathCounters, PathState};
-pub use preview::{Onlooker, Preview};
+pub use preview::{PicturePreview, PreviewObserver};
 pub use pyramid::{LayerTexels, ServedTexture};
 pub use rasterization::{Rasterization, RasterizationCounters, RasterizationState};
 pub use records::TileRecord;
 pub use reference_buffer::{FilledBuffer, ReferenceBuffer, ReferenceBufferCounters, ReferenceBufferState};
-pub use server::{Conventional, Server, ServerCounters, ServerState, TextureMemory, TileSource};
-pub use sizes::Sizes;
+pub use server::{ConventionalLoad, Server, ServerCounters, ServerState, TextureMemory, TileSource};
+pub use sizes::TableSizes;
 pub use texels::{LayerCounts, PageTexels};
 pub use tile_lists::{TileLists, TileListsCounters, TileListsState};

@@ -4,14 +4,14 @@
 //! it, rounding up. Tiles of a layer are numbered row by row, and layers one after the other: a tile has one number within its
 //! texture.
 
-pub use crate::layers::{Cut, Layer, TexelCentre};
+pub use crate::layers::{PyramidCut, PyramidLayer, TexelCentre};
 use basrelief_signals::{Texture, WrapMode};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 /// A texture page (132), without its texels: Dmax (133), tile pitch array (138), tile base array (140).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Page {
+pub struct TexturePage {
     /// Number of the page, which is the texture page pointer (310) of a cell.
     pub number: u16,
     /// Number of the texture in its scene or display list.
@@ -21,9 +21,9 @@ pub struct Page {
     /// Name for messages.
     pub name: String,
     /// Division into layers and tiles.
-    pub cut: Cut,
+    pub cut: PyramidCut,
     /// Layers from coarsest to finest.
-    pub layers: Vec<Layer>,
+    pub layers: Vec<PyramidLayer>,
     /// Number of finer layers that the cap of Dmax leaves out \[0033\].
     pub left_out: u8,
     /// Start of the page in the texture-data memory (130) \[bytes\].
@@ -37,12 +37,12 @@ pub struct Page {
 }
 
 /// Distinct tiles of one layer that a sample reads, one to four.
-pub type Tiles = SmallVec<[u32; 4]>;
+pub type SampleTiles = SmallVec<[u32; 4]>;
 
 /// Texels of a sample along one axis of a layer: two neighbours and the share of the second. If the share is 0, the second texel
 /// is not read and equals the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tap {
+pub struct AxisTap {
     /// Integer coordinate S_i.
     pub first: u32,
     /// Right or lower neighbour.
@@ -53,7 +53,7 @@ pub struct Tap {
 
 /// Texture coordinates (312) wrapped into the texture by the wrap modes of their cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placed {
+pub struct WrappedCoordinates {
     /// Coordinates, 0 ..= size \[finest texels\].
     pub coordinates: [f32; 2],
     /// True if the texture repeats: its first texel follows its last.
@@ -67,9 +67,9 @@ fn floor(x: f32) -> f32 {
     if whole > x { whole - 1.0 } else { whole }
 }
 
-impl Page {
+impl TexturePage {
     /// Creates the page of a texture. `address` is the start of free space in the texture-data memory (130).
-    pub fn new(number: u16, texture: &Texture, cut: Cut, address: u64) -> Self {
+    pub fn new(number: u16, texture: &Texture, cut: PyramidCut, address: u64) -> Self {
         let texture_size = texture.levels.first().map_or([1, 1], |image| [image.width.max(1), image.height.max(1)]);
         let (layers, left_out) = cut.layers(texture_size);
         // Not the finest layer's own size, which is rounded up so that its last texel extends beyond the texture.
@@ -151,9 +151,9 @@ impl Page {
 
     /// Returns the tiles of the next finer layer that a tile is the average of: four, or two or one at the right and lower edge.
     /// Empty for the finest layer.
-    pub fn sources(&self, tile: u32) -> Tiles {
+    pub fn sources(&self, tile: u32) -> SampleTiles {
         let depth = self.layer_of(tile);
-        let Some(finer) = self.layers.get(usize::from(depth) + 1) else { return Tiles::new() };
+        let Some(finer) = self.layers.get(usize::from(depth) + 1) else { return SampleTiles::new() };
         let layer = &self.layers[usize::from(depth)];
         let (column, row) = ((tile - layer.base) % layer.pitch, (tile - layer.base) / layer.pitch);
         let rows = (2 * row..2 * row + 2).filter(|r| *r < finer.rows);
@@ -181,10 +181,10 @@ impl Page {
 
     /// Wraps texture coordinates (312) into the texture. NaN becomes 0.
     #[inline]
-    pub fn placed(&self, st: [f32; 2], wrap: [WrapMode; 2]) -> Placed {
+    pub fn placed(&self, st: [f32; 2], wrap: [WrapMode; 2]) -> WrappedCoordinates {
         // (`map` and its closure would become calls.)
         let coordinates = [self.placed_along(0, st[0], wrap[0]), self.placed_along(1, st[1], wrap[1])];
-        Placed { coordinates, repeats: [wrap[0] == WrapMode::Repeat, wrap[1] == WrapMode::Repeat] }
+        WrappedCoordinates { coordinates, repeats: [wrap[0] == WrapMode::Repeat, wrap[1] == WrapMode::Repeat] }
     }
 
     #[inline(always)]
@@ -208,13 +208,13 @@ impl Page {
 
     /// Returns the taps of a bilinear sample at `placed` coordinates in a layer, by axis.
     #[inline]
-    pub fn taps(&self, layer: u8, placed: Placed) -> [Tap; 2] {
+    pub fn taps(&self, layer: u8, placed: WrappedCoordinates) -> [AxisTap; 2] {
         let l = &self.layers[usize::from(layer)];
         [self.tap(l, 0, placed), self.tap(l, 1, placed)]
     }
 
     #[inline(always)]
-    fn tap(&self, layer: &Layer, axis: usize, placed: Placed) -> Tap {
+    fn tap(&self, layer: &PyramidLayer, axis: usize, placed: WrappedCoordinates) -> AxisTap {
         let x = placed.coordinates[axis] * layer.scale - self.offset;
         let whole = floor(x);
         tap(whole as i32, x - whole, layer.size[axis] as i32, placed.repeats[axis])
@@ -226,19 +226,19 @@ impl Page {
     /// A neighbour is read only if the fraction is above 0. If the texel is the last of its tile, the neighbour lies in the next
     /// tile. At the edge of the layer it lies in column (row) 0 if the texture repeats, and otherwise does not exist.
     #[inline]
-    pub fn marked(&self, layer: u8, placed: Placed) -> Tiles {
+    pub fn marked(&self, layer: u8, placed: WrappedCoordinates) -> SampleTiles {
         self.tiles_of(layer, &self.taps(layer, placed))
     }
 
     /// Returns the tiles that these taps read of a layer.
     #[inline]
-    pub fn tiles_of(&self, layer: u8, [x, y]: &[Tap; 2]) -> Tiles {
+    pub fn tiles_of(&self, layer: u8, [x, y]: &[AxisTap; 2]) -> SampleTiles {
         let l = &self.layers[usize::from(layer)];
         let [across, down] = self.shift;
         let (column, row) = (x.first >> across, y.first >> down);
         let (beyond, under) = (x.second >> across, y.second >> down);
         let number = |column: u32, row: u32| l.base + row * l.pitch + column;
-        let mut tiles = Tiles::new();
+        let mut tiles = SampleTiles::new();
         tiles.push(number(column, row));
         let (right, below) = (beyond != column, under != row);
         if right {
@@ -255,17 +255,17 @@ impl Page {
 }
 
 #[inline(always)]
-fn tap(whole: i32, fraction: f32, size: i32, repeats: bool) -> Tap {
+fn tap(whole: i32, fraction: f32, size: i32, repeats: bool) -> AxisTap {
     if repeats {
         let first = if whole < 0 { size - 1 } else { whole.min(size - 1) };
         let next = if first + 1 == size { 0 } else { first + 1 };
         let second = if fraction > 0.0 { next } else { first };
-        Tap { first: first as u32, second: second as u32, fraction }
+        AxisTap { first: first as u32, second: second as u32, fraction }
     } else if whole < 0 || whole >= size - 1 {
         // Beyond the edge the edge texel extends, without a neighbour.
         let edge = if whole < 0 { 0 } else { size - 1 } as u32;
-        Tap { first: edge, second: edge, fraction: 0.0 }
+        AxisTap { first: edge, second: edge, fraction: 0.0 }
     } else {
-        Tap { first: whole as u32, second: whole as u32 + u32::from(fraction > 0.0), fraction }
+        AxisTap { first: whole as u32, second: whole as u32 + u32::from(fraction > 0.0), fraction }
     }
 }

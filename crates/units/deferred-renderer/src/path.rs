@@ -1,7 +1,7 @@
 //! The path: I/O port (104), network (106), bus (108).
 
 use crate::config::PathConfig;
-use crate::tokens::{Content, EncodedTile, Parcel};
+use crate::tokens::{EncodedTile, ResponseContent, TileResponse};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::Control;
@@ -65,23 +65,23 @@ impl Path {
 
 impl Unit for Path {
     basrelief_kernel::unit_info!("network (106), I/O port (104), bus (108): rate, latency");
-    type In = Option<Parcel>;
+    type In = Option<TileResponse>;
     type Out = (Option<Control>, Option<EncodedTile>);
 
     fn demand(&self) -> Demand {
         Demand::All
     }
 
-    fn step(&mut self, parcel: Option<Parcel>, _: &mut MemoryPorts) -> Step<Self::Out> {
-        let Some(Parcel { bytes, content }) = parcel else { return Step::after(0, (None, None)) };
+    fn step(&mut self, parcel: Option<TileResponse>, _: &mut MemoryPorts) -> Step<Self::Out> {
+        let Some(TileResponse { bytes, content }) = parcel else { return Step::after(0, (None, None)) };
         let carried = self.carry(bytes);
         match content {
-            Content::Asked(control) => {
+            ResponseContent::Asked(control) => {
                 let cycles = carried.saturating_add(self.latency);
                 Step::after(cycles, (Some(control), None)).busy(cycles.max(1))
             }
-            Content::Mesh(control) => Step::after(carried, (Some(control), None)).busy(carried.max(1)),
-            Content::Tile(tile) => {
+            ResponseContent::Mesh(control) => Step::after(carried, (Some(control), None)).busy(carried.max(1)),
+            ResponseContent::Tile(tile) => {
                 let latency = carried.saturating_add(self.latency);
                 Step::after(latency, (None, Some(tile))).busy(carried.max(1))
             }

@@ -4,7 +4,7 @@
 //! commands. In the wiring, the display list comes out of the geometry processor in all machines, and the server follows it. So
 //! an object's command describes its mesh, and the mesh is charged with that command, ahead of its polygons.
 
-use crate::config::{Lighting, PathConfig};
+use crate::config::{LightingMode, PathConfig};
 use basrelief_signals::{Frame, MeshInfo, ObjectInfo, Polygon};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -53,7 +53,7 @@ impl PolygonMemory {
     }
 
     /// Returns the bytes of the command of an object, and of its mesh if the device does not have it.
-    pub fn object(&mut self, object: &ObjectInfo, (config, lighting): (&PathConfig, Lighting)) -> u64 {
+    pub fn object(&mut self, object: &ObjectInfo, (config, lighting): (&PathConfig, LightingMode)) -> u64 {
         let is_new = self.sent.insert(object.id);
         self.untold = is_new && object.mesh.is_none();
         let bytes = object.mesh.filter(|_| is_new).map_or(0, |mesh| mesh_bytes(&mesh, config, lighting));
@@ -62,7 +62,7 @@ impl PolygonMemory {
     }
 
     /// Returns the bytes of a polygon: 0 if its mesh is known. Otherwise its vertices count, because their sharing is unknown.
-    pub fn polygon(&mut self, polygon: &Polygon, (config, lighting): (&PathConfig, Lighting)) -> u64 {
+    pub fn polygon(&mut self, polygon: &Polygon, (config, lighting): (&PathConfig, LightingMode)) -> u64 {
         if !self.untold {
             return 0;
         }
@@ -85,14 +85,14 @@ impl PolygonMemory {
 }
 
 /// Returns the bytes of the vertex attributes that the picture needs.
-fn vertices_bytes(mesh: &MeshInfo, config: &PathConfig, lighting: Lighting) -> u64 {
+fn vertices_bytes(mesh: &MeshInfo, config: &PathConfig, lighting: LightingMode) -> u64 {
     let wanted = |is: bool, numbers: u64| if is { numbers } else { 0 };
-    let numbers = POSITION + wanted(lighting == Lighting::Gouraud, NORMAL) + wanted(mesh.uv, UV) + wanted(mesh.colors, COLOR);
+    let numbers = POSITION + wanted(lighting == LightingMode::Gouraud, NORMAL) + wanted(mesh.uv, UV) + wanted(mesh.colors, COLOR);
     u64::from(mesh.vertices) * numbers * u64::from(config.number_bytes)
 }
 
 /// Returns the bytes of a mesh and its surface. Indices take half a number if there are few vertices.
-fn mesh_bytes(mesh: &MeshInfo, config: &PathConfig, lighting: Lighting) -> u64 {
+fn mesh_bytes(mesh: &MeshInfo, config: &PathConfig, lighting: LightingMode) -> u64 {
     let number = u64::from(config.number_bytes);
     let indices = u64::from(mesh.indices) * number;
     let indices = if mesh.vertices <= SHORT_INDEX { indices.div_ceil(2) } else { indices };

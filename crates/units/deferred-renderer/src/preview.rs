@@ -4,7 +4,7 @@ use crate::cell::CellFormat;
 use crate::colour::{progressive, sample, shaded};
 use crate::encoding::TileEncoding;
 use crate::texels::PageTexels;
-use crate::{Cell, FilledBuffer, Page};
+use crate::{Cell, FilledBuffer, TexturePage};
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -13,28 +13,28 @@ use std::sync::Arc;
 const ENTRIES: u32 = 1;
 
 /// Observer of a real path. The model has none.
-pub trait Onlooker: Debug + Send + Sync {
+pub trait PreviewObserver: Debug + Send + Sync {
     /// Called when the reference buffer (126) of a view is filled, before its tiles are requested.
     fn filled(&self, filled: FilledBuffer);
 }
 
 /// Tiles received so far, and the formats that colour a picture from them.
 #[derive(Clone, Debug)]
-pub struct Preview {
+pub struct PicturePreview {
     format: CellFormat,
     encoding: TileEncoding,
     /// Texels of each page, by number.
     pages: BTreeMap<u16, PageTexels>,
 }
 
-impl Preview {
+impl PicturePreview {
     /// Creates an empty preview of cells of this format, and tiles of this encoding.
     pub fn new(format: CellFormat, encoding: TileEncoding) -> Self {
         Self { format, encoding, pages: BTreeMap::new() }
     }
 
     /// Stores a received tile. The device reports tiles that cannot be expanded.
-    pub fn store(&mut self, page: &Arc<Page>, tile: u32, bytes: &[u8]) {
+    pub fn store(&mut self, page: &Arc<TexturePage>, tile: u32, bytes: &[u8]) {
         let (first, end) = page.texels_of(tile);
         let Ok(texels) = self.encoding.decode(bytes, [end[0] - first[0], end[1] - first[1]]) else { return };
         let own = self.pages.entry(page.number).or_insert_with(|| PageTexels::new(Arc::clone(page)));

@@ -1,6 +1,6 @@
 //! Pyramid (134): the texels of a texture, layer by layer.
 
-use crate::Page;
+use crate::TexturePage;
 use basrelief_signals::Texture;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -16,12 +16,12 @@ pub struct LayerTexels {
 
 /// Texels of one layer in a borrowed slice.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Texels<'a> {
+pub(crate) struct LayerSlice<'a> {
     size: [u32; 2],
     texels: &'a [[u8; 4]],
 }
 
-impl<'a> Texels<'a> {
+impl<'a> LayerSlice<'a> {
     fn row(self, y: u32) -> &'a [[u8; 4]] {
         let start = y as usize * self.size[0] as usize;
         &self.texels[start..start + self.size[0] as usize]
@@ -39,8 +39,8 @@ impl LayerTexels {
         Self { size, texels: vec![[0; 4]; size[0] as usize * size[1] as usize] }
     }
 
-    pub(crate) fn texels(&self) -> Texels<'_> {
-        Texels { size: self.size, texels: &self.texels }
+    pub(crate) fn texels(&self) -> LayerSlice<'_> {
+        LayerSlice { size: self.size, texels: &self.texels }
     }
 
     /// Writes texels into a rectangle, row by row.
@@ -54,7 +54,7 @@ impl LayerTexels {
 
     /// Fills a rectangle with averages of the next finer layer: (sum of 4 + 2) >> 2 per channel. At an odd side the finer layer's
     /// last texel is repeated.
-    pub(crate) fn average(&mut self, finer: Texels<'_>, (first, end): ([u32; 2], [u32; 2])) {
+    pub(crate) fn average(&mut self, finer: LayerSlice<'_>, (first, end): ([u32; 2], [u32; 2])) {
         for y in first[1]..end[1] {
             let start = y as usize * self.size[0] as usize;
             let own = &mut self.texels[start + first[0] as usize..start + end[0] as usize];
@@ -97,15 +97,15 @@ impl ServedTexture {
         &self.texture
     }
 
-    fn finest(&self) -> Texels<'_> {
+    fn finest(&self) -> LayerSlice<'_> {
         self.texture.levels.first().filter(|image| !image.texels.is_empty()).map_or(
-            Texels { size: [1, 1], texels: &[[255; 4]] },
-            |image| Texels { size: [image.width, image.height], texels: &image.texels },
+            LayerSlice { size: [1, 1], texels: &[[255; 4]] },
+            |image| LayerSlice { size: [image.width, image.height], texels: &image.texels },
         )
     }
 
     /// Returns the texels of a tile, row by row.
-    pub fn tile(&mut self, page: &Page, tile: u32) -> Vec<[u8; 4]> {
+    pub fn tile(&mut self, page: &TexturePage, tile: u32) -> Vec<[u8; 4]> {
         let depth = page.layer_of(tile);
         let above = usize::from(page.left_out + page.dmax() - depth);
         while self.coarser.len() < above {

@@ -1,7 +1,7 @@
 //! Tile records, frame by frame, for auxiliary outputs.
 
-use crate::Page;
-use crate::acquisition::How;
+use crate::TexturePage;
+use crate::acquisition::TileOrigin;
 use crate::texels::{PageTexels, TileHistory};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -10,11 +10,11 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TileRecord {
     /// Page of the tile.
-    pub page: Arc<Page>,
+    pub page: Arc<TexturePage>,
     /// Number of the tile.
     pub tile: u32,
     /// Origin of the tile in this frame. `None` if it was already present and was needed.
-    pub acquired: Option<How>,
+    pub acquired: Option<TileOrigin>,
 }
 
 /// Returns the tiles that arrived in a frame (counted from 1), and the older ones that it needed.

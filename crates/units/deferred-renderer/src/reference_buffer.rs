@@ -1,8 +1,8 @@
 //! Reference buffer (126): one cell per pixel of the screen.
 
 use crate::config::{EngineConfig, RenderMode};
-use crate::tokens::{CellBlock, CellFlow, PassFlow, PlacedCell, Round};
-use crate::{Cell, Onlooker, Page, Sizes};
+use crate::tokens::{CellBlock, CellFlow, PassFlow, PassRound, PlacedCell};
+use crate::{Cell, PreviewObserver, TableSizes, TexturePage};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_shading::{BLOCK, pixel_offset};
@@ -41,7 +41,7 @@ pub struct FilledBuffer {
     /// Height of the picture \[pixels\].
     pub height: u32,
     /// All pages so far, by number.
-    pub pages: Vec<Arc<Page>>,
+    pub pages: Vec<Arc<TexturePage>>,
     /// Cells, row by row.
     pub cells: Vec<Cell>,
 }
@@ -66,7 +66,7 @@ pub struct ReferenceBufferState {
     /// Cells, block by block.
     pub cells: Vec<Cell>,
     /// Pages so far, by number.
-    pub pages: Vec<Arc<Page>>,
+    pub pages: Vec<Arc<TexturePage>>,
     /// Blocks that gather writes.
     pub lines: GatheredLines,
     /// Filled buffers that are not fetched yet, if recording is enabled.
@@ -87,10 +87,10 @@ pub struct ReferenceBuffer {
     pub config: EngineConfig,
     mode: RenderMode,
     cell_bytes: u32,
-    sizes: Sizes,
+    sizes: TableSizes,
     /// True if filled buffers are kept for auxiliary outputs.
     pub keep: bool,
-    onlooker: Option<Arc<dyn Onlooker>>,
+    onlooker: Option<Arc<dyn PreviewObserver>>,
     /// State between steps.
     pub state: ReferenceBufferState,
 }
@@ -99,13 +99,13 @@ type Out = (Option<PassFlow>, Option<PassFlow>);
 
 impl ReferenceBuffer {
     /// Creates the buffer in its power-on state. `cell_bytes` is the size of a cell in memory.
-    pub fn new(config: EngineConfig, mode: RenderMode, (cell_bytes, sizes): (u32, Sizes)) -> Self {
+    pub fn new(config: EngineConfig, mode: RenderMode, (cell_bytes, sizes): (u32, TableSizes)) -> Self {
         Self { config, mode, cell_bytes, sizes, keep: false, onlooker: None, state: ReferenceBufferState::default() }
     }
 
     /// Sets the observer of each filled buffer.
     #[must_use]
-    pub fn shown_to(self, onlooker: Option<Arc<dyn Onlooker>>) -> Self {
+    pub fn shown_to(self, onlooker: Option<Arc<dyn PreviewObserver>>) -> Self {
         Self { onlooker, ..self }
     }
 
@@ -230,7 +230,7 @@ impl ReferenceBuffer {
 
 impl Unit for ReferenceBuffer {
     basrelief_kernel::unit_info!("one cell per pixel: filled, then passed over");
-    type In = (Option<CellFlow>, Option<Round>);
+    type In = (Option<CellFlow>, Option<PassRound>);
     type Out = Out;
 
     #[inline]
@@ -267,7 +267,7 @@ impl Unit for ReferenceBuffer {
                 Step::after(latency, (None, token)).busy(cycles)
             }
             Phase::Wait => {
-                self.state.phase = if round == Some(Round::Again) { Phase::Begin } else { Phase::Fill };
+                self.state.phase = if round == Some(PassRound::Again) { Phase::Begin } else { Phase::Fill };
                 Step::after(latency, (None, None))
             }
         }

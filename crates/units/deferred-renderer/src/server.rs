@@ -1,11 +1,11 @@
 //! Server (110): polygon memory (112) and texture memory (114).
 
-use crate::config::{Lighting, PathConfig};
+use crate::config::{LightingMode, PathConfig};
 use crate::encoding::TileEncoding;
 use crate::polygon_memory::PolygonMemory;
 use crate::pyramid::{ServedTexture, is_same_picture};
-use crate::tokens::{Content, EncodedTile, Parcel, Request};
-use crate::{Onlooker, Page, User, page::Cut};
+use crate::tokens::{EncodedTile, ResponseContent, TileRequest, TileResponse};
+use crate::{PreviewObserver, TexturePage, ViewUser, page::PyramidCut};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Cached, Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::{Control, Texture};
@@ -19,24 +19,24 @@ pub trait TileSource: Debug {
     /// Announces a texture of the scene: a frame declares it, or a polygon uses it.
     fn offer(&mut self, texture: &Arc<Texture>);
     /// Announces the tiles that will be requested next, in this order.
-    fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
+    fn announce(&mut self, tiles: &[(Arc<TexturePage>, u32)]) {
         let _ = tiles;
     }
     /// Returns an encoded tile.
     ///
     /// # Errors
     /// Returns a sentence that names texture, layer and tile if the tile is not available.
-    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String>;
+    fn tile(&mut self, page: &Arc<TexturePage>, tile: u32) -> Result<Arc<[u8]>, String>;
     /// Returns the user who looks at the pictures in real time. The model has none.
-    fn user(&self) -> Option<Arc<dyn User>> {
+    fn user(&self) -> Option<Arc<dyn ViewUser>> {
         None
     }
     /// Returns the observer of filled reference buffers (126), called before the first tile request. The model has none.
-    fn onlooker(&self) -> Option<Arc<dyn Onlooker>> {
+    fn onlooker(&self) -> Option<Arc<dyn PreviewObserver>> {
         None
     }
     /// Returns the encoded bytes of all tiles of the finest layer of a texture. Returns `None` if only a remote server knows.
-    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64>;
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: PyramidCut) -> Option<u64>;
 }
 
 /// Texture memory (114): textures by number. Their pyramids are built at first use.
@@ -53,7 +53,7 @@ impl TextureMemory {
         Self { encoding, quality, textures: BTreeMap::new() }
     }
 
-    fn encode(&self, texels: &[[u8; 4]], page: &Page, tile: u32) -> Result<Vec<u8>, String> {
+    fn encode(&self, texels: &[[u8; 4]], page: &TexturePage, tile: u32) -> Result<Vec<u8>, String> {
         let (first, end) = page.texels_of(tile);
         let encoded = self.encoding.encode(texels, [end[0] - first[0], end[1] - first[1]], self.quality);
         encoded.map_err(|e| format!("{}: {e}", place_of(page, tile)))
@@ -61,7 +61,7 @@ impl TextureMemory {
 }
 
 /// Returns a position for messages, for example `texture 3 (name), layer 2, tile 17`.
-pub fn place_of(page: &Page, tile: u32) -> String {
+pub fn place_of(page: &TexturePage, tile: u32) -> String {
     format!("texture {} ({}), layer {}, tile {tile}", page.texture, page.name, page.layer_of(tile))
 }
 
@@ -70,7 +70,7 @@ impl TileSource for TextureMemory {
         self.textures.entry(texture.id).or_insert_with(|| ServedTexture::new(Arc::clone(texture)));
     }
 
-    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+    fn tile(&mut self, page: &Arc<TexturePage>, tile: u32) -> Result<Arc<[u8]>, String> {
         let Some(texture) = self.textures.get_mut(&page.texture) else {
             return Err(format!("{}: the server has no such texture", place_of(page, tile)));
         };
@@ -78,8 +78,8 @@ impl TileSource for TextureMemory {
         self.encode(&texels, page, tile).map(Arc::from)
     }
 
-    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
-        let page = Page::new(0, texture, cut, 0);
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: PyramidCut) -> Option<u64> {
+        let page = TexturePage::new(0, texture, cut, 0);
         if self.encoding == TileEncoding::Raw {
             return Some(cut.raw_bytes(page.texture_size));
         }
@@ -93,7 +93,7 @@ impl TileSource for TextureMemory {
 
 /// Load of a conventional renderer, which takes all pictures at their finest layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Conventional {
+pub struct ConventionalLoad {
     /// Size as raw texels \[bytes\].
     pub raw_bytes: u64,
     /// Size as encoded tiles \[bytes\]. `None` if only a remote server knows.
@@ -158,7 +158,7 @@ pub struct ServerState {
 pub struct Server {
     /// Parameters.
     pub config: PathConfig,
-    lighting: Lighting,
+    lighting: LightingMode,
     source: Box<dyn TileSource>,
     /// State between steps.
     pub state: ServerState,
@@ -166,13 +166,13 @@ pub struct Server {
 
 impl Server {
     /// Creates a server that takes its tiles from `source`. Normals travel only if the device lights surfaces.
-    pub fn new(config: PathConfig, lighting: Lighting, source: Box<dyn TileSource>) -> Self {
+    pub fn new(config: PathConfig, lighting: LightingMode, source: Box<dyn TileSource>) -> Self {
         Self { config, lighting, source, state: ServerState::default() }
     }
 
     /// Returns the load of all offered pictures, each counted once.
-    pub fn conventional(&self, cut: Cut) -> Conventional {
-        let mut sum = Conventional { raw_bytes: 0, encoded_bytes: Some(0) };
+    pub fn conventional(&self, cut: PyramidCut) -> ConventionalLoad {
+        let mut sum = ConventionalLoad { raw_bytes: 0, encoded_bytes: Some(0) };
         let known: Vec<&Arc<Texture>> = self.state.known.values().collect();
         let pictures = known.iter().enumerate().filter(|(i, texture)| !known[..*i].iter().any(|t| is_same_picture(t, texture)));
         for (_, texture) in pictures {
@@ -196,7 +196,7 @@ impl Server {
         bytes
     }
 
-    fn mesh(&mut self, control: Control) -> Parcel {
+    fn mesh(&mut self, control: Control) -> TileResponse {
         let mut bytes = 0;
         match &control {
             Control::Polygon(polygon) => {
@@ -207,7 +207,7 @@ impl Server {
                 bytes = self.state.polygons.frame(frame, &self.config);
                 bytes += frame.textures.iter().map(|texture| self.size_of(texture)).sum::<u64>();
                 if self.state.frames == 0 {
-                    return Parcel { bytes, content: Content::Asked(control) };
+                    return TileResponse { bytes, content: ResponseContent::Asked(control) };
                 }
             }
             Control::FrameEnd => {
@@ -217,12 +217,12 @@ impl Server {
             Control::Object(object) => bytes = self.state.polygons.object(object, (&self.config, self.lighting)),
             Control::CodeBook(_) | Control::Criterion(_) => {}
         }
-        Parcel { bytes, content: Content::Mesh(control) }
+        TileResponse { bytes, content: ResponseContent::Mesh(control) }
     }
 
     /// Returns the bytes of the head of an answer, before the first of its tiles. The tiles of an answer are of one picture, and
     /// from one acquisition.
-    fn head(&mut self, page: &Page) -> u64 {
+    fn head(&mut self, page: &TexturePage) -> u64 {
         let most = self.config.tiles_per_request;
         let under_way = self.state.answer.filter(|(texture, tiles)| *texture == page.texture && *tiles < most);
         self.state.answer = Some((page.texture, under_way.map_or(0, |(_, tiles)| tiles) + 1));
@@ -230,24 +230,27 @@ impl Server {
         if under_way.is_some() { 0 } else { self.config.head_bytes.into() }
     }
 
-    fn answer(&mut self, request: &Request) -> Option<Parcel> {
+    fn answer(&mut self, request: &TileRequest) -> Option<TileResponse> {
         match request {
-            Request::Announce(tiles) => {
+            TileRequest::Announce(tiles) => {
                 self.state.answer = None;
                 self.source.announce(tiles);
                 None
             }
-            Request::End => {
+            TileRequest::End => {
                 self.state.phase = Phase::Shown;
                 None
             }
-            Request::Tile(page, tile) => match self.source.tile(page, *tile) {
+            TileRequest::Tile(page, tile) => match self.source.tile(page, *tile) {
                 Ok(bytes) => {
                     self.state.counters.tile_bytes += bytes.len() as u64;
                     self.state.counters.raw_tile_bytes += 3 * page.texels_in(*tile);
                     self.state.counters.tiles += 1;
                     let encoded = EncodedTile { page: Arc::clone(page), tile: *tile, bytes };
-                    Some(Parcel { bytes: self.head(page) + encoded.bytes.len() as u64, content: Content::Tile(encoded) })
+                    Some(TileResponse {
+                        bytes: self.head(page) + encoded.bytes.len() as u64,
+                        content: ResponseContent::Tile(encoded),
+                    })
                 }
                 Err(error) => {
                     self.state.lost = Some(error);
@@ -260,8 +263,8 @@ impl Server {
 
 impl Unit for Server {
     basrelief_kernel::unit_info!("has polygons (112) and textures (114); sends tiles on request");
-    type In = (Option<Control>, Option<Request>, Option<()>);
-    type Out = Option<Parcel>;
+    type In = (Option<Control>, Option<TileRequest>, Option<()>);
+    type Out = Option<TileResponse>;
 
     fn demand(&self) -> Demand {
         if self.state.lost.is_some() { Demand::Finished } else { Demand::Only(self.state.phase as usize) }

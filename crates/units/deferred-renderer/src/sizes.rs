@@ -1,7 +1,7 @@
 //! Sizes of the device's tables, computed from the configuration.
 
 use crate::config::{CellConfig, EngineConfig, WRAP_BITS};
-use crate::page::Cut;
+use crate::page::PyramidCut;
 use basrelief_kernel::HardwareKind;
 use basrelief_kernel::stats::UnitStats;
 
@@ -16,7 +16,7 @@ const BLOCK_CELLS: u32 = 16;
 
 /// Sizes of tables and registers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sizes {
+pub struct TableSizes {
     /// Width of a cell of the reference buffer (126) \[bits\].
     pub cell_bits: u32,
     /// Width of the page pointer (310) of a cell \[bits\].
@@ -29,9 +29,9 @@ pub struct Sizes {
     pub tile_texels: u64,
 }
 
-impl Sizes {
+impl TableSizes {
     /// Computes the sizes of a configuration.
-    pub fn new(cell: &CellConfig, cut: Cut, engine: &EngineConfig) -> Self {
+    pub fn new(cell: &CellConfig, cut: PyramidCut, engine: &EngineConfig) -> Self {
         let [width, height] = cut.tile;
         let layers = (LONGEST_SIDE / width.min(height)).max(1).ilog2() + 1;
         let tile_texels = u64::from(width) * u64::from(height);

@@ -1,26 +1,26 @@
 //! Set-up of a triangle for the initial rasterization (454): colour, texture coordinates, and the footprint of a pixel.
 
-use crate::config::Lighting;
-use basrelief_shading::{Gradient, LightVector, brightness, fan_triangle};
+use crate::config::LightingMode;
+use basrelief_shading::{AttributeGradient, LightVector, brightness, fan_triangle};
 use basrelief_signals::{Polygon, Vertex};
 use glam::Vec3;
 
 /// Set-up of the current triangle.
 #[derive(Clone, Debug)]
-pub(crate) struct Slopes {
+pub(crate) struct TriangleSlopes {
     /// Number in the fan.
     pub(crate) number: u16,
     /// Colour, including light.
-    pub(crate) colour: Gradient<3>,
+    pub(crate) colour: AttributeGradient<3>,
     /// S and T \[finest texels\].
-    pub(crate) coordinates: Gradient<2>,
+    pub(crate) coordinates: AttributeGradient<2>,
     /// Footprint of a pixel on the texture.
-    pub(crate) footprint: Footprint,
+    pub(crate) footprint: PixelFootprint,
 }
 
 /// Change of texture coordinates over the screen: planes of S/w, T/w and 1/w, relative to the first vertex.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Footprint {
+pub(crate) struct PixelFootprint {
     origin: [f64; 2],
     q: f64,
     /// Change of 1/w per pixel to the right and down.
@@ -29,7 +29,7 @@ pub(crate) struct Footprint {
     st_by: [[f64; 2]; 2],
 }
 
-impl Footprint {
+impl PixelFootprint {
     /// Computes the planes from three corners: window position, 1/w, and S, T.
     fn new(corners: [([f64; 2], f64); 3], st: [[f64; 2]; 3]) -> Self {
         let largest = corners.iter().fold(f64::MIN_POSITIVE, |l, c| l.max(c.1));
@@ -59,28 +59,30 @@ impl Footprint {
 
 /// Lighting of vertices, if enabled.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Light<'a> {
-    pub(crate) lighting: Lighting,
+pub(crate) struct VertexLight<'a> {
+    pub(crate) lighting: LightingMode,
     /// Lights as seen from the centre of the object.
     pub(crate) lights: &'a [LightVector],
 }
 
-impl Light<'_> {
+impl VertexLight<'_> {
     /// Returns the brightness of a vertex, which the geometry processor computed. Bump targets have none and are lit here, by the
     /// same formula.
     fn of(&self, vertex: &Vertex, polygon: &Polygon) -> f32 {
         let [rest, specular] = match self.lighting {
-            Lighting::None => return 1.0,
-            Lighting::Gouraud if polygon.bump => brightness(Vec3::from(vertex.normal), &polygon.material.lighting, self.lights),
-            Lighting::Gouraud => vertex.brightness,
+            LightingMode::None => return 1.0,
+            LightingMode::Gouraud if polygon.bump => {
+                brightness(Vec3::from(vertex.normal), &polygon.material.lighting, self.lights)
+            }
+            LightingMode::Gouraud => vertex.brightness,
         };
         rest + specular
     }
 }
 
-impl Slopes {
+impl TriangleSlopes {
     /// Sets up a triangle of the polygon's fan. `size` is that of its texture \[finest texels\].
-    pub(crate) fn new(polygon: &Polygon, size: [f32; 2], number: u16, light: Light<'_>) -> Option<Self> {
+    pub(crate) fn new(polygon: &Polygon, size: [f32; 2], number: u16, light: VertexLight<'_>) -> Option<Self> {
         let vertices = fan_triangle(polygon, number)?;
         let factor = polygon.material.base_color;
         let colours = vertices.map(|v| {
@@ -94,9 +96,9 @@ impl Slopes {
         };
         Some(Self {
             number,
-            colour: Gradient::new([&colours[0], &colours[1], &colours[2]]),
-            coordinates: Gradient::new([&st[0], &st[1], &st[2]]),
-            footprint: Footprint::new([corner(0), corner(1), corner(2)], st.map(|c| c.map(f64::from))),
+            colour: AttributeGradient::new([&colours[0], &colours[1], &colours[2]]),
+            coordinates: AttributeGradient::new([&st[0], &st[1], &st[2]]),
+            footprint: PixelFootprint::new([corner(0), corner(1), corner(2)], st.map(|c| c.map(f64::from))),
         })
     }
 }

@@ -1,8 +1,8 @@
 //! Texels of a page in the texture-data memory (130): the present part of its pyramid (134), and its interpolation.
 
-use crate::Page;
-use crate::acquisition::How;
-use crate::page::{Placed, Tap};
+use crate::TexturePage;
+use crate::acquisition::TileOrigin;
+use crate::page::{AxisTap, WrappedCoordinates};
 use crate::pyramid::LayerTexels;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
@@ -13,7 +13,7 @@ use wide::f32x4;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileHistory {
     /// Origin of the tile, and the frame of its arrival, counted from 1.
-    pub acquired: Option<(How, u64)>,
+    pub acquired: Option<(TileOrigin, u64)>,
     /// Last frame, counted from 1, in which a pixel was coloured from it. 0 means none.
     pub needed: u64,
 }
@@ -35,7 +35,7 @@ pub struct LayerCounts {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PageTexels {
     /// Page of the pyramid.
-    pub page: Arc<Page>,
+    pub page: Arc<TexturePage>,
     layers: Vec<LayerTexels>,
     history: Vec<TileHistory>,
     reused: Vec<u64>,
@@ -47,7 +47,7 @@ const NO_TILE: u32 = u32::MAX;
 
 impl PageTexels {
     /// Creates an empty page. Layers allocate memory with their first tile.
-    pub fn new(page: Arc<Page>) -> Self {
+    pub fn new(page: Arc<TexturePage>) -> Self {
         let layers = vec![LayerTexels::default(); page.layers.len()];
         let history = vec![TileHistory::default(); page.tiles() as usize];
         let (reused, last) = (vec![0; page.layers.len()], vec![NO_TILE; page.layers.len()]);
@@ -63,10 +63,10 @@ impl PageTexels {
     pub fn counts(&self, layer: u8) -> LayerCounts {
         let l = &self.page.layers[usize::from(layer)];
         let tiles = &self.history[l.base as usize..(l.base + l.pitch * l.rows) as usize];
-        let came = |how: How| tiles.iter().filter(|t| t.acquired.is_some_and(|a| a.0 == how)).count() as u64;
+        let came = |how: TileOrigin| tiles.iter().filter(|t| t.acquired.is_some_and(|a| a.0 == how)).count() as u64;
         LayerCounts {
-            loaded: came(How::Loaded),
-            synthesized: came(How::Synthesized),
+            loaded: came(TileOrigin::Loaded),
+            synthesized: came(TileOrigin::Synthesized),
             reused: self.reused[usize::from(layer)],
             never_needed: tiles.iter().filter(|t| t.needed == 0).count() as u64,
         }
@@ -86,7 +86,7 @@ impl PageTexels {
     /// Returns true if all tiles of a sample of a layer are present, and the number of words of the tile load list (136), of
     /// `entries` entries each, that the test reads.
     #[inline]
-    pub fn look_up(&self, layer: u8, placed: Placed, entries: u32) -> (bool, u32) {
+    pub fn look_up(&self, layer: u8, placed: WrappedCoordinates, entries: u32) -> (bool, u32) {
         let tiles = self.page.marked(layer, placed);
         let mut words: SmallVec<[u32; 4]> = tiles.iter().map(|tile| tile / entries).collect();
         words.sort_unstable();
@@ -99,7 +99,7 @@ impl PageTexels {
         let layer = self.page.layer_of(tile);
         let place = self.page.texels_of(tile);
         self.room(layer).put(place, texels);
-        self.history[tile as usize].acquired = Some((How::Loaded, frame));
+        self.history[tile as usize].acquired = Some((TileOrigin::Loaded, frame));
     }
 
     /// Averages a tile from the next finer layer.
@@ -111,7 +111,7 @@ impl PageTexels {
             own.average(finer.texels(), place);
         }
         self.layers[usize::from(layer)] = own;
-        self.history[tile as usize].acquired = Some((How::Synthesized, frame));
+        self.history[tile as usize].acquired = Some((TileOrigin::Synthesized, frame));
     }
 
     /// Returns the tile of the next coarser layer that can now be averaged (Figure 6), because this tile was its last missing
@@ -133,7 +133,7 @@ impl PageTexels {
     /// Records that a pixel of the final picture of this frame, or a pixel that cannot be improved, is coloured from these texels
     /// of a layer.
     #[inline]
-    pub fn need(&mut self, layer: u8, taps: &[Tap; 2], frame: u64) {
+    pub fn need(&mut self, layer: u8, taps: &[AxisTap; 2], frame: u64) {
         let [x, y] = taps;
         let first = self.page.tile_of(layer, [x.first, y.first]);
         let inside = self.page.tile_of(layer, [x.second, y.second]) == first;
@@ -152,7 +152,7 @@ impl PageTexels {
 
     /// Interpolates bilinearly within a layer, 0..=255 per channel.
     #[inline]
-    pub fn bilinear(&self, layer: u8, [x, y]: &[Tap; 2]) -> [f32; 4] {
+    pub fn bilinear(&self, layer: u8, [x, y]: &[AxisTap; 2]) -> [f32; 4] {
         let texels = &self.layers[usize::from(layer)];
         let texel = |start: usize, x: u32| {
             let [r, g, b, a] = texels.texels.get(start + x as usize).copied().unwrap_or_default();

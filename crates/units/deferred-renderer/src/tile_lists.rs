@@ -1,9 +1,9 @@
 //! Tile load lists (136) of all pages, and the acquisition of tiles (462, 477), Figure 6.
 
-use crate::acquisition::{Acquired, How, TileList};
+use crate::acquisition::{AcquiredTile, TileList, TileOrigin};
 use crate::config::{EngineConfig, RenderMode, TileOrder};
-use crate::tokens::{Mark, MarkFlow, Order, Request, Round};
-use crate::{Leaving, Page, Sizes};
+use crate::tokens::{MarkFlow, PassRound, StoreOrder, TileMark, TileRequest};
+use crate::{TableSizes, TexturePage, ViewpointEnds};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use serde::{Deserialize, Serialize};
@@ -13,20 +13,20 @@ use std::sync::Arc;
 
 /// Priority of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Wanted {
+struct TilePriority {
     pixels: u32,
     distance: u32,
 }
 
-const UNWANTED: Wanted = Wanted { pixels: 0, distance: u32::MAX };
+const UNWANTED: TilePriority = TilePriority { pixels: 0, distance: u32::MAX };
 
 /// A page and its tile load list (136).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Listed {
-    page: Arc<Page>,
+struct ListedPage {
+    page: Arc<TexturePage>,
     list: TileList,
     /// Priorities by tile. Empty if the order does not use them.
-    wanted: Vec<Wanted>,
+    wanted: Vec<TilePriority>,
 }
 
 /// Phase of the lists.
@@ -67,9 +67,9 @@ pub struct ViewTiles {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TileListsState {
     phase: Phase,
-    pages: Vec<Listed>,
+    pages: Vec<ListedPage>,
     /// Tiles to be acquired, in order: page and tile.
-    pub plan: VecDeque<(u16, Acquired)>,
+    pub plan: VecDeque<(u16, AcquiredTile)>,
     /// Views begun, and their tiles.
     pub views: Vec<ViewTiles>,
     /// Pictures of the current frame whose marks have been received.
@@ -92,33 +92,33 @@ pub struct TileLists {
     pub config: EngineConfig,
     mode: RenderMode,
     order: TileOrder,
-    leaving: Leaving,
-    sizes: Sizes,
+    leaving: ViewpointEnds,
+    sizes: TableSizes,
     /// State between steps.
     pub state: TileListsState,
 }
 
-type Out = (Option<Request>, Option<Order>, Option<Round>);
+type Out = (Option<TileRequest>, Option<StoreOrder>, Option<PassRound>);
 
 impl TileLists {
     /// Creates the lists in their power-on state.
-    pub fn new(config: EngineConfig, mode: RenderMode, (order, sizes): (TileOrder, Sizes), leaving: Leaving) -> Self {
+    pub fn new(config: EngineConfig, mode: RenderMode, (order, sizes): (TileOrder, TableSizes), leaving: ViewpointEnds) -> Self {
         Self { config, mode, order, leaving, sizes, state: TileListsState::default() }
     }
 
     /// Returns the pages and their lists.
-    pub fn lists(&self) -> impl Iterator<Item = (&Arc<Page>, &TileList)> {
+    pub fn lists(&self) -> impl Iterator<Item = (&Arc<TexturePage>, &TileList)> {
         self.state.pages.iter().map(|l| (&l.page, &l.list))
     }
 
-    fn add(&mut self, page: Arc<Page>) {
+    fn add(&mut self, page: Arc<TexturePage>) {
         let tiles = page.tiles();
         let wanted = if self.order == TileOrder::Listed { Vec::new() } else { vec![UNWANTED; tiles as usize] };
-        self.state.pages.push(Listed { page, list: TileList::new(tiles), wanted });
+        self.state.pages.push(ListedPage { page, list: TileList::new(tiles), wanted });
     }
 
     #[inline]
-    fn mark(&mut self, mark: &Mark) {
+    fn mark(&mut self, mark: &TileMark) {
         let Some(listed) = self.state.pages.get_mut(usize::from(mark.page)) else { return };
         listed.list.mark(mark.tile);
         if let Some(wanted) = listed.wanted.get_mut(mark.tile as usize) {
@@ -172,9 +172,9 @@ impl TileLists {
         self.state.plan.make_contiguous().sort_by_key(|(page, acquired)| {
             let wanted = pages[usize::from(*page)].wanted.get(acquired.tile as usize).copied().unwrap_or(UNWANTED);
             match (acquired.how, order) {
-                (How::Synthesized, _) | (_, TileOrder::Listed) => (1, 0, Reverse(0)),
-                (How::Loaded, TileOrder::Centre) => (0, wanted.distance, Reverse(0)),
-                (How::Loaded, TileOrder::Pixels) => (0, 0, Reverse(wanted.pixels)),
+                (TileOrigin::Synthesized, _) | (_, TileOrder::Listed) => (1, 0, Reverse(0)),
+                (TileOrigin::Loaded, TileOrder::Centre) => (0, wanted.distance, Reverse(0)),
+                (TileOrigin::Loaded, TileOrder::Pixels) => (0, 0, Reverse(wanted.pixels)),
             }
         });
         let planned = self.state.plan.len() as u64;
@@ -182,15 +182,15 @@ impl TileLists {
     }
 
     /// Returns the loads of the plan.
-    fn loads(&self) -> impl Iterator<Item = (Arc<Page>, u32)> {
-        let loaded = self.state.plan.iter().filter(|(_, a)| a.how == How::Loaded);
+    fn loads(&self) -> impl Iterator<Item = (Arc<TexturePage>, u32)> {
+        let loaded = self.state.plan.iter().filter(|(_, a)| a.how == TileOrigin::Loaded);
         loaded.map(|(page, a)| (Arc::clone(&self.state.pages[usize::from(*page)].page), a.tile))
     }
 
     /// Returns the announcement for a real server.
-    fn announcement(&self) -> Option<Request> {
+    fn announcement(&self) -> Option<TileRequest> {
         let tiles: Arc<[_]> = self.loads().collect();
-        (!tiles.is_empty()).then_some(Request::Announce(tiles))
+        (!tiles.is_empty()).then_some(TileRequest::Announce(tiles))
     }
 
     /// Handles the end of the marks of the identification.
@@ -210,15 +210,15 @@ impl TileLists {
         let is_left = self.state.views.last().is_some_and(|view| view.is_left);
         if is_left || self.leaving.is_behind(self.state.pictures) {
             self.state.phase = Phase::Identified;
-            return (1, (Some(Request::End), None, Some(Round::Done)));
+            return (1, (Some(TileRequest::End), None, Some(PassRound::Done)));
         }
         let cycles = self.acquire();
         if self.state.plan.is_empty() {
             self.state.phase = Phase::Identified;
-            return (cycles, (Some(Request::End), None, Some(Round::Done)));
+            return (cycles, (Some(TileRequest::End), None, Some(PassRound::Done)));
         }
         self.state.phase = Phase::Acquire;
-        (cycles, (self.announcement(), None, Some(Round::Again)))
+        (cycles, (self.announcement(), None, Some(PassRound::Again)))
     }
 
     /// Returns the next tile of the plan, unless the user moves on (475).
@@ -226,26 +226,26 @@ impl TileLists {
         if self.is_left_here() {
             self.abandon();
         }
-        let Some((page, Acquired { tile, how })) = self.state.plan.pop_front() else { return self.end_of_acquisition() };
+        let Some((page, AcquiredTile { tile, how })) = self.state.plan.pop_front() else { return self.end_of_acquisition() };
         match how {
-            How::Loaded => {
+            TileOrigin::Loaded => {
                 self.state.counters.loaded += 1;
                 if let Some(view) = self.state.views.last_mut() {
                     view.loaded += 1;
                 }
-                let request = Request::Tile(Arc::clone(&self.state.pages[usize::from(page)].page), tile);
-                (Some(request), Some(Order::Load { page, tile }), None)
+                let request = TileRequest::Tile(Arc::clone(&self.state.pages[usize::from(page)].page), tile);
+                (Some(request), Some(StoreOrder::Load { page, tile }), None)
             }
-            How::Synthesized => {
+            TileOrigin::Synthesized => {
                 self.state.counters.synthesized += 1;
-                (None, Some(Order::Synthesize { page, tile }), None)
+                (None, Some(StoreOrder::Synthesize { page, tile }), None)
             }
         }
     }
 
     /// Returns true if the view ends before the next tile of the plan.
     fn is_left_here(&self) -> bool {
-        let loads = matches!(self.state.plan.front(), Some((_, Acquired { how: How::Loaded, .. })));
+        let loads = matches!(self.state.plan.front(), Some((_, AcquiredTile { how: TileOrigin::Loaded, .. })));
         let Some((number, view)) = self.state.views.iter().enumerate().next_back().filter(|_| loads) else { return false };
         self.mode == RenderMode::Progressive && self.leaving.is_in_place_of(number as u64, view.loaded + 1, &mut self.loads())
     }
@@ -265,10 +265,10 @@ impl TileLists {
         if self.mode == RenderMode::Progressive {
             let is_left = self.state.views.last().is_some_and(|view| view.is_left);
             self.state.phase = Phase::Improved;
-            (None, Some(if is_left { Order::Left } else { Order::End }), None)
+            (None, Some(if is_left { StoreOrder::Left } else { StoreOrder::End }), None)
         } else {
             self.state.phase = Phase::Identified;
-            (Some(Request::End), Some(Order::End), Some(Round::Done))
+            (Some(TileRequest::End), Some(StoreOrder::End), Some(PassRound::Done))
         }
     }
 

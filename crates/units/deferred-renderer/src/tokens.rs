@@ -1,6 +1,6 @@
 //! Tokens between the units of the rendering device (100).
 
-use crate::{Cell, Page};
+use crate::{Cell, TexturePage};
 use basrelief_signals::{Control, Frame, Stamp};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ pub enum CellFlow {
     /// A frame begins.
     Frame(Arc<Frame>),
     /// A page is set up (452).
-    Page(Arc<Page>),
+    Page(Arc<TexturePage>),
     /// Cells of pixels in front of all earlier ones.
     Cells(Stamp<PlacedCell>),
     /// The frame is rasterized.
@@ -55,7 +55,7 @@ pub enum PassFlow {
     /// A frame begins.
     Frame(Arc<Frame>),
     /// A page is set up.
-    Page(Arc<Page>),
+    Page(Arc<TexturePage>),
     /// A pass begins.
     Begin,
     /// A block. The identification (461) gets only blocks with drawn pixels.
@@ -66,7 +66,7 @@ pub enum PassFlow {
 
 /// A needed tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Mark {
+pub struct TileMark {
     /// Page of the tile.
     pub page: u16,
     /// Number of the tile.
@@ -78,7 +78,7 @@ pub struct Mark {
 }
 
 /// Distinct tiles that the pixels of one block need.
-pub type Marks = SmallVec<[Mark; 4]>;
+pub type TileMarks = SmallVec<[TileMark; 4]>;
 
 /// Token to the tile load list (136).
 #[derive(Clone, Debug, PartialEq)]
@@ -86,27 +86,27 @@ pub enum MarkFlow {
     /// A frame begins.
     Frame,
     /// A page is set up.
-    Page(Arc<Page>),
+    Page(Arc<TexturePage>),
     /// Tiles whose state N becomes L.
-    Marks(Marks),
+    Marks(TileMarks),
     /// All tiles are marked.
     End,
 }
 
 /// Token from tile load list (136) to server (110).
 #[derive(Clone, Debug, PartialEq)]
-pub enum Request {
+pub enum TileRequest {
     /// Tiles that will be requested next, for a server with prefetching.
-    Announce(Arc<[(Arc<Page>, u32)]>),
+    Announce(Arc<[(Arc<TexturePage>, u32)]>),
     /// A requested tile.
-    Tile(Arc<Page>, u32),
+    Tile(Arc<TexturePage>, u32),
     /// No further request for this frame.
     End,
 }
 
 /// Token from tile load list (136) to texture-data memory (130): orders for its tiles, in sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
+pub enum StoreOrder {
     /// Store the next tile of the path.
     Load {
         /// Page of the tile.
@@ -129,7 +129,7 @@ pub enum Order {
 
 /// Token from tile load list (136) to reference buffer (126).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Round {
+pub enum PassRound {
     /// Another pass follows.
     Again,
     /// The frame is complete.
@@ -140,7 +140,7 @@ pub enum Round {
 #[derive(Clone, Debug, PartialEq)]
 pub struct EncodedTile {
     /// Page of the tile.
-    pub page: Arc<Page>,
+    pub page: Arc<TexturePage>,
     /// Number of the tile.
     pub tile: u32,
     /// Encoded bytes.
@@ -151,7 +151,7 @@ pub struct EncodedTile {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpandedTile {
     /// Page of the tile.
-    pub page: Arc<Page>,
+    pub page: Arc<TexturePage>,
     /// Number of the tile.
     pub tile: u32,
     /// Texels, row by row.
@@ -160,16 +160,16 @@ pub struct ExpandedTile {
 
 /// Token from the server (110) to the path.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parcel {
+pub struct TileResponse {
     /// Size on the path \[bytes\].
     pub bytes: u64,
     /// Content.
-    pub content: Content,
+    pub content: ResponseContent,
 }
 
 /// Content of a token of the server.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Content {
+pub enum ResponseContent {
     /// The first part of a polygon mesh, for which the device waits.
     Asked(Control),
     /// A further part of a mesh.

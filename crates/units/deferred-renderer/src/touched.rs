@@ -1,7 +1,7 @@
 //! Texels of a sample, as look-ups in the cache of the texture-data memory (130).
 
-use crate::Page;
-use crate::page::Tap;
+use crate::TexturePage;
+use crate::page::AxisTap;
 use basrelief_kernel::MemoryPorts;
 
 /// Most lines of the texel cache that a block of 4 x 4 pixels touches: four texels of two layers each.
@@ -9,13 +9,19 @@ pub const MOST_LINES: u32 = 16 * 2 * 4;
 
 /// Page, layer, and blocks of texels of the previous pixel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Touched(Option<(u16, u8, [u32; 4])>);
+pub(crate) struct LastTexels(Option<(u16, u8, [u32; 4])>);
 
-impl Touched {
+impl LastTexels {
     /// Looks up the blocks of 4 x 4 texels of a sample through a client with a cache, unless the previous pixel read the same
     /// blocks.
     #[inline]
-    pub(crate) fn look_up(&mut self, page: &Page, layer: u8, [x, y]: &[Tap; 2], (client, traffic): (u32, &mut MemoryPorts)) {
+    pub(crate) fn look_up(
+        &mut self,
+        page: &TexturePage,
+        layer: u8,
+        [x, y]: &[AxisTap; 2],
+        (client, traffic): (u32, &mut MemoryPorts),
+    ) {
         let blocks = [x.first >> 2, x.second >> 2, y.first >> 2, y.second >> 2];
         let touched = Some((page.number, layer, blocks));
         if self.0 == touched {

@@ -2,7 +2,8 @@
 
 use crate::config::WRAP_BITS;
 use crate::tokens::{
-    CellBlock, CellFlow, Content, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, PlacedCell, Request, Round,
+    CellBlock, CellFlow, EncodedTile, ExpandedTile, MarkFlow, PassFlow, PassRound, PlacedCell, ResponseContent, StoreOrder,
+    TileMark, TileRequest, TileResponse,
 };
 use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
 use basrelief_signals::{Attribution, BitWidth, PixelSet, SignalWidths, Stamp};
@@ -67,7 +68,7 @@ impl BitWidth for PassFlow {
 }
 
 /// Tile, pixels that need it, distance.
-impl BitWidth for Mark {
+impl BitWidth for TileMark {
     fn bits(_: &SignalWidths) -> u32 {
         TILE + 5 + NUMBER
     }
@@ -75,7 +76,7 @@ impl BitWidth for Mark {
 
 impl BitWidth for MarkFlow {
     fn bits(widths: &SignalWidths) -> u32 {
-        2 + MARKS * (1 + Mark::bits(widths))
+        2 + MARKS * (1 + TileMark::bits(widths))
     }
 
     /// Returns the pixels of the block that needs the tiles.
@@ -88,19 +89,19 @@ impl BitWidth for MarkFlow {
 }
 
 /// The number of a tile. Announcements use the same wire.
-impl BitWidth for Request {
+impl BitWidth for TileRequest {
     fn bits(_: &SignalWidths) -> u32 {
         2 + TILE
     }
 }
 
-impl BitWidth for Order {
+impl BitWidth for StoreOrder {
     fn bits(_: &SignalWidths) -> u32 {
         2 + TILE
     }
 }
 
-impl BitWidth for Round {
+impl BitWidth for PassRound {
     fn bits(_: &SignalWidths) -> u32 {
         1
     }
@@ -121,15 +122,15 @@ impl BitWidth for ExpandedTile {
 }
 
 /// Kind and size. The bytes lie in the receive buffer of the path.
-impl BitWidth for Parcel {
+impl BitWidth for TileResponse {
     fn bits(widths: &SignalWidths) -> u32 {
         2 + NUMBER + EncodedTile::bits(widths).max(CONTROL)
     }
 
     fn attribution(&self) -> Attribution {
         match &self.content {
-            Content::Asked(control) | Content::Mesh(control) => control.attribution(),
-            Content::Tile(_) => Attribution::Whole,
+            ResponseContent::Asked(control) | ResponseContent::Mesh(control) => control.attribution(),
+            ResponseContent::Tile(_) => Attribution::Whole,
         }
     }
 }

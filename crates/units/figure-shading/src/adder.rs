@@ -1,7 +1,7 @@
 //! Adder (52).
 
 use crate::dots::needed;
-use crate::{CircuitConfig, Dot, FigureFlow, Highlight, Highlights, Selection};
+use crate::{BrightnessSelection, CircuitConfig, FigureFlow, ShadedDot, SpecularDot, SpecularFlow};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_signals::width::NUMBER;
@@ -48,7 +48,7 @@ impl Adder {
     }
 
     #[inline]
-    fn sum(&mut self, dot: Dot, highlight: Highlight, traffic: &mut MemoryPorts) -> Dot {
+    fn sum(&mut self, dot: ShadedDot, highlight: SpecularDot, traffic: &mut MemoryPorts) -> ShadedDot {
         if (dot.x, dot.y) != (highlight.x, highlight.y) {
             traffic.fault(format!(
                 "adder (52): circuit (21) is at dot {}, {} and circuit (50) at {}, {}; they run in lock step",
@@ -56,13 +56,13 @@ impl Adder {
             ));
         }
         self.state.counters.sums += 1;
-        Dot { brightness: dot.brightness.map(|b| b + highlight.brightness), ..dot }
+        ShadedDot { brightness: dot.brightness.map(|b| b + highlight.brightness), ..dot }
     }
 }
 
 impl Unit for Adder {
     basrelief_kernel::unit_info!("adds the specular term");
-    type In = (Option<FigureFlow>, Option<Highlights>);
+    type In = (Option<FigureFlow>, Option<SpecularFlow>);
     type Out = Option<FigureFlow>;
 
     #[inline]
@@ -78,7 +78,7 @@ impl Unit for Adder {
                 cycles = u64::from(self.config.initiation_interval);
                 match highlight {
                     None => Some(FigureFlow::Dot(dot)),
-                    Some(Highlights::Dot(highlight)) => Some(FigureFlow::Dot(self.sum(dot, highlight, traffic))),
+                    Some(SpecularFlow::Dot(highlight)) => Some(FigureFlow::Dot(self.sum(dot, highlight, traffic))),
                     Some(_) => {
                         traffic.fault("adder (52): circuit (50) has fewer dots than circuit (21)".into());
                         None
@@ -86,10 +86,10 @@ impl Unit for Adder {
                 }
             }
             (Some(FigureFlow::Figure(figure)), _) => {
-                self.state.joins = figure.registers.selection() == Selection::LinearAndSpecular;
+                self.state.joins = figure.registers.selection() == BrightnessSelection::LinearAndSpecular;
                 Some(FigureFlow::Figure(figure))
             }
-            (Some(FigureFlow::End), Some(Highlights::Dot(_))) => {
+            (Some(FigureFlow::End), Some(SpecularFlow::Dot(_))) => {
                 traffic.fault("adder (52): circuit (50) has more dots than circuit (21)".into());
                 None
             }

@@ -1,7 +1,7 @@
 //! Brightness interpolation circuit (21).
 
-use crate::dots::{Corners, Dots, INTERPOLATION, set_up_cycles, tell_interpolator};
-use crate::{Dot, Figure, FigureFlow, InterpolationConfig, Selection, ShadingMode};
+use crate::dots::{CornerValues, DotScan, INTERPOLATION, set_up_cycles, tell_interpolator};
+use crate::{BrightnessSelection, FigureFlow, InterpolationConfig, PolygonFigure, ShadedDot, ShadingMode};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_signals::Fragment;
@@ -24,11 +24,11 @@ pub struct BrightnessInterpolationCounters {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BrightnessInterpolationState {
     /// Polygon in progress.
-    pub figure: Option<Arc<Figure>>,
+    pub figure: Option<Arc<PolygonFigure>>,
     /// Position in the polygon.
-    pub dots: Dots,
+    pub dots: DotScan,
     /// Brightness at the corners of the current triangle.
-    pub corners: Corners,
+    pub corners: CornerValues,
     /// Counters.
     pub counters: BrightnessInterpolationCounters,
 }
@@ -60,14 +60,14 @@ impl BrightnessInterpolation {
     }
 
     /// Takes a polygon. Returns its occupancy in cycles, which is 0 if the dots come from process 24.
-    fn begin(&mut self, figure: &Arc<Figure>) -> u64 {
-        if figure.registers.selection() == Selection::Mean {
+    fn begin(&mut self, figure: &Arc<PolygonFigure>) -> u64 {
+        if figure.registers.selection() == BrightnessSelection::Mean {
             return 1;
         }
         let cycles = set_up_cycles(&figure.polygon, &self.operators).max(1);
         let state = &mut self.state;
-        state.dots = Dots::new(&figure.polygon, figure.raster);
-        state.corners = Corners::default();
+        state.dots = DotScan::new(&figure.polygon, figure.raster);
+        state.corners = CornerValues::default();
         state.figure = Some(Arc::clone(figure));
         state.counters.polygons += 1;
         state.counters.started_cycles += cycles;
@@ -86,7 +86,7 @@ impl BrightnessInterpolation {
                 let brightness = state.corners.at(&fragment, |i| figure.brightness.get(i).copied().unwrap_or_default());
                 let Fragment { x, y, z, .. } = fragment;
                 state.counters.drawn += 1;
-                (FigureFlow::Dot(Dot { x, y, z, brightness }), u64::from(self.config.initiation_interval))
+                (FigureFlow::Dot(ShadedDot { x, y, z, brightness }), u64::from(self.config.initiation_interval))
             }
             None => {
                 state.figure = None;

@@ -1,6 +1,6 @@
 //! CPU (11): costs of its operations, and the operations of a process.
 //!
-//! A process states its [`Operations`] per polygon, sample point, light or dot. The table ([`CpuConfig`]) gives their cycles. The
+//! A process states its [`CpuOperations`] per polygon, sample point, light or dot. The table ([`CpuConfig`]) gives their cycles. The
 //! CPU does one operation after the other: nothing overlaps, and its loops never end before their last point.
 
 use basrelief_kernel::OperatorCounts;
@@ -32,7 +32,7 @@ parameters! {
 
 /// Number of operations of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Operations {
+pub(crate) struct CpuOperations {
     pub(crate) add: u64,
     pub(crate) multiply: u64,
     pub(crate) divide: u64,
@@ -43,7 +43,7 @@ pub(crate) struct Operations {
     pub(crate) integer: u64,
 }
 
-impl Operations {
+impl CpuOperations {
     pub(crate) const NONE: Self =
         Self { add: 0, multiply: 0, divide: 0, square_root: 0, compare: 0, load: 0, store: 0, integer: 0 };
 
@@ -87,7 +87,7 @@ impl Operations {
 
 impl CpuConfig {
     /// Returns the cycles of these operations.
-    pub(crate) fn cycles(&self, operations: Operations) -> u64 {
+    pub(crate) fn cycles(&self, operations: CpuOperations) -> u64 {
         let takes = |times: u64, cycles: u32| times * u64::from(cycles);
         let sum = takes(operations.add, self.add)
             + takes(operations.multiply, self.multiply)
@@ -107,11 +107,11 @@ mod tests {
 
     #[test]
     fn operation_cycles_follow_table_and_scale() {
-        let product = Operations { load: 3, ..Operations::of(OperatorCounts::INNER_PRODUCT) };
+        let product = CpuOperations { load: 3, ..CpuOperations::of(OperatorCounts::INNER_PRODUCT) };
         let cpu = CpuConfig::default();
         assert_eq!(cpu.cycles(product), 3 * 2 + 3 * 4 + 2 * 2);
-        assert_eq!(cpu.cycles(product.times(2).and(Operations { divide: 1, ..Operations::NONE })), 2 * 22 + 12);
-        let every = Operations { add: 1, multiply: 1, divide: 1, square_root: 1, compare: 1, load: 1, store: 1, integer: 1 };
+        assert_eq!(cpu.cycles(product.times(2).and(CpuOperations { divide: 1, ..CpuOperations::NONE })), 2 * 22 + 12);
+        let every = CpuOperations { add: 1, multiply: 1, divide: 1, square_root: 1, compare: 1, load: 1, store: 1, integer: 1 };
         assert_eq!(cpu.cycles(every), 75);
         assert_eq!(CpuConfig { scale: 40, ..cpu }.cycles(every), 40 * 75);
     }

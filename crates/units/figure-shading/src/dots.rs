@@ -2,7 +2,7 @@
 
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{HardwareKind, OperatorCounts, Operators};
-use basrelief_shading::{Gradient, Raster, Scan, fan_triangles};
+use basrelief_shading::{AttributeGradient, PolygonScan, RasterGrid, fan_triangles};
 use basrelief_signals::width::{COORDINATE, NUMBER};
 use basrelief_signals::{Fragment, Polygon};
 use serde::{Deserialize, Serialize};
@@ -42,15 +42,15 @@ pub(crate) fn tell_interpolator(stats: &mut UnitStats, operators: &Operators, in
 
 /// A polygon in progress. The scan stands on a dot, or past the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Dots {
-    scan: Scan,
+pub struct DotScan {
+    scan: PolygonScan,
     more: bool,
 }
 
-impl Dots {
+impl DotScan {
     /// Creates a scan on the first dot of `polygon`.
-    pub(crate) fn new(polygon: &Polygon, raster: Raster) -> Self {
-        let mut scan = Scan::new(polygon, raster);
+    pub(crate) fn new(polygon: &Polygon, raster: RasterGrid) -> Self {
+        let mut scan = PolygonScan::new(polygon, raster);
         let more = scan.advance(polygon);
         Self { scan, more }
     }
@@ -73,13 +73,13 @@ impl Dots {
 /// (1-beta)*(1-gamma), and P1 has the rest. These are the shares of the triangle's area that lie opposite the corners,
 /// independent of the edges that the line cuts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Corners {
+pub struct CornerValues {
     /// Number of the triangle, counted from 1. 0 means no triangle yet.
     triangle: u32,
     values: [[f32; 3]; 3],
 }
 
-impl Corners {
+impl CornerValues {
     /// Returns the values at `dot`. `points` returns the values of each sample point.
     #[inline]
     pub(crate) fn at(&mut self, dot: &Fragment, points: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
@@ -88,6 +88,6 @@ impl Corners {
             *self = Self { triangle: u32::from(dot.triangle) + 1, values: [points(0), points(i + 1), points(i + 2)] };
         }
         let [a, b, c] = &self.values;
-        Gradient::new([a, b, c]).at(dot.weights)
+        AttributeGradient::new([a, b, c]).at(dot.weights)
     }
 }

@@ -1,6 +1,6 @@
 //! Gate (51).
 
-use crate::{CircuitConfig, Highlights};
+use crate::{CircuitConfig, SpecularFlow};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use serde::{Deserialize, Serialize};
@@ -41,8 +41,8 @@ impl Gate {
 
 impl Unit for Gate {
     basrelief_kernel::unit_info!("holds the specular term back where it is negligible");
-    type In = Option<Highlights>;
-    type Out = Option<Highlights>;
+    type In = Option<SpecularFlow>;
+    type Out = Option<SpecularFlow>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -53,13 +53,13 @@ impl Unit for Gate {
     fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let state = &mut self.state;
         let (out, cycles) = match input {
-            Some(Highlights::Start { open }) => {
+            Some(SpecularFlow::Start { open }) => {
                 state.open = open;
                 (None, 1)
             }
-            Some(Highlights::Dot(dot)) => {
+            Some(SpecularFlow::Dot(dot)) => {
                 *if state.open { &mut state.counters.passed } else { &mut state.counters.blocked } += 1;
-                (state.open.then_some(Highlights::Dot(dot)), u64::from(self.config.initiation_interval))
+                (state.open.then_some(SpecularFlow::Dot(dot)), u64::from(self.config.initiation_interval))
             }
             end => (end.filter(|_| state.open), 1),
         };

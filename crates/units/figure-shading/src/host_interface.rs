@@ -1,7 +1,7 @@
 //! Host interface: transfers from the host computer (100), polygon by polygon.
 
 use crate::local_memory::{LIGHT, LIGHTS, LocalPort, PolygonBuffer, SETTINGS};
-use crate::{Finished, HostConfig};
+use crate::{FinishedPolygon, HostConfig};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::width::NUMBER;
@@ -160,7 +160,7 @@ impl HostInterface {
 
 impl Unit for HostInterface {
     basrelief_kernel::unit_info!("transfers polygons, one or two at a time");
-    type In = (Option<Control>, Option<Finished>);
+    type In = (Option<Control>, Option<FinishedPolygon>);
     type Out = Option<Control>;
 
     fn demand(&self) -> Demand {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// circuit (50) once more. Light and viewer are at infinity, or a point light is evaluated at the object's centre, so L and H are
 /// constant over an object. Ka and Kd include the surface's colour. Ks does not, because a highlight is white.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Illumination {
+pub struct ObjectIllumination {
     /// Shading mode.
     pub mode: ShadingMode,
     /// Coefficients Ka, Kd, Ks, n.
@@ -25,7 +25,7 @@ pub struct Illumination {
     pub lights: Vec<LightVector>,
 }
 
-impl Illumination {
+impl ObjectIllumination {
     /// Returns `Ka*Ia + Kd * sum of Is*(N.L)`, without colour.
     pub fn ambient_and_diffuse(&self, normal: Vec3, clamp: Clamp) -> f32 {
         let lit = |light: &LightVector| {
@@ -57,10 +57,10 @@ pub(crate) fn normal_of(stored: [f32; 3]) -> Vec3 {
 mod tests {
     use super::*;
 
-    fn illumination(kd: f32, ks: f32) -> Illumination {
+    fn illumination(kd: f32, ks: f32) -> ObjectIllumination {
         let lighting = Lighting { ka: 0.25, kd, ks, n: 2.0 };
         let light = LightVector { to_light: Vec3::Z, halfway: Vec3::new(0.6, 0.0, 0.8), intensity: 0.5 };
-        Illumination { lighting, color: [1.0; 3], ambient: 2.0, lights: vec![light; 2], ..Illumination::default() }
+        ObjectIllumination { lighting, color: [1.0; 3], ambient: 2.0, lights: vec![light; 2], ..ObjectIllumination::default() }
     }
 
     #[test]

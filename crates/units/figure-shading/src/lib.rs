@@ -27,7 +27,7 @@
 //! # A polygon on the wires
 //!
 //! The microcomputer writes the registers, which are a unit of their own ([`RegisterBank`]). Their values travel in band. A
-//! [`Figure`] token runs from (10) through the registers, which store their values in it, then through (21), (52) and (53) to
+//! [`PolygonFigure`] token runs from (10) through the registers, which store their values in it, then through (21), (52) and (53) to
 //! (28), ahead of the polygon's dots. It sets each of these units. Dots follow on the path that the registers select, with an
 //! [end token](FigureFlow::End) behind them. The other paths carry nothing of this polygon. So each selector knows its input, and
 //! no unit waits for a circuit that was not started.
@@ -38,7 +38,7 @@
 //! |---|---|
 //! | fewer than three points | the host interface drops it, and counts it |
 //! | without area, points repeated | shaded normally; it has no dots, only its end |
-//! | not convex, folded | a fan around its first point; pixels from [`Scan`](basrelief_shading::Scan); sample points are weighted within their triangle of the fan |
+//! | not convex, folded | a fan around its first point; pixels from [`PolygonScan`](basrelief_shading::PolygonScan); sample points are weighted within their triangle of the fan |
 //! | coordinate NaN | counts as 0 |
 //! | normal with a component that is not finite | counts as a normal of length zero |
 //! | normal of length zero | used unchanged: N.L = N.H = 0, ambient brightness; no weight in the mean of normals; renormalised it stays zero. If normals are renormalised, the specular term is then never negligible |
@@ -74,12 +74,12 @@ pub use config::{
 pub use cpu::CpuConfig;
 pub use gate::{Gate, GateCounters, GateState};
 pub use host_interface::{HostInterface, HostInterfaceCounters, HostInterfaceState};
-pub use illumination::Illumination;
-pub use microcomputer::{Microcomputer, MicrocomputerCounters, MicrocomputerState, Plane, Process, ProcessCounters};
+pub use illumination::ObjectIllumination;
+pub use microcomputer::{CpuProcess, Microcomputer, MicrocomputerCounters, MicrocomputerState, ProcessCounters, StoredPlane};
 pub use normal_interpolation::{NormalInterpolation, NormalInterpolationCounters, NormalInterpolationState};
-pub use power::{Power, power};
+pub use power::{PowerFunction, power};
 pub use register_bank::{RegisterBank, RegisterBankCounters, RegisterBankState};
-pub use registers::{RegisterWrite, Registers, Route, Selection};
+pub use registers::{BrightnessSelection, PolygonRoute, RegisterWrite, ShadingRegisters};
 pub use selector_28::{Selector28, Selector28Counters, Selector28State};
 pub use selector_53::{Selector53, Selector53State};
-pub use signals::{Dot, Figure, FigureFlow, Finished, Highlight, Highlights, NormalLoad, Order};
+pub use signals::{FigureFlow, FinishedPolygon, NormalLoad, PolygonFigure, RegisterOrder, ShadedDot, SpecularDot, SpecularFlow};

@@ -1,7 +1,7 @@
 //! Normal-interpolation brightness circuit (50).
 
-use crate::dots::{Corners, Dots, INTERPOLATION, needed, set_up_cycles, tell_interpolator};
-use crate::{Highlight, Highlights, NormalInterpolationConfig, NormalLoad, Power};
+use crate::dots::{CornerValues, DotScan, INTERPOLATION, needed, set_up_cycles, tell_interpolator};
+use crate::{NormalInterpolationConfig, NormalLoad, PowerFunction, SpecularDot, SpecularFlow};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
 use basrelief_signals::width::NUMBER;
@@ -30,9 +30,9 @@ pub struct NormalInterpolationState {
     /// Polygon in progress.
     pub load: Option<Arc<NormalLoad>>,
     /// Position in the polygon.
-    pub dots: Dots,
+    pub dots: DotScan,
     /// Normals at the corners of the current triangle.
-    pub corners: Corners,
+    pub corners: CornerValues,
     /// Occupancy and latency of a dot of this polygon \[cycles\]. They follow from n and the number of lights.
     pub dot_cycles: [u64; 2],
     /// Exponent of the current table, if the circuit has one.
@@ -56,17 +56,17 @@ pub struct NormalInterpolation {
     pub config: NormalInterpolationConfig,
     renormalise: bool,
     operators: Operators,
-    power: Power,
+    power: PowerFunction,
     /// State between steps.
     pub state: NormalInterpolationState,
 }
 
-type Out = Step<Option<Highlights>>;
+type Out = Step<Option<SpecularFlow>>;
 
 impl NormalInterpolation {
     /// Creates a circuit in its power-on state. `renormalise` is `shade.renormalise`.
     pub fn new(config: NormalInterpolationConfig, renormalise: bool, operators: Operators) -> Self {
-        let power = Power::new(&config, &operators);
+        let power = PowerFunction::new(&config, &operators);
         Self { config, renormalise, operators, power, state: NormalInterpolationState::default() }
     }
 
@@ -94,12 +94,12 @@ impl NormalInterpolation {
         let cycles = (setup + fill).max(1);
         let open = load.open;
         self.state.dot_cycles = self.dot_cycles(n, load.illumination.lights.len().max(1) as u64);
-        self.state.dots = Dots::new(&load.polygon, load.raster);
-        self.state.corners = Corners::default();
+        self.state.dots = DotScan::new(&load.polygon, load.raster);
+        self.state.corners = CornerValues::default();
         self.state.counters.polygons += 1;
         self.state.load = Some(load);
         self.charge(open, cycles);
-        Step::after(0, Some(Highlights::Start { open })).busy(cycles)
+        Step::after(0, Some(SpecularFlow::Start { open })).busy(cycles)
     }
 
     /// Returns the next dot of the polygon, or its end.
@@ -115,11 +115,11 @@ impl NormalInterpolation {
             let (power, table, n) = (&self.power, &state.table, illumination.lighting.n);
             let brightness = illumination.highlight(|light| power.at(table, normal.dot(light.halfway).clamp(0.0, 1.0), n));
             state.counters.drawn += 1;
-            Highlights::Dot(Highlight { x: dot.x, y: dot.y, brightness })
+            SpecularFlow::Dot(SpecularDot { x: dot.x, y: dot.y, brightness })
         } else {
             state.load = None;
             cycles = 1;
-            Highlights::End
+            SpecularFlow::End
         };
         self.charge(open, cycles);
         Step::after(latency, Some(out)).busy(cycles)
@@ -192,7 +192,7 @@ const LARGEST_EXPONENT: f32 = 200.0;
 impl Unit for NormalInterpolation {
     basrelief_kernel::unit_info!("interpolates normals: the specular term");
     type In = Option<Arc<NormalLoad>>;
-    type Out = Option<Highlights>;
+    type Out = Option<SpecularFlow>;
 
     #[inline]
     fn demand(&self) -> Demand {

@@ -40,12 +40,12 @@ const PIPELINE: u64 = 2 * 9;
 
 /// Power function of circuit (50).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Power {
+pub struct PowerFunction {
     config: NormalInterpolationConfig,
     operators: Operators,
 }
 
-impl Power {
+impl PowerFunction {
     /// Creates the power function of this configuration.
     pub fn new(config: &NormalInterpolationConfig, operators: &Operators) -> Self {
         Self { config: config.clone(), operators: operators.clone() }
@@ -97,7 +97,7 @@ impl Power {
         }
     }
 
-    /// Returns the multiplications needed for [`Power::bound`].
+    /// Returns the multiplications needed for [`PowerFunction::bound`].
     pub(crate) fn bound_multiplications(&self, n: f32) -> u64 {
         let powers = if self.config.power == PowerMethod::Table { 2 } else { 1 };
         powers * multiplications(n)
@@ -186,24 +186,24 @@ mod tests {
     #[test]
     fn table_costs_address_rounding_and_filling() {
         let config = NormalInterpolationConfig { power: PowerMethod::Table, ..NormalInterpolationConfig::default() };
-        let power = Power::new(&config, &operators());
+        let power = PowerFunction::new(&config, &operators());
         assert_eq!((power.occupancy(50.0), power.latency(50.0)), (1, 2 + 2 + 1), "a product, a sum, a read");
         assert_eq!((power.fill_cycles(50.0), power.fill_cycles(1.0)), (1024 * 7, 1024 * 2), "seven products, or two sums");
         let slow = Operators { multiply: OperatorConfig::new(6, 4), ..operators() };
-        let slow = Power::new(&config, &slow);
+        let slow = PowerFunction::new(&config, &slow);
         assert_eq!((slow.occupancy(50.0), slow.latency(50.0), slow.fill_cycles(50.0)), (4, 9, 1024 * 28));
     }
 
     #[test]
     fn iteration_occupies_multiplier_unless_pipelined() {
         let config = NormalInterpolationConfig::default();
-        let iteration = Power::new(&config, &operators());
+        let iteration = PowerFunction::new(&config, &operators());
         assert_eq!((iteration.occupancy(50.0), iteration.latency(50.0), iteration.fill_cycles(50.0)), (14, 14, 0));
-        let pipelined = Power::new(&NormalInterpolationConfig { pipelined: true, ..config.clone() }, &operators());
+        let pipelined = PowerFunction::new(&NormalInterpolationConfig { pipelined: true, ..config.clone() }, &operators());
         assert_eq!((pipelined.occupancy(50.0), pipelined.latency(50.0)), (1, 14));
         assert!((1..=1000).all(|n| multiplications(n as f32) <= PIPELINE));
         let full = NormalInterpolationConfig { inner_products: 2, initiation_interval: 3, pipelined: true, ..config };
-        let full = Power::new(&full, &operators());
+        let full = PowerFunction::new(&full, &operators());
         assert_eq!((full.occupancy(50.0), full.inner_products()), (6, 6));
     }
 
@@ -223,7 +223,7 @@ mod tests {
             let config = NormalInterpolationConfig {
                 power: PowerMethod::Table, table_entries: entries, table_bits: bits, ..NormalInterpolationConfig::default()
             };
-            let by_table = Power::new(&config, &Operators::default());
+            let by_table = PowerFunction::new(&config, &Operators::default());
             let table = by_table.table(n);
             // The slope of the power is at most n.
             let off = 0.5 * n / (entries - 1) as f32 + 0.5 / ((1u32 << bits) - 1) as f32;

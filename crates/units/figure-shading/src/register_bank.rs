@@ -1,6 +1,6 @@
 //! Registers (14), (16) and (18) as hardware: written by the microcomputer (10), read by the units that they control.
 
-use crate::{FigureFlow, Order, RegisterWrite, Registers};
+use crate::{FigureFlow, RegisterOrder, RegisterWrite, ShadingRegisters};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ pub struct RegisterBankCounters {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RegisterBankState {
     /// Current values.
-    pub registers: Registers,
+    pub registers: ShadingRegisters,
     /// Counters.
     pub counters: RegisterBankCounters,
 }
@@ -49,7 +49,7 @@ impl RegisterBank {
 
 impl Unit for RegisterBank {
     basrelief_kernel::unit_info!("mode, flatness and specular register: set by the microcomputer");
-    type In = Option<Order>;
+    type In = Option<RegisterOrder>;
     type Out = Option<FigureFlow>;
 
     #[inline]
@@ -60,16 +60,16 @@ impl Unit for RegisterBank {
     #[inline]
     fn step(&mut self, input: Self::In, _: &mut MemoryPorts) -> Step<Self::Out> {
         let out = match input {
-            Some(Order::Write(write)) => {
+            Some(RegisterOrder::Write(write)) => {
                 self.write(write);
                 None
             }
-            Some(Order::Pass(FigureFlow::Figure(mut figure))) => {
+            Some(RegisterOrder::Pass(FigureFlow::Figure(mut figure))) => {
                 // The microcomputer still holds a polygon that process 24 draws. This then copies the data beside its points.
                 Arc::make_mut(&mut figure).registers = self.state.registers;
                 Some(FigureFlow::Figure(figure))
             }
-            Some(Order::Pass(signal)) => Some(signal),
+            Some(RegisterOrder::Pass(signal)) => Some(signal),
             None => None,
         };
         Step::after(1, out)

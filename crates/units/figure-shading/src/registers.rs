@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Values of the three registers while a polygon is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Registers {
+pub struct ShadingRegisters {
     /// Mode register (14), written by process 13.
     pub mode: ShadingMode,
     /// Flatness register (16), written by process 15. True if the polygon is flat.
@@ -27,7 +27,7 @@ pub enum RegisterWrite {
 
 /// Source of the brightness of a dot (claim 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Selection {
+pub enum BrightnessSelection {
     /// Mean of the sample points: process 24.
     Mean,
     /// Circuit (21).
@@ -36,7 +36,7 @@ pub enum Selection {
     LinearAndSpecular,
 }
 
-impl Registers {
+impl ShadingRegisters {
     /// Writes one of the registers.
     pub fn write(&mut self, write: RegisterWrite) {
         match write {
@@ -47,19 +47,19 @@ impl Registers {
     }
 
     /// Returns the combined selection of selectors (53) and (28) and gate (51).
-    pub fn selection(self) -> Selection {
+    pub fn selection(self) -> BrightnessSelection {
         match self.mode {
-            ShadingMode::Polyhedron => Selection::Mean,
-            ShadingMode::Brightness | ShadingMode::Normal if self.flat => Selection::Mean,
-            ShadingMode::Normal if self.specular => Selection::LinearAndSpecular,
-            ShadingMode::Brightness | ShadingMode::Normal => Selection::Linear,
+            ShadingMode::Polyhedron => BrightnessSelection::Mean,
+            ShadingMode::Brightness | ShadingMode::Normal if self.flat => BrightnessSelection::Mean,
+            ShadingMode::Normal if self.specular => BrightnessSelection::LinearAndSpecular,
+            ShadingMode::Brightness | ShadingMode::Normal => BrightnessSelection::Linear,
         }
     }
 
     /// Figure 6, steps 80 to 83: returns true if process 22 adds the specular term at the sample points. It does not if circuit
     /// (50) adds the term, which would count twice, or if the term is negligible.
     pub fn adds_specular_at_sample_points(self) -> bool {
-        self.specular && self.selection() != Selection::LinearAndSpecular
+        self.specular && self.selection() != BrightnessSelection::LinearAndSpecular
     }
 
     /// Returns true if the dots of process 24 go to selector (53), false if to (28).
@@ -70,7 +70,7 @@ impl Registers {
 
 /// Routes of a polygon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Route {
+pub enum PolygonRoute {
     /// Polyhedron mode: mean of the sample points.
     Polyhedron,
     /// Brightness-interpolation mode: circuit (21).
@@ -86,12 +86,12 @@ pub enum Route {
     Reused,
 }
 
-impl Route {
+impl PolygonRoute {
     /// All routes, in the order of their numbers.
     pub const ALL: [Self; 6] = [Self::Polyhedron, Self::Brightness, Self::Normal, Self::GateClosed, Self::Flat, Self::Reused];
 
     /// Returns the route that the registers select.
-    pub fn of(registers: Registers, reused: bool) -> Self {
+    pub fn of(registers: ShadingRegisters, reused: bool) -> Self {
         match registers.mode {
             ShadingMode::Polyhedron => Self::Polyhedron,
             _ if reused => Self::Reused,
@@ -119,15 +119,15 @@ impl Route {
 mod tests {
     use super::*;
 
-    fn registers() -> impl Iterator<Item = Registers> {
+    fn registers() -> impl Iterator<Item = ShadingRegisters> {
         let modes = [ShadingMode::Normal, ShadingMode::Brightness, ShadingMode::Polyhedron];
         let flags = [(false, false), (false, true), (true, false), (true, true)];
-        modes.into_iter().flat_map(move |mode| flags.map(|(flat, specular)| Registers { mode, flat, specular }))
+        modes.into_iter().flat_map(move |mode| flags.map(|(flat, specular)| ShadingRegisters { mode, flat, specular }))
     }
 
     #[test]
     fn claim_1_registers_select_brightness_source() {
-        use Selection::{Linear, LinearAndSpecular, Mean};
+        use BrightnessSelection::{Linear, LinearAndSpecular, Mean};
         // Columns (flat, specular): no no, no yes, yes no, yes yes.
         let table = [
             (ShadingMode::Normal, [Linear, LinearAndSpecular, Mean, Mean]),
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn figure_6_specular_term_counts_exactly_once() {
         for r in registers() {
-            let by_50 = r.selection() == Selection::LinearAndSpecular;
+            let by_50 = r.selection() == BrightnessSelection::LinearAndSpecular;
             let times = u32::from(by_50) + u32::from(r.adds_specular_at_sample_points());
             assert_eq!(times, u32::from(r.specular), "{r:?}");
         }
@@ -151,14 +151,14 @@ mod tests {
     #[test]
     fn each_route_has_one_selection() {
         for r in registers() {
-            let expected = match Route::of(r, false) {
-                Route::Polyhedron | Route::Flat | Route::Reused => Selection::Mean,
-                Route::Brightness | Route::GateClosed => Selection::Linear,
-                Route::Normal => Selection::LinearAndSpecular,
+            let expected = match PolygonRoute::of(r, false) {
+                PolygonRoute::Polyhedron | PolygonRoute::Flat | PolygonRoute::Reused => BrightnessSelection::Mean,
+                PolygonRoute::Brightness | PolygonRoute::GateClosed => BrightnessSelection::Linear,
+                PolygonRoute::Normal => BrightnessSelection::LinearAndSpecular,
             };
             assert_eq!(r.selection(), expected, "{r:?}");
         }
-        for (i, route) in Route::ALL.into_iter().enumerate() {
+        for (i, route) in PolygonRoute::ALL.into_iter().enumerate() {
             assert_eq!(route as usize, i);
         }
     }

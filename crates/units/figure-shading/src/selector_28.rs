@@ -1,7 +1,9 @@
 //! Selector (28), the output of the device.
 
 use crate::dots::needed;
-use crate::{CircuitConfig, Dot, Figure, FigureFlow, Finished, Route, Selection, ShadingMode};
+use crate::{
+    BrightnessSelection, CircuitConfig, FigureFlow, FinishedPolygon, PolygonFigure, PolygonRoute, ShadedDot, ShadingMode,
+};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_shading::saturated;
@@ -31,7 +33,7 @@ pub struct Selector28State {
     /// Selected input.
     pub selected: usize,
     /// Route of the current polygon.
-    pub route: Route,
+    pub route: PolygonRoute,
     /// Counters.
     pub counters: Selector28Counters,
 }
@@ -55,18 +57,18 @@ impl Selector28 {
         Self { config, state: Selector28State::default() }
     }
 
-    fn select(&mut self, figure: &Figure) {
+    fn select(&mut self, figure: &PolygonFigure) {
         self.state.route = figure.route;
         self.state.counters.polygons[figure.route as usize] += 1;
         self.state.selected = match (figure.registers.mode, figure.registers.selection()) {
             (ShadingMode::Normal, _) => FROM_53,
-            (_, Selection::Mean) => FROM_24,
+            (_, BrightnessSelection::Mean) => FROM_24,
             _ => FROM_21,
         };
     }
 
     #[inline]
-    fn pixel(&mut self, dot: Dot) -> Pixel {
+    fn pixel(&mut self, dot: ShadedDot) -> Pixel {
         self.state.counters.dots[self.state.route as usize] += 1;
         Pixel { x: dot.x, y: dot.y, z: dot.z, rgb: saturated(dot.brightness) }
     }
@@ -75,7 +77,7 @@ impl Selector28 {
 impl Unit for Selector28 {
     basrelief_kernel::unit_info!("by the mode: (53), (21) or process 24; saturates");
     type In = (Option<FigureFlow>, Option<FigureFlow>, Option<FigureFlow>);
-    type Out = (Option<Flow<Stamp<Pixel>>>, Option<Finished>);
+    type Out = (Option<Flow<Stamp<Pixel>>>, Option<FinishedPolygon>);
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -99,7 +101,7 @@ impl Unit for Selector28 {
             }
             Some(FigureFlow::End) => {
                 self.state.selected = FROM_53;
-                (None, Some(Finished))
+                (None, Some(FinishedPolygon))
             }
             Some(FigureFlow::Frame(frame)) => (Some(Flow::Control(Control::Frame(frame))), None),
             Some(FigureFlow::FrameEnd) => (Some(Flow::Control(Control::FrameEnd)), None),
@@ -120,7 +122,7 @@ impl Unit for Selector28 {
         stats.hardware(HardwareKind::Registers, "mode register (14) as of the polygon that passes", 1_u64, 2);
         let c = &self.state.counters;
         stats.figure("fragments", c.dots.iter().sum::<u64>(), "dots", "Dots drawn; a dot is a fragment").part(FigureGroup::Work);
-        let routes = |counts: [u64; 6]| Route::ALL.map(|route| (route.name(), counts[route as usize]));
+        let routes = |counts: [u64; 6]| PolygonRoute::ALL.map(|route| (route.name(), counts[route as usize]));
         for (name, polygons) in routes(c.polygons) {
             stats
                 .figure(&format!("polygons_{name}"), polygons, "polygons", "Polygons on this route")

@@ -1,6 +1,6 @@
 //! Selector (53).
 
-use crate::{CircuitConfig, FigureFlow, Selection};
+use crate::{BrightnessSelection, CircuitConfig, FigureFlow};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ impl Unit for Selector53 {
             Some(FigureFlow::Dot(_)) => cycles = u64::from(self.config.initiation_interval),
             Some(FigureFlow::Figure(figure)) => {
                 let registers = figure.registers;
-                self.state.flat = registers.mean_goes_to_53() && registers.selection() == Selection::Mean;
+                self.state.flat = registers.mean_goes_to_53() && registers.selection() == BrightnessSelection::Mean;
             }
             // After an end token from either input, the next tokens come from the adder.
             Some(FigureFlow::End) => self.state.flat = false,

@@ -1,7 +1,7 @@
 //! Tokens between the circuits.
 
-use crate::{Illumination, RegisterWrite, Registers, Route};
-use basrelief_shading::Raster;
+use crate::{ObjectIllumination, PolygonRoute, RegisterWrite, ShadingRegisters};
+use basrelief_shading::RasterGrid;
 use basrelief_signals::{Frame, Polygon};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -9,15 +9,15 @@ use std::sync::Arc;
 
 /// A polygon, decided and shaded at its sample points. It travels once, ahead of its dots.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Figure {
+pub struct PolygonFigure {
     /// Polygon with the sample points.
     pub polygon: Arc<Polygon>,
     /// Raster of its scan.
-    pub raster: Raster,
+    pub raster: RasterGrid,
     /// Registers (14), (16), (18), as they were when the polygon passed them.
-    pub registers: Registers,
+    pub registers: ShadingRegisters,
     /// Route of the polygon.
-    pub route: Route,
+    pub route: PolygonRoute,
     /// Brightness of each sample point, which process 23 loads into circuit (21). Empty if process 24 draws.
     pub brightness: Vec<[f32; 3]>,
 }
@@ -28,18 +28,18 @@ pub struct NormalLoad {
     /// Polygon with the sample points.
     pub polygon: Arc<Polygon>,
     /// Raster of its scan.
-    pub raster: Raster,
+    pub raster: RasterGrid,
     /// Normal of each sample point.
     pub normals: Vec<Vec3>,
     /// H, Is, Ks, n.
-    pub illumination: Arc<Illumination>,
+    pub illumination: Arc<ObjectIllumination>,
     /// Specular register (18), for gate (51).
     pub open: bool,
 }
 
 /// Token from the microcomputer (10) to the registers (14), (16), (18), and through them to the circuits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Order {
+pub enum RegisterOrder {
     /// A register write.
     Write(RegisterWrite),
     /// A token that passes through. A polygon takes the registers' values along.
@@ -52,9 +52,9 @@ pub enum FigureFlow {
     /// A frame begins.
     Frame(Arc<Frame>),
     /// The following dots, up to the end, belong to this polygon.
-    Figure(Arc<Figure>),
+    Figure(Arc<PolygonFigure>),
     /// A dot.
-    Dot(Dot),
+    Dot(ShadedDot),
     /// The polygon has no further dots.
     End,
     /// The frame is complete.
@@ -63,7 +63,7 @@ pub enum FigureFlow {
 
 /// Brightness and screen address of a dot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Dot {
+pub struct ShadedDot {
     /// Column.
     pub x: u16,
     /// Row.
@@ -76,21 +76,21 @@ pub struct Dot {
 
 /// Token from circuit (50) to gate (51) and adder (52).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Highlights {
+pub enum SpecularFlow {
     /// A polygon begins, with the gate open or closed. The token ends at the gate.
     Start {
         /// Specular register (18): true if the gate is open.
         open: bool,
     },
     /// A dot.
-    Dot(Highlight),
+    Dot(SpecularDot),
     /// The polygon has no further dots.
     End,
 }
 
 /// Specular brightness and screen address of a dot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Highlight {
+pub struct SpecularDot {
     /// Column.
     pub x: u16,
     /// Row.
@@ -101,7 +101,7 @@ pub struct Highlight {
 
 /// Token from selector (28) to the host interface: a polygon has left the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Finished;
+pub struct FinishedPolygon;
 
 #[cfg(test)]
 mod tests {
@@ -109,6 +109,6 @@ mod tests {
 
     #[test]
     fn dot_is_a_small_token() {
-        assert_eq!([size_of::<FigureFlow>(), size_of::<Highlights>()], [24, 12]);
+        assert_eq!([size_of::<FigureFlow>(), size_of::<SpecularFlow>()], [24, 12]);
     }
 }

@@ -1,11 +1,11 @@
 //! Bit widths of the device's tokens.
 
-use crate::signals::{Dot, FigureFlow, Finished, Highlight, Highlights, NormalLoad, Order};
+use crate::signals::{FigureFlow, FinishedPolygon, NormalLoad, RegisterOrder, ShadedDot, SpecularDot, SpecularFlow};
 use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
 use basrelief_signals::{Attribution, BitWidth, PixelSet, SignalWidths};
 
 /// Position, depth, three brightnesses.
-impl BitWidth for Dot {
+impl BitWidth for ShadedDot {
     fn bits(widths: &SignalWidths) -> u32 {
         2 * COORDINATE + widths.depth + 3 * NUMBER
     }
@@ -18,7 +18,7 @@ impl BitWidth for Dot {
 /// A dot, or control. Two bits distinguish them.
 impl BitWidth for FigureFlow {
     fn bits(widths: &SignalWidths) -> u32 {
-        2 + Dot::bits(widths).max(CONTROL)
+        2 + ShadedDot::bits(widths).max(CONTROL)
     }
 
     fn attribution(&self) -> Attribution {
@@ -33,7 +33,7 @@ impl BitWidth for FigureFlow {
 }
 
 /// Control: a register write, or the number of the data in the registers of circuit (21).
-impl BitWidth for Order {
+impl BitWidth for RegisterOrder {
     fn bits(_: &SignalWidths) -> u32 {
         1 + CONTROL
     }
@@ -47,7 +47,7 @@ impl BitWidth for Order {
 }
 
 /// Position and one brightness.
-impl BitWidth for Highlight {
+impl BitWidth for SpecularDot {
     fn bits(_: &SignalWidths) -> u32 {
         2 * COORDINATE + NUMBER
     }
@@ -57,9 +57,9 @@ impl BitWidth for Highlight {
     }
 }
 
-impl BitWidth for Highlights {
+impl BitWidth for SpecularFlow {
     fn bits(widths: &SignalWidths) -> u32 {
-        2 + Highlight::bits(widths)
+        2 + SpecularDot::bits(widths)
     }
 
     fn attribution(&self) -> Attribution {
@@ -81,7 +81,7 @@ impl BitWidth for NormalLoad {
     }
 }
 
-impl BitWidth for Finished {
+impl BitWidth for FinishedPolygon {
     fn bits(_: &SignalWidths) -> u32 {
         1
     }

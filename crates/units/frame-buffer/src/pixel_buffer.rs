@@ -203,7 +203,6 @@ impl Unit for PixelBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::Camera;
     use std::sync::Arc;
 
     fn buffer(shared: bool) -> PixelBuffer {
@@ -238,16 +237,7 @@ mod tests {
     }
 
     fn frame(width: u32, height: u32) -> PictureFlow {
-        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        PictureFlow::Frame(Arc::new(Frame {
-            index: 0,
-            width,
-            height,
-            camera,
-            lights: Vec::new(),
-            textures: Vec::new(),
-            shading: Default::default(),
-        }))
+        PictureFlow::Frame(Arc::new(Frame { width, height, ..Frame::default() }))
     }
 
     #[test]

@@ -4,12 +4,11 @@ use basrelief_frame_buffer::{
     FrameBuffer, FrameBufferConfig, FrameDone, PixelBuffer, PixelBufferConfig, VideoOut, VideoOutConfig,
 };
 use basrelief_kernel_conformance::unit_contract;
-use basrelief_signals::{Camera, Control, Flow, Frame, PictureFlow, Pixel, PixelBlock, Stamp, layout};
+use basrelief_signals::{Control, Flow, Frame, PictureFlow, Pixel, PixelBlock, Stamp, layout};
 use std::sync::Arc;
 
 fn frame(index: u32, width: u32, height: u32) -> Arc<Frame> {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Arc::new(Frame { index, width, height, camera, lights: Vec::new(), textures: Vec::new(), shading: Default::default() })
+    Arc::new(Frame { index, width, height, ..Frame::default() })
 }
 
 /// Returns three frames of different sizes, one of them empty, with pixels outside, and an end without a frame.

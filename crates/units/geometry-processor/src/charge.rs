@@ -9,14 +9,14 @@ use basrelief_signals::{LightingStage, Material, Object, Polygon, SentAttributes
 
 /// OperatorCounts that is charged to a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Charge {
+pub(crate) struct StepCharge {
     /// Arithmetic.
     pub(crate) work: OperatorCounts,
     /// Bytes of vertices and indices fetched.
     pub(crate) fetched: u64,
 }
 
-impl Charge {
+impl StepCharge {
     /// Adds arithmetic.
     pub(crate) fn add(&mut self, work: OperatorCounts) {
         self.work = self.work.and(work);
@@ -35,7 +35,7 @@ pub(crate) fn index_bytes(object: &Object) -> u64 {
 
 impl GeometryProcessor {
     /// Returns the occupancy in cycles of a step with this charge and a polygon of this size.
-    pub(crate) fn kept(&self, charge: Charge, polygon_bytes: u64) -> u64 {
+    pub(crate) fn kept(&self, charge: StepCharge, polygon_bytes: u64) -> u64 {
         let GeometryConfig { fetch_bytes_per_cycle, link_bytes, .. } = self.config;
         let link = PolygonLink { bytes_per_cycle: link_bytes, taken: self.taken };
         self.operators
@@ -61,7 +61,7 @@ impl GeometryProcessor {
     pub(crate) fn tell_rate(&self, stats: &mut UnitStats) {
         let smallest = |bump| self.taken.of(&Material::default(), bump, false).bytes();
         let bytes = Polygon::HEAD_BYTES + 3 * (Polygon::POSITION_BYTES + smallest(true).min(smallest(false)));
-        let interval = self.kept(Charge { work: work::area(3), fetched: 0 }, bytes);
+        let interval = self.kept(StepCharge { work: work::area(3), fetched: 0 }, bytes);
         stats.rate(0, self.latency() + interval - 1, interval);
     }
 

@@ -3,7 +3,7 @@
 //! Near and far are exact. At the sides, a polygon is cut only if it leaves the guard band. The rasterizer ignores pixels off the
 //! screen, and an uncut edge stays exactly the edge of its neighbour.
 
-use crate::transform::Corner;
+use crate::transform::ClipCorner;
 use basrelief_kernel::OperatorCounts;
 use basrelief_signals::Vertex;
 use glam::{Vec3, Vec4};
@@ -14,7 +14,7 @@ const GUARD: f32 = 8.0;
 
 /// Result of clipping a triangle.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Clipped {
+pub enum ClipResult {
     /// All corners are outside the same side of the view volume.
     Outside,
     /// The triangle is unchanged.
@@ -22,7 +22,7 @@ pub enum Clipped {
     /// The triangle was cut to a polygon.
     Cut {
         /// Corners in order, 3..=9 unless the polygon degenerates.
-        corners: Vec<Corner>,
+        corners: Vec<ClipCorner>,
         /// Corners computed, including those that a later plane removed.
         made: u32,
     },
@@ -48,25 +48,25 @@ fn distances(clip: Vec4, reach: f32) -> [f32; 6] {
 }
 
 /// Clips a triangle with finite coordinates.
-pub fn clip(triangle: &[Corner; 3]) -> Clipped {
+pub fn clip(triangle: &[ClipCorner; 3]) -> ClipResult {
     let [a, b, c] = [0, 1, 2].map(|i| outside(triangle[i].clip, 1.0));
     if a & b & c != 0 {
-        return Clipped::Outside;
+        return ClipResult::Outside;
     }
     // A corner inside the view volume is inside the guard band, so in most cases no other test is needed.
     if a | b | c == 0 || triangle.iter().all(|c| outside(c.clip, GUARD) == 0) {
-        return Clipped::Whole;
+        return ClipResult::Whole;
     }
     let (mut corners, mut made) = (triangle.to_vec(), 0);
     for plane in 0..6 {
-        let distance = |c: &Corner| distances(c.clip, GUARD)[plane];
+        let distance = |c: &ClipCorner| distances(c.clip, GUARD)[plane];
         let inside = corners.iter().filter(|c| distance(c) >= 0.0).count();
         if inside < corners.len() {
             corners = cut_at(&corners, distance);
             made += (corners.len() - inside) as u32;
         }
     }
-    Clipped::Cut { corners, made }
+    ClipResult::Cut { corners, made }
 }
 
 /// Returns the planes that the point is outside of, one bit each.
@@ -77,7 +77,7 @@ fn outside(clip: Vec4, reach: f32) -> u32 {
 
 /// Returns the part on the inner side (Sutherland and Hodgman). A new corner is always computed from the inner to the outer end
 /// of its edge. Triangles that share the edge therefore get the same corner.
-fn cut_at(corners: &[Corner], distance: impl Fn(&Corner) -> f32) -> Vec<Corner> {
+fn cut_at(corners: &[ClipCorner], distance: impl Fn(&ClipCorner) -> f32) -> Vec<ClipCorner> {
     let mut kept = Vec::with_capacity(corners.len() + 1);
     let successors = corners.iter().cycle().skip(1);
     for (here, next) in corners.iter().zip(successors) {
@@ -95,14 +95,14 @@ fn cut_at(corners: &[Corner], distance: impl Fn(&Corner) -> f32) -> Vec<Corner> 
 }
 
 /// Returns the corner at share `t` of the way from `a` to `b`.
-fn between(a: &Corner, b: &Corner, t: f32) -> Corner {
+fn between(a: &ClipCorner, b: &ClipCorner, t: f32) -> ClipCorner {
     fn mix<const N: usize>(a: [f32; N], b: [f32; N], t: f32) -> [f32; N] {
         std::array::from_fn(|i| a[i] + t * (b[i] - a[i]))
     }
     let (p, q) = (&a.vertex, &b.vertex);
     let normal = Vec3::from(mix(p.normal, q.normal, t)).normalize_or(Vec3::from(p.normal));
     let tangent = Vec4::from(mix(p.tangent, q.tangent, t)).truncate().normalize_or_zero();
-    Corner {
+    ClipCorner {
         clip: a.clip + t * (b.clip - a.clip),
         vertex: Vertex {
             normal: normal.to_array(),
@@ -120,26 +120,26 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn corner(x: f32, y: f32, z: f32, w: f32) -> Corner {
-        Corner { clip: Vec4::new(x, y, z, w), vertex: Vertex { uv: [x, y], ..Vertex::default() } }
+    fn corner(x: f32, y: f32, z: f32, w: f32) -> ClipCorner {
+        ClipCorner { clip: Vec4::new(x, y, z, w), vertex: Vertex { uv: [x, y], ..Vertex::default() } }
     }
 
-    fn any_corner() -> impl Strategy<Value = Corner> {
+    fn any_corner() -> impl Strategy<Value = ClipCorner> {
         (-20f32..20.0, -20f32..20.0, -3f32..3.0, -2f32..2.0).prop_map(|(x, y, z, w)| corner(x, y, z, w))
     }
 
     #[test]
     fn inside_triangle_is_kept_outside_triangle_is_dropped() {
         let inside = [corner(-1.0, 0.0, 0.0, 1.0), corner(1.0, -1.0, -1.0, 1.0), corner(4.0, 1.0, 1.0, 1.0)];
-        assert_eq!(clip(&inside), Clipped::Whole);
-        assert_eq!(clip(&inside.map(|c| corner(c.clip.x, 1.5, 0.0, 1.0))), Clipped::Outside);
-        assert_eq!(clip(&inside.map(|c| corner(c.clip.x, 0.0, 0.0, -1.0))), Clipped::Outside);
+        assert_eq!(clip(&inside), ClipResult::Whole);
+        assert_eq!(clip(&inside.map(|c| corner(c.clip.x, 1.5, 0.0, 1.0))), ClipResult::Outside);
+        assert_eq!(clip(&inside.map(|c| corner(c.clip.x, 0.0, 0.0, -1.0))), ClipResult::Outside);
     }
 
     #[test]
     fn near_plane_cuts_one_corner_into_two() {
         let t = [corner(0.0, 0.0, -3.0, 1.0), corner(1.0, 0.0, 1.0, 1.0), corner(0.0, 1.0, 1.0, 1.0)];
-        let Clipped::Cut { corners, made } = clip(&t) else { panic!("something is cut") };
+        let ClipResult::Cut { corners, made } = clip(&t) else { panic!("something is cut") };
         assert_eq!((corners.len(), made), (4, 2));
         assert_eq!(corners[0].clip, Vec4::new(0.5, 0.0, -1.0, 1.0));
         assert_eq!(corners[0].vertex.uv, [0.5, 0.0]);
@@ -150,9 +150,9 @@ mod tests {
         fn clipped_polygon_is_inside_with_at_most_nine_corners(t in [any_corner(), any_corner(), any_corner()]) {
             let clipped = clip(&t);
             let corners = match &clipped {
-                Clipped::Outside => &[][..],
-                Clipped::Whole => &t,
-                Clipped::Cut { corners, .. } => corners,
+                ClipResult::Outside => &[][..],
+                ClipResult::Whole => &t,
+                ClipResult::Cut { corners, .. } => corners,
             };
             prop_assert!(corners.len() <= 9);
             for c in corners {
@@ -163,9 +163,9 @@ mod tests {
 
         #[test]
         fn shared_edge_is_cut_at_same_corner(a in any_corner(), b in any_corner(), c in any_corner(), d in any_corner()) {
-            let near = |c: &Corner| distances(c.clip, GUARD)[0];
+            let near = |c: &ClipCorner| distances(c.clip, GUARD)[0];
             prop_assume!((near(&a) < 0.0) != (near(&b) < 0.0));
-            let new = |corners: Vec<Corner>, old: [Corner; 3]| -> Vec<Corner> {
+            let new = |corners: Vec<ClipCorner>, old: [ClipCorner; 3]| -> Vec<ClipCorner> {
                 corners.into_iter().filter(|p| !old.contains(p)).collect()
             };
             let (left, right) = (new(cut_at(&[a, b, c], near), [a, b, c]), new(cut_at(&[b, a, d], near), [b, a, d]));

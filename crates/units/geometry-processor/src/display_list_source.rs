@@ -30,7 +30,7 @@ pub struct DisplayListSourceState {
 const LATEST: u64 = 1 << 62;
 
 /// A command, and the cycle at which it is due.
-type Due = (Control, u64);
+type DueCommand = (Control, u64);
 
 /// Display-list source: replays a display list instead of the geometry processor (102). The list is an iterator of commands, each
 /// with the cycle of its unblocked delivery if known.
@@ -49,7 +49,7 @@ pub struct DisplayListSource<I> {
     commands: I,
     /// Next command, fetched ahead. A unit declares its end from its own state, and a step's occupancy depends on the next
     /// command.
-    next: Option<Result<Due, String>>,
+    next: Option<Result<DueCommand, String>>,
 }
 
 impl<I, E> DisplayListSource<I>
@@ -78,7 +78,7 @@ where
         &self,
         command: Option<Result<(Control, Option<u64>), E>>,
         brought: impl Fn(u64) -> u64,
-    ) -> Option<Result<Due, String>> {
+    ) -> Option<Result<DueCommand, String>> {
         let due = |(control, arrival): (Control, Option<u64>)| {
             let brought = brought(self.link.cycles(self.link.bytes(&control)));
             let recorded = if self.config.arrival == Arrival::Recorded { arrival.unwrap_or(0).min(LATEST) } else { 0 };

@@ -122,22 +122,11 @@ impl<I: Iterator<Item = Draw>> Unit for SceneSource<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::{Camera, Mesh, Object};
+    use basrelief_signals::{Mesh, Object};
 
     #[test]
     fn scene_is_drawn_by_frame_then_object() {
-        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        let frame = |index| {
-            Arc::new(Frame {
-                index,
-                width: 1,
-                height: 1,
-                camera,
-                lights: Vec::new(),
-                textures: Vec::new(),
-                shading: Default::default(),
-            })
-        };
+        let frame = |index| Arc::new(Frame { index, width: 1, height: 1, ..Frame::default() });
         let object = |id, triangles: u32| {
             let mesh = Arc::new(Mesh { indices: vec![0; 3 * triangles as usize], ..Mesh::default() });
             let name = String::new();

@@ -1,6 +1,6 @@
 //! State of the geometry processor (102) between steps.
 
-use crate::transform::{Corner, Transform};
+use crate::transform::{ClipCorner, ObjectTransform};
 use basrelief_shading::LightVector;
 use basrelief_signals::{Frame, Object};
 use serde::{Deserialize, Serialize};
@@ -39,7 +39,7 @@ pub struct GeometryProcessorCounters {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VertexCache {
     indices: Vec<u32>,
-    corners: Vec<Corner>,
+    corners: Vec<ClipCorner>,
     /// True for entries that have their brightness.
     lit: Vec<bool>,
     /// Position of the entry to be replaced next in a full cache.
@@ -48,7 +48,7 @@ pub struct VertexCache {
 
 impl VertexCache {
     /// Returns the transformed vertex on a hit.
-    pub fn get(&self, index: u32) -> Option<&Corner> {
+    pub fn get(&self, index: u32) -> Option<&ClipCorner> {
         self.corners.get(self.place(index)?)
     }
 
@@ -60,7 +60,7 @@ impl VertexCache {
     }
 
     /// Inserts a vertex that is not present. `entries` is the size of the cache.
-    pub fn insert(&mut self, index: u32, corner: &Corner, entries: usize) {
+    pub fn insert(&mut self, index: u32, corner: &ClipCorner, entries: usize) {
         if self.indices.len() < entries {
             self.indices.push(index);
             self.corners.push(*corner);
@@ -95,7 +95,7 @@ pub struct GeometryProcessorState {
     /// The current object.
     pub object: Option<Arc<Object>>,
     /// Matrices of the object in this frame.
-    pub transform: Transform,
+    pub transform: ObjectTransform,
     /// LOD of the object if all its polygons share one.
     pub object_lod: Option<u8>,
     /// Lights as seen from the object's centre.

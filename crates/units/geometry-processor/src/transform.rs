@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// A vertex in clip space. The `position` of its attributes is still empty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Corner {
+pub struct ClipCorner {
     /// Clip-space position.
     pub clip: Vec4,
     /// Attributes in world space.
@@ -16,7 +16,7 @@ pub struct Corner {
 
 /// Matrices of an object in a frame. Products are computed in double precision and rounded once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Transform {
+pub struct ObjectTransform {
     /// Matrix from object to clip space.
     clip: Mat4,
     /// Matrix of directions from object to world space.
@@ -32,7 +32,7 @@ fn matrix(rows: &[f64; 16]) -> DMat4 {
     DMat4::from_cols_array(rows).transpose()
 }
 
-impl Transform {
+impl ObjectTransform {
     /// Arithmetic of the matrices of an object: a product of two 4 x 4 matrices, nine cofactors, the scale of the largest, the
     /// sign of the determinant.
     pub const OF_OBJECT: OperatorCounts =
@@ -57,7 +57,7 @@ impl Transform {
     }
 
     /// Returns vertex `index` of the mesh. Returns `None` if it does not exist.
-    pub fn vertex(&self, mesh: &Mesh, index: u32) -> Option<Corner> {
+    pub fn vertex(&self, mesh: &Mesh, index: u32) -> Option<ClipCorner> {
         let i = index as usize;
         let position = Vec3::from(*mesh.positions.get(i)?);
         let unset = Vertex::default();
@@ -74,7 +74,7 @@ impl Transform {
             color: mesh.colors.get(i).copied().unwrap_or(unset.color),
             ..unset
         };
-        Some(Corner { clip: self.clip * position.extend(1.0), vertex })
+        Some(ClipCorner { clip: self.clip * position.extend(1.0), vertex })
     }
 }
 
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn matrices_are_row_major() {
-        let t = Transform::new(&IDENTITY, &world([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]));
+        let t = ObjectTransform::new(&IDENTITY, &world([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]));
         let corner = t.vertex(&mesh(Vec3::Z, Vec3::X, 1.0), 0).expect("vertex 0");
         assert_eq!(corner.clip.to_array(), [6.0, -5.0, 12.0, 1.0]);
         assert!(t.vertex(&mesh(Vec3::Z, Vec3::X, 1.0), 1).is_none());
@@ -160,7 +160,7 @@ mod tests {
             let t = (t - n * n.dot(t)).normalize_or(n.any_orthonormal_vector());
             let w = if left { -1.0 } else { 1.0 };
             let bitangent = n.cross(t) * w;
-            let corner = Transform::new(&IDENTITY, &world(m)).vertex(&mesh(n, t, w), 0).expect("vertex 0");
+            let corner = ObjectTransform::new(&IDENTITY, &world(m)).vertex(&mesh(n, t, w), 0).expect("vertex 0");
             let (normal, tangent) = (Vec3::from(corner.vertex.normal), Vec4::from(corner.vertex.tangent));
             let to_world = |v: Vec3| (linear * v.as_dvec3()).as_vec3();
             prop_assert!((normal.length() - 1.0).abs() < 1e-5 && (tangent.truncate().length() - 1.0).abs() < 1e-5);
@@ -174,7 +174,7 @@ mod tests {
         #[test]
         fn object_size_does_not_change_normals(scale in prop_oneof![Just(1e-20f64), Just(1e-3), Just(1e12)], n in unit_vector()) {
             let at = |s: f64| {
-                let t = Transform::new(&IDENTITY, &world([s, 0.0, 0.0, 0.0, 2.0 * s, 0.0, 0.0, 0.0, s]));
+                let t = ObjectTransform::new(&IDENTITY, &world([s, 0.0, 0.0, 0.0, 2.0 * s, 0.0, 0.0, 0.0, s]));
                 Vec3::from(t.vertex(&mesh(n, Vec3::X, 1.0), 0).expect("vertex 0").vertex.normal)
             };
             prop_assert!(at(scale).distance(at(1.0)) < 1e-5);

@@ -1,13 +1,13 @@
 //! Geometry processor (102).
 
-use crate::charge::{Charge, index_bytes, vertex_bytes};
-use crate::clip::{Clipped, clip};
+use crate::charge::{StepCharge, index_bytes, vertex_bytes};
+use crate::clip::{ClipResult, clip};
 use crate::config::{BumpConfig, BumpUnit, GeometryConfig, Targets};
 use crate::link::POLYGON_BYTES;
 use crate::object_lod::{self, object_lod};
 use crate::state::GeometryProcessorState;
-use crate::transform::{Corner, Transform, centre};
-use crate::window::Window;
+use crate::transform::{ClipCorner, ObjectTransform, centre};
+use crate::window::WindowTransform;
 use crate::work;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Step, Unit};
@@ -44,7 +44,7 @@ pub struct GeometryProcessor {
 }
 
 /// Reason for a triangle to become no polygon.
-enum Dropped {
+enum DropReason {
     Outside,
     Culled,
     Degenerate,
@@ -59,7 +59,7 @@ impl GeometryProcessor {
     fn begin_object(&mut self, object: Arc<Object>) -> ObjectInfo {
         let centre = centre(&object);
         if let Some(frame) = &self.state.frame {
-            self.state.transform = Transform::new(&frame.camera.view_projection, &object.world);
+            self.state.transform = ObjectTransform::new(&frame.camera.view_projection, &object.world);
             self.state.lights = light_vectors(frame, centre);
         }
         self.state.cache.clear();
@@ -83,10 +83,10 @@ impl GeometryProcessor {
         self.state.counters.triangles += 1;
         // Both are moved out during the step. Counting their references would cost a twentieth of it.
         let drawn = (self.state.object.take(), self.state.frame.take());
-        let mut charge = Charge::default();
+        let mut charge = StepCharge::default();
         let polygon = match &drawn {
             (Some(object), Some(frame)) => self.polygon(object, frame, number, &mut charge),
-            _ => Err(Dropped::Degenerate),
+            _ => Err(DropReason::Degenerate),
         };
         (self.state.object, self.state.frame) = drawn;
         let counters = &mut self.state.counters;
@@ -95,9 +95,9 @@ impl GeometryProcessor {
             Ok(polygon) => Some(polygon),
             Err(reason) => {
                 *match reason {
-                    Dropped::Outside => &mut counters.outside,
-                    Dropped::Culled => &mut counters.culled,
-                    Dropped::Degenerate => &mut counters.degenerate,
+                    DropReason::Outside => &mut counters.outside,
+                    DropReason::Culled => &mut counters.culled,
+                    DropReason::Degenerate => &mut counters.degenerate,
                 } += 1;
                 None
             }
@@ -107,24 +107,24 @@ impl GeometryProcessor {
         (polygon, self.kept(charge, bytes))
     }
 
-    fn polygon(&mut self, object: &Object, frame: &Frame, number: u32, charge: &mut Charge) -> Result<Polygon, Dropped> {
-        let mut triangle = [Corner::default(); 3];
-        self.corners(object, number, &mut triangle, charge).ok_or(Dropped::Degenerate)?;
+    fn polygon(&mut self, object: &Object, frame: &Frame, number: u32, charge: &mut StepCharge) -> Result<Polygon, DropReason> {
+        let mut triangle = [ClipCorner::default(); 3];
+        self.corners(object, number, &mut triangle, charge).ok_or(DropReason::Degenerate)?;
         if !triangle.iter().all(|c| c.clip.is_finite()) {
-            return Err(Dropped::Degenerate);
+            return Err(DropReason::Degenerate);
         }
         let clipped = clip(&triangle);
         let corners = match &clipped {
-            Clipped::Outside => return Err(Dropped::Outside),
-            Clipped::Whole => &triangle[..],
-            Clipped::Cut { corners, made } => {
+            ClipResult::Outside => return Err(DropReason::Outside),
+            ClipResult::Whole => &triangle[..],
+            ClipResult::Cut { corners, made } => {
                 self.state.counters.clipped += 1;
                 charge.add(work::cut_vertex(self.fetched(object)).times(*made));
                 corners
             }
         };
         charge.add(work::area(corners.len()));
-        let window = Window::new(frame);
+        let window = WindowTransform::new(frame);
         // Half of all triangles face away, so attributes are computed only for the others.
         let is_back = self.faces_back(object, corners, &window)?;
         let mut vertices: Vec<Vertex> = corners.iter().map(|c| Vertex { position: window.place(c), ..c.vertex }).collect();
@@ -136,7 +136,7 @@ impl GeometryProcessor {
         let bump = object.bump.unwrap_or(self.is_target(object, lod));
         if !bump {
             // Vertices that were clipped or turned round belong to this polygon only.
-            let own = is_turned || matches!(clipped, Clipped::Cut { .. });
+            let own = is_turned || matches!(clipped, ClipResult::Cut { .. });
             let unlit = if own { vertices.len() } else { self.unlit(object, number) };
             self.light(object, &mut vertices, unlit as u32, charge);
         }
@@ -146,7 +146,7 @@ impl GeometryProcessor {
     }
 
     /// Returns the LOD of a polygon. It is charged if the machine has maps whose levels it selects.
-    fn lod(&self, object: &Object, vertices: &[Vertex], charge: &mut Charge) -> u8 {
+    fn lod(&self, object: &Object, vertices: &[Vertex], charge: &mut StepCharge) -> u8 {
         if let Some(lod) = self.state.object_lod {
             return lod;
         }
@@ -163,7 +163,7 @@ impl GeometryProcessor {
 
     /// Lights the vertices of a polygon that is not a bump target. `unlit` vertices are charged if the machine accepts the
     /// brightness.
-    fn light(&mut self, object: &Object, vertices: &mut [Vertex], unlit: u32, charge: &mut Charge) {
+    fn light(&mut self, object: &Object, vertices: &mut [Vertex], unlit: u32, charge: &mut StepCharge) {
         let (lighting, lights) = (&object.material.lighting, &self.state.lights);
         for vertex in vertices {
             vertex.brightness = brightness(Vec3::from(vertex.normal), lighting, lights);
@@ -182,7 +182,7 @@ impl GeometryProcessor {
 
     /// Computes the transformed corners of a triangle, from the vertex cache if present. (Returned, they would be copied more
     /// than once.)
-    fn corners(&mut self, object: &Object, number: u32, corners: &mut [Corner; 3], charge: &mut Charge) -> Option<()> {
+    fn corners(&mut self, object: &Object, number: u32, corners: &mut [ClipCorner; 3], charge: &mut StepCharge) -> Option<()> {
         let indices = indices(object, number)?;
         charge.fetched += index_bytes(object);
         for (corner, index) in corners.iter_mut().zip(indices) {
@@ -203,21 +203,21 @@ impl GeometryProcessor {
 
     /// Drops a triangle that is not in front of the viewer, has no area, or faces away and is invisible from behind. Returns true
     /// if a kept triangle faces away.
-    fn faces_back(&self, object: &Object, corners: &[Corner], window: &Window) -> Result<bool, Dropped> {
+    fn faces_back(&self, object: &Object, corners: &[ClipCorner], window: &WindowTransform) -> Result<bool, DropReason> {
         if corners.len() < 3 || !corners.iter().all(|c| c.clip.w >= f32::MIN_POSITIVE) {
-            return Err(Dropped::Degenerate);
+            return Err(DropReason::Degenerate);
         }
         let area = doubled_area(corners.iter().map(|c| {
             let [x, y, ..] = window.place(c);
             [x, y]
         }));
         if area == 0.0 || !area.is_finite() {
-            return Err(Dropped::Degenerate);
+            return Err(DropReason::Degenerate);
         }
         // As y runs down, counter-clockwise is negative.
         let front = (area < 0.0) != self.state.transform.mirrored;
         if !front && !object.material.double_sided {
-            return Err(Dropped::Culled);
+            return Err(DropReason::Culled);
         }
         Ok(!front)
     }
@@ -279,7 +279,7 @@ impl Unit for GeometryProcessor {
                 if self.state.object_lod.is_some() {
                     work = work.and(object_lod::WORK);
                 }
-                (Some(Control::Object(Arc::new(info))), self.kept(Charge { work, fetched: 0 }, 0))
+                (Some(Control::Object(Arc::new(info))), self.kept(StepCharge { work, fetched: 0 }, 0))
             }
             Some(Draw::Triangle(number)) => {
                 let (made, cycles) = self.triangle(number);

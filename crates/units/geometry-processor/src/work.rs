@@ -1,22 +1,22 @@
 //! Arithmetic and latency of a polygon, besides those of [`crate::transform`], [`crate::clip`] and the window.
 
 use crate::clip::{DISTANCES, made_corner};
-use crate::transform::Transform;
-use crate::window::Window;
+use crate::transform::ObjectTransform;
+use crate::window::WindowTransform;
 use basrelief_kernel::{OperatorCounts, Operators};
 use basrelief_signals::{Lighting, LightingStage, SentAttributes, VertexAttributes};
 
 /// Returns the arithmetic of transforming a vertex with these attributes.
 pub(crate) fn vertex(of: SentAttributes) -> OperatorCounts {
     let directions = u32::from(of.normal) + u32::from(of.normal_map);
-    Transform::POSITION.and(DISTANCES).and(Window::PLACE).and(Transform::DIRECTION.times(directions))
+    ObjectTransform::POSITION.and(DISTANCES).and(WindowTransform::PLACE).and(ObjectTransform::DIRECTION.times(directions))
 }
 
 /// Returns the arithmetic of a vertex with these attributes at a cut edge.
 pub(crate) fn cut_vertex(of: SentAttributes) -> OperatorCounts {
     let numbers = |there: bool, count: u32| if there { count } else { 0 };
     let all = numbers(of.normal, 3) + numbers(of.normal_map, 3 + 2) + numbers(of.texture, 2) + numbers(of.color, 4);
-    made_corner(all, u32::from(of.normal) + u32::from(of.normal_map)).and(Window::PLACE)
+    made_corner(all, u32::from(of.normal) + u32::from(of.normal_map)).and(WindowTransform::PLACE)
 }
 
 /// Returns the arithmetic of twice the area of a polygon of this many corners, relative to the first. It decides whether the
@@ -45,7 +45,7 @@ pub(crate) fn lighting(of: &Lighting, lights: u32) -> OperatorCounts {
 /// Returns the arithmetic of the lights as seen from an object: direction and half-way vector, each made unit.
 pub(crate) fn object(lights: u32) -> OperatorCounts {
     let light = OperatorCounts { add: 3 + 3, ..OperatorCounts::NONE }.and(OperatorCounts::NORMALIZE.times(2));
-    Transform::OF_OBJECT.and(light.times(lights))
+    ObjectTransform::OF_OBJECT.and(light.times(lights))
 }
 
 /// Returns the cycles from the last operands of a polygon to its delivery: position, projection, area and LOD, in parallel with
@@ -53,13 +53,13 @@ pub(crate) fn object(lights: u32) -> OperatorCounts {
 pub(crate) fn latency(operators: &Operators, taken: VertexAttributes) -> u64 {
     let area = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
     let lod = OperatorCounts { divide: 1, add: 1, ..OperatorCounts::NONE };
-    let outline = Transform::POSITION_CHAIN.and(Window::PLACE_CHAIN).and(area);
+    let outline = ObjectTransform::POSITION_CHAIN.and(WindowTransform::PLACE_CHAIN).and(area);
     let outline = if taken.normal_maps { outline.and(lod) } else { outline };
     let lighting = OperatorCounts { multiply: 3, add: 4, power: 1, ..OperatorCounts::NONE };
     let normal = match taken.lit {
         LightingStage::Nowhere => OperatorCounts::NONE,
-        LightingStage::InMachine => Transform::DIRECTION_CHAIN,
-        LightingStage::AtVertices | LightingStage::Targets => Transform::DIRECTION_CHAIN.and(lighting),
+        LightingStage::InMachine => ObjectTransform::DIRECTION_CHAIN,
+        LightingStage::AtVertices | LightingStage::Targets => ObjectTransform::DIRECTION_CHAIN.and(lighting),
     };
     operators.latency(outline).max(operators.latency(normal))
 }

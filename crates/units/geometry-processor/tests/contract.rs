@@ -22,15 +22,7 @@ fn frames() -> Vec<Arc<Frame>> {
     let kinds = [LightKind::Directional { to_light: [0.0, 0.6, 0.8] }, LightKind::Point { position: [1.0 / 3.0, 2.0, 0.1] }];
     let frame = |(index, (view, kind))| {
         let lights = vec![Light { kind, intensity: 0.7 }];
-        Arc::new(Frame {
-            index,
-            width: 64,
-            height: 48,
-            camera: camera(view),
-            lights,
-            textures: Vec::new(),
-            shading: Default::default(),
-        })
+        Arc::new(Frame { index, width: 64, height: 48, camera: camera(view), lights, ..Frame::default() })
     };
     (0..).zip([PERSPECTIVE, IDENTITY].into_iter().zip(kinds)).map(frame).collect()
 }
@@ -110,15 +102,7 @@ fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
         let (vertices, material) = (vec![Vertex::default(); 3], Arc::default());
         Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: true, arrival }))
     };
-    let object = ObjectInfo {
-        id: 0,
-        name: "o".into(),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    };
+    let object = ObjectInfo { name: "o".into(), ..ObjectInfo::default() };
     let mut list = vec![(Control::Frame(Arc::clone(&frames()[0])), None), (Control::Object(Arc::new(object)), None)];
     list.extend([40, 44, 44, 90, 3, 91].map(|arrival| (polygon(arrival), Some(arrival))));
     list.push((Control::FrameEnd, None));

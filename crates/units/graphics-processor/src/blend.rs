@@ -1,11 +1,11 @@
 //! Colour of a pixel.
 
-use basrelief_shading::{Taps, saturated};
+use basrelief_shading::{SampleTaps, saturated};
 use basrelief_signals::Image;
 
 /// Returns the filtered RGB of the texels in `taps`, 0..=1 each.
 #[inline]
-pub fn filtered(image: &Image, taps: &Taps) -> [f32; 3] {
+pub fn filtered(image: &Image, taps: &SampleTaps) -> [f32; 3] {
     let mut sum = [0.0; 3];
     for (&[column, row], &weight) in taps.texel.iter().zip(&taps.weight).take(usize::from(taps.count)) {
         let texel = image.texels.get(row as usize * image.width as usize + column as usize);
@@ -38,7 +38,7 @@ mod tests {
     #[test]
     fn filter_weighs_texels() {
         let image = Image { width: 2, height: 1, texels: vec![[0, 51, 255, 255], [255, 51, 0, 0]] };
-        let taps = Taps { count: 2, texel: [[0, 0], [1, 0], [9, 9], [9, 9]], weight: [0.25, 0.75, 9.0, 9.0] };
+        let taps = SampleTaps { count: 2, texel: [[0, 0], [1, 0], [9, 9], [9, 9]], weight: [0.25, 0.75, 9.0, 9.0] };
         assert_eq!(filtered(&image, &taps), [0.75, 0.2, 0.25]);
     }
 

@@ -1,6 +1,6 @@
 //! Entries that wait for the end of a list: their memory, and its lines.
 
-use crate::state::Held;
+use crate::state::HeldItem;
 use crate::{DrawOrder, GraphicsProcessor};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{HardwareKind, MemoryPorts};
@@ -22,8 +22,8 @@ impl GraphicsProcessor {
     }
 
     /// Stores a stamp. An entry is written with its line, when the line is full.
-    pub(crate) fn hold(&mut self, stamp: Held, traffic: &mut MemoryPorts) {
-        let (fragments, is_bump) = (stamp.fragments() as u64, matches!(stamp, Held::Bump(_)));
+    pub(crate) fn hold(&mut self, stamp: HeldItem, traffic: &mut MemoryPorts) {
+        let (fragments, is_bump) = (stamp.fragments() as u64, matches!(stamp, HeldItem::Bump(_)));
         self.state.waiting += fragments;
         if self.state.waiting > u64::from(self.config.hold_fragments) {
             return traffic.fault(format!(
@@ -48,9 +48,9 @@ impl GraphicsProcessor {
     }
 
     /// Removes the oldest waiting item, and reads the missing lines of its entries.
-    pub(crate) fn take_held(&mut self, traffic: &mut MemoryPorts) -> Option<Held> {
+    pub(crate) fn take_held(&mut self, traffic: &mut MemoryPorts) -> Option<HeldItem> {
         let held = self.state.held.pop_front()?;
-        if let Held::Bump(stamp) = &held {
+        if let HeldItem::Bump(stamp) = &held {
             let read_to = |bytes: u64| bytes.next_multiple_of(LINE).min(self.state.bytes_held);
             let drawn = self.state.bytes_drawn + self.held_bytes(stamp.len() as u64);
             request(read_to(self.state.bytes_drawn), read_to(drawn), |address, bytes| traffic.read(ENTRIES, address, bytes));

@@ -18,5 +18,5 @@ mod work;
 
 pub use config::{DepthConfig, DrawOrder, GraphicsConfig, HeldEntry, Mip};
 pub use depth_test::{DepthTest, DepthTestCounters, DepthTestState};
-pub use state::{GraphicsProcessorCounters, GraphicsProcessorState, Held, Phase};
+pub use state::{GraphicsProcessorCounters, GraphicsProcessorState, HeldItem, InputPhase};
 pub use unit::GraphicsProcessor;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// Input of the next step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Phase {
+pub enum InputPhase {
     /// No fragments can come: the next control token, from input 0.
     #[default]
     Control,
@@ -20,7 +20,7 @@ pub enum Phase {
 
 /// An item that waits to be drawn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Held {
+pub enum HeldItem {
     /// Control. It needs no memory, because the host keeps the display list.
     Control(Control),
     /// Fragments of a bump target with their brightness, one entry each.
@@ -44,7 +44,7 @@ pub struct GraphicsProcessorCounters {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GraphicsProcessorState {
     /// Next input.
-    pub phase: Phase,
+    pub phase: InputPhase,
     /// Control token whose duplicate is awaited.
     pub pending: Option<Control>,
     /// Polygon being drawn.
@@ -54,7 +54,7 @@ pub struct GraphicsProcessorState {
     /// Position of that level, from the start of the colour textures.
     pub place: LevelPlace,
     /// Items that wait for the end of the list, in order.
-    pub held: VecDeque<Held>,
+    pub held: VecDeque<HeldItem>,
     /// True after the end of the list: waiting items are being drawn.
     pub drawing: bool,
     /// Cycles from one pixel of the polygon to the next.
@@ -69,7 +69,7 @@ pub struct GraphicsProcessorState {
     pub counters: GraphicsProcessorCounters,
 }
 
-impl Held {
+impl HeldItem {
     /// Returns the number of fragments.
     pub fn fragments(&self) -> usize {
         match self {

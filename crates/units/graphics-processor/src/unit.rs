@@ -2,11 +2,11 @@
 
 use crate::blend::{blended, filtered};
 use crate::config::{DrawOrder, GraphicsConfig, Mip};
-use crate::state::{GraphicsProcessorState, Held, Phase};
-use crate::work::Timing;
+use crate::state::{GraphicsProcessorState, HeldItem, InputPhase};
+use crate::work::PixelTiming;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
-use basrelief_shading::{Gradient, Layout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
+use basrelief_shading::{AttributeGradient, BlockLayout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
 use basrelief_signals::{Control, Flow, Fragment, Pixel, Polygon, ShadedFragment, Stamp, TexelFilter, Texture, layout};
 use std::sync::Arc;
 
@@ -41,8 +41,8 @@ pub struct GraphicsProcessor {
     /// Entry of a fragment that is drawn after the list, as selected by `held` \[bits\].
     pub entry_bits: u32,
     /// Memory layout of colour textures.
-    pub layout: Layout,
-    timing: Timing,
+    pub layout: BlockLayout,
+    timing: PixelTiming,
     /// State between steps.
     pub state: GraphicsProcessorState,
 }
@@ -52,12 +52,12 @@ impl GraphicsProcessor {
     /// a vertex's brightness are blended separately. `line_bytes` is the colour cache's line, and `entry_bits` the size of a
     /// waiting entry.
     pub fn new(config: GraphicsConfig, operators: Operators, separate: bool, [stamp, line_bytes, entry_bits]: [u32; 3]) -> Self {
-        let (timing, state) = (Timing::new(operators), GraphicsProcessorState::default());
-        Self { config, separate, stamp, line_bytes, entry_bits, layout: Layout::default(), timing, state }
+        let (timing, state) = (PixelTiming::new(operators), GraphicsProcessorState::default());
+        Self { config, separate, stamp, line_bytes, entry_bits, layout: BlockLayout::default(), timing, state }
     }
 
     /// Sets the memory layout of colour textures.
-    pub fn with_layout(self, layout: Layout) -> Self {
+    pub fn with_layout(self, layout: BlockLayout) -> Self {
         Self { layout, ..self }
     }
 
@@ -69,7 +69,7 @@ impl GraphicsProcessor {
         }
         if is_plain(&control) {
             self.state.pending = Some(control);
-            self.state.phase = Phase::Twin(1);
+            self.state.phase = InputPhase::Twin(1);
             return None;
         }
         self.accept(control, traffic)
@@ -81,7 +81,7 @@ impl GraphicsProcessor {
             return self.accept_twin(control, &twin, traffic);
         }
         self.state.pending = Some(control);
-        self.state.phase = Phase::Twin(0);
+        self.state.phase = InputPhase::Twin(0);
         None
     }
 
@@ -95,8 +95,8 @@ impl GraphicsProcessor {
     /// Applies the control, or stores it until the end of the list.
     fn accept(&mut self, control: Control, traffic: &mut MemoryPorts) -> Option<Flow<Stamp<Pixel>>> {
         self.state.phase = match &control {
-            Control::Polygon(polygon) => Phase::Fragments(usize::from(!polygon.bump)),
-            _ => Phase::Control,
+            Control::Polygon(polygon) => InputPhase::Fragments(usize::from(!polygon.bump)),
+            _ => InputPhase::Control,
         };
         match self.config.draw {
             DrawOrder::Streamed => {
@@ -107,7 +107,7 @@ impl GraphicsProcessor {
                 if control == Control::FrameEnd {
                     self.end_list(traffic);
                 }
-                self.state.held.push_back(Held::Control(control));
+                self.state.held.push_back(HeldItem::Control(control));
                 None
             }
         }
@@ -129,15 +129,15 @@ impl GraphicsProcessor {
 
     /// Draws the result, or stores it until the end of the list.
     #[inline(always)]
-    fn result(&mut self, result: Held, traffic: &mut MemoryPorts) -> Out {
-        if !matches!(self.state.phase, Phase::Fragments(_)) {
+    fn result(&mut self, result: HeldItem, traffic: &mut MemoryPorts) -> Out {
+        if !matches!(self.state.phase, InputPhase::Fragments(_)) {
             return self.after(misplaced(traffic));
         }
         match self.config.draw {
             DrawOrder::Streamed => self.draw(result, traffic),
             DrawOrder::AfterList => {
                 // Items that need no memory are only received.
-                let entries = if matches!(result, Held::Bump(_)) { result.fragments() } else { 1 };
+                let entries = if matches!(result, HeldItem::Bump(_)) { result.fragments() } else { 1 };
                 self.hold(result, traffic);
                 Step::over(entries, 1, self.timing.latency, None)
             }
@@ -159,15 +159,15 @@ impl GraphicsProcessor {
     }
 
     #[inline(always)]
-    fn draw(&mut self, held: Held, traffic: &mut MemoryPorts) -> Out {
+    fn draw(&mut self, held: HeldItem, traffic: &mut MemoryPorts) -> Out {
         let fragments = held.fragments();
         let pixels = match held {
-            Held::Control(control) => {
+            HeldItem::Control(control) => {
                 self.take_effect(&control);
                 return self.after(Some(Flow::Control(control)));
             }
-            Held::Bump(stamp) => self.pixels(stamp.iter().map(|s| (s.fragment, Some([s.brightness, s.highlight]))), traffic),
-            Held::Plain(stamp) => self.pixels(stamp.iter().map(|fragment| (*fragment, None)), traffic),
+            HeldItem::Bump(stamp) => self.pixels(stamp.iter().map(|s| (s.fragment, Some([s.brightness, s.highlight]))), traffic),
+            HeldItem::Plain(stamp) => self.pixels(stamp.iter().map(|fragment| (*fragment, None)), traffic),
         };
         let out = pixels.map(Flow::Item);
         Step::over(fragments, self.state.pace, self.timing.latency, out)
@@ -183,7 +183,7 @@ impl GraphicsProcessor {
         let polygon = self.state.polygon.as_deref()?;
         let first = shaded.next()?;
         let [a, b, c] = fan_triangle(polygon, first.0.triangle)?;
-        let color = Gradient::new([&a.color, &b.color, &c.color]);
+        let color = AttributeGradient::new([&a.color, &b.color, &c.color]);
         let mut stamp = Stamp::new();
         for (fragment, brightness) in std::iter::once(first).chain(shaded) {
             let weights = fragment.weights;
@@ -256,16 +256,16 @@ impl Unit for GraphicsProcessor {
             return Demand::Nothing;
         }
         match self.state.phase {
-            Phase::Control => Demand::Only(0),
-            Phase::Fragments(input) | Phase::Twin(input) => Demand::Only(input),
+            InputPhase::Control => Demand::Only(0),
+            InputPhase::Fragments(input) | InputPhase::Twin(input) => Demand::Only(input),
         }
     }
 
     #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         match input {
-            (Some(Flow::Item(stamp)), None) => self.result(Held::Bump(stamp), traffic),
-            (None, Some(Flow::Item(stamp))) => self.result(Held::Plain(stamp), traffic),
+            (Some(Flow::Item(stamp)), None) => self.result(HeldItem::Bump(stamp), traffic),
+            (None, Some(Flow::Item(stamp))) => self.result(HeldItem::Plain(stamp), traffic),
             (Some(Flow::Control(control)), None) => {
                 let out = self.control(control, traffic);
                 self.after(out)

@@ -37,13 +37,13 @@ fn pixel(polygon: &Polygon, filter: TexelFilter) -> OperatorCounts {
 
 /// Timing computed once from the parameters, because they do not change during a run.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Timing {
+pub(crate) struct PixelTiming {
     /// Cycles from a fragment to its pixel, without texel fetches.
     pub(crate) latency: u64,
     operators: Operators,
 }
 
-impl Timing {
+impl PixelTiming {
     pub(crate) fn new(operators: Operators) -> Self {
         Self { latency: operators.latency(CHAIN), operators }
     }

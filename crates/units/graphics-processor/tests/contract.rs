@@ -4,22 +4,12 @@ use basrelief_graphics_processor::{DepthConfig, DepthTest, DrawOrder, GraphicsCo
 use basrelief_kernel::Operators;
 use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{
-    Camera, Control, Flow, Fragment, Frame, Image, Material, ObjectInfo, Pixel, Polygon, Sampler, ShadedFragment, Stamp, Texture,
-    Vertex,
+    Control, Flow, Fragment, Frame, Image, Material, ObjectInfo, Pixel, Polygon, Sampler, ShadedFragment, Stamp, Texture, Vertex,
 };
 use std::sync::Arc;
 
 fn frame(index: u32) -> Control {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Control::Frame(Arc::new(Frame {
-        index,
-        width: 32,
-        height: 16,
-        camera,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
+    Control::Frame(Arc::new(Frame { index, width: 32, height: 16, ..Frame::default() }))
 }
 
 fn texture() -> Arc<Texture> {
@@ -63,15 +53,7 @@ type Plain = Vec<Flow<Stamp<Fragment>>>;
 fn both_ways() -> (ShadingSettings, Plain) {
     let textured = Material { id: 1, color_texture: Some(texture()), ..Material::default() };
     let bare = Material { base_color: [0.9, 0.4, 0.1, 1.0], ..Material::default() };
-    let object = ObjectInfo {
-        id: 0,
-        name: "o".into(),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    };
+    let object = ObjectInfo { name: "o".into(), ..ObjectInfo::default() };
     let (mut bump_way, mut plain_way) = (Vec::new(), Vec::new());
     let mut after_plain = false;
     let mut control = |c: Control, plain: bool, ways: (&mut ShadingSettings, &mut Plain)| {

@@ -1,7 +1,7 @@
 //! Cache lines of a footprint.
 
 use basrelief_kernel::MemoryPorts;
-use basrelief_shading::{Footprints, LevelPlace};
+use basrelief_shading::{LevelPlace, SampleFootprints};
 use wide::u32x4;
 
 /// Client of the cache in front of the normal-map memory (116).
@@ -12,7 +12,7 @@ const TAPS: usize = 4;
 
 /// Sizes of texels and cache lines, in bytes.
 #[derive(Clone, Debug)]
-pub(crate) struct Lines {
+pub(crate) struct FootprintLines {
     texel_bytes: u32,
     line_shift: u32,
     /// Logarithm of the texels per line. `None` if a texel can lie across two lines.
@@ -21,7 +21,7 @@ pub(crate) struct Lines {
     pub(crate) per_texel: u32,
 }
 
-impl Lines {
+impl FootprintLines {
     /// Creates the sizes. `line_bytes` is a power of two.
     pub(crate) fn new(texel_bytes: u32, line_bytes: u32) -> Self {
         let (texel_bytes, line) = (texel_bytes.max(1), line_bytes.max(1));
@@ -33,7 +33,7 @@ impl Lines {
     /// Looks up the taps of the first `count` samples of the level at this position, in most cases each line once. A repeated
     /// look-up would cost the device nothing, but it would cost host time.
     #[inline(always)]
-    pub(crate) fn look_up(&self, place: LevelPlace, (footprints, count): (&Footprints, usize), traffic: &mut MemoryPorts) {
+    pub(crate) fn look_up(&self, place: LevelPlace, (footprints, count): (&SampleFootprints, usize), traffic: &mut MemoryPorts) {
         if traffic.is_discarding() {
             return;
         }

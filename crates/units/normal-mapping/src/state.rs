@@ -2,28 +2,28 @@
 
 use crate::DistinctCounter;
 use basrelief_kernel::Cached;
-use basrelief_shading::{Gradient, LevelPlace, LevelSet, fan_triangle};
+use basrelief_shading::{AttributeGradient, LevelPlace, LevelSet, fan_triangle};
 use basrelief_signals::{MAX_SAMPLES, Polygon};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Attributes over a triangle, computed from polygon and triangle.
 #[derive(Clone, Debug)]
-pub(crate) struct Setup {
+pub(crate) struct TriangleSetup {
     pub(crate) triangle: u16,
     /// Normal, tangent, coordinates of the normal map.
-    pub(crate) attributes: Gradient<8>,
+    pub(crate) attributes: AttributeGradient<8>,
     pub(crate) handedness: f32,
 }
 
-impl Setup {
+impl TriangleSetup {
     pub(crate) fn new(polygon: &Polygon, triangle: u16) -> Option<Self> {
         let corners = fan_triangle(polygon, triangle)?;
         let [a, b, c] = corners.map(|v| {
             let ([nx, ny, nz], [tx, ty, tz, _], [u, v]) = (v.normal, v.tangent, v.uv_normal);
             [nx, ny, nz, tx, ty, tz, u, v]
         });
-        Some(Self { triangle, attributes: Gradient::new([&a, &b, &c]), handedness: corners[0].tangent[3] })
+        Some(Self { triangle, attributes: AttributeGradient::new([&a, &b, &c]), handedness: corners[0].tangent[3] })
     }
 }
 
@@ -38,7 +38,7 @@ pub struct NormalMappingState {
     pub places: [LevelPlace; MAX_SAMPLES],
     /// Set-up of the triangle of the last fragment.
     #[serde(skip)]
-    pub(crate) setup: Cached<Setup>,
+    pub(crate) setup: Cached<TriangleSetup>,
     /// Counters.
     pub counters: NormalMappingCounters,
 }

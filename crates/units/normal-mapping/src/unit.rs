@@ -1,14 +1,14 @@
 //! The unit and its step.
 
 use crate::DistinctCounter;
-use crate::lines::Lines;
+use crate::lines::FootprintLines;
 use crate::rotate::{FixedPoint, TangentFrame};
-use crate::state::Setup;
-use crate::work::Timing;
+use crate::state::TriangleSetup;
+use crate::work::MappingTiming;
 use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
-use basrelief_shading::{Footprints, LEVELS, Layout, decode_normal, footprints, select_levels, weights, wrapped};
+use basrelief_shading::{BlockLayout, LEVELS, SampleFootprints, decode_normal, footprints, select_levels, weights, wrapped};
 use basrelief_signals::{
     Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Stamp, StampLanes, StampNormals, StampSample,
     StampSamples,
@@ -24,11 +24,11 @@ use wide::{f32x4, i32x4, u32x4};
 pub struct NormalMapping {
     /// Parameters.
     pub config: NormalMappingConfig,
-    timing: Timing,
+    timing: MappingTiming,
     levels: u8,
     stamp: u32,
-    lines: Lines,
-    layout: Layout,
+    lines: FootprintLines,
+    layout: BlockLayout,
     fixed_point: FixedPoint,
     /// State between steps.
     pub state: NormalMappingState,
@@ -41,15 +41,15 @@ impl NormalMapping {
     /// If [`NormalMappingConfig::samples`] exceeds [`MAX_SAMPLES`], the coarsest samples are dropped. The machine's configuration
     /// rejects this.
     pub fn new(config: NormalMappingConfig, operators: &Operators, levels: u8, stamp: u32, line_bytes: u32) -> Self {
-        let lines = Lines::new(config.texel_bytes, line_bytes);
+        let lines = FootprintLines::new(config.texel_bytes, line_bytes);
         let fixed_point = FixedPoint::new(config.normal_bits);
-        let timing = Timing::new(&config, operators);
-        let (layout, state) = (Layout::default(), NormalMappingState::default());
+        let timing = MappingTiming::new(&config, operators);
+        let (layout, state) = (BlockLayout::default(), NormalMappingState::default());
         Self { config, timing, levels, stamp, lines, layout, fixed_point, state }
     }
 
     /// Sets the memory layout of normal maps.
-    pub fn with_layout(self, layout: Layout) -> Self {
+    pub fn with_layout(self, layout: BlockLayout) -> Self {
         Self { layout, ..self }
     }
 
@@ -90,7 +90,7 @@ impl NormalMapping {
         let polygon = polygon.as_deref()?;
         let triangle = stamp.first()?.triangle;
         if setup.as_ref().is_none_or(|s| s.triangle != triangle) {
-            **setup = Setup::new(polygon, triangle);
+            **setup = TriangleSetup::new(polygon, triangle);
         }
         let setup = setup.as_ref()?;
         counters.bump_fragments += u64::from(polygon.bump) * stamp.len() as u64;
@@ -147,7 +147,7 @@ fn stored(image: &Image, numbers: u32x4) -> [f32x4; 3] {
 
 /// Returns the filtered stored values: the weighted sum of the taps. Decoding is linear, so it can follow.
 #[inline(always)]
-fn filtered(image: &Image, footprints: &Footprints) -> [f32x4; 3] {
+fn filtered(image: &Image, footprints: &SampleFootprints) -> [f32x4; 3] {
     let numbers = footprints.numbers(image.width);
     if footprints.count == 1 {
         return stored(image, numbers[0]);

@@ -45,7 +45,7 @@ const CHAIN: OperatorCounts =
 
 /// Timing computed once from the parameters, because they do not change during a run and every step needs it.
 #[derive(Clone, Debug)]
-pub(crate) struct Timing {
+pub(crate) struct MappingTiming {
     /// Cycles from a fragment to its pseudo-normals, without texel fetches.
     pub(crate) latency: u64,
     /// Cycles from one fragment to the next without a map. N' is the same at all levels.
@@ -54,7 +54,7 @@ pub(crate) struct Timing {
     mapped: [u64; MAX_SAMPLES + 1],
 }
 
-impl Timing {
+impl MappingTiming {
     pub(crate) fn new(config: &NormalMappingConfig, operators: &Operators) -> Self {
         let pace = |work| operators.pace(work, config.operators());
         let mapped = std::array::from_fn(|samples| pace(mapped(config, samples as u32)));

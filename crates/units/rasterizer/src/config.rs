@@ -2,7 +2,7 @@
 
 use basrelief_kernel::OperatorCounts;
 use basrelief_parameters::parameters;
-use basrelief_shading::Raster;
+use basrelief_shading::RasterGrid;
 use serde::{Deserialize, Serialize};
 
 /// Order in which the pixels of a triangle are visited.
@@ -45,10 +45,10 @@ parameters! {
 
 impl RasterizerConfig {
     /// Returns the raster of a screen of this size.
-    pub(crate) fn raster(&self, screen: [u32; 2]) -> Raster {
+    pub(crate) fn raster(&self, screen: [u32; 2]) -> RasterGrid {
         let block = if self.order == RasterOrder::Tiled { self.block } else { 1 };
-        let raster = Raster::new(screen, self.subpixel_bits, self.z_bits, block);
-        Raster { columns: self.order == RasterOrder::Columns, ..raster }
+        let raster = RasterGrid::new(screen, self.subpixel_bits, self.z_bits, block);
+        RasterGrid { columns: self.order == RasterOrder::Columns, ..raster }
     }
 
     /// Returns the unit's operators.

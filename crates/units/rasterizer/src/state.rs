@@ -1,6 +1,6 @@
 //! State of the rasterizer.
 
-use basrelief_shading::Scan;
+use basrelief_shading::PolygonScan;
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -26,7 +26,7 @@ pub struct RasterizerState {
     /// Polygon in progress, if any. The scan stands on its next fragment.
     pub polygon: Option<Arc<Polygon>>,
     /// Traversal of the polygon.
-    pub scan: Scan,
+    pub scan: PolygonScan,
     /// Counters.
     pub counters: RasterizerCounters,
 }

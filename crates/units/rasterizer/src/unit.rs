@@ -5,14 +5,14 @@ use crate::state::RasterizerState;
 use crate::work::{CHAIN, FRAGMENT, SET_UP, SET_UP_NUMBERS};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
-use basrelief_shading::{BLOCK, Scan, fan_triangles};
+use basrelief_shading::{BLOCK, PolygonScan, fan_triangles};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp};
 use std::sync::Arc;
 
 /// Rasterizer: emits a stamp per step, in order, behind the control token of the polygon. A polygon occupies the unit for the
 /// set-up of the triangles of its fan, before its fragments. The operators limit the rate of fragments.
 ///
-/// [`Scan`] defines the pixels of a polygon. A polygon without pixels passes as its control token only.
+/// [`PolygonScan`] defines the pixels of a polygon. A polygon without pixels passes as its control token only.
 #[derive(Clone, Debug)]
 pub struct Rasterizer {
     /// Parameters.
@@ -51,7 +51,7 @@ impl Rasterizer {
         let triangles = fan_triangles(polygon);
         self.state.counters.polygons += 1;
         self.state.counters.triangles += u64::from(triangles);
-        self.state.scan = Scan::new(polygon, self.config.raster(self.state.screen));
+        self.state.scan = PolygonScan::new(polygon, self.config.raster(self.state.screen));
         self.state.polygon = Some(Arc::clone(polygon));
         self.advance();
         self.operators.pace(SET_UP.times(triangles.into()), self.config.operators())
@@ -133,19 +133,10 @@ const NUMBER: u32 = 32;
 mod tests {
     use super::*;
     use basrelief_kernel::OperatorConfig;
-    use basrelief_signals::{Camera, Frame, Vertex};
+    use basrelief_signals::{Frame, Vertex};
 
     fn frame(width: u32, height: u32) -> Control {
-        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        Control::Frame(Arc::new(Frame {
-            index: 0,
-            width,
-            height,
-            camera,
-            lights: Vec::new(),
-            textures: Vec::new(),
-            shading: Default::default(),
-        }))
+        Control::Frame(Arc::new(Frame { width, height, ..Frame::default() }))
     }
 
     fn polygon(corners: &[[f32; 4]]) -> Control {

@@ -3,7 +3,7 @@
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Unit};
 use basrelief_kernel_conformance::unit_contract;
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
-use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, ObjectInfo, Polygon, Stamp, Vertex};
+use basrelief_signals::{Control, Flow, Fragment, Frame, ObjectInfo, Polygon, Stamp, Vertex};
 use std::sync::Arc;
 
 fn polygon(bump: bool, corners: &[[f32; 2]]) -> Control {
@@ -19,27 +19,10 @@ fn polygon(bump: bool, corners: &[[f32; 2]]) -> Control {
 /// Returns two frames: a triangle, a pentagon that extends beyond the screen, a polygon without pixels, one without area, a
 /// folded one.
 fn display_list() -> Vec<Control> {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    let object = ObjectInfo {
-        id: 0,
-        name: "o".into(),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    };
+    let object = ObjectInfo { name: "o".into(), ..ObjectInfo::default() };
     let frame = |index| {
         [
-            Control::Frame(Arc::new(Frame {
-                index,
-                width: 20,
-                height: 14,
-                camera,
-                lights: Vec::new(),
-                textures: Vec::new(),
-                shading: Default::default(),
-            })),
+            Control::Frame(Arc::new(Frame { index, width: 20, height: 14, ..Frame::default() })),
             Control::Object(Arc::new(object.clone())),
             polygon(true, &[[1.3, 1.1], [12.6, 2.2], [4.9, 9.7]]),
             polygon(false, &[[10.0, -3.0], [26.0, 1.0], [25.0, 9.0], [14.0, 13.5], [9.0, 5.0]]),

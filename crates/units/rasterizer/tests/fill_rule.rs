@@ -2,7 +2,7 @@
 
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Unit};
 use basrelief_rasterizer::{Rasterizer, RasterizerConfig};
-use basrelief_signals::{Camera, Control, Flow, Frame, Polygon, Vertex};
+use basrelief_signals::{Control, Flow, Frame, Polygon, Vertex};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -13,16 +13,7 @@ type Point = [i64; 2];
 fn rasterizer(block: u32) -> Rasterizer {
     let config = RasterizerConfig { subpixel_bits: 4, block, ..RasterizerConfig::default() };
     let mut unit = Rasterizer::new(config, Operators::default());
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    let frame = Frame {
-        index: 0,
-        width: SIDE as u32,
-        height: SIDE as u32,
-        camera,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        shading: Default::default(),
-    };
+    let frame = Frame { width: SIDE as u32, height: SIDE as u32, ..Frame::default() };
     unit.step(Some(Control::Frame(Arc::new(frame))), &mut MemoryPorts::default());
     unit
 }

@@ -21,7 +21,7 @@ const BEST_BYTES: u64 = 4;
 
 /// Size of the batch of a code book.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Batch {
+pub(crate) struct BookBatch {
     /// Pseudo-normals of all levels.
     pub(crate) normals: u64,
     /// Size of the pseudo-normals in memory \[bytes\].
@@ -38,7 +38,7 @@ pub(crate) struct Batch {
 
 /// One pass: bytes read, bytes written at the same time, and cycles of arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Pass {
+pub(crate) struct ClusterPass {
     read: u64,
     write: u64,
     cycles: u64,
@@ -47,7 +47,7 @@ pub(crate) struct Pass {
 /// A clustering in progress: the remaining passes, and the progress of the first of them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Clustering {
-    passes: VecDeque<Pass>,
+    passes: VecDeque<ClusterPass>,
     read: u64,
     written: u64,
     spent: u64,
@@ -55,7 +55,7 @@ pub(crate) struct Clustering {
 
 /// OperatorCounts of one step of a clustering: bytes moved, each from an offset in the gathered N' on, and cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
+pub(crate) struct PassPart {
     pub(crate) at: u64,
     pub(crate) read: u32,
     pub(crate) write: u32,
@@ -64,26 +64,26 @@ pub(crate) struct Part {
 
 impl Clustering {
     /// Returns all passes over a batch.
-    pub(crate) fn new(batch: &Batch, config: &ReplacementConfig, operators: &Operators) -> Self {
+    pub(crate) fn new(batch: &BookBatch, config: &ReplacementConfig, operators: &Operators) -> Self {
         let lanes = config.lanes.max(1);
         let have = config.arithmetic();
         let unit_length = operators.interval(OperatorCounts::NORMALIZE, have);
-        let directions = Pass {
+        let directions = ClusterPass {
             read: batch.bytes,
             write: batch.bytes,
             // The search overlaps with bringing the next N' to unit length.
             cycles: batch.search_cycles.max(batch.normals * unit_length),
         };
         let best = batch.normals * BEST_BYTES;
-        let seed = Pass { read: batch.bytes + best, write: best, cycles: batch.normals.div_ceil(u64::from(lanes)) };
-        let mean = Pass { read: batch.bytes, write: 0, cycles: batch.search_cycles + batch.entries * unit_length };
+        let seed = ClusterPass { read: batch.bytes + best, write: best, cycles: batch.normals.div_ceil(u64::from(lanes)) };
+        let mean = ClusterPass { read: batch.bytes, write: 0, cycles: batch.search_cycles + batch.entries * unit_length };
         let seeds = (0..batch.seeds).map(|_| seed);
         let means = (0..batch.means).map(|_| mean);
         Self { passes: std::iter::once(directions).chain(seeds).chain(means).collect(), ..Self::default() }
     }
 
     /// Returns the next part, with at most `most` bytes read. Returns `None` if all passes are over.
-    pub(crate) fn next(&mut self, most: u64) -> Option<Part> {
+    pub(crate) fn next(&mut self, most: u64) -> Option<PassPart> {
         let pass = self.passes.front()?;
         let at = self.read;
         let read = (pass.read - at).min(most.max(1));
@@ -91,7 +91,7 @@ impl Clustering {
         // Share that goes with the bytes read so far, rounded down. The last bytes get all of it.
         let share = |whole: u64| (u128::from(whole) * u128::from(self.read) / u128::from(pass.read.max(1))) as u64;
         let (written, spent) = (share(pass.write), share(pass.cycles));
-        let part = Part { at, read: read as u32, write: (written - self.written) as u32, cycles: spent - self.spent };
+        let part = PassPart { at, read: read as u32, write: (written - self.written) as u32, cycles: spent - self.spent };
         (self.written, self.spent) = (written, spent);
         if self.read == pass.read {
             self.passes.pop_front();
@@ -105,14 +105,14 @@ impl Clustering {
 mod tests {
     use super::*;
 
-    fn parts(batch: &Batch) -> Vec<Part> {
+    fn parts(batch: &BookBatch) -> Vec<PassPart> {
         let mut clustering = Clustering::new(batch, &ReplacementConfig::default(), &Operators::default());
         std::iter::from_fn(|| clustering.next(64)).collect()
     }
 
     #[test]
     fn every_pass_reads_all_gathered_normals() {
-        let batch = Batch { normals: 1_000, bytes: 6_000, entries: 16, seeds: 16, means: 3, search_cycles: 1_000 };
+        let batch = BookBatch { normals: 1_000, bytes: 6_000, entries: 16, seeds: 16, means: 3, search_cycles: 1_000 };
         let parts = parts(&batch);
         let read: u64 = parts.iter().map(|p| u64::from(p.read)).sum();
         assert_eq!(read, (1 + 16 + 3) * 6_000 + 16 * 4_000);
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn small_book_takes_one_pass() {
-        let batch = Batch { normals: 10, bytes: 60, entries: 4, search_cycles: 10, ..Batch::default() };
-        assert_eq!(parts(&batch), [Part { at: 0, read: 60, write: 60, cycles: 10 }]);
+        let batch = BookBatch { normals: 10, bytes: 60, entries: 4, search_cycles: 10, ..BookBatch::default() };
+        assert_eq!(parts(&batch), [PassPart { at: 0, read: 60, write: 60, cycles: 10 }]);
     }
 }

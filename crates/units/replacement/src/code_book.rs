@@ -4,7 +4,7 @@ use crate::NearestSearch;
 use basrelief_shading::quantize_unit;
 
 /// A direction and its number of occurrences.
-type Weighted = ([i16; 3], i64);
+type WeightedDirection = ([i16; 3], i64);
 
 /// A code book, and the effort of its clustering.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -45,10 +45,10 @@ pub fn build_code_book(normals: impl Iterator<Item = [i16; 3]>, entries: u32, pa
     book
 }
 
-fn count_directions(normals: impl Iterator<Item = [i16; 3]>, bits: u32) -> Vec<Weighted> {
+fn count_directions(normals: impl Iterator<Item = [i16; 3]>, bits: u32) -> Vec<WeightedDirection> {
     let mut all: Vec<[i16; 3]> = normals.map(|n| unit(n.map(i64::from), bits)).filter(|d| *d != [0; 3]).collect();
     all.sort_unstable();
-    let mut counted: Vec<Weighted> = Vec::new();
+    let mut counted: Vec<WeightedDirection> = Vec::new();
     for direction in all {
         match counted.last_mut() {
             Some((last, count)) if *last == direction => *count += 1,
@@ -67,7 +67,7 @@ fn unit(v: [i64; 3], bits: u32) -> [i16; 3] {
 
 /// Returns the seeds. The first is the most frequent direction. Each further seed is the direction farthest from all before it
 /// (the lowest of several).
-fn seeds(directions: &[Weighted], entries: usize) -> Vec<[i16; 3]> {
+fn seeds(directions: &[WeightedDirection], entries: usize) -> Vec<[i16; 3]> {
     let mut book = Vec::with_capacity(entries);
     let mut next = directions.iter().rev().max_by_key(|(_, count)| *count).map(|(d, _)| *d);
     let mut nearest = vec![i64::MIN; directions.len()];
@@ -86,7 +86,7 @@ fn dot(a: [i16; 3], b: [i16; 3]) -> i64 {
 }
 
 /// Computes one pass. A reference normal without directions does not move.
-fn means(directions: &[Weighted], book: &[[i16; 3]], bits: u32) -> Vec<[i16; 3]> {
+fn means(directions: &[WeightedDirection], book: &[[i16; 3]], bits: u32) -> Vec<[i16; 3]> {
     let mut search = NearestSearch::new(book, directions.len());
     let mut sums = vec![[0_i64; 3]; book.len()];
     for (direction, count) in directions {

@@ -1,6 +1,6 @@
 //! Code books: the unit gathers N', clusters them, and sends the held tokens.
 
-use crate::clustering::{Batch, Clustering};
+use crate::clustering::{BookBatch, Clustering};
 use crate::unit::{GATHERED, Out};
 use crate::{CodeBook, CodeBookMode, NearestSearch, Replacement, build_code_book};
 use basrelief_kernel::MemoryPorts;
@@ -86,7 +86,7 @@ impl Replacement {
     fn cluster(&mut self, traffic: &mut MemoryPorts) -> Out {
         let object = self.fixed_by_object();
         let mut lists = vec![Vec::new(); LEVELS];
-        let mut batch = Batch { bytes: self.state.gather.normals.written, ..Batch::default() };
+        let mut batch = BookBatch { bytes: self.state.gather.normals.written, ..BookBatch::default() };
         for (level, list) in lists.iter_mut().enumerate() {
             let normals: Vec<[i16; 3]> = self.state.gather.of_level(level as u8, |sample| self.table_level(sample)).collect();
             if normals.is_empty() {

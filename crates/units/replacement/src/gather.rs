@@ -11,12 +11,12 @@ use std::sync::Arc;
 /// Gathered tokens: from the first fragment of a batch to the control token that ends it, in order and with control in between.
 /// In hardware the pseudo-normals lie in memory (120).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Gather {
+pub struct GatheredBatch {
     pub(crate) held: VecDeque<Flow<PseudoNormals>>,
     /// N', which grow up from the lower end of their room in memory (120).
-    pub(crate) normals: Moved,
+    pub(crate) normals: MemoryProgress,
     /// Fragments and control held with N', which grow down from the upper end.
-    pub(crate) beside: Moved,
+    pub(crate) beside: MemoryProgress,
     /// The control token that ended the batch. It leaves last.
     pub(crate) ending: Option<Control>,
     /// The batch's code book, once built.
@@ -29,7 +29,7 @@ pub struct Gather {
 
 /// Progress of writing and reading \[bytes\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Moved {
+pub(crate) struct MemoryProgress {
     pub(crate) written: u64,
     pub(crate) read: u64,
 }
@@ -50,7 +50,7 @@ pub(crate) fn control_bytes(control: &Control) -> u32 {
     CONTROL.div_ceil(8) + set_up
 }
 
-impl Gather {
+impl GatheredBatch {
     /// Returns true if nothing is held.
     pub fn is_empty(&self) -> bool {
         self.held.is_empty() && self.ending.is_none()

@@ -23,7 +23,7 @@ mod unit;
 
 pub use code_book::{CodeBook, build_code_book};
 pub use config::{CodeBookMode, PerLevel, ReplacementConfig, Tables};
-pub use gather::Gather;
+pub use gather::GatheredBatch;
 pub use policy::Policy;
 pub use search::NearestSearch;
 pub use state::{ReplacementCounters, ReplacementState};

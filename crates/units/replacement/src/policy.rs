@@ -26,7 +26,7 @@ pub(crate) const MOST_OBJECTS: usize = 256;
 
 /// Fragments of an object in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Seen {
+pub(crate) struct ObjectFragments {
     fragments: u64,
     /// Sum of the level of detail over the fragments.
     lod: u64,
@@ -34,12 +34,12 @@ pub(crate) struct Seen {
 
 /// Fragments of each object in the last frame and in the current one.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct History {
-    last: BTreeMap<u32, Seen>,
-    now: BTreeMap<u32, Seen>,
+pub(crate) struct FragmentHistory {
+    last: BTreeMap<u32, ObjectFragments>,
+    now: BTreeMap<u32, ObjectFragments>,
 }
 
-impl History {
+impl FragmentHistory {
     /// Begins a frame.
     pub(crate) fn begin_frame(&mut self) {
         self.last = std::mem::take(&mut self.now);
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     fn entries(policy: Policy, table: Table, fragments: u64, lod: u8) -> Option<u32> {
-        let mut history = History::default();
+        let mut history = FragmentHistory::default();
         history.count(7, fragments, lod);
         history.begin_frame();
         history.entries(7, &ReplacementConfig { policy, table, ..ReplacementConfig::default() })
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn history_size_is_bounded() {
-        let mut history = History::default();
+        let mut history = FragmentHistory::default();
         (0..10_000).for_each(|object| history.count(object, 1, 0));
         assert_eq!(history.now.len(), MOST_OBJECTS);
     }

@@ -42,12 +42,12 @@ const MOST_CELLS: u32 = 256;
 
 /// A reference normal and its index in the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Candidate {
+struct NormalCandidate {
     normal: [i16; 3],
     index: u16,
 }
 
-impl Candidate {
+impl NormalCandidate {
     #[inline]
     fn dot(&self, n: [i64; 3]) -> i64 {
         let [x, y, z] = self.normal.map(i64::from);
@@ -60,7 +60,7 @@ const SIDE_BY_SIDE: usize = 4;
 
 /// Four candidates in ascending order. If there are fewer, the last is repeated.
 #[derive(Clone, Copy, Debug)]
-struct Four {
+struct CandidateGroup {
     /// x and y of each.
     xy: i16x8,
     /// z of each, and 0.
@@ -69,10 +69,10 @@ struct Four {
     ranks: i32x4,
 }
 
-impl Four {
+impl CandidateGroup {
     /// Packs 1..=4 candidates.
-    fn new(candidates: &[Candidate]) -> Self {
-        let [a, b, c, d]: [Candidate; SIDE_BY_SIDE] = std::array::from_fn(|i| candidates[i.min(candidates.len() - 1)]);
+    fn new(candidates: &[NormalCandidate]) -> Self {
+        let [a, b, c, d]: [NormalCandidate; SIDE_BY_SIDE] = std::array::from_fn(|i| candidates[i.min(candidates.len() - 1)]);
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [dx, dy, dz]] = [a, b, c, d].map(|c| c.normal);
         let ranks = i32x4::new([a, b, c, d].map(|c| i32::from(!c.index)));
         Self { xy: i16x8::new([ax, ay, bx, by, cx, cy, dx, dy]), z: i16x8::new([az, 0, bz, 0, cz, 0, dz, 0]), ranks }
@@ -90,7 +90,7 @@ impl Four {
 
 /// Returns the nearest of all these candidates.
 #[inline(always)]
-fn nearest_among(fours: &[Four], [x, y, z]: [i16; 3]) -> u16 {
+fn nearest_among(fours: &[CandidateGroup], [x, y, z]: [i16; 3]) -> u16 {
     let Some((first, others)) = fours.split_first() else { return 0 };
     let n = [i16x8::new([x, y, x, y, x, y, x, y]), i16x8::splat(z)];
     let best = others.iter().fold(first.keys(n), |best, four| best.fast_max(four.keys(n)));
@@ -107,12 +107,12 @@ fn nearest_among(fours: &[Four], [x, y, z]: [i16; 3]) -> u16 {
 pub struct NearestSearch {
     /// Cells per edge of a face in the finest grid, a power of two.
     cells: u32,
-    all: Vec<Candidate>,
+    all: Vec<NormalCandidate>,
     /// Remaining candidates on each square of the coarser grids, grid by grid from the whole faces. `None` if not computed yet.
-    squares: Vec<Option<Box<[Candidate]>>>,
+    squares: Vec<Option<Box<[NormalCandidate]>>>,
     /// Range in `fours` of the candidates on each cell, the squares of the finest grid. Empty if not computed yet.
     finest: Vec<[u32; 2]>,
-    fours: Vec<Four>,
+    fours: Vec<CandidateGroup>,
 }
 
 impl NearestSearch {
@@ -125,7 +125,8 @@ impl NearestSearch {
     pub fn new(normals: &[[i16; 3]], searches: usize) -> Self {
         let length = |normal: &[i16; 3]| normal.iter().map(|c| u32::from(c.unsigned_abs())).sum::<u32>();
         assert!(normals.iter().all(|normal| length(normal) <= MOST_LENGTH), "reference normals are unit vectors");
-        let all: Vec<Candidate> = normals.iter().zip(0..=u16::MAX).map(|(&normal, index)| Candidate { normal, index }).collect();
+        let all: Vec<NormalCandidate> =
+            normals.iter().zip(0..=u16::MAX).map(|(&normal, index)| NormalCandidate { normal, index }).collect();
         let worth = (4 * all.len()).min(searches / 4);
         let cells = (0..).map(|d| 1 << d).find(|&c| c >= MOST_CELLS || (6 * c * c) as usize >= worth).unwrap_or(1);
         let (squares, finest) = (vec![None; first_of_grid(cells)], vec![[0; 2]; (6 * cells * cells) as usize]);
@@ -176,7 +177,7 @@ impl NearestSearch {
 
     /// Returns the candidates left on a cell.
     #[inline(always)]
-    fn candidates(&mut self, cell: u32) -> &[Four] {
+    fn candidates(&mut self, cell: u32) -> &[CandidateGroup] {
         let [first, end] = self.finest[cell as usize];
         let [first, end] = if end > 0 { [first, end] } else { self.divide(cell) };
         &self.fours[first as usize..end as usize]
@@ -185,9 +186,9 @@ impl NearestSearch {
     /// Computes the candidates of a cell at its first use.
     #[cold]
     fn divide(&mut self, cell: u32) -> [u32; 2] {
-        let left = self.left_on(&Square::new(cell, self.cells), true);
+        let left = self.left_on(&FaceSquare::new(cell, self.cells), true);
         let first = self.fours.len() as u32;
-        self.fours.extend(left.chunks(SIDE_BY_SIDE).map(Four::new));
+        self.fours.extend(left.chunks(SIDE_BY_SIDE).map(CandidateGroup::new));
         let place = [first, self.fours.len() as u32];
         self.finest[cell as usize] = place;
         place
@@ -195,7 +196,7 @@ impl NearestSearch {
 
     /// Returns the candidates left on a square, out of those left on the surrounding square. The square lies within that one, so
     /// a candidate beaten there is beaten here. (The margin is half as wide, so it also lies within.)
-    fn left_on(&mut self, square: &Square, thorough: bool) -> Vec<Candidate> {
+    fn left_on(&mut self, square: &FaceSquare, thorough: bool) -> Vec<NormalCandidate> {
         let Some(around) = square.around() else { return unbeaten(square, &self.all, thorough) };
         let number = first_of_grid(around.cells) + around.number_in_grid();
         if self.squares[number].is_none() {
@@ -212,7 +213,7 @@ fn first_of_grid(cells: u32) -> usize {
 }
 
 /// A square of a cube face in one of the grids.
-struct Square {
+struct FaceSquare {
     face: u32,
     /// Squares per edge of the face.
     cells: u32,
@@ -220,7 +221,7 @@ struct Square {
     row: u32,
 }
 
-impl Square {
+impl FaceSquare {
     /// Creates square `number` of the grid with `cells` squares per edge of a face.
     fn new(number: u32, cells: u32) -> Self {
         Self { face: number / (cells * cells), cells, column: number % cells, row: number / cells % cells }
@@ -261,9 +262,9 @@ impl Square {
 
 /// Returns in ascending order the candidates that the one nearest to the centre does not beat. In the finest cells no other
 /// candidate beats them either.
-fn unbeaten(square: &Square, candidates: &[Candidate], thorough: bool) -> Vec<Candidate> {
+fn unbeaten(square: &FaceSquare, candidates: &[NormalCandidate], thorough: bool) -> Vec<NormalCandidate> {
     let corners = square.corners();
-    let mut left: Vec<(Candidate, [i64; 4])> = candidates.iter().map(|c| (*c, corners.map(|n| c.dot(n)))).collect();
+    let mut left: Vec<(NormalCandidate, [i64; 4])> = candidates.iter().map(|c| (*c, corners.map(|n| c.dot(n)))).collect();
     let Some(&champion) = left.iter().max_by_key(|(c, at)| (at.iter().sum::<i64>(), std::cmp::Reverse(c.index))) else {
         return Vec::new();
     };
@@ -273,7 +274,7 @@ fn unbeaten(square: &Square, candidates: &[Candidate], thorough: bool) -> Vec<Ca
     unbeaten
 }
 
-fn beats((i, a): &(Candidate, [i64; 4]), (j, b): &(Candidate, [i64; 4])) -> bool {
+fn beats((i, a): &(NormalCandidate, [i64; 4]), (j, b): &(NormalCandidate, [i64; 4])) -> bool {
     let pairs = || a.iter().zip(b);
     pairs().all(|(p, q)| p > q) || (i.index < j.index && pairs().all(|(p, q)| p >= q))
 }

@@ -1,8 +1,8 @@
 //! State of the replacement unit (110) between steps.
 
 use crate::clustering::Clustering;
-use crate::policy::History;
-use crate::{Gather, NearestSearch};
+use crate::policy::FragmentHistory;
+use crate::{GatheredBatch, NearestSearch};
 use basrelief_kernel::Cached;
 use basrelief_shading::LEVELS;
 use basrelief_signals::{MAX_SAMPLES, ObjectInfo, PseudoNormals};
@@ -41,7 +41,7 @@ pub struct ReplacementState {
     /// Level of detail of the polygon of the current fragments.
     pub(crate) lod: u8,
     /// Fragments drawn per object, for a policy.
-    pub(crate) history: History,
+    pub(crate) history: FragmentHistory,
     /// Resident tables, most recently used first.
     pub(crate) resident: Vec<TableKey>,
     /// Tables being loaded, in order.
@@ -49,7 +49,7 @@ pub struct ReplacementState {
     /// Fragment that waits for the tables being loaded.
     pub(crate) pending: Option<PseudoNormals>,
     /// Data held for a code book.
-    pub(crate) gather: Gather,
+    pub(crate) gather: GatheredBatch,
     /// Clustering in progress.
     pub(crate) clustering: Option<Clustering>,
     /// Search structures of the current code book.

@@ -7,15 +7,7 @@ use basrelief_signals::{Control, Flow, Fragment, ObjectInfo, Polygon, PseudoNorm
 use std::sync::Arc;
 
 fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id,
-        name: format!("object {id}"),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    }))
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), ..ObjectInfo::default() }))
 }
 
 fn polygon() -> Control {

@@ -1,9 +1,9 @@
 //! Combiner (350).
 
 use crate::config::{CombineMode, CombinerConfig};
+use crate::join_streams::{PairedInput, pair};
 use crate::log::DisplacementMap;
 use crate::signals::{IlluminancePacket, TexturePacket};
-use crate::twins::{Pair, pair};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::width::COLOR;
@@ -197,17 +197,17 @@ impl Unit for Combiner {
         let latency = u64::from(self.config.latency);
         match pair("combiner", input, traffic) {
             // All pixels are hidden.
-            Pair::Items(texture, _) if texture.packet.mask == 0 => Step::after(latency, None),
-            Pair::Items(texture, light) => {
+            PairedInput::Items(texture, _) if texture.packet.mask == 0 => Step::after(latency, None),
+            PairedInput::Items(texture, light) => {
                 let out = self.combine(&texture, &light, traffic);
                 let pixels = out.packet.pixels();
                 Step::over(pixels, u64::from(self.config.initiation_interval), latency, Some(Flow::Item(out)))
             }
-            Pair::Control(control) => {
+            PairedInput::Control(control) => {
                 self.take(&control);
                 Step::after(latency, Some(Flow::Control(control)))
             }
-            Pair::Nothing => Step::after(latency, None),
+            PairedInput::Nothing => Step::after(latency, None),
         }
     }
 

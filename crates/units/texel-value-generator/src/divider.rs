@@ -2,7 +2,7 @@
 
 use crate::config::{DividerConfig, Division};
 use crate::fixed::{iterations, nearest, to_fixed};
-use crate::signals::{Coordinates, Point, Points, Quotients};
+use crate::signals::{DivisionPoint, DivisionPoints, FixedCoordinates, Quotients};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
 use basrelief_signals::Flow;
@@ -72,21 +72,21 @@ impl Divider {
         if self.config.division == Division::Two { 2 } else { 1 }
     }
 
-    fn divide(&mut self, points: &Points) -> (Quotients, u64, u64) {
+    fn divide(&mut self, points: &DivisionPoints) -> (Quotients, u64, u64) {
         let (count, bits) = (points.len() as u64, self.bits);
         let (occupancy, latency) = self.cycles(self.per_point() * count);
         let counters = &mut self.state.counters;
         counters.points += count;
         if self.config.division == Division::Two {
             counters.divisions += 2 * count;
-            let quotient = |Point([u, v, w]): &Point| Coordinates([u / w, v / w].map(|c| to_fixed(c, bits)));
+            let quotient = |DivisionPoint([u, v, w]): &DivisionPoint| FixedCoordinates([u / w, v / w].map(|c| to_fixed(c, bits)));
             return (points.iter().map(quotient).collect(), occupancy, latency);
         }
         counters.reciprocals += count;
         counters.multiplications += 2 * count;
-        let quotient = |Point([u, v, w]): &Point| {
+        let quotient = |DivisionPoint([u, v, w]): &DivisionPoint| {
             let reciprocal = nearest(1.0 / w, bits);
-            Coordinates([u * reciprocal, v * reciprocal].map(|c| to_fixed(c, bits)))
+            FixedCoordinates([u * reciprocal, v * reciprocal].map(|c| to_fixed(c, bits)))
         };
         let products = self.operators.interval(PRODUCTS, PRODUCTS) * count;
         let latency = latency + self.operators.latency(OperatorCounts { multiply: 1, ..OperatorCounts::NONE });
@@ -96,7 +96,7 @@ impl Divider {
 
 impl Unit for Divider {
     basrelief_kernel::unit_info!("exact u, v at ends and division points");
-    type In = Option<Flow<Points>>;
+    type In = Option<Flow<DivisionPoints>>;
     type Out = Option<Flow<Quotients>>;
 
     #[inline]

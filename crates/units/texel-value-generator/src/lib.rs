@@ -24,6 +24,7 @@ mod config;
 mod divider;
 mod fixed;
 mod illuminance_value_generator;
+mod join_streams;
 mod log;
 mod mip_map_selector;
 mod scan_converter;
@@ -31,11 +32,10 @@ pub mod signals;
 mod step_calculator;
 mod storage_element;
 mod texture_look_up_table;
-mod twins;
 mod widths;
 
 pub use approximate_calculator::{
-    ApproximateCalculator, ApproximateCalculatorCounters, ApproximateCalculatorState, Displacements, displacement,
+    ApproximateCalculator, ApproximateCalculatorCounters, ApproximateCalculatorState, DisplacementStats, displacement,
 };
 pub use combiner::{Combiner, CombinerCounters, CombinerState};
 pub use config::{
@@ -51,8 +51,8 @@ pub use log::{DisplacementMap, FrameLog, SpanRecord};
 pub use mip_map_selector::{MipMapSelector, MipMapSelectorCounters, MipMapSelectorState, level};
 pub use scan_converter::{ScanConverter, ScanConverterCounters, ScanConverterState};
 pub use step_calculator::{
-    BINS, Reach, RootTable, StepCalculator, StepCalculatorCounters, StepCalculatorState, StepEquation, Subdivision, bin_of,
-    keeps_bound, largest_displacement,
+    BINS, ChildSubdivision, RootTable, StepCalculator, StepCalculatorCounters, StepCalculatorState, StepEquation, StepReach,
+    bin_of, keeps_bound, largest_displacement,
 };
 pub use storage_element::StorageElement;
 pub use texture_look_up_table::{TextureLookUpTable, TextureLookUpTableCounters, TextureLookUpTableState};

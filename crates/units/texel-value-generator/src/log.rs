@@ -1,6 +1,6 @@
 //! Optional log of a frame besides its picture: spans with their division points, and the displacement of each pixel's texel.
 
-use crate::signals::Span;
+use crate::signals::ScanSpan;
 use serde::{Deserialize, Serialize};
 
 /// A span with its division points.
@@ -18,7 +18,7 @@ pub struct SpanRecord {
 
 impl SpanRecord {
     /// Creates a span without division points between its ends.
-    pub fn new(span: &Span) -> Self {
+    pub fn new(span: &ScanSpan) -> Self {
         let x = [span.column(0), span.column(span.last())];
         let w = [span.ends[0][2], span.ends[1][2]];
         let turned = |backwards: bool| if backwards { ([x[1], x[0]], [w[1], w[0]]) } else { (x, w) };

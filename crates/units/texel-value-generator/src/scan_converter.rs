@@ -1,10 +1,10 @@
 //! Scan converter: converts polygons to spans with exact ends.
 
 use crate::config::{March, ScanConverterConfig, Snap};
-use crate::signals::{LitSpan, Span, Uvw, scale_of};
+use crate::signals::{LitSpan, ScanSpan, Uvw, scale_of};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
-use basrelief_shading::{Raster, Spans, fan_triangle, fan_triangles};
+use basrelief_shading::{PolygonSpans, RasterGrid, fan_triangle, fan_triangles};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Polygon, Vertex};
 use serde::{Deserialize, Serialize};
@@ -56,12 +56,12 @@ pub struct ScanConverterState {
     /// Snapped polygon that is being scanned.
     pub polygon: Option<Arc<Polygon>>,
     /// Position of its traversal.
-    pub spans: Spans,
+    pub spans: PolygonSpans,
     /// Next span: row, first and last column.
     pub next: Option<[i32; 3]>,
     /// U, V, W at the vertices of a triangle, and the number of the triangle.
     pub corners: ([Uvw; 3], Option<u16>),
-    /// Scales of u and v of that triangle. See [`Span::scale`].
+    /// Scales of u and v of that triangle. See [`ScanSpan::scale`].
     pub scale: [i16; 2],
     /// Counters.
     pub counters: ScanConverterCounters,
@@ -133,8 +133,8 @@ impl ScanConverter {
         state.counters.polygons += 1;
         state.counters.triangles += u64::from(triangles);
         let snapped = snapped(polygon, self.snap.shift(self.config.subpixel_bits));
-        let raster = Raster::new(state.screen, self.config.subpixel_bits, self.config.z_bits, 1);
-        state.spans = Spans::new(&snapped, raster);
+        let raster = RasterGrid::new(state.screen, self.config.subpixel_bits, self.config.z_bits, 1);
+        state.spans = PolygonSpans::new(&snapped, raster);
         state.next = state.spans.next(&snapped);
         state.counters.empty += u64::from(state.next.is_none());
         state.corners.1 = None;
@@ -143,7 +143,7 @@ impl ScanConverter {
     }
 
     /// Returns the next span, and advances to the one after it.
-    fn emit(&mut self) -> Option<Span> {
+    fn emit(&mut self) -> Option<ScanSpan> {
         let state = &mut self.state;
         let polygon = state.polygon.as_ref()?;
         let [y, left, right] = state.next?;
@@ -162,7 +162,7 @@ impl ScanConverter {
         // The change is the same all over the triangle, as computed in set-up.
         let per_pixel = if count > 1 { 1.0 / f64::from(count - 1) } else { 0.0 };
         let weights = shares.map(|[_, b, c]| [b, c].map(|share| (share * triangle.inverse_area()) as f32));
-        let span = Span {
+        let span = ScanSpan {
             y: y as u16,
             x: ends[0] as u16,
             count,
@@ -227,7 +227,7 @@ fn mixed(corners: &[Uvw; 3], share: [f64; 3], inverse_area: f64) -> Uvw {
 impl Unit for ScanConverter {
     basrelief_kernel::unit_info!("finds spans with exact U, V, W at both ends");
     type In = Option<Control>;
-    type Out = (Option<Flow<Span>>, Option<Flow<LitSpan>>);
+    type Out = (Option<Flow<ScanSpan>>, Option<Flow<LitSpan>>);
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -242,7 +242,7 @@ impl Unit for ScanConverter {
             return Step::after(latency, (Some(Flow::Control(control.clone())), Some(Flow::Control(control)))).busy(occupancy);
         }
         let span = self.emit();
-        let lit = span.map(|Span { y, x, count, backwards, triangle, weights, .. }| {
+        let lit = span.map(|ScanSpan { y, x, count, backwards, triangle, weights, .. }| {
             Flow::Item(LitSpan { y, x, count, backwards, triangle, weights })
         });
         Step::after(latency, (span.map(Flow::Item), lit)).busy(self.operators.interval(SPAN, self.have()))

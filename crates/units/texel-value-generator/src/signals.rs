@@ -4,7 +4,7 @@
 //! - U, V, W: binary floating point. The scan converter has 53 bits, which represent accumulators with guard bits. Points go to
 //!   the dividers with as many significant bits as quotients have (`texel.coordinate_bits`) and an exponent.
 //! - u, v in dividers and approximate calculator (310a): fixed point of `texel.coordinate_bits`, with the binary point that the
-//!   largest of the triangle's vertices needs ([`Span::scale`]). Common whole tiles are subtracted first, so that a texture that
+//!   largest of the triangle's vertices needs ([`ScanSpan::scale`]). Common whole tiles are subtracted first, so that a texture that
 //!   repeats a thousand times keeps as many fraction bits as one that does not.
 //! - u, v to the look-up table (330): whole tiles are subtracted again, for each packet. The address has 24 bits: at least 12
 //!   bits of fraction for a texture of 4,096 texels.
@@ -25,7 +25,7 @@ pub fn scale_of(largest: f64) -> i16 {
 
 /// Token from scan converter to step calculator: the part of a scan line in a triangle, in the direction of marching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Span {
+pub struct ScanSpan {
     /// Row, from the top.
     pub y: u16,
     /// Column of the first pixel.
@@ -50,7 +50,7 @@ pub struct Span {
     pub weights: [[f32; 2]; 2],
 }
 
-impl Span {
+impl ScanSpan {
     /// Returns the number of the last pixel, counted from 0.
     #[inline]
     pub fn last(&self) -> u16 {
@@ -68,8 +68,8 @@ impl Span {
 
     /// Returns the point at pixel `k`, with `bits` significant bits.
     #[inline]
-    pub fn point(&self, k: u16, bits: u32) -> Point {
-        Point(self.value(k).map(|c| nearest(c, bits)))
+    pub fn point(&self, k: u16, bits: u32) -> DivisionPoint {
+        DivisionPoint(self.value(k).map(|c| nearest(c, bits)))
     }
 
     /// Returns the column of pixel `k`.
@@ -106,9 +106,9 @@ pub struct LitSpan {
 
 /// Token from step calculator to approximate calculator (310a): the pixels between two division points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Segment {
+pub struct LineSegment {
     /// Span of the segment.
-    pub span: Span,
+    pub span: ScanSpan,
     /// Division point at the start, counted in pixels of the span.
     pub from: u16,
     /// Division point at the end.
@@ -123,18 +123,18 @@ pub struct Segment {
 
 /// A point to be divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Point(pub Uvw);
+pub struct DivisionPoint(pub Uvw);
 
-/// u and v of a point in fixed point: u / 2^n in steps of 2^-(`texel.coordinate_bits` - 1) (see [`Span::scale`]).
+/// u and v of a point in fixed point: u / 2^n in steps of 2^-(`texel.coordinate_bits` - 1) (see [`ScanSpan::scale`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Coordinates(pub [i64; 2]);
+pub struct FixedCoordinates(pub [i64; 2]);
 
 /// Token from step calculator to divider: points to be divided. One per segment, two if the start is unknown, all if every pixel
 /// is a division point, none without a texture.
-pub type Points = SmallVec<[Point; 2]>;
+pub type DivisionPoints = SmallVec<[DivisionPoint; 2]>;
 
 /// Token from divider to approximate calculator (310a): u and v at these points.
-pub type Quotients = SmallVec<[Coordinates; 2]>;
+pub type Quotients = SmallVec<[FixedCoordinates; 2]>;
 
 /// Token from approximate calculator (310a) to texture look-up table (330): texture coordinates of pixels.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,11 +1,11 @@
 //! Texture look-up table (330), with its cache and its memory.
 
 use crate::config::LookUpConfig;
+use crate::join_streams::{PairedInput, pair};
 use crate::signals::{LevelPacket, TexelPacket, TexturePacket, to_16_bits};
-use crate::twins::{Pair, pair};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
-use basrelief_shading::{Layout, LevelPlace, Taps, taps};
+use basrelief_shading::{BlockLayout, LevelPlace, SampleTaps, taps};
 use basrelief_signals::{Control, Flow, Image, PACKET_PIXELS, TexelFilter, Texture};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -48,7 +48,7 @@ pub struct TextureLookUpTable {
     /// Bytes per line of the cache.
     pub line_bytes: u32,
     /// Memory layout of textures.
-    pub layout: Layout,
+    pub layout: BlockLayout,
     /// Exponent n: 2^n texels share a line.
     shared: u32,
     /// State between steps.
@@ -60,12 +60,12 @@ impl TextureLookUpTable {
     pub fn new(config: LookUpConfig, trilinear: bool, line_bytes: u32) -> Self {
         let bytes = config.texel_bytes;
         let shared = if bytes.is_power_of_two() { (line_bytes / bytes).max(1).ilog2() } else { 0 };
-        let (layout, state) = (Layout::default(), TextureLookUpTableState::default());
+        let (layout, state) = (BlockLayout::default(), TextureLookUpTableState::default());
         Self { config, trilinear, line_bytes, layout, shared, state }
     }
 
     /// Sets the memory layout of textures.
-    pub fn with_layout(self, layout: Layout) -> Self {
+    pub fn with_layout(self, layout: BlockLayout) -> Self {
         Self { layout, ..self }
     }
 
@@ -91,7 +91,7 @@ impl TextureLookUpTable {
         let Self { config, trilinear, state, shared, .. } = self;
         let Some(texture) = state.texture.as_deref() else { return (out, packet.pixels()) };
         let (mut second, pixels) = (0, packet.pixels());
-        let mut port = Port { config, texture, places: &state.places, shared: *shared, recent: [u64::MAX; 4], texels: 0 };
+        let mut port = TexelPort { config, texture, places: &state.places, shared: *shared, recent: [u64::MAX; 4], texels: 0 };
         for i in packet.positions() {
             let level = levels.level[i];
             let (fine, share) = (level as usize, level - (level as usize) as f32);
@@ -135,7 +135,7 @@ impl TextureLookUpTable {
 }
 
 /// Access to the texels of a packet.
-struct Port<'a> {
+struct TexelPort<'a> {
     config: &'a LookUpConfig,
     texture: &'a Texture,
     places: &'a [LevelPlace],
@@ -145,7 +145,7 @@ struct Port<'a> {
     texels: u64,
 }
 
-impl Port<'_> {
+impl TexelPort<'_> {
     /// Returns the filtered RGBA of a level, 0..=255. Missing levels use the last one.
     #[inline(always)]
     fn sample(&mut self, level: usize, uv: [f32; 2], traffic: &mut MemoryPorts) -> [f32; 4] {
@@ -174,7 +174,7 @@ impl Port<'_> {
 
 /// Returns the weighted mean of the texels in `taps`.
 #[inline(always)]
-fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
+fn filtered(image: &Image, taps: &SampleTaps) -> [f32; 4] {
     let texel = |i: usize| {
         let [column, row] = taps.texel[i];
         let texel = image.texels.get(row as usize * image.width as usize + column as usize);
@@ -205,15 +205,15 @@ impl Unit for TextureLookUpTable {
     fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match pair("texture look-up table", input, traffic) {
-            Pair::Items(packet, levels) => {
+            PairedInput::Items(packet, levels) => {
                 let (out, cycles) = self.look_up(packet, &levels, traffic);
                 Step::over(cycles, 1, latency, Some(Flow::Item(out)))
             }
-            Pair::Control(control) => {
+            PairedInput::Control(control) => {
                 self.take(&control);
                 Step::after(latency, Some(Flow::Control(control)))
             }
-            Pair::Nothing => Step::after(latency, None),
+            PairedInput::Nothing => Step::after(latency, None),
         }
     }
 

@@ -1,7 +1,8 @@
 //! Bit widths of the generator's tokens.
 
 use crate::signals::{
-    Coordinates, GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Point, Segment, Span, TexelPacket, TexturePacket,
+    DivisionPoint, FixedCoordinates, GradientPacket, IlluminancePacket, LevelPacket, LineSegment, LitSpan, ScanSpan, TexelPacket,
+    TexturePacket,
 };
 use basrelief_signals::width::{COORDINATE, NUMBER};
 use basrelief_signals::{Attribution, BitWidth, PACKET_PIXELS, Packet, PixelSet, SignalWidths};
@@ -14,14 +15,14 @@ const COMPONENT: u32 = 16;
 const EXPONENT: u32 = 8;
 
 /// U, V, W, with as many significant bits as their quotients.
-impl BitWidth for Point {
+impl BitWidth for DivisionPoint {
     fn bits(widths: &SignalWidths) -> u32 {
         3 * (widths.texture + EXPONENT)
     }
 }
 
 /// u and v.
-impl BitWidth for Coordinates {
+impl BitWidth for FixedCoordinates {
     fn bits(widths: &SignalWidths) -> u32 {
         2 * widths.texture
     }
@@ -29,9 +30,9 @@ impl BitWidth for Coordinates {
 
 /// Row, first column, pixels, triangle and two flags; two scales; U, V, W at both ends and per pixel; depth and its change; two
 /// weights at both ends.
-impl BitWidth for Span {
+impl BitWidth for ScanSpan {
     fn bits(widths: &SignalWidths) -> u32 {
-        4 * COORDINATE + 2 + 2 * EXPONENT + 3 * Point::bits(widths) + 2 * widths.depth + 4 * NUMBER
+        4 * COORDINATE + 2 + 2 * EXPONENT + 3 * DivisionPoint::bits(widths) + 2 * widths.depth + 4 * NUMBER
     }
 
     fn attribution(&self) -> Attribution {
@@ -51,9 +52,9 @@ impl BitWidth for LitSpan {
 }
 
 /// Its span, both division points, pixels, two flags.
-impl BitWidth for Segment {
+impl BitWidth for LineSegment {
     fn bits(widths: &SignalWidths) -> u32 {
-        Span::bits(widths) + 3 * COORDINATE + 2
+        ScanSpan::bits(widths) + 3 * COORDINATE + 2
     }
 
     fn attribution(&self) -> Attribution {
@@ -127,16 +128,16 @@ fn row([x, y]: [u16; 2], count: u16, backwards: bool) -> Attribution {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signals::{Points, Quotients};
+    use crate::signals::{DivisionPoints, Quotients};
 
     #[test]
     fn coordinate_bits_set_width_of_every_carrier() {
         let [narrow, wide] = [20, 32].map(|texture| SignalWidths { texture, ..SignalWidths::default() });
         let wider = |bits: fn(&SignalWidths) -> u32| bits(&wide) - bits(&narrow);
         assert_eq!(wider(Quotients::bits), 2 * 2 * 12, "two points");
-        assert_eq!(wider(Points::bits), 2 * 3 * 12);
-        assert_eq!(wider(Span::bits), 3 * 3 * 12);
-        assert_eq!(wider(Segment::bits), 3 * 3 * 12);
+        assert_eq!(wider(DivisionPoints::bits), 2 * 3 * 12);
+        assert_eq!(wider(ScanSpan::bits), 3 * 3 * 12);
+        assert_eq!(wider(LineSegment::bits), 3 * 3 * 12);
         assert_eq!(wider(TexelPacket::bits), PIXELS * 2 * 12);
         assert_eq!(wider(GradientPacket::bits), PIXELS * 2 * 12);
     }

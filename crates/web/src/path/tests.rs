@@ -18,8 +18,8 @@ fn elsewhere() -> Arc<Texture> {
     Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
 }
 
-fn page() -> Arc<Page> {
-    Arc::new(Page::new(0, &texture(), Cut::default(), 0))
+fn page() -> Arc<TexturePage> {
+    Arc::new(TexturePage::new(0, &texture(), PyramidCut::default(), 0))
 }
 
 /// A server of that texture, some of whose answers are spoiled.

@@ -19,13 +19,11 @@ fn unit(config: BrightnessConfig) -> BrightnessFetch {
 fn frame(kind: LightKind) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     Control::Frame(Arc::new(Frame {
-        index: 0,
         width: 6,
         height: 6,
         camera,
         lights: vec![Light { kind, intensity: 1.0 }],
-        textures: Vec::new(),
-        shading: Default::default(),
+        ..Frame::default()
     }))
 }
 
@@ -38,15 +36,7 @@ fn lamp() -> Control {
 }
 
 fn object(centre: [f32; 3], entries: Option<u32>) -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id: 0,
-        name: "ball".into(),
-        centre,
-        entries,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    }))
+    Control::Object(Arc::new(ObjectInfo { name: "ball".into(), centre, entries, ..ObjectInfo::default() }))
 }
 
 fn polygon(lighting: Lighting) -> Control {

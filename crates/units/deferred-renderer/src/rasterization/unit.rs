@@ -2,15 +2,15 @@
 
 use super::state::{Phase, RasterizationState};
 use crate::cell::CellFormat;
-use crate::colour::{Choice, best, progressive, sample, shaded};
+use crate::colour::{LayerChoice, best, progressive, sample, shaded};
 use crate::config::{EngineConfig, RenderMode};
 use crate::identification::{BlockMarks, centre_of};
 use crate::records::{TileRecord, records_of};
 use crate::server::place_of;
 use crate::texels::PageTexels;
-use crate::tokens::{CellBlock, ExpandedTile, MarkFlow, Order, PassFlow};
-use crate::touched::{MOST_LINES, Touched};
-use crate::{Cell, Leaving, Sizes, interpolators};
+use crate::tokens::{CellBlock, ExpandedTile, MarkFlow, PassFlow, StoreOrder};
+use crate::touched::{LastTexels, MOST_LINES};
+use crate::{Cell, TableSizes, ViewpointEnds, interpolators};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::{PictureFlow, PixelBlock};
@@ -32,9 +32,9 @@ pub struct Rasterization {
     /// Parameters.
     pub config: EngineConfig,
     mode: RenderMode,
-    leaving: Leaving,
+    leaving: ViewpointEnds,
     format: CellFormat,
-    sizes: Sizes,
+    sizes: TableSizes,
     /// True if tile records are kept, frame by frame.
     pub keep: bool,
     /// State between steps.
@@ -45,7 +45,12 @@ type Out = (Option<MarkFlow>, Option<PictureFlow>);
 
 impl Rasterization {
     /// Creates the unit in its power-on state.
-    pub fn new(config: EngineConfig, mode: RenderMode, leaving: Leaving, (format, sizes): (CellFormat, Sizes)) -> Self {
+    pub fn new(
+        config: EngineConfig,
+        mode: RenderMode,
+        leaving: ViewpointEnds,
+        (format, sizes): (CellFormat, TableSizes),
+    ) -> Self {
         Self { config, mode, leaving, format, sizes, keep: false, state: RasterizationState::default() }
     }
 
@@ -60,12 +65,12 @@ impl Rasterization {
         std::mem::take(&mut self.state.records)
     }
 
-    fn order(&mut self, order: Order, traffic: &mut MemoryPorts) -> Step<Out> {
+    fn order(&mut self, order: StoreOrder, traffic: &mut MemoryPorts) -> Step<Out> {
         match order {
-            Order::Load { page, tile } => self.state.phase = Phase::Tile(page, tile),
-            Order::Synthesize { page, tile } => return self.synthesize(page, tile, traffic),
-            Order::End => self.state.phase = Phase::Cells,
-            Order::Left => {
+            StoreOrder::Load { page, tile } => self.state.phase = Phase::Tile(page, tile),
+            StoreOrder::Synthesize { page, tile } => return self.synthesize(page, tile, traffic),
+            StoreOrder::End => self.state.phase = Phase::Cells,
+            StoreOrder::Left => {
                 self.state.is_left = true;
                 self.state.phase = Phase::Cells;
             }
@@ -147,7 +152,7 @@ impl Rasterization {
     fn colour(&mut self, block: &CellBlock, traffic: &mut MemoryPorts) -> Step<Out> {
         let mut pixels = PixelBlock { at: block.at, mask: block.mask, rgb: [[0; 3]; 16] };
         let mut marks = BlockMarks::new(block.at, self.state.centre);
-        let mut touched = [Touched::default(); 2];
+        let mut touched = [LastTexels::default(); 2];
         let (mut interpolations, mut words) = (0, 0);
         for (i, cell) in block.drawn() {
             pixels.rgb[i] = match cell.page() {
@@ -178,7 +183,7 @@ impl Rasterization {
         &mut self,
         page: usize,
         cell: &Cell,
-        (marks, touched): (&mut BlockMarks, &mut [Touched; 2]),
+        (marks, touched): (&mut BlockMarks, &mut [LastTexels; 2]),
         traffic: &mut MemoryPorts,
     ) -> ([u8; 3], usize, u32) {
         let Some(texels) = self.state.pages.get_mut(page) else { return ([0; 3], 0, 0) };
@@ -188,7 +193,7 @@ impl Rasterization {
             RenderMode::Best | RenderMode::Conventional => Some(best(texels, cell)),
         };
         let Some(choice) = choice else { return ([0; 3], 0, 0) };
-        let Choice { improve, words, .. } = choice;
+        let LayerChoice { improve, words, .. } = choice;
         if let Some(layer) = improve {
             for tile in texels.page.marked(layer, placed).into_iter().filter(|t| !texels.exists(*t)) {
                 marks.add(texels.page.number, tile);
@@ -211,7 +216,7 @@ impl Rasterization {
 
 impl Unit for Rasterization {
     basrelief_kernel::unit_info!("keeps pyramids (134) in (130), interpolates in and between layers (Figures 7A, 7B)");
-    type In = (Option<PassFlow>, Option<Order>, Option<ExpandedTile>);
+    type In = (Option<PassFlow>, Option<StoreOrder>, Option<ExpandedTile>);
     type Out = Out;
 
     #[inline]

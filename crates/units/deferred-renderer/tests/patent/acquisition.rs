@@ -1,7 +1,7 @@
 //! Acquisition of tiles: Figure 6, averaging, encodings.
 
 use crate::{SIZES, page, texture};
-use basrelief_deferred_renderer::{Cut, How, Page, PageTexels, ServedTexture, TileEncoding, TileList};
+use basrelief_deferred_renderer::{PageTexels, PyramidCut, ServedTexture, TexturePage, TileEncoding, TileList, TileOrigin};
 use basrelief_signals::{Image, Sampler, Texture};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -19,16 +19,16 @@ fn figure_6_synthesizes_from_sources_with_erratum_0127() {
     });
     let acquired = list.acquire(&page);
     let how = |tile: u32| acquired.iter().find(|a| a.tile == tile).map(|a| a.how);
-    assert_eq!(how(1), Some(How::Loaded), "one of its four sources is missing");
-    assert!([0, 2, 3, 4].iter().all(|t| how(*t) == Some(How::Synthesized)));
-    assert!((page.layers[2].base + 1..page.tiles()).all(|t| how(t) == Some(How::Loaded)));
+    assert_eq!(how(1), Some(TileOrigin::Loaded), "one of its four sources is missing");
+    assert!([0, 2, 3, 4].iter().all(|t| how(*t) == Some(TileOrigin::Synthesized)));
+    assert!((page.layers[2].base + 1..page.tiles()).all(|t| how(t) == Some(TileOrigin::Loaded)));
     assert_eq!(how(missing), None);
     assert_eq!(acquired.len() as u32, page.tiles() - 1, "each once: the layer ends in front of the next finer one");
     let place = |tile: u32| acquired.iter().position(|a| a.tile == tile);
     assert!(
         acquired
             .iter()
-            .filter(|a| a.how == How::Synthesized)
+            .filter(|a| a.how == TileOrigin::Synthesized)
             .all(|a| { page.sources(a.tile).iter().all(|source| place(*source) < place(a.tile)) })
     );
 }
@@ -90,7 +90,7 @@ fn odd_edge_repeats_texel_and_average_rounds_half_up() {
     let levels = vec![Image { width: 3, height: 1, texels: vec![[1, 0, 0, 255], [2, 1, 0, 255], [9, 255, 0, 255]] }];
     let texture =
         Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None });
-    let page = Arc::new(Page::new(0, &texture, Cut { tile: [2, 1], ..Cut::default() }, 0));
+    let page = Arc::new(TexturePage::new(0, &texture, PyramidCut { tile: [2, 1], ..PyramidCut::default() }, 0));
     let top = ServedTexture::new(texture).tile(&page, 0);
     // (1 + 2 + 1 + 2 + 2) >> 2 = 2, (0 + 1 + 0 + 1 + 2) >> 2 = 1. The third texel is repeated.
     assert_eq!(top.iter().map(|t| [t[0], t[1], t[2]]).collect::<Vec<_>>(), [[2, 1, 0], [9, 255, 0]]);

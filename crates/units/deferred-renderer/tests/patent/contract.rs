@@ -4,15 +4,16 @@
 use crate::texture;
 use crate::two_wires::{Either, Requested, TwoInputs, TwoOutputs};
 use basrelief_deferred_renderer::tokens::{
-    CellFlow, Content, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, PlacedCell, Request, Round,
+    CellFlow, EncodedTile, ExpandedTile, MarkFlow, PassFlow, PassRound, PlacedCell, ResponseContent, StoreOrder, TileMark,
+    TileRequest, TileResponse,
 };
 use basrelief_deferred_renderer::{
-    Cell, CellConfig, CellFormat, Cells, Cut, EngineConfig, Expander, Identification, Leaving, Lighting, Path, PathConfig,
-    Rasterization, ReferenceBuffer, RenderMode, Sizes, TileConfig, TileLists, TileOrder, WrapOverride,
+    Cell, CellConfig, CellFormat, Cells, EngineConfig, Expander, Identification, LightingMode, Path, PathConfig, PyramidCut,
+    Rasterization, ReferenceBuffer, RenderMode, TableSizes, TileConfig, TileLists, TileOrder, ViewpointEnds, WrapOverride,
 };
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Unit};
 use basrelief_kernel_conformance::unit_contract;
-use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, Material, Polygon, Stamp, Vertex};
+use basrelief_signals::{Control, Flow, Fragment, Frame, Material, Polygon, Stamp, Vertex};
 use std::sync::Arc;
 
 fn polygon(material: Material, repeats: f32) -> Control {
@@ -25,10 +26,9 @@ fn polygon(material: Material, repeats: f32) -> Control {
 /// Returns the control tokens of two frames.
 fn controls() -> Vec<Control> {
     let texture = texture([64, 48]);
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
     let one = |index: u32, repeats: f32| {
         let textures = if index == 0 { vec![Arc::clone(&texture)] } else { vec![] };
-        let frame = Frame { index, width: 22, height: 13, camera, lights: Vec::new(), textures, shading: Default::default() };
+        let frame = Frame { index, width: 22, height: 13, textures, ..Frame::default() };
         let textured = Material { id: 1, color_texture: Some(Arc::clone(&texture)), ..Material::default() };
         let plain = Material { id: 2, base_color: [0.2, 0.7, 0.4, 1.0], ..Material::default() };
         [Control::Frame(Arc::new(frame)), polygon(textured, repeats), polygon(plain, 1.0), Control::FrameEnd]
@@ -84,15 +84,15 @@ fn two<A, B>(first: Vec<A>, second: Vec<B>) -> impl FnMut(Demand) -> Option<(Opt
 /// Tokens between the units.
 struct Wires {
     cells: Vec<CellFlow>,
-    rounds: Vec<Round>,
+    rounds: Vec<PassRound>,
     marking: Vec<PassFlow>,
     colouring: Vec<PassFlow>,
     marks: Vec<MarkFlow>,
     improvements: Vec<MarkFlow>,
-    asked: Vec<Either<Request, ()>>,
-    parcels: Vec<Parcel>,
+    asked: Vec<Either<TileRequest, ()>>,
+    parcels: Vec<TileResponse>,
     encoded: Vec<EncodedTile>,
-    acquired: Vec<Either<Order, ExpandedTile>>,
+    acquired: Vec<Either<StoreOrder, ExpandedTile>>,
 }
 
 fn engine() -> EngineConfig {
@@ -100,16 +100,16 @@ fn engine() -> EngineConfig {
 }
 
 fn cells() -> Cells {
-    let cut = Cut { tile: [8, 8], ..Cut::default() };
-    Cells::new((engine(), Operators::default()), &CellConfig::default(), (Lighting::None, WrapOverride::Sampler), cut)
+    let cut = PyramidCut { tile: [8, 8], ..PyramidCut::default() };
+    Cells::new((engine(), Operators::default()), &CellConfig::default(), (LightingMode::None, WrapOverride::Sampler), cut)
 }
 
 fn reference_buffer(mode: RenderMode) -> ReferenceBuffer {
-    ReferenceBuffer::new(engine(), mode, (16, Sizes::default()))
+    ReferenceBuffer::new(engine(), mode, (16, TableSizes::default()))
 }
 
 fn tile_lists(mode: RenderMode) -> TwoOutputs {
-    TwoOutputs(TileLists::new(engine(), mode, (TileOrder::Pixels, Sizes::default()), Leaving::default()))
+    TwoOutputs(TileLists::new(engine(), mode, (TileOrder::Pixels, TableSizes::default()), ViewpointEnds::default()))
 }
 
 fn expander() -> Expander {
@@ -125,23 +125,23 @@ fn rasterization(mode: RenderMode) -> TwoInputs {
     TwoInputs(Rasterization::new(
         engine(),
         mode,
-        Leaving::default(),
-        (CellFormat::new(&CellConfig::default(), 1.0), Sizes::default()),
+        ViewpointEnds::default(),
+        (CellFormat::new(&CellConfig::default(), 1.0), TableSizes::default()),
     ))
 }
 
 /// Returns the improvements that the final rasterization would request: in the first frame some tiles, then none, and in the
 /// second none.
 fn improvements() -> Vec<MarkFlow> {
-    let mark = |tile| Mark { page: 0, tile, pixels: 3, distance: 40 };
+    let mark = |tile| TileMark { page: 0, tile, pixels: 3, distance: 40 };
     vec![MarkFlow::Marks((1..5).map(mark).collect()), MarkFlow::End, MarkFlow::End, MarkFlow::End]
 }
 
 /// Returns the orders, each with its tile.
-fn with_tiles(orders: impl Iterator<Item = Order>, tiles: Vec<ExpandedTile>) -> Vec<Either<Order, ExpandedTile>> {
+fn with_tiles(orders: impl Iterator<Item = StoreOrder>, tiles: Vec<ExpandedTile>) -> Vec<Either<StoreOrder, ExpandedTile>> {
     let mut tiles = tiles.into_iter();
-    let with_tile = |order: Order| {
-        let tile = if matches!(order, Order::Load { .. }) { tiles.next() } else { None };
+    let with_tile = |order: StoreOrder| {
+        let tile = if matches!(order, StoreOrder::Load { .. }) { tiles.next() } else { None };
         [Some(Either::Second(order)), tile.map(Either::Third)].into_iter().flatten()
     };
     orders.flat_map(with_tile).collect()
@@ -149,18 +149,18 @@ fn with_tiles(orders: impl Iterator<Item = Order>, tiles: Vec<ExpandedTile>) -> 
 
 fn wires(mode: RenderMode) -> Wires {
     let progressive = mode == RenderMode::Progressive;
-    let rounds = if progressive { vec![Round::Again, Round::Done, Round::Done] } else { vec![Round::Done; 2] };
+    let rounds = if progressive { vec![PassRound::Again, PassRound::Done, PassRound::Done] } else { vec![PassRound::Done; 2] };
     let improvements = if progressive { improvements() } else { vec![] };
     let cell_flow: Vec<CellFlow> = drive(cells(), one(fragments())).into_iter().flatten().collect();
     let (marking, colouring): (Vec<_>, Vec<_>) =
         drive(reference_buffer(mode), two(cell_flow.clone(), rounds.clone())).into_iter().unzip();
     let [marking, colouring] = [marking, colouring].map(|tokens| tokens.into_iter().flatten().collect::<Vec<_>>());
     let marks: Vec<_> =
-        drive(Identification::new(engine(), Sizes::default()), one(marking.clone())).into_iter().flatten().collect();
+        drive(Identification::new(engine(), TableSizes::default()), one(marking.clone())).into_iter().flatten().collect();
     let (requests, orders): (Vec<_>, Vec<_>) =
         drive(tile_lists(mode), two(marks.clone(), improvements.clone())).into_iter().unzip();
-    let asked = |request: Request| {
-        let shown = (request == Request::End).then_some(Either::Third(()));
+    let asked = |request: TileRequest| {
+        let shown = (request == TileRequest::End).then_some(Either::Third(()));
         [Some(Either::Second(request)), shown].into_iter().flatten()
     };
     let asked: Vec<_> = requests.into_iter().flatten().flat_map(asked).collect();
@@ -180,7 +180,7 @@ fn contract_tokens_have_attributions() {
         // 20 x 12 pixels are 15 blocks, and the picture has 24 blocks.
         assert_eq!(blocks(&wires.colouring), 24 * passes, "{mode:?}: those without pixels are background");
         assert_eq!(blocks(&wires.marking), if mode == RenderMode::Best { 30 } else { 0 });
-        let tiles = wires.parcels.iter().filter(|p| matches!(p.content, Content::Tile(_))).count();
+        let tiles = wires.parcels.iter().filter(|p| matches!(p.content, ResponseContent::Tile(_))).count();
         assert!(tiles == wires.encoded.len() && tiles >= 5, "{mode:?}: {tiles} tiles");
         let ends = wires.asked.iter().filter(|a| **a == Either::Third(())).count();
         assert_eq!(ends, 2, "each frame is shown to its last picture");
@@ -236,7 +236,7 @@ unit_contract! {
 
 unit_contract! {
     name: reference_buffer_that_gathers_one_block,
-    unit: ReferenceBuffer::new(EngineConfig { write_lines: 1, ..engine() }, RenderMode::Best, (16, Sizes::default())),
+    unit: ReferenceBuffer::new(EngineConfig { write_lines: 1, ..engine() }, RenderMode::Best, (16, TableSizes::default())),
     inputs: { let w = wires(RenderMode::Best); (w.cells, w.rounds) },
     clients: [ClientKind::Port, ClientKind::Port],
     state,
@@ -244,7 +244,8 @@ unit_contract! {
 
 #[test]
 fn reference_buffer_evicts_lru_block_and_flushes_at_end() {
-    let mut unit = ReferenceBuffer::new(EngineConfig { write_lines: 2, ..engine() }, RenderMode::Best, (16, Sizes::default()));
+    let mut unit =
+        ReferenceBuffer::new(EngineConfig { write_lines: 2, ..engine() }, RenderMode::Best, (16, TableSizes::default()));
     let mut input = |token: Option<CellFlow>| {
         let demand = if token.is_some() { Demand::Only(0) } else { Demand::Nothing };
         assert_eq!((unit.demand(), unit.is_empty()), (demand, token.is_some()));
@@ -269,7 +270,7 @@ fn reference_buffer_evicts_lru_block_and_flushes_at_end() {
 
 unit_contract! {
     name: identification,
-    unit: Identification::new(engine(), Sizes::default()),
+    unit: Identification::new(engine(), TableSizes::default()),
     inputs: wires(RenderMode::Best).marking,
     state,
 }

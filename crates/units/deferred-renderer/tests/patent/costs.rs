@@ -4,10 +4,10 @@ use crate::acquisition::load;
 use crate::{page, texture};
 use basrelief_deferred_renderer::cell::CellFormat;
 use basrelief_deferred_renderer::colour::progressive;
-use basrelief_deferred_renderer::tokens::{CellBlock, CellFlow, Order, Parcel, PassFlow};
+use basrelief_deferred_renderer::tokens::{CellBlock, CellFlow, PassFlow, StoreOrder, TileResponse};
 use basrelief_deferred_renderer::{
-    Cell, CellConfig, Cells, Conventional, Cut, EngineConfig, Leaving, Lighting, PageTexels, PathConfig, Rasterization,
-    RenderMode, ServedTexture, Server, Sizes, TextureMemory, TileEncoding, WrapOverride,
+    Cell, CellConfig, Cells, ConventionalLoad, EngineConfig, LightingMode, PageTexels, PathConfig, PyramidCut, Rasterization,
+    RenderMode, ServedTexture, Server, TableSizes, TextureMemory, TileEncoding, ViewpointEnds, WrapOverride,
 };
 use basrelief_kernel::{MemoryPorts, Operators, Unit};
 use basrelief_signals::{
@@ -21,27 +21,11 @@ fn frame(index: u32) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let kind = LightKind::Directional { to_light: [0.0, 0.0, 1.0] };
     let lights = vec![Light { kind, intensity: 1.0 }];
-    Control::Frame(Arc::new(Frame {
-        index,
-        width: 16,
-        height: 16,
-        camera,
-        lights,
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
+    Control::Frame(Arc::new(Frame { index, width: 16, height: 16, camera, lights, ..Frame::default() }))
 }
 
 fn object(mesh: Option<MeshInfo>) -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id: 3,
-        name: "o".into(),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh,
-    }))
+    Control::Object(Arc::new(ObjectInfo { id: 3, name: "o".into(), mesh, ..ObjectInfo::default() }))
 }
 
 fn triangle(material: Material, normal: [f32; 3], bump: bool) -> Control {
@@ -50,9 +34,9 @@ fn triangle(material: Material, normal: [f32; 3], bump: bool) -> Control {
     Control::Polygon(Arc::new(Polygon { vertices, material: Arc::new(material), object: 3, lod: 0, bump, arrival: 0 }))
 }
 
-fn cells(lighting: Lighting) -> Cells {
+fn cells(lighting: LightingMode) -> Cells {
     let engine = (EngineConfig::default(), Operators::default());
-    Cells::new(engine, &CellConfig::default(), (lighting, WrapOverride::Sampler), Cut::default())
+    Cells::new(engine, &CellConfig::default(), (lighting, WrapOverride::Sampler), PyramidCut::default())
 }
 
 /// Returns the cell of a pixel of the last polygon of these commands, and the number of pages set up.
@@ -71,15 +55,15 @@ fn bump_target_is_lit_at_vertices_by_formula() {
     let material = Material { base_color: [0.5; 4], ..Material::default() };
     let lighting = material.lighting;
     let slanted = [0.6, 0.0, 0.8];
-    let lit = |bump: bool, light: Lighting| {
+    let lit = |bump: bool, light: LightingMode| {
         let polygon = triangle(material.clone(), slanted, bump);
         cell(&mut cells(light), &[frame(0), object(None), polygon]).0.rgb()[0]
     };
     let formula = lighting.ka + lighting.kd * 0.8 + lighting.ks * 0.8_f32.powf(lighting.n);
     let expected = (0.5 * formula * 255.0 + 0.5) as u8;
-    assert_eq!(lit(true, Lighting::Gouraud), expected, "a bump target has no brightness of its own");
-    assert_eq!(lit(false, Lighting::Gouraud), 128, "others have: 1 here");
-    assert_eq!(lit(true, Lighting::None), 128);
+    assert_eq!(lit(true, LightingMode::Gouraud), expected, "a bump target has no brightness of its own");
+    assert_eq!(lit(false, LightingMode::Gouraud), 128, "others have: 1 here");
+    assert_eq!(lit(true, LightingMode::None), 128);
 }
 
 #[test]
@@ -89,28 +73,28 @@ fn one_picture_under_several_samplers_is_one_page() {
     let other = Arc::new(Texture { id: 8, sampler, ..Texture::clone(&one) });
     let of = |t: &Arc<Texture>| Material { color_texture: Some(Arc::clone(t)), ..Material::default() };
     let controls = [frame(0), triangle(of(&one), [0.0; 3], false), triangle(of(&other), [0.0; 3], false)];
-    let mut unit = cells(Lighting::None);
+    let mut unit = cells(LightingMode::None);
     let (cell, pages) = cell(&mut unit, &controls);
     assert_eq!((pages, unit.state.pictures.len()), (1, 1));
     assert_eq!((cell.page(), cell.wrap), (Some(0), [WrapMode::Clamp, WrapMode::Mirror]), "a sampler is the cell's");
 
-    let (bytes, conventional) = sent(PathConfig { number_bytes: 0, ..PathConfig::default() }, Lighting::None, &controls);
+    let (bytes, conventional) = sent(PathConfig { number_bytes: 0, ..PathConfig::default() }, LightingMode::None, &controls);
     assert_eq!(bytes.iter().sum::<u64>(), 8, "its size travels once");
-    assert_eq!(conventional, Conventional { raw_bytes: 100 * 40 * 3, encoded_bytes: Some(100 * 40 * 3) });
+    assert_eq!(conventional, ConventionalLoad { raw_bytes: 100 * 40 * 3, encoded_bytes: Some(100 * 40 * 3) });
 }
 
 /// Returns the bytes of the server's tokens for these commands, and the load of all their textures.
-fn sent(config: PathConfig, lighting: Lighting, controls: &[Control]) -> (Vec<u64>, Conventional) {
+fn sent(config: PathConfig, lighting: LightingMode, controls: &[Control]) -> (Vec<u64>, ConventionalLoad) {
     let source = TextureMemory::new(TileEncoding::Raw, 85);
     let mut server = Server::new(config, lighting, Box::new(source));
     let mut send = |control: &Control| {
         // The phase between frames does not matter here.
         let (phase, traffic) = (matches!(control, Control::Frame(_)).then_some(()), &mut MemoryPorts::default());
-        let Some(Parcel { bytes, .. }) = server.step((Some(control.clone()), None, phase), traffic).out else { return 0 };
+        let Some(TileResponse { bytes, .. }) = server.step((Some(control.clone()), None, phase), traffic).out else { return 0 };
         bytes
     };
     let bytes = controls.iter().map(&mut send).collect();
-    (bytes, server.conventional(Cut::default()))
+    (bytes, server.conventional(PyramidCut::default()))
 }
 
 #[test]
@@ -121,11 +105,15 @@ fn step_451_mesh_travels_once_and_indexed() {
     let of = |mesh, lighting| sent(PathConfig::default(), lighting, &[controls(0, mesh), controls(1, mesh)].concat()).0;
     let (of_frame, of_object) = (4 * (21 + 5), 4 * 13);
     let once = |mesh| [of_frame, of_object + mesh, 0, 0, 0, of_frame, of_object, 0, 0, 0];
-    assert_eq!(of(Some(mesh), Lighting::None), once(100 * 4 * (3 + 2) + 300 * 2 + 40));
-    assert_eq!(of(Some(mesh), Lighting::Gouraud), once(100 * 4 * (3 + 2 + 3) + 300 * 2 + 40), "normals where something is lit");
+    assert_eq!(of(Some(mesh), LightingMode::None), once(100 * 4 * (3 + 2) + 300 * 2 + 40));
+    assert_eq!(
+        of(Some(mesh), LightingMode::Gouraud),
+        once(100 * 4 * (3 + 2 + 3) + 300 * 2 + 40),
+        "normals where something is lit"
+    );
     let large = MeshInfo { vertices: 70_000, indices: 9, uv: false, colors: true };
-    assert_eq!(of(Some(large), Lighting::None), once(70_000 * 4 * (3 + 1) + 9 * 4 + 40), "indices of four bytes");
-    let untold = of(None, Lighting::None);
+    assert_eq!(of(Some(large), LightingMode::None), once(70_000 * 4 * (3 + 1) + 9 * 4 + 40), "indices of four bytes");
+    let untold = of(None, LightingMode::None);
     assert_eq!(untold[1..5], [of_object, 3 * 12, 3 * 12, 0], "a list that does not tell: vertex by vertex");
     assert_eq!(untold[5..], [of_frame, of_object, 0, 0, 0]);
 }
@@ -155,12 +143,12 @@ fn figure_7b_search_reads_one_or_two_words_per_layer() {
 fn final_rasterization_pays_for_figure_7b_search() {
     let cycles = |mode: RenderMode, depth: f32| {
         let (format, engine) = (CellFormat::new(&CellConfig::default(), 1.0), EngineConfig::default());
-        let mut unit = Rasterization::new(engine, mode, Leaving::default(), (format, Sizes::default()));
+        let mut unit = Rasterization::new(engine, mode, ViewpointEnds::default(), (format, TableSizes::default()));
         unit.state.pages.push(with_top());
         let mut block = CellBlock { mask: u16::MAX, ..CellBlock::default() };
         block.cells = [Cell::textured(0, [10.0, 10.0], depth, [255; 3]); 16];
         unit.step((Some(PassFlow::Begin), None, None), &mut MemoryPorts::default());
-        unit.step((None, Some(Order::End), None), &mut MemoryPorts::default());
+        unit.step((None, Some(StoreOrder::End), None), &mut MemoryPorts::default());
         unit.step((Some(PassFlow::Cells(block)), None, None), &mut MemoryPorts::default()).occupancy
     };
     assert_eq!(cycles(RenderMode::Progressive, 0.0), 16, "a layer each");

@@ -1,7 +1,7 @@
 //! Depth of layers, tile pitch, tile base, tile numbers.
 
 use crate::{SIZES, page, page_of, texture};
-use basrelief_deferred_renderer::{Cut, Page, ServedTexture};
+use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TexturePage};
 use basrelief_signals::WrapMode;
 use std::collections::BTreeSet;
 
@@ -79,7 +79,7 @@ fn erratum_0063_tile_pitch_of_square_texture_is_2_to_d() {
 fn dmax_cap_0033_drops_only_the_finest_layers() {
     for (size, cap) in SIZES.into_iter().flat_map(|size| [0, 1, 3, 31].map(|cap| (size, cap))) {
         let all = page(size, [16, 16]);
-        let capped = page_of(size, Cut { tile: [16, 16], most_depth: cap, ..Cut::default() });
+        let capped = page_of(size, PyramidCut { tile: [16, 16], most_depth: cap, ..PyramidCut::default() });
         assert_eq!(capped.dmax(), all.dmax().min(cap), "{size:?}");
         assert_eq!(capped.left_out, all.dmax() - capped.dmax());
         assert_eq!(capped.texture_size, size);
@@ -90,7 +90,7 @@ fn dmax_cap_0033_drops_only_the_finest_layers() {
                 assert_eq!(served.tile(&all, tile), served.tile(&capped, tile), "{size:?}, cap {cap}, tile {tile}");
             }
             for u in [-1.3, 0.0, 0.372, 0.999, 1.0, 2.45] {
-                let placed = |page: &Page| page.placed(page.size().map(|n| u * n), [WrapMode::Repeat; 2]);
+                let placed = |page: &TexturePage| page.placed(page.size().map(|n| u * n), [WrapMode::Repeat; 2]);
                 let of_all = all.taps(depth, placed(&all));
                 assert_eq!(of_all, capped.taps(depth, placed(&capped)), "{size:?}, layer {depth}, {u}");
             }

@@ -9,7 +9,7 @@ mod marking;
 mod pixels;
 mod two_wires;
 
-use basrelief_deferred_renderer::{Cut, Page};
+use basrelief_deferred_renderer::{PyramidCut, TexturePage};
 use basrelief_signals::{Image, Sampler, Texture};
 use std::sync::Arc;
 
@@ -25,12 +25,12 @@ fn texture(size: [u32; 2]) -> Arc<Texture> {
     Arc::new(Texture { id: 7, name: "noise".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
-fn page_of(size: [u32; 2], cut: Cut) -> Arc<Page> {
-    Arc::new(Page::new(0, &texture(size), cut, 0))
+fn page_of(size: [u32; 2], cut: PyramidCut) -> Arc<TexturePage> {
+    Arc::new(TexturePage::new(0, &texture(size), cut, 0))
 }
 
-fn page(size: [u32; 2], tile: [u32; 2]) -> Arc<Page> {
-    page_of(size, Cut { tile, ..Cut::default() })
+fn page(size: [u32; 2], tile: [u32; 2]) -> Arc<TexturePage> {
+    page_of(size, PyramidCut { tile, ..PyramidCut::default() })
 }
 
 const SIZES: [[u32; 2]; 12] =

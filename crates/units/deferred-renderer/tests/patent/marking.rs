@@ -1,7 +1,7 @@
 //! Tiles that a pixel needs: Figures 5A and 5B.
 
 use crate::{page, page_of};
-use basrelief_deferred_renderer::{Cut, TexelCentre, TileList, TileState};
+use basrelief_deferred_renderer::{PyramidCut, TexelCentre, TileList, TileState};
 use basrelief_signals::WrapMode;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -52,7 +52,7 @@ proptest! {
         (size, s, t) in (1u32..80, 1u32..80).prop_flat_map(|(w, h)| (Just([w, h]), coordinate(w), coordinate(h))),
         wrap in [wraps(), wraps()], centre in centres(),
     ) {
-        let page = page_of(size, Cut { tile: [8, 8], centre, ..Cut::default() });
+        let page = page_of(size, PyramidCut { tile: [8, 8], centre, ..PyramidCut::default() });
         let placed = page.placed([s, t], wrap);
         for (depth, layer) in page.layers.iter().enumerate() {
             let shift = page.dmax() as u32 - depth as u32;
@@ -72,7 +72,7 @@ proptest! {
     fn taps_are_filter_texels_with_shares(
         (size, s) in (1u32..80).prop_flat_map(|w| (Just(w), coordinate(w))), wrap in wraps(), centre in centres(),
     ) {
-        let page = page_of([size, 1], Cut { tile: [8, 8], centre, ..Cut::default() });
+        let page = page_of([size, 1], PyramidCut { tile: [8, 8], centre, ..PyramidCut::default() });
         for (depth, layer) in page.layers.iter().enumerate() {
             let [tap, _] = page.taps(depth as u8, page.placed([s, 0.0], [wrap; 2]));
             let expected = read(f64::from(s), size, layer.size[0], page.dmax() as u32 - depth as u32, wrap, centre);
@@ -86,7 +86,7 @@ proptest! {
     fn nan_and_huge_coordinates_stay_inside(
         s in any::<f32>(), t in any::<f32>(), wrap in [wraps(), wraps()], centre in centres(),
     ) {
-        let page = page_of([37, 50], Cut { tile: [8, 8], centre, ..Cut::default() });
+        let page = page_of([37, 50], PyramidCut { tile: [8, 8], centre, ..PyramidCut::default() });
         let placed = page.placed([s, t], wrap);
         for depth in 0..=page.dmax() {
             let [x, y] = page.taps(depth, placed);
@@ -102,7 +102,7 @@ fn erratum_5b_last_column_and_row_mark_no_next_tile() {
     for (wrap, right, below) in
         [(WrapMode::Clamp, None, None), (WrapMode::Mirror, None, None), (WrapMode::Repeat, Some(0), Some(0))]
     {
-        let page = page_of([128, 128], Cut::default());
+        let page = page_of([128, 128], PyramidCut::default());
         let finest = page.layers[1];
         // Beyond the middle of the last texel.
         let placed = page.placed([127.75, 32.5], [wrap; 2]);
@@ -122,7 +122,7 @@ fn erratum_5b_last_column_and_row_mark_no_next_tile() {
 
 #[test]
 fn erratum_0104_finer_layer_doubles_coordinates() {
-    let page = page_of([256, 256], Cut { tile: [64, 64], centre: TexelCentre::Integer, ..Cut::default() });
+    let page = page_of([256, 256], PyramidCut { tile: [64, 64], centre: TexelCentre::Integer, ..PyramidCut::default() });
     let placed = page.placed([100.0, 60.0], [WrapMode::Clamp; 2]);
     for depth in 0..=page.dmax() {
         let shift = page.dmax() - depth;
@@ -134,7 +134,7 @@ fn erratum_0104_finer_layer_doubles_coordinates() {
 #[test]
 fn half_centres_align_layers_integer_centres_shift_them() {
     for (centre, shift) in [(TexelCentre::Half, 0.0), (TexelCentre::Integer, 1.5)] {
-        let page = page_of([256, 256], Cut { tile: [64, 64], centre, ..Cut::default() });
+        let page = page_of([256, 256], PyramidCut { tile: [64, 64], centre, ..PyramidCut::default() });
         let middle = |depth: u8, s: f32| {
             let [x, _] = page.taps(depth, page.placed([s, 0.0], [WrapMode::Clamp; 2]));
             let texels = f32::from(1u8 << (page.dmax() - depth));

@@ -5,7 +5,7 @@ use crate::{page, texture};
 use basrelief_deferred_renderer::cell::{layer_depth, split_depth};
 use basrelief_deferred_renderer::colour::{best, progressive, sample, shaded};
 use basrelief_deferred_renderer::{
-    Cell, CellConfig, CellFormat, FilledBuffer, NumberFormat, PageTexels, Preview, ServedTexture, TileEncoding,
+    Cell, CellConfig, CellFormat, FilledBuffer, NumberFormat, PageTexels, PicturePreview, ServedTexture, TileEncoding,
 };
 use std::sync::Arc;
 
@@ -109,8 +109,8 @@ fn preview_uses_finest_received_layer_and_averages() {
     let (page, mut served) = (page(size, [16, 16]), ServedTexture::new(texture(size)));
     let cell = Cell::textured(0, [40.3, 50.9], 1.5, [255; 3]);
     let filled = FilledBuffer { width: 2, height: 1, cells: vec![cell, Cell::default()], ..FilledBuffer::default() };
-    let mut preview = Preview::new(format.clone(), TileEncoding::Raw);
-    let mut come = |preview: &mut Preview, layer: u8| {
+    let mut preview = PicturePreview::new(format.clone(), TileEncoding::Raw);
+    let mut come = |preview: &mut PicturePreview, layer: u8| {
         for tile in (0..page.tiles()).filter(|tile| page.layer_of(*tile) == layer) {
             let bytes = TileEncoding::Raw.encode(&served.tile(&page, tile), [16, 16], 0).expect("a tile");
             preview.store(&page, tile, &bytes);

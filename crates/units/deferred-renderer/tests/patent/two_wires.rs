@@ -1,7 +1,7 @@
 //! Units of three inputs or outputs with two of them on one wire, because the unit contract supports at most two.
 
-use basrelief_deferred_renderer::tokens::{ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round};
-use basrelief_deferred_renderer::{Lighting, PathConfig, Rasterization, Server, TextureMemory, TileEncoding, TileLists};
+use basrelief_deferred_renderer::tokens::{ExpandedTile, MarkFlow, PassFlow, PassRound, StoreOrder, TileRequest, TileResponse};
+use basrelief_deferred_renderer::{LightingMode, PathConfig, Rasterization, Server, TextureMemory, TileEncoding, TileLists};
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::Control;
 
@@ -10,11 +10,11 @@ use basrelief_signals::Control;
 pub struct TwoOutputs(pub TileLists);
 
 /// Tokens to the texture-data memory (130), and to the reference buffer (126).
-pub type Orders = (Option<Order>, Option<Round>);
+pub type Orders = (Option<StoreOrder>, Option<PassRound>);
 
 impl Unit for TwoOutputs {
     type In = (Option<MarkFlow>, Option<MarkFlow>);
-    type Out = (Option<Request>, Option<Orders>);
+    type Out = (Option<TileRequest>, Option<Orders>);
 
     fn demand(&self) -> Demand {
         self.0.demand()
@@ -57,7 +57,7 @@ fn of_two(demand: Demand) -> Demand {
 pub struct TwoInputs(pub Rasterization);
 
 impl Unit for TwoInputs {
-    type In = (Option<PassFlow>, Option<Either<Order, ExpandedTile>>);
+    type In = (Option<PassFlow>, Option<Either<StoreOrder, ExpandedTile>>);
     type Out = <Rasterization as Unit>::Out;
 
     fn demand(&self) -> Demand {
@@ -83,7 +83,7 @@ pub struct Requested(pub Server);
 
 impl Requested {
     pub fn new() -> Self {
-        Self(Server::new(PathConfig::default(), Lighting::None, Box::new(TextureMemory::new(TileEncoding::Raw, 85))))
+        Self(Server::new(PathConfig::default(), LightingMode::None, Box::new(TextureMemory::new(TileEncoding::Raw, 85))))
     }
 }
 
@@ -96,8 +96,8 @@ impl Clone for Requested {
 }
 
 impl Unit for Requested {
-    type In = (Option<Control>, Option<Either<Request, ()>>);
-    type Out = Option<Parcel>;
+    type In = (Option<Control>, Option<Either<TileRequest, ()>>);
+    type Out = Option<TileResponse>;
 
     fn demand(&self) -> Demand {
         of_two(self.0.demand())

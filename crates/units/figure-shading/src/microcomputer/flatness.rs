@@ -1,18 +1,18 @@
 //! Process 15: flatness decision, for the flatness register (16).
 
 use super::Microcomputer;
-use super::state::Process;
-use crate::cpu::Operations;
+use super::state::CpuProcess;
+use crate::cpu::CpuOperations;
 use crate::local_memory::PolygonBuffer;
 use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_signals::{Polygon, ShadingMode};
 use glam::Vec3;
 
 /// Distance of a sample point's normal from another: three differences, their squares, a comparison.
-pub(super) const DISTANCE: Operations = Operations {
+pub(super) const DISTANCE: CpuOperations = CpuOperations {
     load: 3,
     compare: 1,
-    ..Operations::of(OperatorCounts::INNER_PRODUCT.and(OperatorCounts { add: 3, ..OperatorCounts::NONE }))
+    ..CpuOperations::of(OperatorCounts::INNER_PRODUCT.and(OperatorCounts { add: 3, ..OperatorCounts::NONE }))
 };
 
 /// Returns true if no normal is farther than `tolerance` from the first one. A polygon without points is not flat.
@@ -60,6 +60,6 @@ impl Microcomputer {
         self.state.counters.flat += u64::from(flat);
         let points = normals.len() as u64;
         self.port.read(traffic, buffer.normals(), points * DISTANCE.load);
-        (flat, self.run(Process::Flatness, DISTANCE.times(points)))
+        (flat, self.run(CpuProcess::Flatness, DISTANCE.times(points)))
     }
 }

@@ -1,29 +1,29 @@
 //! Process 24: mean brightness of a polygon, and its output.
 
 use super::Microcomputer;
-use super::state::{Decided, Phase, Process};
+use super::state::{CpuProcess, DecidedPolygon, Phase};
 use super::unit::{Out, nothing};
-use crate::cpu::Operations;
-use crate::{Dot, FigureFlow};
+use crate::cpu::CpuOperations;
+use crate::{FigureFlow, ShadedDot};
 use basrelief_kernel::{MemoryPorts, OperatorCounts, Step};
 use basrelief_shading::fan_triangles;
 use basrelief_signals::{Fragment, ShadingMode};
 
 /// Per sample point: sum of its components.
-const SUM: Operations = Operations { load: 3, add: 3, ..Operations::NONE };
+const SUM: CpuOperations = CpuOperations { load: 3, add: 3, ..CpuOperations::NONE };
 /// The reciprocal of the number of points, and three products.
-const SHARE: Operations = Operations { divide: 1, multiply: 3, ..Operations::NONE };
+const SHARE: CpuOperations = CpuOperations { divide: 1, multiply: 3, ..CpuOperations::NONE };
 /// The brightness is written to the selectors' input once for all dots of a polygon.
-const BRIGHTNESS: Operations = Operations { store: 3, ..Operations::NONE };
+const BRIGHTNESS: CpuOperations = CpuOperations { store: 3, ..CpuOperations::NONE };
 /// Set-up of a triangle of the fan: nine coordinates, x and y of each in steps of the grid; two differences, two products and a
 /// difference for each edge; sign and reciprocal of the area; two slopes of the depth.
-const SET_UP: Operations = Operations {
+const SET_UP: CpuOperations = CpuOperations {
     load: 9,
     compare: 4,
-    ..Operations::of(OperatorCounts { multiply: 6 + 6 + 6, add: 6 + 9 + 4, divide: 1, ..OperatorCounts::NONE })
+    ..CpuOperations::of(OperatorCounts { multiply: 6 + 6 + 6, add: 6 + 9 + 4, divide: 1, ..OperatorCounts::NONE })
 };
 /// A dot: a step of three edges, of the address and of the depth, and a branch. Address and depth are stored.
-pub(super) const DOT: Operations = Operations { integer: 3 + 1 + 1 + 1, store: 2, ..Operations::NONE };
+pub(super) const DOT: CpuOperations = CpuOperations { integer: 3 + 1 + 1 + 1, store: 2, ..CpuOperations::NONE };
 
 /// Returns the mean over the sample points, or black if there are none.
 pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
@@ -35,13 +35,18 @@ pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
 
 impl Microcomputer {
     /// Returns the brightness of all dots, reused or calculated from the sample points, and its cycles.
-    pub(super) fn mean(&mut self, decided: &Decided, brightness: &[[f32; 3]], traffic: &mut MemoryPorts) -> ([f32; 3], u64) {
+    pub(super) fn mean(
+        &mut self,
+        decided: &DecidedPolygon,
+        brightness: &[[f32; 3]],
+        traffic: &mut MemoryPorts,
+    ) -> ([f32; 3], u64) {
         if let (true, Some(plane)) = (decided.reused, &self.state.plane) {
             return (plane.brightness, 0);
         }
         let (buffer, points) = (self.buffer(decided.number), brightness.len() as u64);
         self.port.read(traffic, buffer.brightness(), SUM.load * points);
-        let mut cycles = self.run(Process::Mean, SUM.times(points).and(SHARE));
+        let mut cycles = self.run(CpuProcess::Mean, SUM.times(points).and(SHARE));
         let mean = mean(brightness);
         if self.state.settings.mode != ShadingMode::Polyhedron {
             cycles += self.store(&decided.polygon, mean, buffer, traffic);
@@ -50,10 +55,10 @@ impl Microcomputer {
     }
 
     /// Sets up the output. Returns its cycles.
-    pub(super) fn set_up_output(&mut self, decided: &Decided, traffic: &mut MemoryPorts) -> u64 {
+    pub(super) fn set_up_output(&mut self, decided: &DecidedPolygon, traffic: &mut MemoryPorts) -> u64 {
         let (points, triangles) = (decided.polygon.vertices.len() as u64, u64::from(fan_triangles(&decided.polygon)));
         self.port.read(traffic, self.buffer(decided.number).points(), 3 * points);
-        self.spend(Process::Mean, BRIGHTNESS.and(SET_UP.times(triangles)))
+        self.spend(CpuProcess::Mean, BRIGHTNESS.and(SET_UP.times(triangles)))
     }
 
     /// Returns the next dot of process 24, or the polygon's end.
@@ -65,8 +70,8 @@ impl Microcomputer {
         let signal = if let Some(Fragment { x, y, z, .. }) = self.state.dots.next(&figure.polygon) {
             cycles = self.dot_cycles;
             self.state.counters.dots += 1;
-            self.state.counters.processes[Process::Mean as usize].cycles += cycles;
-            FigureFlow::Dot(Dot { x, y, z, brightness: *brightness })
+            self.state.counters.processes[CpuProcess::Mean as usize].cycles += cycles;
+            FigureFlow::Dot(ShadedDot { x, y, z, brightness: *brightness })
         } else {
             self.state.phase = Phase::Idle;
             FigureFlow::End

@@ -2,9 +2,9 @@
 
 use super::Microcomputer;
 use super::flatness::{DISTANCE, are_near, color_of, normals_of};
-use super::state::Process;
+use super::state::CpuProcess;
 use crate::SamePlaneConfig;
-use crate::cpu::Operations;
+use crate::cpu::CpuOperations;
 use crate::local_memory::{PLANE, PLANE_NUMBERS, PolygonBuffer};
 use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_shading::doubled_area;
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 /// the depth of each new point is compared with the plane: the slopes of an almost edge-on polygon would make any constant
 /// worthless. The colour of the points is part of the key, because Ka and Kd include it here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Plane {
+pub struct StoredPlane {
     normal: Vec3,
     color: [f32; 3],
     /// A point of the plane: x, y \[pixels\], depth.
@@ -29,7 +29,7 @@ pub struct Plane {
     pub(super) brightness: [f32; 3],
 }
 
-impl Plane {
+impl StoredPlane {
     /// Returns the data of a flat polygon with this brightness. Returns `None` if its points differ in colour, or lie on a line.
     pub(super) fn of(polygon: &Polygon, normal: Vec3, brightness: [f32; 3]) -> Option<Self> {
         let color = color_of(polygon)?;
@@ -54,20 +54,20 @@ impl Plane {
 }
 
 /// Step 92, per sample point: comparison of its normal with the stored one, and of its depth with that of the stored plane.
-const COMPARISON: Operations = DISTANCE.and(Operations {
+const COMPARISON: CpuOperations = DISTANCE.and(CpuOperations {
     load: 3,
     compare: 1,
-    ..Operations::of(OperatorCounts { multiply: 2, add: 5, ..OperatorCounts::NONE })
+    ..CpuOperations::of(OperatorCounts { multiply: 2, add: 5, ..OperatorCounts::NONE })
 });
 /// Step 92: loads of the stored data without brightness, and comparison of the colours.
-const STORED: Operations = Operations { load: 11, compare: 3, ..Operations::NONE };
+const STORED: CpuOperations = CpuOperations { load: 11, compare: 3, ..CpuOperations::NONE };
 /// Step 95: load of the stored brightness.
-const READ: Operations = Operations { load: 3, ..Operations::NONE };
+const READ: CpuOperations = CpuOperations { load: 3, ..CpuOperations::NONE };
 /// Step 94, per sample point: its share in three areas, one along each axis, of two products and two sums each.
-const AREAS: Operations =
-    Operations { load: 3, ..Operations::of(OperatorCounts { multiply: 6, add: 6, ..OperatorCounts::NONE }) };
+const AREAS: CpuOperations =
+    CpuOperations { load: 3, ..CpuOperations::of(OperatorCounts { multiply: 6, add: 6, ..OperatorCounts::NONE }) };
 /// Step 94: two slopes.
-const STORE: Operations = Operations { divide: 2, store: PLANE_NUMBERS, ..Operations::NONE };
+const STORE: CpuOperations = CpuOperations { divide: 2, store: PLANE_NUMBERS, ..CpuOperations::NONE };
 
 impl Microcomputer {
     /// Runs step 92 of Figure 7, and step 95 if the brightness is reused.
@@ -83,11 +83,11 @@ impl Microcomputer {
         }
         let reused = self.state.plane.is_some_and(|p| p.holds(polygon, normals, &self.short_cuts.same_plane));
         self.state.counters.reused += u64::from(reused);
-        let (points, read) = (normals.len() as u64, if reused { READ } else { Operations::NONE });
+        let (points, read) = (normals.len() as u64, if reused { READ } else { CpuOperations::NONE });
         self.port.read(traffic, PLANE, STORED.load + read.load);
         self.port.read(traffic, buffer.points(), 3 * points);
         self.port.read(traffic, buffer.normals(), 3 * points);
-        (reused, self.run(Process::SamePlane, STORED.and(COMPARISON.times(points)).and(read)))
+        (reused, self.run(CpuProcess::SamePlane, STORED.and(COMPARISON.times(points)).and(read)))
     }
 
     /// Runs step 94. Returns its cycles.
@@ -102,11 +102,11 @@ impl Microcomputer {
             return 0;
         }
         let normal = normals_of(polygon).first().copied().unwrap_or_default();
-        self.state.plane = Plane::of(polygon, normal, brightness);
+        self.state.plane = StoredPlane::of(polygon, normal, brightness);
         let points = polygon.vertices.len() as u64;
         self.port.read(traffic, buffer.points(), AREAS.load * points);
         self.port.write(traffic, PLANE, PLANE_NUMBERS);
-        self.run(Process::SamePlane, AREAS.times(points).and(STORE))
+        self.run(CpuProcess::SamePlane, AREAS.times(points).and(STORE))
     }
 }
 
@@ -126,11 +126,11 @@ mod tests {
     #[test]
     fn polygon_without_area_or_of_several_colours_is_not_stored() {
         let line = polygon(&[[1.0, 1.0, 0.1], [2.0, 2.0, 0.2], [3.0, 3.0, 0.9]]);
-        assert_eq!(Plane::of(&line, Vec3::Z, [0.5; 3]), None);
+        assert_eq!(StoredPlane::of(&line, Vec3::Z, [0.5; 3]), None);
         let mut coloured = polygon(&[[1.0, 1.0, 0.1], [2.0, 1.0, 0.1], [1.0, 2.0, 0.1]]);
-        assert!(Plane::of(&coloured, Vec3::Z, [0.5; 3]).is_some());
+        assert!(StoredPlane::of(&coloured, Vec3::Z, [0.5; 3]).is_some());
         coloured.vertices[1].color = [1.0, 0.0, 0.0, 1.0];
-        assert_eq!(Plane::of(&coloured, Vec3::Z, [0.5; 3]), None);
+        assert_eq!(StoredPlane::of(&coloured, Vec3::Z, [0.5; 3]), None);
     }
 
     proptest! {
@@ -142,7 +142,7 @@ mod tests {
             let square = |x: f32, y: f32, off: f32| {
                 polygon(&[[x, y], [x + 9.0, y], [x + 9.0, y + 7.0]].map(|[x, y]| [x, y, z(x, y) + off]))
             };
-            let plane = Plane::of(&square(at[0], at[1], 0.0), Vec3::Z, [0.5; 3]).expect("has an area");
+            let plane = StoredPlane::of(&square(at[0], at[1], 0.0), Vec3::Z, [0.5; 3]).expect("has an area");
             let other = square(at[2], at[3], if below { -off } else { off });
             let config = SamePlaneConfig::default();
             prop_assert_eq!(plane.holds(&other, &[Vec3::Z; 3], &config), off < config.constant_tolerance);

@@ -22,7 +22,7 @@ mod state;
 mod transfer;
 mod unit;
 
-pub use memory::Plane;
-pub(crate) use specular::Limits;
-pub use state::{MicrocomputerCounters, MicrocomputerState, Process, ProcessCounters};
+pub use memory::StoredPlane;
+pub(crate) use specular::SpecularLimits;
+pub use state::{CpuProcess, MicrocomputerCounters, MicrocomputerState, ProcessCounters};
 pub use unit::Microcomputer;

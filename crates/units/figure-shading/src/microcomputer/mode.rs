@@ -1,31 +1,31 @@
 //! Process 13: mode decision, for the mode register (14), and all other data that are sent once per frame or object.
 
 use super::Microcomputer;
-use super::state::{Process, Settings};
-use crate::cpu::Operations;
+use super::state::{CpuProcess, HostSettings};
+use crate::cpu::CpuOperations;
 use crate::local_memory::{LIGHT, LIGHTS, SETTINGS};
-use crate::{Illumination, ScanConfig};
+use crate::{ObjectIllumination, ScanConfig};
 use basrelief_kernel::{MemoryPorts, OperatorCounts};
-use basrelief_shading::{Raster, light_vectors};
+use basrelief_shading::{RasterGrid, light_vectors};
 use basrelief_signals::{Frame, ObjectInfo, Polygon, ShadingSettings};
 use std::sync::Arc;
 
 /// Mode decision: the mode is loaded and compared with the other two.
-const DECISION: Operations = Operations { load: 1, integer: 2, ..Operations::NONE };
+const DECISION: CpuOperations = CpuOperations { load: 1, integer: 2, ..CpuOperations::NONE };
 /// H of a light: L and V added and normalised, and its intensity times Is. L arrives as a unit vector.
-const LIGHT_VECTOR: Operations = Operations {
+const LIGHT_VECTOR: CpuOperations = CpuOperations {
     load: 8,
     store: 4,
-    ..Operations::of(OperatorCounts::NORMALIZE.and(OperatorCounts { add: 3, multiply: 1, ..OperatorCounts::NONE }))
+    ..CpuOperations::of(OperatorCounts::NORMALIZE.and(OperatorCounts { add: 3, multiply: 1, ..OperatorCounts::NONE }))
 };
 /// A material: Ka, Kd, Ks, n and colour, and Ka*Ia.
-const MATERIAL: Operations = Operations { load: 8, multiply: 1, ..Operations::NONE };
+const MATERIAL: CpuOperations = CpuOperations { load: 8, multiply: 1, ..CpuOperations::NONE };
 
 impl Microcomputer {
     /// Begins a frame. Returns its cycles.
     pub(super) fn begin_frame(&mut self, frame: &Arc<Frame>) -> u64 {
         let ScanConfig { subpixel_bits, block, z_bits } = self.scan;
-        self.state.raster = Raster::new([frame.width, frame.height], subpixel_bits, z_bits, block);
+        self.state.raster = RasterGrid::new([frame.width, frame.height], subpixel_bits, z_bits, block);
         self.state.frame = Some(Arc::clone(frame));
         self.state.object = None;
         self.state.lights_changed = true;
@@ -46,14 +46,14 @@ impl Microcomputer {
     }
 
     /// Returns the given settings. Unset ones come from the configuration.
-    fn settings(&self, said: ShadingSettings) -> Settings {
+    fn settings(&self, said: ShadingSettings) -> HostSettings {
         let c = &self.shading;
-        Settings { mode: said.mode.unwrap_or(c.mode), ia: said.ia.unwrap_or(c.ia), is: said.is.unwrap_or(c.is) }
+        HostSettings { mode: said.mode.unwrap_or(c.mode), ia: said.ia.unwrap_or(c.ia), is: said.is.unwrap_or(c.is) }
     }
 
     fn decide_mode(&mut self, said: ShadingSettings) -> u64 {
         self.state.settings = self.settings(said);
-        self.run(Process::Mode, DECISION)
+        self.run(CpuProcess::Mode, DECISION)
     }
 
     /// Updates the illumination for this polygon. Returns its cycles.
@@ -67,10 +67,10 @@ impl Microcomputer {
         }
         let centre = self.state.object.as_ref().map_or([0.0; 3], |o| o.centre);
         let mut lights = self.state.frame.as_ref().map_or_else(Vec::new, |frame| light_vectors(frame, centre));
-        let Settings { mode, ia: ambient, is } = self.state.settings;
+        let HostSettings { mode, ia: ambient, is } = self.state.settings;
         lights.iter_mut().for_each(|light| light.intensity *= is);
         let count = lights.len() as u64;
-        let new = Illumination { mode, lighting: material.lighting, color, ambient, lights };
+        let new = ObjectIllumination { mode, lighting: material.lighting, color, ambient, lights };
         if **old != new {
             self.state.plane = None;
             self.state.illumination = Arc::new(new);
@@ -79,6 +79,6 @@ impl Microcomputer {
         self.port.read(traffic, SETTINGS, MATERIAL.load);
         self.port.read(traffic, LIGHTS, vectors * LIGHT);
         self.port.write(traffic, LIGHTS, vectors * LIGHT);
-        self.run(Process::Mode, MATERIAL.and(LIGHT_VECTOR.times(vectors))) + self.set_limits(traffic)
+        self.run(CpuProcess::Mode, MATERIAL.and(LIGHT_VECTOR.times(vectors))) + self.set_limits(traffic)
     }
 }

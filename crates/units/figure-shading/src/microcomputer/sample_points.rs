@@ -1,34 +1,34 @@
 //! Process 22: brightness at the sample points (Figure 6).
 
 use super::Microcomputer;
-use super::state::Process;
-use crate::cpu::Operations;
+use super::state::CpuProcess;
+use crate::cpu::CpuOperations;
 use crate::illumination::normal_of;
 use crate::local_memory::{LIGHT, LIGHTS, PolygonBuffer};
 use crate::power::multiplications;
-use crate::{Clamp, Illumination, Registers};
+use crate::{Clamp, ObjectIllumination, ShadingRegisters};
 use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_signals::Polygon;
 
 /// Per sample point: its normal, Kd, Ka*Ia, the surface's colour.
-const POINT: Operations =
-    Operations { load: 3, store: 3, ..Operations::of(OperatorCounts { multiply: 4, add: 1, ..OperatorCounts::NONE }) };
+const POINT: CpuOperations =
+    CpuOperations { load: 3, store: 3, ..CpuOperations::of(OperatorCounts { multiply: 4, add: 1, ..OperatorCounts::NONE }) };
 /// Per sample point with a colour: that colour.
-const COLOR: Operations = Operations { load: 3, multiply: 3, ..Operations::NONE };
+const COLOR: CpuOperations = CpuOperations { load: 3, multiply: 3, ..CpuOperations::NONE };
 /// Per sample point and light: N.L, clamped at 0, times Is, summed.
-const DIFFUSE: Operations = Operations {
+const DIFFUSE: CpuOperations = CpuOperations {
     load: 4,
     compare: 1,
-    ..Operations::of(OperatorCounts::INNER_PRODUCT.and(OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE }))
+    ..CpuOperations::of(OperatorCounts::INNER_PRODUCT.and(OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE }))
 };
 /// Step 83, per sample point and light: N.H, clamped to 0..=1, times Is, summed. The power is extra.
-const SPECULAR: Operations = Operations { load: 3, compare: 2, ..DIFFUSE };
+const SPECULAR: CpuOperations = CpuOperations { load: 3, compare: 2, ..DIFFUSE };
 /// Step 83, per sample point: product with Ks, added to each component.
-const HIGHLIGHT: Operations = Operations { multiply: 1, add: 3, ..Operations::NONE };
+const HIGHLIGHT: CpuOperations = CpuOperations { multiply: 1, add: 3, ..CpuOperations::NONE };
 
 /// Returns red, green and blue of each sample point: first ambient and diffuse, then (steps 80 to 83) the specular term. The
 /// latter is left out if circuit (50) adds it or if it is negligible.
-fn brightness(polygon: &Polygon, illumination: &Illumination, registers: Registers, clamp: Clamp) -> Vec<[f32; 3]> {
+fn brightness(polygon: &Polygon, illumination: &ObjectIllumination, registers: ShadingRegisters, clamp: Clamp) -> Vec<[f32; 3]> {
     let points = polygon.vertices.iter().map(|vertex| {
         let normal = normal_of(vertex.normal);
         let reflected = illumination.ambient_and_diffuse(normal, clamp);
@@ -43,7 +43,7 @@ impl Microcomputer {
     pub(super) fn sample_points(
         &mut self,
         polygon: &Polygon,
-        registers: Registers,
+        registers: ShadingRegisters,
         buffer: PolygonBuffer,
         traffic: &mut MemoryPorts,
     ) -> (Vec<[f32; 3]>, u64) {
@@ -55,13 +55,13 @@ impl Microcomputer {
             self.port.read(traffic, buffer.colors(), 3 * points);
         }
         if registers.adds_specular_at_sample_points() {
-            let power = Operations { multiply: multiplications(self.state.illumination.lighting.n), ..Operations::NONE };
+            let power = CpuOperations { multiply: multiplications(self.state.illumination.lighting.n), ..CpuOperations::NONE };
             operations = operations.and(SPECULAR.and(power).times(lights)).and(HIGHLIGHT);
         }
         self.port.read(traffic, buffer.normals(), 3 * points);
         self.port.read(traffic, LIGHTS, LIGHT * lights);
         self.port.write(traffic, buffer.brightness(), 3 * points);
-        let cycles = self.run(Process::Brightness, operations.times(points));
+        let cycles = self.run(CpuProcess::Brightness, operations.times(points));
         (brightness(polygon, &self.state.illumination, registers, self.shading.clamp), cycles)
     }
 }

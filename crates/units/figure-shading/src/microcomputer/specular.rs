@@ -1,10 +1,10 @@
 //! Process 17: specular-negligible decision, for the specular register (18).
 
 use super::Microcomputer;
-use super::state::Process;
-use crate::cpu::Operations;
+use super::state::CpuProcess;
+use crate::cpu::CpuOperations;
 use crate::local_memory::{LIGHT, LIGHTS, PolygonBuffer};
-use crate::{Illumination, Power};
+use crate::{ObjectIllumination, PowerFunction};
 use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_signals::Lighting;
 use glam::Vec3;
@@ -16,24 +16,24 @@ const STEPS: u32 = 24;
 const NEVER: f32 = -1.0;
 
 /// Per light: the largest negligible power, threshold / (number of lights * Ks * Is).
-const LARGEST_POWER: Operations = Operations { load: 3, store: 1, divide: 1, multiply: 2, ..Operations::NONE };
+const LARGEST_POWER: CpuOperations = CpuOperations { load: 3, store: 1, divide: 1, multiply: 2, ..CpuOperations::NONE };
 /// Per light and step of the search: the middle, and a comparison of its power. The power is extra.
-const STEP: Operations = Operations { add: 1, multiply: 1, compare: 1, ..Operations::NONE };
+const STEP: CpuOperations = CpuOperations { add: 1, multiply: 1, compare: 1, ..CpuOperations::NONE };
 /// Per sample point and light: N.H, and a comparison with the largest so far.
-const POINT: Operations = Operations { load: 3, compare: 1, ..Operations::of(OperatorCounts::INNER_PRODUCT) };
+const POINT: CpuOperations = CpuOperations { load: 3, compare: 1, ..CpuOperations::of(OperatorCounts::INNER_PRODUCT) };
 /// Per light: H and its limit, compared.
-const OF_LIGHT: Operations = Operations { load: 4, compare: 1, ..Operations::NONE };
+const OF_LIGHT: CpuOperations = CpuOperations { load: 4, compare: 1, ..CpuOperations::NONE };
 /// Per sample point, if normals are normalised: its part of their sum, its product with the sum's direction, and a comparison
 /// with the smallest so far.
-const SHORTEST_POINT: Operations = Operations {
+const SHORTEST_POINT: CpuOperations = CpuOperations {
     load: 6,
     compare: 1,
-    ..Operations::of(OperatorCounts::INNER_PRODUCT.and(OperatorCounts { add: 3, ..OperatorCounts::NONE }))
+    ..CpuOperations::of(OperatorCounts::INNER_PRODUCT.and(OperatorCounts { add: 3, ..OperatorCounts::NONE }))
 };
 /// Per polygon, if normals are normalised: the sum's direction.
-const SHORTEST: Operations = Operations::of(OperatorCounts::NORMALIZE);
+const SHORTEST: CpuOperations = CpuOperations::of(OperatorCounts::NORMALIZE);
 /// Per light, if normals are normalised: N.H divided by the smallest product.
-const SHORTEST_OF_LIGHT: Operations = Operations { divide: 1, compare: 1, ..Operations::NONE };
+const SHORTEST_OF_LIGHT: CpuOperations = CpuOperations { divide: 1, compare: 1, ..CpuOperations::NONE };
 
 /// For each light the largest N.H whose term is negligible, and the key of the search.
 ///
@@ -45,7 +45,7 @@ const SHORTEST_OF_LIGHT: Operations = Operations { divide: 1, compare: 1, ..Oper
 /// (Rejected: a root by logarithm and exponential. It needs some 40 operations instead of some 200 at n = 50, but only once per
 /// material, and a margin for every rounding.)
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Limits {
+pub(crate) struct SpecularLimits {
     /// Key of the search: Ks, n, and Is of each light.
     found_for: Option<(f32, f32, Vec<f32>)>,
     /// Largest N.H, in the order of the lights.
@@ -53,7 +53,7 @@ pub(crate) struct Limits {
 }
 
 /// Returns the largest N.H in 0..=1 at which a light's term stays below `share`.
-fn limit(lighting: &Lighting, intensity: f32, share: f32, power: &Power) -> f32 {
+fn limit(lighting: &Lighting, intensity: f32, share: f32, power: &PowerFunction) -> f32 {
     let largest = share / (lighting.ks * intensity);
     let is_below = |n_h: f32| power.bound(n_h, lighting.n) < largest;
     if is_below(1.0) {
@@ -76,7 +76,7 @@ fn limit(lighting: &Lighting, intensity: f32, share: f32, power: &Power) -> f32 
 /// N.H <= max(0, max(N_i.H)), divided by min(M.N_i) if normals are normalised. In that case a highlight may peak inside although
 /// all sample points are dark. If that minimum is not positive, no bound exists. (It is limited to 1, so that the bound also
 /// holds at the sample points.)
-fn is_negligible(normals: &[Vec3], illumination: &Illumination, renormalise: bool, limits: &Limits) -> bool {
+fn is_negligible(normals: &[Vec3], illumination: &ObjectIllumination, renormalise: bool, limits: &SpecularLimits) -> bool {
     let shortest = if renormalise { shortest_sum(normals) } else { 1.0 };
     if shortest <= 0.0 {
         return false;
@@ -97,18 +97,18 @@ impl Microcomputer {
     /// Computes the limits if Ks, n or Is have changed. Returns the cycles.
     pub(super) fn set_limits(&mut self, traffic: &mut MemoryPorts) -> u64 {
         let config = &self.short_cuts.specular_negligible;
-        let Illumination { lighting, lights, .. } = &*self.state.illumination;
+        let ObjectIllumination { lighting, lights, .. } = &*self.state.illumination;
         let wanted = Some((lighting.ks, lighting.n, lights.iter().map(|light| light.intensity).collect()));
         if !config.enabled || self.state.limits.found_for == wanted {
             return 0;
         }
         let (count, share) = (lights.len() as u64, config.threshold / lights.len() as f32);
         let largest = lights.iter().map(|light| limit(lighting, light.intensity, share, &self.power)).collect();
-        let step = STEP.and(Operations { multiply: self.power.bound_multiplications(lighting.n), ..Operations::NONE });
-        self.state.limits = Limits { found_for: wanted, largest };
+        let step = STEP.and(CpuOperations { multiply: self.power.bound_multiplications(lighting.n), ..CpuOperations::NONE });
+        self.state.limits = SpecularLimits { found_for: wanted, largest };
         self.port.read(traffic, LIGHTS, LIGHT * count);
         self.port.write(traffic, LIGHTS, LIGHT * count);
-        self.spend(Process::Specular, LARGEST_POWER.and(step.times(u64::from(STEPS))).times(count))
+        self.spend(CpuProcess::Specular, LARGEST_POWER.and(step.times(u64::from(STEPS))).times(count))
     }
 
     /// Runs process 17.
@@ -126,7 +126,7 @@ impl Microcomputer {
         }
         self.port.read(traffic, buffer.normals(), 3 * points);
         self.port.read(traffic, LIGHTS, LIGHT * lights);
-        (!negligible, self.run(Process::Specular, operations))
+        (!negligible, self.run(CpuProcess::Specular, operations))
     }
 }
 
@@ -144,7 +144,7 @@ mod tests {
             threshold in prop::sample::select(vec![1f32 / 510.0, 0.25, 1.0]), n_h in 0f32..=1.0,
         ) {
             let lighting = Lighting { ks, n: n as f32 + fraction, ..Lighting::default() };
-            let by_iteration = Power::new(&NormalInterpolationConfig::default(), &Operators::default());
+            let by_iteration = PowerFunction::new(&NormalInterpolationConfig::default(), &Operators::default());
             let limit = limit(&lighting, is, threshold, &by_iteration);
             let term = |n_h: f32| ks * is * power(n_h.clamp(0.0, 1.0), lighting.n);
             // Up to rounding, and the width of the last step.
@@ -165,7 +165,7 @@ mod tests {
             table_bits: 3,
             ..NormalInterpolationConfig::default()
         };
-        let by_table = Power::new(&config, &Operators::default());
+        let by_table = PowerFunction::new(&config, &Operators::default());
         let lighting = Lighting { ks: 1.0, n: 20.0, ..Lighting::default() };
         let limit = limit(&lighting, 1.0, 0.5, &by_table);
         let table = by_table.table(20.0);
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn zero_ks_is_negligible_and_zero_threshold_never_is() {
-        let power = Power::new(&NormalInterpolationConfig::default(), &Operators::default());
+        let power = PowerFunction::new(&NormalInterpolationConfig::default(), &Operators::default());
         let lighting = |ks| Lighting { ks, n: 50.0, ..Lighting::default() };
         assert_eq!(limit(&lighting(0.0), 1.0, 1.0 / 510.0, &power), 1.0);
         assert_eq!(limit(&lighting(0.5), 1.0, 0.0, &power), NEVER);

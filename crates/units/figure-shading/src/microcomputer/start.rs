@@ -2,30 +2,32 @@
 
 use super::Microcomputer;
 use super::flatness::normals_of;
-use super::state::{Decided, Process};
-use crate::cpu::Operations;
+use super::state::{CpuProcess, DecidedPolygon};
+use crate::cpu::CpuOperations;
 use crate::local_memory::{LIGHT, LIGHTS};
-use crate::{NormalLoad, Selection, SpecularSkip};
+use crate::{BrightnessSelection, NormalLoad, SpecularSkip};
 use basrelief_kernel::MemoryPorts;
 use basrelief_signals::ShadingMode;
 use std::sync::Arc;
 
 /// The start command, and n.
-const COMMAND: Operations = Operations { load: 1, store: 2, ..Operations::NONE };
+const COMMAND: CpuOperations = CpuOperations { load: 1, store: 2, ..CpuOperations::NONE };
 /// Per light: H and Is*Ks.
-const OF_LIGHT: Operations = Operations { load: 4, multiply: 1, store: 4, ..Operations::NONE };
+const OF_LIGHT: CpuOperations = CpuOperations { load: 4, multiply: 1, store: 4, ..CpuOperations::NONE };
 /// Per sample point: position, depth and normal.
-const POINT: Operations = Operations { load: 6, store: 6, ..Operations::NONE };
+const POINT: CpuOperations = CpuOperations { load: 6, store: 6, ..CpuOperations::NONE };
 
 impl Microcomputer {
     /// Returns the load of circuit (50) if it is started, and the cycles. It is started if its output is selected, or if
     /// `shade.specular_skip` starts it for a closed gate (51).
-    pub(super) fn start(&mut self, decided: &Decided, traffic: &mut MemoryPorts) -> (Option<Arc<NormalLoad>>, u64) {
-        let Decided { polygon, registers, number, .. } = decided;
+    pub(super) fn start(&mut self, decided: &DecidedPolygon, traffic: &mut MemoryPorts) -> (Option<Arc<NormalLoad>>, u64) {
+        let DecidedPolygon { polygon, registers, number, .. } = decided;
         let starts = match registers.selection() {
-            Selection::LinearAndSpecular => true,
-            Selection::Linear => registers.mode == ShadingMode::Normal && self.shading.specular_skip == SpecularSkip::Gate,
-            Selection::Mean => false,
+            BrightnessSelection::LinearAndSpecular => true,
+            BrightnessSelection::Linear => {
+                registers.mode == ShadingMode::Normal && self.shading.specular_skip == SpecularSkip::Gate
+            }
+            BrightnessSelection::Mean => false,
         };
         if !starts {
             return (None, 0);
@@ -36,7 +38,7 @@ impl Microcomputer {
         self.port.read(traffic, LIGHTS, LIGHT * lights);
         self.port.read(traffic, buffer.points(), 3 * points);
         self.port.read(traffic, buffer.normals(), 3 * points);
-        let cycles = self.run(Process::Start, COMMAND.and(OF_LIGHT.times(lights)).and(POINT.times(points)));
+        let cycles = self.run(CpuProcess::Start, COMMAND.and(OF_LIGHT.times(lights)).and(POINT.times(points)));
         let (polygon, raster, illumination) = (Arc::clone(polygon), self.state.raster, Arc::clone(&self.state.illumination));
         (Some(Arc::new(NormalLoad { polygon, raster, normals, illumination, open: registers.specular })), cycles)
     }

@@ -1,17 +1,17 @@
 //! State of the microcomputer (10) between steps.
 
-use super::Limits;
-use super::Plane;
-use crate::dots::Dots;
-use crate::{Figure, Illumination, Registers};
-use basrelief_shading::Raster;
+use super::SpecularLimits;
+use super::StoredPlane;
+use crate::dots::DotScan;
+use crate::{ObjectIllumination, PolygonFigure, ShadingRegisters};
+use basrelief_shading::RasterGrid;
 use basrelief_signals::{Frame, ObjectInfo, Polygon, ShadingMode};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Processes of the CPU (11), with the patent's numerals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Process {
+pub enum CpuProcess {
     /// 13: mode decision, and L and H.
     Mode,
     /// 15: flatness decision.
@@ -30,7 +30,7 @@ pub enum Process {
     SamePlane,
 }
 
-impl Process {
+impl CpuProcess {
     /// All processes in the order of their numbers, with their names in the report.
     pub const ALL: [(Self, &'static str); 8] = [
         (Self::Mode, "process_13"),
@@ -55,17 +55,17 @@ pub struct ProcessCounters {
 
 /// A polygon that is decided but not yet shaded.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Decided {
+pub(crate) struct DecidedPolygon {
     pub(crate) polygon: Arc<Polygon>,
     /// Number of its buffer in memory (12).
     pub(crate) number: u64,
-    pub(crate) registers: Registers,
+    pub(crate) registers: ShadingRegisters,
     pub(crate) reused: bool,
 }
 
 /// Mode, Ia and Is, from the display list or the configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Settings {
+pub(crate) struct HostSettings {
     pub(crate) mode: ShadingMode,
     pub(crate) ia: f32,
     pub(crate) is: f32,
@@ -80,17 +80,17 @@ pub(crate) enum Phase {
     /// A frame has begun. The next step writes its mode to the mode register (14).
     WriteMode,
     /// Decided. The next step writes the flatness register (16).
-    WriteFlat(Decided),
+    WriteFlat(DecidedPolygon),
     /// The next step writes the specular register (18).
-    WriteSpecular(Decided),
+    WriteSpecular(DecidedPolygon),
     /// The next step starts circuit (50), or leaves it idle.
-    Start(Decided),
+    Start(DecidedPolygon),
     /// The next step computes the brightness.
-    Shade(Decided),
+    Shade(DecidedPolygon),
     /// Process 24 emits dots.
     Output {
         /// Polygon being drawn.
-        figure: Arc<Figure>,
+        figure: Arc<PolygonFigure>,
         /// Brightness of the polygon.
         brightness: [f32; 3],
     },
@@ -100,22 +100,22 @@ pub(crate) enum Phase {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MicrocomputerState {
     /// Mode, Ia and Is of the object.
-    pub(crate) settings: Settings,
+    pub(crate) settings: HostSettings,
     pub(crate) frame: Option<Arc<Frame>>,
     pub(crate) object: Option<Arc<ObjectInfo>>,
-    pub(crate) raster: Raster,
+    pub(crate) raster: RasterGrid,
     /// True if frame or object changed, so that L and H must be calculated.
     pub(crate) lights_changed: bool,
-    pub(crate) illumination: Arc<Illumination>,
+    pub(crate) illumination: Arc<ObjectIllumination>,
     /// Largest N.H that process 17 treats as negligible.
-    pub(crate) limits: Limits,
+    pub(crate) limits: SpecularLimits,
     /// Polygons received, which is the number of the next one.
     pub(crate) polygons: u64,
     pub(crate) phase: Phase,
     /// Position of process 24 in its polygon.
-    pub(crate) dots: Dots,
+    pub(crate) dots: DotScan,
     /// Plane of Figure 7 in memory (12). `None` means void.
-    pub(crate) plane: Option<Plane>,
+    pub(crate) plane: Option<StoredPlane>,
     /// Counters.
     pub counters: MicrocomputerCounters,
 }
@@ -123,7 +123,7 @@ pub struct MicrocomputerState {
 /// Counters of the microcomputer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MicrocomputerCounters {
-    /// Runs and cycles of the processes, indexed by [`Process`].
+    /// Runs and cycles of the processes, indexed by [`CpuProcess`].
     pub processes: [ProcessCounters; 8],
     /// Polygons with a negligible specular term.
     pub specular_negligible: u64,

@@ -1,13 +1,13 @@
 //! Process 23: transfers brightness to the brightness interpolation circuit (21).
 
 use super::Microcomputer;
-use super::state::Process;
-use crate::cpu::Operations;
+use super::state::CpuProcess;
+use crate::cpu::CpuOperations;
 use crate::local_memory::PolygonBuffer;
 use basrelief_kernel::MemoryPorts;
 
 /// Per sample point: position, depth and three components.
-const POINT: Operations = Operations { load: 6, store: 6, ..Operations::NONE };
+const POINT: CpuOperations = CpuOperations { load: 6, store: 6, ..CpuOperations::NONE };
 
 impl Microcomputer {
     /// Returns the cycles for these sample points.
@@ -15,6 +15,6 @@ impl Microcomputer {
         let points = brightness.len() as u64;
         self.port.read(traffic, buffer.points(), 3 * points);
         self.port.read(traffic, buffer.brightness(), 3 * points);
-        self.run(Process::Transfer, POINT.times(points))
+        self.run(CpuProcess::Transfer, POINT.times(points))
     }
 }

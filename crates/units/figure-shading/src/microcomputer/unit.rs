@@ -2,13 +2,13 @@
 
 use super::flatness::normals_of;
 use super::mean::DOT;
-use super::state::{Decided, MicrocomputerState, Phase, Process};
-use crate::cpu::Operations;
-use crate::dots::Dots;
+use super::state::{CpuProcess, DecidedPolygon, MicrocomputerState, Phase};
+use crate::cpu::CpuOperations;
+use crate::dots::DotScan;
 use crate::local_memory::{self, LocalPort, PolygonBuffer};
 use crate::{
-    CpuConfig, Figure, FigureFlow, HostConfig, NormalInterpolationConfig, NormalLoad, Order, Power, RegisterWrite, Registers,
-    Route, ScanConfig, Selection, ShadingConfig, ShortCutConfigs,
+    BrightnessSelection, CpuConfig, FigureFlow, HostConfig, NormalInterpolationConfig, NormalLoad, PolygonFigure, PolygonRoute,
+    PowerFunction, RegisterOrder, RegisterWrite, ScanConfig, ShadingConfig, ShadingRegisters, ShortCutConfigs,
 };
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
@@ -36,7 +36,7 @@ pub struct Microcomputer {
     pub(super) short_cuts: ShortCutConfigs,
     pub(super) scan: ScanConfig,
     /// Power as in circuit (50), because process 17 needs its rounding.
-    pub(super) power: Power,
+    pub(super) power: PowerFunction,
     /// Port of memory (12).
     pub(super) port: LocalPort,
     buffers: u32,
@@ -47,7 +47,7 @@ pub struct Microcomputer {
 }
 
 /// One optional token per output.
-type Outs = (Option<Order>, Option<Arc<NormalLoad>>, Option<FigureFlow>, Option<FigureFlow>);
+type Outs = (Option<RegisterOrder>, Option<Arc<NormalLoad>>, Option<FigureFlow>, Option<FigureFlow>);
 pub(super) type Out = Step<Outs>;
 
 pub(super) fn nothing(cycles: u64) -> Out {
@@ -55,17 +55,17 @@ pub(super) fn nothing(cycles: u64) -> Out {
 }
 
 /// Returns a step that sends an order to the registers when the CPU is done.
-fn ordered(cycles: u64, order: Order) -> Out {
+fn ordered(cycles: u64, order: RegisterOrder) -> Out {
     Step::after(cycles, (Some(order), None, None, None)).busy(cycles.max(1))
 }
 
 /// Returns a step that sends a token through the registers to circuit (21) when the CPU is done.
 fn passed(cycles: u64, signal: FigureFlow) -> Out {
-    ordered(cycles, Order::Pass(signal))
+    ordered(cycles, RegisterOrder::Pass(signal))
 }
 
 /// A register write: a store.
-const REGISTER: Operations = Operations { store: 1, ..Operations::NONE };
+const REGISTER: CpuOperations = CpuOperations { store: 1, ..CpuOperations::NONE };
 /// Most requests of a step to memory (12): three for the data sent once, two for the limits, and those of processes 15, 92 and
 /// 17.
 const MOST_REQUESTS: u32 = 3 + 2 + 1 + 3 + 2;
@@ -81,7 +81,7 @@ impl Microcomputer {
         circuit_50: &NormalInterpolationConfig,
         operators: &Operators,
     ) -> Self {
-        let power = Power::new(circuit_50, operators);
+        let power = PowerFunction::new(circuit_50, operators);
         let (port, buffers) = (LocalPort { number_bytes: host.number_bytes }, host.buffers);
         let dot_cycles = config.cycles(DOT).max(1);
         Self { config, shading, short_cuts, scan, power, port, buffers, dot_cycles, state: MicrocomputerState::default() }
@@ -93,22 +93,22 @@ impl Microcomputer {
     }
 
     /// Counts a run of a process. Returns the cycles of its operations.
-    pub(super) fn run(&mut self, process: Process, operations: Operations) -> u64 {
+    pub(super) fn run(&mut self, process: CpuProcess, operations: CpuOperations) -> u64 {
         self.state.counters.processes[process as usize].runs += 1;
         self.spend(process, operations)
     }
 
     /// Continues a process. Returns the cycles of its operations.
-    pub(super) fn spend(&mut self, process: Process, operations: Operations) -> u64 {
+    pub(super) fn spend(&mut self, process: CpuProcess, operations: CpuOperations) -> u64 {
         let cycles = self.config.cycles(operations);
         self.state.counters.processes[process as usize].cycles += cycles;
         cycles
     }
 
     /// Returns a step in which a process writes a register.
-    fn write(&mut self, process: Process, write: RegisterWrite) -> Out {
+    fn write(&mut self, process: CpuProcess, write: RegisterWrite) -> Out {
         let cycles = self.spend(process, REGISTER).max(1);
-        ordered(cycles, Order::Write(write))
+        ordered(cycles, RegisterOrder::Write(write))
     }
 
     fn take(&mut self, control: Control, traffic: &mut MemoryPorts) -> Out {
@@ -142,13 +142,13 @@ impl Microcomputer {
         let (reused, plane_cycles) = if flat { self.judge_plane(&polygon, &normals, buffer, traffic) } else { (false, 0) };
         let (specular, specular_cycles) = if reused { (true, 0) } else { self.judge_specular(&normals, buffer, traffic) };
         cycles += flat_cycles + plane_cycles + specular_cycles;
-        let registers = Registers { mode: self.state.settings.mode, flat, specular };
-        self.state.phase = Phase::WriteFlat(Decided { polygon, number, registers, reused });
+        let registers = ShadingRegisters { mode: self.state.settings.mode, flat, specular };
+        self.state.phase = Phase::WriteFlat(DecidedPolygon { polygon, number, registers, reused });
         nothing(cycles)
     }
 
     /// Runs process 20.
-    fn start_50(&mut self, decided: Decided, traffic: &mut MemoryPorts) -> Out {
+    fn start_50(&mut self, decided: DecidedPolygon, traffic: &mut MemoryPorts) -> Out {
         let (load, cycles) = self.start(&decided, traffic);
         self.state.phase = Phase::Shade(decided);
         Step::after(cycles, (None, load, None, None)).busy(cycles.max(1))
@@ -157,16 +157,16 @@ impl Microcomputer {
     /// Continues with the next phase, if no dot is emitted.
     fn go_on(&mut self, phase: Phase, traffic: &mut MemoryPorts) -> Out {
         match phase {
-            Phase::WriteMode => self.write(Process::Mode, RegisterWrite::Mode(self.state.settings.mode)),
+            Phase::WriteMode => self.write(CpuProcess::Mode, RegisterWrite::Mode(self.state.settings.mode)),
             Phase::WriteFlat(decided) => {
                 let flat = decided.registers.flat;
                 self.state.phase = Phase::WriteSpecular(decided);
-                self.write(Process::Flatness, RegisterWrite::Flat(flat))
+                self.write(CpuProcess::Flatness, RegisterWrite::Flat(flat))
             }
             Phase::WriteSpecular(decided) => {
                 let specular = decided.registers.specular;
                 self.state.phase = Phase::Start(decided);
-                self.write(Process::Specular, RegisterWrite::Specular(specular))
+                self.write(CpuProcess::Specular, RegisterWrite::Specular(specular))
             }
             Phase::Start(decided) => self.start_50(decided, traffic),
             Phase::Shade(decided) => self.shade(decided, traffic),
@@ -175,11 +175,11 @@ impl Microcomputer {
     }
 
     /// Runs processes 22 and 23 or 24, up to the first dot.
-    fn shade(&mut self, decided: Decided, traffic: &mut MemoryPorts) -> Out {
+    fn shade(&mut self, decided: DecidedPolygon, traffic: &mut MemoryPorts) -> Out {
         let (registers, reused, buffer) = (decided.registers, decided.reused, self.buffer(decided.number));
         let (mut brightness, mut cycles) =
             if reused { (Vec::new(), 0) } else { self.sample_points(&decided.polygon, registers, buffer, traffic) };
-        let mean = (registers.selection() == Selection::Mean).then(|| {
+        let mean = (registers.selection() == BrightnessSelection::Mean).then(|| {
             let (mean, mean_cycles) = self.mean(&decided, &brightness, traffic);
             cycles += mean_cycles + self.set_up_output(&decided, traffic);
             brightness.clear();
@@ -189,11 +189,11 @@ impl Microcomputer {
             cycles += self.transfer(&brightness, buffer, traffic);
         }
         let polygon = decided.polygon;
-        let route = Route::of(registers, reused);
+        let route = PolygonRoute::of(registers, reused);
         let raster = self.state.raster;
-        let figure = Arc::new(Figure { polygon, raster, registers, route, brightness });
+        let figure = Arc::new(PolygonFigure { polygon, raster, registers, route, brightness });
         if let Some(brightness) = mean {
-            self.state.dots = Dots::new(&figure.polygon, raster);
+            self.state.dots = DotScan::new(&figure.polygon, raster);
             self.state.phase = Phase::Output { figure: Arc::clone(&figure), brightness };
         }
         passed(cycles, FigureFlow::Figure(figure))
@@ -265,7 +265,7 @@ impl Unit for Microcomputer {
         );
         stats.figure("short_cut_flat", c.flat, "polygons", "Polygons found flat");
         stats.figure("short_cut_same_plane", c.reused, "points", "Sample points whose brightness was reused");
-        for (process, name) in Process::ALL {
+        for (process, name) in CpuProcess::ALL {
             let process = c.processes[process as usize];
             let mut part = |what: &str, count, unit, about| {
                 stats.figure(&format!("{name}_{what}"), count, unit, about).part(FigureGroup::Process(name.into()))

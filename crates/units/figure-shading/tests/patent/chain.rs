@@ -1,9 +1,9 @@
 //! Runs polygons through microcomputer and circuits, step by step, without time.
 
 use basrelief_figure_shading::{
-    Adder, BrightnessInterpolation, CircuitConfig, CpuConfig, Dot, Figure, FigureFlow, Highlight, Highlights, HostConfig,
-    InterpolationConfig, Microcomputer, NormalInterpolation, NormalInterpolationConfig, NormalLoad, Order, RegisterBank,
-    ScanConfig, ShadingConfig, ShortCutConfigs,
+    Adder, BrightnessInterpolation, CircuitConfig, CpuConfig, FigureFlow, HostConfig, InterpolationConfig, Microcomputer,
+    NormalInterpolation, NormalInterpolationConfig, NormalLoad, PolygonFigure, RegisterBank, RegisterOrder, ScanConfig,
+    ShadedDot, ShadingConfig, ShortCutConfigs, SpecularDot, SpecularFlow,
 };
 use basrelief_kernel::{Demand, MemoryPorts, OperatorConfig, Operators, Unit};
 use basrelief_signals::{Camera, Control, Frame, Light, LightKind, Lighting, Material, Polygon, Vertex};
@@ -57,16 +57,16 @@ pub fn operators() -> Operators {
 /// Tokens of a polygon on each wire.
 #[derive(Clone, Debug, Default)]
 pub struct ShadedFragment {
-    pub figure: Option<Arc<Figure>>,
+    pub figure: Option<Arc<PolygonFigure>>,
     pub load: Option<Arc<NormalLoad>>,
     /// Dots of circuit (21).
-    pub linear: Vec<Dot>,
+    pub linear: Vec<ShadedDot>,
     /// Highlights of circuit (50).
-    pub highlights: Vec<Highlight>,
+    pub highlights: Vec<SpecularDot>,
     /// Dots of process 24.
-    pub mean: Vec<Dot>,
+    pub mean: Vec<ShadedDot>,
     /// Selected dots, behind the adder (52).
-    pub dots: Vec<Dot>,
+    pub dots: Vec<ShadedDot>,
 }
 
 /// Steps a unit until it requests input.
@@ -88,7 +88,7 @@ pub fn feed<T, U: Unit<In = Option<T>>>(unit: &mut U, tokens: impl IntoIterator<
     out
 }
 
-fn dots(signals: impl IntoIterator<Item = FigureFlow>) -> Vec<Dot> {
+fn dots(signals: impl IntoIterator<Item = FigureFlow>) -> Vec<ShadedDot> {
     signals.into_iter().filter_map(|s| if let FigureFlow::Dot(dot) = s { Some(dot) } else { None }).collect()
 }
 
@@ -104,7 +104,7 @@ pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Sha
     shaded.mean = dots(mean);
     let mut linear = Vec::new();
     let mut registers = RegisterBank::default();
-    let mode = Order::Write(basrelief_figure_shading::RegisterWrite::Mode(config.shading.mode));
+    let mode = RegisterOrder::Write(basrelief_figure_shading::RegisterWrite::Mode(config.shading.mode));
     for signal in feed(&mut registers, [mode].into_iter().chain(figures)).into_iter().flatten() {
         if let FigureFlow::Figure(figure) = &signal {
             shaded.figure = Some(Arc::clone(figure));
@@ -112,8 +112,10 @@ pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Sha
         let out = feed(&mut BrightnessInterpolation::new(InterpolationConfig::default(), operators()), [signal]);
         linear.extend(out.into_iter().flat_map(|(a, b)| a.into_iter().chain(b)));
     }
-    let highlights: Vec<Highlights> = feed(&mut config.circuit_50(), shaded.load.clone()).into_iter().flatten().skip(1).collect();
-    shaded.highlights = highlights.iter().filter_map(|h| if let Highlights::Dot(dot) = h { Some(*dot) } else { None }).collect();
+    let highlights: Vec<SpecularFlow> =
+        feed(&mut config.circuit_50(), shaded.load.clone()).into_iter().flatten().skip(1).collect();
+    shaded.highlights =
+        highlights.iter().filter_map(|h| if let SpecularFlow::Dot(dot) = h { Some(*dot) } else { None }).collect();
     shaded.linear = dots(linear.clone());
     let is_open = shaded.load.as_ref().is_some_and(|load| load.open);
     let added = add(linear, if is_open { highlights } else { Vec::new() });
@@ -122,7 +124,7 @@ pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Sha
 }
 
 /// Runs tokens through the adder (52).
-fn add(linear: Vec<FigureFlow>, highlights: Vec<Highlights>) -> Vec<FigureFlow> {
+fn add(linear: Vec<FigureFlow>, highlights: Vec<SpecularFlow>) -> Vec<FigureFlow> {
     let mut adder = Adder::new(CircuitConfig::default(), operators());
     let (mut highlights, mut out) = (highlights.into_iter(), Vec::new());
     for signal in linear {
@@ -144,15 +146,7 @@ pub fn draw(config: &Config, lights: Vec<Light>, polygon: Control) -> ShadedFrag
 
 pub fn frame(lights: Vec<Light>) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-    Control::Frame(Arc::new(Frame {
-        index: 0,
-        width: SIDE,
-        height: SIDE,
-        camera,
-        lights,
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
+    Control::Frame(Arc::new(Frame { width: SIDE, height: SIDE, camera, lights, ..Frame::default() }))
 }
 
 pub fn sun(to_light: Vec3) -> Light {

@@ -2,9 +2,9 @@
 
 use crate::chain::{Config, feed, frame, operators, polygon, sun};
 use basrelief_figure_shading::{
-    Adder, BrightnessInterpolation, CircuitConfig, Dot, FigureFlow, Finished, Gate, Highlight, Highlights, HostConfig,
-    HostInterface, InterpolationConfig, Microcomputer, NormalInterpolationConfig, NormalLoad, Order, PowerMethod, RegisterBank,
-    Selector28, Selector53, ShadingMode, SpecularSkip,
+    Adder, BrightnessInterpolation, CircuitConfig, FigureFlow, FinishedPolygon, Gate, HostConfig, HostInterface,
+    InterpolationConfig, Microcomputer, NormalInterpolationConfig, NormalLoad, PowerMethod, RegisterBank, RegisterOrder,
+    Selector28, Selector53, ShadedDot, ShadingMode, SpecularDot, SpecularFlow, SpecularSkip,
 };
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_kernel_conformance::unit_contract;
@@ -18,15 +18,7 @@ fn display_list() -> Vec<Control> {
     let triangle = [[1.0, 2.0], [14.0, 3.0], [5.0, 12.0]];
     let curved = [Vec3::Z, Vec3::new(0.2, 0.0, 1.0).normalize(), Vec3::new(0.0, -0.3, 1.0).normalize()];
     let dark = curved.map(|n| Vec3::new(n.z, n.y, -n.x));
-    let object = Control::Object(Arc::new(ObjectInfo {
-        id: 0,
-        name: String::new(),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    }));
+    let object = Control::Object(Arc::new(ObjectInfo { ..ObjectInfo::default() }));
     let frame = [
         frame(vec![sun(Vec3::new(0.1, 0.2, 1.0)), sun(Vec3::Z)]),
         object,
@@ -51,15 +43,15 @@ fn config(mode: ShadingMode) -> Config {
 
 /// Tokens of the microcomputer and the circuits on each wire.
 struct Wires {
-    figures: Vec<Order>,
+    figures: Vec<RegisterOrder>,
     selections: Vec<FigureFlow>,
     normals: Vec<Arc<NormalLoad>>,
     flat_dots: Vec<FigureFlow>,
     constant_dots: Vec<FigureFlow>,
     interpolated: Vec<FigureFlow>,
     brightness_dots: Vec<FigureFlow>,
-    highlights: Vec<Highlights>,
-    gated: Vec<Highlights>,
+    highlights: Vec<SpecularFlow>,
+    gated: Vec<SpecularFlow>,
     sums: Vec<FigureFlow>,
 }
 
@@ -105,8 +97,8 @@ fn selected(mode: ShadingMode) -> Vec<FigureFlow> {
 #[test]
 fn contract_tokens_have_attributions() {
     let normal = wires(ShadingMode::Normal);
-    let open = normal.highlights.iter().filter(|h| matches!(h, Highlights::Start { open: true })).count();
-    let closed = normal.highlights.iter().filter(|h| matches!(h, Highlights::Start { open: false })).count();
+    let open = normal.highlights.iter().filter(|h| matches!(h, SpecularFlow::Start { open: true })).count();
+    let closed = normal.highlights.iter().filter(|h| matches!(h, SpecularFlow::Start { open: false })).count();
     assert!(open > 0 && closed > 0 && normal.flat_dots.len() > 20 && normal.gated.len() > 20);
     assert!(wires(ShadingMode::Brightness).brightness_dots.len() > 20 && wires(ShadingMode::Polyhedron).constant_dots.len() > 20);
 }
@@ -147,7 +139,7 @@ struct TwoWays {
 
 impl Unit for TwoWays {
     type In = (Option<FigureFlow>, Option<FigureFlow>);
-    type Out = (Option<Flow<Stamp<Pixel>>>, Option<Finished>);
+    type Out = (Option<Flow<Stamp<Pixel>>>, Option<FinishedPolygon>);
 
     fn demand(&self) -> Demand {
         if self.unit.demand() == Demand::Only(0) { Demand::Only(0) } else { Demand::Only(1) }
@@ -166,7 +158,7 @@ impl Unit for TwoWays {
 unit_contract! {
     name: contract_of_the_host_interface,
     unit: HostInterface::new(HostConfig { buffers: 2, ..HostConfig::default() }),
-    inputs: (display_list(), vec![Finished; 14]),
+    inputs: (display_list(), vec![FinishedPolygon; 14]),
     clients: [ClientKind::Port],
     state,
 }
@@ -267,7 +259,7 @@ unit_contract! {
 }
 
 /// Returns the adder's fault message for a dot and a highlight.
-fn message(signal: FigureFlow, highlight: Highlights) -> String {
+fn message(signal: FigureFlow, highlight: SpecularFlow) -> String {
     let mut adder = Adder::default();
     adder.state.joins = true;
     let mut traffic = MemoryPorts::default();
@@ -277,22 +269,22 @@ fn message(signal: FigureFlow, highlight: Highlights) -> String {
 
 #[test]
 fn section_4_adder_rejects_different_addresses() {
-    let dot = |x, y| FigureFlow::Dot(Dot { x, y, ..Dot::default() });
-    let highlight = |x, y| Highlights::Dot(Highlight { x, y, brightness: 0.5 });
+    let dot = |x, y| FigureFlow::Dot(ShadedDot { x, y, ..ShadedDot::default() });
+    let highlight = |x, y| SpecularFlow::Dot(SpecularDot { x, y, brightness: 0.5 });
     assert!(message(dot(3, 4), highlight(3, 4)).contains("fault: None"));
     assert!(message(dot(3, 4), highlight(4, 4)).contains("circuit (21) is at dot 3, 4 and circuit (50) at 4, 4"));
     assert!(message(dot(3, 4), highlight(3, 5)).contains("circuit (50) at 3, 5"));
-    assert!(message(dot(3, 4), Highlights::End).contains("fewer dots"));
+    assert!(message(dot(3, 4), SpecularFlow::End).contains("fewer dots"));
     assert!(message(FigureFlow::End, highlight(3, 4)).contains("more dots"));
-    assert!(message(FigureFlow::End, Highlights::End).contains("fault: None"));
+    assert!(message(FigureFlow::End, SpecularFlow::End).contains("fault: None"));
 }
 
 #[test]
 fn section_2_only_the_output_saturates() {
     let mut adder = Adder::default();
     adder.state.joins = true;
-    let dot = FigureFlow::Dot(Dot { brightness: [0.9, -0.2, 0.1], ..Dot::default() });
-    let highlight = Highlights::Dot(Highlight { brightness: 0.5, ..Highlight::default() });
+    let dot = FigureFlow::Dot(ShadedDot { brightness: [0.9, -0.2, 0.1], ..ShadedDot::default() });
+    let highlight = SpecularFlow::Dot(SpecularDot { brightness: 0.5, ..SpecularDot::default() });
     let sum = adder.step((Some(dot), Some(highlight)), &mut MemoryPorts::default()).out;
     let Some(FigureFlow::Dot(sum)) = sum else { panic!("{sum:?}") };
     assert!((sum.brightness[0] - 1.4).abs() < 1e-6 && (sum.brightness[1] - 0.3).abs() < 1e-6);

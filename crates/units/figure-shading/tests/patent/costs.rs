@@ -2,8 +2,8 @@
 
 use crate::chain::{Config, ShadedFragment, feed, frame, operators, polygon, shade, sun};
 use basrelief_figure_shading::{
-    CpuConfig, HostConfig, HostInterface, Microcomputer, NormalInterpolation, NormalInterpolationConfig, Order, Process,
-    RegisterBank, RegisterWrite, Registers, ShadingMode,
+    CpuConfig, CpuProcess, HostConfig, HostInterface, Microcomputer, NormalInterpolation, NormalInterpolationConfig,
+    RegisterBank, RegisterOrder, RegisterWrite, ShadingMode, ShadingRegisters,
 };
 use basrelief_kernel::{MemoryPorts, OperatorConfig, Operators, Unit};
 use basrelief_signals::{Control, Light, Lighting, ObjectInfo, ShadingSettings};
@@ -29,12 +29,12 @@ fn drawn(config: &Config, lights: Vec<Light>, polygons: &[Control]) -> (Microcom
     (unit, shaded)
 }
 
-fn cycles(unit: &Microcomputer, process: Process) -> u64 {
+fn cycles(unit: &Microcomputer, process: CpuProcess) -> u64 {
     unit.state.counters.processes[process as usize].cycles
 }
 
 /// Returns the cycles of a process for a square with these normals.
-fn of_square(cpu: CpuConfig, normals: [Vec3; 4], process: Process) -> u64 {
+fn of_square(cpu: CpuConfig, normals: [Vec3; 4], process: CpuProcess) -> u64 {
     let config = Config { cpu, ..Config::default() };
     cycles(&drawn(&config, lights(1), &[polygon(&SQUARE, &normals, shiny(50.0))]).0, process)
 }
@@ -42,12 +42,12 @@ fn of_square(cpu: CpuConfig, normals: [Vec3; 4], process: Process) -> u64 {
 #[test]
 fn process_cycles_follow_cpu_table() {
     for (normals, flat) in [(CURVED, false), ([Vec3::Z; 4], true)] {
-        for (process, name) in Process::ALL {
+        for (process, name) in CpuProcess::ALL {
             let own = of_square(CpuConfig::default(), normals, process);
             assert_eq!(of_square(CpuConfig { scale: 40, ..CpuConfig::default() }, normals, process), 40 * own, "{name}");
             let runs = match process {
-                Process::Start | Process::Transfer => !flat,
-                Process::Mean | Process::SamePlane => flat,
+                CpuProcess::Start | CpuProcess::Transfer => !flat,
+                CpuProcess::Mean | CpuProcess::SamePlane => flat,
                 _ => true,
             };
             assert_eq!(own > 0, runs, "{name}");
@@ -59,22 +59,22 @@ fn process_cycles_follow_cpu_table() {
         of_square(cpu, normals, process) - of_square(CpuConfig::default(), normals, process)
     };
     // Four points: three differences and two sums, three squares, a comparison, and the register.
-    assert_eq!(more(|c| c.add += 1, CURVED, Process::Flatness), 4 * 5);
-    assert_eq!(more(|c| c.multiply += 1, CURVED, Process::Flatness), 4 * 3);
-    assert_eq!(more(|c| c.compare += 1, CURVED, Process::Flatness), 4);
-    assert_eq!(more(|c| c.store += 1, CURVED, Process::Flatness), 1);
+    assert_eq!(more(|c| c.add += 1, CURVED, CpuProcess::Flatness), 4 * 5);
+    assert_eq!(more(|c| c.multiply += 1, CURVED, CpuProcess::Flatness), 4 * 3);
+    assert_eq!(more(|c| c.compare += 1, CURVED, CpuProcess::Flatness), 4);
+    assert_eq!(more(|c| c.store += 1, CURVED, CpuProcess::Flatness), 1);
     // Colour and Kd, N.L and Is. If process 22 adds the specular term: N.H, Is, seven of the power, Ks.
-    assert_eq!(more(|c| c.multiply += 1, CURVED, Process::Brightness), 4 * (4 + 4));
-    assert_eq!(more(|c| c.multiply += 1, [Vec3::Z; 4], Process::Brightness), 4 * (4 + 4 + 4 + 7 + 1));
-    assert_eq!(more(|c| c.square_root += 1, CURVED, Process::Mode), 1, "H of a light");
-    assert_eq!(more(|c| c.divide += 1, [Vec3::Z; 4], Process::Mean), 1 + 2, "a share, and an area of each triangle");
+    assert_eq!(more(|c| c.multiply += 1, CURVED, CpuProcess::Brightness), 4 * (4 + 4));
+    assert_eq!(more(|c| c.multiply += 1, [Vec3::Z; 4], CpuProcess::Brightness), 4 * (4 + 4 + 4 + 7 + 1));
+    assert_eq!(more(|c| c.square_root += 1, CURVED, CpuProcess::Mode), 1, "H of a light");
+    assert_eq!(more(|c| c.divide += 1, [Vec3::Z; 4], CpuProcess::Mean), 1 + 2, "a share, and an area of each triangle");
 }
 
 #[test]
 fn process_17_searches_limit_once_per_material() {
     let square = |n| polygon(&SQUARE, &CURVED, shiny(n));
     let config = Config::default();
-    let spent = |polygons: &[Control]| cycles(&drawn(&config, lights(1), polygons).0, Process::Specular);
+    let spent = |polygons: &[Control]| cycles(&drawn(&config, lights(1), polygons).0, CpuProcess::Specular);
     let each = |n| spent(&[square(n), square(n), square(n)]) - spent(&[square(n), square(n)]);
     assert_eq!(each(2.0), each(200.0), "a comparison, whatever n");
     // Four points: three loads, an inner product and a comparison. Also H, the limit and a comparison, and the register.
@@ -86,7 +86,7 @@ fn process_17_searches_limit_once_per_material() {
     assert!(search(200.0) > search(2.0) && search(2.0) > each(2.0), "{} {}", search(200.0), search(2.0));
     let changed = spent(&[square(50.0), square(40.0), square(40.0)]);
     assert_eq!(changed, search(50.0) + search(40.0) + 3 * each(50.0));
-    assert_eq!(cycles(&drawn(&config, lights(3), &[square(50.0)]).0, Process::Specular), 3 * (search(50.0) + each(50.0)) - 2);
+    assert_eq!(cycles(&drawn(&config, lights(3), &[square(50.0)]).0, CpuProcess::Specular), 3 * (search(50.0) + each(50.0)) - 2);
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn process_17_searches_limit_on_material_change_only() {
         let (name, centre, shading) = (String::new(), [id as f32, 0.0, 0.0], ShadingSettings::default());
         Control::Object(Arc::new(ObjectInfo { id, name, centre, entries: None, bias: None, shading, mesh: None }))
     };
-    let spent = |controls: &[Control]| cycles(&drawn(&Config::default(), lights(2), controls).0, Process::Specular);
+    let spent = |controls: &[Control]| cycles(&drawn(&Config::default(), lights(2), controls).0, CpuProcess::Specular);
     let same = spent(&[square(50.0), square(50.0)]);
     assert_eq!(spent(&[square(50.0), object(1), square(50.0)]), same, "another object, where the lights stand otherwise");
     let once = spent(&[square(50.0)]);
@@ -110,9 +110,9 @@ fn process_17_searches_limit_on_material_change_only() {
 fn renormalising_costs_process_17_a_normalisation() {
     let mut config = Config::default();
     let square = || [polygon(&SQUARE, &CURVED, shiny(50.0))];
-    let plain = cycles(&drawn(&config, lights(1), &square()).0, Process::Specular);
+    let plain = cycles(&drawn(&config, lights(1), &square()).0, CpuProcess::Specular);
     config.shading.renormalise = true;
-    let renormalised = cycles(&drawn(&config, lights(1), &square()).0, Process::Specular);
+    let renormalised = cycles(&drawn(&config, lights(1), &square()).0, CpuProcess::Specular);
     assert!(renormalised > plain + u64::from(config.cpu.square_root));
 }
 
@@ -122,7 +122,7 @@ fn process_24_pays_set_up_and_each_dot() {
     let flat = |side: f32| {
         let square = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
         let (unit, shaded) = drawn(&config, lights(1), &[polygon(&square, &[Vec3::Z; 4], shiny(50.0))]);
-        (cycles(&unit, Process::Mean), shaded[0].mean.len() as u64)
+        (cycles(&unit, CpuProcess::Mean), shaded[0].mean.len() as u64)
     };
     let ((small, few), (large, many)) = (flat(4.0), flat(20.0));
     let cpu = &config.cpu;
@@ -166,24 +166,25 @@ fn renormalising_occupies_circuit_50_for_square_root() {
 #[test]
 fn registers_14_16_18_set_the_passing_polygon() {
     let mut unit = Config::default().microcomputer();
-    let orders: Vec<Order> = feed(&mut unit, [frame(lights(1)), polygon(&SQUARE, &CURVED, shiny(50.0))])
+    let orders: Vec<RegisterOrder> = feed(&mut unit, [frame(lights(1)), polygon(&SQUARE, &CURVED, shiny(50.0))])
         .into_iter()
         .filter_map(|(order, ..)| order)
         .collect();
-    let writes: Vec<_> = orders.iter().filter_map(|o| if let Order::Write(write) = o { Some(*write) } else { None }).collect();
+    let writes: Vec<_> =
+        orders.iter().filter_map(|o| if let RegisterOrder::Write(write) = o { Some(*write) } else { None }).collect();
     assert_eq!(writes, [RegisterWrite::Mode(ShadingMode::Normal), RegisterWrite::Flat(false), RegisterWrite::Specular(true)]);
     let mut registers = RegisterBank::default();
     for order in orders {
-        let is_write = matches!(order, Order::Write(_));
+        let is_write = matches!(order, RegisterOrder::Write(_));
         let step = registers.step(Some(order), &mut MemoryPorts::default());
         assert_eq!((step.occupancy, step.out.is_none()), (1, is_write));
     }
-    assert_eq!(registers.state.registers, Registers { mode: ShadingMode::Normal, flat: false, specular: true });
+    assert_eq!(registers.state.registers, ShadingRegisters { mode: ShadingMode::Normal, flat: false, specular: true });
     let mut others = RegisterBank::default();
-    others.step(Some(Order::Write(RegisterWrite::Mode(ShadingMode::Brightness))), &mut MemoryPorts::default());
+    others.step(Some(RegisterOrder::Write(RegisterWrite::Mode(ShadingMode::Brightness))), &mut MemoryPorts::default());
     let (_, shaded) = drawn(&Config::default(), lights(1), &[polygon(&SQUARE, &CURVED, shiny(50.0))]);
     let figure = basrelief_figure_shading::FigureFlow::Figure(shaded[0].figure.clone().expect("a figure"));
-    let out = others.step(Some(Order::Pass(figure)), &mut MemoryPorts::default()).out;
+    let out = others.step(Some(RegisterOrder::Pass(figure)), &mut MemoryPorts::default()).out;
     let Some(basrelief_figure_shading::FigureFlow::Figure(figure)) = out else { panic!("it passes") };
     assert_eq!(figure.registers.mode, ShadingMode::Brightness, "what selects is the register, not what was meant");
 }

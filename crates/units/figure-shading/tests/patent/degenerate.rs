@@ -1,7 +1,7 @@
 //! Degenerate polygons: the rules in the crate documentation.
 
 use crate::chain::{Config, SIDE, draw, polygon, sun};
-use basrelief_figure_shading::{Dot, ShadingMode};
+use basrelief_figure_shading::{ShadedDot, ShadingMode};
 use basrelief_signals::{Control, Lighting, Polygon};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 const TRIANGLE: [[f32; 2]; 3] = [[2.0, 2.0], [28.0, 4.0], [6.0, 30.0]];
 
 /// Returns the dots in every mode, which have the same positions.
-fn drawn(points: &[[f32; 2]], normals: &[Vec3]) -> Vec<Dot> {
+fn drawn(points: &[[f32; 2]], normals: &[Vec3]) -> Vec<ShadedDot> {
     let mut places: Vec<BTreeSet<(u16, u16)>> = Vec::new();
     let mut last = Vec::new();
     for mode in [ShadingMode::Polyhedron, ShadingMode::Brightness, ShadingMode::Normal] {

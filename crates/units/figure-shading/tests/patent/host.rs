@@ -1,7 +1,7 @@
 //! Section 4: data that the host sends, and their timing.
 
 use crate::chain::{frame, polygon, sun};
-use basrelief_figure_shading::{Finished, HostConfig, HostInterface};
+use basrelief_figure_shading::{FinishedPolygon, HostConfig, HostInterface};
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::{Control, Light, LightKind, Lighting, ObjectInfo};
 use glam::Vec3;
@@ -18,7 +18,7 @@ fn send(unit: &mut HostInterface, control: Control) -> Step<Option<Control>> {
 
 fn finish(unit: &mut HostInterface) -> Step<Option<Control>> {
     assert_eq!(unit.demand(), Demand::Only(1));
-    unit.step((None, Some(Finished)), &mut MemoryPorts::default())
+    unit.step((None, Some(FinishedPolygon)), &mut MemoryPorts::default())
 }
 
 fn square(n: f32) -> Control {
@@ -26,15 +26,7 @@ fn square(n: f32) -> Control {
 }
 
 fn object() -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id: 0,
-        name: String::new(),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    }))
+    Control::Object(Arc::new(ObjectInfo { ..ObjectInfo::default() }))
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Mode, Ia and Is as set by a display list for a frame or an object.
 
 use crate::chain::{Config, SIDE, feed, polygon, shade, sun};
-use basrelief_figure_shading::{HostConfig, HostInterface, Microcomputer, Order, RegisterWrite, Route, ShadingMode};
+use basrelief_figure_shading::{
+    HostConfig, HostInterface, Microcomputer, PolygonRoute, RegisterOrder, RegisterWrite, ShadingMode,
+};
 use basrelief_kernel::{MemoryPorts, Unit};
 use basrelief_signals::{Camera, Control, Frame, Lighting, ObjectInfo, ShadingSettings};
 use glam::Vec3;
@@ -16,15 +18,7 @@ fn frame(shading: ShadingSettings) -> Control {
 }
 
 fn object(shading: ShadingSettings) -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id: 0,
-        name: String::new(),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading,
-        mesh: None,
-    }))
+    Control::Object(Arc::new(ObjectInfo { shading, ..ObjectInfo::default() }))
 }
 
 fn square() -> Control {
@@ -32,9 +26,10 @@ fn square() -> Control {
 }
 
 /// Returns route and brightness of the square, and the values written to the mode register (14) since the previous polygon.
-fn draw(unit: &mut Microcomputer, controls: Vec<Control>) -> (Route, f32, Vec<ShadingMode>) {
+fn draw(unit: &mut Microcomputer, controls: Vec<Control>) -> (PolygonRoute, f32, Vec<ShadingMode>) {
     let orders = feed(unit, controls).into_iter().filter_map(|(order, ..)| order);
-    let modes = orders.filter_map(|o| if let Order::Write(RegisterWrite::Mode(mode)) = o { Some(mode) } else { None }).collect();
+    let modes =
+        orders.filter_map(|o| if let RegisterOrder::Write(RegisterWrite::Mode(mode)) = o { Some(mode) } else { None }).collect();
     let mut config = Config::default();
     config.shading.mode = ShadingMode::Normal;
     let shaded = shade(unit, &config, square());
@@ -49,23 +44,23 @@ fn object_settings_override_frame_and_configuration() {
     let mode = |mode| ShadingSettings { mode: Some(mode), ..ShadingSettings::default() };
     let none = ShadingSettings::default();
     let (route, brightness, modes) = draw(&mut unit, vec![frame(none), object(none)]);
-    assert_eq!((route, modes), (Route::Flat, vec![ShadingMode::Normal]), "as configured");
+    assert_eq!((route, modes), (PolygonRoute::Flat, vec![ShadingMode::Normal]), "as configured");
     assert!((brightness - 0.6).abs() < 1e-6);
     let (route, _, modes) = draw(&mut unit, vec![object(mode(ShadingMode::Polyhedron))]);
-    assert_eq!((route, modes), (Route::Polyhedron, vec![ShadingMode::Polyhedron]));
+    assert_eq!((route, modes), (PolygonRoute::Polyhedron, vec![ShadingMode::Polyhedron]));
     let (route, _, modes) = draw(&mut unit, vec![object(none)]);
-    assert_eq!((route, modes), (Route::Flat, vec![ShadingMode::Normal]), "the next object has none of its own");
+    assert_eq!((route, modes), (PolygonRoute::Flat, vec![ShadingMode::Normal]), "the next object has none of its own");
     let (route, _, modes) = draw(&mut unit, vec![object(none)]);
-    assert_eq!((route, modes), (Route::Reused, vec![]), "nothing changed");
+    assert_eq!((route, modes), (PolygonRoute::Reused, vec![]), "nothing changed");
     let dim = ShadingSettings { ia: Some(0.0), is: Some(0.5), ..none };
     let (route, brightness, _) = draw(&mut unit, vec![object(dim)]);
-    assert_eq!(route, Route::Flat, "Figure 7: void after a new Ia or Is");
+    assert_eq!(route, PolygonRoute::Flat, "Figure 7: void after a new Ia or Is");
     assert!((brightness - 0.25).abs() < 1e-6, "{brightness}");
     let (_, brightness, modes) = draw(&mut unit, vec![Control::FrameEnd, frame(mode(ShadingMode::Brightness)), object(none)]);
     assert_eq!(modes, [ShadingMode::Brightness], "of the frame");
     assert!((brightness - 0.6).abs() < 1e-6);
     let (route, _, _) = draw(&mut unit, vec![object(ShadingSettings { ia: Some(0.25), ..none })]);
-    assert_eq!(route, Route::Brightness, "the object says no mode: that of its frame");
+    assert_eq!(route, PolygonRoute::Brightness, "the object says no mode: that of its frame");
 }
 
 #[test]

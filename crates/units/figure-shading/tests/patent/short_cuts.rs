@@ -1,7 +1,7 @@
 //! Short cuts 2 and 3 (flat; same plane as before), and Figure 6.
 
 use crate::chain::{Config, SIDE, direction, draw, feed, frame, lighting, polygon, shade, sun, triangle};
-use basrelief_figure_shading::{Clamp, Microcomputer, Process, Route, ShadingMode};
+use basrelief_figure_shading::{Clamp, CpuProcess, Microcomputer, PolygonRoute, ShadingMode};
 use basrelief_shading::saturated;
 use basrelief_signals::{Camera, Control, Frame, Light, Lighting, Material, Polygon};
 use glam::Vec3;
@@ -26,7 +26,7 @@ proptest! {
         config.short_cuts.flatness.tolerance = tolerance;
         let lights = vec![sun(light)];
         let flat = draw(&config, lights.clone(), polygon(&t, &normals, lighting));
-        prop_assert_eq!(flat.figure.expect("a figure").route, Route::Flat);
+        prop_assert_eq!(flat.figure.expect("a figure").route, PolygonRoute::Flat);
         let full = draw(&config.plain(), lights, polygon(&t, &normals, lighting));
         // Each normal lies within the tolerance of the first, so any mean of them lies within twice that of any other. A
         // negligible specular term may be missing, at most half a step.
@@ -60,7 +60,7 @@ proptest! {
         let stored = shade(&mut unit, &config, polygon(&first, &[normal; 3], lighting));
         prop_assume!(!stored.dots.is_empty());
         let reused = shade(&mut unit, &config, second.clone());
-        prop_assert_eq!(reused.figure.expect("a figure").route, Route::Reused);
+        prop_assert_eq!(reused.figure.expect("a figure").route, PolygonRoute::Reused);
         let fresh = draw(&config, vec![sun(light)], second);
         for (a, b) in reused.dots.iter().zip(&fresh.dots) {
             prop_assert!((a.brightness[0] - b.brightness[0]).abs() <= tolerance * slope(&lighting) + 1.0 / 510.0 + 1e-5);
@@ -74,7 +74,7 @@ fn polygon_of_different_colours_is_not_flat() {
     let mut coloured = Polygon::clone(&white);
     coloured.vertices[2].color = [1.0, 0.0, 0.0, 1.0];
     let route = |polygon| draw(&Config::default(), vec![sun(Vec3::Z)], Control::Polygon(polygon)).figure.expect("a figure").route;
-    assert_eq!((route(white), route(Arc::new(coloured))), (Route::Flat, Route::Normal));
+    assert_eq!((route(white), route(Arc::new(coloured))), (PolygonRoute::Flat, PolygonRoute::Normal));
 }
 
 #[test]
@@ -115,15 +115,7 @@ impl Scene {
 
     fn frame(&self) -> Control {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: self.to_viewer };
-        Control::Frame(Arc::new(Frame {
-            index: 0,
-            width: SIDE,
-            height: SIDE,
-            camera,
-            lights: vec![self.light],
-            textures: Vec::new(),
-            shading: Default::default(),
-        }))
+        Control::Frame(Arc::new(Frame { width: SIDE, height: SIDE, camera, lights: vec![self.light], ..Frame::default() }))
     }
 
     fn polygon(&self) -> Control {
@@ -139,11 +131,11 @@ impl Scene {
 }
 
 /// Returns the route of the second polygon, drawn by `unit` after the first of `before`.
-fn second(before: &Scene, after: &Scene, config: &Config) -> Route {
+fn second(before: &Scene, after: &Scene, config: &Config) -> PolygonRoute {
     let first = Config::default();
     let mut unit = first.microcomputer();
     feed(&mut unit, [before.frame()]);
-    assert_eq!(shade(&mut unit, &first, before.polygon()).figure.expect("a figure").route, Route::Flat);
+    assert_eq!(shade(&mut unit, &first, before.polygon()).figure.expect("a figure").route, PolygonRoute::Flat);
     let mut other: Microcomputer = config.microcomputer();
     other.state = unit.state.clone();
     feed(&mut other, [Control::FrameEnd, after.frame()]);
@@ -153,7 +145,7 @@ fn second(before: &Scene, after: &Scene, config: &Config) -> Route {
 #[test]
 fn figure_7_any_new_input_voids_stored_brightness() {
     let (scene, same) = (Scene::new(), Config::default());
-    assert_eq!(second(&scene, &scene, &same), Route::Reused, "sent again, but not changed");
+    assert_eq!(second(&scene, &scene, &same), PolygonRoute::Reused, "sent again, but not changed");
     let changes: [Change<Scene>; 10] = [
         ("L", |s| s.light = sun(Vec3::new(0.3, 0.2, 1.0))),
         ("Is", |s| s.light.intensity = 0.5),
@@ -169,7 +161,7 @@ fn figure_7_any_new_input_voids_stored_brightness() {
     for (name, change) in changes {
         let mut changed = scene.clone();
         change(&mut changed);
-        assert_eq!(second(&scene, &changed, &same), Route::Flat, "{name}");
+        assert_eq!(second(&scene, &changed, &same), PolygonRoute::Flat, "{name}");
     }
     let settings: [Change<Config>; 4] = [
         ("mode", |c| (c.shading.mode, c.shading.flat_in_brightness_mode) = (ShadingMode::Brightness, true)),
@@ -180,7 +172,7 @@ fn figure_7_any_new_input_voids_stored_brightness() {
     for (name, change) in settings {
         let mut config = Config::default();
         change(&mut config);
-        assert_eq!(second(&scene, &scene, &config), Route::Flat, "{name}");
+        assert_eq!(second(&scene, &scene, &config), PolygonRoute::Flat, "{name}");
     }
 }
 
@@ -191,7 +183,7 @@ fn figure_7_reused_brightness_is_not_calculated() {
     feed(&mut unit, [scene.frame()]);
     let first = shade(&mut unit, &config, scene.polygon());
     let runs = |unit: &Microcomputer| {
-        [Process::Specular, Process::Brightness, Process::Mean].map(|p| unit.state.counters.processes[p as usize].runs)
+        [CpuProcess::Specular, CpuProcess::Brightness, CpuProcess::Mean].map(|p| unit.state.counters.processes[p as usize].runs)
     };
     assert_eq!(runs(&unit), [1, 1, 1]);
     let second = shade(&mut unit, &config, scene.polygon());

@@ -1,13 +1,13 @@
 //! Short cut 1: the specular term is negligible.
 
 use crate::chain::{Config, direction, draw, lighting, polygon, sun, triangle};
-use basrelief_figure_shading::{NormalInterpolationConfig, PowerMethod, Route, ShadingMode, SpecularSkip};
+use basrelief_figure_shading::{NormalInterpolationConfig, PolygonRoute, PowerMethod, ShadingMode, SpecularSkip};
 use basrelief_shading::saturated;
 use basrelief_signals::Lighting;
 use glam::Vec3;
 use proptest::prelude::*;
 
-fn route(config: &Config, normals: &[Vec3; 3], lighting: Lighting) -> Route {
+fn route(config: &Config, normals: &[Vec3; 3], lighting: Lighting) -> PolygonRoute {
     let t = [[0.0, 0.0], [31.0, 0.0], [0.0, 31.0]];
     draw(config, vec![sun(Vec3::Z)], polygon(&t, normals, lighting)).figure.expect("a figure").route
 }
@@ -32,8 +32,8 @@ fn highlight_may_peak_inside_dark_polygon() {
     for angle in [20.0, 40.0, 80.0] {
         let normals = leaning(angle);
         assert!(normals.iter().all(|n| 0.5 * libm::powf(n.z, 200.0) < 1.0 / 510.0), "all dark");
-        assert_eq!(route(&renormalising(true), &normals, lighting), Route::Normal, "{angle} degrees");
-        assert_eq!(route(&renormalising(false), &normals, lighting), Route::GateClosed, "{angle} degrees");
+        assert_eq!(route(&renormalising(true), &normals, lighting), PolygonRoute::Normal, "{angle} degrees");
+        assert_eq!(route(&renormalising(false), &normals, lighting), PolygonRoute::GateClosed, "{angle} degrees");
         let shaded =
             draw(&renormalising(true), vec![sun(Vec3::Z)], polygon(&[[0.0, 0.0], [31.0, 0.0], [0.0, 31.0]], &normals, lighting));
         let peak = shaded.highlights.iter().map(|h| h.brightness).fold(0.0, f32::max);
@@ -45,22 +45,22 @@ fn highlight_may_peak_inside_dark_polygon() {
 fn cancelling_normals_have_no_bound() {
     let lighting = Lighting { ks: 0.5, n: 200.0, ..Lighting::default() };
     let apart = [Vec3::X, -Vec3::X, Vec3::Y];
-    assert_eq!(route(&renormalising(true), &apart, lighting), Route::Normal);
-    assert_eq!(route(&renormalising(false), &apart, lighting), Route::GateClosed);
+    assert_eq!(route(&renormalising(true), &apart, lighting), PolygonRoute::Normal);
+    assert_eq!(route(&renormalising(false), &apart, lighting), PolygonRoute::GateClosed);
     let zero = [Vec3::X, Vec3::X, Vec3::ZERO];
-    assert_eq!(route(&renormalising(true), &zero, lighting), Route::Normal);
+    assert_eq!(route(&renormalising(true), &zero, lighting), PolygonRoute::Normal);
 }
 
 #[test]
 fn back_facing_or_matt_polygon_is_negligible() {
     let lighting = Lighting { ks: 0.5, n: 1.0, ..Lighting::default() };
     let away = leaning(110.0);
-    assert_eq!(route(&renormalising(true), &away, lighting), Route::GateClosed);
+    assert_eq!(route(&renormalising(true), &away, lighting), PolygonRoute::GateClosed);
     let matte = Lighting { ks: 0.0, ..lighting };
-    assert_eq!(route(&renormalising(false), &leaning(5.0), matte), Route::GateClosed);
+    assert_eq!(route(&renormalising(false), &leaning(5.0), matte), PolygonRoute::GateClosed);
     let mut off = renormalising(true);
     off.short_cuts.specular_negligible.enabled = false;
-    assert_eq!(route(&off, &away, matte), Route::Normal);
+    assert_eq!(route(&off, &away, matte), PolygonRoute::Normal);
 }
 
 #[test]

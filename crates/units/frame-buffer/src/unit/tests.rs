@@ -1,21 +1,11 @@
 use super::*;
 use crate::FrameBufferCounters;
-use basrelief_signals::Camera;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 fn frame(index: u32, width: u32, height: u32) -> Flow<Stamp<Pixel>> {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Flow::Control(Control::Frame(Arc::new(Frame {
-        index,
-        width,
-        height,
-        camera,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        shading: Default::default(),
-    })))
+    Flow::Control(Control::Frame(Arc::new(Frame { index, width, height, ..Frame::default() })))
 }
 
 fn pixel(x: u16, y: u16, rgb: [u8; 3]) -> Flow<Stamp<Pixel>> {

@@ -13,15 +13,7 @@ const PERSPECTIVE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
 fn frame(view_projection: [f64; 16]) -> Draw {
     let camera = Camera { view_projection, to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lights = vec![Light { kind: LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, intensity: 1.0 }];
-    Draw::Frame(Arc::new(Frame {
-        index: 0,
-        width: 64,
-        height: 32,
-        camera,
-        lights,
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
+    Draw::Frame(Arc::new(Frame { width: 64, height: 32, camera, lights, ..Frame::default() }))
 }
 
 fn texture(side: u32) -> Arc<Texture> {

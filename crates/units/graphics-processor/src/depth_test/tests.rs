@@ -1,5 +1,5 @@
 use super::*;
-use basrelief_signals::{Camera, Fragment, Stamp};
+use basrelief_signals::{Fragment, Stamp};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -12,16 +12,7 @@ const SIZE: [u32; 2] = [16, 8];
 const PLAIN: DepthConfig = DepthConfig { write_lines: 1, clear_flags: false, flags: 131_072 };
 
 fn frame(width: u32, height: u32) -> Control {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Control::Frame(Arc::new(Frame {
-        index: 0,
-        width,
-        height,
-        camera,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
+    Control::Frame(Arc::new(Frame { width, height, ..Frame::default() }))
 }
 
 fn configured(config: DepthConfig, z_bits: u32, line_bytes: u32) -> Early {

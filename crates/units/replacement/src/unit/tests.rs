@@ -20,15 +20,7 @@ fn sample(x: u16, samples: &[(u8, [i16; 3])]) -> PseudoNormals {
 }
 
 fn object(id: u32, entries: Option<u32>) -> Control {
-    Control::Object(Arc::new(ObjectInfo {
-        id,
-        name: format!("object {id}"),
-        centre: [0.0; 3],
-        entries,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    }))
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), entries, ..ObjectInfo::default() }))
 }
 
 fn polygon() -> Control {
@@ -338,15 +330,7 @@ fn table_loads_do_not_depend_on_stamp_size() {
 fn object_importance_coarsens_its_table() {
     let level = |bias| {
         let mut unit = Replacement::new(ReplacementConfig { vq_bias: 1, ..config() }, 16, &Operators::default()).unwrap();
-        let object = ObjectInfo {
-            id: 0,
-            name: String::new(),
-            centre: [0.0; 3],
-            entries: None,
-            bias,
-            shading: Default::default(),
-            mesh: None,
-        };
+        let object = ObjectInfo { bias, ..ObjectInfo::default() };
         let input = vec![Flow::Control(Control::Object(Arc::new(object))), Flow::Item(sample(0, &[(1, [0, 0, 1])]))];
         indexes(&run(&mut unit, input).0)[0].samples[0].level
     };
@@ -358,16 +342,13 @@ fn policy_follows_fragments_of_last_frame() {
     let config = ReplacementConfig { policy: Policy::ByFragments, fragments_per_entry: 1, ..config() };
     let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
     let frame = || {
-        let camera = basrelief_signals::Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
         let (lights, textures) = (vec![], vec![]);
         Flow::Control(Control::Frame(Arc::new(basrelief_signals::Frame {
-            index: 0,
             width: 1,
             height: 1,
-            camera,
             lights,
             textures,
-            shading: Default::default(),
+            ..basrelief_signals::Frame::default()
         })))
     };
     let mut entries = |fragments: usize| {

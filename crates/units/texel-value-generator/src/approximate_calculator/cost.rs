@@ -3,7 +3,7 @@
 use super::ApproximateCalculator;
 use crate::config::MipPer;
 use crate::fixed::iterations;
-use crate::signals::Segment;
+use crate::signals::LineSegment;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{HardwareKind, OperatorCounts};
 use basrelief_signals::{BitWidth, SignalWidths};
@@ -34,7 +34,7 @@ impl ApproximateCalculator {
         stats.hardware(HardwareKind::Adder, "difference of the ends", 2_u32, bits);
         stats.hardware(HardwareKind::Adder, "interpolation of u, v", 2_u32, bits + self.guard());
         stats.hardware(HardwareKind::Adder, "interpolation of depth", 1_u32, words.depth);
-        stats.hardware(HardwareKind::Registers, "the segment", 1_u32, Segment::bits(&words));
+        stats.hardware(HardwareKind::Registers, "the segment", 1_u32, LineSegment::bits(&words));
         stats.hardware(HardwareKind::Registers, "u, v: start, end", 4_u32, bits);
         stats.hardware(HardwareKind::Registers, "u, v: change and sum", 4_u32, bits + self.guard());
         if self.gradients == Some(MipPer::Pixel) {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Displacements of all pixels \[pixels\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Displacements {
+pub struct DisplacementStats {
     /// Largest displacement.
     pub largest: f64,
     /// Sum of the displacements.
@@ -14,7 +14,7 @@ pub struct Displacements {
     pub pixels: u64,
 }
 
-impl Displacements {
+impl DisplacementStats {
     /// Adds the displacement of a pixel.
     #[inline]
     pub fn add(&mut self, displacement: f64) {

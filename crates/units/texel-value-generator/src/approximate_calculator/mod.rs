@@ -5,6 +5,6 @@ mod displacement;
 mod state;
 mod unit;
 
-pub use displacement::{Displacements, displacement};
+pub use displacement::{DisplacementStats, displacement};
 pub use state::{ApproximateCalculatorCounters, ApproximateCalculatorState};
 pub use unit::ApproximateCalculator;

@@ -1,7 +1,7 @@
 //! State of the approximate calculator (310a) between steps.
 
-use super::Displacements;
-use crate::signals::{Coordinates, GradientPacket, Quotients, Segment, TexelPacket};
+use super::DisplacementStats;
+use crate::signals::{FixedCoordinates, GradientPacket, LineSegment, Quotients, TexelPacket};
 use basrelief_signals::{Flow, PACKET_PIXELS, Packet};
 use serde::{Deserialize, Serialize};
 
@@ -13,22 +13,22 @@ pub struct ApproximateCalculatorCounters {
     /// Reciprocals 1 / W for derivatives at pixels, for `mip.per = pixel` or segments of one pixel.
     pub gradient_reciprocals: u64,
     /// Displacements of every pixel with a texture, including hidden ones.
-    pub displacements: Displacements,
+    pub displacements: DisplacementStats,
 }
 
 /// State of the approximate calculator (310a) between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ApproximateCalculatorState {
     /// Segment being walked.
-    pub segment: Segment,
+    pub segment: LineSegment,
     /// Pixels of the segment that are done.
     pub done: u16,
     /// True if pixels of the segment are left.
     pub is_walking: bool,
     /// u, v at the start of the segment.
-    pub start: Coordinates,
+    pub start: FixedCoordinates,
     /// u, v at the end of the segment.
-    pub end: Coordinates,
+    pub end: FixedCoordinates,
     /// Change per pixel, with guard bits below.
     pub slope: [i64; 2],
     /// Coordinate that changes more: u (0) or v (1).

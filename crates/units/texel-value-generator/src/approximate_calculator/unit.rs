@@ -3,8 +3,8 @@
 use super::{ApproximateCalculatorState, displacement};
 use crate::config::{ApproximationConfig, Method, MipPer, TexelConfig};
 use crate::fixed::{down, nearest};
-use crate::signals::{Coordinates, GradientPacket, Quotients, Segment, TexelPacket};
-use crate::twins::{Pair, pair};
+use crate::join_streams::{PairedInput, pair};
+use crate::signals::{FixedCoordinates, GradientPacket, LineSegment, Quotients, TexelPacket};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Step, Unit};
 use basrelief_signals::{Control, Flow, PACKET_PIXELS, Packet, WrapMode};
@@ -84,7 +84,7 @@ impl ApproximateCalculator {
     }
 
     /// Begins the next segment.
-    fn begin(&mut self, segment: Segment, quotients: Quotients) {
+    fn begin(&mut self, segment: LineSegment, quotients: Quotients) {
         let (bits, guard, state) = (self.bits, self.guard(), &mut self.state);
         if segment.span.textured {
             let from = if segment.fresh { quotients.first() } else { Some(&state.end) };
@@ -93,7 +93,7 @@ impl ApproximateCalculator {
             // Lengths are whole, so their reciprocals lie in a table.
             let length = segment.to - segment.from;
             let per_pixel = if length > 0 { down(1.0 / f64::from(length), bits) } else { 0.0 };
-            let (Coordinates(from), Coordinates(to)) = (state.start, state.end);
+            let (FixedCoordinates(from), FixedCoordinates(to)) = (state.start, state.end);
             // The conversion rounds towards 0.
             state.slope = std::array::from_fn(|i| (((to[i] - from[i]) << guard) as f64 * per_pixel) as i64);
             let change = [0, 1].map(|i| libm::ldexp(state.slope[i].abs() as f64, segment.span.scale[i].into()));
@@ -129,14 +129,14 @@ impl ApproximateCalculator {
 
     /// Computes u and v of pixel `k`.
     #[inline(always)]
-    fn texel(&mut self, segment: &Segment, k: u16, position: usize) {
+    fn texel(&mut self, segment: &LineSegment, k: u16, position: usize) {
         let (unit, guard, state) = (unit(self.bits), self.guard(), &mut self.state);
         let (span, along) = (&segment.span, k - segment.from);
         let is_point = segment.exact || k == segment.from || k == segment.to;
-        let Coordinates(uv) = match segment.exact {
+        let FixedCoordinates(uv) = match segment.exact {
             true => state.quotients.get(usize::from(along)).copied().unwrap_or_default(),
             false if k == segment.to => state.end,
-            false => Coordinates(std::array::from_fn(|i| {
+            false => FixedCoordinates(std::array::from_fn(|i| {
                 state.start.0[i] + ((i64::from(along) * state.slope[i] + (1 << (guard - 1))) >> guard)
             })),
         };
@@ -160,7 +160,7 @@ impl ApproximateCalculator {
     }
 
     /// Computes the change of u and v per pixel, at a pixel with these values.
-    fn gradient(&mut self, segment: &Segment, position: usize, uv: [f64; 2], w: f64) {
+    fn gradient(&mut self, segment: &LineSegment, position: usize, uv: [f64; 2], w: f64) {
         let (bits, state, span) = (self.bits + self.guard(), &mut self.state, &segment.span);
         let change: [f64; 2] = if self.gradients == Some(MipPer::Pixel) {
             state.counters.gradient_reciprocals += 1;
@@ -176,7 +176,7 @@ impl ApproximateCalculator {
     fn advance(&mut self) -> Out {
         let pixels = self.walk();
         let segment = self.state.segment;
-        let Segment { span, from, walk, .. } = segment;
+        let LineSegment { span, from, walk, .. } = segment;
         let next = from + self.state.done;
         self.state.is_walking = self.state.done < walk;
         // Past the span, or in another cell.
@@ -191,7 +191,7 @@ impl ApproximateCalculator {
 
 impl Unit for ApproximateCalculator {
     basrelief_kernel::unit_info!("interpolates u, v between division points");
-    type In = (Option<Flow<Segment>>, Option<Flow<Quotients>>);
+    type In = (Option<Flow<LineSegment>>, Option<Flow<Quotients>>);
     type Out = (Option<Flow<TexelPacket>>, Option<Flow<GradientPacket>>);
 
     #[inline]
@@ -203,13 +203,13 @@ impl Unit for ApproximateCalculator {
     fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         if !self.state.is_walking {
             match pair("approximate calculator", input, traffic) {
-                Pair::Items(segment, quotients) => self.begin(segment, quotients),
-                Pair::Control(control) => {
+                PairedInput::Items(segment, quotients) => self.begin(segment, quotients),
+                PairedInput::Control(control) => {
                     self.take(&control);
                     let twin = Some(Flow::Control(control.clone()));
                     return Step::after(self.latency(false), (Some(Flow::Control(control)), twin));
                 }
-                Pair::Nothing => return Step::after(0, (None, None)),
+                PairedInput::Nothing => return Step::after(0, (None, None)),
             }
         }
         self.advance()

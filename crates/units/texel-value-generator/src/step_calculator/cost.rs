@@ -3,7 +3,7 @@
 use super::StepCalculator;
 use crate::config::{Method, TexelConfig};
 use crate::fixed::iterations;
-use crate::signals::Span;
+use crate::signals::ScanSpan;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{HardwareKind, OperatorCounts};
 use basrelief_signals::width::NUMBER;
@@ -50,7 +50,7 @@ impl StepCalculator {
         let widths = SignalWidths { texture: coordinate_bits, ..SignalWidths::default() };
         stats.hardware(HardwareKind::Multiplier, "U, V, W of a point", 3_u32, coordinate_bits);
         stats.hardware(HardwareKind::Adder, "U, V, W of a point", 3_u32, coordinate_bits);
-        stats.hardware(HardwareKind::Registers, "the span", 1_u32, Span::bits(&widths));
+        stats.hardware(HardwareKind::Registers, "the span", 1_u32, ScanSpan::bits(&widths));
         if method != Method::Adaptive {
             return;
         }

@@ -7,6 +7,6 @@ mod subdivision;
 mod unit;
 
 pub use state::{BINS, StepCalculatorCounters, StepCalculatorState, bin_of};
-pub use step::{Reach, RootTable, StepEquation, keeps_bound, largest_displacement};
-pub use subdivision::Subdivision;
+pub use step::{RootTable, StepEquation, StepReach, keeps_bound, largest_displacement};
+pub use subdivision::ChildSubdivision;
 pub use unit::StepCalculator;

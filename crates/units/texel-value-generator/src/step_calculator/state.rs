@@ -1,8 +1,8 @@
 //! State of the step calculator between steps.
 
-use super::{StepEquation, Subdivision};
+use super::{ChildSubdivision, StepEquation};
 use crate::log::SpanRecord;
-use crate::signals::{Segment, Span};
+use crate::signals::{LineSegment, ScanSpan};
 use crate::storage_element::StorageElement;
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
@@ -56,9 +56,9 @@ pub struct StepCalculatorState {
     /// Polygon of the spans.
     pub polygon: Option<Arc<Polygon>>,
     /// Child polygons of the polygon.
-    pub subdivision: Subdivision,
+    pub subdivision: ChildSubdivision,
     /// Span being subdivided.
-    pub span: Option<Span>,
+    pub span: Option<ScanSpan>,
     /// Current division point of the span.
     pub from: u16,
     /// Equation of the steps. `None` if the span is not subdivided by it.
@@ -74,8 +74,8 @@ pub struct StepCalculatorState {
 impl StepCalculatorState {
     /// Counts and records a segment: pixels `from` to `to` of the span. New division points are all pixels (`exact`), both ends
     /// (`apart`: no point shared with the previous segment) or the farther end.
-    pub(super) fn note(&mut self, segment: &Segment, apart: bool) {
-        let Segment { span, from, to, walk, exact, .. } = segment;
+    pub(super) fn note(&mut self, segment: &LineSegment, apart: bool) {
+        let LineSegment { span, from, to, walk, exact, .. } = segment;
         let counters = &mut self.counters;
         counters.textured_pixels += if span.textured { u64::from(*walk) } else { 0 };
         let (segments, length) = if *exact { (u64::from(*walk), 1) } else { (1, *walk) };

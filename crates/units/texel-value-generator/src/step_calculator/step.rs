@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Longest step along a scan line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reach {
+pub enum StepReach {
     /// To the other end: the bound holds at any distance.
     End,
     /// This many pixels, not whole.
@@ -62,12 +62,12 @@ impl StepEquation {
 
     /// Returns the longest step from W = `wl` on, by this form, with this square root.
     #[inline]
-    pub fn reach(&self, wl: f64, form: StepForm, root: impl FnOnce(f64) -> f64) -> Reach {
+    pub fn reach(&self, wl: f64, form: StepForm, root: impl FnOnce(f64) -> f64) -> StepReach {
         if self.is_free(wl) {
-            return Reach::End;
+            return StepReach::End;
         }
         let twice = 2.0 * root(self.ratio * wl);
-        Reach::Pixels(match form {
+        StepReach::Pixels(match form {
             StepForm::Approximate => twice,
             StepForm::Exact if self.dw > 0.0 => twice + self.e,
             StepForm::Exact => twice - self.e,

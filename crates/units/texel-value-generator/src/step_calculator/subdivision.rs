@@ -1,6 +1,6 @@
 //! Child polygons (Figure 1).
 
-use crate::signals::Span;
+use crate::signals::ScanSpan;
 use basrelief_shading::fan_triangle;
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 /// Division of a triangle by lines parallel to its edges into n x n equal child polygons, whose edges are at most `interval`
 /// pixels long. Pixels of a scan line between two of these lines are interpolated between exact ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Subdivision {
+pub struct ChildSubdivision {
     triangle: Option<u16>,
     /// Number of parts n per edge.
     parts: f64,
 }
 
-impl Subdivision {
+impl ChildSubdivision {
     /// Forgets the triangle.
     pub fn forget(&mut self) {
         self.triangle = None;
@@ -36,7 +36,7 @@ impl Subdivision {
     }
 
     /// Returns the last pixel of the span that lies in the same child polygon as pixel `k`.
-    pub fn last_with(&self, span: &Span, k: u16) -> u16 {
+    pub fn last_with(&self, span: &ScanSpan, k: u16) -> u16 {
         let per_pixel = 1.0 / f64::from(span.last().max(1));
         let line = |i: usize| {
             let ends = span.weights.map(|[b, c]| [1.0 - f64::from(b) - f64::from(c), f64::from(b), f64::from(c)][i] * self.parts);

@@ -2,11 +2,11 @@
 
 use super::cost::{FIRST_STEP, NEXT_STEP};
 use super::state::BINS;
-use super::{Reach, RootTable, StepCalculatorState, StepEquation, keeps_bound};
+use super::{RootTable, StepCalculatorState, StepEquation, StepReach, keeps_bound};
 use crate::config::{Method, TexelConfig};
 use crate::fixed::down;
 use crate::log::SpanRecord;
-use crate::signals::{Points, Segment, Span};
+use crate::signals::{DivisionPoints, LineSegment, ScanSpan};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Step, Unit};
 use basrelief_signals::{Control, Flow};
@@ -75,7 +75,7 @@ impl StepCalculator {
     }
 
     /// Runs Figure 4A from step 420 on. Returns the cycles beyond the first turn.
-    fn begin(&mut self, span: Span) -> u64 {
+    fn begin(&mut self, span: ScanSpan) -> u64 {
         let state = &mut self.state;
         state.from = 0;
         state.equation = None;
@@ -98,7 +98,7 @@ impl StepCalculator {
     }
 
     /// Runs step 430, or step 440 if the bound does not hold to the end.
-    fn begin_adaptive(&mut self, span: &Span) -> u64 {
+    fn begin_adaptive(&mut self, span: &ScanSpan) -> u64 {
         let (decision, iterations) = (self.decision(), self.iterations());
         let state = &mut self.state;
         let e = state.storage.criterion();
@@ -116,7 +116,7 @@ impl StepCalculator {
     }
 
     /// Runs step 444: returns the next division point behind `from`, and the cycles of the search.
-    fn next_point(&mut self, span: &Span, from: u16) -> (u16, u64) {
+    fn next_point(&mut self, span: &ScanSpan, from: u16) -> (u16, u64) {
         let Some(equation) = self.state.equation else { return (span.last(), 1) };
         let products = self.operators.latency(if from == 0 { FIRST_STEP } else { NEXT_STEP });
         let wl = span.value(from)[2];
@@ -129,15 +129,15 @@ impl StepCalculator {
         let reach = equation.reach(wl, self.config.step_form, root);
         let rest = span.last() - from;
         let step = match reach {
-            Reach::End => rest,
+            StepReach::End => rest,
             // The conversion saturates.
-            Reach::Pixels(t) => (t as u16).max(1).min(rest),
+            StepReach::Pixels(t) => (t as u16).max(1).min(rest),
         };
         (from + step, products + self.root())
     }
 
     /// Returns the end of the segment that begins at `from`, and the cycles of the search.
-    fn end_of(&mut self, span: &Span, from: u16) -> (u16, u64) {
+    fn end_of(&mut self, span: &ScanSpan, from: u16) -> (u16, u64) {
         let last = span.last();
         if !span.textured {
             return (last, 1);
@@ -154,7 +154,7 @@ impl StepCalculator {
     }
 
     /// Returns the next segment of the span, its points, and the cycles of the search.
-    fn segment(&mut self) -> Option<(Segment, Points, u64)> {
+    fn segment(&mut self) -> Option<(LineSegment, DivisionPoints, u64)> {
         let span = self.state.span?;
         let from = self.state.from;
         let (to, cycles) = self.end_of(&span, from);
@@ -166,14 +166,14 @@ impl StepCalculator {
         let walk = to - from + u16::from(apart || ends);
         let fresh = from == 0 || apart;
         let point = |k: u16| span.point(k, self.config.coordinate_bits);
-        let points: Points = match (span.textured, exact, fresh) {
-            (false, ..) => Points::new(),
+        let points: DivisionPoints = match (span.textured, exact, fresh) {
+            (false, ..) => DivisionPoints::new(),
             (_, true, _) => (from..=to).map(point).collect(),
             (_, _, false) => smallvec![point(to)],
             _ if from == to => smallvec![point(from)],
             _ => smallvec![point(from), point(to)],
         };
-        let segment = Segment { span, from, to, walk, exact, fresh };
+        let segment = LineSegment { span, from, to, walk, exact, fresh };
         self.state.note(&segment, apart);
         self.state.from = if apart { to.saturating_add(1) } else { to };
         if ends {
@@ -194,8 +194,8 @@ fn evenly(last: u16, from: u16, points: u32) -> u16 {
 
 impl Unit for StepCalculator {
     basrelief_kernel::unit_info!("chooses division points by the criterion in its storage element");
-    type In = Option<Flow<Span>>;
-    type Out = (Option<Flow<Segment>>, Option<Flow<Points>>);
+    type In = Option<Flow<ScanSpan>>;
+    type Out = (Option<Flow<LineSegment>>, Option<Flow<DivisionPoints>>);
 
     #[inline]
     fn demand(&self) -> Demand {

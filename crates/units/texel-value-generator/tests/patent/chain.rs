@@ -2,7 +2,7 @@
 
 use basrelief_kernel::{Demand, MemoryPorts, OperatorConfig, Operators, Unit};
 use basrelief_signals::{Control, Flow, Image, Material, Polygon, Sampler, Texture, Vertex, WrapMode};
-use basrelief_texel_value_generator::signals::{GradientPacket, Segment, Span, TexelPacket, scale_of};
+use basrelief_texel_value_generator::signals::{GradientPacket, LineSegment, ScanSpan, TexelPacket, scale_of};
 use basrelief_texel_value_generator::{
     ApproximateCalculator, ApproximationConfig, Divider, DividerConfig, MipPer, StepCalculator, StepCalculatorCounters,
     TexelConfig,
@@ -17,18 +17,18 @@ pub fn operators() -> Operators {
 }
 
 /// Creates a span of pixels 0 .. count, with these W, u, v at its ends.
-pub fn span(count: u16, w: [f64; 2], uv: [[f64; 2]; 2]) -> Span {
+pub fn span(count: u16, w: [f64; 2], uv: [[f64; 2]; 2]) -> ScanSpan {
     let scale = [0, 1].map(|i| scale_of(uv[0][i].abs().max(uv[1][i].abs())));
     let scaled = |i: usize, k: usize| uv[i][k] * w[i] / 2f64.powi(scale[k].into());
     let ends = [0, 1].map(|i| [scaled(i, 0), scaled(i, 1), w[i]]);
     let per_pixel = if count > 1 { 1.0 / f64::from(count - 1) } else { 0.0 };
     let step = std::array::from_fn(|i| (ends[1][i] - ends[0][i]) * per_pixel);
-    Span { y: 3, x: 0, count, textured: true, scale, ends, step, ..Span::default() }
+    ScanSpan { y: 3, x: 0, count, textured: true, scale, ends, step, ..ScanSpan::default() }
 }
 
 /// Results of a span.
 pub struct Walked {
-    pub segments: Vec<Segment>,
+    pub segments: Vec<LineSegment>,
     pub packets: Vec<TexelPacket>,
     pub gradients: Vec<GradientPacket>,
     pub counters: StepCalculatorCounters,
@@ -47,7 +47,7 @@ impl Walked {
     }
 
     /// Returns the exact u, v of pixel `k` of the span.
-    pub fn exact(span: &Span, k: u16) -> [f64; 2] {
+    pub fn exact(span: &ScanSpan, k: u16) -> [f64; 2] {
         let value = span.value(k);
         [0, 1].map(|i| value[i] / value[2] * 2f64.powi(span.scale[i].into()))
     }
@@ -74,11 +74,11 @@ pub fn textured(wrap: WrapMode) -> Arc<Polygon> {
 }
 
 /// Runs a span through the three units.
-pub fn walk(config: &TexelConfig, span: Span) -> Walked {
+pub fn walk(config: &TexelConfig, span: ScanSpan) -> Walked {
     walk_on(config, span, &textured(WrapMode::Repeat), Some(MipPer::Segment))
 }
 
-pub fn walk_on(config: &TexelConfig, span: Span, polygon: &Arc<Polygon>, gradients: Option<MipPer>) -> Walked {
+pub fn walk_on(config: &TexelConfig, span: ScanSpan, polygon: &Arc<Polygon>, gradients: Option<MipPer>) -> Walked {
     let mut steps = StepCalculator::new(config.clone(), 2, operators());
     let mut divider = Divider::new(DividerConfig::default(), config.coordinate_bits, operators());
     let mut approximate = ApproximateCalculator::new(ApproximationConfig::default(), config, [2, 24], gradients, operators());
@@ -121,7 +121,7 @@ fn power_of_ten(x: f64) -> f64 {
 }
 
 /// Generates spans of 1 to 4,096 pixels, with u and v up to a thousand tiles long and away.
-pub fn spans() -> impl Strategy<Value = Span> {
+pub fn spans() -> impl Strategy<Value = ScanSpan> {
     let count = prop_oneof![4 => 1u16..64, 3 => 64u16..512, 2 => 512u16..=4096, 1 => Just(4096u16)];
     let uv = prop::array::uniform2(prop::array::uniform2(-1000.0f64..1000.0));
     (count, ends(), uv, any::<bool>()).prop_map(|(count, w, uv, near)| {
@@ -152,7 +152,7 @@ pub fn config(error_bound: f64) -> TexelConfig {
 /// Returns the displacement of a pixel of the span by the width of u, v alone \[pixels\]. U, W, their quotient and the
 /// interpolated values are rounded: together less than four units. They count more for a slower coordinate. It is slowest at the
 /// end with the larger W: `|du| / length * small W / large W` per pixel.
-pub fn rounding(span: &Span) -> f64 {
+pub fn rounding(span: &ScanSpan) -> f64 {
     let (a, b) = (span.ends[0], span.ends[1]);
     let change = [0, 1].map(|i| (b[i] / b[2] - a[i] / a[2]).abs()).into_iter().filter(|change| *change > 0.0);
     let slowest = change.reduce(f64::min).unwrap_or(0.0) / f64::from(span.last().max(1)) * a[2].min(b[2]) / a[2].max(b[2]);

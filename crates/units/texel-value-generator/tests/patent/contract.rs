@@ -6,22 +6,15 @@ use basrelief_kernel::{Demand, MemoryPorts, Unit};
 use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{Control, Flow, ObjectInfo, Polygon, WrapMode};
 use basrelief_texel_value_generator::signals::{
-    GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Points, Quotients, Segment, Span, TexelPacket, TexturePacket,
+    DivisionPoints, GradientPacket, IlluminancePacket, LevelPacket, LineSegment, LitSpan, Quotients, ScanSpan, TexelPacket,
+    TexturePacket,
 };
 use basrelief_texel_value_generator::*;
 use std::sync::Arc;
 
 /// Returns two frames of polygons, with and without texture, some without spans.
 fn display_list() -> Vec<Control> {
-    let object = ObjectInfo {
-        id: 0,
-        name: "o".into(),
-        centre: [0.0; 3],
-        entries: None,
-        bias: None,
-        shading: Default::default(),
-        mesh: None,
-    };
+    let object = ObjectInfo { name: "o".into(), ..ObjectInfo::default() };
     let plain = Polygon { material: Arc::default(), ..Polygon::clone(&textured(WrapMode::Repeat)) };
     let Control::Polygon(shape) = polygon(&[[30.0, 2.0, 1.0], [50.0, 9.0, 1.0], [33.0, 20.0, 1.0]]) else { unreachable!() };
     let plain = Control::Polygon(Arc::new(Polygon { vertices: shape.vertices.clone(), ..plain }));
@@ -65,10 +58,10 @@ fn chain<I, A>(unit: &mut impl Unit<In = Option<I>, Out = Option<A>>, tokens: Ve
 }
 
 struct Wires {
-    spans: Vec<Flow<Span>>,
+    spans: Vec<Flow<ScanSpan>>,
     lit_spans: Vec<Flow<LitSpan>>,
-    segments: Vec<Flow<Segment>>,
-    points: Vec<Flow<Points>>,
+    segments: Vec<Flow<LineSegment>>,
+    points: Vec<Flow<DivisionPoints>>,
     quotients: Vec<Flow<Quotients>>,
     texels: Vec<Flow<TexelPacket>>,
     gradients: Vec<Flow<GradientPacket>>,

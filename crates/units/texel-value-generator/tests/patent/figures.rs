@@ -2,8 +2,8 @@
 
 use crate::chain::{Walked, config, operators, span, textured, walk};
 use basrelief_kernel::{Demand, MemoryPorts, Unit};
-use basrelief_signals::{Camera, Control, Flow, Frame, Polygon, Vertex, WrapMode};
-use basrelief_texel_value_generator::signals::{Coordinates, Point, Points, Span};
+use basrelief_signals::{Control, Flow, Frame, Polygon, Vertex, WrapMode};
+use basrelief_texel_value_generator::signals::{DivisionPoint, DivisionPoints, FixedCoordinates, ScanSpan};
 use basrelief_texel_value_generator::{
     Divider, DividerConfig, DividerCounters, Division, March, Method, ScanConverter, ScanConverterConfig, Snap, StorageElement,
     TexelConfig,
@@ -12,16 +12,7 @@ use smallvec::smallvec;
 use std::sync::Arc;
 
 pub fn frame(width: u32, height: u32) -> Control {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Control::Frame(Arc::new(Frame {
-        index: 0,
-        width,
-        height,
-        camera,
-        lights: Vec::new(),
-        textures: Vec::new(),
-        shading: Default::default(),
-    }))
+    Control::Frame(Arc::new(Frame { width, height, ..Frame::default() }))
 }
 
 /// Creates a textured polygon of corners (x, y, 1 / w), with u and v as x and y over the size of a picture of 64 x 64.
@@ -32,7 +23,7 @@ pub fn polygon(corners: &[[f32; 3]]) -> Control {
 }
 
 /// Returns the spans of a polygon.
-pub fn scanned(snap: Snap, march: March, corners: &[[f32; 3]]) -> (Vec<Span>, ScanConverter) {
+pub fn scanned(snap: Snap, march: March, corners: &[[f32; 3]]) -> (Vec<ScanSpan>, ScanConverter) {
     let mut unit = ScanConverter::new(ScanConverterConfig::default(), snap, march, operators());
     unit.step(Some(frame(64, 64)), &mut MemoryPorts::default());
     unit.step(Some(polygon(corners)), &mut MemoryPorts::default());
@@ -181,16 +172,16 @@ fn free_divider_takes_next_division() {
 }
 
 /// Returns the quotients of some points, the occupancy and latency of the dividers, and the counters.
-fn divided(config: DividerConfig, bits: u32, points: &Points) -> (Vec<[i64; 2]>, u64, u64, DividerCounters) {
+fn divided(config: DividerConfig, bits: u32, points: &DivisionPoints) -> (Vec<[i64; 2]>, u64, u64, DividerCounters) {
     let mut unit = Divider::new(config, bits, operators());
     let step = unit.step(Some(Flow::Item(points.clone())), &mut MemoryPorts::default());
     let Some(Flow::Item(quotients)) = step.out else { panic!() };
-    (quotients.iter().map(|Coordinates(uv)| *uv).collect(), step.occupancy, step.latency, unit.state.counters)
+    (quotients.iter().map(|FixedCoordinates(uv)| *uv).collect(), step.occupancy, step.latency, unit.state.counters)
 }
 
 #[test]
 fn division_takes_half_its_quotient_bits_in_cycles() {
-    let points = smallvec![Point([0.5, 0.25, 0.9])];
+    let points = smallvec![DivisionPoint([0.5, 0.25, 0.9])];
     let kept = |bits, bits_per_cycle| {
         let (_, occupancy, latency, _) = divided(DividerConfig { bits_per_cycle, ..DividerConfig::default() }, bits, &points);
         assert_eq!(occupancy, latency, "two divisions on two dividers");
@@ -202,7 +193,7 @@ fn division_takes_half_its_quotient_bits_in_cycles() {
 
 #[test]
 fn quotients_are_rounded_to_coordinate_bits() {
-    let points = smallvec![Point([1.0, -2.0, 3.0])];
+    let points = smallvec![DivisionPoint([1.0, -2.0, 3.0])];
     for bits in [12, 20, 48] {
         let (quotients, ..) = divided(DividerConfig::default(), bits, &points);
         let one = (1i64 << (bits - 1)) as f64;
@@ -212,7 +203,7 @@ fn quotients_are_rounded_to_coordinate_bits() {
 
 #[test]
 fn reciprocal_division_matches_two_divisions() {
-    let points: Points = smallvec![Point([0.4, 0.45, 0.5]), Point([0.3, 0.1, 0.7])];
+    let points: DivisionPoints = smallvec![DivisionPoint([0.4, 0.45, 0.5]), DivisionPoint([0.3, 0.1, 0.7])];
     let of = |division| divided(DividerConfig { division, ..DividerConfig::default() }, 32, &points);
     let (two, occupancy, latency, counters) = of(Division::Two);
     assert_eq!((occupancy, latency, counters.divisions, counters.reciprocals, counters.multiplications), (32, 32, 4, 0, 0));

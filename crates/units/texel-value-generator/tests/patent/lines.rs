@@ -3,7 +3,7 @@
 use crate::chain::{config, textured, walk_on};
 use crate::figures::scanned;
 use basrelief_signals::WrapMode;
-use basrelief_texel_value_generator::signals::Span;
+use basrelief_texel_value_generator::signals::ScanSpan;
 use basrelief_texel_value_generator::{March, Method, Snap, TexelConfig};
 
 /// Number of planes drawn.
@@ -25,11 +25,11 @@ impl Random {
 
 /// Returns the scan lines of a plane that fills a picture of 64 x 64. W at its corners is 0.02 to 1, even in its logarithm, and u
 /// is turned by any angle.
-fn plane(random: &mut Random) -> Vec<Span> {
+fn plane(random: &mut Random) -> Vec<ScanSpan> {
     let mut w = || libm::pow(0.02, random.next()) as f32;
     let corners = [[0.0, 0.0, w()], [128.0, 0.0, w()], [0.0, 128.0, w()]];
     let (sin, cos) = libm::sincos(random.next() * std::f64::consts::TAU);
-    let turned = |mut span: Span| {
+    let turned = |mut span: ScanSpan| {
         let [p, q] = span.scale.map(|n| 2f64.powi(n.into()));
         let of = |[u, v, w]: [f64; 3]| [0.125 * (cos * p * u + sin * q * v), 0.0, w];
         (span.ends, span.step, span.scale) = (span.ends.map(of), of(span.step), [3, 0]);
@@ -40,7 +40,7 @@ fn plane(random: &mut Random) -> Vec<Span> {
 
 /// Returns the number of times that an edge between texels reverses between scan lines. Exact edges are straight lines, and never
 /// reverse.
-fn reversals(spans: &[Span], config: &TexelConfig) -> usize {
+fn reversals(spans: &[ScanSpan], config: &TexelConfig) -> usize {
     let polygon = textured(WrapMode::Clamp);
     let rows: Vec<Vec<f32>> =
         spans.iter().map(|s| walk_on(config, *s, &polygon, None).uv().iter().map(|uv| uv[0]).collect()).collect();

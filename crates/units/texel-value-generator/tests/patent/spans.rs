@@ -2,12 +2,12 @@
 
 use crate::chain::{Walked, bounds, config, rounding, span, spans, textured, walk, walk_on};
 use basrelief_signals::WrapMode;
-use basrelief_texel_value_generator::signals::Span;
+use basrelief_texel_value_generator::signals::ScanSpan;
 use basrelief_texel_value_generator::{Method, RootTable, StepForm, TexelConfig, largest_displacement};
 use proptest::prelude::*;
 
 /// Returns the largest displacement between pixels `a` and `b` of the span by the formula, 0 between neighbours.
-fn by_formula(span: &Span, a: u16, b: u16) -> f64 {
+fn by_formula(span: &ScanSpan, a: u16, b: u16) -> f64 {
     let w = |k: u16| span.value(k)[2];
     if b - a <= 1 { 0.0 } else { largest_displacement(w(a), w(b), f64::from(b - a)) }
 }
@@ -30,7 +30,7 @@ fn section_3_largest_displacement_matches_formula() {
 }
 
 /// Returns the division points of the best scheme of a fixed interval that keeps e.
-fn best_fixed(span: &Span, e: f64) -> usize {
+fn best_fixed(span: &ScanSpan, e: f64) -> usize {
     let last = span.last();
     let keeps = |k: u16| (0..last).step_by(usize::from(k)).all(|a| by_formula(span, a, (a + k).min(last)) <= e);
     // Longer intervals first, because a longer one never has more points.
@@ -100,7 +100,7 @@ proptest! {
         method in prop::sample::select(vec![Method::Adaptive, Method::Exact, Method::Fixed, Method::Subpolygon]),
     ) {
         let x = if backwards { x + span.count } else { x };
-        let walked = walk(&TexelConfig { method, interval, points, ..config(e) }, Span { x, backwards, ..span });
+        let walked = walk(&TexelConfig { method, interval, points, ..config(e) }, ScanSpan { x, backwards, ..span });
         let mut columns: Vec<u16> =
             walked.packets.iter().flat_map(|s| s.packet.positions().map(|i| s.packet.x + i as u16).collect::<Vec<_>>()).collect();
         columns.sort_unstable();

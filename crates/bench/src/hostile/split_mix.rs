@@ -2,16 +2,16 @@
 
 /// Random generator (SplitMix64).
 #[derive(Clone, Debug)]
-pub struct Chance(u64);
+pub struct SplitMix64(u64);
 
-impl Chance {
+impl SplitMix64 {
     /// Creates the generator of one case.
     pub fn of(seed: u64, kind: u64, number: u64) -> Self {
-        let mut chance = Self(seed);
+        let mut random = Self(seed);
         for part in [kind, number] {
-            chance.0 = chance.next() ^ part;
+            random.0 = random.next() ^ part;
         }
-        chance
+        random
     }
 
     fn next(&mut self) -> u64 {
