@@ -36,7 +36,7 @@ fn a_page_has_its_parts_in_their_order() {
     assert!(markup.contains("300 points, 4 failed. "), "{markup}");
     assert!(markup.contains("meet quality.psnr_db &gt;= 18. "));
     assert!(markup.contains("deadlock: `shaded` is full"));
-    assert!(markup.contains("All 296 points that have run are drawn."));
+    assert!(markup.contains("All 296 completed points are drawn."));
     assert_eq!(markup.matches("class=\"map\"").count(), 9);
 }
 
@@ -126,7 +126,7 @@ fn constant_objective_is_stated() {
     let mut table = samples::device(300);
     table.rows.iter_mut().for_each(|row| row.cells[1] = Cell::Number(20.5));
     let page = shown(&table);
-    assert!(page.contains("quality.psnr_db [dB] is 20.5 whatever the axes are."));
+    assert!(page.contains("quality.psnr_db [dB] is 20.5 for all values of the axes."));
     assert_eq!(page.matches("class=\"map\"").count(), 6);
 }
 
@@ -139,10 +139,10 @@ fn tables_with_little_in_them_have_a_page() {
     pending.rows.iter_mut().for_each(|row| (row.state, row.cells) = (State::Pending, vec![Cell::Missing; 7]));
     let mut aimless = full.clone();
     aimless.columns.iter_mut().for_each(|column| column.role = Role::Figure);
-    assert!(shown(&Table::default()).contains("0 points. No objective was named"));
+    assert!(shown(&Table::default()).contains("0 points. No objective is named"));
     assert!(shown(&rows(|row| row.state != State::Ok)).contains("1 point, 1 failed."));
     assert!(shown(&pending).contains("30 points, 30 not run yet."));
-    assert!(shown(&aimless).contains("No objective was named"));
+    assert!(shown(&aimless).contains("No objective is named"));
     for table in [Table::default(), rows(|_| false), rows(|row| row.state != State::Ok), pending, aimless] {
         parsed(&shown(&table));
     }
