@@ -35,7 +35,7 @@ export function numbers(into: HTMLElement, now: Shown, pinned: Shown | undefined
   }));
 }
 
-/** What limits the run, in a sentence; the simulator's own, once it has measured. */
+/** The bottleneck in words, once the simulator has measured it. */
 export function lead(into: HTMLElement, { run, whole }: Shown): void {
   const { outcome, cycles } = run.report;
   if (outcome.kind !== "complete") {

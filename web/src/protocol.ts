@@ -55,10 +55,10 @@ export interface Report {
   outcome: { kind: string; message?: string };
   size: { width: number; height: number };
   config: Record<string, unknown>;
-  cycles?: { total: number; drain: number; frames: number[] };
+  cycles?: { total: number; scan_out_tail: number; frames: number[] };
   units?: Record<string, Unit>;
   memories?: Record<string, { clients: Record<string, { read_bytes: number; write_bytes: number }> }>;
-  limits?: { resource: string; what: string; set: string[]; cycles: number; saved: number }[];
+  bottlenecks?: { resource: string; relaxation: string; set: string[]; cycles: number; saved: number }[];
   hardware: { kind: string; width: number; count: number }[];
   quality?: { psnr_db: number; ssim: number; flip: number };
   image: { sha256: string }[];
