@@ -1,6 +1,5 @@
 //! Errors and warnings of all machines about parameters that do not fit together.
 
-use crate::config::IdealConfig;
 use basrelief_kernel::stats::{SlowFifo, UnitStats};
 use basrelief_kernel::{BoundStage, Machine, Visitor, WiringError, check_wiring};
 
@@ -14,11 +13,11 @@ pub struct ConfigProblem {
     pub message: String,
 }
 
-/// Checks the wiring of a new machine, and idealizes its units. If a memory has fewer credits than a step needs (law 3), the error names
+/// Checks the wiring of a new machine, and idealizes the units in a comma-separated list. If a memory has fewer credits than a step needs (law 3), the error names
 /// the parameter of that memory.
-pub(crate) fn wired<M: Machine>(mut machine: M, ideal: &IdealConfig) -> Result<M, ConfigProblem> {
+pub(crate) fn wired<M: Machine>(mut machine: M, ideal_units: &str) -> Result<M, ConfigProblem> {
     let Err(error) = check_wiring(&mut machine) else {
-        return make_ideal(&mut machine, &ideal.units).map(|()| machine);
+        return make_ideal(&mut machine, ideal_units).map(|()| machine);
     };
     let (key, message) = match &error {
         WiringError::TooFewCredits { memory, port, needed, outstanding, .. } => (

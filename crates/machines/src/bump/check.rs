@@ -1,16 +1,16 @@
 //! Checks across parameters, and warnings for the report.
 
 use super::BumpProcessorConfig;
-use super::machine::widths;
 use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
-use basrelief_brightness::BrightnessSource;
+use basrelief_brightness::{BrightnessSource, Components};
 use basrelief_graphics_processor::{GraphicsProcessor, HeldEntry};
 use basrelief_kernel::Unit;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_replacement::CodeBookMode;
-use basrelief_signals::MAX_SAMPLES;
+use basrelief_signals::width::count;
+use basrelief_signals::{MAX_SAMPLES, SignalWidths};
 
 /// Converts an error of the configured VQ tables.
 pub(super) fn no_table(e: basrelief_shading::TableError) -> ConfigProblem {
@@ -62,6 +62,21 @@ pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
     .map(|(credits, of_a_fragment)| credits / of_a_fragment.max(1))
     .fold(c.rasterizer.stamp, u32::min)
     .max(1)
+}
+
+/// Returns the widths of the signals, with `stamp` fragments per stamp.
+pub(super) fn widths(config: &BumpProcessorConfig, stamp: u32) -> SignalWidths {
+    let most = config.replacement.entries.levels().into_iter().max().unwrap_or(1);
+    let values = if config.brightness.components == Components::Separate { 2 } else { 1 };
+    SignalWidths {
+        depth: config.rasterizer.z_bits,
+        stamp,
+        samples: config.normal_mapping.samples(config.brightness.levels),
+        normal: config.normal_mapping.normal_bits,
+        index: count(most.max(2) - 1),
+        brightness: values * config.brightness.bits,
+        ..SignalWidths::default()
+    }
 }
 
 /// Returns the size of a deferred fragment of a bump target \[bits\].

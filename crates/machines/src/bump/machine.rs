@@ -13,8 +13,7 @@ use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_replacement::Replacement;
-use basrelief_signals::width::count;
-use basrelief_signals::{Fragment, Pixel, SignalWidths, Stamp};
+use basrelief_signals::{Fragment, Pixel, Stamp};
 
 /// Bump-mapping processor (106) between geometry processor (102) and graphics processor (104), with its memories.
 #[derive(Clone, Debug)]
@@ -56,7 +55,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
         wired(
             Self {
                 front,
-                fifos: Fifos::new(&c.fifo, &widths(config, stamp)),
+                fifos: Fifos::new(&c.fifo, &check::widths(config, stamp)),
                 early_z: c.rasterizer.early_z,
                 rasterizer: Stage::new(
                     "rasterizer",
@@ -90,23 +89,8 @@ impl<F: FrontEnd> BumpProcessor<F> {
                 memories,
                 clients,
             },
-            &config.ideal,
+            &config.ideal.units,
         )
-    }
-}
-
-/// Returns the widths of the signals, with `stamp` fragments per stamp.
-pub(super) fn widths(config: &BumpProcessorConfig, stamp: u32) -> SignalWidths {
-    let most = config.replacement.entries.levels().into_iter().max().unwrap_or(1);
-    let values = if config.brightness.components == Components::Separate { 2 } else { 1 };
-    SignalWidths {
-        depth: config.rasterizer.z_bits,
-        stamp,
-        samples: config.normal_mapping.samples(config.brightness.levels),
-        normal: config.normal_mapping.normal_bits,
-        index: count(most.max(2) - 1),
-        brightness: values * config.brightness.bits,
-        ..SignalWidths::default()
     }
 }
 

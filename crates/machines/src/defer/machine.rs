@@ -108,7 +108,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
                 clients,
                 config: config.clone(),
             },
-            &config.ideal,
+            &config.ideal.units,
         )
     }
 

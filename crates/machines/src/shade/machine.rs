@@ -71,7 +71,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
                 clients,
                 depth_test: c.frame_memory.depth_test,
             },
-            &config.ideal,
+            &config.ideal.units,
         )
     }
 }

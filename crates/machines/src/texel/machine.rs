@@ -79,7 +79,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
                 clients,
                 depth_test: c.pixel_value_buffer.depth_test,
             },
-            &config.ideal,
+            &config.ideal.units,
         )
     }
 
