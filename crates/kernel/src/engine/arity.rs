@@ -3,7 +3,7 @@
 use super::step_source::StepSource;
 use super::timed::RunAhead;
 use crate::Probe;
-use crate::time::{AnyArity, StageArity};
+use crate::time::{AnyArity, MachineTiming, StageArity};
 
 /// A number of inputs and outputs, with or without memory clients.
 struct FixedArity<const I: usize, const O: usize, const MEMORY: bool>;
@@ -15,7 +15,7 @@ impl<const I: usize, const O: usize, const MEMORY: bool> StageArity for FixedAri
 }
 
 /// Advances a stage, with code specialized for common numbers of FIFOs. A step of unspecialized code takes two thirds longer.
-pub(super) fn advance<P: Probe, W: StepSource>(walk: &mut RunAhead<'_, P>, number: usize, work: &mut W) {
+fn advance<P: Probe, W: StepSource>(walk: &mut RunAhead<'_, P>, number: usize, work: &mut W) {
     let stage = &walk.time.shape.stages[number];
     match ([stage.inputs.len(), stage.outputs.len()], !stage.clients.is_empty()) {
         ([0, 1], false) => walk.advance::<FixedArity<0, 1, false>, W>(number, work),
@@ -28,5 +28,30 @@ pub(super) fn advance<P: Probe, W: StepSource>(walk: &mut RunAhead<'_, P>, numbe
         ([2, 2], true) => walk.advance::<FixedArity<2, 2, true>, W>(number, work),
         ([3, 2], false) => walk.advance::<FixedArity<3, 2, false>, W>(number, work),
         _ => walk.advance::<AnyArity, W>(number, work),
+    }
+}
+
+/// Advances stages without units, round by round, until no step can start.
+///
+/// `after_round` is called after each round, before the memories are served. `read_more` reads the next steps once a stage needs them.
+pub(super) fn run_stored_steps<P: Probe, W: StepSource, E>(
+    walk: &mut RunAhead<'_, P>,
+    sources: &mut [W],
+    mut after_round: impl FnMut(&mut RunAhead<'_, P>, &mut [W]) -> Result<(), E>,
+    mut read_more: impl FnMut(&MachineTiming, &mut [W]) -> Result<(), E>,
+) -> Result<(), E> {
+    loop {
+        walk.begin();
+        for (number, source) in sources.iter_mut().enumerate() {
+            advance(walk, number, source);
+        }
+        after_round(walk, sources)?;
+        if walk.goes_on() {
+            continue;
+        }
+        if !walk.needs_more_steps {
+            return Ok(());
+        }
+        read_more(walk.time, sources)?;
     }
 }

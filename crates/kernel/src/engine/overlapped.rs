@@ -1,7 +1,7 @@
 //! A run in two halves, which may be on two threads: one executes the steps, the other computes their times. The work of a step
 //! does not depend on time (law 6), so the first half never waits for a result of the second.
 
-use super::arity::advance;
+use super::arity::run_stored_steps;
 use super::batch::{BatchedStep, StageSteps, StepBatch};
 use super::context::ActiveRecording;
 use super::functional::run_to;
@@ -62,27 +62,25 @@ fn compute_times(
     let (writer, mut keep) = tape.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
     let mut probe = NoProbe;
     let mut walk = RunAhead::new(time, &mut probe, u64::MAX, writer);
-    loop {
-        walk.begin();
-        for (number, queue) in queues.iter_mut().enumerate() {
-            advance(&mut walk, number, queue);
-        }
+    let after_round = |walk: &mut RunAhead<'_, NoProbe>, queues: &mut [BatchedSteps]| {
         if let Some(fault) = walk.fault.take() {
-            return StopReason::Fault(fault);
+            return Err(StopReason::Fault(fault));
         }
         if let (Some(writer), Some(keep)) = (&mut walk.tape, &mut keep)
             && writer.is_full()
         {
             keep(writer.reel(queue_states(queues), false));
         }
-        if walk.goes_on() {
-            continue;
-        }
-        if !walk.needs_more_steps {
-            return if stopped { StopReason::Stopped } else { StopReason::Quiet };
-        }
-        let Some(stops) = feed(queues, pieces) else { return StopReason::Stopped };
-        stopped = stops;
+        Ok(())
+    };
+    let ended = run_stored_steps(&mut walk, queues, after_round, |_, queues| {
+        stopped = feed(queues, pieces).ok_or(StopReason::Stopped)?;
+        Ok(())
+    });
+    match ended {
+        Err(reason) => reason,
+        Ok(()) if stopped => StopReason::Stopped,
+        Ok(()) => StopReason::Quiet,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Resimulation: the timed engine, with steps from a recording instead of units.
 
-use super::arity::advance;
+use super::arity::run_stored_steps;
 use super::step_source::StepSource;
 use super::timed::RunAhead;
 use crate::netlist::Netlist;
@@ -36,10 +36,10 @@ impl fmt::Display for ResimulateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Recording(error) => error.fmt(f),
-            Self::Stages { found, expected } => write!(f, "the tape has {found} stages, but the machine has {expected}"),
+            Self::Stages { found, expected } => write!(f, "the recording has {found} stages, but the machine has {expected}"),
             Self::EndsEarly(stage) => write!(
                 f,
-                "under these parameters `{stage}` goes on beyond what was recorded: record a run that is complete, or that goes as far"
+                "under these parameters `{stage}` continues beyond the recorded run: record a complete run, or one that goes as far"
             ),
             Self::Fault(text) | Self::Read(text) => f.write_str(text),
         }
@@ -235,11 +235,7 @@ fn timed_again<P: Probe>(
     };
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
     walk.path = path;
-    let halt = loop {
-        walk.begin();
-        for (number, reader) in readers.iter_mut().enumerate() {
-            advance(&mut walk, number, reader);
-        }
+    let after_round = |walk: &mut RunAhead<'_, P>, readers: &mut [RecordingReader]| {
         if let Some(fault) = walk.fault.take() {
             return Err(ResimulateError::Fault(fault));
         }
@@ -247,14 +243,10 @@ fn timed_again<P: Probe>(
             return Err(error.into());
         }
         walk.time.show_fills(walk.probe, None);
-        if walk.goes_on() {
-            continue;
-        }
-        if !walk.needs_more_steps {
-            break if walk.limited { StopReason::Limit(max_cycles) } else { StopReason::Quiet };
-        }
-        feed(&mut readers, reels, walk.time)?;
+        Ok(())
     };
+    run_stored_steps(&mut walk, &mut readers, after_round, |time, readers| feed(readers, reels, time))?;
+    let halt = if walk.limited { StopReason::Limit(max_cycles) } else { StopReason::Quiet };
     let path = walk.path;
     time.land_all();
     let rest = |reader: &RecordingReader| FinalUnitState {

@@ -21,8 +21,8 @@ pub enum RecordingError {
 impl fmt::Display for RecordingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::BreaksOff(missing) => write!(f, "the tape breaks off: {missing} is missing"),
-            Self::Value { what, value, expected } => write!(f, "{what} is {value} on the tape, expected {expected}"),
+            Self::BreaksOff(missing) => write!(f, "the recording ends early: {missing} is missing"),
+            Self::Value { what, value, expected } => write!(f, "{what} is {value} in the recording, expected {expected}"),
         }
     }
 }

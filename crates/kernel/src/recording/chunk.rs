@@ -44,11 +44,11 @@ impl RecordingChunk {
     /// If the bytes are not a valid chunk.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, RecordingError> {
         let mut at = 0;
-        let last = get_up_to(bytes, &mut at, ("whether a reel is the last", 1, "0 or 1"))? == 1;
+        let last = get_up_to(bytes, &mut at, ("the end flag of a chunk", 1, "0 or 1"))? == 1;
         let count = get_up_to(bytes, &mut at, ("the number of stages", 4096, "at most 4096"))?;
         let mut reel = Self { stages: Vec::new(), unit_states: Vec::new(), last };
         for _ in 0..count {
-            let rest = get(bytes, &mut at, "what is left of a stage")?;
+            let rest = get(bytes, &mut at, "the final state of a unit")?;
             reel.unit_states.push(FinalUnitState { demand: demand_of(rest >> 1, MAX_LINKS)?, empty: rest & 1 != 0 });
             let length = get(bytes, &mut at, "the length of a stream")?;
             let end = usize::try_from(length).ok().and_then(|length| at.checked_add(length));
@@ -58,7 +58,7 @@ impl RecordingChunk {
         }
         if at < bytes.len() {
             let value = (bytes.len() - at) as u64;
-            return Err(RecordingError::Value { what: "what follows a reel", value, expected: "nothing" });
+            return Err(RecordingError::Value { what: "the length of the data after a chunk", value, expected: "0" });
         }
         Ok(reel)
     }

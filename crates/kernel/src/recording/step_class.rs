@@ -74,18 +74,18 @@ impl StepClass {
     /// # Errors
     /// If it is not valid for a stage with so many inputs and outputs.
     pub(super) fn read(bytes: &[u8], at: &mut usize, [inputs, outputs]: [usize; 2]) -> Result<Self, RecordingError> {
-        let demand = demand_of(get_up_to(bytes, at, ("what a step takes", u64::MAX, ""))?, inputs)?;
+        let demand = demand_of(get_up_to(bytes, at, ("the demand of a step", u64::MAX, ""))?, inputs)?;
         let all = (1 << outputs << 1) - 1;
-        let delivers = get_up_to(bytes, at, ("what a step delivers", all, "outputs that the stage has"))?;
-        let occupancy = get_up_to(bytes, at, ("how long a step keeps its unit", LONGEST, "1 to 4294967295 cycles"))?;
+        let delivers = get_up_to(bytes, at, ("the set of outputs of a step", all, "outputs that the stage has"))?;
+        let occupancy = get_up_to(bytes, at, ("the occupancy of a step", LONGEST, "1 to 4294967295 cycles"))?;
         if occupancy == 0 {
-            let (what, expected) = ("how long a step keeps its unit", "1 to 4294967295 cycles");
+            let (what, expected) = ("the occupancy of a step", "1 to 4294967295 cycles");
             return Err(RecordingError::Value { what, value: 0, expected });
         }
-        let latency = get_up_to(bytes, at, ("when a step delivers", LONGEST, "at most 4294967295 cycles"))?;
+        let latency = get_up_to(bytes, at, ("the latency of a step", LONGEST, "at most 4294967295 cycles"))?;
         let made = StepTiming { occupancy, latency, outputs: (delivers >> 1) as u32, marked: delivers & 1 != 0 };
         let mut requests = || -> Result<Vec<Request>, RecordingError> {
-            let count = get_up_to(bytes, at, ("how many requests a step makes", MOST, "at most 1048576"))?;
+            let count = get_up_to(bytes, at, ("the number of requests of a step", MOST, "at most 1048576"))?;
             (0..count).map(|_| request(bytes, at)).collect()
         };
         let (requests, look_ups) = (requests()?, requests()?);
@@ -139,6 +139,6 @@ pub(super) fn demand_of(code: u64, inputs: usize) -> Result<Demand, RecordingErr
         1 => Ok(Demand::All),
         2 => Ok(Demand::Finished),
         k if k < 3 + inputs as u64 => Ok(Demand::Only((k - 3) as usize)),
-        value => Err(RecordingError::Value { what: "what a step takes", value, expected: "inputs that the stage has" }),
+        value => Err(RecordingError::Value { what: "the demand of a step", value, expected: "inputs that the stage has" }),
     }
 }
