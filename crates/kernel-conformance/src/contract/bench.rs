@@ -67,7 +67,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         &self.unit.unit.unit
     }
 
-    /// What the sinks collected.
+    /// Returns the tokens that the sinks collected.
     pub fn tokens(&self) -> <U::Out as Emitted>::Tokens {
         self.back.tokens()
     }

@@ -13,7 +13,7 @@ use std::rc::Rc;
 pub struct ContractViolation {
     /// Which run broke it.
     pub place: String,
-    /// What was seen, and what was expected.
+    /// The observation and the expectation.
     pub what: String,
 }
 
@@ -39,10 +39,10 @@ impl<U: 'static> StateOf<U> {
     }
 }
 
-/// What every unit promises, for one configuration and one sequence of tokens: each method checks one promise.
+/// The promises of every unit, for one configuration and one sequence of tokens. Each method checks one promise.
 ///
-/// They are tried in twelve settings: FIFOs of 1, 2 and 16 slots, each at full rate, with slow sinks, with slow
-/// sources, and with a slow memory behind the smallest caches and credits.
+/// A unit is tested in twelve environments: FIFOs of 1, 2 and 16 slots, each at full rate, with slow sinks, with slow sources,
+/// and with a slow memory behind the smallest caches and credits.
 #[derive(Clone)]
 pub struct Contract<U: Unit<In: Popped>> {
     fresh: U,
@@ -86,7 +86,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Self::new(unit, tokens, |_| (), |_, ()| ())
     }
 
-    /// What stands behind each memory client of the unit, in the unit's numbering.
+    /// Sets the memory or cache of each memory client, in the unit's numbering.
     #[must_use]
     pub fn clients(mut self, clients: &[ClientKind]) -> Self {
         self.clients = clients.to_vec();
@@ -147,10 +147,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// Neither shallow FIFOs nor slow neighbours nor slow memories change a token, or what the unit ends up with.
+    /// Shallow FIFOs, slow neighbours and slow memories change no token and no final state.
     ///
     /// # Errors
-    /// Names the first token that differs and the cycle in which it came.
+    /// Names the first token that differs and its cycle.
     pub fn back_pressure_changes_no_token(&self) -> Result<(), ContractViolation> {
         let expected = self.final_state(self.functional()?.unit())?;
         for setting in settings() {
@@ -162,11 +162,11 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// No step asks for more credits of a client than [`Unit::largest_step`] said, nor for a client that the contract does not
-    /// list. (The kernel watches this in every run; here, nothing else can fail.)
+    /// No step needs more credits of a client than [`Unit::largest_step`] declared, or a client that the contract does not list.
+    /// (The kernel checks this in every run. Here, no other check can fail.)
     ///
     /// # Errors
-    /// Names the client, what was needed and what was declared.
+    /// Names the client, the need and the declaration.
     pub fn steps_keep_within_largest_step(&self) -> Result<(), ContractViolation> {
         for setting in settings() {
             let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &setting);
@@ -177,11 +177,11 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// The state survives a trip through JSON, into a fresh unit, after every step: a checkpoint is a serialization, and nothing
-    /// else need be saved.
+    /// The state survives a round trip through JSON, into a fresh unit, after every step. So a checkpoint is a serialization, and
+    /// no other data need be saved.
     ///
     /// # Errors
-    /// Says what was lost, or which token came out differently.
+    /// Names the lost state or the first token that differs.
     pub fn state_round_trips(&self) -> Result<(), ContractViolation> {
         let StateOf { write, read } = self.state.clone();
         let fresh = self.fresh.clone();
@@ -231,7 +231,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// The unit works, takes every token, and holds none back at the end.
     ///
     /// # Errors
-    /// Says what is left.
+    /// Names the tokens that are left.
     pub fn nothing_is_left_at_the_end(&self) -> Result<(), ContractViolation> {
         for setting in settings() {
             let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &setting);

@@ -1,6 +1,6 @@
 //! Kinds of memory clients.
 
-/// What is behind a memory client of the unit under test.
+/// The memory or cache behind a memory client of the unit under test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClientKind {
     /// A port of the memory.

@@ -1,10 +1,10 @@
-//! The two sides of a bench: what feeds each shape of input, and what collects each shape of output.
+//! The two sides of a bench: sources for each type of input, and sinks for each type of output.
 
 use super::environment::TestEnvironment;
 use basrelief_kernel::{Fifo, Inputs, Outputs, Sink, Source, Stage, Visitor};
 use std::fmt::Debug;
 
-/// What a unit takes, and what feeds it: implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
+/// The inputs of a unit, with their sources: implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
 pub trait Popped: Sized {
     /// The tokens of each input: `()`, `Vec<A>` or `(Vec<A>, Vec<B>)`.
     type Tokens: Clone;
@@ -16,7 +16,7 @@ pub trait Popped: Sized {
 
 /// Sources with their FIFOs.
 pub trait Front {
-    /// What the unit behind them pops.
+    /// The tokens that the unit behind them pops.
     type Item;
     /// The FIFOs.
     type Wires<'a>: Inputs<Item = Self::Item>
@@ -28,7 +28,7 @@ pub trait Front {
     fn ends(&mut self) -> Self::Wires<'_>;
 }
 
-/// What a unit emits, and what collects it: implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
+/// The outputs of a unit, with their sinks: implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
 pub trait Emitted: Sized {
     /// The tokens of each output: `()`, `Vec<A>` or `(Vec<A>, Vec<B>)`.
     type Tokens: Clone + Debug + PartialEq;
@@ -40,7 +40,7 @@ pub trait Emitted: Sized {
 
 /// Sinks with their FIFOs.
 pub trait Back {
-    /// What the unit before them emits.
+    /// The tokens that the unit before them emits.
     type Item;
     /// The tokens of each output.
     type Tokens;
@@ -52,7 +52,7 @@ pub trait Back {
     fn wire<V: Visitor>(&mut self, v: &mut V);
     /// The FIFOs' ends at the unit.
     fn ends(&mut self) -> Self::Wires<'_>;
-    /// What came.
+    /// Returns the collected tokens.
     fn tokens(&self) -> Self::Tokens;
 }
 

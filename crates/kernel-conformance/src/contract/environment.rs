@@ -3,7 +3,7 @@
 use basrelief_kernel::{CacheConfig, MemoryConfig};
 use std::fmt;
 
-/// What surrounds the unit in one run.
+/// The environment of the unit in one run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TestEnvironment {
     /// Slots of every FIFO.

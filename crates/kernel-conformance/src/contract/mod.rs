@@ -1,4 +1,4 @@
-//! What every unit must keep, as tests: a source, a sink, a bench around one unit, and the unit contract.
+//! The unit contract: tests of the promises that every unit keeps, on a bench around one unit.
 //!
 //! A unit crate states its contract once per configuration worth testing. The macro makes a module of tests of it:
 //!

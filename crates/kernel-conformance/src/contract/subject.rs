@@ -1,9 +1,9 @@
-//! The unit under test. What its steps ask of memories is the kernel's to watch, here as in any machine.
+//! The unit under test. The kernel checks its memory requests, as in any machine.
 
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit, UnitInfo};
 use std::rc::Rc;
 
-/// What is done to the unit after each step; an error is a fault.
+/// Hook that runs after each step. An error is a fault.
 pub(super) type AfterStep<U> = Rc<dyn Fn(&mut U) -> Result<(), String>>;
 
 /// Passes everything on to the unit; something may be done to it after each step.

@@ -1,4 +1,4 @@
-//! What must hold of a plan before a machine can be built from it.
+//! Checks of a plan before a machine is built from it.
 
 use super::format::{Kind, Plan, PlannedUnit};
 use basrelief_kernel::{MAX_CLIENTS, MAX_LINKS};
@@ -12,7 +12,7 @@ use std::ops::RangeInclusive;
 pub struct PlanError {
     /// The FIFO, memory, cache or unit.
     pub place: String,
-    /// What is wrong with it, and what was expected.
+    /// The error and the expectation.
     pub what: String,
 }
 

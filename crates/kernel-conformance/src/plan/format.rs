@@ -68,7 +68,7 @@ pub struct PlanCache {
 pub struct PlannedUnit {
     /// Unique name.
     pub name: String,
-    /// What it does.
+    /// Its kind.
     #[serde(flatten)]
     pub kind: Kind,
     /// Names of the FIFOs it pops from.
@@ -83,7 +83,7 @@ pub struct PlannedUnit {
     pub latency: Vec<u64>,
 }
 
-/// What a unit of a plan does.
+/// Kind of a unit of a plan.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Kind {

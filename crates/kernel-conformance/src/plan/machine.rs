@@ -1,4 +1,4 @@
-//! A machine whose wiring walks a plan.
+//! A machine whose wiring follows a plan.
 
 use super::check::{PlanError, check};
 use super::format::{Kind, Plan, PlannedUnit};
@@ -27,7 +27,7 @@ impl PlanMachine {
     /// Builds the machine.
     ///
     /// # Errors
-    /// If the plan is no machine: names the place, the field, and what was expected.
+    /// If the plan is invalid: names the place, the field, and the expectation.
     pub fn new(plan: &Plan) -> Result<Self, PlanError> {
         check(plan)?;
         let fifos: Vec<_> = plan.fifos.iter().map(|f| Fifo::new(&f.name, f.depth, f.latency)).collect();

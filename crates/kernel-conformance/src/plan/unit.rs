@@ -21,7 +21,7 @@ pub struct PlanUnit {
     steps: u64,
     /// A token being expanded, and the number of its next child.
     expanding: Option<(Token, u64)>,
-    /// What came to an end here: the tokens of a unit without outputs.
+    /// Tokens that ended here, if the unit has no outputs.
     swallowed: Vec<Token>,
 }
 
@@ -48,7 +48,7 @@ impl PlanUnit {
         vec![Some(token); self.plan.outputs.len()]
     }
 
-    /// What the step emits, and the id that its times go by.
+    /// Returns the emitted tokens, and the id that determines the times of the step.
     fn emit(&mut self, taken: &[Option<Token>]) -> (Vec<Option<Token>>, u64) {
         let none = || vec![None; self.plan.outputs.len()];
         let first = taken.iter().flatten().next().copied().unwrap_or(Token { id: 0, last: false });
