@@ -9,7 +9,7 @@ use basrelief_trace::*;
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
 use basrelief_sim::{MACHINES, MachineInfo, RunInput, RunOptions, RunError, Unobserved, run};
-use basrelief_signals::{Camera, Filter, Lighting, Sampler, Wrap};
+use basrelief_signals::{Camera, TexelFilter, Lighting, Sampler, WrapMode};
 use libfuzzer_sys::fuzz_target;
 use std::io::Cursor;
 
@@ -55,8 +55,8 @@ impl Choices<'_> {
 
 fn texture(c: &mut Choices<'_>, id: u32, kind: TextureKind) -> TextureDefinition {
     let (width, height, seed) = (1 + c.below(9), 1 + c.below(9), c.byte());
-    let wrap = [(); 2].map(|()| [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp][c.below(3) as usize]);
-    let sampler = Sampler { wrap, filter: if c.switch() { Filter::Nearest } else { Filter::Bilinear } };
+    let wrap = [(); 2].map(|()| [WrapMode::Repeat, WrapMode::Mirror, WrapMode::Clamp][c.below(3) as usize]);
+    let sampler = Sampler { wrap, filter: if c.switch() { TexelFilter::Nearest } else { TexelFilter::Bilinear } };
     let (levels, offset) = (1 + c.below(width.max(height).ilog2() + 1), 1024 * u64::from(id));
     let (name, sha256) = (format!("t{id}"), Digest::default());
     let mut texture = TextureDefinition { id, name, kind, sampler, width, height, levels, offset, sha256, data: None, file: None };
