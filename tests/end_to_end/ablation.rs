@@ -13,7 +13,7 @@ const VARIANTS: [(&str, &[&str]); 5] = [
 ];
 
 #[test]
-fn the_table_holds_what_runs_with_these_settings_take() {
+fn ablation_table_equals_separate_runs() {
     let place = Place::new();
     let said = place.ok("run demo:cut-plane@2 --size 48x36 --ablate --json").out;
     assert_eq!(place.names("out"), ["ablation.csv", "ablation.json"]);
@@ -41,7 +41,7 @@ fn the_table_holds_what_runs_with_these_settings_take() {
 /// The specification: what is dropped is less than half a step, so that no output changes by more than 1; the other short
 /// cuts change nothing beyond their tolerance.
 #[test]
-fn at_the_default_thresholds_no_output_changes_by_more_than_one_step() {
+fn default_thresholds_change_output_by_one_step() {
     let place = Place::new();
     for demo in ["ellipsoid@2", "cut-plane@2", "goblet@2"] {
         place.ok(&format!("demo {demo} --size 48x36 --ablate --quiet"));
@@ -76,7 +76,7 @@ fn a_recorded_list_is_read_once_per_run_from_its_file() {
 }
 
 #[test]
-fn where_there_is_nothing_to_compare_the_error_says_so() {
+fn empty_comparison_is_an_error() {
     let place = Place::new();
     assert!(place.run("demo coin --size 16x12 --ablate").error(2).contains("machine `bump` has no short cuts"));
     place.run("demo goblet --ablate --functional").error(2);
@@ -86,7 +86,7 @@ fn where_there_is_nothing_to_compare_the_error_says_so() {
 }
 
 #[test]
-fn two_ablations_are_the_same_to_the_byte_with_either_engine() {
+fn ablations_of_both_engines_are_identical() {
     let place = Place::new();
     let table = |out: &str, engine: &str| -> Value {
         place.ok(&format!("demo ellipsoid@1 --size 32x24 --ablate --engine {engine} --out {out} --quiet"));

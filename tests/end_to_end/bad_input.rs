@@ -41,7 +41,7 @@ fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_file_of_the_gltf_validator_runs_or_is_refused() {
+fn validator_files_run_or_are_refused() {
     let Some(folder) = inputs("bad/gltf-validator") else { return };
     let place = Place::new();
     let files = files(&folder, &["gltf", "glb"]);
@@ -68,7 +68,7 @@ fn corrupt_pictures_are_errors() {
 }
 
 #[test]
-fn what_is_no_model_is_refused_with_its_name() {
+fn non_model_is_refused_by_name() {
     let place = Place::new();
     fs::create_dir(place.path("folder")).expect("created");
     fs::write(place.path("letter.txt"), "Dear Sir or Madam,\n").expect("written");
@@ -101,7 +101,7 @@ fn pipe(place: &Place, name: &str) {
 
 #[cfg(unix)]
 #[test]
-fn a_pipe_that_a_model_refers_to_is_refused_or_left_out_and_not_waited_for() {
+fn pipe_as_model_file_does_not_block() {
     let place = Place::new();
     ["pipe", "pipe.png", "pipe.mtl"].iter().for_each(|name| pipe(&place, name));
     let gltf = |accessor: &str, more: &str| {
@@ -144,7 +144,7 @@ fn verify_waits_for_no_pipe_and_follows_no_link_twice() {
 }
 
 #[test]
-fn a_trace_cut_short_at_any_byte_is_an_error_and_writes_nothing() {
+fn truncated_trace_is_an_error_without_output() {
     let place = Place::new();
     let quad = workspace().join("crates/sim/src/quad.dl.jsonl");
     for form in ["jsonl", "jsonl.zst", "bdl", "bdl.zst"] {
@@ -169,7 +169,7 @@ fn a_failure_leaves_the_results_of_the_run_before() {
     let before = place.text("out/report.json");
     fs::write(place.path("bad.gltf"), "{}").expect("written");
     place.run("run bad.gltf").error(1);
-    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json", "run.tape"]);
+    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json", "run.recording"]);
     assert_eq!(place.text("out/report.json"), before);
     fs::remove_file(place.path("out/image.png")).expect("removed");
     fs::create_dir(place.path("out/image.png")).expect("created");
@@ -178,7 +178,7 @@ fn a_failure_leaves_the_results_of_the_run_before() {
 }
 
 #[test]
-fn bad_settings_and_bad_cameras_are_told_apart_from_wrong_usage() {
+fn bad_settings_and_cameras_have_own_exit_codes() {
     let place = Place::new();
     fs::write(place.path("c.toml"), "[replacement]\nentrys = 3\n").expect("written");
     let outcome = place.run("run PATCH --config c.toml");
@@ -197,7 +197,7 @@ fn bad_settings_and_bad_cameras_are_told_apart_from_wrong_usage() {
 }
 
 #[test]
-fn where_nothing_can_be_written_the_error_names_the_place() {
+fn unwritable_place_is_named() {
     let place = Place::new();
     fs::write(place.path("file"), "").expect("written");
     assert!(place.run("run PATCH --size 16x12 --out file/out").error(1).contains("file/out"));
@@ -221,7 +221,7 @@ fn a_reader_that_goes_away_is_no_error() {
 }
 
 #[test]
-fn a_script_of_views_that_is_none_is_named_with_its_place_and_its_field() {
+fn bad_view_file_names_place_and_field() {
     let place = Place::new();
     let write = |text: &str| std::fs::write(place.path("v.toml"), text).expect("written");
     let refused =

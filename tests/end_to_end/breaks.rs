@@ -34,7 +34,7 @@ fn looking(place: &Place, server: &Server, out: &str) -> Child {
 }
 
 #[test]
-fn a_client_that_is_killed_leaves_whole_pictures_and_the_next_run_takes_away_the_rest() {
+fn killed_client_leaves_whole_images_only() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let mut client = looking(&place, &server, "out");
@@ -55,7 +55,7 @@ fn a_client_that_is_killed_leaves_whole_pictures_and_the_next_run_takes_away_the
 
 /// For longer than a request is tried again: it takes 1.5 s to find out that an answer does not come.
 #[test]
-fn a_server_that_restarts_in_the_middle_costs_its_clients_nothing_but_time() {
+fn server_restart_costs_clients_only_time() {
     let place = Place::new();
     let server = Server::start_at(&place, &format!("serve demo:gallery --listen {OWN_HOST}:0"), OWN_HOST);
     place.ok(&format!("run --from {} {VIEWS} --out undisturbed", server.1));
@@ -71,7 +71,7 @@ fn a_server_that_restarts_in_the_middle_costs_its_clients_nothing_but_time() {
 }
 
 #[test]
-fn a_disk_that_is_full_is_named_after_the_picture_that_does_not_fit_and_nothing_half_written_is_left() {
+fn full_disk_names_image_and_leaves_no_partial_file() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let full = place.on_a_full_disk(&format!("run --from {} {VIEWS} --tile-cache kept --out out", server.1));
@@ -101,7 +101,7 @@ fn status(server: &Server, name: &str) -> u64 {
 /// The largest answers there are to more clients than are served at a time, none of whom takes more than its beginning.
 #[cfg(target_os = "linux")]
 #[test]
-fn threads_and_memory_of_a_server_do_not_grow_with_its_clients() {
+fn server_threads_and_memory_are_bounded() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let address = server.address();
@@ -119,7 +119,7 @@ fn threads_and_memory_of_a_server_do_not_grow_with_its_clients() {
     let (threads, memory) = (status(&server, "Threads"), status(&server, "VmHWM"));
     let ask = |_| {
         let mut client = TcpStream::connect(address).expect("connects");
-        write!(client, "GET {} HTTP/1.1\r\nHost: x\r\n\r\n", tile(1)).expect("sent");
+        write!(client, "GET {} HTTP/1.1\r\nHost: localhost\r\n\r\n", tile(1)).expect("sent");
         client
     };
     let mut clients: Vec<TcpStream> = (0..CONNECTIONS + LET_GO).map(ask).collect();

@@ -24,7 +24,7 @@ fn comparing_fails_only_over_its_limit() {
     let same = place.ok("compare a a --fail-over 0").out;
     assert!(!same.is_empty());
     assert!(place.ok("compare a b/report.json").out.contains("graphics"));
-    assert!(place.run("compare a b --fail-over 0.01").error(1).contains("grew worse"));
+    assert!(place.run("compare a b --fail-over 0.01").error(1).contains("worse by"));
     place.ok("compare a b --fail-over 100000");
     let json: Value = serde_json::from_str(&place.ok("compare a b --json").out).expect("JSON");
     assert!(json.is_object());
@@ -43,7 +43,7 @@ fn comparing_two_machines_says_that_they_are_two() {
 }
 
 #[test]
-fn what_explains_a_difference_is_measured_from_the_tapes_beside_the_reports() {
+fn compare_measures_causes_from_recordings() {
     let place = Place::new();
     place.ok(&format!("{QUICK} --out a"));
     let set = "--set memory.texture.part=sdr-100 --set fifo.pixels.depth=2 --set texel.error_bound=0.1";
@@ -58,20 +58,20 @@ fn what_explains_a_difference_is_measured_from_the_tapes_beside_the_reports() {
     for (share, group) in shares.iter().zip(&groups) {
         let options: Vec<String> =
             share["set"].as_array().expect("options").iter().map(|set| format!("--set {}", set.as_str().unwrap())).collect();
-        place.ok(&format!("{QUICK} --no-limits {set} {} --out promised", options.join(" ")));
+        place.ok(&format!("{QUICK} --no-bottlenecks {set} {} --out promised", options.join(" ")));
         assert_eq!(Some(place.frame_cycles("promised")), share["cycles"].as_u64(), "{group}");
     }
     let told = said(&place, "a b");
     assert!(groups.contains(&"memory.texture") && told.contains(" memory.texture: "), "{told}");
     assert!(groups.contains(&"work") && told.contains(" work parameters: "), "{told}");
-    place.ok("retime a --set memory.texture.cl=9 --out c --quiet");
-    assert!(said(&place, "a c").contains(" all due to memory.texture."), "what retime leaves is compared, too");
+    place.ok("resimulate a --set memory.texture.cl=9 --out c --quiet");
+    assert!(said(&place, "a c").contains(" all due to memory.texture."), "results of resimulate can be compared");
 }
 
 #[test]
 fn several_reports_are_each_held_against_the_first() {
     let place = Place::new();
-    for (folder, set) in [("a", ""), ("b", "--set memory.texture.cl=9"), ("c", "--set memory.texture.cl=99 --no-limits")] {
+    for (folder, set) in [("a", ""), ("b", "--set memory.texture.cl=9"), ("c", "--set memory.texture.cl=99 --no-bottlenecks")] {
         place.ok(&format!("{QUICK} {set} --out {folder}"));
     }
     let list = json(&place, "a b c");
@@ -85,7 +85,7 @@ fn several_reports_are_each_held_against_the_first() {
     let worst = |n: usize| list[n]["worst"]["percent"].as_f64().expect("a number");
     assert!(worst(0) < worst(1));
     place.ok(&format!("compare a c b --fail-over {}", worst(1)));
-    assert!(place.run(&format!("compare a c b --fail-over {}", worst(0))).error(1).contains("grew worse"));
+    assert!(place.run(&format!("compare a c b --fail-over {}", worst(0))).error(1).contains("worse by"));
 }
 
 #[test]
@@ -94,16 +94,16 @@ fn a_tape_that_is_spoiled_or_of_another_run_is_named() {
     place.ok(&format!("{QUICK} --out a"));
     place.ok(&format!("{QUICK} --set memory.texture.cl=9 --out b"));
     place.ok("demo goblet@1 --size 32x24 --quiet --no-exact --out c");
-    let tape = place.bytes("b/run.tape");
+    let tape = place.bytes("b/run.recording");
     for (wrong, words) in [
         (&tape[..tape.len() / 2], "not a recording"),
         (b"no tape", "not a recording"),
-        (&place.bytes("c/run.tape"), "belong to different runs"),
+        (&place.bytes("c/run.recording"), "belong to different runs"),
     ] {
-        fs::write(place.path("b/run.tape"), wrong).expect("written");
+        fs::write(place.path("b/run.recording"), wrong).expect("written");
         for line in ["a b", "b a", "a a b"] {
             let error = place.run(&format!("compare {line}"));
-            assert!(error.error(1).starts_with("b/run.tape: ") && error.err.contains(words), "{line}: {}", error.err);
+            assert!(error.error(1).starts_with("b/run.recording: ") && error.err.contains(words), "{line}: {}", error.err);
         }
     }
     // Beside a report under another name it is none of its run.

@@ -5,7 +5,7 @@ use crate::support::{Place, picture};
 #[test]
 fn costs_come_as_pictures_and_as_tables() {
     let place = Place::new();
-    let text = place.ok("demo golf-ball --size 48x36 --costs --csv --no-exact --no-limits").out;
+    let text = place.ok("demo golf-ball --size 48x36 --costs --csv --no-exact --no-bottlenecks").out;
     assert_eq!(
         place.names("out"),
         ["cost.png", "entry.png", "image.png", "level.png", "overdraw.png", "report.csv", "report.json", "wait.png"]
@@ -31,9 +31,9 @@ fn costs_come_as_pictures_and_as_tables() {
 }
 
 #[test]
-fn who_does_not_ask_for_costs_gets_none_and_without_time_there_are_none() {
+fn costs_are_optional_and_need_timing() {
     let place = Place::new();
-    place.ok("demo golf-ball --size 16x12 --no-exact --no-limits");
+    place.ok("demo golf-ball --size 16x12 --no-exact --no-bottlenecks");
     assert_eq!(place.names("out"), ["image.png", "report.json"]);
     assert!(place.report("out").get("costs").is_none());
     let refused = place.run("demo golf-ball --size 16x12 --costs --functional");

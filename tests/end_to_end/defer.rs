@@ -15,7 +15,7 @@ fn image(place: &Place, out: &str) -> String {
 }
 
 #[test]
-fn it_writes_pictures_of_each_round_the_layer_depth_the_tile_map_and_both_dumps() {
+fn defer_writes_round_images_maps_and_dumps() {
     let place = Place::new();
     let dumps = "--dump reference-buffer buffer.jsonl --dump tiles tiles.jsonl";
     place.ok(&format!("demo gallery {SMALL} --set defer.mode=progressive {dumps} --out p"));
@@ -41,7 +41,7 @@ fn it_writes_pictures_of_each_round_the_layer_depth_the_tile_map_and_both_dumps(
 }
 
 #[test]
-fn a_progressive_picture_that_is_the_best_at_once_is_a_round_too() {
+fn best_first_progressive_image_is_a_round() {
     let place = Place::new();
     place.ok("demo gallery --size 64x48 --quiet --set defer.mode=progressive --out p");
     assert_eq!(place.report("p")["figures"]["picture_round"], serde_json::json!([0]));
@@ -70,7 +70,7 @@ fn a_dump_that_there_is_none_of_is_refused() {
 }
 
 #[test]
-fn a_local_disk_is_a_path_too_0025_and_its_preset_says_what_path_it_is() {
+fn local_disk_preset_is_a_path_0025() {
     let place = Place::new();
     let folder = workspace().join("presets");
     let line = |preset: &str| {
@@ -95,7 +95,7 @@ fn a_local_disk_is_a_path_too_0025_and_its_preset_says_what_path_it_is() {
 }
 
 #[test]
-fn a_recorded_list_draws_the_same_pictures_in_every_form_and_mode() {
+fn recorded_trace_draws_same_images_in_all_forms() {
     let place = Place::new();
     let model = workspace().join("tests/models/alcove.gltf");
     let (model, view) = (model.display(), "--size 48x36 --frames 2 --orbit 40");
@@ -121,7 +121,7 @@ fn a_recorded_list_draws_the_same_pictures_in_every_form_and_mode() {
 }
 
 #[test]
-fn a_dump_that_cannot_be_written_leaves_no_pictures_behind() {
+fn unwritable_dump_leaves_no_images() {
     let full = Path::new("/dev/full");
     if !full.exists() {
         return;

@@ -1,7 +1,8 @@
-//! Ctrl-C at any time: exit code 130, and nothing is left.
+//! Signals at any time: the exit code is 128 plus the number of the signal, and no unfinished output remains.
 
 use crate::support::{Place, wait};
 use std::fs;
+use std::io::{BufRead as _, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -23,12 +24,17 @@ fn wait_until(what: &str, happens: impl Fn() -> bool) {
     panic!("never: {what}");
 }
 
-/// Sends the signal, and expects the exit code.
+/// Sends the signal and expects its exit code.
 fn interrupt(child: &mut Child, signal: &str) {
+    let code = match signal {
+        "-INT" => 130,
+        "-TERM" => 143,
+        _ => 129,
+    };
     let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill");
     assert!(sent.success(), "the program had ended before");
     let status = wait(child, SOON).expect("ends soon");
-    assert_eq!(status.code(), Some(130), "{status}");
+    assert_eq!(status.code(), Some(code), "{status}");
 }
 
 /// Whether there is a file or folder with this in its name, at any depth.
@@ -41,7 +47,7 @@ fn has(folder: &PathBuf, part: &str) -> bool {
 }
 
 #[test]
-fn a_long_run_leaves_nothing_not_even_the_folders_made_for_it() {
+fn interrupted_run_leaves_no_files_or_folders() {
     let place = Place::new();
     let line = "run PATCH --size 64x48 --frames 3000 --orbit 360 --out new/out --timeline line.pftrace";
     let mut child = start(&place, line, Stdio::null());
@@ -51,33 +57,67 @@ fn a_long_run_leaves_nothing_not_even_the_folders_made_for_it() {
 }
 
 #[test]
-fn results_of_an_earlier_run_stay() {
+fn interrupted_run_keeps_earlier_results() {
     let place = Place::new();
     place.ok("run PATCH --size 16x12");
     let before = place.text("out/report.json");
     let mut child = start(&place, "run PATCH --size 64x48 --frames 3000", Stdio::null());
     wait_until("pictures", || has(&place.path("out"), "image-0001"));
     interrupt(&mut child, "-TERM");
-    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json", "run.tape"]);
+    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json", "run.recording"]);
     assert_eq!(place.text("out/report.json"), before);
 }
 
 #[test]
-fn a_pipe_into_which_nobody_writes_does_not_hold_it_up() {
+fn silent_input_pipe_can_be_interrupted() {
     let place = Place::new();
     for line in ["run - --out new", "convert - t.bdl"] {
         let mut child = start(&place, line, Stdio::piped());
         wait_until("a start", || has(&place.path(""), ".partial"));
-        interrupt(&mut child, "-INT");
+        interrupt(&mut child, "-HUP");
         assert!(place.names("").is_empty(), "{line}: {:?}", place.names(""));
     }
 }
 
 #[test]
-fn a_long_recording_leaves_nothing() {
+fn interrupted_record_leaves_no_files() {
     let place = Place::new();
     let mut child = start(&place, "record PATCH --frames 100000 --orbit 360 --out t.jsonl", Stdio::null());
     wait_until("a start", || has(&place.path(""), ".partial"));
     interrupt(&mut child, "-INT");
     assert!(place.names("").is_empty(), "{:?}", place.names(""));
+}
+
+#[test]
+fn closed_standard_error_does_not_block_signals() {
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        for line in [
+            "run PATCH --size 64x48 --frames 3000",
+            "record PATCH --frames 100000 --orbit 360 --out t.jsonl",
+            "serve PATCH --listen 127.0.0.1:0",
+            "run - --out new",
+        ] {
+            let place = Place::new();
+            let mut child =
+                place.command(line).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+            drop(child.stderr.take());
+            if line.starts_with("serve") {
+                let mut first = String::new();
+                BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut first).unwrap();
+            } else {
+                wait_until("a start", || has(&place.path(""), ".partial"));
+            }
+            interrupt(&mut child, signal);
+        }
+    }
+}
+
+#[test]
+fn closed_standard_error_keeps_the_exit_code() {
+    let place = Place::new();
+    for (line, code) in [("run missing.glb", 1), ("demo teapot", 2), ("retime missing", 1)] {
+        let mut child = place.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stderr.take());
+        assert_eq!(wait(&mut child, SOON).expect("ends soon").code(), Some(code), "{line}");
+    }
 }

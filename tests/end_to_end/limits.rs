@@ -16,7 +16,7 @@ fn run(place: &Place, line: &str) -> Outcome {
 }
 
 #[test]
-fn absurd_settings_run_or_are_refused_within_a_gibibyte() {
+fn absurd_settings_stay_within_memory_limit() {
     let place = Place::new();
     for settings in [
         "--max-cycles 18446744073709551615",
@@ -51,7 +51,7 @@ fn patch() -> String {
 }
 
 #[test]
-fn pictures_have_a_largest_size_and_frames_a_largest_number() {
+fn image_size_and_frame_count_are_bounded() {
     let place = Place::new();
     for line in ["demo --size 16384x16384", "demo --size 0x1", "demo --size 99999x1", "demo --frames 0", "demo --frames 1000001"]
     {
@@ -67,7 +67,7 @@ fn pictures_have_a_largest_size_and_frames_a_largest_number() {
 
 /// Meshes of many parts, in many places: as many objects as the product.
 #[test]
-fn a_small_file_of_a_million_objects_is_drawn_from_its_first_cycle_on_or_refused() {
+fn million_objects_run_or_are_refused() {
     let place = Place::new();
     for (primitives, nodes, words) in [(40, 60, "--max-cycles"), (700, 1500, "--max-cycles"), (4000, 4000, "over the limit of")] {
         let parts = vec![r#"{"attributes":{"POSITION":0}}"#; primitives].join(",");
@@ -84,7 +84,7 @@ fn a_small_file_of_a_million_objects_is_drawn_from_its_first_cycle_on_or_refused
 }
 
 #[test]
-fn the_limit_of_cycles_holds_however_much_there_is_to_draw() {
+fn cycle_limit_holds_for_any_input() {
     let place = Place::new();
     // A million vertices that no data back, in fifty places.
     let nodes = vec![r#"{"mesh":0}"#; 50].join(",");

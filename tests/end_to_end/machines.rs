@@ -8,7 +8,7 @@ const DEMOS: [&str; 10] =
     ["golf-ball", "coin", "brick", "mixed", "sphere", "ellipsoid", "cut-plane", "goblet", "corridor", "turntable"];
 
 #[test]
-fn a_demo_is_drawn_by_the_machine_it_is_made_for_unless_another_is_named() {
+fn demo_selects_its_machine_by_default() {
     let place = Place::new();
     for (line, name, drawn_by) in [
         ("demo ellipsoid@1", "ellipsoid@1", "shade"),
@@ -27,7 +27,7 @@ fn a_demo_is_drawn_by_the_machine_it_is_made_for_unless_another_is_named() {
 }
 
 #[test]
-fn both_engines_and_the_functional_model_agree_on_every_demo_and_machine() {
+fn engines_and_functional_mode_agree_on_all_demos() {
     let place = Place::new();
     for demo in DEMOS {
         for machine in ["bump", "shade", "texel"] {
@@ -43,7 +43,7 @@ fn both_engines_and_the_functional_model_agree_on_every_demo_and_machine() {
 }
 
 #[test]
-fn the_report_of_the_figure_shading_device_tells_paths_circuits_and_errors() {
+fn shade_report_has_paths_circuits_and_errors() {
     let place = Place::new();
     let said = place.ok("demo cut-plane@2 --size 64x48 --csv --tables all --timeline t.pftrace").out;
     let report = place.report("out");
@@ -71,7 +71,7 @@ fn the_report_of_the_figure_shading_device_tells_paths_circuits_and_errors() {
 }
 
 #[test]
-fn normals_brought_to_length_one_come_closest_to_the_exact_picture() {
+fn normalized_normals_are_closest_to_reference() {
     let place = Place::new();
     let error = |settings: &str| {
         place.ok(&format!("demo ellipsoid@4 --size 64x48 --quiet {settings}"));
@@ -83,7 +83,7 @@ fn normals_brought_to_length_one_come_closest_to_the_exact_picture() {
 }
 
 #[test]
-fn a_replay_gives_the_same_picture_to_the_bit_whichever_machine_recorded_it() {
+fn replay_gives_same_image_from_any_machine() {
     let place = Place::new();
     for (recorder, list) in [("bump", "b.jsonl"), ("shade", "s.bdl.zst"), ("texel", "t.bdl")] {
         place.ok(&format!("record PATCH --machine {recorder} --size 48x36 --frames 2 --orbit 30 --out {list}"));
@@ -117,7 +117,7 @@ fn an_expectation_names_its_machine() {
 }
 
 #[test]
-fn bad_values_of_the_figure_shading_device_are_errors_that_name_them() {
+fn bad_shade_values_are_named() {
     let place = Place::new();
     for (settings, code, part) in [
         ("--set shade.mod=normal", 2, "did you mean `shade.mode`"),
@@ -151,7 +151,7 @@ fn bad_values_of_the_figure_shading_device_are_errors_that_name_them() {
 }
 
 #[test]
-fn the_configuration_in_a_report_keeps_to_the_schema_of_its_machine() {
+fn report_config_matches_schema() {
     let place = Place::new();
     for (machine, other, demo) in [("shade", "bump", "ellipsoid@1"), ("bump", "shade", "mixed")] {
         place.ok(&format!("demo {demo} --size 16x12 --no-exact --quiet"));
@@ -191,7 +191,7 @@ fn reports_do_not_differ_between_folders() {
 }
 
 #[test]
-fn describe_shows_what_a_part_comes_to_and_why() {
+fn describe_shows_derived_memory_timings() {
     let place = Place::new();
     let said = place.ok("describe bump --set memory.graphics.part=sdr-133 --set memory.graphics.cl=2").out;
     let entry = |key: &str| {

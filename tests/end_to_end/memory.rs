@@ -82,7 +82,7 @@ fn a_picture_is_decoded_within_the_limit() {
 /// Without --memory-limit, however little the system grants.
 #[cfg(target_os = "linux")]
 #[test]
-fn no_more_than_the_address_space_is_taken_and_no_run_ends_by_a_signal() {
+fn address_space_limit_never_ends_in_signal() {
     let place = Place::new();
     DynamicImage::new_luma8(8192, 8192).save_with_format(place.path("large.png"), ImageFormat::Png).expect("written");
     fs::write(place.path("m.mtl"), "newmtl a\nmap_Kd large.png\n").expect("written");
@@ -99,7 +99,7 @@ fn no_more_than_the_address_space_is_taken_and_no_run_ends_by_a_signal() {
 }
 
 #[test]
-fn what_a_server_sends_is_held_within_the_limit() {
+fn data_of_server_stays_within_memory_limit() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
     let endless = |mut stream: TcpStream| {

@@ -6,10 +6,10 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-const FILES: [&str; 5] = ["difference.png", "image.png", "reference.png", "report.json", "run.tape"];
+const FILES: [&str; 5] = ["difference.png", "image.png", "reference.png", "report.json", "run.recording"];
 
 #[test]
-fn what_a_killed_run_has_left_is_not_published_and_goes() {
+fn remains_of_killed_run_are_removed() {
     let place = Place::new();
     let mut killed = place.command("run PATCH --size 64x48 --frames 3000").stdout(Stdio::null()).spawn().expect("starts");
     let begun = || {
@@ -55,20 +55,24 @@ fn two_outputs_are_never_one_file() {
     }
     for name in names {
         let refused = place.run(&format!("run PATCH --size 16x12 --out o --timeline {name}"));
-        assert!(refused.error(2).contains("--timeline: ") && refused.err.contains("the run's own"), "{name}: {}", refused.err);
+        assert!(
+            refused.error(2).contains("--timeline: ") && refused.err.contains("of this run in --out"),
+            "{name}: {}",
+            refused.err
+        );
         let refused = place.run(&format!("demo --machine texel --size 16x12 --out o --dump spans {name}"));
-        assert!(refused.error(2).contains("--dump: ") && refused.err.contains("the run's own"), "{name}: {}", refused.err);
+        assert!(refused.error(2).contains("--dump: ") && refused.err.contains("of this run in --out"), "{name}: {}", refused.err);
     }
     let twice = place.run("demo --machine texel --size 16x12 --out o --timeline x --dump spans d/../x");
-    assert!(twice.error(2).contains("is named twice"), "{}", twice.err);
+    assert!(twice.error(2).contains("is also the output of"), "{}", twice.err);
     assert_eq!(place.text("o/report.json"), before);
-    assert!(place.run("run PATCH --size 16x12 --out o --timeline o/run.tape").error(2).contains("the run's own"));
+    assert!(place.run("run PATCH --size 16x12 --out o --timeline o/run.recording").error(2).contains("of this run in --out"));
     place.ok("run PATCH --size 16x12 --out o --timeline o/time --quiet");
     assert!(place.path("o/time").exists());
 }
 
 #[test]
-fn what_a_run_reads_is_not_replaced_by_what_it_writes() {
+fn outputs_never_overwrite_inputs() {
     let place = Place::new();
     place.ok("record PATCH --size 16x12 --out t.jsonl");
     fs::write(place.path("c.toml"), "replacement.entries = 64\n").expect("written");
@@ -89,7 +93,7 @@ fn what_a_run_reads_is_not_replaced_by_what_it_writes() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn where_the_report_cannot_be_printed_nothing_is_written() {
+fn unprintable_report_writes_nothing() {
     let place = Place::new();
     for more in ["--json", "--machine shade --ablate --json"] {
         let full = fs::File::options().write(true).open("/dev/full").expect("a device");
@@ -108,7 +112,7 @@ fn where_the_report_cannot_be_printed_nothing_is_written() {
 
 #[cfg(unix)]
 #[test]
-fn a_full_disk_is_named_after_the_file_that_does_not_fit() {
+fn full_disk_names_file() {
     let place = Place::new();
     place.ok("record PATCH --out t.jsonl");
     place.ok("record PATCH --out blessed.jsonl");
@@ -133,7 +137,7 @@ fn a_full_disk_is_named_after_the_file_that_does_not_fit() {
 }
 
 #[test]
-fn what_cannot_be_read_is_not_to_be_blessed() {
+fn unreadable_trace_is_not_blessed() {
     let place = Place::new();
     place.ok("record PATCH --out t.jsonl");
     assert!(place.run("verify t.jsonl").error(1).contains("`basrelief verify --bless` rewrites"));

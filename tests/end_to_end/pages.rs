@@ -22,7 +22,7 @@ fn check_stands_alone(page: &str) {
 }
 
 #[test]
-fn the_page_of_each_machine_stands_alone_and_shows_all_there_is() {
+fn html_report_is_self_contained() {
     for machine in ["bump", "shade", "texel", "defer"] {
         let place = Place::new();
         place.ok(&format!("demo --machine {machine} --size 64x48 --html a.html --quiet"));
@@ -49,7 +49,7 @@ fn the_page_of_each_machine_stands_alone_and_shows_all_there_is() {
 }
 
 #[test]
-fn a_page_says_what_differs_from_the_defaults_and_goes_without_time_or_pictures() {
+fn page_lists_changed_parameters_in_any_mode() {
     let place = Place::new();
     place.ok("run PATCH --size 64x48 --set replacement.entries=64 --frames 2 --orbit 30 --html a.html --quiet");
     let page = place.text("a.html");
@@ -57,7 +57,7 @@ fn a_page_says_what_differs_from_the_defaults_and_goes_without_time_or_pictures(
         page.split_once("Different from the defaults").expect("what was set").1.split_once("</table>").expect("a table");
     assert!(changed.contains("replacement.entries") && changed.matches("<tr>").count() == 2, "{changed}");
     assert!(rest.contains("fifo.shaded.depth"));
-    place.ok("retime out --set fifo.shaded.depth=8 --html again.html --quiet");
+    place.ok("resimulate out --set fifo.shaded.depth=8 --html again.html --quiet");
     let again = place.text("again.html");
     check_stands_alone(&again);
     assert!(again.contains("fifo.shaded.depth") && !again.contains("data:image/png"));
@@ -70,8 +70,8 @@ fn a_page_says_what_differs_from_the_defaults_and_goes_without_time_or_pictures(
 #[test]
 fn a_page_has_a_file_of_its_own_or_there_is_none() {
     let place = Place::new();
-    assert!(place.run("run PATCH --size 16x12 --html out/report.json").error(2).contains("the run's own report.json"));
-    assert!(place.run("run PATCH --size 16x12 --html x --timeline x").error(2).contains("is named twice"));
+    assert!(place.run("run PATCH --size 16x12 --html out/report.json").error(2).contains("the report.json of this run"));
+    assert!(place.run("run PATCH --size 16x12 --html x --timeline x").error(2).contains("is also the output of"));
     assert!(place.run("run no.gltf --size 16x12 --html x.html").code() != 0);
     assert_eq!(place.run("run PATCH --size 16x12 --html x.html --max-cycles 100 --no-exact").code(), 1);
     assert!(place.text("x.html").contains("class=\"bad\""), "what is known of a run that was stopped is shown");

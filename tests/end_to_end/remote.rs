@@ -110,7 +110,7 @@ fn pass(mut client: TcpStream, server: &str, (passed, most): (&AtomicU64, u64), 
     }
     let mut upstream = TcpStream::connect(server).expect("the server");
     let mut answer = Vec::new();
-    write!(upstream, "{first}\r\nHost: x\r\nConnection: close\r\n\r\n").expect("sent");
+    write!(upstream, "{first}\r\nHost: localhost\r\nConnection: close\r\n\r\n").expect("sent");
     upstream.read_to_end(&mut answer).expect("an answer");
     let head = answer.windows(2).position(|w| w == b"\r\n").expect("a status line");
     // The client shall not send another request here.
@@ -122,14 +122,14 @@ fn pass(mut client: TcpStream, server: &str, (passed, most): (&AtomicU64, u64), 
 /// What a server answers.
 pub fn get(address: &str, path: &str) -> String {
     let mut client = TcpStream::connect(address).expect("connects");
-    write!(client, "GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").expect("sent");
+    write!(client, "GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").expect("sent");
     let mut answer = Vec::new();
     client.read_to_end(&mut answer).expect("an answer");
     String::from_utf8_lossy(&answer).into_owned()
 }
 
 #[test]
-fn a_picture_from_a_server_is_that_from_the_file_to_the_bit() {
+fn image_from_server_equals_image_from_file() {
     let place = Place::new();
     place.ok(&format!("demo gallery {SMALL} {CUT} --quiet --out file"));
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
@@ -146,7 +146,7 @@ fn a_picture_from_a_server_is_that_from_the_file_to_the_bit() {
 }
 
 #[test]
-fn a_server_lost_in_the_middle_costs_nothing_that_has_come() {
+fn lost_server_keeps_received_tiles() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let run = |from: &str, more: &str| -> Outcome {
@@ -186,7 +186,7 @@ fn comparable(place: &Place, out: &str) -> serde_json::Value {
 }
 
 #[test]
-fn a_scene_from_a_server_gives_the_report_and_the_pictures_of_the_file_whatever_it_is_looked_at_from() {
+fn served_scene_gives_report_and_images_of_file() {
     let place = Place::new();
     write_triangle(&place, [200, 0, 0]);
     let views = [
@@ -231,7 +231,7 @@ fn the_views_of_one_server_share_their_tiles() {
 }
 
 #[test]
-fn a_report_says_what_the_real_path_has_carried_and_when_pictures_were_there() {
+fn report_has_traffic_and_image_times_of_real_path() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let run = "--quiet --set defer.mode=progressive --frames 2 --orbit 10";
@@ -262,7 +262,7 @@ fn a_report_says_what_the_real_path_has_carried_and_when_pictures_were_there() {
 
 /// The pictures of a slow path are there one after the other, and not all in the end.
 #[test]
-fn a_picture_is_in_its_place_before_the_tiles_of_the_next_have_come() {
+fn image_is_written_before_next_tiles_arrive() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let run = |from: &str, more: &str| format!("run --from {from} {SMALL} {CUT} --quiet --set defer.mode=progressive {more}");
@@ -282,7 +282,7 @@ fn a_picture_is_in_its_place_before_the_tiles_of_the_next_have_come() {
     #[cfg(unix)]
     {
         interrupt(&mut client);
-        assert_eq!(last_words(&mut client), "interrupted; nothing was written but pictures shown before\n");
+        assert_eq!(last_words(&mut client), "interrupted; only the images shown so far were written\n");
         assert_eq!(place.names("many"), ["image-round-0.png"]);
     }
     // It may have ended.
@@ -348,7 +348,7 @@ fn answering(body: &'static [u8]) -> String {
 }
 
 #[test]
-fn a_server_that_sends_no_scene_is_an_error_that_names_it() {
+fn server_without_scene_is_named() {
     let place = Place::new();
     // Compressed: `basrelief-scene/1` and a head of 4 GiB, of which nothing comes.
     let cut = b"\x78\x01\x01\x16\x00\xe9\xffbasrelief-scene/1\n\xff\xff\xff\xff\x65\xbb\x0a\x4f";
@@ -362,7 +362,7 @@ fn a_server_that_sends_no_scene_is_an_error_that_names_it() {
 }
 
 #[test]
-fn a_cache_that_is_no_folder_is_refused_before_anything_is_fetched() {
+fn cache_that_is_no_folder_is_refused_first() {
     let place = Place::new();
     fs::write(place.path("file"), "mine").expect("written");
     let server = serve_triangle(&place, [200, 0, 0]);
@@ -374,7 +374,7 @@ fn a_cache_that_is_no_folder_is_refused_before_anything_is_fetched() {
 
 #[cfg(unix)]
 #[test]
-fn a_pipe_in_the_cache_is_told_and_does_not_hold_up_the_run() {
+fn pipe_in_cache_is_reported_and_does_not_block() {
     let place = Place::new();
     let server = serve_triangle(&place, [200, 0, 0]);
     let line = format!("run --from {} --tile-cache kept --out remote", server.1);
@@ -399,7 +399,7 @@ fn a_proxy_of_the_environment_is_not_asked() {
 
 #[cfg(unix)]
 #[test]
-fn a_server_that_says_nothing_does_not_hold_up_an_interruption() {
+fn silent_server_does_not_delay_interrupt() {
     let place = Place::new();
     let silent = TcpListener::bind("127.0.0.1:0").expect("a port");
     let line = format!("run --from http://{}/ --tile-cache kept", silent.local_addr().expect("an address"));
@@ -430,11 +430,11 @@ fn last_words(child: &mut Child) -> String {
 
 #[cfg(unix)]
 #[test]
-fn a_server_that_is_interrupted_says_that_it_has_stopped() {
+fn interrupted_server_reports_stop() {
     let place = Place::new();
     let mut server = serve_triangle(&place, [200, 0, 0]);
     interrupt(&mut server.0);
-    assert_eq!(last_words(&mut server.0), "stopped serving\n");
+    assert_eq!(last_words(&mut server.0), "server stopped\n");
 }
 
 /// Set where this process may open as many files as the test below needs.
@@ -443,7 +443,7 @@ const MANY_FILES: &str = "BASRELIEF_TEST_MANY_FILES";
 
 #[cfg(unix)]
 #[test]
-fn a_thousand_idle_and_256_dripping_connections_delay_no_request_by_a_second() {
+fn idle_and_dripping_clients_delay_no_request() {
     if std::env::var_os(MANY_FILES).is_some() {
         return crowd();
     }
@@ -457,7 +457,7 @@ fn a_thousand_idle_and_256_dripping_connections_delay_no_request_by_a_second() {
         println!("SKIPPED: no process may open 4096 files here");
         return;
     }
-    let again = "exec \"$0\" --exact remote::a_thousand_idle_and_256_dripping_connections_delay_no_request_by_a_second";
+    let again = "exec \"$0\" --exact remote::idle_and_dripping_clients_delay_no_request";
     let test = finish(raised(again).arg(std::env::current_exe().expect("this test")));
     assert!(test.code() == 0 && test.out.contains("1 passed"), "{}{}", test.out, test.err);
 }
@@ -486,7 +486,7 @@ fn crowd() {
 }
 
 #[test]
-fn who_may_read_is_said_aloud_and_what_does_not_fit_together_is_refused() {
+fn public_address_and_bad_combinations_are_refused() {
     let place = Place::new();
     let refused = |line: &str| place.run(line).error(2).to_owned();
     assert!(refused("serve demo:gallery --listen 0.0.0.0:0").contains("--public"));

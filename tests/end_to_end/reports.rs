@@ -6,10 +6,10 @@ use serde_json::Value;
 const SMALL: &str = "demo mixed --size 64x48";
 
 #[test]
-fn a_demo_writes_picture_exact_picture_difference_and_report() {
+fn demo_writes_image_reference_difference_and_report() {
     let place = Place::new();
     let said = place.ok(SMALL).out;
-    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json", "run.tape"]);
+    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json", "run.recording"]);
     let report = place.report("out");
     is_valid(&report, &place);
     let (width, height, hash) = picture(&place.path("out/image.png"));
@@ -23,7 +23,7 @@ fn a_demo_writes_picture_exact_picture_difference_and_report() {
 }
 
 #[test]
-fn both_engines_say_the_same_in_every_byte_and_so_does_a_second_run() {
+fn both_engines_give_identical_reports() {
     let place = Place::new();
     for out in ["timed", "again", "ticked"] {
         let engine = if out == "ticked" { "ticked" } else { "timed" };
@@ -35,7 +35,7 @@ fn both_engines_say_the_same_in_every_byte_and_so_does_a_second_run() {
 }
 
 #[test]
-fn the_functional_model_draws_the_same_picture_without_cycles() {
+fn functional_mode_gives_same_image_without_cycles() {
     let place = Place::new();
     place.ok(&format!("{SMALL} --out timed"));
     place.ok(&format!("{SMALL} --out functional --functional"));
@@ -86,7 +86,7 @@ fn a_time_line_of_few_cycles_and_units_is_small() {
 }
 
 #[test]
-fn waves_beyond_the_memory_limit_are_an_error_and_no_file() {
+fn waves_over_memory_limit_leave_no_file() {
     let place = Place::new();
     let error = place.run("demo ellipsoid@1 --size 64x48 --waves w.fst --memory-limit 20KiB");
     assert!(error.error(1).contains("w.fst: would hold"), "{}", error.err);
@@ -97,9 +97,9 @@ fn waves_beyond_the_memory_limit_are_an_error_and_no_file() {
 }
 
 #[test]
-fn the_life_of_tokens_is_the_same_of_both_engines_and_each_ends_once() {
+fn token_file_is_equal_for_both_engines() {
     let place = Place::new();
-    let run = "demo mixed --size 64x48 --frames 1 --no-exact --no-limits --tokens-every 1 --out out --tokens";
+    let run = "demo mixed --size 64x48 --frames 1 --no-exact --no-bottlenecks --tokens-every 1 --out out --tokens";
     place.ok(&format!("{run} t.kanata"));
     place.ok(&format!("{run} u.kanata.zst --engine ticked"));
     let text = place.text("t.kanata");
@@ -134,7 +134,7 @@ fn packets(mut bytes: &[u8]) -> usize {
 }
 
 #[test]
-fn a_run_that_stops_at_its_limit_reports_the_state_so_far_and_fails() {
+fn cycle_limit_reports_state_and_fails() {
     let place = Place::new();
     let outcome = place.run(&format!("{SMALL} --max-cycles 1000"));
     assert!(outcome.error(1).contains("--max-cycles"), "{}", outcome.err);

@@ -31,7 +31,7 @@ fn both_engines_write_the_same_requests() {
 }
 
 #[test]
-fn every_request_of_the_report_is_written_once_and_each_memory_in_order_of_arrival() {
+fn all_requests_are_written_once_in_arrival_order() {
     let place = Place::new();
     place.ok(&format!("{CORRIDOR} --requests all.csv"));
     let text = place.text("all.csv");
@@ -107,7 +107,7 @@ fn a_trace_for_dramsim3_is_as_reviewed() {
 }
 
 #[test]
-fn the_traces_of_other_simulators_hold_aligned_bursts_of_one_memory() {
+fn foreign_trace_formats_hold_aligned_bursts() {
     let place = with_quad();
     for format in ["csv", "dramsim3", "ramulator", "ramulator2"] {
         place.ok(&format!("{QUAD} --requests {format} --requests-format {format} --requests-memory frame"));
@@ -136,7 +136,7 @@ fn the_traces_of_other_simulators_hold_aligned_bursts_of_one_memory() {
 }
 
 #[test]
-fn what_cannot_be_written_as_asked_is_refused() {
+fn unsupported_request_formats_are_refused() {
     let place = Place::new();
     let refused = |more: &str| {
         let refused = place.run(&format!("{CORRIDOR} {more}"));
@@ -157,8 +157,8 @@ fn what_cannot_be_written_as_asked_is_refused() {
     for other in ["--functional", "--ablate", "--compare-methods"] {
         assert!(refused(&format!("--requests t {other}")).contains("cannot be used with"), "{other}");
     }
-    assert!(refused("--requests t --timeline ./t").contains("is named twice"));
-    assert!(refused("--requests out/report.json").contains("the run's own"));
+    assert!(refused("--requests t --timeline ./t").contains("is also the output of"));
+    assert!(refused("--requests out/report.json").contains("of this run in --out"));
 }
 
 #[test]
@@ -176,6 +176,6 @@ fn one_memory_is_written_alone_and_a_link_is_followed() {
     }
     assert_eq!(
         place.names("out"),
-        ["difference.png", "displacement.png", "divisions.png", "image.png", "reference.png", "report.json", "run.tape"]
+        ["difference.png", "displacement.png", "divisions.png", "image.png", "reference.png", "report.json", "run.recording"]
     );
 }

@@ -10,9 +10,9 @@ fn changes(report: &Value) -> &Vec<Value> {
 }
 
 #[test]
-fn each_row_is_a_run_with_that_value_and_the_rest_of_the_report_stays() {
+fn sensitivity_rows_equal_separate_runs() {
     let place = Place::new();
-    let line = "run demo:ellipsoid@1 --size 24x18 --set cpu.divide=30 --frames 2 --no-limits";
+    let line = "run demo:ellipsoid@1 --size 24x18 --set cpu.divide=30 --frames 2 --no-bottlenecks";
     let said = place.ok(&format!("{line} --sensitivity --html page.html")).out;
     assert!(said.contains("assumed parameters, one at a time; against") && said.contains("cycles %  bytes %"), "{said}");
     assert!(place.text("page.html").contains("What each assumption moves"));
@@ -32,7 +32,7 @@ fn each_row_is_a_run_with_that_value_and_the_rest_of_the_report_stays() {
 }
 
 #[test]
-fn a_list_is_read_again_for_each_change_and_the_engine_changes_nothing() {
+fn trace_is_read_for_each_run_of_any_engine() {
     let place = Place::new();
     place.ok("record demo:ellipsoid@1 --size 16x12 --out list.dl.jsonl");
     let report = |engine: &str| {
@@ -49,7 +49,7 @@ fn a_list_is_read_again_for_each_change_and_the_engine_changes_nothing() {
 }
 
 #[test]
-fn what_it_cannot_go_with_is_wrong_usage_and_a_run_without_end_has_none() {
+fn sensitivity_conflicts_are_usage_errors() {
     let place = Place::new();
     for other in ["--functional", "--ablate", "--compare-methods"] {
         place.run(&format!("demo ellipsoid@1 --size 16x12 --sensitivity {other}")).error(2);

@@ -8,7 +8,7 @@ use std::time::Duration;
 /// A slow path, so that what the host takes beside it is little; the rest of the table of docs/experiments/defer.md is made by the example
 /// `shaped_path`.
 #[test]
-fn a_modelled_path_takes_as_long_as_a_real_one_of_its_rate_and_latency() {
+fn modelled_path_takes_as_long_as_real_one() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let address = server.address();
@@ -36,7 +36,7 @@ fn a_modelled_path_takes_as_long_as_a_real_one_of_its_rate_and_latency() {
 
 /// What the clock has decided, counts repeat.
 #[test]
-fn a_user_who_looks_around_over_a_slow_path_waits_for_no_view_that_is_left() {
+fn slow_path_does_not_delay_view_changes() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let address = server.address();

@@ -56,7 +56,7 @@ fn names(files: &BTreeMap<PathBuf, Vec<u8>>) -> Vec<String> {
 /// What a sweep leaves that nobody has disturbed.
 fn undisturbed(place: &Place) -> BTreeMap<PathBuf, Vec<u8>> {
     let said = place.ok("sweep plan.toml --out whole").out;
-    assert!(said.starts_with("24 points: 0 there before, 6 run, 18 timed again; 0 failed\n\nModes and depths\n"), "{said}");
+    assert!(said.starts_with("24 points: 0 reused, 6 run, 18 resimulated; 0 failed\n\nModes and depths\n"), "{said}");
     files(&place.path("whole"))
 }
 
@@ -76,7 +76,7 @@ fn reports(place: &Place) -> usize {
 }
 
 #[test]
-fn a_sweep_that_is_killed_at_random_ten_times_ends_as_one_that_is_not() {
+fn killed_sweep_ends_like_undisturbed_one() {
     let place = place();
     let whole = undisturbed(&place);
     // Numbers as they come, but the same each time: 0 to 4 points more, and then so many microseconds.
@@ -98,7 +98,7 @@ fn a_sweep_that_is_killed_at_random_ten_times_ends_as_one_that_is_not() {
     }
     let before = reports(&place);
     let said = place.ok("sweep plan.toml").out;
-    assert!(said.starts_with(&format!("24 points: {before} there before, ")), "{said}");
+    assert!(said.starts_with(&format!("24 points: {before} reused, ")), "{said}");
     same(&files(&place.path("out")), &whole);
 }
 
@@ -116,7 +116,7 @@ fn two_sweeps_at_once_on_one_folder_end_as_one() {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_sweep_keeps_what_is_finished_and_goes_on() {
+fn interrupted_sweep_resumes() {
     let place = place();
     // So large that it is not over before the signal has come.
     fs::write(place.path("plan.toml"), PLAN.replace("96x72", "480x360")).unwrap();
@@ -137,7 +137,7 @@ fn an_interrupted_sweep_keeps_what_is_finished_and_goes_on() {
 /// Files that may not grow beyond so many blocks of 512 bytes, or of 1 KiB in some shells: as on a disk that is full, but for the words.
 #[cfg(unix)]
 #[test]
-fn files_that_find_no_room_end_a_sweep_with_their_name_and_with_room_it_goes_on() {
+fn full_disk_ends_sweep_that_then_resumes() {
     let whole = undisturbed(&place());
     for (blocks, there, file) in [(40, 0, "/report.json: "), (160, POINTS, "out/sweep.")] {
         let place = place();
@@ -156,19 +156,19 @@ fn files_that_find_no_room_end_a_sweep_with_their_name_and_with_room_it_goes_on(
 }
 
 #[test]
-fn commands_that_are_listed_and_shards_do_all_that_is_missing() {
+fn listed_commands_and_shards_complete_sweep() {
     let place = place();
     let whole = undisturbed(&place);
     let said = place.ok("sweep plan.toml --shard 1/3").out;
     assert_eq!(
         said,
-        "8 points: 0 there before, 2 run, 6 timed again; 0 failed\n16 points of other shards are missing: the tables are written when they are there\n"
+        "8 points: 0 reused, 2 run, 6 resimulated; 0 failed\n16 points of other shards are missing; the tables are written once they exist\n"
     );
     let listed = place.ok("sweep plan.toml --list").out;
     assert_eq!(listed.lines().count(), 16);
     for line in listed.lines().take(3) {
         let arguments = line.strip_prefix("basrelief ").expect("a command");
-        assert_eq!(place.ok(arguments).out, "1 points: 0 there before, 1 run, 0 timed again; 0 failed\n");
+        assert_eq!(place.ok(arguments).out, "1 points: 0 reused, 1 run, 0 resimulated; 0 failed\n");
     }
     let script = place.ok("sweep plan.toml --slurm").out;
     assert!(script.starts_with("#!/bin/sh\n# 13 points are missing."), "{script}");
@@ -187,7 +187,7 @@ fn commands_that_are_listed_and_shards_do_all_that_is_missing() {
 }
 
 #[test]
-fn the_wrong_plan_is_said_with_its_name_and_what_to_do() {
+fn wrong_plan_is_named_with_cure() {
     let place = place();
     let says = |replaced: &str, by: &str, code: i32, expected: &str| {
         fs::write(place.path("wrong.toml"), PLAN.replace(replaced, by)).unwrap();
@@ -202,11 +202,11 @@ fn the_wrong_plan_is_said_with_its_name_and_what_to_do() {
         "demo:ellipsoid@2",
         "-",
         1,
-        "wrong.toml: input: -: can be read only once, and a sweep reads it for each run: give a file",
+        "wrong.toml: input: -: can be read only once, but every run of a sweep reads it; expected a file",
     );
     says("cycles min", "cycels min", 1, "wrong.toml: objectives: the report has no figure `cycels`");
     let unknown = place.run("sweep plan.toml --point 12");
-    assert!(unknown.error(2).contains("the plan has no point 12; --list says which are missing"), "{}", unknown.err);
+    assert!(unknown.error(2).contains("the plan has no point 12; --list prints the missing points"), "{}", unknown.err);
     assert!(place.run("sweep none.toml").error(1).starts_with("none.toml: cannot be read: "));
 }
 
@@ -221,13 +221,13 @@ fn files_of_a_plan_lie_relative_to_it() {
     place.ok("record plans/patch.gltf --size 40x30 --out plans/list.dl.jsonl");
     let said = place.ok("sweep plans/plan.toml --verify 50").out;
     assert!(
-        said.starts_with("4 points: 0 there before, 4 run, 0 timed again; 0 failed\n2 points run again: the same to the byte\n"),
+        said.starts_with("4 points: 0 reused, 4 run, 0 resimulated; 0 failed\n2 points repeated: reports are identical\n"),
         "{said}"
     );
     let table = place.text("out/sweep.csv");
     assert!(table.lines().nth(3).unwrap().contains("list.dl.jsonl,4,"), "{table}");
     // A point is a run: with the same report, but for the host's figures.
-    place.ok("run plans/patch.gltf --config plans/base.toml --set replacement.lanes=4 --no-limits --out run");
+    place.ok("run plans/patch.gltf --config plans/base.toml --set replacement.lanes=4 --no-bottlenecks --out run");
     let id = table.lines().nth(1).unwrap().split(',').next().unwrap();
     let swept = place.report(&format!("out/points/{id}"));
     assert_eq!(swept, crate::support::without_host(place.report("run")));
@@ -235,12 +235,12 @@ fn files_of_a_plan_lie_relative_to_it() {
 }
 
 #[test]
-fn the_study_of_fifo_depths_finds_what_its_page_says() {
+fn fifo_depth_study_matches_its_page() {
     let place = Place::new();
     let plan = workspace().join("studies/fifo-depths.toml");
     let said = place.ok(&format!("sweep {} --no-pictures --verify 2", plan.display())).out;
     let (tally, front) = said.split_once("\n\n").unwrap();
-    assert_eq!(tally, "108 points: 0 there before, 1 run, 107 timed again; 0 failed\n3 points run again: the same to the byte");
+    assert_eq!(tally, "108 points: 0 reused, 1 run, 107 resimulated; 0 failed\n3 points repeated: reports are identical");
     let page = fs::read_to_string(workspace().join("docs/experiments/studies.md")).unwrap();
     assert!(page.contains(tally.lines().next().unwrap()));
     let cells =
@@ -275,7 +275,7 @@ fn rows_of(heading: &str) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn the_study_of_working_sets_finds_what_its_page_says() {
+fn working_set_study_matches_its_page() {
     let points = points_of("texture-caches.toml");
     let rows = rows_of("| order | tile | layout |");
     assert_eq!((points.len(), rows.len()), (108, 8));
@@ -303,7 +303,7 @@ fn the_study_of_working_sets_finds_what_its_page_says() {
 }
 
 #[test]
-fn the_study_of_texture_latency_finds_what_its_page_says() {
+fn texture_latency_study_matches_its_page() {
     let points = points_of("texture-latency.toml");
     let names = ["memory.texture.cl", "memory.texture.outstanding", "fifo.texture_values.depth", "cycles.frames"];
     let numbers = |point: &BTreeMap<String, serde_json::Value>| names.map(|name| point[name].as_u64().unwrap());
@@ -337,12 +337,12 @@ fn plan_of_the_guide_runs_and_resimulates() {
     let (_, behind) = guide.split_once("```toml\n").expect("a plan");
     fs::write(place.path("plan.toml"), behind.split_once("```").unwrap().0).unwrap();
     let said = place.ok("sweep plan.toml --out out/sweep").out;
-    assert!(said.starts_with("18 points: 0 there before, 6 run, 12 timed again; 0 failed\n"), "{said}");
+    assert!(said.starts_with("18 points: 0 reused, 6 run, 12 resimulated; 0 failed\n"), "{said}");
     assert!(place.text("out/sweep/sweep.html").contains("<html"), "a page");
 }
 
 #[test]
-fn readme_answers_its_question_with_figures_of_the_study() {
+fn readme_figures_match_study() {
     let points = points_of("search-lanes.toml");
     let number = |point: &BTreeMap<String, serde_json::Value>, name: &str| point[name].as_f64().unwrap();
     let readme = fs::read_to_string(workspace().join("README.md")).unwrap();
@@ -357,19 +357,19 @@ fn readme_answers_its_question_with_figures_of_the_study() {
 }
 
 #[test]
-fn an_exploration_runs_few_points_and_says_how_much_of_the_front_they_have() {
+fn exploration_reports_share_of_front() {
     let place = place();
     let said = place.ok("explore plan.toml --budget 10 --threads 2").out;
-    assert!(said.starts_with("10 points: 0 there before, "), "{said}");
+    assert!(said.starts_with("10 points: 0 reused, "), "{said}");
     assert!(said.contains("\nof 24 in the grid\n"), "{said}");
     assert_eq!(reports(&place), 10);
     let few = files(&place.path("out"));
     place.ok("explore plan.toml --budget 10 --threads 1 --out alone");
     same(&files(&place.path("alone")), &few);
     // What it has run a sweep does not run again; then the whole grid is known.
-    assert!(place.ok("sweep plan.toml").out.starts_with("24 points: 10 there before, "));
+    assert!(place.ok("sweep plan.toml").out.starts_with("24 points: 10 reused, "));
     let said = place.ok("explore plan.toml --budget 10").out;
-    assert!(said.starts_with("10 points: 10 there before, 0 run, 0 timed again; 0 failed\n"), "{said}");
+    assert!(said.starts_with("10 points: 10 reused, 0 run, 0 resimulated; 0 failed\n"), "{said}");
     let share: f64 = said.split("are there: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((90.0..=100.0).contains(&share), "{said}");
     assert!(place.ok("explore plan.toml --budget 24").out.contains("100.00 % of the hypervolume of their front"));

@@ -34,10 +34,10 @@ fn a_run_writes_its_pictures_and_nothing_else() {
     let said = place.ok("demo corridor --size 64x48").out;
     let kinds = ["difference", "displacement", "divisions", "image", "reference"];
     let names: Vec<String> =
-        kinds.iter().map(|k| format!("{k}.png")).chain(["report.json", "run.tape"].map(str::to_owned)).collect();
+        kinds.iter().map(|k| format!("{k}.png")).chain(["report.json", "run.recording"].map(str::to_owned)).collect();
     assert_eq!(place.names("out"), names);
     assert!(
-        said.contains("image.png, reference.png, difference.png, displacement.png, divisions.png, report.json, run.tape"),
+        said.contains("image.png, reference.png, difference.png, displacement.png, divisions.png, report.json, run.recording"),
         "{said}"
     );
     let size = |name: &str| {
@@ -46,11 +46,11 @@ fn a_run_writes_its_pictures_and_nothing_else() {
     };
     assert_eq!((size("image"), size("divisions"), size("displacement")), ((64, 48), (64, 48), (64, 162)));
     place.ok("demo corridor --size 64x48 --no-exact --out bare");
-    assert_eq!(place.names("bare"), ["image.png", "report.json", "run.tape"]);
+    assert_eq!(place.names("bare"), ["image.png", "report.json", "run.recording"]);
 }
 
 #[test]
-fn several_frames_are_numbered_and_so_are_the_spans_of_the_later_ones() {
+fn frames_and_their_spans_are_numbered() {
     let place = Place::new();
     place.ok("demo turntable --frames 3 --size 48x36 --dump spans s.jsonl");
     for kind in ["image", "displacement", "divisions"] {
@@ -68,7 +68,7 @@ fn several_frames_are_numbered_and_so_are_the_spans_of_the_later_ones() {
 /// The specification, section 3, from the dump alone: every segment but those of one pixel keeps the error bound, and no
 /// segment but the last of its span could be one pixel longer.
 #[test]
-fn dumped_division_points_are_as_far_apart_as_the_error_bound_allows() {
+fn division_points_respect_error_bound() {
     let place = Place::new();
     for bound in [0.1, 0.5, 2.0] {
         place.ok(&format!("demo corridor --size 160x120 --set texel.error_bound={bound} --functional --dump spans s.jsonl"));
@@ -147,14 +147,14 @@ fn all_methods_are_compared_at_the_same_error() {
 }
 
 #[test]
-fn a_dump_may_lie_in_the_folder_that_is_made_for_the_pictures() {
+fn dump_may_lie_in_new_output_folder() {
     let place = Place::new();
     place.ok("demo corridor --size 16x12 --no-exact --dump spans out/spans.jsonl");
-    assert_eq!(place.names("out"), ["image.png", "report.json", "run.tape", "spans.jsonl"]);
+    assert_eq!(place.names("out"), ["image.png", "report.json", "run.recording", "spans.jsonl"]);
 }
 
 #[test]
-fn what_a_machine_does_not_have_is_refused_and_leaves_nothing_behind() {
+fn unsupported_outputs_are_refused_without_files() {
     let place = Place::new();
     let wrong = place.run("demo coin --size 16x12 --dump spans s.jsonl");
     assert!(wrong.error(2).contains("machine `bump` has no spans; --machine texel has"), "{}", wrong.err);
@@ -165,7 +165,7 @@ fn what_a_machine_does_not_have_is_refused_and_leaves_nothing_behind() {
     place.run("demo corridor --compare-methods --functional").error(2);
     place.run("demo corridor --dump spans").error(2);
     let twice = place.run("demo corridor --size 16x12 --dump spans s.jsonl --dump spans s.jsonl");
-    assert!(twice.error(2).contains("s.jsonl is named twice"), "{}", twice.err);
+    assert!(twice.error(2).contains("s.jsonl is also the output of"), "{}", twice.err);
     let failed = place.run("run missing.obj --machine texel --out new --dump spans new/s.jsonl");
     failed.error(1);
     fs::write(place.path("cut.jsonl"), "{").expect("written");

@@ -6,7 +6,7 @@ use std::fs;
 const FORMS: [&str; 4] = ["t.jsonl", "t.jsonl.zst", "t.bdl", "t.bdl.zst"];
 
 #[test]
-fn a_replay_gives_the_same_picture_to_the_bit_in_every_form() {
+fn replay_gives_same_image_in_every_form() {
     let place = Place::new();
     place.ok("run PATCH --size 64x48 --frames 2 --orbit 30 --out scene");
     let scene = place.report("scene");
@@ -57,7 +57,7 @@ fn a_named_pipe_is_read_once() {
 }
 
 #[test]
-fn a_trace_verifies_itself_with_the_settings_it_was_recorded_under() {
+fn trace_verifies_with_recorded_settings() {
     let place = Place::new();
     fs::write(place.path("c.toml"), "[replacement]\nentries = [64, 32]\n").expect("written");
     place.ok("record PATCH --size 48x36 --config c.toml --set brightness.levels=1 --expect --out t.jsonl");
@@ -70,7 +70,7 @@ fn a_trace_verifies_itself_with_the_settings_it_was_recorded_under() {
 }
 
 #[test]
-fn a_tampered_expectation_or_picture_is_found_and_bless_sets_it_right() {
+fn bless_repairs_tampered_expectation() {
     let place = Place::new();
     place.ok("record PATCH --size 48x36 --expect --out t.jsonl");
     let good = place.text("t.jsonl");
@@ -87,7 +87,7 @@ fn a_tampered_expectation_or_picture_is_found_and_bless_sets_it_right() {
 }
 
 #[test]
-fn a_trace_with_thousands_of_expectations_is_refused_and_not_replayed_for_each() {
+fn thousands_of_expectations_are_refused() {
     let place = Place::new();
     place.ok("record PATCH --size 48x36 --expect --out t.jsonl");
     let trace = place.text("t.jsonl");
@@ -106,7 +106,7 @@ fn a_trace_with_thousands_of_expectations_is_refused_and_not_replayed_for_each()
 }
 
 #[test]
-fn one_bad_trace_does_not_keep_the_others_from_being_checked() {
+fn bad_trace_does_not_stop_verification() {
     let place = Place::new();
     place.ok("record PATCH --size 48x36 --expect --out z.bdl");
     fs::write(place.path("a.bdl"), "no trace").expect("written");
@@ -115,7 +115,7 @@ fn one_bad_trace_does_not_keep_the_others_from_being_checked() {
     assert!(outcome.out.contains("FAILED  ./a.bdl") && outcome.out.contains("ok      ./z.bdl"), "{}", outcome.out);
     fs::remove_file(place.path("a.bdl")).expect("removed");
     place.ok("record PATCH --size 48x36 --out plain.bdl");
-    assert!(place.run("verify plain.bdl").out.contains("carries no expectations"));
+    assert!(place.run("verify plain.bdl").out.contains("has no expectations"));
     place.run("verify -").error(2);
     place.run("verify missing.bdl").error(1);
 }

@@ -8,7 +8,7 @@ use std::net::TcpStream;
 /// Head and body of an answer.
 fn ask(server: &Server, request: &str, headers: &str) -> (String, Vec<u8>) {
     let mut client = TcpStream::connect(server.address()).expect("connects");
-    write!(client, "{request} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n{headers}\r\n").expect("sent");
+    write!(client, "{request} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n{headers}\r\n").expect("sent");
     let mut answer = Vec::new();
     client.read_to_end(&mut answer).expect("an answer");
     let end = answer.windows(4).position(|w| w == b"\r\n\r\n").expect("a head") + 4;
@@ -22,7 +22,7 @@ fn value<'a>(head: &'a str, name: &str) -> Option<&'a str> {
 }
 
 #[test]
-fn the_page_is_sent_compressed_to_who_takes_it_so() {
+fn page_is_sent_compressed_if_accepted() {
     let place = Place::new();
     std::fs::create_dir(place.path("built")).expect("a folder");
     for name in ["viewer.html", "page.css", "page.js", "worker.js", "basrelief.wasm"] {

@@ -70,7 +70,7 @@ fn watched(place: &Place, line: &str) -> (Vec<(Value, Vec<u8>)>, String) {
 }
 
 #[test]
-fn who_watches_sees_each_picture_when_it_is_there_and_the_last_one_for_certain() {
+fn preview_shows_every_image_and_the_last() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let shaped = relay(server.address(), 1e6, Duration::ZERO).expect("a relay");
@@ -88,7 +88,7 @@ fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
 
 /// The second acquisition lies between the first two rounds.
 #[test]
-fn between_two_rounds_a_picture_grows_and_each_pixel_is_that_of_the_round_before_or_of_the_one_behind() {
+fn preview_grows_between_rounds() {
     // Where the computer is busy, the tiles may have come before a picture of some of them is coloured.
     assert!((0..4).any(|_| grows()), "no picture is half there, each time");
 }
@@ -119,7 +119,7 @@ fn results(place: &Place, out: &str) -> (Vec<(String, Vec<u8>)>, Value) {
 }
 
 #[test]
-fn who_watches_changes_neither_pictures_nor_cycles() {
+fn preview_changes_neither_images_nor_cycles() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     for mode in ["progressive", "best"] {
@@ -135,11 +135,11 @@ fn who_watches_changes_neither_pictures_nor_cycles() {
 }
 
 #[test]
-fn only_this_computer_may_watch_and_nobody_who_does_not_is_waited_for() {
+fn preview_is_loopback_only_and_waits_for_nobody() {
     let place = Place::new();
     place.run("demo cut-plane@1 --size 16x12 --watch=0.0.0.0:0").error(2);
     let began = std::time::Instant::now();
     let run = place.ok("demo cut-plane@1 --size 16x12 --no-exact --watch=127.0.0.1:0 --out out");
-    assert!(run.err.starts_with("Watch it at http://127.0.0.1:"), "{}", run.err);
+    assert!(run.err.starts_with("Preview: http://127.0.0.1:"), "{}", run.err);
     assert!(began.elapsed() < Duration::from_secs(3), "{:?}", began.elapsed());
 }

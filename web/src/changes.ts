@@ -41,7 +41,7 @@ function settings(a: unknown, b: unknown, path = ""): [string, string, string][]
 }
 
 export function changes(pinned: Run | undefined, now: Run): HTMLElement {
-  if (!pinned) return el("p", { class: "quiet" }, "Pin a run, then change something: what changes in each unit stands here.");
+  if (!pinned) return el("p", { class: "quiet" }, "Pin a run and change a parameter to see the changes of each unit here.");
   const [a, b] = [pinned.report, now.report];
   const whole = Math.max(frameCycles(a), frameCycles(b));
   const names = Object.keys({ ...a.units, ...b.units });
@@ -62,8 +62,8 @@ export function changes(pinned: Run | undefined, now: Run): HTMLElement {
   }
   return el(
     "div", {}, el("ul", {}, ...totals.map(text => el("li", {}, text))),
-    el("h3", {}, "Set differently"), set.length > 0 ? el("ul", {}, ...set) : el("p", { class: "quiet" }, "Nothing."),
-    el("h3", {}, "Cycles of each unit"),
+    el("h3", {}, "Changed parameters"), set.length > 0 ? el("ul", {}, ...set) : el("p", { class: "quiet" }, "None."),
+    el("h3", {}, "Cycles per unit"),
     el("div", { class: "wide" }, el("table", { class: "changes" }, el("thead", {}, el("tr", {}, ...head)), el("tbody", {}, ...rows))),
   );
 }

@@ -101,7 +101,7 @@ export function controls(machine: Machine, set: Map<string, string>, search: str
   const one = (parameter: Parameter) => control(parameter, set.get(parameter.key), handlers);
   if (words.length > 0) {
     const found = machine.parameters.filter(({ key, about }) => words.every(word => `${key} ${about}`.toLowerCase().includes(word)));
-    return found.length > 0 ? found.map(one) : [el("p", { class: "quiet" }, "No parameter has these words in its name or meaning.")];
+    return found.length > 0 ? found.map(one) : [el("p", { class: "quiet" }, "No parameter matches.")];
   }
   const first = machine.parameters.filter(({ key }) => set.has(key) || machine.main.includes(key));
   const rest = Map.groupBy(machine.parameters.filter(parameter => !first.includes(parameter)), ({ key }) => group(key));

@@ -397,7 +397,7 @@ class Page {
 
   /** Ends a run that takes too long; what is drawn has to be told anew. */
   #stop(): void {
-    this.client.restart("Stopped. Change something to go on.");
+    this.client.restart("Stopped. Change any input to continue.");
     this.#path.forget();
     const version = ++this.#version;
     this.#tellWhat().catch((error: Error) => version === this.#version && problem(error.message));

@@ -7,7 +7,7 @@ import { timeline } from "./strips";
 export interface Shown { run: Run; rest: Uint8Array; /** With exact picture and limits. */ whole: boolean }
 
 /** Tabs that the page itself makes, beside those of the simulator's sections. */
-const OWN: [string, string][] = [["timeline", "Time line"], ["changes", "Changes"]];
+const OWN: [string, string][] = [["timeline", "Timeline"], ["changes", "Changes"]];
 /** Sections that stand in the page's own parts already. */
 const ELSEWHERE = ["pictures", "warnings"];
 const FIRST = ["units", "diagram", "bottlenecks", "timeline", "changes"];

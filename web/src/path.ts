@@ -28,7 +28,7 @@ export class Path {
   came(bytes: number): void {
     const all = this.#come.tile_bytes + bytes;
     this.#bar(all);
-    byId("path-view").textContent = `This view: fetching\u2026 ${thousands(all - this.#before.tile_bytes)} bytes have come.`;
+    byId("path-view").textContent = `This view: ${thousands(all - this.#before.tile_bytes)} bytes received so far\u2026`;
   }
 
   #bar(bytes: number): void {
@@ -41,10 +41,10 @@ export class Path {
     const all = report.figures["conventional_tile_bytes"] ?? 0;
     this.#all = all;
     this.#bar(come.tile_bytes);
-    byId("path-all").textContent = `Fetched ${thousands(come.tile_bytes)} of the ${thousands(all)} bytes that all tiles of all textures `
-      + `take: ${percent(come.tile_bytes, all)}. The scene without texels took ${thousands(come.scene_bytes)} more.`;
+    byId("path-all").textContent = `Received ${thousands(come.tile_bytes)} of ${thousands(all)} bytes of all texture tiles `
+      + `(${percent(come.tile_bytes, all)}). The scene without textures took ${thousands(come.scene_bytes)} bytes.`;
     const [tiles, bytes] = [come.tiles - this.#before.tiles, come.tile_bytes - this.#before.tile_bytes];
-    const rest = this.#before.tiles === 0 ? "" : tiles > 0 ? "; what it needs besides had come before" : "; all that it needs had come before";
+    const rest = this.#before.tiles === 0 ? "" : tiles > 0 ? "; the other tiles were already here" : "; all tiles were already here";
     byId("path-view").textContent = `This view: ${thousands(bytes)} bytes, in ${thousands(tiles)} tiles${rest}.`;
   }
 }

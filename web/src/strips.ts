@@ -10,11 +10,11 @@ const NAMES = ["busy", "waiting for memory", "starved", "blocked"];
 const HEIGHT = 28;
 
 export function timeline({ report, strips }: Run, rest: Uint8Array): HTMLElement {
-  if (!strips || strips.units.length === 0) return el("p", { class: "quiet" }, "The time line follows when the picture rests.");
+  if (!strips || strips.units.length === 0) return el("p", { class: "quiet" }, "The timeline appears when the image is idle.");
   // Behind the last frame what was drawn is only shown.
   const drawn = Math.ceil(frameCycles(report) / strips.width);
   const columns = Math.max(1, Math.min(drawn, ...strips.units.map(({ at }) => at[1] / STATES.length).sort((a, b) => b - a).slice(0, 1)));
-  const says = el("p", { class: "quiet", "aria-live": "off" }, "Point at a strip to read it.");
+  const says = el("p", { class: "quiet", "aria-live": "off" }, "Point at a strip to see its values.");
   const rows = strips.units.map(({ name, at }) => {
     const bytes = bytesAt(rest, at);
     const canvas = el("canvas", { width: columns, height: HEIGHT, role: "img", "aria-label": `time line of ${name}` });

@@ -77,7 +77,7 @@ async function looksAround() {
   await page.keyboard.press("ArrowLeft");
   await browser.whole(page);
   assert.equal(come.requests, kept, "what came before is kept");
-  assert.match(await page.textContent("#path-view"), /^This view: 0 bytes, in 0 tiles; all that it needs had come before/);
+  assert.match(await page.textContent("#path-view"), /^This view: 0 bytes, in 0 tiles; all tiles were already here/);
   console.log(await page.textContent("#path-all"));
   await page.close();
 }
@@ -96,7 +96,7 @@ async function counts() {
   await page.waitForFunction(() => document.getElementById("what").textContent.includes("640"));
   await browser.whole(page);
   const told = await page.evaluate(() => globalThis.told);
-  const coming = told.filter(([text]) => text.startsWith("This view: fetching")).map(([, share]) => share);
+  const coming = told.filter(([text]) => text.includes("received so far")).map(([, share]) => share);
   assert.ok(new Set(coming).size > 2, "what comes is told while it comes, and the bar grows not with answers alone");
   const [bytes, shares] = [told.map(([text]) => numbers(text)[0]), told.map(([, share]) => share)];
   // What comes with several tiles by a request has their lengths, too; an answer counts tiles alone.

@@ -72,7 +72,7 @@ fn views(program: &Path, options: &[String]) -> Result<Vec<View>, Failed> {
         let turn = format!("{},0", 360 * number / VIEWS);
         let from = format!("http://{}/", server.address);
         let mut run = Command::new(program);
-        run.args(["run", "--from", &from, "--size", "640x480", "--turn", &turn, "--no-limits", "--quiet"]).args(options);
+        run.args(["run", "--from", &from, "--size", "640x480", "--turn", &turn, "--no-bottlenecks", "--quiet"]).args(options);
         let done = run.arg("--tile-cache").arg(&kept).arg("--out").arg(&out).status()?;
         if !done.success() {
             return Err(format!("{run:?}: {done}").into());

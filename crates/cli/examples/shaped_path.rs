@@ -133,7 +133,7 @@ fn modelled_path(rate: u64, latency: u64) -> String {
 /// The report of a run.
 fn run(program: &Path, line: &str) -> Result<Value, Box<dyn Error>> {
     let out = std::env::temp_dir().join(format!("shaped-path-{}", std::process::id()));
-    let line = format!("{line} --json --no-limits --quiet --out");
+    let line = format!("{line} --json --no-bottlenecks --quiet --out");
     let run = Command::new(program).args(line.split(' ')).arg(&out).stderr(Stdio::inherit()).output()?;
     std::fs::remove_dir_all(&out)?;
     Ok(serde_json::from_slice(&run.stdout)?)

@@ -1,15 +1,13 @@
-//! How much memory the process may have at all (`ulimit -v`). Whoever asks for more is ended by a signal, with no word about the
-//! file that asked for it: so no more than that is granted to files in the first place.
+//! Address space limit of the process (`ulimit -v`). A process that exceeds it dies by a signal without naming the input. Therefore the
+//! memory limit for inputs stays below it.
 
 use basrelief_input::{Budget, Size};
 use std::fs;
 
-/// What is not counted against a budget: the machine, what the allocator keeps between what it has given out, and a stack and a
-/// heap for the thread that waits for Ctrl-C \[bytes\].
+/// Memory that the limit does not count: the machine, reserves of the allocator, and stack and heap of the signal thread \[bytes\].
 const RESERVE: u64 = 128 << 20;
 
-/// A budget of so much, or of what there is. Where that is limited, there will be no threads to help: each would reserve more of it
-/// than most models take.
+/// Returns the memory limit. With an address space limit no threads are started, because each would reserve more than most models need.
 pub fn budget(limit: Size) -> Budget {
     let left = left();
     if left.is_some() {
@@ -23,7 +21,7 @@ pub fn budget(limit: Size) -> Budget {
     }
 }
 
-/// What may still be taken of the address space, where there is a limit, and the system tells of it (Linux) \[bytes\].
+/// Returns the free address space, if there is a limit and the system reports it (Linux) \[bytes\].
 fn left() -> Option<u64> {
     let limits = fs::read_to_string("/proc/self/limits").ok()?;
     let status = fs::read_to_string("/proc/self/status").ok()?;
@@ -45,7 +43,7 @@ mod tests {
     const STATUS: &str = "Name:\tbasrelief\nVmPeak:\t 9999 kB\nVmSize:\t  1024 kB\n";
 
     #[test]
-    fn what_is_left_is_the_limit_less_what_is_taken_and_a_reserve() {
+    fn limit_is_address_space_minus_use_and_reserve() {
         let limits =
             |limit: &str| format!("Limit  Soft Limit  Hard Limit  Units\nMax address space  {limit}  unlimited  bytes\n");
         assert_eq!(left_of(&limits("209715200"), STATUS), Some(71 << 20));

@@ -1,16 +1,17 @@
-//! What can go wrong, and the exit code it means.
+//! Errors of commands and their exit codes.
 
+use crate::terminal;
 use basrelief_sim::RunError;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal as _, Write};
 use std::path::Path;
 
-/// A failed command.
+/// Error of a command.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The command line makes no sense: exit code 2.
+    /// Wrong usage: exit code 2.
     #[error("{0}\nFor help, try --help.")]
     Usage(String),
-    /// Bad input, or a check that failed: exit code 1.
+    /// Bad input or a failed check: exit code 1.
     #[error("{0}")]
     Bad(String),
 }
@@ -25,7 +26,7 @@ impl From<RunError> for Failure {
 }
 
 impl Failure {
-    /// See the crate's documentation.
+    /// Returns the exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
@@ -33,18 +34,18 @@ impl Failure {
         }
     }
 
-    /// Bad input, from any error.
+    /// Makes an input error.
     pub fn bad(error: impl std::fmt::Display) -> Self {
         Self::Bad(error.to_string())
     }
 
-    /// Something wrong with or in a file or stream of this name.
+    /// Makes an input error in the file or stream of this name.
     pub fn within<E: std::fmt::Display>(name: &str) -> impl Fn(E) -> Self + use<E> {
         let name = name.to_owned();
         move |e| Self::Bad(format!("{name}: {e}"))
     }
 
-    /// A file that cannot be read or written.
+    /// Makes the error of a file that cannot be read or written.
     pub fn file(path: &Path, doing: &str) -> impl Fn(io::Error) -> Self + use<> {
         let what = format!("{}: cannot {doing}", path.display());
         move |e| Self::Bad(format!("{what}: {e}"))
@@ -54,10 +55,10 @@ impl Failure {
 /// Result of a command.
 pub type Done<T = ()> = Result<T, Failure>;
 
-/// Prints to standard output. A reader that has gone away (`| head`) has seen what it wanted: that is no error, and the
-/// command goes on to its own exit code.
+/// Prints to standard output. A closed pipe (`| head`) is no error: the command continues to its own exit code.
 pub fn print(text: &str) -> Done {
     let mut out = io::stdout();
+    let text = terminal::safe(text, out.is_terminal());
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Bad(format!("standard output: cannot be written: {e}"))),
         _ => Ok(()),

@@ -1,4 +1,4 @@
-//! Opening what a command works on: models, demos, display lists, configurations.
+//! Opens the inputs of a command: models, demos, traces and parameter files.
 
 use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
@@ -16,16 +16,16 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What is simulated.
+/// Input of a simulation.
 pub enum Input {
-    /// Goes through the geometry processor.
+    /// A scene, drawn by the geometry processor.
     Scene(PreparedScene),
-    /// What a geometry processor handed on.
+    /// A trace: the output of a geometry processor.
     Trace(TraceFile),
 }
 
 impl Input {
-    /// To be run more than once: what settings do not change is done once.
+    /// Prepares the input for several runs: work that does not depend on parameters is done once.
     pub fn for_several_runs(self, budget: &Budget) -> Self {
         match self {
             Self::Scene(scene) => Self::Scene(PreparedScene::cached(Arc::clone(scene.scene()), budget)),
@@ -33,10 +33,10 @@ impl Input {
         }
     }
 
-    /// As what a run takes, from its beginning: for each of several runs.
+    /// Returns the input from its beginning, for one of several runs.
     ///
     /// # Errors
-    /// What can be read only once.
+    /// The input can be read only once.
     pub fn again(&self) -> Done<RunInput> {
         match self {
             Self::Scene(scene) => Ok(RunInput::Scene(scene.clone())),
@@ -45,24 +45,24 @@ impl Input {
     }
 }
 
-/// An open display list.
+/// An open trace.
 pub struct TraceFile {
     /// Its bytes.
     pub reader: Box<dyn Read>,
-    /// Its size, where it is a file.
+    /// Size, if it is a file.
     pub bytes: Option<u64>,
     /// Bytes read so far.
     pub read: Rc<Cell<u64>>,
-    /// As the user named it.
+    /// Name given by the user.
     pub name: String,
-    /// Where it is, if it can be read again.
+    /// Path, if it can be read again.
     file: Option<PathBuf>,
-    /// Where files that it refers to lie.
+    /// Folder of the files that it references.
     pub folder: PathBuf,
 }
 
 impl TraceFile {
-    /// Opens a display list; `-` is standard input.
+    /// Opens a trace; `-` is standard input.
     pub fn open(path: &Path) -> Done<Self> {
         let read = Rc::new(Cell::new(0));
         if path == Path::new("-") {
@@ -77,20 +77,20 @@ impl TraceFile {
         Ok(Self { reader, bytes, read, name: path.display().to_string(), file: again, folder })
     }
 
-    /// Opens it again, from its beginning.
+    /// Opens the trace again from its beginning.
     pub fn again(&self) -> Done<Self> {
-        let once = || Failure::Usage(format!("{}: can be read only once, and several runs need it: give a file", self.name));
+        let once = || Failure::Usage(format!("{}: can be read only once, but several runs need it; expected a file", self.name));
         Self::open(self.file.as_deref().ok_or_else(once)?)
     }
 
-    /// As what a run takes.
+    /// Converts the trace into the input of a run.
     pub fn into_source(self) -> RunInput {
         let files = Box::new(beside(&self.folder));
         RunInput::Trace { reader: self.reader, files, name: self.name }
     }
 
-    /// Whether it is a display list: by its first bytes, and only where these say nothing, as in a file cut short, by
-    /// its name. What was looked at is put back: a pipe can be opened only once.
+    /// Returns true if the file is a trace: by its first bytes, or if they do not decide, as in a truncated file, by its name. The bytes
+    /// are put back, because a pipe can be opened only once.
     fn is_one(&mut self) -> Done<bool> {
         let mut start = Vec::new();
         self.reader.by_ref().take(64).read_to_end(&mut start).map_err(Failure::file(Path::new(&self.name), "be read"))?;
@@ -101,7 +101,7 @@ impl TraceFile {
     }
 }
 
-/// Counts what passes.
+/// Counts bytes read.
 struct Counting<R>(R, Rc<Cell<u64>>);
 
 impl<R: Read> Read for Counting<R> {
@@ -124,12 +124,12 @@ fn import_options(budget: &Budget) -> ImportOptions {
     ImportOptions { budget: budget.clone(), allow_outside: ALLOW_OUTSIDE.load(Ordering::Relaxed) }
 }
 
-/// Opens a model, a demo (`demo:NAME`) or a display list.
+/// Opens a model, a demo (`demo:NAME`) or a trace.
 pub fn open(path: &Path, view: &ViewArgs, budget: &Budget) -> Done<Input> {
     open_seen(path, &look(view, budget)?.without_times()?, budget)
 }
 
-/// The same, seen as that.
+/// Opens an input with a resolved view.
 pub fn open_seen(path: &Path, view: &ViewOptions, budget: &Budget) -> Done<Input> {
     if let Some(name) = demo_of(path) {
         return demo_scene(name, view).map(|scene| Input::Scene(scene.into()));
@@ -137,17 +137,17 @@ pub fn open_seen(path: &Path, view: &ViewOptions, budget: &Budget) -> Done<Input
     let mut trace = TraceFile::open(path)?;
     if path == Path::new("-") || trace.is_one()? {
         if *view != ViewOptions::default() {
-            return Err(Failure::Usage("a display list carries its own view: --size, --camera, --turn, --zoom, --frames, --orbit, --light, --light-orbit and --views are for scenes".into()));
+            return Err(Failure::Usage("a trace has its own view; --size, --camera, --turn, --zoom, --frames, --orbit, --light, --light-orbit and --views apply to scenes only".into()));
         }
         return Ok(Input::Trace(trace));
     }
     let (scene, held) = load_path_with(path, view, &import_options(budget)).map_err(failed_within(path))?;
-    // It is there to the end of the program.
+    // The memory stays reserved until the end of the program.
     held.keep();
     Ok(Input::Scene(Arc::new(scene).into()))
 }
 
-/// Opens a model or a demo (`demo:NAME`) that nobody looks at yet; none where it is a display list.
+/// Opens a model or a demo (`demo:NAME`) without a view; `None` for a trace.
 pub fn open_subject(path: &Path, budget: &Budget) -> Done<Option<Subject>> {
     if let Some(name) = demo_of(path) {
         return Subject::demo(name).map(Some).map_err(|e| Failure::Usage(e.to_string()));
@@ -156,23 +156,23 @@ pub fn open_subject(path: &Path, budget: &Budget) -> Done<Option<Subject>> {
         return Ok(None);
     }
     let (subject, held) = Subject::load_path_with(path, &import_options(budget)).map_err(failed_within(path))?;
-    // It is there to the end of the program.
+    // The memory stays reserved until the end of the program.
     held.keep();
     Ok(Some(subject))
 }
 
-/// What is wrong may lie in a file that the model refers to; the model is named all the same.
+/// Converts an error of a model. The error may be in a file that the model references, but the message names the model too.
 fn failed_within(path: &Path) -> impl Fn(SceneError) -> Failure {
     let shown = path.display().to_string();
     move |e| if e.file == shown { Failure::bad(e) } else { Failure::within(&shown)(e) }
 }
 
-/// An embedded scene.
+/// Returns a demo scene.
 pub fn demo_scene(name: &str, view: &ViewOptions) -> Done<Arc<Scene>> {
     demo(name, view).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
 }
 
-/// A text file, and what it takes.
+/// Reads a text file. Returns the text and its memory.
 pub fn read_text(path: &Path, budget: &Budget) -> Done<(String, Held)> {
     basrelief_input::read_text(path, budget).map_err(|e| match OverBudget::within(&e) {
         Some(error) => Failure::within(&path.display().to_string())(error),
@@ -180,31 +180,31 @@ pub fn read_text(path: &Path, budget: &Budget) -> Done<(String, Held)> {
     })
 }
 
-/// What is looked at, and when.
+/// The view and its times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
-    /// As the importer takes it.
+    /// View options of the importer.
     pub view: ViewOptions,
-    /// When each view is left for the next \[ms from the start\]; none where nobody says.
+    /// Time at which each view is left \[ms from the start\]; `None` without times.
     left_at_ms: Option<Vec<f64>>,
 }
 
 impl Look {
-    /// For who knows no times.
+    /// Returns the view for commands without times.
     ///
     /// # Errors
-    /// Times.
+    /// The view has times.
     pub fn without_times(self) -> Done<ViewOptions> {
         match self.left_at_ms {
             None => Ok(self.view),
-            Some(_) => Err(Failure::Usage("--views: gives times, which are for `run` and `demo`: leave `at_ms` out".into())),
+            Some(_) => Err(Failure::Usage("--views: only `run` and `demo` support times; remove `at_ms`".into())),
         }
     }
 
-    /// Tells the machine its times, ahead of other settings.
+    /// Adds the times to the parameters of the machine.
     ///
     /// # Errors
-    /// A machine that knows none.
+    /// The machine does not support times.
     pub fn tell(&self, args: &MachineArgs, demo: Option<&str>) -> Done<MachineArgs> {
         let mut told = args.clone();
         let Some(times) = &self.left_at_ms else { return Ok(told) };
@@ -221,7 +221,7 @@ impl Look {
     }
 }
 
-/// What the options of a view come to.
+/// Resolves the options of a view.
 pub fn look(view: &ViewArgs, budget: &Budget) -> Done<Look> {
     let camera = match &view.camera {
         None => None,
@@ -250,19 +250,18 @@ pub fn look(view: &ViewArgs, budget: &Budget) -> Done<Look> {
     Ok(Look { view, left_at_ms })
 }
 
-/// The name of the demo that an input stands for.
+/// Returns the name of the demo that an input names.
 pub fn demo_of(path: &Path) -> Option<&str> {
     path.to_str()?.strip_prefix("demo:")
 }
 
-/// The machine's parameters: defaults, then the file, then single settings. A demo knows which machine it is made for.
+/// Returns the parameters of the machine: the defaults, overridden by the file, overridden by single settings. A demo selects its machine.
 pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &Budget) -> Done<(MachineConfig, Overrides)> {
     let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
     config_of(machine, args.config.as_deref(), &args.settings, budget)
 }
 
-/// The parameters of this machine: defaults, then the file, then single settings; and these as they were given. The file is read
-/// once: it can be a pipe.
+/// Returns the parameters of this machine, and the overrides. The file is read once, because it can be a pipe.
 pub fn config_of(
     machine: &MachineInfo,
     file: Option<&Path>,

@@ -1,27 +1,55 @@
-//! Ctrl-C: nothing half-written stays, and the exit code is 130.
+//! Signals that stop the program: unfinished outputs are removed, and the exit code is 128 + the number of the signal.
 
-use crate::outputs;
-use std::io::IsTerminal;
+use crate::{outputs, terminal};
 use std::process;
 use std::sync::OnceLock;
 
-/// What a command that writes nothing says in place of that nothing was written.
-static SAID: OnceLock<&str> = OnceLock::new();
+/// The message of a command that differs from the general one.
+static MESSAGE: OnceLock<&str> = OnceLock::new();
 
-/// From now on this is said when the signal comes.
-pub fn say(sentence: &'static str) {
-    // Only one command runs.
-    let _ = SAID.set(sentence);
+/// Sets the message for a signal. The first call counts; a process runs one command.
+pub fn say(message: &'static str) {
+    let _ = MESSAGE.set(message);
 }
 
-/// Starts to listen. The signal ends the process from a thread of its own, whatever the others wait for: a flag that
-/// they look at would not help one that reads a pipe into which nobody writes.
+/// Installs the signal handlers. If that fails, a signal still ends the process, but leaves hidden files for the next run to remove.
+///
+/// A thread of its own ends the process, because a flag would not stop a command that waits for input from a pipe.
+#[cfg(unix)]
 pub fn listen() {
-    // Where no handler can be installed, the default action ends the process: nothing is in its place then either.
-    let _ = ctrlc::set_handler(|| {
-        let _nothing_more_is_written = outputs::abandon();
-        let line = if std::io::stderr().is_terminal() { "\r\x1b[2K" } else { "" };
-        eprintln!("{line}{}", SAID.get().unwrap_or(&"interrupted; nothing was written"));
-        process::exit(130);
-    });
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+    // `nohup` starts programs with SIGHUP ignored, and it must stay so.
+    let signals = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| *signal != SIGHUP || !is_ignored(SIGHUP));
+    let Ok(mut signals) = Signals::new(signals) else { return };
+    let wait = move || {
+        if let Some(signal) = signals.forever().next() {
+            stop(128 + signal);
+        }
+    };
+    // Without a thread the handlers would only swallow the signals.
+    if let Err(error) = std::thread::Builder::new().spawn(wait) {
+        terminal::note(&format!("warning: signals cannot be handled: {error}"));
+    }
+}
+
+/// Returns true if this process ignores a signal. Known on Linux only.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+/// Installs a handler for Ctrl-C.
+#[cfg(not(unix))]
+pub fn listen() {
+    let _ = ctrlc::set_handler(|| stop(130));
+}
+
+fn stop(code: i32) -> ! {
+    let _no_new_files = outputs::abandon();
+    terminal::clear_progress();
+    terminal::note(MESSAGE.get().unwrap_or(&"interrupted; nothing was written"));
+    process::exit(code);
 }

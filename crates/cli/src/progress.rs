@@ -1,4 +1,4 @@
-//! A progress bar on standard error, if that is a terminal; silent in a pipe.
+//! Progress bars on standard error, hidden if it is no terminal.
 
 use basrelief_tile_server::client::FetchProgress;
 use indicatif::{HumanBytes, ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -6,7 +6,7 @@ use std::io::IsTerminal;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A bar that is hidden if quiet or not on a terminal.
+/// Hides a bar if `quiet` or not on a terminal.
 fn bar(bar: ProgressBar, quiet: bool) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         bar.set_draw_target(ProgressDrawTarget::hidden());
@@ -20,7 +20,7 @@ fn set_style(bar: &ProgressBar, template: &str) {
     }
 }
 
-/// Shows how far a run is.
+/// Progress of a run.
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
@@ -28,7 +28,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// A bar over `total` things of a kind; hidden if quiet or not on a terminal.
+    /// Makes a bar over `total` items; hidden if `quiet` or not on a terminal.
     pub fn new(total: Option<u64>, of: &str, quiet: bool) -> Self {
         let bar = bar(total.map_or_else(ProgressBar::no_length, ProgressBar::new), quiet);
         let template = match total {
@@ -39,7 +39,7 @@ impl Progress {
         Self { bar, drawn: Instant::now() }
     }
 
-    /// So much is done.
+    /// Sets the position.
     pub fn at(&mut self, position: u64) {
         if self.drawn.elapsed() > Duration::from_millis(100) {
             self.drawn = Instant::now();
@@ -54,19 +54,19 @@ impl Drop for Progress {
     }
 }
 
-/// Shows how far the points of a sweep have come. Of what was there before none is counted in its rate.
+/// Progress of a sweep. Reused points do not count in its rate.
 #[derive(Debug)]
 pub struct PointProgress(ProgressBar);
 
 impl PointProgress {
-    /// Hidden if quiet or not on a terminal.
+    /// Makes a bar; hidden if `quiet` or not on a terminal.
     pub fn new(quiet: bool) -> Self {
         let bar = bar(ProgressBar::new(0), quiet);
         set_style(&bar, "{wide_bar} {human_pos} of {human_len} points, {per_sec}, {eta} left{msg}");
         Self(bar)
     }
 
-    /// So many are done of so many that were missing; so many of them have failed.
+    /// Sets the number of finished points, the number of points to run, and the number of failures.
     pub fn at(&self, (done, of): (u64, u64), failed: usize) {
         self.0.set_length(of);
         self.0.set_position(done);
@@ -82,7 +82,7 @@ impl Drop for PointProgress {
     }
 }
 
-/// What has come from a server.
+/// Received tiles and bytes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Come {
     acquisitions: u64,
@@ -90,8 +90,7 @@ struct Come {
     bytes: u64,
 }
 
-/// Shows how far a server's tiles have come: of those that the current acquisition lists, since how many the whole run will
-/// need nobody knows before. Clones show the same.
+/// Progress of the tiles of the current acquisition; the total of the run is unknown. Clones share a bar.
 #[derive(Clone, Debug)]
 pub struct TileProgress {
     bar: ProgressBar,
@@ -99,7 +98,7 @@ pub struct TileProgress {
 }
 
 impl TileProgress {
-    /// The scene first.
+    /// Makes a bar that waits for the scene.
     pub fn new(quiet: bool) -> Self {
         let bar = bar(ProgressBar::no_length(), quiet);
         set_style(&bar, "{spinner} {msg}");
@@ -108,14 +107,14 @@ impl TileProgress {
         Self { bar, come: Arc::default() }
     }
 
-    /// So many bytes of the scene have come.
+    /// Sets the received bytes of the scene.
     pub fn scene(&self, bytes: u64) {
         self.bar.set_message(format!("scene, {}", HumanBytes(bytes)));
     }
 
-    /// A picture is there; better ones follow, perhaps.
+    /// Reports a finished image.
     pub fn shown(&self, frame: u32, round: u32, milliseconds: f64) {
-        let line = format!("frame {}, picture {round}: there after {:.2} s", frame + 1, milliseconds / 1e3);
+        let line = format!("frame {}, image {round}: complete after {:.2} s", frame + 1, milliseconds / 1e3);
         self.bar.println(line);
     }
 
@@ -130,7 +129,7 @@ impl TileProgress {
 impl FetchProgress for TileProgress {
     fn listed(&self, tiles: u64) {
         let acquisitions = self.change(|come| come.acquisitions += 1).acquisitions;
-        set_style(&self.bar, "acquisition {prefix} {wide_bar} {pos} of {len} tiles; in all {msg}");
+        set_style(&self.bar, "acquisition {prefix} {wide_bar} {pos} of {len} tiles; total {msg}");
         self.bar.set_prefix(acquisitions.to_string());
         self.bar.set_length(tiles);
         self.bar.set_position(0);
@@ -154,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tiles_are_counted_by_acquisition_and_in_all_and_those_of_the_cache_have_no_bytes() {
+    fn tile_progress_counts_by_acquisition_and_total() {
         let progress = TileProgress::new(true);
         progress.listed(3);
         progress.arrived(1000);

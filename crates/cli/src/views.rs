@@ -1,4 +1,4 @@
-//! `--views`: views one after the other, and when the user turns to each.
+//! `--views`: a sequence of views, optionally with times.
 
 use basrelief_input::{Budget, JsonFault, from_str, json_weight};
 use basrelief_parameters::syntax;
@@ -7,7 +7,7 @@ use basrelief_signals::Camera;
 use basrelief_sim::TOML_GROWTH;
 use serde::Deserialize;
 
-/// The file as it is written.
+/// The file format.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
@@ -35,7 +35,7 @@ struct WrittenCamera {
     to_viewer: Numbers<3>,
 }
 
-/// So many numbers. (Of an array serde's reader of TOML takes the first ones, and does not tell of others behind them.)
+/// A list of exactly N numbers. (The TOML reader of serde would ignore further numbers.)
 #[derive(Debug, Deserialize)]
 #[serde(try_from = "Vec<f64>")]
 struct Numbers<const N: usize>([f64; N]);
@@ -51,23 +51,23 @@ impl<const N: usize> TryFrom<Vec<f64>> for Numbers<N> {
     }
 }
 
-/// Latest time that a user acts at: three months \[ms\].
+/// Latest time: three months \[ms\].
 const LATEST_MS: f64 = 8e9;
 
-/// Views, in order.
+/// A sequence of views.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
-    /// What is looked at.
+    /// The views.
     pub views: Vec<OwnView>,
     /// When each is left for the next \[ms from the start\]; none where nobody acts at times.
     pub left_at_ms: Option<Vec<f64>>,
 }
 
 impl Script {
-    /// Reads a script, in TOML, or in JSON where it begins with a brace.
+    /// Reads TOML, or JSON if the text starts with a brace.
     ///
     /// # Errors
-    /// A sentence: what is wrong, and where.
+    /// A sentence with the place of the error.
     pub fn read(text: &str, budget: &Budget) -> Result<Self, String> {
         let is_json = text.trim_start().starts_with('{');
         let weight = if is_json { json_weight(text.as_bytes()) } else { TOML_GROWTH * text.len() as u64 };
@@ -98,12 +98,12 @@ fn own(view: WrittenView) -> OwnView {
     OwnView { camera, turn, zoom, orbit_degrees: orbit, light, light_orbit_degrees: light_orbit }
 }
 
-/// A sentence of the reader of TOML in the words of a user, who sees numbers and lists, and no types.
+/// Replaces the types in a message of the TOML reader by plain words.
 fn plain(sentence: &str) -> String {
     sentence.replace(", expected f64", ", expected a number").replace(", expected a sequence", ", expected a list")
 }
 
-/// When each view is left for the next, if anybody says.
+/// Returns the time at which each view is left, if there are times.
 fn times(views: &[WrittenView]) -> Result<Option<Vec<f64>>, String> {
     if views.iter().all(|view| view.at_ms.is_none()) {
         return Ok(None);
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_in_a_script_is_named_by_its_place_and_its_field() {
+    fn view_file_errors_name_place_and_field() {
         for (text, says) in [
             ("", "missing field `views`"),
             ("views = []", "/views: is empty; expected a view at least"),

@@ -7,6 +7,7 @@
 use crate::table::{Cell, OWN, PICTURE, Row, Table};
 #[cfg(any(feature = "parquet", feature = "sqlite"))]
 use crate::{Column, Goal, Role};
+use basrelief_report::no_formula;
 use serde::Serializer;
 use serde_json::Value;
 use std::io::{self, Write};
@@ -18,10 +19,10 @@ use std::io::{self, Write};
 pub fn csv(table: &Table, out: impl Write) -> io::Result<()> {
     let mut out = csv::Writer::from_writer(out);
     let headers = table.columns.iter().map(|column| column.header());
-    out.write_record(OWN.map(str::to_owned).into_iter().chain(headers)).map_err(io_error)?;
+    out.write_record(OWN.map(str::to_owned).into_iter().chain(headers).map(no_formula)).map_err(io_error)?;
     for Row { id, state, cells, .. } in &table.rows {
         let own = [id, state.word(), state.reason()].map(str::to_owned);
-        out.write_record(own.into_iter().chain(cells.iter().map(Cell::to_string))).map_err(io_error)?;
+        out.write_record(own.into_iter().chain(cells.iter().map(Cell::to_string)).map(no_formula)).map_err(io_error)?;
     }
     out.flush()
 }

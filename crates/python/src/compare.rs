@@ -1,9 +1,9 @@
-//! What changed from one run to another.
+//! Comparison of two runs.
 
 use crate::error::{Done, bad, budget, of_tape};
 use crate::page::{WIDTH, pictures, report_of};
 use crate::pixels;
-use crate::tape::opened;
+use crate::recording::opened;
 use basrelief_input::Budget;
 use basrelief_report::html::{self, compared as page_of};
 use basrelief_report::{Comparison, Report, Style, compare as difference};
@@ -11,21 +11,21 @@ use basrelief_sim::{RecordedRun, explain, page_assets};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{FromPyObject, Python, pyfunction};
 
-/// A run that is held against another.
+/// One of two compared runs.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Side {
     name: String,
     report: String,
     image: Option<pixels::Given>,
-    tape: Option<PyBackedBytes>,
+    recording: Option<PyBackedBytes>,
 }
 
 impl Side {
     fn taped(&self, report: &Report) -> Done<Option<RecordedRun>> {
         let read =
             |tape: &PyBackedBytes| RecordedRun::read(report, &mut opened(tape)?, &budget(Budget::DEFAULT)).map_err(of_tape);
-        self.tape.as_ref().map(read).transpose()
+        self.recording.as_ref().map(read).transpose()
     }
 
     fn shown<'a>(&'a self, report: &'a Report) -> Done<html::Side<'a>> {
@@ -34,7 +34,7 @@ impl Side {
     }
 }
 
-/// What changed from `a` to `b`: as JSON, and as the text of the command line.
+/// Compares `a` with `b`. Returns the JSON and the text of the command line.
 #[pyfunction]
 pub fn compare(py: Python<'_>, a: Side, b: Side) -> Done<(String, String)> {
     py.detach(|| {
@@ -44,7 +44,7 @@ pub fn compare(py: Python<'_>, a: Side, b: Side) -> Done<(String, String)> {
     })
 }
 
-/// The same as a page.
+/// Returns the comparison as an HTML page.
 #[pyfunction]
 pub fn compared(py: Python<'_>, a: Side, b: Side) -> Done<String> {
     py.detach(|| {

@@ -1,4 +1,4 @@
-//! What goes wrong, as Python's exceptions, with the words of the command line.
+//! Errors as Python exceptions, with the messages of the command line.
 
 use basrelief_input::Budget;
 use basrelief_sim::{RecordingError, RunError};
@@ -6,11 +6,11 @@ use pyo3::exceptions::PyException;
 use pyo3::{PyErr, create_exception};
 use std::fmt::{self, Display, Formatter};
 
-create_exception!(basrelief, Error, PyException, "What goes wrong.");
-create_exception!(basrelief, UsageError, Error, "What was asked for makes no sense: the command line's exit code 2.");
-create_exception!(basrelief, InputError, Error, "Bad input: the command line's exit code 1.");
+create_exception!(basrelief, Error, PyException, "Base class of all errors.");
+create_exception!(basrelief, UsageError, Error, "Wrong arguments; exit code 2 of the command line.");
+create_exception!(basrelief, InputError, Error, "Bad input; exit code 1 of the command line.");
 
-/// What goes wrong, ahead of Python.
+/// An error before it becomes a Python exception.
 #[derive(Debug)]
 pub enum Failure {
     /// Becomes a `UsageError`.
@@ -19,7 +19,7 @@ pub enum Failure {
     Bad(String),
 }
 
-/// What may go wrong.
+/// Result with such an error.
 pub type Done<T> = Result<T, Failure>;
 
 impl From<Failure> for PyErr {
@@ -38,22 +38,22 @@ impl Display for Failure {
     }
 }
 
-/// Wrong usage.
+/// Makes a usage error.
 pub fn usage(error: impl Display) -> Failure {
     Failure::Usage(error.to_string())
 }
 
-/// Bad input.
+/// Makes an input error.
 pub fn bad(error: impl Display) -> Failure {
     Failure::Bad(error.to_string())
 }
 
-/// Something wrong with or in what has this name.
+/// Converts an error in the input of this name.
 pub fn within<E: Display>(name: &str) -> impl Fn(E) -> Failure {
     move |error| bad(format_args!("{name}: {error}"))
 }
 
-/// What keeps a run of this input from giving a report.
+/// Converts an error of a run with the input of this name.
 pub fn of_run(name: &str) -> impl Fn(RunError) -> Failure {
     move |error| match error {
         RunError::Trace(_) | RunError::OverBudget(_) | RunError::Fault(_) => within(name)(error),
@@ -62,22 +62,22 @@ pub fn of_run(name: &str) -> impl Fn(RunError) -> Failure {
     }
 }
 
-/// What is wrong with a tape, or with what it is to be timed with.
+/// Converts an error of a recording or of the new parameters.
 pub fn of_tape(error: RecordingError) -> Failure {
     match error {
         RecordingError::Work(_) | RecordingError::OtherWork(_) | RecordingError::Config(_) => usage(error),
-        // What the decoder says in its own words.
+        // The decoder reports damage in its own words.
         RecordingError::Read(_) => not_a_tape(),
         _ => bad(error),
     }
 }
 
-/// A tape that is none.
+/// Makes the error of an invalid recording.
 pub fn not_a_tape() -> Failure {
-    bad("not a recording, or incomplete; use Result.tape")
+    bad("not a recording, or truncated; Result.recording is one")
 }
 
-/// Memory for what is read.
+/// Makes a memory limit for input data.
 pub fn budget(limit: u64) -> Budget {
     Budget::with_advice(limit, "give more with memory_limit, if this input is to be trusted")
 }

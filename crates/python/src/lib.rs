@@ -1,8 +1,7 @@
-//! The simulator for Python: the native half of the package `basrelief`, whose other half is in [`package`](../package/basrelief).
+//! The extension module of the Python package `basrelief`, whose Python code is in [`package`](../package/basrelief).
 //!
-//! What crosses between the two is plain: texts, bytes and numbers, of reports the JSON. Only a `Scene`, a
-//! `DisplayList` and a `Config` are held on this side. Whatever takes long is done without
-//! Python's interpreter lock, which is taken only to ask whether somebody has pressed Ctrl-C.
+//! The interface consists of strings, bytes and numbers; reports pass as JSON. Only a `Scene`, a `DisplayList`, a `Config` and a `Plan`
+//! are objects of this module. Long operations release Python's global lock and take it only to check for Ctrl-C.
 
 use pyo3::pymodule;
 
@@ -12,10 +11,10 @@ mod config;
 mod error;
 mod page;
 mod pixels;
+mod recording;
 mod run;
 mod scene;
 mod sweep;
-mod tape;
 mod watch;
 
 #[pymodule]
@@ -33,13 +32,13 @@ mod _basrelief {
     #[pymodule_export]
     use crate::pixels::{difference, png};
     #[pymodule_export]
+    use crate::recording::resimulate;
+    #[pymodule_export]
     use crate::run::run;
     #[pymodule_export]
     use crate::scene::{DisplayList, Scene, read_text};
     #[pymodule_export]
     use crate::sweep::{Plan, work_alone};
-    #[pymodule_export]
-    use crate::tape::retime;
 
     /// Version of the simulator.
     #[pymodule_export]

@@ -1,4 +1,4 @@
-//! A run.
+//! Runs.
 
 use crate::config::Config;
 use crate::error::{Done, bad, budget, of_run, usage};
@@ -11,19 +11,19 @@ use basrelief_sim::{AnalysisPolicy, RunOptions, run as sim_run};
 use pyo3::types::PyBytes;
 use pyo3::{Bound, FromPyObject, IntoPyObject, PyResult, Python, pyfunction};
 
-/// How to run: the options of the command line.
+/// The options of a run, as on the command line.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Options {
-    /// `timed`, `ticked`, or `functional`, which has no time.
+    /// `timed`, `ticked`, or `functional` (without timing).
     engine: String,
     max_cycles: Option<u64>,
     exact: bool,
-    /// What limits the run is measured; where nothing is said, if it is short.
-    limits: Option<bool>,
+    /// Analyse bottlenecks; `None` means only if the recording is short.
+    bottlenecks: Option<bool>,
     costs: bool,
-    /// The tape is kept however long it is.
-    tape: bool,
+    /// Keep the recording even if it is long.
+    recording: bool,
     memory_limit: Option<u64>,
 }
 
@@ -35,9 +35,9 @@ impl Options {
             "functional" => None,
             other => return Err(usage(format_args!("engine: `{other}`; expected timed, ticked or functional"))),
         };
-        let limits = when(self.limits);
-        if engine.is_none() && (self.costs || self.tape || self.max_cycles.is_some()) {
-            return Err(usage("engine: the functional model has no time: leave out costs, tape and max_cycles"));
+        let limits = when(self.bottlenecks);
+        if engine.is_none() && (self.costs || self.recording || self.max_cycles.is_some()) {
+            return Err(usage("engine: functional mode has no timing; remove costs, recording and max_cycles"));
         }
         if self.max_cycles == Some(0) {
             return Err(usage("max_cycles: 0; expected 1 or more"));
@@ -49,7 +49,7 @@ impl Options {
             max_cycles: self.max_cycles.unwrap_or(u64::MAX),
             exact: self.exact,
             bottlenecks: limits,
-            recording: if self.tape { AnalysisPolicy::Always } else { limits_tape(limits) },
+            recording: if self.recording { AnalysisPolicy::Always } else { limits_tape(limits) },
             costs: self.costs,
             budget: budget(self.memory_limit.unwrap_or(Budget::DEFAULT)),
             ..RunOptions::default()
@@ -57,7 +57,7 @@ impl Options {
     }
 }
 
-/// For which runs limits are measured.
+/// Returns the policy of the bottleneck analysis.
 pub fn when(limits: Option<bool>) -> AnalysisPolicy {
     match limits {
         None => AnalysisPolicy::IfShort,
@@ -66,21 +66,21 @@ pub fn when(limits: Option<bool>) -> AnalysisPolicy {
     }
 }
 
-/// Which tapes are kept where nobody asks for one.
+/// Returns which recordings are kept by default.
 pub fn limits_tape(limits: AnalysisPolicy) -> AnalysisPolicy {
     if limits == AnalysisPolicy::Never { AnalysisPolicy::Never } else { AnalysisPolicy::IfShort }
 }
 
-/// What a run comes to.
+/// Result of a run.
 #[derive(IntoPyObject)]
 pub struct Ran<'py> {
     /// JSON.
     report: String,
-    /// The machine's picture of the last frame, and the exact one.
+    /// Image and reference image of the last frame.
     image: Option<Pixels<'py>>,
     reference: Option<Pixels<'py>>,
-    /// Compressed.
-    tape: Option<Bound<'py, PyBytes>>,
+    /// Compressed with zstd.
+    recording: Option<Bound<'py, PyBytes>>,
 }
 
 impl<'py> Ran<'py> {
@@ -91,7 +91,7 @@ impl<'py> Ran<'py> {
             report,
             image: image.map(|picture| Pixels::of(py, &picture)),
             reference: reference.map(|picture| Pixels::of(py, &picture)),
-            tape: tape.map(|bytes| PyBytes::new(py, &bytes)),
+            recording: tape.map(|bytes| PyBytes::new(py, &bytes)),
         })
     }
 }
@@ -104,7 +104,7 @@ pub fn run<'py>(py: Python<'py>, config: &Bound<'py, Config>, drawn: Drawn<'py>,
     Ran::new(py, (report, watch), has_tape)
 }
 
-/// The report, who has watched, and whether the tape is worth anything.
+/// Returns the report, its observer, and whether the recording can be resimulated.
 fn watched(source: Source, settings: &RunOptions) -> PyResult<(String, Watch, bool)> {
     let input = source.into_input()?;
     let name = input.name().to_owned();
@@ -114,7 +114,7 @@ fn watched(source: Source, settings: &RunOptions) -> PyResult<(String, Watch, bo
         return Err(stopped);
     }
     let ran = ran.map_err(of_run(&name))?;
-    // Where limits could not be measured, it cannot be timed again either; unless they were not to be.
+    // If the analysis was requested but failed, the recording cannot be resimulated either.
     let has_tape = ran.recording_is_complete && (settings.recording == AnalysisPolicy::Always || ran.report.limits.is_some());
     Ok((ran.report.to_json().map_err(bad)?, watch, has_tape))
 }

@@ -68,8 +68,8 @@ def program_camera(program: Program, folder: Path) -> Any:
         (["--engine=ticked"], {"engine": "ticked"}),
         (["--functional"], {"engine": "functional"}),
         (["--no-exact"], {"exact": False}),
-        (["--no-limits"], {"limits": False}),
-        (["--limits"], {"limits": True}),
+        (["--no-bottlenecks"], {"bottlenecks": False}),
+        (["--bottlenecks"], {"bottlenecks": True}),
         (["--costs"], {"costs": True}),
     ],
 )
@@ -107,7 +107,7 @@ def test_a_page_a_text_and_a_comparison_are_those_of_the_program(program: Progra
         assert set(str(result).splitlines()) <= set(done.stdout.splitlines())
         loaded = basrelief.load(out)
         assert loaded.report == result.report
-        assert loaded.tape.retime().report == result.report
+        assert loaded.recording.resimulate().report == result.report
     done = program("compare", tmp_path / "16", tmp_path / "64", "--json")
     expected = json.loads(done.stdout)
     a, b = expected.pop("a"), expected.pop("b")
@@ -122,7 +122,7 @@ def test_a_page_a_text_and_a_comparison_are_those_of_the_program(program: Progra
     assert results[16].compare(results[16]).equal
 
 
-def test_what_is_saved_is_what_the_program_writes(program: Program, tmp_path: Path) -> None:
+def test_saved_files_equal_those_of_the_program(program: Program, tmp_path: Path) -> None:
     done = program("demo", "--size=64x48", "--out", tmp_path / "program")
     assert done.returncode == 0, done.stderr
     result = basrelief.Machine("bump").run(basrelief.demo("golf-ball", size=(64, 48)))
@@ -140,8 +140,8 @@ def test_timed_again_is_run() -> None:
     machine = basrelief.Machine("bump", **{"replacement.entries": 64})
     result = machine.run(scene)
     times = {"fifo.shaded.depth": 2, "memory.graphics.part": "sdr-133"}
-    again = result.tape.retime(times)
+    again = result.recording.resimulate(times)
     run = machine.set(times).run(scene)
     assert again.report == run.report != result.report
     # And again of that one.
-    assert again.tape.retime({"fifo.shaded.depth": 64}).report == run.tape.retime({"fifo.shaded.depth": 64}).report
+    assert again.recording.resimulate({"fifo.shaded.depth": 64}).report == run.recording.resimulate({"fifo.shaded.depth": 64}).report

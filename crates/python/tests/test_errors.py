@@ -61,7 +61,7 @@ def test_errors_have_the_words_of_the_program(
     assert raised.type is {1: InputError, 2: UsageError}[code]
 
 
-def test_what_only_the_package_can_be_asked_for_wrongly_is_said_in_a_sentence(tmp_path: Path) -> None:
+def test_package_errors_are_sentences(tmp_path: Path) -> None:
     scene, machine = basrelief.demo("golf-ball", size=(16, 12)), Machine("bump")
     trace = ROOT / "traces/patch-one-level.jsonl"
 
@@ -75,28 +75,28 @@ def test_what_only_the_package_can_be_asked_for_wrongly_is_said_in_a_sentence(tm
     says("`clock.hz`: None; expected a number", lambda: Machine("bump", **{"clock.hz": None}))
     says("size: -3; expected a whole number", lambda: basrelief.demo("golf-ball", size=(-3, 2)))
     says("engine: `fast`; expected timed", lambda: machine.run(scene, engine="fast"))  # type: ignore[arg-type]
-    says("functional model has no time", lambda: machine.run(scene, engine="functional", tape=True))
+    says("functional mode has no timing", lambda: machine.run(scene, engine="functional", recording=True))
     says("max_cycles: 0; expected 1 or more", lambda: machine.run(scene, max_cycles=0))
     says("basrelief.display_list opens it", lambda: basrelief.scene(trace))
     says("basrelief.scene opens a model", lambda: basrelief.display_list(PATCH))
     says("not a regular file", lambda: basrelief.display_list(tmp_path), InputError)
     says("frame: `arrow`; expected pandas or polars", lambda: machine.describe().frame("arrow"))
     says("give more with memory_limit", lambda: basrelief.scene(PATCH, memory_limit=1000), InputError)
-    result = machine.run(scene, exact=False, limits=False, engine="functional")
-    says("the functional model has no time", lambda: result.cycles, basrelief.Error)
-    says("run(limits=True)", lambda: result.limits, basrelief.Error)
-    says("run(tape=True)", lambda: result.tape, basrelief.Error)
+    result = machine.run(scene, exact=False, bottlenecks=False, engine="functional")
+    says("the functional mode has no timing", lambda: result.cycles, basrelief.Error)
+    says("run(bottlenecks=True)", lambda: result.bottlenecks, basrelief.Error)
+    says("run(recording=True)", lambda: result.recording, basrelief.Error)
     says("run(exact=True)", lambda: result.reference, basrelief.Error)
-    tape = machine.run(scene).tape
-    says("`replacement.entries` changes the work of the units", lambda: tape.retime({"replacement.entries": 64}))
-    says("no picture", lambda: tape.retime().image, basrelief.Error)
-    says("not a recording", lambda: basrelief.Tape(b"none").retime(), InputError)
+    recording = machine.run(scene).recording
+    says("`replacement.entries` changes the work of the units", lambda: recording.resimulate({"replacement.entries": 64}))
+    says("no image", lambda: recording.resimulate().image, basrelief.Error)
+    says("not a recording", lambda: basrelief.Recording(b"none").resimulate(), InputError)
 
 
-def test_a_run_that_does_not_come_to_its_end_leaves_its_report(program: Program, tmp_path: Path) -> None:
+def test_incomplete_run_keeps_its_report(program: Program, tmp_path: Path) -> None:
     with pytest.raises(basrelief.IncompleteError) as raised:
         Machine("bump").run(basrelief.demo("golf-ball", size=(32, 24)), max_cycles=1000)
-    assert str(raised.value).startswith("stopped at the limit of max_cycles")
+    assert str(raised.value).startswith("stopped at max_cycles")
     assert raised.value.result.cycles == 1000
     assert raised.value.result.report["outcome"]["kind"] == "limit"
     again = pickle.loads(pickle.dumps(raised.value))

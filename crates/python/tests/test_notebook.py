@@ -27,7 +27,7 @@ def of_pandas_as_text(data: dict[str, Any]) -> dict[str, Any]:
     return {kind: content.strip() for kind, content in data.items() if not (is_pandas and kind == "text/html")}
 
 
-def test_the_notebook_shows_what_comes_out() -> None:
+def test_notebook_shows_current_results() -> None:
     stands = nbformat.read(NOTEBOOK, as_version=4)
     made = NotebookClient(nbformat.read(NOTEBOOK, as_version=4), timeout=120, kernel_name="python3", record_timing=False).execute()
     if os.environ.get("BASRELIEF_BLESS") == "1":

@@ -52,7 +52,7 @@ def test_tables_are_frames_of_pandas_and_polars(result: Result) -> None:
     )
 
 
-def test_neither_pandas_nor_polars_nor_numpy_is_loaded_unasked() -> None:
+def test_data_libraries_are_loaded_on_demand() -> None:
     script = "import sys, basrelief; basrelief.Machine('bump').describe(); print({'pandas', 'polars', 'numpy'} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout == "set()\n"
 
@@ -93,20 +93,20 @@ def test_files_are_written_whole_or_not_at_all(result: Result, tmp_path: Path) -
     assert (tmp_path / "image.png").stat().st_mode == plain.stat().st_mode
 
 
-def test_what_is_pickled_comes_back(result: Result) -> None:
+def test_pickled_objects_are_restored(result: Result) -> None:
     again = pickle.loads(pickle.dumps(result))
-    assert (again.report, again.image, again.reference, again.tape) == (
+    assert (again.report, again.image, again.reference, again.recording) == (
         result.report,
         result.image,
         result.reference,
-        result.tape,
+        result.recording,
     )
     machine = Machine("shade", **{"shade.mode": "normal"})
     assert pickle.loads(pickle.dumps(machine)) == machine != Machine("shade")
     assert hash(pickle.loads(pickle.dumps(machine))) == hash(machine)
 
 
-def test_machines_and_scenes_are_the_same_where_their_files_are_not(tmp_path: Path) -> None:
+def test_pickled_machines_and_scenes_need_no_files(tmp_path: Path) -> None:
     for name in ("patch.gltf", "patch.obj", "patch.mtl", "bumps.png", "checks.png"):
         shutil.copy(ROOT / "tests/models" / name, tmp_path)
     (tmp_path / "machine.toml").write_text("[replacement]\nentries = 16\n")
@@ -134,7 +134,7 @@ def test_a_display_list_pickles_as_its_path(monkeypatch: pytest.MonkeyPatch, tmp
     assert machine.run(pickle.loads(pickle.dumps(trace))).report == machine.run(trace).report
 
 
-def test_what_there_is() -> None:
+def test_names_are_listed() -> None:
     assert list(basrelief.machines()) == ["bump", "shade", "texel", "defer"]
     demos = basrelief.demos()
     assert set(demos["machine"]) == set(basrelief.machines())

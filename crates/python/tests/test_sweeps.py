@@ -70,10 +70,10 @@ def expected(program: Program, plan: Path) -> dict[str, bytes]:
 def test_a_sweep_is_that_of_the_program_and_resumes(plan: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
     out = tmp_path / "here"
     done = basrelief.sweep(plan, out=out)
-    assert (done.points, done.there, done.run, done.retimed, done.failed) == (POINTS, 0, 6, 18, 0)
+    assert (done.points, done.reused, done.run, done.resimulated, done.failed) == (POINTS, 0, 6, 18, 0)
     assert files(out) == expected
     again = basrelief.sweep(plan, out=out)
-    assert (again.there, again.run, again.retimed, str(again)) == (POINTS, 0, 0, str(done))
+    assert (again.reused, again.run, again.resimulated, str(again)) == (POINTS, 0, 0, str(done))
     table = done.table
     assert len(table.rows()) == POINTS
     hashes = sorted(path.name for path in (out / "points").iterdir())
@@ -83,10 +83,10 @@ def test_a_sweep_is_that_of_the_program_and_resumes(plan: Path, expected: dict[s
 def test_workers_leave_the_same_bytes(client: Any, plan: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
     out = tmp_path / "workers"
     done = basrelief.sweep(plan, client, out=out)
-    assert (done.points, done.there, done.run + done.retimed, done.failed) == (POINTS, 0, POINTS, 0)
+    assert (done.points, done.reused, done.run + done.resimulated, done.failed) == (POINTS, 0, POINTS, 0)
     assert files(out) == expected
     again = basrelief.sweep(plan, client, out=out)
-    assert (again.there, again.run, again.retimed) == (POINTS, 0, 0)
+    assert (again.reused, again.run, again.resimulated) == (POINTS, 0, 0)
 
 
 def test_a_killed_worker_costs_nothing_but_time(
@@ -113,7 +113,7 @@ def test_a_killed_worker_costs_nothing_but_time(
     assert files(out) == expected
 
 
-def test_a_plan_that_makes_no_sense_is_refused_as_the_program_refuses_it(
+def test_invalid_plan_has_the_error_of_the_program(
     client: Any, program: Program, plan: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(plan.parent)
@@ -153,7 +153,7 @@ def test_a_point_that_fails_is_a_row(client: Any, tmp_path: Path) -> None:
     assert basrelief.sweep(plan, client, out=tmp_path / "there", retry_failed=True).run == 1
 
 
-def test_batches_keep_together_what_shares_its_work_and_fill_up() -> None:
+def test_batches_group_points_by_recording() -> None:
     points = [(f"{work}{n}", work) for work, count in (("a", 5), ("b", 1), ("c", 1), ("d", 2)) for n in range(count)]
     assert _batches(points, 3) == [["a0", "a1", "a2"], ["a3", "a4", "b0"], ["c0", "d0", "d1"]]
     assert _batches([], 0) == []

@@ -20,7 +20,7 @@ def test_other_threads_go_on_while_a_machine_runs() -> None:
 
     def run() -> None:
         began = time.perf_counter()
-        machine.run(scene, exact=False, limits=False, engine="ticked")
+        machine.run(scene, exact=False, bottlenecks=False, engine="ticked")
         took.append(time.perf_counter() - began)
 
     thread = threading.Thread(target=run)
@@ -51,7 +51,7 @@ import basrelief, sys
 scene = basrelief.demo("sphere", size=(640, 480), frames=1000, orbit=360)
 try:
     print("running", flush=True)
-    basrelief.Machine("bump").run(scene, exact=False, limits=False)
+    basrelief.Machine("bump").run(scene, exact=False, bottlenecks=False)
 except KeyboardInterrupt:
     print("stopped", basrelief.Machine("shade").name, flush=True)
 """

@@ -38,10 +38,17 @@ pub(crate) fn written<const N: usize>(header: [&str; N], rows: impl IntoIterator
     let mut writer = csv::Writer::from_writer(vec![]);
     let mut is_written = writer.write_record(header).is_ok();
     for row in rows {
-        is_written &= writer.write_record(row).is_ok();
+        is_written &= writer.write_record(row.map(no_formula)).is_ok();
     }
     debug_assert!(is_written);
     writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
+}
+
+/// Puts an apostrophe before a cell that a spreadsheet would execute as a formula: it begins with `=`, `+`, `-` or `@`, and does not
+/// consist of numbers.
+pub fn no_formula(cell: String) -> String {
+    let is_formula = cell.starts_with(['=', '+', '-', '@']) && cell.split(' ').any(|word| word.parse::<f64>().is_err());
+    if is_formula { format!("'{cell}") } else { cell }
 }
 
 fn plain(value: &Figure) -> String {
@@ -61,6 +68,21 @@ mod tests {
     fn parse(text: &str) -> Vec<Vec<String>> {
         let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
         reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect()
+    }
+
+    #[test]
+    fn formulas_become_text() {
+        for (cell, written) in [
+            ("=1+1", "'=1+1"),
+            ("@a", "'@a"),
+            ("-a", "'-a"),
+            ("+a b", "'+a b"),
+            ("-1.5", "-1.5"),
+            ("-1 2", "-1 2"),
+            ("a=b", "a=b"),
+        ] {
+            assert_eq!(no_formula(cell.into()), written);
+        }
     }
 
     #[test]

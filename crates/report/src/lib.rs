@@ -38,7 +38,7 @@ pub mod work;
 pub use ablation::Ablation;
 pub use build::Context;
 pub use compare::{Comparison, Explained, Share, compare};
-pub use csv::to_csv;
+pub use csv::{no_formula, to_csv};
 pub use html::to_html;
 pub use json::{ReadError, SCHEMA, schema};
 pub use methods::Methods;

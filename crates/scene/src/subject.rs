@@ -44,6 +44,16 @@ impl Subject {
         &self.name
     }
 
+    /// Replaces the path of the file by its name alone, also in warnings: a path can tell about a computer and its user.
+    pub fn without_path(mut self) -> Self {
+        let file = std::path::Path::new(&self.name).file_name();
+        if let Some(file) = file.map(|file| file.to_string_lossy().into_owned()) {
+            self.warnings.iter_mut().for_each(|warning| *warning = warning.replace(&self.name, &file));
+            self.name = file;
+        }
+        self
+    }
+
     /// Its objects, in drawing order.
     pub fn objects(&self) -> &[Arc<Object>] {
         &self.objects

@@ -1,22 +1,22 @@
-//! A value that is there later.
+//! Values computed in the background.
 
 use crate::{joined, spawned};
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-/// A value that another thread computes meanwhile; where there is none, whoever asks for it. One that nobody asks for is given up:
-/// its thread comes to its own end, and nobody waits for that.
+/// A value computed on a background thread, or by `get()` if no thread is available. If it is dropped, the thread finishes and its result
+/// is discarded.
 pub struct Later<T> {
     work: Work<T>,
     thread: Option<JoinHandle<Option<T>>>,
 }
 
-/// Work until somebody does it.
+/// The work, until a thread takes it.
 type Work<T> = Arc<Mutex<Option<Box<dyn FnOnce() -> T + Send>>>>;
 
 impl<T: Send + 'static> Later<T> {
-    /// Begins to compute it.
+    /// Starts to compute the value.
     pub fn start(work: impl FnOnce() -> T + Send + 'static) -> Self {
         let mut later = Self::on_demand(work);
         let work = Arc::clone(&later.work);
@@ -24,7 +24,7 @@ impl<T: Send + 'static> Later<T> {
         later
     }
 
-    /// Computes it when somebody asks for it.
+    /// Computes the value at the first `get()`.
     pub fn on_demand(work: impl FnOnce() -> T + Send + 'static) -> Self {
         Self { work: Arc::new(Mutex::new(Some(Box::new(work)))), thread: None }
     }

@@ -1,8 +1,7 @@
-//! Work on the host's other cores. Nothing that is computed depends on it: pieces of work share nothing that is written, and
-//! what they give is put together in the order of the pieces, whichever was done first.
+//! Parallel work. Results do not depend on it: tasks share no mutable state, and results are in the order of the tasks.
 //!
-//! Where no thread can be had (one core, WebAssembly, a process that may have no more of them), the same is done on the caller's.
-//! A panic in a piece of work is a panic of who asks for its result.
+//! Without threads (one core, WebAssembly, a limit of the process) the calling thread does all work. A panic in a task panics in the thread
+//! that uses its result.
 
 mod later;
 mod tasks;
@@ -16,21 +15,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::{self, Builder};
 
-/// Whether everything is to be done on the caller's thread.
+/// True if the calling thread must do all work.
 static ALONE: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
-    /// Whether this thread is a member of a crew.
+    /// True in a thread of `run_on_workers`.
     static IN_CREW: Cell<bool> = const { Cell::new(false) };
 }
 
-/// From now on no thread is started. For a process that may take little address space: each thread reserves a stack and a heap of
-/// its own there, whether it needs them or not.
+/// Starts no more threads. For a process with little address space, because each thread reserves a stack and a heap.
 pub fn work_alone() {
     ALONE.store(true, Ordering::Relaxed);
 }
 
-/// How many pieces of work are done at once.
+/// Returns the number of parallel workers.
 pub fn workers() -> usize {
     static CORES: OnceLock<usize> = OnceLock::new();
     if ALONE.load(Ordering::Relaxed) || IN_CREW.get() {
@@ -39,14 +37,14 @@ pub fn workers() -> usize {
     *CORES.get_or_init(|| thread::available_parallelism().map_or(1, usize::from))
 }
 
-/// Does two things at once; the first behind the second where there is no room.
+/// Runs two closures in parallel. Without a second thread the second closure, which is in the foreground, runs first.
 pub fn both<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
     if workers() == 1 {
         let second = here();
         return (aside(), second);
     }
     let work = Mutex::new(Some(aside));
-    // Taken by whoever does it.
+    // Taken by the first thread that is ready.
     let take = || work.lock().unwrap_or_else(PoisonError::into_inner).take();
     thread::scope(|scope| {
         let thread = Builder::new().spawn_scoped(scope, || take().map(|work| work()));
@@ -56,7 +54,7 @@ pub fn both<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() ->
     })
 }
 
-/// Does two things at once of which one may wait for the other; none, and nothing is done, where no thread can be had.
+/// Runs two closures concurrently, which may wait for each other. Returns `None` and runs nothing if no thread is available.
 pub fn apart<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> Option<(A, B)> {
     if workers() == 1 {
         return None;
@@ -68,7 +66,7 @@ pub fn apart<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -
     })
 }
 
-/// What `work` makes of each item, in their order.
+/// Maps the items in parallel; the results keep their order.
 pub fn map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec<T> {
     let workers = workers().min(items.len());
     if workers <= 1 {
@@ -93,7 +91,7 @@ pub fn map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec
     done.into_iter().map(|(_, made)| made).collect()
 }
 
-/// Does something on this thread alone, as a member of a crew does.
+/// Runs a closure without parallelism.
 pub fn alone<T>(work: impl FnOnce() -> T) -> T {
     let before = IN_CREW.replace(true);
     let made = work();
@@ -101,8 +99,8 @@ pub fn alone<T>(work: impl FnOnce() -> T) -> T {
     made
 }
 
-/// Has so many threads do the same at once, the caller's among them: as a rule they take from one list what there is to do. Where
-/// there are several, each works alone: the other cores have work of their own. Fewer do it where there are no more to be had.
+/// Runs the same closure on this number of threads, including the caller. The closure typically takes tasks from a common list. With
+/// several threads, each works without further parallelism. Fewer threads run it if no more are available.
 pub fn crew(members: usize, work: impl Fn() + Sync) {
     if members <= 1 {
         return work();
@@ -115,10 +113,10 @@ pub fn crew(members: usize, work: impl Fn() + Sync) {
     });
 }
 
-/// Rows that are filled by one thread in one go: few enough for all to end together, and far more work than to ask for them.
+/// Rows per task: few enough to balance the load, enough to outweigh the cost of a task.
 const ROWS: usize = 16;
 
-/// A plane of this width and height, row by row: `fill` is given the number of a row and its elements.
+/// Fills a plane of this width and height; `fill` receives the number of a row and its elements.
 pub fn plane<T: Clone + Default + Send>(width: usize, height: usize, fill: impl Fn(usize, &mut [T]) + Sync) -> Vec<T> {
     let mut plane = vec![T::default(); width * height];
     if width > 0 {
@@ -131,12 +129,12 @@ pub fn plane<T: Clone + Default + Send>(width: usize, height: usize, fill: impl 
     plane
 }
 
-/// What a thread came to, its panic included.
+/// Returns the result of a thread, or continues its panic.
 fn joined<T>(result: thread::Result<T>) -> T {
     result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-/// A thread of its own for some work, if it can be had.
+/// Starts a thread, if one is available.
 fn spawned<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> io::Result<thread::JoinHandle<T>> {
     if workers() == 1 {
         return Err(io::ErrorKind::Unsupported.into());
@@ -156,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn results_come_in_the_order_of_the_items_whichever_was_done_first() {
+    fn map_keeps_order_of_items() {
         let squares: Vec<u64> = (0..20).map(|i| i * i).collect();
         assert_eq!(map((0..20).collect(), slow_square), squares);
         assert_eq!(map(Vec::new(), slow_square), []);
@@ -175,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_things_apart_one_waits_for_the_other() {
+    fn concurrent_closures_may_wait_for_each_other() {
         let (send, receive) = std::sync::mpsc::sync_channel(1);
         let sum = apart(move || receive.iter().sum::<u64>(), move || (1..=100).try_for_each(|n| send.send(n)));
         assert_eq!(sum, (workers() > 1).then_some((5050, Ok(()))));
@@ -183,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_things_on_one_thread_the_one_that_is_here_goes_first() {
+    fn foreground_runs_first_on_one_thread() {
         let order = Mutex::new(Vec::new());
         let done = |what| order.lock().unwrap().push(what);
         alone(|| both(|| done("aside"), || done("here")));

@@ -4,7 +4,7 @@ use crate::{crew, workers};
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// What there is to do, first come, first served.
+/// A list of tasks, in order.
 #[derive(Debug)]
 pub struct Tasks<T> {
     list: Mutex<List<T>>,
@@ -18,7 +18,7 @@ struct List<T> {
     under_way: usize,
 }
 
-/// Does these, and what is added to them meanwhile, as many at once as there are workers.
+/// Executes tasks and those added meanwhile, on all workers.
 pub fn tasks<T: Send>(first: impl IntoIterator<Item = T>, work: impl Fn(T, &Tasks<T>) + Sync) {
     let list = List { waiting: first.into_iter().collect(), under_way: 0 };
     let tasks = Tasks { list: Mutex::new(list), changed: Condvar::new() };
@@ -69,12 +69,12 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn all_is_done_that_follows_from_what_is_done() {
+    fn tasks_include_added_work() {
         for alone in [false, true] {
             let done = Mutex::new(Vec::new());
             let halve = || {
                 tasks([64_u32], |n, tasks| {
-                    // Whoever has nothing to do must not leave while another may add something.
+                    // An idle worker must not stop while another may add tasks.
                     sleep(Duration::from_millis(1));
                     done.lock().unwrap().push(n);
                     tasks.add((n > 1).then_some([n / 2, n / 2]).into_iter().flatten());

@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_command_says_what_is_not_the_default() {
+    fn command_lists_non_default_settings() {
         let view = View { size: Some([320, 240]), turn: Some([-30.0, 10.5]), ..View::default() };
         let set = [("replacement.entries".into(), "[256, 64]".into())];
         let line = command(&Drawn::Demo("coin".into()), Some("shade"), Some(&view), &set);

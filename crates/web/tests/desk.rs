@@ -77,7 +77,7 @@ fn the_command_repeats_the_run() {
 }
 
 #[test]
-fn what_people_turn_first_are_parameters() {
+fn featured_parameters_exist() {
     let catalogue = ask(&mut Desk::default(), json!({"ask": "catalogue"})).json;
     let machines = catalogue["machines"].as_array().unwrap();
     assert_eq!(machines.len(), MACHINES.len());
@@ -110,7 +110,7 @@ fn models_and_display_lists_are_told_by_their_content() {
 }
 
 #[test]
-fn what_is_wrong_is_an_answer() {
+fn errors_are_responses() {
     let mut desk = Desk::default();
     let run = |set: Value| json!({"ask": "run", "machine": "bump", "set": set, "view": {"size": SIZE}});
     assert!(error(&ask(&mut desk, run(json!([]))).json).contains("nothing to draw yet"));

@@ -287,9 +287,9 @@ fn tape(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
     }
     let line = match random.below(8) {
         0 => "size-fifos t.tape".into(),
-        1 => "retime t.tape --limits --out out".into(),
-        2 => format!("retime t.tape --set fifo.spans.depth={} --json", 1 << random.below(8)),
-        _ => "retime t.tape --no-limits --out out".to_owned(),
+        1 => "resimulate t.tape --bottlenecks --out out".into(),
+        2 => format!("resimulate t.tape --set fifo.spans.depth={} --json", 1 << random.below(8)),
+        _ => "resimulate t.tape --no-bottlenecks --out out".to_owned(),
     };
     HostileCase { files: vec![("t.tape".into(), bytes)], arguments: words(&line) }
 }

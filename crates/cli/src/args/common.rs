@@ -1,4 +1,4 @@
-//! Arguments that several commands have.
+//! Arguments that several commands share.
 
 use super::values::{Named, angles, direction, finite, key_value, machine, size, socket, tables};
 use crate::commands::{dump, tables as of_tables};
@@ -12,202 +12,198 @@ use std::path::PathBuf;
 /// The engines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
-    /// Time-stamped dataflow: fast.
+    /// Event-driven; skips idle cycles.
     #[default]
     Timed,
-    /// Every unit in every cycle: slow, the oracle. The report is the same.
+    /// Visits every unit in every cycle; slow. The reference: its reports equal those of the timed engine.
     Ticked,
 }
 
-/// How requests are written.
+/// File format of memory requests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum RequestsFormat {
-    /// A line for each request: cycle,memory,client,operation,address,bytes.
+    /// One line per request: cycle,memory,client,operation,address,bytes.
     #[default]
     Csv,
-    /// DRAMsim3's trace, a line for each burst: 0xADDRESS READ|WRITE CYCLE.
+    /// Trace of DRAMsim3, one line per burst: 0xADDRESS READ|WRITE CYCLE.
     Dramsim3,
-    /// DRAM trace of Ramulator 1, a line for each burst: 0xADDRESS R|W.
+    /// DRAM trace of Ramulator 1, one line per burst: 0xADDRESS R|W.
     Ramulator,
-    /// LoadStoreTrace of Ramulator 2, a line for each burst: LD|ST 0xADDRESS.
+    /// LoadStoreTrace of Ramulator 2, one line per burst: LD|ST 0xADDRESS.
     Ramulator2,
 }
 
-/// Which machine, and how it is set up.
+/// The machine and its parameters.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Machine")]
 pub struct MachineArgs {
-    /// The machine; where none is named, the one that the demo is made for, or bump.
+    /// The machine [default: the machine of the demo, otherwise bump].
     #[arg(long, value_parser = machine())]
     pub machine: Option<&'static MachineInfo>,
-    /// Parameters from a TOML file.
+    /// Parameter file (TOML).
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// One parameter, over those of the file; repeatable. `basrelief describe` lists all.
+    /// Overrides one parameter; repeatable. `basrelief describe` lists the parameters.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub settings: Vec<(String, String)>,
 }
 
-/// How to look at a scene.
+/// The view of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
-#[command(next_help_heading = "View (scenes only: a display list carries its own)")]
+#[command(next_help_heading = "View (scenes only: a trace has its own view)")]
 pub struct ViewArgs {
-    /// Size of the picture [pixels; default 640x480].
+    /// Image size [pixels; default: 640x480].
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
     pub size: Option<[u32; 2]>,
-    /// View from a file: view_projection (row-major, clip = M [x y z 1]^T), to_light, to_viewer.
+    /// Camera file (JSON): view_projection (row-major, clip = M [x y z 1]^T), to_light, to_viewer.
     #[arg(long, value_name = "FILE")]
     pub camera: Option<PathBuf>,
-    /// Turn the camera about the model, ahead of everything else: around the vertical axis, then upwards (degrees).
+    /// Rotates the camera about the model before all other options: around the vertical axis, then upwards [degrees].
     #[arg(long, value_name = "AROUND,UP", allow_hyphen_values = true, value_parser = angles)]
     pub turn: Option<[f64; 2]>,
-    /// See all so much larger, around the middle of the picture.
+    /// Zoom factor about the image centre.
     #[arg(long, value_name = "FACTOR", value_parser = finite)]
     pub zoom: Option<f64>,
-    /// Number of pictures.
+    /// Number of frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: Option<u32>,
-    /// Turn the camera about the model by this much over all frames (degrees).
+    /// Rotates the camera about the model by this angle over all frames [degrees].
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
     pub orbit: Option<f64>,
-    /// Direction to the light, in world space, instead of the scene's lights.
+    /// Direction to the light in world space; replaces the lights of the scene.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
     pub light: Option<[f64; 3]>,
-    /// Turn the light about the vertical axis by this much over all frames (degrees).
+    /// Rotates the light about the vertical axis by this angle over all frames [degrees].
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
     pub light_orbit: Option<f64>,
-    /// Views one after the other, a picture of each, from a TOML or JSON file: `views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit =
-    /// 30 }]`, with camera, turn, zoom, orbit, light, light_orbit over the options here. `at_ms`: when the user turns to each; machine
-    /// defer in the progressive mode leaves the one before then.
+    /// View file (TOML or JSON) with one frame per view: `views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit = 30 }]`. Each view
+    /// overrides camera, turn, zoom, orbit, light and light_orbit of the command line. `at_ms` is the time at which the user changes
+    /// to the view; machine defer in progressive mode then abandons the previous view.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "orbit", "light_orbit"])]
     pub views: Option<PathBuf>,
 }
 
-/// What is printed of a report.
+/// The printed parts of a report.
 #[derive(Clone, Debug, Args)]
 pub struct TablesArgs {
-    /// Print these tables too, with commas between.
+    /// Also print these tables (comma-separated list).
     #[arg(long, value_name = "TABLES", value_delimiter = ',', value_parser = tables())]
     tables: Vec<Named>,
 }
 
 impl TablesArgs {
-    /// The tables that are wanted.
+    /// Returns the selected tables.
     pub fn shown(&self) -> Vec<Tables> {
         self.tables.iter().flat_map(|named| named.0.clone()).collect()
     }
 }
 
-/// Tokens whose life is told.
+/// Kind of tokens in the file of `--tokens`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum TokenKind {
-    /// What polygons are drawn as: stamps of pixels, packets of a span or single pixels, as the machine has them.
+    /// Stamps, span packets or single pixels, depending on the machine.
     #[default]
     Fragments,
-    /// Polygons, until they are drawn.
+    /// Polygons until they are rasterized.
     Polygons,
 }
 
-/// How to simulate, and what to write.
+/// Options of the simulation and its outputs.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Simulation", group = ArgGroup::new("time_line").multiple(true))]
 pub struct SimulationArgs {
-    /// The engine.
+    /// Simulation engine; both give the same report.
     #[arg(long, value_enum, default_value_t)]
     pub engine: EngineName,
-    /// No time: the same steps with memories that answer at once; the same picture, no cycles.
+    /// Functional mode: execute the units without timing. Same images, no cycles.
     #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "waves", "tokens", "requests", "costs"])]
     pub functional: bool,
-    /// Stop after this many cycles, with exit code 1 and the state so far.
+    /// Stop after this many cycles with exit code 1; the report holds the state so far.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_cycles: Option<u64>,
-    /// Folder for pictures and report; created where absent.
+    /// Folder for images and report; created if absent.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
-    /// Print the report to standard output, and nothing else.
+    /// Print only the report, as JSON.
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
     pub tables: TablesArgs,
-    /// Do not draw the exact picture and measure against it: faster where only cycles matter.
+    /// Skip the reference image and the quality figures; faster if only cycles matter.
     #[arg(long)]
     pub no_exact: bool,
-    /// Measure what limits the run however many steps it makes: each unit, FIFO, memory and cache is made ideal in turn, and the run
-    /// timed again. By itself it is measured where that takes little time beside the pictures.
-    #[arg(long, conflicts_with = "no_limits")]
-    pub limits: bool,
-    /// Do not measure what limits the run, and leave no run.tape beside its report.
+    /// Analyse bottlenecks, however long the run: each unit, FIFO, memory and cache is made ideal in turn and the run is resimulated.
+    /// Default: only if the recording is short.
+    #[arg(long, conflicts_with = "no_bottlenecks")]
+    pub bottlenecks: bool,
+    /// Skip the bottleneck analysis, and write no run.recording beside the report.
     #[arg(long)]
-    pub no_limits: bool,
-    /// Then run the input again with every assumed parameter changed, one at a time: numbers by half, others to their neighbours. The
-    /// report says how far cycles, bytes and decibels move, largest first. Some 300 runs, on all cores; those that differ in times only
-    /// are timed again.
+    pub no_bottlenecks: bool,
+    /// Sensitivity analysis: repeat the run with each assumed parameter changed, one at a time (numbers by half, others to their
+    /// neighbours). The report lists the changes of cycles, bytes and decibels, largest first. About 300 runs on all cores; runs that
+    /// differ in timing parameters only are resimulated.
     #[arg(long, conflicts_with_all = ["functional", "ablate", "compare_methods"])]
     pub sensitivity: bool,
-    /// Write the tables as report.csv too.
+    /// Also write the tables as report.csv.
     #[arg(long)]
     pub csv: bool,
-    /// Add up what each pixel, polygon, object and frame costs, cycle by cycle of every unit: cost.png, wait.png, overdraw.png and, of
-    /// machines that have them, level.png and entry.png; and tables in the report. Takes some 8 bytes per pixel for each thing that a
-    /// unit does or waits for.
+    /// Attribute all unit cycles to pixels, polygons, objects and frames: tables in the report, and the images cost.png, wait.png,
+    /// overdraw.png and, depending on the machine, level.png and entry.png. Needs about 8 bytes per pixel for each busy and wait cause
+    /// of a unit.
     #[arg(long)]
     pub costs: bool,
-    /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
+    /// Write a timeline of all units as a Perfetto trace (open at ui.perfetto.dev).
     #[arg(long, value_name = "FILE", group = "time_line")]
     pub timeline: Option<PathBuf>,
-    /// Write what every unit and FIFO did when as waves, a file in the format FST (open in GTKWave or Surfer). What they show is kept until
-    /// the end of the run, within --memory-limit.
+    /// Write waveforms of all units and FIFOs as an FST file (open in GTKWave or Surfer). They stay in memory until the end of the run,
+    /// within --memory-limit.
     #[arg(long, value_name = "FILE", group = "time_line")]
     pub waves: Option<PathBuf>,
-    /// Write the life of single tokens, from unit to unit, as Konata shows that of instructions: `.kanata`, or `.kanata.zst` compressed. A
-    /// token that a test removes is flushed. Kept until the end of the run, within --memory-limit.
+    /// Write the path of single tokens from unit to unit as a Kanata file (open in Konata): `.kanata`, or `.kanata.zst` compressed. A
+    /// token that a test removes appears as flushed. The paths stay in memory until the end of the run, within --memory-limit.
     #[arg(long, value_name = "FILE", group = "time_line")]
     pub tokens: Option<PathBuf>,
-    /// Tell the life of one token of so many.
+    /// Write one token out of N.
     #[arg(long, value_name = "N", requires = "tokens", default_value = "64")]
     pub tokens_every: NonZeroU64,
-    /// The tokens whose life is told.
+    /// Kind of tokens to write.
     #[arg(long, value_name = "WHAT", requires = "tokens", value_enum, default_value_t)]
     pub tokens_of: TokenKind,
-    /// The first cycle that time line, waves and tokens show [default: 0].
+    /// First cycle of timeline, waveforms and tokens [default: 0].
     #[arg(long, value_name = "N", requires = "time_line")]
     pub from_cycle: Option<u64>,
-    /// The first cycle after those that time line, waves and tokens show [default: the end of the run].
+    /// End of timeline, waveforms and tokens (exclusive) [cycle; default: the end of the run].
     #[arg(long, value_name = "N", requires = "time_line", value_parser = clap::value_parser!(u64).range(1..))]
     pub to_cycle: Option<u64>,
-    /// The units that time line, waves and tokens show, with the FIFOs at their ends and the memories that they use; several with commas
-    /// between [default: all].
+    /// Units in timeline, waveforms and tokens (comma-separated list), with their FIFOs and memories [default: all].
     #[arg(long, value_name = "NAME,NAME", requires = "time_line", value_delimiter = ',')]
     pub units: Vec<String>,
-    /// Write the report as one page, with pictures and block diagram: a file that any browser shows, without script, and with
-    /// nothing from outside.
+    /// Write the report as an HTML page with images and block diagram, in one file without scripts.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// Show each picture in a browser when it is there, at http://127.0.0.1:8018/ or where ADDRESS:PORT says, on this computer; with
-    /// --from as its tiles come. A run that is over stays until who watches has the last picture, 3 s at most.
+    /// Live preview in a browser at http://127.0.0.1:8018/ or at this loopback address: shows each frame as it finishes, and with
+    /// --from as its tiles arrive. At its end the run waits up to 3 s for the browser to fetch the last image.
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8018",
           value_parser = socket, conflicts_with_all = ["ablate", "compare_methods"])]
     pub watch: Option<SocketAddr>,
-    /// Write what every unit did, without times: `basrelief retime` times it again under other FIFOs, memories and caches. By itself
-    /// it is left as run.tape beside the report, if the work is short.
+    /// Write a recording of all steps, without times; `basrelief resimulate` computes its timing with other FIFOs, memories and caches.
+    /// A short recording is always written as run.recording beside the report.
     #[arg(long, value_name = "FILE", conflicts_with = "functional")]
-    pub tape: Option<PathBuf>,
-    /// Write every memory request, the memories one after the other, each in the order in which it took them in: by cycle of
-    /// arrival, then port, then issue.
+    pub recording: Option<PathBuf>,
+    /// Write all memory requests, one memory after the other, in order of arrival cycle, then port, then issue.
     #[arg(long, value_name = "FILE")]
     pub requests: Option<PathBuf>,
-    /// How requests are written.
+    /// File format of memory requests.
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t, requires = "requests")]
     pub requests_format: RequestsFormat,
-    /// Write the requests of this memory alone; needed by the formats of other simulators, which know one memory, where the
-    /// machine has several.
+    /// Write the requests of this memory only. Required for formats of other simulators if the machine has several memories.
     #[arg(long, value_name = "NAME", requires = "requests")]
     pub requests_memory: Option<String>,
-    /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
-    /// changes as ablation.json and ablation.csv, and nothing else.
-    #[arg(long, conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "tape", "requests", "costs", "csv", "dump"])]
+    /// Ablation: run the input with each shortcut of the machine switched off in turn, and with all off. Writes only ablation.json and
+    /// ablation.csv.
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "recording", "requests", "costs", "csv", "dump"])]
     pub ablate: bool,
-    #[arg(long, help = of_tables::methods_help(), conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "tape", "requests", "costs", "csv", "dump", "ablate"])]
+    #[arg(long, help = of_tables::methods_help(), conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "recording", "requests", "costs", "csv", "dump", "ablate"])]
     pub compare_methods: bool,
     #[arg(long, help = dump::help(), num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
     pub dump: Vec<PathBuf>,

@@ -1,4 +1,4 @@
-//! Arguments of the commands that simulate nothing: `describe`, `compare`, `schema`.
+//! Arguments of the commands that do not simulate: `describe`, `compare`, `schema`.
 
 use super::values::{finite, key_value, machine};
 use basrelief_sim::{MACHINES, MachineInfo};
@@ -11,16 +11,16 @@ pub struct DescribeArgs {
     /// The machine.
     #[arg(value_parser = machine(), default_value = MACHINES[0].name)]
     pub machine: &'static MachineInfo,
-    /// Parameters from a TOML file: the table then shows what they come to.
+    /// Parameter file (TOML); the table shows the resulting values.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// One parameter, over those of the file; repeatable.
+    /// Overrides one parameter; repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub settings: Vec<(String, String)>,
-    /// Print what the machine is built of instead: operators, tables, registers, caches and FIFOs, each with its width.
+    /// Print the hardware cost instead: operators, tables, registers, caches and FIFOs, with their widths.
     #[arg(long)]
     pub hardware: bool,
-    /// Print the table of parameters, or of the hardware, as JSON.
+    /// Print the table as JSON.
     #[arg(long)]
     pub json: bool,
 }
@@ -28,19 +28,19 @@ pub struct DescribeArgs {
 /// Arguments of `compare`.
 #[derive(Clone, Debug, Args)]
 pub struct CompareArgs {
-    /// The report before: a report.json, or the folder that holds it. Where both runs have left their run.tape beside it, what
-    /// explains the difference in cycles is measured.
+    /// The first report: report.json, or the folder that holds it. If every folder holds run.recording, the causes of the cycle
+    /// difference are measured.
     pub a: PathBuf,
-    /// The report after; of several, each is held against A.
+    /// The second report; each of several is compared with A.
     #[arg(required = true, value_name = "B")]
     pub others: Vec<PathBuf>,
-    /// Exit with 1 if anything grew worse by more than this in any of them (percent).
+    /// Exit with code 1 if a figure of any report is worse by more than this [%].
     #[arg(long, value_name = "PERCENT", value_parser = finite)]
     pub fail_over: Option<f64>,
-    /// Print the comparison as JSON; of several, a list of them.
+    /// Print the comparison as JSON; several comparisons form a list.
     #[arg(long)]
     pub json: bool,
-    /// Write the comparison as one page, with what explains it, and pictures and block diagrams of both.
+    /// Write the comparison as an HTML page with causes, images and block diagrams, in one file.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
 }
@@ -48,23 +48,23 @@ pub struct CompareArgs {
 /// Arguments of `schema`.
 #[derive(Clone, Debug, Args)]
 pub struct SchemaArgs {
-    /// Of what.
+    /// The document that the schema describes.
     #[arg(value_enum)]
     pub of: SchemaName,
-    /// The machine whose parameters are meant.
+    /// The machine, for the schema of its parameters.
     #[arg(long, value_parser = machine(), default_value = MACHINES[0].name)]
     pub machine: &'static MachineInfo,
 }
 
-/// What has a schema.
+/// The documents that have a schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SchemaName {
-    /// One line of a display list.
+    /// One line of a trace.
     Trace,
-    /// report.json.
+    /// A report (report.json).
     Report,
-    /// The machine's parameters.
+    /// The parameters of a machine.
     Config,
-    /// A `--camera` file.
+    /// A camera file (--camera).
     Camera,
 }

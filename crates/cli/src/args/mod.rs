@@ -1,4 +1,4 @@
-//! The command line. Every option says its unit of measure and its default; what is said here is what `--help` shows.
+//! Definition of the command line. The comments are the texts of `--help`: each option states its unit of measure and its default.
 
 mod common;
 mod describe;
@@ -10,24 +10,24 @@ mod values;
 pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, TablesArgs, TokenKind, ViewArgs};
 pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
-pub use run::{DemoArgs, PageArgs, RetimeArgs, RunArgs, ServeArgs, SizeFifosArgs};
+pub use run::{DemoArgs, PageArgs, ResimulateArgs, RunArgs, ServeArgs, SizeFifosArgs};
 pub use sweep::{ExploreArgs, PlanArgs, Shard, SweepArgs};
 
 use basrelief_input::{Budget, Size};
 use clap::{Parser, Subcommand};
 
-/// Cycle-level simulator of patented shading devices: what does this pipeline cost, why, and what picture do I get?
+/// Cycle-level simulator of four patented shading devices: cycles, bottlenecks, memory traffic and image quality.
 #[derive(Debug, Parser)]
 #[command(name = "basrelief", version, max_term_width = 110, arg_required_else_help = true)]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
     /// Print errors only.
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Most memory that all that is read from files and servers may take, and what is made of it [bytes, or with KiB, MiB or
-    /// GiB behind]. More is an error.
+    /// Memory limit for input data and the structures built from it [bytes; suffixes KiB, MiB, GiB]. A run that needs more ends
+    /// with an error.
     #[arg(long, global = true, value_name = "BYTES", default_value_t = Size(Budget::DEFAULT))]
     pub memory_limit: Size,
     /// Let models name files outside their folders, with `../`. Without it such a name is an error.
@@ -38,33 +38,33 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Draw an embedded scene and write picture, exact picture and report.
+    /// Draw an embedded demo scene; write its images and report.
     Demo(DemoArgs),
-    /// Draw a model (glTF 2.0, GLB, OBJ) or replay a recorded display list.
+    /// Draw a model (glTF 2.0, GLB, OBJ) or replay a trace (display list); write its images and report.
     Run(RunArgs),
-    /// Time the recorded work of a run again, under other FIFOs, memories and caches.
-    Retime(RetimeArgs),
-    /// Find the smallest FIFOs that keep the cycles of runs.
+    /// Compute the timing of a recording anew, with other FIFOs, memories and caches, without executing the units again.
+    Resimulate(ResimulateArgs),
+    /// Find the smallest FIFO depths that keep the cycles of one or several runs.
     SizeFifos(SizeFifosArgs),
-    /// Run all points of a plan, or what is missing of them, and find those that no other beats.
+    /// Run the points of a plan that have no result yet; write their tables and Pareto front (design-space sweep).
     Sweep(SweepArgs),
-    /// Find the front of a plan with few of its points.
+    /// Find the Pareto front of a plan with few runs (design-space exploration).
     Explore(ExploreArgs),
-    /// Record what the geometry processor hands on as a display list.
+    /// Write the output of the geometry processor as a trace (display list).
     Record(RecordArgs),
-    /// Turn a display list from one form into another (JSON Lines or binary, plain or zstd), without loss.
+    /// Convert a trace between its forms (JSON Lines or binary, plain or zstd), without loss.
     Convert(ConvertArgs),
-    /// Replay traces and check the expectations they carry.
+    /// Replay traces and check the expectations that they carry.
     Verify(VerifyArgs),
     /// Show a machine: block diagram, units, parameters with unit, default and provenance.
     Describe(DescribeArgs),
-    /// Say what changed between reports, largest first, and what explains it.
+    /// Compare reports: changes, largest first, and their causes.
     Compare(CompareArgs),
     /// Print a JSON schema.
     Schema(SchemaArgs),
-    /// Show the simulator as a page in a browser: pictures, figures and block diagram that follow every slider.
+    /// Open the simulator as a page in a browser.
     Page(PageArgs),
-    /// Offer meshes, texture sizes and single tiles of a scene over HTTP, for `run --from`.
+    /// Serve a scene over HTTP for `run --from`: meshes, texture sizes and single texture tiles.
     Serve(ServeArgs),
 }
 

@@ -1,33 +1,33 @@
-//! Arguments of `sweep`.
+//! Arguments of `sweep` and `explore`.
 
 use super::values::{percent, shard};
 use clap::Args;
 use std::path::PathBuf;
 
-/// A part of the points of a plan.
+/// One of several parts of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// From 1.
+    /// Number of the part, from 1.
     pub number: usize,
-    /// Of how many.
+    /// Number of parts.
     pub count: usize,
 }
 
-/// Which plan, and how its points are run.
+/// The plan, and how to run its points.
 #[derive(Clone, Debug, Args)]
 pub struct PlanArgs {
-    /// The plan, a TOML file: inputs, machine, axes, objectives. Files that it names lie relative to it.
+    /// The plan, a TOML file with inputs, machine, axes and objectives. Paths in it are relative to the file.
     pub plan: PathBuf,
-    /// Folder for the points and the tables; created where absent. What is there already is not run again, whoever has run it.
+    /// Folder for results and tables; created if absent. Existing results are reused.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
-    /// Points under way at a time [default: one for each core].
+    /// Parallel runs [default: one per core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Write no picture beside the report of each point.
+    /// Write no images beside the reports.
     #[arg(long)]
     pub no_pictures: bool,
-    /// Run points that failed again.
+    /// Run failed points again.
     #[arg(long)]
     pub retry_failed: bool,
 }
@@ -37,7 +37,7 @@ pub struct PlanArgs {
 pub struct ExploreArgs {
     #[command(flatten)]
     pub plan: PlanArgs,
-    /// Most points that are chosen.
+    /// Maximum number of points to run.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub budget: u16,
 }
@@ -47,19 +47,19 @@ pub struct ExploreArgs {
 pub struct SweepArgs {
     #[command(flatten)]
     pub plan: PlanArgs,
-    /// Then run this share of the points again, each as a whole, and compare bytes: exit code 1 if any comes out otherwise.
+    /// Repeat this fraction of the points as full runs afterwards and compare the reports byte by byte; exit code 1 if one differs [%].
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub verify: Option<f64>,
-    /// Run nothing; print a command for each point that is missing, for GNU parallel or xargs.
+    /// Run nothing; print one command per missing point, for GNU parallel or xargs.
     #[arg(long, group = "instead")]
     pub list: bool,
-    /// Run nothing; print a job script for Slurm that runs what is missing as an array.
+    /// Run nothing; print a Slurm job script that runs the missing points as an array.
     #[arg(long, group = "instead")]
     pub slurm: bool,
-    /// Run part I of N alone, I from 1; points that share their work are in one part.
+    /// Run only part I of N, from 1. Points that share a recording are in the same part.
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with = "instead")]
     pub shard: Option<Shard>,
-    /// Run this point alone, by its hash as --list says it, and write no tables.
+    /// Run only the point with this hash (see --list), and write no tables.
     #[arg(long, value_name = "HASH", conflicts_with_all = ["instead", "shard"])]
     pub point: Option<String>,
 }

@@ -45,6 +45,14 @@ pub fn http(url: &str) -> Result<String, String> {
     if uri.scheme_str() == Some("http") && named && uri.query().is_none() { Ok(url.into()) } else { Err(expected.into()) }
 }
 
+/// Parses the origin of web pages.
+pub fn origin(text: &str) -> Result<String, String> {
+    let uri = text.parse::<Uri>().ok().filter(|uri| uri.scheme().is_some() && uri.authority().is_some());
+    let is_origin = text == "*" || uri.is_some_and(|uri| uri.path_and_query().is_none_or(|path| path == "/"));
+    let origin = text.trim_end_matches('/');
+    if is_origin { Ok(origin.into()) } else { Err("expected SCHEME://HOST:PORT, such as http://localhost:3000, or `*`".into()) }
+}
+
 /// An address to listen at.
 pub fn socket(text: &str) -> Result<SocketAddr, String> {
     text.parse().map_err(|_| "expected ADDRESS:PORT in numbers, such as 127.0.0.1:8080 or [::1]:8080".into())
@@ -80,6 +88,13 @@ mod tests {
         assert!(["0/8", "9/8", "1/0", "-1/2", "1", "a/b", "1/2/3"].iter().all(|wrong| shard(wrong).is_err()));
         assert_eq!(percent("12.5"), Ok(12.5));
         assert!(percent("-1").is_err() && percent("101").is_err() && percent("NaN").is_err());
+    }
+
+    #[test]
+    fn origin_has_scheme_and_host() {
+        assert_eq!(origin("http://localhost:3000/"), Ok("http://localhost:3000".into()));
+        assert_eq!(origin("*"), Ok("*".into()));
+        assert!(["localhost", "http://a/b", "http://a\r\nx: y", ""].iter().all(|wrong| origin(wrong).is_err()));
     }
 
     #[test]

@@ -1,11 +1,11 @@
-//! `basrelief compare`: what changed between reports, and what explains it.
+//! `basrelief compare`: changes between reports and their causes.
 
+use super::recording::{open, unreadable};
 use super::simulate::style;
-use super::tape::{open, unreadable};
 use crate::args::CompareArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::read_text;
-use crate::outputs::{PartialFile, REPORT, RUN_TAPE};
+use crate::outputs::{PartialFile, REPORT, check_outputs_keep_inputs, recording_in};
 use basrelief_input::{Budget, json_weight};
 use basrelief_report::compare::overview;
 use basrelief_report::html::{self, PagePicture, compared};
@@ -15,26 +15,32 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A report, and its tape where that is beside it.
+/// A report and the recording beside it.
 struct Side {
     name: String,
     report: Report,
-    /// Where it lies.
+    file: PathBuf,
     folder: PathBuf,
     taped: Option<RecordedRun>,
 }
 
-/// What changed from one report to another.
+/// Comparison of two reports.
 struct Pair<'a> {
     a: &'a str,
     b: &'a str,
     comparison: Comparison,
 }
 
-/// Lists changes from the first to each of the others, largest first; fails over a limit.
+/// Compares the first report with each of the others; fails over a limit.
 pub fn compare(args: &CompareArgs, budget: &Budget) -> Done {
     let first = Side::read(&args.a, budget)?;
     let others = args.others.iter().map(|path| Side::read(path, budget)).collect::<Done<Vec<_>>>()?;
+    if let Some(page) = &args.html {
+        let sides = std::iter::once(("A", &first)).chain(others.iter().map(|other| ("B", other)));
+        let files: Vec<(&str, PathBuf)> = sides.flat_map(|(name, side)| side.files().map(move |file| (name, file))).collect();
+        let files: Vec<(&str, &Path)> = files.iter().map(|(name, file)| (*name, &**file)).collect();
+        check_outputs_keep_inputs(None, &[("--html", page)], &files).map_err(Failure::Usage)?;
+    }
     let pairs: Vec<Pair<'_>> = others.iter().map(|other| first.against(other)).collect();
     if args.json {
         let mut list = pairs.iter().map(Pair::to_json).collect::<Done<Vec<Value>>>()?;
@@ -48,12 +54,12 @@ pub fn compare(args: &CompareArgs, budget: &Budget) -> Done {
     }
     let worst = pairs.iter().map(|pair| pair.comparison.worst_percent()).fold(0.0, f64::max);
     match args.fail_over {
-        Some(limit) if worst > limit => Err(Failure::Bad(format!("grew worse by {worst} %, allowed {limit} %"))),
+        Some(limit) if worst > limit => Err(Failure::Bad(format!("worse by {worst} %; --fail-over allows {limit} %"))),
         _ => Ok(()),
     }
 }
 
-/// The same as a page, with the pictures that lie beside the reports.
+/// Writes the comparison as an HTML page, with the images beside the reports.
 fn page(path: &Path, (first, others): (&Side, &[Side]), pairs: &[Pair<'_>]) -> Done {
     let pairs = others.iter().zip(pairs).map(|(other, pair)| Ok((other.shown()?, &pair.comparison)));
     let page = compared(&first.shown()?, &pairs.collect::<Done<Vec<_>>>()?);
@@ -83,25 +89,34 @@ impl Side {
         let file = if path.is_dir() { path.join(REPORT) } else { path.to_path_buf() };
         let (text, _held) = read_text(&file, budget)?;
         let name = file.display().to_string();
-        // It is there to the end of the program.
+        // The memory stays reserved until the end of the program.
         budget.take(json_weight(text.as_bytes()), "what a report says").map_err(Failure::within(&name))?.keep();
         let report = Report::from_json(&text).map_err(Failure::within(&name))?;
-        // A report under another name is none that a run has left there.
-        let tape = file.with_file_name(RUN_TAPE);
+        // A recording belongs only to a report with its original name.
+        let tape = recording_in(file.parent().unwrap_or(Path::new("")));
         let has_tape = file.ends_with(REPORT) && tape.exists();
         let taped = has_tape.then(|| read_tape(&report, &tape, budget)).transpose()?;
         let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
-        Ok(Self { name: path.display().to_string(), report, folder, taped })
+        Ok(Self { name: path.display().to_string(), report, file, folder, taped })
     }
 
-    /// As a page shows it: with the picture of the last frame, where it lies beside the report.
+    /// Returns the files of this side: report, recording and image.
+    fn files(&self) -> impl Iterator<Item = PathBuf> {
+        [self.file.clone(), recording_in(&self.folder)].into_iter().chain(self.image())
+    }
+
+    /// Returns the image of the last frame, if it lies beside the report.
+    fn image(&self) -> Option<PathBuf> {
+        // A name alone, because a report of unknown origin must not select other files.
+        let name = Path::new(&self.report.image.last()?.file);
+        let file = self.folder.join(name);
+        (name.file_name() == Some(name.as_os_str()) && file.is_file()).then_some(file)
+    }
+
+    /// Returns the side for the HTML page.
     fn shown(&self) -> Done<html::Side<'_>> {
         let mut beside = page_assets(&self.report).map_err(Failure::within(&self.name))?;
-        // A name alone: a report from elsewhere must not name files of ours.
-        let name = self.report.image.last().map(|picture| Path::new(&picture.file));
-        let name = name.filter(|name| name.file_name() == Some(name.as_os_str()));
-        let file = name.map(|name| self.folder.join(name)).filter(|file| file.is_file());
-        if let Some(file) = file {
+        if let Some(file) = self.image() {
             let png = fs::read(&file).map_err(Failure::file(&file, "be read"))?;
             beside.pictures = vec![PagePicture { caption: "The machine's picture".into(), png, largest: None }];
         }

@@ -1,16 +1,18 @@
-//! `basrelief convert`: any form of a display list into any other.
+//! `basrelief convert`: converts a trace between its forms.
 
 use crate::args::ConvertArgs;
 use crate::error::{Done, Failure};
 use crate::input::TraceFile;
-use crate::outputs::PartialFile;
+use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use basrelief_input::Budget;
 use basrelief_trace::{self as display_list, Form};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
-/// Converts without loss.
+/// Converts a trace.
 pub fn convert(args: &ConvertArgs, budget: &Budget) -> Done {
+    let (input, output) = ([("INPUT", &*args.input)], [("OUTPUT", &*args.output)]);
+    check_outputs_keep_inputs(None, &output, &input).map_err(Failure::Usage)?;
     let input = TraceFile::open(&args.input)?;
     let failed = Failure::within(&input.name);
     to_trace_file(&args.output, |writer, form| {
@@ -18,7 +20,7 @@ pub fn convert(args: &ConvertArgs, budget: &Budget) -> Done {
     })
 }
 
-/// The form that a file's name asks for.
+/// Returns the form that a file name selects.
 pub fn form_of(path: &Path) -> Done<Form> {
     let name = path.to_string_lossy();
     if name == "-" {
@@ -26,19 +28,19 @@ pub fn form_of(path: &Path) -> Done<Form> {
     }
     Form::for_file_name(&name).ok_or_else(|| {
         Failure::Usage(format!(
-            "{name}: the name tells the form of a display list: expected .jsonl or .bdl, or either with .zst behind"
+            "{name}: the file name selects the form of a trace; expected .jsonl or .bdl, or either with .zst appended"
         ))
     })
 }
 
-/// Writes a display list to a file, whole or not at all, or to standard output.
+/// Writes a trace atomically to a file, or to standard output.
 pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, Form) -> Done) -> Done {
     let form = form_of(path)?;
     if path == Path::new("-") {
         let mut out = Remembering { to: BufWriter::new(io::stdout().lock()), failed: None };
         let done = write(&mut out, form).and_then(|()| out.flush().map_err(Failure::within("standard output")));
         return match out.failed {
-            // A reader that has gone away has seen what it wanted.
+            // A closed pipe is no error.
             Some(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
             Some(e) => Err(Failure::Bad(format!("standard output: cannot be written: {e}"))),
             None => done,
@@ -53,7 +55,7 @@ pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, Form) -> Do
     }
 }
 
-/// Keeps why it cannot be written: who writes into it reports that as a fault of what is read.
+/// Remembers write errors, which the trace writer would report as errors of its input.
 struct Remembering<W> {
     to: W,
     failed: Option<io::Error>,
@@ -69,7 +71,7 @@ impl<W> Remembering<W> {
     }
 }
 
-/// Of this kind and with these words.
+/// Copies kind and message of an error.
 fn copy_of(error: &io::Error) -> io::Error {
     error.raw_os_error().map_or_else(|| io::Error::new(error.kind(), error.to_string()), io::Error::from_raw_os_error)
 }

@@ -1,4 +1,4 @@
-//! `basrelief describe`: block diagram, units, parameters with unit, default and provenance.
+//! `basrelief describe`: block diagram, units and parameters of a machine.
 
 use super::simulate::style;
 use crate::args::DescribeArgs;
@@ -11,7 +11,7 @@ use basrelief_scene::DEMOS;
 use basrelief_sim::{MachineConfig, MachineInfo};
 use std::fmt::Write;
 
-/// Prints what the machine is.
+/// Prints the description of a machine.
 pub fn describe(args: &DescribeArgs, budget: &Budget) -> Done {
     let machine = args.machine;
     let (config, _) = config_of(machine, args.config.as_deref(), &args.settings, budget)?;
@@ -30,16 +30,16 @@ pub fn describe(args: &DescribeArgs, budget: &Budget) -> Done {
         let _ = writeln!(text, "  {:<width$} {numeral:<6} {}", u.name, u.role);
         let _ = writeln!(text, "{:indent$}{}", "", u.code, indent = 2 + width + 1 + 6 + 1);
     }
-    text.push_str("\nParameters (--set KEY=VALUE, or TOML by --config)\n");
+    text.push_str("\nParameters (--set KEY=VALUE, or a TOML file with --config)\n");
     table.iter().for_each(|p| entry(&mut text, p));
-    text.push_str("\nDemo scenes, and the machine that each is made for\n");
+    text.push_str("\nDemo scenes with their machines\n");
     for d in DEMOS {
         let _ = writeln!(text, "  {:<10} {:<6} {}", d.name, MachineInfo::of_demo(d.name).name, d.about);
     }
     print(&text)
 }
 
-/// Prints what the machine is built of.
+/// Prints the hardware cost of a machine.
 fn hardware(config: &MachineConfig, json: bool) -> Done {
     let all: Vec<Hardware> = config.hardware().map_err(Failure::bad)?.iter().map(Into::into).collect();
     if json {
@@ -55,6 +55,6 @@ fn entry(text: &mut String, p: &Parameter) {
     let _ = writeln!(text, "\n  {} = {value}{unit}{range}", p.key);
     let _ = writeln!(text, "      {}\n      {}: {}", p.doc, p.provenance.kind(), p.provenance.text());
     if p.effect == Effect::Timing {
-        text.push_str("      changes times only\n");
+        text.push_str("      timing parameter\n");
     }
 }

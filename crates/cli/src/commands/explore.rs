@@ -1,4 +1,4 @@
-//! `basrelief explore`: the front of a plan with few of its points.
+//! `basrelief explore`: finds the Pareto front of a plan with few runs.
 
 use super::plans::{Planned, counts, work, written};
 use crate::args::ExploreArgs;
@@ -6,7 +6,7 @@ use crate::error::{Done, Failure, print};
 use basrelief_dse::{Explored, Found, explore as find};
 use basrelief_input::Budget;
 
-/// Explores.
+/// Runs an exploration.
 pub fn explore(args: &ExploreArgs, budget: &Budget, quiet: bool) -> Done {
     let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, budget, quiet)?;
     let all = plan.points.len();
@@ -18,7 +18,7 @@ pub fn explore(args: &ExploreArgs, budget: &Budget, quiet: bool) -> Done {
     let mut said = counts(&tally, failed);
     said += &match share {
         Some(share) => {
-            format!("of {all} in the grid, all of which are there: {:.2} % of the hypervolume of their front\n", 100.0 * share)
+            format!("of {all} in the grid, which all exist: {:.2} % of the hypervolume of their Pareto front\n", 100.0 * share)
         }
         None => format!("of {all} in the grid\n"),
     };

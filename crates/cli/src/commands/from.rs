@@ -1,4 +1,4 @@
-//! `basrelief run --from`: renders what a server offers.
+//! `basrelief run --from`: renders the scene of a server.
 
 use super::real_times::RealTimes;
 use super::simulate::{Source, seconds, settings_of, simulate_source};
@@ -8,6 +8,7 @@ use crate::input::{self, Look};
 use crate::interrupt;
 use crate::outputs::{PartialFile, remove_remains};
 use crate::progress::{Progress, TileProgress};
+use crate::terminal;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_input::Budget;
 use basrelief_scene::{Subject, ViewOptions};
@@ -20,18 +21,18 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-/// The configuration of the machine; other machines are refused.
+/// Returns the parameters of the machine; only some machines can render from a server.
 fn config_of(args: &RunArgs, look: &Look, budget: &Budget) -> Done<(MachineConfig, Overrides)> {
     let fetching = || MACHINES.iter().filter(|m| m.fetches_tiles);
     let Some(machine) = args.machine.machine.or_else(|| fetching().next()).filter(|m| m.fetches_tiles) else {
         let names: Vec<String> = fetching().map(|m| format!("`{}`", m.name)).collect();
-        return Err(Failure::Usage(format!("--from: only machine {} renders from a server", names.join(", "))));
+        return Err(Failure::Usage(format!("--from: only machine {} can render from a server", names.join(", "))));
     };
     let machine = MachineArgs { machine: Some(machine), ..args.machine.clone() };
     input::config(&look.tell(&machine, None)?, None, budget)
 }
 
-/// Fetches the scene of a server, and looks at it; what both take is counted to the end of the program.
+/// Fetches the scene of a server and applies the view. Its memory stays reserved until the end of the program.
 fn scene_of(fetcher: &Fetcher, view: &ViewOptions, shown: &TileProgress, budget: &Budget) -> Done<PreparedScene> {
     let (address, packed, _held) = fetcher.scene(|bytes| shown.scene(bytes)).map_err(Failure::Bad)?;
     let (subject, held): (Subject, _) = unpack(&packed, &address, budget).map_err(Failure::Bad)?;
@@ -59,7 +60,7 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let began = seconds();
     let look = input::look(&args.view, budget)?;
     let (config, given) = config_of(args, &look, budget)?;
-    let fetch = config.tile_fetch().ok_or_else(|| Failure::Usage("--from: this machine fetches no tiles".into()))?;
+    let fetch = config.tile_fetch().ok_or_else(|| Failure::Usage("--from: this machine does not fetch tiles".into()))?;
     let shown = TileProgress::new(quiet || args.simulation.json);
     let retry = args
         .wait
@@ -68,8 +69,8 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let scene = scene_of(&fetcher, &look.view, &shown, budget)?;
     let cache = args.tile_cache.as_deref().map(open_cache).transpose()?;
     interrupt::say(match cache {
-        Some(_) => "interrupted; nothing was written but pictures shown before, and the tiles in --tile-cache",
-        None => "interrupted; nothing was written but pictures shown before",
+        Some(_) => "interrupted; only the images shown so far and the tiles in --tile-cache were written",
+        None => "interrupted; only the images shown so far were written",
     });
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| TileStore { cache, failed: Arc::clone(&failed) });
@@ -85,7 +86,10 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let source = Source { input, progress: Progress::new(None, "commands", true), read: None, real, watched };
     let done = simulate_source(began, source, settings, None, &args.simulation, quiet);
     if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, quiet) {
-        eprintln!("warning: --tile-cache {}: cannot be written: {why}; not all tiles are kept", folder.display());
+        terminal::note(&format!(
+            "warning: --tile-cache {}: cannot be written: {why}; some tiles are not cached",
+            folder.display()
+        ));
     }
     done
 }

@@ -1,4 +1,4 @@
-//! `--html`: the report as one page.
+//! `--html`: the report as an HTML page.
 
 use crate::error::{Done, Failure};
 use crate::outputs::PartialFile;
@@ -9,7 +9,7 @@ use basrelief_sim::{page_assets, page_pictures};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The file of `--html`, and the pictures of the last frame so far.
+/// The page and the images of the last frame.
 pub struct HtmlFile {
     path: PathBuf,
     file: PartialFile,
@@ -17,7 +17,7 @@ pub struct HtmlFile {
 }
 
 impl HtmlFile {
-    /// Opens it.
+    /// Creates the file.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -26,12 +26,12 @@ impl HtmlFile {
         Ok(Self { path: path.into(), file, last: None })
     }
 
-    /// A frame is finished: the machine's picture of it, and the exact one.
+    /// Stores image and reference image of a frame.
     pub fn frame(&mut self, machine: &Picture, exact: Option<&Picture>) {
         self.last = Some((machine.clone(), exact.cloned()));
     }
 
-    /// The file, to be published.
+    /// Completes the file for publication.
     ///
     /// # Errors
     /// A file that cannot be written.

@@ -12,6 +12,7 @@ mod page;
 mod plans;
 mod real_times;
 mod record;
+mod recording;
 mod requests;
 mod run;
 mod schema;
@@ -21,7 +22,6 @@ mod simulate;
 mod size_fifos;
 mod sweep;
 pub mod tables;
-mod tape;
 mod timelines;
 mod verify;
 
@@ -37,7 +37,7 @@ pub fn dispatch(cli: Cli, budget: &Budget) -> Done {
         Command::SizeFifos(args) => size_fifos::size_fifos(&args, budget),
         Command::Sweep(args) => sweep::sweep(&args, budget, cli.quiet),
         Command::Explore(args) => explore::explore(&args, budget, cli.quiet),
-        Command::Retime(args) => tape::retime(&args, budget, cli.quiet),
+        Command::Resimulate(args) => recording::resimulate(&args, budget, cli.quiet),
         Command::Record(args) => record::record(&args, budget, cli.quiet),
         Command::Convert(args) => convert::convert(&args, budget),
         Command::Verify(args) => verify::verify(&args, budget, cli.quiet),

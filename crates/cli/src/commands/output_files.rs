@@ -1,10 +1,10 @@
-//! What a run writes while it goes on: pictures, exhibits, progress.
+//! Outputs during a run: images, auxiliary outputs, progress.
 
 use super::dump::DumpFiles;
 use super::html::HtmlFile;
 use super::real_times::RealTimes;
+use super::recording::{RecordingFile, ShortRecording};
 use super::requests::RequestsFile;
-use super::tape::{RunTape, TapeFile};
 use crate::args::SimulationArgs;
 use crate::error::{Done, Failure};
 use crate::outputs::{Outputs, PartialFile};
@@ -20,30 +20,30 @@ use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::rc::Rc;
 
-/// Files, progress and pictures of a run.
+/// Outputs of a run.
 pub struct OutputFiles {
-    /// In front of the outputs: a dump that is given up must be gone before the folder that was made for both.
+    /// Dropped before `outputs`: a discarded dump must be removed before the folder created for both.
     pub dumps: DumpFiles,
-    /// In front of the outputs likewise.
+    /// Dropped before `outputs` likewise.
     pub requests: Option<RequestsFile>,
-    /// Likewise.
-    pub tape: Option<TapeFile>,
-    pub run_tape: RunTape,
+    /// Dropped before `outputs` likewise.
+    pub tape: Option<RecordingFile>,
+    pub run_tape: ShortRecording,
     pub page: Option<HtmlFile>,
     pub outputs: Outputs,
     pub progress: Progress,
-    /// Bytes of a trace read so far; a scene counts commands instead.
+    /// Bytes of the trace read so far; for a scene, progress counts commands.
     pub read: Option<Rc<Cell<u64>>>,
     pub frames: usize,
-    /// Of the pictures of frames written so far: the machine's own and those that it is held against, then exhibits.
+    /// Kinds of images written per frame: image, reference and difference, then auxiliary outputs.
     pub kinds: [Vec<&'static str>; 2],
-    /// Names of the other pictures.
+    /// Names of further images.
     pub extra: Vec<String>,
-    /// The picture that was shown last of a frame that is shown several times, and its frame.
+    /// The last image of an unfinished frame, and its frame.
     pub shown: Option<(u32, String)>,
-    /// When pictures of a server's scene are there.
+    /// Image times of a scene from a server.
     pub real: Option<RealTimes>,
-    /// Where pictures are shown when they are there.
+    /// The live preview.
     pub watched: Option<LivePreview>,
 }
 
@@ -112,22 +112,22 @@ impl Observer for OutputFiles {
     }
 }
 
-/// A finished file that is to take its place, and that place.
+/// A finished file and its final path.
 type Beside = (PartialFile, PathBuf);
 
-/// What is left of the outputs of a run, to be published.
+/// Outputs to publish at the end.
 pub struct Rest {
     pub dumps: DumpFiles,
-    pub run_tape: RunTape,
+    pub run_tape: ShortRecording,
     pub outputs: Outputs,
     pub frames: usize,
-    /// Kinds of pictures that were written for each frame.
+    /// Kinds of images written for each frame.
     pub kinds: Vec<&'static str>,
     pub extra: Vec<String>,
 }
 
 impl OutputFiles {
-    /// Opens all that the command line asks for.
+    /// Opens all outputs of the command line.
     pub fn open(
         simulation: &SimulationArgs,
         settings: &RunOptions,
@@ -136,8 +136,8 @@ impl OutputFiles {
         Ok(Self {
             dumps: DumpFiles::open(&simulation.dump, &settings.config)?,
             requests: RequestsFile::open(simulation, &settings.config, &outputs)?,
-            tape: simulation.tape.as_deref().map(TapeFile::open).transpose()?,
-            run_tape: RunTape::new(settings.bottlenecks)?,
+            tape: simulation.recording.as_deref().map(RecordingFile::open).transpose()?,
+            run_tape: ShortRecording::new(settings.bottlenecks)?,
             page: simulation.html.as_deref().map(HtmlFile::open).transpose()?,
             outputs,
             progress,
@@ -151,30 +151,30 @@ impl OutputFiles {
         })
     }
 
-    /// Writes what is still to be written; what is then to be published beside the outputs, and the rest.
+    /// Completes all files. Returns those to publish beside the folder, and the rest.
     pub fn finish(self, report: &Report, recording_is_complete: bool, simulation: &SimulationArgs) -> Done<(Vec<Beside>, Rest)> {
         let Self { mut dumps, requests, tape, run_tape, page, outputs, progress, frames, kinds, extra, .. } = self;
         drop(progress);
         dumps.flush()?;
         let requests = requests.map(RequestsFile::finish).transpose()?;
-        // Of a run that did not come to its end there is none.
-        let tape = tape.filter(|_| recording_is_complete).map(TapeFile::finish).transpose()?;
+        // An incomplete run has no recording.
+        let tape = tape.filter(|_| recording_is_complete).map(RecordingFile::finish).transpose()?;
         let page = page.map(|page| page.finish(report)).transpose()?;
-        let beside = [(requests, &simulation.requests), (tape, &simulation.tape), (page, &simulation.html)];
+        let beside = [(requests, &simulation.requests), (tape, &simulation.recording), (page, &simulation.html)];
         let beside = beside.into_iter().filter_map(|(file, path)| Some((file?, path.clone()?))).collect();
         Ok((beside, Rest { dumps, run_tape, outputs, frames, kinds: kinds.concat(), extra }))
     }
 
-    /// A run has failed: the best picture of a frame that was under way stays, if there was any.
+    /// Keeps the best image of the unfinished frame of a failed run.
     pub fn rescue(self, error: Failure) -> Failure {
         let Some((_, best)) = self.shown.filter(|(frame, _)| *frame as usize >= self.frames) else { return error };
         match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", &[])) {
             Ok(()) => error,
-            Err(e) => Failure::Bad(format!("{error}\nThe best picture so far cannot be written: {e}")),
+            Err(e) => Failure::Bad(format!("{error}\nThe best image so far cannot be written: {e}")),
         }
     }
 
-    /// Writes a picture of frame `index`; `exhibit` is 1 for one of the exhibits, otherwise 0.
+    /// Writes an image of frame `index`; `exhibit` is 1 for an auxiliary output and 0 otherwise.
     fn save(&mut self, [exhibit, index]: [usize; 2], kind: &'static str, png: Result<Vec<u8>, String>) -> Result<(), String> {
         let kinds = &mut self.kinds[exhibit];
         if !kinds.contains(&kind) {

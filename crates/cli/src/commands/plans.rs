@@ -1,10 +1,10 @@
-//! What is common to the commands that run the points of a plan.
+//! Code shared by `sweep` and `explore`.
 
 use crate::args::{PlanArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, TraceFile, demo_of, read_text};
 use crate::interrupt;
-use crate::outputs::PartialFile;
+use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use crate::progress::PointProgress;
 use basrelief_dse::{Folder, Host, Opened, Plan, Point, SweepError, Tally, Work, tables};
 use basrelief_input::{Budget, Held};
@@ -13,51 +13,62 @@ use basrelief_reference::Picture;
 use basrelief_sim::{RunInput, TOML_GROWTH, to_png};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
+use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
-/// A plan that is read, and where its points lie.
+/// A plan and the folder of its points.
 pub struct Planned<'a> {
     pub host: Program<'a>,
     pub plan: Plan,
     pub folder: Folder,
-    /// Points under way at a time.
+    /// Parallel runs.
     pub threads: usize,
-    /// For the plan's text, and what it says.
+    /// Memory of the plan.
     pub _held: [Held; 2],
 }
 
 impl<'a> Planned<'a> {
-    /// Reads it.
+    /// Reads a plan.
     ///
     /// # Errors
-    /// A file that cannot be read, or says what is no plan.
+    /// An unreadable file or an invalid plan.
     pub fn read(args: &PlanArgs, budget: &'a Budget, quiet: bool) -> Done<Self> {
-        interrupt::say("interrupted; points that are finished stay: run it again to go on");
+        interrupt::say("interrupted; finished points are kept; run the command again to continue");
         if args.threads == Some(1) {
             threads::work_alone();
         }
-        let host = Program { plan: args.plan.clone(), budget, progress: PointProgress::new(quiet) };
+        let host = Program {
+            plan: args.plan.clone(),
+            read: Mutex::new([args.plan.clone()].into()),
+            budget,
+            progress: PointProgress::new(quiet),
+        };
         let name = args.plan.display().to_string();
         let (text, held) = read_text(&args.plan, budget)?;
         let growth = budget.take(TOML_GROWTH * text.len() as u64, "what a plan says").map_err(Failure::within(&name))?;
         let plan = Plan::read(&text, &host).map_err(Failure::within(&name))?;
+        let tables = basrelief_dse::tables::FILES.iter().map(|(file, _)| args.out.join(file));
+        let tables: Vec<PathBuf> = tables.collect();
+        let tables: Vec<(&str, &Path)> = tables.iter().map(|table| ("--out", &**table)).collect();
+        host.check_outputs(&tables).map_err(Failure::Usage)?;
         let threads = args.threads.map_or_else(threads::workers, usize::from);
         Ok(Self { host, plan, folder: Folder::new(&args.out), threads, _held: [held, growth] })
     }
 }
 
-/// What is to be done of these points.
+/// Describes the work of these points.
 pub fn work<'a>(args: &PlanArgs, points: &'a [&'a Point], threads: usize) -> Work<'a> {
     Work { points, retry_failed: args.retry_failed, pictures: !args.no_pictures, threads }
 }
 
-/// How points came to be there, in words.
+/// Returns the counts of points as text.
 pub fn counts(Tally { points, there, run, retimed, .. }: &Tally, failed: usize) -> String {
-    format!("{points} points: {there} there before, {run} run, {retimed} timed again; {failed} failed\n")
+    format!("{points} points: {there} reused, {run} run, {retimed} resimulated; {failed} failed\n")
 }
 
-/// Writes the tables, and says so.
+/// Writes the tables and returns a message.
 ///
 /// # Errors
 /// A file that cannot be read or written.
@@ -71,21 +82,23 @@ pub fn bad(error: SweepError) -> Failure {
     Failure::Bad(error.to_string())
 }
 
-/// What a sweep asks of this program.
+/// Services of this program for a sweep.
 pub struct Program<'a> {
     plan: PathBuf,
+    /// Files read so far.
+    read: Mutex<BTreeSet<PathBuf>>,
     budget: &'a Budget,
     progress: PointProgress,
 }
 
 impl<'a> Program<'a> {
-    /// Around a run: files lie where its command line says.
+    /// Makes the services for a sensitivity analysis, whose paths are those of the command line.
     pub fn around_run(budget: &'a Budget, quiet: bool) -> Self {
-        Self { plan: PathBuf::new(), budget, progress: PointProgress::new(quiet) }
+        Self { plan: PathBuf::new(), read: Mutex::default(), budget, progress: PointProgress::new(quiet) }
     }
 }
 
-/// Options of a view by themselves.
+/// The view options alone.
 #[derive(Parser)]
 #[command(no_binary_name = true, disable_help_flag = true)]
 struct View {
@@ -94,12 +107,21 @@ struct View {
 }
 
 impl Program<'_> {
-    /// A file that the plan names.
+    /// Returns the path of a file that the plan names.
     fn place(&self, name: &str) -> PathBuf {
-        self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name))
+        let path = self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name));
+        self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(path.clone());
+        path
     }
 
-    /// What the plan says of the view, as on the command line.
+    /// Refuses outputs that are among the files that the plan names, or the plan itself.
+    fn check_outputs(&self, outputs: &[(&str, &Path)]) -> Result<(), String> {
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        let read: Vec<(&str, &Path)> = read.iter().map(|path| ("of the plan", &**path)).collect();
+        check_outputs_keep_inputs(None, outputs, &read)
+    }
+
+    /// Converts the view of the plan into options.
     fn view(&self, view: &[(String, String)]) -> Result<ViewArgs, String> {
         let command = View::command();
         let known: Vec<&str> = command.get_arguments().map(|argument| argument.get_id().as_str()).collect();
@@ -119,7 +141,7 @@ impl Program<'_> {
     }
 }
 
-/// The sentence of a failure, without what is said of usage.
+/// Returns the message of an error without the hint about usage.
 fn sentence(failure: Failure) -> String {
     match failure {
         Failure::Usage(text) | Failure::Bad(text) => text,
@@ -130,7 +152,7 @@ impl Host for Program<'_> {
     fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
         let view = self.view(view)?;
         let path = if demo_of(Path::new(name)).is_some() { name.into() } else { self.place(name) };
-        let once = || format!("input: {name}: can be read only once, and a sweep reads it for each run: give a file");
+        let once = || format!("input: {name}: can be read only once, but every run of a sweep reads it; expected a file");
         if path == Path::new("-") {
             return Err(once());
         }
@@ -155,6 +177,7 @@ impl Host for Program<'_> {
     }
 
     fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        self.check_outputs(&[("--out", path)]).map_err(io::Error::other)?;
         path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
         PartialFile::write_whole(path, bytes)
     }

@@ -1,32 +1,32 @@
-//! When the pictures of a server's scene are there, and what they took to come.
+//! Times of images of a scene from a server, and its traffic.
 
 use crate::progress::TileProgress;
 use basrelief_report::model::RealPath;
 use basrelief_tile_server::client::{Elapsed, TransferMetrics};
 
-/// When pictures are there, by the clock.
+/// Times of images.
 #[derive(Debug)]
 pub struct RealTimes {
     meter: TransferMetrics,
     progress: TileProgress,
-    /// Number of the frame of each picture, and when it was there.
+    /// Frame and time of each image.
     shown: Vec<(u32, Elapsed)>,
 }
 
 impl RealTimes {
-    /// Of what this meter counts; each picture is told on this progress.
+    /// Records times of these transfer metrics, and reports each image on this progress bar.
     pub fn new(meter: TransferMetrics, progress: TileProgress) -> Self {
         Self { meter, progress, shown: vec![] }
     }
 
-    /// A picture is there.
+    /// Records an image.
     pub fn shown(&mut self, frame: u32, round: u32) {
         let now = self.meter.now();
         self.shown.push((frame, now));
         self.progress.shown(frame, round, now.milliseconds);
     }
 
-    /// What the report says of it.
+    /// Returns the part of the report.
     pub fn path(&self) -> RealPath {
         let counted = self.meter.read();
         let moment = |shown: Option<&(u32, Elapsed)>| shown.map_or_else(Elapsed::default, |(_, moment)| *moment);
@@ -51,7 +51,7 @@ impl RealTimes {
     }
 }
 
-/// Times of pictures from the end of the frame before.
+/// Returns the times of images since the end of the previous frame.
 fn by_frame(shown: &[(u32, Elapsed)]) -> Vec<f64> {
     let since = |i: usize| {
         let frame = shown[i].0;
@@ -60,7 +60,7 @@ fn by_frame(shown: &[(u32, Elapsed)]) -> Vec<f64> {
     shown.iter().enumerate().map(|(i, (_, moment))| rounded(moment.milliseconds - since(i))).collect()
 }
 
-/// To the microsecond.
+/// Rounds to microseconds.
 fn rounded(milliseconds: f64) -> f64 {
     (milliseconds * 1e3).round() / 1e3
 }

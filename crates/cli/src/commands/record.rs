@@ -1,10 +1,11 @@
-//! `basrelief record`: what the geometry processor hands on, as a display list.
+//! `basrelief record`: writes the output of the geometry processor as a trace.
 
 use super::convert::to_trace_file;
-use super::simulate::simulate_quietly;
+use super::simulate::{read_files, simulate_quietly};
 use crate::args::RecordArgs;
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
+use crate::outputs::check_outputs_keep_inputs;
 use crate::progress::Progress;
 use basrelief_input::{Budget, Growing};
 use basrelief_signals::Scene;
@@ -16,9 +17,11 @@ use std::sync::Arc;
 
 /// Records a scene.
 pub fn record(args: &RecordArgs, budget: &Budget, quiet: bool) -> Done {
+    let inputs = read_files(Some(&args.input), &args.machine, &args.view);
+    check_outputs_keep_inputs(None, &[("--out", &args.out)], &inputs).map_err(Failure::Usage)?;
     let Input::Scene(scene) = input::open(&args.input, &args.view, budget)? else {
         return Err(Failure::Usage(format!(
-            "{}: is a display list already; `basrelief convert` changes its form",
+            "{}: is already a trace; `basrelief convert` changes its form",
             args.input.display()
         )));
     };
@@ -31,7 +34,7 @@ pub fn record(args: &RecordArgs, budget: &Budget, quiet: bool) -> Done {
     })
 }
 
-/// Writes the display list of a scene, in this form and with this beginning.
+/// Writes the trace of a scene with this form and header.
 pub fn write_list(
     scene: &Arc<Scene>,
     config: &MachineConfig,
@@ -40,7 +43,7 @@ pub fn write_list(
     expectations: Vec<Expectation>,
     (mut progress, budget): (Progress, &Budget),
 ) -> Done {
-    // Texels as they are recorded, in base64 and in a line that grows by doubling.
+    // Copies of texels during recording: base64 and a line buffer that doubles.
     let copies = || (0..4).map(|_| reserve_textures(scene, 0, budget)).collect::<Result<Vec<_>, _>>();
     let _copies = copies().map_err(Failure::within(&scene.name))?;
     let failed = Failure::within(&scene.name);
@@ -52,8 +55,8 @@ pub fn write_list(
     recorder.finish(expectations).map(|_| ()).map_err(failed)
 }
 
-/// What the machine makes of the list now. Not of the scene: there the geometry processor can be held up by what lies
-/// behind it, in a replay its polygons come when they would have come unblocked, and the cycles differ.
+/// Returns the results of a replay of the trace. They differ from a run of the scene, where the geometry processor can be blocked: in a
+/// replay, polygons arrive as if nothing had stalled.
 fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budget: &Budget) -> Done<Expectation> {
     let mut list = Growing::new(budget, "a display list");
     let form = Form { encoding: Encoding::Binary, compressed: true };
@@ -64,8 +67,8 @@ fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budge
     Ok(expectation_of(&run.report, settings_of(config, &args.machine.settings)?))
 }
 
-/// What a replay must be told: parameters that are not at their default, and those that the user named all the same. Where
-/// one of a memory is, or the clock, all of that memory: what is not told would follow from its part.
+/// Returns the parameters that a replay needs: those that differ from their default, and those that the user set. If one belongs to a
+/// memory, or is the clock, all parameters of that memory are needed, because the others would follow from its part.
 fn settings_of(config: &MachineConfig, named: &[(String, String)]) -> Done<BTreeMap<String, ParameterValue>> {
     let pairs = config.parameters().into_iter().zip(config.machine().parameters());
     let (told, other): (Vec<_>, Vec<_>) =
@@ -79,7 +82,7 @@ fn settings_of(config: &MachineConfig, named: &[(String, String)]) -> Done<BTree
     told.into_iter().chain(followers).map(|(here, _)| Ok((here.key, value(here.default)?))).collect()
 }
 
-/// The memory that a parameter belongs to.
+/// Returns the memory of a parameter.
 fn memory_of(key: &str) -> Option<&str> {
     key.strip_prefix("memory.").and_then(|rest| rest.split('.').next())
 }

@@ -1,8 +1,8 @@
-//! `--requests`: what memories were asked for, for a reader or for another simulator of memories.
+//! `--requests`: memory requests, for reading or for other memory simulators.
 //!
-//! Engines settle memories at different points, so requests of several memories come interleaved as the engine pleases; those
-//! of one memory come in its order. Hence the memories stand one after the other in the file, and all but the first wait in a
-//! file without a name until the run is over: the same bytes for both engines, and nothing kept that grows with the run.
+//! The engines decide memories in different orders, so requests of several memories arrive interleaved; those of one memory arrive in
+//! order. Therefore the file holds the memories one after the other. All but the first wait in an unnamed file until the end of the run. So
+//! both engines write the same bytes, and memory use does not grow.
 
 use super::dump::is_file;
 use crate::args::{RequestsFormat, SimulationArgs};
@@ -21,24 +21,24 @@ pub struct RequestsFile {
     path: PathBuf,
     format: RequestsFormat,
     file: PartialFile,
-    /// Memories whose requests are written, in order.
+    /// Memories to write, in order.
     sections: Vec<Section>,
 }
 
-/// A memory's part of the file.
+/// Part of a memory.
 #[derive(Debug)]
 struct Section {
     memory: String,
     burst_bytes: u32,
-    /// Where it waits for its turn; the first goes straight into the file.
+    /// Unnamed file; `None` for the first memory, which is written directly.
     waits_in: Option<BufWriter<File>>,
 }
 
 impl RequestsFile {
-    /// Opens what the command line asks for.
+    /// Opens the file.
     ///
     /// # Errors
-    /// A memory that the machine does not have, several for a format that knows one; a file that cannot be written.
+    /// An unknown memory, several memories in a format for one, or a file that cannot be written.
     pub fn open(simulation: &SimulationArgs, config: &MachineConfig, outputs: &Outputs) -> Done<Option<Self>> {
         let Some(path) = &simulation.requests else { return Ok(None) };
         is_file("--requests", path).map_err(Failure::Usage)?;
@@ -59,7 +59,7 @@ impl RequestsFile {
     /// Writes requests of a memory.
     ///
     /// # Errors
-    /// A file that cannot be written, in a sentence.
+    /// A file that cannot be written.
     pub fn write(&mut self, of: &MemoryRequests<'_>) -> Result<(), String> {
         let Self { path, format, file, sections } = self;
         let Some(section) = sections.iter_mut().find(|s| s.memory == of.memory) else { return Ok(()) };
@@ -71,7 +71,7 @@ impl RequestsFile {
         written.map_err(|e| format!("{}: cannot be written: {e}", path.display()))
     }
 
-    /// Puts the parts together: the file, to be published.
+    /// Joins the parts. Returns the file for publication.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -88,7 +88,7 @@ impl RequestsFile {
     }
 }
 
-/// The memories to be written, of all that there are.
+/// Selects the memories to write.
 fn choose(
     all: Vec<(String, u32)>,
     asked: Option<&str>,
@@ -102,7 +102,7 @@ fn choose(
         }
         let format = format.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
         return Err(format!(
-            "--requests-format {format}: it knows one memory, and machine `{machine}` has several; choose one by \
+            "--requests-format {format}: the format holds one memory, but machine `{machine}` has several; choose one with \
              --requests-memory: {names}"
         ));
     };
@@ -112,7 +112,7 @@ fn choose(
     }
 }
 
-/// What stands in front of all requests.
+/// Returns the header line.
 fn head(format: RequestsFormat) -> &'static str {
     if format == RequestsFormat::Csv { "cycle,memory,client,operation,address,bytes\n" } else { "" }
 }

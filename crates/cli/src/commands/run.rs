@@ -14,7 +14,7 @@ use basrelief_tile_server::preview::LivePreview;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Draws an embedded scene.
+/// Draws a demo scene.
 pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
     spare_inputs(&args.simulation, None, &args.machine, &args.view)?;
@@ -27,17 +27,17 @@ pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
     simulate(began, Input::Scene(scene.into()), settings, &args.simulation, quiet)
 }
 
-/// Draws a model or replays a display list.
+/// Draws a model or replays a trace.
 pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
     spare_inputs(&args.simulation, args.input.as_deref(), &args.machine, &args.view)?;
     if let Some(url) = &args.from {
         return run_from(url, args, budget, quiet);
     }
-    // (The parser does not ask for --from where INPUT excludes it.)
+    // The parser does not require --from here, because INPUT excludes it.
     for (option, given) in [("--tile-cache", args.tile_cache.is_some()), ("--wait", args.wait.is_some())] {
         if given {
-            return Err(Failure::Usage(format!("{option}: is for the scene of a server; it needs --from")));
+            return Err(Failure::Usage(format!("{option}: applies to the scene of a server only; add --from URL")));
         }
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));

@@ -1,4 +1,4 @@
-//! `--sensitivity`: what each assumption moves.
+//! `--sensitivity`: effect of each assumed parameter.
 
 use super::plans::{Program, bad};
 use crate::error::Done;
@@ -9,10 +9,10 @@ use basrelief_report::Sensitivity;
 use basrelief_sim::RunOptions;
 use basrelief_threads as threads;
 
-/// The run that is to be changed.
+/// Prepares the analysis of a run.
 ///
 /// # Errors
-/// What can be read only once.
+/// The input can be read only once.
 pub fn around(input: &Input, settings: &RunOptions) -> Done<Around> {
     let (name, opened) = match input {
         Input::Scene(prepared) => (prepared.scene().name.clone(), Opened::Scene(prepared.clone())),
@@ -28,10 +28,10 @@ pub fn around(input: &Input, settings: &RunOptions) -> Done<Around> {
     })
 }
 
-/// Changes its assumptions, one at a time.
+/// Runs the analysis.
 ///
 /// # Errors
-/// An input that cannot be read any more.
+/// The input cannot be read any more.
 pub fn measured(around: Around, budget: &Budget, quiet: bool) -> Done<Sensitivity> {
     let host = Program::around_run(budget, quiet);
     let plan = Plan::around(around, &host).map_err(bad)?;

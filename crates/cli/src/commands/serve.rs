@@ -1,4 +1,4 @@
-//! `basrelief serve`: offers a scene to renderers elsewhere.
+//! `basrelief serve`: serves a scene to renderers elsewhere.
 
 use super::page::viewer;
 use crate::args::ServeArgs;
@@ -14,35 +14,39 @@ use basrelief_tile_server::server::{Limits, SceneService, index_page};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Serves until it is interrupted.
+/// Serves until interrupted.
 pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
     if !args.listen.ip().is_loopback() && !args.public {
         return Err(Failure::Usage(format!(
-            "--listen {}: others could read the scene there; say --public if they may",
+            "--listen {}: other computers could read the scene; add --public to allow this",
             args.listen
         )));
     }
     let Some(subject) = input::open_subject(&args.input, budget)? else {
-        return Err(Failure::Usage(format!("{}: is a display list; serve takes a model or demo:NAME", args.input.display())));
+        return Err(Failure::Usage(format!("{}: is a trace; expected a model or demo:NAME", args.input.display())));
     };
     let within = Failure::within(subject.name());
-    // The layers that are asked for: kept to the end of the program.
+    let path = subject.name().to_owned();
+    // The MIP levels stay in memory until the end of the program.
     let unseen = subject.seen(&ViewOptions::default()).map_err(Failure::bad)?;
     reserve_textures(&unseen, 1, budget).map_err(&within)?.keep();
     let textures = textures(&subject);
+    let subject = subject.without_path();
     let scene = packed(&subject, budget)?;
     let viewer = viewer(args.folder.as_deref())?;
     let page = index_page(&subject, &textures, viewer.is_some());
     let served = SceneService::new(scene, page, textures).with_viewer(viewer.unwrap_or_default());
+    let served = served.with_host_names(args.allow_host.clone());
+    let served = args.allow_origin.iter().fold(served, |served, origin| served.with_allowed_origin(origin));
     let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
-    interrupt::say("stopped serving");
+    interrupt::say("server stopped");
     if !quiet {
-        print(&format!("Serving {} at http://{address}/\n", subject.name()))?;
+        print(&format!("Serving {path} at http://{address}/\n"))?;
     }
     server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))
 }
 
-/// The scene as it travels, counted to the end of the program.
+/// Returns the compressed scene; its memory stays reserved until the end of the program.
 fn packed(subject: &Subject, budget: &Budget) -> Done<Vec<u8>> {
     let within = Failure::within(subject.name());
     let scene = subject.to_bytes(&mut hash_of_picture).map_err(|e| within(e.to_string()))?;
@@ -52,7 +56,7 @@ fn packed(subject: &Subject, budget: &Budget) -> Done<Vec<u8>> {
     Ok(packed)
 }
 
-/// All colour textures, each once.
+/// Returns all colour textures, each once.
 fn textures(subject: &Subject) -> Vec<Arc<Texture>> {
     let all = subject.objects().iter().filter_map(|o| o.material.color_texture.clone());
     all.map(|texture| (texture.id, texture)).collect::<BTreeMap<_, _>>().into_values().collect()

@@ -1,14 +1,15 @@
-//! A run from its source to its files, and what all commands that simulate share.
+//! A run from its input to its files, and code that all simulating commands share.
 
 use super::output_files::OutputFiles;
 use super::real_times::RealTimes;
+use super::recording::ShortRecording;
 use super::sensitivity::measured;
-use super::tape::RunTape;
 use super::timelines::TimelineFiles;
 use crate::args::{EngineName, MachineArgs, SimulationArgs, TablesArgs, ViewArgs};
 use crate::error::{Done, Failure, print};
-use crate::outputs::{Outputs, REPORT, RUN_TAPE, check_distinct, check_not_read};
+use crate::outputs::{OLD_RUN_RECORDING, Outputs, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs};
 use crate::progress::Progress;
+use crate::terminal;
 use basrelief_dse::Around;
 use basrelief_input::Budget;
 use basrelief_kernel::{Engine, Probe};
@@ -27,7 +28,7 @@ use std::rc::Rc;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// Seconds since the first call.
+/// Returns the seconds since the first call.
 pub fn seconds() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed().as_secs_f64()
@@ -42,9 +43,9 @@ impl From<EngineName> for Engine {
     }
 }
 
-/// As the command line says; nobody has asked for exhibits yet.
+/// Returns the run options of the command line, without auxiliary outputs.
 pub fn settings_of((config, given): (MachineConfig, Overrides), simulation: &SimulationArgs, budget: &Budget) -> RunOptions {
-    let limits = limits_of(simulation.limits, simulation.no_limits);
+    let limits = limits_of(simulation.bottlenecks, simulation.no_bottlenecks);
     RunOptions {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
@@ -53,7 +54,7 @@ pub fn settings_of((config, given): (MachineConfig, Overrides), simulation: &Sim
         aux_outputs: vec![],
         bottlenecks: limits,
         overrides: given,
-        recording: match (&simulation.tape, limits) {
+        recording: match (&simulation.recording, limits) {
             (Some(_), _) => AnalysisPolicy::Always,
             (None, AnalysisPolicy::Never) => AnalysisPolicy::Never,
             (None, _) => AnalysisPolicy::IfShort,
@@ -65,7 +66,7 @@ pub fn settings_of((config, given): (MachineConfig, Overrides), simulation: &Sim
     }
 }
 
-/// Whether what limits a run is measured, by `--limits` and `--no-limits`.
+/// Returns the policy of the bottleneck analysis.
 pub fn limits_of(always: bool, never: bool) -> AnalysisPolicy {
     match (always, never) {
         (true, _) => AnalysisPolicy::Always,
@@ -74,19 +75,19 @@ pub fn limits_of(always: bool, never: bool) -> AnalysisPolicy {
     }
 }
 
-/// What is simulated, and what tells how far it is.
+/// The input of a run and its progress.
 pub struct Source {
     pub input: RunInput,
     pub progress: Progress,
-    /// Bytes of a trace read so far.
+    /// Bytes of the trace read so far.
     pub read: Option<Rc<Cell<u64>>>,
-    /// When pictures of a server's scene are there.
+    /// Image times of a scene from a server.
     pub real: Option<RealTimes>,
-    /// Where pictures are shown, if that is wished.
+    /// The live preview.
     pub watched: LivePreview,
 }
 
-/// Simulates a source.
+/// Simulates an input and writes its outputs.
 pub fn simulate_source(
     began: f64,
     Source { input: source, progress, read, real, watched }: Source,
@@ -95,7 +96,7 @@ pub fn simulate_source(
     simulation: &SimulationArgs,
     quiet: bool,
 ) -> Done {
-    // Before the dumps: they may lie in it.
+    // Created before the dumps, which may be in this folder.
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     check_distinct(&simulation.out, &named_outputs(simulation)).map_err(Failure::Usage)?;
     let mut timelines = TimelineFiles::open(simulation, &source, &settings)?;
@@ -122,10 +123,10 @@ pub fn simulate_source(
     }
     let (beside, rest) = files.finish(&report, recording_is_complete, simulation)?;
     if simulation.json {
-        // In front of what is published: where it cannot be printed, nothing is written.
+        // Printed before publication: if printing fails, nothing is written.
         print(&report.to_json().map_err(Failure::bad)?)?;
     }
-    // Where limits could not be measured, it cannot be timed again either.
+    // Without a bottleneck analysis the recording cannot be resimulated either.
     let run_tape = (recording_is_complete && report.limits.is_some()).then_some(rest.run_tape);
     let has_tape = publish(rest.outputs, (rest.frames, &rest.kinds), (&report, run_tape), simulation)?;
     rest.dumps.publish()?;
@@ -142,49 +143,54 @@ pub fn simulate_source(
     show(&report, (&rest.kinds, &rest.extra, has_tape), simulation, quiet)
 }
 
-/// Shows the run in a browser.
+/// Starts the live preview.
 fn listen(watched: LivePreview, at: SocketAddr, quiet: bool) -> Done<LivePreview> {
     if !at.ip().is_loopback() {
-        return Err(Failure::Usage(format!("--watch={at}: expected an address of this computer, such as 127.0.0.1:8018")));
+        return Err(Failure::Usage(format!("--watch={at}: expected a loopback address, for example 127.0.0.1:8018")));
     }
     let address = watched.listen(at).map_err(Failure::Bad)?;
     if !quiet {
-        // Standard output is the report's.
-        eprintln!("Watch it at http://{address}/");
+        // Standard output is reserved for the report.
+        terminal::note(&format!("Preview: http://{address}/"));
     }
     Ok(watched)
 }
 
-/// What is shown beside the pictures: pictures, and what is dumped.
+/// Returns the auxiliary outputs to compute: images and dumps.
 fn exhibits(settings: &RunOptions, files: &OutputFiles) -> Vec<AuxOutputInfo> {
     let pictures = basrelief_sim::aux_outputs(settings.config.machine()).into_iter().filter(|e| e.form != AuxForm::Lines);
     pictures.filter(|e| settings.exact || !e.judges).chain(files.dumps.exhibits()).collect()
 }
 
-/// Refuses an output that is one of these files, which the run reads; beside them, what its machine and its view are read from.
+/// Refuses outputs that would overwrite an input of the run.
 ///
 /// # Errors
 /// Wrong usage.
 pub fn spare_inputs(simulation: &SimulationArgs, input: Option<&Path>, machine: &MachineArgs, view: &ViewArgs) -> Done {
-    let of_view = [("--camera", view.camera.as_deref()), ("--views", view.views.as_deref())];
-    let options = [("INPUT", input), ("--config", machine.config.as_deref())].into_iter().chain(of_view);
-    let read: Vec<(&str, &Path)> = options.filter_map(|(option, path)| Some((option, path?))).collect();
-    check_not_read(&named_outputs(simulation), &read).map_err(Failure::Usage)
+    let read = read_files(input, machine, view);
+    check_outputs_keep_inputs(Some(&simulation.out), &named_outputs(simulation), &read).map_err(Failure::Usage)
 }
 
-/// Options that name a file, and their files.
+/// Returns the files that a command reads, with their options.
+pub fn read_files<'a>(input: Option<&'a Path>, machine: &'a MachineArgs, view: &'a ViewArgs) -> Vec<(&'static str, &'a Path)> {
+    let of_view = [("--camera", view.camera.as_deref()), ("--views", view.views.as_deref())];
+    let options = [("INPUT", input), ("--config", machine.config.as_deref())].into_iter().chain(of_view);
+    options.filter_map(|(option, path)| Some((option, path?))).collect()
+}
+
+/// Returns the options that name an output, with their files.
 fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
     let timeline = simulation.timeline.iter().map(|path| ("--timeline", &**path));
     let waves = simulation.waves.iter().map(|path| ("--waves", &**path));
     let tokens = simulation.tokens.iter().map(|path| ("--tokens", &**path));
     let requests = simulation.requests.iter().map(|path| ("--requests", &**path));
-    let tape = simulation.tape.iter().map(|path| ("--tape", &**path));
+    let recording = simulation.recording.iter().map(|path| ("--recording", &**path));
     let page = simulation.html.iter().map(|path| ("--html", &**path));
     let dumps = simulation.dump.as_chunks::<2>().0.iter().map(|[_, path]| ("--dump", &**path));
-    timeline.chain(waves).chain(tokens).chain(requests).chain(tape).chain(page).chain(dumps).collect()
+    timeline.chain(waves).chain(tokens).chain(requests).chain(recording).chain(page).chain(dumps).collect()
 }
 
-/// A run whose errors name the input, unless it is the parameters or an output that are wrong.
+/// Runs the machine. Errors name the input, unless a parameter or an output is at fault.
 pub fn run_named(
     source: RunInput,
     settings: &RunOptions,
@@ -203,11 +209,11 @@ pub fn run_named(
     })
 }
 
-/// Names the pictures by their number, adds the report and the tape, and puts everything in its place; whether there is a tape.
+/// Renames the images of a single frame, adds report and recording, and publishes everything. Returns true if there is a recording.
 fn publish(
     outputs: Outputs,
     (frames, kinds): (usize, &[&str]),
-    (report, tape): (&Report, Option<RunTape>),
+    (report, tape): (&Report, Option<ShortRecording>),
     simulation: &SimulationArgs,
 ) -> Done<bool> {
     let failed = || Failure::file(&simulation.out, "be written");
@@ -221,7 +227,7 @@ fn publish(
     Ok(has_tape)
 }
 
-/// Writes the report, and its tables where they are wanted, and puts everything in its place.
+/// Writes the report and its tables, and publishes everything.
 pub fn publish_report(outputs: Outputs, report: &Report, csv: bool) -> std::io::Result<()> {
     let mut file = outputs.create(REPORT)?;
     report.write_json(&mut file).and_then(|()| file.flush())?;
@@ -229,7 +235,7 @@ pub fn publish_report(outputs: Outputs, report: &Report, csv: bool) -> std::io::
         let mut file = outputs.create("report.csv")?;
         file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush())?;
     }
-    outputs.publish(REPORT, &[RUN_TAPE])
+    outputs.publish(REPORT, &[RUN_RECORDING, OLD_RUN_RECORDING])
 }
 
 /// Prints the report.
@@ -237,7 +243,7 @@ pub fn show_report(report: &Report, tables: &TablesArgs) -> Done {
     print(&to_text(report, style(), &tables.shown()))
 }
 
-/// Prints the report, and decides whether the run was a success.
+/// Prints the report and decides the outcome of the command.
 fn show(report: &Report, files: (&[&str], &[String], bool), simulation: &SimulationArgs, quiet: bool) -> Done {
     if !quiet && !simulation.json {
         show_report(report, &simulation.tables)?;
@@ -246,31 +252,31 @@ fn show(report: &Report, files: (&[&str], &[String], bool), simulation: &Simulat
     let message = report.outcome.message.clone().unwrap_or_default();
     match report.outcome.kind {
         OutcomeKind::Complete => Ok(()),
-        OutcomeKind::Limit => Err(Failure::Bad("stopped at the limit of --max-cycles; the report holds the state so far".into())),
+        OutcomeKind::Limit => Err(Failure::Bad("stopped at --max-cycles; the report holds the state so far".into())),
         OutcomeKind::Deadlock | OutcomeKind::Stopped | OutcomeKind::Fault => Err(Failure::Bad(message)),
     }
 }
 
-/// Most pictures with names of their own that are told.
+/// Maximum number of further images in the message.
 const MOST_NAMED: usize = 8;
 
-/// Pictures by their kinds and by their names, the report, and the tape if there is one.
+/// Returns the names of the written files.
 fn written(report: &Report, (kinds, extra, has_tape): (&[&str], &[String], bool)) -> String {
     let several = report.image.len() > 1;
     let names = kinds.iter().map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
     let more = extra.iter().take(MOST_NAMED).cloned().chain((extra.len() > MOST_NAMED).then(|| "...".to_owned()));
-    let own = std::iter::once(REPORT).chain(has_tape.then_some(RUN_TAPE));
+    let own = std::iter::once(REPORT).chain(has_tape.then_some(RUN_RECORDING));
     names.chain(more).chain(own.map(str::to_owned)).collect::<Vec<_>>().join(", ")
 }
 
-/// How tables are set on this terminal.
+/// Returns the width and colours of this terminal.
 pub fn style() -> Style {
     let terminal = std::io::stdout().is_terminal();
     let width = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok()).unwrap_or(120);
     Style { width, color: terminal && std::env::var_os("NO_COLOR").is_none() }
 }
 
-/// A run to its end, without pictures, exact picture or progress.
+/// Runs to the end without images, reference image and progress.
 pub fn simulate_quietly(source: RunInput, config: &MachineConfig, engine: Option<Engine>, budget: &Budget) -> Done<Run> {
     let settings = RunOptions {
         config: config.clone(),

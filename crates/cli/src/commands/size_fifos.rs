@@ -1,7 +1,7 @@
-//! `basrelief size-fifos`: the smallest FIFOs that keep the cycles of runs.
+//! `basrelief size-fifos`: finds the smallest FIFO depths that keep the cycles of runs.
 
+use super::recording::{failure, open as open_tape, place_of};
 use super::simulate::{run_named, seconds};
-use super::tape::{failure, open as open_tape, place_of};
 use crate::args::{MachineArgs, SizeFifosArgs, ViewArgs};
 use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, demo_of};
@@ -15,13 +15,13 @@ use std::fmt::Write;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-/// Finds them, holds them against full runs of what can be drawn, and prints them.
+/// Finds the depths, checks them with full runs where possible, and prints them.
 pub fn size_fifos(args: &SizeFifosArgs, budget: &Budget) -> Done {
     let MachineArgs { machine, config, settings } = &args.machine;
     let is_told_how = machine.is_some() || config.is_some() || !settings.is_empty() || args.view != ViewArgs::default();
     if is_told_how && !args.inputs.iter().any(|input| is_drawn(input)) {
         return Err(Failure::Usage(
-            "a tape has its own machine and view: options for these are for models and display lists".into(),
+            "a recording has its own machine and view; options for these apply to models and traces only".into(),
         ));
     }
     let mut inputs = args.inputs.iter().map(|input| Sized::open(input, args, budget)).collect::<Done<Vec<_>>>()?;
@@ -37,17 +37,17 @@ pub fn size_fifos(args: &SizeFifosArgs, budget: &Budget) -> Done {
     print(&text(&sizes))
 }
 
-/// Whether an input is a model or a display list, and no tape: by its name.
+/// Returns true if the name of an input is that of a model or a trace.
 fn is_drawn(path: &Path) -> bool {
     let is_model = path.extension().is_some_and(|e| ["gltf", "glb", "obj"].iter().any(|model| e.eq_ignore_ascii_case(model)));
     is_model || demo_of(path).is_some() || Form::for_file_name(&path.to_string_lossy()).is_some()
 }
 
-/// An input, and the tape of its run.
+/// An input and the recording of its run.
 struct Sized {
     name: String,
     tape: Box<dyn Read>,
-    /// What is drawn, where it is no tape; and how.
+    /// Input and options; `None` for a recording.
     drawn: Option<(Input, RunOptions)>,
 }
 
@@ -65,12 +65,12 @@ impl Sized {
             run_named(input.again()?, &RunOptions { recording: AnalysisPolicy::Always, ..options.clone() }, &mut kept, None)?;
         let name = path.display().to_string();
         if !run.recording_is_complete {
-            return Err(Failure::within(&name)("its run does not come to its end, or its user acts at times: there is no tape"));
+            return Err(Failure::within(&name)("the run does not end, or its views have times; so it has no recording"));
         }
         Ok(Self { name, tape: Box::new(Cursor::new(kept.bytes)), drawn: Some((input, options)) })
     }
 
-    /// Runs it with the depths that were found: they must take the cycles that are promised.
+    /// Runs the input with the depths found; the run must take the computed cycles.
     fn check(&self, number: usize, sizes: &FifoSizing) -> Done {
         let Some((input, options)) = &self.drawn else { return Ok(()) };
         for choice in &sizes.choices {
@@ -82,8 +82,7 @@ impl Sized {
             let cycles = run.report.frame_cycles();
             if cycles != choice.cycles[number] {
                 let promised = choice.cycles[number];
-                let text =
-                    format!("a full run takes {cycles} cycles, but the tape says {promised}: please report this as a mistake");
+                let text = format!("a full run takes {cycles} cycles, the resimulation {promised}; please report this as a bug");
                 return Err(Failure::within(&self.name)(text));
             }
         }
@@ -91,12 +90,12 @@ impl Sized {
     }
 }
 
-/// Only what time needs.
+/// Returns run options for timing only.
 fn options(config: MachineConfig, given: Overrides, budget: &Budget) -> RunOptions {
     RunOptions { config, overrides: given, exact: false, clock: seconds, budget: budget.clone(), ..RunOptions::default() }
 }
 
-/// Keeps a tape in memory.
+/// Keeps a recording in memory.
 struct Kept {
     bytes: Vec<u8>,
     held: Held,
@@ -111,7 +110,7 @@ impl Observer for Kept {
 }
 
 fn text(sizes: &FifoSizing) -> String {
-    let mut text = format!("{}: the smallest FIFOs found that keep the cycles of the frames\n\n", sizes.machine);
+    let mut text = format!("{}: smallest FIFOs found that keep the render cycles\n\n", sizes.machine);
     let Some((recorded, found)) = sizes.choices.split_first() else { return text };
     for choice in &sizes.choices {
         let within = choice.within_percent.map_or("as recorded".into(), |percent| format!("within {} %", real(percent)));

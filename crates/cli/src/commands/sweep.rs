@@ -1,4 +1,4 @@
-//! `basrelief sweep`: all points of a plan, or what is missing of them.
+//! `basrelief sweep`: runs the missing points of a plan.
 
 use super::plans::{Planned, Program, bad, counts, work, written};
 use crate::args::{PlanArgs, SweepArgs};
@@ -24,11 +24,11 @@ pub fn sweep(args: &SweepArgs, budget: &Budget, quiet: bool) -> Done {
     if quiet { Ok(()) } else { print(&said) }
 }
 
-/// The points that the command line asks for.
+/// Returns the points that the command line selects.
 fn chosen<'a>(plan: &'a Plan, args: &SweepArgs) -> Done<Vec<&'a Point>> {
     if let Some(id) = &args.point {
         let point = plan.points.iter().find(|point| point.id == *id);
-        let none = || Failure::Usage(format!("--point: the plan has no point {id}; --list says which are missing"));
+        let none = || Failure::Usage(format!("--point: the plan has no point {id}; --list prints the missing points"));
         return Ok(vec![point.ok_or_else(none)?]);
     }
     Ok(match args.shard {
@@ -37,7 +37,7 @@ fn chosen<'a>(plan: &'a Plan, args: &SweepArgs) -> Done<Vec<&'a Point>> {
     })
 }
 
-/// Compares, writes the tables, and says what has come of it.
+/// Verifies points, writes the tables, and returns a summary.
 fn results(
     plan: &Plan,
     points: &[&Point],
@@ -51,18 +51,16 @@ fn results(
         let (count, others) = verify(plan, points, percent, folder, host).map_err(bad)?;
         if !others.is_empty() {
             let others = others.join(", ");
-            return Err(Failure::Bad(format!(
-                "run again, these points come out otherwise, please report this as a mistake: {others}"
-            )));
+            return Err(Failure::Bad(format!("these points differ when run again; please report this as a bug: {others}")));
         }
-        let _ = writeln!(said, "{count} points run again: the same to the byte");
+        let _ = writeln!(said, "{count} points repeated: reports are identical");
     }
     if args.point.is_some() {
         return Ok(said);
     }
     let missing = missing(plan, folder).count();
     if missing > 0 {
-        let _ = writeln!(said, "{missing} points of other shards are missing: the tables are written when they are there");
+        let _ = writeln!(said, "{missing} points of other shards are missing; the tables are written once they exist");
         return Ok(said);
     }
     said += &written(plan, folder, &args.plan, host)?;
@@ -73,23 +71,23 @@ fn missing<'a>(plan: &'a Plan, folder: &Folder) -> impl Iterator<Item = &'a Poin
     plan.points.iter().filter(|point| folder.find(&point.id) == Found::Missing)
 }
 
-/// A command for each missing point.
+/// Prints a command for each missing point.
 fn list(plan: &Plan, folder: &Folder, args: &SweepArgs) -> Done {
-    let command = command(args);
+    let command = command(args)?;
     print(&missing(plan, folder).map(|point| format!("{command} --point {}\n", point.id)).collect::<String>())
 }
 
-/// Most tasks of an array: what Slurm allows where nobody has changed it.
+/// Maximum array size in the default configuration of Slurm.
 const MOST_TASKS: usize = 1000;
 
-/// A job script.
+/// Prints a job script.
 fn slurm(plan: &Plan, folder: &Folder, args: &SweepArgs) -> Done {
     let missing = missing(plan, folder).count();
     let tasks = plan.works().min(missing).clamp(1, MOST_TASKS);
-    let command = command(args);
+    let command = command(args)?;
     print(&format!(
         "#!/bin/sh\n\
-         # {missing} points are missing. Submit with sbatch; when all tasks are done, this writes the tables:\n\
+         # {missing} points are missing. Submit with sbatch. When all tasks are done, this command writes the tables:\n\
          # {command}\n\
          #SBATCH --job-name=basrelief\n\
          #SBATCH --array=1-{tasks}\n\
@@ -98,18 +96,23 @@ fn slurm(plan: &Plan, folder: &Folder, args: &SweepArgs) -> Done {
     ))
 }
 
-/// This sweep as a command.
-fn command(args: &SweepArgs) -> String {
+/// Returns this sweep as a shell command.
+fn command(args: &SweepArgs) -> Done<String> {
     let PlanArgs { plan, out, no_pictures, .. } = &args.plan;
     let pictures = if *no_pictures { " --no-pictures" } else { "" };
-    format!("basrelief sweep {} --out {}{pictures}", quoted(plan), quoted(out))
+    Ok(format!("basrelief sweep {} --out {}{pictures}", quoted(plan)?, quoted(out)?))
 }
 
-/// A path as a word of a shell.
-fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
+/// Quotes a path as one word of a shell. A line end would end the comment of a job script, so control characters are refused.
+fn quoted(path: &Path) -> Done<String> {
+    let text = path.to_str().filter(|text| !text.is_empty() && !text.contains(char::is_control));
+    let wrong =
+        || Failure::Usage(format!("{}: a shell command needs a name in UTF-8 without control characters", path.display()));
+    let text = text.ok_or_else(wrong)?;
+    // A word that begins with a hyphen would be an option.
+    let text = if text.starts_with('-') { format!("./{text}") } else { text.to_owned() };
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:=@%".contains(c);
-    if !text.is_empty() && text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
+    Ok(if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) })
 }
 
 #[cfg(test)]
@@ -117,8 +120,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_is_one_word_of_a_shell() {
-        assert_eq!(quoted(Path::new("studies/a-1.toml")), "studies/a-1.toml");
-        assert_eq!(quoted(Path::new("it's here")), "'it'\\''s here'");
+    fn path_is_one_word_of_a_shell() {
+        let quoted = |path: &str| quoted(Path::new(path));
+        assert_eq!(quoted("studies/a-1.toml").unwrap(), "studies/a-1.toml");
+        assert_eq!(quoted("it's here; $(rm x) `y`").unwrap(), "'it'\\''s here; $(rm x) `y`'");
+        assert_eq!(quoted("-rf").unwrap(), "./-rf");
+        for refused in ["a\nrm x", "a\rb", "a\x1b]0;b", ""] {
+            assert_eq!(quoted(refused).unwrap_err().exit_code(), 2, "{refused:?}");
+        }
     }
 }

@@ -1,5 +1,5 @@
-//! Tables of runs of the same input: `--ablate`, what each short cut of a machine saves; `--compare-methods`, what each of its
-//! methods costs at the same error.
+//! Tables of several runs of one input: `--ablate` (saving of each shortcut) and `--compare-methods` (cost of each method at the same
+//! error).
 
 use super::simulate::{run_named, style};
 use crate::args::SimulationArgs;
@@ -12,17 +12,17 @@ use std::io::Write;
 
 /// A finished table.
 struct Table {
-    /// Of its files.
+    /// Name of its files.
     name: &'static str,
     text: String,
     csv: String,
     json: String,
 }
 
-/// Makes one run under the settings it is given, watched by the observer it is given.
+/// Runs with the given options and observer.
 type RunOnce<'a> = &'a mut dyn FnMut(&RunOptions, &mut dyn Observer) -> Done<Run>;
 
-/// Runs the input once per variant without short cuts, and writes the table.
+/// Runs the input once per ablation and writes the table.
 pub fn ablate(input: &Input, settings: &RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
     write_table(input, simulation, quiet, |observer, run| {
         let table = sim::ablate(settings, observer, run)?;
@@ -31,7 +31,7 @@ pub fn ablate(input: &Input, settings: &RunOptions, simulation: &SimulationArgs,
     })
 }
 
-/// Runs the input by each method, and writes the table.
+/// Runs the input with each method and writes the table.
 pub fn compare_methods(input: &Input, settings: &RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
     write_table(input, simulation, quiet, |observer, run| {
         let table = sim::compare_methods(settings, observer, run)?;
@@ -40,11 +40,11 @@ pub fn compare_methods(input: &Input, settings: &RunOptions, simulation: &Simula
     })
 }
 
-/// What `--help` says of `--compare-methods`.
+/// Returns the help text of `--compare-methods`.
 pub fn methods_help() -> String {
     let with: Vec<&str> = MACHINES.iter().filter(|m| m.has_methods).map(|m| m.name).collect();
     format!(
-        "Run the same input by each method of the machine at the same error, and write the table of divisions, cycles, displacements and PSNR as methods.json and methods.csv, and nothing else. Of machine {}",
+        "Run the input with each division method of the machine at the same error. Writes only methods.json and methods.csv with divisions, cycles, displacements and PSNR. Of machine {}",
         with.join(", ")
     )
 }
@@ -61,7 +61,7 @@ fn write_table(
     let table = make(&mut observer, &mut run)?;
     drop(observer);
     if simulation.json {
-        // In front of what is published: where it cannot be printed, nothing is written.
+        // Printed before publication: if printing fails, nothing is written.
         print(&table.json)?;
     }
     publish(outputs, &table, simulation)?;

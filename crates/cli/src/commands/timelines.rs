@@ -1,4 +1,4 @@
-//! Time lines of a run: which files, of which units, from which cycle to which.
+//! Timeline, waveforms and token file of a run.
 
 use crate::args::{SimulationArgs, TokenKind};
 use crate::error::{Done, Failure};
@@ -11,10 +11,10 @@ use basrelief_timeline::{FstWaves, KanataLog, PerfettoTrace, TimelineLayout, Tim
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// A file, and where it is to be.
+/// A file and its final path.
 type Output = (PartialFile, PathBuf);
 
-/// The files that show when each unit did what.
+/// Timeline files of a run.
 pub struct TimelineFiles {
     board: TimelineLayout,
     config: MachineConfig,
@@ -26,7 +26,7 @@ pub struct TimelineFiles {
 }
 
 impl TimelineFiles {
-    /// Begins those that are asked for, if any is.
+    /// Creates the requested files; `None` if there are none.
     pub fn open(simulation: &SimulationArgs, source: &RunInput, settings: &RunOptions) -> Done<Option<Self>> {
         let SimulationArgs { timeline, waves, tokens, tokens_every, tokens_of, .. } = simulation;
         if timeline.is_none() && waves.is_none() && tokens.is_none() {
@@ -41,11 +41,11 @@ impl TimelineFiles {
         Ok(Some(Self { board, config, timeline: timeline?, waves: waves?, tokens: tokens?, sample, budget }))
     }
 
-    /// Writes them during a run.
+    /// Writes the files during a run.
     pub fn watch(&mut self, run: impl FnOnce(&mut dyn Probe) -> Done<Run>) -> Done<Run> {
         let Self { board, config, timeline, waves, tokens, sample, budget } = self;
         let stages = &board.diagram.stages;
-        // Waves do not say whom a step was for: it need not be found out.
+        // Waveforms need no attribution.
         let follows = timeline.is_some() || tokens.is_some();
         let mut charts: Vec<(Box<dyn TraceSink + '_>, &Path)> = vec![];
         if let Some((file, path)) = timeline {
@@ -76,7 +76,7 @@ impl TimelineFiles {
         Ok(run)
     }
 
-    /// Puts them in their places.
+    /// Publishes the files.
     pub fn publish(self) -> Done {
         for (file, path) in self.timeline.into_iter().chain(self.waves).chain(self.tokens) {
             file.publish().map_err(Failure::file(&path, "be written"))?;
@@ -85,7 +85,7 @@ impl TimelineFiles {
     }
 }
 
-/// Compressed where its name says so.
+/// Opens a writer that compresses if the file name ends in .zst.
 fn packed<'a>(file: &'a mut PartialFile, path: &Path) -> Done<Box<dyn Write + 'a>> {
     if path.extension().is_none_or(|extension| extension != "zst") {
         return Ok(Box::new(BufWriter::new(file)));
@@ -94,7 +94,7 @@ fn packed<'a>(file: &'a mut PartialFile, path: &Path) -> Done<Box<dyn Write + 'a
     Ok(Box::new(BufWriter::new(Packed(encoder))))
 }
 
-/// A compressed file that ends where it is flushed: charts are flushed once, and tell what went wrong.
+/// A compressed file that ends when flushed. Charts flush once, and report errors.
 struct Packed<'a>(zstd::Encoder<'static, &'a mut PartialFile>);
 
 impl Write for Packed<'_> {
@@ -108,7 +108,7 @@ impl Write for Packed<'_> {
     }
 }
 
-/// What charts keep they keep until the run is over; what to do where that is too much.
+/// Converts a write error. Charts stay in memory until the end of the run, so the message names options for smaller charts.
 fn unwritten(path: &Path, error: io::Error) -> Failure {
     match OverBudget::within(&error) {
         Some(over) => Failure::Bad(format!("{}: {}", path.display(), less(over))),
@@ -117,7 +117,7 @@ fn unwritten(path: &Path, error: io::Error) -> Failure {
 }
 
 fn less(over: &OverBudget) -> String {
-    format!("{over}; or show less, with --from-cycle, --to-cycle, --units or --tokens-every")
+    format!("{over}; or write less, with --from-cycle, --to-cycle, --units or --tokens-every")
 }
 
 fn create(path: PathBuf) -> Done<Output> {
@@ -125,15 +125,13 @@ fn create(path: PathBuf) -> Done<Output> {
     Ok((file, path))
 }
 
-/// What is to be shown, by `--units`, `--from-cycle` and `--to-cycle`.
+/// Selects units and cycles by `--units`, `--from-cycle` and `--to-cycle`.
 fn cut(mut board: TimelineLayout, simulation: &SimulationArgs) -> Done<TimelineLayout> {
     board.from = simulation.from_cycle.unwrap_or(0);
     board.to = simulation.to_cycle.unwrap_or(u64::MAX);
     if board.from >= board.to {
         let (from, to) = (board.from, board.to);
-        return Err(Failure::Usage(format!(
-            "--from-cycle {from} is not before --to-cycle {to}: the time line would show nothing"
-        )));
+        return Err(Failure::Usage(format!("--from-cycle {from} is not before --to-cycle {to}; the timeline would be empty")));
     }
     if !simulation.units.is_empty()
         && let Err(unknown) = board.show_only(&simulation.units)

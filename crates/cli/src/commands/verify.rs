@@ -1,4 +1,4 @@
-//! `basrelief verify`: traces carry what is expected of them; replaying one is a test of itself.
+//! `basrelief verify`: replays traces and checks their expectations.
 
 use super::convert::to_trace_file;
 use super::simulate::simulate_quietly;
@@ -14,13 +14,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Checks, or blesses, every trace.
+/// Checks or blesses every trace.
 pub fn verify(args: &VerifyArgs, budget: &Budget, quiet: bool) -> Done {
     let mut traces = Traces::default();
     args.paths.iter().try_for_each(|path| traces.add(path))?;
     let traces = traces.found;
     if traces.is_empty() {
-        return Err(Failure::Bad("no display lists there: expected .jsonl or .bdl files, or either with .zst behind".into()));
+        return Err(Failure::Bad("found no traces; expected .jsonl or .bdl files, or either with .zst appended".into()));
     }
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
     let (mut wrong, mut failed) = (0, 0);
@@ -45,40 +45,38 @@ pub fn verify(args: &VerifyArgs, budget: &Budget, quiet: bool) -> Done {
     conclude(wrong, failed, traces.len())
 }
 
-/// New expectations are a cure only for traces that run.
+/// Reports failures. New expectations help only for traces that run.
 fn conclude(wrong: usize, failed: usize, of: usize) -> Done {
     let wrong = (wrong > 0).then(|| {
-        format!(
-            "{wrong} of {of} traces are not as they expect; `basrelief verify --bless` rewrites the expectations, after review"
-        )
+        format!("{wrong} of {of} traces differ from their expectations; after review, `basrelief verify --bless` updates them")
     });
-    let failed = (failed > 0).then(|| format!("{failed} of {of} traces cannot be read, run or written, as said above"));
+    let failed = (failed > 0).then(|| format!("{failed} of {of} traces cannot be read, run or written (see above)"));
     let sentences: Vec<String> = wrong.into_iter().chain(failed).collect();
     if sentences.is_empty() { Ok(()) } else { Err(Failure::Bad(sentences.join("\n"))) }
 }
 
-/// The traces that paths name.
+/// The traces of the given paths.
 #[derive(Default)]
 struct Traces {
     found: Vec<PathBuf>,
-    /// Folders that were looked through: a link can lead back to one.
+    /// Visited folders, because a link can lead back to one.
     seen: BTreeSet<PathBuf>,
 }
 
 impl Traces {
-    /// Traces of a folder, in order of name, or the trace itself.
+    /// Adds a trace, or the traces of a folder in order of name.
     fn add(&mut self, path: &Path) -> Done {
         if path == Path::new("-") {
             return Err(Failure::Usage(
-                "verify reads a trace several times: it takes files and folders, not standard input".into(),
+                "verify reads each trace several times; expected files or folders, not standard input".into(),
             ));
         }
         match fs::metadata(path) {
             Ok(found) if found.is_dir() => self.add_folder(path),
             Ok(found) if !found.is_file() => {
-                Err(within(path)("neither a file nor a folder: verify reads a trace several times, so copy it into a file"))
+                Err(within(path)("neither a file nor a folder; verify reads each trace several times, so copy it into a file"))
             }
-            // What is not there is told when it is read.
+            // A missing file is reported when it is read.
             _ => {
                 self.found.push(path.to_path_buf());
                 Ok(())
@@ -109,7 +107,7 @@ fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure + use<E> {
     Failure::within(&path.display().to_string())
 }
 
-/// Reads a trace to its end for what it expects, and what that takes.
+/// Reads the expectations of a whole trace. Returns them with their memory.
 fn expectations(path: &Path, budget: &Budget) -> Done<(Vec<Expectation>, Held)> {
     let file = TraceFile::open(path)?;
     let mut resolver = Resolver::within(file.reader, beside(&file.folder), budget).map_err(within(path))?;
@@ -129,7 +127,7 @@ fn replay(path: &Path, expected: &Expectation, engine: Engine, budget: &Budget) 
 fn check(path: &Path, engines: &[Engine], budget: &Budget) -> Done<Vec<String>> {
     let (expectations, _held) = expectations(path, budget)?;
     if expectations.is_empty() {
-        return Ok(vec!["carries no expectations; `basrelief record --expect` or `basrelief verify --bless` adds them".into()]);
+        return Ok(vec!["has no expectations; `basrelief record --expect` or `basrelief verify --bless` adds them".into()]);
     }
     let mut wrong = Vec::new();
     for expected in &expectations {
@@ -141,7 +139,7 @@ fn check(path: &Path, engines: &[Engine], budget: &Budget) -> Done<Vec<String>> 
     Ok(wrong)
 }
 
-/// Writes what the machine does now in place of what was expected.
+/// Replaces the expectations by the current results.
 fn bless(path: &Path, budget: &Budget) -> Done {
     let (mut old, _held) = expectations(path, budget)?;
     if old.is_empty() {

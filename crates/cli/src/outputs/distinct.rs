@@ -1,17 +1,25 @@
-//! Two outputs are never one file.
+//! Checks that outputs overwrite neither each other nor inputs.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// The report of a run.
+/// File name of a report.
 pub const REPORT: &str = "report.json";
-/// The tape of the run that the report beside it tells of.
-pub const RUN_TAPE: &str = "run.tape";
-/// What a run calls its own files in `--out`, beside pictures.
-const OWN: [&str; 3] = [REPORT, "report.csv", RUN_TAPE];
+/// File name of the recording beside a report.
+pub const RUN_RECORDING: &str = "run.recording";
+/// File name of that recording before version 0.2.
+pub const OLD_RUN_RECORDING: &str = "run.tape";
+/// Files that a run writes into `--out`, besides images.
+const OWN: [&str; 8] =
+    [REPORT, "report.csv", RUN_RECORDING, OLD_RUN_RECORDING, "ablation.json", "ablation.csv", "methods.json", "methods.csv"];
 
-/// Whether each output has a file of its own, under whichever name: those that options name, and those that a run writes into
-/// `out`, a folder that is there.
+/// Returns the recording in `folder`, under its present or its old name.
+pub fn recording_in(folder: &Path) -> PathBuf {
+    let old = folder.join(OLD_RUN_RECORDING);
+    if old.is_file() && !folder.join(RUN_RECORDING).exists() { old } else { folder.join(RUN_RECORDING) }
+}
+
+/// Refuses two outputs with the same file, including the files that a run writes into the existing folder `out`.
 ///
 /// # Errors
 /// A sentence with the option to change.
@@ -20,55 +28,63 @@ pub fn check_distinct(out: &Path, named: &[(&str, &Path)]) -> Result<(), String>
     let mut seen: Vec<(PathBuf, &str, &Path)> = Vec::new();
     for &(option, path) in named {
         let place = place(path);
-        // A link in `out` that has the name of a report is replaced by it; one from elsewhere leads to it.
+        // A link in `out` with the name of a report would be replaced; one elsewhere leads to the report.
         let named = beside(path);
         let own = [&place, &named].into_iter().filter(|at| at.parent() == out_folder.as_deref());
-        if let Some(name) = own.filter_map(|at| at.file_name()).find(|name| is_own(name) && !is_its_tape(option, name)) {
+        if let Some(name) = own.filter_map(|at| at.file_name()).find(|name| is_own(name) && !is_its_recording(option, name)) {
             let name = name.display();
             return Err(format!(
-                "{option}: {} is the run's own {name} in --out {}; give it another name",
+                "{option}: {} is the {name} of this run in --out {}; choose another name",
                 path.display(),
                 out.display()
             ));
         }
         if let Some((_, other, at)) = seen.iter().find(|(seen, ..)| *seen == place) {
             let (path, at) = (path.display(), at.display());
-            let under = if path.to_string() == at.to_string() { String::new() } else { format!(", there as {at}") };
-            return Err(format!("{option}: {path} is named twice (by {other}{under}); give each output a file"));
+            let under = if path.to_string() == at.to_string() { String::new() } else { format!(" (as {at})") };
+            return Err(format!("{option}: {path} is also the output of {other}{under}; choose another name"));
         }
         seen.push((place, option, path));
     }
     Ok(())
 }
 
-/// Pictures, report and tape.
+/// Returns true for images, reports and recordings.
 fn is_own(name: &OsStr) -> bool {
     Path::new(name).extension().is_some_and(|e| e == "png") || OWN.iter().any(|own| name == *own)
 }
 
-/// A tape may take the place of the run's own, which is left only where it is short.
-fn is_its_tape(option: &str, name: &OsStr) -> bool {
-    option == "--tape" && name == RUN_TAPE
+/// Returns true if `--recording` names the recording that the run writes anyway.
+fn is_its_recording(option: &str, name: &OsStr) -> bool {
+    option == "--recording" && name == RUN_RECORDING
 }
 
-/// Whether each output is something else than what the run reads: an input that is replaced is lost.
+/// Refuses outputs that would overwrite an input. Every command with inputs and outputs calls this function before it writes.
+///
+/// `folder` is the folder of `--out`, into which a run writes files under names of its own.
 ///
 /// # Errors
 /// A sentence with the option to change.
-pub fn check_not_read(named: &[(&str, &Path)], read: &[(&str, &Path)]) -> Result<(), String> {
-    let wrong = |(option, output): &(&str, &Path)| {
-        let (what, _) = read.iter().find(|(_, input)| input.is_file() && place(input) == place(output))?;
-        Some(format!("{option}: {} is what {what} reads, and would be replaced; give it another name", output.display()))
-    };
-    named.iter().find_map(wrong).map_or(Ok(()), Err)
+pub fn check_outputs_keep_inputs(folder: Option<&Path>, named: &[(&str, &Path)], inputs: &[(&str, &Path)]) -> Result<(), String> {
+    let folder = folder.and_then(|folder| folder.canonicalize().ok());
+    for (what, input) in inputs.iter().filter(|(_, input)| input.is_file()) {
+        let taken = place(input);
+        let own = taken.parent() == folder.as_deref() && taken.file_name().is_some_and(is_own);
+        let named = named.iter().find(|(_, output)| place(output) == taken);
+        if let Some(option) = named.map(|(option, _)| *option).or(own.then_some("--out")) {
+            let input = input.display();
+            return Err(format!("{option}: {input} is an input ({what}) and would be overwritten; choose another name"));
+        }
+    }
+    Ok(())
 }
 
-/// A file's one name, as [`PartialFile`](super::PartialFile) takes it: links followed.
+/// Returns the canonical path of a file, links followed, as in [`PartialFile`](super::PartialFile).
 fn place(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| beside(path))
 }
 
-/// A file's name in its folder: links of the folder followed, the file itself not.
+/// Returns the path of a file with the links of its folder followed.
 fn beside(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {

@@ -1,4 +1,4 @@
-//! One file, written beside its place.
+//! A file written under a temporary name and renamed.
 
 use super::partial::{make_file, remove_remains};
 use super::unfinished::{Leftover, Unfinished};
@@ -6,19 +6,18 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// One file, written beside its place. Dropped before [`PartialFile::publish`] it is gone.
+/// A file under a temporary name. If dropped before [`PartialFile::publish`], it is removed.
 #[derive(Debug)]
 pub struct PartialFile {
     path: PathBuf,
-    /// Hidden file to be renamed.
+    /// Temporary file; `None` for devices and pipes.
     partial: Option<PathBuf>,
     file: BufWriter<File>,
 }
 
 impl PartialFile {
-    /// Opens a file that shall be at `path`. What is there and no regular file (a pipe, `/dev/null`) is written to as it is:
-    /// renaming would replace the device. Of a link it is the file that is put in its place: `/dev/stdout` is one, and may lead to a
-    /// regular file.
+    /// Creates a file for `path`. A path that exists and is no regular file (a pipe, `/dev/null`) is opened directly, because renaming
+    /// would replace the device. For a link the file is created at its target: `/dev/stdout` is a link that may lead to a regular file.
     pub fn create(path: &Path) -> io::Result<Self> {
         if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
             let file = BufWriter::new(File::options().write(true).open(path)?);
@@ -29,7 +28,7 @@ impl PartialFile {
         Self::beside(&target)
     }
 
-    /// The same for a file of a folder that is ours, whose remains are removed elsewhere.
+    /// Creates a file in a folder whose remains are removed elsewhere.
     pub fn beside(path: &Path) -> io::Result<Self> {
         let (Some(folder), Some(_)) = (path.parent(), path.file_name()) else {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a file name"));
@@ -40,14 +39,14 @@ impl PartialFile {
         Ok(Self { path: path.into(), partial: Some(partial), file: BufWriter::new(file) })
     }
 
-    /// Writes a file whose bytes are all there, and puts it in its place.
+    /// Writes a whole file and publishes it.
     pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
         let mut file = Self::create(path)?;
         file.write_all(bytes)?;
         file.publish()
     }
 
-    /// Puts the file in its place.
+    /// Renames the file to its final path.
     pub fn publish(mut self) -> io::Result<()> {
         self.file.flush()?;
         let Some(partial) = &self.partial else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! The files of one run, in a folder.
+//! The output files of one run, in a folder.
 
 use super::partial::{LOCK, make_folder, remove_remains};
 use super::unfinished::{Leftover, Unfinished};
@@ -8,26 +8,26 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-/// How often and how long a run waits for another that puts its files in the same folder: 10 s; it takes milliseconds.
+/// Attempts to lock the folder while another run publishes: 10 s in total; publishing takes milliseconds.
 const TRIES: u32 = 1000;
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// What a file without a name is called while it is made.
+/// Temporary name of an unnamed file.
 const SCRATCH: &str = "scratch";
 
-/// The files of one run, in a folder. Until [`Outputs::publish`] they lie in a hidden folder inside it; dropped before
-/// that, they are gone, and so are the folders that were made for them.
+/// The output files of one run. Until [`Outputs::publish`] they are in a hidden folder. If dropped earlier, they are removed, with the
+/// folders created for them.
 #[derive(Debug)]
 pub struct Outputs {
     folder: PathBuf,
     partial: PathBuf,
-    /// Held as long as the run lives.
+    /// Locked while the run lives.
     _lock: File,
     leftovers: Vec<Leftover>,
 }
 
 impl Outputs {
-    /// Opens `folder`, creating it and those above it where absent.
+    /// Opens `folder`, and creates it if absent.
     pub fn begin(folder: &Path) -> io::Result<Self> {
         remove_remains(folder);
         let mut unfinished = Unfinished::lock();
@@ -39,13 +39,13 @@ impl Outputs {
         Ok(Self { folder: folder.into(), partial, _lock: lock, leftovers })
     }
 
-    /// Opens a file that shall be called `name`.
+    /// Creates a file with this final name.
     pub fn create(&self, name: &str) -> io::Result<BufWriter<File>> {
         let _lock = Unfinished::lock();
         File::create(self.partial.join(name)).map(BufWriter::new)
     }
 
-    /// Opens a file without a name, to be written and read back: gone when it is closed, or its run dies.
+    /// Creates an unnamed file to write and read; it disappears when closed.
     pub fn scratch(&self) -> io::Result<File> {
         let _lock = Unfinished::lock();
         let path = self.partial.join(SCRATCH);
@@ -53,34 +53,34 @@ impl Outputs {
         fs::remove_file(&path).map(|()| file)
     }
 
-    /// Where a file of this name shall be.
+    /// Returns the final path of a file.
     pub fn place(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// Gives a file another name.
+    /// Renames a file.
     pub fn rename(&self, name: &str, new_name: &str) -> io::Result<()> {
         let _lock = Unfinished::lock();
         fs::rename(self.partial.join(name), self.partial.join(new_name))
     }
 
-    /// Gives a file a second name.
+    /// Copies a file.
     pub fn copy(&self, name: &str, second: &str) -> io::Result<()> {
         let _lock = Unfinished::lock();
-        // It may have been put in its place already.
+        // The file may be published already.
         let unfinished = self.partial.join(name);
         let from = if unfinished.exists() { unfinished } else { self.folder.join(name) };
         fs::copy(from, self.partial.join(second)).map(|_| ())
     }
 
-    /// Puts one file in its place ahead of the others: there it stays, whatever becomes of the run.
+    /// Publishes one file before the others; it stays even if the run fails.
     pub fn show(&self, name: &str) -> io::Result<()> {
         let _lock = Unfinished::lock();
         fs::rename(self.partial.join(name), self.folder.join(name))
     }
 
-    /// Puts all files in their place, `last` behind all others: who finds it there finds the others too. Of two runs into one
-    /// folder, one does so behind the other. Files of an earlier run that mean nothing beside this `last` go, if it has none.
+    /// Publishes all files, `last` after the others: a reader that finds it finds the others too. Two runs publish into a folder one after
+    /// the other. Files named in `belong` that this run did not write are removed.
     pub fn publish(mut self, last: &str, belong: &[&str]) -> io::Result<()> {
         let _turn = turn(&self.folder)?;
         let mut unfinished = Unfinished::lock();
@@ -114,8 +114,8 @@ fn remove_if_there(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Waits until no other run puts its files there. None where folders cannot be locked (Windows, some network file systems):
-/// there the files of two runs that end in the same moment can mix.
+/// Waits until no other run publishes. Returns `None` where folders cannot be locked (Windows, some network file systems); there, two runs
+/// that end at the same moment can mix their files.
 fn turn(folder: &Path) -> io::Result<Option<File>> {
     let Ok(open) = File::open(folder) else { return Ok(None) };
     for _ in 0..TRIES {

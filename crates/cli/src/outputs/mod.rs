@@ -1,8 +1,7 @@
-//! Nothing half-written: files are written beside their place and renamed when all is done.
+//! Atomic outputs: files are written under temporary names and renamed when all are complete.
 //!
-//! What is not finished is listed in one place, so that Ctrl-C can remove it from its own thread; every change of the
-//! file system here is made under the lock of that list. A run that is killed leaves its [`partial`]s behind: the next one
-//! that writes there removes them.
+//! One list holds the unfinished files, so that the signal thread can remove them. Every change of the file system here happens under the
+//! lock of that list. A killed run leaves its [`partial`] files; the next run in the same folder removes them.
 
 mod distinct;
 mod file;
@@ -12,7 +11,7 @@ mod partial;
 mod tests;
 mod unfinished;
 
-pub use distinct::{REPORT, RUN_TAPE, check_distinct, check_not_read};
+pub use distinct::{OLD_RUN_RECORDING, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs, recording_in};
 pub use file::PartialFile;
 pub use folder::Outputs;
 pub use partial::remove_remains;

@@ -1,8 +1,8 @@
-//! Hidden files and folders that belong to one run and to no other, and what dead runs have left of them.
+//! Hidden files and folders of one run, and removal of those that killed runs left.
 //!
-//! Their names are drawn at random, made and never taken over. The number of the process would not do: in two containers it
-//! is the same, and a number comes again. A run keeps a lock on what it has made, and the system opens that lock however the
-//! run ends: what can be locked is of a dead run. Since no name comes again, who removes it cannot hit another run's.
+//! Names are random and never reused. Process numbers would not do: they repeat, and are equal in two containers. A run locks its files,
+//! and the system releases the lock however the run ends. So a file that can be locked belongs to a dead run. Since names never repeat, its
+//! removal cannot hit another run.
 
 use std::collections::hash_map::RandomState;
 use std::fs::{self, File, TryLockError};
@@ -11,34 +11,34 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 const PREFIX: &str = ".partial-";
-/// Hexadecimal digits behind the prefix.
+/// Hexadecimal digits after the prefix.
 const DIGITS: usize = 16;
-/// File of a hidden folder that is locked: folders cannot be, everywhere.
+/// Lock file in a hidden folder, because not every system can lock folders.
 pub(super) const LOCK: &str = "lock";
-/// Names that are tried. A second one is needed only where another run has taken what was just made for a dead one's.
+/// Attempts to find a name. A second attempt is needed only if another run removed the new file before it was locked.
 const NAMES: u32 = 16;
 
-/// A hidden folder in `folder`, which is made where absent, and its lock.
+/// Creates a hidden folder in `folder`, which is created if absent. Returns its path and lock.
 pub(super) fn make_folder(folder: &Path) -> io::Result<(PathBuf, File)> {
     make(folder, |path| {
         fs::create_dir_all(folder)?;
         fs::create_dir(path)?;
         let lock = path.join(LOCK);
         File::create_new(&lock).and_then(|file| hold(file, &lock)).inspect_err(|_| {
-            // Empty, or of no use.
+            // Removed if empty.
             let _ = fs::remove_dir(path);
         })
     })
 }
 
-/// A hidden file in `folder`, locked.
+/// Creates and locks a hidden file in `folder`.
 pub(super) fn make_file(folder: &Path) -> io::Result<(PathBuf, File)> {
     make(folder, |path| File::create_new(path).and_then(|file| hold(file, path)))
 }
 
 fn make(folder: &Path, make: impl Fn(&Path) -> io::Result<File>) -> io::Result<(PathBuf, File)> {
     let once = || {
-        // The one source of chance in the standard library.
+        // The only source of randomness in the standard library.
         let chance = RandomState::new().build_hasher().finish();
         let path = folder.join(format!("{PREFIX}{chance:0DIGITS$x}"));
         make(&path).map(|file| (path, file))
@@ -48,21 +48,21 @@ fn make(folder: &Path, make: impl Fn(&Path) -> io::Result<File>) -> io::Result<(
     made.unwrap_or_else(once)
 }
 
-/// Locks what was just made, if nobody has taken it for a dead run's before.
+/// Locks a new file. Fails if another run has removed it meanwhile.
 fn hold(file: File, path: &Path) -> io::Result<File> {
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(ErrorKind::NotFound.into()),
-        // Where the file system knows no locks, nobody can lock it: then it stays if its run dies.
+        // Without locks in the file system, the files of a killed run stay.
         Ok(()) | Err(TryLockError::Error(_)) => fs::symlink_metadata(path).map(|_| file),
     }
 }
 
-/// Removes what dead runs have left in `folder`.
+/// Removes the remains of dead runs in `folder`.
 pub fn remove_remains(folder: &Path) {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if is_partial(&entry.file_name().to_string_lossy()) {
-            // What cannot be removed is hidden and of no use.
+            // A file that cannot be removed is hidden.
             let _ = remove_if_dead(&entry.path());
         }
     }
@@ -77,13 +77,13 @@ fn remove_if_dead(path: &Path) -> io::Result<()> {
     let is_folder = fs::symlink_metadata(path)?.is_dir();
     let lock = if is_folder { path.join(LOCK) } else { path.to_path_buf() };
     match fs::symlink_metadata(&lock) {
-        // A pipe would hold us up; what is behind a link is not ours.
+        // A pipe would block, and a link may lead elsewhere.
         Ok(found) if !found.is_file() => return Ok(()),
-        // Its run died, or has yet to make the lock, and then makes another folder: goes only if it is empty.
+        // Its run is dead, or has not created the lock yet and will create another folder. Removed only if empty.
         Err(e) if is_folder && e.kind() == ErrorKind::NotFound => return fs::remove_dir(path),
         _ => {}
     }
-    // Some file systems lock only what is open for writing.
+    // Some file systems require write access to lock.
     let file = File::options().read(true).write(true).open(&lock)?;
     if file.try_lock().is_err() {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What is published, what is not, and what dies.
+//! Publication and removal of output files.
 
 use super::*;
 use std::fs;
@@ -13,7 +13,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn what_is_not_published_is_gone_and_so_are_the_folders_made_for_it() {
+fn dropped_outputs_leave_no_files_or_folders() {
     let base = tempfile::tempdir().unwrap();
     let outputs = Outputs::begin(&base.path().join("new/out")).unwrap();
     outputs.create("a.txt").unwrap().write_all(b"a").unwrap();
@@ -23,7 +23,7 @@ fn what_is_not_published_is_gone_and_so_are_the_folders_made_for_it() {
 }
 
 #[test]
-fn what_is_published_replaces_what_was_there_and_leaves_other_files_alone() {
+fn publish_replaces_own_files_only() {
     let base = tempfile::tempdir().unwrap();
     fs::write(base.path().join("mine.txt"), "kept").unwrap();
     fs::write(base.path().join("a.txt"), "old").unwrap();
@@ -37,16 +37,16 @@ fn what_is_published_replaces_what_was_there_and_leaves_other_files_alone() {
 }
 
 #[test]
-fn what_belonged_to_an_earlier_report_goes_with_it() {
+fn stale_recording_is_removed_with_its_report() {
     let base = tempfile::tempdir().unwrap();
     let publish = |names: &[&str]| {
         let outputs = Outputs::begin(base.path()).unwrap();
         names.iter().for_each(|name| drop(outputs.create(name).unwrap()));
-        outputs.publish(REPORT, &[RUN_TAPE]).unwrap();
+        outputs.publish(REPORT, &[RUN_RECORDING]).unwrap();
     };
-    publish(&[REPORT, RUN_TAPE, "image.png"]);
-    publish(&[REPORT, RUN_TAPE]);
-    assert_eq!(names(base.path()), ["image.png", REPORT, RUN_TAPE]);
+    publish(&[REPORT, RUN_RECORDING, "image.png"]);
+    publish(&[REPORT, RUN_RECORDING]);
+    assert_eq!(names(base.path()), ["image.png", REPORT, RUN_RECORDING]);
     publish(&[REPORT]);
     publish(&[REPORT]);
     assert_eq!(names(base.path()), ["image.png", REPORT]);
@@ -75,7 +75,7 @@ fn a_device_is_written_to_and_stays_a_device() {
     assert!(!fs::metadata(device).unwrap().is_file());
 }
 
-/// Writes files of these names that all say the same.
+/// Writes files of these names with the same content.
 fn write_all(outputs: &Outputs, names: &[String], says: &str) {
     for name in names {
         outputs.create(name).unwrap().write_all(says.as_bytes()).unwrap();
@@ -83,7 +83,7 @@ fn write_all(outputs: &Outputs, names: &[String], says: &str) {
 }
 
 #[test]
-fn of_two_runs_of_one_process_number_into_one_folder_each_has_its_own_files() {
+fn runs_into_one_folder_do_not_mix_files() {
     let base = tempfile::tempdir().unwrap();
     let all = ["image.png", "report.json"].map(str::to_owned);
     let says = || all.each_ref().map(|name| fs::read_to_string(base.path().join(name)).unwrap());
@@ -100,11 +100,11 @@ fn of_two_runs_of_one_process_number_into_one_folder_each_has_its_own_files() {
 
 #[cfg(unix)]
 #[test]
-fn of_two_runs_that_end_in_the_same_moment_one_publishes_behind_the_other() {
+fn simultaneous_runs_publish_in_turn() {
     let base = tempfile::tempdir().unwrap();
     let outputs = Outputs::begin(base.path()).unwrap();
     write_all(&outputs, &["image.png".into()], "mine");
-    // As another process does while it publishes.
+    // Another process holds this lock while it publishes.
     let other = fs::File::open(base.path()).unwrap();
     other.lock().unwrap();
     let waits = std::thread::spawn(move || outputs.publish("image.png", &[]));
@@ -115,7 +115,7 @@ fn of_two_runs_that_end_in_the_same_moment_one_publishes_behind_the_other() {
     assert_eq!(names(base.path()), ["image.png"]);
 }
 
-/// What a run that was killed has left: a folder with a picture, a folder that is empty, a file.
+/// Makes the remains of a killed run: a folder with an image, an empty folder, and a file.
 fn remains(folder: &Path) {
     fs::create_dir(folder.join(".partial-0123456789abcdef")).unwrap();
     fs::write(folder.join(".partial-0123456789abcdef/lock"), "").unwrap();
@@ -125,7 +125,7 @@ fn remains(folder: &Path) {
 }
 
 #[test]
-fn what_a_dead_run_has_left_is_removed_and_what_a_living_one_holds_is_not() {
+fn remains_of_dead_runs_only_are_removed() {
     let base = tempfile::tempdir().unwrap();
     let place = base.path().join("t.bdl");
     remains(base.path());
@@ -152,7 +152,7 @@ fn files_of_the_user_are_no_remains() {
 }
 
 #[test]
-fn each_output_has_a_file_of_its_own_under_whichever_name() {
+fn outputs_never_share_a_file() {
     let base = tempfile::tempdir().unwrap();
     let at = |name: &str| base.path().join(name);
     fs::create_dir_all(at("o/in")).unwrap();
@@ -165,12 +165,12 @@ fn each_output_has_a_file_of_its_own_under_whichever_name() {
     }
     for own in ["o/report.json", "o/./report.csv", "./o/image.png", "o/in/../report.json", "o//tiles.png"] {
         assert!(check([own, "d"]).unwrap_err().starts_with("--timeline: "), "{own}");
-        assert!(check(["t", own]).unwrap_err().contains("is the run's own"), "{own}");
+        assert!(check(["t", own]).unwrap_err().contains("of this run in --out"), "{own}");
     }
-    assert!(check(["o/run.tape", "d"]).is_err());
-    assert_eq!(check_distinct(&at("o"), &[("--tape", &at("o/run.tape"))]), Ok(()), "of the same run, however long");
+    assert!(check(["o/run.recording", "d"]).is_err());
+    assert_eq!(check_distinct(&at("o"), &[("--recording", &at("o/run.recording"))]), Ok(()), "of the same run, however long");
     for twice in [["t", "t"], ["t", "./t"], ["o/x", "o/in/../x"], ["none/x", "none//./x"]] {
-        assert!(check(twice).unwrap_err().contains("is named twice"), "{twice:?}");
+        assert!(check(twice).unwrap_err().contains("is also the output of"), "{twice:?}");
     }
 }
 
@@ -181,8 +181,8 @@ fn a_link_to_a_folder_is_that_folder() {
     fs::create_dir(base.path().join("o")).unwrap();
     std::os::unix::fs::symlink("o", base.path().join("link")).unwrap();
     let (out, link) = (base.path().join("o"), base.path().join("link"));
-    assert!(check_distinct(&out, &[("--timeline", &link.join("report.json"))]).unwrap_err().contains("the run's own"));
-    assert!(check_distinct(&link, &[("--timeline", &out.join("report.json"))]).unwrap_err().contains("the run's own"));
+    assert!(check_distinct(&out, &[("--timeline", &link.join("report.json"))]).unwrap_err().contains("of this run"));
+    assert!(check_distinct(&link, &[("--timeline", &out.join("report.json"))]).unwrap_err().contains("of this run"));
     assert!(check_distinct(&out, &[("--timeline", &link.join("x")), ("--dump", &out.join("x"))]).is_err());
 }
 
@@ -200,10 +200,10 @@ fn a_link_to_a_file_is_that_file() {
         let paths = names.map(at);
         check_distinct(&at("o"), &[("--timeline", &paths[0]), ("--dump", &paths[1])])
     };
-    assert!(check(["to-report", "d"]).unwrap_err().contains("the run's own report.json"));
-    assert!(check(["o/report.csv", "d"]).unwrap_err().contains("the run's own report.csv"), "a link that the run replaces");
-    assert!(check(["x", "to-x"]).unwrap_err().contains("is named twice"));
-    let read = |input: &str| check_not_read(&[("--timeline", &at("to-x"))], &[("INPUT", &at(input))]);
-    assert!(read("x").unwrap_err().contains("is what INPUT reads") && read("to-x").is_err());
+    assert!(check(["to-report", "d"]).unwrap_err().contains("the report.json of this run"));
+    assert!(check(["o/report.csv", "d"]).unwrap_err().contains("the report.csv of this run"), "a link that the run replaces");
+    assert!(check(["x", "to-x"]).unwrap_err().contains("is also the output of"));
+    let read = |input: &str| check_outputs_keep_inputs(None, &[("--timeline", &at("to-x"))], &[("INPUT", &at(input))]);
+    assert!(read("x").unwrap_err().contains("is an input (INPUT)") && read("to-x").is_err());
     assert_eq!((read("o/report.json"), read("none")), (Ok(()), Ok(())));
 }

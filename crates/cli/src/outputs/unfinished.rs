@@ -1,4 +1,4 @@
-//! What must not stay behind when a run does not come to its end.
+//! Files to remove if a run does not finish.
 
 use std::fs;
 use std::path::PathBuf;
@@ -6,19 +6,19 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 static UNFINISHED: Mutex<Vec<Leftover>> = Mutex::new(Vec::new());
 
-/// What must not stay behind.
+/// A file or folder to remove.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Leftover {
     File(PathBuf),
-    /// A hidden folder, with all that is in it.
+    /// A hidden folder with its content.
     Partial(PathBuf),
-    /// A folder made for the outputs: goes only if it holds nothing else.
+    /// A folder created for the outputs; removed only if empty.
     Made(PathBuf),
 }
 
 impl Leftover {
     pub(super) fn remove(&self) {
-        // Nothing to be done about a failure here: the files are hidden and of no use.
+        // A failure has no consequences, because the files are hidden.
         let _ = match self {
             Self::File(path) => fs::remove_file(path),
             Self::Partial(path) => fs::remove_dir_all(path),
@@ -27,7 +27,7 @@ impl Leftover {
     }
 }
 
-/// The list, locked.
+/// The locked list.
 pub struct Unfinished(MutexGuard<'static, Vec<Leftover>>);
 
 impl Unfinished {
@@ -35,18 +35,18 @@ impl Unfinished {
         Self(UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Puts this on the list.
+    /// Adds an entry.
     pub(super) fn add(&mut self, leftover: Leftover) {
         self.0.push(leftover);
     }
 
-    /// Takes these off the list.
+    /// Removes entries.
     pub(super) fn settle(&mut self, leftovers: &[Leftover]) {
         self.0.retain(|l| !leftovers.contains(l));
     }
 }
 
-/// Removes all that is unfinished. Until the returned lock is dropped nothing more is created.
+/// Removes all unfinished files. While the returned lock is held, no file is created.
 pub fn abandon() -> Unfinished {
     let mut unfinished = Unfinished::lock();
     unfinished.0.drain(..).rev().for_each(|l| l.remove());

@@ -1,4 +1,4 @@
-"""A cycle-level simulator of patented shading devices.
+"""Cycle-level simulator of four patented shading devices.
 
 >>> import basrelief
 >>> machine = basrelief.Machine("bump", **{"replacement.entries": 64})
@@ -6,18 +6,28 @@
 >>> result.cycles == machine.run(basrelief.demo("golf-ball", size=(64, 48)), exact=False).cycles
 True
 
-Every figure is the same to the bit as that of the program of the same name.
+All figures equal those of the command line to the bit.
 """
+
+from typing import Any
 
 from ._basrelief import VERSION as __version__
 from ._basrelief import DisplayList, Error, InputError, Scene, UsageError
 from .comparison import Comparison
 from .machine import Machine, machines
 from .picture import Picture
-from .result import IncompleteError, Result, Tape, load
+from .renamed import warn_renamed
+from .result import IncompleteError, Recording, Result, load
 from .scene import demo, demos, display_list, scene
 from .sweep import Sweep, sweep
 from .table import Table
+
+def __getattr__(name: str) -> Any:
+    if name == "Tape":
+        warn_renamed("basrelief.Tape", "basrelief.Recording")
+        return Recording
+    raise AttributeError(f"module 'basrelief' has no attribute {name!r}")
+
 
 __all__ = [
     "Comparison",
@@ -27,11 +37,11 @@ __all__ = [
     "InputError",
     "Machine",
     "Picture",
+    "Recording",
     "Result",
     "Scene",
     "Sweep",
     "Table",
-    "Tape",
     "UsageError",
     "__version__",
     "demo",

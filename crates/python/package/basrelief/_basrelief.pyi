@@ -1,4 +1,4 @@
-"""What crosses between Python and the simulator: texts, bytes and numbers."""
+"""Interface of the extension module: strings, bytes and numbers."""
 
 from os import PathLike
 from typing import TypedDict, final
@@ -22,7 +22,7 @@ __all__ = [
     "png",
     "read_report",
     "read_text",
-    "retime",
+    "resimulate",
     "run",
     "text",
     "work_alone",
@@ -49,58 +49,58 @@ class _Options(TypedDict):
     engine: str
     max_cycles: int | None
     exact: bool
-    limits: bool | None
+    bottlenecks: bool | None
     costs: bool
-    tape: bool
+    recording: bool
     memory_limit: int | None
 
 class _Ran(TypedDict):
     report: str
     image: _Pixels | None
     reference: _Pixels | None
-    tape: bytes | None
+    recording: bytes | None
 
 class _Side(TypedDict):
     name: str
     report: str
     image: _Pixels | None
-    tape: bytes | None
+    recording: bytes | None
 
 class Error(Exception):
-    """What goes wrong."""
+    """Base class of all errors."""
 
 class UsageError(Error):
-    """What was asked for makes no sense: the command line's exit code 2."""
+    """Wrong arguments; exit code 2 of the command line."""
 
 class InputError(Error):
-    """Bad input: the command line's exit code 1."""
+    """Bad input; exit code 1 of the command line."""
 
 @final
 class Config:
-    """A machine with its parameters, which fit together."""
+    """A machine with valid parameters."""
 
     def __new__(cls, machine: str, file: tuple[str, str], settings: _Settings) -> Config: ...
     def described(self) -> str: ...
 
 @final
 class Scene:
-    """A scene, ready to be run: what parameters do not change is done once, whoever runs it."""
+    """A scene. Work that does not depend on parameters is done once for all runs."""
 
     @property
     def name(self) -> str:
-        """As the user named it."""
+        """The name that the user gave."""
     @property
     def frames(self) -> int:
-        """Number of pictures."""
+        """Number of frames."""
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the pictures [pixels]."""
+        """Width and height of the images [pixels]."""
     @property
     def triangles(self) -> int:
         """Number of triangles of the model."""
     @property
     def warnings(self) -> list[str]:
-        """What was left out or replaced on import, one sentence each."""
+        """Warnings of the import, one sentence each."""
     @staticmethod
     def demo(name: str, view: _View, memory_limit: int | None) -> Scene: ...
     @staticmethod
@@ -110,22 +110,22 @@ class Scene:
 
 @final
 class DisplayList:
-    """A display list: what a geometry processor handed on. It is read anew for each run, and pickles as its path."""
+    """A trace (display list). Each run reads it again. A pickled trace contains only its path."""
 
     def __new__(cls, path: _Path) -> DisplayList: ...
     @property
     def name(self) -> str:
-        """As the user named it."""
+        """The name that the user gave."""
 
 @final
 class Plan:
-    """A plan whose parts fit together, with its inputs open."""
+    """A valid plan with its inputs open."""
 
     def __new__(cls, name: _Path, text: str, memory_limit: int | None) -> Plan: ...
     def __len__(self) -> int: ...
     @property
     def title(self) -> str:
-        """A heading."""
+        """The title of the plan."""
     def missing(self, folder: _Path, retry_failed: bool) -> list[tuple[str, str]]: ...
     def execute(
         self, points: list[str], folder: _Path, at_once: int | None, options: tuple[bool, bool]
@@ -137,7 +137,7 @@ def machines() -> list[tuple[str, str]]: ...
 def demos() -> list[tuple[str, str, str]]: ...
 def read_text(path: _Path) -> str: ...
 def run(config: Config, drawn: Scene | DisplayList, options: _Options) -> _Ran: ...
-def retime(tape: bytes, settings: _Settings, keep: tuple[bool | None, bool], memory_limit: int | None) -> _Ran: ...
+def resimulate(recording: bytes, settings: _Settings, keep: tuple[bool | None, bool], memory_limit: int | None) -> _Ran: ...
 def compare(a: _Side, b: _Side) -> tuple[str, str]: ...
 def compared(a: _Side, b: _Side) -> str: ...
 def page(report: str, pictures: tuple[_Pixels | None, _Pixels | None]) -> str: ...

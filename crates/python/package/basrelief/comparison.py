@@ -1,4 +1,4 @@
-"""What changed from one run to another."""
+"""Comparison of two runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .table import Table
 
 
 class Comparison:
-    """What changed from run A to run B, the largest change first, and what explains it: what `basrelief compare` says."""
+    """Changes from run A to run B, largest first, and their causes, as `basrelief compare` prints them."""
 
     def __init__(self, a: _basrelief._Side, b: _basrelief._Side) -> None:
         self._sides = (a, b)
@@ -21,34 +21,33 @@ class Comparison:
 
     @cached_property
     def report(self) -> dict[str, Any]:
-        """All of it, as `basrelief compare --json` prints it."""
+        """The comparison as `basrelief compare --json` prints it."""
         report: dict[str, Any] = json.loads(self._json)
         return report
 
     @property
     def equal(self) -> bool:
-        """Nothing differs."""
+        """True if the reports are equal."""
         return bool(self.report["equal"])
 
     @property
     def explanation(self) -> str:
-        """What the cycles have changed by, and through what, in one or two sentences."""
+        """The change of the cycles and its causes, in one or two sentences."""
         return str(self.report["explanation"])
 
     @property
     def changes(self) -> Table:
-        """Every figure that differs: the part of the report that it is of, its name, field and key, in A, in B, the change, and that
-        in percent of A."""
+        """All figures that differ: part of the report, name, field, key, value in A, value in B, change, and change in percent of A."""
         columns = ["table", "name", "field", "key", "a", "b", "delta", "percent"]
         parts = self.report["sections"]
         return Table.of_rows([{"table": part["table"], **change} for part in parts for change in part["changes"]], columns)
 
     def html(self) -> str:
-        """The comparison as one page."""
+        """Returns the comparison as an HTML page."""
         return _basrelief.compared(*self._sides)
 
     def save_html(self, path: FilePath) -> None:
-        """Writes the comparison as one page."""
+        """Writes the comparison as an HTML page."""
         write(path, self.html().encode())
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Writing files: nothing half-written is ever in their place."""
+"""Atomic writing of files."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ FilePath = str | PathLike[str]
 
 
 def write(path: FilePath, content: bytes) -> None:
-    """Writes a file beside its place, and puts it there."""
+    """Writes a temporary file and renames it to its path."""
     place = Path(path)
     handle, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name}.")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
-        # As any file that a program makes; mkstemp's are for their owner alone.
+        # The usual permissions; `mkstemp` gives access to the owner only.
         os.chmod(name, 0o666 & ~_umask())
         os.replace(name, place)
     except BaseException:

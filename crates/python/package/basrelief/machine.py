@@ -9,28 +9,30 @@ from typing import Any, Literal
 from . import _basrelief
 from ._basrelief import DisplayList, Scene
 from .files import FilePath
+from .renamed import renamed
 from .result import Result, result_of
 from .settings import Settings, settings
 from .table import Table
 
 
 def machines() -> dict[str, str]:
-    """Names of the machines, each with what it is, in a sentence."""
+    """Returns the machines: name and description."""
     return dict(_basrelief.machines())
 
 
 class Machine:
-    """A machine with its parameters: defaults, then those of `config`, a TOML file or a mapping, then single ones.
+    """A machine with its parameters: the defaults, overridden by `config` (a TOML file or a mapping), overridden by single parameters.
 
     >>> Machine("shade", **{"shade.mode": "normal"})
     Machine('shade', **{'shade.mode': 'normal'})
 
-    Files and values are as `--config` and `--set` take them. Raises `UsageError` for what the machine has not, or cannot be, and `InputError` where the file is to blame.
+    Files and values have the form of `--config` and `--set`. Raises `UsageError` for an unknown or invalid parameter, and `InputError`
+    for an error in the file.
     """
 
     __slots__ = ("_config", "_made")
 
-    # By place alone: to a type checker, a name beside `**parameters` could be meant by any of their keys.
+    # Positional only, because a type checker would let any key of `**parameters` match a named argument.
     def __init__(self, name: str, config: FilePath | Mapping[str, Any] | None = None, /, **parameters: Any) -> None:
         if config is None or isinstance(config, Mapping):
             self._make(name, ("", ""), settings(config or {}, parameters))
@@ -43,18 +45,18 @@ class Machine:
 
     @property
     def name(self) -> str:
-        """As `--machine` names it."""
+        """The name, as in `--machine`."""
         return self._made[0]
 
     def set(self, given: Mapping[str, Any] | None = None, /, **parameters: Any) -> Machine:
-        """Another machine, with these parameters over those of this one."""
+        """Returns a copy of this machine with these parameters changed."""
         name, file, before = self._made
         more = settings(given or {}, parameters)
         return _made(name, file, list({**dict(before), **dict(more)}.items()))
 
     def describe(self) -> Table:
-        """All parameters, in the order of the block diagram: key, value, default, unit, range, what it is, whether it changes work
-        or times only, and where the value comes from."""
+        """Returns all parameters in the order of the block diagram: key, value, default, unit of measure, range, description, effect
+        (work or timing), provenance and source."""
         rows = json.loads(self._config.described())
         kept = ("key", "value", "default", "unit", "range", "about", "effect")
         return Table.of_rows([{**{name: row[name] for name in kept}, **_provenance(row)} for row in rows])
@@ -66,31 +68,34 @@ class Machine:
         exact: bool = True,
         engine: Literal["timed", "ticked", "functional"] = "timed",
         max_cycles: int | None = None,
-        limits: bool | None = None,
+        bottlenecks: bool | None = None,
         costs: bool = False,
-        tape: bool = False,
+        recording: bool = False,
         memory_limit: int | None = None,
+        limits: bool | None = None,
+        tape: bool | None = None,
     ) -> Result:
-        """Draws a scene, or replays a display list.
+        """Draws a scene or replays a trace.
 
-        `exact`: draw the exact picture too, and measure against it.
-        `engine`: `timed`; `ticked`, which is slow and says the same; or `functional`, which has no time.
-        `max_cycles`: no step starts in this cycle or later.
-        `limits`: measure what limits the run; where nothing is said, it is measured if that takes little time beside the pictures.
-        `costs`: add up what each polygon and object costs, for `report["costs"]`.
-        `tape`: keep the tape however long it is; where limits are measured, that of short work is kept by itself.
-        `memory_limit`: for what the run remembers [bytes; default 1 GiB].
+        `exact`: compute the reference image and the quality figures.
+        `engine`: `timed`; `ticked`, which is slow and gives the same report; or `functional`, without timing.
+        `max_cycles`: stop before this cycle.
+        `bottlenecks`: analyse bottlenecks; by default only if the recording is short.
+        `costs`: attribute the unit cycles to polygons and objects, in `report["costs"]`.
+        `recording`: keep the recording even if it is long; a short one is kept if bottlenecks are analysed.
+        `memory_limit`: memory limit of the run [bytes; default 1 GiB].
+        `limits`, `tape`: old names of `bottlenecks` and `recording`.
 
-        Other threads of Python run meanwhile; Ctrl-C stops it. Raises `IncompleteError`, which holds the report so far, of a run
-        that does not come to its end, and `InputError` for a display list that is none.
+        The run releases Python's global lock; Ctrl-C stops it. Raises `IncompleteError`, which holds the report so far, for a deadlock
+        or at `max_cycles`, and `InputError` for a damaged trace.
         """
         options: _basrelief._Options = {
             "engine": engine,
             "max_cycles": max_cycles,
             "exact": exact,
-            "limits": limits,
+            "bottlenecks": renamed("limits", limits, "bottlenecks", bottlenecks),
             "costs": costs,
-            "tape": tape,
+            "recording": bool(renamed("tape", tape, "recording", recording)),
             "memory_limit": memory_limit,
         }
         return result_of(_basrelief.run(self._config, scene, options))
@@ -115,7 +120,7 @@ class Machine:
 
 
 def _made(name: str, file: tuple[str, str], given: Settings) -> Machine:
-    """Without reading the file again, which may not be there any more."""
+    """Makes a machine without reading its file again, which may be gone."""
     machine = Machine.__new__(Machine)
     machine._make(name, file, given)
     return machine

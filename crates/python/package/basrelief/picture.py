@@ -1,4 +1,4 @@
-"""Pictures."""
+"""Images."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ from .files import FilePath, write
 
 
 class Picture:
-    """A picture: rows from the top, pixels of red, green, blue and alpha, 8 bits each. Alpha is 255 where something was drawn.
+    """An image: rows from the top, pixels of red, green, blue and alpha with 8 bits each. Alpha is 255 for covered pixels.
 
-    `numpy.asarray(picture)` is an array of height x width x 4 in the memory of the picture; `PIL.Image.fromarray(picture)`
-    takes it, too.
+    `numpy.asarray(picture)` gives an array of height x width x 4 without a copy. `PIL.Image.fromarray(picture)` works too.
     """
 
     __slots__ = ("_pixels",)
@@ -26,21 +25,21 @@ class Picture:
         return self._pixels[:2]
 
     def tobytes(self) -> bytes:
-        """The pixels."""
+        """Returns the pixels."""
         return self._pixels[2]
 
     @property
     def __array_interface__(self) -> dict[str, Any]:
         width, height, rgba = self._pixels
-        # Strides, though they follow from the shape: where there are none, Pillow asks for a buffer.
+        # Without strides Pillow asks for a buffer, although they follow from the shape.
         return {"shape": (height, width, 4), "strides": (4 * width, 4, 1), "typestr": "|u1", "data": rgba, "version": 3}
 
     def png(self) -> bytes:
-        """The picture as a PNG file."""
+        """Returns the image as a PNG file."""
         return _basrelief.png(self._pixels)
 
     def save(self, path: FilePath) -> None:
-        """Writes the picture as a PNG file: the bytes that the program writes."""
+        """Writes the image as a PNG file, with the same bytes as the command line."""
         write(path, self.png())
 
     def _repr_png_(self) -> bytes:

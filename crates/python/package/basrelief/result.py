@@ -1,4 +1,4 @@
-"""What a run comes to."""
+"""Results of runs."""
 
 from __future__ import annotations
 
@@ -13,15 +13,18 @@ from ._basrelief import Error, InputError
 from .comparison import Comparison
 from .files import FilePath, write
 from .picture import Picture
+from .renamed import warn_renamed
 from .settings import settings
 from .table import Table
 
 REPORT = "report.json"
-TAPE = "run.tape"
+RECORDING = "run.recording"
+# Before version 0.2.
+OLD_RECORDING = "run.tape"
 
 
 class IncompleteError(Error):
-    """A run that did not come to its end: a deadlock, or the limit of `max_cycles`. `result` holds the report so far."""
+    """A deadlock, or a stop at `max_cycles`. `result` holds the report so far."""
 
     def __init__(self, message: str, result: Result) -> None:
         super().__init__(message, result)
@@ -32,13 +35,31 @@ class IncompleteError(Error):
         return self.message
 
 
-class Tape:
-    """The work of a run, without its times."""
+class Recording:
+    """The steps of a run, without their times."""
 
     __slots__ = ("_bytes",)
 
     def __init__(self, content: bytes) -> None:
         self._bytes = content
+
+    def resimulate(
+        self,
+        given: Mapping[str, Any] | None = None,
+        /,
+        *,
+        bottlenecks: bool | None = None,
+        recording: bool = False,
+        memory_limit: int | None = None,
+        **parameters: Any,
+    ) -> Result:
+        """Computes the timing anew with these parameters changed, without executing the units again.
+
+        `bottlenecks`, `recording`, `memory_limit`: as in `Machine.run`.
+        Raises `UsageError` for a work parameter; `Machine.describe()["effect"]` marks the timing parameters.
+        """
+        ran = _basrelief.resimulate(self._bytes, settings(given or {}, parameters), (bottlenecks, recording), memory_limit)
+        return result_of(ran)
 
     def retime(
         self,
@@ -50,50 +71,46 @@ class Tape:
         memory_limit: int | None = None,
         **parameters: Any,
     ) -> Result:
-        """What the run comes to under other times, without running it: with these parameters over those that it had.
-
-        `limits`, `tape`, `memory_limit`: as for `Machine.run`.
-        Raises `UsageError` for a parameter that changes what is done: `Machine.describe()["effect"]` says which change times only.
-        """
-        ran = _basrelief.retime(self._bytes, settings(given or {}, parameters), (limits, tape), memory_limit)
-        return result_of(ran)
+        """Old name of `resimulate`."""
+        warn_renamed("retime", "resimulate")
+        return self.resimulate({**(given or {}), **parameters}, bottlenecks=limits, recording=tape, memory_limit=memory_limit)
 
     def save(self, path: FilePath) -> None:
-        """Writes the tape as a file, as `--tape` does."""
+        """Writes the recording as a file, as `--recording` does."""
         write(path, self._bytes)
 
     def __len__(self) -> int:
-        """Its size [bytes]."""
+        """Returns the size [bytes]."""
         return len(self._bytes)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Tape) and self._bytes == other._bytes
+        return isinstance(other, Recording) and self._bytes == other._bytes
 
     def __hash__(self) -> int:
         return hash(self._bytes)
 
     def __repr__(self) -> str:
-        return f"Tape({len(self):,} bytes)"
+        return f"Recording({len(self):,} bytes)"
 
 
 class Result:
-    """What a run comes to: its report, its pictures, and its tape."""
+    """Result of a run: report, images and recording."""
 
-    def __init__(self, text: str, image: Picture | None, reference: Picture | None, tape: Tape | None) -> None:
+    def __init__(self, text: str, image: Picture | None, reference: Picture | None, recording: Recording | None) -> None:
         self._text = text
         self._image = image
         self._reference = reference
-        self._tape = tape
+        self._recording = recording
 
     def __getstate__(self) -> tuple[Any, ...]:
-        return self._text, self._image, self._reference, self._tape
+        return self._text, self._image, self._reference, self._recording
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
-        self._text, self._image, self._reference, self._tape = state
+        self._text, self._image, self._reference, self._recording = state
 
     @cached_property
     def report(self) -> dict[str, Any]:
-        """The report, as `report.json` has it, but for what the host took."""
+        """The report as in `report.json`, without the figures of the host."""
         report: dict[str, Any] = json.loads(self._text)
         return report
 
@@ -103,53 +120,52 @@ class Result:
         return self.report[name]
 
     def _timed(self, name: str) -> Any:
-        return self._part(name, "the functional model has no time, another engine has")
+        return self._part(name, "functional mode has no timing; use another engine")
 
     @property
     def cycles(self) -> int:
-        """Cycles of the frames, which the program prints first; `report["cycles"]["total"]` has those behind the last one, too, in which
-        what was drawn is shown. Of a run that did not come to its end, all cycles."""
+        """Render cycles; `report["cycles"]["total"]` also counts the scan-out tail. For an incomplete run, all cycles."""
         cycles = self._timed("cycles")
         return sum(cycles["frames"]) if self.report["outcome"]["kind"] == "complete" and cycles["frames"] else int(cycles["total"])
 
     @property
     def units(self) -> Table:
-        """Where the cycles of each unit went, in the order of the block diagram; cycles of waiting are summed over what it waited for,
-        `report["units"]` has them one by one."""
+        """Cycle breakdown of each unit, in the order of the block diagram. Stalls are summed; `report["units"]` has them per FIFO and
+        client."""
         return Table.of_rows([{"unit": name, **_summed(unit)} for name, unit in self._timed("units").items()], _UNITS)
 
     @property
     def fifos(self) -> Table:
-        """How full each FIFO was: slots, tokens, most slots ever held, mean of slots held, and cycles in which it was full."""
+        """Occupancy of each FIFO: depth, tokens, high-water mark, mean, and cycles in which it was full."""
         return Table.of_rows([_fifo(name, fifo) for name, fifo in self._timed("fifos").items()])
 
     @property
     def memories(self) -> Table:
-        """What each client of each memory moved, and how it was served."""
+        """Traffic and latency of each client of each memory."""
         memories = self._timed("memories").items()
         clients = [(name, *client) for name, memory in memories for client in memory["clients"].items()]
         return Table.of_rows([{"memory": memory, "client": name, **_plain(client)} for memory, name, client in clients])
 
     @property
     def caches(self) -> Table:
-        """What the look-ups of each cache found."""
+        """Look-ups, hits and misses of each cache."""
         return Table.of_rows([{"cache": name, **cache} for name, cache in self._timed("caches").items()])
 
     @property
     def bottlenecks(self) -> Table:
-        """Cycles saved when one resource is relaxed, measured by resimulation: resource, relaxation, parameters that set it, cycles of
-        the frames with it, and cycles saved."""
-        rows = self._part("bottlenecks", "run(limits=True) measures the bottlenecks of any run that completes")
+        """Measured bottlenecks: resource, relaxation, the parameters that relax it, the render cycles then, and the saving."""
+        rows = self._part("bottlenecks", "run(bottlenecks=True) analyses every complete run")
         return Table.of_rows(rows, ["resource", "relaxation", "set", "cycles", "saved"])
 
     @property
     def limits(self) -> Table:
         """Old name of `bottlenecks`."""
+        warn_renamed("Result.limits", "Result.bottlenecks")
         return self.bottlenecks
 
     @property
     def figures(self) -> Table:
-        """What the machine counted and what follows from it: name, value, unit, and what it is."""
+        """Counted and derived figures: name, value, unit of measure and description."""
         legend = self.report["legend"]
         counted = [{"figure": name, "value": value, **legend.get(name, {})} for name, value in self.report["figures"].items()]
         derived = [
@@ -160,41 +176,47 @@ class Result:
 
     @property
     def image(self) -> Picture:
-        """The machine's picture of the last frame."""
+        """Image of the last frame."""
         if self._image is None:
-            raise Error("there is no picture: a tape that is timed again draws none, nor does a run that ends ahead of its first")
+            raise Error("there is no image: a resimulation draws none, and this run may have stopped before its first frame")
         return self._image
 
     @property
     def reference(self) -> Picture:
-        """The exact picture of the last frame."""
+        """Reference image of the last frame."""
         if self._reference is None:
-            raise Error("there is no exact picture: run(exact=True) draws it")
+            raise Error("there is no reference image; run(exact=True) computes it")
         return self._reference
 
     @property
     def difference(self) -> Picture:
-        """How far the machine's picture is from the exact one, as the program writes it."""
+        """Difference of image and reference image, as the command line writes it."""
         return Picture(*_basrelief.difference(self.reference._pixels, self.image._pixels))
 
     @property
-    def tape(self) -> Tape:
-        """What the units did, without times."""
-        if self._tape is None:
-            raise Error("no tape was kept: run(tape=True) keeps that of any run that comes to its end")
-        return self._tape
+    def tape(self) -> Recording:
+        """Old name of `recording`."""
+        warn_renamed("Result.tape", "Result.recording")
+        return self.recording
+
+    @property
+    def recording(self) -> Recording:
+        """The steps of the run, without times."""
+        if self._recording is None:
+            raise Error("no recording was kept; run(recording=True) keeps that of every complete run")
+        return self._recording
 
     def compare(self, other: Result, names: tuple[str, str] = ("this", "other")) -> Comparison:
-        """What changed from this run to another; explained by measuring, where both have tapes."""
+        """Compares this run with another. If both have recordings, the causes of the cycle difference are measured."""
         return Comparison(self._side(names[0]), other._side(names[1]))
 
     def _side(self, name: str) -> _basrelief._Side:
-        image, tape = self._image, self._tape
+        image, recording = self._image, self._recording
         pixels = None if image is None else image._pixels
-        return {"name": name, "report": self._text, "image": pixels, "tape": None if tape is None else tape._bytes}
+        return {"name": name, "report": self._text, "image": pixels, "recording": None if recording is None else recording._bytes}
 
     def html(self) -> str:
-        """The report as one page, as `--html` writes it."""
+        """Returns the report as an HTML page, as `--html` writes it."""
         return _basrelief.page(self._text, self._shown())
 
     def _shown(self) -> tuple[_basrelief._Pixels | None, _basrelief._Pixels | None]:
@@ -202,12 +224,12 @@ class Result:
         return None if image is None else image._pixels, None if reference is None else reference._pixels
 
     def save_html(self, path: FilePath) -> None:
-        """Writes the report as one page."""
+        """Writes the report as an HTML page."""
         write(path, self.html().encode())
 
     def save(self, folder: FilePath) -> None:
-        """Writes pictures, tape and report into a folder, as `--out` does; `basrelief compare` and `load` read them. The report comes
-        last: where it is, all is."""
+        """Writes images, recording and report into a folder, as `--out` does. `basrelief compare` and `load` read them. The report is
+        written last."""
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         (place / REPORT).unlink(missing_ok=True)
@@ -215,9 +237,10 @@ class Result:
         for kind, picture in pictures + [("difference", self.difference if self._reference else None)]:
             if picture is not None:
                 picture.save(place / f"{kind}.png")
-        (place / TAPE).unlink(missing_ok=True)
-        if self._tape is not None:
-            self._tape.save(place / TAPE)
+        for name in (RECORDING, OLD_RECORDING):
+            (place / name).unlink(missing_ok=True)
+        if self._recording is not None:
+            self._recording.save(place / RECORDING)
         write(place / REPORT, self._text.encode())
 
     def __str__(self) -> str:
@@ -236,13 +259,13 @@ class Result:
 
 
 def result_of(ran: _basrelief._Ran) -> Result:
-    """The result; raises where the run did not come to its end."""
-    tape = ran["tape"]
-    result = Result(ran["report"], _picture(ran["image"]), _picture(ran["reference"]), None if tape is None else Tape(tape))
+    """Returns the result. Raises `IncompleteError` for an incomplete run."""
+    recording = ran["recording"]
+    result = Result(ran["report"], _picture(ran["image"]), _picture(ran["reference"]), None if recording is None else Recording(recording))
     outcome = result.report["outcome"]
     if outcome["kind"] == "complete":
         return result
-    limit = "stopped at the limit of max_cycles; the report holds the state so far"
+    limit = "stopped at max_cycles; the report holds the state so far"
     raise IncompleteError(limit if outcome["kind"] == "limit" else outcome.get("message", outcome["kind"]), result)
 
 
@@ -251,17 +274,17 @@ def _picture(pixels: _basrelief._Pixels | None) -> Picture | None:
 
 
 def load(path: FilePath) -> Result:
-    """The result of a run that is in a folder, `--out` of the program or `Result.save`: its report, and its tape if it is there. It has no
-    pictures."""
+    """Loads report and recording of a run from a folder written by `--out` or `Result.save`. The result has no images."""
     place = Path(path)
     report = place / REPORT if place.is_dir() else place
     text = _basrelief.read_report(str(report), _basrelief.read_text(report))
-    tape = report.with_name(TAPE)
+    recording = next((place for name in (RECORDING, OLD_RECORDING) if (place := report.with_name(name)).exists()), None)
+    if report.name != REPORT or recording is None:
+        return Result(text, None, None, None)
     try:
-        content = tape.read_bytes() if report.name == REPORT and tape.exists() else None
+        return Result(text, None, None, Recording(recording.read_bytes()))
     except OSError as error:
-        raise InputError(f"{tape}: cannot be read: {error.strerror}") from error
-    return Result(text, None, None, None if content is None else Tape(content))
+        raise InputError(f"{recording}: cannot be read: {error.strerror}") from error
 
 
 _UNITS = ["unit", "numeral", "steps", "tokens", "busy", "starved", "blocked", "memory", "done"]
@@ -279,5 +302,5 @@ def _fifo(name: str, fifo: dict[str, Any]) -> dict[str, Any]:
 
 
 def _plain(part: dict[str, Any]) -> dict[str, Any]:
-    """What is a number, not a list."""
+    """Returns the entries that are no lists."""
     return {name: value for name, value in part.items() if not isinstance(value, list)}

@@ -1,4 +1,4 @@
-"""What is drawn."""
+"""Inputs of a run: scenes and traces."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .table import Table
 
 
 def demos() -> Table:
-    """The demo scenes: name, the machine that each is made for, and what it shows."""
+    """Returns the demo scenes: name, machine and description."""
     return Table.of_rows([{"name": name, "machine": machine, "about": about} for name, machine, about in _basrelief.demos()])
 
 
@@ -26,7 +26,7 @@ def demo(
     light_orbit: float | None = None,
     memory_limit: int | None = None,
 ) -> Scene:
-    """A demo scene; some have a tessellation, as in `goblet@8`. How it is looked at is said as for `scene`."""
+    """Returns a demo scene. Some have a tessellation, for example `goblet@8`. The other arguments are those of `scene`."""
     return Scene.demo(name, _view(size, camera, turn, zoom, frames, orbit, light, light_orbit), memory_limit)
 
 
@@ -44,26 +44,26 @@ def scene(
     memory_limit: int | None = None,
     allow_outside: bool = False,
 ) -> Scene:
-    """A model: a .glb, .gltf or .obj file.
+    """Opens a model: a .glb, .gltf or .obj file.
 
-    `size`: of the picture [pixels; default 640 x 480].
-    `camera`: a file with view_projection, to_light and to_viewer.
-    `turn`: of the camera about the model: around the vertical axis, then upwards [degrees].
-    `zoom`: see all so much larger.
-    `frames`: number of pictures.
-    `orbit`, `light_orbit`: turn the camera, the light, about the model by this much over all frames [degrees].
-    `light`: direction to the light, in world space, instead of the scene's lights.
-    `memory_limit`: for what is held of the scene [bytes; default 1 GiB].
+    `size`: image size [pixels; default 640 x 480].
+    `camera`: camera file (JSON) with view_projection, to_light and to_viewer.
+    `turn`: rotation of the camera about the model: around the vertical axis, then upwards [degrees].
+    `zoom`: zoom factor about the image centre.
+    `frames`: number of frames.
+    `orbit`, `light_orbit`: rotation of the camera or the light about the model over all frames [degrees].
+    `light`: direction to the light in world space; replaces the lights of the scene.
+    `memory_limit`: memory limit of the scene [bytes; default 1 GiB].
     `allow_outside`: the model may name files outside its folder, with `../`.
 
-    A scene pickles as the bytes of its files and its view. Raises `InputError` for a file that cannot be drawn.
+    A pickled scene contains the bytes of its files and its view. Raises `InputError` for a file that cannot be read.
     """
     view = _view(size, camera, turn, zoom, frames, orbit, light, light_orbit)
     return Scene.open(path, view, memory_limit, allow_outside)
 
 
 def display_list(path: FilePath) -> DisplayList:
-    """A display list, which carries its own view. It is read anew for each run, and pickles as its path."""
+    """Opens a trace (display list), which has its own view. Each run reads it again. A pickled trace contains only its path."""
     return DisplayList(path)
 
 

@@ -1,4 +1,4 @@
-"""Parameters as the simulator takes them."""
+"""Parameters in the form of `--set`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Settings = list[tuple[str, str]]
 
 
 def settings(given: Mapping[str, Any], named: Mapping[str, Any]) -> Settings:
-    """Keys with values, as behind `--set`."""
+    """Returns keys and values in the form of `--set`."""
     return [(key, _value(key, value)) for key, value in {**given, **named}.items()]
 
 
@@ -25,9 +25,9 @@ def _value(key: str, value: Any) -> str:
 
 
 def _element(key: str, value: Any) -> str:
-    """In TOML, which writes switches, numbers and texts as JSON does."""
-    # Numbers of numpy know themselves as Python's.
+    """Returns a value in TOML, which writes booleans, numbers and strings as JSON does."""
+    # Converts numbers of NumPy to those of Python.
     plain = value.item() if hasattr(value, "item") else value
     if isinstance(plain, (bool, int, float, str)):
         return json.dumps(plain)
-    raise UsageError(f"`{key}`: {value!r}; expected a number, a switch, a text or a list of these")
+    raise UsageError(f"`{key}`: {value!r}; expected a number, a boolean, a string or a list of these")

@@ -1,4 +1,4 @@
-"""Sweeps: all points of a plan, here or on many machines."""
+"""Sweeps: the points of a plan, run here or by a cluster."""
 
 from __future__ import annotations
 
@@ -13,43 +13,56 @@ from typing import Any
 from . import _basrelief
 from ._basrelief import Error
 from .files import FilePath
+from .renamed import warn_renamed
 from .result import Result, load
 from .table import Table
 
-# Tasks for each thread of a worker: few enough for the scheduler, enough for all to end together.
+# Tasks per thread of a worker: few enough for the scheduler, enough to balance the load.
 TASKS = 8
 
-# What a plan is made of: its file's name, its text, and the limit of memory.
+# A plan: its file name, its text, and the memory limit.
 _Made = tuple[str, str, int | None]
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """What a sweep has come to."""
+    """Result of a sweep."""
 
     folder: Path
-    """Where points and tables lie."""
+    """Folder of the results and tables."""
     points: int
-    """All that are there now."""
-    there: int
-    """Of these, those that were there before."""
+    """Number of points."""
+    reused: int
+    """Points with an existing result."""
     run: int
-    """Those that were run."""
-    retimed: int
-    """Those that were timed again, from the tape of one that did the same work."""
+    """Points that were run."""
+    resimulated: int
+    """Points resimulated from the recording of another point."""
     failed: int
-    """Those run here that have failed: rows of the table, with the reason."""
+    """Points that failed in this call; the table has the reasons."""
     front: str
-    """The points that no other beats, in words."""
+    """The Pareto front, as text."""
+
+    @property
+    def there(self) -> int:
+        """Old name of `reused`."""
+        warn_renamed("Sweep.there", "Sweep.reused")
+        return self.reused
+
+    @property
+    def retimed(self) -> int:
+        """Old name of `resimulated`."""
+        warn_renamed("Sweep.retimed", "Sweep.resimulated")
+        return self.resimulated
 
     @property
     def table(self) -> Table:
-        """All points, one row each: `sweep.jsonl`."""
+        """All points, one row each, from `sweep.jsonl`."""
         lines = (self.folder / "sweep.jsonl").read_text().splitlines()
         return Table.of_rows([json.loads(line) for line in lines])
 
     def result(self, point: str) -> Result:
-        """The result of a point that has not failed, by its hash."""
+        """Loads the result of a point by its hash."""
         return load(self.folder / "points" / point)
 
     def __str__(self) -> str:
@@ -66,16 +79,16 @@ def sweep(
     retry_failed: bool = False,
     memory_limit: int | None = None,
 ) -> Sweep:
-    """All points of a plan, or what is missing of them in the folder `out`, as `basrelief sweep` has it.
+    """Runs the points of a plan that have no result in the folder `out` yet, as `basrelief sweep` does.
 
-    `client`: of Dask distributed; its workers run the points. They must see the plan, what it names, and `out`, under the same names.
-    What a worker needs of a plan is made once in its process; what a worker that dies has not finished, another runs.
-    `threads`: points under way at a time where there is no client; by itself one for each core.
-    `pictures`: write a picture of each point beside its report.
-    `retry_failed`: run points that failed again.
-    `memory_limit`: for what inputs and tapes hold, in each process [bytes; default 1 GiB].
+    `client`: a client of Dask distributed, whose workers run the points. They must see the plan, its files and `out` under the same
+    paths. Each worker process reads the plan once. If a worker dies, another one runs its unfinished points.
+    `threads`: parallel runs without a client [default: one per core].
+    `pictures`: write images beside the reports.
+    `retry_failed`: run failed points again.
+    `memory_limit`: memory limit for inputs and recordings, per process [bytes; default 1 GiB].
 
-    Ctrl-C ends it between two points; those that are finished stay. Raises `InputError` for a plan that makes no sense.
+    Ctrl-C stops between two points and keeps finished points. Raises `InputError` for an invalid plan.
     """
     name, folder = Path(plan), Path(out)
     made: _Made = (str(name.absolute()), _basrelief.read_text(name), memory_limit)
@@ -87,7 +100,7 @@ def sweep(
     else:
         tally = _on_workers(client, made, missing, folder.absolute(), options)
     if left := len(points.missing(folder, False)):
-        raise Error(f"{folder}: {left} points are missing: workers must share this folder, and have version {_basrelief.VERSION}")
+        raise Error(f"{folder}: {left} points are missing; workers must share this folder and have version {_basrelief.VERSION}")
     found, run, retimed, failed = tally
     there = len(points) - len(missing) + found
     return Sweep(folder, len(points), there, run, retimed, failed, points.tables(folder))
@@ -111,7 +124,7 @@ def _on_workers(
 
 
 def _batches(missing: list[tuple[str, str]], most: int) -> list[list[str]]:
-    """Points that share their work together, as far as no batch has more than `most`; small groups, several in one."""
+    """Groups points by recording, in batches of at most `most` points; small groups share a batch."""
     batches: list[list[str]] = []
     for _, group in groupby(missing, key=lambda point: point[1]):
         points = [point for point, _ in group]
@@ -127,10 +140,10 @@ _lock = Lock()
 
 
 def run_points(made: _Made, points: list[str], folder: str, options: tuple[bool, bool]) -> _Tally:
-    """A worker's task."""
+    """Runs points in a worker."""
     with _lock:
         if made not in _plans:
-            # One at a time: its scenes can be large.
+            # Only one plan at a time, because its scenes can be large.
             _plans.clear()
             _basrelief.work_alone()
             _plans[made] = _basrelief.Plan(*made)

@@ -12,20 +12,20 @@ _LIBRARIES = ("pandas", "polars")
 
 
 class Table(dict[str, list[Any]]):
-    """A dictionary of columns, all of one length: what `pandas.DataFrame` and `polars.DataFrame` take as it is."""
+    """A dictionary of columns of equal length, which `pandas.DataFrame` and `polars.DataFrame` accept."""
 
     @classmethod
     def of_rows(cls, rows: list[dict[str, Any]], columns: list[str] | None = None) -> Table:
-        """The table with these rows; where a row has no such column it is None."""
+        """Makes a table of these rows. A missing value is `None`."""
         names = columns or list(dict.fromkeys(name for row in rows for name in row))
         return cls({name: [row.get(name) for row in rows] for name in names})
 
     def rows(self) -> list[dict[str, Any]]:
-        """The rows, each a dictionary."""
+        """Returns the rows as dictionaries."""
         return [dict(zip(self, values, strict=True)) for values in zip(*self.values(), strict=True)]
 
     def frame(self, library: str = "pandas") -> Any:
-        """The table as a data frame of pandas or polars, which must be installed."""
+        """Returns a data frame of pandas or polars, which must be installed."""
         if library not in _LIBRARIES:
             raise UsageError(f"frame: `{library}`; expected {' or '.join(_LIBRARIES)}")
         return import_module(library).DataFrame(dict(self))

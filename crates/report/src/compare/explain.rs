@@ -8,7 +8,7 @@ use crate::number::{real, signed, thousands};
 const TOLD: u64 = 1;
 /// Cure if nothing was measured.
 const UNMEASURED: &str = "To measure the causes, keep the recording of both runs beside their reports: `--out DIR` keeps it for short \
-                          runs, `--tape DIR/run.tape` for any run.";
+                          runs, `--recording DIR/run.recording` for any run.";
 
 pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<&Explained>)) -> String {
     if equal {

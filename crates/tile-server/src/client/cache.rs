@@ -1,4 +1,4 @@
-//! `--tile-cache`: tiles that have come stay, whatever becomes of the run.
+//! `--tile-cache`: received tiles, kept even if the run fails.
 
 use crate::protocol::{HASH_DIGITS, hash_of};
 use std::fs::{self, File};
@@ -23,13 +23,12 @@ impl TileCache {
         Ok(Self { folder: folder.into(), write })
     }
 
-    /// Names a tile of the server's as a file.
+    /// Returns the file of a tile.
     fn path(&self, tile: &str) -> PathBuf {
         self.folder.join(tile.replace('/', "-"))
     }
 
-    /// A tile of at most `largest` bytes that passes the check; none where there is no such file. One that is damaged is of no
-    /// use to anybody: it is removed.
+    /// Returns a cached tile of at most `largest` bytes that passes the check. A damaged file is removed.
     pub fn get(&self, tile: &str, largest: u64, check: impl Fn(&[u8]) -> Result<(), String>) -> Option<Vec<u8>> {
         let path = self.path(tile);
         if !fs::metadata(&path).ok()?.is_file() {
@@ -39,7 +38,7 @@ impl TileCache {
         File::open(&path).ok()?.take(HASH_DIGITS as u64 + largest).read_to_end(&mut bytes).ok()?;
         let body = bytes.split_at_checked(HASH_DIGITS).filter(|(hash, body)| hash_of(body).as_bytes() == *hash);
         let Some((_, body)) = body.filter(|(_, body)| check(body).is_ok()) else {
-            // Where it cannot be removed, it is overwritten or found bad again.
+            // A file that cannot be removed is overwritten or rejected again.
             let _ = fs::remove_file(&path);
             return None;
         };

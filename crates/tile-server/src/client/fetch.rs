@@ -1,4 +1,4 @@
-//! Requests that are made again where they fail.
+//! Requests, repeated if they fail.
 
 use super::metrics::{Body, CountingConnector, TransferMetrics};
 use crate::protocol::{MAX_TILE_BYTES, MIN_BYTES_PER_SECOND, check_hash, check_status, hash_from_etag, split};
@@ -10,20 +10,20 @@ use ureq::Agent;
 use ureq::unversioned::resolver::DefaultResolver;
 use ureq::unversioned::transport::{Connector as _, TcpConnector};
 
-/// How long and how often is tried.
+/// Timeouts and retries.
 #[derive(Clone, Copy, Debug)]
 pub struct RetryPolicy {
-    /// Longest that nothing may come, on any connection.
+    /// Longest time without data on any connection.
     pub stall: Duration,
-    /// What must have come on average when a request has lasted longer than that \[bytes/s\].
+    /// Minimum average rate of a request that lasts longer than `stall` \[bytes/s\].
     pub slowest: u64,
-    /// Requests for the same thing before it is given up.
+    /// Maximum number of attempts.
     pub attempts: u32,
-    /// Pause before the second attempt; it doubles from one to the next.
+    /// Pause before the second attempt; doubles with each attempt.
     pub pause: Duration,
-    /// No further attempt begins later than this behind the first.
+    /// No attempt starts later than this after the first.
     pub whole: Duration,
-    /// Longest that is waited for a server that does not listen: not yet, or not at the moment.
+    /// Longest wait for a server that does not listen.
     pub starting: Duration,
 }
 
@@ -40,19 +40,19 @@ impl Default for RetryPolicy {
     }
 }
 
-/// Most requests in flight.
+/// Maximum number of requests in flight.
 pub const MAX_IN_FLIGHT: u32 = 32;
 
-/// Longest that the head of an answer may take to come, however much comes of it: many may share a slow path.
+/// Longest time until the head of a response is complete. It is long because many requests may share a slow path.
 const MAX_HEAD: Duration = Duration::from_secs(600);
-/// How often it is looked whether a server listens.
+/// Interval between connection attempts.
 const LOOK: Duration = Duration::from_millis(100);
-/// What a proxy says of a server that does not listen, is not ready, or does not answer it.
+/// Statuses of a proxy whose server does not listen or answer.
 const NOBODY_BEHIND: [u16; 3] = [502, 503, 504];
-/// Longest number that is believed \[bytes\].
+/// Maximum length of a number \[bytes\].
 const LONGEST_NUMBER: u64 = 20;
 
-/// Gets what a server has. Clones share their connections.
+/// Client of a server. Clones share connections.
 #[derive(Clone, Debug)]
 pub struct Fetcher {
     agent: Agent,
@@ -62,15 +62,15 @@ pub struct Fetcher {
     meter: TransferMetrics,
 }
 
-/// What a server has sent, and what that takes.
+/// A received body and its memory.
 type FetchedBody = (Vec<u8>, Held);
 
-/// Requests that were made before, for the same thing.
+/// Earlier attempts for the same content.
 #[derive(Clone, Copy, Debug)]
 pub struct Attempts {
-    /// When the first began.
+    /// Start of the first attempt.
     pub began: Instant,
-    /// How many have failed.
+    /// Number of failed attempts.
     pub made: u32,
 }
 
@@ -80,20 +80,20 @@ impl Default for Attempts {
     }
 }
 
-/// Why a request has failed.
+/// Error of a request.
 struct FetchError {
     sentence: String,
     then: RetryAdvice,
 }
 
-/// What another attempt would come to.
+/// Reaction to an error.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum RetryAdvice {
-    /// Something else, perhaps.
+    /// Another attempt may succeed.
     Retry,
-    /// The same.
+    /// Another attempt would fail too.
     GiveUp,
-    /// Nobody listens, or nobody behind a proxy: something else, once the server has started.
+    /// The server does not listen, or a proxy cannot reach it: another attempt may succeed once it has started.
     WaitForServer,
 }
 
@@ -104,13 +104,13 @@ impl From<String> for FetchError {
 }
 
 impl Fetcher {
-    /// Of the server at `base`; what it sends is counted against a budget of its own.
+    /// Makes a client of the server at `base` with a memory limit of its own.
     #[cfg(test)]
     pub fn new(base: &str, patience: RetryPolicy) -> Self {
         Self::within(base, patience, &Budget::default())
     }
 
-    /// Of the server at `base`, within a budget.
+    /// Makes a client of the server at `base`.
     pub fn within(base: &str, patience: RetryPolicy, budget: &Budget) -> Self {
         let stall = Some(patience.stall);
         let config = Agent::config_builder()
@@ -122,7 +122,7 @@ impl Fetcher {
             .max_idle_connections(MAX_IN_FLIGHT as usize)
             .max_idle_connections_per_host(MAX_IN_FLIGHT as usize)
             .http_status_as_error(false)
-            // What stands elsewhere is not what the user has named.
+            // The user named this server and no other.
             .max_redirects(0)
             .proxy(None)
             .build();
@@ -132,11 +132,11 @@ impl Fetcher {
         Self { agent, base: base.trim_end_matches('/').to_owned(), patience, budget: budget.clone(), meter }
     }
 
-    /// Fetches the scene, as it travels: its address, itself, and what it takes. Waits for a server that does not listen yet.
-    /// `came` is told how many bytes have come.
+    /// Fetches the compressed scene. Returns its URL, its bytes and their memory. Waits for a server that does not listen yet. `came`
+    /// receives the number of bytes so far.
     ///
     /// # Errors
-    /// A sentence, when all attempts have failed.
+    /// All attempts have failed.
     pub fn scene(&self, came: impl Fn(u64)) -> Result<(String, Vec<u8>, Held), String> {
         let url = format!("{}/scene", self.base);
         let once = || {
@@ -155,10 +155,10 @@ impl Fetcher {
         }
     }
 
-    /// Fetches a tile of at most `largest` bytes that passes the check. `pause` says whether it is still wanted afterwards.
+    /// Fetches a tile of at most `largest` bytes that passes the check. `pause` waits, and returns false if the tile is no longer needed.
     ///
     /// # Errors
-    /// A sentence, when all attempts have failed.
+    /// All attempts have failed.
     pub fn tile(
         &self,
         tile: &str,
@@ -171,10 +171,10 @@ impl Fetcher {
         Ok(body)
     }
 
-    /// Makes one request for so many tiles; all of them must pass the check, by their place in it.
+    /// Makes one request for several tiles, each of which must pass the check.
     ///
     /// # Errors
-    /// Whatever has failed: each of them may come by itself.
+    /// Any failure; the caller then requests the tiles one by one.
     pub fn tiles(
         &self,
         tiles: &str,
@@ -191,7 +191,7 @@ impl Fetcher {
     /// Fetches a number.
     ///
     /// # Errors
-    /// A sentence, when all attempts have failed.
+    /// All attempts have failed.
     pub fn number(&self, address: &str) -> Result<u64, String> {
         let number = |body: Vec<u8>| {
             let text = std::str::from_utf8(&body).map_err(|e| e.to_string())?;
@@ -202,7 +202,7 @@ impl Fetcher {
         Ok(number)
     }
 
-    /// Fetches what is at an address, and makes something of it.
+    /// Fetches a body and converts it.
     fn checked<T>(
         &self,
         address: &str,
@@ -215,22 +215,22 @@ impl Fetcher {
         self.patiently(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
     }
 
-    /// What connections carry.
+    /// Returns the transfer metrics.
     pub fn meter(&self) -> &TransferMetrics {
         &self.meter
     }
 
-    /// What is sent is counted against it.
+    /// Returns the memory limit for received data.
     pub fn budget(&self) -> &Budget {
         &self.budget
     }
 
-    /// Ends what is under way, in clones too.
+    /// Aborts all requests, also of clones.
     pub fn shut_down(&self) {
         self.agent.clone().shutdown();
     }
 
-    /// Tries again what fails; and where nobody listens, as long as a server may take to start, or to start anew.
+    /// Repeats a failed request, and waits for a server that does not listen.
     fn patiently<T>(
         &self,
         (attempts, wait): (Attempts, &dyn Fn(Duration) -> bool),
@@ -275,7 +275,7 @@ impl Fetcher {
     fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<FetchedBody, FetchError> {
         let _under_way = self.meter.under_way();
         let called = self.agent.get(url).call().map_err(|e| self.fault(&e));
-        // Where nobody listens nothing was asked.
+        // A refused connection is no request.
         if !matches!(called, Err(FetchError { then: RetryAdvice::WaitForServer, .. })) {
             self.meter.asked();
         }
@@ -296,7 +296,7 @@ impl Fetcher {
         Ok((body, held))
     }
 
-    /// Why no answer has begun.
+    /// Converts an error before the response.
     fn fault(&self, error: &ureq::Error) -> FetchError {
         let refused = matches!(error, ureq::Error::Io(e) if e.kind() == io::ErrorKind::ConnectionRefused);
         FetchError { sentence: self.told(error), then: if refused { RetryAdvice::WaitForServer } else { RetryAdvice::Retry } }
@@ -330,7 +330,7 @@ impl Fetcher {
     }
 }
 
-/// Waits; what was asked for is still wanted.
+/// Waits; the content is still needed.
 fn sleep(pause: Duration) -> bool {
     thread::sleep(pause);
     true

@@ -1,11 +1,11 @@
-//! What a real path carries, counted where it leaves and where it comes.
+//! Transfer metrics of the network path.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use ureq::unversioned::transport::{Buffers, ConnectionDetails, Connector, NextTimeout, Transport};
 
-/// Counts what connections carry. Clones count together.
+/// Counts bytes and requests. Clones count together.
 #[derive(Clone, Debug, Default)]
 pub struct TransferMetrics(Arc<Counts>);
 
@@ -23,31 +23,31 @@ struct Counts {
     abandoned: AtomicU64,
 }
 
-/// When the path was at work.
+/// Activity of the path.
 #[derive(Clone, Copy, Debug, Default)]
 struct Clock {
-    /// The scene was asked for.
+    /// Time of the request for the scene.
     began: Option<Instant>,
-    /// Requests under way.
+    /// Requests in flight.
     under_way: u32,
-    /// Since when there is none.
+    /// Start of the current idle period.
     idle_since: Option<Instant>,
-    /// How long there was none, before that.
+    /// Idle time before that.
     idle: Duration,
-    /// When something came last, on whatever connection.
+    /// Last arrival of data on any connection.
     came: Option<Instant>,
 }
 
-/// When something is, since the scene was asked for.
+/// Time since the request for the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Elapsed {
     /// \[ms\]
     pub milliseconds: f64,
-    /// Of these, those in which no request was under way \[ms\].
+    /// Part of it without requests in flight \[ms\].
     pub idle: f64,
 }
 
-/// A request that is under way as long as this lives.
+/// A request in flight while this value lives.
 #[derive(Debug)]
 pub(super) struct RequestGuard(TransferMetrics);
 
@@ -59,7 +59,7 @@ impl Drop for RequestGuard {
     }
 }
 
-/// What a body was.
+/// Kind of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
     /// The scene.
@@ -70,42 +70,42 @@ pub enum Body {
     Other,
 }
 
-/// What was counted so far.
+/// Counted values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TransferCounts {
-    /// Connections opened.
+    /// Opened connections.
     pub connections: u64,
-    /// Requests made.
+    /// Requests.
     pub requests: u64,
-    /// Bytes sent: requests.
+    /// Sent bytes.
     pub sent: u64,
-    /// Bytes received: heads and bodies.
+    /// Received bytes: heads and bodies.
     pub received: u64,
-    /// Of these, of the scene.
+    /// Bytes of the scene.
     pub scene: u64,
-    /// Tiles received, and good.
+    /// Valid tiles.
     pub tiles: u64,
-    /// Of the bytes received, of these tiles.
+    /// Bytes of valid tiles.
     pub tile_bytes: u64,
-    /// Of the bytes received, of other bodies that were good.
+    /// Bytes of other valid bodies.
     pub other: u64,
-    /// Tiles that were to be asked for and were not: their view was left.
+    /// Tiles that were not requested because their view was left.
     pub abandoned: u64,
 }
 
 impl TransferMetrics {
-    /// The scene is asked for; the last time that it is told counts.
+    /// Starts the clock at the request for the scene; the last call counts.
     pub fn begin(&self) {
         let mut clock = self.clock();
         *clock = Clock { began: Some(Instant::now()), under_way: clock.under_way, ..Clock::default() };
     }
 
-    /// When the scene was asked for; now, if it was not yet.
+    /// Returns the time of the request for the scene, or the present.
     pub(super) fn began(&self) -> Instant {
         self.clock().began.unwrap_or_else(Instant::now)
     }
 
-    /// Now, since the scene was asked for.
+    /// Returns the time since the request for the scene.
     pub fn now(&self) -> Elapsed {
         let clock = *self.clock();
         let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
@@ -113,7 +113,7 @@ impl TransferMetrics {
         Elapsed { milliseconds: clock.began.map_or(0.0, |began| milliseconds(began.elapsed())), idle: milliseconds(idle) }
     }
 
-    /// A request begins.
+    /// Starts a request.
     pub(super) fn under_way(&self) -> RequestGuard {
         let mut clock = self.clock();
         clock.under_way += 1;
@@ -122,7 +122,7 @@ impl TransferMetrics {
         RequestGuard(self.clone())
     }
 
-    /// Bytes have come.
+    /// Counts received bytes.
     fn received(&self, bytes: usize) {
         add(&self.0.received, bytes as u64);
         if bytes > 0 {
@@ -130,7 +130,7 @@ impl TransferMetrics {
         }
     }
 
-    /// Whether something came on any connection in so long a time.
+    /// Returns true if data arrived on any connection within this time.
     fn came_within(&self, time: Duration) -> bool {
         self.clock().came.is_some_and(|came| came.elapsed() < time)
     }
@@ -139,17 +139,17 @@ impl TransferMetrics {
         self.0.clock.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A request is made.
+    /// Counts a request.
     pub(super) fn asked(&self) {
         add(&self.0.requests, 1);
     }
 
-    /// So many tiles are not asked for any more.
+    /// Counts abandoned tiles.
     pub(super) fn abandoned(&self, tiles: u64) {
         add(&self.0.abandoned, tiles);
     }
 
-    /// A body has come, and is what it should be.
+    /// Counts a valid body.
     pub(super) fn came(&self, body: Body, bytes: u64) {
         match body {
             Body::Scene => add(&self.0.scene, bytes),
@@ -161,7 +161,7 @@ impl TransferMetrics {
         }
     }
 
-    /// What was counted so far.
+    /// Counted values.
     pub fn read(&self) -> TransferCounts {
         let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
         let c = &*self.0;
@@ -183,8 +183,8 @@ fn add(count: &AtomicU64, n: u64) {
     count.fetch_add(n, Ordering::Relaxed);
 }
 
-/// Puts a meter on every connection. Where nothing comes on one of them for so long, but something on another, it is waited for: the
-/// path is slow, and its turn has not come yet.
+/// Counts the traffic of every connection. A timeout of one connection does not count while data arrives on another: the path is slow, and
+/// the connection has to wait its turn.
 #[derive(Debug)]
 pub(super) struct CountingConnector(pub(super) TransferMetrics, pub(super) Duration);
 
@@ -199,7 +199,7 @@ impl<In: Transport> Connector<In> for CountingConnector {
     }
 }
 
-/// A connection with a meter.
+/// A counted connection.
 #[derive(Debug)]
 pub(super) struct CountingTransport<In> {
     inner: In,

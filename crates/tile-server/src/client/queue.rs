@@ -1,4 +1,4 @@
-//! What threads that fetch tiles, and who takes them, share.
+//! State shared by the fetching threads and the device.
 
 use super::FetchProgress;
 use super::metrics::TransferMetrics;
@@ -11,13 +11,13 @@ use std::mem;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Tiles that are fetched ahead and that nobody has taken yet, at most: what is fast must not fill the memory.
+/// Maximum number of tiles fetched ahead, which bounds the memory.
 pub(crate) const MAX_AHEAD: usize = 256;
 
-/// A tile: number of its texture, and its own.
+/// Texture and tile number.
 pub(super) type TileKey = (u32, u32);
 
-/// What a tile is encoded as, and what is counted for it.
+/// Encoded tile and its memory.
 pub(super) type CountedTile = (Arc<[u8]>, Held);
 
 /// A tile to fetch.
@@ -25,7 +25,7 @@ pub(super) type CountedTile = (Arc<[u8]>, Held);
 pub(super) struct TileRequest {
     pub(super) page: Arc<TexturePage>,
     pub(super) tile: u32,
-    /// The hash of its picture.
+    /// Hash of its picture.
     pub(super) picture: Arc<str>,
 }
 
@@ -35,32 +35,32 @@ impl TileRequest {
     }
 }
 
-/// What is shared.
+/// The state.
 #[derive(Debug, Default)]
 struct QueueState {
-    /// What is known of the textures.
+    /// Known textures.
     offered: TileCatalog,
-    /// Tiles announced that nobody has taken yet.
+    /// Announced tiles that the device has not taken yet.
     announced: BTreeSet<TileKey>,
-    /// Of these, those to fetch, in order.
+    /// Tiles to fetch, in order.
     queue: VecDeque<TileRequest>,
-    /// Tiles that threads are fetching.
+    /// Tiles that are being fetched.
     under_way: BTreeSet<TileKey>,
-    /// Those that are there, with what they take, or have failed for good; and since when.
+    /// Received or failed tiles, with the time.
     done: BTreeMap<TileKey, (Result<CountedTile, String>, Instant)>,
-    /// Those that had come for a view when it was left, and were not taken: the next may want them.
+    /// Tiles received for an abandoned view, which the next view may need.
     spare: BTreeMap<TileKey, CountedTile>,
-    /// Nothing is asked for any more from then on: the view is left.
+    /// Requests stop at this time, when the user leaves the view.
     until: Option<Instant>,
-    /// Threads that have nothing to do.
+    /// Idle threads.
     idle: usize,
-    /// Somebody waits for a tile that is not there.
+    /// The device waits for a missing tile.
     missed: bool,
     closed: bool,
 }
 
 impl QueueState {
-    /// A tile that will be taken: from what has come, or it is to be fetched.
+    /// Announces a tile. Returns false if it was announced before.
     fn announce(&mut self, page: Arc<TexturePage>, tile: u32) -> bool {
         let key = (page.texture, tile);
         if !self.announced.insert(key) {
@@ -72,21 +72,20 @@ impl QueueState {
         if self.under_way.contains(&key) || matches!(self.done.get(&key), Some((Ok(_), _))) {
             return true;
         }
-        // What has failed for a view that was left may come for this one.
+        // A tile that failed for an earlier view may succeed for this one.
         self.done.remove(&key);
         let picture = self.offered.picture(page.texture);
         self.queue.push_back(TileRequest { page, tile, picture });
         true
     }
 
-    /// Whether there is something to ask for.
+    /// Returns true if a thread may fetch now.
     fn is_ready(&self) -> bool {
         let is_looked_at = self.until.is_none_or(|until| Instant::now() < until);
         is_looked_at && (self.missed || self.done.len() < MAX_AHEAD) && !self.queue.is_empty()
     }
 
-    /// The next tiles to fetch by one request: of one picture, at most so many, and no more than leaves something to each other thread
-    /// that has nothing to do.
+    /// Returns the next tiles for one request: of one picture, at most `most`, and no more than leaves work for the other idle threads.
     fn next(&mut self, most: impl Fn(&TexturePage) -> usize) -> Vec<TileRequest> {
         let share = self.queue.len().div_ceil(self.idle.max(1));
         let Some(first) = self.queue.front() else { return vec![] };
@@ -98,7 +97,7 @@ impl QueueState {
     }
 }
 
-/// What is shared, and the news that it has changed.
+/// Queue of tiles to fetch.
 #[derive(Debug)]
 pub(super) struct TileFetchQueue {
     shared: Mutex<QueueState>,
@@ -120,23 +119,23 @@ impl TileFetchQueue {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes what is shared, and tells all.
+    /// Changes the state and wakes all threads.
     fn change(&self, change: impl FnOnce(&mut QueueState)) {
         change(&mut self.lock());
         self.changed.notify_all();
     }
 
-    /// A texture of the scene.
+    /// Adds a texture of the scene.
     pub(super) fn offer(&self, texture: &Texture) {
         self.lock().offered.offer(texture);
     }
 
-    /// What is known of the textures.
+    /// Known textures.
     pub(super) fn offered(&self) -> TileCatalog {
         self.lock().offered.clone()
     }
 
-    /// Tiles that will be taken, in order.
+    /// Announces tiles in the order of their use.
     pub(super) fn announce(&self, tiles: impl IntoIterator<Item = (Arc<TexturePage>, u32)>) {
         let mut new = 0;
         self.change(|shared| new = tiles.into_iter().filter(|(page, tile)| shared.announce(Arc::clone(page), *tile)).count());
@@ -145,7 +144,7 @@ impl TileFetchQueue {
         }
     }
 
-    /// The next tiles to fetch; none when all is over.
+    /// Waits for tiles to fetch; `None` after the end.
     pub(super) fn take(&self, most: impl Fn(&TexturePage) -> usize) -> Option<Vec<TileRequest>> {
         let mut shared = self.lock();
         shared.idle += 1;
@@ -162,7 +161,7 @@ impl TileFetchQueue {
         next
     }
 
-    /// A tile is there, or has failed for good.
+    /// Stores a received tile or its final error.
     pub(super) fn done(&self, tile: TileKey, done: Result<CountedTile, String>) {
         self.change(|shared| {
             shared.under_way.remove(&tile);
@@ -170,7 +169,7 @@ impl TileFetchQueue {
         });
     }
 
-    /// Waits until a tile that was announced is there.
+    /// Waits for an announced tile.
     pub(super) fn wait(&self, tile: TileKey) -> Result<Arc<[u8]>, String> {
         let mut shared = self.lock();
         loop {
@@ -185,13 +184,12 @@ impl TileFetchQueue {
         }
     }
 
-    /// Nothing is asked for any more from then on.
+    /// Sets the time after which no tile is requested.
     pub(super) fn ask_until(&self, until: Option<Instant>) {
         self.change(|shared| shared.until = until);
     }
 
-    /// Waits until the first of these tiles is there, if it has come before nothing is asked for any more. They are announced, if it was
-    /// not.
+    /// Waits for the first of these tiles. Returns true if it arrives before the view is left. Announces the tiles if they are new.
     pub(super) fn is_there_in_time(&self, tiles: &mut dyn Iterator<Item = (Arc<TexturePage>, u32)>) -> bool {
         let Some((page, tile)) = tiles.next() else { return true };
         let key = (page.texture, tile);
@@ -217,8 +215,7 @@ impl TileFetchQueue {
         }
     }
 
-    /// Nobody will take what is announced: what was not asked for yet is not asked for any more. What has come is kept for the next view,
-    /// as what is under way is when it comes: the network has it.
+    /// Abandons the announced tiles. Requests in flight still complete; the next view can use their tiles and those received before.
     pub(super) fn abandon(&self) {
         let mut abandoned = 0;
         self.change(|shared| {
@@ -231,14 +228,14 @@ impl TileFetchQueue {
         self.meter.abandoned(abandoned);
     }
 
-    /// Waits so long; less, and false, when all is over.
+    /// Waits; returns false if the queue is closed meanwhile.
     pub(super) fn pause(&self, pause: Duration) -> bool {
         let open = |shared: &mut QueueState| !shared.closed;
         let waited = self.changed.wait_timeout_while(self.lock(), pause, open);
         !waited.unwrap_or_else(PoisonError::into_inner).0.closed
     }
 
-    /// All is over.
+    /// Ends all threads.
     pub(super) fn close(&self) {
         self.change(|shared| shared.closed = true);
     }

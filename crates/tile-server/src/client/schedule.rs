@@ -1,11 +1,11 @@
-//! Who looks at the pictures of a real path: turns from view to view by the clock.
+//! View changes at given times.
 
 use super::queue::TileFetchQueue;
 use basrelief_deferred_renderer::{UpcomingTiles, ViewUser};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Leaves views at times, counted from the request for the scene.
+/// Times at which the user leaves each view, counted from the request for the scene.
 #[derive(Debug)]
 pub(super) struct ViewSchedule {
     queue: Arc<TileFetchQueue>,
@@ -17,7 +17,7 @@ impl ViewSchedule {
         Self { queue, left_at_ms }
     }
 
-    /// When this view is left, if it is.
+    /// Returns the time at which a view is left.
     fn left_at(&self, view: Option<u64>) -> Option<Instant> {
         let ms = *self.left_at_ms.get(usize::try_from(view?).ok()?)?;
         Some(self.queue.meter().began() + Duration::from_secs_f64(ms / 1e3))

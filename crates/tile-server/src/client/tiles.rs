@@ -1,4 +1,4 @@
-//! The client: fetches tiles ahead, several at a time.
+//! The tile source of the device: fetches tiles ahead with several concurrent requests.
 
 use super::fetch::{Attempts, MAX_IN_FLIGHT};
 use super::queue::{TileFetchQueue, TileRequest};
@@ -12,21 +12,21 @@ use basrelief_sim::TileFetch;
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 
-/// Where tiles that have come are kept, and why they are not.
+/// The tile cache, and the reason if it cannot be written.
 #[derive(Clone, Debug)]
 pub struct TileStore {
-    /// Where.
+    /// The cache.
     pub cache: TileCache,
-    /// Set when a tile could not be written: from then on none is.
+    /// Set at the first write error; later tiles are not cached.
     pub failed: Arc<OnceLock<String>>,
 }
 
-/// What a thread needs to fetch tiles.
+/// Everything that a fetching thread needs.
 #[derive(Clone, Debug)]
 struct FetchWorker {
     queue: Arc<TileFetchQueue>,
     fetcher: Fetcher,
-    /// With its quality.
+    /// Encoding and quality.
     encoding: (TileEncoding, u8),
     tiles_per_request: usize,
     kept: Option<TileStore>,
@@ -34,7 +34,7 @@ struct FetchWorker {
 }
 
 impl FetchWorker {
-    /// Fetches tiles until all is over.
+    /// Fetches tiles until the queue is closed.
     fn work(&self) {
         while let Some(wanted) = self.queue.take(|page| self.most(page)) {
             let mut rest = Vec::new();
@@ -51,12 +51,12 @@ impl FetchWorker {
         }
     }
 
-    /// Most tiles of a page that one request asks for.
+    /// Returns the maximum number of tiles of a page per request.
     fn most(&self, page: &TexturePage) -> usize {
         max_tiles_per_request(page).min(self.tiles_per_request)
     }
 
-    /// Fetches these tiles of one picture, by one request; where that fails, each by its own.
+    /// Fetches tiles of one picture with one request; if that fails, with one request each.
     fn fetch(&self, wanted: &[TileRequest]) {
         let mut attempts = Attempts::default();
         if wanted.len() > 1 {
@@ -77,21 +77,21 @@ impl FetchWorker {
         self.fetcher.tiles(&self.address(&wanted), wanted.len(), |i, body| self.check(wanted[i], body))
     }
 
-    /// A tile of the cache.
+    /// Returns a tile of the cache.
     fn kept(&self, wanted: &TileRequest) -> Option<Vec<u8>> {
         self.kept.as_ref()?.cache.get(&self.address(&[wanted]), MAX_TILE_BYTES, |body| self.check(wanted, body))
     }
 
-    /// Whether that is the tile.
+    /// Checks a tile.
     fn check(&self, wanted: &TileRequest, body: &[u8]) -> Result<(), String> {
         check_tile(self.encoding.0, &wanted.page, wanted.tile, body)
     }
 
-    /// A tile has come from the server, or has failed for good.
+    /// Handles a received tile or its final error.
     fn came(&self, wanted: &TileRequest, tile: Result<Vec<u8>, String>) {
         if let Ok(tile) = &tile {
             if let Some(kept) = self.kept.as_ref().filter(|kept| kept.failed.get().is_none()) {
-                // The picture does not suffer: who has asked for the cache is told in the end.
+                // A write error does not affect the run; the command line reports it at the end.
                 let _ = kept.cache.put(&self.address(&[wanted]), tile).map_err(|e| kept.failed.set(e.to_string()));
             }
             self.progress.arrived(tile.len() as u64);
@@ -99,7 +99,7 @@ impl FetchWorker {
         self.done(wanted, tile);
     }
 
-    /// A tile waits to be taken.
+    /// Hands a tile to the device.
     fn done(&self, wanted: &TileRequest, tile: Result<Vec<u8>, String>) {
         let counted = |tile: Vec<u8>| {
             let held = self.fetcher.budget().take(tile.len() as u64, "tiles that nobody has taken yet");
@@ -108,24 +108,24 @@ impl FetchWorker {
         self.queue.done(wanted.key(), tile.and_then(counted));
     }
 
-    /// Address of tiles of one picture.
+    /// Returns the address of tiles of one picture.
     fn address(&self, wanted: &[&TileRequest]) -> String {
         let numbers: Vec<u32> = wanted.iter().map(|wanted| wanted.tile).collect();
         wanted.first().map_or_else(String::new, |first| tiles_path(&first.picture, first.page.cut, self.encoding, &numbers))
     }
 }
 
-/// Tiles of a server, fetched as they are announced, several at a time.
+/// Tiles of a server, fetched concurrently as they are announced.
 #[derive(Debug)]
 pub struct RemoteTiles {
     worker: FetchWorker,
-    /// Who looks by the clock.
+    /// The view schedule, if views have times.
     user: Option<Arc<ViewSchedule>>,
     threads: Vec<JoinHandle<()>>,
 }
 
 impl RemoteTiles {
-    /// Makes so many requests at a time, but no more than [`MAX_IN_FLIGHT`]. A tile that comes is kept at once.
+    /// Starts the threads, at most [`MAX_IN_FLIGHT`]. Each received tile is cached at once.
     pub fn new(fetcher: Fetcher, fetch: TileFetch, kept: Option<TileStore>, progress: Arc<dyn FetchProgress>) -> Self {
         let TileFetch { encoding, jpeg_quality, requests, tiles_per_request, left_at_ms } = fetch;
         let encoding = (encoding, jpeg_quality);
@@ -142,12 +142,12 @@ impl RemoteTiles {
 }
 
 impl TileSource for RemoteTiles {
-    /// The server has them all; what they are called there is told with them.
+    /// Textures carry the hash of their picture on the server.
     fn offer(&mut self, texture: &Arc<Texture>) {
         self.worker.queue.offer(texture);
     }
 
-    /// Where somebody looks by the clock, it is they who announce: what they have left is not asked for any more.
+    /// With a view schedule the schedule announces the tiles, because those of an abandoned view must not be requested.
     fn announce(&mut self, tiles: &[(Arc<TexturePage>, u32)]) {
         if self.user.is_none() {
             self.worker.queue.announce(tiles.iter().cloned());
@@ -171,10 +171,10 @@ impl TileSource for RemoteTiles {
 impl Drop for RemoteTiles {
     fn drop(&mut self) {
         self.worker.queue.close();
-        // What is still under way, nobody waits for.
+        // Requests in flight are aborted.
         self.worker.fetcher.shut_down();
         for thread in self.threads.drain(..) {
-            // A thread that has panicked has nothing to say any more.
+            // A thread that panicked has nothing to return.
             let _ = thread.join();
         }
         self.worker.progress.finish();

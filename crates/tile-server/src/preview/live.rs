@@ -1,4 +1,4 @@
-//! `--watch`: the picture so far, for a browser.
+//! `--watch`: the latest image, for a browser.
 
 use super::partial::{PartialFrame, TileCount};
 use crate::protocol::etag_of;
@@ -9,14 +9,14 @@ use std::net::SocketAddr;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The page: it asks what follows the picture that it has, and shows that.
+/// The page, which requests each next image and shows it.
 const PAGE: &str = include_str!("page.html");
-/// Longest that a question for the next picture is left open: less than proxies and browsers wait.
+/// Longest time that a request for the next image stays open; shorter than timeouts of proxies and browsers.
 const OPEN: Duration = Duration::from_secs(5);
-/// Longest that a run which is over waits for who watches to fetch the last picture.
+/// Longest time that a finished run waits for the browser to fetch the last image.
 const LAST: Duration = Duration::from_secs(3);
 
-/// The picture so far. Clones show the same.
+/// The latest image. Clones share it.
 #[derive(Clone, Debug, Default)]
 pub struct LivePreview(Arc<SharedPreview>);
 
@@ -28,24 +28,24 @@ struct SharedPreview {
 
 #[derive(Debug, Default)]
 struct PreviewState {
-    /// Pictures so far.
+    /// Number of images so far.
     number: u64,
-    /// The last of them, a PNG, and its name.
+    /// The last image as a PNG, and its name.
     picture: Arc<[u8]>,
     name: String,
-    /// No more follow.
+    /// No more images follow.
     over: bool,
-    /// When somebody asked for the next picture last.
+    /// Time of the last request for the next image.
     asked: Option<Instant>,
-    /// Somebody has all of them, and was sent that they are all.
+    /// A browser has received the last image and its announcement.
     taken: bool,
-    /// Of a picture that is still growing: its tiles.
+    /// Received tiles, while the image is partial.
     tiles: Option<TileCount>,
     growing: PartialFrame,
 }
 
 impl PreviewState {
-    /// Another picture, unless it is the one before under another name.
+    /// Shows another image; an equal image only changes the name.
     fn show(&mut self, name: String, tiles: Option<TileCount>, png: &[u8]) {
         (self.name, self.tiles) = (name, tiles);
         if *self.picture != *png {
@@ -54,17 +54,17 @@ impl PreviewState {
         }
     }
 
-    /// What who asks is told.
+    /// Returns the JSON of the next image.
     fn told(&self, over: bool) -> Vec<u8> {
         json!({ "picture": self.number, "name": self.name, "tiles": self.tiles, "over": over }).to_string().into_bytes()
     }
 }
 
 impl LivePreview {
-    /// Shows it at an address, from now on; port 0 takes any that is free. The address.
+    /// Starts to listen at an address; port 0 selects a free port. Returns the address.
     ///
     /// # Errors
-    /// A sentence, where the address cannot be listened at.
+    /// The address cannot be used.
     pub fn listen(&self, address: SocketAddr) -> Result<SocketAddr, String> {
         let listening = listen(self.clone(), address, Limits::default());
         listening.map(|(address, _)| address).map_err(|e| format!("{address}: cannot be listened at: {e}"))
@@ -74,7 +74,7 @@ impl LivePreview {
         self.0.shown.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A picture is there, under this name. One that is the same as the one before only has another name.
+    /// Shows an image. An image equal to the previous one only changes the name.
     pub fn show(&self, name: &str, png: &[u8]) {
         let mut shown = self.lock();
         shown.growing.is_shown();
@@ -82,25 +82,25 @@ impl LivePreview {
         self.0.changed.notify_all();
     }
 
-    /// The last picture has another name by now.
+    /// Renames the last image.
     pub fn rename(&self, name: &str) {
         self.lock().name = name.into();
     }
 
-    /// Something has come of the next one.
+    /// Updates the partial image.
     pub(crate) fn grow(&self, grow: impl FnOnce(&mut PartialFrame)) {
         grow(&mut self.lock().growing);
         self.0.changed.notify_all();
     }
 
-    /// Colours the next one so far, and shows it unless another is there meanwhile.
+    /// Computes the partial image, and shows it unless the device has shown another meanwhile.
     fn colour<'a>(&'a self, mut shown: MutexGuard<'a, PreviewState>) -> MutexGuard<'a, PreviewState> {
         let Some(mut colouring) = shown.growing.take() else { return shown };
         let name = shown.name.clone();
         drop(shown);
         let png = colouring.png();
         let mut shown = self.lock();
-        // Names are those of the device's pictures, or count tiles: two are never the same.
+        // Names are unique: they are those of the device, or count tiles.
         if let (Ok(png), true) = (png, shown.name == name) {
             shown.show(colouring.come.name(), Some(colouring.come), &png);
         }
@@ -109,7 +109,7 @@ impl LivePreview {
         shown
     }
 
-    /// No more follow. Who watches gets the last one yet; where nobody does, nobody is waited for.
+    /// Announces the end. Waits for a browser that still requests images to fetch the last one.
     pub fn finish(&self) {
         let mut shown = self.lock();
         shown.over = true;
@@ -120,7 +120,7 @@ impl LivePreview {
         }
     }
 
-    /// What follows a picture: waited for, some seconds.
+    /// Waits up to some seconds for the image after this number.
     fn after(&self, number: u64) -> Response {
         let mut shown = self.lock();
         shown.asked = Some(Instant::now());
@@ -158,7 +158,7 @@ impl RequestHandler for LivePreview {
         }
         let shown = self.lock();
         match number("/picture/") {
-            // Whichever it asks for, nobody wants an older one.
+            // The latest image answers every number.
             Some(1..) if shown.number > 0 => {
                 Response::found((Arc::clone(&shown.picture), etag_of(&shown.picture)), "image/png", CachePolicy::NoStore)
             }
@@ -170,7 +170,7 @@ impl RequestHandler for LivePreview {
         ""
     }
 
-    /// A run ends as soon as somebody was told that it is over, and no answer outlives it: so only what is sent counts.
+    /// The process ends after this, so only a response that is sent completely counts.
     fn sent(&self, answer: &Response) {
         let mut shown = self.lock();
         if shown.over && *answer.body == *shown.told(true) {
@@ -186,7 +186,7 @@ mod tests {
     use std::thread;
 
     #[test]
-    fn a_run_ends_when_the_answer_that_it_is_over_is_sent_and_not_when_it_is_made() {
+    fn run_ends_once_last_response_is_sent() {
         let watched = LivePreview::default();
         watched.show("image.png", b"a picture");
         let early = watched.answer("/after/0");

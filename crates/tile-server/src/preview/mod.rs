@@ -2,6 +2,7 @@
 
 mod live;
 mod partial;
+mod tiles;
 
 pub use live::LivePreview;
-pub use partial::PreviewedTiles;
+pub use tiles::PreviewedTiles;

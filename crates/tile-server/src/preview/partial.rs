@@ -1,81 +1,84 @@
-//! A picture that grows while its tiles come, for who watches: between the pictures that the device shows, which has none there.
+//! The partial image between two images of the device, updated as tiles arrive.
 
-use super::live::LivePreview;
-use basrelief_deferred_renderer::{FilledBuffer, PicturePreview, PreviewObserver, PyramidCut, TexturePage, TileSource, ViewUser};
+use basrelief_deferred_renderer::{FilledBuffer, PicturePreview, TexturePage};
 use basrelief_reference::Picture;
-use basrelief_signals::Texture;
 use basrelief_sim::to_png;
 use serde::Serialize;
 use std::mem;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// From one picture to the next, at least.
+/// Minimum time between two partial images.
 const PAUSE: Duration = Duration::from_millis(250);
-/// How much longer than a picture took to make it is rested: the run wants the processors, too.
+/// Pause after a partial image, as a multiple of its computing time, so that the run keeps the processors.
 const REST: u32 = 4;
 
-/// How far the tiles of an acquisition have come.
+/// Received tiles of an acquisition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub(crate) struct TileCount {
-    /// Its number, from 1.
+    /// Number of the acquisition, from 1.
     acquisition: u64,
     come: u64,
     needed: u64,
 }
 
 impl TileCount {
-    /// What the picture is called meanwhile.
+    /// Returns the caption.
     pub(crate) fn name(self) -> String {
         format!("Acquisition {}: {} of {} tiles", self.acquisition, self.come, self.needed)
     }
 }
 
-/// A tile that has come: its page, its number, itself as it is encoded.
+/// A received tile: page, number and encoded bytes.
 type Tile = (Arc<TexturePage>, u32, Arc<[u8]>);
 
-/// What has come of the picture that is under way. It is coloured by who watches: where nobody does, never.
+/// State of the partial image. A request of the browser computes it; without a browser it costs nothing.
 #[derive(Debug, Default)]
 pub(crate) struct PartialFrame {
-    /// None where tiles are not waited for, and while somebody colours.
+    /// `None` without remote tiles, and while a thread computes an image.
     preview: Option<PicturePreview>,
     filled: Option<Arc<FilledBuffer>>,
-    /// Tiles that the preview has not got yet.
+    /// Tiles that the preview has not stored yet.
     tiles: Vec<Tile>,
     come: TileCount,
-    /// Tiles have come since the last picture.
+    /// True if tiles have arrived since the last image.
     has_grown: bool,
     rests_until: Option<Instant>,
 }
 
 impl PartialFrame {
-    /// From now on, coloured by this.
+    /// Starts with this preview.
     pub(crate) fn begin(&mut self, preview: PicturePreview) {
         self.preview = Some(preview);
     }
 
-    fn listed(&mut self, tiles: u64) {
+    pub(crate) fn listed(&mut self, tiles: u64) {
         self.come = TileCount { acquisition: self.come.acquisition + 1, come: 0, needed: tiles };
     }
 
-    fn came(&mut self, tile: Tile) {
+    /// Stores the filled buffer from which the image is computed.
+    pub(crate) fn set_filled(&mut self, filled: FilledBuffer) {
+        self.filled = Some(Arc::new(filled));
+    }
+
+    pub(crate) fn came(&mut self, tile: Tile) {
         self.tiles.push(tile);
         self.come.come += 1;
         self.has_grown = true;
     }
 
-    /// The device itself shows a picture of all that has come.
+    /// The device shows an image of all received tiles.
     pub(crate) fn is_shown(&mut self) {
         self.has_grown = false;
     }
 
-    /// When the next picture may be coloured; none where there is nothing new.
+    /// Returns the earliest time of the next partial image; `None` without new tiles.
     pub(crate) fn due(&self, now: Instant) -> Option<Instant> {
         let is_ready = self.has_grown && self.preview.is_some() && self.filled.is_some();
         is_ready.then(|| self.rests_until.unwrap_or(now))
     }
 
-    /// What the next picture is coloured from.
+    /// Takes the input of the next partial image.
     pub(crate) fn take(&mut self) -> Option<PreviewRender> {
         let filled = Arc::clone(self.filled.as_ref()?);
         let preview = self.preview.take()?;
@@ -83,14 +86,14 @@ impl PartialFrame {
         Some(PreviewRender { preview, filled, tiles: mem::take(&mut self.tiles), come: self.come, began: Instant::now() })
     }
 
-    /// It is coloured.
+    /// Returns the preview after an image.
     pub(crate) fn rest(&mut self, PreviewRender { preview, began, .. }: PreviewRender) {
         self.preview = Some(preview);
         self.rests_until = Some(Instant::now() + (REST * began.elapsed()).max(PAUSE));
     }
 }
 
-/// A picture that is being coloured.
+/// A partial image in progress.
 #[derive(Debug)]
 pub(crate) struct PreviewRender {
     preview: PicturePreview,
@@ -101,7 +104,7 @@ pub(crate) struct PreviewRender {
 }
 
 impl PreviewRender {
-    /// The picture, a PNG.
+    /// Computes the image as a PNG.
     pub(crate) fn png(&mut self) -> Result<Vec<u8>, String> {
         for (page, tile, bytes) in self.tiles.drain(..) {
             self.preview.store(&page, tile, &bytes);
@@ -110,55 +113,5 @@ impl PreviewRender {
         let pixels = self.preview.picture(&self.filled);
         let rgb = pixels.iter().map(|pixel| pixel.unwrap_or_default()).collect();
         to_png(&Picture { width, height, rgb, covered: pixels.iter().map(Option::is_some).collect() })
-    }
-}
-
-/// Tiles from elsewhere, watched as the device takes them.
-#[derive(Debug)]
-pub struct PreviewedTiles {
-    source: Box<dyn TileSource>,
-    watched: LivePreview,
-}
-
-impl PreviewedTiles {
-    /// Shows a picture that grows with these tiles.
-    pub fn new(source: Box<dyn TileSource>, watched: LivePreview, preview: PicturePreview) -> Self {
-        watched.grow(|growing| growing.begin(preview));
-        Self { source, watched }
-    }
-}
-
-impl TileSource for PreviewedTiles {
-    fn offer(&mut self, texture: &Arc<Texture>) {
-        self.source.offer(texture);
-    }
-
-    fn announce(&mut self, tiles: &[(Arc<TexturePage>, u32)]) {
-        self.watched.grow(|growing| growing.listed(tiles.len() as u64));
-        self.source.announce(tiles);
-    }
-
-    fn tile(&mut self, page: &Arc<TexturePage>, tile: u32) -> Result<Arc<[u8]>, String> {
-        let bytes = self.source.tile(page, tile)?;
-        self.watched.grow(|growing| growing.came((Arc::clone(page), tile, Arc::clone(&bytes))));
-        Ok(bytes)
-    }
-
-    fn user(&self) -> Option<Arc<dyn ViewUser>> {
-        self.source.user()
-    }
-
-    fn onlooker(&self) -> Option<Arc<dyn PreviewObserver>> {
-        Some(Arc::new(self.watched.clone()))
-    }
-
-    fn finest_bytes(&self, texture: &Arc<Texture>, cut: PyramidCut) -> Option<u64> {
-        self.source.finest_bytes(texture, cut)
-    }
-}
-
-impl PreviewObserver for LivePreview {
-    fn filled(&self, filled: FilledBuffer) {
-        self.grow(|growing| growing.filled = Some(Arc::new(filled)));
     }
 }

@@ -1,32 +1,32 @@
-//! Several tiles in one answer: of each its length, and itself.
+//! Several tiles in one response: for each its length and its bytes.
 
 use basrelief_deferred_renderer::TexturePage;
 
-/// Most tiles that one request asks for.
+/// Maximum number of tiles per request.
 pub const MAX_TILES_PER_REQUEST: usize = 64;
 
-/// What the tiles of one request take at most as raw texels \[bytes\]: 18 s at 56 kbit/s, and asked for again where one of them fails.
+/// Maximum size of the tiles of one request as raw texels \[bytes\]: 18 s at 56 kbit/s, which a failed tile costs again.
 const MOST_BYTES: u64 = 1 << 17;
 
-/// How many tiles of a page one request asks for at most.
+/// Returns the maximum number of tiles of a page per request.
 pub fn max_tiles_per_request(page: &TexturePage) -> usize {
     let raw = 3 * page.cut.tile.map(u64::from).iter().product::<u64>();
     (MOST_BYTES / raw).clamp(1, MAX_TILES_PER_REQUEST as u64) as usize
 }
 
-/// Bytes of a length: low one first.
+/// Size of a length \[bytes\], little-endian.
 const LENGTH: usize = 4;
 
-/// Puts one tile more behind the others.
+/// Appends a tile.
 pub fn join(tile: &[u8], several: &mut Vec<u8>) {
     several.extend((tile.len() as u32).to_le_bytes());
     several.extend(tile);
 }
 
-/// The tiles of an answer that should hold so many.
+/// Splits a response into its tiles.
 ///
 /// # Errors
-/// A sentence, where it does not hold just these.
+/// The response does not hold exactly this number of tiles.
 pub fn split(several: &[u8], tiles: usize) -> Result<Vec<&[u8]>, String> {
     let wrong = || format!("corrupt: not {tiles} tiles");
     let (mut all, mut rest) = (Vec::with_capacity(tiles.min(MAX_TILES_PER_REQUEST)), several);
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn several_tiles_arrive_as_they_were_sent_and_fewer_or_more_are_refused() {
+    fn batch_with_wrong_tile_count_is_refused() {
         let (tiles, mut sent) = ([&b"one"[..], b"", b"three"], vec![]);
         tiles.iter().for_each(|tile| join(tile, &mut sent));
         assert_eq!(split(&sent, 3).unwrap(), tiles);

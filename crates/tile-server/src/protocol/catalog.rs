@@ -1,4 +1,4 @@
-//! What a renderer knows of the tiles of a server: their addresses, what they must be, and what all of them take.
+//! Tiles of a server as the renderer knows them: addresses, checks and sizes.
 
 use super::{encoding_name, hex};
 use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding};
@@ -6,38 +6,38 @@ use basrelief_signals::Texture;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Largest tile that is believed: more than 512 x 512 texels take in any encoding \[bytes\].
+/// Maximum size of a tile \[bytes\]; 512 x 512 texels are smaller in every encoding.
 pub const MAX_TILE_BYTES: u64 = 1 << 21;
 
-/// The textures that a renderer was offered, and how it wants their tiles.
+/// Textures on a server, and the encoding of their tiles.
 #[derive(Clone, Debug, Default)]
 pub struct TileCatalog {
     /// Encoding of tiles, with its quality.
     pub encoding: (TileEncoding, u8),
-    /// Hashes of the pictures of the textures, by number.
+    /// Hashes of the pictures by texture number.
     pictures: BTreeMap<u32, Arc<str>>,
 }
 
 impl TileCatalog {
-    /// Nothing yet.
+    /// Makes an empty catalog.
     pub fn new(encoding: (TileEncoding, u8)) -> Self {
         Self { encoding, pictures: BTreeMap::new() }
     }
 
-    /// A texture of the scene: what its picture is called at the server came with it.
+    /// Adds a texture of the scene, which carries the hash of its picture.
     pub fn offer(&mut self, texture: &Texture) {
         if let Some(hash) = &texture.elsewhere {
             self.pictures.insert(texture.id, hex(hash).into());
         }
     }
 
-    /// The hash of a texture's picture. One that was never offered is found out by the server.
+    /// Returns the hash of the picture of a texture. For an unknown texture the server will report an error.
     pub fn picture(&self, texture: u32) -> Arc<str> {
         self.pictures.get(&texture).cloned().unwrap_or_else(|| "none".into())
     }
 
-    /// Bytes of all tiles of the finest layer of a texture, as they are encoded: as raw texels the sizes tell it, otherwise the
-    /// server, who is asked for the number at an address. None where it does not tell.
+    /// Returns the encoded size of all tiles of the finest layer of a texture. Raw tiles have a known size; otherwise `number` requests the
+    /// size from the server. Returns `None` if the server does not answer.
     pub fn finest_bytes(
         &self,
         texture: &Texture,
@@ -52,22 +52,22 @@ impl TileCatalog {
     }
 }
 
-/// A picture, how it is cut and how its tiles are encoded, as an address says it.
+/// Returns picture, tile size and encoding as part of an address.
 fn cut_name(picture: &str, cut: PyramidCut, encoding: (TileEncoding, u8)) -> String {
     let [width, height] = cut.tile;
     format!("{picture}/{width}x{height}/{}", encoding_name(encoding))
 }
 
-/// Address of tiles of a picture.
+/// Returns the address of tiles of a picture.
 pub fn tiles_path(picture: &str, cut: PyramidCut, encoding: (TileEncoding, u8), tiles: &[u32]) -> String {
     let numbers: Vec<String> = tiles.iter().map(u32::to_string).collect();
     format!("tile/{}/{}", cut_name(picture, cut, encoding), numbers.join(","))
 }
 
-/// Whether what has come for a tile can be decoded, and has its size.
+/// Checks that a received tile can be decoded and has the right size.
 ///
 /// # Errors
-/// A sentence, where it cannot or has not.
+/// The tile is damaged or has another size.
 pub fn check_tile(encoding: TileEncoding, page: &TexturePage, tile: u32, body: &[u8]) -> Result<(), String> {
     let (first, end) = page.texels_of(tile);
     encoding.decode(body, [end[0] - first[0], end[1] - first[1]]).map(drop).map_err(|e| format!("corrupt: {e}"))

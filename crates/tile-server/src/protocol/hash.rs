@@ -1,4 +1,4 @@
-//! Hashes, of what comes and of pictures; and whether an answer is to be believed.
+//! Hashes of bodies and pictures, and checks of responses.
 
 use basrelief_signals::Texture;
 use sha2::{Digest as _, Sha256};
@@ -6,17 +6,18 @@ use sha2::{Digest as _, Sha256};
 /// Hexadecimal digits of a hash.
 pub const HASH_DIGITS: usize = 64;
 
-/// SHA-256 in hexadecimal.
+/// Returns the SHA-256 in hexadecimal.
 pub fn hash_of(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
 }
 
-/// In hexadecimal.
+/// Returns bytes in hexadecimal.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// SHA-256 of a texture's picture: width and height in 4 bytes each, the low one first, and the RGBA texels of its finest level.
+/// Returns the SHA-256 of the picture of a texture: width and height as 4 bytes each, little-endian, then the RGBA texels of the finest
+/// level.
 pub fn hash_of_picture(texture: &Texture) -> [u8; 32] {
     let mut hash = Sha256::new();
     if let Some(image) = texture.levels.first() {
@@ -27,15 +28,15 @@ pub fn hash_of_picture(texture: &Texture) -> [u8; 32] {
     hash.finalize().into()
 }
 
-/// ETag of a body.
+/// Returns the ETag of a body.
 pub fn etag_of(body: &[u8]) -> String {
     format!("\"{}\"", hash_of(body))
 }
 
-/// The hash that a body has, by its ETag.
+/// Returns the hash of a body from its ETag.
 ///
 /// # Errors
-/// A sentence, where that is no hash.
+/// The ETag is no hash.
 pub fn hash_from_etag(tag: &str) -> Result<&str, String> {
     let hash = tag.trim_start_matches("W/").trim_matches('"');
     if hash.len() == HASH_DIGITS {
@@ -45,22 +46,23 @@ pub fn hash_from_etag(tag: &str) -> Result<&str, String> {
     }
 }
 
-/// Whether this status of an answer brings what was asked for.
+/// Checks the status of a response.
 ///
 /// # Errors
-/// A sentence, where it does not.
+/// Any status other than 200.
 pub fn check_status(status: u16) -> Result<(), String> {
     match status {
         200 => Ok(()),
+        403 => Err("http status: 403; the server does not answer to this name (`basrelief serve --allow-host NAME`)".into()),
         404 => Err("http status: 404; the server may have another scene by now".into()),
         _ => Err(format!("http status: {status}")),
     }
 }
 
-/// Whether a body has this hash.
+/// Checks the hash of a body.
 ///
 /// # Errors
-/// A sentence, where it has not.
+/// The body has another hash.
 pub fn check_hash(body: &[u8], hash: &str) -> Result<(), String> {
     if hash == hash_of(body) { Ok(()) } else { Err("corrupt: the content does not have its hash".into()) }
 }

@@ -1,31 +1,31 @@
-//! A scene on the path: compressed, and what is made of it counted before it is believed.
+//! A compressed scene. Its uncompressed size counts against the memory limit before it is allocated.
 
 use basrelief_input::{Budget, Held};
 use basrelief_scene::Subject;
 use fdeflate::{DecompressionError, Decompressor};
 use miniz_oxide::deflate;
 
-/// How hard is tried: the most that others try, too.
+/// Compression level.
 const LEVEL: u8 = 9;
-/// What is unpacked at a time \[bytes\].
+/// Bytes decompressed at a time.
 const PART: usize = 1 << 15;
 
-/// A scene as it travels: in zlib's form, as every language and every browser reads it.
+/// Compresses a scene in zlib format, which every language and browser reads.
 pub fn pack(scene: &[u8]) -> Vec<u8> {
     deflate::compress_to_vec_zlib(scene, LEVEL)
 }
 
-/// A scene that has come from `name`, and what it takes.
+/// Decompresses a scene received from `name`. Returns the scene and its memory.
 ///
 /// # Errors
-/// A sentence that begins with `name`: what is wrong, and where; what is over the budget.
+/// Damaged data, or more than the memory limit. The message begins with `name`.
 pub fn unpack(packed: &[u8], name: &str, budget: &Budget) -> Result<(Subject, Held), String> {
     let failed = |e| format!("{name}: no scene: {e}; is `basrelief serve` running there?");
     let (bytes, _held) = unpacked(packed, budget).map_err(failed)?;
     Subject::from_bytes(&bytes, name, budget).map_err(|e| e.to_string())
 }
 
-/// What is packed, and what it takes.
+/// Decompresses bytes.
 fn unpacked(mut packed: &[u8], budget: &Budget) -> Result<(Vec<u8>, Held), String> {
     let (mut decompressor, mut scene, mut held) = (Decompressor::new(), Vec::new(), budget.nothing());
     while !decompressor.is_done() {
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_scene_arrives_as_it_was_sent_and_a_damaged_one_is_refused() {
+    fn damaged_scene_is_refused() {
         let scene: Vec<u8> = (0..200_000_u32).flat_map(|n| (n / 5 * 7).to_le_bytes()).collect();
         let (packed, budget) = (pack(&scene), Budget::default());
         assert!(packed.len() < scene.len());
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_scene_unfolds_to_is_counted_before_it_is_held() {
+    fn unpacked_scene_counts_against_memory_limit() {
         let packed = pack(&vec![0; 16 << 20]);
         assert!(packed.len() < 1 << 15);
         let budget = Budget::new(1 << 20);
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_that_was_packed_is_the_scene_that_is_unpacked() {
+    fn packed_scene_unpacks_unchanged() {
         let subject = Subject::demo("cut-plane@1").unwrap();
         let sent = subject.to_bytes(&mut crate::protocol::hash_of_picture).unwrap();
         let (again, _held) = unpack(&pack(&sent), "http://a/scene", &Budget::default()).unwrap();

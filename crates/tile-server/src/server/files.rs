@@ -1,4 +1,4 @@
-//! A few files as a web site: those of the page.
+//! Static files over HTTP: the page in a browser.
 
 use super::http::{CachePolicy, Packed, Response};
 use super::listen::{Limits, ListeningServer, RequestHandler, listen};
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
-/// Files by their addresses; nothing else is there.
+/// Files by path.
 #[derive(Debug, Default)]
 pub struct StaticFiles {
     files: BTreeMap<String, StaticFile>,
@@ -18,32 +18,32 @@ pub struct StaticFiles {
 struct StaticFile {
     bytes: Arc<[u8]>,
     tag: String,
-    /// As browsers name kinds of files.
+    /// Media type.
     kind: &'static str,
-    /// Compressed forms, the best first.
+    /// Compressed forms, best first.
     packed: Vec<Packed>,
 }
 
 impl StaticFiles {
-    /// Offers a file under its name, and `index.html` where no name is given; to who takes them, its compressed forms, the best first,
-    /// each with how it is compressed.
+    /// Adds a file under its name; `index.html` is also the root. Clients that accept it receive a compressed form, given with its content
+    /// coding, best first.
     pub fn offer(&mut self, name: &str, bytes: &[u8], packed: Vec<(&'static str, Vec<u8>)>) {
         let address = if name == "index.html" { "/".into() } else { format!("/{name}") };
         let packed = packed.into_iter().map(|(encoding, bytes)| (encoding, bytes.as_slice().into(), etag_of(&bytes))).collect();
         self.files.insert(address, StaticFile { bytes: bytes.into(), tag: etag_of(bytes), kind: kind(name), packed });
     }
 
-    /// The file at an address, if there is one.
+    /// Returns the file at a path.
     pub(super) fn file(&self, path: &str) -> Option<Response> {
         let StaticFile { bytes, tag, kind, packed } = self.files.get(path)?;
-        // What is built anew is to be seen.
+        // Revalidated, so that a rebuilt page shows.
         Some(Response::found((Arc::clone(bytes), tag.clone()), kind, CachePolicy::Revalidate).or_packed(packed.clone()))
     }
 
-    /// RequestHandler at an address, from now on; port 0 takes any that is free. The address, and what is waited for.
+    /// Starts to listen at an address; port 0 selects a free port. Returns the address and the running server.
     ///
     /// # Errors
-    /// A sentence, where the address cannot be listened at.
+    /// The address cannot be used.
     pub fn listen(self, address: SocketAddr) -> Result<(SocketAddr, ListeningServer), String> {
         listen(self, address, Limits::default()).map_err(|e| format!("{address}: cannot be listened at: {e}"))
     }

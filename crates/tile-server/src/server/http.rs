@@ -1,42 +1,44 @@
-//! As much of HTTP/1.1 as the server needs: GET and HEAD without a body. The heads of requests are read by `httparse`.
+//! The part of HTTP/1.1 that the server needs: GET and HEAD without a body. `httparse` reads the heads of requests.
 
 use httparse::{EMPTY_HEADER, Header, Status};
 use std::sync::Arc;
 
-/// Longest head of a request \[bytes\].
+/// Maximum size of a request head \[bytes\].
 pub(crate) const MAX_HEAD: usize = 8192;
 const MOST_HEADERS: usize = 64;
-/// How a TLS handshake begins: a record of type 22, version 3.
+/// Start of a TLS handshake: a record of type 22, version 3.
 const TLS: [u8; 2] = [22, 3];
 
-/// What a client asks for.
+/// A request.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Request {
-    /// Path of the address, without what stands behind `?`.
+    /// Path without query and fragment.
     pub path: String,
-    /// No other request follows on this connection.
+    /// Header Host; `None` in HTTP/1.0.
+    pub host: Option<String>,
+    /// The client closes the connection after the response.
     pub last: bool,
-    /// The head of the answer is enough.
+    /// The request is HEAD.
     pub head: bool,
-    /// What the client has, by its tags; not where it has nothing.
+    /// The header If-None-Match.
     pub has: Option<String>,
-    /// How a body may be compressed for it; not where it does not say.
+    /// The header Accept-Encoding.
     pub accepts: Option<String>,
 }
 
-/// What the bytes that have come so far are.
+/// Result of parsing the received bytes.
 #[derive(Debug, PartialEq)]
 pub(crate) enum HeaderParse {
-    /// The beginning of a request.
+    /// The start of a request.
     Incomplete,
-    /// A request, and its length.
+    /// A request and the length of its head.
     Complete(Request, usize),
-    /// No request that is answered with what it asks for: status and reason. What follows is not looked at.
+    /// Status and reason of an error. The rest of the stream is ignored.
     Rejected(u16, String),
 }
 
 impl HeaderParse {
-    /// Reads the head of a request.
+    /// Parses the head of a request.
     pub(crate) fn read(bytes: &[u8]) -> Self {
         if bytes.starts_with(&TLS) {
             return Self::Rejected(400, "this server speaks HTTP without TLS: ask for http://, not https://\n".into());
@@ -69,7 +71,7 @@ fn request_of(request: &httparse::Request<'_, '_>) -> Result<Request, (u16, Stri
         return Err((400, "expected one header Host\n".into()));
     }
     let target = request.path.unwrap_or_default();
-    // A proxy is asked for the whole address.
+    // A request to a proxy holds the whole URL.
     let local = target.strip_prefix("http://").map_or(target, |rest| rest.find('/').map_or("/", |slash| &rest[slash..]));
     if !local.starts_with('/') {
         return Err((400, "expected an address that begins with /\n".into()));
@@ -78,26 +80,27 @@ fn request_of(request: &httparse::Request<'_, '_>) -> Result<Request, (u16, Stri
     let close = values("connection").any(|list| list.split(',').any(|word| word.trim().eq_ignore_ascii_case("close")));
     let has = values("if-none-match").next().map(str::to_owned);
     let accepts = values("accept-encoding").next().map(str::to_owned);
-    Ok(Request { path, last: close || version == 0, head, has, accepts })
+    let host = values("host").next().map(str::to_owned);
+    Ok(Request { path, host, last: close || version == 0, head, has, accepts })
 }
 
 fn value<'a>(header: &Header<'a>) -> &'a str {
     std::str::from_utf8(header.value).unwrap_or("?")
 }
 
-/// How long an answer may be kept.
+/// Cache policy of a response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CachePolicy {
-    /// What is at its address never changes.
+    /// The content at the address never changes.
     Immutable,
-    /// It is asked each time whether it is still the same.
+    /// Clients must revalidate.
     Revalidate,
-    /// Not at all.
+    /// Clients must not store it.
     NoStore,
 }
 
 impl CachePolicy {
-    /// As a header says it.
+    /// Returns the value of Cache-Control.
     fn control(self) -> &'static str {
         match self {
             Self::Immutable => "public, max-age=31536000, immutable",
@@ -107,37 +110,37 @@ impl CachePolicy {
     }
 }
 
-/// A compressed form of a body: how it is compressed, as headers name it, itself, and its tag.
+/// A compressed form: content coding, body and ETag.
 pub(crate) type Packed = (&'static str, Arc<[u8]>, String);
 
-/// An answer: its status and its body.
+/// A response.
 #[derive(Debug)]
 pub(crate) struct Response {
     status: u16,
     pub(crate) body: Arc<[u8]>,
-    /// ETag; of a refusal there is none.
+    /// ETag; errors have none.
     tag: Option<String>,
-    /// What kind of file it is, as browsers name them.
+    /// Media type.
     kind: &'static str,
     keep: CachePolicy,
-    /// Compressed forms, the best first.
+    /// Compressed forms, best first.
     packed: Vec<Packed>,
-    /// How the body is compressed.
+    /// Content coding of the body.
     encoding: Option<&'static str>,
 }
 
 impl Response {
-    /// What was asked for, with its tag.
+    /// Makes a response with status 200.
     pub(crate) fn found((body, tag): (Arc<[u8]>, String), kind: &'static str, keep: CachePolicy) -> Self {
         Self { status: 200, body, tag: Some(tag), kind, keep, packed: vec![], encoding: None }
     }
 
-    /// The same, that may be sent compressed.
+    /// Adds compressed forms.
     pub(crate) fn or_packed(self, packed: Vec<Packed>) -> Self {
         Self { packed, ..self }
     }
 
-    /// In the best form that the client takes, as `Accept-Encoding` tells them.
+    /// Selects the best form that Accept-Encoding allows.
     pub(crate) fn accepted(self, accepts: Option<&str>) -> Self {
         let found = self.packed.iter().find(|(encoding, ..)| accepts.is_some_and(|accepts| is_among(accepts, encoding)));
         match found.cloned() {
@@ -146,7 +149,7 @@ impl Response {
         }
     }
 
-    /// Why there is nothing.
+    /// Makes an error response.
     pub(crate) fn refused(status: u16, why: String) -> Self {
         let kind = "text/plain; charset=utf-8";
         Self {
@@ -160,7 +163,7 @@ impl Response {
         }
     }
 
-    /// The answer to who has these already, as `If-None-Match` tells them.
+    /// Becomes status 304 if If-None-Match holds the ETag.
     pub(crate) fn unless(self, has: Option<&str>) -> Self {
         let known = |tag: &str| {
             has.is_some_and(|has| has.split(',').any(|one| ["*", tag].contains(&one.trim().trim_start_matches("W/"))))
@@ -168,13 +171,14 @@ impl Response {
         if self.tag.as_deref().is_some_and(known) { Self { status: 304, body: [].into(), ..self } } else { self }
     }
 
-    /// Its head. `last` announces that the connection is closed behind it.
+    /// Returns the head. `last` announces that the connection closes.
     pub(crate) fn head(&self, headers: &str, last: bool) -> String {
         let &Self { status, ref body, ref tag, kind, keep, ref packed, encoding } = self;
         let reason = match status {
             200 => "OK",
             304 => "Not Modified",
             400 => "Bad Request",
+            403 => "Forbidden",
             404 => "Not Found",
             405 => "Method Not Allowed",
             431 => "Request Header Fields Too Large",
@@ -182,10 +186,10 @@ impl Response {
         };
         let more = if status == 405 { "allow: GET, HEAD\r\n" } else { "" };
         let tag = tag.as_ref().map(|tag| format!("etag: {tag}\r\n")).unwrap_or_default();
-        // Who keeps one form for others must know that there are several.
+        // Caches must know that the form depends on Accept-Encoding.
         let vary = if packed.is_empty() { "" } else { "vary: accept-encoding\r\n" };
         let close = if last { "connection: close\r\n" } else { "" };
-        // What has no body says nothing of one.
+        // Status 304 has no body headers.
         let body = match status {
             304 => String::new(),
             _ => {
@@ -198,7 +202,7 @@ impl Response {
     }
 }
 
-/// Whether `Accept-Encoding` names this one, and does not refuse it.
+/// Returns true if Accept-Encoding allows this content coding.
 fn is_among(accepts: &str, encoding: &str) -> bool {
     let refused = |parameter: &str| parameter.trim().strip_prefix("q=").is_some_and(|q| q.parse() == Ok(0.0_f32));
     accepts.split(',').any(|one| {
@@ -236,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_request_says_what_was_expected() {
+    fn malformed_request_reports_expectation() {
         let wrong = |bytes: &[u8]| match HeaderParse::read(bytes) {
             HeaderParse::Rejected(status, why) => (status, why),
             head => panic!("{head:?}"),
@@ -252,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_request_says_whether_the_head_is_enough_and_what_is_there_already() {
+    fn request_has_method_and_known_tags() {
         let asked = |request: &str| match HeaderParse::read(request.as_bytes()) {
             HeaderParse::Complete(asked, _) => asked,
             head => panic!("{head:?}"),
@@ -266,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_is_compressed_as_the_client_takes_it_and_each_form_has_its_own_tag() {
+    fn body_is_compressed_as_accepted_with_own_tag() {
         let form = |name: &'static str| (name, name.as_bytes().into(), format!("\"{name}\""));
         let answer = || {
             let plain = Response::found((b"plain"[..].into(), "\"plain\"".into()), "text/css", CachePolicy::Revalidate);
@@ -295,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_says_how_long_it_is_what_it_is_and_whether_it_is_the_last() {
+    fn response_head_has_length_type_and_close() {
         let refused = Response::refused(405, "no".into()).head("x-more: 1\r\n", true);
         assert!(refused.starts_with("HTTP/1.1 405 Method Not Allowed\r\ncontent-length: 2\r\n"), "{refused}");
         assert!(
@@ -306,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn who_has_an_answer_is_told_so_without_its_body() {
+    fn known_tag_gets_not_modified() {
         let answer = || Response::found((b"tile"[..].into(), "\"t\"".into()), "image/png", CachePolicy::Immutable);
         for has in ["\"t\"", "\"s\", \"t\"", "W/\"t\""] {
             let unchanged = answer().unless(Some(has));

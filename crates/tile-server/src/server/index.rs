@@ -1,4 +1,4 @@
-//! The page at `/served`: what is served, and how to use it.
+//! The page at `/served`: a list of the pictures and the commands to view the scene.
 
 use crate::protocol::{hash_of_picture, hex};
 use basrelief_scene::Subject;
@@ -7,14 +7,14 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// The page. It needs no script, and nothing from outside. It says where the viewer is, or what is missing.
+/// Returns the page. It uses no scripts and no external resources, and links to the viewer or names the command that builds it.
 pub fn index_page(subject: &Subject, textures: &[Arc<Texture>], has_viewer: bool) -> String {
     let name = escaped(subject.name());
     let pictures: BTreeMap<String, &Arc<Texture>> = textures.iter().map(|t| (hex(&hash_of_picture(t)), t)).collect();
     let mut rows = String::new();
     for (hash, texture) in &pictures {
         let [width, height] = texture.levels.first().map_or([1; 2], |image| [image.width, image.height]);
-        // (Writing to a string cannot fail.)
+        // Writing to a string cannot fail.
         let _ = writeln!(
             rows,
             "<tr><td><img src=\"tile/{hash}/64x64/png/0\" alt=\"\"></td><td>{}</td><td>{width} x {height}</td><td><code>{hash}</code></td></tr>",
@@ -42,7 +42,7 @@ pub fn index_page(subject: &Subject, textures: &[Arc<Texture>], has_viewer: bool
     )
 }
 
-/// Text that a page shows as it is.
+/// Escapes text for HTML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,10 +1,11 @@
-//! Connections of a server: as many as it grants, a thread each, and none that keeps others out by state nothing.
+//! Connections of a server: a limited number, one thread each, and a client that does nothing loses its connection to the next one.
 //!
-//! Where all are taken and another client comes, the one goes that has asked for nothing for longest; only where all are
-//! being answered, one that has taken nothing for half a second. And as long as another waits, answers announce that they are the last
-//! of their connection: so those that ask all the time take turns, and hardly a request is lost by a connection that is closed on it.
+//! If all connections are in use and another client connects, the server evicts the connection that has been idle longest, or if none is
+//! idle, one whose client has read nothing for half a second. While a client waits, each response announces that it is the last of its
+//! connection. So busy clients take turns, and few requests are lost to closed connections.
 
-use super::http::{HeaderParse, MAX_HEAD, Response};
+use super::hosts::AllowedHosts;
+use super::http::{HeaderParse, MAX_HEAD, Request, Response};
 use crate::protocol::MIN_BYTES_PER_SECOND;
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
@@ -14,14 +15,14 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// What a server grants its clients.
+/// Limits of a server.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Longest that a request may take to come, and that nothing of an answer may be taken.
+    /// Longest time for a request to arrive, and for a client to read nothing of a response.
     pub idle: Duration,
-    /// What must have been taken of an answer, on average, when it has lasted longer than that \[bytes/s\].
+    /// Minimum average rate of a response that lasts longer than `idle` \[bytes/s\].
     pub slowest: u64,
-    /// Connections at a time.
+    /// Concurrent connections.
     pub connections: usize,
 }
 
@@ -31,35 +32,39 @@ impl Default for Limits {
     }
 }
 
-/// A client that has taken nothing for so long can be let go for another.
+/// Time without progress after which a connection can be evicted.
 const STALLED: Duration = Duration::from_millis(500);
-/// How often it is looked whether there is one.
+/// Interval between attempts to evict.
 const LOOK: Duration = Duration::from_millis(50);
-/// Pause where a connection could not be accepted, as where too many files are open.
+/// Pause after a failed `accept`, for example with too many open files.
 const PAUSE: Duration = Duration::from_millis(10);
-/// Part of an answer that is sent at a time \[bytes\].
+/// Bytes written at a time.
 const PART: usize = 1 << 14;
 
-/// What the server does with a request.
+/// Handler of requests.
 pub(crate) trait RequestHandler: Send + Sync + 'static {
-    /// The answer to a path.
+    /// Returns the response to a path.
     fn answer(&self, path: &str) -> Response;
-    /// Headers that every answer has, a line each.
+    /// Returns the headers of every response, one per line.
     fn headers(&self) -> &str;
-    /// All of an answer is on its way: it arrives even if the program ends now.
+    /// Returns the names of the server, besides its address, that the header Host may hold.
+    fn host_names(&self) -> &[String] {
+        &[]
+    }
+    /// Called when a response is sent completely: it arrives even if the process ends now.
     fn sent(&self, _answer: &Response) {}
 }
 
-/// What a connection does; the first of these goes first.
+/// State of a connection; the first in this order is evicted first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum ConnectionState {
-    /// The last answer is sent; the client has only to go.
+    /// The last response is sent; the client has only to close.
     Lingering,
-    /// The client has asked for nothing, or for half of it.
+    /// The client has sent no request, or part of one.
     Idle,
-    /// The client takes its answer.
+    /// The client receives a response.
     Sending,
-    /// The answer is being made.
+    /// The response is being computed.
     Computing,
 }
 
@@ -67,7 +72,7 @@ enum ConnectionState {
 struct Connection {
     stream: Arc<TcpStream>,
     state: ConnectionState,
-    /// When that began; of an answer, when something of it was taken last.
+    /// Start of the state; while sending, the last progress.
     since: Instant,
     evicted: bool,
 }
@@ -77,7 +82,7 @@ struct Connection {
 struct Connections {
     open: Mutex<BTreeMap<u64, Connection>>,
     closed: Condvar,
-    /// Another waits until one of them is closed.
+    /// Another client waits for a connection.
     crowded: AtomicBool,
 }
 
@@ -86,7 +91,7 @@ impl Connections {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes another in, as soon as there is room.
+    /// Admits a connection as soon as there is room.
     fn admit(&self, number: u64, stream: Arc<TcpStream>, most: usize) {
         let mut open = self.lock();
         while open.len() >= most {
@@ -101,12 +106,12 @@ impl Connections {
     fn now(&self, number: u64, state: ConnectionState) {
         if let Some(connection) = self.lock().get_mut(&number) {
             (connection.state, connection.since) = (state, Instant::now());
-            // Who was let go while it asked, and has an answer to take after all, may be let go again.
+            // A client evicted while idle may still have a response to receive, and may be evicted again.
             connection.evicted &= state != ConnectionState::Sending;
         }
     }
 
-    /// Whether this one is to be closed behind what is under way.
+    /// Returns true if the connection closes after the current response.
     fn is_evicted(&self, number: u64) -> bool {
         self.lock().get(&number).is_none_or(|connection| connection.evicted)
     }
@@ -117,7 +122,8 @@ impl Connections {
     }
 }
 
-/// The one that others can do without, if there is any. Its thread finds that nothing more comes; what has come by then is answered.
+/// Evicts the connection that is needed least, if any. Its thread reads the end of the stream, and still answers a request that has
+/// arrived.
 fn evict_one(open: &mut BTreeMap<u64, Connection>) {
     let idle = |c: &&mut Connection| match c.state {
         ConnectionState::Lingering | ConnectionState::Idle => true,
@@ -128,26 +134,26 @@ fn evict_one(open: &mut BTreeMap<u64, Connection>) {
     if let Some(connection) = all.min_by_key(|c| (c.state, c.since)) {
         connection.evicted = true;
         let shut = if connection.state == ConnectionState::Sending { Shutdown::Both } else { Shutdown::Read };
-        // One that is shut already is gone too.
+        // A stream that is already closed needs no shutdown.
         let _ = connection.stream.shutdown(shut);
     }
 }
 
-/// A server that answers.
+/// A running server.
 #[derive(Debug)]
 pub struct ListeningServer(JoinHandle<()>);
 
 impl ListeningServer {
-    /// Waits for its end: it has none.
+    /// Waits for the server, which runs until it fails.
     ///
     /// # Errors
-    /// A sentence, where it has failed.
+    /// The server thread panicked.
     pub fn join(self) -> Result<(), String> {
         self.0.join().map_err(|_| "the server has failed".into())
     }
 }
 
-/// RequestHandler at an address, from now on; port 0 takes any that is free. The address, and what is waited for.
+/// Starts to listen at an address; port 0 selects a free port. Returns the address and the running server.
 pub(crate) fn listen(
     answers: impl RequestHandler,
     address: SocketAddr,
@@ -155,11 +161,12 @@ pub(crate) fn listen(
 ) -> io::Result<(SocketAddr, ListeningServer)> {
     let listener = TcpListener::bind(address)?;
     let address = listener.local_addr()?;
+    let hosts = Arc::new(AllowedHosts::new(address, answers.host_names()));
     let answers: Arc<dyn RequestHandler> = Arc::new(answers);
-    Ok((address, ListeningServer(thread::spawn(move || accept(&listener, &answers, limits)))))
+    Ok((address, ListeningServer(thread::spawn(move || accept(&listener, &answers, &hosts, limits)))))
 }
 
-fn accept(listener: &TcpListener, answers: &Arc<dyn RequestHandler>, limits: Limits) {
+fn accept(listener: &TcpListener, answers: &Arc<dyn RequestHandler>, hosts: &Arc<AllowedHosts>, limits: Limits) {
     let connections = Arc::new(Connections::default());
     for number in 0.. {
         let Ok((stream, _)) = listener.accept() else {
@@ -169,10 +176,10 @@ fn accept(listener: &TcpListener, answers: &Arc<dyn RequestHandler>, limits: Lim
         };
         let stream = Arc::new(stream);
         connections.admit(number, Arc::clone(&stream), limits.connections);
-        let (answers, all) = (Arc::clone(answers), Arc::clone(&connections));
+        let (answers, hosts, all) = (Arc::clone(answers), Arc::clone(hosts), Arc::clone(&connections));
         let serve = move || {
-            let client = ServedClient { stream: &stream, number, connections: &all, limits };
-            // A client that is gone, or was let go, has no wishes.
+            let client = ServedClient { stream: &stream, number, connections: &all, hosts: &hosts, limits };
+            // A client that has closed or was evicted needs no error.
             let _ = client.serve(&*answers);
             drop(stream);
             all.close(number);
@@ -188,11 +195,12 @@ struct ServedClient<'a> {
     stream: &'a TcpStream,
     number: u64,
     connections: &'a Connections,
+    hosts: &'a AllowedHosts,
     limits: Limits,
 }
 
 impl ServedClient<'_> {
-    /// RequestHandler one request after another.
+    /// Answers one request after another.
     fn serve(&self, answers: &dyn RequestHandler) -> io::Result<()> {
         // RequestHandler are sent in parts as large as they come.
         self.stream.set_nodelay(true)?;
@@ -205,7 +213,7 @@ impl ServedClient<'_> {
                 HeaderParse::Incomplete => return Ok(()),
                 HeaderParse::Complete(asked, length) => {
                     received.drain(..length);
-                    let answer = answers.answer(&asked.path).accepted(asked.accepts.as_deref()).unless(asked.has.as_deref());
+                    let answer = self.answer(answers, &asked);
                     (answer, asked.last || self.others_wait(), asked.head)
                 }
                 HeaderParse::Rejected(status, why) => (Response::refused(status, why), true, false),
@@ -222,12 +230,19 @@ impl ServedClient<'_> {
         }
     }
 
-    /// Whether this connection is wanted for another client.
+    fn answer(&self, answers: &dyn RequestHandler, asked: &Request) -> Response {
+        if asked.host.as_deref().is_some_and(|host| !self.hosts.allow(host)) {
+            return Response::refused(403, "the header Host names another server; `--allow-host NAME` allows a name\n".into());
+        }
+        answers.answer(&asked.path).accepted(asked.accepts.as_deref()).unless(asked.has.as_deref())
+    }
+
+    /// Returns true if another client needs this connection.
     fn others_wait(&self) -> bool {
         self.connections.crowded.load(Ordering::Relaxed) || self.connections.is_evicted(self.number)
     }
 
-    /// Waits for a request; half of one where no more comes.
+    /// Waits for a request; returns `Incomplete` at the end of the stream.
     fn read_request(&self, received: &mut Vec<u8>) -> io::Result<HeaderParse> {
         let end = Instant::now() + self.limits.idle;
         let mut bytes = [0; MAX_HEAD];
@@ -241,14 +256,14 @@ impl ServedClient<'_> {
                 return Ok(HeaderParse::Incomplete);
             }
             received.extend_from_slice(&bytes[..n]);
-            // Whoever drips would go on.
+            // A slow-loris client would otherwise keep its connection.
             if self.connections.is_evicted(self.number) {
                 return Ok(HeaderParse::read(received));
             }
         }
     }
 
-    /// Reads what comes before `end`.
+    /// Reads before `end`.
     fn read(&self, bytes: &mut [u8], end: Instant) -> io::Result<usize> {
         let left = end.checked_duration_since(Instant::now()).filter(|left| !left.is_zero());
         self.stream.set_read_timeout(Some(left.ok_or(io::ErrorKind::TimedOut)?))?;
@@ -260,7 +275,7 @@ impl ServedClient<'_> {
         self.stream.set_write_timeout(Some(self.limits.idle))?;
         let (began, mut sent) = (Instant::now(), 0);
         let mut stream = self.stream;
-        // A small answer is one packet with its head.
+        // A small response is one packet with its head.
         let (first, rest) = body.split_at(body.len().min(PART));
         for part in std::iter::once(&*[head, first].concat()).chain(rest.chunks(PART)) {
             stream.write_all(part)?;
@@ -273,8 +288,8 @@ impl ServedClient<'_> {
         Ok(())
     }
 
-    /// Says that no more comes, and waits until the client is gone: closed on what it still sends, the connection would be
-    /// reset, and the answer lost.
+    /// Announces the end and waits for the client to close. A connection closed while the client still sends would be reset, and the
+    /// response lost.
     fn linger_close(&self) -> io::Result<()> {
         self.stream.shutdown(Shutdown::Write)?;
         self.connections.now(self.number, ConnectionState::Lingering);

@@ -1,6 +1,7 @@
 //! The server: HTTP/1.1 over TCP with one thread per connection, fair to clients that compete for connections.
 
 mod files;
+mod hosts;
 pub(crate) mod http;
 mod index;
 pub(crate) mod listen;

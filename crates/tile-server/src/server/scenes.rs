@@ -1,4 +1,4 @@
-//! `basrelief serve`: the server (110) as a program.
+//! `basrelief serve`: the server (110) of the patent as a program.
 
 use super::StaticFiles;
 use super::http::{CachePolicy, Response};
@@ -12,42 +12,42 @@ use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Most texels that the tiles of one request have together: those of the largest tile. So an answer takes 0.8 MB at most, however slowly
-/// it is taken.
+/// Maximum number of texels in the tiles of one request, equal to the largest tile. A response takes at most 0.8 MB.
 const MOST_TEXELS: u64 = 1 << 18;
-/// Most sums that are kept of a picture.
+/// Maximum number of layer sizes cached per picture.
 const MOST_SUMS: usize = 1 << 10;
-/// What any page may read, with which header.
-const HEADERS: &str = "access-control-allow-origin: *\r\naccess-control-expose-headers: etag\r\n";
 const BYTES: &str = "application/octet-stream";
 
-/// A layer of a picture that is cut and encoded so.
+/// Size of tiles, encoding, and layer.
 type LayerKey = ([u32; 2], (TileEncoding, u8), usize);
 
-/// A picture that is offered.
+/// A served picture.
 #[derive(Debug)]
 pub(crate) struct ServedPicture {
     texture: Arc<Texture>,
-    /// Its layers, kept once they are asked for. Tiles are not: there are as many as ways to cut and to encode them.
+    /// Its layers, computed on first use. Encoded tiles are not cached, because there is one for each size and encoding.
     pub(crate) pyramid: Mutex<ServedTexture>,
-    /// Bytes of layers: all clients ask for the same, and each takes the encoding of a whole layer.
+    /// Sizes of layers in bytes. All clients request the same ones, and each requires encoding a whole layer.
     sums: Mutex<BTreeMap<LayerKey, u64>>,
 }
 
-/// What is offered.
+/// A scene service.
 #[derive(Debug)]
 pub struct SceneService {
     scene: Fixed,
     index: Fixed,
-    /// The viewer; nothing, where there is none.
+    /// The viewer, empty if it is not built.
     viewer: StaticFiles,
-    /// By the hash of their texels, in hexadecimal.
+    /// Pictures by the hexadecimal hash of their texels.
     pub(crate) pictures: BTreeMap<String, ServedPicture>,
-    /// Where tiles are made: what that takes does not grow with the clients.
+    /// Limits the encoders, so that their memory does not grow with the number of clients.
     encoders: Semaphore,
+    /// Headers that let pages of another origin read the responses, or nothing.
+    cors: String,
+    host_names: Vec<String>,
 }
 
-/// What does not change as long as the server runs, with its tag.
+/// A body that never changes, with its ETag.
 type Fixed = (Arc<[u8]>, String);
 
 fn fixed(body: Vec<u8>) -> Fixed {
@@ -55,11 +55,11 @@ fn fixed(body: Vec<u8>) -> Fixed {
     (body.into(), tag)
 }
 
-/// What there is at an address, or why there is nothing, with its status.
+/// Body and media type, or status and reason of the error.
 type Found = Result<(Vec<u8>, &'static str), (u16, String)>;
 
 impl SceneService {
-    /// Offers this scene, as it travels, this page for people, and the pictures of these textures.
+    /// Serves this compressed scene, this page for people, and the pictures of these textures.
     pub fn new(scene: Vec<u8>, index: String, textures: impl IntoIterator<Item = Arc<Texture>>) -> Self {
         let offered = |texture: Arc<Texture>| {
             let pyramid = Mutex::new(ServedTexture::new(Arc::clone(&texture)));
@@ -67,15 +67,34 @@ impl SceneService {
         };
         let pictures = textures.into_iter().map(offered).collect();
         let encoders = Semaphore::new(threads::workers());
-        Self { scene: fixed(scene), index: fixed(index.into_bytes()), viewer: StaticFiles::default(), pictures, encoders }
+        Self {
+            scene: fixed(scene),
+            index: fixed(index.into_bytes()),
+            viewer: StaticFiles::default(),
+            pictures,
+            encoders,
+            cors: String::new(),
+            host_names: vec![],
+        }
     }
 
-    /// With these files beside it; what lies at `/` among them is what browsers are shown.
+    /// Also serves the files of the viewer; its first page replaces the page at `/`.
     pub fn with_viewer(self, viewer: StaticFiles) -> Self {
         Self { viewer, ..self }
     }
 
-    /// The tile at an address, or several.
+    /// Lets pages of this origin read the responses; `*` means every page.
+    pub fn with_allowed_origin(self, origin: &str) -> Self {
+        let cors = format!("access-control-allow-origin: {origin}\r\naccess-control-expose-headers: etag\r\n");
+        Self { cors, ..self }
+    }
+
+    /// Answers requests whose header Host holds one of these names, besides those to the address of the server.
+    pub fn with_host_names(self, host_names: Vec<String>) -> Self {
+        Self { host_names, ..self }
+    }
+
+    /// Returns the tile or tiles at an address.
     pub fn tiles(&self, asked: &str) -> Found {
         let what = "PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER, or several numbers with commas between";
         let wrong = || (400, format!("expected /tile/{what}\n"));
@@ -97,7 +116,7 @@ impl SceneService {
         Ok((body, BYTES))
     }
 
-    /// Bytes of all tiles of a layer.
+    /// Returns the size of all tiles of a layer.
     pub(crate) fn bytes(&self, asked: &str) -> Found {
         let wrong = || (400, "expected /bytes/PICTURE/WIDTHxHEIGHT/ENCODING/LAYER\n".to_owned());
         let (cut, layer) = asked.rsplit_once('/').ok_or_else(wrong)?;
@@ -107,7 +126,7 @@ impl SceneService {
         Ok((bytes.to_string().into_bytes(), "text/plain; charset=utf-8"))
     }
 
-    /// The same as a number. Who asks while it is summed waits for the same sum.
+    /// Returns the size as a number. Concurrent requests for the same layer wait for one computation.
     fn sum(&self, cut: &TiledPicture<'_>, layer: usize) -> Result<u64, (u16, String)> {
         let layers = &cut.page.layers;
         let found = layers.get(layer).ok_or_else(|| (404, format!("this picture has {} layers\n", layers.len())))?;
@@ -127,7 +146,7 @@ impl SceneService {
         Ok(bytes)
     }
 
-    /// A picture, how it is cut, and how its tiles are encoded; none where that is not what is asked for.
+    /// Parses picture, tile size and encoding; `None` if the address has another form.
     fn cut(&self, asked: &str) -> Result<Option<TiledPicture<'_>>, (u16, String)> {
         let parts: Vec<&str> = asked.split('/').collect();
         let [picture, size, encoding] = parts[..] else { return Ok(None) };
@@ -141,10 +160,10 @@ impl SceneService {
         Ok(Some(TiledPicture { offered, page, encoding }))
     }
 
-    /// RequestHandler at an address, from now on; port 0 takes any that is free. The address, and what is waited for.
+    /// Starts to listen at an address; port 0 selects a free port. Returns the address and the running server.
     ///
     /// # Errors
-    /// A sentence, where the address cannot be listened at.
+    /// The address cannot be used.
     pub fn listen(self, address: SocketAddr, limits: Limits) -> Result<(SocketAddr, ListeningServer), String> {
         listen(self, address, limits).map_err(|e| format!("{address}: cannot be listened at: {e}"))
     }
@@ -155,7 +174,7 @@ impl RequestHandler for SceneService {
         if let Some(file) = self.viewer.file(path) {
             return file;
         }
-        // Up to the end: what is made is hashed, too.
+        // Held until the end, because the body is also hashed.
         let _permit = path.starts_with("/tile/").then(|| self.encoders.acquire());
         let found = match path {
             "/" | "/served" => return Response::found(self.index.clone(), "text/html; charset=utf-8", CachePolicy::Revalidate),
@@ -173,11 +192,15 @@ impl RequestHandler for SceneService {
     }
 
     fn headers(&self) -> &str {
-        HEADERS
+        &self.cors
+    }
+
+    fn host_names(&self) -> &[String] {
+        &self.host_names
     }
 }
 
-/// A picture as it is asked for.
+/// A picture cut into tiles.
 struct TiledPicture<'a> {
     offered: &'a ServedPicture,
     page: TexturePage,
@@ -193,12 +216,12 @@ impl TiledPicture<'_> {
         }
         let texels = self.offered.pyramid.lock().unwrap_or_else(PoisonError::into_inner).tile(page, number);
         let (first, end) = page.texels_of(number);
-        // Without a lock: several at a time.
+        // Encoded without the lock, so that several threads can encode.
         let encoded = encoding.encode(&texels, [end[0] - first[0], end[1] - first[1]], *quality);
         encoded.map_err(|e| (500, e))
     }
 
-    /// As browsers name kinds of files.
+    /// Returns the media type.
     fn kind(&self) -> &'static str {
         match self.encoding.0 {
             TileEncoding::Raw => BYTES,

@@ -1,15 +1,15 @@
-//! Places to work at: whatever many ask for is made by few at a time.
+//! A counting semaphore, which limits the number of concurrent tile encoders.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// So many places.
+/// Counting semaphore.
 #[derive(Debug)]
 pub(super) struct Semaphore {
     free: Mutex<usize>,
     left: Condvar,
 }
 
-/// One of them, as long as this lives.
+/// A permit, returned when dropped.
 #[derive(Debug)]
 pub(super) struct Permit<'a>(&'a Semaphore);
 
@@ -18,7 +18,7 @@ impl Semaphore {
         Self { free: Mutex::new(places), left: Condvar::new() }
     }
 
-    /// Waits for one.
+    /// Waits for a permit.
     pub(super) fn acquire(&self) -> Permit<'_> {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         *self.left.wait_while(free, |free| *free == 0).unwrap_or_else(PoisonError::into_inner) -= 1;
@@ -41,7 +41,7 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn no_more_work_at_a_time_than_there_are_places_and_all_come_to_one() {
+    fn semaphore_limits_concurrent_work() {
         let (semaphore, at_work, done) = (Semaphore::new(2), AtomicUsize::new(0), AtomicUsize::new(0));
         thread::scope(|scope| {
             for _ in 0..20 {

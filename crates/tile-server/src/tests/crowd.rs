@@ -11,7 +11,7 @@ const IN_FLIGHT: u32 = 8;
 const CONNECTIONS: usize = 16;
 
 #[test]
-fn clients_with_ten_times_the_connections_that_there_may_be_get_every_tile_as_it_is() {
+fn crowded_clients_get_every_tile() {
     let limits = Limits { connections: CONNECTIONS, ..Limits::default() };
     let (address, _server) = served().listen(([127, 0, 0, 1], 0).into(), limits).unwrap();
     let page = Arc::new(TexturePage::new(0, &texture(), PyramidCut { tile: [16, 16], ..PyramidCut::default() }, 0));

@@ -6,7 +6,7 @@ use crate::server::Limits;
 use std::time::Instant;
 
 #[test]
-fn tiles_come_as_they_are_whatever_the_requests_in_flight() {
+fn tiles_are_equal_for_any_requests_in_flight() {
     for in_flight in [1, 4, 100] {
         let (url, count) = faulty(u32::MAX, |_| Fault::None);
         assert_eq!(all(&mut tiles(&url, in_flight, None)).unwrap(), expected());
@@ -15,7 +15,7 @@ fn tiles_come_as_they_are_whatever_the_requests_in_flight() {
 }
 
 #[test]
-fn what_nobody_takes_is_not_fetched_without_end_and_what_is_asked_for_comes_all_the_same() {
+fn prefetch_is_bounded() {
     let (url, count) = faulty(u32::MAX, |_| Fault::None);
     let mut tiles = tiles(&url, 4, None);
     let page = Arc::new(TexturePage::new(0, &texture(), PyramidCut { tile: [4, 4], ..PyramidCut::default() }, 0));
@@ -35,7 +35,7 @@ fn what_nobody_takes_is_not_fetched_without_end_and_what_is_asked_for_comes_all_
 }
 
 #[test]
-fn a_fault_that_passes_is_tried_again_and_nothing_is_lost() {
+fn passing_fault_is_retried_without_loss() {
     for fault in PASSING.into_iter().chain([Fault::Status(404)]) {
         let (url, count) = faulty(u32::MAX, move |n| if n == 2 { fault } else { Fault::None });
         assert_eq!(all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(2, 1))).unwrap(), expected(), "{fault:?}");
@@ -45,7 +45,7 @@ fn a_fault_that_passes_is_tried_again_and_nothing_is_lost() {
 
 /// As over a modem, where the answer to the eighth request begins when the seven before have come.
 #[test]
-fn who_waits_for_others_on_a_slow_path_is_not_given_up() {
+fn slow_path_is_no_timeout() {
     let path = Arc::new(std::sync::Mutex::new(()));
     let (listener, url, count) = listening();
     let counted = Arc::clone(&count);
@@ -67,7 +67,7 @@ fn who_waits_for_others_on_a_slow_path_is_not_given_up() {
 }
 
 #[test]
-fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
+fn lasting_fault_names_texture_layer_and_tile() {
     for (fault, says) in [
         (Fault::Status(500), "status: 500"),
         (Fault::Status(404), "status: 404"),
@@ -92,7 +92,7 @@ fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
 }
 
 #[test]
-fn a_server_that_has_another_scene_by_now_is_found_out() {
+fn server_with_other_scene_is_detected() {
     let other =
         Arc::new(Texture { levels: vec![Image { width: 1, height: 1, texels: vec![[1; 4]] }], ..Texture::clone(&texture()) });
     let (address, _server) =
@@ -108,7 +108,7 @@ fn waiting(starting: Duration) -> RetryPolicy {
 }
 
 #[test]
-fn a_server_that_starts_late_is_waited_for_and_one_that_does_not_is_named() {
+fn late_server_is_awaited_within_limit() {
     let address = listener_of_its_own().local_addr().unwrap();
     let url = format!("http://{address}");
     let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene(|_| ()).unwrap_err();
@@ -125,7 +125,7 @@ fn a_server_that_starts_late_is_waited_for_and_one_that_does_not_is_named() {
 }
 
 #[test]
-fn a_server_that_restarts_in_the_middle_is_waited_for_and_one_that_does_not_is_named() {
+fn restarting_server_is_awaited_within_limit() {
     for (starting, comes_back) in [(Duration::from_secs(20), true), (Duration::ZERO, false)] {
         let (url, count) = faulty(5, |_| Fault::None);
         let address = url.trim_start_matches("http://").trim_end_matches('/').parse::<std::net::SocketAddr>().unwrap();
@@ -150,7 +150,7 @@ fn a_server_that_restarts_in_the_middle_is_waited_for_and_one_that_does_not_is_n
 
 /// As a proxy answers in place of a server that starts anew behind it.
 #[test]
-fn a_server_behind_a_proxy_is_waited_for_as_one_that_does_not_listen() {
+fn server_behind_proxy_is_awaited() {
     for status in [502, 503, 504] {
         // More than there are attempts.
         let (url, count) = faulty(u32::MAX, move |n| if n < 8 { Fault::Status(status) } else { Fault::None });
@@ -176,7 +176,7 @@ fn attempts_end_when_their_time_is_over() {
 }
 
 #[test]
-fn who_gives_up_waits_for_nobody() {
+fn dropped_client_waits_for_nobody() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
     let patience = RetryPolicy { stall: Duration::from_secs(100), ..PATIENT };
     let fetcher = Fetcher::new(&url, patience);

@@ -19,7 +19,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn what_has_come_from_a_server_that_is_gone_for_good_is_kept_and_the_rest_is_fetched_later() {
+fn cache_keeps_tiles_of_lost_server() {
     let folder = tempfile::tempdir().unwrap();
     let kept = || Some(kept(cache(folder.path())));
     let (url, _) = faulty(3, |_| Fault::None);
@@ -35,7 +35,7 @@ fn what_has_come_from_a_server_that_is_gone_for_good_is_kept_and_the_rest_is_fet
 }
 
 #[test]
-fn what_cannot_be_decoded_is_not_kept() {
+fn undecodable_tile_is_not_cached() {
     for fault in [Fault::Undecodable, Fault::OtherSize, Fault::Corrupt] {
         let folder = tempfile::tempdir().unwrap();
         let (url, _) = faulty(u32::MAX, move |_| fault);
@@ -45,7 +45,7 @@ fn what_cannot_be_decoded_is_not_kept() {
 }
 
 #[test]
-fn a_file_of_the_cache_that_proves_bad_is_removed_and_fetched_anew() {
+fn damaged_cache_file_is_removed_and_fetched_again() {
     let folder = tempfile::tempdir().unwrap();
     let (url, _) = faulty(u32::MAX, |_| Fault::None);
     all(&mut tiles(&url, 2, Some(kept(cache(folder.path()))))).unwrap();
@@ -86,7 +86,7 @@ fn two_runs_may_share_a_cache() {
 }
 
 #[test]
-fn a_cache_that_cannot_be_written_costs_no_tile_and_is_told() {
+fn unwritable_cache_is_reported_and_costs_no_tile() {
     let folder = tempfile::tempdir().unwrap();
     let cache = cache(folder.path());
     fs::remove_dir_all(folder.path()).unwrap();

@@ -1,4 +1,4 @@
-//! Faults of the path: slow, cut, truncated, corrupt, refused, gone; and that nothing is lost.
+//! Faults of the network path: slow, cut, truncated, corrupt, refused, gone. No tile is ever lost.
 
 mod crowd;
 mod faults;
@@ -20,16 +20,15 @@ use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// Listens where nobody else does, now or later: clients of other tests take ports of 127.0.0.1 as they come, and their servers those of an
-/// address that they share, and so, now and then, the one of a server that is to listen there again. (Where this computer has no other
-/// address, that stays so.)
+/// Listens at an address of its own. Clients of other tests take ports of 127.0.0.1, and other servers ports of a shared address, so a port
+/// could be taken before a server listens there again. (Computers without further loopback addresses use 127.0.0.1.)
 fn listener_of_its_own() -> TcpListener {
     static LISTENERS: AtomicU8 = AtomicU8::new(1);
     let number = LISTENERS.fetch_add(1, Ordering::Relaxed);
     TcpListener::bind(SocketAddr::from(([127, 0, 1, number], 0))).or_else(|_| TcpListener::bind("127.0.0.1:0")).unwrap()
 }
 
-/// Faults of an answer that another attempt does not meet.
+/// Faults that another attempt does not meet.
 const PASSING: [Fault; 9] = [
     Fault::Status(500),
     Fault::Corrupt,
@@ -42,34 +41,34 @@ const PASSING: [Fault; 9] = [
     Fault::OtherSize,
 ];
 
-/// What goes wrong with an answer.
+/// Fault of a response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
     Status(u16),
     Corrupt,
     Truncated,
-    /// The connection is closed in place of an answer.
+    /// The connection closes without a response.
     Cut,
-    /// Nothing comes for longer than anybody waits.
+    /// No data arrives before the timeout.
     Silent,
-    /// None, but it takes a while.
+    /// No fault, but late.
     Late,
-    /// Half of it comes, and then nothing.
+    /// Half of it arrives, then nothing.
     Stalled,
-    /// Byte by byte, and not many a second.
+    /// One byte at a time, slowly.
     Dripping,
-    /// Much more than a tile, with its hash.
+    /// Much more than a tile, with a valid hash.
     Endless,
-    /// No tile, with its hash.
+    /// No tile, with a valid hash.
     Undecodable,
-    /// A tile of another size, with its hash.
+    /// A tile of another size, with a valid hash.
     OtherSize,
 }
 
 const LATE: Duration = Duration::from_millis(60);
 
-/// Who never gives up where nothing goes wrong, however busy the computer: requests can be counted.
+/// A policy that never gives up without a fault, even on a busy computer, so that requests can be counted.
 const PATIENT: RetryPolicy = RetryPolicy {
     stall: Duration::from_secs(20),
     slowest: 1000,
@@ -79,7 +78,7 @@ const PATIENT: RetryPolicy = RetryPolicy {
     starting: Duration::from_millis(300),
 };
 
-/// Who gives up soon: where nothing comes, or little.
+/// A policy with a short timeout.
 const HASTY: RetryPolicy = RetryPolicy { stall: Duration::from_secs(1), ..PATIENT };
 
 /// RetryPolicy with a fault: only those that are found out by waiting are not waited for.
@@ -93,13 +92,13 @@ fn texture() -> Arc<Texture> {
     Arc::new(Texture { id: 4, name: "plane".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
-/// The same as who asks for its tiles knows it.
+/// Returns the texture as a client knows it.
 fn elsewhere() -> Arc<Texture> {
     let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
     Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
 }
 
-/// What is served; of the scene only that it comes is of interest here.
+/// Returns a service; only the arrival of its scene matters here.
 fn served() -> SceneService {
     serving_scene(b"scene".to_vec())
 }
@@ -108,7 +107,7 @@ fn serving_scene(scene: Vec<u8>) -> SceneService {
     SceneService::new(scene, "<p>page".into(), [texture()])
 }
 
-/// Address of a tile of the texture, or of several.
+/// Returns the address of one or several tiles of the texture.
 fn address(numbers: impl std::fmt::Display) -> String {
     format!("/tile/{}/64x64/png/{numbers}", hex(&hash_of_picture(&texture())))
 }
@@ -144,7 +143,7 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     }
     let head = format!("HTTP/1.1 {status} x\r\nContent-Length: {length}\r\nETag: \"{hash}\"\r\nConnection: close\r\n\r\n");
     let parts = body.chunks(if fault == Fault::Dripping { 1 } else { body.len().max(1) });
-    // Who has given up waiting does not read it.
+    // A client that has given up does not read it.
     let mut sent = stream.write_all(head.as_bytes());
     for part in parts {
         sent = sent.and_then(|()| stream.write_all(part));
@@ -157,15 +156,15 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     }
 }
 
-/// Where a server listens, its address, and how many requests came.
+/// Returns a listener, its address and its request counter.
 fn listening() -> (TcpListener, String, Arc<AtomicU32>) {
     let listener = listener_of_its_own();
     let url = format!("http://{}/", listener.local_addr().unwrap());
     (listener, url, Arc::default())
 }
 
-/// A server whose answer number n has this fault; its address, and how many requests came. It stops listening behind the last
-/// of `answers`.
+/// Starts a server whose response number n has this fault. Returns its address and its request counter. It stops listening after `answers`
+/// responses.
 fn faulty(answers: u32, fault: impl Fn(u32) -> Fault + Send + 'static) -> (String, Arc<AtomicU32>) {
     let (listener, url, count) = listening();
     let counted = Arc::clone(&count);
@@ -188,12 +187,12 @@ fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
     RemoteTiles::new(Fetcher::new(url, PATIENT), fetch(in_flight, 1), kept, Arc::new(NoProgress))
 }
 
-/// Tiles that are not kept.
+/// Makes a tile source without a cache.
 fn unkept(fetcher: Fetcher, fetch: TileFetch) -> RemoteTiles {
     RemoteTiles::new(fetcher, fetch, None, Arc::new(NoProgress))
 }
 
-/// PNG, so many requests in flight, each for so many tiles.
+/// Returns options for PNG tiles.
 fn fetch(requests: u32, tiles_per_request: u32) -> TileFetch {
     TileFetch { encoding: TileEncoding::Png, jpeg_quality: 85, requests, tiles_per_request, left_at_ms: vec![] }
 }
@@ -204,14 +203,14 @@ fn announce_all(source: &mut dyn TileSource) {
     source.announce(&(0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect::<Vec<_>>());
 }
 
-/// All tiles of the texture, announced and taken in order; the number of the first that does not come, and why.
+/// Takes all tiles of the texture in order; an error has the number of the first missing tile.
 fn all(source: &mut dyn TileSource) -> Result<Vec<Arc<[u8]>>, (u32, String)> {
     announce_all(source);
     let page = page();
     (0..page.tiles()).map(|tile| source.tile(&page, tile).map_err(|e| (tile, e))).collect()
 }
 
-/// The same of a server that has the texels at hand.
+/// Returns the same tiles from a server in memory.
 fn expected() -> Vec<Arc<[u8]>> {
     let mut source = TextureMemory::new(TileEncoding::Png, 85);
     source.offer(&texture());

@@ -1,4 +1,4 @@
-//! The server, and clients that are slow, idle, wrong or many.
+//! The server with slow, idle, wrong and many clients.
 
 use super::*;
 use crate::server::Limits;
@@ -6,10 +6,10 @@ use std::io::Read;
 use std::net::SocketAddr;
 use std::time::Instant;
 
-/// A server that grants little; its address.
+/// Starts a server with these limits.
 fn serving(at: impl Into<SocketAddr>, limits: Limits) -> SocketAddr {
     let (address, server) = served().listen(at.into(), limits).unwrap();
-    // It goes on to the end of the tests.
+    // It runs until the end of the tests.
     drop(server);
     address
 }
@@ -22,18 +22,18 @@ fn scene(address: SocketAddr) -> Vec<u8> {
     Fetcher::new(&format!("http://{address}"), patience).scene(|_| ()).unwrap().1
 }
 
-/// Sends this; all that comes until the server closes the connection.
+/// Sends a request and reads until the server closes.
 fn exchange(address: SocketAddr, request: &[u8]) -> String {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     stream.write_all(request).unwrap();
     let mut answer = Vec::new();
-    // A connection that is reset is closed too.
+    // A reset connection is closed too.
     let _ = stream.read_to_end(&mut answer);
     String::from_utf8_lossy(&answer).into_owned()
 }
 
-/// Status of the answer to a request of tiles.
+/// Returns the status of a request for tiles.
 fn status(served: &SceneService, asked: &str) -> u16 {
     served.tiles(asked.trim_start_matches("/tile/")).map(|_| 200).unwrap_or_else(|e| e.0)
 }
@@ -87,25 +87,15 @@ fn bytes_of_a_layer_are_those_of_its_tiles() {
 }
 
 #[test]
-fn a_tile_is_kept_for_ever_a_scene_as_long_as_it_is_the_same_and_any_page_may_read_both() {
+fn tile_is_immutable_and_scene_is_revalidated() {
     let at = serving(LOOPBACK, LITTLE);
     let get = |path: &str, more: &str| exchange(at, format!("GET {path} HTTP/1.0\r\n{more}\r\n").as_bytes());
     let tile = get(&address(0), "");
     let says = |answer: &str, words: &[&str]| words.iter().for_each(|word| assert!(answer.contains(word), "{word}: {answer}"));
-    says(
-        &tile,
-        &["content-type: image/png", "cache-control: public, max-age=31536000, immutable", "access-control-allow-origin: *"],
-    );
+    says(&tile, &["content-type: image/png", "cache-control: public, max-age=31536000, immutable"]);
     let scene = get("/scene", "");
-    says(
-        &scene,
-        &[
-            "HTTP/1.1 200",
-            "content-type: application/octet-stream",
-            "cache-control: no-cache",
-            "access-control-expose-headers: etag",
-        ],
-    );
+    says(&scene, &["HTTP/1.1 200", "content-type: application/octet-stream", "cache-control: no-cache"]);
+    assert!(!scene.contains("access-control"), "{scene}");
     says(&get("/", ""), &["content-type: text/html", "<p>page"]);
     let tag = format!("\"{}\"", hash_of(b"scene"));
     assert!(scene.contains(&format!("etag: {tag}\r\n")), "{scene}");
@@ -117,17 +107,29 @@ fn a_tile_is_kept_for_ever_a_scene_as_long_as_it_is_the_same_and_any_page_may_re
 }
 
 #[test]
-fn who_asks_for_the_head_gets_that_of_the_whole_and_the_connection_goes_on() {
+fn other_origin_reads_only_by_option_and_other_host_never() {
+    let service = served().with_allowed_origin("http://a.example").with_host_names(vec!["b.example".into()]);
+    let (at, _server) = service.listen(LOOPBACK.into(), LITTLE).unwrap();
+    let get = |host: &str| exchange(at, format!("GET /scene HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").as_bytes());
+    let own = get("127.0.0.1:1");
+    assert!(own.contains("access-control-allow-origin: http://a.example\r\n") && own.contains("200 OK"), "{own}");
+    assert!(get("B.example").contains("200 OK"));
+    let other = get("evil.example");
+    assert!(other.starts_with("HTTP/1.1 403 ") && other.contains("--allow-host"), "{other}");
+}
+
+#[test]
+fn head_request_keeps_connection() {
     let at = serving(LOOPBACK, LITTLE);
-    let answers = exchange(at, b"HEAD /scene HTTP/1.1\r\nHost: x\r\n\r\nGET /scene HTTP/1.0\r\n\r\n");
+    let answers = exchange(at, b"HEAD /scene HTTP/1.1\r\nHost: localhost\r\n\r\nGET /scene HTTP/1.0\r\n\r\n");
     let (first, second) = answers.split_at(answers.rfind("HTTP/1.1 ").unwrap());
     assert!(first.contains("content-length: 5\r\n") && first.ends_with("\r\n\r\n"), "{first}");
     assert!(second.ends_with("\r\n\r\nscene"), "{second}");
 }
 
-/// A request of one tile, and of nothing more.
+/// Returns a request for one tile.
 fn a_tile() -> String {
-    format!("GET {} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n", address(0))
+    format!("GET {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", address(0))
 }
 
 #[test]
@@ -141,10 +143,10 @@ fn a_texture_under_work_holds_up_no_other() {
 }
 
 #[test]
-fn who_sends_nothing_or_half_a_request_is_let_go_and_others_are_answered() {
+fn silent_clients_are_evicted() {
     let address = serving(LOOPBACK, LITTLE);
     let began = Instant::now();
-    // Ten times as many as are served at a time.
+    // Ten times as many as the server serves at a time.
     let idle: Vec<TcpStream> = (0..40)
         .map(|n| {
             let mut stream = TcpStream::connect(address).unwrap();
@@ -158,18 +160,18 @@ fn who_sends_nothing_or_half_a_request_is_let_go_and_others_are_answered() {
 }
 
 #[test]
-fn who_takes_nothing_is_let_go_and_others_are_answered() {
+fn stalled_readers_are_evicted() {
     // More than lies on the way.
     let large = serving_scene(vec![0; 32 << 20]);
     let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 1, ..LITTLE }).unwrap();
     let mut stalled = TcpStream::connect(address).unwrap();
-    stalled.write_all(b"GET /scene HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+    stalled.write_all(b"GET /scene HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
     assert!(exchange(address, a_tile().as_bytes()).starts_with("HTTP/1.1 200"));
     drop(stalled);
 }
 
 #[test]
-fn a_connection_that_the_server_has_let_go_is_no_fault_to_the_client() {
+fn evicted_connection_is_no_error_for_client() {
     let address = serving(LOOPBACK, LITTLE);
     let patience = RetryPolicy { attempts: 1, stall: Duration::from_secs(20), ..PATIENT };
     let fetcher = Fetcher::new(&format!("http://{address}"), patience);
@@ -180,25 +182,25 @@ fn a_connection_that_the_server_has_let_go_is_no_fault_to_the_client() {
 }
 
 #[test]
-fn who_announces_a_body_gets_an_answer_at_once_and_takes_no_memory() {
+fn request_with_body_is_refused_at_once() {
     let address = serving(LOOPBACK, Limits { idle: Duration::from_secs(100), ..LITTLE });
     for announced in ["Content-Length: 99999999999999", "Transfer-Encoding: chunked"] {
-        let request = format!("GET /scene HTTP/1.1\r\nHost: x\r\n{announced}\r\n\r\n");
+        let request = format!("GET /scene HTTP/1.1\r\nHost: localhost\r\n{announced}\r\n\r\n");
         assert!(exchange(address, request.as_bytes()).starts_with("HTTP/1.1 400"), "{announced}");
     }
     assert_eq!(scene(address), b"scene");
 }
 
 #[test]
-fn a_wrong_request_ends_its_connection_and_nothing_else() {
+fn wrong_request_ends_only_its_connection() {
     let address = serving(LOOPBACK, LITTLE);
-    let long = format!("GET /{} HTTP/1.1\r\nHost: x\r\n\r\n", "a".repeat(100_000));
+    let long = format!("GET /{} HTTP/1.1\r\nHost: localhost\r\n\r\n", "a".repeat(100_000));
     for wrong in [
-        "POST /scene HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n",
+        "POST /scene HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
         "GET /scene HTTP/9.9\r\n\r\n",
         "\0\x01\x02\r\n\r\n",
-        "GET localhost HTTP/1.1\r\nHost: x\r\n\r\n",
-        "CONNECT x:80 HTTP/1.1\r\nHost: x\r\n\r\n",
+        "GET localhost HTTP/1.1\r\nHost: localhost\r\n\r\n",
+        "CONNECT x:80 HTTP/1.1\r\nHost: localhost\r\n\r\n",
         "\x16\x03\x01\x02\0\x01\0\x01",
         &long,
     ] {
@@ -208,15 +210,15 @@ fn a_wrong_request_ends_its_connection_and_nothing_else() {
 }
 
 #[test]
-fn several_requests_on_one_connection_are_answered_in_order() {
+fn pipelined_requests_are_answered_in_order() {
     let address = serving(LOOPBACK, LITTLE);
-    let [first, second] = ["/scene", "/none"].map(|path| format!("GET {path} HTTP/1.1\r\nHost: x\r\n\r\n"));
+    let [first, second] = ["/scene", "/none"].map(|path| format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"));
     let answers = exchange(address, format!("{first}{second}GET / HTTP/1.0\r\n\r\n").as_bytes());
     let statuses: Vec<&str> = answers.split("HTTP/1.1 ").skip(1).map(|a| &a[..3]).collect();
     assert_eq!(statuses, ["200", "404", "200"], "{answers}");
 }
 
-/// Sends one byte of a head that never ends, again and again, on all of these.
+/// Sends a head that never ends, one byte at a time, on all connections.
 fn drip(mut clients: Vec<TcpStream>) {
     thread::spawn(move || {
         while !clients.is_empty() {
@@ -226,21 +228,21 @@ fn drip(mut clients: Vec<TcpStream>) {
     });
 }
 
-/// Longest that a request may wait here; without anybody else it takes milliseconds, and who waits for others waits for 10 s.
+/// Longest wait of a request: without other clients it takes milliseconds, and a blocked one waits for 10 s.
 const SOON: Duration = Duration::from_secs(3);
 
 #[test]
-fn idle_and_dripping_clients_many_times_as_many_as_are_served_hold_up_nobody() {
+fn many_idle_and_dripping_clients_block_nobody() {
     let address = serving(LOOPBACK, Limits { connections: 32, ..Limits::default() });
     let connect = |n: usize| -> Vec<TcpStream> { (0..n).map(|_| TcpStream::connect(address).unwrap()).collect() };
-    // With their other ends fewer than the 1024 files that a process may open by default.
+    // With both ends fewer than the 1,024 files that a process may open by default.
     let idle = connect(500);
     let mut dripping = connect(256);
     dripping.iter_mut().for_each(|client| client.write_all(b"GET /").unwrap_or_default());
     drip(dripping);
-    // Who asks and does not look at the answer, as many as there may be.
+    // Clients that request and never read, as many as the server has connections.
     let mut taking = connect(32);
-    taking.iter_mut().for_each(|client| client.write_all(b"GET /scene HTTP/1.1\r\nHost: x\r\n\r\n").unwrap_or_default());
+    taking.iter_mut().for_each(|client| client.write_all(b"GET /scene HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap_or_default());
     for _ in 0..5 {
         let began = Instant::now();
         assert_eq!(scene(address), b"scene");
@@ -250,12 +252,12 @@ fn idle_and_dripping_clients_many_times_as_many_as_are_served_hold_up_nobody() {
 }
 
 #[test]
-fn as_many_as_there_may_be_that_take_nothing_hold_up_no_other_for_long() {
+fn stalled_readers_do_not_block_others() {
     let large = serving_scene(vec![0; 32 << 20]);
     let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 4, ..Limits::default() }).unwrap();
     let stalled = [(); 4].map(|()| {
         let mut stream = TcpStream::connect(address).unwrap();
-        stream.write_all(b"GET /scene HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+        stream.write_all(b"GET /scene HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
         stream
     });
     let began = Instant::now();
@@ -265,7 +267,7 @@ fn as_many_as_there_may_be_that_take_nothing_hold_up_no_other_for_long() {
 }
 
 #[test]
-fn who_speaks_tls_is_told_at_once() {
+fn tls_handshake_is_refused_at_once() {
     let address = serving(LOOPBACK, Limits::default());
     let began = Instant::now();
     let answer = exchange(address, b"\x16\x03\x01\x02\0\x01\0\x01\xfc\x03\x03");

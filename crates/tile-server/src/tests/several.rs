@@ -7,7 +7,7 @@ fn several(url: &str, requests: u32, tiles_per_request: u32) -> RemoteTiles {
 }
 
 #[test]
-fn several_tiles_by_a_request_are_the_same_in_fewer_requests_and_nobody_stands_idle() {
+fn batched_requests_keep_all_threads_busy() {
     assert_eq!(page().tiles(), 11);
     // Each request takes its share, so that no thread waits for another's; 128 KiB of raw texels are ten tiles.
     for (requests, most, count) in [(1, 64, 2), (1, 5, 3), (4, 64, 4), (4, 2, 6), (100, 64, page().tiles())] {
@@ -24,7 +24,7 @@ fn several_tiles_by_a_request_are_the_same_in_fewer_requests_and_nobody_stands_i
 }
 
 #[test]
-fn what_fails_together_is_asked_for_one_by_one_and_nothing_is_lost() {
+fn failed_batch_is_retried_tile_by_tile() {
     for fault in PASSING.into_iter().chain([Fault::Endless]) {
         let (url, count) = faulty(u32::MAX, move |n| if n == 0 { fault } else { Fault::None });
         assert_eq!(all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(1, 64))).unwrap(), expected(), "{fault:?}");

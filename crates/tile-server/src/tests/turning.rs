@@ -1,4 +1,4 @@
-//! A user who turns to the next view.
+//! Changes of view.
 
 use super::*;
 use crate::client::TransferMetrics;
@@ -9,7 +9,7 @@ fn from(page: &Arc<TexturePage>, first: u32) -> impl Iterator<Item = (Arc<Textur
     (first..page.tiles()).map(|tile| (Arc::clone(page), tile))
 }
 
-/// Who has looked at a view that is left by now.
+/// A client after it has left a view.
 struct Left {
     tiles: RemoteTiles,
     taken: Vec<Arc<[u8]>>,
@@ -20,7 +20,7 @@ struct Left {
 /// When the first view is left: late enough for two tiles to have come, however busy the computer.
 const LEFT_AT_MS: f64 = 1500.0;
 
-/// A server whose answer number `late` does not come before the other end of this is gone, and then its connection is cut.
+/// A server whose response number `late` waits until the sender is dropped, and then closes its connection.
 fn holding(late: u32) -> (String, Arc<AtomicU32>, Sender<()>) {
     let (listener, url, count) = listening();
     let (release, held) = channel();
@@ -60,7 +60,7 @@ fn left_at(late: u32, in_flight: u32) -> Left {
 }
 
 #[test]
-fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
+fn abandoned_view_leaves_tiles_to_next() {
     // The scene, two tiles, and one that does not come for long.
     let Left { mut tiles, mut taken, meter, count } = left_at(3, 1);
     let (user, page) = (tiles.user().unwrap(), page());
@@ -77,7 +77,7 @@ fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
 }
 
 #[test]
-fn what_had_come_for_a_view_and_was_not_taken_is_not_asked_for_again() {
+fn received_tiles_serve_the_next_view() {
     // Of two requests in flight one waits, and the other brings all the rest.
     let Left { mut tiles, mut taken, count, .. } = left_at(2, 2);
     let (user, page) = (tiles.user().unwrap(), page());
@@ -92,7 +92,7 @@ fn what_had_come_for_a_view_and_was_not_taken_is_not_asked_for_again() {
 }
 
 #[test]
-fn the_next_view_waits_for_nothing_that_the_one_before_had_listed_and_not_asked_for() {
+fn next_view_skips_unrequested_tiles() {
     let Left { mut tiles, taken, count, .. } = left_at(3, 1);
     tiles.user().unwrap().turn_to(1);
     let (page, last) = (page(), page().tiles() - 1);
@@ -103,7 +103,7 @@ fn the_next_view_waits_for_nothing_that_the_one_before_had_listed_and_not_asked_
 }
 
 #[test]
-fn behind_its_time_a_view_asks_for_no_more_though_the_device_is_at_work_and_has_not_left_it() {
+fn expired_view_requests_no_more_tiles() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Late);
     let fetcher = Fetcher::new(&url, PATIENT);
     fetcher.scene(|_| ()).unwrap();
@@ -120,7 +120,7 @@ fn behind_its_time_a_view_asks_for_no_more_though_the_device_is_at_work_and_has_
 }
 
 #[test]
-fn a_view_does_not_begin_before_its_time_and_what_was_announced_for_another_is_no_matter() {
+fn view_starts_at_its_time() {
     let (url, count) = faulty(u32::MAX, |_| Fault::None);
     let fetcher = Fetcher::new(&url, PATIENT);
     let meter = fetcher.meter().clone();

@@ -77,7 +77,7 @@ fn expected(tiles: &[u32]) -> Vec<Arc<[u8]>> {
 }
 
 #[test]
-fn tiles_of_a_picture_come_together_and_those_that_are_there_are_not_asked_for() {
+fn page_batches_missing_tiles() {
     let server = Server::new(|_, _| ());
     let path = path(&server, &Budget::default());
     assert_eq!(take(&path, &[3, 0, 5]).unwrap(), expected(&[3, 0, 5]));
@@ -91,7 +91,7 @@ fn tiles_of_a_picture_come_together_and_those_that_are_there_are_not_asked_for()
 }
 
 #[test]
-fn where_nothing_can_be_kept_tiles_come_again_and_are_right() {
+fn full_memory_refetches_tiles() {
     let server = Server::new(|_, _| ());
     let path = path(&server, &Budget::new(0));
     for _ in 0..2 {
@@ -101,7 +101,7 @@ fn where_nothing_can_be_kept_tiles_come_again_and_are_right() {
 }
 
 #[test]
-fn what_comes_wrong_is_asked_for_again_and_not_kept() {
+fn wrong_response_is_retried_and_not_cached() {
     let spoils: [fn(usize, &mut Got); 6] = [
         |_, got| got.status = 500,
         |_, got| got.tag.clear(),

@@ -1,4 +1,4 @@
-//! `--tape`, `retime`, `size-fifos` and what limits a run.
+//! `--recording`, `retime`, `size-fifos` and what limits a run.
 
 use crate::support::{Place, without_host};
 use std::fs;
@@ -8,14 +8,14 @@ use std::process::Stdio;
 const RUN: &str = "demo corridor --size 48x36 --no-exact --quiet";
 
 #[test]
-fn timing_a_tape_again_gives_the_report_of_a_run_and_any_engine_the_same_tape() {
+fn resimulation_equals_run_with_any_engine() {
     let place = Place::new();
-    place.ok(&format!("{RUN} --tape timed.tape --out a"));
-    place.ok(&format!("{RUN} --tape ticked.tape --engine ticked --out b"));
+    place.ok(&format!("{RUN} --recording timed.tape --out a"));
+    place.ok(&format!("{RUN} --recording ticked.tape --engine ticked --out b"));
     let report = |folder: &str| without_host(place.report(folder));
     assert_eq!(report("a"), report("b"), "limits and all");
     let again = |tape: &str, set: &str| {
-        place.ok(&format!("retime {tape} {set} --out again --quiet"));
+        place.ok(&format!("resimulate {tape} {set} --out again --quiet"));
         report("again")
     };
     assert_eq!(again("timed.tape", ""), report("a"));
@@ -25,7 +25,7 @@ fn timing_a_tape_again_gives_the_report_of_a_run_and_any_engine_the_same_tape() 
     for tape in ["timed.tape", "ticked.tape"] {
         assert_eq!(again(tape, set), report("other"), "{tape}");
     }
-    let printed = place.ok(&format!("retime timed.tape {set} --json")).out;
+    let printed = place.ok(&format!("resimulate timed.tape {set} --json")).out;
     assert_eq!(without_host(serde_json::from_str(&printed).expect("a report")), report("other"));
 }
 
@@ -38,7 +38,7 @@ fn limits_hold_as_full_runs_and_can_be_left_out() {
     let first = &report["bottlenecks"][0];
     let set: Vec<String> =
         first["set"].as_array().expect("options").iter().map(|s| format!("--set {}", s.as_str().unwrap())).collect();
-    place.ok(&format!("{RUN} --no-limits {} --out ideal", set.join(" ")));
+    place.ok(&format!("{RUN} --no-bottlenecks {} --out ideal", set.join(" ")));
     assert_eq!(place.frame_cycles("ideal"), first["cycles"].as_u64().expect("cycles"));
     assert!(place.report("ideal").get("bottlenecks").is_none());
 }
@@ -46,38 +46,38 @@ fn limits_hold_as_full_runs_and_can_be_left_out() {
 #[test]
 fn a_run_leaves_its_tape_beside_its_report() {
     let place = Place::new();
-    let has_tape = |folder: &str| place.names(folder).contains(&"run.tape".to_owned());
+    let has_tape = |folder: &str| place.names(folder).contains(&"run.recording".to_owned());
     place.ok(&format!("{RUN} --out a"));
     assert!(has_tape("a"));
-    for without in ["--no-limits", "--functional", "--max-cycles 500"] {
+    for without in ["--no-bottlenecks", "--functional", "--max-cycles 500"] {
         place.ok(&format!("{RUN} --out b"));
         assert!(has_tape("b"));
         place.run(&format!("{RUN} --out b {without}"));
         assert!(place.names("b").contains(&"report.json".to_owned()) && !has_tape("b"), "{without}: none of an earlier run");
     }
-    place.ok("retime a --set fifo.pixels.depth=3 --out b --quiet");
+    place.ok("resimulate a --set fifo.pixels.depth=3 --out b --quiet");
     place.ok(&format!("{RUN} --set fifo.pixels.depth=3 --out c"));
     assert_eq!(without_host(place.report("b")), without_host(place.report("c")), "a folder is its tape");
-    place.ok("retime b --set fifo.pixels.latency=7 --out d --quiet");
-    place.ok("retime c --set fifo.pixels.latency=7 --out e --quiet");
-    assert_eq!(without_host(place.report("d")), without_host(place.report("e")), "what retime leaves is the tape of that run");
-    place.ok("retime a --no-limits --out d --quiet");
+    place.ok("resimulate b --set fifo.pixels.latency=7 --out d --quiet");
+    place.ok("resimulate c --set fifo.pixels.latency=7 --out e --quiet");
+    assert_eq!(without_host(place.report("d")), without_host(place.report("e")), "resimulate writes the recording of that run");
+    place.ok("resimulate a --no-bottlenecks --out d --quiet");
     assert!(!has_tape("d"));
     place.ok("size-fifos a --within 1");
-    assert!(place.run("size-fifos d").error(1).starts_with("d/run.tape: cannot be read"));
-    assert!(place.run("retime a --out a").error(2).contains("is what TAPE reads"));
-    place.ok(&format!("{RUN} --no-limits --tape d/run.tape --out d"));
-    place.ok("retime d");
+    assert!(place.run("size-fifos d").error(1).starts_with("d/run.recording: cannot be read"));
+    assert!(place.run("resimulate a --out a").error(2).contains("is an input (RECORDING)"));
+    place.ok(&format!("{RUN} --no-bottlenecks --recording d/run.recording --out d"));
+    place.ok("resimulate d");
 }
 
 #[test]
 fn smaller_fifos_keep_the_cycles_that_were_asked_for() {
     let place = Place::new();
-    place.ok(&format!("{RUN} --tape a.tape"));
+    place.ok(&format!("{RUN} --recording a.tape"));
     let cycles = place.frame_cycles("out");
     let text = place.ok("size-fifos a.tape --within 0,1").out;
     let sets = text.lines().find_map(|line| line.strip_prefix("within 1 %: ")).expect("a choice");
-    place.ok(&format!("{RUN} --no-limits {sets} --out small"));
+    place.ok(&format!("{RUN} --no-bottlenecks {sets} --out small"));
     assert!(place.frame_cycles("small") as f64 <= cycles as f64 * 1.01, "{text}");
     let sizes: serde_json::Value = serde_json::from_str(&place.ok("size-fifos a.tape --within 1 --json").out).expect("JSON");
     let slots = |n: usize| sizes["choices"][n]["slots"].as_u64().expect("slots");
@@ -88,43 +88,43 @@ fn smaller_fifos_keep_the_cycles_that_were_asked_for() {
 #[test]
 fn models_and_demos_are_sized_without_a_tape() {
     let place = Place::new();
-    place.ok(&format!("{RUN} --tape a.tape"));
+    place.ok(&format!("{RUN} --recording a.tape"));
     let of_tape = place.ok("size-fifos a.tape --within 1 --json").out;
     assert_eq!(place.ok("size-fifos demo:corridor --size 48x36 --within 1 --json").out, of_tape);
-    assert!(place.run("size-fifos a.tape --size 8x8").error(2).contains("a tape has its own machine and view"));
+    assert!(place.run("size-fifos a.tape --size 8x8").error(2).contains("a recording has its own machine and view"));
 }
 
 #[test]
-fn what_is_no_tape_or_cannot_be_timed_is_named() {
+fn bad_recordings_and_parameters_are_named() {
     let place = Place::new();
-    place.ok(&format!("{RUN} --tape a.tape"));
+    place.ok(&format!("{RUN} --recording a.tape"));
     let tape = place.bytes("a.tape");
     fs::write(place.path("half.tape"), &tape[..tape.len() / 2]).expect("a file");
     fs::write(place.path("no.tape"), "no tape").expect("a file");
     for name in ["half.tape", "no.tape"] {
-        for command in ["retime", "size-fifos"] {
+        for command in ["resimulate", "size-fifos"] {
             let error = place.run(&format!("{command} {name}"));
             assert!(error.error(1).starts_with(&format!("{name}: not a recording")), "{}", error.err);
         }
     }
-    let error = |line: &str| place.run(&format!("retime a.tape {line}"));
+    let error = |line: &str| place.run(&format!("resimulate a.tape {line}"));
     assert!(error("--set operators.divide.latency=9").error(2).contains("changes the work of the units"));
     assert!(error("--set fifo.pixels.depht=9").error(2).contains("did you mean `fifo.pixels.depth`"));
-    assert!(place.run("retime gone.tape").error(1).starts_with("gone.tape: cannot be read"));
+    assert!(place.run("resimulate gone.tape").error(1).starts_with("gone.tape: cannot be read"));
     // Of a run that is cut short there is no tape; nor is one left that was there before.
-    place.run(&format!("{RUN} --max-cycles 500 --tape cut.tape")).error(1);
+    place.run(&format!("{RUN} --max-cycles 500 --recording cut.tape")).error(1);
     assert!(!place.path("cut.tape").exists());
-    assert!(place.run(&format!("{RUN} --tape out/report.json")).error(2).contains("report.json"));
+    assert!(place.run(&format!("{RUN} --recording out/report.json")).error(2).contains("report.json"));
 }
 
 #[cfg(unix)]
 #[test]
-fn a_configuration_from_a_pipe_is_read_once_and_stands_on_the_tape() {
+fn config_from_pipe_is_read_once_and_recorded() {
     let place = Place::new();
-    let mut run = place.command(&format!("{RUN} --config /dev/stdin --tape a.tape --out a"));
+    let mut run = place.command(&format!("{RUN} --config /dev/stdin --recording a.tape --out a"));
     let mut run = run.stdin(Stdio::piped()).spawn().expect("a run");
     run.stdin.take().expect("a pipe").write_all(b"[fifo.pixels]\ndepth = 3\n").expect("a reader");
     assert!(run.wait().expect("an end").success());
-    place.ok("retime a.tape --out again --quiet");
+    place.ok("resimulate a.tape --out again --quiet");
     assert_eq!(without_host(place.report("again")), without_host(place.report("a")));
 }

@@ -1,24 +1,24 @@
-//! `--tape`, and `basrelief retime`: the work of a run kept, and timed again.
+//! `--recording`, and `basrelief resimulate`.
 
 use super::html::HtmlFile;
 use super::simulate::{limits_of, publish_report, seconds, show_report};
-use crate::args::RetimeArgs;
+use crate::args::ResimulateArgs;
 use crate::error::{Done, Failure, print};
-use crate::outputs::{Outputs, PartialFile, RUN_TAPE, check_distinct, check_not_read};
+use crate::outputs::{Outputs, PartialFile, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs, recording_in};
 use basrelief_input::Budget;
 use basrelief_sim::{AnalysisPolicy, Observer, RecordingError, ResimulateOptions, resimulate_to};
 use std::fs::File;
 use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
 
-/// The file of `--tape`, compressed with zstd.
-pub struct TapeFile {
+/// The file of `--recording`, compressed with zstd.
+pub struct RecordingFile {
     path: PathBuf,
     encoder: zstd::Encoder<'static, PartialFile>,
 }
 
-impl TapeFile {
-    /// Opens it.
+impl RecordingFile {
+    /// Creates the file.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -30,15 +30,15 @@ impl TapeFile {
         Ok(Self { path: path.into(), encoder })
     }
 
-    /// Goes on.
+    /// Appends bytes.
     ///
     /// # Errors
-    /// A file that cannot be written, in a sentence.
+    /// A file that cannot be written.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
         self.encoder.write_all(bytes).map_err(|e| format!("{}: cannot be written: {e}", self.path.display()))
     }
 
-    /// The file, to be published.
+    /// Completes the file for publication.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -49,47 +49,44 @@ impl TapeFile {
     }
 }
 
-/// The tape that is left beside a report, of a run whose work is short: compressed, and in memory until the run has come to its end.
-pub struct RunTape {
-    /// None where nobody wants it, or once it was too long.
+/// The recording beside a report. It is written only if it is short, and stays in memory, compressed, until the run ends.
+pub struct ShortRecording {
+    /// `None` if no recording is wanted, or once it is too long.
     encoder: Option<zstd::Encoder<'static, Vec<u8>>>,
 }
 
-impl RunTape {
-    /// An empty one, of a run whose [limits](AnalysisPolicy) are measured.
-    ///
-    /// # Errors
-    /// None that is known.
+impl ShortRecording {
+    /// Makes an empty recording of a run with this analysis policy.
     pub fn new(limits: AnalysisPolicy) -> Done<Self> {
         let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
         let encoder = (limits != AnalysisPolicy::Never).then(encoder).transpose().map_err(Failure::bad)?;
         Ok(Self { encoder })
     }
 
-    /// Puts it beside the report; whether there is one.
+    /// Writes the recording beside the report. Returns false if there is none.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn write_to(self, outputs: &Outputs) -> io::Result<bool> {
         let Some(encoder) = self.encoder else { return Ok(false) };
-        let mut file = outputs.create(RUN_TAPE)?;
+        let mut file = outputs.create(RUN_RECORDING)?;
         file.write_all(&encoder.finish()?).and_then(|()| file.flush()).map(|()| true)
     }
 }
 
-impl Observer for RunTape {
+impl Observer for ShortRecording {
     fn recording(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
         self.encoder = self.encoder.take().filter(|_| is_short);
         self.encoder.as_mut().map_or(Ok(()), |encoder| encoder.write_all(bytes)).map_err(|e| e.to_string())
     }
 }
 
-/// The file of a tape: of a folder, the one beside its report.
+/// Returns the recording that `path` names: the file itself, or the recording in a folder.
 pub fn place_of(path: &Path) -> PathBuf {
-    if path.is_dir() { path.join(RUN_TAPE) } else { path.to_path_buf() }
+    if path.is_dir() { recording_in(path) } else { path.to_path_buf() }
 }
 
-/// Opens a tape.
+/// Opens a recording.
 ///
 /// # Errors
 /// A file that cannot be read.
@@ -98,7 +95,7 @@ pub fn open(path: &Path) -> Done<zstd::Decoder<'static, BufReader<File>>> {
     zstd::Decoder::new(file).map_err(Failure::file(path, "be read"))
 }
 
-/// What is wrong with a tape of this name, or with what was to be done with it.
+/// Converts an error of a recording of this name or of the new parameters.
 pub fn failure(name: &str) -> impl Fn(RecordingError) -> Failure {
     let name = name.to_owned();
     move |error| match error {
@@ -109,34 +106,36 @@ pub fn failure(name: &str) -> impl Fn(RecordingError) -> Failure {
     }
 }
 
-/// What is wrong with a tape of this name by itself.
+/// Converts an error of a recording of this name.
 pub fn unreadable(name: &str) -> impl Fn(RecordingError) -> Failure {
     let name = name.to_owned();
     move |error| match error {
-        // What the decoder says in its own words.
+        // The decoder reports damage in its own words.
         RecordingError::Read(e) if e.raw_os_error().is_none() => {
-            Failure::within(&name)("not a recording, or incomplete; make one with `basrelief run --tape FILE`")
+            Failure::within(&name)("not a recording, or truncated; `basrelief run --recording FILE` writes one")
         }
         _ => Failure::within(&name)(error),
     }
 }
 
-/// Times the work on a tape again.
-pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
+/// Computes the timing of a recording anew.
+pub fn resimulate(args: &ResimulateArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
-    let path = place_of(&args.tape);
+    let path = place_of(&args.recording);
     let name = path.display().to_string();
-    let own = args.out.as_ref().map(|folder| folder.join(RUN_TAPE));
+    let own = args.out.as_ref().map(|folder| folder.join(RUN_RECORDING));
     let page: Vec<(&str, &Path)> = args.html.iter().map(|page| ("--html", &**page)).collect();
     let outputs: Vec<(&str, &Path)> = own.iter().map(|own| ("--out", &**own)).chain(page.iter().copied()).collect();
-    check_not_read(&outputs, &[("TAPE", &path)]).map_err(Failure::Usage)?;
+    let report = path.with_file_name(REPORT);
+    let inputs = [("RECORDING", &*path), ("the report of RECORDING", &*report)];
+    check_outputs_keep_inputs(None, &outputs, &inputs).map_err(Failure::Usage)?;
     if let Some(folder) = &args.out {
         check_distinct(folder, &page).map_err(Failure::Usage)?;
     }
     let mut reader = open(&path)?;
-    let limits = limits_of(args.limits, args.no_limits);
+    let limits = limits_of(args.bottlenecks, args.no_bottlenecks);
     let options = ResimulateOptions { settings: args.settings.clone(), bottlenecks: limits, budget: budget.clone() };
-    let mut tape = RunTape::new(limits)?;
+    let mut tape = ShortRecording::new(limits)?;
     let report = resimulate_to(&mut reader, &options, &mut tape).map_err(failure(&name))?;
     let took = seconds() - began;
     let report = report.with_host(took, took);
@@ -160,10 +159,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tape_that_has_grown_too_long_is_not_left() {
+    fn long_recording_is_not_written() {
         let folder = tempfile::tempdir().unwrap();
         let left = |limits: AnalysisPolicy, pieces: &[bool]| {
-            let mut tape = RunTape::new(limits).unwrap();
+            let mut tape = ShortRecording::new(limits).unwrap();
             pieces.iter().for_each(|is_short| tape.recording(b"piece", *is_short).unwrap());
             let outputs = Outputs::begin(folder.path()).unwrap();
             tape.write_to(&outputs).unwrap()

@@ -1,4 +1,4 @@
-//! Tapes, timed again.
+//! Resimulation of recordings.
 
 use crate::error::{Done, bad, budget, not_a_tape, of_tape};
 use crate::run::{Ran, limits_tape, when};
@@ -9,20 +9,20 @@ use pyo3::pybacked::PyBackedBytes;
 use pyo3::{PyResult, Python, pyfunction};
 use std::io::Read;
 
-/// A tape that is opened.
+/// An open recording.
 pub type Opened<'a> = zstd::Decoder<'static, std::io::BufReader<&'a [u8]>>;
 
-/// Opens a tape.
-pub fn opened(tape: &[u8]) -> Done<Opened<'_>> {
-    zstd::Decoder::new(tape).map_err(|_| not_a_tape())
+/// Opens a recording.
+pub fn opened(recording: &[u8]) -> Done<Opened<'_>> {
+    zstd::Decoder::new(recording).map_err(|_| not_a_tape())
 }
 
-/// Times a tape again, with these settings over those of the run that it holds. `keep`: whether limits are measured, and whether its tape is
-/// kept however long it is.
+/// Computes the timing of a recording anew with these parameters changed. `keep` has two parts: whether bottlenecks are analysed, and
+/// whether the recording is kept even if it is long.
 #[pyfunction]
-pub fn retime(
+pub fn resimulate(
     py: Python<'_>,
-    tape: PyBackedBytes,
+    recording: PyBackedBytes,
     settings: Vec<(String, String)>,
     keep: (Option<bool>, bool),
     memory_limit: Option<u64>,
@@ -31,7 +31,7 @@ pub fn retime(
     let limits = when(limits);
     let kept = if keep { AnalysisPolicy::Always } else { limits_tape(limits) };
     let options = ResimulateOptions { settings, bottlenecks: limits, budget: budget(memory_limit.unwrap_or(Budget::DEFAULT)) };
-    let (report, watch) = py.detach(|| watched(&mut opened(&tape)?, &options, kept))?;
+    let (report, watch) = py.detach(|| watched(&mut opened(&recording)?, &options, kept))?;
     Ran::new(py, (report, watch), true)
 }
 
