@@ -1,4 +1,4 @@
-// What a run changes against the one that is pinned.
+// Differences between a run and the pinned run.
 import { change, el, thousands } from "./dom";
 import type { Report, Run, Unit } from "./protocol";
 
@@ -32,7 +32,7 @@ function bar(unit: Unit | undefined, whole: number): SVGElement {
   return svg;
 }
 
-/** Parameters whose values differ, from one to the other. */
+/** Lists the parameters with different values, from one run to the other. */
 function settings(a: unknown, b: unknown, path = ""): [string, string, string][] {
   if (JSON.stringify(a) === JSON.stringify(b)) return [];
   const isGroup = (x: unknown): x is Record<string, unknown> => typeof x === "object" && x !== null && !Array.isArray(x);

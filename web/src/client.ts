@@ -1,4 +1,4 @@
-// The page's side of the worker. Of runs that wait, the latest one counts.
+// The page's side of the worker.
 import type { Answer, Lost, Meanwhile, Parcel, Place, Start, Took } from "./protocol";
 
 export type Answered<T> = Parcel<T> & Took;
@@ -29,7 +29,7 @@ export class Client {
     return worker;
   }
 
-  /** Ends whatever is being answered; the simulator begins anew, and knows of nothing. */
+  /** Cancels all questions and restarts the simulator, which loses its state. */
   restart(why: string): void {
     this.#worker.terminate();
     const asked = [...this.#asked.values()];
@@ -38,7 +38,7 @@ export class Client {
     asked.forEach(({ reject }) => reject(new Error(why)));
   }
 
-  /** Asks; what is wrong with the question is an error. `meanwhile` hears what is told before the answer. */
+  /** Sends a question. An invalid question rejects the promise. `meanwhile` receives the progress before the answer. */
   async ask<T>(json: unknown, rest = new Uint8Array(), meanwhile?: (told: Meanwhile) => void): Promise<Answered<T>> {
     const id = this.#next++;
     const answer = await new Promise<Answered<unknown>>((resolve, reject) => {

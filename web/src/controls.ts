@@ -1,17 +1,18 @@
-// Controls for every parameter, made from what the simulator tells of it.
+// Controls for every parameter, built from the simulator's catalogue.
 import { el } from "./dom";
 import type { Machine, Parameter } from "./protocol";
 
 export interface Handlers {
-  /** The value changes; `rests` once the hand is off it. */
+  /** Sets a value. `rests` is true when the user releases the control. */
   set(key: string, value: string, rests: boolean): void;
-  /** Back to the default. */
+  /** Resets the parameter to its default. */
   reset(key: string): void;
 }
 
 const asOption = (value: unknown): string => (typeof value === "string" ? value : JSON.stringify(value));
 
-/** Places of a slider: 1, 1.5, 2, 3, 4, 6 ... times powers of two for whole numbers, between the ends. */
+/** Returns the positions of a slider between both limits. For whole numbers they are 1, 1.5, 2, 3, 4, 6 ... (powers of two, and
+ *  1.5 times each). */
 export function stops(min: number, max: number, whole: boolean, around: number): number[] {
   const places = new Set([min, max, around]);
   if (whole && max - min <= 64) {
@@ -73,7 +74,7 @@ function inputs(parameter: Parameter, value: string, handlers: Handlers): HTMLEl
   }
 }
 
-/** The control of one parameter. */
+/** Builds the control of one parameter. */
 export function control(parameter: Parameter, given: string | undefined, handlers: Handlers): HTMLElement {
   const { key, unit, about, provenance } = parameter;
   const value = given ?? asOption(parameter.default);
@@ -95,7 +96,8 @@ export function control(parameter: Parameter, given: string | undefined, handler
 
 const group = (key: string): string => key.split(".")[0]!;
 
-/** All controls of a machine: those that were changed or matter most, then the rest by group; or those that a search finds. */
+/** Builds the controls of a machine: first the changed and the main parameters, then the rest by group. A search shows its
+ *  matches only. */
 export function controls(machine: Machine, set: Map<string, string>, search: string, handlers: Handlers): HTMLElement[] {
   const words = search.toLowerCase().split(/\s+/).filter(Boolean);
   const one = (parameter: Parameter) => control(parameter, set.get(parameter.key), handlers);
@@ -107,7 +109,7 @@ export function controls(machine: Machine, set: Map<string, string>, search: str
   const rest = Map.groupBy(machine.parameters.filter(parameter => !first.includes(parameter)), ({ key }) => group(key));
   const groups = [...rest].map(([name, parameters]) => {
     const details = el("details", {}, el("summary", {}, `${name} (${parameters.length})`));
-    // Made when it is opened: there are hundreds.
+    // Built when the group is opened, because there are hundreds of parameters.
     details.addEventListener("toggle", () => details.childElementCount === 1 && details.append(...parameters.map(one)));
     return details;
   });

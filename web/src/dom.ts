@@ -1,8 +1,8 @@
-// Elements.
+// Helpers for DOM elements and number formats.
 
 type Attributes = Record<string, string | number | boolean | ((event: Event) => void)>;
 
-/** An element with attributes, event handlers ("onclick") and children. */
+/** Creates an element with attributes, event handlers (for example "onclick") and children. */
 export function el<K extends keyof HTMLElementTagNameMap>(
   name: K, attributes: Attributes = {}, ...children: (Node | string)[]
 ): HTMLElementTagNameMap[K] {
@@ -22,12 +22,12 @@ export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
 
 const grouped = new Intl.NumberFormat("en-US");
 
-/** A count, by thousands. */
+/** Formats a count with thousands separators. */
 export const thousands = (n: number): string => grouped.format(n);
 
 export const percent = (part: number, whole: number): string => (whole > 0 ? `${((100 * part) / whole).toFixed(1)} %` : "0 %");
 
-/** How much more, with its sign. */
+/** Formats a relative change with its sign. */
 export function change(now: number, before: number): string {
   if (now === before) return "the same";
   const sign = now > before ? "+" : "\u2212";

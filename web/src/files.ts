@@ -1,4 +1,4 @@
-// Files that are dropped or chosen: a model or a display list, and what lies beside it.
+// Reads dropped or chosen files: a model or a display list, with its neighbouring files.
 
 export interface Dropped { name: string; files: { name: string; at: [number, number] }[]; rest: Uint8Array<ArrayBuffer> }
 
@@ -13,7 +13,7 @@ async function inside(entry: FileSystemEntry): Promise<Named[]> {
   }
   const reader = (entry as FileSystemDirectoryEntry).createReader();
   const all: Named[] = [];
-  // A folder is read in parts, until there is no more.
+  // A folder is read in batches. An empty batch is the end.
   for (;;) {
     const part = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
     if (part.length === 0) return all;
@@ -30,7 +30,7 @@ export async function dropped(transfer: DataTransfer): Promise<Dropped> {
 export const chosen = (files: FileList): Promise<Dropped> =>
   gathered([...files].map(file => ({ path: file.webkitRelativePath || file.name, file })));
 
-/** The file to open is the first of the best kind that there is; the others are named as it refers to them. */
+/** Opens the first file of the most preferred kind. The other files are named relative to its folder. */
 async function gathered(all: Named[]): Promise<Dropped> {
   const sorted = all.toSorted((a, b) => (a.path < b.path ? -1 : 1));
   const main = MAIN.map(kind => sorted.find(({ path }) => kind.test(path))).find(found => found !== undefined) ?? sorted[0];

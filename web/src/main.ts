@@ -1,4 +1,4 @@
-// The page: its state, what is asked when it changes, and what is shown of the answers.
+// The page: its state, the questions after a change, and the display of the answers.
 import { bytesAt, Client, type Answered } from "./client";
 import { controls } from "./controls";
 import { byId, el } from "./dom";
@@ -9,12 +9,12 @@ import { chooser, pictures, Stage, type Picture } from "./picture";
 import type { Catalogue, Machine, Meanwhile, Pixel, Report, Run, Taken, Told } from "./protocol";
 import { read, SIZES, write, type State } from "./state";
 
-/** Size while something moves. */
+/** Picture size while the view moves. */
 const MOVING: [number, number] = [320, 240];
-/** Long enough not to begin the whole answer between two movements \[ms\]. */
+/** Delay before the complete answer \[ms\]: long enough not to start it between two movements. */
 const REST = 200;
 
-/** The page is a viewer: it draws what the server offers that it comes from. */
+/** True if the page is a viewer, which draws the scene of its own server. */
 const SERVED = document.documentElement.dataset["from"] !== undefined;
 
 export interface Embedded { wasm(): Promise<ArrayBuffer>; worker(): Worker }
@@ -40,7 +40,7 @@ function problem(text: string | undefined): void {
 
 class Page {
   #state: State;
-  /** What was dropped, to be told to a simulator that begins anew. */
+  /** Dropped files, kept for a restarted simulator. */
   #files: Dropped | undefined;
   #taken: Taken | undefined;
   #shown: Shown | undefined;
@@ -48,12 +48,12 @@ class Page {
   #pictures: Picture[] = [];
   #stage: Stage;
   #path = new Path();
-  /** Counts what was changed; an answer to what was changed since is of no use. */
+  /** Counts changes. An answer to an older version is discarded. */
   #version = 0;
   #busy = false;
-  /** The change whose pixels' costs are known. */
+  /** The version with known pixel costs. */
   #costly = -1;
-  /** The change that is being answered. */
+  /** The version of the current question. */
   #asking = 0;
   #rest: ReturnType<typeof setTimeout> | undefined;
 
@@ -69,7 +69,7 @@ class Page {
 
   async begin(): Promise<void> {
     this.#wire();
-    // A file cannot be part of an address.
+    // An address cannot contain a file.
     if (this.#state.demo === null && !SERVED) this.#state.demo = "golf-ball";
     await this.#take();
   }
@@ -80,11 +80,11 @@ class Page {
     return machines.find(machine => machine.name === name) ?? machines[0]!;
   }
 
-  // What is drawn.
+  // Input.
 
   async #take(): Promise<void> {
     this.#version++;
-    // Until it is there, nothing is asked of what was there before.
+    // Blocks questions about the previous input until the new input is loaded.
     this.#taken = undefined;
     clearTimeout(this.#rest);
     try {
@@ -100,7 +100,7 @@ class Page {
     this.#changed(true);
   }
 
-  /** Tells the simulator what is drawn. */
+  /** Sends the input to the simulator. */
   #tellWhat(): Promise<Answered<Taken>> {
     if (SERVED) return this.client.ask<Taken>({ ask: "from", server: new URL(".", location.href).href });
     const { demo } = this.#state;
@@ -120,7 +120,7 @@ class Page {
     }
   }
 
-  // What changes.
+  // Changes.
 
   #turn(around: number, up: number, rests: boolean): void {
     if (!this.#taken?.scene) return;
@@ -137,7 +137,7 @@ class Page {
     this.#changed(rests);
   }
 
-  /** Something is to be answered anew: at once a quick answer, and once it rests a whole one. */
+  /** Requests new answers after a change: a quick one at once, and a complete one when the input rests. */
   #changed(rests: boolean): void {
     this.#version++;
     Object.assign(document.documentElement.dataset, { asked: this.#version, settled: false });
@@ -152,7 +152,7 @@ class Page {
     return { ask: "run", machine: this.#machine.name, set: [...this.#state.set], view, ...more };
   }
 
-  /** Asks, unless something is being answered: then whoever waits for that asks again. */
+  /** Requests a quick answer. During another question it does nothing, because that question's caller asks again afterwards. */
   async #quick(): Promise<void> {
     if (this.#busy || !this.#taken) return;
     const size = this.#state.view.size;
@@ -162,7 +162,7 @@ class Page {
     if (version !== this.#version) void this.#quick();
   }
 
-  /** The picture in its size, then what it is held against, then what limits it. */
+  /** Requests the picture in full size, then the comparison with the exact picture, then the bottlenecks. */
   async #whole(): Promise<void> {
     const version = this.#version;
     if (this.#busy) {
@@ -172,7 +172,7 @@ class Page {
     }
     const size = this.#state.view.size;
     const last = { exact: true, limits: true };
-    // What a server offers is held against no exact picture: that takes the texels.
+    // A server's scene has no exact picture, because that needs all texels.
     for (const more of SERVED ? [{}, last] : [{}, { exact: true }, last]) {
       if (version !== this.#version || !this.#taken) return;
       if (!(await this.#run(this.#question(size, more), "limits" in more, version))) break;
@@ -181,7 +181,7 @@ class Page {
     if (version !== this.#version) void this.#quick();
   }
 
-  /** Whether there was an answer. */
+  /** Returns true if the run was answered. */
   async #run(question: Record<string, unknown>, whole: boolean, version: number): Promise<boolean> {
     this.#busy = true;
     this.#asking = version;
@@ -204,7 +204,7 @@ class Page {
     }
   }
 
-  /** Hears what is told before the answer: what has come for this question, and pictures that better ones follow. */
+  /** Handles the progress of a question: received bytes and intermediate pictures. */
   #meanwhile(): (told: Meanwhile) => void {
     let bytes = 0;
     return told => {
@@ -217,7 +217,7 @@ class Page {
     };
   }
 
-  /** What each pixel costs: pictures, and from then on what lies under the pointer. */
+  /** Requests the cost of each pixel. Adds the cost pictures and enables details under the pointer. */
   async #costs(question: Record<string, unknown>, version: number): Promise<void> {
     this.#busy = true;
     try {
@@ -229,7 +229,7 @@ class Page {
         document.documentElement.dataset["costs"] = String(version);
       }
     } catch {
-      // A run that cannot be charged, as one that ends early, has no such pictures.
+      // A run without pixel costs, for example one that ends early, has no such pictures.
     } finally {
       this.#busy = false;
     }
@@ -240,7 +240,7 @@ class Page {
     return (await this.client.ask<Pixel | null>({ ask: "pixel", x, y })).json;
   }
 
-  // What is shown.
+  // Display.
 
   #show({ json, rest, ms, waited }: Answered<Run>, whole: boolean, answered: number): void {
     const { report } = json;
@@ -257,7 +257,8 @@ class Page {
     this.#tell(whole, answered);
   }
 
-  /** For who drives the page by program: which change the answer is to, how long the first one took, and whether all is answered. */
+  /** Publishes attributes for automated tests: the version of the answer, the time of its first answer, and whether all questions
+   *  are answered. */
   #tell(whole: boolean, answered: number): void {
     const told = document.documentElement.dataset;
     const current = this.#asking === this.#version;
@@ -301,7 +302,7 @@ class Page {
     this.#results();
   }
 
-  /** Choices and controls, by what the state says. */
+  /** Fills choices and controls from the state. */
   #fill(): void {
     const { machines, demos } = this.catalogue;
     const machine = byId<HTMLSelectElement>("machine");
@@ -395,7 +396,7 @@ class Page {
     });
   }
 
-  /** Ends a run that takes too long; what is drawn has to be told anew. */
+  /** Stops a run that takes too long. The input must then be sent again. */
   #stop(): void {
     this.client.restart("Stopped. Change any input to continue.");
     this.#path.forget();
@@ -406,7 +407,7 @@ class Page {
 
 const round = (x: number, digits: number): number => Number(x.toFixed(digits));
 
-/** A light from above, by its angle around the scene. */
+/** Returns the direction of a light from above, by its angle around the scene. */
 function towards(degrees: number): [number, number, number] {
   const angle = (degrees * Math.PI) / 180;
   return [round(Math.sin(angle), 4), 0.9, round(Math.cos(angle), 4)];

@@ -1,14 +1,14 @@
-// What is told of a run: numbers to be read from a distance, then one panel at a time.
+// Results of a run: headline figures, then one panel at a time.
 import { changes, frameCycles, memoryBytes } from "./changes";
 import { change, el, thousands } from "./dom";
 import type { Report, Run } from "./protocol";
 import { timeline } from "./strips";
 
-export interface Shown { run: Run; rest: Uint8Array; /** With exact picture and limits. */ whole: boolean }
+export interface Shown { run: Run; rest: Uint8Array; /** With exact picture and bottlenecks. */ whole: boolean }
 
-/** Tabs that the page itself makes, beside those of the simulator's sections. */
+/** Tabs built by the page itself, in addition to the simulator's sections. */
 const OWN: [string, string][] = [["timeline", "Timeline"], ["changes", "Changes"]];
-/** Sections that stand in the page's own parts already. */
+/** Sections whose content the page already shows elsewhere. */
 const ELSEWHERE = ["pictures", "warnings"];
 const FIRST = ["units", "diagram", "bottlenecks", "timeline", "changes"];
 
@@ -35,7 +35,7 @@ export function numbers(into: HTMLElement, now: Shown, pinned: Shown | undefined
   }));
 }
 
-/** The bottleneck in words, once the simulator has measured it. */
+/** Describes the bottleneck in words, once the simulator has measured it. */
 export function lead(into: HTMLElement, { run, whole }: Shown): void {
   const { outcome, cycles } = run.report;
   if (outcome.kind !== "complete") {
@@ -74,7 +74,7 @@ export function tabs(into: HTMLElement, run: Run, chosen: string, choose: (panel
       },
     }, SHORT[id] ?? title);
   });
-  // Whoever has one in hand keeps it.
+  // Keeps the keyboard focus on its tab.
   const held = into.contains(document.activeElement) ? document.activeElement!.id : undefined;
   into.replaceChildren(...buttons);
   if (held) document.getElementById(held)?.focus();
@@ -86,7 +86,7 @@ export function panel(into: HTMLElement, name: string, now: Shown, pinned: Shown
   if (name === "timeline") return into.replaceChildren(timeline(now.run, now.rest));
   if (name === "changes") return into.replaceChildren(changes(pinned?.run, now.run));
   const open = new Set([...into.querySelectorAll("details[open] > summary")].map(summary => summary.textContent));
-  // The simulator's own markup, escaped there; scripts in it would not run.
+  // The simulator generates this markup and escapes it. Scripts in it would not run.
   into.innerHTML = now.run.sections.find(({ id }) => id === name)?.html ?? "";
   for (const details of into.querySelectorAll("details")) {
     if (open.has(details.querySelector("summary")?.textContent ?? "")) details.open = true;

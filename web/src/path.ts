@@ -1,30 +1,31 @@
-// What has come from the server, against what would come with all textures whole; and what of it was for this view.
+// Bytes received from the server: the total, compared with the bytes of all whole textures, and the part for the current view.
 import { byId, percent, thousands } from "./dom";
 import type { Come, Report } from "./protocol";
 
 const NOTHING: Come = { requests: 0, scene_bytes: 0, tiles: 0, tile_bytes: 0 };
 
 export class Path {
-  /** What had come before this view, and what has come. */
+  /** Totals received before the current view, and up to now. */
   #before = NOTHING;
   #come = NOTHING;
   #view = -1;
-  /** What all tiles of all textures take, once that is known. */
+  /** Bytes of all tiles of all textures, once known. */
   #all = 0;
 
-  /** The simulator has begun anew: nothing has come. */
+  /** Resets the counts after a restart of the simulator. */
   forget(): void {
     this.#before = this.#come = NOTHING;
   }
 
-  /** Something of this view is asked for: a number of its own. */
+  /** Starts the counts of a view. Each view has its own number. */
   begin(view: number): void {
     if (view === this.#view) return;
     this.#view = view;
     this.#before = this.#come;
   }
 
-  /** Bytes that have come since the last answer, and are not checked yet: they are of this view, as what came for its answers so far. */
+  /** Adds bytes received since the last answer and not yet checked. They belong to the current view, as do the bytes of its
+   *  answers so far. */
   came(bytes: number): void {
     const all = this.#come.tile_bytes + bytes;
     this.#bar(all);

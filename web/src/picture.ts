@@ -1,4 +1,4 @@
-// The picture: two of them with a divider to drag, turned by dragging, and what lies under the pointer.
+// The picture area: two pictures with a movable divider, rotation by dragging, and details of the pixel under the pointer.
 import { bytesAt } from "./client";
 import { el } from "./dom";
 import type { PictureInfo, Pixel } from "./protocol";
@@ -12,7 +12,7 @@ export function pictures(list: PictureInfo[], rest: Uint8Array): Picture[] {
 }
 
 export interface Turning {
-  /** Dragged by so many degrees; `rests` when it is let go. */
+  /** Turns the view by these degrees. `rests` is true when the user ends the drag. */
   turn(around: number, up: number, rests: boolean): void;
   zoom(factor: number): void;
   reset(): void;
@@ -121,7 +121,7 @@ export class Stage {
     act();
   }
 
-  /** What lies under the pointer. */
+  /** Describes the pixel under the pointer. */
   #point(event: PointerEvent): void {
     const left = this.#left;
     if (!left || event.buttons !== 0) return;
@@ -129,7 +129,7 @@ export class Stage {
     const x = Math.floor(((event.clientX - box.left) / box.width) * left.width);
     const y = Math.floor(((event.clientY - box.top) / box.height) * left.height);
     if (x < 0 || y < 0 || x >= left.width || y >= left.height) return;
-    // A heat map has its legend below, so it is larger than the picture; its pixels are told as what they stand for.
+    // A heat map has a legend below and is therefore taller than the picture. Its values are shown as costs, not as colours.
     const shown = [left, this.#right].filter(picture => picture !== undefined && picture.name !== "cost" && picture.name !== "wait");
     const told = `Pixel ${x}, ${y}: ${shown.map(picture => `${picture!.name} ${at(picture!, x, y)}`).join("; ")}`;
     this.says.textContent = told;
@@ -140,7 +140,7 @@ export class Stage {
   }
 }
 
-/** Most ways that the cycles of a pixel went that are told. */
+/** Maximum number of listed causes for the cycles of a pixel. */
 const WAYS = 4;
 
 function cost({ cycles, ways, overdraw, level, entry, polygon }: Pixel): string {
@@ -159,7 +159,7 @@ function at({ rgba, width }: Picture, x: number, y: number): string {
   return a === 0 ? "empty" : `${r} ${g} ${b}`;
 }
 
-/** A choice of pictures by name. */
+/** Fills a selection box with pictures by name. */
 export function chooser(select: HTMLSelectElement, list: Picture[], none: string | undefined): void {
   const chosen = select.value;
   const options = list.map(({ name, about }) => el("option", { value: name, title: about }, name));

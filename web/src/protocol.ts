@@ -1,6 +1,6 @@
-// How the page and the simulator talk: JSON, and bytes behind it (crates/web/src/parcel.rs).
+// Messages between the page and the simulator: JSON followed by bytes (crates/web/src/parcel.rs).
 
-/** Place and length of bytes behind the JSON. */
+/** Offset and length of bytes after the JSON. */
 export type Place = [number, number];
 
 export interface Parcel<T = unknown> {
@@ -8,17 +8,17 @@ export interface Parcel<T = unknown> {
   rest: Uint8Array;
 }
 
-/** A question on its way to the worker, and what it comes to. */
+/** A question to the worker, and its answer. */
 export interface Question { id: number; json: unknown; rest: Uint8Array }
-/** How long it took, and how much of that a server was waited for \[ms\]. */
+/** Total time of the answer, and the part spent waiting for a server \[ms\]. */
 export interface Took { ms: number; waited: number }
 export interface Answer extends Took { id: number; json: unknown; rest: Uint8Array }
-/** The worker is told its simulator first. */
+/** First message to the worker: its simulator. */
 export interface Start { wasm: ArrayBuffer }
-/** Told while a question is being answered: bytes that have come from a server, or a picture that a better one follows. */
+/** Progress of a question: a count of bytes received from a server, or an intermediate picture. */
 export type Meanwhile = { id: number; came: number } | { id: number; sketch: Sketch; rest: Uint8Array };
 export interface Sketch { at: Place; width: number; height: number }
-/** The simulator has stopped in the middle of a question: nothing follows. */
+/** The simulator stopped during a question. No answer follows. */
 export interface Lost { lost: string }
 
 export type Takes =
@@ -38,7 +38,7 @@ export interface Machine {
 
 export interface Catalogue { version: string; machines: Machine[]; demos: { name: string; about: string; machine: string }[] }
 
-/** What a model, a demo or what a server offers is. */
+/** Description of a model, of a demo or of a server's scene. */
 export interface Taken { machine: string; scene: boolean; triangles?: number; warnings?: string[] }
 
 export interface PictureInfo { name: string; about: string; at: Place; width: number; height: number }
@@ -48,7 +48,7 @@ export interface Unit {
   starved: Record<string, number>; blocked: Record<string, number>; memory: Record<string, number>;
 }
 
-/** The part of report.json that the page itself reads; all of it is shown by what the simulator writes. */
+/** The fields of report.json that the page itself reads. The simulator's own markup shows the whole report. */
 export interface Report {
   machine: string;
   input: { name: string };
@@ -67,12 +67,12 @@ export interface Report {
   warnings: string[];
 }
 
-/** An answer to a question for a run, as it travels. */
+/** The answer to a run, in wire format. */
 export type Told = Omit<Run, "report" | "text"> & { report: Place };
 
 export interface Run {
   report: Report;
-  /** The report as the command line writes it, but for what the host took. */
+  /** The report as the command line writes it, without the figures of the host. */
   text: string;
   command: string;
   sections: { id: string; title: string; html: string }[];
@@ -81,10 +81,10 @@ export interface Run {
   strips: { width: number; units: { name: string; at: Place }[] } | null;
 }
 
-/** What has come from the server so far. */
+/** Totals received from the server so far. */
 export interface Come { requests: number; scene_bytes: number; tiles: number; tile_bytes: number }
 
-/** What a pixel costs. */
+/** Cost of a pixel. */
 export interface Pixel {
   cycles: number;
   ways: { unit: string; kind: "busy" | "memory" | "starved" | "blocked"; of: string; cycles: number }[];

@@ -1,4 +1,4 @@
-// The page as it is served: worker and simulator are files beside it.
+// Entry point of the served page. The worker and the simulator are separate files next to the page.
 import { page } from "./main";
 
 void page({

@@ -1,7 +1,7 @@
-// The page as one file: worker and simulator stand in it.
+// Entry point of the page as one file, which contains the worker and the simulator.
 import { page } from "./main";
 
-/** Put in by the build: the text of the worker, and the simulator, compressed with gzip, in base64. */
+/** Inserted by the build: the text of the worker, and the simulator compressed with gzip in base64. */
 declare const WORKER: string;
 declare const SIMULATOR: string;
 

@@ -1,8 +1,8 @@
-// What the page shows, as its address says it: who sends the address on sends the run.
+// The state of the page, as encoded in its address. A shared address repeats the run.
 import type { View } from "./protocol";
 
 export interface State {
-  /** What is drawn is what the server offers. */
+  /** True if the server's scene is drawn. */
   served: boolean;
   demo: string | null;
   machine: string | null;
@@ -15,7 +15,7 @@ export const SIZES: [number, number][] = [[160, 120], [320, 240], [640, 480], [1
 
 export function initial(served: boolean): State {
   const common = { served, machine: null, view: { size: [640, 480] as [number, number] }, panel: "units" };
-  // Who waits for a path wants to see something.
+  // Shows intermediate pictures while tiles arrive.
   return served ? { ...common, demo: null, set: new Map([["defer.mode", "progressive"]]) } : { ...common, demo: "golf-ball", set: new Map() };
 }
 

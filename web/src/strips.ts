@@ -1,4 +1,4 @@
-// The time line: for each unit, what it did when, in columns of equal width.
+// The time line: the activity of each unit over time, in columns of equal width.
 import { bytesAt } from "./client";
 import { frameCycles } from "./changes";
 import { el, thousands } from "./dom";
@@ -11,7 +11,7 @@ const HEIGHT = 28;
 
 export function timeline({ report, strips }: Run, rest: Uint8Array): HTMLElement {
   if (!strips || strips.units.length === 0) return el("p", { class: "quiet" }, "The timeline appears when the image is idle.");
-  // Behind the last frame what was drawn is only shown.
+  // After the last frame only scan-out remains.
   const drawn = Math.ceil(frameCycles(report) / strips.width);
   const columns = Math.max(1, Math.min(drawn, ...strips.units.map(({ at }) => at[1] / STATES.length).sort((a, b) => b - a).slice(0, 1)));
   const says = el("p", { class: "quiet", "aria-live": "off" }, "Point at a strip to see its values.");
@@ -34,7 +34,7 @@ export function timeline({ report, strips }: Run, rest: Uint8Array): HTMLElement
   return el("div", {}, el("ul", { class: "legend" }, ...STATES.map(swatch)), table, says);
 }
 
-/** Where the frames end. */
+/** Marks the ends of the frames. */
 function frames(cycles: number[], whole: number): HTMLElement[] {
   if (cycles.length < 2) return [];
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");

@@ -1,5 +1,5 @@
-// The simulator as WebAssembly: three functions and a memory, and three that it calls (crates/web/src/abi.rs). For the worker, and for
-// node.
+// The simulator as WebAssembly: three exported functions, a memory, and three imported functions (crates/web/src/abi.rs). The
+// worker and node use this module.
 import { pack, unpack, type Parcel, type Sketch } from "./protocol";
 
 interface Exports {
@@ -11,11 +11,11 @@ interface Exports {
 
 export type Simulator = (json: unknown, rest?: Uint8Array) => Parcel;
 
-/** What the simulator asks for while it answers. */
+/** Requests of the simulator while it computes an answer. */
 export interface Outside {
-  /** Gets what is at an address, as `{ status, tag }` with the body behind it, or as `{ error }`; `fresh`: not what is kept. */
+  /** Fetches an address. Returns `{ status, tag }` followed by the body, or `{ error }`. `fresh` bypasses the browser cache. */
   get(address: string, fresh: boolean): Parcel;
-  /** Shows a picture that a better one follows. */
+  /** Shows an intermediate picture. */
   show(picture: Parcel<Sketch>): void;
 }
 
@@ -26,7 +26,7 @@ const nobody: Outside = {
 
 export async function simulator(wasm: BufferSource, outside = nobody): Promise<Simulator> {
   let answer: Uint8Array = new Uint8Array();
-  // A view of the memory holds until the memory grows.
+  // A view of the memory becomes invalid when the memory grows.
   const bytes = (at: number, length: number) => new Uint8Array(exports.memory.buffer, at, length);
   const page = {
     get(at: number, length: number, fresh: number): number {
@@ -44,7 +44,7 @@ export async function simulator(wasm: BufferSource, outside = nobody): Promise<S
     const at = exports.inbox(question.length);
     bytes(at, question.length).set(question);
     const length = exports.answer();
-    // A copy: the memory is the simulator's, and may move.
+    // Copies the bytes, because the memory belongs to the simulator and may move.
     return unpack(bytes(exports.outbox(), length).slice());
   };
 }

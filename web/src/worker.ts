@@ -1,15 +1,15 @@
-// The worker: one simulator, one question at a time.
+// The worker: one simulator, which answers one question at a time.
 import type { Answer, Lost, Meanwhile, Question, Start } from "./protocol";
 import { simulator, type Outside, type Simulator } from "./wasm";
 
-/** Longest that an answer of a server may take \[ms\]: there is no telling whether something of it comes. */
+/** Timeout for a server's answer \[ms\]. A synchronous request reports no progress. */
 const PATIENCE = 60_000;
 
 const scope = self as unknown as DedicatedWorkerGlobalScope;
 let started: Promise<Simulator> | undefined;
-/** The question that is being answered. */
+/** Id of the current question. */
 let id = 0;
-/** How long the server was waited for meanwhile \[ms\]. */
+/** Time spent waiting for the server during the current question \[ms\]. */
 let waited = 0;
 
 function tell(meanwhile: Meanwhile, lent: Transferable[] = []): void {
@@ -17,7 +17,7 @@ function tell(meanwhile: Meanwhile, lent: Transferable[] = []): void {
 }
 
 const outside: Outside = {
-  // Waited for: the simulator cannot go on without it, and a worker may.
+  // Synchronous, because the simulator cannot continue without the answer. A worker may block.
   get(address, fresh) {
     const request = new XMLHttpRequest();
     const began = performance.now();
@@ -53,7 +53,7 @@ scope.onmessage = async (event: MessageEvent<Start | Question>) => {
     const answer: Answer = { id, json, rest, ms: performance.now() - began, waited };
     scope.postMessage(answer, [rest.buffer]);
   } catch (error) {
-    // WebAssembly that has trapped is not to be used again.
+    // A WebAssembly instance must not be used after a trap.
     const lost: Lost = { lost: String(error) };
     scope.postMessage(lost);
   }

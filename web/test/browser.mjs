@@ -1,4 +1,4 @@
-// The page in Chromium, as people use it.
+// Tests the page in Chromium with user actions.
 //
 //   node test/browser.mjs PROGRAM PAGE_FOLDER [MODEL...]
 import assert from "node:assert/strict";
@@ -36,7 +36,7 @@ async function machines() {
   }
 }
 
-/** From the movement of a slider to the picture and figures on the page. */
+/** Measures the time from a slider movement to the new picture and figures. */
 async function slider() {
   const page = await opened(`${server.address}#demo=golf-ball&size=320x240`);
   const slide = page.locator('[id="slide-replacement.lanes"]');
@@ -74,7 +74,7 @@ async function turned() {
   await whole(page);
   assert.match(await page.textContent("#command"), /--turn -/);
   await equalsNative(page);
-  // The address holds it all.
+  // The address contains the whole state.
   const again = await opened(page.url());
   assert.deepEqual(await shown(again), await shown(page));
   await again.close();
@@ -94,7 +94,7 @@ async function pinned() {
   await page.close();
 }
 
-/** What a pixel costs: pictures, and what lies under the pointer. */
+/** Tests the cost of a pixel: pictures, and details under the pointer. */
 async function costs() {
   const page = await opened(`${server.address}#demo=golf-ball&size=160x120`);
   await page.waitForFunction(() => document.documentElement.dataset.costs === document.documentElement.dataset.asked);
@@ -122,10 +122,10 @@ async function wrong() {
   await page.close();
 }
 
-/** A model is dropped onto the page. */
+/** Drops a model onto the page. */
 async function dropped(model) {
   const page = await opened(`${server.address}#demo=cut-plane@1&size=160x120&machine=shade`);
-  // A glTF file with all that lies beside it, but for other models.
+  // A glTF file with all its neighbouring files except other models.
   const beside = model.endsWith(".gltf") ? readdirSync(dirname(model)).filter(name => !/\.(gltf|glb|obj)$/.test(name)) : [];
   const files = [basename(model), ...beside].map(name => [name, readFileSync(join(dirname(model), name)).toString("base64")]);
   await page.evaluate(files => {

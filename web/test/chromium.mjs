@@ -1,4 +1,4 @@
-// The page in Chromium, as the page's tests use it.
+// Chromium for the tests of the page.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { chromium } from "playwright-core";
@@ -7,7 +7,7 @@ import { comparable } from "./native.mjs";
 const QUIET = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
 
 export class Browser {
-  /** What was not to be: errors, warnings, and requests for what is elsewhere. */
+  /** Faults: errors, warnings, and requests to other hosts. */
   faults = [];
 
   static async launch() {
@@ -36,14 +36,14 @@ export class Browser {
     return page;
   }
 
-  /** Waits for the whole answer to what was changed last. */
+  /** Waits for the complete answer to the last change. */
   async whole(page) {
     await page.waitForTimeout(50);
     await page.waitForFunction(() => document.documentElement.dataset.settled === "true");
     assert.equal(await page.isVisible("#problem"), false, await page.textContent("#problem"));
   }
 
-  /** The report as it is saved, and the command that repeats it. */
+  /** Returns the saved report, and the command that repeats it. */
   async shown(page) {
     const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
     return { report: comparable(JSON.parse(readFileSync(await download.path(), "utf8"))), command: await page.textContent("#command") };

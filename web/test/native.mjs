@@ -1,16 +1,16 @@
-// The program, as the page's tests use it.
+// The native program for the tests of the page.
 import { execFileSync, spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 
-/** What differs between equal runs: how fast the host was. */
+/** Removes the speed of the host, the only difference between equal runs. */
 export function comparable(report) {
   const { host: _, ...rest } = report;
   return rest;
 }
 
-/** The words of a command line as a shell splits them. */
+/** Splits a command line into words as a shell does. */
 export function words(line) {
   const found = line.match(/(?:'[^']*'|\\.|[^\s'\\])+/g) ?? [];
   return found.map(word => word.replace(/'([^']*)'|\\(.)/g, (_, quoted, plain) => quoted ?? plain));
@@ -21,7 +21,7 @@ export class Native {
     this.program = resolve(program);
   }
 
-  /** The report of a command line of `basrelief`. */
+  /** Returns the report of a `basrelief` command line. */
   report(line, folder = process.cwd()) {
     const [, ...args] = words(line);
     const out = mkdtempSync(join(tmpdir(), "basrelief-page-"));
@@ -33,7 +33,7 @@ export class Native {
     }
   }
 
-  /** Serves the page, or a model with its viewer: the address, and what ends it. */
+  /** Serves the page, or a model with its viewer. Returns the address and a function that stops the server. */
   async serve(folder, model) {
     const what = model === undefined ? ["page"] : ["serve", model];
     const server = spawn(this.program, [...what, "--listen", "127.0.0.1:0", "--folder", folder], { stdio: ["ignore", "pipe", "inherit"] });

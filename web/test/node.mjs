@@ -1,4 +1,5 @@
-// The simulator as WebAssembly against the program: the same report, to the byte but for the host's speed, on every demo.
+// Compares the simulator as WebAssembly with the native program on every demo. The reports are equal to the byte, except for the
+// host's speed.
 //
 //   node test/node.mjs PROGRAM PAGE_FOLDER
 import assert from "node:assert/strict";
@@ -10,7 +11,7 @@ import { comparable, Native } from "./native.mjs";
 
 const [program, folder] = process.argv.slice(2);
 const native = new Native(program);
-// As the page has it, without the page.
+// Loads the simulator as the page does, without the page.
 const { outputFiles } = await build({
   entryPoints: [join(import.meta.dirname, "../src/wasm.ts")], bundle: true, write: false, format: "esm", platform: "node",
 });

@@ -1,4 +1,4 @@
-// The page of a sweep in Chromium, from a disk, as people use it.
+// Tests the page of a sweep in Chromium, opened from disk, with user actions.
 //
 //   node web/test/sweep.mjs PAGE.html
 import assert from "node:assert/strict";
@@ -24,12 +24,12 @@ const told = page => page.textContent("#point");
 const name = page => page.textContent("#point code");
 const places = page => page.$$eval("#points .point:not(.off)", all => all.map(dot => [dot.getAttribute("cx"), dot.getAttribute("cy")].join()));
 
-// A point of the front is shown, with its picture.
+// The page first shows a Pareto-optimal point with its picture.
 const page = await opened();
 assert.match(await told(page), /^Pareto-optimal/);
 assert.ok(await page.$eval("#point img", image => image.decode().then(() => image.naturalWidth > 0)));
 
-// Keys: from the first to the last point, and through the front alone.
+// Keys move from the first to the last point, and along the Pareto front alone.
 await page.focus("#plot");
 const rows = await page.$$eval("#points .point", all => all.length);
 const seen = new Set();
@@ -42,18 +42,18 @@ assert.equal(seen.size, rows, "arrow keys reach every point");
 await page.keyboard.press("ArrowUp");
 assert.match(await told(page), /^Pareto-optimal/);
 
-// A pointer: the point under it, kept by a click.
+// The pointer selects the point below it. A click keeps the selection.
 await page.keyboard.press("Escape");
 const dot = page.locator("#points .point").first();
 await dot.hover({ force: true });
-// A pointer is told of with the next frame.
+// The pointer event arrives with the next frame.
 await page.evaluate(() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))));
 const hovered = await name(page);
 await dot.click({ force: true });
 await page.mouse.move(5, 5);
 assert.equal(await name(page), hovered);
 
-// Other figures: points move, their axes and colours are seen, and back again all is as it was.
+// Other figures move the points and show their axes and colours. The first figures restore the first picture.
 const before = await places(page);
 await page.selectOption("#across", { index: 3 });
 await page.selectOption("#colour", { index: 2 });
@@ -63,16 +63,16 @@ assert.ok(await page.isVisible("#colours-1") && !await page.isVisible("#colours-
 assert.ok(await page.locator("#points [class*=level-]").count() > 0);
 await page.selectOption("#across", { index: 0 });
 await page.selectOption("#colour", { index: 0 });
-// The page writes two decimals, the script all of them.
+// The page writes two decimals, the script all decimals.
 const numbers = all => all.flatMap(place => place.split(",").map(Number));
 assert.ok(numbers(await places(page)).every((x, at) => Math.abs(x - numbers(before)[at]) < 0.01));
 
-// A point named in the table.
+// A button in the table selects its point.
 const button = page.locator("#chosen button").first();
 await button.focus();
 assert.equal(await name(page), await button.getAttribute("data-id"));
 
-// Without the script, on a phone, in the dark.
+// Without scripts, on a phone, in dark mode.
 const plain = await opened({ javaScriptEnabled: false });
 assert.ok(await plain.isVisible(".plot") && !await plain.isVisible("#choose"));
 const phone = await opened({ viewport: { width: 400, height: 800 }, colorScheme: "dark" });

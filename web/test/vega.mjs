@@ -1,4 +1,5 @@
-// The chart of a sweep for Vega-Lite: kept to the schema of Vega-Lite, compiled and drawn without a warning, with a mark for each point.
+// Tests the chart of a sweep for Vega-Lite. It validates against the schema of Vega-Lite, compiles and draws without a warning,
+// and has a mark for each point.
 //
 //   node web/test/vega.mjs SWEEP.vl.json
 import assert from "node:assert/strict";
@@ -16,7 +17,7 @@ assert.equal(chart.$schema, `https://vega.github.io/schema/vega-lite/v${vegaLite
 const ajv = addFormats(new Ajv({ strict: false })).addFormat("color-hex", () => true);
 const fits = ajv.validate(schema, chart);
 assert.ok(fits, JSON.stringify(ajv.errors, null, 2));
-// The schema is one that refuses something.
+// Proves that the schema can refuse a chart.
 assert.ok(!ajv.validate(schema, { ...chart, layer: [{ mark: "spot" }] }));
 
 const faults = [];

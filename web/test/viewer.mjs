@@ -1,5 +1,5 @@
-// The viewer in Chromium, over a real server: looked around, what comes is counted at the server's side of the browser, and each view is
-// held against the program that renders from the same server.
+// Tests the viewer in Chromium with a real server. The test turns the view, counts the bytes received by the browser, and
+// compares each view with the native program on the same server.
 //
 //   node web/test/viewer.mjs PROGRAM PAGE_FOLDER [FOLDER_FOR_PICTURES]
 import assert from "node:assert/strict";
@@ -12,11 +12,11 @@ const native = new Native(program);
 const server = await native.serve(folder, "demo:gallery");
 const browser = await Browser.launch();
 
-/** Most bytes of the page itself, compressed, as build.mjs has it. */
+/** Maximum compressed size of the page itself \[bytes\], as in build.mjs. */
 const BUDGET = 1_250_000;
 
-/** Tiles that the browser has asked the network for, and bodies of the answers \[bytes\], those of the page itself apart; what it had kept
- *  is not asked for. */
+/** Counts tiles requested from the network and the bytes of their answers, without the page itself. Cached tiles are not
+ *  requested. */
 function counted(page) {
   const come = { tiles: [], requests: 0, bytes: 0, page: 0 };
   page.on("response", async response => {
@@ -35,7 +35,7 @@ function counted(page) {
 
 const numbers = text => (text.match(/\d[\d,]*/g) ?? []).map(number => Number(number.replaceAll(",", "")));
 
-/** The view as the program draws it: from the same server, and from the model itself. */
+/** Compares the view with the native program, which renders once from the same server and once from the model itself. */
 async function equalsNative(page, model) {
   const { report, command } = await browser.shown(page);
   assert.match(command, /^basrelief run --from http:\/\/127\.0\.0\.1:\d+\/ /);
@@ -61,7 +61,7 @@ async function looksAround() {
   const told = async () => [numbers(await page.textContent("#path-all")), numbers(await page.textContent("#path-view"))];
   assert.deepEqual((await told())[0].slice(0, 2), [come.bytes, all], "the bar holds what has come against all tiles");
   assert.equal((await told())[1][0], come.bytes, "all that has come is for the first view");
-  // Turned: only what is missing comes.
+  // A turned view fetches only missing tiles.
   const before = { ...come };
   await page.focus("#picture");
   await page.keyboard.press("ArrowRight");
@@ -71,7 +71,7 @@ async function looksAround() {
   assert.ok(come.bytes - before.bytes < second.figures.path_tile_bytes, "and not all of its tiles anew");
   assert.equal((await told())[1][0], come.bytes - before.bytes, "the bytes of the last view are told");
   assert.equal(new Set(come.tiles).size, come.tiles.length, "no tile comes twice");
-  // And back: nothing comes.
+  // The first view fetches nothing again.
   const kept = come.requests;
   await page.focus("#picture");
   await page.keyboard.press("ArrowLeft");
@@ -82,8 +82,8 @@ async function looksAround() {
   await page.close();
 }
 
-/** While tiles come, of a view that is answered first in small and then in its size: the bytes of both are counted. And a simulator that
- *  begins anew has nothing. */
+/** Tests the byte counts while tiles arrive. A view is answered first in small and then in full size, and the bytes of both are
+ *  counted. A restarted simulator starts at zero. */
 async function counts() {
   const page = await browser.opened(`${server.address}#size=320x240&set=defer.mode%3Dprogressive`);
   await page.evaluate(() => {
@@ -99,7 +99,7 @@ async function counts() {
   const coming = told.filter(([text]) => text.includes("received so far")).map(([, share]) => share);
   assert.ok(new Set(coming).size > 2, "what comes is told while it comes, and the bar grows not with answers alone");
   const [bytes, shares] = [told.map(([text]) => numbers(text)[0]), told.map(([, share]) => share)];
-  // What comes with several tiles by a request has their lengths, too; an answer counts tiles alone.
+  // A request for several tiles also transfers their lengths, but an answer counts tiles alone.
   const lengths = 4 * 64;
   bytes.forEach((now, i) => assert.ok(i === 0 || now + lengths >= bytes[i - 1], `the view's bytes fall: ${bytes.slice(i - 1, i + 1)}`));
   shares.forEach((now, i) => assert.ok(i === 0 || now >= shares[i - 1], `the bar falls: ${shares.slice(i - 1, i + 1)}`));
@@ -110,7 +110,7 @@ async function counts() {
   await page.close();
 }
 
-/** Another encoding, whose bytes only the server knows; and what goes wrong. */
+/** Tests another encoding, whose size only the server knows, and the message after a server failure. */
 async function otherwise() {
   const page = await browser.opened(`${server.address}#size=160x120&set=tile.encoding%3Dpng`);
   const report = await equalsNative(page, "gallery");
@@ -123,7 +123,7 @@ async function otherwise() {
   await page.close();
 }
 
-/** As people see it: light, dark and narrow. */
+/** Takes pictures in light, dark and narrow form. */
 async function pictures() {
   for (const [name, options] of Object.entries({
     light: {}, dark: { colorScheme: "dark" }, narrow: { viewport: { width: 420, height: 900 } },

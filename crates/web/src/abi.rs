@@ -1,5 +1,5 @@
-//! What the worker calls: three functions and the memory; and three functions of the worker that are called meanwhile. `wasm-bindgen`
-//! was rejected: for six calls it would bring a program of its own, of exactly its version, to be built ahead of the page.
+//! Interface to the worker: three exported functions and the memory, and three imported functions for use during an answer.
+//! `wasm-bindgen` was rejected. For six functions it needs a separate tool of exactly its own version before the page is built.
 #![allow(unsafe_code, reason = "a name to be called by, or to call by, counts as unsafe; nothing behind it is")]
 
 use crate::{Desk, Got, Outside, Parcel};
@@ -8,11 +8,11 @@ use std::rc::Rc;
 
 #[link(wasm_import_module = "page")]
 unsafe extern "C" {
-    /// Gets what is at an address: how many bytes the answer has, a [`Parcel`]. The address is read here, and no further.
+    /// Fetches an address and returns the length of the response, a [`Parcel`]. Reads exactly `length` bytes of the address.
     safe fn get(address: *const u8, length: usize, fresh: bool) -> usize;
-    /// Puts that answer here; there is room for it.
+    /// Copies the response to this buffer, which must have room for it.
     safe fn take(answer: *mut u8);
-    /// Shows a picture that lies here.
+    /// Shows the picture in this buffer.
     safe fn show(parcel: *const u8, length: usize);
 }
 
@@ -56,7 +56,7 @@ thread_local! {
     static MAIL: RefCell<Mail> = RefCell::default();
 }
 
-/// Room for a question of so many bytes: where it is to be written.
+/// Allocates a question of `length` bytes and returns its address.
 #[unsafe(no_mangle)]
 pub extern "C" fn inbox(length: usize) -> *mut u8 {
     MAIL.with_borrow_mut(|mail| {
@@ -66,7 +66,7 @@ pub extern "C" fn inbox(length: usize) -> *mut u8 {
     })
 }
 
-/// Answers the question in the inbox: how many bytes the answer has.
+/// Answers the question in the inbox and returns the length of the answer.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer() -> usize {
     MAIL.with_borrow_mut(|mail| {
@@ -76,7 +76,7 @@ pub extern "C" fn answer() -> usize {
     })
 }
 
-/// Where the answer lies, until the next question.
+/// Returns the address of the answer, which is valid until the next question.
 #[unsafe(no_mangle)]
 pub extern "C" fn outbox() -> *const u8 {
     MAIL.with_borrow(|mail| mail.outbox.as_ptr())

@@ -7,59 +7,59 @@ use serde::Deserialize;
 #[derive(Debug, Deserialize)]
 #[serde(tag = "ask", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Ask {
-    /// Which machines and demos there are.
+    /// Lists machines and demos.
     Catalogue,
-    /// From now on this demo is drawn.
+    /// Selects a demo as input.
     Demo {
         name: String,
     },
-    /// From now on this is drawn: a model or a display list, and the files beside it.
+    /// Selects a model or a display list as input, with its neighbouring files.
     Files {
-        /// The one to open.
+        /// Name of the main file.
         name: String,
         files: Vec<File>,
     },
-    /// From now on what the server offers is drawn that the page comes from: its address, for messages.
+    /// Selects the scene of the page's server as input. Messages show the address `server`.
     From {
         server: String,
     },
     Run(RunAsk),
-    /// The same run for what its pixels cost: pictures of that.
+    /// Repeats a run and returns pictures of its pixel costs.
     Costs(RunAsk),
-    /// What is known of a pixel of the run whose costs were asked for last; nothing where none were.
+    /// Returns the details of a pixel of the last `Costs` run; null if there was none.
     Pixel {
         x: u32,
         y: u32,
     },
 }
 
-/// A file behind the question.
+/// A file after the JSON of the question.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
-    /// Relative to the one to open, `/` between folders.
+    /// Path relative to the main file, with `/` between folders.
     pub(crate) name: String,
-    /// Place and length.
+    /// Offset and length.
     pub(crate) at: [usize; 2],
 }
 
-/// One run of what is drawn.
+/// Parameters of one run of the current input.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RunAsk {
     pub(crate) machine: String,
-    /// Settings over the defaults, by key.
+    /// Settings that override the defaults, by key.
     pub(crate) set: Vec<(String, String)>,
     pub(crate) view: View,
-    /// Draw the exact picture too, and measure against it.
+    /// Also draw the exact picture and measure the difference.
     #[serde(default)]
     pub(crate) exact: bool,
-    /// Measure what limits the run, if it is short.
+    /// Measure the bottlenecks if the run is short.
     #[serde(default)]
     pub(crate) limits: bool,
 }
 
-/// How a scene is looked at: as the options of the command line.
+/// View of a scene, with the options of the command line.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct View {

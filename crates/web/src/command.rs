@@ -3,12 +3,12 @@
 use crate::ask::View;
 use std::fmt::Write;
 
-/// What is drawn, as the command line names it.
+/// The input, as the command line names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Drawn {
     Demo(String),
     File(String),
-    /// What a server offers, by its address.
+    /// Address of a server.
     From(String),
 }
 
@@ -20,7 +20,7 @@ impl Drawn {
     }
 }
 
-/// The command line that gives the same report. `machine` is none where it goes without saying.
+/// Returns the command line that gives the same report. `machine` is `None` for the input's default machine.
 pub(crate) fn command(drawn: &Drawn, machine: Option<&str>, view: Option<&View>, set: &[(String, String)]) -> String {
     let mut line = match drawn {
         Drawn::Demo(name) => format!("basrelief demo {}", quoted(name)),
@@ -60,7 +60,7 @@ fn options(line: &mut String, View { size, turn, zoom, light, frames, orbit }: &
     }
 }
 
-/// A word as a shell takes it.
+/// Quotes a word for a shell.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "@%+=:,./_-".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }

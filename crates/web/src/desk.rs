@@ -1,4 +1,4 @@
-//! Who answers, and what is kept from one question to the next.
+//! The service that answers questions, and its state between questions.
 
 use crate::ask::{Ask, File, RunAsk, View};
 use crate::command::{Drawn, command};
@@ -22,17 +22,17 @@ use std::io::{self, Cursor, Read};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Answers questions, one after the other. Keeps what is drawn, and of it what settings do not change.
+/// Answers questions one after the other. Keeps the current input and all results that do not depend on settings.
 #[derive(Default)]
 pub struct Desk {
-    /// The page; none where nobody is to be asked.
+    /// The page; `None` without a server connection.
     outside: Option<Rc<dyn Outside>>,
     lying: Option<Lying>,
-    /// What the pixels of the last run cost that was asked for it.
+    /// Pixel costs of the last `costs` question.
     costs: Option<Costs>,
 }
 
-/// What is drawn.
+/// The current input.
 struct Lying {
     drawn: Drawn,
     kind: Kind,
@@ -40,18 +40,18 @@ struct Lying {
 
 enum Kind {
     Subject(Box<Looked>),
-    /// A display list, and the files beside it.
+    /// A display list and its neighbouring files.
     Trace(BTreeMap<String, Arc<[u8]>>, Budget),
 }
 
-/// A model, a demo or what a server offers, and the view of it that was asked for last.
+/// A model, a demo or a server's scene, with its last prepared view.
 struct Looked {
     subject: Subject,
     seen: Option<(View, PreparedScene)>,
     budget: Budget,
     #[expect(dead_code, reason = "held as long as the subject")]
     held: Held,
-    /// To the server that has the texels; none where they are here.
+    /// Connection to the server with the texels; `None` if the texels are local.
     path: Option<Rc<Path>>,
 }
 
@@ -61,18 +61,18 @@ impl Looked {
     }
 }
 
-/// Memory for what strangers send; the page has 4 GiB of address space in all.
+/// Returns the memory limit for untrusted input. The page has 4 GiB of address space in total.
 fn budget() -> Budget {
     Budget::with_advice(Budget::DEFAULT, "the page holds no more: take less, or the command line with --memory-limit")
 }
 
 impl Desk {
-    /// One that asks this page for what servers have.
+    /// Makes a service that fetches server data through this page.
     pub fn within(outside: Rc<dyn Outside>) -> Self {
         Self { outside: Some(outside), ..Self::default() }
     }
 
-    /// Answers a question, as [`Parcel`]s travel. What is wrong is an answer, too: its JSON has the one key `error`.
+    /// Answers an encoded [`Parcel`] with another. The JSON of an error answer has the single key `error`.
     pub fn answer(&mut self, question: &[u8]) -> Vec<u8> {
         let answer = Parcel::read(question).and_then(|question| self.answer_to(&question));
         answer.unwrap_or_else(|error| Parcel::of(json!({ "error": error }))).into_bytes()
@@ -102,7 +102,7 @@ impl Desk {
         }
     }
 
-    /// From now on this is drawn. `machine` is the one that draws it where nobody says otherwise.
+    /// Replaces the current input. `machine` is its default machine.
     fn take(&mut self, drawn: Drawn, kind: Kind, machine: &str) -> Result<Parcel, String> {
         let about = match &kind {
             Kind::Subject(looked) => {
@@ -116,7 +116,7 @@ impl Desk {
         Ok(Parcel::of(about))
     }
 
-    /// Fetches what a server offers.
+    /// Fetches the scene of a server.
     fn fetched(&self, server: &str) -> Result<Kind, String> {
         let outside = self.outside.as_ref().ok_or("there is nobody to ask for what a server has")?;
         let budget = budget();
@@ -141,7 +141,7 @@ impl Desk {
         Ok(answer)
     }
 
-    /// Runs once more, for what each pixel costs.
+    /// Repeats the run to measure the cost of each pixel.
     fn costs(&mut self, ask: &RunAsk) -> Result<Parcel, String> {
         let (_, _, (input, options)) = self.asked(ask)?;
         let options =
@@ -152,7 +152,7 @@ impl Desk {
         shown.exhibits()
     }
 
-    /// What is to be run, on which machine, and how.
+    /// Returns the input, the machine and the options of a run.
     fn asked(&mut self, ask: &RunAsk) -> Result<(&Lying, &'static MachineInfo, (RunInput, RunOptions)), String> {
         let lying = self.lying.as_mut().ok_or("there is nothing to draw yet: choose a demo, or drop a model")?;
         let (machine, given) = (MachineInfo::named(&ask.machine)?, Overrides { toml: String::new(), settings: ask.set.clone() });
@@ -164,7 +164,7 @@ impl Desk {
     }
 }
 
-/// What a pixel costs; nothing where that is not known.
+/// Returns the cost of a pixel; null if unknown.
 fn pixel(costs: Option<&Costs>, x: u32, y: u32) -> Value {
     let Some(pixel) = costs.and_then(|costs| costs.pixel(x, y)) else { return Value::Null };
     let ways: Vec<Value> = pixel
@@ -180,18 +180,19 @@ fn pixel(costs: Option<&Costs>, x: u32, y: u32) -> Value {
     })
 }
 
-/// The first machine that renders what a server offers.
+/// Returns the first machine that renders from a server.
 fn fetching_machine() -> &'static MachineInfo {
     MACHINES.iter().find(|machine| machine.fetches_tiles).unwrap_or(&MACHINES[0])
 }
 
-/// What has come over a path so far.
+/// Returns the totals received over a connection.
 fn come(path: &Path) -> Value {
     let Come { requests, scene_bytes, tiles, tile_bytes } = path.come();
     json!({ "requests": requests, "scene_bytes": scene_bytes, "tiles": tiles, "tile_bytes": tile_bytes })
 }
 
-/// `is_here`: so are the texels that an exact picture is made of. Of a scene that is not, pictures are shown as they come.
+/// Returns the options of a run. `is_here` is true if the texels for an exact picture are local. Otherwise intermediate pictures
+/// are shown.
 fn options((config, given): (MachineConfig, Overrides), ask: &RunAsk, budget: Budget, is_here: bool) -> RunOptions {
     let exact = ask.exact && is_here;
     let wanted = |info: &AuxOutputInfo| match info.form {
@@ -204,7 +205,7 @@ fn options((config, given): (MachineConfig, Overrides), ask: &RunAsk, budget: Bu
 }
 
 impl Lying {
-    /// The path to the server that has the texels; none where they are here.
+    /// Returns the connection to the server with the texels; `None` if the texels are local.
     fn path(&self) -> Option<&Rc<Path>> {
         match &self.kind {
             Kind::Subject(looked) => looked.path.as_ref(),
@@ -246,7 +247,7 @@ impl Lying {
         }
     }
 
-    /// The command that gives the same report.
+    /// Returns the command that gives the same report.
     fn command(&self, machine: &MachineInfo, ask: &RunAsk) -> String {
         let usual = match &self.drawn {
             Drawn::Demo(name) => MachineInfo::of_demo(name).name,

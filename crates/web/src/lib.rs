@@ -1,9 +1,9 @@
-//! The simulator behind the page: questions in, answers out, no file system, no clock, no thread. What it needs of a server while it
-//! answers, it asks of the page ([`Outside`]).
+//! The simulator of the web page: it maps questions to answers without file system, clock or threads. During an answer it fetches
+//! data of a server through the page ([`Outside`]).
 //!
-//! The page ([web/](../../../web)) runs this crate in a worker, as WebAssembly. A question is JSON, with the files that it brings
-//! behind it; an answer is JSON, with the pictures behind it ([`Parcel`]). Whoever asks holds a [`Desk`], which keeps what the next
-//! question is likely to need: the model, its exact pictures, how far the machine's were from them.
+//! The page ([web/](../../../web)) runs this crate in a worker, as WebAssembly. A question is JSON followed by its files. An
+//! answer is JSON followed by its pictures ([`Parcel`]). The caller owns a [`Desk`], which caches data for the next question: the
+//! model, its exact pictures, and the measured differences from them.
 //!
 //! ```
 //! use basrelief_web::{Desk, Parcel};

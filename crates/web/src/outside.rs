@@ -1,26 +1,26 @@
-//! What the simulator asks of the page while it answers.
+//! Requests of the simulator to the page while it computes an answer.
 
 use std::fmt::Debug;
 
-/// What has come from the server that the page comes from.
+/// Response of the page's server.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Got {
-    /// Status of the answer.
+    /// HTTP status.
     pub status: u16,
-    /// Its ETag.
+    /// ETag header.
     pub tag: String,
-    /// Its body.
+    /// Response body.
     pub body: Vec<u8>,
 }
 
 /// The page around the simulator.
 pub trait Outside: Debug {
-    /// Gets what is at an address, relative to the page; `fresh`: not what the browser has kept.
+    /// Fetches an address relative to the page. `fresh` bypasses the browser cache.
     ///
     /// # Errors
-    /// A sentence, where no answer has come.
+    /// If no response arrives.
     fn get(&self, address: &str, fresh: bool) -> Result<Got, String>;
 
-    /// Shows a picture that a better one follows, as a [`Parcel`](crate::Parcel).
+    /// Shows an intermediate picture, as a [`Parcel`](crate::Parcel).
     fn show(&self, picture: Vec<u8>);
 }

@@ -1,38 +1,38 @@
-//! How questions and answers travel: JSON, and bytes behind it.
+//! Wire format of questions and answers: JSON followed by bytes.
 
 use serde_json::Value;
 
-/// JSON, and bytes that it refers to by place and length: as bytes, the length of the JSON \[32 bits, little endian\], the JSON, the
-/// rest.
+/// JSON, and bytes that it refers to by offset and length. The wire format is the length of the JSON \[32 bits, little endian\],
+/// the JSON, and the bytes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parcel {
     /// The JSON.
     pub json: Value,
-    /// What lies behind it.
+    /// The bytes after the JSON.
     pub rest: Vec<u8>,
 }
 
 const LENGTH: usize = 4;
 
 impl Parcel {
-    /// JSON alone.
+    /// Makes a parcel of JSON alone.
     pub fn of(json: Value) -> Self {
         Self { json, rest: Vec::new() }
     }
 
-    /// Puts bytes behind the JSON; their place and length.
+    /// Appends bytes and returns their offset and length.
     pub(crate) fn pack(&mut self, bytes: &[u8]) -> [usize; 2] {
         let place = self.rest.len();
         self.rest.extend_from_slice(bytes);
         [place, bytes.len()]
     }
 
-    /// The bytes at a place.
+    /// Returns the bytes at an offset and length.
     pub fn bytes(&self, [place, length]: [usize; 2]) -> Option<&[u8]> {
         self.rest.get(place..place.checked_add(length)?)
     }
 
-    /// As it travels.
+    /// Encodes the parcel.
     pub fn into_bytes(self) -> Vec<u8> {
         let json = self.json.to_string();
         let mut bytes = Vec::with_capacity(LENGTH + json.len() + self.rest.len());
@@ -42,10 +42,10 @@ impl Parcel {
         bytes
     }
 
-    /// What has travelled.
+    /// Decodes a parcel.
     ///
     /// # Errors
-    /// What is wrong with it, in a sentence.
+    /// If the length or the JSON is invalid.
     pub fn read(bytes: &[u8]) -> Result<Self, String> {
         let short = "a parcel is shorter than it says";
         let (length, behind) = bytes.split_first_chunk::<LENGTH>().ok_or(short)?;

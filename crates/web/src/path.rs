@@ -1,4 +1,4 @@
-//! The path to the server that the page comes from: what has come over it is kept, as long as the page is open.
+//! Connection to the server of the page. Received data is cached as long as the page is open.
 
 use crate::outside::Outside;
 use basrelief_deferred_renderer::server::place_of;
@@ -13,12 +13,12 @@ use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Requests for the same thing before it is given up. Without pauses: nobody can be waited with in a worker.
+/// Attempts per request. There is no pause between attempts, because a worker cannot sleep.
 const ATTEMPTS: u32 = 3;
-/// What a tile that is kept takes beside itself and its address, about \[bytes\].
+/// Approximate memory of a cached tile beyond its bytes and its address \[bytes\].
 const ENTRY: u64 = 128;
 
-/// What has come so far.
+/// Totals received so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Come {
     pub(crate) requests: u64,
@@ -27,16 +27,16 @@ pub(crate) struct Come {
     pub(crate) tile_bytes: u64,
 }
 
-/// The path, and what has come over it.
+/// Connection with its cache and its totals.
 #[derive(Debug)]
 pub(crate) struct Path {
     outside: Rc<dyn Outside>,
     /// Address of the server, for messages.
     server: String,
     come: Cell<Come>,
-    /// What has come, but the scene, by its address.
+    /// Received data except the scene, by address.
     kept: RefCell<BTreeMap<String, Arc<[u8]>>>,
-    /// For that.
+    /// Memory reservation for `kept`.
     held: RefCell<Held>,
 }
 
@@ -56,14 +56,14 @@ impl Path {
         self.come.set(come);
     }
 
-    /// Gets the scene, as it travels.
+    /// Fetches the scene in wire format.
     pub(crate) fn scene(&self) -> Result<Vec<u8>, String> {
         let scene = self.get("scene", Ok)?;
         self.count(|come| come.scene_bytes += scene.len() as u64);
         Ok(scene)
     }
 
-    /// What is at an address, made into something; asked for again where that fails.
+    /// Fetches an address and decodes the body with `made`. Repeats the request if a check or `made` fails.
     fn get<T>(&self, address: &str, made: impl Fn(Vec<u8>) -> Result<T, String>) -> Result<T, String> {
         let once = |attempt| -> Result<T, String> {
             self.count(|come| come.requests += 1);
@@ -79,7 +79,7 @@ impl Path {
         done.map_err(|e| format!("{}{address}: {e} (attempt {ATTEMPTS}, and no more are made)", self.server))
     }
 
-    /// A number, asked for once.
+    /// Fetches a number once and caches it.
     fn number(&self, address: &str) -> Result<u64, String> {
         if let Some(number) = self.kept(address).and_then(|body| number(&body).ok()) {
             return Ok(number);
@@ -89,12 +89,12 @@ impl Path {
         Ok(number)
     }
 
-    /// What has come before.
+    /// Returns cached data.
     fn kept(&self, address: &str) -> Option<Arc<[u8]>> {
         self.kept.borrow().get(address).cloned()
     }
 
-    /// Keeps what has come, where there is room.
+    /// Caches data if memory is left.
     fn keep(&self, address: String, body: &Arc<[u8]>) {
         let bytes = (address.len() + body.len()) as u64 + ENTRY;
         if self.held.borrow_mut().grow(bytes, "what has come").is_ok() {
@@ -108,14 +108,14 @@ fn number(body: &[u8]) -> Result<u64, String> {
     text.parse().map_err(|e| format!("no number: {e}"))
 }
 
-/// The tiles of the server, for one run: those that are not there yet are fetched, several of a picture at a time.
+/// Tile source for one run. Missing tiles are fetched, several of a texture per request.
 #[derive(Debug)]
 pub(crate) struct PathTiles {
     path: Rc<Path>,
     offered: TileCatalog,
-    /// Tiles that will be asked for, in order: of which texture, and which.
+    /// Announced tiles in order: texture and tile number.
     announced: VecDeque<(u32, u32)>,
-    /// Tiles that have come with others, and that nobody has taken yet, by address: a few.
+    /// Tiles fetched together with others and not yet used, by address. The list stays short.
     ahead: Vec<(String, Arc<[u8]>)>,
 }
 
@@ -132,7 +132,7 @@ impl PathTiles {
         self.ahead.iter().any(|(of, _)| of == address) || self.path.kept(address).is_some()
     }
 
-    /// This tile, and those of its texture that follow and are not there.
+    /// Returns this tile and the next missing tiles of its texture.
     fn together(&self, page: &TexturePage, tile: u32) -> Vec<u32> {
         let next =
             self.announced.iter().filter(|(texture, next)| *texture == page.texture && *next != tile).map(|(_, next)| *next);
@@ -140,7 +140,7 @@ impl PathTiles {
         std::iter::once(tile).chain(missing).take(max_tiles_per_request(page)).collect()
     }
 
-    /// Fetches a tile, and others with it.
+    /// Fetches a tile together with the next missing tiles of its texture.
     fn fetch(&mut self, page: &TexturePage, tile: u32) -> Result<(), String> {
         let wanted = self.together(page, tile);
         let encoding = self.offered.encoding.0;

@@ -1,4 +1,4 @@
-//! What an answer shows.
+//! Content of an answer.
 
 use crate::outside::Outside;
 use crate::parcel::Parcel;
@@ -12,7 +12,7 @@ use basrelief_timeline::UtilizationTimeline;
 use serde_json::{Value, json};
 use std::rc::Rc;
 
-/// Which machines there are, with their units and parameters, and which demos.
+/// Lists the machines with their units and parameters, and the demos.
 pub(crate) fn catalogue() -> Value {
     let machines: Vec<Value> = MACHINES.iter().map(machine).collect();
     let demos: Vec<Value> = DEMOS
@@ -22,7 +22,7 @@ pub(crate) fn catalogue() -> Value {
     json!({ "version": env!("CARGO_PKG_VERSION"), "machines": machines, "demos": demos })
 }
 
-/// What people turn first on a machine, ahead of its hundred other parameters.
+/// Returns the main parameters of a machine, which the page shows before its hundred other parameters.
 fn main_parameters(machine: &str) -> &'static [&'static str] {
     match machine {
         "bump" => &[
@@ -47,21 +47,22 @@ fn machine(machine: &MachineInfo) -> Value {
     json!({ "name": machine.name, "fetches": machine.fetches_tiles, "about": machine.about, "demos": machine.demos, "main": main_parameters(machine.name), "units": units, "parameters": parameters })
 }
 
-/// The pictures of a run: of its last frame, and of each exhibit the last.
+/// Pictures of a run: those of the last frame, and the last picture of each auxiliary output.
 #[derive(Default)]
 pub(crate) struct Shown {
     machine: Option<Picture>,
     exact: Option<Picture>,
     exhibits: Vec<(AuxOutputInfo, Picture)>,
-    /// Where pictures that better ones follow are shown, as they come.
+    /// Receiver of intermediate pictures.
     rounds: Option<Rounds>,
 }
 
-/// Shows pictures that better ones follow: those that something was waited for. What is there already is not worth a flicker.
+/// Shows intermediate pictures, but only after a request to the server. Without a request the final picture follows at once, and
+/// an intermediate picture would flicker.
 pub(crate) struct Rounds {
     path: Rc<Path>,
     outside: Rc<dyn Outside>,
-    /// Requests so far.
+    /// Requests before the run.
     before: u64,
 }
 
@@ -101,17 +102,17 @@ impl Observer for Shown {
 }
 
 impl Shown {
-    /// Nothing yet; pictures that better ones follow go this way.
+    /// Makes an empty collection. `rounds` receives intermediate pictures.
     pub(crate) fn with(rounds: Option<Rounds>) -> Self {
         Self { rounds, ..Self::default() }
     }
 
-    /// Whether it shows this exhibit: those that are pictures, but none of the machine's own pictures over again.
+    /// Returns true if the page shows this auxiliary output as a picture of its own.
     pub(crate) fn takes(info: &AuxOutputInfo) -> bool {
         !matches!(info.form, AuxForm::Lines | AuxForm::PicturePerRound)
     }
 
-    /// The answer to a question for a run, with the command that repeats it, and what the units, by name, did when.
+    /// Returns the answer to a run. `command` repeats the run. `strips` holds the activity of the units and their names.
     pub(crate) fn answer(
         self,
         report: &Report,
@@ -125,7 +126,7 @@ impl Shown {
             .into_iter()
             .map(|section| json!({ "id": section.id, "title": section.title, "html": section.html }))
             .collect();
-        // As a text: what a value holds has lost its order.
+        // Sent as text, because a JSON value loses the order of its keys.
         let report = parcel.pack(report.to_json().map_err(|e| e.to_string())?.as_bytes());
         parcel.json = json!({
             "report": report, "command": command, "sections": sections, "pictures": pictures, "strips": strips,
@@ -133,7 +134,7 @@ impl Shown {
         Ok(parcel)
     }
 
-    /// The answer that holds the exhibits alone.
+    /// Returns an answer with the auxiliary outputs only.
     pub(crate) fn exhibits(self) -> Result<Parcel, String> {
         let mut parcel = Parcel::default();
         let pictures = Self { machine: None, ..self }.pictures(&mut parcel)?;
@@ -162,7 +163,7 @@ impl Shown {
     }
 }
 
-/// The time line: for each unit its columns, for each column the shares of four states, 255 for all of it.
+/// Packs the time line. Each column of a unit holds the shares of four states, where 255 is the whole column.
 fn packed(strips: &UtilizationTimeline, names: &[String], parcel: &mut Parcel) -> Value {
     let width = strips.width();
     let share = |cycles: u64| (cycles.saturating_mul(255) / width) as u8;

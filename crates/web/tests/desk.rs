@@ -1,4 +1,4 @@
-//! Questions and answers, as the page asks and is answered.
+//! Tests the service with the questions of the page.
 
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, Overrides, RunInput, RunOptions, Unobserved, run};
@@ -17,7 +17,7 @@ fn ask_with(desk: &mut Desk, json: Value, rest: &[u8]) -> Value {
     Parcel::read(&desk.answer(&question.into_bytes())).expect("an answer").json
 }
 
-/// The report of an answer.
+/// Decodes the report of an answer.
 fn reported(answer: &Parcel) -> Value {
     let place = serde_json::from_value(answer.json["report"].clone()).unwrap_or_else(|_| panic!("no report: {}", answer.json));
     serde_json::from_slice(answer.bytes(place).expect("a report")).expect("JSON")
@@ -27,7 +27,7 @@ fn error(answer: &Value) -> &str {
     answer["error"].as_str().unwrap_or_else(|| panic!("no error: {answer}"))
 }
 
-/// The report of a run as the command line makes it.
+/// Returns the report of a run as the command line writes it.
 fn report(machine: &str, name: &str, set: &[(&str, &str)]) -> Value {
     let settings = set.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
     let given = Overrides { toml: String::new(), settings };
@@ -49,7 +49,7 @@ fn every_machine_answers_with_the_report_of_a_run() {
             let set = json!([["fifo.polygons.depth", depth]]);
             json!({"ask": "run", "machine": machine, "set": set, "view": view, "exact": exact, "limits": exact})
         };
-        // What was answered before makes no difference.
+        // Earlier questions do not change the answer.
         for depth in ["8", "64"] {
             let quick = ask(&mut desk, question(depth, false));
             let whole = ask(&mut desk, question(depth, true));
@@ -128,6 +128,6 @@ fn errors_are_responses() {
         error(&ask_with(&mut desk, json!({"ask": "files", "name": "a.glb", "files": broken}), b"short")).starts_with("a.glb: ")
     );
     assert_eq!(desk.answer(b"no"), desk.answer(b"\xff\xff\xff\xff"));
-    // What was drawn before is drawn still.
+    // The previous input is still drawn.
     assert!(reported(&ask(&mut desk, run(json!([]))))["cycles"]["total"].is_u64());
 }

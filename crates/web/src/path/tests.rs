@@ -1,4 +1,4 @@
-//! What is fetched over the path, and what is not.
+//! Tests of requests over the connection, and of requests avoided by its cache.
 
 use super::*;
 use crate::outside::Got;
@@ -12,7 +12,7 @@ fn texture() -> Arc<Texture> {
     Arc::new(Texture { id: 4, name: "plane".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
-/// The same as who asks for its tiles knows it.
+/// The same texture as a client sees it: without texels, but with the hash of its picture.
 fn elsewhere() -> Arc<Texture> {
     let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
     Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
@@ -22,7 +22,7 @@ fn page() -> Arc<TexturePage> {
     Arc::new(TexturePage::new(0, &texture(), PyramidCut::default(), 0))
 }
 
-/// A server of that texture, some of whose answers are spoiled.
+/// A server of that texture. `spoil` damages some responses.
 #[derive(Debug)]
 struct Server {
     asked: RefCell<Vec<String>>,
@@ -62,7 +62,7 @@ fn path(server: &Rc<Server>, budget: &Budget) -> Rc<Path> {
     Rc::new(Path::new(Rc::<Server>::clone(server), "http://a/", budget))
 }
 
-/// These tiles, announced and taken in order.
+/// Announces tiles and takes them in order.
 fn take(path: &Rc<Path>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
     let mut source = PathTiles::new(Rc::clone(path), (TileEncoding::Raw, 100));
     source.offer(&elsewhere());
@@ -107,9 +107,9 @@ fn wrong_response_is_retried_and_not_cached() {
         |_, got| got.tag.clear(),
         |_, got| got.body[9] ^= 1,
         |_, got| got.body.truncate(7),
-        // No tiles, with their hash.
+        // Not tiles, but with a matching hash.
         |_, got| (got.tag, got.body) = (etag_of(b"other"), b"other".to_vec()),
-        // Others, with their hash.
+        // Other tiles, with a matching hash.
         |_, got| {
             got.body = vec![];
             expected(&[0, 1]).iter().for_each(|tile| join(tile, &mut got.body));
