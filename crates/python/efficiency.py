@@ -1,4 +1,4 @@
-"""Workers of Dask against threads of one process, and what a task takes on its way through the scheduler."""
+"""Compares workers of Dask with threads of one process, and measures the cost of a task in the scheduler."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from basrelief.sweep import run_points
 from distributed import Client, LocalCluster
 from distributed.comm.tcp import TCP
 
-# Sixteen works that have nothing in common, of some tenths of a second each.
+# Sixteen works without shared results, each of some tenths of a second.
 WORKS = """
 input = "demo:golf-ball"
 objectives = ["cycles min", "quality.psnr_db max"]
@@ -25,7 +25,7 @@ size = "640x480"
 replacement.entries = [16, 32, 64, 128]
 replacement.lanes = [8, 16, 32, 64]
 """
-# As many points as a plan may have.
+# The maximum number of points of a plan.
 POINTS = """
 input = "demo:golf-ball"
 objectives = ["cycles min"]
@@ -35,7 +35,7 @@ size = "16x12"
 replacement.entries = { from = 1, to = 512, step = 1 }
 fifo.shaded.depth = { from = 1, to = 64, step = 1 }
 """
-# Tasks of points that the plan has not: all that they take is the way to the worker and back.
+# Tasks for points outside the plan cost only the transfer to the worker and back.
 TASKS = 2000
 POINTS_OF_A_TASK = (1, 4, 16, 64)
 
@@ -47,17 +47,17 @@ async def _counted(comm: Any, *args: Any, **more: Any) -> Any:
 
 
 def count() -> None:
-    """Counts what this process sends from now on; with the class, which a function that is sent elsewhere finds there."""
+    """Counts the bytes that this process sends. A sent function finds the counter in its class."""
     TCP.sent, TCP.write_uncounted, TCP.write = 0, TCP.write, _counted
 
 
 def sent() -> int:
-    """Bytes that this process has sent."""
+    """Returns the bytes sent by this process."""
     return int(TCP.sent)
 
 
 def sweep(plan: Path, client: Any, threads: int | None) -> float:
-    """Seconds that a plan takes, from an empty folder to its tables."""
+    """Returns the seconds of a plan from an empty folder to its tables."""
     with tempfile.TemporaryDirectory() as folder:
         began = time.perf_counter()
         done = basrelief.sweep(plan, client, out=folder, threads=threads, pictures=False)
@@ -66,7 +66,7 @@ def sweep(plan: Path, client: Any, threads: int | None) -> float:
 
 
 def efficiency(plan: Path, client: Any, rounds: int) -> None:
-    """The same plan on two threads and on two workers, in turns."""
+    """Runs the same plan on two threads and on two workers, alternately."""
     ratios = []
     for number in range(rounds):
         one, two = sweep(plan, None, 2), sweep(plan, client, None)
@@ -76,7 +76,7 @@ def efficiency(plan: Path, client: Any, rounds: int) -> None:
 
 
 def overhead(plan: Path, client: Any, most: int) -> None:
-    """What a task of so many points takes on its way. Client and scheduler are this process."""
+    """Measures the transfer cost of a task with this number of points. This process is both client and scheduler."""
     made = (str(plan), plan.read_text(), None)
     points = [f"{number:064}" for number in range(most)]
     client.run(run_points, made, points, "nowhere", (False, False))
@@ -92,7 +92,7 @@ def overhead(plan: Path, client: Any, most: int) -> None:
 
 
 def opened(plan: Path, folder: str) -> None:
-    """What a large plan takes of whoever opens it."""
+    """Measures the time to open a large plan and to list its missing points."""
     began = time.perf_counter()
     points = _basrelief.Plan(plan, plan.read_text(), None)
     took = time.perf_counter() - began

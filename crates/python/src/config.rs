@@ -5,7 +5,7 @@ use basrelief_input::Budget;
 use basrelief_sim::{MachineConfig, MachineInfo, Overrides, OverridesError};
 use pyo3::{pyclass, pymethods};
 
-/// A machine with its parameters, which fit together.
+/// A machine with a consistent set of parameters.
 #[pyclass(frozen, module = "basrelief._basrelief")]
 pub struct Config {
     pub config: MachineConfig,
@@ -14,7 +14,7 @@ pub struct Config {
 
 #[pymethods]
 impl Config {
-    /// The machine of this name with defaults, then the TOML text of a file of this name, then single settings.
+    /// Makes a configuration from the defaults, the TOML text of the file `name`, and single settings, in this order.
     #[new]
     fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> Done<Self> {
         let (file, toml) = file;
@@ -27,7 +27,7 @@ impl Config {
         Ok(Self { config, given })
     }
 
-    /// All parameters with every fact about them, as `basrelief describe --json` prints them.
+    /// Returns all parameters with every fact about them, as `basrelief describe --json` prints them.
     fn described(&self) -> Done<String> {
         serde_json::to_string(&self.config.described()).map_err(bad)
     }

@@ -1,4 +1,4 @@
-//! The extension module of the Python package `basrelief`, whose Python code is in [`package`](../package/basrelief).
+//! The extension module of the Python package `basrelief`. The Python code of the package is in [`package`](../package/basrelief).
 //!
 //! The interface consists of strings, bytes and numbers; reports pass as JSON. Only a `Scene`, a `DisplayList`, a `Config` and a `Plan`
 //! are objects of this module. Long operations release Python's global lock and take it only to check for Ctrl-C.

@@ -1,4 +1,4 @@
-//! Reports as pages, and as parts of a notebook.
+//! Reports as HTML pages, and as fragments for a notebook.
 
 use crate::error::{Done, bad, within};
 use crate::pixels::Given;
@@ -7,17 +7,17 @@ use basrelief_report::{Report, Style, to_html, to_text};
 use basrelief_sim::{page_assets, page_pictures};
 use pyo3::{Python, pyfunction};
 
-/// Columns of a text.
+/// Width of text output [columns].
 pub const WIDTH: usize = 120;
 
-/// The sections of a page that a notebook shows.
+/// Sections shown in a notebook.
 const SHOWN: [&str; 4] = ["bottlenecks", "pictures", "diagram", "units"];
 
 pub fn report_of(text: &str) -> Done<Report> {
     Report::from_json(text).map_err(bad)
 }
 
-/// The pictures of a page, as far as they are there.
+/// Returns the available pictures of a page.
 pub fn pictures(image: Option<&Given>, reference: Option<&Given>) -> Done<Vec<PagePicture>> {
     let Some(image) = image else { return Ok(vec![]) };
     let reference = reference.map(Given::picture).transpose()?;
@@ -28,20 +28,20 @@ fn with_pictures(report: &Report, (image, reference): (Option<Given>, Option<Giv
     Ok(Beside { pictures: pictures(image.as_ref(), reference.as_ref())?, ..page_assets(report).map_err(bad)? })
 }
 
-/// A report that was written to a file of this name, without what the host took.
+/// Reads a report from the text of the file `name`, and removes the figures of the host.
 #[pyfunction]
 pub fn read_report(name: &str, text: &str) -> Done<String> {
     let report = Report::from_json(text).map_err(within(name))?;
     Report { host: None, ..report }.to_json().map_err(bad)
 }
 
-/// What the command line prints of a report.
+/// Returns the report as text, as the command line prints it.
 #[pyfunction]
 pub fn text(report: &str) -> Done<String> {
     Ok(to_text(&report_of(report)?, Style { width: WIDTH, color: false }, &[]))
 }
 
-/// The report as one page, as `--html` writes it; with the machine's picture and the exact one.
+/// Returns the report as one page with image and reference image, as `--html` writes it.
 #[pyfunction]
 pub fn page(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Done<String> {
     py.detach(|| {
@@ -50,7 +50,7 @@ pub fn page(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Giv
     })
 }
 
-/// What a notebook shows of a report: what limits the run, its pictures, its block diagram, and where the cycles went.
+/// Returns the notebook fragment of a report: bottlenecks, pictures, block diagram, and cycle breakdown.
 #[pyfunction]
 pub fn part(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Done<String> {
     py.detach(|| {
@@ -62,8 +62,8 @@ pub fn part(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Giv
     })
 }
 
-/// The style sheet for a part of somebody else's page, which it must leave alone. A browser that does not know `@scope`, and a site that
-/// shows notebooks without styles, shows plain tables.
+/// Returns the style sheet of a notebook fragment, which must not change the rest of the page. A browser without `@scope`, or a
+/// site that shows notebooks without styles, shows plain tables.
 fn scoped() -> String {
     let style = STYLE.replace(":root {", ":scope {").replace("\nbody {", "\n:scope {");
     format!("@scope (.basrelief) {{\n{style}}}")

@@ -1,4 +1,4 @@
-//! Pictures as they cross to Python.
+//! Conversion of pictures from and to Python.
 
 use crate::error::{Done, bad};
 use basrelief_reference::{Picture, metrics};
@@ -7,7 +7,7 @@ use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};
 
-/// A picture of this width, height, and RGBA bytes, top row first.
+/// A picture for Python: width, height, and RGBA bytes with the top row first.
 #[derive(IntoPyObject)]
 pub struct Pixels<'py>(u32, u32, Bound<'py, PyBytes>);
 
@@ -17,12 +17,12 @@ impl<'py> Pixels<'py> {
     }
 }
 
-/// The same on its way back.
+/// A picture from Python.
 #[derive(FromPyObject)]
 pub struct Given(u32, u32, PyBackedBytes);
 
 impl Given {
-    /// As [`Picture::to_rgba`] had it.
+    /// Decodes bytes from [`Picture::to_rgba`].
     pub fn picture(&self) -> Done<Picture> {
         let Self(width, height, rgba) = self;
         let pixels = rgba.as_chunks::<4>().0;
@@ -38,14 +38,14 @@ impl Given {
     }
 }
 
-/// The picture as a PNG file.
+/// Returns the picture as a PNG file.
 #[pyfunction]
 pub fn png<'py>(py: Python<'py>, pixels: Given) -> Done<Bound<'py, PyBytes>> {
     let png = py.detach(|| to_png(&pixels.picture()?).map_err(bad))?;
     Ok(PyBytes::new(py, &png))
 }
 
-/// How far a picture is from the exact one, pixel by pixel.
+/// Returns the difference image of a picture and the exact one.
 #[pyfunction]
 pub fn difference<'py>(py: Python<'py>, exact: Given, machine: Given) -> Done<Pixels<'py>> {
     let difference = py.detach(|| metrics::difference(&exact.picture()?, &machine.picture()?).map_err(bad))?;

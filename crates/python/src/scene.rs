@@ -1,4 +1,4 @@
-//! What is drawn: scenes, which are looked at, and display lists, which carry their view.
+//! Inputs of a run: scenes with a choice of view, and display lists with a fixed view.
 
 use crate::error::{Done, Failure, bad, budget, usage, within};
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
@@ -16,7 +16,7 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// How a scene is looked at: the options of the command line.
+/// View of a scene, with the options of the command line.
 #[derive(Clone, Default, PartialEq, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct View {
@@ -31,11 +31,11 @@ pub struct View {
     light_orbit: Option<f64>,
 }
 
-/// Options of a view, as the command line has them.
+/// Options of a view, as the command line defines them.
 const OPTIONS: [&str; 8] = ["size", "camera", "turn", "zoom", "frames", "orbit", "light", "light_orbit"];
 
 impl View {
-    /// What a plan says of the view. `camera` opens the file of this name.
+    /// Reads the view of a plan. `camera` opens the camera file of the given name.
     pub fn of_plan(options: &[(String, String)], camera: impl Fn(&str) -> Done<(String, String)>) -> Result<Self, String> {
         let mut view = Self::default();
         for (name, value) in options {
@@ -61,7 +61,7 @@ impl View {
         Ok(view)
     }
 
-    /// Whether everything is left to the model.
+    /// Returns true if every option has its default.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }
@@ -93,17 +93,17 @@ impl View {
     }
 }
 
-/// What a scene was made of: enough to make it again, on another computer as well.
+/// Source of a scene: enough to rebuild it, also on another computer.
 enum Made {
     Demo,
-    /// The bytes of the model, and of the files that it refers to.
+    /// The bytes of the model and of the files that it refers to.
     Model(Vec<u8>, BTreeMap<String, Vec<u8>>),
 }
 
-/// A scene, ready to be run: what parameters do not change is done once, whoever runs it.
+/// A scene, ready to run. Work that is independent of parameters is done once and shared by all runs.
 #[pyclass(frozen, module = "basrelief")]
 pub struct Scene {
-    /// Of the demo, or as the user named the file.
+    /// Name of the demo, or the file name as given by the user.
     name: String,
     made: Made,
     view: View,
@@ -114,7 +114,7 @@ pub struct Scene {
 
 #[pymethods]
 impl Scene {
-    /// A demo scene.
+    /// Makes a demo scene.
     #[staticmethod]
     fn demo(py: Python<'_>, name: String, view: View, memory_limit: Option<u64>) -> Done<Self> {
         py.detach(|| {
@@ -125,7 +125,7 @@ impl Scene {
         })
     }
 
-    /// A model: a .glb, .gltf or .obj file.
+    /// Opens a model: a .glb, .gltf or .obj file.
     #[staticmethod]
     fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>, allow_outside: bool) -> Done<Self> {
         py.detach(|| {
@@ -149,7 +149,7 @@ impl Scene {
         })
     }
 
-    /// A model out of its files: what `files` gives.
+    /// Makes a model from its files, as returned by `files`.
     #[staticmethod]
     fn of_files(
         py: Python<'_>,
@@ -169,7 +169,7 @@ impl Scene {
         })
     }
 
-    /// Pickles as the bytes of its files and its view; a demo as its name.
+    /// Pickles a model as the bytes of its files and its view, and a demo as its name and view.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let of = py.get_type::<Self>();
         let view = self.view.clone();
@@ -183,7 +183,7 @@ impl Scene {
         })
     }
 
-    /// As the user named it.
+    /// Name as given by the user.
     #[getter]
     fn name(&self) -> &str {
         &self.name
@@ -207,7 +207,7 @@ impl Scene {
         self.prepared.scene().objects.iter().map(|object| object.mesh.indices.len() / 3).sum()
     }
 
-    /// What was left out or replaced on import, one sentence each.
+    /// Warnings of the import, one sentence for each omission or replacement.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.prepared.scene().warnings.clone()
@@ -220,7 +220,7 @@ impl Scene {
 }
 
 impl Scene {
-    /// Its files are put in by whoever has them.
+    /// Loads a model. The caller adds the other files of the model.
     fn loaded(
         (name, main): (String, Vec<u8>),
         files: &dyn Files,
@@ -228,7 +228,7 @@ impl Scene {
         memory_limit: Option<u64>,
         budget: &Budget,
     ) -> Done<Self> {
-        // What is wrong may lie in a file that the model refers to; the model is named all the same.
+        // The error may be in a file that the model refers to. The message then names the model as well.
         let failed = |e: SceneError| if e.file == name { bad(e) } else { within(&name)(e) };
         let (scene, held) = load_within(&main, &name, files, &view.options(budget)?, budget).map_err(failed)?;
         let prepared = PreparedScene::cached(Arc::new(scene), budget);
@@ -236,17 +236,17 @@ impl Scene {
     }
 }
 
-/// What [`Scene::of_files`] takes.
+/// Arguments of [`Scene::of_files`].
 type OfFiles = ((String, Py<PyBytes>), BTreeMap<String, Py<PyBytes>>, View, Option<u64>);
 
-/// What makes a scene again, and what of.
+/// Constructor and arguments that rebuild a scene.
 #[derive(IntoPyObject)]
 pub enum Reduced<'py> {
     Demo(Bound<'py, PyAny>, (String, View, Option<u64>)),
     Model(Bound<'py, PyAny>, OfFiles),
 }
 
-/// The folder of a model. What is read of it is kept, to make the same scene elsewhere.
+/// The folder of a model. Keeps the files read from it, to rebuild the scene elsewhere.
 struct Folder {
     folder: Directory,
     read: RefCell<(BTreeMap<String, Vec<u8>>, Held)>,
@@ -259,7 +259,7 @@ impl Folder {
         Self { folder, read: RefCell::new((BTreeMap::new(), budget.nothing())) }
     }
 
-    /// The model itself.
+    /// Reads the model itself.
     fn main(&self, path: &Path, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
         let name = path.file_name().and_then(|name| name.to_str());
         self.folder.read(name.ok_or_else(|| io::Error::other("expected a file with a name in UTF-8"))?, budget)
@@ -280,11 +280,11 @@ impl Files for Folder {
     }
 }
 
-/// A display list: what a geometry processor handed on. It is read anew for each run, and pickles as its path.
+/// A display list, the output of a geometry processor. Each run reads it again. It pickles as its path.
 #[pyclass(frozen, module = "basrelief")]
 #[derive(Clone)]
 pub struct DisplayList {
-    /// As the user named it.
+    /// Name as given by the user.
     name: String,
     path: PathBuf,
 }
@@ -306,7 +306,7 @@ impl DisplayList {
         (py.get_type::<Self>(), (self.path.clone(),))
     }
 
-    /// As the user named it.
+    /// Name as given by the user.
     #[getter]
     fn name(&self) -> &str {
         &self.name
@@ -318,19 +318,19 @@ impl DisplayList {
 }
 
 impl DisplayList {
-    /// Of a file that a plan names.
+    /// Makes a display list from a file that a plan names.
     pub fn of_plan(path: &Path) -> Self {
         Self { name: path.display().to_string(), path: path.into() }
     }
 
-    /// Whether it is a display list: by its first bytes, or by its name.
+    /// Returns true for a display list, recognized by its first bytes or by its name.
     pub fn is_one(&self) -> Done<bool> {
         let mut start = Vec::new();
         self.opened()?.take(64).read_to_end(&mut start).map_err(cannot_be_read(&self.name))?;
         Ok(looks_like_trace(&start) || Form::for_file_name(&self.name).is_some())
     }
 
-    /// Pipes are refused: each run reads it from its beginning.
+    /// Opens the file. Rejects pipes, because each run reads the file from its beginning.
     fn opened(&self) -> Done<File> {
         let cannot = cannot_be_read(&self.name);
         if !fs::metadata(&self.path).map_err(&cannot)?.is_file() {
@@ -347,19 +347,19 @@ fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> Failure {
     }
 }
 
-/// A text file, such as a configuration or a camera.
+/// Reads a text file, such as a configuration or a camera.
 #[pyfunction]
 pub fn read_text(py: Python<'_>, path: PathBuf) -> Done<String> {
     py.detach(|| text_of(&path, &budget(Budget::DEFAULT)))
 }
 
-/// The same within a budget.
+/// Reads a text file within a memory limit.
 pub fn text_of(path: &Path, budget: &Budget) -> Done<String> {
     let read = basrelief_input::read_text(path, budget);
     read.map(|(text, _)| text).map_err(cannot_be_read(&path.display().to_string()))
 }
 
-/// What a run takes.
+/// Input of a run.
 #[derive(FromPyObject)]
 pub enum Drawn<'py> {
     #[pyo3(transparent)]
@@ -368,7 +368,7 @@ pub enum Drawn<'py> {
     DisplayList(PyRef<'py, DisplayList>),
 }
 
-/// The same, to be taken along without the interpreter lock.
+/// Input of a run, usable without the interpreter lock.
 pub enum Source {
     Scene(PreparedScene),
     DisplayList(DisplayList),

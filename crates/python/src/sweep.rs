@@ -14,7 +14,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A plan whose parts fit together, with its inputs open.
+/// A checked plan with its inputs open.
 #[pyclass(frozen, module = "basrelief._basrelief")]
 pub struct Plan {
     plan: SweepPlan,
@@ -23,7 +23,7 @@ pub struct Plan {
 
 #[pymethods]
 impl Plan {
-    /// The plan of this text, as if it stood in the file of this name: what it names lies relative to that.
+    /// Reads a plan from `text`, as if it were the file `name`. Paths in the plan are relative to the folder of that file.
     #[new]
     fn new(py: Python<'_>, name: PathBuf, text: &str, memory_limit: Option<u64>) -> Done<Self> {
         py.detach(|| {
@@ -37,9 +37,9 @@ impl Plan {
         })
     }
 
-    /// The hash of each point that is missing in this folder, with that of its work; in the order of the plan, in which neighbours have
-    /// most in common, but for those that share their work, which stand together. Of points that have failed, too, if they are to be run
-    /// again.
+    /// Returns the hashes of the points without a result in this folder, each with the hash of its work. The order is that of the
+    /// plan, in which neighbours are most similar, except that points with the same work are adjacent. `retry_failed` includes
+    /// failed points.
     fn missing(&self, py: Python<'_>, folder: PathBuf, retry_failed: bool) -> Vec<(String, String)> {
         py.detach(|| {
             let folder = Folder::new(&folder);
@@ -58,7 +58,8 @@ impl Plan {
         })
     }
 
-    /// Runs these points, or what is missing of them, so many at a time: how many were there, run, timed again, and failed.
+    /// Runs those of these points that are missing, `at_once` in parallel. Returns the counts of reused, run, resimulated and
+    /// failed points.
     fn execute(
         &self,
         py: Python<'_>,
@@ -83,7 +84,7 @@ impl Plan {
         })
     }
 
-    /// Writes the tables of all points, and gives the front in words.
+    /// Writes the tables of all points, and returns the Pareto front as text.
     fn tables(&self, py: Python<'_>, folder: PathBuf) -> Done<String> {
         let host = Program { files: &self.files, stopped: Mutex::default() };
         py.detach(|| tables(&self.plan, &Folder::new(&folder), &host).map_err(bad))
@@ -94,20 +95,20 @@ impl Plan {
         self.plan.points.len()
     }
 
-    /// A heading.
+    /// The title of the plan.
     #[getter]
     fn title(&self) -> &str {
         &self.plan.title
     }
 }
 
-/// From now on no run of this process uses more than one core: others have work of their own.
+/// Limits every later run of this process to one core, because the other cores belong to other tasks.
 #[pyfunction]
 pub fn work_alone() {
     threads::work_alone();
 }
 
-/// What a plan names.
+/// Access to the files that a plan names.
 struct Files {
     plan: PathBuf,
     budget: Budget,
@@ -132,7 +133,7 @@ impl Files {
         let options = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
         let loaded = load_path_with(&path, &view.options(budget)?, &options);
         let (scene, held) = loaded.map_err(|error| if error.file == shown { bad(error) } else { within(&shown)(error) })?;
-        // It is there as long as the budget.
+        // Released with the memory limit of the plan.
         held.keep();
         Ok(kept(scene))
     }
@@ -140,10 +141,10 @@ impl Files {
 
 const VIEW_OF_A_DISPLAY_LIST: &str = "a display list carries its own view: a plan's view is for scenes";
 
-/// What a sweep asks of Python.
+/// Services that Python provides to a sweep.
 struct Program<'a> {
     files: &'a Files,
-    /// By Ctrl-C.
+    /// Exception raised by Ctrl-C.
     stopped: Mutex<Option<PyErr>>,
 }
 
@@ -186,7 +187,7 @@ impl Host for Program<'_> {
 }
 
 impl Program<'_> {
-    /// Nothing more is written once somebody has pressed Ctrl-C.
+    /// Returns an error once the user has pressed Ctrl-C, so that nothing more is written.
     fn look(&self) -> io::Result<()> {
         let mut stopped = self.stopped.lock().unwrap_or_else(PoisonError::into_inner);
         if stopped.is_none() {
@@ -196,7 +197,7 @@ impl Program<'_> {
     }
 }
 
-/// Writes a file beside its place, and puts it there.
+/// Writes a temporary file in the same folder and renames it to `path`.
 fn publish(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new(""));
     std::fs::create_dir_all(folder)?;

@@ -1,4 +1,4 @@
-//! Watching a run, or a tape that is timed again: pictures, the tape, and Ctrl-C.
+//! Observer of a run or of a resimulation: collects pictures and the recording, and checks for Ctrl-C.
 
 use basrelief_input::{Budget, Held};
 use basrelief_reference::Picture;
@@ -7,10 +7,10 @@ use pyo3::{PyErr, Python};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-/// Between two looks whether somebody has pressed Ctrl-C: each waits for the interpreter lock.
+/// Time between two checks for Ctrl-C. Each check waits for the interpreter lock.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
-/// Pictures of the last frame, the tape, and why the run was stopped.
+/// Collects the pictures of the last frame, the recording, and the exception that stopped the run.
 pub struct Watch {
     pub last: Option<(Picture, Option<Picture>)>,
     tape: Kept,
@@ -19,12 +19,12 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// `tape`: which are kept, within the budget.
+    /// Makes an observer. `tape` selects the recordings to keep, within the memory limit.
     pub fn new(tape: AnalysisPolicy, budget: &Budget) -> io::Result<Self> {
         Ok(Self { last: None, tape: Kept::new(tape, budget)?, looked: Instant::now(), stopped: None })
     }
 
-    /// Whether nobody has pressed Ctrl-C.
+    /// Checks for Ctrl-C. Returns false once the user has pressed it.
     fn look(&mut self) -> bool {
         if self.stopped.is_none() && self.looked.elapsed() >= BETWEEN_LOOKS {
             self.stopped = Python::attach(|py| py.check_signals()).err();
@@ -33,12 +33,12 @@ impl Watch {
         self.stopped.is_none()
     }
 
-    /// What stopped the run.
+    /// Takes the exception that stopped the run.
     pub fn stopped(&mut self) -> Option<PyErr> {
         self.stopped.take()
     }
 
-    /// The tape, compressed; none that was not kept.
+    /// Returns the compressed recording; `None` if it was not kept.
     pub fn into_tape(self) -> io::Result<Option<Vec<u8>>> {
         self.tape.encoder.map(zstd::Encoder::finish).transpose()
     }
@@ -62,10 +62,10 @@ impl Observer for Watch {
     }
 }
 
-/// A tape in memory, compressed.
+/// A compressed recording in memory.
 struct Kept {
     always: bool,
-    /// None where nobody wants it, or once it was too long.
+    /// `None` if no recording is requested, or once the recording is too long.
     encoder: Option<zstd::Encoder<'static, Vec<u8>>>,
     held: Held,
 }

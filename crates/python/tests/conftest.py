@@ -1,4 +1,4 @@
-"""What the tests share."""
+"""Fixtures of the tests."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ Program = Callable[..., "subprocess.CompletedProcess[str]"]
 
 @pytest.fixture(scope="session")
 def program() -> Program:
-    """The command line, with options."""
+    """Runs the command line with options."""
 
     def run(*options: object) -> subprocess.CompletedProcess[str]:
         command = [os.environ["BASRELIEF_PROGRAM"], *map(str, options)]
-        # As wide as a text of the package.
+        # As wide as the text of the package.
         return subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, "COLUMNS": "120"})
 
     return run
 
 
 def report_of(done: subprocess.CompletedProcess[str]) -> dict[str, Any]:
-    """The report that the program printed, without what the host took."""
+    """Returns the report printed by the program, without the figures of the host."""
     assert done.returncode == 0, done.stderr
     report: dict[str, Any] = json.loads(done.stdout)
     del report["host"]

@@ -1,4 +1,4 @@
-"""The package says what the program says."""
+"""Compares the package with the program."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from conftest import ROOT, Program, report_of
 PATCH = ROOT / "tests/models/patch.gltf"
 TRACE = ROOT / "traces/patch-per-polygon.jsonl"
 
-# Of each machine a demo, with parameters and a view.
+# A demo for each machine, with parameters and a view.
 RUNS: list[tuple[str, str, dict[str, Any], dict[str, Any]]] = [
     ("bump", "golf-ball", {"replacement.entries": [64, 16], "brightness.bits": 6}, {"turn": (30.0, -10.0), "zoom": 1.5}),
     ("shade", "goblet@2", {"shade.mode": "normal", "shortcut.flatness.enabled": False}, {"light": (0.4, 0.8, 0.45)}),
@@ -103,7 +103,7 @@ def test_a_page_a_text_and_a_comparison_are_those_of_the_program(program: Progra
         assert done.returncode == 0, done.stderr
         result = results[entries] = machine.set({"replacement.entries": entries}).run(scene)
         assert result.html() == (tmp_path / "page.html").read_text()
-        # But for how fast the host was.
+        # Equal except for the speed of the host.
         assert set(str(result).splitlines()) <= set(done.stdout.splitlines())
         loaded = basrelief.load(out)
         assert loaded.report == result.report
@@ -116,7 +116,7 @@ def test_a_page_a_text_and_a_comparison_are_those_of_the_program(program: Progra
     assert not comparison.equal
     assert "memories" in comparison.changes["table"]
     assert str(comparison) == program("compare", tmp_path / "16", tmp_path / "64").stdout
-    # The package names the pictures of a page's sides as the program does; it has them in memory.
+    # The package gives the pictures of both sides the program's names, although it holds the pictures in memory.
     program("compare", tmp_path / "16", tmp_path / "64", "--html", tmp_path / "compared.html")
     assert comparison.html() == (tmp_path / "compared.html").read_text()
     assert results[16].compare(results[16]).equal
@@ -143,5 +143,5 @@ def test_timed_again_is_run() -> None:
     again = result.recording.resimulate(times)
     run = machine.set(times).run(scene)
     assert again.report == run.report != result.report
-    # And again of that one.
+    # A resimulated recording can be resimulated again.
     assert again.recording.resimulate({"fifo.shaded.depth": 64}).report == run.recording.resimulate({"fifo.shaded.depth": 64}).report

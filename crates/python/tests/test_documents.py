@@ -1,4 +1,4 @@
-"""What documents show is what happens."""
+"""Runs the examples in documents and checks their output."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from conftest import ROOT
 
 
 def blocks(text: str) -> list[str]:
-    """The examples in Python."""
+    """Returns the examples in Python."""
     return re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
 def check(code: str, place: str, names: dict[str, Any]) -> int:
-    """Runs an example. Where behind an expression a value stands as a comment, it must be that; how many there are."""
+    """Runs an example. A value in a comment behind an expression must equal the expression. Returns the number of such values."""
     checked = 0
     lines = code.splitlines()
     for statement in ast.parse(code).body:
@@ -29,7 +29,7 @@ def check(code: str, place: str, names: dict[str, Any]) -> int:
         try:
             said = ast.literal_eval(comment)
         except (SyntaxError, ValueError):
-            continue  # Words.
+            continue  # The comment is prose.
         assert value == said, f"{place}: {ast.unparse(statement)}"
         checked += 1
     return checked

@@ -1,4 +1,4 @@
-"""What is wrong is said as the program says it."""
+"""Compares the error messages of the package with those of the program."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from conftest import ROOT, Program
 
 PATCH = ROOT / "tests/models/patch.gltf"
 
-# Options of the program, what the package is asked for, and the program's exit code.
+# Options of the program, the equivalent call of the package, and the program's exit code.
 WRONG: list[tuple[list[str], Callable[[], Any], int]] = [
     (["demo", "--set=replacement.entires=64"], lambda: Machine("bump", **{"replacement.entires": 64}), 2),
     (["demo", "--set=replacement.entries=0"], lambda: Machine("bump", **{"replacement.entries": 0}), 2),

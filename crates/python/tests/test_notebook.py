@@ -1,6 +1,6 @@
-"""The notebook in docs/ runs, and what comes out is what stands in it.
+"""Runs the notebook in docs/ and compares its output with the stored output.
 
-With BASRELIEF_BLESS=1 in the environment, what comes out is written into it.
+With BASRELIEF_BLESS=1 in the environment, the notebook is updated with its output.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ NOTEBOOK = ROOT / "docs/guide/python.ipynb"
 
 
 def shown(notebook: Any) -> list[dict[str, Any]]:
-    """What the cells show; tables in the words of pandas alone, whose markup differs between its versions."""
+    """Returns the output of the cells. For tables only the text of pandas, because its markup differs between versions."""
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     assert all(output.output_type in ("execute_result", "stream") for output in outputs), outputs
     return [of_pandas_as_text(output["data"]) if "data" in output else {"text": output["text"]} for output in outputs]

@@ -1,4 +1,4 @@
-"""Tables, pictures, pickles."""
+"""Tests of tables, pictures and pickles."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_tables_are_frames_of_pandas_and_polars(result: Result) -> None:
         table: Table = getattr(result, name)
         rows = len(table.rows())
         assert rows > 0 and all(len(column) == rows for column in table.values()), name
-        if name != "figures":  # Whose values are numbers, texts and lists.
+        if name != "figures":  # The values of `figures` are numbers, texts and lists.
             assert polars.DataFrame(table).shape == (rows, len(table)) == table.frame("polars").shape
         assert pandas.DataFrame(table).shape == (rows, len(table)) == table.frame().shape
         assert table._repr_html_().count("<tr>") == rows + 1
@@ -117,7 +117,7 @@ def test_pickled_machines_and_scenes_need_no_files(tmp_path: Path) -> None:
     reports = [machine.run(scene).report for scene in scenes]
     pickled = pickle.dumps((machine, scenes))
     shutil.rmtree(tmp_path)
-    # In a process of its own, as a worker has it.
+    # A separate process, as in a worker.
     script = "import pickle, sys; m, s = pickle.load(sys.stdin.buffer); sys.stdout.buffer.write(pickle.dumps([m.run(x).report for x in s]))"
     done = subprocess.run([sys.executable, "-c", script], input=pickled, capture_output=True, check=True)
     assert pickle.loads(done.stdout) == reports

@@ -1,4 +1,4 @@
-"""Sweeps, here and on workers, are those of the program, to the byte."""
+"""Compares sweeps, local and on workers, with those of the program, to the byte."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from basrelief.sweep import _batches  # type: ignore[import-not-found,unused-ign
 from conftest import ROOT, Program
 from distributed import Client, LocalCluster
 
-# Six works, each under four times; the FIFO that is too shallow for its users' tokens is none of them.
+# Six works, each with four timings. The FIFO that is too shallow for its users' tokens is not one of them.
 PLAN = """
 title = "Modes and depths"
 input = ["demo:ellipsoid@2", "patch.obj"]
@@ -51,7 +51,7 @@ def client() -> Iterator[Any]:
 
 
 def files(folder: Path) -> dict[str, bytes]:
-    """All that is in a folder; what begins with a point was never finished."""
+    """Returns all files of a folder except unfinished ones, with names that begin with a point."""
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in sorted(folder.rglob("*"))
@@ -61,7 +61,7 @@ def files(folder: Path) -> dict[str, bytes]:
 
 @pytest.fixture
 def expected(program: Program, plan: Path) -> dict[str, bytes]:
-    """What the program leaves."""
+    """Returns the files that the program writes."""
     done = program("sweep", plan, "--out", plan.parent / "program")
     assert done.returncode == 0, done.stderr
     return files(plan.parent / "program")
@@ -94,7 +94,7 @@ def test_a_killed_worker_costs_nothing_but_time(
 ) -> None:
     out = tmp_path / "killed"
     killed: list[int] = []
-    # Asked for before: an answer takes as long as many points.
+    # Requested before the sweep, because a busy worker takes as long to answer as for many points.
     victim = next(iter(client.run(os.getpid).values()))
 
     def kill() -> None:
@@ -131,7 +131,7 @@ def test_invalid_plan_has_the_error_of_the_program(
         said = program("sweep", "plan.toml").stderr
         with pytest.raises(basrelief.InputError) as raised:
             basrelief.sweep("plan.toml", client)
-        # What a view has and how it is written, each says in its own words.
+        # Package and program describe the options and the form of a view in different words.
         words = str(raised.value).partition(" (basrelief.scene")[0].rpartition("view: size: ")[2]
         assert words in said, f"{raised.value}\n{said}"
         assert not (plan.parent / "out").exists()

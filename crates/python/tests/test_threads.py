@@ -1,4 +1,4 @@
-"""The interpreter is free while a machine runs, and Ctrl-C stops it."""
+"""Tests that a run releases the interpreter, and that Ctrl-C stops it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_other_threads_go_on_while_a_machine_runs() -> None:
         took.append(time.perf_counter() - began)
 
     thread = threading.Thread(target=run)
-    # From ahead of the start, which waits for the thread to begin: it may be this that is kept waiting.
+    # Measures from before the start of the thread, because `start` waits for the thread and may itself be delayed.
     longest, last = 0.0, time.perf_counter()
     thread.start()
     while True:
@@ -33,7 +33,7 @@ def test_other_threads_go_on_while_a_machine_runs() -> None:
         if not thread.is_alive():
             break
         time.sleep(0.001)
-    # Held by the run, the lock would keep this loop waiting for about all of it.
+    # If the run held the lock, this loop would wait for almost the whole run.
     assert longest < 0.5 * took[0], f"{longest:.3f} s of {took[0]:.3f} s"
 
 

@@ -19,7 +19,7 @@ from .table import Table
 
 REPORT = "report.json"
 RECORDING = "run.recording"
-# Before version 0.2.
+# Name from before version 0.2.
 OLD_RECORDING = "run.tape"
 
 
