@@ -85,10 +85,53 @@ fn outputs_never_overwrite_inputs() {
     ] {
         let (files, refused) = (["c.toml", "t.jsonl"].map(|name| place.text(name)), place.run(line));
         let error = refused.error(2);
-        assert!(error.starts_with(&format!("{option}: ")) && error.contains(&format!("is what {what} reads")), "{line}: {error}");
+        assert!(error.starts_with(&format!("{option}: ")) && error.contains(&format!("is an input ({what})")), "{line}: {error}");
         assert_eq!(["c.toml", "t.jsonl"].map(|name| place.text(name)), files, "{line}");
     }
     assert_eq!(place.names(""), ["c.toml", "t.jsonl"]);
+}
+
+#[test]
+fn every_command_keeps_its_inputs() {
+    let place = Place::new();
+    place.ok("demo --size 16x12 --no-exact --out a");
+    place.ok("demo --size 16x12 --no-exact --out b");
+    place.ok("record PATCH --size 16x12 --out t.jsonl");
+    fs::write(place.path("a/report.csv"), "replacement.entries = 64\n").expect("written");
+    let plan = "title = \"a\"\ninput = \"t.jsonl\"\nmachine = \"bump\"\nconfig = \"sweep.csv\"\nobjectives = [\"cycles min\"]\n\
+                [axes]\nfifo.spans.depth = [2, 4]\n";
+    fs::write(place.path("plan.toml"), plan).expect("written");
+    fs::write(place.path("sweep.csv"), "replacement.entries = 64\n").expect("written");
+    let names = ["a/report.json", "a/run.recording", "a/image.png", "a/report.csv", "b/report.json", "t.jsonl", "sweep.csv"];
+    let before = names.map(|name| place.bytes(name));
+    for line in [
+        "compare a b --html a/report.json",
+        "compare a b --html b/report.json",
+        "compare a b --html a/run.recording",
+        "compare a b --html a/image.png",
+        "resimulate a --html a/report.json",
+        "resimulate a --out a",
+        "resimulate a/run.recording --html a/run.recording",
+        "demo --size 16x12 --config a/report.csv --out a",
+        "convert t.jsonl ./t.jsonl",
+        "record PATCH --camera t.jsonl --out t.jsonl",
+        "sweep plan.toml --out .",
+    ] {
+        let error = place.run(line);
+        assert!(error.error(2).contains("is an input"), "{line}: {}", error.err);
+        assert!(names.map(|name| place.bytes(name)) == before, "{line}");
+    }
+}
+
+#[test]
+fn foreign_names_cannot_control_the_terminal() {
+    let place = Place::new();
+    let name = "a\u{1b}]0;title\u{7}\u{9b}2J.jsonl";
+    fs::write(place.path(name), "no trace").expect("written");
+    let outcome = place.command("run").arg(name).output().expect("starts");
+    let said = String::from_utf8(outcome.stderr).expect("UTF-8");
+    assert!(said.contains("a\\u001b]0;title\\u0007\\u009b2J.jsonl"), "{said}");
+    assert!(!said.contains(|c: char| c.is_control() && c != '\n'), "{said:?}");
 }
 
 #[cfg(target_os = "linux")]
