@@ -1,4 +1,4 @@
-//! `--ablate`: the same input without each short cut in turn, and without any.
+//! `--ablate`: runs the same input without each short cut in turn, and without all of them.
 
 use crate::support::{Place, finish};
 use serde_json::Value;
@@ -38,7 +38,7 @@ fn ablation_table_equals_separate_runs() {
     }
 }
 
-/// The specification: what is dropped is less than half a step, so that no output changes by more than 1; the other short
+/// The specification: each omitted contribution is below half a step, so no output changes by more than 1. The other short
 /// cuts change nothing beyond their tolerance.
 #[test]
 fn default_thresholds_change_output_by_one_step() {
@@ -54,7 +54,7 @@ fn default_thresholds_change_output_by_one_step() {
 #[test]
 fn a_change_of_the_picture_is_found() {
     let place = Place::new();
-    // Every polygon counts as flat: without that short cut the picture is another.
+    // This tolerance makes every polygon count as flat, so the picture changes without that short cut.
     place.ok("demo ellipsoid@2 --size 48x36 --set shortcut.flatness.tolerance=2 --ablate");
     let variants = place.json("out/ablation.json")["variants"].clone();
     assert!(variants[2]["largest_change"].as_u64().is_some_and(|steps| steps > 10), "{variants}");

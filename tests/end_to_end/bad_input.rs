@@ -1,15 +1,15 @@
-//! Foreign and broken files through the program: an error with exit code 1 that names the file, or a run; never a signal,
-//! a panic, a hang, or anything written on failure.
+//! Foreign and broken files: the program runs them, or fails with exit code 1 and an error that names the file. It never ends
+//! by a signal, panics or hangs, and a failure writes nothing.
 
 use crate::support::{Place, finish, inputs, patch, workspace};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Longest that a small bad file may take, built for debugging \[s\].
+/// Time limit for a small bad file in a debug build \[s\].
 const PATIENCE_S: f64 = 5.0;
 
-/// Runs on a file: it either runs, or fails with a message that names it; then nothing is written.
+/// Runs a file. The run succeeds, or fails with a message that names the file and writes nothing.
 fn check(place: &Place, file: &Path) -> i32 {
     let outcome = finish(place.command("run --size 32x24 --quiet --out out").arg(file));
     let (shown, code) = (file.display(), outcome.code());
@@ -25,7 +25,7 @@ fn check(place: &Place, file: &Path) -> i32 {
     code
 }
 
-/// All files below a folder with one of these endings.
+/// Returns all files below a folder with one of these endings.
 fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("a folder") {
@@ -77,7 +77,7 @@ fn non_model_is_refused_by_name() {
     for name in ["folder", "letter.txt", "empty.glb", "empty.jsonl", "missing.gltf"] {
         for command in ["run", "record --out t.bdl", "convert t.bdl"] {
             let (command, rest) = command.split_once(' ').unwrap_or((command, ""));
-            // By its name a display list, and as such not to be recorded: wrong usage.
+            // The name is that of a display list, which `record` does not accept: wrong usage.
             if (command, name) == ("record", "empty.jsonl") {
                 continue;
             }
@@ -93,7 +93,7 @@ fn non_model_is_refused_by_name() {
     }
 }
 
-/// Makes a pipe into which nobody writes.
+/// Makes a pipe without a writer.
 #[cfg(unix)]
 fn pipe(place: &Place, name: &str) {
     assert!(Command::new("mkfifo").arg(place.path(name)).status().expect("mkfifo").success());
@@ -150,7 +150,7 @@ fn truncated_trace_is_an_error_without_output() {
     for form in ["jsonl", "jsonl.zst", "bdl", "bdl.zst"] {
         place.ok(&format!("convert {} whole.{form}", quad.display()));
         let bytes = place.bytes(&format!("whole.{form}"));
-        // A text that lacks only its last line feed is whole.
+        // A text without its last line feed is complete.
         let whole = if form == "jsonl" { bytes.len() - 1 } else { bytes.len() };
         let name = format!("cut.{form}");
         for cut in 0..whole {

@@ -1,5 +1,5 @@
-//! What breaks in the middle between `serve` and `run --from`: clients that die, a server that restarts, a disk that fills. And what
-//! the server takes at most, whatever its clients do.
+//! Failures between `serve` and `run --from`: killed clients, a server restart, a full disk. Also the server's bounds on threads
+//! and memory under any client.
 
 use crate::remote::{OWN_HOST, Server, get, images};
 use crate::support::{Place, wait};
@@ -9,12 +9,12 @@ use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Views each of which needs tiles that those before do not, large enough for much to be still to come when the first picture is found.
+/// Views that each need new tiles. They are large, so many tiles are still missing when the first picture appears.
 const VIEWS: &str =
     "--size 320x240 --set tile.width=8 --set tile.height=8 --frames 4 --orbit 270 --set defer.mode=progressive --quiet";
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// Waits until something is so.
+/// Waits until the condition holds.
 fn until(what: &str, mut so: impl FnMut() -> bool) {
     let began = Instant::now();
     while !so() {
@@ -23,7 +23,7 @@ fn until(what: &str, mut so: impl FnMut() -> bool) {
     }
 }
 
-/// A run from this server into `out`, whose first picture is there, and that is not over.
+/// Starts a run from this server into `out` and returns it, still running, after its first picture.
 fn looking(place: &Place, server: &Server, out: &str) -> Child {
     let line = format!("run --from {} {VIEWS} --out {out}", server.1);
     let mut client = place.command(&line).stderr(Stdio::piped()).spawn().expect("the program starts");
@@ -53,7 +53,7 @@ fn killed_client_leaves_whole_images_only() {
     assert_eq!(images(&place, "out"), images(&place, "other"));
 }
 
-/// For longer than a request is tried again: it takes 1.5 s to find out that an answer does not come.
+/// The server is away for 2 s, longer than the retries of a request. These detect a missing answer after 1.5 s.
 #[test]
 fn server_restart_costs_clients_only_time() {
     let place = Place::new();
@@ -78,19 +78,19 @@ fn full_disk_names_image_and_leaves_no_partial_file() {
     let error = full.error(1);
     assert!(error.starts_with("out/image-round-0.png: cannot be written: "), "{error}");
     assert_eq!(place.names(""), ["kept"]);
-    // Tiles of 256 bytes fit, and the next run has them.
+    // Tiles of 256 bytes fit on the disk, so the next run can use them.
     assert!(place.names("kept").len() > 10);
     assert!(place.names("kept").iter().all(|name| !name.starts_with('.')));
 }
 
-/// The most that `serve` holds of an answer, with its head and what a thread takes [bytes].
+/// Upper bound on the memory of `serve` per connection: answer, head and thread [bytes].
 const ANSWER: u64 = 1 << 20;
-/// Connections at a time.
+/// Limit on simultaneous connections.
 const CONNECTIONS: u64 = 256;
-/// More clients than that: for each of them another is let go, whose thread may be about to end.
+/// Clients beyond the limit. Each evicts another client, and the evicted thread may still be ending.
 const LET_GO: u64 = 20;
 
-/// A number of what the system says of a process.
+/// Returns a number from `/proc/PID/status`.
 #[cfg(target_os = "linux")]
 fn status(server: &Server, name: &str) -> u64 {
     let text = std::fs::read_to_string(format!("/proc/{}/status", server.0.id())).expect("a process");
@@ -98,7 +98,7 @@ fn status(server: &Server, name: &str) -> u64 {
     line.split_whitespace().next().expect("a number").parse().expect("a number")
 }
 
-/// The largest answers there are to more clients than are served at a time, none of whom takes more than its beginning.
+/// More clients than connections request the largest answers, and each reads only the first byte.
 #[cfg(target_os = "linux")]
 #[test]
 fn server_threads_and_memory_are_bounded() {
@@ -108,7 +108,7 @@ fn server_threads_and_memory_are_bounded() {
     let page = get(address, "/served");
     let (before, _) = page.split_once("</code></td></tr>").expect("a picture");
     let picture = before.rsplit_once("<code>").expect("a picture").1;
-    // All layers are there now.
+    // After this request the server holds all layers.
     let tile = |number: u32| format!("/tile/{picture}/512x512/raw/{number}");
     assert!(get(address, &tile(0)).starts_with("HTTP/1.1 200"));
     let refused = get(address, &format!("/tile/{picture}/512x512/raw/1,1"));
@@ -123,7 +123,7 @@ fn server_threads_and_memory_are_bounded() {
         client
     };
     let mut clients: Vec<TcpStream> = (0..CONNECTIONS + LET_GO).map(ask).collect();
-    // Each has its answer, or was let go for another.
+    // Each client has an answer or was evicted for another.
     let mut most = 0;
     for client in &mut clients {
         client.set_read_timeout(Some(LONGEST)).expect("set");

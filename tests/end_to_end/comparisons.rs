@@ -1,4 +1,4 @@
-//! `compare`: what changed between reports, and what explains it.
+//! `compare`: changes between reports, and their causes.
 
 use crate::support::Place;
 use serde_json::Value;
@@ -11,7 +11,7 @@ fn json(place: &Place, line: &str) -> Value {
     serde_json::from_str(&place.ok(&format!("compare {line} --json")).out).expect("JSON")
 }
 
-/// What is said, in one line.
+/// Returns the output of `compare` as one line.
 fn said(place: &Place, line: &str) -> String {
     place.ok(&format!("compare {line}")).out.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -106,7 +106,7 @@ fn a_tape_that_is_spoiled_or_of_another_run_is_named() {
             assert!(error.error(1).starts_with("b/run.recording: ") && error.err.contains(words), "{line}: {}", error.err);
         }
     }
-    // Beside a report under another name it is none of its run.
+    // A recording does not belong to a report with another name in the same folder.
     fs::rename(place.path("b/report.json"), place.path("b/kept.json")).expect("renamed");
     assert!(said(&place, "a b/kept.json").contains("To measure the causes, keep the recording"));
 }

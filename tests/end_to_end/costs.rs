@@ -1,4 +1,4 @@
-//! `--costs`: pictures and tables of what was for whom.
+//! `--costs`: pictures and tables of the cycles attributed to objects and polygons.
 
 use crate::support::{Place, picture};
 
@@ -10,7 +10,7 @@ fn costs_come_as_pictures_and_as_tables() {
         place.names("out"),
         ["cost.png", "entry.png", "image.png", "level.png", "overdraw.png", "report.csv", "report.json", "wait.png"]
     );
-    // Narrow pictures get more lines of title: the scale is below, the picture on top.
+    // The picture is on top and the scale below. The title of a narrow picture takes more lines.
     for name in ["cost.png", "wait.png", "overdraw.png", "level.png", "entry.png"] {
         let (width, height, ..) = picture(&place.path("out").join(name));
         assert!(width == 48 && height > 36 + 30, "{name}: {width} x {height}");

@@ -1,4 +1,4 @@
-//! The rate-limited renderer: what it writes.
+//! Outputs of the rate-limited renderer.
 
 use crate::support::{Place, is_valid, picture, workspace};
 use serde_json::Value;
@@ -88,7 +88,7 @@ fn local_disk_preset_is_a_path_0025() {
     let tiles = |r: &Value| r["figures"]["tiles_loaded"].as_u64().unwrap_or(0);
     let ms = |r: &Value| r["figures"]["final_picture_ms"].as_f64().unwrap_or(0.0);
     assert!(tiles(&reports[0]) > 1 && tiles(&reports[0]) == tiles(&reports[1]));
-    // One command at a time: each tile waits for a seek of its own.
+    // With one command at a time, each tile needs a seek of its own.
     let seeks = tiles(&reports[0]) as f64 * 14.556;
     assert!(ms(&reports[0]) >= seeks && ms(&reports[0]) < 1.5 * seeks + 100.0, "{} ms, {seeks} ms of seeks", ms(&reports[0]));
     assert!(ms(&reports[1]) > 3.0 * ms(&reports[0]));

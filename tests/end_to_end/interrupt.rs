@@ -24,7 +24,7 @@ fn wait_until(what: &str, happens: impl Fn() -> bool) {
     panic!("never: {what}");
 }
 
-/// Sends the signal and expects its exit code.
+/// Sends the signal and checks for its exit code.
 fn interrupt(child: &mut Child, signal: &str) {
     let code = match signal {
         "-INT" => 130,
@@ -37,7 +37,7 @@ fn interrupt(child: &mut Child, signal: &str) {
     assert_eq!(status.code(), Some(code), "{status}");
 }
 
-/// Whether there is a file or folder with this in its name, at any depth.
+/// Returns true if the folder contains, at any depth, a file or folder with this text in its name.
 fn has(folder: &PathBuf, part: &str) -> bool {
     fs::read_dir(folder).is_ok_and(|mut entries| {
         entries.any(|e| {

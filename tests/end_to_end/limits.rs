@@ -1,4 +1,4 @@
-//! Absurd numbers: a run or an error within seconds, and within a gibibyte of address space.
+//! Absurd numbers lead to a run or an error within seconds and within a gibibyte of address space.
 
 use crate::support::{Outcome, PROGRAM, Place, finish};
 use std::fs;
@@ -7,7 +7,7 @@ use std::process::Command;
 /// Address space \[KiB\].
 const LIMIT: u32 = 1 << 20;
 
-/// Runs a command line with so much memory and no more: whoever asks for more is ended by a signal.
+/// Runs a command line with this address space. A program that requests more ends by a signal.
 fn run(place: &Place, line: &str) -> Outcome {
     let limited = place.command(line);
     let mut shell = Command::new("sh");
@@ -60,12 +60,12 @@ fn image_size_and_frame_count_are_bounded() {
     let huge = r#"{"begin":{"format":"basrelief-display-list","version":1,"width":16384,"height":16384,"generator":"x"}}"#;
     fs::write(place.path("t.jsonl"), format!("{huge}\n{{\"end\":{{\"commands\":1}}}}\n")).expect("written");
     assert!(run(&place, "run t.jsonl").error(1).contains("t.jsonl: line 1"), "size");
-    // Frames stream: what stands ready before the first is small.
+    // Frames are streamed, so little is prepared before the first frame.
     let outcome = run(&place, &format!("run {} --size 16x12 --frames 20000 --max-cycles 1000", patch()));
     assert!(outcome.error(1).contains("--max-cycles"), "{}", outcome.err);
 }
 
-/// Meshes of many parts, in many places: as many objects as the product.
+/// Meshes of many parts are used by many nodes. The number of objects is the product.
 #[test]
 fn million_objects_run_or_are_refused() {
     let place = Place::new();
@@ -86,7 +86,7 @@ fn million_objects_run_or_are_refused() {
 #[test]
 fn cycle_limit_holds_for_any_input() {
     let place = Place::new();
-    // A million vertices that no data back, in fifty places.
+    // A million vertices without data, used by fifty nodes.
     let nodes = vec![r#"{"mesh":0}"#; 50].join(",");
     let numbers = (0..50).map(|i| i.to_string()).collect::<Vec<_>>().join(",");
     let model = format!(
@@ -97,7 +97,7 @@ fn cycle_limit_holds_for_any_input() {
     let outcome = run(&place, "run m.gltf --max-cycles 20000 --size 64x48 --quiet");
     assert!(outcome.error(1).contains("--max-cycles"), "{}", outcome.err);
     assert!(outcome.seconds < 20.0, "m.gltf: took {} s", outcome.seconds);
-    // A thousand frames of these take minutes; what is drawn before the limit, a moment.
+    // A thousand frames of these demos take minutes. Drawing up to the limit takes a moment.
     for demo in ["coin", "--machine shade", "--machine defer"] {
         let outcome = run(&place, &format!("demo {demo} --frames 10000 --max-cycles 20000 --size 64x48 --quiet"));
         assert!(outcome.error(1).contains("--max-cycles"), "{demo}: {}", outcome.err);

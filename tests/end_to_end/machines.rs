@@ -1,4 +1,4 @@
-//! Every machine behind the same commands.
+//! The same commands with every machine.
 
 use crate::support::{Place, is_valid, patch, without_host};
 use serde_json::Value;
@@ -93,7 +93,7 @@ fn replay_gives_same_image_from_any_machine() {
         for list in ["b.jsonl", "s.bdl.zst", "t.bdl"] {
             place.ok(&format!("run {list} --machine {machine} --out replay"));
             assert_eq!(place.report("replay")["image"], place.report("scene")["image"], "{machine}, {list}");
-            // Arrivals are those of the geometry processor that recorded the list.
+            // The arrival times in a list are those of the machine that recorded it.
             let is_same = place.report("replay")["input"]["sha256"] == place.report("scene")["input"]["sha256"];
             assert_eq!(is_same, list.starts_with(&machine[..1]), "{machine}, {list}");
         }
@@ -141,7 +141,7 @@ fn bad_shade_values_are_named() {
     fs::write(place.path("c.toml"), "[replacement]\nentries = 64\n").expect("written");
     let outcome = place.run("demo ellipsoid --config c.toml");
     assert!(outcome.error(1).contains("c.toml: `replacement` is a parameter of machine `bump`"), "{}", outcome.err);
-    // What does not fit together is blamed on who brought it about.
+    // The error for inconsistent parameters names the file that set them.
     fs::write(place.path("c.toml"), "[host]\nbuffers = 2\n[fifo.finished]\ndepth = 1\n").expect("written");
     let outcome = place.run("demo ellipsoid@1 --config c.toml");
     assert!(outcome.error(1).contains("c.toml: `fifo.finished.depth`: is 1, but 2 polygons"), "{}", outcome.err);
@@ -208,7 +208,7 @@ fn describe_shows_derived_memory_timings() {
     let of = |key: &str| table.as_array().into_iter().flatten().find(|p| p["key"] == key).cloned().unwrap_or_default();
     let cl = of("memory.graphics.cl");
     assert_eq!((cl["value"].as_u64(), cl["default"].as_u64()), (Some(2), Some(3)));
-    // A part that fits no clock that there is, and one of which there is none; a setting may mend what a file got wrong.
+    // A part that does not fit the clock and an unknown part are errors. A setting can correct the value of a file.
     fs::write(place.path("slow.toml"), "[clock]\nhz = 3_000_000\n").expect("written");
     assert!(
         place

@@ -1,6 +1,6 @@
-//! The built program, from outside: files in, files out, exit codes, messages.
+//! End-to-end tests of the built program: input files, output files, exit codes, messages.
 //!
-//! Small pictures and few processes: the whole takes seconds, also when built for debugging.
+//! The pictures are small and the processes few, so all tests take seconds even in a debug build.
 
 mod ablation;
 mod bad_input;

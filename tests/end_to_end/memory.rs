@@ -1,5 +1,5 @@
-//! Small inputs that unfold into much: refused with the limit in the error, never ended by a signal, however little address
-//! space there is.
+//! Small inputs that expand into large data are refused with the limit in the error. The program never ends by a signal, even
+//! with little address space.
 
 use crate::support::{Outcome, PROGRAM, Place, finish};
 use basrelief_signals::Lighting;
@@ -11,7 +11,7 @@ use std::net::{TcpListener, TcpStream};
 use std::process::{Command, Stdio};
 use std::thread;
 
-/// Runs a command line with so much address space \[MiB\] and no more: whoever asks for more is ended by a signal.
+/// Runs a command line with this address space \[MiB\]. A program that requests more ends by a signal.
 fn run(place: &Place, megabytes: u32, line: &str) -> Outcome {
     let limited = place.command(line);
     let mut shell = Command::new("sh");
@@ -20,7 +20,7 @@ fn run(place: &Place, megabytes: u32, line: &str) -> Outcome {
     finish(shell.current_dir(place.path("")).stdin(Stdio::null()))
 }
 
-/// A trace of materials with names of 15 MiB, in a few kilobytes.
+/// Writes a trace of a few kilobytes that defines materials with names of 15 MiB.
 fn write_names(place: &Place, name: &str, materials: u32) {
     let form = Form::for_file_name(name).expect("a display list");
     let mut writer = Writer::new(File::create(place.path(name)).expect("created"), form).expect("a writer");
@@ -58,7 +58,7 @@ fn names_of_a_trace_are_held_within_the_limit() {
         assert_eq!(outcome.code(), 1, "{command}: {}", outcome.err);
         assert!(format!("{}{}", outcome.out, outcome.err).contains("over the limit of 100 MiB"), "{command}");
     }
-    // Nothing of them is kept.
+    // The conversion keeps none of the names.
     let converted = run(&place, 2048, "convert t.bdl.zst t.jsonl.zst");
     assert_eq!(converted.code(), 0, "{}", converted.err);
 }
@@ -79,7 +79,7 @@ fn a_picture_is_decoded_within_the_limit() {
     }
 }
 
-/// Without --memory-limit, however little the system grants.
+/// Without `--memory-limit`, the program stays within the address space that the system grants, even if it is small.
 #[cfg(target_os = "linux")]
 #[test]
 fn address_space_limit_never_ends_in_signal() {

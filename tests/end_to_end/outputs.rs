@@ -1,4 +1,4 @@
-//! What is written: whole or not at all, each output to a file of its own, and faults named after the file they happen to.
+//! Outputs: each is written completely or not at all, to a file of its own. An error names the affected file.
 
 use crate::support::{Place, picture};
 use std::fs;

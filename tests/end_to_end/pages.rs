@@ -3,15 +3,15 @@
 use crate::support::Place;
 use serde_json::Value;
 
-/// Most bytes of a page of a small picture.
+/// Maximum size of a page with a small picture \[bytes\].
 const MOST: usize = 3_000_000;
 
-/// Names of what a report has of this.
+/// Returns the names in one section of a report, for example its units.
 fn names<'a>(report: &'a Value, what: &str) -> impl Iterator<Item = &'a String> {
     report[what].as_object().into_iter().flat_map(|map| map.keys())
 }
 
-/// All that a browser could take for a reference or a program stands outside the data that the page brings along.
+/// Checks that the page is self-contained: apart from embedded data, it has no external references and no scripts.
 fn check_stands_alone(page: &str) {
     for part in page.split('"').filter(|part| !part.starts_with("data:")) {
         for text in ["http:", "https:", "//", "<script", "url(", "@import"] {
@@ -31,7 +31,7 @@ fn html_report_is_self_contained() {
         check_stands_alone(&page);
         assert!(page == place.text("b.html"), "{machine}: two pages of equal runs differ");
         assert_eq!(page.matches("data:image/png;base64,").count(), 3, "{machine}");
-        // In the block diagram: a filled box, a gauge, a bus.
+        // The block diagram has a filled box per unit, a gauge per FIFO and a bus per memory.
         for unit in names(&report, "units") {
             let title = |end: &str| format!("<g class=\"unit\"><title>{unit}{end}");
             assert_eq!(page.matches(&title(" (")).count() + page.matches(&title(": ")).count(), 1, "{machine}: {unit}");

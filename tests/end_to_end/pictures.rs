@@ -34,7 +34,7 @@ fn frame_k_of_n_turns_by_k_nths_of_the_angle() {
     for (kind, k) in ["image", "reference", "difference"].iter().flat_map(|kind| (1..=4).map(move |k| (kind, k))) {
         assert_eq!(picture(&place.path(&format!("all/{kind}-000{k}.png"))).0, 48);
     }
-    // Turned by the same angle, though part of other sequences.
+    // Both pictures are turned by the same angle, but belong to different sequences.
     place.ok("run PATCH --size 48x36 --frames 2 --orbit 80 --out half");
     assert_eq!(place.report("half")["image"][1]["sha256"], all["image"][2]["sha256"], "1/2 of 80 is 2/4 of 80");
     assert_eq!(place.report("half")["image"][0]["sha256"], all["image"][0]["sha256"]);

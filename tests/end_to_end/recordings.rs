@@ -1,4 +1,4 @@
-//! `--recording`, `retime`, `size-fifos` and what limits a run.
+//! `--recording`, `resimulate`, `size-fifos` and the bottlenecks of a run.
 
 use crate::support::{Place, without_host};
 use std::fs;
@@ -111,7 +111,7 @@ fn bad_recordings_and_parameters_are_named() {
     assert!(error("--set operators.divide.latency=9").error(2).contains("changes the work of the units"));
     assert!(error("--set fifo.pixels.depht=9").error(2).contains("did you mean `fifo.pixels.depth`"));
     assert!(place.run("resimulate gone.tape").error(1).starts_with("gone.tape: cannot be read"));
-    // Of a run that is cut short there is no tape; nor is one left that was there before.
+    // A run that is cut short writes no recording, and removes an older one of that name.
     place.run(&format!("{RUN} --max-cycles 500 --recording cut.tape")).error(1);
     assert!(!place.path("cut.tape").exists());
     assert!(place.run(&format!("{RUN} --recording out/report.json")).error(2).contains("report.json"));

@@ -1,4 +1,4 @@
-//! A shaped path on loopback: a relay that lets so many bits per second pass each way, each byte so much later.
+//! A shaped path on loopback: a relay with a limited rate and a latency in each direction.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
@@ -7,20 +7,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Bytes that travel as one: of a packet of Ethernet.
+/// Bytes per packet, as in Ethernet.
 const PACKET: usize = 1460;
 
-/// One direction of the path, which all connections share: when it has carried what it was given.
+/// One direction of the path, shared by all connections. `free` is the time at which it has sent all bytes given to it.
 #[derive(Debug)]
 struct Way {
     bits_per_second: f64,
-    /// From one end to the other.
+    /// Latency from end to end.
     delay: Duration,
     free: Mutex<Instant>,
 }
 
 impl Way {
-    /// When so many bytes that are given now come out at the other end.
+    /// Returns the time at which bytes sent now arrive at the other end.
     fn carry(&self, bytes: usize) -> Instant {
         let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         let takes = Duration::from_secs_f64(8.0 * bytes as f64 / self.bits_per_second);
@@ -29,8 +29,8 @@ impl Way {
     }
 }
 
-/// Listens at an address of its own, and passes everything on to and from `server`, an address with its port. Its own address. Half of
-/// the latency lies each way. It goes on to the end of the program.
+/// Starts a relay to `server`, an address with its port, and returns the relay's own address. Each direction has half of the
+/// latency. The relay runs until the program ends.
 pub fn relay(server: &str, bits_per_second: f64, latency: Duration) -> std::io::Result<String> {
     let listener = TcpListener::bind("127.0.0.1:0")?;
     let own = listener.local_addr()?.to_string();
@@ -39,7 +39,7 @@ pub fn relay(server: &str, bits_per_second: f64, latency: Duration) -> std::io::
     let ways = [way(), way()];
     thread::spawn(move || {
         for client in listener.incoming().flatten() {
-            // A server that is gone is to the client as if the path ended there.
+            // If the server does not listen, the client's connection closes.
             if let Ok(server) = TcpStream::connect(&server) {
                 let _ = pass(&client, &server, &ways[0]).and_then(|()| pass(&server, &client, &ways[1]));
             }
@@ -48,7 +48,7 @@ pub fn relay(server: &str, bits_per_second: f64, latency: Duration) -> std::io::
     Ok(own)
 }
 
-/// Passes on what comes from one to the other, on a way, from now on.
+/// Starts to forward bytes from one stream to the other, over one direction of the path.
 fn pass(from: &TcpStream, to: &TcpStream, way: &Arc<Way>) -> std::io::Result<()> {
     let (mut from, to, way) = (from.try_clone()?, to.try_clone()?, Arc::clone(way));
     to.set_nodelay(true)?;
@@ -63,7 +63,7 @@ fn pass(from: &TcpStream, to: &TcpStream, way: &Arc<Way>) -> std::io::Result<()>
     Ok(())
 }
 
-/// Writes each packet when its time has come.
+/// Writes each packet at its arrival time.
 fn deliver(take: &Receiver<(Instant, Vec<u8>)>, mut to: TcpStream) {
     for (at, packet) in take {
         thread::sleep(at.saturating_duration_since(Instant::now()));
@@ -71,6 +71,6 @@ fn deliver(take: &Receiver<(Instant, Vec<u8>)>, mut to: TcpStream) {
             break;
         }
     }
-    // Who is gone needs no telling.
+    // The client may have disconnected already.
     let _ = to.shutdown(Shutdown::Write);
 }

@@ -1,4 +1,4 @@
-//! A server on a real path: `serve` and `run --from`, with what can happen between them.
+//! A server on a real path: `serve` and `run --from`, and failures between them.
 
 use crate::support::{Outcome, Place, finish, picture};
 use std::fs;
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
 const SMALL: &str = "--size 64x48";
-/// Many tiles, of small textures too.
+/// Small tiles, so that even small textures have many of them.
 const CUT: &str = "--set tile.width=8 --set tile.height=8";
 
 pub fn images(place: &Place, out: &str) -> Vec<String> {
@@ -23,10 +23,11 @@ fn figure(place: &Place, out: &str, name: &str) -> u64 {
     place.report(out)["figures"][name].as_u64().unwrap_or_else(|| panic!("{name}"))
 }
 
-/// A server, ended with the test.
+/// A server process, killed at the end of the test, and its URL.
 pub struct Server(pub Child, pub String);
 
-/// Where no client of another test takes the port of a server that is to listen there again. (Elsewhere there is one such address.)
+/// Address for a server that restarts on the same port. Clients of other tests do not use it, so they cannot take the port
+/// meanwhile. Systems other than Linux have only one loopback address.
 pub const OWN_HOST: &str = if cfg!(target_os = "linux") { "127.0.0.2" } else { "127.0.0.1" };
 
 impl Server {
@@ -34,7 +35,7 @@ impl Server {
         Self::start_at(place, line, "127.0.0.1")
     }
 
-    /// One that listens at another address of this computer.
+    /// Starts a server that listens at another address of this computer.
     pub fn start_at(place: &Place, line: &str, host: &str) -> Self {
         let mut child = place.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
         let mut said = String::new();
@@ -44,7 +45,7 @@ impl Server {
         Self(child, url)
     }
 
-    /// Address and port.
+    /// Returns address and port.
     pub fn address(&self) -> &str {
         self.1.trim_start_matches("http://").trim_end_matches('/')
     }
@@ -52,28 +53,28 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // It may have ended.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// Stands between client and server, and counts the tiles that it passes on.
+/// Proxy between client and server that counts the forwarded tiles.
 struct Between {
     url: String,
     tiles: Arc<AtomicU64>,
 }
 
 impl Between {
-    /// In front of the server at `url`; gone for good once it has passed on `most` tiles.
+    /// Starts a proxy for the server at `url` that closes all tile requests after `most` tiles.
     fn new(url: &str, most: u64) -> Self {
         Self::then(url, most, |_| ())
     }
 
-    /// In front of the server at `url`; once it has passed on `most` tiles it keeps connections, and says nothing any more.
+    /// Starts a proxy for the server at `url`. After `most` tiles it keeps connections open without answering.
     fn stuck(url: &str, most: u64) -> Self {
         Self::then(url, most, |client| {
-            // To the end of the test, or until the client goes.
+            // Waits until the test ends or the client disconnects.
             let _ = client.read_to_end(&mut Vec::new());
         })
     }
@@ -98,7 +99,7 @@ impl Between {
     }
 }
 
-/// Passes one request on, and its answer back; to one too many something else is done, and then it is cut.
+/// Forwards one request, and its answer. Beyond `most` tiles it calls `late` and then closes the connection.
 fn pass(mut client: TcpStream, server: &str, (passed, most): (&AtomicU64, u64), late: fn(&mut TcpStream)) {
     let mut lines = BufReader::new(client.try_clone().expect("a stream")).lines().map_while(Result::ok);
     let Some(first) = lines.next() else { return };
@@ -113,13 +114,13 @@ fn pass(mut client: TcpStream, server: &str, (passed, most): (&AtomicU64, u64), 
     write!(upstream, "{first}\r\nHost: localhost\r\nConnection: close\r\n\r\n").expect("sent");
     upstream.read_to_end(&mut answer).expect("an answer");
     let head = answer.windows(2).position(|w| w == b"\r\n").expect("a status line");
-    // The client shall not send another request here.
+    // This header keeps the client from sending another request on this connection.
     answer.splice(head..head, *b"\r\nConnection: close");
-    // A client that has given up does not read it.
+    // The client may have given up and closed the connection.
     let _ = client.write_all(&answer);
 }
 
-/// What a server answers.
+/// Returns a server's answer to a GET request.
 pub fn get(address: &str, path: &str) -> String {
     let mut client = TcpStream::connect(address).expect("connects");
     write!(client, "GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").expect("sent");
@@ -155,7 +156,7 @@ fn lost_server_keeps_received_tiles() {
     assert_eq!(run(&server.1, "--out whole").code(), 0);
     let pictures = place.report("whole")["figures"]["picture_round"].as_array().expect("rounds").len();
     assert!(pictures >= 3, "{pictures}");
-    // As many tiles as two pictures need, and five more.
+    // The limit is the tiles of two pictures, and five more.
     assert_eq!(run(&server.1, "--set defer.pictures_per_view=2 --out two").code(), 0);
     let most = figure(&place, "two", "tiles_loaded") + 5;
     assert!(most < figure(&place, "whole", "tiles_loaded"));
@@ -177,7 +178,7 @@ fn lost_server_keeps_received_tiles() {
     assert_eq!(images(&place, "again"), images(&place, "whole"));
 }
 
-/// A report without what the host took, and without the hash of the input: the client has no texels to hash.
+/// Returns a report without the host's figures and the hash of the input, because the client has no texels to hash.
 fn comparable(place: &Place, out: &str) -> serde_json::Value {
     let mut report = place.report(out);
     report.as_object_mut().expect("an object").remove("host").expect("the host's figures");
@@ -195,7 +196,7 @@ fn served_scene_gives_report_and_images_of_file() {
         "--size 32x32 --light 1,2,3 --zoom 1.5 --set defer.lighting=gouraud --set defer.mode=conventional --set tile.encoding=jpeg",
         "--size 48x32 --set defer.dmax=1 --set tile.encoding=png --functional",
     ];
-    // Pictures of many sizes, but not all of them; bump targets beside textures and plain polygons; frames of its own; a file.
+    // Textures of many sizes, only some of them used; bump targets beside textures and plain polygons; own frames; a file.
     for (model, views) in
         [("demo:gallery", &views[1..2]), ("demo:mixed", &views[2..]), ("demo:turntable", &views[..1]), ("m.obj", &views)]
     {
@@ -223,7 +224,7 @@ fn the_views_of_one_server_share_their_tiles() {
     assert_eq!(images(&place, "remote").len(), 3);
     assert!(figure(&place, "remote", "tiles_reused") > 0);
     assert_eq!(counted.passed(), figure(&place, "remote", "tiles_loaded"), "none is fetched twice");
-    // The same beginning, and then the other way round.
+    // These views begin alike and then turn the other way.
     let counted = Between::new(&server.1, u64::MAX);
     let other = "--frames 2 --orbit -50";
     place.ok(&format!("run --from {} {SMALL} {other} {CUT} --quiet --tile-cache kept --out other", counted.url));
@@ -248,7 +249,7 @@ fn report_has_traffic_and_image_times_of_real_path() {
     let scene = get(server.address(), "/scene");
     let length = scene.lines().find_map(|line| line.strip_prefix("content-length: ")).expect("a length");
     assert_eq!(count("scene_bytes").to_string(), length);
-    // A head says at least what was answered and how long it is; a request at least what is asked for, and of whom.
+    // An answer's head has at least its status and length. A request has at least its path and host.
     let (answers, requests) = (count("head_bytes") / count("requests"), count("request_bytes") / count("requests"));
     assert!((100..500).contains(&answers) && (100..500).contains(&requests), "{answers} {requests}");
     let times: Vec<f64> = path["picture_ms"].as_array().expect("times").iter().map(|t| t.as_f64().expect("a time")).collect();
@@ -260,7 +261,7 @@ fn report_has_traffic_and_image_times_of_real_path() {
     assert!(place.report("file")["host"].get("path").is_none());
 }
 
-/// The pictures of a slow path are there one after the other, and not all in the end.
+/// On a slow path, each picture is written when it is complete, and not all of them at the end.
 #[test]
 fn image_is_written_before_next_tiles_arrive() {
     let place = Place::new();
@@ -268,7 +269,7 @@ fn image_is_written_before_next_tiles_arrive() {
     let run = |from: &str, more: &str| format!("run --from {from} {SMALL} {CUT} --quiet --set defer.mode=progressive {more}");
     place.ok(&run(&server.1, "--set defer.pictures_per_view=1 --out one"));
     let first = figure(&place, "one", "tiles_loaded");
-    // From then on nothing comes, and nothing ends.
+    // After the first picture, no tile arrives and no connection closes.
     let stuck = Between::stuck(&server.1, first);
     let mut client = place.command(&run(&stuck.url, "--out many")).stderr(Stdio::piped()).spawn().expect("the program starts");
     let shown = place.path("many").join("image-round-0.png");
@@ -285,7 +286,7 @@ fn image_is_written_before_next_tiles_arrive() {
         assert_eq!(last_words(&mut client), "interrupted; only the images shown so far were written\n");
         assert_eq!(place.names("many"), ["image-round-0.png"]);
     }
-    // It may have ended.
+    // The process may have ended already.
     let _ = client.kill();
     let _ = client.wait();
 }
@@ -304,7 +305,7 @@ fn a_server_that_starts_late_is_waited_for() {
     assert!(status.success() && place.path("remote").join("image.png").exists());
 }
 
-/// A triangle with a texture of one colour, served; quicker to make than a gallery.
+/// Serves a triangle with a texture of one colour, which starts faster than a gallery.
 fn serve_triangle(place: &Place, colour: [u8; 3]) -> Server {
     write_triangle(place, colour);
     Server::start(place, "serve m.obj --listen 127.0.0.1:0")
@@ -330,7 +331,7 @@ fn tiles_kept_from_other_texels_are_not_taken() {
     assert_ne!(drawn[0], drawn[1]);
 }
 
-/// A server that answers every request with this body, and the hash of it.
+/// Starts a server that answers every request with this body and its hash.
 fn answering(body: &'static [u8]) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let url = format!("http://{}/", listener.local_addr().expect("an address"));
@@ -340,7 +341,7 @@ fn answering(body: &'static [u8]) -> String {
         for mut stream in listener.incoming().flatten() {
             let lines = BufReader::new(stream.try_clone().expect("a stream")).lines().map_while(Result::ok);
             lines.take_while(|line| !line.is_empty()).for_each(drop);
-            // A client that has given up does not read it.
+            // The client may have given up and closed the connection.
             let _ = stream.write_all(&[head.as_bytes(), body].concat());
         }
     });
@@ -350,7 +351,7 @@ fn answering(body: &'static [u8]) -> String {
 #[test]
 fn server_without_scene_is_named() {
     let place = Place::new();
-    // Compressed: `basrelief-scene/1` and a head of 4 GiB, of which nothing comes.
+    // Compressed data: `basrelief-scene/1`, and a head that declares 4 GiB but is missing.
     let cut = b"\x78\x01\x01\x16\x00\xe9\xffbasrelief-scene/1\n\xff\xff\xff\xff\x65\xbb\x0a\x4f";
     for body in [&b"{\"op\": 17, garbage"[..], b"", b"<html>It works!</html>", b"\x78\x01\xff\xff\xff", cut] {
         let url = answering(body);
@@ -411,7 +412,7 @@ fn silent_server_does_not_delay_interrupt() {
     drop(asked);
 }
 
-/// Ctrl-C, and the exit code that it means.
+/// Sends Ctrl-C and checks for its exit code.
 #[cfg(unix)]
 fn interrupt(child: &mut Child) {
     let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
@@ -420,7 +421,7 @@ fn interrupt(child: &mut Child) {
     assert_eq!(status.code(), Some(130));
 }
 
-/// What a process that has ended left on standard error.
+/// Returns the standard error output of a process that has ended.
 #[cfg(unix)]
 fn last_words(child: &mut Child) -> String {
     let mut said = String::new();
@@ -437,7 +438,7 @@ fn interrupted_server_reports_stop() {
     assert_eq!(last_words(&mut server.0), "server stopped\n");
 }
 
-/// Set where this process may open as many files as the test below needs.
+/// Environment variable that is set if this process may open as many files as the next test needs.
 #[cfg(unix)]
 const MANY_FILES: &str = "BASRELIEF_TEST_MANY_FILES";
 
@@ -447,7 +448,7 @@ fn idle_and_dripping_clients_delay_no_request() {
     if std::env::var_os(MANY_FILES).is_some() {
         return crowd();
     }
-    // The usual limit is 1024 files, and only a shell raises it: this test once more, inside one.
+    // The usual limit is 1024 files, and only a shell can raise it. The test therefore runs itself again inside a shell.
     let raised = |then: &str| {
         let mut shell = std::process::Command::new("sh");
         shell.arg("-c").arg(format!("ulimit -n 4096 && {then}")).env(MANY_FILES, "1");
@@ -471,7 +472,7 @@ fn crowd() {
     let (idle, mut dripping) = (connect(1000), connect(256));
     thread::spawn(move || {
         while !dripping.is_empty() {
-            // Who is let go does not come again.
+            // Evicted clients do not connect again.
             dripping.retain_mut(|client| client.write_all(b"a").is_ok());
             thread::sleep(std::time::Duration::from_millis(20));
         }

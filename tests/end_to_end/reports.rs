@@ -1,4 +1,4 @@
-//! What a run says: the report on disk and on standard output, tables, the time line, and comparisons.
+//! Outputs of a run: the report on disk and on standard output, tables, the time line, and comparisons.
 
 use crate::support::{Place, is_valid, picture, without_host};
 use serde_json::Value;
@@ -108,7 +108,7 @@ fn token_file_is_equal_for_both_engines() {
         |pattern: &str, end: &str| text.lines().filter(|line| line.starts_with(pattern) && line.ends_with(end)).count() as u64;
     let (begun, retired, flushed) = (count("I\t", ""), count("R\t", "\t0"), count("R\t", "\t1"));
     let fifos = &place.report("out")["fifos"];
-    // Frames, objects and polygons go the same way, by tokens of their own whose life is not told.
+    // Frames, objects and polygons pass through the same FIFOs as tokens of their own, which this trace does not list.
     let tokens = |fifo: &str| fifos[fifo]["tokens"].as_u64().unwrap();
     let (drawn, passed) = (tokens("fragments"), tokens("tested_fragments"));
     assert!(begun > 1000 && begun < drawn, "{begun} of {drawn}");
@@ -120,7 +120,7 @@ fn token_file_is_equal_for_both_engines() {
     assert!(place.run("demo coin --tokens-every 3").error(2).contains("--tokens"));
 }
 
-/// Number of packets of a Perfetto trace: field 1 of the outermost message, again and again.
+/// Counts the packets of a Perfetto trace, which are the occurrences of field 1 of the outermost message.
 fn packets(mut bytes: &[u8]) -> usize {
     let mut count = 0;
     while let Some((&tag, rest)) = bytes.split_first() {

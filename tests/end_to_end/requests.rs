@@ -1,4 +1,4 @@
-//! `--requests`: what memories were asked for.
+//! `--requests`: the requests to the memories.
 
 use crate::support::{Place, workspace};
 use std::collections::BTreeMap;
@@ -6,7 +6,7 @@ use std::fs;
 
 const CORRIDOR: &str = "demo corridor --size 48x36 --quiet";
 
-/// Fields of the lines behind the head.
+/// Returns the fields of each line after the header.
 fn lines(text: &str) -> Vec<Vec<&str>> {
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("cycle,memory,client,operation,address,bytes"));
@@ -19,7 +19,7 @@ fn both_engines_write_the_same_requests() {
     for (name, line) in [("texel", CORRIDOR), ("bump", "run PATCH --size 48x36 --quiet --frames 2 --orbit 30")] {
         for engine in ["timed", "ticked"] {
             place.ok(&format!("{line} --no-exact --engine {engine} --requests {name}-{engine}.csv"));
-            // Cut short, where what has arrived is served to its end.
+            // In a run that is cut short, requests that have arrived are served completely.
             let cut = place.run(&format!("{line} --no-exact --engine {engine} --max-cycles 1500 --requests cut-{engine}.csv"));
             assert_eq!(cut.code(), 1, "{}", cut.err);
         }
@@ -59,13 +59,13 @@ fn all_requests_are_written_once_in_arrival_order() {
     }
 }
 
-/// A quad of 6 x 6 pixels, whose depth and colour take four lines each; all that its requests depend on is set.
+/// Run of a quad of 6 x 6 pixels, with four lines each of depth and colour. It sets every parameter that affects the requests.
 const QUAD: &str = "run quad.dl.jsonl --machine shade --quiet --set video_out.enabled=false --set depth.clear_flags=false \
     --set depth.write_lines=8 --set frame_buffer.write_lines=8 --set cache.depth.line_bytes=64 --set memory.frame.channels=1 \
     --set memory.frame.burst_bytes=32 --set memory.frame.burst_cycles=2 --set memory.frame.cl=3 --set memory.frame.cwl=1 \
     --set memory.frame.rcd=3 --set memory.frame.refi=0 --set memory.frame.outstanding=16";
 
-/// Of [`QUAD`]: lines of depth come, go and, at the end of the frame, colours go.
+/// Requests of [`QUAD`]: depth lines are read and written, and colours are written at the end of the frame.
 const GOLDEN: &str = "\
 0x10002000 READ 2512
 0x10002020 READ 2512

@@ -1,10 +1,10 @@
-//! `--sensitivity`: every assumption of a machine changed, one at a time.
+//! `--sensitivity`: changes every assumption of a machine, one at a time.
 
 use crate::support::{Place, finish, without_host};
 use serde_json::Value;
 use std::fs::{self, File};
 
-/// The rows of a report.
+/// Returns the rows of the analysis in a report.
 fn changes(report: &Value) -> &Vec<Value> {
     report["sensitivity"]["changes"].as_array().expect("changes")
 }

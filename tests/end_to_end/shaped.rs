@@ -5,8 +5,8 @@ use crate::remote::Server;
 use crate::support::Place;
 use std::time::Duration;
 
-/// A slow path, so that what the host takes beside it is little; the rest of the table of docs/experiments/defer.md is made by the example
-/// `shaped_path`.
+/// The path is slow, so the host's own time is small beside it. The example `shaped_path` makes the rest of the table of
+/// docs/experiments/defer.md.
 #[test]
 fn modelled_path_takes_as_long_as_real_one() {
     let place = Place::new();
@@ -15,7 +15,7 @@ fn modelled_path_takes_as_long_as_real_one() {
     let shaped = relay(address, 500_000.0, Duration::from_millis(50)).expect("a relay");
     let path = "--set path.bits_per_second=500000 --set path.latency_us=50000";
     let line = format!("run --from http://{shaped}/ --size 320x240 {path} --set defer.mode=progressive --quiet --out out");
-    // A computer that is busy with something else makes a picture later, and never earlier: its best time counts.
+    // A busy computer makes a picture later and never earlier, so the best time counts.
     let mut best = [f64::INFINITY; 2];
     for _ in 0..5 {
         place.ok(&line);
@@ -34,7 +34,7 @@ fn modelled_path_takes_as_long_as_real_one() {
     panic!("measured takes so many times what is modelled, at best: {best:?}");
 }
 
-/// What the clock has decided, counts repeat.
+/// The counts of tiles reproduce a run in which the clock decided the view changes.
 #[test]
 fn slow_path_does_not_delay_view_changes() {
     let place = Place::new();

@@ -1,4 +1,4 @@
-//! Running the program, and looking at what it left.
+//! Helpers that run the program and read its outputs.
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -10,20 +10,20 @@ use tempfile::TempDir;
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_basrelief");
 
-/// Longest that any run here may take: ten times what the slowest needs when built for debugging.
+/// Time limit for a run: ten times that of the slowest run in a debug build.
 const PATIENCE: Duration = Duration::from_secs(240);
 
-/// Top folder of the workspace.
+/// Returns the top folder of the workspace.
 pub fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace is there")
 }
 
-/// A small bumpy patch in front of a plain board: both ways through the machine.
+/// Returns the model of a small bumpy patch in front of a plain board. It uses both paths through the machine.
 pub fn patch() -> PathBuf {
     workspace().join("tests/models/patch.gltf")
 }
 
-/// Foreign inputs, or `None` with a loud word.
+/// Returns the folder of foreign inputs, or prints a warning and returns `None`.
 pub fn inputs(below: &str) -> Option<PathBuf> {
     let folder =
         std::env::var_os("BASRELIEF_INPUTS").map_or_else(|| workspace().join("../shared/inputs"), PathBuf::from).join(below);
@@ -34,7 +34,7 @@ pub fn inputs(below: &str) -> Option<PathBuf> {
     Some(folder)
 }
 
-/// What a run came to.
+/// Result of a run.
 pub struct Outcome {
     pub status: ExitStatus,
     pub out: String,
@@ -43,12 +43,12 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The exit code; a signal is a failure of the test.
+    /// Returns the exit code, or fails the test if a signal ended the run.
     pub fn code(&self) -> i32 {
         self.status.code().unwrap_or_else(|| panic!("ended by {}: {}", self.status, self.err))
     }
 
-    /// The error that it must have ended with.
+    /// Checks the exit code and returns the error message.
     pub fn error(&self, code: i32) -> &str {
         assert_eq!(self.code(), code, "{}", self.err);
         let message = self.err.strip_prefix("error: ").unwrap_or_else(|| panic!("no error message: {:?}", self.err));
@@ -84,19 +84,19 @@ impl Place {
         serde_json::from_str(&self.text(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
-    /// The report in a folder.
+    /// Reads the report in a folder.
     pub fn report(&self, folder: &str) -> Value {
         self.json(&format!("{folder}/report.json"))
     }
 
-    /// Cycles of the frames of the run whose report is in this folder.
+    /// Returns the frame cycles in the report of this folder.
     pub fn frame_cycles(&self, folder: &str) -> u64 {
         let report = self.report(folder);
         let frames = report["cycles"]["frames"].as_array().expect("frames");
         frames.iter().map(|cycles| cycles.as_u64().expect("cycles")).sum()
     }
 
-    /// Names in the folder, hidden ones too.
+    /// Returns the names in the folder, including hidden ones.
     pub fn names(&self, below: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(below)).unwrap_or_else(|e| panic!("{below}: {e}"));
         let mut names: Vec<String> = entries.map(|e| e.expect("readable").file_name().to_string_lossy().into_owned()).collect();
@@ -104,7 +104,7 @@ impl Place {
         names
     }
 
-    /// A command line, to be run in this folder: arguments are separated by spaces, `PATCH` is the small model.
+    /// Makes a command to run in this folder. Spaces separate the arguments of the line, and `PATCH` is the small model.
     pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(PROGRAM);
         command.current_dir(self.folder.path()).env("NO_COLOR", "1").env("COLUMNS", "100");
@@ -131,7 +131,7 @@ impl Place {
         outcome
     }
 
-    /// Runs a command line where no file may have more than 1 KiB: as good as a full disk, and no right is needed.
+    /// Runs a command line with files limited to 1 KiB, which acts like a full disk and needs no privileges.
     #[cfg(unix)]
     pub fn on_a_full_disk(&self, line: &str) -> Outcome {
         let limited = self.command(line);
@@ -140,7 +140,7 @@ impl Place {
         finish(shell.current_dir(self.path("")).stdin(Stdio::null()))
     }
 
-    /// Runs a command line that must succeed, standard input from a file.
+    /// Runs a command line that must succeed, with standard input from a file.
     pub fn ok_from(&self, input: &str, line: &str) -> Outcome {
         let input = File::open(self.path(input)).expect("input");
         let outcome = finish(self.command(line).stdin(input));
@@ -151,7 +151,7 @@ impl Place {
 
 /// Runs a command to its end, within [`PATIENCE`].
 pub fn finish(command: &mut Command) -> Outcome {
-    // Files, not pipes: nobody needs to empty them while the program runs.
+    // Files need no reader while the program runs, unlike pipes.
     let streams = tempfile::tempdir().expect("a temporary folder");
     let file = |name: &str| streams.path().join(name);
     let create = |name: &str| File::create(file(name)).expect("a temporary file");
@@ -176,7 +176,7 @@ pub fn wait(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
     None
 }
 
-/// A PNG's size, and the SHA-256 of its RGB8 rows.
+/// Returns a picture's size and the SHA-256 of its RGB8 rows.
 pub fn picture(path: &Path) -> (u32, u32, String) {
     let picture = image::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display())).into_rgb8();
     (picture.width(), picture.height(), sha256(picture.as_raw()))
@@ -186,7 +186,7 @@ pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// A report keeps to its schema.
+/// Checks a report against its schema.
 pub fn is_valid(report: &Value, place: &Place) {
     let schema: Value = serde_json::from_str(&place.ok("schema report").out).expect("a schema");
     let validator = jsonschema::validator_for(&schema).expect("a valid schema");
@@ -194,7 +194,7 @@ pub fn is_valid(report: &Value, place: &Place) {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// A report without the host's figures.
+/// Returns a report without the host's figures.
 pub fn without_host(mut report: Value) -> Value {
     report.as_object_mut().expect("a report").remove("host").expect("host figures");
     report

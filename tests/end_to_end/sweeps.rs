@@ -1,4 +1,4 @@
-//! Sweeps: they go on where they were killed, share a folder, and end with the same bytes.
+//! Sweeps resume after being killed, can share a folder, and end with the same bytes.
 
 use crate::support::{PROGRAM, Place, finish, wait, workspace};
 use std::collections::BTreeMap;
@@ -8,7 +8,7 @@ use std::process::{Child, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Six works, each under four times.
+/// Six recordings, each with four timings.
 const PLAN: &str = r#"
 title = "Modes and depths"
 input = "demo:ellipsoid@2"
@@ -32,7 +32,7 @@ fn place() -> Place {
     place
 }
 
-/// All files below, with their bytes; hidden ones, too.
+/// Returns all files below a folder, including hidden ones, with their bytes.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
     let mut folders = vec![folder.to_path_buf()];
@@ -41,7 +41,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
             if path.is_dir() {
                 folders.push(path);
             } else if let Ok(bytes) = fs::read(&path) {
-                // Where a sweep runs, one may get its name just now.
+                // While a sweep runs, a file can be renamed before it is read.
                 all.insert(path.strip_prefix(folder).unwrap().into(), bytes);
             }
         }
@@ -53,7 +53,7 @@ fn names(files: &BTreeMap<PathBuf, Vec<u8>>) -> Vec<String> {
     files.keys().map(|path| path.display().to_string()).collect()
 }
 
-/// What a sweep leaves that nobody has disturbed.
+/// Runs an undisturbed sweep and returns its files.
 fn undisturbed(place: &Place) -> BTreeMap<PathBuf, Vec<u8>> {
     let said = place.ok("sweep plan.toml --out whole").out;
     assert!(said.starts_with("24 points: 0 reused, 6 run, 18 resimulated; 0 failed\n\nModes and depths\n"), "{said}");
@@ -70,7 +70,7 @@ fn start(place: &Place, line: &str) -> Child {
     place.command(line).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
 }
 
-/// Reports that are there.
+/// Counts the reports written so far.
 fn reports(place: &Place) -> usize {
     names(&files(&place.path("out"))).iter().filter(|name| name.ends_with("report.json")).count()
 }
@@ -79,7 +79,7 @@ fn reports(place: &Place) -> usize {
 fn killed_sweep_ends_like_undisturbed_one() {
     let place = place();
     let whole = undisturbed(&place);
-    // Numbers as they come, but the same each time: 0 to 4 points more, and then so many microseconds.
+    // Pseudo-random numbers with a fixed seed: each run is killed after 0 to 4 more points and up to 20,000 microseconds.
     let mut seed = 7_u64;
     let mut random = |below: u64| {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -92,7 +92,7 @@ fn killed_sweep_ends_like_undisturbed_one() {
             sleep(Duration::from_millis(1));
         }
         sleep(Duration::from_micros(random(20_000)));
-        // SIGKILL, on Unix.
+        // On Unix this sends SIGKILL.
         child.kill().unwrap();
         child.wait().unwrap();
     }
@@ -118,7 +118,7 @@ fn two_sweeps_at_once_on_one_folder_end_as_one() {
 #[test]
 fn interrupted_sweep_resumes() {
     let place = place();
-    // So large that it is not over before the signal has come.
+    // The pictures are so large that the sweep still runs when the signal arrives.
     fs::write(place.path("plan.toml"), PLAN.replace("96x72", "480x360")).unwrap();
     let whole = undisturbed(&place);
     let mut child = start(&place, "sweep plan.toml --threads 1");
@@ -134,7 +134,8 @@ fn interrupted_sweep_resumes() {
     same(&files(&place.path("out")), &whole);
 }
 
-/// Files that may not grow beyond so many blocks of 512 bytes, or of 1 KiB in some shells: as on a disk that is full, but for the words.
+/// The shell limits the size of files in blocks of 512 bytes, or of 1 KiB in some shells. This acts like a full disk, except for
+/// the text of the error.
 #[cfg(unix)]
 #[test]
 fn full_disk_ends_sweep_that_then_resumes() {
@@ -177,7 +178,7 @@ fn listed_commands_and_shards_complete_sweep() {
     let folder = Path::new(PROGRAM).parent().unwrap();
     let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap());
     for task in 1..=6 {
-        // As Slurm runs it.
+        // This runs the job as Slurm does.
         let mut job = std::process::Command::new("sh");
         job.arg("job.sh").env("SLURM_ARRAY_TASK_ID", task.to_string()).env("PATH", &path).current_dir(place.path(""));
         assert!(job.status().unwrap().success());
@@ -226,7 +227,7 @@ fn files_of_a_plan_lie_relative_to_it() {
     );
     let table = place.text("out/sweep.csv");
     assert!(table.lines().nth(3).unwrap().contains("list.dl.jsonl,4,"), "{table}");
-    // A point is a run: with the same report, but for the host's figures.
+    // A point has the same report as a run, except for the host's figures.
     place.ok("run plans/patch.gltf --config plans/base.toml --set replacement.lanes=4 --no-bottlenecks --out run");
     let id = table.lines().nth(1).unwrap().split(',').next().unwrap();
     let swept = place.report(&format!("out/points/{id}"));
@@ -257,7 +258,7 @@ fn fifo_depth_study_matches_its_page() {
     assert!(table.contains(&format!(",{cycles},{bits},{},", depths.join(","))), "the default is one of the points");
 }
 
-/// Points of a study, by the names of their columns without units.
+/// Returns the points of a study. The keys are column names without units.
 fn points_of(study: &str) -> Vec<BTreeMap<String, serde_json::Value>> {
     let place = Place::new();
     place.ok(&format!("sweep {} --no-pictures", workspace().join("studies").join(study).display()));
@@ -266,7 +267,7 @@ fn points_of(study: &str) -> Vec<BTreeMap<String, serde_json::Value>> {
     place.text("out/sweep.jsonl").lines().map(point).collect()
 }
 
-/// Rows of the table of docs/experiments/texture-caches.md whose heading begins so.
+/// Returns the rows of a table of docs/experiments/texture-caches.md, selected by the beginning of its heading.
 fn rows_of(heading: &str) -> Vec<Vec<String>> {
     let page = fs::read_to_string(workspace().join("docs/experiments/texture-caches.md")).unwrap();
     let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect();
@@ -366,7 +367,7 @@ fn exploration_reports_share_of_front() {
     let few = files(&place.path("out"));
     place.ok("explore plan.toml --budget 10 --threads 1 --out alone");
     same(&files(&place.path("alone")), &few);
-    // What it has run a sweep does not run again; then the whole grid is known.
+    // The sweep reuses the points of the exploration. After it, the whole grid is known.
     assert!(place.ok("sweep plan.toml").out.starts_with("24 points: 10 reused, "));
     let said = place.ok("explore plan.toml --budget 10").out;
     assert!(said.starts_with("10 points: 10 reused, 0 run, 0 resimulated; 0 failed\n"), "{said}");

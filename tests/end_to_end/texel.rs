@@ -1,10 +1,10 @@
-//! What machine `texel` writes beside its picture, and its table of methods.
+//! Outputs of machine `texel` besides its picture, and its table of methods.
 
 use crate::support::{Place, picture};
 use serde_json::Value;
 use std::fs;
 
-/// Lines of a dump of spans.
+/// Reads the lines of a span dump.
 fn spans(place: &Place, name: &str) -> Vec<Value> {
     place.text(name).lines().map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{line}: {e}"))).collect()
 }
@@ -17,12 +17,12 @@ fn figure(report: &Value, name: &str) -> f64 {
     report["figures"][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", report["figures"]))
 }
 
-/// Spans that a dump has a line for.
+/// Returns the number of spans that have a line in a dump.
 fn textured_spans(report: &Value) -> f64 {
     figure(report, "spans") - figure(report, "spans_untextured")
 }
 
-/// Largest displacement within a segment of the derived equation, from W at its ends and its length.
+/// Returns the largest displacement within a segment by the derived equation, from W at its ends and its length.
 fn displacement(w: [f64; 2], length: f64) -> f64 {
     let slope = ((w[1] - w[0]) / length).abs();
     if slope == 0.0 { 0.0 } else { (w[1].sqrt() - w[0].sqrt()).powi(2) / slope }
@@ -65,8 +65,8 @@ fn frames_and_their_spans_are_numbered() {
     assert_eq!(lines.len() as f64, textured_spans(&place.report("out")));
 }
 
-/// The specification, section 3, from the dump alone: every segment but those of one pixel keeps the error bound, and no
-/// segment but the last of its span could be one pixel longer.
+/// Checks section 3 of the specification with the dump alone. Every segment of more than one pixel keeps the error bound. No
+/// segment except the last of its span could be one pixel longer.
 #[test]
 fn division_points_respect_error_bound() {
     let place = Place::new();
@@ -124,7 +124,7 @@ fn all_methods_are_compared_at_the_same_error() {
     let [adaptive, others @ .., exact, reciprocal] = &methods[..] else { panic!("{table}") };
     let names = [adaptive, exact, reciprocal].map(|m| m["method"].as_str().expect("a name"));
     assert_eq!(names, ["adaptive", "exact", "exact by one reciprocal"]);
-    // Beside one or two per pixel there are those of set-up.
+    // Set-up adds divisions to the one or two per pixel.
     let [two, one] = [exact, reciprocal].map(|m| of(m, "divisions_per_pixel"));
     assert!(two > 2.0 && (two - one - 1.0).abs() < 1e-5, "{two} {one}");
     for method in [exact, reciprocal] {

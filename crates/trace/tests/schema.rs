@@ -1,4 +1,4 @@
-//! The published schema is that of the lines written.
+//! The published schema matches the written lines.
 
 mod common;
 

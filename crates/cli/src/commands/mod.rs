@@ -1,4 +1,4 @@
-//! One file per command, and what several share.
+//! One file per command, and the code that several commands share.
 
 mod compare;
 mod convert;

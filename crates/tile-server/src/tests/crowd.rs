@@ -1,13 +1,13 @@
-//! Many clients at once.
+//! Many simultaneous clients.
 
 use super::*;
 use crate::server::Limits;
 use std::sync::mpsc::channel;
 
-/// Clients that look around at once; each keeps as many connections as it has requests in flight.
+/// Simultaneous clients. Each keeps as many connections as it has requests in flight.
 const CLIENTS: usize = 20;
 const IN_FLIGHT: u32 = 8;
-/// A tenth of the connections that they would have.
+/// Connection limit: a tenth of the connections that the clients would keep.
 const CONNECTIONS: usize = 16;
 
 #[test]
@@ -46,7 +46,7 @@ fn a_sum_that_many_ask_for_is_made_once() {
     let first = body(&served);
     let (tell, told) = channel();
     let again = Arc::clone(&served);
-    // Whoever made it again would wait for this picture.
+    // A second computation would wait for the lock of this picture.
     let _under_work = served.pictures[&hex(&hash_of_picture(&texture()))].pyramid.lock().unwrap();
     thread::spawn(move || tell.send(body(&again)));
     assert_eq!(told.recv_timeout(Duration::from_secs(20)), Ok(first));

@@ -1,4 +1,4 @@
-//! Faults that pass, and faults that stay.
+//! Transient and permanent faults.
 
 use super::*;
 use crate::client::MAX_AHEAD;
@@ -26,11 +26,11 @@ fn prefetch_is_bounded() {
     while fetched() < MAX_AHEAD {
         thread::sleep(Duration::from_millis(1));
     }
-    // A little more than a request takes: those under way come to their end.
+    // The pause exceeds the time of a request, so requests in flight end.
     thread::sleep(Duration::from_millis(100));
     assert!((MAX_AHEAD..MAX_AHEAD + 4).contains(&fetched()), "{} of {}", fetched(), all.len());
     tiles.tile(&page, page.tiles() - 1).unwrap();
-    // The last is taken last; up to three before it may be under way.
+    // The last tile is requested last. Up to three requests before it may still be in flight.
     assert!((all.len() - 3..=all.len()).contains(&fetched()), "{} of {}", fetched(), all.len());
 }
 
@@ -43,7 +43,7 @@ fn passing_fault_is_retried_without_loss() {
     }
 }
 
-/// As over a modem, where the answer to the eighth request begins when the seven before have come.
+/// The path sends one answer at a time, as a modem does. The eighth answer begins after the seven before it have arrived.
 #[test]
 fn slow_path_is_no_timeout() {
     let path = Arc::new(std::sync::Mutex::new(()));
@@ -102,7 +102,7 @@ fn server_with_other_scene_is_detected() {
     assert!(error.contains("http status: 404; the server may have another scene by now"), "{error}");
 }
 
-/// RetryPolicy with a server that starts so late.
+/// Returns a policy that waits this long for a server to start.
 fn waiting(starting: Duration) -> RetryPolicy {
     RetryPolicy { starting, ..PATIENT }
 }
@@ -136,7 +136,7 @@ fn restarting_server_is_awaited_within_limit() {
                 while count.load(Ordering::SeqCst) < 5 {
                     thread::sleep(Duration::from_millis(1));
                 }
-                // Longer than it is tried again.
+                // The pause is longer than the retries last.
                 thread::sleep(Duration::from_millis(500));
                 served().listen(address, Limits::default()).unwrap().1.join()
             });
@@ -148,11 +148,11 @@ fn restarting_server_is_awaited_within_limit() {
     }
 }
 
-/// As a proxy answers in place of a server that starts anew behind it.
+/// The responses are those of a proxy while the server behind it restarts.
 #[test]
 fn server_behind_proxy_is_awaited() {
     for status in [502, 503, 504] {
-        // More than there are attempts.
+        // The proxy answers with an error more often than the client has attempts.
         let (url, count) = faulty(u32::MAX, move |n| if n < 8 { Fault::Status(status) } else { Fault::None });
         let mut tiles = unkept(Fetcher::new(&url, waiting(Duration::from_secs(20))), fetch(1, 1));
         assert_eq!(all(&mut tiles).unwrap(), expected(), "{status}");
@@ -187,6 +187,6 @@ fn dropped_client_waits_for_nobody() {
     }
     let began = Instant::now();
     drop(tiles);
-    // The server lets go before that, but not before it has slept.
+    // The server closes the connections before this time, but only after its sleep.
     assert!(began.elapsed() < 2 * HASTY.stall, "{:?}", began.elapsed());
 }

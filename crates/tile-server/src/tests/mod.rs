@@ -81,7 +81,7 @@ const PATIENT: RetryPolicy = RetryPolicy {
 /// A policy with a short timeout.
 const HASTY: RetryPolicy = RetryPolicy { stall: Duration::from_secs(1), ..PATIENT };
 
-/// RetryPolicy with a fault: only those that are found out by waiting are not waited for.
+/// Returns the retry policy for a fault: a short timeout if only a timeout detects the fault.
 fn patience(fault: Fault) -> RetryPolicy {
     if matches!(fault, Fault::Silent | Fault::Stalled | Fault::Dripping) { HASTY } else { PATIENT }
 }
@@ -92,7 +92,7 @@ fn texture() -> Arc<Texture> {
     Arc::new(Texture { id: 4, name: "plane".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
-/// Returns the texture as a client knows it.
+/// Returns the texture as it is in a client: without texels.
 fn elsewhere() -> Arc<Texture> {
     let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
     Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
@@ -116,7 +116,7 @@ fn page() -> Arc<TexturePage> {
     Arc::new(TexturePage::new(0, &texture(), PyramidCut::default(), 0))
 }
 
-/// RequestHandler a request, with a fault.
+/// Answers a request with a fault.
 fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     let mut lines = BufReader::new(stream.try_clone().unwrap()).lines().map_while(Result::ok);
     let Some(first) = lines.next() else { return };
@@ -143,7 +143,7 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     }
     let head = format!("HTTP/1.1 {status} x\r\nContent-Length: {length}\r\nETag: \"{hash}\"\r\nConnection: close\r\n\r\n");
     let parts = body.chunks(if fault == Fault::Dripping { 1 } else { body.len().max(1) });
-    // A client that has given up does not read it.
+    // The client may have given up and closed the connection.
     let mut sent = stream.write_all(head.as_bytes());
     for part in parts {
         sent = sent.and_then(|()| stream.write_all(part));
@@ -203,7 +203,7 @@ fn announce_all(source: &mut dyn TileSource) {
     source.announce(&(0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect::<Vec<_>>());
 }
 
-/// Takes all tiles of the texture in order; an error has the number of the first missing tile.
+/// Fetches all tiles of the texture in order. An error has the number of the first missing tile.
 fn all(source: &mut dyn TileSource) -> Result<Vec<Arc<[u8]>>, (u32, String)> {
     announce_all(source);
     let page = page();

@@ -9,7 +9,7 @@ use std::time::Instant;
 /// Starts a server with these limits.
 fn serving(at: impl Into<SocketAddr>, limits: Limits) -> SocketAddr {
     let (address, server) = served().listen(at.into(), limits).unwrap();
-    // It runs until the end of the tests.
+    // The server runs until the end of the tests.
     drop(server);
     address
 }
@@ -28,7 +28,7 @@ fn exchange(address: SocketAddr, request: &[u8]) -> String {
     stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     stream.write_all(request).unwrap();
     let mut answer = Vec::new();
-    // A reset connection is closed too.
+    // A reset connection also counts as closed.
     let _ = stream.read_to_end(&mut answer);
     String::from_utf8_lossy(&answer).into_owned()
 }
@@ -146,7 +146,7 @@ fn a_texture_under_work_holds_up_no_other() {
 fn silent_clients_are_evicted() {
     let address = serving(LOOPBACK, LITTLE);
     let began = Instant::now();
-    // Ten times as many as the server serves at a time.
+    // Ten times as many clients as the server has connections.
     let idle: Vec<TcpStream> = (0..40)
         .map(|n| {
             let mut stream = TcpStream::connect(address).unwrap();
@@ -161,7 +161,7 @@ fn silent_clients_are_evicted() {
 
 #[test]
 fn stalled_readers_are_evicted() {
-    // More than lies on the way.
+    // The scene is larger than the buffers of the connection.
     let large = serving_scene(vec![0; 32 << 20]);
     let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 1, ..LITTLE }).unwrap();
     let mut stalled = TcpStream::connect(address).unwrap();
@@ -228,19 +228,19 @@ fn drip(mut clients: Vec<TcpStream>) {
     });
 }
 
-/// Longest wait of a request: without other clients it takes milliseconds, and a blocked one waits for 10 s.
+/// Time limit of a request. Without other clients it takes milliseconds, and a blocked request waits for 10 s.
 const SOON: Duration = Duration::from_secs(3);
 
 #[test]
 fn many_idle_and_dripping_clients_block_nobody() {
     let address = serving(LOOPBACK, Limits { connections: 32, ..Limits::default() });
     let connect = |n: usize| -> Vec<TcpStream> { (0..n).map(|_| TcpStream::connect(address).unwrap()).collect() };
-    // With both ends fewer than the 1,024 files that a process may open by default.
+    // Both ends together stay below the 1,024 files that a process may open by default.
     let idle = connect(500);
     let mut dripping = connect(256);
     dripping.iter_mut().for_each(|client| client.write_all(b"GET /").unwrap_or_default());
     drip(dripping);
-    // Clients that request and never read, as many as the server has connections.
+    // These clients request and never read. There are as many of them as the server has connections.
     let mut taking = connect(32);
     taking.iter_mut().for_each(|client| client.write_all(b"GET /scene HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap_or_default());
     for _ in 0..5 {

@@ -4,12 +4,12 @@ use super::*;
 use crate::client::TransferMetrics;
 use std::sync::mpsc::{Sender, channel};
 
-/// The tiles of the page, from this one on.
+/// Returns the tiles of the page, starting at tile `first`.
 fn from(page: &Arc<TexturePage>, first: u32) -> impl Iterator<Item = (Arc<TexturePage>, u32)> {
     (first..page.tiles()).map(|tile| (Arc::clone(page), tile))
 }
 
-/// A client after it has left a view.
+/// State of a client that has left a view.
 struct Left {
     tiles: RemoteTiles,
     taken: Vec<Arc<[u8]>>,
@@ -17,7 +17,7 @@ struct Left {
     count: Arc<AtomicU32>,
 }
 
-/// When the first view is left: late enough for two tiles to have come, however busy the computer.
+/// Time at which the client leaves the first view: late enough for two tiles, even on a busy computer.
 const LEFT_AT_MS: f64 = 1500.0;
 
 /// A server whose response number `late` waits until the sender is dropped, and then closes its connection.
@@ -31,7 +31,7 @@ fn holding(late: u32) -> (String, Arc<AtomicU32>, Sender<()>) {
             let number = counted.fetch_add(1, Ordering::SeqCst);
             let (served, held) = (Arc::clone(&served), held.take_if(|_| number == late));
             thread::spawn(move || match held {
-                // Until that is an error.
+                // `recv` fails once the sender is dropped.
                 Some(held) => drop((held.recv(), stream)),
                 None => respond(&served, stream, Fault::None),
             });
@@ -40,7 +40,7 @@ fn holding(late: u32) -> (String, Arc<AtomicU32>, Sender<()>) {
     (url, count, release)
 }
 
-/// Looks, until the first view is left in place of a tile that does not come before that: the answer number `late`.
+/// Fetches tiles until the client leaves the first view. Answer number `late` does not arrive before that.
 fn left_at(late: u32, in_flight: u32) -> Left {
     let (url, count, release) = holding(late);
     let fetcher = Fetcher::new(&url, PATIENT);
@@ -61,7 +61,7 @@ fn left_at(late: u32, in_flight: u32) -> Left {
 
 #[test]
 fn abandoned_view_leaves_tiles_to_next() {
-    // The scene, two tiles, and one that does not come for long.
+    // The answers are the scene, two tiles, and a tile that is held back.
     let Left { mut tiles, mut taken, meter, count } = left_at(3, 1);
     let (user, page) = (tiles.user().unwrap(), page());
     assert_eq!(taken.len(), 2, "those that have come in time");
@@ -78,7 +78,7 @@ fn abandoned_view_leaves_tiles_to_next() {
 
 #[test]
 fn received_tiles_serve_the_next_view() {
-    // Of two requests in flight one waits, and the other brings all the rest.
+    // One of the two requests in flight waits, and the other fetches all remaining tiles.
     let Left { mut tiles, mut taken, count, .. } = left_at(2, 2);
     let (user, page) = (tiles.user().unwrap(), page());
     user.turn_to(1);
