@@ -52,7 +52,7 @@ fn default_thresholds_change_output_by_one_step() {
 }
 
 #[test]
-fn a_change_of_the_picture_is_found() {
+fn changed_picture_is_reported() {
     let place = Place::new();
     // This tolerance makes every polygon count as flat, so the picture changes without that short cut.
     place.ok("demo ellipsoid@2 --size 48x36 --set shortcut.flatness.tolerance=2 --ablate");
@@ -62,7 +62,7 @@ fn a_change_of_the_picture_is_found() {
 }
 
 #[test]
-fn a_recorded_list_is_read_once_per_run_from_its_file() {
+fn recorded_list_is_read_once_per_run() {
     let place = Place::new();
     place.ok("record demo:cut-plane@1 --size 48x36 --out t.bdl");
     let said = place.ok("run t.bdl --machine shade --ablate").out;

@@ -131,7 +131,7 @@ fn pipe_as_model_file_does_not_block() {
 
 #[cfg(unix)]
 #[test]
-fn verify_waits_for_no_pipe_and_follows_no_link_twice() {
+fn verify_skips_pipes_and_repeated_links() {
     let place = Place::new();
     fs::create_dir(place.path("traces")).expect("created");
     place.ok("record PATCH --size 16x12 --expect --out traces/t.jsonl");
@@ -163,7 +163,7 @@ fn truncated_trace_is_an_error_without_output() {
 }
 
 #[test]
-fn a_failure_leaves_the_results_of_the_run_before() {
+fn failed_run_keeps_earlier_results() {
     let place = Place::new();
     place.ok("run PATCH --size 16x12");
     let before = place.text("out/report.json");
@@ -208,7 +208,7 @@ fn unwritable_place_is_named() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_error() {
+fn closed_output_pipe_is_no_error() {
     let place = Place::new();
     let mut child = Command::new(crate::support::PROGRAM)
         .arg("describe")

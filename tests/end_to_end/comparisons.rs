@@ -33,7 +33,7 @@ fn comparing_fails_only_over_its_limit() {
 }
 
 #[test]
-fn comparing_two_machines_says_that_they_are_two() {
+fn comparing_two_machines_is_reported() {
     let place = Place::new();
     place.ok("demo goblet@1 --size 32x24 --out a --quiet");
     place.ok("demo goblet@1 --size 32x24 --machine bump --out b --quiet");
@@ -69,7 +69,7 @@ fn compare_measures_causes_from_recordings() {
 }
 
 #[test]
-fn several_reports_are_each_held_against_the_first() {
+fn several_reports_compare_with_the_first() {
     let place = Place::new();
     for (folder, set) in [("a", ""), ("b", "--set memory.texture.cl=9"), ("c", "--set memory.texture.cl=99 --no-bottlenecks")] {
         place.ok(&format!("{QUICK} {set} --out {folder}"));
@@ -89,7 +89,7 @@ fn several_reports_are_each_held_against_the_first() {
 }
 
 #[test]
-fn a_tape_that_is_spoiled_or_of_another_run_is_named() {
+fn damaged_or_foreign_recording_is_named() {
     let place = Place::new();
     place.ok(&format!("{QUICK} --out a"));
     place.ok(&format!("{QUICK} --set memory.texture.cl=9 --out b"));

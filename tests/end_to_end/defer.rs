@@ -61,7 +61,7 @@ fn both_engines_and_the_functional_model_agree() {
 }
 
 #[test]
-fn a_dump_that_there_is_none_of_is_refused() {
+fn unknown_dump_is_refused() {
     let place = Place::new();
     let refused = |line: &str| place.run(line).error(2).to_owned();
     assert!(refused("demo sphere --dump tiles t.jsonl").contains("--machine defer has"));

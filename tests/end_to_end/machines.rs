@@ -101,7 +101,7 @@ fn replay_gives_same_image_from_any_machine() {
 }
 
 #[test]
-fn an_expectation_names_its_machine() {
+fn expectation_names_its_machine() {
     let place = Place::new();
     place.ok("record demo:cut-plane@1 --size 48x36 --set shade.mode=brightness --expect --out t.jsonl");
     let good = place.text("t.jsonl");

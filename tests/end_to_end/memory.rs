@@ -64,7 +64,7 @@ fn names_of_a_trace_are_held_within_the_limit() {
 }
 
 #[test]
-fn a_picture_is_decoded_within_the_limit() {
+fn picture_over_memory_limit_is_refused() {
     let place = Place::new();
     DynamicImage::new_luma8(8192, 8192).save_with_format(place.path("large.png"), ImageFormat::Png).expect("written");
     fs::write(place.path("m.mtl"), "newmtl a\nbump large.png\n").expect("written");
@@ -137,7 +137,7 @@ fn other_files_are_read_within_the_limit() {
 }
 
 #[test]
-fn pictures_that_a_trace_asks_for_are_counted() {
+fn pictures_of_a_trace_count_against_limit() {
     let place = Place::new();
     let mut writer = Writer::new(File::create(place.path("t.jsonl")).expect("created"), Form::default()).expect("a writer");
     writer.write(&Line::Begin(Begin::new(4096, 2048))).expect("written");
@@ -148,7 +148,7 @@ fn pictures_that_a_trace_asks_for_are_counted() {
 }
 
 #[test]
-fn the_limit_is_a_number_of_bytes() {
+fn wrong_memory_limit_is_refused() {
     let place = Place::new();
     for wrong in ["0", "many", "1GB", "-1"] {
         let outcome = place.run(&format!("demo --memory-limit={wrong}"));

@@ -26,7 +26,7 @@ fn remains_of_killed_run_are_removed() {
 }
 
 #[test]
-fn of_two_runs_into_one_folder_one_wins_whole() {
+fn two_runs_into_one_folder_leave_one_complete_result() {
     let place = Place::new();
     let sizes = ["64x48", "32x24"];
     let lines = sizes.map(|size| format!("run PATCH --frames 20 --orbit 90 --quiet --size {size}"));
@@ -40,7 +40,7 @@ fn of_two_runs_into_one_folder_one_wins_whole() {
 }
 
 #[test]
-fn two_outputs_are_never_one_file() {
+fn two_outputs_into_one_file_are_refused() {
     let place = Place::new();
     place.ok("run PATCH --size 16x12 --out o");
     let before = place.text("o/report.json");

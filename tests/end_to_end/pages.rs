@@ -68,7 +68,7 @@ fn page_lists_changed_parameters_in_any_mode() {
 }
 
 #[test]
-fn a_page_has_a_file_of_its_own_or_there_is_none() {
+fn page_into_file_of_other_output_is_refused() {
     let place = Place::new();
     assert!(place.run("run PATCH --size 16x12 --html out/report.json").error(2).contains("the report.json of this run"));
     assert!(place.run("run PATCH --size 16x12 --html x --timeline x").error(2).contains("is also the output of"));

@@ -8,7 +8,7 @@ fn image(report: &Value) -> &str {
 }
 
 #[test]
-fn the_reported_camera_draws_the_same_picture_again() {
+fn reported_camera_draws_same_picture() {
     let place = Place::new();
     place.ok("run PATCH --size 64x48 --light 1,2,3 --out a");
     let report = place.report("a");
@@ -42,7 +42,7 @@ fn frame_k_of_n_turns_by_k_nths_of_the_angle() {
 }
 
 #[test]
-fn an_obj_with_its_pictures_beside_it_is_drawn() {
+fn obj_with_pictures_is_drawn() {
     let place = Place::new();
     let model = crate::support::workspace().join("tests/models/patch.obj");
     place.ok(&format!("run {} --size 64x48", model.display()));

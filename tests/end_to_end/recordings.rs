@@ -44,7 +44,7 @@ fn limits_hold_as_full_runs_and_can_be_left_out() {
 }
 
 #[test]
-fn a_run_leaves_its_tape_beside_its_report() {
+fn run_writes_recording_beside_report() {
     let place = Place::new();
     let has_tape = |folder: &str| place.names(folder).contains(&"run.recording".to_owned());
     place.ok(&format!("{RUN} --out a"));
@@ -71,7 +71,7 @@ fn a_run_leaves_its_tape_beside_its_report() {
 }
 
 #[test]
-fn smaller_fifos_keep_the_cycles_that_were_asked_for() {
+fn sized_fifos_keep_requested_cycles() {
     let place = Place::new();
     place.ok(&format!("{RUN} --recording a.tape"));
     let cycles = place.frame_cycles("out");

@@ -213,7 +213,7 @@ fn served_scene_gives_report_and_images_of_file() {
 }
 
 #[test]
-fn the_views_of_one_server_share_their_tiles() {
+fn views_of_one_server_share_tiles() {
     let place = Place::new();
     let view = "--frames 3 --orbit 60";
     place.ok(&format!("demo gallery {SMALL} {view} {CUT} --quiet --no-exact --out file"));
@@ -292,7 +292,7 @@ fn image_is_written_before_next_tiles_arrive() {
 }
 
 #[test]
-fn a_server_that_starts_late_is_waited_for() {
+fn late_server_is_awaited() {
     let place = Place::new();
     write_triangle(&place, [200, 0, 0]);
     let address = TcpListener::bind((OWN_HOST, 0)).expect("a port").local_addr().expect("an address");
@@ -389,7 +389,7 @@ fn pipe_in_cache_is_reported_and_does_not_block() {
 }
 
 #[test]
-fn a_proxy_of_the_environment_is_not_asked() {
+fn environment_proxy_is_ignored() {
     let place = Place::new();
     let server = serve_triangle(&place, [200, 0, 0]);
     let mut command = place.command(&format!("run --from {} --quiet", server.1));

@@ -75,7 +75,7 @@ fn csv_and_time_line_are_written_on_request() {
 }
 
 #[test]
-fn a_time_line_of_few_cycles_and_units_is_small() {
+fn time_line_of_few_cycles_and_units_is_small() {
     let place = Place::new();
     place.ok(&format!("{SMALL} --timeline all.pftrace --waves all.fst"));
     place.ok(&format!("{SMALL} --timeline few.pftrace --waves few.fst --from-cycle 2000 --to-cycle 3000 --units replacement"));

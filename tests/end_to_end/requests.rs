@@ -100,7 +100,7 @@ fn with_quad() -> Place {
 }
 
 #[test]
-fn a_trace_for_dramsim3_is_as_reviewed() {
+fn dramsim3_trace_equals_reviewed_one() {
     let place = with_quad();
     place.ok(&format!("{QUAD} --requests t --requests-format dramsim3 --requests-memory frame"));
     assert_eq!(place.text("t"), GOLDEN);
@@ -162,7 +162,7 @@ fn unsupported_request_formats_are_refused() {
 }
 
 #[test]
-fn one_memory_is_written_alone_and_a_link_is_followed() {
+fn one_memory_is_written_through_a_link() {
     let place = Place::new();
     place.ok(&format!("{CORRIDOR} --requests one.csv --requests-memory depth"));
     place.ok(&format!("{CORRIDOR} --requests all.csv"));

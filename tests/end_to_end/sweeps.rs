@@ -103,7 +103,7 @@ fn killed_sweep_ends_like_undisturbed_one() {
 }
 
 #[test]
-fn two_sweeps_at_once_on_one_folder_end_as_one() {
+fn concurrent_sweeps_share_one_folder() {
     let place = place();
     let whole = undisturbed(&place);
     let both = ["sweep plan.toml --threads 1", "sweep plan.toml --threads 2"].map(|line| start(&place, line));
@@ -320,7 +320,7 @@ fn texture_latency_study_matches_its_page() {
 }
 
 #[test]
-fn exploring_the_study_finds_as_much_as_its_page_says() {
+fn exploration_of_study_matches_its_page() {
     let place = Place::new();
     let plan = workspace().join("studies/fifo-depths.toml");
     place.ok(&format!("sweep {} --no-pictures", plan.display()));

@@ -29,7 +29,7 @@ fn displacement(w: [f64; 2], length: f64) -> f64 {
 }
 
 #[test]
-fn a_run_writes_its_pictures_and_nothing_else() {
+fn run_writes_only_its_pictures() {
     let place = Place::new();
     let said = place.ok("demo corridor --size 64x48").out;
     let kinds = ["difference", "displacement", "divisions", "image", "reference"];
@@ -101,7 +101,7 @@ fn division_points_respect_error_bound() {
 }
 
 #[test]
-fn a_replayed_list_has_the_same_spans() {
+fn replayed_list_has_same_spans() {
     let place = Place::new();
     place.ok("demo turntable --frames 1 --size 48x36 --dump spans a.jsonl --out a");
     place.ok("record demo:turntable --frames 1 --size 48x36 --out t.bdl");

@@ -43,7 +43,7 @@ fn conversion_there_and_back_is_identical() {
 
 #[cfg(unix)]
 #[test]
-fn a_named_pipe_is_read_once() {
+fn named_pipe_is_read_once() {
     let place = Place::new();
     place.ok("record PATCH --size 48x36 --out t.bdl");
     place.ok("run t.bdl --out file");
@@ -121,7 +121,7 @@ fn bad_trace_does_not_stop_verification() {
 }
 
 #[test]
-fn the_input_hash_is_that_of_the_canonical_commands() {
+fn input_hash_covers_canonical_commands() {
     let place = Place::new();
     place.ok("record PATCH --size 48x36 --out t.jsonl");
     place.ok("run t.jsonl");

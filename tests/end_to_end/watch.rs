@@ -136,7 +136,7 @@ fn preview_changes_neither_images_nor_cycles() {
 }
 
 #[test]
-fn preview_is_loopback_only_and_waits_for_nobody() {
+fn preview_is_loopback_only_and_never_waits() {
     let place = Place::new();
     place.run("demo cut-plane@1 --size 16x12 --watch=0.0.0.0:0").error(2);
     let began = std::time::Instant::now();

@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn a_script_is_the_same_in_toml_and_in_json() {
+    fn view_script_reads_alike_in_toml_and_json() {
         let toml =
             "views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit = 30.5, zoom = 2 }, { at_ms = 400.5, turn = [1, 2] }]";
         let json = r#"{"views": [{"at_ms": 0, "orbit": 0}, {"at_ms": 350, "orbit": 30.5, "zoom": 2}, {"at_ms": 400.5, "turn": [1, 2]}]}"#;

@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_digest_is_64_lower_case_digits() {
+    fn digest_has_64_lower_case_digits() {
         let text = Digest::of(b"abc").to_string();
         assert_eq!(text, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
         assert_eq!(text.parse(), Ok(Digest::of(b"abc")));

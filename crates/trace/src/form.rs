@@ -211,7 +211,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_name_tells_the_form_to_write() {
+    fn file_name_selects_written_form() {
         let name = |name| Form::for_file_name(name);
         assert_eq!(name("helmet.dl.jsonl"), Some(Form::ALL[0]));
         assert_eq!(name("a/helmet.jsonl.zst"), Some(Form::ALL[1]));

@@ -243,13 +243,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_value_is_written_as_toml() {
+    fn parameter_value_is_written_as_toml() {
         let value: ParameterValue = serde_json::from_str(r#"[256, 0.5, "a\"b\n", true]"#).unwrap();
         assert_eq!(value.to_string(), r#"[256, 0.5, "a\"b\u000a", true]"#);
     }
 
     #[test]
-    fn an_integer_beyond_64_bits_is_no_value() {
+    fn integer_beyond_64_bits_is_refused() {
         assert!(serde_json::from_str::<ParameterValue>("18446744073709551615").is_err());
         assert!(serde_json::from_str::<ParameterValue>("null").is_err());
         assert!(serde_json::from_str::<ParameterValue>("[[1]]").is_err());

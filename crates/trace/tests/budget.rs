@@ -183,7 +183,7 @@ fn says_so(error: &TraceError, what: &str, limit: &str) {
 }
 
 #[test]
-fn every_field_of_every_command_is_held_within_the_budget() {
+fn large_field_of_any_command_exceeds_budget() {
     for &(name, field, how) in FIELDS {
         if let Fixed = how {
             continue;
@@ -213,7 +213,7 @@ fn small_parts_are_counted() {
 }
 
 #[test]
-fn textures_are_counted_together_though_each_of_them_would_fit() {
+fn many_fitting_textures_together_exceed_budget() {
     let zeros = vec![0; 256 * 256 * TextureKind::Color.texel_bytes() as usize];
     let line = |i| {
         let mut texture = command("texture", i);
@@ -236,7 +236,7 @@ fn textures_are_counted_together_though_each_of_them_would_fit() {
 }
 
 #[test]
-fn tokens_that_nobody_has_are_not_counted() {
+fn dropped_tokens_are_not_counted() {
     let line = format!("{}\n", json!({ "polygon": command("polygon", 0) }));
     let text = before("polygon") + &line.repeat(20_000);
     let budget = Budget::new(1 << 20);
@@ -247,7 +247,7 @@ fn tokens_that_nobody_has_are_not_counted() {
 
 /// The schema of a line has exactly the fields of this table.
 #[test]
-fn the_table_of_fields_is_complete() {
+fn table_of_fields_matches_schema() {
     let schema = schema();
     let resolve = |value: &Value| match value.get("$ref").and_then(Value::as_str) {
         Some(reference) => schema.pointer(reference.trim_start_matches('#')).expect("a definition").clone(),

@@ -142,7 +142,7 @@ const CASES: &[(&str, &str, u64, &str, &str)] = &[
 ];
 
 #[test]
-fn every_mistake_is_named_by_line_and_field() {
+fn mistake_is_named_by_line_and_field() {
     let mut missed = Vec::new();
     for (from, to, line, path, message) in CASES {
         let error = with(from, to);
@@ -156,7 +156,7 @@ fn every_mistake_is_named_by_line_and_field() {
 }
 
 #[test]
-fn shading_stands_directly_ahead_of_a_frame_or_an_object() {
+fn misplaced_shading_command_is_refused() {
     let shading = r#"{"shading":{"mode":"polyhedron","is":0.5}}"#;
     let lines: Vec<&str> = SAMPLE.lines().collect();
     let ahead_of = |name: &str, line: &str| {
@@ -185,7 +185,7 @@ fn shading_stands_directly_ahead_of_a_frame_or_an_object() {
 /// By default, serde reads a list as a struct, field by field. The test tries this for every object of every command, at any
 /// depth.
 #[test]
-fn a_list_is_no_object_in_any_command() {
+fn list_in_place_of_object_is_refused() {
     let lists = [
         (r#"{"frame_end":{}}"#, r#"{"frame_end":[]}"#),
         (r#"{"end":{"commands":9}}"#, r#"{"end":[9]}"#),
@@ -226,7 +226,7 @@ fn objects_in(value: &serde_json::Value, pointer: String, objects: &mut Vec<Stri
 }
 
 #[test]
-fn a_mistake_of_syntax_is_named_by_its_column() {
+fn syntax_error_is_named_by_column() {
     let error = with(r#""lod":3"#, r#""lod":x"#);
     assert_eq!(
         error.to_string(),
@@ -244,7 +244,7 @@ fn other_file_is_refused_by_its_first_bytes() {
 }
 
 #[test]
-fn an_arrival_never_falls() {
+fn falling_arrival_is_refused() {
     let polygon = SAMPLE.lines().nth(6).unwrap();
     let earlier = polygon.replace(r#""arrival":12"#, r#""arrival":11"#);
     let error = with(polygon, &format!("{polygon}\n{earlier}"));
@@ -252,7 +252,7 @@ fn an_arrival_never_falls() {
 }
 
 #[test]
-fn a_trace_carries_no_more_expectations_than_anybody_replays() {
+fn excess_expectations_are_refused() {
     let with = |count: usize| {
         let mut lines: Vec<String> = SAMPLE.lines().filter(|l| !l.starts_with("{\"expect\"")).map(str::to_owned).collect();
         lines.pop();
@@ -266,7 +266,7 @@ fn a_trace_carries_no_more_expectations_than_anybody_replays() {
 }
 
 #[test]
-fn a_trace_without_a_frame_draws_nothing() {
+fn trace_without_frame_is_refused() {
     let begin = SAMPLE.lines().next().unwrap();
     let error = error_of(format!("{begin}\n{{\"end\":{{\"commands\":1}}}}\n").as_bytes());
     assert_eq!(error.to_string(), "line 2: end: no frame before it: nothing to draw");
@@ -287,7 +287,7 @@ fn truncation_at_every_byte_is_an_error_in_every_form() {
 }
 
 #[test]
-fn a_byte_more_is_an_error_in_every_form() {
+fn trailing_byte_is_an_error_in_every_form() {
     for form in Form::ALL {
         let mut bytes = sample_as(form);
         bytes.push(b'x');
@@ -317,13 +317,13 @@ fn binary(version: u32, records: &[&[u8]]) -> Vec<u8> {
 }
 
 #[test]
-fn a_binary_trace_of_another_version_is_refused() {
+fn binary_trace_of_other_version_is_refused() {
     let error = error_of(&binary(2, &[]));
     assert_eq!((error.kind, error.path.as_str()), (ErrorKind::Unsupported, "begin.version"));
 }
 
 #[test]
-fn a_record_is_named_by_number_and_command() {
+fn bad_record_is_named_by_number_and_command() {
     let whole = sample_as(Form { encoding: Encoding::Binary, compressed: false });
     let begin = whole[16..].split_at(whole[12] as usize).0;
     for (record, says) in [
@@ -347,7 +347,7 @@ fn a_record_is_named_by_number_and_command() {
 }
 
 #[test]
-fn a_number_that_is_not_finite_is_refused_in_binary() {
+fn non_finite_number_in_binary_is_refused() {
     let whole = sample_as(Form { encoding: Encoding::Binary, compressed: false });
     let at = whole.windows(4).position(|bytes| bytes == 0.25f32.to_le_bytes()).unwrap();
     for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
@@ -452,7 +452,7 @@ fn unreadable_command_is_not_recorded() {
 }
 
 #[test]
-fn a_criterion_that_no_machine_could_keep_is_refused() {
+fn unusable_criterion_is_refused() {
     let controls = resolve(SAMPLE.as_bytes()).unwrap();
     for (error_bound, is_kept) in [(0.001, true), (1024.0, true), (0.0, false), (-1.0, false), (f64::NAN, false), (1e9, false)] {
         let mut recorder = Recorder::new(Vec::new(), Form::default(), Begin::new(8, 8)).unwrap();
@@ -466,7 +466,7 @@ fn a_criterion_that_no_machine_could_keep_is_refused() {
 }
 
 #[test]
-fn a_recorder_keeps_the_order_of_frames() {
+fn recorder_refuses_wrong_frame_order() {
     let controls = resolve(SAMPLE.as_bytes()).unwrap();
     let recorder = || Recorder::new(Vec::new(), Form::default(), Begin::new(8, 8)).unwrap();
     let error = recorder().record(&controls[2]).unwrap_err();
@@ -493,7 +493,7 @@ proptest! {
     }
 
     #[test]
-    fn a_damaged_trace_never_panics(form in 0..4usize, at in any::<proptest::sample::Index>(), value in any::<u8>()) {
+    fn damaged_trace_never_panics(form in 0..4usize, at in any::<proptest::sample::Index>(), value in any::<u8>()) {
         let mut bytes = sample_as(Form::ALL[form]);
         let at = at.index(bytes.len());
         bytes[at] = value;

@@ -33,7 +33,7 @@ proptest! {
     }
 
     #[test]
-    fn every_form_converts_into_every_other_without_loss(controls in controls(), from in 0..4usize, to in 0..4usize) {
+    fn conversion_between_all_forms_is_lossless(controls in controls(), from in 0..4usize, to in 0..4usize) {
         let original = record(&controls, Form::ALL[from]).unwrap();
         let there = converted(&original, Form::ALL[to]);
         prop_assert!(same(&commands(&there), &commands(&original)));
@@ -41,7 +41,7 @@ proptest! {
     }
 
     #[test]
-    fn a_recorded_trace_has_the_hash_of_its_input(controls in controls(), form in 0..4usize) {
+    fn recorded_trace_has_hash_of_its_input(controls in controls(), form in 0..4usize) {
         let replayed = resolve(&record(&controls, Form::ALL[form]).unwrap()).unwrap();
         prop_assert_eq!(hash(&replayed), hash(&controls));
         let text = String::from_utf8(record(&controls, Form::default()).unwrap()).unwrap();
@@ -167,7 +167,7 @@ fn setting() -> impl Strategy<Value = ParameterValue> {
 }
 
 #[test]
-fn the_sample_is_canonical_and_survives_every_form() {
+fn canonical_sample_survives_every_form() {
     for form in Form::ALL {
         let bytes = sample_as(form);
         assert_eq!(String::from_utf8(converted(&bytes, Form::default())).unwrap(), SAMPLE);
@@ -176,7 +176,7 @@ fn the_sample_is_canonical_and_survives_every_form() {
 }
 
 #[test]
-fn the_first_bytes_tell_the_form() {
+fn first_bytes_identify_the_form() {
     let heads = Form::ALL.map(|form| sample_as(form)[..4].to_vec());
     assert_eq!(heads, [b"{\"be".to_vec(), vec![0x28, 0xb5, 0x2f, 0xfd], b"\x89BDL".to_vec(), vec![0x28, 0xb5, 0x2f, 0xfd]]);
 }

@@ -11,7 +11,7 @@ fn validator() -> jsonschema::Validator {
 }
 
 #[test]
-fn every_line_of_the_sample_fits_the_schema() {
+fn sample_lines_match_schema() {
     let validator = validator();
     for line in SAMPLE.lines() {
         let value = serde_json::from_str(line).unwrap();
@@ -20,7 +20,7 @@ fn every_line_of_the_sample_fits_the_schema() {
 }
 
 #[test]
-fn the_schema_describes_every_command_and_refuses_others() {
+fn schema_has_all_commands_and_refuses_others() {
     let validator = validator();
     let text = schema().to_string();
     for name in basrelief_trace::Command::NAMES {
@@ -35,7 +35,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 
     #[test]
-    fn every_recorded_line_fits_the_schema(controls in controls()) {
+    fn recorded_lines_match_schema(controls in controls()) {
         let validator = validator();
         for line in String::from_utf8(record(&controls, Form::default()).unwrap()).unwrap().lines() {
             prop_assert!(validator.is_valid(&serde_json::from_str(line).unwrap()), "{}", line);

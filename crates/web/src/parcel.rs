@@ -61,7 +61,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn a_parcel_arrives_as_it_was_sent() {
+    fn parcel_round_trip_is_lossless() {
         let mut parcel = Parcel::of(json!({"a": [1, "\u{e4}"]}));
         assert_eq!(parcel.pack(b"xyz"), [0, 3]);
         assert_eq!(parcel.pack(b""), [3, 0]);

@@ -39,7 +39,7 @@ fn report(machine: &str, name: &str, set: &[(&str, &str)]) -> Value {
 }
 
 #[test]
-fn every_machine_answers_with_the_report_of_a_run() {
+fn every_machine_returns_the_report_of_a_run() {
     let demos = [("bump", "cut-plane@1"), ("shade", "goblet@1"), ("texel", "corridor"), ("defer", "turntable")];
     for (machine, name) in demos {
         let mut desk = Desk::default();
@@ -65,7 +65,7 @@ fn every_machine_answers_with_the_report_of_a_run() {
 }
 
 #[test]
-fn the_command_repeats_the_run() {
+fn shown_command_repeats_the_run() {
     let mut desk = Desk::default();
     ask(&mut desk, json!({"ask": "demo", "name": "goblet@1"}));
     let view = json!({"size": SIZE, "zoom": 1.5});
@@ -90,7 +90,7 @@ fn featured_parameters_exist() {
 }
 
 #[test]
-fn models_and_display_lists_are_told_by_their_content() {
+fn content_identifies_models_and_display_lists() {
     let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let mut desk = Desk::default();
     let files = json!([{"name": "a.obj", "at": [0, obj.len()]}]);

@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_setting_is_a_key_and_a_value() {
+    fn setting_is_split_into_key_and_value() {
         assert_eq!(key_value("a.b=[1, 2]"), Ok(("a.b".into(), "[1, 2]".into())));
         assert!(key_value("a.b").is_err());
         assert_eq!(shard("2/8"), Ok(Shard { number: 2, count: 8 }));
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn an_address_to_listen_at_is_one_of_numbers() {
+    fn listen_address_must_be_numeric() {
         assert!(["127.0.0.1:0", "[::1]:8080"].iter().all(|right| socket(right).is_ok()));
         for wrong in ["localhost:80", "127.0.0.1", "::1:80", "127.0.0.1:99999", ":80"] {
             assert!(socket(wrong).unwrap_err().contains("such as 127.0.0.1:8080"), "{wrong}");
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn an_address_of_a_server_is_http_with_a_host() {
+    fn server_address_must_be_http_with_host() {
         for right in ["http://127.0.0.1:8080/", "http://[::1]:8080", "http://host/below/"] {
             assert_eq!(http(right).as_deref(), Ok(right));
         }

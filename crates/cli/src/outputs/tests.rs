@@ -53,7 +53,7 @@ fn stale_recording_is_removed_with_its_report() {
 }
 
 #[test]
-fn where_one_file_cannot_be_placed_none_is() {
+fn failed_placement_leaves_no_file() {
     let base = tempfile::tempdir().unwrap();
     fs::create_dir(base.path().join("report")).unwrap();
     let outputs = Outputs::begin(base.path()).unwrap();
@@ -64,7 +64,7 @@ fn where_one_file_cannot_be_placed_none_is() {
 }
 
 #[test]
-fn a_device_is_written_to_and_stays_a_device() {
+fn device_output_stays_a_device() {
     let device = Path::new("/dev/null");
     if !device.exists() {
         return;
@@ -176,7 +176,7 @@ fn outputs_never_share_a_file() {
 
 #[cfg(unix)]
 #[test]
-fn a_link_to_a_folder_is_that_folder() {
+fn linked_folder_counts_as_its_target() {
     let base = tempfile::tempdir().unwrap();
     fs::create_dir(base.path().join("o")).unwrap();
     std::os::unix::fs::symlink("o", base.path().join("link")).unwrap();
@@ -188,7 +188,7 @@ fn a_link_to_a_folder_is_that_folder() {
 
 #[cfg(unix)]
 #[test]
-fn a_link_to_a_file_is_that_file() {
+fn linked_file_counts_as_its_target() {
     let base = tempfile::tempdir().unwrap();
     let at = |name: &str| base.path().join(name);
     fs::create_dir(at("o")).unwrap();

@@ -240,7 +240,7 @@ mod tests {
     use std::thread::sleep;
 
     #[test]
-    fn a_path_is_idle_as_long_as_no_request_is_under_way() {
+    fn path_without_requests_in_flight_is_idle() {
         let (meter, pause) = (TransferMetrics::default(), Duration::from_millis(40));
         meter.begin();
         let (first, second) = (meter.under_way(), meter.under_way());

@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_request_is_read_when_its_head_is_whole() {
+    fn request_is_read_once_its_head_is_complete() {
         let whole = "GET /scene?x HTTP/1.1\r\nHost: x\r\n\r\n";
         assert_eq!(path(whole), Some(("/scene".into(), false)));
         (0..whole.len())

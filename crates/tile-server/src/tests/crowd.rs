@@ -39,7 +39,7 @@ fn crowded_clients_get_every_tile() {
 }
 
 #[test]
-fn a_sum_that_many_ask_for_is_made_once() {
+fn concurrent_requests_compute_a_sum_once() {
     let served = Arc::new(served());
     let asked = format!("/bytes/{}/64x64/png/2", hex(&hash_of_picture(&texture())));
     let body = move |served: &SceneService| served.bytes(asked.trim_start_matches("/bytes/")).unwrap().0;

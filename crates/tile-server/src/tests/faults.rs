@@ -164,7 +164,7 @@ fn server_behind_proxy_is_awaited() {
 }
 
 #[test]
-fn attempts_end_when_their_time_is_over() {
+fn retries_end_at_their_time_limit() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
     let began = Instant::now();
     let patience = RetryPolicy { attempts: 100, whole: 19 * HASTY.stall / 10, ..HASTY };
@@ -176,7 +176,7 @@ fn attempts_end_when_their_time_is_over() {
 }
 
 #[test]
-fn dropped_client_waits_for_nobody() {
+fn dropped_client_does_not_wait() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
     let patience = RetryPolicy { stall: Duration::from_secs(100), ..PATIENT };
     let fetcher = Fetcher::new(&url, patience);

@@ -68,7 +68,7 @@ fn damaged_cache_file_is_removed_and_fetched_again() {
 }
 
 #[test]
-fn two_runs_may_share_a_cache() {
+fn two_runs_can_share_a_cache() {
     let folder = tempfile::tempdir().unwrap();
     let runs: Vec<_> = (0..2)
         .map(|_| {

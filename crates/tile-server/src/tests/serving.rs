@@ -133,7 +133,7 @@ fn a_tile() -> String {
 }
 
 #[test]
-fn a_texture_under_work_holds_up_no_other() {
+fn busy_texture_does_not_block_another() {
     let other =
         Texture { id: 5, levels: vec![Image { width: 1, height: 1, texels: vec![[1; 4]] }], ..Texture::clone(&texture()) };
     let asked = format!("{}/64x64/png/0", hex(&hash_of_picture(&other)));
@@ -232,7 +232,7 @@ fn drip(mut clients: Vec<TcpStream>) {
 const SOON: Duration = Duration::from_secs(3);
 
 #[test]
-fn many_idle_and_dripping_clients_block_nobody() {
+fn idle_and_dripping_clients_block_no_request() {
     let address = serving(LOOPBACK, Limits { connections: 32, ..Limits::default() });
     let connect = |n: usize| -> Vec<TcpStream> { (0..n).map(|_| TcpStream::connect(address).unwrap()).collect() };
     // Both ends together stay below the 1,024 files that a process may open by default.
@@ -276,7 +276,7 @@ fn tls_handshake_is_refused_at_once() {
 }
 
 #[test]
-fn it_listens_at_the_loopback_of_ipv6_too() {
+fn ipv6_loopback_address_is_served() {
     if TcpListener::bind("[::1]:0").is_err() {
         println!("SKIPPED: there is no IPv6 here");
         return;
@@ -286,7 +286,7 @@ fn it_listens_at_the_loopback_of_ipv6_too() {
 }
 
 #[test]
-fn an_address_that_is_taken_is_an_error_that_names_it() {
+fn address_in_use_is_a_named_error() {
     let address = serving(LOOPBACK, LITTLE);
     let error = served().listen(address, LITTLE).map(|_| ()).unwrap_err();
     assert!(error.starts_with(&format!("{address}: cannot be listened at: ")), "{error}");
