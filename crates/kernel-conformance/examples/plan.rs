@@ -1,7 +1,7 @@
 //! Runs a plan and prints the result as canonical JSON: `plan PLAN.json [--engine timed|ticked]`.
 //!
-//! With a folder instead of a file, every `*.json` in it must be a `{"plan", "result"}` vector; each is run with both
-//! engines and compared, and the exit code is 1 if any differs.
+//! With a folder instead of a file, every `*.json` in it must be a `{"plan", "result"}` vector. Both engines run each vector. The
+//! exit code is 1 if any result differs.
 
 use basrelief_kernel::{Engine, run};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, result};
@@ -25,7 +25,7 @@ fn parse_plan(text: &str) -> Result<Plan, String> {
     serde_json::from_str(text).map_err(|e| format!("not a plan: {e}"))
 }
 
-/// Runs a vector with one engine; whether the result is the one that it carries.
+/// Runs a vector with one engine. Returns true if the result equals the stored result.
 fn agrees(text: &str, engine: Engine) -> Result<bool, String> {
     let not = |e: serde_json::Error| format!("not a {{\"plan\", \"result\"}} vector: {e}");
     let vector: Value = serde_json::from_str(text).map_err(not)?;
@@ -33,7 +33,7 @@ fn agrees(text: &str, engine: Engine) -> Result<bool, String> {
     Ok(simulate(&plan, engine)? == vector["result"])
 }
 
-/// Compares every vector of a folder, in order of name; returns how many agree and how many differ.
+/// Compares every vector of a folder, in order of name. Returns the number of equal and of different results.
 fn compare(folder: &Path) -> Result<(usize, usize), String> {
     let entries = fs::read_dir(folder).map_err(|e| e.to_string())?;
     let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
@@ -54,7 +54,7 @@ fn compare(folder: &Path) -> Result<(usize, usize), String> {
     Ok((same, different))
 }
 
-/// JSON as Python writes it: a space after each comma and colon, and nothing but ASCII.
+/// Writes JSON as Python does: a space after each comma and colon, and only ASCII.
 struct Spaced;
 
 impl Formatter for Spaced {
@@ -85,7 +85,7 @@ fn canonical(value: &Value) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|e| e.to_string())
 }
 
-/// Path and engine from the command line.
+/// Parses the path and the engine from the command line.
 fn arguments() -> Result<(String, Engine), String> {
     let (mut path, mut engine) = (None, Engine::Timed);
     let mut words = std::env::args().skip(1);

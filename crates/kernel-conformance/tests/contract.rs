@@ -1,4 +1,4 @@
-//! The unit contract: units that keep it pass, and each way to break it is caught and named.
+//! The unit contract: correct units pass, and each violation is found and named.
 
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_kernel::{Sink, Source};
@@ -7,12 +7,12 @@ use basrelief_kernel_conformance::unit_contract;
 use std::cell::Cell;
 use std::rc::Rc;
 
-/// A source on trial.
+/// A source under test.
 fn counter() -> Source<std::ops::Range<u32>> {
     Source::new(0..40).with_gaps(&[0, 2])
 }
 
-/// One that has emitted so many items.
+/// A source that has emitted this number of items.
 fn counter_at(emitted: usize) -> Source<std::ops::Range<u32>> {
     let mut source = counter();
     for _ in 0..emitted {
@@ -25,7 +25,7 @@ fn sink() -> Sink<u8> {
     Sink::new().with_occupancy(&[1, 3])
 }
 
-/// One that has taken these tokens.
+/// A sink that has consumed these tokens.
 fn sink_of(tokens: Vec<u8>) -> Sink<u8> {
     let mut sink = sink();
     for token in tokens {
@@ -48,7 +48,7 @@ unit_contract! {
     state: |unit| unit.tokens().to_vec() => |unit, tokens| *unit = sink_of(tokens),
 }
 
-/// Doubles what it is given, and remembers nothing.
+/// Doubles its input and has no state.
 #[derive(Clone)]
 struct Double;
 
@@ -65,7 +65,7 @@ impl Unit for Double {
 
 unit_contract! { name: double, unit: Double, inputs: (0..40).collect(), stateless }
 
-/// Pairs two inputs; two tokens of the first to one of the second, and emits sum and difference on two outputs.
+/// Pops two inputs, with two tokens of the first per token of the second, and emits sum and difference on two outputs.
 #[derive(Clone, Default)]
 struct Butterfly {
     held: Option<i64>,
@@ -99,11 +99,11 @@ unit_contract! {
     state: |unit| unit.held => |unit, held| unit.held = held,
 }
 
-/// Emits each token three times; reads, writes and looks up as it does so. Its switches break one promise each.
+/// Emits each token three times, with a read, a write and a look-up per step. Each switch breaks one promise.
 #[derive(Clone, Default)]
 struct Triple {
     held: (u64, u32),
-    /// Not part of the state.
+    /// Excluded from the state.
     unsaved: u64,
     steps: Rc<Cell<u64>>,
     greedy: bool,

@@ -1,4 +1,5 @@
-//! The critical path: chains computed by hand; and what is not on it, and behind no memory, limits nothing.
+//! The critical path: chains computed by hand, and a property. Without memories, units and FIFOs off the path do not limit the
+//! run.
 
 mod common;
 
@@ -19,7 +20,7 @@ fn path_by(plan: &Plan, most_events: usize, groups: &[StageGroups]) -> Option<Cr
     critical_path(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), most_events, groups).unwrap()
 }
 
-/// The parts of a path, in words.
+/// Returns the segments of a path as text.
 fn parts(draw: &Draw) -> Vec<(String, u64)> {
     let word = |stretch: &PathSegment| match stretch {
         PathSegment::Occupancy(unit) => format!("occupancy {unit}"),
@@ -40,25 +41,25 @@ fn expect(draw: &Draw, expected: &[(&str, u64)]) {
     assert_eq!(found, expected);
 }
 
-/// The work of the middle unit back to back, once the first token has come and until the last has gone.
+/// The middle unit works without a gap, from the first token to the last.
 #[test]
 fn always_busy_unit_is_the_path() {
     let draw = Draw::chain();
     expect(&draw, &[("fifo a", 1), ("occupancy work", 9), ("latency work", 2), ("fifo b", 1), ("occupancy sink", 1)]);
 }
 
-/// The same; steps of each stage are for the tokens 0 to 3, one after the other.
+/// The same chain. The steps of each stage belong to tokens 0 to 3 in order.
 #[test]
 fn segment_belongs_to_its_first_step() {
     let draw = Draw::chain();
     let by_group = |groups: &[StageGroups]| path_by(&draw.0, usize::MAX, groups).unwrap().by_group;
     let tokens = vec![groups(0..4); 3];
-    // Token 0 through `a`, then three of `work`; the last through `work`, `b` and `sink`.
+    // Token 0 passes `a` and one step of `work`. The last token passes `work`, `b` and `sink`.
     assert_eq!(by_group(&tokens), [(0, 1 + 3), (1, 3), (2, 3), (3, 2 + 1 + 1)]);
     let whole = vec![groups([7; 4]); 3];
     assert_eq!(by_group(&whole), [(7, 14)]);
     assert_eq!(by_group(&[]), []);
-    // Of a stage without groups no step is told: what begins there is of the step before.
+    // A stage without groups has no steps to attribute. Its segments belong to the step before.
     assert_eq!(by_group(&[groups(0..4), StageGroups::default(), groups(0..4)]), [(0, 13), (3, 1)]);
 }
 
@@ -84,8 +85,8 @@ fn single_slot_alternates_on_path() {
     expect(&draw, &[("fifo a", 3), ("slot a", 2), ("occupancy sink", 1)]);
 }
 
-/// Asked for at 1, in view at 2, its row open at 4, its data there at 9. The second asks at 9 with the credit that the first gives
-/// back: its row is open, so that it has its data at 15.
+/// The first request is issued at 1, in view at 2, its row open at 4, its data complete at 9. The second is issued at 9 with the
+/// returned credit. Its row is open, so its data are complete at 15.
 #[test]
 fn request_appears_phase_by_phase() {
     let request = |write| PlanRequest { port: "p".into(), write, bytes: 32, stride: 0, offset: 0, span: 64 };
@@ -114,7 +115,7 @@ fn too_many_events_give_no_path() {
     assert_eq!(path_of(&draw.0, 20), None);
 }
 
-/// Units and FIFOs of a plan of which no stretch is on its path are made ideal.
+/// Makes every unit and FIFO ideal that has no segment on the path.
 fn rest_made_ideal(plan: &Plan, path: &CriticalPath) -> Plan {
     let is_on = |stretch: PathSegment| path.parts.iter().any(|part| part.stretch == stretch);
     let mut plan = plan.clone();
@@ -149,8 +150,8 @@ proptest! {
         }
     }
 
-    /// A path binds from below: as long as nothing on it gets shorter, nor does the run. (Where memories are shared what is faster
-    /// may come first.)
+    /// The path is a lower bound: unless a segment on it gets shorter, the run does not. (With shared memories a faster unit may
+    /// change the order of requests.)
     #[test]
     fn unit_off_the_path_limits_nothing(recipe in recipe()) {
         let mut recipe = recipe;

@@ -1,4 +1,4 @@
-//! Whole machines computed by hand: every cycle of every unit, every slot of every FIFO.
+//! Complete machines computed by hand: every cycle of every unit, and every slot of every FIFO.
 
 mod common;
 
@@ -6,7 +6,7 @@ use basrelief_kernel::{CacheCounts, Latencies, PortCounts, RowCounts, RunReport}
 use basrelief_kernel_conformance::plan::{Kind, PlanCache, PlanLookUp, PlanRequest};
 use common::{Draw, account, histogram, report, small_memory, starts};
 
-/// Accounts of some units and histograms of some FIFOs.
+/// Compares the cycle breakdown of some units and the histograms of some FIFOs.
 fn check(report: &RunReport, total: u64, accounts: &[(&str, &str)], histograms: &[(&str, &[u64])]) {
     assert_eq!(report.total, total);
     for (unit, expected) in accounts {
@@ -36,7 +36,7 @@ fn chain() {
     );
 }
 
-/// The right branch takes 2 cycles and 3 more to deliver; all FIFOs behind the fork have one slot.
+/// The right branch takes 2 cycles and delivers 3 later. All FIFOs after the fork have one slot.
 ///
 /// Cycle    0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17
 /// source   0 1 2 -
@@ -114,7 +114,7 @@ fn two_clients_of_one_memory() {
         // a: 0..=1 and 1..=9. out: 1..=10 and 9..=29.
         &[("a", &[20, 9, 1]), ("out", &[1, 27, 2])],
     );
-    // Waited beyond arrival + 1: 4 - 2 and 23 - 10; 10 - 2 and 12 - 3. Answered after 8 and 19, 14 and 15 cycles.
+    // Waiting beyond arrival + 1: 4 - 2 and 23 - 10; 10 - 2 and 12 - 3. Answered after 8 and 19, and after 14 and 15 cycles.
     let rows = RowCounts { closed: 1, conflicts: 1, hits: 0 };
     let latencies = latencies(&[8, 19]);
     let read = PortCounts { reads: 2, read_bytes: 64, rows, queue_wait: 15, latencies, ..PortCounts::default() };
@@ -160,7 +160,7 @@ fn cache_miss_under_miss() {
     assert_eq!(report.memories[0].ports[0].counts, counts);
 }
 
-/// A histogram of these cycles from arrival to answer.
+/// Returns the histogram of these latencies from arrival to answer.
 fn latencies(cycles: &[u64]) -> Latencies {
     let mut latencies = Latencies::default();
     cycles.iter().for_each(|n| latencies.at_least[n.ilog2() as usize] += 1);

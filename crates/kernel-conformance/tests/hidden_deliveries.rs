@@ -1,5 +1,5 @@
-//! A token behind a step that delivers nothing does not wait for that step's answers, in either engine. (The timed engine
-//! once let it wait, and so served requests of later cycles before those that the token led to.)
+//! If a step delivers nothing, later tokens do not wait for its answers, in either engine. Otherwise the timed engine would serve
+//! requests of later cycles before the requests of these tokens.
 
 use basrelief_kernel::Source;
 use basrelief_kernel::{
@@ -7,7 +7,7 @@ use basrelief_kernel::{
     Visitor, run,
 };
 
-/// Looks up a line of its own for every token, and lets every fifth through without.
+/// Looks up a separate line for each token, except every fifth token, which passes without a look-up.
 struct Filter;
 
 impl Unit for Filter {
@@ -28,7 +28,7 @@ impl Unit for Filter {
     }
 }
 
-/// Reads for every token.
+/// Issues one read per token.
 struct Reader;
 
 impl Unit for Reader {
@@ -93,7 +93,7 @@ fn engines_agree_on_tokens_behind_silent_steps() {
         let timed = report(Engine::Timed, outstanding);
         assert_eq!(timed.outcome, Outcome::Complete);
         assert_eq!(timed, report(Engine::Ticked, outstanding), "{outstanding} credits");
-        // Every look-up is counted in the end, also of steps that nothing waits for.
+        // Every look-up is counted at the end, even if no token waits for its step.
         let counts = timed.caches[0].counts;
         assert_eq!(counts.hits + counts.misses + counts.merged, 160);
     }

@@ -1,4 +1,4 @@
-//! What is no plan is refused by name.
+//! Tests that invalid plans are rejected by name.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! What holds of every machine: properties over random plans.
+//! Properties of every machine, tested with random plans.
 
 mod common;
 
@@ -8,7 +8,7 @@ use common::random::{recipe, tight_recipe};
 use common::{machine, report, run_both, swallowed};
 use proptest::prelude::*;
 
-/// Who is stuck, in order of name.
+/// Returns the blocked units in order of name.
 fn stuck(deadlock: &Deadlock) -> Vec<String> {
     let mut clauses: Vec<_> = deadlock.stuck.iter().map(ToString::to_string).collect();
     clauses.sort_unstable();
@@ -18,7 +18,7 @@ fn stuck(deadlock: &Deadlock) -> Vec<String> {
 proptest! {
     #[test]
     fn both_engines_give_equal_reports(recipe in recipe()) {
-        // `run_both` compares; here so that a difference shrinks to the smallest plan.
+        // `run_both` compares the engines. A separate test lets a difference shrink to the smallest plan.
         run_both(&recipe.plan().0, u64::MAX);
     }
 
@@ -65,7 +65,7 @@ proptest! {
     fn shallow_graph_reports_deadlock_by_name(recipe in tight_recipe()) {
         let (plan, _) = recipe.plan();
         let outcome = report(&plan).outcome;
-        // About half of them do.
+        // About half of the plans deadlock.
         let Outcome::Deadlock(deadlock) = outcome else { return Ok(()) };
         prop_assert!(deadlock.is_any_full());
         prop_assert!(deadlock.circle.len() > 1, "{:?}", deadlock.circle);
@@ -108,7 +108,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// What a probe is shown of a FIFO comes to its histogram.
+    /// The FIFO levels reported to a probe sum to the FIFO's histogram.
     #[test]
     fn fifo_levels_add_up_to_histograms(recipe in recipe()) {
         let (report, seen) = run_both(&recipe.plan().0, u64::MAX);
@@ -125,7 +125,7 @@ proptest! {
         }
     }
 
-    /// What a probe is shown of memories comes to what they count.
+    /// The memory events reported to a probe sum to the memory's counts.
     #[test]
     fn memory_events_add_up_to_report(recipe in recipe()) {
         let plan = recipe.plan().0;
@@ -157,7 +157,7 @@ proptest! {
                 client += 1;
             }
         }
-        // In the order in which they were added, as the report has them.
+        // In order of addition, as in the report.
         let looked_up: Vec<CacheCounts> = seen.memories.range([4, 0, 0, 0]..).map(|(_, events)| found(events)).collect();
         let counted: Vec<CacheCounts> = report.caches.iter().map(|cache| cache.counts).filter(|c| *c != CacheCounts::default()).collect();
         prop_assert_eq!(looked_up, counted);
@@ -167,7 +167,7 @@ proptest! {
     fn every_cycle_limit_gives_equal_reports(recipe in recipe(), first in 0..64_u64) {
         let (plan, _) = recipe.plan();
         let whole = report(&plan);
-        // Every limit of a short run; some 64 of a long one, other ones in each case.
+        // Tests every limit of a short run, and about 64 limits of a long run, different ones in each case.
         let stride = whole.total / 64 + 1;
         for max_cycles in (first % stride..whole.total + 3).step_by(stride as usize) {
             let (cut, _) = run_both(&plan, max_cycles);
@@ -182,7 +182,7 @@ proptest! {
     }
 }
 
-/// First cycles and ends of what is told of a source.
+/// Returns start and end of each interval reported for a source.
 fn intervals(seen: &Recorder, source: [usize; 4]) -> Vec<(u64, u64)> {
     let interval = |event: &MemoryEvent| match event {
         MemoryEvent::Moved { from, to, .. } | MemoryEvent::Open { from, to, .. } => (from.0, to.0),
@@ -191,7 +191,7 @@ fn intervals(seen: &Recorder, source: [usize; 4]) -> Vec<(u64, u64)> {
     seen.memories.get(&source).map_or_else(Vec::new, |events| events.iter().map(interval).collect())
 }
 
-/// A level added up over all cycles.
+/// Returns the sum of a level over all cycles.
 fn area(seen: &Recorder, source: [usize; 4], total: u64) -> u64 {
     let (mut from, mut level, mut sum) = (0, 0, 0);
     for event in seen.memories.get(&source).into_iter().flatten() {
@@ -205,7 +205,7 @@ fn area(seen: &Recorder, source: [usize; 4], total: u64) -> u64 {
     sum + (total - from) * level as u64
 }
 
-/// All that a client's look-ups found.
+/// Returns the sum of a client's look-up results.
 fn found(events: &[MemoryEvent]) -> CacheCounts {
     let mut sum = CacheCounts::default();
     for event in events {

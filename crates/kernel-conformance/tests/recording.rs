@@ -1,4 +1,4 @@
-//! The tape: work does not depend on time, and time follows from work.
+//! Recordings: execution does not depend on time, and timing follows from a recording.
 
 mod common;
 
@@ -11,7 +11,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use std::borrow::Cow;
 
-/// The same units with the FIFOs, memories and caches of another recipe.
+/// Returns the same units with the FIFOs, memories and caches of another recipe.
 fn other_times(plan: &Plan, other: &Recipe) -> Plan {
     let mut plan = plan.clone();
     for (fifo, &(depth, latency)) in plan.fifos.iter_mut().zip(other.fifos.iter().cycle()) {
@@ -33,7 +33,7 @@ fn timed_again(tape: &[RecordingChunk], plan: &Plan) -> Result<RunReport, Resimu
 }
 
 proptest! {
-    /// Law 6, of the units of plans: what they do is the same under any times.
+    /// Law 6 for the units of plans: their work is the same under any timing.
     #[test]
     fn recording_is_independent_of_timing(recipe in recipe(), other in recipe()) {
         let (plan, _) = recipe.plan();
@@ -51,14 +51,14 @@ proptest! {
         let (recorded, ran) = (run_both(&plan, u64::MAX).0, run_both(&slower, u64::MAX).0);
         match timed_again(&tape(&plan, u64::MAX), &slower) {
             Ok(again) => prop_assert_eq!(again, ran),
-            // The one that was recorded stood still, and this one goes on.
+            // The recorded run ended in a deadlock, but with the new timing the run would continue.
             Err(error) => prop_assert!(
                 matches!(error, ResimulateError::EndsEarly(_)) && recorded.outcome != Outcome::Complete, "{}", error
             ),
         }
     }
 
-    /// Held and read once, with all of a report or with its cycles alone.
+    /// One shared `Recording` gives the same full report, and the same cycles, as a new resimulation.
     #[test]
     fn shared_recording_gives_same_report_each_time(recipe in recipe(), other in recipe()) {
         let (plan, _) = recipe.plan();
@@ -80,7 +80,7 @@ proptest! {
         }
     }
 
-    /// Whatever a tape says, timing it ends, in a report or an error.
+    /// Resimulation of any corrupt recording ends with a report or an error.
     #[test]
     fn corrupt_recording_causes_no_panic(recipe in recipe(), changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut: bool) {
         let (plan, _) = recipe.plan();
@@ -98,7 +98,7 @@ proptest! {
         }
         let mut reels = spoiled.into_iter().map(Cow::Owned);
         let shape = Netlist::of(&mut machine(&plan)).unwrap();
-        // A limit, since a spoiled step may keep its unit for 2^32 cycles; what a report says of it is nobody's business.
+        // A cycle limit, because a corrupt step may occupy its unit for 2^32 cycles. The content of the report does not matter.
         let _ = resimulate(shape, &mut |_| Ok(reels.next()), &mut NoProbe, 1 << 20);
     }
 }
@@ -117,7 +117,7 @@ fn stopped_work_is_timed_up_to_its_end() {
     assert!(0 < steps(&stopped) && steps(&stopped) < steps(&whole), "{stopped:?}");
 }
 
-/// However long the FIFOs are, and however much could be done before anybody takes it.
+/// Batches stay small even if long FIFOs allow many steps ahead.
 #[test]
 fn step_batches_are_small() {
     let mut plan = Draw::chain().0;

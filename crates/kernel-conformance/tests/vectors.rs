@@ -1,4 +1,4 @@
-//! The eleven laws of time, against 320 vectors of an executable reading of them that shares no code with the kernel.
+//! The eleven laws of time, tested with 320 vectors of an executable reading of the laws. It shares no code with the kernel.
 
 use basrelief_kernel::{Engine, run};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, result};

@@ -1,6 +1,6 @@
-//! A machine that is wired wrongly fails before its first step, or in the step that breaks its word: with either engine, by
-//! name. Without these checks the timed engine's proof would not hold, and traffic that no client takes would be issued by
-//! whichever stage comes next.
+//! Wrong wiring is an error before the first step. A step that breaks a declaration is a fault. Both engines report it by name.
+//! Without these checks the timed engine's proof would not hold, and the next stage would issue requests that belong to no
+//! client.
 
 mod common;
 
@@ -10,7 +10,7 @@ use basrelief_kernel::{
 };
 use basrelief_kernel::{Sink, Source};
 
-/// Hands numbers on; does with each what it is told, and declares what it is told.
+/// Forwards numbers. Issues the configured requests, and declares the configured largest step.
 #[derive(Clone, Copy, Default)]
 struct Talker {
     /// Client and number of reads.
@@ -40,7 +40,7 @@ impl Unit for Talker {
     }
 }
 
-/// Which wires are drawn.
+/// Variants of the wiring.
 #[derive(Clone, Copy, PartialEq)]
 enum Drawn {
     Right,
@@ -104,7 +104,7 @@ impl Machine for Line {
     }
 }
 
-/// Client 0 is a port, client 1 has a cache; 4 credits each.
+/// Makes a machine in which client 0 is a port and client 1 has a cache, with 4 credits each.
 fn line(talker: Talker, clients: Option<&[usize]>) -> Line {
     let mut memories = MemorySystem::default();
     let memory = memories.add_memory("store", &MemoryConfig::default());
@@ -129,7 +129,7 @@ fn drawn(drawn: Drawn) -> Line {
     Line { drawn, ..line(Talker::default(), None) }
 }
 
-/// What is wrong, which every way to run the machine must say.
+/// Returns the wiring error, which must be the same with both engines and in the functional model.
 fn error(machine: impl Fn() -> Line) -> WiringError {
     let error = check_wiring(&mut machine()).unwrap_err();
     for engine in [Engine::Timed, Engine::Ticked] {
@@ -193,7 +193,7 @@ fn largest_step_has_enough_credits() {
     assert_eq!(few, WiringError::TooFewCredits { unit, memory, port, needed: 5, outstanding: 4 });
 }
 
-/// The fault of a step.
+/// Returns the fault of a step.
 fn fault(talker: Talker, clients: Option<&[usize]>) -> String {
     common::fault(|| line(talker, clients))
 }

@@ -1,4 +1,4 @@
-//! A machine around one unit: a source per input, a sink per output, and the memory behind its clients.
+//! A machine around one unit: a source per input, a sink per output, and a memory with the unit's clients.
 
 use super::client_kind::ClientKind;
 use super::ends::{Back, Emitted, Front, Popped};
@@ -6,7 +6,7 @@ use super::environment::TestEnvironment;
 use super::subject::{AfterStep, Subject};
 use basrelief_kernel::{Machine, MemorySystem, Stage, Unit, Visitor};
 
-/// Sources, the unit under test, sinks; and one memory with a port, or a port and a cache, per client of the unit.
+/// Sources, the unit under test, sinks, and one memory. The memory has a port, or a port and a cache, per client of the unit.
 ///
 /// ```text
 ///   source_0 --input_0--> +------+ --output_0--> sink_0
@@ -23,7 +23,7 @@ pub struct Bench<U: Unit<In: Popped, Out: Emitted>> {
 }
 
 impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
-    /// Feeds `tokens` to `unit`; the sinks expect `expected`, if given.
+    /// Makes a bench that feeds `tokens` to `unit`. The sinks compare their tokens with `expected`, if given.
     pub fn new(
         unit: U,
         tokens: <U::In as Popped>::Tokens,
@@ -34,7 +34,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         Self::with_hook((unit, None), tokens, expected, clients, setting)
     }
 
-    /// The same, with something to be done after each step of the unit.
+    /// Makes a bench with a hook that runs after each step of the unit.
     pub(super) fn with_hook(
         (unit, after_step): (U, Option<AfterStep<U>>),
         tokens: <U::In as Popped>::Tokens,
@@ -62,7 +62,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         Self { front, unit, back, memories, clients }
     }
 
-    /// The unit.
+    /// Returns the unit.
     pub fn unit(&self) -> &U {
         &self.unit.unit.unit
     }

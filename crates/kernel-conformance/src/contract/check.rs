@@ -7,11 +7,11 @@ use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Display;
 use std::rc::Rc;
 
-/// A promise that a unit broke.
+/// Violation of a promise by a unit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{place}: {what}")]
 pub struct ContractViolation {
-    /// Which run broke it.
+    /// The run with the violation.
     pub place: String,
     /// The observation and the expectation.
     pub what: String,
@@ -20,7 +20,7 @@ pub struct ContractViolation {
 type Write<U> = Rc<dyn Fn(&U) -> Result<String, String>>;
 type Read<U> = Rc<dyn Fn(&mut U, &str) -> Result<(), String>>;
 
-/// How a unit's state is copied out, and put into another unit of the same configuration.
+/// Accessors that copy a unit's state out and into another unit of the same configuration.
 #[derive(Clone)]
 struct StateOf<U> {
     write: Write<U>,
@@ -51,7 +51,7 @@ pub struct Contract<U: Unit<In: Popped>> {
     state: StateOf<U>,
 }
 
-/// The settings that a unit is tried in.
+/// Returns the twelve environments of the test.
 fn settings() -> Vec<TestEnvironment> {
     let mut all = Vec::new();
     for depth in [1, 2, 16] {
@@ -64,14 +64,14 @@ fn settings() -> Vec<TestEnvironment> {
     all
 }
 
-/// One that shows most and costs least: nothing but the unit limits the run.
+/// Returns the cheapest environment, in which nothing but the unit limits the run.
 fn plain() -> TestEnvironment {
     TestEnvironment { depth: 16, latency: 1, ..TestEnvironment::default() }
 }
 
 impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
-    /// The contract of `unit`, fresh from its constructor, fed with `tokens`. Its state is plain data, which `get` copies out and
-    /// `set` puts into another unit of the same configuration.
+    /// Makes the contract of `unit`, fresh from its constructor and fed with `tokens`. The state is plain data. `get` copies it
+    /// out, and `set` copies it into another unit of the same configuration.
     pub fn new<S: Serialize + DeserializeOwned>(
         unit: U,
         tokens: <U::In as Popped>::Tokens,
@@ -81,7 +81,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Self { fresh: unit, tokens, clients: Vec::new(), state: StateOf::new(get, set) }
     }
 
-    /// The contract of a unit without state: after every step it is as it was before.
+    /// Makes the contract of a unit without state. No step may change such a unit.
     pub fn stateless(unit: U, tokens: <U::In as Popped>::Tokens) -> Self {
         Self::new(unit, tokens, |_| (), |_, ()| ())
     }
@@ -93,10 +93,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         self
     }
 
-    /// Every promise.
+    /// Checks every promise.
     ///
     /// # Errors
-    /// The first that is broken.
+    /// Returns the first violation.
     pub fn check_all(&self) -> Result<(), ContractViolation> {
         self.reset_is_idempotent()?;
         self.runs_are_deterministic()?;
@@ -109,7 +109,8 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         self.nothing_is_left_at_the_end()
     }
 
-    /// A unit that has run and was given the state of a fresh one runs as the fresh one did; one without state does so as it is.
+    /// Checks that a used unit, reset to the state of a fresh unit, repeats the run of the fresh unit. A stateless unit must do
+    /// so without a reset.
     ///
     /// # Errors
     /// Names the first difference.
@@ -123,7 +124,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         place("run after reset", same_reports(("before", &first), ("after", &second)))
     }
 
-    /// Two runs of the same are equal: no clock, no randomness, no state shared between clones.
+    /// Checks that two equal runs give equal results: no clock, no randomness, and no state shared between clones.
     ///
     /// # Errors
     /// Names the first difference.
@@ -136,10 +137,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// Both engines and the functional model let out the same tokens, in the same order.
+    /// Checks that both engines and the functional model emit the same tokens in the same order.
     ///
     /// # Errors
-    /// Names the first token that differs and the cycle in which it came.
+    /// Names the first different token and its cycle.
     pub fn no_token_is_lost_or_doubled(&self) -> Result<(), ContractViolation> {
         for engine in [Engine::Timed, Engine::Ticked] {
             self.run(self.fresh.clone(), engine, &plain())?;
@@ -147,10 +148,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// Shallow FIFOs, slow neighbours and slow memories change no token and no final state.
+    /// Checks that shallow FIFOs, slow neighbours and slow memories change neither a token nor the final state.
     ///
     /// # Errors
-    /// Names the first token that differs and its cycle.
+    /// Names the first different token and its cycle.
     pub fn back_pressure_changes_no_token(&self) -> Result<(), ContractViolation> {
         let expected = self.final_state(self.functional()?.unit())?;
         for setting in settings() {
@@ -162,8 +163,8 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// No step needs more credits of a client than [`Unit::largest_step`] declared, or a client that the contract does not list.
-    /// (The kernel checks this in every run. Here, no other check can fail.)
+    /// Checks that no step needs more credits of a client than [`Unit::largest_step`] declares, or a client that the contract
+    /// does not list. The kernel checks this in every run. Here, no other check can fail.
     ///
     /// # Errors
     /// Names the client, the need and the declaration.
@@ -177,11 +178,11 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// The state survives a round trip through JSON, into a fresh unit, after every step. So a checkpoint is a serialization, and
-    /// no other data need be saved.
+    /// Checks that the state survives a round trip through JSON, into a fresh unit, after every step. A checkpoint is therefore a
+    /// serialization and needs no other data.
     ///
     /// # Errors
-    /// Names the lost state or the first token that differs.
+    /// Names the lost state or the first different token.
     pub fn state_round_trips(&self) -> Result<(), ContractViolation> {
         let StateOf { write, read } = self.state.clone();
         let fresh = self.fresh.clone();
@@ -199,7 +200,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         place("state through JSON after every step", completed(&run(&mut bench, Engine::Timed)))
     }
 
-    /// The cycles of every unit sum to the total (law 9), and so do those of every FIFO's histogram (law 10).
+    /// Checks that the cycles of every unit (law 9) and of every FIFO's histogram (law 10) sum to the total.
     ///
     /// # Errors
     /// Names the unit or FIFO and both sums.
@@ -215,10 +216,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// `timed` and `ticked` give equal reports.
+    /// Checks that `timed` and `ticked` give equal reports.
     ///
     /// # Errors
-    /// Names the first part that differs.
+    /// Names the first difference.
     pub fn engines_report_the_same(&self) -> Result<(), ContractViolation> {
         for setting in settings() {
             let (timed, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
@@ -228,7 +229,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// The unit works, takes every token, and holds none back at the end.
+    /// Checks that the unit works, pops every token, and holds none back at the end.
     ///
     /// # Errors
     /// Names the tokens that are left.
@@ -244,14 +245,14 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// A functional run of the fresh unit.
+    /// Runs the fresh unit in the functional model.
     fn functional(&self) -> Result<Bench<U>, ContractViolation> {
         let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &plain());
         place("functional model", run_functional(&mut bench, &mut |_| true))?;
         Ok(bench)
     }
 
-    /// A complete run, with sinks that expect the tokens of the functional model.
+    /// Runs the unit to completion, with sinks that expect the tokens of the functional model.
     fn run(&self, unit: U, engine: Engine, setting: &TestEnvironment) -> Result<(RunReport, Bench<U>), ContractViolation> {
         let expected = self.functional()?.tokens();
         let mut bench = Bench::new(unit, self.tokens.clone(), Some(expected), &self.clients, setting);
@@ -260,13 +261,13 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok((report, bench))
     }
 
-    /// The unit's state as JSON; nothing where the contract knows none.
+    /// Returns the unit's final state as JSON. The result is empty if the contract has no state.
     fn final_state(&self, unit: &U) -> Result<String, ContractViolation> {
         place("final state", (self.state.write)(unit))
     }
 }
 
-/// Says where an error was seen.
+/// Adds the place to an error.
 fn place<T>(place: impl Display, result: Result<T, String>) -> Result<T, ContractViolation> {
     result.map_err(|what| ContractViolation { place: place.to_string(), what })
 }
@@ -280,7 +281,7 @@ fn completed(report: &RunReport) -> Result<(), String> {
     }
 }
 
-/// Names the first part in which two reports differ.
+/// Returns the first difference of two reports as an error.
 fn same_reports((a_name, a): (&str, &RunReport), (b_name, b): (&str, &RunReport)) -> Result<(), String> {
     fn first<T: PartialEq + std::fmt::Debug>(a: &[T], b: &[T]) -> Option<(String, String)> {
         a.iter().zip(b).find(|(a, b)| a != b).map(|(a, b)| (format!("{a:?}"), format!("{b:?}")))

@@ -4,53 +4,53 @@ use super::environment::TestEnvironment;
 use basrelief_kernel::{Fifo, Inputs, Outputs, Sink, Source, Stage, Visitor};
 use std::fmt::Debug;
 
-/// The inputs of a unit, with their sources: implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
+/// The inputs of a unit with their sources. Implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
 pub trait Popped: Sized {
     /// The tokens of each input: `()`, `Vec<A>` or `(Vec<A>, Vec<B>)`.
     type Tokens: Clone;
     /// The sources with their FIFOs.
     type Front: Front<Item = Self>;
-    /// Sources of `tokens`.
+    /// Makes sources of `tokens`.
     fn front(tokens: Self::Tokens, setting: &TestEnvironment) -> Self::Front;
 }
 
 /// Sources with their FIFOs.
 pub trait Front {
-    /// The tokens that the unit behind them pops.
+    /// The tokens popped by the unit.
     type Item;
-    /// The FIFOs.
+    /// The FIFO ends that the unit pops from.
     type Wires<'a>: Inputs<Item = Self::Item>
     where
         Self: 'a;
-    /// Shows every source.
+    /// Passes every source to the visitor.
     fn wire<V: Visitor>(&mut self, v: &mut V);
-    /// The FIFOs' ends at the unit.
+    /// Returns the FIFO ends that the unit pops from.
     fn ends(&mut self) -> Self::Wires<'_>;
 }
 
-/// The outputs of a unit, with their sinks: implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
+/// The outputs of a unit with their sinks. Implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
 pub trait Emitted: Sized {
     /// The tokens of each output: `()`, `Vec<A>` or `(Vec<A>, Vec<B>)`.
     type Tokens: Clone + Debug + PartialEq;
     /// The sinks with their FIFOs.
     type Back: Back<Item = Self, Tokens = Self::Tokens>;
-    /// Sinks that expect `tokens`, if given.
+    /// Makes sinks. They compare their tokens with `tokens`, if given.
     fn back(tokens: Option<Self::Tokens>, setting: &TestEnvironment) -> Self::Back;
 }
 
 /// Sinks with their FIFOs.
 pub trait Back {
-    /// The tokens that the unit before them emits.
+    /// The tokens emitted by the unit.
     type Item;
     /// The tokens of each output.
     type Tokens;
-    /// The FIFOs.
+    /// The FIFO ends that the unit pushes to.
     type Wires<'a>: Outputs<Item = Self::Item>
     where
         Self: 'a;
-    /// Shows every sink.
+    /// Passes every sink to the visitor.
     fn wire<V: Visitor>(&mut self, v: &mut V);
-    /// The FIFOs' ends at the unit.
+    /// Returns the FIFO ends that the unit pushes to.
     fn ends(&mut self) -> Self::Wires<'_>;
     /// Returns the collected tokens.
     fn tokens(&self) -> Self::Tokens;

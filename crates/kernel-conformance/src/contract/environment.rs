@@ -1,4 +1,4 @@
-//! TestEnvironment of the unit under test.
+//! Test environment of the unit under test.
 
 use basrelief_kernel::{CacheConfig, MemoryConfig};
 use std::fmt;
@@ -12,9 +12,9 @@ pub struct TestEnvironment {
     pub latency: u64,
     /// Free cycles after item n of each source, repeating.
     pub source_gaps: Vec<u64>,
-    /// Cycles for which token n keeps each sink, repeating.
+    /// Cycles for which token n occupies each sink, repeating.
     pub sink_occupancy: Vec<u64>,
-    /// Whether the memory is slow, its caches one line small, and credits no more than the largest step needs.
+    /// True for a slow memory with caches of one line and only the credits of the largest step.
     pub slow_memory: bool,
 }
 

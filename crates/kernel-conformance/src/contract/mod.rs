@@ -1,12 +1,12 @@
-//! The unit contract: tests of the promises that every unit keeps, on a bench around one unit.
+//! The unit contract: tests of the promises of every unit, on a bench around one unit.
 //!
-//! A unit crate states its contract once per configuration worth testing. The macro makes a module of tests of it:
+//! A unit crate states its contract once per configuration worth testing. The macro generates a module of tests:
 //!
 //! ```
 //! use basrelief_kernel::{Demand, Step, MemoryPorts, Unit};
 //! use basrelief_kernel_conformance::unit_contract;
 //!
-//! /// Sums what it reads about each token; keeps a read of 8 bytes and a cached table look-up per step.
+//! /// Sums its input; each step also issues a read of 8 bytes and a cached table look-up.
 //! #[derive(Clone, Default)]
 //! struct Sum {
 //!     state: u64,
@@ -34,13 +34,13 @@
 //!     name: sum,
 //!     unit: Sum::default(),
 //!     inputs: (0..100).collect(),
-//!     // One per memory client of the unit, in its numbering; leave the line out where it has none.
+//!     // One entry per memory client of the unit, in its numbering. Omit the line for a unit without clients.
 //!     clients: [ClientKind::Port, ClientKind::Cache { line_bytes: 64 }],
-//!     // Its state is its field `state`; `stateless` where it has none.
+//!     // The state is the field `state`. Write `stateless` for a unit without state.
 //!     state,
 //! }
 //!
-//! // The same, as one call: for units that are built at run time.
+//! // The same contract as one call, for units that are built at run time.
 //! # use basrelief_kernel_conformance::contract::{ClientKind, Contract};
 //! Contract::new(Sum::default(), (0..100).collect(), |unit| unit.state, |unit, state| unit.state = state)
 //!     .clients(&[ClientKind::Port, ClientKind::Cache { line_bytes: 64 }])
@@ -48,12 +48,12 @@
 //! # Ok::<(), basrelief_kernel_conformance::contract::ContractViolation>(())
 //! ```
 //!
-//! The state is plain data: it goes through JSON after every step, and a fresh unit goes on with it. A unit of another shape
-//! says how it is copied out and put back: `state: |unit| unit.0.state => |unit, state| unit.0.state = state`.
+//! The state is plain data. After every step it makes a round trip through JSON into a fresh unit, which continues. A unit of
+//! another shape defines accessors: `state: |unit| unit.0.state => |unit, state| unit.0.state = state`.
 //!
-//! `inputs` is a `Vec` for a unit of one input, `(Vec, Vec)` for two, `()` for a source. It must be a whole run: every
-//! token is taken, and whatever gathers is flushed by its last one. Tokens need `Clone` (and `Debug + PartialEq` where
-//! they come out). What is checked stands at the methods of [`Contract`].
+//! `inputs` is a `Vec` for a unit of one input, `(Vec, Vec)` for two, and `()` for a source. The tokens must form a complete run:
+//! the unit pops every token, and the last token flushes every batch. Tokens need `Clone`, and emitted tokens also
+//! `Debug + PartialEq`. The methods of [`Contract`] document the checks.
 
 mod bench;
 mod check;
@@ -70,8 +70,8 @@ pub use client_kind::ClientKind;
 pub use ends::{Back, Emitted, Front, Inlet, Outlet, Popped};
 pub use environment::TestEnvironment;
 
-/// The unit contract as a module of tests, one per promise of [`Contract`](crate::contract::Contract). It demands the unit's
-/// state, or the word `stateless`. See the [module](crate::contract) for an example.
+/// Generates the unit contract as a module of tests, one per promise of [`Contract`](crate::contract::Contract). Requires the
+/// unit's state or the word `stateless`. The [module](crate::contract) has an example.
 #[macro_export]
 macro_rules! unit_contract {
     (name: $name:ident, unit: $unit:expr, inputs: $inputs:expr

@@ -1,4 +1,4 @@
-//! The unit under test. The kernel checks its memory requests, as in any machine.
+//! Wrapper of the unit under test. The kernel checks the unit's memory requests, as in any machine.
 
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit, UnitInfo};
 use std::rc::Rc;
@@ -6,7 +6,7 @@ use std::rc::Rc;
 /// Hook that runs after each step. An error is a fault.
 pub(super) type AfterStep<U> = Rc<dyn Fn(&mut U) -> Result<(), String>>;
 
-/// Passes everything on to the unit; something may be done to it after each step.
+/// Forwards all calls to the unit, and calls a hook after each step.
 #[derive(Clone)]
 pub(super) struct Subject<U> {
     pub(super) unit: U,

@@ -1,4 +1,4 @@
-//! Checks of a plan before a machine is built from it.
+//! Checks of a plan before a machine is built.
 
 use super::format::{Kind, Plan, PlannedUnit};
 use basrelief_kernel::{MAX_CLIENTS, MAX_LINKS};
@@ -6,19 +6,19 @@ use basrelief_parameters::Parameters;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// A plan that is no machine.
+/// Error of an invalid plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {what}")]
 pub struct PlanError {
-    /// The FIFO, memory, cache or unit.
+    /// The invalid FIFO, memory, cache or unit.
     pub place: String,
     /// The error and the expectation.
     pub what: String,
 }
 
-/// Most slots, banks, credits, tags: keeps a number in a file from asking for all memory there is.
+/// Maximum number of slots, banks, credits and tags. The limit prevents a number in a file from exhausting memory.
 const MOST: u64 = 1 << 20;
-/// Longest time \[cycles\]: long enough for any idle stretch, far from the end of a 64-bit count.
+/// Maximum time \[cycles\]. It is long enough for any idle stretch, and far from the end of a 64-bit count.
 const LONGEST: u64 = 1 << 40;
 
 fn fail<T>(place: &str, what: impl Into<String>) -> Result<T, PlanError> {
@@ -41,7 +41,7 @@ fn distinct<'p>(kind: &str, names: impl Iterator<Item = &'p String>) -> Result<(
     }
 }
 
-/// Checks everything that the machine and its units rely on.
+/// Checks all assumptions of the machine and its units.
 pub(super) fn check(plan: &Plan) -> Result<(), PlanError> {
     distinct("FIFO", plan.fifos.iter().map(|f| &f.name))?;
     distinct("memory", plan.memories.iter().map(|m| &m.name))?;
@@ -89,7 +89,7 @@ fn caches(plan: &Plan) -> Result<(), PlanError> {
     Ok(())
 }
 
-/// One unit by itself.
+/// Checks one unit by itself.
 fn unit(unit: &PlannedUnit) -> Result<(), PlanError> {
     let place = format!("unit `{}`", unit.name);
     let most = MAX_LINKS as u64;
@@ -122,7 +122,7 @@ fn unit(unit: &PlannedUnit) -> Result<(), PlanError> {
     }
 }
 
-/// Every FIFO has one unit at each end, and not the same one.
+/// Checks that every FIFO has one unit at each end, and that these units differ.
 fn ends(plan: &Plan) -> Result<(), PlanError> {
     let mut ends: BTreeMap<&str, [Vec<&str>; 2]> = plan.fifos.iter().map(|f| (f.name.as_str(), Default::default())).collect();
     for u in &plan.units {
@@ -147,7 +147,7 @@ fn ends(plan: &Plan) -> Result<(), PlanError> {
     Ok(())
 }
 
-/// Every port belongs to one unit or to one cache, and has the credits that its largest step needs.
+/// Checks that every port belongs to one unit or one cache, and has enough credits for the unit's largest step.
 fn ports(plan: &Plan) -> Result<(), PlanError> {
     let credits: BTreeMap<&str, u64> =
         plan.memories.iter().flat_map(|m| &m.ports).map(|p| (p.name.as_str(), p.outstanding.into())).collect();
@@ -174,7 +174,7 @@ fn ports(plan: &Plan) -> Result<(), PlanError> {
     Ok(())
 }
 
-/// Credits that a unit's largest step needs, by port.
+/// Returns the credits for a unit's largest step, by port.
 fn needs<'p>(plan: &'p Plan, unit: &'p PlannedUnit) -> Result<BTreeMap<&'p str, u64>, PlanError> {
     let place = format!("unit `{}`", unit.name);
     let mut needs: BTreeMap<&str, u64> = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! The format of plans.
+//! The JSON format of plans.
 
 use basrelief_kernel::MemoryConfig;
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ pub struct Plan {
     /// The caches.
     #[serde(default)]
     pub caches: Vec<PlanCache>,
-    /// The units; their order must not matter.
+    /// The units. The result must not depend on their order.
     pub units: Vec<PlannedUnit>,
 }
 
@@ -29,12 +29,12 @@ pub struct PlanFifo {
     pub latency: u64,
 }
 
-/// A memory of a plan. Its `outstanding` says nothing: each port has its own.
+/// A memory of a plan. Its `outstanding` is ignored, because each port has its own.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PlanMemory {
     /// Unique name.
     pub name: String,
-    /// Its parameters, beside the name.
+    /// Its parameters except the name.
     #[serde(flatten)]
     pub config: MemoryConfig,
     /// Its ports, in order of number.
@@ -46,7 +46,7 @@ pub struct PlanMemory {
 pub struct PlanPort {
     /// Unique name.
     pub name: String,
-    /// Requests in flight.
+    /// Maximum number of requests in flight.
     pub outstanding: u32,
 }
 
@@ -77,9 +77,9 @@ pub struct PlannedUnit {
     /// Names of the FIFOs it pushes to.
     #[serde(rename = "out")]
     pub outputs: Vec<String>,
-    /// Occupancy by id modulo length \[cycles\].
+    /// Occupancy of each step, indexed by id modulo length \[cycles\].
     pub occupancy: Vec<u64>,
-    /// Latency by id modulo length \[cycles\].
+    /// Latency of each step, indexed by id modulo length \[cycles\].
     pub latency: Vec<u64>,
 }
 
@@ -87,22 +87,22 @@ pub struct PlannedUnit {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Kind {
-    /// Emits tokens 0, 1, ..; the final one has last.
+    /// Emits tokens 0, 1, .. The final token has `last` set.
     Source {
-        /// How many.
+        /// Number of tokens.
         tokens: u64,
     },
-    /// Hands its token on.
+    /// Forwards its token.
     Work,
-    /// Hands its token to every output.
+    /// Forwards its token to every output.
     Fork,
-    /// Takes a token of every input; emits the first, last if any has last.
+    /// Pops a token from every input and emits the first. Sets `last` if any popped token has it.
     Join,
-    /// Emits to output id mod (number of outputs) only.
+    /// Forwards its token to output id mod (number of outputs) only.
     Route,
-    /// Takes input k mod n at step k; ids renumbered.
+    /// Pops from input k mod n at step k, and renumbers the tokens.
     Merge {
-        /// How many pass.
+        /// Number of tokens.
         tokens: u64,
     },
     /// Emits `factor` children, one per step.
@@ -110,24 +110,24 @@ pub enum Kind {
         /// Children per token.
         factor: u64,
     },
-    /// Emits one token for `size`, and on last.
+    /// Emits one token per `size` popped tokens, and one on `last`.
     Gather {
-        /// Tokens per token.
+        /// Popped tokens per emitted token.
         size: u64,
     },
-    /// Hands its token on; each step issues requests.
+    /// Forwards its token. Each step issues requests.
     Access {
-        /// The requests.
+        /// Requests per step.
         requests: Vec<PlanRequest>,
     },
-    /// Hands its token on; each step looks up lines.
+    /// Forwards its token. Each step looks up cache lines.
     Cached {
         /// Name of its cache.
         cache: String,
-        /// The look-ups.
+        /// Look-ups per step.
         lookups: Vec<PlanLookUp>,
     },
-    /// Swallows its token.
+    /// Consumes its token.
     Sink,
 }
 

@@ -25,9 +25,8 @@ pub struct PlanMachine {
 
 impl PlanMachine {
     /// Builds the machine.
-    ///
     /// # Errors
-    /// If the plan is invalid: names the place, the field, and the expectation.
+    /// If the plan is invalid. The error contains the place, the field and the expectation.
     pub fn new(plan: &Plan) -> Result<Self, PlanError> {
         check(plan)?;
         let fifos: Vec<_> = plan.fifos.iter().map(|f| Fifo::new(&f.name, f.depth, f.latency)).collect();
@@ -44,14 +43,14 @@ impl PlanMachine {
         Ok(Self { fifos, stages, memories })
     }
 
-    /// Every sink's name and the tokens that it swallowed, in order.
+    /// Returns each sink's name and its consumed tokens in order.
     pub fn swallowed(&self) -> impl Iterator<Item = (&str, &[Token])> {
         let sinks = self.stages.iter().filter(|p| p.outputs.is_empty());
         sinks.map(|p| (p.stage.name(), p.stage.unit.swallowed()))
     }
 }
 
-/// Adds every memory and port; a port that a cache stands on gets that cache. Returns client numbers by port name.
+/// Adds all memories and ports, and the caches in front of ports. Returns client numbers by port name.
 fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p str, usize> {
     let mut ports = BTreeMap::new();
     for m in &plan.memories {
@@ -77,7 +76,7 @@ fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p
     ports
 }
 
-/// A unit's clients in order of first mention, and which of them each of its requests uses.
+/// Returns a unit's clients in order of first mention, and the index of the client of each request.
 fn clients_of(plan: &Plan, unit: &PlannedUnit, ports: &BTreeMap<&str, usize>) -> (Vec<usize>, Vec<u32>) {
     let find = |port: &str| ports.get(port).copied();
     let mut clients = Vec::new();

@@ -6,9 +6,9 @@ use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 /// A token of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Token {
-    /// Its number.
+    /// Token number.
     pub id: u64,
-    /// No token follows.
+    /// True for the final token.
     pub last: bool,
 }
 
@@ -19,24 +19,24 @@ pub struct PlanUnit {
     /// Client of each request, in order.
     clients: Vec<u32>,
     steps: u64,
-    /// A token being expanded, and the number of its next child.
+    /// Token being expanded, and the number of its next child.
     expanding: Option<(Token, u64)>,
-    /// Tokens that ended here, if the unit has no outputs.
+    /// Tokens that ended here, for a unit without outputs.
     swallowed: Vec<Token>,
 }
 
 impl PlanUnit {
-    /// The unit, given the client number of each of its requests.
+    /// Makes the unit. `clients` holds the client number of each request.
     pub fn new(plan: &PlannedUnit, clients: Vec<u32>) -> Self {
         Self { plan: plan.clone(), clients, steps: 0, expanding: None, swallowed: Vec::new() }
     }
 
-    /// The tokens that ended here; none if the unit has outputs.
+    /// Returns the tokens that ended here. The list is empty for a unit with outputs.
     pub(super) fn swallowed(&self) -> &[Token] {
         &self.swallowed
     }
 
-    /// Whether a source or merge has passed all its tokens; `None` for other kinds.
+    /// Returns whether a source or merge has passed all its tokens; `None` for other kinds.
     fn exhausted(&self) -> Option<bool> {
         match self.plan.kind {
             Kind::Source { tokens } | Kind::Merge { tokens } => Some(self.steps >= tokens),
@@ -105,13 +105,13 @@ impl PlanUnit {
     }
 }
 
-/// (id * stride + offset) mod span, in 128 bits: none of them is bounded.
+/// Returns (id * stride + offset) mod span. Computes in 128 bits, because none of the operands is bounded.
 fn address(id: u64, stride: u64, offset: u64, span: u64) -> u64 {
     let address = u128::from(id) * u128::from(stride) + u128::from(offset);
     u64::try_from(address % u128::from(span.max(1))).unwrap_or_default()
 }
 
-/// Times go by id modulo the length of the list.
+/// Picks a time by id modulo the length of the list.
 fn pick(list: &[u64], id: u64) -> u64 {
     list[id as usize % list.len()]
 }

@@ -1,4 +1,4 @@
-//! Plans, written down in few words, and what is learned from running them.
+//! Compact construction of plans, and measurements of their runs.
 #![allow(dead_code, reason = "each test file uses its part")]
 
 pub mod random;
@@ -12,12 +12,12 @@ use basrelief_kernel_conformance::plan::{
 };
 use std::borrow::Cow;
 
-/// Adds to a plan, one line per box or wire.
+/// Builder of a plan, with one line per unit or FIFO.
 #[derive(Clone, Debug, Default)]
 pub struct Draw(pub Plan);
 
 impl Draw {
-    /// Four tokens through a unit that takes three cycles for each; computed by hand in `hand::chain`.
+    /// Makes a chain of four tokens through a unit with three cycles per token. `hand::chain` has the cycles computed by hand.
     pub fn chain() -> Self {
         let mut draw = Self::default();
         draw.fifo("a", 1, 1)
@@ -33,7 +33,7 @@ impl Draw {
         self
     }
 
-    /// Wires are named, separated by spaces; occupancy and latency go by token.
+    /// Adds a unit. FIFO names are separated by spaces. Occupancy and latency are indexed by token.
     pub fn unit(&mut self, name: &str, kind: Kind, wires: [&str; 2], occupancy: &[u64], latency: &[u64]) -> &mut Self {
         let [inputs, outputs] = wires.map(|names| names.split_whitespace().map(str::to_owned).collect());
         let (occupancy, latency) = (occupancy.to_vec(), latency.to_vec());
@@ -53,8 +53,9 @@ impl Draw {
     }
 }
 
-/// A memory of one bank with rows of 64 bytes and bursts of 32 bytes that keep the bus for 2 cycles, first of four come; from
-/// view to column: hit 0, closed 2, conflict 4 + 2 cycles; 3 more to the data. All differ, so that a mix-up shows.
+/// Returns a memory of one bank with rows of 64 bytes and bursts of 32 bytes. A burst occupies the bus for 2 cycles, and the
+/// window holds four bursts. From view to column: hit 0, closed 2, conflict 4 + 2 cycles. From column to data: 3 cycles. The
+/// times differ, so that a mix-up is visible.
 pub fn small_memory() -> PlanMemory {
     let config = MemoryConfig {
         part: MemoryPart::Custom,
@@ -87,7 +88,8 @@ pub fn machine(plan: &Plan) -> PlanMachine {
     PlanMachine::new(plan).unwrap()
 }
 
-/// Runs with both engines, which must agree, also on what every unit did when; the report and those intervals.
+/// Runs a plan in all four ways, which must agree: both engines, resimulation, and execution separate from timing. Returns the
+/// report and the activity of every unit.
 pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
         let mut intervals = Recorder::default();
@@ -105,7 +107,7 @@ pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     timed
 }
 
-/// Report and tape of a run whose steps are made first, and timed then.
+/// Executes all steps first and computes the timing afterwards. Returns the report and the recording.
 pub fn apart<M: Machine>(mut machine: impl FnMut() -> M) -> (RunReport, Vec<RecordingChunk>) {
     let mut pieces = Vec::new();
     make_steps(&mut machine(), &mut |_| true, (40, &mut |piece| pieces.push(piece))).unwrap();
@@ -114,14 +116,14 @@ pub fn apart<M: Machine>(mut machine: impl FnMut() -> M) -> (RunReport, Vec<Reco
     (time_steps(shape, &mut || pieces.next(), Some((64, &mut |reel| reels.push(reel)))), reels)
 }
 
-/// The stream of each stage, in one piece.
+/// Concatenates the chunks of each stage's stream.
 pub fn streams(tape: &[RecordingChunk]) -> Vec<Vec<u8>> {
     let stages = tape[0].streams().count();
     let whole = |stage| tape.iter().flat_map(|reel| reel.streams().nth(stage).unwrap().iter().copied()).collect();
     (0..stages).map(whole).collect()
 }
 
-/// The fault of a run, the same with both engines and with its work apart.
+/// Returns the fault of a run. It must be the same with both engines and with execution separate from timing.
 pub fn fault<M: Machine>(machine: impl Fn() -> M) -> String {
     let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| run(&mut machine(), engine).outcome);
     assert_eq!(timed, ticked);
@@ -130,7 +132,7 @@ pub fn fault<M: Machine>(machine: impl Fn() -> M) -> String {
     text
 }
 
-/// The tape of a run.
+/// Returns the recording of a run.
 pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<RecordingChunk> {
     let mut reels = Vec::new();
     let limits = Limits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
@@ -138,7 +140,7 @@ pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<RecordingChunk> {
     reels
 }
 
-/// The same work on a machine by `plan`: the report and what every unit did when.
+/// Resimulates a recording on a machine by `plan`. Returns the report and the activity of every unit.
 pub fn retimed(tape: &[RecordingChunk], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     let mut intervals = Recorder::default();
     let mut reels = tape.iter().map(Cow::Borrowed);
@@ -147,17 +149,17 @@ pub fn retimed(tape: &[RecordingChunk], plan: &Plan, max_cycles: u64) -> (RunRep
     (report.unwrap_or_else(|error| panic!("{error}: {}", serde_json::to_string(plan).unwrap())), intervals)
 }
 
-/// The report of both engines.
+/// Returns the report, which must be the same with both engines.
 pub fn report(plan: &Plan) -> RunReport {
     run_both(plan, u64::MAX).0
 }
 
-/// The part of one unit.
+/// Returns the report of one unit.
 pub fn unit<'r>(report: &'r RunReport, name: &str) -> &'r UnitReport {
     report.units.iter().find(|u| u.name == name).unwrap()
 }
 
-/// Where a unit's cycles went, in words: `busy 3, done 1, starved a 2`.
+/// Returns a unit's cycle breakdown as text: `busy 3, done 1, starved a 2`.
 pub fn account(report: &RunReport, name: &str) -> String {
     let u = unit(report, name);
     let mut parts = vec![format!("busy {}", u.account.busy), format!("done {}", u.account.done)];
@@ -172,7 +174,7 @@ pub fn account(report: &RunReport, name: &str) -> String {
     parts.join(", ")
 }
 
-/// The histogram of one FIFO.
+/// Returns the histogram of one FIFO.
 pub fn histogram(report: &RunReport, name: &str) -> Vec<u64> {
     report.fifos.iter().find(|f| f.name == name).unwrap().histogram.clone()
 }
@@ -189,7 +191,7 @@ impl Probe for Starts {
     fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
 }
 
-/// The cycles in which the steps of one unit start, with either engine.
+/// Returns the start cycles of one unit's steps, which must be the same with both engines.
 pub fn starts(plan: &Plan, name: &str) -> Vec<u64> {
     let stage = plan.units.iter().position(|u| u.name == name).unwrap();
     let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
@@ -202,7 +204,7 @@ pub fn starts(plan: &Plan, name: &str) -> Vec<u64> {
     timed
 }
 
-/// The tokens that came to an end, by sink: of a timed run and of the functional model.
+/// Returns the tokens consumed by each sink, in a timed run and in the functional model.
 pub fn swallowed(plan: &Plan) -> [Vec<(String, Vec<Token>)>; 2] {
     let list = |m: &PlanMachine| m.swallowed().map(|(name, tokens)| (name.to_owned(), tokens.to_vec())).collect();
     let (mut timed, mut functional) = (machine(plan), machine(plan));

@@ -1,4 +1,4 @@
-//! Random plans, from recipes that shrink well.
+//! Random plans, generated from recipes that shrink well.
 
 use super::Draw;
 use basrelief_kernel::MemoryConfig;
@@ -7,7 +7,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 
-/// What follows what between source and sink.
+/// A section of the graph between source and sink.
 #[derive(Clone, Debug)]
 pub enum GraphPart {
     Work,
@@ -17,7 +17,7 @@ pub enum GraphPart {
     Gather {
         size: u64,
     },
-    /// Reads and writes on ports of one or two memories; the second has credits to spare.
+    /// Reads and writes on ports of one or two memories. `spare` is the number of extra credits.
     Access {
         requests: Vec<(usize, bool, u32, u64)>,
         spare: u32,
@@ -32,8 +32,8 @@ pub enum GraphPart {
         per_cycle: u32,
         spare: u32,
     },
-    /// Fork, work on each branch, join; the first branch may gather and expand, which deadlocks where the others
-    /// have too little room.
+    /// Fork, work on each branch, join. The first branch may gather and expand. The graph then deadlocks if the other branches
+    /// have too few slots.
     ForkJoin {
         width: usize,
         batch: Option<u64>,
@@ -42,11 +42,11 @@ pub enum GraphPart {
     RouteMerge {
         width: usize,
     },
-    /// Every token goes round once: a merge, a router, and a FIFO back.
+    /// A merge, a router, and a FIFO back. Every token passes the loop once.
     Feedback,
 }
 
-/// A plan before its names: times and FIFOs are drawn in turn, repeating.
+/// A plan without names. Times and FIFOs are used in turn, repeating.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     pub tokens: u64,
@@ -54,7 +54,7 @@ pub struct Recipe {
     pub fifos: Vec<(usize, u64)>,
     pub times: Vec<(Vec<u64>, Vec<u64>)>,
     pub memories: [PlanMemory; 2],
-    /// Keys by which the units are put in order.
+    /// Sort keys for the order of the units.
     pub order: Vec<u32>,
 }
 
@@ -115,7 +115,7 @@ fn part() -> impl Strategy<Value = GraphPart> {
     ]
 }
 
-/// Any recipe.
+/// Generates any recipe.
 pub fn recipe() -> impl Strategy<Value = Recipe> {
     let fifo = (select(vec![1_usize, 1, 2, 3, 4, 8]), select(vec![1_u64, 1, 1, 2, 3]));
     let time = (vec(1..=4_u64, 1..=3), vec(0..=6_u64, 1..=3));
@@ -124,14 +124,14 @@ pub fn recipe() -> impl Strategy<Value = Recipe> {
         .prop_map(|(tokens, parts, fifos, times, memories, order)| Recipe { tokens, parts, fifos, times, memories, order })
 }
 
-/// Most tokens on one wire, so that a case stays quick.
+/// Maximum number of tokens on one wire, so that a case is quick.
 const MOST: u64 = 120;
 
-/// Builds a plan part by part.
+/// Builds a plan section by section.
 struct Builder<'r> {
     recipe: &'r Recipe,
     draw: Draw,
-    /// Tokens on the open end.
+    /// Number of tokens at the open end.
     tokens: u64,
     end: String,
 }
@@ -151,7 +151,7 @@ impl Builder<'_> {
         self.draw.unit(&format!("u{n}"), kind, [inputs, outputs], occupancy, latency);
     }
 
-    /// A unit of one input and one output at the open end.
+    /// Adds a unit with one input and one output at the open end.
     fn then(&mut self, kind: Kind) {
         let (from, to) = (self.end.clone(), self.fifo());
         self.unit(kind, &from, &to);
@@ -200,7 +200,7 @@ impl Builder<'_> {
         self.unit(Kind::Merge { tokens: 2 * self.tokens }, &format!("{from} {back}"), &round);
         self.unit(Kind::Route, &round, &format!("{back} {out}"));
         self.end = out;
-        // The odd half came out: number it anew.
+        // Renumbers the tokens, because only the odd half has left the loop.
         self.then(Kind::Merge { tokens: self.tokens });
     }
 
@@ -228,7 +228,7 @@ impl Builder<'_> {
                 self.then(kind);
             }
             GraphPart::ForkJoin { width, batch } => {
-                // What it gathers it must expand to as much again.
+                // A gathering branch must expand its batches to the same number of tokens.
                 let batch = batch.and_then(|size| [size, 4, 3, 2].into_iter().find(|&size| self.tokens.is_multiple_of(size)));
                 self.branches(*width, Kind::Fork, Kind::Join, batch);
             }
@@ -238,7 +238,7 @@ impl Builder<'_> {
     }
 }
 
-/// Recipes that mostly deadlock: a branch that gathers three or four beside one with few slots.
+/// Generates recipes that mostly deadlock: a branch gathers three or four tokens, and the other branch has few slots.
 pub fn tight_recipe() -> impl Strategy<Value = Recipe> {
     (recipe(), 1..=2_u64, 0..=5_usize, 3..=4_u64, vec((1..=2_usize, 1..=2_u64), 1..=3)).prop_map(
         |(mut recipe, n, at, size, fifos)| {
@@ -251,7 +251,7 @@ pub fn tight_recipe() -> impl Strategy<Value = Recipe> {
 }
 
 impl Recipe {
-    /// The plan, and how many tokens its sink must see.
+    /// Returns the plan and the number of tokens that its sink must receive.
     pub fn plan(&self) -> (Plan, u64) {
         let memory = |n: usize| PlanMemory { name: format!("m{n}"), ..self.memories[n].clone() };
         let draw = Draw(Plan { memories: vec![memory(0), memory(1)], ..Plan::default() });
@@ -264,7 +264,7 @@ impl Recipe {
         (builder.draw.0, builder.tokens)
     }
 
-    /// The same plan with its units in another order.
+    /// Returns the same plan with its units in another order.
     pub fn reordered(&self) -> Plan {
         let (mut plan, _) = self.plan();
         let keys = self.order.iter().copied().chain(std::iter::repeat(0));

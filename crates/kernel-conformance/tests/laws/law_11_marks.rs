@@ -1,9 +1,9 @@
-//! Mark k is passed in the cycle in which the marked step delivers; marks[k] = end(k) - end(k-1); the rest is drain.
+//! Law 11: mark k is passed in the cycle in which the marked step delivers. marks[k] = end(k) - end(k-1). The rest is drain.
 
 use basrelief_kernel::{Demand, Engine, MemoryPorts, RunReport, Step, Unit, run};
 use basrelief_kernel_conformance::contract::{Bench, ClientKind, TestEnvironment};
 
-/// Marks every third step; looks up the same line in each.
+/// Marks every third step. Each step looks up the same line.
 #[derive(Clone)]
 struct Marker {
     clients: bool,
@@ -47,8 +47,8 @@ fn mark_is_passed_at_delivery() {
 
 #[test]
 fn memory_wait_comes_before_mark() {
-    // The first look-up misses: step at 1, in view 2, closed 3, data from 5 + 3 to 12, hit latency 2: 14. The others are
-    // merged and come with it: marked tokens leave at 14. Visible one after the other: the seventh at 21.
+    // The first look-up misses: step at 1, in view 2, closed 3, data from 5 + 3 to 12, hit latency 2: 14. The other look-ups are
+    // merged and answered with it. The marked tokens leave at 14. Tokens become visible one after the other, the seventh at 21.
     let report = both(true, &[]);
     assert_eq!((report.marks.as_slice(), report.total), ([14, 0].as_slice(), 22));
     assert_eq!(report.caches[0].counts.merged, 6);
@@ -56,7 +56,7 @@ fn memory_wait_comes_before_mark() {
 
 #[test]
 fn caches_stay_warm_between_marks() {
-    // One token every 40 cycles: the line is there for all but the first, also after the marks.
+    // One token every 40 cycles. The line is present for all tokens but the first, also after the marks.
     let report = both(true, &[39]);
     assert_eq!((report.caches[0].counts.misses, report.caches[0].counts.hits), (1, 6));
     // Steps at 1 + 40 n, hits delivered 2 later: 83 and 203.

@@ -1,11 +1,11 @@
-//! Depth >= 1, latency f >= 1. A token delivered at d is visible from max(d + f, visible time of the token before it
-//! + 1). Tokens never overtake.
+//! Law 1: depth >= 1, latency f >= 1. A token delivered at d is visible from max(d + f, visible time of the token before it + 1).
+//! Tokens never overtake.
 
 use super::common::{Draw, starts, swallowed};
 use basrelief_kernel::Fifo;
 use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMachine};
 
-/// Source, one FIFO, sink; the source delivers token n `latency[n]` cycles after its start.
+/// A source, one FIFO and a sink. The source delivers token n `latency[n]` cycles after its start.
 fn wire(depth: usize, fifo_latency: u64, latency: &[u64]) -> Plan {
     let mut draw = Draw::default();
     draw.fifo("f", depth, fifo_latency)
@@ -22,8 +22,8 @@ fn token_is_visible_f_cycles_after_delivery() {
 
 #[test]
 fn tokens_never_overtake() {
-    // Starts 0, 1, 2, 3; delivered 9, 1, 2, 10; d + f = 11, 3, 4, 12. Token 1 waits for token 0: 11 + 1, token 2 for
-    // token 1: 12 + 1, token 3 for token 2: 13 + 1.
+    // Starts 0, 1, 2, 3; delivered 9, 1, 2, 10; d + f = 11, 3, 4, 12. Token 1 waits for token 0: 11 + 1. Token 2 waits for token
+    // 1: 12 + 1. Token 3 waits for token 2: 13 + 1.
     let plan = wire(8, 2, &[9, 0, 0, 7]);
     assert_eq!(starts(&plan, "sink"), [11, 12, 13, 14]);
     let [timed, _] = swallowed(&plan);

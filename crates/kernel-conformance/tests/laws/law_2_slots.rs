@@ -1,4 +1,4 @@
-//! A slot is reserved at the start of the step that fills it and is free again the cycle after the pop. Full rate needs
+//! Law 2: a slot is reserved at the start of the step that fills it, and is free again the cycle after the pop. Full rate needs
 //! depth >= ceil((latency + f + 1) / occupancy).
 
 use super::common::{Draw, starts};
@@ -18,8 +18,8 @@ fn wire(depth: usize, f: u64, occupancy: u64, latency: u64, tokens: u64) -> Plan
 
 #[test]
 fn slot_is_held_from_start_through_pop() {
-    // Latency 5, f = 1: a token that starts at s is visible and popped at s + 6, its slot is free at s + 7. With two
-    // slots: 0 and 1, then 7 and 8 in their slots, and so on.
+    // Latency 5, f = 1. A token that starts at s is visible and popped at s + 6, and its slot is free at s + 7. Two slots
+    // therefore give starts 0 and 1, then 7 and 8, and so on.
     assert_eq!(starts(&wire(2, 1, 1, 5, 6), "source"), [0, 1, 7, 8, 14, 15]);
 }
 

@@ -1,5 +1,5 @@
-//! A step starts at the first cycle at which the unit is free, every declared input has a visible token, every output
-//! has a slot - also when the step turns out to emit nothing there - and every port has credits for the largest step.
+//! Law 3: a step starts at the first cycle at which the unit is free, every declared input has a visible token, every output has
+//! a slot, and every port has credits for the largest step. The slot is needed even if the step then emits nothing there.
 
 use super::common::{Draw, fault, small_memory, starts};
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
@@ -16,7 +16,7 @@ fn join_waits_for_its_last_input() {
         .unit("slow", Kind::Source { tokens: 3 }, ["", "b"], &[5], &[2])
         .unit("join", Kind::Join, ["a b", "c"], &[1], &[0])
         .unit("sink", Kind::Sink, ["c", ""], &[1], &[0]);
-    // slow starts 0, 5, 10; delivered 2, 7, 12; visible 3, 8, 13.
+    // `slow` starts at 0, 5, 10; delivered 2, 7, 12; visible 3, 8, 13.
     assert_eq!(starts(&draw.0, "join"), [3, 8, 13]);
 }
 
@@ -30,8 +30,8 @@ fn exactly_declared_inputs_are_popped() {
         .unit("odd", Kind::Source { tokens: 3 }, ["", "b"], &[10], &[0])
         .unit("merge", Kind::Merge { tokens: 6 }, ["a b", "c"], &[1], &[0])
         .unit("sink", Kind::Sink, ["c", ""], &[1], &[0]);
-    // a is visible at 1, 2, 3 and b at 1, 11, 21; they are taken in turn: a 1, b 2, a 3, b 11, a 12, b 21. The tokens of
-    // a that came first do not hurry past those of b.
+    // `a` is visible at 1, 2, 3 and `b` at 1, 11, 21. The merge alternates: a 1, b 2, a 3, b 11, a 12, b 21. Earlier tokens of
+    // `a` do not overtake those of `b`.
     assert_eq!(starts(&draw.0, "merge"), [1, 2, 3, 11, 12, 21]);
 }
 
@@ -43,9 +43,9 @@ fn start_needs_slot_on_every_output() {
         .unit("source", Kind::Source { tokens: 6 }, ["", "in"], &[1], &[0])
         .unit("gather", Kind::Gather { size: 2 }, ["in", "out"], &[1], &[0])
         .unit("sink", Kind::Sink, ["out", ""], &[10], &[0]);
-    // Tokens are visible at 1, 2, .. 6. Step 1 emits nothing; step 2 emits: visible 3, popped 3, slot free at 4. The
-    // third step emits nothing and yet waits until 4. The fourth, at 5: visible 6, popped when the sink is free, at
-    // 3 + 10 = 13, slot free at 14. So 14 and 15.
+    // Tokens are visible at 1, 2, .. 6. Step 1 emits nothing. Step 2 emits: visible 3, popped 3, slot free at 4. Step 3 emits
+    // nothing and still waits until 4. Step 4, at 5: visible 6, popped when the sink is free at 3 + 10 = 13, slot free at 14.
+    // Steps 5 and 6 are therefore at 14 and 15.
     assert_eq!(starts(&draw.0, "gather"), [1, 2, 4, 5, 14, 15]);
     assert_eq!(starts(&draw.0, "sink"), [3, 13, 23]);
 }
@@ -60,14 +60,15 @@ fn silent_output_reserves_no_slot() {
         .unit("route", Kind::Route, ["in", "left right"], &[1], &[0])
         .unit("a", Kind::Sink, ["left", ""], &[1], &[0])
         .unit("b", Kind::Sink, ["right", ""], &[1], &[0]);
-    // Token 0 goes left at 1: visible 2, popped 2, free at 3. Token 1 could go right at 2, but left has no slot until
-    // 3. It goes at 3: right is free again at 5. Had it reserved a slot on the left as well, left would never be free.
+    // Token 0 goes left at 1: visible 2, popped 2, free at 3. Token 1 could go right at 2, but the left slot is occupied until 3.
+    // It goes at 3, and the right slot is free again at 5. If token 1 had also reserved a left slot, that slot would never be
+    // free.
     assert_eq!(starts(&draw.0, "route"), [1, 3, 5, 7]);
 }
 
 #[test]
 fn start_needs_credits_for_largest_step() {
-    // Two reads of 32 bytes per step, 3 credits. Memory: closed 2, and 3 to the data, of 2 cycles per burst.
+    // Two reads of 32 bytes per step, 3 credits. Memory: closed 2, then 3 to the data, with 2 cycles per burst.
     let mut draw = Draw::default();
     let read = |offset| PlanRequest { port: "p".into(), write: false, bytes: 32, stride: 0, offset, span: 64 };
     draw.fifo("in", 8, 1)
@@ -76,12 +77,12 @@ fn start_needs_credits_for_largest_step() {
         .unit("source", Kind::Source { tokens: 2 }, ["", "in"], &[1], &[0])
         .unit("reader", Kind::Access { requests: vec![read(0), read(32)] }, ["in", "out"], &[1], &[0])
         .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
-    // Step 1 at 1: column 4, data 7 .. 9; column 6, a hit, data 9 .. 11. One credit is left, two are
-    // needed: the next step waits for the first answer, at 9.
+    // Step 1 at 1: column 4, data 7 .. 9; column 6, a hit, data 9 .. 11. One credit is left, but two are needed. The next step
+    // waits for the first answer, at 9.
     assert_eq!(starts(&draw.0, "reader"), [1, 9]);
 }
 
-/// Keeps its unit for no time at all.
+/// Unit with steps of occupancy 0.
 #[derive(Clone)]
 struct Timeless;
 

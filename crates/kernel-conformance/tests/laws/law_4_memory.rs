@@ -1,8 +1,8 @@
-//! Requests arrive at the start of their step, are split into bursts, and are answered in order on each port. (What a channel
-//! does with bursts: `src/channel/tests.rs`.)
+//! Law 4: requests arrive at the start of their step, are split into bursts, and are answered in order on each port.
+//! (`src/channel/tests.rs` of the kernel tests how a channel serves bursts.)
 //!
-//! The memory: one bank, rows of 64 bytes, bursts of 32 bytes and 2 cycles; from view to column: hit 0, closed 2, conflict
-//! 4 + 2; from column to data 3.
+//! The memory has one bank, rows of 64 bytes, and bursts of 32 bytes and 2 cycles. From view to column: hit 0, closed 2, conflict
+//! 4 + 2. From column to data: 3.
 
 use super::common::{Draw, account, machine, report, small_memory, starts, unit};
 use basrelief_kernel::{Cycle, Engine, Machine, MemoryConfig, MemoryRequest, PortCounts, RunReport, run};
@@ -12,7 +12,7 @@ fn request(port: &str, write: bool, bytes: u32, offset: u64) -> PlanRequest {
     PlanRequest { port: port.into(), write, bytes, stride: 0, offset, span: 1 << 20 }
 }
 
-/// One unit with these requests on port p per step; how long its sink waits shows the answers.
+/// A unit with these requests on port p per step. The times of its sink show the answers.
 fn client(tokens: u64, outstanding: u32, requests: Vec<PlanRequest>) -> Plan {
     let mut draw = Draw::default();
     draw.fifo("in", 8, 1)
@@ -24,7 +24,7 @@ fn client(tokens: u64, outstanding: u32, requests: Vec<PlanRequest>) -> Plan {
     draw.0
 }
 
-/// The same with another memory.
+/// The same unit with another memory.
 fn with(mut plan: Plan, change: impl FnOnce(&mut MemoryConfig)) -> Plan {
     change(&mut plan.memories[0].config);
     plan
@@ -44,9 +44,9 @@ fn hit_closed_and_conflict_have_their_latencies() {
     let counts = counts(&report, "p");
     assert_eq!((counts.rows.closed, counts.rows.hits, counts.rows.conflicts), (1, 1, 1));
     assert_eq!((counts.reads, counts.read_bytes, counts.rows.bursts()), (3, 12, 3));
-    // Beyond the one cycle that each needs: 4 - 2, 6 - 2, 12 - 2.
+    // Waiting beyond the one cycle of each request: 4 - 2, 6 - 2, 12 - 2.
     assert_eq!(counts.queue_wait, 16);
-    // Answers 9 - 1, 11 - 1 and 17 - 1 cycles after the requests: two below 16.
+    // Answers arrive 9 - 1, 11 - 1 and 17 - 1 cycles after the requests: two below 16.
     assert_eq!(counts.latencies.used(), [0, 0, 0, 2, 1]);
     let channel = report.memories[0].channels[0];
     assert_eq!((channel.rows, channel.bus_busy, channel.queued), (counts.rows, 6, 16 + 3));
@@ -54,7 +54,7 @@ fn hit_closed_and_conflict_have_their_latencies() {
 
 #[test]
 fn request_is_split_into_aligned_bursts() {
-    // 60 bytes from 20 touch the bursts at 0, 32 and 64: as the three requests before, in one.
+    // 60 bytes from 20 touch the bursts at 0, 32 and 64, as the three requests above do.
     let plan = client(1, 1, vec![request("p", false, 60, 20)]);
     assert_eq!(starts(&plan, "sink"), [18]);
     let counts = counts(&report(&plan), "p");
@@ -63,15 +63,15 @@ fn request_is_split_into_aligned_bursts() {
 
 #[test]
 fn channels_share_nothing_and_interleave_by_bytes() {
-    // 0 and 32 are in channel 0, 64 in channel 1, where row 0 is closed too: 7 .. 9 on both. The second of channel 0 is a hit
-    // at 6: 9 .. 11, visible 12.
+    // 0 and 32 are in channel 0. 64 is in channel 1, where row 0 is closed too. Data 7 .. 9 on both. The second burst of channel
+    // 0 is a hit at 6: 9 .. 11, visible 12.
     let requests = [0, 32, 64].map(|offset| request("p", false, 32, offset));
     let plan = with(client(1, 8, requests.into()), |m| (m.channels, m.channel_bytes) = (2, 64));
     assert_eq!(starts(&plan, "sink"), [12]);
     let report = report(&plan);
     let [first, second] = [0, 1].map(|channel| report.memories[0].channels[channel].rows);
     assert_eq!((first.closed, first.hits, second.closed, second.bursts()), (1, 1, 1, 1));
-    // 128 is in channel 0 again, right behind 32: of the same row where rows have 128 bytes.
+    // 128 is in channel 0 again, directly after 32. With rows of 128 bytes both are in the same row.
     let requests = [32, 128].map(|offset| request("p", false, 32, offset));
     let plan = with(client(1, 8, requests.into()), |m| (m.channels, m.channel_bytes, m.row_bytes) = (2, 64, 128));
     assert_eq!(counts(&self::report(&plan), "p").rows.hits, 1);
@@ -79,26 +79,26 @@ fn channels_share_nothing_and_interleave_by_bytes() {
 
 #[test]
 fn writes_are_posted_but_hold_a_credit() {
-    // Steps at 1 and, with one credit, when the first write is done: column 4, data 7 .. 9.
+    // Steps at 1 and, with one credit, at the end of the first write: column 4, data 7 .. 9.
     let plan = client(2, 1, vec![request("p", true, 32, 0)]);
     assert_eq!(starts(&plan, "client"), [1, 9]);
-    // Nothing waits for a write: delivered at the start, visible one cycle later.
+    // No token waits for a write: delivered at the start, visible one cycle later.
     assert_eq!(starts(&plan, "sink"), [2, 10]);
-    // The second: column 10, hit: data 13 .. 15. The run lasts until the memory is done.
+    // The second write: column 10, hit, data 13 .. 15. The run ends when the memory has finished.
     assert_eq!(report(&plan).total, 15);
 }
 
 #[test]
 fn answers_of_a_port_come_in_order() {
-    // Row 0, row 1, row 0: the third is served before the second, at 6, and answered with it.
+    // Row 0, row 1, row 0: the third burst is served before the second, at 6, but answered with it.
     let requests = [0, 64, 32].map(|offset| request("p", false, 32, offset));
     let report = report(&client(1, 8, requests.into()));
     assert_eq!(counts(&report, "p").rows.hits, 1);
-    // 8, then 16 and 16 cycles after the request.
+    // Latencies of 8, then 16 and 16 cycles.
     assert_eq!(counts(&report, "p").latencies.used(), [0, 0, 0, 1, 2]);
 }
 
-/// Two sources, each with a client of the one memory; `order` says which client is wired first.
+/// Two sources, each with its own client of one memory. `order` defines the order of wiring.
 fn two_clients(order: [usize; 2]) -> Plan {
     let mut draw = Draw::default();
     draw.memory(small_memory(), &[("p0", 8), ("p1", 8)]);
@@ -118,8 +118,8 @@ fn two_clients(order: [usize; 2]) -> Plan {
 fn lower_port_wins_same_cycle_in_any_wiring() {
     for order in [[0, 1], [1, 0]] {
         let plan = two_clients(order);
-        // Both arrive at 1. Port 0: column 4, data 7 .. 9, visible 10. Port 1: precharged at 4, column 10, data 13 .. 15,
-        // visible 16.
+        // Both requests arrive at 1. Port 0: column 4, data 7 .. 9, visible 10. Port 1: precharged at 4, column 10, data 13 ..
+        // 15, visible 16.
         assert_eq!(starts(&plan, "sink0"), [10]);
         assert_eq!(starts(&plan, "sink1"), [16]);
     }
@@ -129,7 +129,7 @@ fn lower_port_wins_same_cycle_in_any_wiring() {
 fn earlier_request_is_served_first() {
     let mut plan = two_clients([0, 1]);
     plan.units[0].latency = vec![1];
-    // Client 0 starts one cycle later. Port 1: data 7 .. 9, visible 10; port 0 as the other before.
+    // Client 0 starts one cycle later. Port 1: data 7 .. 9, visible 10. Port 0 now has the times that port 1 had above.
     assert_eq!(starts(&plan, "client0"), [2]);
     assert_eq!(starts(&plan, "sink1"), [10]);
     assert_eq!(starts(&plan, "sink0"), [16]);
@@ -137,8 +137,8 @@ fn earlier_request_is_served_first() {
 
 #[test]
 fn step_waits_for_its_last_answer() {
-    // Every step reads a slow memory of its own, with one credit, and a quick one that another unit shares: when the
-    // quick answers are settled, the slow ones have long been known - once so long that they were forgotten.
+    // Every step reads a slow memory with one credit, and a quick memory that another unit shares. The slow answers are known
+    // long before the quick answers are final, and must not be forgotten until then.
     let slow = MemoryConfig { cl: 90, ..small_memory().config };
     let requests = vec![request("s", false, 4, 0), request("q", false, 4, 0)];
     let mut draw = Draw::default();
@@ -152,7 +152,7 @@ fn step_waits_for_its_last_answer() {
         .unit("sink", Kind::Sink, ["out", ""], &[1], &[0])
         .unit("source2", Kind::Source { tokens: 1 }, ["", "in2"], &[1], &[0])
         .unit("client2", Kind::Access { requests: vec![request("other", false, 4, 0)] }, ["in2", ""], &[1], &[0]);
-    // Slow: step 0 at 1, closed, column 4, data 94 .. 96; then a hit 1 + 90 + 2 after each step.
+    // Slow memory: step 0 at 1, closed, column 4, data 94 .. 96. Then a hit 1 + 90 + 2 after each step.
     assert_eq!(starts(&draw.0, "client"), [1, 96, 189, 282]);
     assert_eq!(starts(&draw.0, "sink"), [97, 190, 283, 376]);
 }
@@ -160,7 +160,7 @@ fn step_waits_for_its_last_answer() {
 #[test]
 fn memory_wait_is_charged_to_port() {
     let report = report(&client(2, 1, vec![request("p", false, 32, 0)]));
-    // Steps at 1 and at 9; the second answer, a hit: 9 + 1 + 3 + 2 = 15, visible 16. 17 cycles.
+    // Steps at 1 and 9. The second answer is a hit: 9 + 1 + 3 + 2 = 15, visible 16. 17 cycles.
     assert_eq!(unit(&report, "client").steps, 2);
     assert_eq!(account(&report, "client"), "busy 2, done 7, starved in 1, memory p 7");
 }

@@ -1,7 +1,7 @@
-//! One look-up per cache port and cycle, all of a step's distinct lines at its start; tags run ahead of the data,
-//! answers come in order.
+//! Law 5: one look-up per cache port and cycle, for all distinct lines of a step from its start. Tags run ahead of the data, and
+//! answers arrive in order.
 //!
-//! The memory as for law 4; lines of 32 bytes; hit latency 2.
+//! The memory is that of law 4, with lines of 32 bytes and a hit latency of 2.
 
 use super::common::{Draw, report, run_both, small_memory, starts};
 use basrelief_kernel::CacheCounts;
@@ -30,8 +30,8 @@ fn counts(plan: &Plan) -> CacheCounts {
 
 #[test]
 fn miss_goes_to_memory_and_line_in_flight_is_merged() {
-    // Three steps, at 1, 2, 3, all of line 0. Miss: closed, column 4, data 7 .. 9, + 2: delivered 11, visible 12. The
-    // others find the line in flight: max(9, their start) + 2 = 11 as well, visible one after the other.
+    // Three steps, at 1, 2, 3, all of line 0. Miss: closed, column 4, data 7 .. 9, + 2: delivered 11, visible 12. The other steps
+    // find the line in flight. Their answer is also at max(9, start) + 2 = 11, and they become visible one after the other.
     let plan = client(3, (4, 1, 1), vec![look_up(0, 0)]);
     assert_eq!(starts(&plan, "sink"), [12, 13, 14]);
     assert_eq!(counts(&plan), CacheCounts { hits: 0, misses: 1, merged: 2 });
@@ -39,8 +39,8 @@ fn miss_goes_to_memory_and_line_in_flight_is_merged() {
 
 #[test]
 fn present_line_is_a_hit() {
-    // The source lets token 1 go at 8: its step is at 9, when the answer is there: a hit, delivered 9 + 2 = 11 - in the
-    // cycle of the miss, so visible one later. One cycle sooner it is merged, with the same times.
+    // The source delivers token 1 at 8. Its step is at 9, when the line has arrived: a hit, delivered 9 + 2 = 11. That is the
+    // cycle of the miss, so it is visible one cycle later. A step one cycle earlier would be merged, with the same times.
     for (occupancy, expected) in [(8, (1, 0)), (7, (0, 1))] {
         let mut plan = client(2, (4, 1, 1), vec![look_up(0, 0)]);
         plan.units[0].occupancy = vec![occupancy];
@@ -53,7 +53,8 @@ fn present_line_is_a_hit() {
 
 #[test]
 fn hit_behind_miss_waits() {
-    // Token 0 misses line 0, token 1 line 1, long after; token 2, at 32, hits line 0 but answers behind line 1.
+    // Token 0 misses line 0. Token 1 misses line 1 much later. Token 2, at 32, hits line 0, but its answer waits for that of line
+    // 1.
     let mut plan = client(3, (4, 1, 1), vec![PlanLookUp { span: 64, ..look_up(32, 0) }]);
     plan.units[0].occupancy = vec![30, 1, 1];
     // Line 1: step at 31, hit, column 32, data 35 .. 37, delivered 39, visible 40. Line 0: 32 + 2 = 34, but in order:
@@ -65,11 +66,11 @@ fn hit_behind_miss_waits() {
 
 #[test]
 fn least_recently_used_line_is_replaced() {
-    // One set of two ways. Steps look up lines 0 1, 0 2, 0 3: line 0 is used in each, so 2 replaces 1 and 3 replaces 2.
-    // Oldest first would lose line 0 to line 2, and miss it twice more.
+    // One set of two ways. Steps look up lines 0 1, 0 2, 0 3. Each uses line 0, so line 2 replaces 1, and line 3 replaces 2.
+    // Replacement of the oldest line would replace line 0 by line 2, and miss line 0 twice more.
     let plan = client(3, (1, 2, 1), vec![look_up(0, 0), look_up(32, 32)]);
     assert_eq!(counts(&plan).misses, 4);
-    // Lines 0 2 1 0 2 1 in two ways: each was replaced just before it is asked for again.
+    // Lines 0 2 1 0 2 1 in two ways: each line is replaced just before its next look-up.
     let round = PlanLookUp { stride: 64, offset: 0, span: 96 };
     assert_eq!(counts(&client(6, (1, 2, 1), vec![round.clone()])).misses, 6);
     assert_eq!(counts(&client(6, (1, 3, 1), vec![round])).misses, 3);
@@ -77,16 +78,16 @@ fn least_recently_used_line_is_replaced() {
 
 #[test]
 fn line_replaced_in_flight_is_a_new_miss() {
-    // One line in all: 0, 1, 0. The first fill of line 0 is under way when line 1 takes its place.
+    // One line in total: 0, 1, 0. The first fill of line 0 is in flight when line 1 replaces it.
     let plan = client(3, (1, 1, 1), vec![PlanLookUp { span: 64, ..look_up(32, 0) }]);
-    // Columns 4, 6, 8: data 7 .. 9, 9 .. 11, 11 .. 13; + 2, visible one later.
+    // Columns 4, 6, 8: data 7 .. 9, 9 .. 11, 11 .. 13; + 2, visible one cycle later.
     assert_eq!(starts(&plan, "sink"), [12, 14, 16]);
     assert_eq!(counts(&plan), CacheCounts { hits: 0, misses: 3, merged: 0 });
 }
 
 #[test]
 fn look_ups_per_cycle_limit_the_rate() {
-    // Five distinct lines (one twice) at two per cycle: three cycles per step.
+    // Five distinct lines (one occurs twice) at two per cycle take three cycles per step.
     let lines = [0, 32, 64, 0, 96, 128].map(|offset| look_up(0, offset)).to_vec();
     let mut plan = client(3, (8, 1, 2), lines);
     plan.memories[0].ports[0].outstanding = 32;
@@ -95,9 +96,8 @@ fn look_ups_per_cycle_limit_the_rate() {
 
 #[test]
 fn merged_look_up_may_be_older_than_credits() {
-    // A unit with four credits, whose memory another shares: line 1 is asked for in step 1 and looked up again in the
-    // next, while later steps have issued five more requests by the time the answers are known. Once this was taken for
-    // a hit.
+    // A unit with four credits shares its memory with another unit. Step 1 requests line 1, and the next step looks it up again.
+    // Later steps issue five more requests before the answers are known. The second look-up must count as merged, not as a hit.
     let text = include_str!("merged_late.json");
     let plan: Plan = serde_json::from_str(text).unwrap();
     let (report, _) = run_both(&plan, u64::MAX);

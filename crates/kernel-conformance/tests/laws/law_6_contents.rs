@@ -1,4 +1,4 @@
-//! Memories give time, never data: results do not depend on the cycle, and the functional model is the same steps with
+//! Law 6: memories determine times, never data. Results do not depend on the cycle. The functional model runs the same steps with
 //! a handle that answers at once.
 
 use super::common::{Draw, report, small_memory, swallowed};
@@ -6,7 +6,7 @@ use basrelief_kernel::Request;
 use basrelief_kernel::{MemoryConfig, MemoryPorts, Outcome};
 use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
 
-/// A reader and a cached client of one memory, before and behind a router and a merge.
+/// A reader and a cached client of one memory, before and after a router and a merge.
 fn plan(memory: PlanMemory, outstanding: u32) -> Plan {
     let read = PlanRequest { port: "p".into(), write: false, bytes: 40, stride: 52, offset: 4, span: 512 };
     let look_up = PlanLookUp { stride: 12, offset: 0, span: 256 };
@@ -52,7 +52,7 @@ fn memory_ports_return_nothing() {
         [Request { client: 0, write: false, address: 16, bytes: 4 }, Request { client: 1, write: true, address: 32, bytes: 8 }]
     );
     assert_eq!(timed.look_ups(), [Request { client: 2, write: false, address: 48, bytes: 2 }]);
-    // The functional model's takes the same calls, and keeps no account.
+    // The handle of the functional model accepts the same calls, and counts nothing.
     let mut muted = MemoryPorts::discarding();
     muted.read(0, 16, 4);
     muted.write(1, 32, 8);

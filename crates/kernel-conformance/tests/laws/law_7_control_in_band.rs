@@ -1,5 +1,5 @@
-//! Control travels in the same FIFOs; who gathers flushes on the end token, and holds no more than its memory; feedback
-//! is an ordinary FIFO.
+//! Law 7: control tokens use the same FIFOs as data. A gathering unit flushes on the end token, and never exceeds its memory.
+//! Feedback is an ordinary FIFO.
 
 use super::common::{Draw, apart, fault, report, swallowed};
 use basrelief_kernel::{Demand, Engine, MemoryPorts, Outcome, Step, Unit, run, run_functional};
@@ -21,7 +21,7 @@ fn gathering_unit_flushes_on_last_token() {
 
 #[test]
 fn feedback_is_an_ordinary_fifo() {
-    // Every token goes round once: even numbers back, odd ones out.
+    // Every token passes the loop once: even numbers return, odd numbers leave.
     let mut draw = Draw::default();
     draw.fifo("in", 1, 1)
         .fifo("loop", 1, 1)
@@ -37,7 +37,7 @@ fn feedback_is_an_ordinary_fifo() {
     assert_eq!(timed, functional);
 }
 
-/// Items, a setting that applies to those behind it, and the end.
+/// Items, a setting for the items after it, and the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Flow {
     Item(u32),
@@ -45,7 +45,7 @@ enum Flow {
     End,
 }
 
-/// Scales items by the setting in force and lets them out in batches of at most `room`, upon the end token.
+/// Scales items by the current setting. Emits them in batches of at most `room`, after the end token.
 #[derive(Clone)]
 struct Batch {
     room: usize,

@@ -1,5 +1,6 @@
-//! The run ends when every unit's next start is unknown, never after some idle cycles. Complete, or a deadlock with one
-//! text. Total = 1 + the last cycle in which a unit was busy, a token became visible, or a memory moved data.
+//! Law 8: the run ends when every unit's next start is unknown, never after a number of idle cycles. It is complete, or it is a
+//! deadlock with a fixed text. Total = 1 + the last cycle in which a unit was busy, a token became visible, or a memory moved
+//! data.
 
 use super::common::{Draw, account, report, run_both};
 use basrelief_kernel::{BlockedUnit, Engine, FifoLevel, Limits, Outcome, WaitsFor, run_with};
@@ -17,7 +18,7 @@ fn wire(tokens: u64, source: (u64, u64), sink: u64) -> Plan {
     draw.0
 }
 
-/// A fork whose branches meet again; one of them works in batches of four, the other has `depth` slots.
+/// A fork and a join with two branches. One branch works in batches of four, the other is a FIFO with `depth` slots.
 fn batch_beside(depth: usize) -> Plan {
     let mut draw = Draw::default();
     for fifo in ["in", "a", "middle", "a2", "out"] {
@@ -35,14 +36,14 @@ fn batch_beside(depth: usize) -> Plan {
 
 #[test]
 fn idle_stretches_do_not_end_a_run() {
-    // One slot: starts 0, 50,002 and 100,004, each visible and popped 50,001 later, where the sink is kept for 7.
+    // One slot: starts 0, 50,002 and 100,004. Each token is visible and popped 50,001 later, and occupies the sink for 7 cycles.
     let report = report(&wire(3, (1, 50_000), 7));
     assert_eq!((&report.outcome, report.total), (&Outcome::Complete, 150_005 + 7));
 }
 
 #[test]
 fn long_idle_stretches_do_not_end_a_run() {
-    // As before, with 2^40 for 50,000.
+    // As above, with 2^40 instead of 50,000.
     let mut machine = super::common::machine(&wire(3, (1, 1 << 40), 7));
     let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut _| true };
     let report = run_with(&mut machine, Engine::Timed, &mut basrelief_kernel::NoProbe, limits);
@@ -58,15 +59,15 @@ fn empty_run_takes_one_cycle() {
 
 #[test]
 fn last_busy_cycle_counts() {
-    // One token at 0, visible and popped at 1; the source is kept for 9 cycles, 0 .. 8.
+    // One token at 0, visible and popped at 1. It occupies the source for 9 cycles, 0 .. 8.
     assert_eq!(report(&wire(1, (9, 0), 1)).total, 9);
     assert_eq!(report(&wire(1, (1, 0), 9)).total, 10);
 }
 
 #[test]
 fn deadlock_names_units_fifos_and_levels() {
-    // fork: steps at 1 and 3, when b is full. in gets its third token at 4, visible 5: 6 cycles. gather holds two
-    // tokens of four, the other two will never come.
+    // `fork` steps at 1 and 3, then `b` is full. `in` receives its third token at 4, visible at 5: 6 cycles. `gather` holds two
+    // tokens of four. The other two never arrive.
     let report = report(&batch_beside(2));
     let Outcome::Deadlock(deadlock) = &report.outcome else { panic!("{:?}", report.outcome) };
     assert_eq!(
@@ -78,7 +79,7 @@ fn deadlock_names_units_fifos_and_levels() {
          Give the FIFO that is full more slots (fifo.<name>.depth)"
     );
     assert_eq!(report.outcome, run_both(&batch_beside(2), 1000).0.outcome);
-    // As data: the slots that are missing, and who waits for whom in a circle.
+    // The same as data: the missing slots, and the circular wait.
     let full = FifoLevel { fifo: "b".into(), held: 2, depth: 2 };
     assert_eq!(deadlock.stuck[1], BlockedUnit { unit: "fork".into(), waits_for: WaitsFor::Slot(full) });
     assert_eq!(deadlock.circle, ["fork", "join", "expand", "gather"]);

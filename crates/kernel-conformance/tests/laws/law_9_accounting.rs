@@ -1,9 +1,9 @@
-//! Of every unit, every cycle: busy, done, or the first cause that applies; they sum to the total.
+//! Law 9: every cycle of every unit is busy, done, or charged to the first cause that applies. The sum is the total.
 
 use super::common::{Draw, account, report, small_memory};
 use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanRequest};
 
-/// Source, a unit of that kind with a port and a cache at hand, sink.
+/// A source, a unit of the given kind with a port and a cache available, and a sink.
 fn around(kind: Kind, tokens: u64, outstanding: u32, depth: usize, sink: u64) -> Plan {
     let mut draw = Draw::default();
     draw.fifo("in", 8, 1)
@@ -22,8 +22,8 @@ fn request(write: bool) -> Kind {
 
 #[test]
 fn busy_starved_blocked_done() {
-    // Two tokens, one slot behind, a sink kept 5 cycles. Step 0 at 1, visible and popped 2, slot free 3. Step 1 at 3,
-    // visible 4, popped when the sink is free, at 7; that ends at 12.
+    // Two tokens, one output slot, a sink occupied for 5 cycles. Step 0 at 1, visible and popped 2, slot free 3. Step 1 at 3,
+    // visible 4, popped when the sink is free, at 7. The sink ends at 12.
     let report = report(&around(Kind::Work, 2, 1, 1, 5));
     assert_eq!(report.total, 12);
     // 0 starved, 1 busy, 2 blocked, 3 busy, 4 .. 11 done.
@@ -34,7 +34,7 @@ fn busy_starved_blocked_done() {
 
 #[test]
 fn too_few_credits_count_as_memory() {
-    // One credit. Step 0 at 1: closed, column 4, data 7 .. 9. The credit is back at 9: step 1. 2 .. 8 memory.
+    // One credit. Step 0 at 1: closed, column 4, data 7 .. 9. The credit returns at 9: step 1. 2 .. 8 are memory.
     // Hit, column 10, data 13 .. 15, visible and popped 16: 17 cycles.
     let report = report(&around(request(false), 2, 1, 8, 1));
     assert_eq!(report.total, 17);
@@ -43,8 +43,8 @@ fn too_few_credits_count_as_memory() {
 
 #[test]
 fn full_output_awaiting_answer_counts_as_memory() {
-    // Credits enough, one slot. Step 0 at 1, data 7 .. 9, visible and popped 10, slot free 11: step 1. Of 2 .. 10, up to
-    // the answer at 9 it is the memory that holds it; 9 and 10 are the FIFO's. Hit, column 12, data 15 .. 17, popped 18.
+    // Enough credits, one slot. Step 0 at 1, data 7 .. 9, visible and popped 10, slot free 11: step 1. Of 2 .. 10, the cycles
+    // before the answer at 9 are charged to memory, and 9 and 10 to the FIFO. Hit, column 12, data 15 .. 17, popped 18.
     let report = report(&around(request(false), 2, 8, 1, 1));
     assert_eq!(report.total, 19);
     assert_eq!(account(&report, "unit"), "busy 2, done 7, starved in 1, memory p 7, blocked out 2");
@@ -52,8 +52,8 @@ fn full_output_awaiting_answer_counts_as_memory() {
 
 #[test]
 fn posted_write_delays_no_token() {
-    // As before with a write: visible and popped 2, slot free 3, step 1 there. 2 is the FIFO's. Popped 4. The memory
-    // moves data 7 .. 9 and, a hit with its column command at 6, 9 .. 11.
+    // The same with a write: visible and popped 2, slot free 3, step 1 at 3. Cycle 2 is charged to the FIFO. Popped 4. The memory
+    // moves data 7 .. 9 and, for a hit with its column command at 6, 9 .. 11.
     let report = report(&around(request(true), 2, 8, 1, 1));
     assert_eq!(report.total, 11);
     assert_eq!(account(&report, "unit"), "busy 2, done 7, starved in 1, blocked out 1");
@@ -61,14 +61,14 @@ fn posted_write_delays_no_token() {
 
 #[test]
 fn hit_latency_counts_as_memory() {
-    // Line 0 twice, the second long after the first; then a third right behind, into one slot.
+    // Line 0 twice, the second time long after the first. A third token follows directly, into one slot.
     let lookups = vec![PlanLookUp { stride: 0, offset: 0, span: 64 }];
     let mut plan = around(Kind::Cached { cache: "cache".into(), lookups }, 3, 8, 1, 1);
     let (name, port) = ("cache".into(), "p".into());
     plan.caches.push(PlanCache { name, port, line_bytes: 32, sets: 1, ways: 1, hit_latency: 4, lookups_per_cycle: 1 });
     plan.units[0].occupancy = vec![20, 1, 1];
-    // Step 0 at 1: answer 9 + 4 = 13, popped 14. Step 1 at 21: hit, answer 25, visible and popped 26, slot free 27:
-    // step 2. Of 22 .. 26: 22, 23, 24 memory, 25 and 26 the FIFO's. Answer 31, popped 32: 33 cycles.
+    // Step 0 at 1: answer 9 + 4 = 13, popped 14. Step 1 at 21: hit, answer 25, visible and popped 26, slot free 27: step 2. Of 22
+    // .. 26: 22, 23, 24 are memory, 25 and 26 the FIFO. Answer 31, popped 32: 33 cycles.
     let report = report(&plan);
     assert_eq!(report.total, 33);
     // Starved 0 and 2 .. 20; done 28 .. 32.
@@ -99,11 +99,12 @@ fn deadlocked_units_keep_their_cause() {
         .unit("one", Kind::Source { tokens: 1 }, ["", "b"], &[1], &[0])
         .unit("join", Kind::Join, ["a b", "out"], &[1], &[0])
         .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
-    // many: 0, 1, then token 0 popped at 1, slot free at 2: 2; visible 3, the last event: 4 cycles. It waits in 3.
+    // `many` steps at 0 and 1. Token 0 is popped at 1, and its slot is free at 2: step at 2, visible 3, the last event: 4 cycles.
+    // `many` waits in 3.
     let report = report(&draw.0);
     assert_eq!(report.total, 4);
     assert_eq!(account(&report, "many"), "busy 3, blocked a 1");
     assert_eq!(account(&report, "one"), "busy 1, done 3");
-    // 0 starved for a; 1 busy; a is visible again at 2, b never: 2 and 3.
+    // 0 starved for `a`; 1 busy. `a` is visible again at 2, `b` never: 2 and 3 are charged to `b`.
     assert_eq!(account(&report, "join"), "busy 1, starved a 1, starved b 2");
 }
