@@ -1,18 +1,18 @@
-//! Held against another simulator: cycles per burst of eight request streams, as DRAMsim3 gave them.
+//! Comparison with another simulator: cycles per burst of eight request streams in DRAMsim3.
 //!
 //! DRAMsim3 (Li et al., IEEE CAL 2020), DDR3-800: 6-6-6, one rank of 8 banks, 2 KiB rows, 64-byte bursts, refresh off; 4,000 to
-//! 8,000 bursts as fast as the credits allow. The law here has the same timing, a window of 32 and a cap of 16. Where few requests
-//! are in flight the two differ more: DRAMsim3 answers a write when it takes it in, and the law when its data have moved.
-//! (Where streams in turn lie was not handed down with DRAMsim3's figures: `FAR` is ours.)
+//! 8,000 bursts as fast as the credits allow. The law here has the same timing, a window of 32 and a cap of 16. With few requests
+//! in flight the two differ more, because DRAMsim3 answers a write on acceptance, and the law after its data have moved. (The
+//! figures of DRAMsim3 do not state the addresses of alternating streams. `FAR` is our choice.)
 
 use basrelief_kernel::{Demand, Engine, Machine, MemoryConfig, MemoryPorts, MemorySystem, Stage, Step, Unit, Visitor, run};
 
 const BURSTS: u64 = 8_000;
 
-/// Request number n: its address, and whether it is a write.
+/// Maps a request number to its address and to true for a write.
 type Stream = fn(u64) -> (u64, bool);
 
-/// Makes one request of a burst per step.
+/// Issues one request of one burst per step.
 struct Requester(Stream, u64);
 
 impl Unit for Requester {
@@ -82,15 +82,15 @@ fn cycles_per_burst(stream: Stream, outstanding: u32, engine: Engine) -> f64 {
 
 const ROW: u64 = 2048;
 const BANKS: u64 = 8;
-/// From a stream to the one that takes turns with it, in rows of the same banks.
+/// Distance from a stream to the stream that alternates with it, in rows of the same banks.
 const FAR: u64 = 1 << 25;
 
-/// Every second request is of the second stream.
+/// Every second request belongs to the second stream.
 fn in_turn(n: u64, second: u64) -> u64 {
     n / 2 * 64 + n % 2 * second
 }
 
-/// Two streams in turn through rows of bank 0, the second far from the first.
+/// Two alternating streams through rows of bank 0, the second far from the first.
 fn in_one_bank(n: u64) -> u64 {
     let at = n / 2 * 64;
     at / ROW * (BANKS * ROW) + at % ROW + n % 2 * FAR
@@ -100,7 +100,8 @@ fn scattered(n: u64) -> u64 {
     n * 64 * 10_007 % (1 << 26)
 }
 
-/// A stream, what DRAMsim3 gave with 8 and with 32 requests in flight, and by how much of it the law may differ at 32.
+/// A stream, its cycles per burst in DRAMsim3 with 8 and with 32 requests in flight, and the allowed relative difference of the
+/// law at 32.
 const TABLE: [(&str, Stream, [f64; 2], f64); 8] = [
     ("sequential reads", |n| (n * 64, false), [4.03, 4.00], 0.07),
     ("sequential writes", |n| (n * 64, true), [3.94, 3.94], 0.07),

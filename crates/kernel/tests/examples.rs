@@ -1,4 +1,4 @@
-//! The examples run, and print what they say.
+//! The examples run and print the documented text.
 #![allow(dead_code, reason = "each example has a `main`, which prints the text")]
 
 #[path = "../examples/pipeline.rs"]
@@ -10,7 +10,7 @@ mod visitor;
 
 #[test]
 fn pipeline() {
-    // Squares start at 1, 4, 7, 10; the last is visible, and popped, at 10 + 2 + 1.
+    // Squares start at 1, 4, 7, 10. The last square is visible and popped at 10 + 2 + 1.
     assert_eq!(
         pipeline::text(),
         "[0, 1, 4, 9] in 14 cycles\n\
@@ -22,7 +22,8 @@ fn pipeline() {
 
 #[test]
 fn shared_memory() {
-    // Steps are 1 cycle apart, and the line comes long after the last of them: one miss, and what follows is merged with it.
+    // Steps are 1 cycle apart, and the line arrives long after the last step. There is one miss, and the other look-ups are
+    // merged with it.
     assert_eq!(
         shared_memory::text(),
         "table: 1 reads, 0 writes, 1 bursts\n\

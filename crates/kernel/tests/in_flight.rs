@@ -1,4 +1,4 @@
-//! A step waits for its own answers, and on each output for the token ahead, never for a step beside it.
+//! A step waits for its own answers and, on each output, for the token ahead. It never waits for a step on another output.
 
 use basrelief_kernel::{
     CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemoryPorts, MemorySystem, Stage, Step, Unit, Visitor, run,
@@ -21,8 +21,8 @@ impl Unit for Count {
     }
 }
 
-/// As a test against a table: most tokens are looked up or read and go no further; some pass to the left, some to the right, with or
-/// without traffic of their own.
+/// Models a test against a table. Most tokens are looked up or read and go no further. Some pass to the left, some to the right,
+/// with or without memory requests.
 struct Filter;
 impl Unit for Filter {
     type In = Option<u64>;

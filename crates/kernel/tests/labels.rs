@@ -1,4 +1,4 @@
-//! Labels: what a probe that asks is told of steps.
+//! Labels: the steps reported to a probe that requests labels.
 
 use basrelief_kernel::{
     Cause, Cycle, Demand, Engine, Fifo, Label, Limits, Machine, MemoryPorts, MemorySystem, Probe, Stage, Step, Unit, Visitor,
@@ -6,7 +6,7 @@ use basrelief_kernel::{
 };
 use basrelief_kernel::{Sink, Source};
 
-/// Adds neighbours: every other step gives a sum.
+/// Adds pairs of neighbours: every other step emits a sum.
 #[derive(Default)]
 struct Pairs(Option<u64>);
 
@@ -43,13 +43,13 @@ impl Machine for Sums {
     }
 }
 
-/// What was told of each stage, in order.
+/// Reports per stage, in order.
 #[derive(Default, PartialEq, Debug)]
 struct Told {
     asks: bool,
     steps: [Vec<(u32, Vec<u64>)>; 3],
     worked: [usize; 3],
-    /// Intervals told ahead of the step that they are of.
+    /// Number of intervals reported before their step.
     early: usize,
 }
 

@@ -1,5 +1,5 @@
-//! Memory parts against what their sheets say, or parts of their class have, written down here a second time, and their rounding at
-//! any clock.
+//! Memory parts: their numbers compared with a second copy of the data sheets (or of the typical values of their class), and
+//! their rounding at any clock.
 
 use basrelief_kernel::parts::MOST_BURST_BYTES;
 use basrelief_kernel::{MemoryConfig, MemoryPart};
@@ -12,7 +12,7 @@ fn at(part: MemoryPart, hz: u64) -> MemoryConfig {
     memory
 }
 
-/// Nanoseconds, as the sheets have them or as they are assumed: cl, rcd, rp, ras, refi, rfc; and GB/s of a channel.
+/// Nanoseconds from the data sheet or assumed: cl, rcd, rp, ras, refi, rfc. Then GB/s of a channel.
 const SHEETS: &[(MemoryPart, [f64; 6], f64)] = &[
     (MemoryPart::Fpm80, [40.0, 40.0, 60.0, 80.0, 15625.0, 150.0], 0.32),
     (MemoryPart::Edo60, [30.0, 30.0, 40.0, 60.0, 15625.0, 104.0], 0.64),
@@ -66,10 +66,10 @@ fn ddr_400_at_its_own_clock_equals_its_sheet() {
     assert_eq!([m.cl, m.cwl, m.rcd, m.rp, m.ras], [3, 1, 3, 3, 8]);
     assert_eq!([m.rtp, m.wr, m.wtr, m.rrd, m.faw], [4, 3, 2, 2, 0]);
     assert_eq!([m.refi, m.rfc, m.burst_bytes, m.burst_cycles, m.banks, m.row_bytes], [1560, 14, 64, 4, 4, 2048]);
-    // Rates that are no round number of bytes per cycle: bursts that are none of the part's own.
+    // For a rate without a whole number of bytes per cycle, the burst differs from the part's own.
     let burst = |part| at(part, 200_000_000).burst_bytes / at(part, 200_000_000).burst_cycles;
     assert_eq!([MemoryPart::Ddr2At667, MemoryPart::Gddr3At1400, MemoryPart::Xdr3200].map(burst), [28, 28, 32]);
-    // The board stays.
+    // The part does not change the parameters of the board.
     let board = MemoryConfig::default();
     assert_eq!([m.channels, m.channel_bytes, m.window, m.cap, m.outstanding], [1, 256, 16, 16, 8]);
     assert_eq!([board.channels, board.channel_bytes, board.window, board.cap, board.outstanding], [1, 256, 16, 16, 8]);
@@ -99,9 +99,9 @@ fn ideal_part_has_no_latency_at_any_clock() {
 fn given_numbers_override_the_part() {
     let mut m = MemoryConfig { part: MemoryPart::Sdr133, cl: 9, burst_bytes: 32, ..MemoryConfig::default() };
     m.take_part(200_000_000, |name| ["cl", "burst_bytes"].contains(&name)).unwrap();
-    // 32 bytes are four clocks of 7.5 ns; a bank may be precharged when they are over.
+    // 32 bytes are four clocks of 7.5 ns. A bank may be precharged after them.
     assert_eq!([m.cl, m.burst_bytes, m.burst_cycles, m.rtp, m.rcd], [9, 32, 6, 6, 4]);
-    // Where no whole number of cycles is near, it is the next one.
+    // If no whole number of cycles is near, the time is rounded up.
     let mut m = MemoryConfig { part: MemoryPart::Gddr3At1400, burst_bytes: 64, ..MemoryConfig::default() };
     m.take_part(200_000_000, |name| name == "burst_bytes").unwrap();
     assert_eq!([m.burst_bytes, m.burst_cycles, m.rtp], [64, 3, 3]);
@@ -143,8 +143,8 @@ fn every_number_has_name_and_source() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Rounding keeps its promise at any clock: no time is shorter than its sheet's nor a cycle longer, refreshes are no rarer, and
-    /// the peak rate is within 5 %.
+    /// Rounding keeps its promise at any clock. No time is shorter than in the data sheet or more than a cycle longer, refreshes
+    /// are at least as frequent, and the peak rate is within 5 %.
     #[test]
     fn rounding_keeps_times_long_enough_and_rate_within_5_percent(
         hz in 10_000_000_u64..=1_000_000_000,

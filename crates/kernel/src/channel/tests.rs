@@ -1,8 +1,8 @@
-//! Every rule of law 4 that a channel keeps, each by itself: cycles of column commands, by hand.
+//! Each rule of law 4 for a channel, tested by itself with cycles of column commands computed by hand.
 
 use super::*;
 
-/// One bank row per 1; nothing takes longer than a burst of 2 cycles, unless a test says so.
+/// A memory in which nothing takes longer than a burst of 2 cycles, except for the times set by a test.
 fn quick() -> MemoryConfig {
     MemoryConfig {
         window: 4,
@@ -25,12 +25,12 @@ fn quick() -> MemoryConfig {
     }
 }
 
-/// A burst by bank, row, direction and arrival.
+/// A burst: bank, row, direction and arrival.
 type Sent = (u32, u64, bool, u64);
 const READ: bool = false;
 const WRITE: bool = true;
 
-/// Number, column command and end of each burst, in order of service.
+/// Returns number, column command and end of each burst, in order of service.
 fn served(config: &MemoryConfig, sent: &[Sent]) -> Vec<(u64, u64, u64)> {
     let mut channel = Channel::new(config);
     for (request, &(bank, row, write, arrival)) in (0..).zip(sent) {
@@ -40,7 +40,7 @@ fn served(config: &MemoryConfig, sent: &[Sent]) -> Vec<(u64, u64, u64)> {
     all.map(|(burst, _, column, end)| (burst.request, column.0, end.0)).collect()
 }
 
-/// Column commands, in order of service.
+/// Returns the column commands in order of service.
 fn columns(config: &MemoryConfig, sent: &[Sent]) -> Vec<(u64, u64)> {
     served(config, sent).into_iter().map(|(number, column, _)| (number, column)).collect()
 }
@@ -54,7 +54,7 @@ fn row_hits_run_at_bus_rate_and_cl_is_latency() {
 #[test]
 fn closed_bank_is_activated_and_other_row_precharged() {
     let config = MemoryConfig { rcd: 5, rp: 11, ..quick() };
-    // In view, and activated, at 1: column at 6. Precharged with that, for nothing keeps the bank longer: 6 + 11 + 5.
+    // In view and activated at 1: column at 6. The bank is precharged at the same time, because no other time is set: 6 + 11 + 5.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (0, 1, READ, 0)]), [(0, 6), (1, 22)]);
     let rows = |sent: &[Sent]| {
         let mut channel = Channel::new(&config);
@@ -71,18 +71,18 @@ fn closed_bank_is_activated_and_other_row_precharged() {
 #[test]
 fn row_commands_overlap_data() {
     let config = MemoryConfig { rcd: 3, burst_cycles: 4, ..quick() };
-    // Bank 1 is activated at 1, as bank 0; its column waits for the bus alone.
+    // Bank 1 is activated at 1, like bank 0. Its column waits only for the bus.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (1, 0, READ, 0)]), [(0, 4), (1, 8)]);
 }
 
 #[test]
 fn precharge_waits_for_ras_rtp_and_wr() {
     let next = |config: MemoryConfig, first: bool| columns(&config, &[(0, 0, first, 0), (0, 1, READ, 0)])[1].1;
-    // Activated, and read, at 1.
+    // Activated and read at 1.
     assert_eq!(next(MemoryConfig { ras: 20, ..quick() }, READ), 1 + 20);
     assert_eq!(next(MemoryConfig { rtp: 9, ..quick() }, READ), 1 + 9);
     assert_eq!(next(MemoryConfig { wr: 9, ..quick() }, READ), 1 + 2);
-    // Written at 1: data from 4, of two cycles.
+    // Written at 1: data from 4, for two cycles.
     assert_eq!(next(MemoryConfig { wr: 9, ..quick() }, WRITE), 1 + 3 + 2 + 9);
 }
 
@@ -92,7 +92,7 @@ fn bus_turnaround_takes_its_time() {
     // Write to read: 2 + 3 + 7. Read to write: 6 + 3 + 1 - 2.
     assert_eq!(columns(&config, &[(0, 0, WRITE, 0), (0, 0, READ, 1), (0, 0, WRITE, 50)]), [(0, 1), (1, 13), (2, 51)]);
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (0, 0, WRITE, 0)]), [(0, 1), (1, 9)]);
-    // Not less than a burst, where data of a write come much later.
+    // Not less than a burst, even if the data of a write come much later.
     let late = MemoryConfig { cl: 0, cwl: 9, burst_cycles: 3, ..quick() };
     assert_eq!(columns(&late, &[(0, 0, READ, 0), (0, 0, WRITE, 0)]), [(0, 1), (1, 4)]);
 }
@@ -101,7 +101,7 @@ fn bus_turnaround_takes_its_time() {
 fn activations_keep_rrd_and_faw() {
     let sent: Vec<Sent> = (0..6).map(|n| (n % 4, u64::from(n / 4), READ, 0)).collect();
     let config = MemoryConfig { rrd: 5, window: 1, ..quick() };
-    // In view one after the other; activated at 1, 6, 11 ...
+    // In view one after the other. Activated at 1, 6, 11 ...
     assert_eq!(columns(&config, &sent).iter().map(|c| c.1).collect::<Vec<_>>(), [1, 6, 11, 16, 21, 26]);
     let config = MemoryConfig { faw: 40, window: 1, ..quick() };
     assert_eq!(columns(&config, &sent).iter().map(|c| c.1).collect::<Vec<_>>(), [1, 3, 5, 7, 41, 43]);
@@ -110,16 +110,16 @@ fn activations_keep_rrd_and_faw() {
 #[test]
 fn first_ready_wins_then_oldest() {
     let config = MemoryConfig { rcd: 4, rp: 4, ..quick() };
-    // Row 0 is opened at 1; number 1 wants another, and 2 the same: that goes before.
+    // Row 0 is opened at 1. Burst 1 needs another row, and burst 2 the same row. Burst 2 goes first.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (0, 1, READ, 0), (0, 0, READ, 0)]), [(0, 5), (2, 7), (1, 15)]);
-    // In order of arrival otherwise, also where all could go at once.
+    // Otherwise in order of arrival, even if all bursts are ready.
     assert_eq!(columns(&quick(), &[(2, 0, READ, 0), (1, 0, READ, 0), (0, 0, READ, 0)]), [(0, 1), (1, 3), (2, 5)]);
 }
 
 #[test]
 fn window_of_one_serves_in_arrival_order() {
     let config = MemoryConfig { rcd: 4, rp: 4, window: 1, ..quick() };
-    // Number 1 comes into view at 6, and its row is opened then.
+    // Burst 1 comes into view at 6, and its row is opened then.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (0, 1, READ, 0), (0, 0, READ, 0)]), [(0, 5), (1, 14), (2, 23)]);
 }
 
@@ -138,9 +138,9 @@ fn oldest_is_passed_over_at_most_cap_times() {
 #[test]
 fn refresh_closes_rows_and_delays_activations() {
     let config = MemoryConfig { rcd: 3, refi: 20, rfc: 8, ..quick() };
-    // Closed at 0; open at 15; the refresh at 20 closes it: activated at 28.
+    // Closed at 0, open at 15. The refresh at 20 closes the row: activated at 28.
     assert_eq!(columns(&config, &[(0, 0, READ, 0), (0, 0, READ, 14), (0, 0, READ, 19)]), [(0, 4), (1, 15), (2, 31)]);
-    // Activated at 17 its column would be at 20: after the refresh. At 16 it is before.
+    // Activated at 17, the column would be at 20, after the refresh. Activated at 16, it is before the refresh.
     assert_eq!(columns(&config, &[(0, 0, READ, 16)]), [(0, 31)]);
     assert_eq!(columns(&config, &[(0, 0, READ, 15)]), [(0, 19)]);
     assert_eq!(Channel::new(&config).counts(20).refreshes, 0);
@@ -155,10 +155,10 @@ fn choice_waits_until_final() {
     let mut channel = Channel::new(&config);
     channel.push(burst(0, 0));
     assert_eq!(channel.next_column(), Some(Cycle(10)));
-    // What arrives at 8 could go at 9; what arrives at 9 is younger.
+    // A burst that arrives at 8 could go at 9. A burst that arrives at 9 is younger.
     assert!(channel.serve(Cycle(8)).is_none());
     assert!(channel.serve(Cycle(9)).is_some());
-    // A full window is final at once.
+    // With a full window the choice is final at once.
     channel.push(burst(7, 10));
     assert!(channel.serve(Cycle(10)).is_none());
     channel.push(burst(8, 10));
@@ -171,7 +171,7 @@ fn burst_enters_view_after_command_that_made_room() {
     let mut channel = Channel::new(&config);
     channel.push(Burst { bank: 0, row: 0, write: READ, arrival: Cycle(0), client: 0, request: 0 });
     assert!(channel.serve(Cycle(1)).is_some(), "the window is full: served at 10");
-    // It arrives at 3, when the first still waits: in view at 11, activated then.
+    // The burst arrives at 3, when the first still waits. It comes into view at 11 and is activated then.
     channel.push(Burst { bank: 1, row: 0, write: READ, arrival: Cycle(3), client: 0, request: 1 });
     assert_eq!(channel.next_column(), Some(Cycle(20)));
 }
