@@ -86,7 +86,7 @@ fn sized_fifos_keep_requested_cycles() {
 }
 
 #[test]
-fn models_and_demos_are_sized_without_a_tape() {
+fn models_and_demos_are_sized_without_recording() {
     let place = Place::new();
     place.ok(&format!("{RUN} --recording a.tape"));
     let of_tape = place.ok("size-fifos a.tape --within 1 --json").out;

@@ -208,7 +208,7 @@ mod tests {
 
     /// Numbers that an independent implementation of the same recipe gave for a cube of side 2, 640 x 480.
     #[test]
-    fn the_automatic_camera_stands_where_it_should() {
+    fn automatic_camera_has_expected_position() {
         let view = Viewpoint::framing(&unit_box(), AUTO_VIEW).view(640.0 / 480.0, DVec3::ZERO);
         #[rustfmt::skip]
         let expected = [
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_point_can_be_looked_at() {
+    fn single_point_can_be_viewed() {
         let bounds = Bounds::around(std::iter::once(DVec3::splat(5.0)));
         let view = Viewpoint::framing(&bounds, AUTO_VIEW).view(1.0, bounds.centre());
         assert!(view.view_projection.is_finite());
@@ -268,7 +268,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_written_camera_reads_back_to_the_bit(
+        fn written_camera_reads_back_to_the_bit(
             m in prop::array::uniform16(0.1f64..10.0), l in prop::array::uniform3(0.1f64..1.0), v in prop::array::uniform3(0.1f64..1.0)
         ) {
             let unit = |d: [f64; 3]| DVec3::from_array(d).normalize().to_array();

@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_is_no_file() {
+    fn folder_as_file_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a"), b"xyz").unwrap();
         let files = Directory::new(folder.path());
@@ -171,7 +171,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_pipe_is_no_file_and_nobody_waits_for_it() {
+    fn pipe_is_refused_without_blocking() {
         let folder = tempfile::tempdir().unwrap();
         let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
         assert!(made.unwrap().success());
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_file_is_named_with_its_place() {
+    fn missing_file_is_named_with_its_place() {
         let files = Memory::default();
         let outside = Outside::new(&files, &Budget::default());
         let e = outside.read("a.bin", "/buffers/0/uri").unwrap_err().in_file("m.gltf");

@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_unknown_format_is_refused() {
+    fn unknown_format_is_refused() {
         let error = load(b"solid x", "x.stl", &Memory::default(), &ViewOptions::default()).unwrap_err().to_string();
         assert!(error.starts_with("x.stl: no known model format; expected a .glb, .gltf or .obj file"), "{error}");
     }

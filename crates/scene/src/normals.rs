@@ -45,7 +45,7 @@ mod tests {
 
     /// A corner of a cube, one of its faces cut in two at that corner: all three faces count alike.
     #[test]
-    fn how_a_face_is_cut_does_not_show() {
+    fn triangulation_does_not_affect_normals() {
         let positions = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [0., 0., 1.], [0., 1., 1.], [1., 0., 1.]];
         let indices = [0, 2, 1, 0, 3, 2, 0, 4, 3, 3, 4, 5, 0, 1, 4, 1, 6, 4];
         let third = -1.0 / 3.0f32.sqrt();
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn without_area_there_is_still_a_normal() {
+    fn zero_area_face_has_a_normal() {
         let positions = [[1.0; 3]; 3];
         assert_eq!(smooth(&positions, &[0, 1, 2]), [[0.0, 0.0, 1.0]; 3]);
         assert_eq!(flat(&positions, &[0, 1, 2]), [[0.0, 0.0, 1.0]]);

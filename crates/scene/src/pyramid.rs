@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ramp_keeps_its_place_on_levels_of_odd_sides() {
+    fn ramp_keeps_position_on_odd_sized_levels() {
         let ramp = HeightMap { width: 101, height: 1, heights: (0..101).map(|i| f64::from(i) + 0.5).collect() };
         let mut level = ramp;
         for width in [50, 25, 12, 6, 3, 1] {
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn a_normal_map_keeps_eight_levels_and_a_colour_texture_all() {
+    fn normal_map_has_eight_levels_and_colour_texture_all() {
         let base = image(1024, 4, |_, _| [128, 128, 255, 0]);
         assert_eq!(normal_levels(base.clone()).len(), 8);
         assert_eq!(color_levels(base).len(), 11);
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slope_stays_the_same_on_every_level() {
+    fn slope_is_equal_on_every_level() {
         let ramp = HeightMap { width: 64, height: 64, heights: (0..4096).map(|i| f64::from(i % 64)).collect() };
         for (k, level) in height_levels(ramp, 0.5, [WrapMode::Clamp; 2]).iter().enumerate().take(5) {
             let middle = (level.height / 2 * level.width + level.width / 2) as usize;

@@ -154,7 +154,7 @@ mod tests {
 
     /// An upright picture on a wall: u to the right, v down. T points right, w is +1 and cross(N, T) points up.
     #[test]
-    fn an_upright_picture_has_w_plus_one() {
+    fn upright_picture_has_w_plus_one() {
         let mut mesh = quad([[0., 1.], [1., 1.], [1., 0.], [0., 0.]]);
         generate(&mut mesh);
         assert_eq!(mesh.tangents, [[1., 0., 0., 1.]; 4]);
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mirrored_seam_splits_its_vertices() {
+    fn mirrored_seam_splits_its_vertices() {
         let mut mesh = quad([[0., 1.], [1., 1.], [1., 0.], [0., 0.]]);
         // The second triangle's u runs the other way.
         mesh.uv_normal[3] = [2., 0.];

@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_is_turned_around_and_then_up() {
+    fn camera_turns_around_and_then_up() {
         let seen = |around, up| {
             let options = ViewOptions { turn: Some([around, up]), ..ViewOptions::default() };
             let [x, y, z] = hints(vec![]).frames(&options).unwrap()[0].camera.to_viewer;
@@ -377,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn the_light_turns_with_its_own_orbit() {
+    fn light_turns_with_its_own_orbit() {
         let options = ViewOptions {
             light: Some([0., 0., 5.]),
             light_orbit_degrees: Some(180.0),
@@ -421,7 +421,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_turns_is_lit_from_where_the_camera_stands() {
+    fn light_follows_orbiting_camera() {
         let turning = ViewHints { frames: 4, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..hints(vec![]) };
         let seen_by_the_camera = |options: ViewOptions| {
             let frames = turning.frames(&options).unwrap();

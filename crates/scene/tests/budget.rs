@@ -78,7 +78,7 @@ fn zeros(count: u64, kind: &str) -> Value {
 }
 
 #[test]
-fn every_gltf_size_is_held_within_the_budget() {
+fn gltf_size_over_budget_is_refused() {
     let many = |item: Value, count: usize| Value::Array(vec![item; count]);
     let primitive = |material: usize| json!({"attributes": {"POSITION": 0}, "material": material});
     let textured = |picture: &str, of: &str| {
@@ -192,7 +192,7 @@ fn lights_are_counted_in_every_frame() {
 }
 
 #[test]
-fn every_obj_statement_is_held_within_the_budget() {
+fn obj_statement_over_budget_is_refused() {
     let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n";
     let face = "f 1/1 2/1 3/1\n";
     let cases = [

@@ -71,7 +71,7 @@ fn is_fatal(code: &str, pointer: &str, file: &Path) -> bool {
 }
 
 #[test]
-fn every_validator_file_imports_or_says_what_is_wrong() {
+fn validator_files_import_or_name_the_fault() {
     let Some(folder) = inputs("bad/gltf-validator") else { return };
     let mut overlooked = Vec::new();
     let files = files_below(&folder, &["gltf", "glb"]);
@@ -101,7 +101,7 @@ fn every_validator_file_imports_or_says_what_is_wrong() {
 }
 
 #[test]
-fn every_corrupt_png_is_an_error_that_names_it() {
+fn corrupt_png_is_an_error_that_names_it() {
     let Some(folder) = inputs("bad/png") else { return };
     let model = r#"{"asset": {"version": "2.0"}, "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
         "accessors": [{"type": "VEC3", "componentType": 5126, "count": 3}], "textures": [{"source": 0}],
@@ -117,7 +117,7 @@ fn every_corrupt_png_is_an_error_that_names_it() {
 }
 
 #[test]
-fn the_sample_models_import() {
+fn sample_models_import() {
     let Some(folder) = inputs("models") else { return };
     let paths = files_below(&folder, &["gltf", "glb", "obj"]);
     assert!(paths.len() >= 8, "{paths:?}");

@@ -142,7 +142,7 @@ fn by_tobj(text: &str) -> Result<Vec<tobj::Model>, String> {
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 #[test]
-fn tobj_does_not_say_where_a_fault_is() {
+fn tobj_does_not_locate_faults() {
     let text = format!("{TRIANGLE}v 1 x 0\n");
     assert!(ours("a.obj", text.as_bytes()).unwrap_err().starts_with("a.obj: line 5: `x`"));
     still(!by_tobj(&text).unwrap_err().contains('5'), "tobj names the line");
@@ -159,7 +159,7 @@ fn tobj_takes_numbers_that_are_not_finite() {
 }
 
 #[test]
-fn tobj_says_nothing_of_what_it_skips() {
+fn tobj_skips_statements_silently() {
     let text = format!("this is no model\n{TRIANGLE}curv 0 1 1 2\n");
     let scene = load(text.as_bytes(), "a.obj", &Memory::default(), &ViewOptions::default()).unwrap();
     assert!(scene.warnings.iter().any(|w| w.contains("`curv` is skipped")), "{:?}", scene.warnings);

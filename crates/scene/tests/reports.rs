@@ -91,7 +91,7 @@ fn jpeg_reports_agree_with_libjpeg() {
 }
 
 #[test]
-fn arithmetic_and_cut_jpegs_are_errors_that_say_so() {
+fn arithmetic_and_cut_jpegs_are_named_errors() {
     for (name, part) in [("jpeg-arith", "uses arithmetic coding, which is not supported"), ("jpeg-cut-half", "is cut off")] {
         let error = load_path(&folder(name).join("q.gltf"), &ViewOptions::default()).err().unwrap().to_string();
         assert!(error.contains(part), "{error}");

@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn cup_is_open_above_and_stands_on_the_ground() {
+    fn cup_is_open_above_and_rests_on_ground() {
         let [bottom, foot] = [0.0, 1.0].map(|t| PROFILE.at(t).0);
         let (top, _) = (0..=1_000).map(|i| PROFILE.at(f64::from(i) / 1_000.0)).max_by(|a, b| a.0.y.total_cmp(&b.0.y)).unwrap();
         assert!(bottom.x == 0.0 && foot.y == 0.0);

@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_demo_is_told_the_known_ones() {
+    fn unknown_demo_error_lists_known_demos() {
         let error = demo("bricks", &ViewOptions::default()).unwrap_err().to_string();
         assert!(
             error.contains("golf-ball, coin, brick, mixed, sphere, ellipsoid, cut-plane, goblet, corridor, turntable, gallery"),
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_tessellation_is_told_the_right_ones() {
+    fn wrong_tessellation_error_lists_valid_values() {
         let says = |name: &str| demo(name, &ViewOptions::default()).unwrap_err().to_string();
         for wrong in ["0", "17", "-1", "", "4x", "4@4", "99999999999"] {
             let expected = format!("demo: `goblet` has no tessellation `{wrong}`; expected `goblet@1` to `goblet@16`");
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn the_turntable_turns_once_under_a_standing_light() {
+    fn turntable_turns_once_under_fixed_light() {
         let frames = |options: &ViewOptions| demo("turntable", options).unwrap().frames;
         let own = frames(&ViewOptions::default());
         let asked = frames(&ViewOptions { frames: Some(3), ..ViewOptions::default() });
@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn the_benchmark_has_twenty_thousand_triangles() {
+    fn benchmark_has_twenty_thousand_triangles() {
         let scene = demo("sphere", &ViewOptions::default()).unwrap();
         assert_eq!(triangles(&scene), 20_000);
         let map = scene.objects[0].material.normal_map.as_ref().unwrap();

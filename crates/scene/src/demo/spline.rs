@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn the_direction_is_that_of_the_curve_and_does_not_jump() {
+    fn spline_direction_is_continuous() {
         for i in 1..400 {
             let t = f64::from(i) / 400.0;
             let [before, after] = [t - 1e-6, t + 1e-6].map(|t| ZIGZAG.at(t).0);

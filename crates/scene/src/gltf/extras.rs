@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn extras_say_how_an_object_is_shaded() {
+    fn extras_set_shading_of_object() {
         let read = |shading: &str| serde_json::from_str::<Extras>(&format!(r#"{{"basrelief": {{"shading": {shading}}}}}"#));
         let shading = ShadingSettings { mode: Some(ShadingMode::Polyhedron), ia: None, is: Some(0.5) };
         assert_eq!(read(r#"{"mode": "polyhedron", "is": 0.5}"#).unwrap(), Extras { shading, ..Extras::default() });

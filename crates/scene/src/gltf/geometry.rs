@@ -369,7 +369,7 @@ mod tests {
 
     /// The extension's own example: the lower left quadrant of the picture, turned by 90 degrees.
     #[test]
-    fn the_texture_transform_scales_then_rotates_then_moves() {
+    fn texture_transform_scales_then_rotates_then_moves() {
         let quarter = std::f64::consts::FRAC_PI_2;
         let mut uv = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
         bake(&TextureTransform { offset: [0.0, 1.0], rotation: quarter, scale: [0.5, 0.5], tex_coord: None }, &mut uv);

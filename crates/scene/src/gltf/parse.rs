@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flood_of_objects_is_refused() {
+    fn too_many_objects_are_refused() {
         let text = format!("[{}{{}}]", "{},".repeat(10_000));
         assert!(says(&text).starts_with("would hold 6.8 MiB of what its JSON says"), "{}", says(&text));
     }

@@ -110,7 +110,7 @@ fn refuses(document: &Value, part: &str) {
 }
 
 #[test]
-fn a_square_comes_out_whole() {
+fn square_is_imported_completely() {
     let scene = import(&square()).unwrap();
     let [object] = &scene.objects[..] else { panic!("one object") };
     assert_eq!(object.name, "square");
@@ -129,7 +129,7 @@ fn a_square_comes_out_whole() {
 }
 
 #[test]
-fn the_files_camera_and_light_are_used() {
+fn camera_and_light_of_file_are_used() {
     let frame = import(&square()).unwrap().frames[0].clone();
     // The camera stands at (0.5, 0.5, 15), the square's centre at (1, 1, 5).
     let to_viewer = glam::DVec3::from_array(frame.camera.to_viewer);
@@ -251,7 +251,7 @@ fn faults_are_named_with_their_pointer() {
 }
 
 #[test]
-fn extras_of_scene_material_and_node_say_mode_ia_and_is() {
+fn extras_set_mode_ia_and_is_by_scene_material_and_node() {
     let set = |pointer: &str, value: Value| with(square(), pointer, value);
     let says = |shading: Value| json!({"basrelief": {"shading": shading}});
     let of_scene =
@@ -361,7 +361,7 @@ fn ambiguous_values_are_refused() {
 
 /// Columns of a matrix of bytes begin at multiples of four; behind the last one nothing need follow.
 #[test]
-fn a_matrix_of_bytes_needs_no_padding_at_its_end() {
+fn byte_matrix_needs_no_final_padding() {
     let of = |bytes: &[u8], count: usize, component: u32, kind: &str| {
         let accessor = json!({"componentType": component, "count": count, "type": kind});
         let mut document = with_attribute("_MATRIX", bytes, json!({}), accessor);
@@ -387,7 +387,7 @@ fn square_glb() -> Vec<u8> {
 }
 
 #[test]
-fn a_glb_gives_the_same_scene() {
+fn glb_gives_same_scene_as_gltf() {
     let glb = load(&square_glb(), "m.gltf", &Memory::default(), &ViewOptions::default()).unwrap();
     assert_eq!(glb, import(&square()).unwrap());
 }

@@ -53,7 +53,7 @@ fn corrupt_picture_is_an_error_that_names_it() {
 }
 
 #[test]
-fn normals_are_smooth_over_positions_whatever_the_texture_says() {
+fn texture_seams_keep_smooth_normals() {
     // A roof: two faces that share the ridge 2-3 in space, but not in the texture.
     let roof = "v -1 0 0\nv 0 1 0\nv 0 1 -1\nv 1 0 0\nvt 0 0\nvt 1 0\nf 1/1 2/1 3/1\nf 2/2 4/2 3/2\n";
     let scene = import(roof, &Memory::default()).unwrap();
@@ -71,7 +71,7 @@ fn nothing_to_draw_is_an_error() {
 
 /// As many materials as lines, each used once: looked for one by one in a list, they took minutes.
 #[test]
-fn many_materials_are_found_in_no_time() {
+fn lookup_of_many_materials_is_fast() {
     const MATERIALS: usize = 100_000;
     let library: String = (0..MATERIALS).map(|i| format!("newmtl m{i}\nKd 0 0 1\nmap_Kd {i}.png\n")).collect();
     let faces: String = (0..MATERIALS).map(|i| format!("usemtl m{i}\nf 1 2 3\n")).collect();
@@ -84,7 +84,7 @@ fn many_materials_are_found_in_no_time() {
 }
 
 #[test]
-fn of_two_materials_with_one_name_the_first_is_meant() {
+fn first_of_two_equal_material_names_is_used() {
     let files = Memory::default().with("lib/m.mtl", "newmtl stone\nKd 1 0 0\nnewmtl stone\nKd 0 1 0\n");
     assert_eq!(import(SQUARE, &files).unwrap().objects[0].material.base_color, [1.0, 0.0, 0.0, 1.0]);
 }

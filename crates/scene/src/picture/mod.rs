@@ -152,7 +152,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_picture_over_the_limit_is_not_decoded() {
+    fn oversized_picture_is_not_decoded() {
         let error = decoded(&png(512, 512, |_, _| [0; 4]), "big.png", 2 << 20).unwrap_err();
         let text = error.to_string();
         assert!(text.starts_with("big.png: would hold 2 MiB of texels of big.png, a picture of 512 x 512, with"), "{text}");
@@ -160,7 +160,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn every_truncation_is_an_error_that_names_the_file() {
+    fn truncated_picture_is_an_error_that_names_the_file() {
         let whole = png(4, 4, |x, y| [(x * 60) as u8, (y * 60) as u8, 5, 255]);
         // The checksum of the end chunk is not needed to have all texels.
         for end in 0..whole.len() - 12 {
