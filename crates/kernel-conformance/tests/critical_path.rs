@@ -150,8 +150,8 @@ proptest! {
         }
     }
 
-    /// The path is a lower bound: unless a segment on it gets shorter, the run does not. (With shared memories a faster unit may
-    /// change the order of requests.)
+    /// The path bounds the run from below: the run gets no shorter unless a segment on the path does. (With shared memories, a
+    /// faster unit may change the order of requests. The test therefore has no memories.)
     #[test]
     fn unit_off_the_path_limits_nothing(recipe in recipe()) {
         let mut recipe = recipe;

@@ -19,7 +19,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Makes an observer. `tape` selects the recordings to keep, within the memory limit.
+    /// Makes an observer. The policy `tape` selects the recordings to keep, within the memory limit.
     pub fn new(tape: AnalysisPolicy, budget: &Budget) -> io::Result<Self> {
         Ok(Self { last: None, tape: Kept::new(tape, budget)?, looked: Instant::now(), stopped: None })
     }

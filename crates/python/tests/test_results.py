@@ -69,7 +69,7 @@ def test_a_picture_is_an_array_without_a_copy(result: Result) -> None:
     assert Image.fromarray(picture).size == picture.size == (64, 48)
 
 
-def test_a_notebook_shows_a_result_and_is_left_alone_by_its_style(result: Result) -> None:
+def test_notebook_shows_result_and_keeps_its_own_style(result: Result) -> None:
     html = result._repr_html_()
     for part in ("Bottlenecks", "Block diagram", "Cycle breakdown", "data:image/png;base64,"):
         assert part in html, part

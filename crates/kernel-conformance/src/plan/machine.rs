@@ -25,6 +25,7 @@ pub struct PlanMachine {
 
 impl PlanMachine {
     /// Builds the machine.
+    ///
     /// # Errors
     /// If the plan is invalid. The error contains the place, the field and the expectation.
     pub fn new(plan: &Plan) -> Result<Self, PlanError> {
