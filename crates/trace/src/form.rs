@@ -105,7 +105,7 @@ impl<R: Read> TraceBytes<R> {
     }
 }
 
-/// Bits of the largest window that compressors take unless they are told to \[bytes, binary logarithm\]: 8 MiB.
+/// Bits of the largest window that compressors use by default \[bytes, binary logarithm\]: 8 MiB.
 #[cfg(feature = "zstd")]
 const COMMON_WINDOW: u32 = 23;
 

@@ -1,11 +1,11 @@
-//! A server as a program of its own.
+//! A server in a process of its own.
 
 use std::error::Error;
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// `basrelief`, from the folder above the examples.
+/// Returns the path of `basrelief` in the folder above the examples.
 pub fn program() -> Result<PathBuf, Box<dyn Error>> {
     let example = std::env::current_exe()?;
     let folder = example.parent().and_then(Path::parent).ok_or("no folder above")?;
@@ -13,10 +13,10 @@ pub fn program() -> Result<PathBuf, Box<dyn Error>> {
     if program.exists() { Ok(program) } else { Err(format!("{}: build it first", program.display()).into()) }
 }
 
-/// A server, ended when this goes.
+/// A server process, killed when dropped.
 pub struct Server {
     pub process: Child,
-    /// Where it listens: address and port.
+    /// Address and port of the server.
     pub address: String,
 }
 
@@ -34,7 +34,7 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // It may have ended.
+        // The process may have ended already.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }

@@ -204,7 +204,7 @@ impl RequestHandler for SceneService {
 struct TiledPicture<'a> {
     offered: &'a ServedPicture,
     page: TexturePage,
-    /// With its quality.
+    /// Encoding and JPEG quality.
     encoding: (TileEncoding, u8),
 }
 
