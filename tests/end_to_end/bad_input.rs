@@ -231,9 +231,9 @@ fn bad_view_file_names_place_and_field() {
     write("views = [{ at_ms = 0 }, { at_ms = 0 }]");
     assert!(refused("demo", 1).starts_with("v.toml: /views/1/at_ms: 0; expected rising times"));
     write("views = [{ at_ms = 0 }, { at_ms = 5 }]");
-    assert!(refused("demo golf-ball", 2).contains("machine `bump` leaves no view; take `defer`, or leave `at_ms` out"));
+    assert!(refused("demo golf-ball", 2).contains("machine `bump` cannot leave a view; use `defer`, or remove `at_ms`"));
     assert!(refused("demo gallery", 2).contains("set `defer.mode=progressive`"));
-    assert!(refused("record demo:gallery", 2).contains("leave `at_ms` out"));
+    assert!(refused("record demo:gallery", 2).contains("remove `at_ms`"));
     assert!(refused("demo --frames 2", 2).contains("--frames"));
     assert!(place.names("").iter().all(|name| name == "v.toml"), "{:?}", place.names(""));
 }

@@ -39,7 +39,7 @@ fn comparing_two_machines_is_reported() {
     place.ok("demo goblet@1 --size 32x24 --machine bump --out b --quiet");
     let said = place.ok("compare a b").out;
     let words: Vec<&str> = said.split_whitespace().collect();
-    assert!(words.join(" ").starts_with("The machines differ: A is shade, B is bump;"), "{said}");
+    assert!(words.join(" ").starts_with("The machines differ: A is shade, B is bump."), "{said}");
 }
 
 #[test]

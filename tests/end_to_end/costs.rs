@@ -15,7 +15,7 @@ fn costs_come_as_pictures_and_as_tables() {
         let (width, height, ..) = picture(&place.path("out").join(name));
         assert!(width == 48 && height > 36 + 30, "{name}: {width} x {height}");
     }
-    for part in ["Cycles of all units for", "Object", "golf ball", "Polygon"] {
+    for part in ["Cycles spent on", "Object", "golf ball", "Polygon"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let report = place.report("out");

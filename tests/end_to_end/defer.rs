@@ -64,7 +64,7 @@ fn both_engines_and_the_functional_model_agree() {
 fn unknown_dump_is_refused() {
     let place = Place::new();
     let refused = |line: &str| place.run(line).error(2).to_owned();
-    assert!(refused("demo sphere --dump tiles t.jsonl").contains("--machine defer has"));
+    assert!(refused("demo sphere --dump tiles t.jsonl").contains("but machine `defer` has"));
     assert!(refused("demo gallery --dump everything t.jsonl").contains("expected spans, reference-buffer, tiles"));
     assert!(place.names("").is_empty());
 }

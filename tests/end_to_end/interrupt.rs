@@ -10,8 +10,30 @@ use std::time::Duration;
 
 const SOON: Duration = Duration::from_secs(10);
 
+/// Returns the command with the default action for SIGHUP. A test that runs under `nohup` would pass on its ignored signal.
+#[cfg(target_os = "linux")]
+fn hang_up_ends(command: &Command) -> Command {
+    let mut wrapped = Command::new("env");
+    wrapped.arg("--default-signal=HUP").arg(command.get_program()).args(command.get_args());
+    wrapped.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    wrapped.current_dir(command.get_current_dir().expect("a folder"));
+    wrapped
+}
+
+#[cfg(not(target_os = "linux"))]
+fn hang_up_ends(command: &Command) -> Command {
+    let mut same = Command::new(command.get_program());
+    same.args(command.get_args()).current_dir(command.get_current_dir().expect("a folder"));
+    same
+}
+
 fn start(place: &Place, line: &str, stdin: Stdio) -> Child {
-    place.command(line).stdin(stdin).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
+    hang_up_ends(&place.command(line))
+        .stdin(stdin)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts")
 }
 
 fn wait_until(what: &str, happens: impl Fn() -> bool) {
@@ -98,8 +120,12 @@ fn closed_standard_error_does_not_block_signals() {
             "run - --out new",
         ] {
             let place = Place::new();
-            let mut child =
-                place.command(line).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+            let mut child = hang_up_ends(&place.command(line))
+                .stdin(Stdio::piped())
+                .stdout(Stdio::piped())
+                .stderr(Stdio::piped())
+                .spawn()
+                .unwrap();
             drop(child.stderr.take());
             if line.starts_with("serve") {
                 let mut first = String::new();

@@ -99,7 +99,7 @@ fn every_command_keeps_its_inputs() {
     place.ok("record PATCH --size 16x12 --out t.jsonl");
     fs::write(place.path("a/report.csv"), "replacement.entries = 64\n").expect("written");
     let plan = "title = \"a\"\ninput = \"t.jsonl\"\nmachine = \"bump\"\nconfig = \"sweep.csv\"\nobjectives = [\"cycles min\"]\n\
-                [axes]\nfifo.spans.depth = [2, 4]\n";
+                [axes]\nfifo.pixels.depth = [64, 128]\n";
     fs::write(place.path("plan.toml"), plan).expect("written");
     fs::write(place.path("sweep.csv"), "replacement.entries = 64\n").expect("written");
     let names = ["a/report.json", "a/run.recording", "a/image.png", "a/report.csv", "b/report.json", "t.jsonl", "sweep.csv"];
@@ -183,7 +183,7 @@ fn full_disk_names_file() {
 fn unreadable_trace_is_not_blessed() {
     let place = Place::new();
     place.ok("record PATCH --out t.jsonl");
-    assert!(place.run("verify t.jsonl").error(1).contains("`basrelief verify --bless` rewrites"));
+    assert!(place.run("verify t.jsonl").error(1).contains("`basrelief verify --bless` updates them"));
     let missing = place.run("verify missing");
     assert!(!missing.error(1).contains("--bless"), "{}", missing.err);
 }

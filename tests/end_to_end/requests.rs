@@ -151,7 +151,7 @@ fn unsupported_request_formats_are_refused() {
     }
     let error = refused("--requests t --requests-memory graphics");
     assert!(error.starts_with("--requests-memory: machine `texel` has no memory `graphics`; expected texture, depth, pixel"));
-    assert!(refused("--requests -").starts_with("--requests: standard output is the report's"));
+    assert!(refused("--requests -").starts_with("--requests: standard output is reserved for the report"));
     assert!(refused("--requests-memory texture").contains("--requests <FILE>"));
     assert!(refused("--requests-format dramsim3").contains("--requests <FILE>"));
     for other in ["--functional", "--ablate", "--compare-methods"] {

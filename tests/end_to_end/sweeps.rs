@@ -246,7 +246,8 @@ fn fifo_depth_study_matches_its_page() {
     assert!(page.contains(tally.lines().next().unwrap()));
     let cells =
         |line: &str| line.replace(',', "").split(['|', ' ']).filter_map(|cell| cell.parse::<u64>().ok()).collect::<Vec<_>>();
-    let rows: Vec<Vec<u64>> = page.lines().map(cells).filter(|cells| cells.len() == 6).collect();
+    let rows: Vec<Vec<u64>> =
+        page.lines().filter(|line| line.starts_with("| ")).map(cells).filter(|cells| cells.len() == 6).collect();
     let (chosen, default) = rows.split_at(3);
     let front: Vec<Vec<u64>> = front.lines().map(cells).filter(|cells| cells.len() == 6).collect();
     assert_eq!((front.len(), chosen.len(), default.len()), (22, 3, 1));
@@ -325,7 +326,7 @@ fn exploration_of_study_matches_its_page() {
     let plan = workspace().join("studies/fifo-depths.toml");
     place.ok(&format!("sweep {} --no-pictures", plan.display()));
     let said = place.ok(&format!("explore {} --no-pictures --budget 27", plan.display())).out;
-    let (_, share) = said.split_once("all of which are there: ").unwrap();
+    let (_, share) = said.split_once("which all exist: ").unwrap();
     let share = share.split_once(" of the hypervolume").unwrap().0;
     let page = fs::read_to_string(workspace().join("docs/experiments/studies.md")).unwrap();
     assert!(page.contains(&format!("| 108 | 27 | {share} |")), "{share}");
@@ -371,9 +372,9 @@ fn exploration_reports_share_of_front() {
     assert!(place.ok("sweep plan.toml").out.starts_with("24 points: 10 reused, "));
     let said = place.ok("explore plan.toml --budget 10").out;
     assert!(said.starts_with("10 points: 10 reused, 0 run, 0 resimulated; 0 failed\n"), "{said}");
-    let share: f64 = said.split("are there: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let share: f64 = said.split("all exist: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((90.0..=100.0).contains(&share), "{said}");
-    assert!(place.ok("explore plan.toml --budget 24").out.contains("100.00 % of the hypervolume of their front"));
+    assert!(place.ok("explore plan.toml --budget 24").out.contains("100.00 % of the hypervolume of their Pareto front"));
     fs::write(
         place.path("two.toml"),
         PLAN.replace("input = \"demo:ellipsoid@2\"", "input = [\"demo:ellipsoid@2\", \"demo:coin\"]"),

@@ -44,7 +44,7 @@ fn run_writes_only_its_pictures() {
         let (width, height, _) = picture(&place.path(&format!("out/{name}.png")));
         (width, height)
     };
-    assert_eq!((size("image"), size("divisions"), size("displacement")), ((64, 48), (64, 48), (64, 162)));
+    assert_eq!((size("image"), size("divisions"), size("displacement")), ((64, 48), (64, 48), (64, 148)));
     place.ok("demo corridor --size 64x48 --no-exact --out bare");
     assert_eq!(place.names("bare"), ["image.png", "report.json", "run.recording"]);
 }
@@ -157,9 +157,9 @@ fn dump_may_lie_in_new_output_folder() {
 fn unsupported_outputs_are_refused_without_files() {
     let place = Place::new();
     let wrong = place.run("demo coin --size 16x12 --dump spans s.jsonl");
-    assert!(wrong.error(2).contains("machine `bump` has no spans; --machine texel has"), "{}", wrong.err);
+    assert!(wrong.error(2).contains("machine `bump` has no spans, but machine `texel` has"), "{}", wrong.err);
     let wrong = place.run("demo corridor --size 16x12 --dump colours s.jsonl");
-    assert!(wrong.error(2).contains("there is no `colours` to write; expected spans"), "{}", wrong.err);
+    assert!(wrong.error(2).contains("unknown output `colours`; expected spans"), "{}", wrong.err);
     let wrong = place.run("demo coin --size 16x12 --compare-methods");
     assert!(wrong.error(2).contains("machine `bump` has no methods to compare"), "{}", wrong.err);
     place.run("demo corridor --compare-methods --functional").error(2);

@@ -213,7 +213,7 @@ impl Look {
             let knows = MACHINES.iter().filter(|m| m.left_at.is_some()).map(|m| format!("`{}`", m.name)).collect::<Vec<_>>();
             let (name, others) = (machine.name, knows.join(", "));
             Failure::Usage(format!(
-                "--views: gives times, and machine `{name}` leaves no view; take {others}, or leave `at_ms` out"
+                "--views: gives times, but machine `{name}` cannot leave a view; use {others}, or remove `at_ms`"
             ))
         })?;
         told.settings.insert(0, (parameter.into(), format!("{times:?}")));

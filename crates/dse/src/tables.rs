@@ -165,7 +165,7 @@ fn front_text(table: &Table) -> String {
     let (points, of) = (front.len(), table.rows.iter().filter(|row| table.feasible(row)).count());
     let kept: Vec<String> = table.constraints.iter().map(ToString::to_string).collect();
     let keep = if kept.is_empty() { String::new() } else { format!(" that keep {}", kept.join(", ")) };
-    let mut text = format!("{}\n{points} of {of} points{keep} are not beaten by another\n", table.title);
+    let mut text = format!("{}\n{points} of {of} points{keep} are Pareto-optimal\n", table.title);
     let shown: Vec<usize> = table.objectives().map(|(at, _)| at).chain(table.axes()).collect();
     let title = |&at: &usize| match table.columns[at].role {
         Role::Objective(Goal::Min) => format!("{} min", table.columns[at].header()),
