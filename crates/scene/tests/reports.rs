@@ -18,17 +18,16 @@ fn obj(name: &str) -> Scene {
 
 /// Lowest and highest place of an object in the world.
 fn bounds(object: &Object) -> [[f64; 3]; 2] {
-    let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let (mut lowest, mut highest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for index in &object.mesh.indices {
         let [x, y, z] = object.mesh.positions[*index as usize].map(f64::from);
-        for axis in 0..3 {
-            let row = &object.world[4 * axis..4 * axis + 4];
+        for (axis, row) in object.world.as_chunks::<4>().0[..3].iter().enumerate() {
             let c = row[0] * x + row[1] * y + row[2] * z + row[3];
-            bounds[0][axis] = bounds[0][axis].min(c);
-            bounds[1][axis] = bounds[1][axis].max(c);
+            lowest[axis] = lowest[axis].min(c);
+            highest[axis] = highest[axis].max(c);
         }
     }
-    bounds
+    [lowest, highest]
 }
 
 /// Area of the triangles of a mesh in the plane z = 0: all of it, and counter-clockwise less clockwise.

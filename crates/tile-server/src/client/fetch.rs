@@ -171,21 +171,14 @@ impl Fetcher {
         Ok(body)
     }
 
-    /// Makes one request for several tiles, each of which must pass the check.
-    ///
-    /// # Errors
-    /// Any failure; the caller then requests the tiles one by one.
-    pub fn tiles(
-        &self,
-        tiles: &str,
-        count: usize,
-        check: impl Fn(usize, &[u8]) -> Result<(), String>,
-    ) -> Result<Vec<Vec<u8>>, ()> {
-        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), MAX_TILE_BYTES, &|_| ()).map_err(drop)?;
-        let tiles = split(&body, count).map_err(drop)?;
-        tiles.iter().enumerate().try_for_each(|(i, tile)| check(i, tile)).map_err(drop)?;
+    /// Makes one request for several tiles, each of which must pass the check. Returns `None` after any failure; the caller then
+    /// requests the tiles one by one.
+    pub fn tiles(&self, tiles: &str, count: usize, check: impl Fn(usize, &[u8]) -> Result<(), String>) -> Option<Vec<Vec<u8>>> {
+        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), MAX_TILE_BYTES, &|_| ()).ok()?;
+        let tiles = split(&body, count).ok()?;
+        tiles.iter().enumerate().try_for_each(|(i, tile)| check(i, tile)).ok()?;
         tiles.iter().for_each(|tile| self.meter.came(Body::Tile, tile.len() as u64));
-        Ok(tiles.into_iter().map(<[u8]>::to_vec).collect())
+        Some(tiles.into_iter().map(<[u8]>::to_vec).collect())
     }
 
     /// Fetches a number.

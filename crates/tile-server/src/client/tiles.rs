@@ -61,8 +61,8 @@ impl FetchWorker {
         let mut attempts = Attempts::default();
         if wanted.len() > 1 {
             match self.fetch_together(wanted) {
-                Ok(tiles) => return wanted.iter().zip(tiles).for_each(|(wanted, tile)| self.came(wanted, Ok(tile))),
-                Err(()) => attempts.made += 1,
+                Some(tiles) => return wanted.iter().zip(tiles).for_each(|(wanted, tile)| self.came(wanted, Ok(tile))),
+                None => attempts.made += 1,
             }
         }
         for wanted in wanted {
@@ -72,7 +72,7 @@ impl FetchWorker {
         }
     }
 
-    fn fetch_together(&self, wanted: &[TileRequest]) -> Result<Vec<Vec<u8>>, ()> {
+    fn fetch_together(&self, wanted: &[TileRequest]) -> Option<Vec<Vec<u8>>> {
         let wanted: Vec<&TileRequest> = wanted.iter().collect();
         self.fetcher.tiles(&self.address(&wanted), wanted.len(), |i, body| self.check(wanted[i], body))
     }

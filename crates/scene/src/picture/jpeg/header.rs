@@ -144,7 +144,7 @@ impl Header {
     fn check_sampling(&self) -> Result<(), SceneError> {
         for axis in [0, 1] {
             let largest = self.largest(axis);
-            if let Some(part) = self.components.iter().map(|c| c.sampling[axis]).find(|part| largest % part != 0) {
+            if let Some(part) = self.components.iter().map(|c| c.sampling[axis]).find(|part| !largest.is_multiple_of(*part)) {
                 return Err(unsupported(format!("has sampling factors {largest} and {part}, whose ratio is not a whole number")));
             }
         }
