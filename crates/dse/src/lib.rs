@@ -24,7 +24,7 @@
 //! | [`sample`] | Latin hypercubes and Sobol sequences on a grid |
 //! | [`page`](mod@page) | the sweep as one HTML page |
 //! | [`vega`](mod@vega) | the sweep as a Vega-Lite specification |
-//! | [`write`] | the table as CSV and as JSON lines |
+//! | [`mod@write`] | the table as CSV and as JSON lines |
 //! | `parquet`, `sqlite` | the table as such files, with these features |
 //!
 //! The caller provides files and progress: see [`Host`]. Equal tables give equal bytes on every machine.

@@ -125,7 +125,7 @@ pub struct RemoteTiles {
 }
 
 impl RemoteTiles {
-    /// Starts the threads, at most [`MAX_IN_FLIGHT`]. Each received tile is cached at once.
+    /// Starts the threads, at most `MAX_IN_FLIGHT`. Each received tile is cached at once.
     pub fn new(fetcher: Fetcher, fetch: TileFetch, kept: Option<TileStore>, progress: Arc<dyn FetchProgress>) -> Self {
         let TileFetch { encoding, jpeg_quality, requests, tiles_per_request, left_at_ms } = fetch;
         let encoding = (encoding, jpeg_quality);
