@@ -1,6 +1,6 @@
 //! The bottleneck: a sentence, bars of the saved cycles, and the critical path.
 
-use super::markup::{Html, details, el, el_text, text};
+use super::markup::{Html, details, el, el_text, sentence, text};
 use super::svg::{Part, bar, share};
 use super::table::with_cells;
 use super::units::legend;
@@ -17,8 +17,8 @@ const REST: &str = "rest";
 
 /// The section. A functional run has only a sentence.
 pub(super) fn limits(report: &Report) -> Html {
-    let sentence = el_text("p", "lead", bottleneck_sentence(report));
-    [sentence, saved(report), path(report)].into_iter().collect()
+    let lead = el("p", &[("class", "lead")], [sentence(&bottleneck_sentence(report))]);
+    [lead, saved(report), path(report)].into_iter().collect()
 }
 
 /// Table of the cycles that each relaxation saves.

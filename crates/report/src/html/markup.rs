@@ -73,6 +73,12 @@ pub fn el_text(name: &str, class: &str, content: impl AsRef<str>) -> Html {
     el(name, if class[0].1.is_empty() { &[] } else { &class }, [text(content)])
 }
 
+/// Returns a sentence in which the parts between backticks are code.
+pub fn sentence(sentence: &str) -> Html {
+    let parts = sentence.split('`').enumerate();
+    parts.map(|(i, part)| if i % 2 == 1 { el_text("code", "", part) } else { text(part) }).collect()
+}
+
 /// Returns a collapsed block with a title.
 pub fn details(title: &str, content: Html) -> Html {
     if content.is_empty() { content } else { el("details", &[], [el_text("summary", "", title), content]) }
@@ -104,6 +110,11 @@ mod tests {
     fn text_and_attributes_are_escaped() {
         let page = el("p", &[("title", "\"><script>")], [text("a < b & 'c'\u{0}")]);
         assert_eq!(page.into_text(), "<p title=\"&quot;&gt;&lt;script&gt;\">a &lt; b &amp; &#39;c&#39; </p>\n");
+    }
+
+    #[test]
+    fn names_between_backticks_are_code() {
+        assert_eq!(sentence("The unit `a<b` waits.").into_text(), "The unit <code>a&lt;b</code> waits.");
     }
 
     #[test]
