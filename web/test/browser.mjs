@@ -111,7 +111,7 @@ async function costs() {
 async function wrong() {
   const page = await opened(`${server.address}#demo=cut-plane@1&size=160x120&machine=shade`);
   await page.fill("#search", "lanes of nothing");
-  assert.match(await page.textContent("#controls"), /No parameter has these words/);
+  assert.match(await page.textContent("#controls"), /No parameter matches/);
   await page.fill("#search", "fifo.polygons.depth");
   await page.fill('[id="set-fifo.polygons.depth"]', "0");
   await page.keyboard.press("Tab");

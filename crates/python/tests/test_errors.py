@@ -83,7 +83,7 @@ def test_package_errors_are_sentences(tmp_path: Path) -> None:
     says("frame: `arrow`; expected pandas or polars", lambda: machine.describe().frame("arrow"))
     says("give more with memory_limit", lambda: basrelief.scene(PATCH, memory_limit=1000), InputError)
     result = machine.run(scene, exact=False, bottlenecks=False, engine="functional")
-    says("the functional mode has no timing", lambda: result.cycles, basrelief.Error)
+    says("functional mode has no timing", lambda: result.cycles, basrelief.Error)
     says("run(bottlenecks=True)", lambda: result.bottlenecks, basrelief.Error)
     says("run(recording=True)", lambda: result.recording, basrelief.Error)
     says("run(exact=True)", lambda: result.reference, basrelief.Error)
