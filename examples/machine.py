@@ -10,5 +10,5 @@ print("lanes   cycles  replacement busy")
 for lanes in (16, 64, 256):
     machine = basrelief.Machine("bump", **{"replacement.lanes": lanes})
     result = machine.run(scene)
-    busy = result.units["replacement"]["busy"] / result.cycles
-    print(f"{lanes:5} {result.cycles:8,} {busy:17.0%}")
+    busy = dict(zip(result.units["unit"], result.units["busy"]))
+    print(f"{lanes:5} {result.cycles:8,} {busy['replacement'] / result.cycles:17.0%}")
