@@ -13,14 +13,12 @@ mod split_mix;
 mod table;
 
 pub use cases::{HostileCase, InputKind, SampleInputs};
-pub use program::{RunResult, TestedProgram};
+pub use program::{PATIENCE_S, RunResult, TestedProgram};
 pub use split_mix::SplitMix64;
 pub use table::RunTable;
 
 use std::path::Path;
 
-/// Processor time after which a run counts as a hang \[s\]. Idle runs are given more time.
-pub const PATIENCE_S: u64 = 20;
 /// Most resident memory \[MiB\]: the default limit for files, and the program's own memory.
 pub const MOST_MEBIBYTES: u64 = 1024 + 64;
 

@@ -1,12 +1,14 @@
 //! The program, run in a folder of its own, with time and memory measured.
 
-use super::PATIENCE_S;
 use super::cases::HostileCase;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+
+/// Processor time after which a run counts as a hang \[s\]. Idle runs are given more time.
+pub const PATIENCE_S: u64 = 20;
 
 /// Program under test.
 #[derive(Clone, Debug)]
