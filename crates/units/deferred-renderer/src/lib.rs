@@ -59,11 +59,11 @@ pub use identification::{Identification, IdentificationCounters, IdentificationS
 pub use leaving::{UpcomingTiles, ViewUser, ViewpointEnds};
 pub use page::{PyramidCut, PyramidLayer, TexelCentre, TexturePage, WrappedCoordinates};
 pub use path::{Path, PathCounters, PathState};
-pub use preview::{PicturePreview, PreviewObserver};
+pub use preview::PicturePreview;
 pub use pyramid::{LayerTexels, ServedTexture};
 pub use rasterization::{Rasterization, RasterizationCounters, RasterizationState};
 pub use records::TileRecord;
-pub use reference_buffer::{FilledBuffer, ReferenceBuffer, ReferenceBufferCounters, ReferenceBufferState};
+pub use reference_buffer::{FilledBuffer, PreviewObserver, ReferenceBuffer, ReferenceBufferCounters, ReferenceBufferState};
 pub use server::{ConventionalLoad, Server, ServerCounters, ServerState, TextureMemory, TileSource};
 pub use sizes::TableSizes;
 pub use texels::{LayerCounts, PageTexels};

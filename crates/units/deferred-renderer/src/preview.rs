@@ -6,17 +6,10 @@ use crate::encoding::TileEncoding;
 use crate::texels::PageTexels;
 use crate::{Cell, FilledBuffer, TexturePage};
 use std::collections::BTreeMap;
-use std::fmt::Debug;
 use std::sync::Arc;
 
 /// Entries of a word of the tile load lists (136). The preview ignores the number of words read.
 const ENTRIES: u32 = 1;
-
-/// Observer of a real path. The model has none.
-pub trait PreviewObserver: Debug + Send + Sync {
-    /// Called when the reference buffer (126) of a view is filled, before its tiles are requested.
-    fn filled(&self, filled: FilledBuffer);
-}
 
 /// Tiles received so far, and the formats that colour a picture from them.
 #[derive(Clone, Debug)]

@@ -2,12 +2,13 @@
 
 use crate::config::{EngineConfig, RenderMode};
 use crate::tokens::{CellBlock, CellFlow, PassFlow, PassRound, PlacedCell};
-use crate::{Cell, PreviewObserver, TableSizes, TexturePage};
+use crate::{Cell, TableSizes, TexturePage};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_shading::{BLOCK, pixel_offset};
 use basrelief_signals::{Frame, GatheredLines, Stamp, layout};
 use serde::{Deserialize, Serialize};
+use std::fmt::Debug;
 use std::sync::Arc;
 
 /// Cells of a block of 4 x 4 pixels.
@@ -44,6 +45,12 @@ pub struct FilledBuffer {
     pub pages: Vec<Arc<TexturePage>>,
     /// Cells, row by row.
     pub cells: Vec<Cell>,
+}
+
+/// Observer of a real path. The model has none.
+pub trait PreviewObserver: Debug + Send + Sync {
+    /// Called when the reference buffer (126) of a view is filled, before its tiles are requested.
+    fn filled(&self, filled: FilledBuffer);
 }
 
 /// Counters of the reference buffer.

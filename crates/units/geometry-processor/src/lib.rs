@@ -5,9 +5,9 @@
 //!                   display-list source -------^ (replays a recorded one in its place)
 //! ```
 
-mod charge;
 pub mod clip;
 pub mod config;
+mod cost;
 pub mod display_list_source;
 mod link;
 mod object_lod;

@@ -1,6 +1,5 @@
 //! Geometry processor (102).
 
-use crate::charge::{StepCharge, index_bytes, vertex_bytes};
 use crate::clip::{ClipResult, clip};
 use crate::config::{BumpConfig, BumpUnit, GeometryConfig, Targets};
 use crate::link::POLYGON_BYTES;
@@ -8,7 +7,7 @@ use crate::object_lod::{self, object_lod};
 use crate::state::GeometryProcessorState;
 use crate::transform::{ClipCorner, ObjectTransform, centre};
 use crate::window::WindowTransform;
-use crate::work;
+use crate::work::{self, StepCharge, index_bytes, vertex_bytes};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};

@@ -4,7 +4,33 @@ use crate::clip::{DISTANCES, made_corner};
 use crate::transform::ObjectTransform;
 use crate::window::WindowTransform;
 use basrelief_kernel::{OperatorCounts, Operators};
-use basrelief_signals::{Lighting, LightingStage, SentAttributes, VertexAttributes};
+use basrelief_signals::{Lighting, LightingStage, Object, SentAttributes, VertexAttributes};
+
+/// Arithmetic and fetched bytes that are charged to a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct StepCharge {
+    /// Arithmetic.
+    pub(crate) work: OperatorCounts,
+    /// Bytes of vertices and indices fetched.
+    pub(crate) fetched: u64,
+}
+
+impl StepCharge {
+    /// Adds arithmetic.
+    pub(crate) fn add(&mut self, work: OperatorCounts) {
+        self.work = self.work.and(work);
+    }
+}
+
+/// Returns the size of a vertex as fetched \[bytes\]: three numbers of its position, and these attributes.
+pub(crate) fn vertex_bytes(of: SentAttributes) -> u64 {
+    12 + of.bytes()
+}
+
+/// Returns the size of the indices of a triangle \[bytes\]. An index has 16 bits if they can number all vertices of the object.
+pub(crate) fn index_bytes(object: &Object) -> u64 {
+    3 * if object.mesh.positions.len() <= 1 << 16 { 2 } else { 4 }
+}
 
 /// Returns the arithmetic of transforming a vertex with these attributes.
 pub(crate) fn vertex(of: SentAttributes) -> OperatorCounts {

@@ -1,10 +1,22 @@
 //! Parameters of the normal-vector replacement unit (110).
 
-use crate::Policy;
 use basrelief_kernel::{OperatorCounts, Operators};
 use basrelief_parameters::parameters;
 use basrelief_shading::{LEVELS, MAX_ENTRIES, Table, TableSet};
 use serde::{Deserialize, Serialize};
+
+/// Rule that changes the number of reference normals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Policy {
+    /// The number does not change.
+    #[default]
+    Fixed,
+    /// The number halves per MIP level at which the object was drawn in the last frame, on average over its fragments.
+    ByLod,
+    /// The number is proportional to the fragments that the object drew in the last frame.
+    ByFragments,
+}
 
 /// One number for all MIP levels, or one per level. A list shorter than 8 continues with its last number.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]

@@ -1,12 +1,28 @@
 //! Pseudo-normals held until their code book is built.
 
-use crate::state::TableLoad;
 use basrelief_signals::polygon::{LightingStage, VertexAttributes};
 use basrelief_signals::width::{CONTROL, LEVEL, SHARE};
 use basrelief_signals::{BitWidth, Control, Flow, Fragment, PseudoNormals, SignalWidths, StampLanes, quantization_memory};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
+
+/// Remaining part of a VQ table to be read or written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct TableLoad {
+    pub(crate) address: u64,
+    pub(crate) bytes: u64,
+}
+
+impl TableLoad {
+    /// Returns address and size of the next piece, of at most `most` bytes.
+    pub(crate) fn next(&mut self, most: u64) -> (u64, u32) {
+        let (address, bytes) = (self.address, self.bytes.min(most).max(1));
+        self.address += bytes;
+        self.bytes = self.bytes.saturating_sub(bytes);
+        (address, bytes as u32)
+    }
+}
 
 /// Gathered tokens: from the first fragment of a batch to the control token that ends it, in order and with control in between.
 /// In hardware the pseudo-normals lie in memory (120).

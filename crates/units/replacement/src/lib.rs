@@ -22,9 +22,8 @@ mod tables;
 mod unit;
 
 pub use code_book::{CodeBook, build_code_book};
-pub use config::{CodeBookMode, PerLevel, ReplacementConfig, Tables};
+pub use config::{CodeBookMode, PerLevel, Policy, ReplacementConfig, Tables};
 pub use gather::GatheredBatch;
-pub use policy::Policy;
 pub use search::NearestSearch;
 pub use state::{ReplacementCounters, ReplacementState};
 pub use unit::Replacement;

@@ -3,23 +3,10 @@
 //! A policy depends on the fragments that an object drew in the last frame, never on cycles, because the picture must not depend
 //! on time (law 6).
 
-use crate::ReplacementConfig;
+use crate::{Policy, ReplacementConfig};
 use basrelief_shading::Table;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Rule that changes the number of reference normals.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Policy {
-    /// The number does not change.
-    #[default]
-    Fixed,
-    /// The number halves per MIP level at which the object was drawn in the last frame, on average over its fragments.
-    ByLod,
-    /// The number is proportional to the fragments that the object drew in the last frame.
-    ByFragments,
-}
 
 /// Most objects that are remembered. Further objects have the configured number.
 pub(crate) const MOST_OBJECTS: usize = 256;

@@ -1,8 +1,9 @@
 //! State of the replacement unit (110) between steps.
 
+use crate::NearestSearch;
 use crate::clustering::Clustering;
+use crate::gather::{GatheredBatch, TableLoad};
 use crate::policy::FragmentHistory;
-use crate::{GatheredBatch, NearestSearch};
 use basrelief_kernel::Cached;
 use basrelief_shading::LEVELS;
 use basrelief_signals::{MAX_SAMPLES, ObjectInfo, PseudoNormals};
@@ -13,23 +14,6 @@ use std::sync::Arc;
 
 /// Key of a VQ table: MIP level and number of entries.
 pub(crate) type TableKey = (u8, u32);
-
-/// Remaining part of a VQ table to be read or written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct TableLoad {
-    pub(crate) address: u64,
-    pub(crate) bytes: u64,
-}
-
-impl TableLoad {
-    /// Returns address and size of the next piece, of at most `most` bytes.
-    pub(crate) fn next(&mut self, most: u64) -> (u64, u32) {
-        let (address, bytes) = (self.address, self.bytes.min(most).max(1));
-        self.address += bytes;
-        self.bytes = self.bytes.saturating_sub(bytes);
-        (address, bytes as u32)
-    }
-}
 
 /// Resident tables, the fragment that waits for a table, data gathered for a code book, and the counters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,8 @@
 //! The unit and its step.
 
+use crate::gather::TableLoad;
 use crate::policy::MOST_OBJECTS;
-use crate::state::{TableKey, TableLoad};
+use crate::state::TableKey;
 use crate::tables::HostTables;
 use crate::{CodeBookMode, Policy, ReplacementConfig, ReplacementState};
 use basrelief_kernel::stats::UnitStats;

@@ -22,9 +22,6 @@ const SET_UP: CpuOperations = CpuOperations {
     compare: 4,
     ..CpuOperations::of(OperatorCounts { multiply: 6 + 6 + 6, add: 6 + 9 + 4, divide: 1, ..OperatorCounts::NONE })
 };
-/// A dot: a step of three edges, of the address and of the depth, and a branch. Address and depth are stored.
-pub(super) const DOT: CpuOperations = CpuOperations { integer: 3 + 1 + 1 + 1, store: 2, ..CpuOperations::NONE };
-
 /// Returns the mean over the sample points, or black if there are none.
 pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
     let Some((first, others)) = brightness.split_first() else { return [0.0; 3] };

@@ -12,9 +12,12 @@
 //! | memory (12), same plane as before | `memory` |
 
 mod flatness;
+mod limits;
 mod mean;
 mod memory;
 mod mode;
+mod normals;
+mod plane;
 mod sample_points;
 mod specular;
 mod start;
@@ -22,7 +25,6 @@ mod state;
 mod transfer;
 mod unit;
 
-pub use memory::StoredPlane;
-pub(crate) use specular::SpecularLimits;
+pub use plane::StoredPlane;
 pub use state::{CpuProcess, MicrocomputerCounters, MicrocomputerState, ProcessCounters};
 pub use unit::Microcomputer;

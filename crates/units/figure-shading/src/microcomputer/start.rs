@@ -1,7 +1,7 @@
 //! Process 20: loads and starts the normal-interpolation brightness circuit (50).
 
 use super::Microcomputer;
-use super::flatness::normals_of;
+use super::normals::normals_of;
 use super::state::{CpuProcess, DecidedPolygon};
 use crate::cpu::CpuOperations;
 use crate::local_memory::{LIGHT, LIGHTS};

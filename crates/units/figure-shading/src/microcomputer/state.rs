@@ -1,7 +1,7 @@
 //! State of the microcomputer (10) between steps.
 
-use super::SpecularLimits;
 use super::StoredPlane;
+use super::limits::SpecularLimits;
 use crate::dots::DotScan;
 use crate::{ObjectIllumination, PolygonFigure, ShadingRegisters};
 use basrelief_shading::RasterGrid;

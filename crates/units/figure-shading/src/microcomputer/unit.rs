@@ -1,7 +1,6 @@
 //! The unit and its steps: one to decide, one to shade, and one per dot of process 24.
 
-use super::flatness::normals_of;
-use super::mean::DOT;
+use super::normals::normals_of;
 use super::state::{CpuProcess, DecidedPolygon, MicrocomputerState, Phase};
 use crate::cpu::CpuOperations;
 use crate::dots::DotScan;
@@ -66,6 +65,8 @@ fn passed(cycles: u64, signal: FigureFlow) -> Out {
 
 /// A register write: a store.
 const REGISTER: CpuOperations = CpuOperations { store: 1, ..CpuOperations::NONE };
+/// A dot: a step of three edges, of the address and of the depth, and a branch. Address and depth are stored.
+const DOT: CpuOperations = CpuOperations { integer: 3 + 1 + 1 + 1, store: 2, ..CpuOperations::NONE };
 /// Most requests of a step to memory (12): three for the data sent once, two for the limits, and those of processes 15, 92 and
 /// 17.
 const MOST_REQUESTS: u32 = 3 + 2 + 1 + 3 + 2;

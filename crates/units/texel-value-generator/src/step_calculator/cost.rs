@@ -15,10 +15,6 @@ const ADDERS: u32 = 3;
 const DECISION: OperatorCounts = OperatorCounts { multiply: 4, add: 3, ..OperatorCounts::NONE };
 /// Longest dependent chain of the decision.
 const DECISION_CHAIN: OperatorCounts = OperatorCounts { multiply: 2, add: 2, ..OperatorCounts::NONE };
-/// Arithmetic from e / |dw| to the argument of the first root, and from that root to the step.
-pub(super) const FIRST_STEP: OperatorCounts = OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE };
-/// Arithmetic from a step to the argument of the next root, which differs by e t, and from that root to the next step.
-pub(super) const NEXT_STEP: OperatorCounts = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
 /// Arithmetic of U, V and W of a point, each a product and a sum.
 const POINT: OperatorCounts = OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE };
 

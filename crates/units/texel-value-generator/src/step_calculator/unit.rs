@@ -1,6 +1,5 @@
 //! The unit and its step.
 
-use super::cost::{FIRST_STEP, NEXT_STEP};
 use super::state::BINS;
 use super::{RootTable, StepCalculatorState, StepEquation, StepReach, keeps_bound};
 use crate::config::{Method, TexelConfig};
@@ -8,10 +7,15 @@ use crate::fixed::down;
 use crate::log::SpanRecord;
 use crate::signals::{DivisionPoints, LineSegment, ScanSpan};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, MemoryPorts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, OperatorCounts, Operators, Step, Unit};
 use basrelief_signals::{Control, Flow};
 use smallvec::smallvec;
 use std::sync::Arc;
+
+/// Arithmetic from e / |dw| to the argument of the first root, and from that root to the step.
+const FIRST_STEP: OperatorCounts = OperatorCounts { multiply: 1, add: 1, ..OperatorCounts::NONE };
+/// Arithmetic from a step to the argument of the next root, which differs by e t, and from that root to the next step.
+const NEXT_STEP: OperatorCounts = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
 
 /// Step calculator of the texel value generator (310), with its storage element. It takes spans, chooses division points, and
 /// sends each segment to the approximate calculator (310a) and its points to the dividers.

@@ -1,37 +1,11 @@
 //! Costs of the geometry processor (102): charges of its steps, and its hardware.
 
 use crate::config::GeometryConfig;
-use crate::work;
+use crate::work::{self, StepCharge};
 use crate::{GeometryProcessor, PolygonLink};
+use basrelief_kernel::HardwareKind;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{HardwareKind, OperatorCounts};
 use basrelief_signals::{LightingStage, Material, Object, Polygon, SentAttributes};
-
-/// OperatorCounts that is charged to a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct StepCharge {
-    /// Arithmetic.
-    pub(crate) work: OperatorCounts,
-    /// Bytes of vertices and indices fetched.
-    pub(crate) fetched: u64,
-}
-
-impl StepCharge {
-    /// Adds arithmetic.
-    pub(crate) fn add(&mut self, work: OperatorCounts) {
-        self.work = self.work.and(work);
-    }
-}
-
-/// Returns the size of a vertex as fetched \[bytes\]: three numbers of its position, and these attributes.
-pub(crate) fn vertex_bytes(of: SentAttributes) -> u64 {
-    12 + of.bytes()
-}
-
-/// Returns the size of the indices of a triangle \[bytes\]. An index has 16 bits if they can number all vertices of the object.
-pub(crate) fn index_bytes(object: &Object) -> u64 {
-    3 * if object.mesh.positions.len() <= 1 << 16 { 2 } else { 4 }
-}
 
 impl GeometryProcessor {
     /// Returns the occupancy in cycles of a step with this charge and a polygon of this size.
