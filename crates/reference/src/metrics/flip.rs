@@ -4,8 +4,8 @@
 //! Alternating Images. Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020. Section numbers below are those of the paper. The
 //! spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps instead of 441.
 
+use super::covered::{SizeMismatch, covered, covered_in, mean, same_size, strip_pixels};
 use super::filter::{FilterKernel, FilterWindow, FilteredRows, RimMode, RowStrip, due};
-use super::{SizeMismatch, covered, covered_in, mean, same_size, strip_pixels};
 use crate::Picture;
 use std::f64::consts::PI;
 

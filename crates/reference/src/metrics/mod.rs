@@ -5,17 +5,17 @@
 //! computes the same bits. `nv-flip` was rejected: it needs a C++ compiler besides Rust, and it calls the host's `pow`, whose
 //! last bits differ between systems. Both SSIM and FLIP are tested against the standard implementations of their fields.
 
+mod covered;
 mod filter;
 mod flip;
 mod ssim;
 
+pub use covered::SizeMismatch;
 pub use flip::flip;
 pub use ssim::ssim;
 
 use crate::Picture;
-use basrelief_threads as threads;
-use filter::{FilterWindow, RowStrip, STRIP_PIXELS, STRIP_ROWS};
-use std::ops::Range;
+use covered::{covered, rounded, same_size};
 
 /// PSNR of identical pictures \[dB\], and the largest reported value.
 pub const IDENTICAL_DB: f64 = 99.0;
@@ -29,20 +29,6 @@ pub struct Quality {
     pub ssim: f64,
     /// FLIP error as seen at 67 pixels per degree, 0..=1, 0 = identical.
     pub flip: f64,
-}
-
-/// Size mismatch of two pictures to be compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "exact picture {}x{} against picture {}x{}: both must have the same size, and as many pixels as it says; draw \
-     them from the same frame",
-    .exact[0], .exact[1], .other[0], .other[1]
-)]
-pub struct SizeMismatch {
-    /// Width and height of the exact picture \[pixels\].
-    pub exact: [u32; 2],
-    /// Width and height of the picture compared with it \[pixels\].
-    pub other: [u32; 2],
 }
 
 impl Quality {
@@ -114,56 +100,6 @@ fn steps(exact: &Picture, other: &Picture) -> Result<Picture, SizeMismatch> {
         }
     }
     Ok(result)
-}
-
-fn same_size(exact: &Picture, other: &Picture) -> Result<(), SizeMismatch> {
-    let size = |picture: &Picture| [picture.width, picture.height];
-    let whole = |picture: &Picture| {
-        let pixels = picture.width as usize * picture.height as usize;
-        picture.rgb.len() == pixels && picture.covered.len() == pixels
-    };
-    if size(exact) == size(other) && whole(exact) && whole(other) {
-        return Ok(());
-    }
-    Err(SizeMismatch { exact: size(exact), other: size(other) })
-}
-
-/// Returns the numbers of the pixels covered in either picture, ascending.
-fn covered<'a>(exact: &'a Picture, other: &'a Picture) -> impl Iterator<Item = usize> + 'a {
-    covered_in(exact, other, 0..exact.height as usize)
-}
-
-/// Returns the numbers of the covered pixels in these rows.
-fn covered_in<'a>(exact: &'a Picture, other: &'a Picture, rows: Range<usize>) -> impl Iterator<Item = usize> + 'a {
-    let pixels = rows.start * exact.width as usize..rows.end * exact.width as usize;
-    let both = exact.covered[pixels.clone()].iter().zip(&other.covered[pixels.clone()]);
-    pixels.zip(both).filter(|(_, (a, b))| **a || **b).map(|(i, _)| i)
-}
-
-/// Returns the mean of a map over the pixels covered in either picture, or `empty` if no pixel is. `values` returns the covered
-/// pixels of the map in a strip. Strips are computed in parallel and added in order: the sum is identical to the bit to a
-/// sequential one.
-fn mean(strips: &[RowStrip], empty: f64, values: impl Fn(&RowStrip) -> Vec<f64> + Sync) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    // As many strips at a time as there are workers, so that the planes of the others are not in memory.
-    for together in strips.chunks(threads::workers()) {
-        for value in threads::map(together.iter().collect(), &values).into_iter().flatten() {
-            sum += value;
-            count += 1;
-        }
-    }
-    if count == 0 { empty } else { rounded(sum / f64::from(count)) }
-}
-
-/// Returns the pixels of a strip. All strips computed in parallel have about [`STRIP_PIXELS`] together, at most. A small picture
-/// has one strip per worker, of at least [`STRIP_ROWS`] rows.
-fn strip_pixels(window: &FilterWindow) -> usize {
-    let shared = window.pixels().min(STRIP_PIXELS).div_ceil(threads::workers());
-    shared.max(STRIP_ROWS * window.width())
-}
-
-fn rounded(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
 }
 
 #[cfg(test)]

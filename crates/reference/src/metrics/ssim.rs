@@ -1,7 +1,7 @@
 //! Structural similarity.
 
+use super::covered::{SizeMismatch, covered_in, mean, same_size, strip_pixels};
 use super::filter::{FilterKernel, FilterWindow, FilteredRows, RimMode, RowStrip, due};
-use super::{SizeMismatch, covered_in, mean, same_size, strip_pixels};
 use crate::Picture;
 
 const SIGMA: f64 = 1.5;
