@@ -1,9 +1,8 @@
 //! A coin in relief under a circling light.
 
-use super::framing;
 use super::lettering::{distance, width};
 use super::pattern::{noise, smoothstep};
-use super::stage::{Grid, PI, Point, Stage, Workshop};
+use super::stage::{Grid, PI, Point, Stage, Workshop, framing};
 use crate::view::LightOrbit;
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec2, DVec3};

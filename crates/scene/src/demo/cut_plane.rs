@@ -1,7 +1,6 @@
 //! A plane that a curve cuts into many small facets, beside a curved body.
 
-use super::framing;
-use super::stage::{Grid, PI, Point, Stage, Workshop, append};
+use super::stage::{Grid, PI, Point, Stage, Workshop, append, framing};
 use basrelief_signals::{Lighting, Mesh};
 use glam::{DMat4, DVec3};
 

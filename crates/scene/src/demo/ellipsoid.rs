@@ -1,7 +1,6 @@
 //! Figure 3 of the shading device: sample points on an ellipsoid.
 
-use super::framing;
-use super::stage::{Stage, Workshop, sphere};
+use super::stage::{Stage, Workshop, framing, sphere};
 use crate::camera::turn;
 use basrelief_signals::Lighting;
 use glam::{DMat4, DVec3};

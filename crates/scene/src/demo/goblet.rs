@@ -1,8 +1,7 @@
 //! A goblet: a spline turned around an axis.
 
-use super::framing;
 use super::spline::Spline;
-use super::stage::{Grid, PI, Point, Stage, Workshop};
+use super::stage::{Grid, PI, Point, Stage, Workshop, framing};
 use basrelief_signals::{Lighting, Mesh};
 use glam::{DMat4, DVec2, DVec3};
 

@@ -1,8 +1,7 @@
 //! A golf ball: all of its shape is in the normal map.
 
-use super::framing;
 use super::pattern::smoothstep;
-use super::stage::{Globe, PI, Stage, Workshop, sphere};
+use super::stage::{Globe, PI, Stage, Workshop, framing, sphere};
 use glam::{DMat4, DVec3};
 
 const DIMPLES: u32 = 336;

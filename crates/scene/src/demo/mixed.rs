@@ -1,8 +1,7 @@
 //! Everything at once.
 
-use super::framing;
 use super::pattern::{Masonry, noise, weave};
-use super::stage::{Grid, PI, Point, Stage, Workshop, append, sphere};
+use super::stage::{Grid, PI, Point, Stage, Workshop, append, framing, sphere};
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec3};
 

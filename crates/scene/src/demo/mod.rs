@@ -17,7 +17,6 @@ mod spline;
 mod stage;
 mod turntable;
 
-use crate::camera::{Bounds, Viewpoint};
 use crate::model::bounds;
 use crate::view::{Lamp, ViewHints};
 use crate::{SceneError, Subject, ViewOptions};
@@ -160,11 +159,6 @@ fn subject(name: &str) -> Result<Subject, SceneError> {
         shading: ShadingSettings::default(),
     };
     Ok(Subject { name: name.into(), objects: stage.objects, hints, warnings: Vec::new() })
-}
-
-/// The camera that frames a box, from this azimuth and elevation \[degrees\], its field of view 30 degrees.
-fn framing(low: [f64; 3], high: [f64; 3], azimuth: f64, elevation: f64) -> Viewpoint {
-    Viewpoint::framing(&Bounds { low: low.into(), high: high.into() }, [azimuth, elevation, 30.0])
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! The benchmark W1: a sphere of 20,000 triangles with a repeating normal map of 512 x 512 texels.
 
-use super::framing;
 use super::pattern::weave;
-use super::stage::{Stage, Workshop, sphere};
+use super::stage::{Stage, Workshop, framing, sphere};
 use glam::DMat4;
 
 /// A woven ball: fine, regular relief that uses every direction a normal can have.

@@ -1,6 +1,6 @@
 //! Building blocks of the demos: curved surfaces, textures, materials.
 
-use crate::camera::Viewpoint;
+use crate::camera::{Bounds, Viewpoint};
 use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
 use crate::textures::{Content, TextureStore};
 use crate::view::LightOrbit;
@@ -19,6 +19,11 @@ pub(super) struct Stage {
     /// Of the camera \[degrees over all frames\].
     pub orbit: f64,
     pub light_orbit: LightOrbit,
+}
+
+/// Returns the camera that frames a box from this azimuth and elevation \[degrees\], with a field of view of 30 degrees.
+pub(super) fn framing(low: [f64; 3], high: [f64; 3], azimuth: f64, elevation: f64) -> Viewpoint {
+    Viewpoint::framing(&Bounds { low: low.into(), high: high.into() }, [azimuth, elevation, 30.0])
 }
 
 /// A point of a surface.

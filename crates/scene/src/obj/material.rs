@@ -1,6 +1,5 @@
 //! Materials and their pictures.
 
-use super::OBJECT;
 use super::map::Map;
 use super::mtl::{self, MtlMaterial};
 use super::text::{escaped, shown, words};
@@ -11,6 +10,9 @@ use crate::textures::{Content, TextureStore};
 use basrelief_signals::{Lighting, Material, Sampler, TexelFilter, Texture, WrapMode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+/// Memory of an object or a material beside its name and its mesh \[bytes\].
+pub(super) const OBJECT: u64 = 512;
 
 /// Height of white over black \[texels\] where a bump map says `-bm 1` (assumed: the format does not say).
 const BUMP_HEIGHT: f64 = 4.0;

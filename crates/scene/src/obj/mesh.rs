@@ -159,7 +159,7 @@ impl Shape<'_> {
             corners.copied().try_for_each(|corner| builder.push(corner, sharing, flat, held))
         })?;
         if builder.without_uv {
-            warnings.add(format!("`{}` has faces without texture coordinates: all (0, 0)", super::object_name(group)));
+            warnings.add(format!("`{}` has faces without texture coordinates: all (0, 0)", group.name()));
         }
         let mut mesh = builder.mesh;
         if surface.material.normal_map.is_some() {

@@ -21,14 +21,11 @@ use crate::outside::{Outside, mesh_bytes};
 use crate::tangents;
 use basrelief_signals::{Object, ShadingSettings};
 use glam::DMat4;
-use material::{Library, Materials, Surface};
+use material::{Library, Materials, OBJECT, Surface};
 use mesh::{CORNER, Positions, Shape, SmoothNormals, TRIANGLES};
 use parse::Group;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Memory of an object or a material beside its name and its mesh \[bytes\].
-const OBJECT: u64 = 512;
 
 /// Imports an OBJ file.
 pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
@@ -73,7 +70,7 @@ fn object(
     let tangents = if surface.material.normal_map.is_some() { tangents::BYTES_PER_CORNER } else { 0 };
     let mut held = outside.take((CORNER + tangents) * corners, "", TRIANGLES)?;
     let mesh = shape.mesh(group, &surface, &mut held, warnings)?;
-    let name = object_name(group);
+    let name = group.name();
     held.shrink_to(mesh_bytes(&mesh));
     outside.keep(held);
     outside.hold(OBJECT + name.len() as u64, "", "objects and their names")?;
@@ -88,10 +85,4 @@ fn object(
         bump: None,
         shading: ShadingSettings::default(),
     })
-}
-
-fn object_name(group: &Group) -> String {
-    let parts: Vec<String> =
-        [&group.object, &group.material].into_iter().filter(|p| !p.is_empty()).map(|p| text::escaped(p)).collect();
-    if parts.is_empty() { "object".into() } else { parts.join(" / ") }
 }

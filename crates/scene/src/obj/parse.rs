@@ -1,6 +1,6 @@
 //! The statements of an OBJ file.
 
-use super::text::{Line, keyword_and_rest, lines, number, numbers, shown, takes_name, words};
+use super::text::{Line, escaped, keyword_and_rest, lines, number, numbers, shown, takes_name, words};
 use crate::SceneError;
 use crate::error::Warnings;
 use crate::outside::{Outside, over_budget};
@@ -47,6 +47,13 @@ impl Group {
     /// Number of triangles that the faces consist of.
     pub fn triangles(&self) -> usize {
         self.corners.len() - 2 * self.faces.len()
+    }
+
+    /// Returns the names of the group's object and material, as far as it has them.
+    pub fn name(&self) -> String {
+        let named = [&self.object, &self.material].into_iter().filter(|name| !name.is_empty());
+        let names: Vec<String> = named.map(|name| escaped(name)).collect();
+        if names.is_empty() { "object".into() } else { names.join(" / ") }
     }
 }
 

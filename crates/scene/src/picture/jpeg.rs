@@ -8,6 +8,7 @@ mod header;
 #[cfg(test)]
 mod tests;
 
+use super::size::{TEXEL, check_size, texels_of};
 use crate::SceneError;
 use crate::outside::Outside;
 use basrelief_input::Held;
@@ -36,9 +37,9 @@ const GUARD: [u8; 2048] = {
 pub(super) fn decode(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<(Image, Held), SceneError> {
     let header = Header::read(bytes)?;
     let [width, height] = header.size;
-    super::check_size([width, height])?;
+    check_size([width, height])?;
     let file = (bytes.len() + header.scan_ends.len() * GUARD.len()) as u64;
-    let what = super::texels_of(name, header.size);
+    let what = texels_of(name, header.size);
     let mut held = outside.take(file + SAMPLE * header.samples(), "", what)?;
     let guarded = guarded(bytes, &header.scan_ends);
     let mut decoder = Decoder::new(guarded.as_slice());
@@ -48,7 +49,7 @@ pub(super) fn decode(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<
         1 => samples.iter().map(|y| [*y, *y, *y, 255]).collect(),
         _ => samples.as_chunks().0.iter().map(|[r, g, b]| [*r, *g, *b, 255]).collect(),
     };
-    held.shrink_to(super::TEXEL * u64::from(width) * u64::from(height));
+    held.shrink_to(TEXEL * u64::from(width) * u64::from(height));
     Ok((Image { width, height, texels }, held))
 }
 

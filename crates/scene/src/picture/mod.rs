@@ -1,6 +1,9 @@
 //! PNG and JPEG decoding within limits.
 
 mod jpeg;
+mod size;
+
+pub(crate) use size::MAX_SIDE;
 
 use crate::SceneError;
 use crate::outside::Outside;
@@ -8,13 +11,8 @@ use basrelief_input::Held;
 use basrelief_signals::Image;
 use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder, ImageError, Limits};
+use size::{TEXEL, check_size, texels_of};
 use std::io::Cursor;
-
-/// Most texels per side.
-pub(crate) const MAX_SIDE: u32 = 16_384;
-
-/// Bytes of a texel.
-const TEXEL: u64 = 4;
 
 /// Memory that a decoder may take beyond its result \[bytes\].
 const SCRATCH: u64 = 1 << 26;
@@ -54,20 +52,6 @@ fn decode_png(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<(Image,
     let image = Image { width, height, texels: pixels.as_raw().as_chunks().0.to_vec() };
     held.shrink_to(rgba);
     Ok((image, held))
-}
-
-fn check_size([width, height]: [u32; 2]) -> Result<(), SceneError> {
-    if [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
-        return Ok(());
-    }
-    Err(SceneError::at("", format!("picture is {width} x {height} texels"))
-        .expected(format!("1..={MAX_SIDE} per side"))
-        .cure("scale it down"))
-}
-
-/// The picture, as a reason to take memory.
-fn texels_of(name: &str, [width, height]: [u32; 2]) -> String {
-    format!("texels of {name}, a picture of {width} x {height}")
 }
 
 /// A picture format.

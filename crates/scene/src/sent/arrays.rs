@@ -2,8 +2,7 @@
 //! coordinates of the normal map, colours, each as numbers of 32 bits; then indices, of 16 bits where there are at most 65,536
 //! vertices, of 32 otherwise.
 
-use super::head::NormalUv;
-use super::{MeshHead, place};
+use super::head::{MeshHead, NormalUv, place};
 use crate::SceneError;
 use crate::outside::over_budget;
 use basrelief_input::{Budget, Held};

@@ -1,6 +1,5 @@
 //! The head of a scene that travels: everything but the arrays of its meshes.
 
-use super::place;
 use crate::camera::{Bounds, Viewpoint};
 use crate::picture::MAX_SIDE;
 use crate::view::{Lamp, LightOrbit, ViewHints};
@@ -179,6 +178,11 @@ fn read<T, U>(
 ) -> Result<Vec<Arc<U>>, SceneError> {
     let each = all.into_iter().enumerate();
     each.map(|(i, one)| of(one, i).map(Arc::new).map_err(|(field, what)| SceneError::at(place(list, i, field), what))).collect()
+}
+
+/// The place of an element of a list of the head.
+pub(super) fn place(list: &str, index: usize, field: &str) -> String {
+    if field.is_empty() { format!("/{list}/{index}") } else { format!("/{list}/{index}/{field}") }
 }
 
 fn distinct(list: &str, ids: impl Iterator<Item = u32>) -> Result<(), SceneError> {

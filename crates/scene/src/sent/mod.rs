@@ -21,7 +21,7 @@ use crate::{SceneError, Subject};
 use arrays::Arrays;
 use basrelief_input::{Budget, Held};
 use basrelief_signals::{Mesh, Texture};
-use head::{Head, MeshHead};
+use head::Head;
 
 /// How it begins.
 const MAGIC: &[u8] = b"basrelief-scene/1\n";
@@ -70,9 +70,4 @@ fn read(bytes: &[u8], budget: &Budget) -> Result<(Subject, Held), SceneError> {
     let meshes = (0..).zip(&head.meshes).map(|(i, mesh)| arrays.mesh(i, mesh)).collect::<Result<Vec<Mesh>, _>>()?;
     let held = arrays.finish()?;
     Ok((head.subject(meshes)?, held))
-}
-
-/// The place of an element of a list of the head.
-fn place(list: &str, index: usize, field: &str) -> String {
-    if field.is_empty() { format!("/{list}/{index}") } else { format!("/{list}/{index}/{field}") }
 }
