@@ -2,9 +2,10 @@
 
 use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
+use crate::global::GlobalOptions;
 use crate::views::Script;
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
-use basrelief_scene::{ImportOptions, SceneError, Subject, ViewOptions, demo, load_path_with, read_camera};
+use basrelief_scene::{SceneError, Subject, ViewOptions, demo, load_path_with, read_camera};
 use basrelief_signals::Scene;
 use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput};
 use basrelief_trace::{Form, looks_like_trace};
@@ -14,7 +15,6 @@ use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Input of a simulation.
 pub enum Input {
@@ -112,25 +112,13 @@ impl<R: Read> Read for Counting<R> {
     }
 }
 
-/// Models may name files outside their folders: `--allow-outside`.
-static ALLOW_OUTSIDE: AtomicBool = AtomicBool::new(false);
-
-/// Sets `--allow-outside` for all models that the program opens.
-pub fn set_allow_outside(allow_outside: bool) {
-    ALLOW_OUTSIDE.store(allow_outside, Ordering::Relaxed);
-}
-
-fn import_options(budget: &Budget) -> ImportOptions {
-    ImportOptions { budget: budget.clone(), allow_outside: ALLOW_OUTSIDE.load(Ordering::Relaxed) }
-}
-
 /// Opens a model, a demo (`demo:NAME`) or a trace.
-pub fn open(path: &Path, view: &ViewArgs, budget: &Budget) -> Done<Input> {
-    open_seen(path, &look(view, budget)?.without_times()?, budget)
+pub fn open(path: &Path, view: &ViewArgs, global: &GlobalOptions) -> Done<Input> {
+    open_seen(path, &look(view, &global.budget)?.without_times()?, global)
 }
 
 /// Opens an input with a resolved view.
-pub fn open_seen(path: &Path, view: &ViewOptions, budget: &Budget) -> Done<Input> {
+pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> Done<Input> {
     if let Some(name) = demo_of(path) {
         return demo_scene(name, view).map(|scene| Input::Scene(scene.into()));
     }
@@ -141,21 +129,21 @@ pub fn open_seen(path: &Path, view: &ViewOptions, budget: &Budget) -> Done<Input
         }
         return Ok(Input::Trace(trace));
     }
-    let (scene, held) = load_path_with(path, view, &import_options(budget)).map_err(failed_within(path))?;
+    let (scene, held) = load_path_with(path, view, &global.import_options()).map_err(failed_within(path))?;
     // The memory stays reserved until the end of the program.
     held.keep();
     Ok(Input::Scene(Arc::new(scene).into()))
 }
 
 /// Opens a model or a demo (`demo:NAME`) without a view; `None` for a trace.
-pub fn open_subject(path: &Path, budget: &Budget) -> Done<Option<Subject>> {
+pub fn open_subject(path: &Path, global: &GlobalOptions) -> Done<Option<Subject>> {
     if let Some(name) = demo_of(path) {
         return Subject::demo(name).map(Some).map_err(|e| Failure::Usage(e.to_string()));
     }
     if path == Path::new("-") || TraceFile::open(path)?.is_one()? {
         return Ok(None);
     }
-    let (subject, held) = Subject::load_path_with(path, &import_options(budget)).map_err(failed_within(path))?;
+    let (subject, held) = Subject::load_path_with(path, &global.import_options()).map_err(failed_within(path))?;
     // The memory stays reserved until the end of the program.
     held.keep();
     Ok(Some(subject))

@@ -7,8 +7,10 @@
 
 mod address_space;
 mod args;
+mod clock;
 mod commands;
 mod error;
+mod global;
 mod input;
 mod interrupt;
 mod legacy;
@@ -21,18 +23,11 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    let _start = clock::seconds();
     let (arguments, notes) = legacy::current_names(std::env::args_os());
     let cli = args::Cli::parse_from(arguments);
     notes.iter().for_each(|note| terminal::note(note));
-    // Before any thread starts, because threads reserve address space: the limit must be the same in every run.
-    let budget = address_space::budget(cli.memory_limit);
-    input::set_allow_outside(cli.allow_outside);
+    let global = global::GlobalOptions::new(&cli);
     interrupt::listen();
-    match commands::dispatch(cli, &budget) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            terminal::note(&format!("error: {failure}"));
-            ExitCode::from(failure.exit_code())
-        }
-    }
+    error::conclude(commands::dispatch(cli.command, &global))
 }

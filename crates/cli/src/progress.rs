@@ -2,7 +2,9 @@
 
 use basrelief_tile_server::client::FetchProgress;
 use indicatif::{HumanBytes, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::cell::Cell;
 use std::io::IsTerminal;
+use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -51,6 +53,21 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// Progress of a run over its input.
+#[derive(Debug)]
+pub struct InputProgress {
+    pub bar: Progress,
+    /// Bytes of the trace read so far; `None` if the bar counts commands.
+    pub read: Option<Rc<Cell<u64>>>,
+}
+
+impl InputProgress {
+    /// Sets the position after this number of commands.
+    pub fn at(&mut self, commands: u64) {
+        self.bar.at(self.read.as_ref().map_or(commands, |read| read.get()));
     }
 }
 

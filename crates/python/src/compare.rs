@@ -1,6 +1,6 @@
 //! Comparison of two runs.
 
-use crate::error::{Done, bad, budget, of_tape};
+use crate::error::{Done, Exported, Failure, budget, of_tape};
 use crate::page::{WIDTH, pictures, report_of};
 use crate::pixels;
 use crate::recording::opened;
@@ -29,24 +29,25 @@ impl Side {
     }
 
     fn shown<'a>(&'a self, report: &'a Report) -> Done<html::Side<'a>> {
-        let beside = html::Beside { pictures: pictures(self.image.as_ref(), None)?, ..page_assets(report).map_err(bad)? };
+        let beside =
+            html::Beside { pictures: pictures(self.image.as_ref(), None)?, ..page_assets(report).map_err(Failure::bad)? };
         Ok(html::Side { name: &self.name, report, beside })
     }
 }
 
 /// Compares `a` with `b`. Returns the JSON and the text of the command line.
 #[pyfunction]
-pub fn compare(py: Python<'_>, a: Side, b: Side) -> Done<(String, String)> {
+pub fn compare(py: Python<'_>, a: Side, b: Side) -> Exported<(String, String)> {
     py.detach(|| {
         let comparison = compared_reports((&a, &report_of(&a.report)?), (&b, &report_of(&b.report)?))?;
         let text = comparison.to_text(Style { width: WIDTH, color: false });
-        Ok((serde_json::to_string(&comparison).map_err(bad)?, text))
+        Ok((serde_json::to_string(&comparison).map_err(Failure::bad)?, text))
     })
 }
 
 /// Returns the comparison as an HTML page.
 #[pyfunction]
-pub fn compared(py: Python<'_>, a: Side, b: Side) -> Done<String> {
+pub fn compared(py: Python<'_>, a: Side, b: Side) -> Exported<String> {
     py.detach(|| {
         let (of_a, of_b) = (report_of(&a.report)?, report_of(&b.report)?);
         let comparison = compared_reports((&a, &of_a), (&b, &of_b))?;

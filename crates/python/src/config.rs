@@ -1,6 +1,6 @@
 //! A machine with its parameters.
 
-use crate::error::{Done, bad, budget, usage, within};
+use crate::error::{Exported, Failure, budget};
 use basrelief_input::Budget;
 use basrelief_sim::{MachineConfig, MachineInfo, Overrides, OverridesError};
 use pyo3::{pyclass, pymethods};
@@ -16,19 +16,19 @@ pub struct Config {
 impl Config {
     /// Makes a configuration from the defaults, the TOML text of the file `name`, and single settings, in this order.
     #[new]
-    fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> Done<Self> {
+    fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> Exported<Self> {
         let (file, toml) = file;
-        let machine = MachineInfo::named(machine).map_err(usage)?;
+        let machine = MachineInfo::named(machine).map_err(Failure::usage)?;
         let given = Overrides { toml, settings };
         let config = given.checked(machine, &budget(Budget::DEFAULT)).map_err(|wrong| match wrong {
-            OverridesError::File(error) => within(&file)(error),
-            OverridesError::Settings(error) => usage(error),
+            OverridesError::File(error) => Failure::within(&file)(error),
+            OverridesError::Settings(error) => Failure::usage(error),
         })?;
         Ok(Self { config, given })
     }
 
     /// Returns all parameters with every fact about them, as `basrelief describe --json` prints them.
-    fn described(&self) -> Done<String> {
-        serde_json::to_string(&self.config.described()).map_err(bad)
+    fn described(&self) -> Exported<String> {
+        Ok(serde_json::to_string(&self.config.described()).map_err(Failure::bad)?)
     }
 }

@@ -1,6 +1,6 @@
 //! Reports as HTML pages, and as fragments for a notebook.
 
-use crate::error::{Done, bad, within};
+use crate::error::{Done, Exported, Failure};
 use crate::pixels::Given;
 use basrelief_report::html::{Beside, PagePicture, STYLE, sections};
 use basrelief_report::{Report, Style, to_html, to_text};
@@ -14,45 +14,45 @@ pub const WIDTH: usize = 120;
 const SHOWN: [&str; 4] = ["bottlenecks", "pictures", "diagram", "units"];
 
 pub fn report_of(text: &str) -> Done<Report> {
-    Report::from_json(text).map_err(bad)
+    Report::from_json(text).map_err(Failure::bad)
 }
 
 /// Returns the available pictures of a page.
 pub fn pictures(image: Option<&Given>, reference: Option<&Given>) -> Done<Vec<PagePicture>> {
     let Some(image) = image else { return Ok(vec![]) };
     let reference = reference.map(Given::picture).transpose()?;
-    page_pictures(&image.picture()?, reference.as_ref()).map_err(bad)
+    page_pictures(&image.picture()?, reference.as_ref()).map_err(Failure::bad)
 }
 
 fn with_pictures(report: &Report, (image, reference): (Option<Given>, Option<Given>)) -> Done<Beside> {
-    Ok(Beside { pictures: pictures(image.as_ref(), reference.as_ref())?, ..page_assets(report).map_err(bad)? })
+    Ok(Beside { pictures: pictures(image.as_ref(), reference.as_ref())?, ..page_assets(report).map_err(Failure::bad)? })
 }
 
 /// Reads a report from the text of the file `name`, and removes the figures of the host.
 #[pyfunction]
-pub fn read_report(name: &str, text: &str) -> Done<String> {
-    let report = Report::from_json(text).map_err(within(name))?;
-    Report { host: None, ..report }.to_json().map_err(bad)
+pub fn read_report(name: &str, text: &str) -> Exported<String> {
+    let report = Report::from_json(text).map_err(Failure::within(name))?;
+    Ok(Report { host: None, ..report }.to_json().map_err(Failure::bad)?)
 }
 
 /// Returns the report as text, as the command line prints it.
 #[pyfunction]
-pub fn text(report: &str) -> Done<String> {
+pub fn text(report: &str) -> Exported<String> {
     Ok(to_text(&report_of(report)?, Style { width: WIDTH, color: false }, &[]))
 }
 
 /// Returns the report as one page with image and reference image, as `--html` writes it.
 #[pyfunction]
-pub fn page(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Done<String> {
+pub fn page(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Exported<String> {
     py.detach(|| {
         let report = report_of(&report)?;
-        to_html(&report, &with_pictures(&report, pictures)?).map_err(bad)
+        Ok(to_html(&report, &with_pictures(&report, pictures)?).map_err(Failure::bad)?)
     })
 }
 
 /// Returns the notebook fragment of a report: bottlenecks, pictures, block diagram, and cycle breakdown.
 #[pyfunction]
-pub fn part(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Done<String> {
+pub fn part(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Exported<String> {
     py.detach(|| {
         let report = report_of(&report)?;
         let all = sections(&report, &with_pictures(&report, pictures)?);

@@ -1,6 +1,6 @@
 //! Conversion of pictures from and to Python.
 
-use crate::error::{Done, bad};
+use crate::error::{Done, Exported, Failure};
 use basrelief_reference::{Picture, metrics};
 use basrelief_sim::to_png;
 use pyo3::pybacked::PyBackedBytes;
@@ -27,7 +27,7 @@ impl Given {
         let Self(width, height, rgba) = self;
         let pixels = rgba.as_chunks::<4>().0;
         if u64::from(*width) * u64::from(*height) * 4 != rgba.len() as u64 {
-            return Err(bad(format_args!(
+            return Err(Failure::bad(format_args!(
                 "a picture of {width} x {height} pixels has {} bytes, expected 4 for each",
                 rgba.len()
             )));
@@ -40,14 +40,14 @@ impl Given {
 
 /// Returns the picture as a PNG file.
 #[pyfunction]
-pub fn png<'py>(py: Python<'py>, pixels: Given) -> Done<Bound<'py, PyBytes>> {
-    let png = py.detach(|| to_png(&pixels.picture()?).map_err(bad))?;
+pub fn png<'py>(py: Python<'py>, pixels: Given) -> Exported<Bound<'py, PyBytes>> {
+    let png = py.detach(|| to_png(&pixels.picture()?).map_err(Failure::bad))?;
     Ok(PyBytes::new(py, &png))
 }
 
 /// Returns the difference image of a picture and the exact one.
 #[pyfunction]
-pub fn difference<'py>(py: Python<'py>, exact: Given, machine: Given) -> Done<Pixels<'py>> {
-    let difference = py.detach(|| metrics::difference(&exact.picture()?, &machine.picture()?).map_err(bad))?;
+pub fn difference<'py>(py: Python<'py>, exact: Given, machine: Given) -> Exported<Pixels<'py>> {
+    let difference = py.detach(|| metrics::difference(&exact.picture()?, &machine.picture()?).map_err(Failure::bad))?;
     Ok(Pixels::of(py, &difference))
 }

@@ -1,12 +1,12 @@
 //! Resimulation of recordings.
 
-use crate::error::{Done, bad, budget, not_a_tape, of_tape};
+use crate::error::{Done, Exported, Failure, budget, not_a_tape, of_tape};
 use crate::run::{Ran, limits_tape, when};
 use crate::watch::Watch;
 use basrelief_input::Budget;
 use basrelief_sim::{AnalysisPolicy, ResimulateOptions, resimulate_to};
 use pyo3::pybacked::PyBackedBytes;
-use pyo3::{PyResult, Python, pyfunction};
+use pyo3::{Python, pyfunction};
 use std::io::Read;
 
 /// An open recording.
@@ -26,7 +26,7 @@ pub fn resimulate(
     settings: Vec<(String, String)>,
     keep: (Option<bool>, bool),
     memory_limit: Option<u64>,
-) -> PyResult<Ran<'_>> {
+) -> Exported<Ran<'_>> {
     let (limits, keep) = keep;
     let limits = when(limits);
     let kept = if keep { AnalysisPolicy::Always } else { limits_tape(limits) };
@@ -35,12 +35,12 @@ pub fn resimulate(
     Ran::new(py, (report, watch), true)
 }
 
-fn watched(reader: &mut dyn Read, options: &ResimulateOptions, kept: AnalysisPolicy) -> PyResult<(String, Watch)> {
-    let mut watch = Watch::new(kept, &options.budget).map_err(bad)?;
+fn watched(reader: &mut dyn Read, options: &ResimulateOptions, kept: AnalysisPolicy) -> Exported<(String, Watch)> {
+    let mut watch = Watch::new(kept, &options.budget).map_err(Failure::bad)?;
     let report = resimulate_to(reader, options, &mut watch);
     if let Some(stopped) = watch.stopped() {
-        return Err(stopped);
+        return Err(stopped.into());
     }
     let report = report.map_err(of_tape)?;
-    Ok((report.to_json().map_err(bad)?, watch))
+    Ok((report.to_json().map_err(Failure::bad)?, watch))
 }

@@ -1,7 +1,7 @@
 //! Runs.
 
 use crate::config::Config;
-use crate::error::{Done, bad, budget, of_run, usage};
+use crate::error::{Done, Exported, Failure, budget};
 use crate::pixels::Pixels;
 use crate::scene::{Drawn, Source};
 use crate::watch::Watch;
@@ -9,7 +9,7 @@ use basrelief_input::Budget;
 use basrelief_kernel::Engine;
 use basrelief_sim::{AnalysisPolicy, RunOptions, run as sim_run};
 use pyo3::types::PyBytes;
-use pyo3::{Bound, FromPyObject, IntoPyObject, PyResult, Python, pyfunction};
+use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};
 
 /// The options of a run, as on the command line.
 #[derive(FromPyObject)]
@@ -33,14 +33,14 @@ impl Options {
             "timed" => Some(Engine::Timed),
             "ticked" => Some(Engine::Ticked),
             "functional" => None,
-            other => return Err(usage(format_args!("engine: `{other}`; expected timed, ticked or functional"))),
+            other => return Err(Failure::usage(format_args!("engine: `{other}`; expected timed, ticked or functional"))),
         };
         let limits = when(self.bottlenecks);
         if engine.is_none() && (self.costs || self.recording || self.max_cycles.is_some()) {
-            return Err(usage("engine: functional mode has no timing; remove costs, recording and max_cycles"));
+            return Err(Failure::usage("engine: functional mode has no timing; remove costs, recording and max_cycles"));
         }
         if self.max_cycles == Some(0) {
-            return Err(usage("max_cycles: 0; expected 1 or more"));
+            return Err(Failure::usage("max_cycles: 0; expected 1 or more"));
         }
         Ok(RunOptions {
             config: config.config.clone(),
@@ -84,9 +84,9 @@ pub struct Ran<'py> {
 }
 
 impl<'py> Ran<'py> {
-    pub fn new(py: Python<'py>, (report, mut watch): (String, Watch), has_tape: bool) -> PyResult<Self> {
+    pub fn new(py: Python<'py>, (report, mut watch): (String, Watch), has_tape: bool) -> Exported<Self> {
         let (image, reference) = watch.last.take().map_or((None, None), |(image, reference)| (Some(image), reference));
-        let tape = watch.into_tape().map_err(bad)?.filter(|_| has_tape);
+        let tape = watch.into_tape().map_err(Failure::bad)?.filter(|_| has_tape);
         Ok(Self {
             report,
             image: image.map(|picture| Pixels::of(py, &picture)),
@@ -98,23 +98,23 @@ impl<'py> Ran<'py> {
 
 /// Runs a machine.
 #[pyfunction]
-pub fn run<'py>(py: Python<'py>, config: &Bound<'py, Config>, drawn: Drawn<'py>, options: Options) -> PyResult<Ran<'py>> {
+pub fn run<'py>(py: Python<'py>, config: &Bound<'py, Config>, drawn: Drawn<'py>, options: Options) -> Exported<Ran<'py>> {
     let (source, settings) = (drawn.source(), options.run_options(config.get())?);
     let (report, watch, has_tape) = py.detach(|| watched(source, &settings))?;
     Ran::new(py, (report, watch), has_tape)
 }
 
 /// Returns the report, its observer, and whether the recording can be resimulated.
-fn watched(source: Source, settings: &RunOptions) -> PyResult<(String, Watch, bool)> {
+fn watched(source: Source, settings: &RunOptions) -> Exported<(String, Watch, bool)> {
     let input = source.into_input()?;
     let name = input.name().to_owned();
-    let mut watch = Watch::new(settings.recording, &settings.budget).map_err(bad)?;
+    let mut watch = Watch::new(settings.recording, &settings.budget).map_err(Failure::bad)?;
     let ran = sim_run(input, settings, &mut watch, None);
     if let Some(stopped) = watch.stopped() {
-        return Err(stopped);
+        return Err(stopped.into());
     }
-    let ran = ran.map_err(of_run(&name))?;
+    let ran = ran.map_err(Failure::of_run(&name))?;
     // If the analysis was requested but failed, the recording cannot be resimulated either.
     let has_tape = ran.recording_is_complete && (settings.recording == AnalysisPolicy::Always || ran.report.limits.is_some());
-    Ok((ran.report.to_json().map_err(bad)?, watch, has_tape))
+    Ok((ran.report.to_json().map_err(Failure::bad)?, watch, has_tape))
 }

@@ -1,6 +1,6 @@
 //! Inputs of a run: scenes with a choice of view, and display lists with a fixed view.
 
-use crate::error::{Done, Failure, bad, budget, usage, within};
+use crate::error::{Done, Exported, Failure, budget};
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_parameters::nearest;
 use basrelief_scene::{Directory, Files, Memory, SceneError, ViewOptions, demo, load_within, read_camera, text};
@@ -69,12 +69,12 @@ impl View {
     pub fn options(&self, budget: &Budget) -> Done<ViewOptions> {
         let whole = |name: &str, n: i64| {
             u32::try_from(n)
-                .map_err(|_| usage(format_args!("{name}: {n}; expected a whole number from 1 on, of at most 32 bits")))
+                .map_err(|_| Failure::usage(format_args!("{name}: {n}; expected a whole number from 1 on, of at most 32 bits")))
         };
         let camera = |(name, text): &(String, String)| {
             let weight = budget.take(json_weight(text.as_bytes()), "what a camera says");
-            let _held = weight.map_err(within(name))?;
-            read_camera(text, name).map_err(bad)
+            let _held = weight.map_err(Failure::within(name))?;
+            read_camera(text, name).map_err(Failure::bad)
         };
         let default = ViewOptions::default();
         Ok(ViewOptions {
@@ -116,10 +116,10 @@ pub struct Scene {
 impl Scene {
     /// Makes a demo scene.
     #[staticmethod]
-    fn demo(py: Python<'_>, name: String, view: View, memory_limit: Option<u64>) -> Done<Self> {
+    fn demo(py: Python<'_>, name: String, view: View, memory_limit: Option<u64>) -> Exported<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
-            let scene = demo(&name, &view.options(&budget)?).map_err(usage)?;
+            let scene = demo(&name, &view.options(&budget)?).map_err(Failure::usage)?;
             let prepared = PreparedScene::cached(Arc::new(scene), &budget);
             Ok(Self { name, made: Made::Demo, view, memory_limit, prepared, _held: budget.nothing() })
         })
@@ -127,14 +127,14 @@ impl Scene {
 
     /// Opens a model: a .glb, .gltf or .obj file.
     #[staticmethod]
-    fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>, allow_outside: bool) -> Done<Self> {
+    fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>, allow_outside: bool) -> Exported<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
             let name = path.display().to_string();
             let folder = Folder::of(&path, allow_outside, &budget);
             let (bytes, held) = folder.main(&path, &budget).map_err(cannot_be_read(&name))?;
             if looks_like_trace(&bytes) || Form::for_file_name(&name).is_some() {
-                return Err(usage(format_args!(
+                return Err(Failure::usage(format_args!(
                     "{name}: a display list, which carries its own view: basrelief.display_list opens it"
                 )));
             }
@@ -157,7 +157,7 @@ impl Scene {
         files: BTreeMap<String, PyBackedBytes>,
         view: View,
         memory_limit: Option<u64>,
-    ) -> Done<Self> {
+    ) -> Exported<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
             let (name, main) = main;
@@ -229,7 +229,7 @@ impl Scene {
         budget: &Budget,
     ) -> Done<Self> {
         // The error may be in a file that the model refers to. The message then names the model as well.
-        let failed = |e: SceneError| if e.file == name { bad(e) } else { within(&name)(e) };
+        let failed = |e: SceneError| if e.file == name { Failure::bad(e) } else { Failure::within(&name)(e) };
         let (scene, held) = load_within(&main, &name, files, &view.options(budget)?, budget).map_err(failed)?;
         let prepared = PreparedScene::cached(Arc::new(scene), budget);
         Ok(Self { name, made: Made::Model(main, BTreeMap::new()), view, memory_limit, prepared, _held: held })
@@ -292,14 +292,14 @@ pub struct DisplayList {
 #[pymethods]
 impl DisplayList {
     #[new]
-    fn new(path: PathBuf) -> Done<Self> {
+    fn new(path: PathBuf) -> Exported<Self> {
         let name = path.display().to_string();
         let path = std::path::absolute(&path).map_err(cannot_be_read(&name))?;
         let list = Self { name, path };
         if list.is_one()? {
             return Ok(list);
         }
-        Err(usage(format_args!("{}: not a display list: basrelief.scene opens a model", list.name)))
+        Err(Failure::usage(format_args!("{}: not a display list: basrelief.scene opens a model", list.name)))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyType>, (PathBuf,)) {
@@ -342,15 +342,15 @@ impl DisplayList {
 
 fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> Failure {
     move |error| match OverBudget::within(&error) {
-        Some(error) => within(name)(error),
-        None => bad(format_args!("{name}: cannot be read: {error}")),
+        Some(error) => Failure::within(name)(error),
+        None => Failure::bad(format_args!("{name}: cannot be read: {error}")),
     }
 }
 
 /// Reads a text file, such as a configuration or a camera.
 #[pyfunction]
-pub fn read_text(py: Python<'_>, path: PathBuf) -> Done<String> {
-    py.detach(|| text_of(&path, &budget(Budget::DEFAULT)))
+pub fn read_text(py: Python<'_>, path: PathBuf) -> Exported<String> {
+    Ok(py.detach(|| text_of(&path, &budget(Budget::DEFAULT)))?)
 }
 
 /// Reads a text file within a memory limit.

@@ -1,6 +1,6 @@
 //! Sweeps: the points of a plan.
 
-use crate::error::{Done, Failure, bad, budget, within};
+use crate::error::{Done, Exported, Failure, budget};
 use crate::scene::{DisplayList, Source, View, text_of};
 use basrelief_dse::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
 use basrelief_input::Budget;
@@ -8,7 +8,7 @@ use basrelief_reference::Picture;
 use basrelief_scene::{ImportOptions, demo, load_path_with};
 use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, to_png};
 use basrelief_threads as threads;
-use pyo3::{PyErr, PyResult, Python, pyclass, pyfunction, pymethods};
+use pyo3::{PyErr, Python, pyclass, pyfunction, pymethods};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -25,14 +25,14 @@ pub struct Plan {
 impl Plan {
     /// Reads a plan from `text`, as if it were the file `name`. Paths in the plan are relative to the folder of that file.
     #[new]
-    fn new(py: Python<'_>, name: PathBuf, text: &str, memory_limit: Option<u64>) -> Done<Self> {
+    fn new(py: Python<'_>, name: PathBuf, text: &str, memory_limit: Option<u64>) -> Exported<Self> {
         py.detach(|| {
             let shown = name.display().to_string();
             let files = Files { plan: name, budget: budget(memory_limit.unwrap_or(Budget::DEFAULT)) };
             let growth = files.budget.take(TOML_GROWTH * text.len() as u64, "what a plan says");
-            let _growth = growth.map_err(within(&shown))?;
+            let _growth = growth.map_err(Failure::within(&shown))?;
             let host = Program { files: &files, stopped: Mutex::default() };
-            let plan = SweepPlan::read(text, &host).map_err(within(&shown))?;
+            let plan = SweepPlan::read(text, &host).map_err(Failure::within(&shown))?;
             Ok(Self { plan, files })
         })
     }
@@ -67,7 +67,7 @@ impl Plan {
         folder: PathBuf,
         at_once: Option<usize>,
         options: (bool, bool),
-    ) -> PyResult<(usize, usize, usize, usize)> {
+    ) -> Exported<(usize, usize, usize, usize)> {
         let (retry_failed, pictures) = options;
         py.detach(|| {
             let wanted: BTreeSet<String> = points.into_iter().collect();
@@ -77,17 +77,17 @@ impl Plan {
             let host = Program { files: &self.files, stopped: Mutex::default() };
             let done = execute(&self.plan, &work, &Folder::new(&folder), &host);
             if let Some(stopped) = host.stopped.into_inner().unwrap_or_else(PoisonError::into_inner) {
-                return Err(stopped);
+                return Err(stopped.into());
             }
-            let Tally { there, run, retimed, failed, .. } = done.map_err(bad)?;
+            let Tally { there, run, retimed, failed, .. } = done.map_err(Failure::bad)?;
             Ok((there, run, retimed, failed))
         })
     }
 
     /// Writes the tables of all points, and returns the Pareto front as text.
-    fn tables(&self, py: Python<'_>, folder: PathBuf) -> Done<String> {
+    fn tables(&self, py: Python<'_>, folder: PathBuf) -> Exported<String> {
         let host = Program { files: &self.files, stopped: Mutex::default() };
-        py.detach(|| tables(&self.plan, &Folder::new(&folder), &host).map_err(bad))
+        Ok(py.detach(|| tables(&self.plan, &Folder::new(&folder), &host)).map_err(Failure::bad)?)
     }
 
     /// Number of points.
@@ -123,16 +123,17 @@ impl Files {
         let budget = &self.budget;
         let kept = |scene| Opened::Scene(PreparedScene::cached(Arc::new(scene), budget));
         if let Some(name) = name.strip_prefix("demo:") {
-            return demo(name, &view.options(budget)?).map(kept).map_err(bad);
+            return demo(name, &view.options(budget)?).map(kept).map_err(Failure::bad);
         }
         let path = self.place(name);
         if DisplayList::of_plan(&path).is_one()? {
-            return if view.is_default() { Ok(Opened::Trace) } else { Err(bad(VIEW_OF_A_DISPLAY_LIST)) };
+            return if view.is_default() { Ok(Opened::Trace) } else { Err(Failure::bad(VIEW_OF_A_DISPLAY_LIST)) };
         }
         let shown = path.display().to_string();
         let options = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
         let loaded = load_path_with(&path, &view.options(budget)?, &options);
-        let (scene, held) = loaded.map_err(|error| if error.file == shown { bad(error) } else { within(&shown)(error) })?;
+        let (scene, held) =
+            loaded.map_err(|error| if error.file == shown { Failure::bad(error) } else { Failure::within(&shown)(error) })?;
         // Released with the memory limit of the plan.
         held.keep();
         Ok(kept(scene))
@@ -148,10 +149,6 @@ struct Program<'a> {
     stopped: Mutex<Option<PyErr>>,
 }
 
-fn sentence(failure: Failure) -> String {
-    failure.to_string()
-}
-
 impl Host for Program<'_> {
     fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
         let camera = |name: &str| {
@@ -163,11 +160,11 @@ impl Host for Program<'_> {
     }
 
     fn trace(&self, name: &str) -> Result<RunInput, String> {
-        Source::DisplayList(DisplayList::of_plan(&self.files.place(name))).into_input().map_err(sentence)
+        Source::DisplayList(DisplayList::of_plan(&self.files.place(name))).into_input().map_err(|failure| failure.to_string())
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        text_of(&self.files.place(name), &self.files.budget).map_err(sentence)
+        text_of(&self.files.place(name), &self.files.budget).map_err(|failure| failure.to_string())
     }
 
     fn png(&self, picture: &Picture) -> Result<Vec<u8>, String> {

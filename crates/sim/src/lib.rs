@@ -19,6 +19,7 @@
 //! ```
 
 mod analysis;
+mod failure;
 mod machine;
 mod observer;
 mod options;
@@ -39,6 +40,7 @@ pub use basrelief_machines::{
     AllowedValues, ConfigLoader, CostPoints, MACHINES, MachineConfig, MachineInfo, ParameterChoice, ParameterInfo, TileFetch,
     ValueSource,
 };
+pub use failure::{Done, Failure};
 pub use machine::aux_outputs;
 pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};
 pub use options::{AnalysisPolicy, Overrides, OverridesError, RunInput, RunOptions, TOML_GROWTH};

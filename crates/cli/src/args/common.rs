@@ -1,9 +1,9 @@
 //! Arguments that several commands share.
 
 use super::values::{Named, angles, direction, finite, key_value, machine, size, socket, tables};
-use crate::commands::{dump, tables as of_tables};
+use crate::commands::dump;
 use basrelief_report::Tables;
-use basrelief_sim::MachineInfo;
+use basrelief_sim::{MACHINES, MachineInfo};
 use clap::{ArgAction, ArgGroup, Args, ValueEnum};
 use std::net::SocketAddr;
 use std::num::NonZeroU64;
@@ -203,8 +203,17 @@ pub struct SimulationArgs {
     /// ablation.csv.
     #[arg(long, conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "recording", "requests", "costs", "csv", "dump"])]
     pub ablate: bool,
-    #[arg(long, help = of_tables::methods_help(), conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "recording", "requests", "costs", "csv", "dump", "ablate"])]
+    #[arg(long, help = methods_help(), conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "recording", "requests", "costs", "csv", "dump", "ablate"])]
     pub compare_methods: bool,
     #[arg(long, help = dump::help(), num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
     pub dump: Vec<PathBuf>,
+}
+
+/// Returns the help text of `--compare-methods`.
+fn methods_help() -> String {
+    let with: Vec<&str> = MACHINES.iter().filter(|m| m.has_methods).map(|m| m.name).collect();
+    format!(
+        "Run the input with each division method of the machine at the same error. Writes only methods.json and methods.csv with divisions, cycles, displacements and PSNR. Of machine {}",
+        with.join(", ")
+    )
 }

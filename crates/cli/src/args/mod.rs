@@ -11,7 +11,7 @@ pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, Tables
 pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use run::{DemoArgs, PageArgs, ResimulateArgs, RunArgs, ServeArgs, SizeFifosArgs};
-pub use sweep::{ExploreArgs, PlanArgs, Shard, SweepArgs};
+pub use sweep::{ExploreArgs, PlanArgs, SweepArgs};
 
 use basrelief_input::{Budget, Size};
 use clap::{Parser, Subcommand};

@@ -1,17 +1,8 @@
 //! Arguments of `sweep` and `explore`.
 
-use super::values::{percent, shard};
+use super::values::{Shard, percent, shard};
 use clap::Args;
 use std::path::PathBuf;
-
-/// One of several parts of a plan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// Number of the part, from 1.
-    pub number: usize,
-    /// Number of parts.
-    pub count: usize,
-}
 
 /// The plan, and how to run its points.
 #[derive(Clone, Debug, Args)]

@@ -1,6 +1,5 @@
 //! Values on the command line, checked where they are given.
 
-use super::Shard;
 use basrelief_report::Tables;
 pub use basrelief_scene::text::{angles, direction, finite, size};
 use basrelief_sim::{MACHINES, MachineInfo};
@@ -67,6 +66,15 @@ pub fn key_value(text: &str) -> Result<(String, String), String> {
 /// A share of all.
 pub fn percent(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|p| (0.0..=100.0).contains(p)).ok_or_else(|| "expected a number from 0 to 100".into())
+}
+
+/// One of several parts of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Number of the part, from 1.
+    pub number: usize,
+    /// Number of parts.
+    pub count: usize,
 }
 
 /// A part of several.

@@ -1,7 +1,7 @@
 //! `basrelief compare`: changes between reports and their causes.
 
 use super::recording::{open, unreadable};
-use super::simulate::style;
+use super::reporting::style;
 use crate::args::CompareArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::read_text;

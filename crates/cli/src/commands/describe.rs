@@ -1,6 +1,6 @@
 //! `basrelief describe`: block diagram, units and parameters of a machine.
 
-use super::simulate::style;
+use super::reporting::style;
 use crate::args::DescribeArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::config_of;

@@ -3,12 +3,12 @@
 use super::plans::{Planned, counts, work, written};
 use crate::args::ExploreArgs;
 use crate::error::{Done, Failure, print};
+use crate::global::GlobalOptions;
 use basrelief_dse::{Explored, Found, explore as find};
-use basrelief_input::Budget;
 
 /// Runs an exploration.
-pub fn explore(args: &ExploreArgs, budget: &Budget, quiet: bool) -> Done {
-    let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, budget, quiet)?;
+pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> Done {
+    let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, global)?;
     let all = plan.points.len();
     let work = work(&args.plan, &[], threads);
     let name = args.plan.plan.display().to_string();
@@ -24,5 +24,5 @@ pub fn explore(args: &ExploreArgs, budget: &Budget, quiet: bool) -> Done {
     };
     said += &written(&plan, &folder, &args.plan, &host)?;
     drop(host);
-    if quiet { Ok(()) } else { print(&said) }
+    if global.quiet { Ok(()) } else { print(&said) }
 }

@@ -1,13 +1,14 @@
 //! `basrelief run --from`: renders the scene of a server.
 
 use super::real_times::RealTimes;
-use super::simulate::{Source, seconds, settings_of, simulate_source};
+use super::simulate::{Simulation, Source};
 use crate::args::{MachineArgs, RunArgs};
 use crate::error::{Done, Failure};
+use crate::global::GlobalOptions;
 use crate::input::{self, Look};
 use crate::interrupt;
 use crate::outputs::{PartialFile, remove_remains};
-use crate::progress::{Progress, TileProgress};
+use crate::progress::{InputProgress, Progress, TileProgress};
 use crate::terminal;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_input::Budget;
@@ -56,12 +57,14 @@ fn write_tile(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 /// Renders from the server at `url`.
-pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
-    let began = seconds();
+pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> Done {
+    let budget = &global.budget;
     let look = input::look(&args.view, budget)?;
-    let (config, given) = config_of(args, &look, budget)?;
+    let mut simulation = Simulation::new(&args.simulation, config_of(args, &look, budget)?, global);
+    simulation.options.exact = false;
+    let config = &simulation.options.config;
     let fetch = config.tile_fetch().ok_or_else(|| Failure::Usage("--from: this machine does not fetch tiles".into()))?;
-    let shown = TileProgress::new(quiet || args.simulation.json);
+    let shown = TileProgress::new(simulation.is_quiet());
     let retry = args
         .wait
         .map_or_else(RetryPolicy::default, |s| RetryPolicy { starting: Duration::from_secs(s), ..RetryPolicy::default() });
@@ -81,11 +84,9 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
         None => tiles as Box<dyn TileSource>,
     };
     let input = RunInput::Remote { scene, tiles, name: url.into() };
-    let mut settings = settings_of((config, given), &args.simulation, budget);
-    settings.exact = false;
-    let source = Source { input, progress: Progress::new(None, "commands", true), read: None, real, watched };
-    let done = simulate_source(began, source, settings, None, &args.simulation, quiet);
-    if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, quiet) {
+    let progress = InputProgress { bar: Progress::new(None, "commands", true), read: None };
+    let done = simulation.run(Source { input, progress, real, watched }, None);
+    if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, global.quiet) {
         terminal::note(&format!(
             "warning: --tile-cache {}: cannot be written: {why}; some tiles are not cached",
             folder.display()

@@ -13,7 +13,9 @@ mod plans;
 mod real_times;
 mod record;
 mod recording;
+mod reporting;
 mod requests;
+mod resimulate;
 mod run;
 mod schema;
 mod sensitivity;
@@ -21,30 +23,30 @@ mod serve;
 mod simulate;
 mod size_fifos;
 mod sweep;
-pub mod tables;
+mod tables;
 mod timelines;
 mod verify;
 
-use crate::args::{Cli, Command};
+use crate::args::Command;
 use crate::error::Done;
-use basrelief_input::Budget;
+use crate::global::GlobalOptions;
 
 /// Runs the command.
-pub fn dispatch(cli: Cli, budget: &Budget) -> Done {
-    match cli.command {
-        Command::Demo(args) => run::demo(&args, budget, cli.quiet),
-        Command::Run(args) => run::run(&args, budget, cli.quiet),
-        Command::SizeFifos(args) => size_fifos::size_fifos(&args, budget),
-        Command::Sweep(args) => sweep::sweep(&args, budget, cli.quiet),
-        Command::Explore(args) => explore::explore(&args, budget, cli.quiet),
-        Command::Resimulate(args) => recording::resimulate(&args, budget, cli.quiet),
-        Command::Record(args) => record::record(&args, budget, cli.quiet),
-        Command::Convert(args) => convert::convert(&args, budget),
-        Command::Verify(args) => verify::verify(&args, budget, cli.quiet),
-        Command::Describe(args) => describe::describe(&args, budget),
-        Command::Compare(args) => compare::compare(&args, budget),
+pub fn dispatch(command: Command, global: &GlobalOptions) -> Done {
+    match command {
+        Command::Demo(args) => run::demo(&args, global),
+        Command::Run(args) => run::run(&args, global),
+        Command::SizeFifos(args) => size_fifos::size_fifos(&args, global),
+        Command::Sweep(args) => sweep::sweep(&args, global),
+        Command::Explore(args) => explore::explore(&args, global),
+        Command::Resimulate(args) => resimulate::resimulate(&args, global),
+        Command::Record(args) => record::record(&args, global),
+        Command::Convert(args) => convert::convert(&args, &global.budget),
+        Command::Verify(args) => verify::verify(&args, global),
+        Command::Describe(args) => describe::describe(&args, &global.budget),
+        Command::Compare(args) => compare::compare(&args, &global.budget),
         Command::Schema(args) => schema::schema(&args),
-        Command::Page(args) => page::page(&args, cli.quiet),
-        Command::Serve(args) => serve::serve(&args, budget, cli.quiet),
+        Command::Page(args) => page::page(&args, global.quiet),
+        Command::Serve(args) => serve::serve(&args, global),
     }
 }

@@ -4,21 +4,20 @@ use super::dump::DumpFiles;
 use super::html::HtmlFile;
 use super::real_times::RealTimes;
 use super::recording::{RecordingFile, ShortRecording};
+use super::reporting::publish_report;
 use super::requests::RequestsFile;
 use crate::args::SimulationArgs;
 use crate::error::{Done, Failure};
-use crate::outputs::{Outputs, PartialFile};
-use crate::progress::Progress;
+use crate::outputs::{Outputs, PartialFile, REPORT, RUN_RECORDING};
+use crate::progress::InputProgress;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
 use basrelief_sim::{AuxContent, AuxForm, AuxOutput, MemoryRequests, Observer, Pictures, RunOptions, picture_name, to_png};
 use basrelief_threads as threads;
 use basrelief_tile_server::preview::LivePreview;
-use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
-use std::rc::Rc;
 
 /// Outputs of a run.
 pub struct OutputFiles {
@@ -31,9 +30,7 @@ pub struct OutputFiles {
     pub run_tape: ShortRecording,
     pub page: Option<HtmlFile>,
     pub outputs: Outputs,
-    pub progress: Progress,
-    /// Bytes of the trace read so far; for a scene, progress counts commands.
-    pub read: Option<Rc<Cell<u64>>>,
+    pub progress: InputProgress,
     pub frames: usize,
     /// Kinds of images written per frame: image, reference and difference, then auxiliary outputs.
     pub kinds: [Vec<&'static str>; 2],
@@ -49,7 +46,7 @@ pub struct OutputFiles {
 
 impl Observer for OutputFiles {
     fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
-        self.progress.at(self.read.as_ref().map_or(commands, |read| read.get()));
+        self.progress.at(commands);
         true
     }
 
@@ -115,24 +112,57 @@ impl Observer for OutputFiles {
 /// A finished file and its final path.
 type Beside = (PartialFile, PathBuf);
 
-/// Outputs to publish at the end.
-pub struct Rest {
-    pub dumps: DumpFiles,
-    pub run_tape: ShortRecording,
-    pub outputs: Outputs,
+/// Finished outputs, to be published together.
+pub struct FinishedFiles {
+    /// Files beside the folder. Dropped before `outputs`, as in [`OutputFiles`].
+    beside: Vec<Beside>,
+    dumps: DumpFiles,
+    /// `None` if the recording cannot be resimulated.
+    run_tape: Option<ShortRecording>,
+    outputs: Outputs,
     pub frames: usize,
     /// Kinds of images written for each frame.
-    pub kinds: Vec<&'static str>,
-    pub extra: Vec<String>,
+    kinds: Vec<&'static str>,
+    /// Names of further images.
+    extra: Vec<String>,
+}
+
+/// Maximum number of further images in the message.
+const MOST_NAMED: usize = 8;
+
+impl FinishedFiles {
+    /// Renames the images of a single frame, adds report and recording, and publishes everything. Returns the names of the
+    /// written files.
+    pub fn publish(self, report: &Report, args: &SimulationArgs) -> Done<String> {
+        let failed = || Failure::file(&args.out, "be written");
+        if self.frames == 1 {
+            for kind in &self.kinds {
+                self.outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
+            }
+        }
+        let mut names = self.image_names(report.image.len() > 1);
+        names.push(REPORT.to_owned());
+        if self.run_tape.map_or(Ok(false), |tape| tape.write_to(&self.outputs)).map_err(failed())? {
+            names.push(RUN_RECORDING.to_owned());
+        }
+        publish_report(self.outputs, report, args.csv).map_err(failed())?;
+        self.dumps.publish()?;
+        for (file, path) in self.beside {
+            file.publish().map_err(Failure::file(&path, "be written"))?;
+        }
+        Ok(names.join(", "))
+    }
+
+    fn image_names(&self, several: bool) -> Vec<String> {
+        let name = |kind: &&str| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) };
+        let more = self.extra.iter().take(MOST_NAMED).cloned().chain((self.extra.len() > MOST_NAMED).then(|| "...".to_owned()));
+        self.kinds.iter().map(name).chain(more).collect()
+    }
 }
 
 impl OutputFiles {
     /// Opens all outputs of the command line.
-    pub fn open(
-        simulation: &SimulationArgs,
-        settings: &RunOptions,
-        (outputs, progress, read): (Outputs, Progress, Option<Rc<Cell<u64>>>),
-    ) -> Done<Self> {
+    pub fn open(simulation: &SimulationArgs, settings: &RunOptions, outputs: Outputs, progress: InputProgress) -> Done<Self> {
         Ok(Self {
             dumps: DumpFiles::open(&simulation.dump, &settings.config)?,
             requests: RequestsFile::open(simulation, &settings.config, &outputs)?,
@@ -141,7 +171,6 @@ impl OutputFiles {
             page: simulation.html.as_deref().map(HtmlFile::open).transpose()?,
             outputs,
             progress,
-            read,
             frames: 0,
             kinds: Default::default(),
             extra: vec![],
@@ -151,8 +180,8 @@ impl OutputFiles {
         })
     }
 
-    /// Completes all files. Returns those to publish beside the folder, and the rest.
-    pub fn finish(self, report: &Report, recording_is_complete: bool, simulation: &SimulationArgs) -> Done<(Vec<Beside>, Rest)> {
+    /// Completes all files.
+    pub fn finish(self, report: &Report, recording_is_complete: bool, simulation: &SimulationArgs) -> Done<FinishedFiles> {
         let Self { mut dumps, requests, tape, run_tape, page, outputs, progress, frames, kinds, extra, .. } = self;
         drop(progress);
         dumps.flush()?;
@@ -162,7 +191,9 @@ impl OutputFiles {
         let page = page.map(|page| page.finish(report)).transpose()?;
         let beside = [(requests, &simulation.requests), (tape, &simulation.recording), (page, &simulation.html)];
         let beside = beside.into_iter().filter_map(|(file, path)| Some((file?, path.clone()?))).collect();
-        Ok((beside, Rest { dumps, run_tape, outputs, frames, kinds: kinds.concat(), extra }))
+        // Without a bottleneck analysis the recording cannot be resimulated either.
+        let run_tape = (recording_is_complete && report.limits.is_some()).then_some(run_tape);
+        Ok(FinishedFiles { beside, dumps, run_tape, outputs, frames, kinds: kinds.concat(), extra })
     }
 
     /// Keeps the best image of the unfinished frame of a failed run.

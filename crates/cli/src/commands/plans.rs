@@ -2,6 +2,7 @@
 
 use crate::args::{PlanArgs, ViewArgs};
 use crate::error::{Done, Failure};
+use crate::global::GlobalOptions;
 use crate::input::{self, Input, TraceFile, demo_of, read_text};
 use crate::interrupt;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
@@ -34,7 +35,7 @@ impl<'a> Planned<'a> {
     ///
     /// # Errors
     /// An unreadable file or an invalid plan.
-    pub fn read(args: &PlanArgs, budget: &'a Budget, quiet: bool) -> Done<Self> {
+    pub fn read(args: &PlanArgs, global: &'a GlobalOptions) -> Done<Self> {
         interrupt::say("interrupted; finished points are kept; run the command again to continue");
         if args.threads == Some(1) {
             threads::work_alone();
@@ -42,12 +43,12 @@ impl<'a> Planned<'a> {
         let host = Program {
             plan: args.plan.clone(),
             read: Mutex::new([args.plan.clone()].into()),
-            budget,
-            progress: PointProgress::new(quiet),
+            global,
+            progress: PointProgress::new(global.quiet),
         };
         let name = args.plan.display().to_string();
-        let (text, held) = read_text(&args.plan, budget)?;
-        let growth = budget.take(TOML_GROWTH * text.len() as u64, "what a plan says").map_err(Failure::within(&name))?;
+        let (text, held) = read_text(&args.plan, &global.budget)?;
+        let growth = global.budget.take(TOML_GROWTH * text.len() as u64, "what a plan says").map_err(Failure::within(&name))?;
         let plan = Plan::read(&text, &host).map_err(Failure::within(&name))?;
         let tables = basrelief_dse::tables::FILES.iter().map(|(file, _)| args.out.join(file));
         let tables: Vec<PathBuf> = tables.collect();
@@ -87,14 +88,14 @@ pub struct Program<'a> {
     plan: PathBuf,
     /// Files read so far.
     read: Mutex<BTreeSet<PathBuf>>,
-    budget: &'a Budget,
+    global: &'a GlobalOptions,
     progress: PointProgress,
 }
 
 impl<'a> Program<'a> {
     /// Makes the services for a sensitivity analysis, whose paths are those of the command line.
-    pub fn around_run(budget: &'a Budget, quiet: bool) -> Self {
-        Self { plan: PathBuf::new(), read: Mutex::default(), budget, progress: PointProgress::new(quiet) }
+    pub fn around_run(global: &'a GlobalOptions, quiet: bool) -> Self {
+        Self { plan: PathBuf::new(), read: Mutex::default(), global, progress: PointProgress::new(quiet) }
     }
 }
 
@@ -141,13 +142,6 @@ impl Program<'_> {
     }
 }
 
-/// Returns the message of an error without the hint about usage.
-fn sentence(failure: Failure) -> String {
-    match failure {
-        Failure::Usage(text) | Failure::Bad(text) => text,
-    }
-}
-
 impl Host for Program<'_> {
     fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
         let view = self.view(view)?;
@@ -156,8 +150,8 @@ impl Host for Program<'_> {
         if path == Path::new("-") {
             return Err(once());
         }
-        let opened = input::open(&path, &view, self.budget).map_err(|failure| format!("input: {}", sentence(failure)))?;
-        Ok(match opened.for_several_runs(self.budget) {
+        let opened = input::open(&path, &view, self.global).map_err(|failure| format!("input: {failure}"))?;
+        Ok(match opened.for_several_runs(&self.global.budget) {
             Input::Scene(prepared) => Opened::Scene(prepared),
             Input::Trace(TraceFile { bytes: None, .. }) => return Err(once()),
             Input::Trace(_) => Opened::Trace,
@@ -165,11 +159,11 @@ impl Host for Program<'_> {
     }
 
     fn trace(&self, name: &str) -> Result<RunInput, String> {
-        TraceFile::open(&self.place(name)).map(TraceFile::into_source).map_err(sentence)
+        TraceFile::open(&self.place(name)).map(TraceFile::into_source).map_err(|failure| failure.to_string())
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        read_text(&self.place(name), self.budget).map(|(text, _)| text).map_err(sentence)
+        read_text(&self.place(name), &self.global.budget).map(|(text, _)| text).map_err(|failure| failure.to_string())
     }
 
     fn png(&self, picture: &Picture) -> Result<Vec<u8>, String> {
@@ -188,6 +182,6 @@ impl Host for Program<'_> {
     }
 
     fn budget(&self) -> &Budget {
-        self.budget
+        &self.global.budget
     }
 }

@@ -4,6 +4,7 @@ use super::convert::to_trace_file;
 use super::simulate::{read_files, simulate_quietly};
 use crate::args::RecordArgs;
 use crate::error::{Done, Failure};
+use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
 use crate::outputs::check_outputs_keep_inputs;
 use crate::progress::Progress;
@@ -16,20 +17,20 @@ use std::io::{Cursor, Write};
 use std::sync::Arc;
 
 /// Records a scene.
-pub fn record(args: &RecordArgs, budget: &Budget, quiet: bool) -> Done {
+pub fn record(args: &RecordArgs, global: &GlobalOptions) -> Done {
     let inputs = read_files(Some(&args.input), &args.machine, &args.view);
     check_outputs_keep_inputs(None, &[("--out", &args.out)], &inputs).map_err(Failure::Usage)?;
-    let Input::Scene(scene) = input::open(&args.input, &args.view, budget)? else {
+    let Input::Scene(scene) = input::open(&args.input, &args.view, global)? else {
         return Err(Failure::Usage(format!(
             "{}: is already a trace; `basrelief convert` changes its form",
             args.input.display()
         )));
     };
-    let scene = scene.scene();
+    let (scene, budget) = (scene.scene(), &global.budget);
     let (config, _) = input::config(&args.machine, demo_of(&args.input), budget)?;
     let expectations = if args.expect { vec![expected(scene, &config, args, budget)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
-        let progress = Progress::new(None, "commands", quiet);
+        let progress = Progress::new(None, "commands", global.quiet);
         write_list(scene, &config, writer, (form, trace_header(scene)), expectations, (progress, budget))
     })
 }

@@ -1,12 +1,8 @@
-//! `--recording`, and `basrelief resimulate`.
+//! Files of recordings: `--recording`, the recording beside a report, and recordings to read.
 
-use super::html::HtmlFile;
-use super::simulate::{limits_of, publish_report, seconds, show_report};
-use crate::args::ResimulateArgs;
-use crate::error::{Done, Failure, print};
-use crate::outputs::{Outputs, PartialFile, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs, recording_in};
-use basrelief_input::Budget;
-use basrelief_sim::{AnalysisPolicy, Observer, RecordingError, ResimulateOptions, resimulate_to};
+use crate::error::{Done, Failure};
+use crate::outputs::{Outputs, PartialFile, RUN_RECORDING, recording_in};
+use basrelief_sim::{AnalysisPolicy, Observer, RecordingError};
 use std::fs::File;
 use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -97,12 +93,10 @@ pub fn open(path: &Path) -> Done<zstd::Decoder<'static, BufReader<File>>> {
 
 /// Converts an error of a recording of this name or of the new parameters.
 pub fn failure(name: &str) -> impl Fn(RecordingError) -> Failure {
-    let name = name.to_owned();
-    move |error| match error {
-        RecordingError::Work(_) | RecordingError::OtherWork(_) | RecordingError::Config(_) => {
-            Failure::Usage(format!("--set: {error}"))
-        }
-        _ => unreadable(&name)(error),
+    let convert = Failure::of_resimulation(unreadable(name));
+    move |error| match convert(error) {
+        Failure::Usage(text) => Failure::Usage(format!("--set: {text}")),
+        bad => bad,
     }
 }
 
@@ -116,42 +110,6 @@ pub fn unreadable(name: &str) -> impl Fn(RecordingError) -> Failure {
         }
         _ => Failure::within(&name)(error),
     }
-}
-
-/// Computes the timing of a recording anew.
-pub fn resimulate(args: &ResimulateArgs, budget: &Budget, quiet: bool) -> Done {
-    let began = seconds();
-    let path = place_of(&args.recording);
-    let name = path.display().to_string();
-    let own = args.out.as_ref().map(|folder| folder.join(RUN_RECORDING));
-    let page: Vec<(&str, &Path)> = args.html.iter().map(|page| ("--html", &**page)).collect();
-    let outputs: Vec<(&str, &Path)> = own.iter().map(|own| ("--out", &**own)).chain(page.iter().copied()).collect();
-    let report = path.with_file_name(REPORT);
-    let inputs = [("RECORDING", &*path), ("the report of RECORDING", &*report)];
-    check_outputs_keep_inputs(None, &outputs, &inputs).map_err(Failure::Usage)?;
-    if let Some(folder) = &args.out {
-        check_distinct(folder, &page).map_err(Failure::Usage)?;
-    }
-    let mut reader = open(&path)?;
-    let limits = limits_of(args.bottlenecks, args.no_bottlenecks);
-    let options = ResimulateOptions { settings: args.settings.clone(), bottlenecks: limits, budget: budget.clone() };
-    let mut tape = ShortRecording::new(limits)?;
-    let report = resimulate_to(&mut reader, &options, &mut tape).map_err(failure(&name))?;
-    let took = seconds() - began;
-    let report = report.with_host(took, took);
-    let page = args.html.as_deref().map(|path| HtmlFile::open(path)?.finish(&report)).transpose()?;
-    if args.json {
-        print(&report.to_json().map_err(Failure::bad)?)?;
-    }
-    if let Some(folder) = &args.out {
-        let outputs = Outputs::begin(folder).map_err(Failure::file(folder, "be written"))?;
-        tape.write_to(&outputs).map_err(Failure::file(folder, "be written"))?;
-        publish_report(outputs, &report, args.csv).map_err(Failure::file(folder, "be written"))?;
-    }
-    if let (Some(page), Some(path)) = (page, &args.html) {
-        page.publish().map_err(Failure::file(path, "be written"))?;
-    }
-    if quiet || args.json { Ok(()) } else { show_report(&report, &args.tables) }
 }
 
 #[cfg(test)]

@@ -2,37 +2,34 @@
 
 use super::from::run_from;
 use super::sensitivity::around;
-use super::simulate::{Source, seconds, settings_of, simulate_source, spare_inputs};
+use super::simulate::{Simulation, Source, spare_inputs};
 use super::tables::{ablate, compare_methods};
-use crate::args::{DemoArgs, RunArgs, SimulationArgs};
+use crate::args::{DemoArgs, RunArgs};
 use crate::error::{Done, Failure};
+use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
-use crate::progress::Progress;
-use basrelief_input::Budget;
-use basrelief_sim::{MACHINES, RunInput, RunOptions};
+use crate::progress::{InputProgress, Progress};
+use basrelief_sim::{MACHINES, RunInput};
 use basrelief_tile_server::preview::LivePreview;
 use std::path::Path;
 use std::rc::Rc;
 
 /// Draws a demo scene.
-pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
-    let began = seconds();
+pub fn demo(args: &DemoArgs, global: &GlobalOptions) -> Done {
     spare_inputs(&args.simulation, None, &args.machine, &args.view)?;
     let machine = args.machine.machine.unwrap_or(&MACHINES[0]);
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
-    let look = input::look(&args.view, budget)?;
+    let look = input::look(&args.view, &global.budget)?;
     let scene = input::demo_scene(name, &look.view)?;
-    let machine = look.tell(&args.machine, Some(name))?;
-    let settings = settings_of(input::config(&machine, Some(name), budget)?, &args.simulation, budget);
-    simulate(began, Input::Scene(scene.into()), settings, &args.simulation, quiet)
+    let machine = input::config(&look.tell(&args.machine, Some(name))?, Some(name), &global.budget)?;
+    simulate(Input::Scene(scene.into()), Simulation::new(&args.simulation, machine, global))
 }
 
 /// Draws a model or replays a trace.
-pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
-    let began = seconds();
+pub fn run(args: &RunArgs, global: &GlobalOptions) -> Done {
     spare_inputs(&args.simulation, args.input.as_deref(), &args.machine, &args.view)?;
     if let Some(url) = &args.from {
-        return run_from(url, args, budget, quiet);
+        return run_from(url, args, global);
     }
     // The parser does not require --from here, because INPUT excludes it.
     for (option, given) in [("--tile-cache", args.tile_cache.is_some()), ("--wait", args.wait.is_some())] {
@@ -41,39 +38,41 @@ pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
         }
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
-    let look = input::look(&args.view, budget)?;
-    let input = input::open_seen(path, &look.view, budget)?;
-    let machine = look.tell(&args.machine, demo_of(path))?;
-    let settings = settings_of(input::config(&machine, demo_of(path), budget)?, &args.simulation, budget);
-    simulate(began, input, settings, &args.simulation, quiet)
+    let look = input::look(&args.view, &global.budget)?;
+    let input = input::open_seen(path, &look.view, global)?;
+    let machine = input::config(&look.tell(&args.machine, demo_of(path))?, demo_of(path), &global.budget)?;
+    simulate(input, Simulation::new(&args.simulation, machine, global))
 }
 
-fn simulate(began: f64, input: Input, settings: RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
-    if simulation.ablate {
-        return ablate(&input.for_several_runs(&settings.budget), &settings, simulation, quiet);
+fn simulate(input: Input, simulation: Simulation<'_>) -> Done {
+    let budget = &simulation.global.budget;
+    if simulation.args.ablate {
+        return ablate(&input.for_several_runs(budget), &simulation);
     }
-    if simulation.compare_methods {
-        return compare_methods(&input.for_several_runs(&settings.budget), &settings, simulation, quiet);
+    if simulation.args.compare_methods {
+        return compare_methods(&input.for_several_runs(budget), &simulation);
     }
-    if simulation.sensitivity {
-        let input = input.for_several_runs(&settings.budget);
-        let around = around(&input, &settings)?;
-        return simulate_source(began, source_of(input, quiet || simulation.json), settings, Some(around), simulation, quiet);
+    let quiet = simulation.is_quiet();
+    if simulation.args.sensitivity {
+        let input = input.for_several_runs(budget);
+        let around = around(&input, &simulation.options)?;
+        return simulation.run(source_of(input, quiet), Some(around));
     }
-    simulate_source(began, source_of(input, quiet || simulation.json), settings, None, simulation, quiet)
+    simulation.run(source_of(input, quiet), None)
 }
 
 fn source_of(input: Input, quiet: bool) -> Source {
-    match input {
+    let (input, progress) = match input {
         Input::Scene(prepared) => {
             let scene = prepared.scene();
             let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
-            let progress = Progress::new(Some((per_frame * scene.frames.len()) as u64), "draw commands", quiet);
-            Source { input: RunInput::Scene(prepared), progress, read: None, real: None, watched: LivePreview::default() }
+            let bar = Progress::new(Some((per_frame * scene.frames.len()) as u64), "draw commands", quiet);
+            (RunInput::Scene(prepared), InputProgress { bar, read: None })
         }
         Input::Trace(trace) => {
-            let (progress, read) = (Progress::new(trace.bytes, "bytes", quiet), Rc::clone(&trace.read));
-            Source { input: trace.into_source(), progress, read: Some(read), real: None, watched: LivePreview::default() }
+            let (bar, read) = (Progress::new(trace.bytes, "bytes", quiet), Some(Rc::clone(&trace.read)));
+            (trace.into_source(), InputProgress { bar, read })
         }
-    }
+    };
+    Source { input, progress, real: None, watched: LivePreview::default() }
 }

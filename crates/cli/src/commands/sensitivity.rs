@@ -2,9 +2,9 @@
 
 use super::plans::{Program, bad};
 use crate::error::Done;
+use crate::global::GlobalOptions;
 use crate::input::Input;
 use basrelief_dse::{Around, Opened, Plan, sensitivity};
-use basrelief_input::Budget;
 use basrelief_report::Sensitivity;
 use basrelief_sim::RunOptions;
 use basrelief_threads as threads;
@@ -32,8 +32,8 @@ pub fn around(input: &Input, settings: &RunOptions) -> Done<Around> {
 ///
 /// # Errors
 /// The input cannot be read any more.
-pub fn measured(around: Around, budget: &Budget, quiet: bool) -> Done<Sensitivity> {
-    let host = Program::around_run(budget, quiet);
+pub fn measured(around: Around, global: &GlobalOptions, quiet: bool) -> Done<Sensitivity> {
+    let host = Program::around_run(global, quiet);
     let plan = Plan::around(around, &host).map_err(bad)?;
     sensitivity(&plan, threads::workers(), &host).map_err(bad)
 }

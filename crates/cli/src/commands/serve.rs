@@ -3,6 +3,7 @@
 use super::page::viewer;
 use crate::args::ServeArgs;
 use crate::error::{Done, Failure, print};
+use crate::global::GlobalOptions;
 use crate::input;
 use crate::interrupt;
 use basrelief_input::Budget;
@@ -15,24 +16,24 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Serves until interrupted.
-pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
+pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> Done {
     if !args.listen.ip().is_loopback() && !args.public {
         return Err(Failure::Usage(format!(
             "--listen {}: other computers could read the scene; add --public to allow this",
             args.listen
         )));
     }
-    let Some(subject) = input::open_subject(&args.input, budget)? else {
+    let Some(subject) = input::open_subject(&args.input, global)? else {
         return Err(Failure::Usage(format!("{}: is a trace; expected a model or demo:NAME", args.input.display())));
     };
     let within = Failure::within(subject.name());
     let path = subject.name().to_owned();
     // The MIP levels stay in memory until the end of the program.
     let unseen = subject.seen(&ViewOptions::default()).map_err(Failure::bad)?;
-    reserve_textures(&unseen, 1, budget).map_err(&within)?.keep();
+    reserve_textures(&unseen, 1, &global.budget).map_err(&within)?.keep();
     let textures = textures(&subject);
     let subject = subject.without_path();
-    let scene = packed(&subject, budget)?;
+    let scene = packed(&subject, &global.budget)?;
     let viewer = viewer(args.folder.as_deref())?;
     let page = index_page(&subject, &textures, viewer.is_some());
     let served = SceneService::new(scene, page, textures).with_viewer(viewer.unwrap_or_default());
@@ -40,7 +41,7 @@ pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
     let served = args.allow_origin.iter().fold(served, |served, origin| served.with_allowed_origin(origin));
     let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
     interrupt::say("server stopped");
-    if !quiet {
+    if !global.quiet {
         print(&format!("Serving {path} at http://{address}/\n"))?;
     }
     server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))

@@ -1,9 +1,11 @@
 //! `basrelief size-fifos`: finds the smallest FIFO depths that keep the cycles of runs.
 
 use super::recording::{failure, open as open_tape, place_of};
-use super::simulate::{run_named, seconds};
+use super::simulate::run_named;
 use crate::args::{MachineArgs, SizeFifosArgs, ViewArgs};
+use crate::clock::seconds;
 use crate::error::{Done, Failure, print};
+use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
 use basrelief_input::{Budget, Held};
 use basrelief_report::number::{real, thousands};
@@ -16,7 +18,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 /// Finds the depths, checks them with full runs where possible, and prints them.
-pub fn size_fifos(args: &SizeFifosArgs, budget: &Budget) -> Done {
+pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> Done {
     let MachineArgs { machine, config, settings } = &args.machine;
     let is_told_how = machine.is_some() || config.is_some() || !settings.is_empty() || args.view != ViewArgs::default();
     if is_told_how && !args.inputs.iter().any(|input| is_drawn(input)) {
@@ -24,10 +26,10 @@ pub fn size_fifos(args: &SizeFifosArgs, budget: &Budget) -> Done {
             "a recording has its own machine and view; options for these apply to models and traces only".into(),
         ));
     }
-    let mut inputs = args.inputs.iter().map(|input| Sized::open(input, args, budget)).collect::<Done<Vec<_>>>()?;
+    let mut inputs = args.inputs.iter().map(|input| Sized::open(input, args, global)).collect::<Done<Vec<_>>>()?;
     let names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
     let readers = inputs.iter_mut().map(|input| &mut *input.tape as &mut dyn Read).collect();
-    let sizes = sized(readers, &args.within, budget).map_err(failure(&names.join(", ")))?;
+    let sizes = sized(readers, &args.within, &global.budget).map_err(failure(&names.join(", ")))?;
     for (number, input) in inputs.iter().enumerate() {
         input.check(number, &sizes)?;
     }
@@ -52,12 +54,13 @@ struct Sized {
 }
 
 impl Sized {
-    fn open(path: &Path, args: &SizeFifosArgs, budget: &Budget) -> Done<Self> {
+    fn open(path: &Path, args: &SizeFifosArgs, global: &GlobalOptions) -> Done<Self> {
         if !is_drawn(path) {
             let path = place_of(path);
             return Ok(Self { name: path.display().to_string(), tape: Box::new(open_tape(&path)?), drawn: None });
         }
-        let input = input::open(path, &args.view, budget)?.for_several_runs(budget);
+        let budget = &global.budget;
+        let input = input::open(path, &args.view, global)?.for_several_runs(budget);
         let (config, given) = input::config(&args.machine, demo_of(path), budget)?;
         let options = options(config, given, budget);
         let mut kept = Kept { bytes: Vec::new(), held: budget.nothing() };

@@ -3,14 +3,14 @@
 use super::plans::{Planned, Program, bad, counts, work, written};
 use crate::args::{PlanArgs, SweepArgs};
 use crate::error::{Done, Failure, print};
+use crate::global::GlobalOptions;
 use basrelief_dse::{Folder, Found, Plan, Point, Tally, execute, verify};
-use basrelief_input::Budget;
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// Runs a sweep.
-pub fn sweep(args: &SweepArgs, budget: &Budget, quiet: bool) -> Done {
-    let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, budget, quiet)?;
+pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> Done {
+    let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, global)?;
     if args.list {
         return list(&plan, &folder, args);
     }
@@ -21,7 +21,7 @@ pub fn sweep(args: &SweepArgs, budget: &Budget, quiet: bool) -> Done {
     let tally = execute(&plan, &work(&args.plan, &points, threads), &folder, &host).map_err(bad)?;
     let said = results(&plan, &points, &tally, (&folder, args), &host)?;
     drop(host);
-    if quiet { Ok(()) } else { print(&said) }
+    if global.quiet { Ok(()) } else { print(&said) }
 }
 
 /// Returns the points that the command line selects.
@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(quoted("it's here; $(rm x) `y`").unwrap(), "'it'\\''s here; $(rm x) `y`'");
         assert_eq!(quoted("-rf").unwrap(), "./-rf");
         for refused in ["a\nrm x", "a\rb", "a\x1b]0;b", ""] {
-            assert_eq!(quoted(refused).unwrap_err().exit_code(), 2, "{refused:?}");
+            assert!(matches!(quoted(refused), Err(Failure::Usage(_))), "{refused:?}");
         }
     }
 }

@@ -1,13 +1,14 @@
 //! Tables of several runs of one input: `--ablate` (saving of each shortcut) and `--compare-methods` (cost of each method at the same
 //! error).
 
-use super::simulate::{run_named, style};
+use super::reporting::style;
+use super::simulate::{Simulation, run_named};
 use crate::args::SimulationArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::Input;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
-use basrelief_sim::{self as sim, MACHINES, Observer, Run, RunOptions};
+use basrelief_sim::{self as sim, Observer, Run, RunOptions};
 use std::io::Write;
 
 /// A finished table.
@@ -23,52 +24,43 @@ struct Table {
 type RunOnce<'a> = &'a mut dyn FnMut(&RunOptions, &mut dyn Observer) -> Done<Run>;
 
 /// Runs the input once per ablation and writes the table.
-pub fn ablate(input: &Input, settings: &RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
-    write_table(input, simulation, quiet, |observer, run| {
-        let table = sim::ablate(settings, observer, run)?;
+pub fn ablate(input: &Input, simulation: &Simulation<'_>) -> Done {
+    write_table(input, simulation, |observer, run| {
+        let table = sim::ablate(&simulation.options, observer, run)?;
         let json = table.to_json().map_err(Failure::bad)?;
         Ok(Table { name: "ablation", text: table.to_text(style()), csv: table.to_csv(), json })
     })
 }
 
 /// Runs the input with each method and writes the table.
-pub fn compare_methods(input: &Input, settings: &RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
-    write_table(input, simulation, quiet, |observer, run| {
-        let table = sim::compare_methods(settings, observer, run)?;
+pub fn compare_methods(input: &Input, simulation: &Simulation<'_>) -> Done {
+    write_table(input, simulation, |observer, run| {
+        let table = sim::compare_methods(&simulation.options, observer, run)?;
         let json = table.to_json().map_err(Failure::bad)?;
         Ok(Table { name: "methods", text: table.to_text(style()), csv: table.to_csv(), json })
     })
 }
 
-/// Returns the help text of `--compare-methods`.
-pub fn methods_help() -> String {
-    let with: Vec<&str> = MACHINES.iter().filter(|m| m.has_methods).map(|m| m.name).collect();
-    format!(
-        "Run the input with each division method of the machine at the same error. Writes only methods.json and methods.csv with divisions, cycles, displacements and PSNR. Of machine {}",
-        with.join(", ")
-    )
-}
-
 fn write_table(
     input: &Input,
-    simulation: &SimulationArgs,
-    quiet: bool,
+    simulation: &Simulation<'_>,
     make: impl FnOnce(&mut dyn Observer, RunOnce<'_>) -> Done<Table>,
 ) -> Done {
-    let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
-    let mut observer = ProgressObserver(Progress::new(None, "commands", quiet || simulation.json));
+    let args = simulation.args;
+    let outputs = Outputs::begin(&args.out).map_err(Failure::file(&args.out, "be written"))?;
+    let mut observer = ProgressObserver(Progress::new(None, "commands", simulation.is_quiet()));
     let mut run = |settings: &RunOptions, observer: &mut dyn Observer| run_named(input.again()?, settings, observer, None);
     let table = make(&mut observer, &mut run)?;
     drop(observer);
-    if simulation.json {
+    if args.json {
         // Printed before publication: if printing fails, nothing is written.
         print(&table.json)?;
     }
-    publish(outputs, &table, simulation)?;
-    if simulation.json || quiet {
+    publish(outputs, &table, args)?;
+    if simulation.is_quiet() {
         Ok(())
     } else {
-        let (folder, name) = (simulation.out.display(), table.name);
+        let (folder, name) = (args.out.display(), table.name);
         print(&format!("{}\nWritten to {folder}/: {name}.csv, {name}.json\n", table.text))
     }
 }
@@ -82,8 +74,8 @@ impl Observer for ProgressObserver {
     }
 }
 
-fn publish(outputs: Outputs, table: &Table, simulation: &SimulationArgs) -> Done {
-    let failed = || Failure::file(&simulation.out, "be written");
+fn publish(outputs: Outputs, table: &Table, args: &SimulationArgs) -> Done {
+    let failed = || Failure::file(&args.out, "be written");
     let [csv, json] = ["csv", "json"].map(|ending| format!("{}.{ending}", table.name));
     for (name, text) in [(&csv, &table.csv), (&json, &table.json)] {
         let mut file = outputs.create(name).map_err(failed())?;

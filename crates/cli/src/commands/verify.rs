@@ -4,6 +4,7 @@ use super::convert::to_trace_file;
 use super::simulate::simulate_quietly;
 use crate::args::VerifyArgs;
 use crate::error::{Done, Failure, print};
+use crate::global::GlobalOptions;
 use crate::input::TraceFile;
 use basrelief_input::{Budget, Held, beside};
 use basrelief_kernel::Engine;
@@ -15,7 +16,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Checks or blesses every trace.
-pub fn verify(args: &VerifyArgs, budget: &Budget, quiet: bool) -> Done {
+pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> Done {
     let mut traces = Traces::default();
     args.paths.iter().try_for_each(|path| traces.add(path))?;
     let traces = traces.found;
@@ -25,7 +26,8 @@ pub fn verify(args: &VerifyArgs, budget: &Budget, quiet: bool) -> Done {
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
     let (mut wrong, mut failed) = (0, 0);
     for trace in &traces {
-        let result = if args.bless { bless(trace, budget).map(|()| vec![]) } else { check(trace, &engines, budget) };
+        let result =
+            if args.bless { bless(trace, &global.budget).map(|()| vec![]) } else { check(trace, &engines, &global.budget) };
         let (verdict, why) = match result {
             Ok(why) if why.is_empty() => (if args.bless { "blessed" } else { "ok" }, why),
             Ok(why) => {
@@ -37,7 +39,7 @@ pub fn verify(args: &VerifyArgs, budget: &Budget, quiet: bool) -> Done {
                 ("FAILED", vec![failure.to_string()])
             }
         };
-        if !quiet || !why.is_empty() {
+        if !global.quiet || !why.is_empty() {
             print(&format!("{verdict:<7} {}\n", trace.display()))?;
             why.iter().try_for_each(|w| print(&format!("        {w}\n")))?;
         }

@@ -1,0 +1,30 @@
+//! Reports on the terminal and in files.
+
+use crate::args::TablesArgs;
+use crate::error::{Done, print};
+use crate::outputs::{OLD_RUN_RECORDING, Outputs, REPORT, RUN_RECORDING};
+use basrelief_report::{Report, Style, to_csv, to_text};
+use std::io::{self, IsTerminal, Write};
+
+/// Writes the report and its tables, and publishes everything.
+pub fn publish_report(outputs: Outputs, report: &Report, csv: bool) -> io::Result<()> {
+    let mut file = outputs.create(REPORT)?;
+    report.write_json(&mut file).and_then(|()| file.flush())?;
+    if csv {
+        let mut file = outputs.create("report.csv")?;
+        file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush())?;
+    }
+    outputs.publish(REPORT, &[RUN_RECORDING, OLD_RUN_RECORDING])
+}
+
+/// Prints the report.
+pub fn show_report(report: &Report, tables: &TablesArgs) -> Done {
+    print(&to_text(report, style(), &tables.shown()))
+}
+
+/// Returns the width and colours of this terminal.
+pub fn style() -> Style {
+    let terminal = io::stdout().is_terminal();
+    let width = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok()).unwrap_or(120);
+    Style { width, color: terminal && std::env::var_os("NO_COLOR").is_none() }
+}
