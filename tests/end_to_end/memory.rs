@@ -3,7 +3,7 @@
 
 use crate::support::{Outcome, PROGRAM, Place, finish};
 use basrelief_signals::Lighting;
-use basrelief_trace::{Begin, Command as Line, Form, MaterialDefinition, Writer};
+use basrelief_trace::{BeginCommand, MaterialDefinition, TraceCommand as Line, TraceForm, TraceWriter};
 use image::{DynamicImage, ImageFormat};
 use std::fs::{self, File};
 use std::io::{Read, Write};
@@ -22,9 +22,9 @@ fn run(place: &Place, megabytes: u32, line: &str) -> Outcome {
 
 /// Writes a trace of a few kilobytes that defines materials with names of 15 MiB.
 fn write_names(place: &Place, name: &str, materials: u32) {
-    let form = Form::for_file_name(name).expect("a display list");
-    let mut writer = Writer::new(File::create(place.path(name)).expect("created"), form).expect("a writer");
-    writer.write(&Line::Begin(Begin::new(8, 8))).expect("written");
+    let form = TraceForm::for_file_name(name).expect("a display list");
+    let mut writer = TraceWriter::new(File::create(place.path(name)).expect("created"), form).expect("a writer");
+    writer.write(&Line::Begin(BeginCommand::new(8, 8))).expect("written");
     for id in 0..materials {
         writer
             .write(&Line::Material(MaterialDefinition {
@@ -139,8 +139,9 @@ fn other_files_are_read_within_the_limit() {
 #[test]
 fn pictures_of_a_trace_count_against_limit() {
     let place = Place::new();
-    let mut writer = Writer::new(File::create(place.path("t.jsonl")).expect("created"), Form::default()).expect("a writer");
-    writer.write(&Line::Begin(Begin::new(4096, 2048))).expect("written");
+    let mut writer =
+        TraceWriter::new(File::create(place.path("t.jsonl")).expect("created"), TraceForm::default()).expect("a writer");
+    writer.write(&Line::Begin(BeginCommand::new(4096, 2048))).expect("written");
     writer.finish().expect("written");
     let error = place.run("run t.jsonl --memory-limit 100MiB --quiet");
     let error = error.error(1);

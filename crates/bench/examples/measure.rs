@@ -1,6 +1,6 @@
 //! Ratios, instruction counts, long traces. The crate documentation lists the commands.
 
-use basrelief_bench::instructions::{Budgets, compiler, count_all};
+use basrelief_bench::instructions::{InstructionBudgets, compiler, count_all};
 use basrelief_bench::ratios::{TimeRatio, ratios};
 use basrelief_bench::workload::WorkloadSize;
 use basrelief_bench::{traces, workloads};
@@ -47,16 +47,16 @@ fn write_json(path: &str, value: &impl serde::Serialize) -> Result<(), String> {
 }
 
 /// Returns the budgets with the counts of this build.
-fn counted() -> Result<Budgets, String> {
+fn counted() -> Result<InstructionBudgets, String> {
     let names: Vec<String> = workloads(WorkloadSize::Small).into_iter().map(|w| w.name).collect();
     let program = std::env::current_exe().map_err(|e| e.to_string())?;
     let instructions = count_all(Path::new(&program), &names)?;
-    Ok(Budgets { compiler: compiler()?, architecture: std::env::consts::ARCH.into(), instructions })
+    Ok(InstructionBudgets { compiler: compiler()?, architecture: std::env::consts::ARCH.into(), instructions })
 }
 
 fn check() -> Result<(), String> {
     let text = fs::read_to_string(BUDGETS).map_err(|e| format!("{BUDGETS}: {e}"))?;
-    let budgets: Budgets = serde_json::from_str(&text).map_err(|e| format!("{BUDGETS}: {e}"))?;
+    let budgets: InstructionBudgets = serde_json::from_str(&text).map_err(|e| format!("{BUDGETS}: {e}"))?;
     let (here, of) = ((compiler()?, std::env::consts::ARCH), (budgets.compiler.clone(), budgets.architecture.as_str()));
     if here != of {
         println!(

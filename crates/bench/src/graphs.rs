@@ -9,9 +9,9 @@ use basrelief_kernel::{
 use std::hint::black_box;
 use std::ops::Range;
 
-type Numbers = Stage<Source<Range<u64>>>;
+type NumberSource = Stage<Source<Range<u64>>>;
 
-fn numbers(tokens: u64) -> Numbers {
+fn numbers(tokens: u64) -> NumberSource {
     Stage::new("source", Source::new(0..tokens))
 }
 
@@ -20,11 +20,11 @@ fn fifo(name: &str) -> Fifo<u64> {
 }
 
 /// Unit that passes its token on.
-struct Pass {
+struct PassUnit {
     occupancy: u64,
 }
 
-impl Unit for Pass {
+impl Unit for PassUnit {
     type In = Option<u64>;
     type Out = Option<u64>;
     #[inline]
@@ -39,11 +39,11 @@ impl Unit for Pass {
 
 /// Unit that drops tokens.
 #[derive(Default)]
-struct Drain {
+struct DrainUnit {
     sum: u64,
 }
 
-impl Unit for Drain {
+impl Unit for DrainUnit {
     type In = Option<u64>;
     type Out = ();
     #[inline]
@@ -57,26 +57,26 @@ impl Unit for Drain {
     }
 }
 
-fn drain(name: &str) -> Stage<Drain> {
-    Stage::new(name, Drain::default())
+fn drain(name: &str) -> Stage<DrainUnit> {
+    Stage::new(name, DrainUnit::default())
 }
 
 /// Nine stages in a row.
-struct Chain {
-    source: Numbers,
-    passes: [Stage<Pass>; 7],
+struct NineStageChain {
+    source: NumberSource,
+    passes: [Stage<PassUnit>; 7],
     fifos: [Fifo<u64>; 8],
-    drain: Stage<Drain>,
+    drain: Stage<DrainUnit>,
     memories: MemorySystem,
 }
 
-impl Chain {
+impl NineStageChain {
     const STAGES: u64 = 9;
 
     fn new(tokens: u64, occupancy: u64) -> Self {
         Self {
             source: numbers(tokens),
-            passes: std::array::from_fn(|i| Stage::new(&format!("pass {i}"), Pass { occupancy })),
+            passes: std::array::from_fn(|i| Stage::new(&format!("pass {i}"), PassUnit { occupancy })),
             fifos: std::array::from_fn(|i| fifo(&format!("fifo {i}"))),
             drain: drain("drain"),
             memories: MemorySystem::default(),
@@ -84,7 +84,7 @@ impl Chain {
     }
 }
 
-impl Machine for Chain {
+impl Machine for NineStageChain {
     #[inline]
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let [a, b, c, d, e, f, g] = &mut self.passes;
@@ -105,9 +105,9 @@ impl Machine for Chain {
 }
 
 /// Unit that sends its token to both outputs.
-struct Fork;
+struct ForkUnit;
 
-impl Unit for Fork {
+impl Unit for ForkUnit {
     type In = Option<u64>;
     type Out = (Option<u64>, Option<u64>);
     #[inline]
@@ -121,9 +121,9 @@ impl Unit for Fork {
 }
 
 /// Unit that adds both inputs.
-struct Join;
+struct JoinUnit;
 
-impl Unit for Join {
+impl Unit for JoinUnit {
     type In = (Option<u64>, Option<u64>);
     type Out = Option<u64>;
     #[inline]
@@ -138,11 +138,11 @@ impl Unit for Join {
 
 /// Source, fork, two branches, join, drain.
 struct ForkJoin {
-    source: Numbers,
-    fork: Stage<Fork>,
-    branches: [Stage<Pass>; 2],
-    join: Stage<Join>,
-    drain: Stage<Drain>,
+    source: NumberSource,
+    fork: Stage<ForkUnit>,
+    branches: [Stage<PassUnit>; 2],
+    join: Stage<JoinUnit>,
+    drain: Stage<DrainUnit>,
     fifos: [Fifo<u64>; 6],
     memories: MemorySystem,
 }
@@ -153,9 +153,9 @@ impl ForkJoin {
     fn new(tokens: u64) -> Self {
         Self {
             source: numbers(tokens),
-            fork: Stage::new("fork", Fork),
-            branches: [1, 2].map(|occupancy| Stage::new(&format!("branch {occupancy}"), Pass { occupancy })),
-            join: Stage::new("join", Join),
+            fork: Stage::new("fork", ForkUnit),
+            branches: [1, 2].map(|occupancy| Stage::new(&format!("branch {occupancy}"), PassUnit { occupancy })),
+            join: Stage::new("join", JoinUnit),
             drain: drain("drain"),
             fifos: std::array::from_fn(|i| fifo(&format!("fifo {i}"))),
             memories: MemorySystem::default(),
@@ -182,14 +182,14 @@ impl Machine for ForkJoin {
 
 /// Memory access of a client per token.
 #[derive(Clone, Copy)]
-enum Access {
+enum AccessUnit {
     /// One read of 64 bytes at this stride.
     Read { stride: u64 },
     /// Four texels of a row, two of them in the next: mostly hits.
     LookUp,
 }
 
-impl Unit for Access {
+impl Unit for AccessUnit {
     type In = Option<u64>;
     type Out = Option<u64>;
     #[inline]
@@ -200,8 +200,8 @@ impl Unit for Access {
     fn step(&mut self, input: Option<u64>, traffic: &mut MemoryPorts) -> Step<Option<u64>> {
         let n = input.unwrap_or(0);
         match *self {
-            Access::Read { stride } => traffic.read(0, n * stride, 64),
-            Access::LookUp => {
+            AccessUnit::Read { stride } => traffic.read(0, n * stride, 64),
+            AccessUnit::LookUp => {
                 let texel = 4 * (n % 4096);
                 [texel, texel + 4, texel + 2048, texel + 2052].iter().for_each(|&address| traffic.look_up(0, address, 4));
             }
@@ -210,50 +210,50 @@ impl Unit for Access {
     }
     fn largest_step(&self, client: usize) -> u32 {
         match self {
-            Access::Read { .. } => u32::from(client == 0),
-            Access::LookUp => 4 * u32::from(client == 0),
+            AccessUnit::Read { .. } => u32::from(client == 0),
+            AccessUnit::LookUp => 4 * u32::from(client == 0),
         }
     }
 }
 
 /// Source, client, drain.
-struct Row {
-    source: Numbers,
+struct ClientRow {
+    source: NumberSource,
     input: Fifo<u64>,
-    client: Stage<Access>,
+    client: Stage<AccessUnit>,
     output: Fifo<u64>,
-    drain: Stage<Drain>,
+    drain: Stage<DrainUnit>,
     ids: [usize; 1],
 }
 
 /// Rows whose clients share one memory.
-struct Rows<const N: usize> {
-    rows: [Row; N],
+struct ClientRows<const N: usize> {
+    rows: [ClientRow; N],
     memories: MemorySystem,
 }
 
-impl<const N: usize> Rows<N> {
+impl<const N: usize> ClientRows<N> {
     const STAGES: u64 = 3 * N as u64;
 
-    fn new(tokens: u64, accesses: [Access; N]) -> Self {
+    fn new(tokens: u64, accesses: [AccessUnit; N]) -> Self {
         let mut memories = MemorySystem::default();
         let memory = memories.add_memory("memory", &MemoryConfig::default());
         let rows = accesses.map(|access| {
             let id = match access {
-                Access::Read { .. } => memories.add_client("port", memory, 8),
-                Access::LookUp => memories.add_cached_client("port", memory, 8, "cache", &CacheConfig::default()),
+                AccessUnit::Read { .. } => memories.add_client("port", memory, 8),
+                AccessUnit::LookUp => memories.add_cached_client("port", memory, 8, "cache", &CacheConfig::default()),
             };
             let (client, drain) = (Stage::new("client", access), drain("drain"));
-            Row { source: numbers(tokens), input: fifo("in"), client, output: fifo("out"), drain, ids: [id] }
+            ClientRow { source: numbers(tokens), input: fifo("in"), client, output: fifo("out"), drain, ids: [id] }
         });
         Self { rows, memories }
     }
 }
 
-impl<const N: usize> Machine for Rows<N> {
+impl<const N: usize> Machine for ClientRows<N> {
     #[inline]
     fn wire<V: Visitor>(&mut self, v: &mut V) {
-        for Row { source, input, client, output, drain, ids } in &mut self.rows {
+        for ClientRow { source, input, client, output, drain, ids } in &mut self.rows {
             v.stage(source.between((), &mut *input));
             v.stage(client.between(input, &mut *output).using(&mut self.memories, &*ids));
             v.stage(drain.between(output, ()));
@@ -307,7 +307,9 @@ fn workload<M: Machine + 'static>(
 /// Returns chains on both engines, without time and under a probe, a fork and join, and clients that share a memory.
 pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
     let n = size.of(100_000, 10_000);
-    let chain = move |name: String, service: u64, run| workload(name, n * Chain::STAGES, move || Chain::new(n, service), run);
+    let chain = move |name: String, service: u64, run| {
+        workload(name, n * NineStageChain::STAGES, move || NineStageChain::new(n, service), run)
+    };
     let mut all = Vec::new();
     for service in [1, 4, 32] {
         all.push(chain(format!("chain/{service}/timed"), service, timed));
@@ -315,11 +317,11 @@ pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
     }
     all.push(chain("chain/1/functional".into(), 1, functional));
     all.push(chain("chain/4/recorded".into(), 4, recorded));
-    let (near, far) = (Access::Read { stride: 64 }, Access::Read { stride: 4160 });
-    let pair = n * Rows::<2>::STAGES;
+    let (near, far) = (AccessUnit::Read { stride: 64 }, AccessUnit::Read { stride: 4160 });
+    let pair = n * ClientRows::<2>::STAGES;
     all.push(workload("fork-join", n * ForkJoin::STAGES, move || ForkJoin::new(n), timed));
-    all.push(workload("two-readers", pair, move || Rows::new(n, [near, far]), timed));
-    all.push(workload("reader-and-cache", pair, move || Rows::new(n, [near, Access::LookUp]), timed));
-    all.push(workload("cache", n * Rows::<1>::STAGES, move || Rows::new(n, [Access::LookUp]), timed));
+    all.push(workload("two-readers", pair, move || ClientRows::new(n, [near, far]), timed));
+    all.push(workload("reader-and-cache", pair, move || ClientRows::new(n, [near, AccessUnit::LookUp]), timed));
+    all.push(workload("cache", n * ClientRows::<1>::STAGES, move || ClientRows::new(n, [AccessUnit::LookUp]), timed));
     all
 }

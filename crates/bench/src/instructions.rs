@@ -12,7 +12,7 @@ pub const TOLERANCE_PERCENT: u64 = 3;
 /// Instruction budgets of the workloads.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Budgets {
+pub struct InstructionBudgets {
     /// Compiler of the counts, as named by `rustc --version`.
     pub compiler: String,
     /// Architecture of the counts.
@@ -30,7 +30,7 @@ pub struct BudgetVerdict {
     pub failures: Vec<String>,
 }
 
-impl Budgets {
+impl InstructionBudgets {
     /// Compares counts with the budgets.
     pub fn compare(&self, counts: &BTreeMap<String, u64>) -> BudgetVerdict {
         let mut verdict = BudgetVerdict::default();
@@ -116,7 +116,10 @@ mod tests {
 
     #[test]
     fn only_excess_beyond_tolerance_fails() {
-        let budgets = Budgets { instructions: counts(&[("a", 1000), ("b", 1000), ("c", 1000)]), ..Budgets::default() };
+        let budgets = InstructionBudgets {
+            instructions: counts(&[("a", 1000), ("b", 1000), ("c", 1000)]),
+            ..InstructionBudgets::default()
+        };
         let verdict = budgets.compare(&counts(&[("a", 1030), ("b", 1031), ("c", 500)]));
         assert_eq!(verdict.failures, ["b: 1031 instructions, 3.10 % above the budget of 1000; 3 % are allowed"]);
         assert_eq!(verdict.lines.len(), 3);
@@ -124,7 +127,7 @@ mod tests {
 
     #[test]
     fn budgets_and_workloads_match() {
-        let budgets = Budgets { instructions: counts(&[("gone", 1)]), ..Budgets::default() };
+        let budgets = InstructionBudgets { instructions: counts(&[("gone", 1)]), ..InstructionBudgets::default() };
         let failures = budgets.compare(&counts(&[("new", 1)])).failures;
         assert_eq!(failures, ["new: has no budget", "gone: has a budget, but there is no such workload"]);
     }

@@ -44,7 +44,7 @@ pub struct MachineScene {
 }
 
 /// Job for a machine in its power-on state.
-trait Job {
+trait MachineJob {
     type Result;
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result;
 }
@@ -89,7 +89,7 @@ impl MachineScene {
     }
 
     /// Runs the job. Also returns the fragments of the machine.
-    fn work<J: Job>(&self, job: J) -> (J::Result, u64) {
+    fn work<J: MachineJob>(&self, job: J) -> (J::Result, u64) {
         let draws = SceneDraws::new(Arc::clone(&self.scene));
         match &self.config {
             MachineConfig::Bump(config) => done(job, BumpProcessor::new(SceneFront::new(draws, config), config)),
@@ -101,7 +101,7 @@ impl MachineScene {
 
     /// Simulates the drawing, on an engine or without time.
     pub fn simulate<P: Probe>(&self, engine: Option<Engine>, probe: &mut P) -> RunSample {
-        let (time, count) = self.work(Simulate { engine, probe });
+        let (time, count) = self.work(SimulateMachine { engine, probe });
         RunSample { time, count }
     }
 
@@ -110,7 +110,7 @@ impl MachineScene {
     /// # Panics
     /// Panics on a single core.
     pub fn simulate_apart(&self) -> RunSample {
-        let (time, count) = self.work(Apart);
+        let (time, count) = self.work(SimulateOnTwoThreads);
         RunSample { time, count }
     }
 
@@ -125,12 +125,12 @@ impl MachineScene {
     }
 }
 
-struct Simulate<'a, P> {
+struct SimulateMachine<'a, P> {
     engine: Option<Engine>,
     probe: &'a mut P,
 }
 
-impl<P: Probe> Job for Simulate<'_, P> {
+impl<P: Probe> MachineJob for SimulateMachine<'_, P> {
     type Result = std::time::Duration;
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
@@ -148,9 +148,9 @@ impl<P: Probe> Job for Simulate<'_, P> {
 }
 
 /// Job that simulates a machine on two threads.
-struct Apart;
+struct SimulateOnTwoThreads;
 
-impl Job for Apart {
+impl MachineJob for SimulateOnTwoThreads {
     type Result = std::time::Duration;
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
@@ -161,9 +161,9 @@ impl Job for Apart {
 }
 
 /// Job that records a machine.
-struct Record;
+struct RecordMachine;
 
-impl Job for Record {
+impl MachineJob for RecordMachine {
     type Result = (Netlist, Vec<RecordingChunk>);
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
@@ -178,7 +178,7 @@ impl Job for Record {
 
 struct TimeUnits;
 
-impl Job for TimeUnits {
+impl MachineJob for TimeUnits {
     type Result = Vec<UnitTime>;
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
@@ -188,7 +188,7 @@ impl Job for TimeUnits {
 
 struct ShowBoard;
 
-impl Job for ShowBoard {
+impl MachineJob for ShowBoard {
     type Result = TimelineLayout;
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
@@ -197,7 +197,7 @@ impl Job for ShowBoard {
 }
 
 /// Runs the job with a machine. Also returns its fragments.
-fn done<J: Job, M: Draws>(job: J, machine: Result<M, ConfigProblem>) -> (J::Result, u64) {
+fn done<J: MachineJob, M: Draws>(job: J, machine: Result<M, ConfigProblem>) -> (J::Result, u64) {
     let mut machine = machine.expect("what the workloads set fits the defaults");
     (job.with(&mut machine), machine.facts().count("fragments"))
 }
@@ -246,9 +246,9 @@ fn plane(size: [u32; 2]) -> Scene {
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// Name of a workload, and its constructor.
-type Make = (&'static str, fn(WorkloadSize, SettingList) -> MachineScene);
+type WorkloadMaker = (&'static str, fn(WorkloadSize, SettingList) -> MachineScene);
 
-const MAKE: [Make; 6] = [
+const MAKE: [WorkloadMaker; 6] = [
     ("w1", MachineScene::w1),
     ("w2", MachineScene::w2),
     ("w3", MachineScene::w3),
@@ -259,7 +259,7 @@ const MAKE: [Make; 6] = [
 
 /// Returns the machines with and without time.
 pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
-    let workload = |(name, make): Make, engine: Option<Engine>| {
+    let workload = |(name, make): WorkloadMaker, engine: Option<Engine>| {
         let mode = if engine.is_some() { "timed" } else { "functional" };
         Workload::new(format!("machine/{name}/{mode}"), ThroughputUnit::Fragments, move || {
             let drawing = make(size, &[]);
@@ -274,7 +274,7 @@ pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
 fn retimed(size: WorkloadSize, again: bool) -> Workload {
     let name = if again { "machine/w1/retimed-again" } else { "machine/w1/retimed" };
     Workload::new(name, ThroughputUnit::Fragments, move || {
-        let ((shape, reels), count) = MachineScene::w1(size, &[]).work(Record);
+        let ((shape, reels), count) = MachineScene::w1(size, &[]).work(RecordMachine);
         let tape = Recording::new(reels.clone(), &shape, u64::MAX);
         let time_again = move |shape: Netlist| {
             let mut reels = reels.iter().map(Cow::Borrowed);
@@ -292,7 +292,7 @@ fn retimed(size: WorkloadSize, again: bool) -> Workload {
 
 /// Returns every unit alone, with each machine on one workload.
 pub fn units() -> Vec<Workload> {
-    let of = |(name, make): Make| {
+    let of = |(name, make): WorkloadMaker| {
         let drawing = make(WorkloadSize::Full, &[]);
         let stages = drawing.board().diagram.stages.into_iter().enumerate();
         stages.map(move |(i, stage)| {

@@ -2,7 +2,7 @@
 
 use crate::machines::{self, MachineScene, SettingList};
 use crate::traces;
-use crate::workload::{Ready, RunSample, Workload, WorkloadSize};
+use crate::workload::{PreparedRun, RunSample, Workload, WorkloadSize};
 use basrelief_kernel::{Engine, NoProbe};
 use basrelief_threads as threads;
 use basrelief_timeline::{PerfettoTrace, TimelineProbe};
@@ -46,7 +46,7 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
 }
 
 /// Runs both alternately, once before counting.
-fn ratio(name: &str, rounds: usize, mut above: Ready, mut below: Ready) -> TimeRatio {
+fn ratio(name: &str, rounds: usize, mut above: PreparedRun, mut below: PreparedRun) -> TimeRatio {
     let mut pair = || [nanoseconds(above()), nanoseconds(below())];
     pair();
     let pairs: Vec<[f64; 2]> = (0..rounds).map(|_| pair()).collect();
@@ -56,18 +56,18 @@ fn ratio(name: &str, rounds: usize, mut above: Ready, mut below: Ready) -> TimeR
     TimeRatio { name: name.into(), rounds, median, low, high, ns }
 }
 
-fn engine(drawing: &MachineScene, engine: Option<Engine>) -> Ready {
+fn engine(drawing: &MachineScene, engine: Option<Engine>) -> PreparedRun {
     let drawing = drawing.clone();
     Box::new(move || drawing.simulate(engine, &mut NoProbe))
 }
 
-fn apart(drawing: &MachineScene) -> Ready {
+fn apart(drawing: &MachineScene) -> PreparedRun {
     let drawing = drawing.clone();
     Box::new(move || drawing.simulate_apart())
 }
 
 /// Prepares a run with the timeline of every unit, written to a sink.
-fn probed(drawing: &MachineScene) -> Ready {
+fn probed(drawing: &MachineScene) -> PreparedRun {
     let drawing = drawing.clone();
     let board = drawing.board();
     Box::new(move || {
@@ -76,7 +76,7 @@ fn probed(drawing: &MachineScene) -> Ready {
     })
 }
 
-fn prepared(workloads: &[Workload], name: &str) -> Ready {
+fn prepared(workloads: &[Workload], name: &str) -> PreparedRun {
     workloads.iter().find(|w| w.name == name).expect("a workload of this name").prepare()
 }
 
@@ -89,7 +89,7 @@ pub fn ratios(size: WorkloadSize, rounds: usize, mut each: impl FnMut(&TimeRatio
     let search = [SEARCH_256, SEARCH_1].map(|set| MachineScene::w1(size, set));
     let traces = traces::workloads(size);
     let mut all = Vec::new();
-    let mut compare = |name: &str, above: Ready, below: Ready| {
+    let mut compare = |name: &str, above: PreparedRun, below: PreparedRun| {
         let ratio = ratio(name, rounds, above, below);
         each(&ratio);
         all.push(ratio);

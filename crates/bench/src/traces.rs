@@ -8,8 +8,8 @@ use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measure
 use basrelief_signals::{Camera, Control, Lighting};
 use basrelief_sim::{MachineConfig, display_list, trace_header};
 use basrelief_trace::{
-    Begin, Command, Encoding, Form, FrameBegin, FrameEnd, LightRecord, MaterialDefinition, NoFiles, ObjectBegin, PolygonRecord,
-    Recorder, Resolver, TraceError, Writer, convert, open,
+    BeginCommand, FrameBegin, FrameEnd, LightRecord, MaterialDefinition, NoFiles, ObjectBegin, PolygonRecord, TraceCommand,
+    TraceEncoding, TraceError, TraceForm, TraceRecorder, TraceResolver, TraceWriter, convert, open,
 };
 use std::hint::black_box;
 use std::io::{Write, sink};
@@ -32,17 +32,17 @@ fn json_lines(size: WorkloadSize) -> Vec<u8> {
         polygons <= most || !matches!(control, Control::Polygon(_))
     });
     let recorded = || {
-        let mut recorder = Recorder::new(Vec::new(), Form::default(), trace_header(&scene))?;
+        let mut recorder = TraceRecorder::new(Vec::new(), TraceForm::default(), trace_header(&scene))?;
         shortened.into_iter().try_for_each(|control| recorder.record(&control))?;
         recorder.finish(Vec::new())
     };
     recorded().expect("writing into memory")
 }
 
-fn name_of(form: Form) -> String {
+fn name_of(form: TraceForm) -> String {
     let encoding = match form.encoding {
-        Encoding::JsonLines => "json-lines",
-        Encoding::Binary => "binary",
+        TraceEncoding::JsonLines => "json-lines",
+        TraceEncoding::Binary => "binary",
     };
     if form.compressed { format!("{encoding}-zstd") } else { encoding.into() }
 }
@@ -54,18 +54,18 @@ fn read(bytes: &[u8]) -> Result<usize, TraceError> {
 
 /// Reads a trace as [`read`], and resolves it into tokens.
 fn resolve(bytes: &[u8]) -> Result<usize, TraceError> {
-    Resolver::new(bytes, NoFiles)?.try_fold(0, |count, control| control.map(|control| count + black_box([control]).len()))
+    TraceResolver::new(bytes, NoFiles)?.try_fold(0, |count, control| control.map(|control| count + black_box([control]).len()))
 }
 
-fn write(commands: &[Command], form: Form) -> Result<usize, TraceError> {
-    let mut writer = Writer::new(sink(), form)?;
+fn write(commands: &[TraceCommand], form: TraceForm) -> Result<usize, TraceError> {
+    let mut writer = TraceWriter::new(sink(), form)?;
     commands.iter().try_for_each(|command| writer.write(command))?;
     writer.finish().map(|_| commands.len())
 }
 
 /// Returns reading, resolving and writing.
 pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
-    let reading = |what: &str, form: Form, run: fn(&[u8]) -> Result<usize, TraceError>| {
+    let reading = |what: &str, form: TraceForm, run: fn(&[u8]) -> Result<usize, TraceError>| {
         Workload::new(format!("trace/{what}/{}", name_of(form)), ThroughputUnit::Bytes, move || {
             let json = json_lines(size);
             let mut bytes = Vec::new();
@@ -77,10 +77,10 @@ pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
             }
         })
     };
-    let writing = |form: Form| {
+    let writing = |form: TraceForm| {
         Workload::new(format!("trace/write/{}", name_of(form)), ThroughputUnit::Bytes, move || {
             let json = json_lines(size);
-            let commands: Result<Vec<Command>, _> = open(json.as_slice()).expect("the trace is sound").collect();
+            let commands: Result<Vec<TraceCommand>, _> = open(json.as_slice()).expect("the trace is sound").collect();
             let commands = Rc::new(commands.expect("the trace is sound"));
             move || {
                 let (done, time) = measured(|| write(&commands, form));
@@ -89,10 +89,10 @@ pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
             }
         })
     };
-    let plain = Form::ALL.into_iter().filter(|form| !form.compressed);
-    let mut all: Vec<Workload> = Form::ALL.into_iter().map(|form| reading("read", form, read)).collect();
+    let plain = TraceForm::ALL.into_iter().filter(|form| !form.compressed);
+    let mut all: Vec<Workload> = TraceForm::ALL.into_iter().map(|form| reading("read", form, read)).collect();
     all.extend(plain.map(|form| reading("resolve", form, resolve)));
-    all.extend(Form::ALL.into_iter().map(writing));
+    all.extend(TraceForm::ALL.into_iter().map(writing));
     all
 }
 
@@ -106,9 +106,9 @@ const SIDE: u64 = 4;
 /// # Errors
 /// Returns an error if `out` cannot be written.
 pub fn generate(polygons: u64, out: impl Write) -> Result<(), TraceError> {
-    let mut writer = Writer::new(out, Form::default())?;
+    let mut writer = TraceWriter::new(out, TraceForm::default())?;
     let [width, height] = GENERATED;
-    writer.write(&Command::Begin(Begin::new(width, height)))?;
+    writer.write(&TraceCommand::Begin(BeginCommand::new(width, height)))?;
     let (name, color) = (String::from("sheet"), [0.8, 0.6, 0.4, 1.0]);
     let (color_texture, normal_map, double_sided) = (None, None, false);
     let (lighting, normal_scale) = (Lighting::default(), 1.0);
@@ -122,13 +122,13 @@ pub fn generate(polygons: u64, out: impl Write) -> Result<(), TraceError> {
         normal_map,
         double_sided,
     };
-    writer.write(&Command::Material(material))?;
+    writer.write(&TraceCommand::Material(material))?;
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lights = vec![LightRecord::Directional { to_light: [0.0, 0.0, 1.0], intensity: 1.0 }];
-    writer.write(&Command::Frame(FrameBegin { index: 0, camera, lights }))?;
-    writer.write(&Command::Object(ObjectBegin { id: 0, name, centre: [0.0; 3], entries: None, mesh: None }))?;
-    (0..polygons).try_for_each(|n| writer.write(&Command::Polygon(triangle(n))))?;
-    writer.write(&Command::FrameEnd(FrameEnd {}))?;
+    writer.write(&TraceCommand::Frame(FrameBegin { index: 0, camera, lights }))?;
+    writer.write(&TraceCommand::Object(ObjectBegin { id: 0, name, centre: [0.0; 3], entries: None, mesh: None }))?;
+    (0..polygons).try_for_each(|n| writer.write(&TraceCommand::Polygon(triangle(n))))?;
+    writer.write(&TraceCommand::FrameEnd(FrameEnd {}))?;
     writer.finish().map(drop)
 }
 

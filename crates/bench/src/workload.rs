@@ -29,7 +29,7 @@ pub struct RunSample {
 }
 
 /// A prepared workload: each call is a run from fresh state, of which only the relevant part is measured.
-pub type Ready = Box<dyn FnMut() -> RunSample>;
+pub type PreparedRun = Box<dyn FnMut() -> RunSample>;
 
 /// A workload.
 pub struct Workload {
@@ -37,7 +37,7 @@ pub struct Workload {
     pub name: String,
     /// Unit of its throughput.
     pub counted: ThroughputUnit,
-    prepare: Box<dyn Fn() -> Ready>,
+    prepare: Box<dyn Fn() -> PreparedRun>,
 }
 
 impl Workload {
@@ -51,7 +51,7 @@ impl Workload {
     }
 
     /// Prepares the workload.
-    pub fn prepare(&self) -> Ready {
+    pub fn prepare(&self) -> PreparedRun {
         (self.prepare)()
     }
 }

@@ -8,7 +8,7 @@ use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_scene::{SceneError, Subject, ViewOptions, demo, load_path_with, read_camera};
 use basrelief_signals::Scene;
 use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput};
-use basrelief_trace::{Form, looks_like_trace};
+use basrelief_trace::{TraceForm, looks_like_trace};
 use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Cursor, Read};
@@ -94,7 +94,7 @@ impl TraceFile {
     fn is_one(&mut self) -> Done<bool> {
         let mut start = Vec::new();
         self.reader.by_ref().take(64).read_to_end(&mut start).map_err(Failure::file(Path::new(&self.name), "be read"))?;
-        let is_one = looks_like_trace(&start) || Form::for_file_name(&self.name).is_some();
+        let is_one = looks_like_trace(&start) || TraceForm::for_file_name(&self.name).is_some();
         let rest = std::mem::replace(&mut self.reader, Box::new(io::empty()));
         self.reader = Box::new(Cursor::new(start).chain(rest));
         Ok(is_one)

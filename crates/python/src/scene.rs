@@ -5,7 +5,7 @@ use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_parameters::nearest;
 use basrelief_scene::{Directory, Files, Memory, SceneError, ViewOptions, demo, load_within, read_camera, text};
 use basrelief_sim::{PreparedScene, RunInput};
-use basrelief_trace::{Form, looks_like_trace};
+use basrelief_trace::{TraceForm, looks_like_trace};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyAnyMethods, PyBytes, PyType};
 use pyo3::{Bound, FromPyObject, IntoPyObject, Py, PyAny, PyRef, PyResult, Python, pyclass, pyfunction, pymethods};
@@ -133,7 +133,7 @@ impl Scene {
             let name = path.display().to_string();
             let folder = Folder::of(&path, allow_outside, &budget);
             let (bytes, held) = folder.main(&path, &budget).map_err(cannot_be_read(&name))?;
-            if looks_like_trace(&bytes) || Form::for_file_name(&name).is_some() {
+            if looks_like_trace(&bytes) || TraceForm::for_file_name(&name).is_some() {
                 return Err(Failure::usage(format_args!(
                     "{name}: a display list, which carries its own view: basrelief.display_list opens it"
                 )));
@@ -327,7 +327,7 @@ impl DisplayList {
     pub fn is_one(&self) -> Done<bool> {
         let mut start = Vec::new();
         self.opened()?.take(64).read_to_end(&mut start).map_err(cannot_be_read(&self.name))?;
-        Ok(looks_like_trace(&start) || Form::for_file_name(&self.name).is_some())
+        Ok(looks_like_trace(&start) || TraceForm::for_file_name(&self.name).is_some())
     }
 
     /// Opens the file. Rejects pipes, because each run reads the file from its beginning.

@@ -26,6 +26,6 @@ pub use interpolation::{AttributeGradient, fan_triangle, interpolate, weights};
 pub use layout::{BLOCK, BlockLayout, LevelPlace, TextureLayout, pixel_offset};
 pub use lighting::{LightVector, brightness, light_vectors, saturated};
 pub use lod::{LEVELS, LevelSet, lod, select_levels};
-pub use reference_normals::{MAX_ENTRIES, Table, TableError, TableSet, quantize_unit, reference_normals};
+pub use reference_normals::{MAX_ENTRIES, ReferenceNormals, TableError, TableSet, quantize_unit, reference_normals};
 pub use scan::{MAX_BLOCK, PolygonScan, PolygonSpans, RasterGrid, fan_triangles};
 pub use texture::{LANES, SampleFootprints, SampleTaps, decode_normal, footprints, taps, wrapped};

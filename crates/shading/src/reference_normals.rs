@@ -9,7 +9,7 @@ pub const MAX_ENTRIES: usize = 65_536;
 /// Distribution of the reference normals of a table over the sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Table {
+pub enum ReferenceNormals {
     /// Spherical Fibonacci lattice: even for every number of entries (assumed).
     #[default]
     Fibonacci,
@@ -39,7 +39,7 @@ pub enum TableError {
     },
 }
 
-impl Table {
+impl ReferenceNormals {
     /// Checks that a table of this many entries exists.
     ///
     /// # Errors
@@ -61,7 +61,7 @@ pub struct TableSet {
     /// Entries of the table of each MIP level, unless an object fixes the number.
     pub entries: [u32; LEVELS],
     /// Distribution over the sphere.
-    pub table: Table,
+    pub table: ReferenceNormals,
     /// True if each level has vectors of its own.
     pub distinct: bool,
     /// Bits per component, 8..=16.
@@ -116,14 +116,14 @@ pub fn quantize_unit(c: f64, bits: u32) -> i16 {
 pub fn reference_normals(
     level: u8,
     entries: usize,
-    table: Table,
+    table: ReferenceNormals,
     distinct: bool,
     entry_bits: u32,
 ) -> Result<Vec<[i16; 3]>, TableError> {
     table.check(entries)?;
     let vectors = match table {
-        Table::Fibonacci => fibonacci(entries),
-        Table::Tetrahedron => tetrahedron(divisions(entries)?),
+        ReferenceNormals::Fibonacci => fibonacci(entries),
+        ReferenceNormals::Tetrahedron => tetrahedron(divisions(entries)?),
     };
     let turn = rotation(if distinct { level } else { 0 });
     Ok(vectors.into_iter().map(|v| turn.map(|row| dot(row, v)).map(|c| quantize_unit(c, entry_bits))).collect())
@@ -209,13 +209,13 @@ mod tests {
     use proptest::prelude::*;
     use std::collections::BTreeSet;
 
-    fn set(level: u8, table: Table, distinct: bool) -> BTreeSet<[i16; 3]> {
+    fn set(level: u8, table: ReferenceNormals, distinct: bool) -> BTreeSet<[i16; 3]> {
         reference_normals(level, 256, table, distinct, 16).unwrap().into_iter().collect()
     }
 
     #[test]
     fn claim_1_levels_share_no_reference_normal() {
-        for table in [Table::Fibonacci, Table::Tetrahedron] {
+        for table in [ReferenceNormals::Fibonacci, ReferenceNormals::Tetrahedron] {
             let all: BTreeSet<[i16; 3]> = (0..8).flat_map(|level| set(level, table, true)).collect();
             assert_eq!(all.len(), 8 * 256, "{table:?}");
         }
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn identical_tables_equal_level_0() {
         for level in 0..8 {
-            assert_eq!(set(level, Table::Fibonacci, false), set(0, Table::Fibonacci, true));
+            assert_eq!(set(level, ReferenceNormals::Fibonacci, false), set(0, ReferenceNormals::Fibonacci, true));
         }
     }
 
@@ -244,7 +244,7 @@ mod tests {
     fn tables_cover_the_sphere() {
         // Largest angle from any direction to the nearest of 256 entries. A perfect covering would have 0.136 rad.
         let probes = fibonacci(5_000);
-        for (table, limit) in [(Table::Fibonacci, 0.17), (Table::Tetrahedron, 0.35)] {
+        for (table, limit) in [(ReferenceNormals::Fibonacci, 0.17), (ReferenceNormals::Tetrahedron, 0.35)] {
             let normals = reference_normals(3, 256, table, true, 16).unwrap();
             let cosine = |p: [f64; 3]| normals.iter().map(|n| dot(n.map(|c| f64::from(c) / 32_767.0), p)).fold(-1.0, f64::max);
             let worst = probes.iter().map(|&p| cosine(p)).fold(1.0, f64::min);
@@ -255,17 +255,21 @@ mod tests {
     #[test]
     fn invalid_table_size_error_names_valid_sizes() {
         let error = |n, table| reference_normals(0, n, table, true, 16).unwrap_err().to_string();
-        assert!(error(0, Table::Fibonacci).contains("1..=65536"));
-        assert!(error(65_537, Table::Fibonacci).contains("replacement.entries"));
-        assert!(error(200, Table::Tetrahedron).contains("196 or 256"));
-        assert!(error(3, Table::Tetrahedron).contains("4 or 16"));
-        assert_eq!(reference_normals(7, 65_536, Table::Tetrahedron, true, 16).unwrap().len(), 65_536);
+        assert!(error(0, ReferenceNormals::Fibonacci).contains("1..=65536"));
+        assert!(error(65_537, ReferenceNormals::Fibonacci).contains("replacement.entries"));
+        assert!(error(200, ReferenceNormals::Tetrahedron).contains("196 or 256"));
+        assert!(error(3, ReferenceNormals::Tetrahedron).contains("4 or 16"));
+        assert_eq!(reference_normals(7, 65_536, ReferenceNormals::Tetrahedron, true, 16).unwrap().len(), 65_536);
     }
 
     #[test]
     fn object_fixes_number_of_entries() {
-        let tables =
-            TableSet { entries: [256, 128, 64, 32, 16, 16, 16, 16], table: Table::Fibonacci, distinct: true, entry_bits: 11 };
+        let tables = TableSet {
+            entries: [256, 128, 64, 32, 16, 16, 16, 16],
+            table: ReferenceNormals::Fibonacci,
+            distinct: true,
+            entry_bits: 11,
+        };
         assert_eq!([0, 2, 9].map(|k| tables.entries(k, None)), [256, 64, 16]);
         assert_eq!(tables.entries(2, Some(100)), 100);
         assert_eq!(tables.entry_bytes(), 5);
@@ -277,7 +281,7 @@ mod tests {
         #[test]
         fn entries_are_unit_vectors_within_half_a_step(n in 1usize..2_000, level in 0u8..8, bits in 8u32..=16) {
             let step = 32_767.0 / f64::from((1 << (bits - 1)) - 1);
-            for v in reference_normals(level, n, Table::Fibonacci, true, bits).unwrap() {
+            for v in reference_normals(level, n, ReferenceNormals::Fibonacci, true, bits).unwrap() {
                 let length = dot(v.map(f64::from), v.map(f64::from)).sqrt();
                 prop_assert!((length - 32_767.0).abs() <= 0.5 * 3f64.sqrt() * (step + 1.0));
             }

@@ -7,7 +7,7 @@ use basrelief_input::Budget;
 use basrelief_kernel::Engine;
 use basrelief_machines::{InputKind, MachineConfig, MachineInfo};
 use basrelief_parameters::{ConfigError, Parameters};
-use basrelief_trace::{Files, NoFiles};
+use basrelief_trace::{NoFiles, TextureFiles};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
 
@@ -20,7 +20,7 @@ pub enum RunInput {
         /// Bytes of the trace.
         reader: Box<dyn Read>,
         /// Files that the trace refers to.
-        files: Box<dyn Files>,
+        files: Box<dyn TextureFiles>,
         /// Name for messages. The report contains it without its folders.
         name: String,
     },

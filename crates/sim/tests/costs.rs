@@ -184,7 +184,7 @@ fn overdraw_counts_each_fragment_at_its_pixel_and_its_polygon() {
 fn trace_has_the_costs_of_its_scene() {
     let scene = scene("mixed", 2);
     let options = options("mixed", &[]);
-    let mut recorder = basrelief_trace::Recorder::new(Vec::new(), Default::default(), trace_header(&scene)).unwrap();
+    let mut recorder = basrelief_trace::TraceRecorder::new(Vec::new(), Default::default(), trace_header(&scene)).unwrap();
     display_list(&scene, &options.config).for_each(|control| recorder.record(&control).unwrap());
     let trace = RunInput::trace(std::io::Cursor::new(recorder.finish(Vec::new()).unwrap()), "recorded");
     let from_list = run(trace, &options, &mut Unobserved, None).unwrap().costs.unwrap();

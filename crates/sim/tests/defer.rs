@@ -5,7 +5,7 @@ use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, load_path};
 use basrelief_signals::{Control, Material, Object, Scene, Texture, WrapMode};
 use basrelief_sim::{RunInput, RunOptions, Unobserved, display_list, run, trace_header};
-use basrelief_trace::{Form, Recorder};
+use basrelief_trace::{TraceForm, TraceRecorder};
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
@@ -31,8 +31,8 @@ fn config(mode: &str) -> DeferConfig {
     basrelief_parameters::load("", &[("defer.mode", mode), ("tile.width", "8"), ("tile.height", "8")]).unwrap()
 }
 
-fn recorded(scene: &Arc<Scene>, config: &DeferConfig, form: Form) -> Vec<u8> {
-    let mut recorder = Recorder::new(Vec::new(), form, trace_header(scene)).unwrap();
+fn recorded(scene: &Arc<Scene>, config: &DeferConfig, form: TraceForm) -> Vec<u8> {
+    let mut recorder = TraceRecorder::new(Vec::new(), form, trace_header(scene)).unwrap();
     display_list(scene, &config.clone().into()).for_each(|control| recorder.record(&control).unwrap());
     recorder.finish(Vec::new()).unwrap()
 }
@@ -54,7 +54,7 @@ fn replay_draws_the_same_pictures_in_every_mode() {
     for mode in ["best", "progressive", "conventional"] {
         let config = config(mode);
         let drawn = report(RunInput::scene(Arc::clone(&scene)), &config);
-        for form in Form::ALL.into_iter().filter(|form| !form.compressed) {
+        for form in TraceForm::ALL.into_iter().filter(|form| !form.compressed) {
             let replayed = report(RunInput::trace(Cursor::new(recorded(&scene, &config, form)), "recorded"), &config);
             assert_eq!(drawn.input.sha256, replayed.input.sha256, "the same input");
             assert_eq!(drawn.image, replayed.image, "{mode}, {form:?}: the same pictures to the bit");

@@ -41,7 +41,7 @@ fn of_scene(machine: &MachineInfo) -> RunInput {
 
 fn of_trace(machine: &MachineInfo) -> RunInput {
     let scene = scene(machine);
-    let mut recorder = basrelief_trace::Recorder::new(Vec::new(), Default::default(), trace_header(&scene)).unwrap();
+    let mut recorder = basrelief_trace::TraceRecorder::new(Vec::new(), Default::default(), trace_header(&scene)).unwrap();
     display_list(&scene, &machine.load("", &[]).unwrap()).for_each(|control| recorder.record(&control).unwrap());
     RunInput::trace(Cursor::new(recorder.finish(Vec::new()).unwrap()), "recorded")
 }

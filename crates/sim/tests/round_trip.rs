@@ -11,7 +11,7 @@ use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Control, Scene};
 use basrelief_sim::{Observer, Pictures, RunInput, RunOptions, Unobserved, display_list, run, trace_header};
-use basrelief_trace::{Begin, Encoding, Form, Recorder};
+use basrelief_trace::{BeginCommand, TraceEncoding, TraceForm, TraceRecorder};
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -25,9 +25,9 @@ fn config(settings: &[(&str, &str)]) -> BumpProcessorConfig {
     load("", settings).unwrap()
 }
 
-fn recorded(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> Vec<u8> {
-    let begin: Begin = trace_header(scene);
-    let mut recorder = Recorder::new(Vec::new(), Form { encoding, ..Form::default() }, begin).unwrap();
+fn recorded(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: TraceEncoding) -> Vec<u8> {
+    let begin: BeginCommand = trace_header(scene);
+    let mut recorder = TraceRecorder::new(Vec::new(), TraceForm { encoding, ..TraceForm::default() }, begin).unwrap();
     display_list(scene, &config.clone().into()).for_each(|control| recorder.record(&control).unwrap());
     recorder.finish(Vec::new()).unwrap()
 }
@@ -38,7 +38,7 @@ fn report(source: RunInput, config: &BumpProcessorConfig) -> Report {
 }
 
 /// Runs the scene and its trace.
-fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> [Report; 2] {
+fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: TraceEncoding) -> [Report; 2] {
     let trace = RunInput::trace(Cursor::new(recorded(scene, config, encoding)), "recorded");
     [report(RunInput::scene(Arc::clone(scene)), config), report(trace, config)]
 }
@@ -60,7 +60,7 @@ fn bytes(report: &Report) -> Vec<(&String, &String, u64, u64)> {
 fn replay_draws_the_same_picture_and_moves_the_same_bytes() {
     for (name, frames) in [("mixed", 1), ("coin", 3), ("brick", 1)] {
         let scene = scene(name, frames);
-        for encoding in [Encoding::JsonLines, Encoding::Binary] {
+        for encoding in [TraceEncoding::JsonLines, TraceEncoding::Binary] {
             for settings in [&[][..], &[("display_list.arrival", "asap"), ("rasterizer.early_z", "false")]] {
                 let [drawn, replayed] = both(&scene, &config(settings), encoding);
                 assert_eq!(drawn.input.sha256, replayed.input.sha256, "the same input");
@@ -114,7 +114,7 @@ fn replay_takes_the_cycles_of_the_run_without_front_end() {
     for (name, frames) in [("mixed", 1), ("coin", 2), ("golf-ball", 2)] {
         for settings in [&slow[..], &fast] {
             let (scene, config) = (scene(name, frames), config(settings));
-            let [drawn, replayed] = both(&scene, &config, Encoding::Binary);
+            let [drawn, replayed] = both(&scene, &config, TraceEncoding::Binary);
             let (latency, tail) = (u64::from(config.fifo.draws.latency), tail(&scene, &config));
             let shorter = total(&drawn).checked_sub(total(&replayed)).unwrap();
             println!("{name} {settings:?}: {shorter} cycles shorter, latency {latency}, tail {tail}");
@@ -123,7 +123,7 @@ fn replay_takes_the_cycles_of_the_run_without_front_end() {
     }
     // Nothing is culled behind the coin's last polygon, and its fragments take longer than that polygon did.
     let (coin, config) = (scene("coin", 2), config(&fast));
-    let [drawn, replayed] = both(&coin, &config, Encoding::JsonLines);
+    let [drawn, replayed] = both(&coin, &config, TraceEncoding::JsonLines);
     assert_eq!(total(&drawn) - total(&replayed), u64::from(config.fifo.draws.latency));
 }
 
@@ -143,7 +143,7 @@ impl Read for SlowTrace {
 #[test]
 fn reading_a_trace_is_not_simulation_time() {
     let config = config(&[]);
-    let trace = SlowTrace(Cursor::new(recorded(&scene("mixed", 1), &config, Encoding::Binary)));
+    let trace = SlowTrace(Cursor::new(recorded(&scene("mixed", 1), &config, TraceEncoding::Binary)));
     let clock = || f64::from(READING.load(Ordering::Relaxed));
     let settings = RunOptions { config: config.into(), exact: false, clock, ..RunOptions::default() };
     let run = run(RunInput::trace(trace, "slow"), &settings, &mut Unobserved, None).unwrap();
@@ -177,7 +177,7 @@ fn shown(source: RunInput, max_cycles: u64) -> (Shown, String) {
 #[test]
 fn run_does_not_depend_on_the_number_of_threads() {
     let coin = scene("coin", 3);
-    let trace = recorded(&coin, &config(&[]), Encoding::Binary);
+    let trace = recorded(&coin, &config(&[]), TraceEncoding::Binary);
     let all = || {
         let replayed = shown(RunInput::trace(Cursor::new(trace.clone()), "recorded"), u64::MAX);
         [shown(RunInput::scene(Arc::clone(&coin)), u64::MAX), shown(RunInput::scene(Arc::clone(&coin)), 60_000), replayed]

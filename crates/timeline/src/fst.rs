@@ -18,11 +18,11 @@
 //! system, and a run that does not fit is too long to look through; `--from-cycle` selects a part of it.
 
 use crate::layout::TimelineLayout;
-use crate::levels::Value;
-use crate::probe::{State, StepAttribution, TraceSink, Transfer};
-use crate::scale::Scale;
-use crate::streams::Streams;
-use crate::wires::{BUSY, DONE, FIRST_WAIT, FRAME, Numbers, Signals};
+use crate::levels::CounterValue;
+use crate::probe::{BusTransfer, StepAttribution, TraceSink, UnitState};
+use crate::scale::TimeScale;
+use crate::streams::ChangeStreams;
+use crate::wires::{BUSY, DONE, FIRST_WAIT, FRAME, SignalNumbers, SignalTable};
 use basrelief_input::Budget;
 use basrelief_kernel::Cause;
 use fst_writer::{FstFileType, FstHeaderWriter, FstInfo, FstWriteError};
@@ -36,8 +36,8 @@ const SECTION: usize = 1 << 22;
 pub struct FstWaves<W> {
     out: W,
     board: TimelineLayout,
-    numbers: Numbers,
-    changes: Streams,
+    numbers: SignalNumbers,
+    changes: ChangeStreams,
     /// When the last state of each stage, bus and bank ends, by the number of its value.
     ends: Vec<u64>,
     pub(crate) section: usize,
@@ -46,8 +46,8 @@ pub struct FstWaves<W> {
 impl<W: Write + Seek> FstWaves<W> {
     /// Creates an empty file. Kept changes count towards the memory limit.
     pub fn new(out: W, board: &TimelineLayout, budget: &Budget) -> Self {
-        let numbers = Numbers::new(board);
-        let changes = Streams::new(numbers.count, budget);
+        let numbers = SignalNumbers::new(board);
+        let changes = ChangeStreams::new(numbers.count, budget);
         Self { out, board: board.clone(), changes, ends: vec![board.from; numbers.count], numbers, section: SECTION }
     }
 
@@ -64,7 +64,7 @@ impl<W: Write + Seek> FstWaves<W> {
         let Self { mut out, board, numbers, changes, section, .. } = self;
         // The library would panic.
         out.stream_position().map_err(|e| io::Error::new(e.kind(), format!("FST needs a file, no pipe: {e}")))?;
-        let (scale, timescale_exponent) = Scale::whole(board.hz);
+        let (scale, timescale_exponent) = TimeScale::whole(board.hz);
         let info = FstInfo {
             start_time: 0,
             timescale_exponent,
@@ -73,7 +73,7 @@ impl<W: Write + Seek> FstWaves<W> {
             file_type: FstFileType::Verilog,
         };
         let mut header = FstHeaderWriter::new(out, &info)?;
-        let mut signals = Signals::declare(&mut header, &board, &numbers)?;
+        let mut signals = SignalTable::declare(&mut header, &board, &numbers)?;
         let mut body = header.finish()?;
         let mut now = board.from;
         body.time_change(scale.at(now))?;
@@ -97,28 +97,28 @@ impl<W: Write + Seek> FstWaves<W> {
 }
 
 impl<W: Write + Seek> TraceSink for FstWaves<W> {
-    fn state(&mut self, stage: usize, state: State, _: &StepAttribution, from: u64, to: u64) {
+    fn state(&mut self, stage: usize, state: UnitState, _: &StepAttribution, from: u64, to: u64) {
         let wait = |kind, i: usize| FIRST_WAIT + 3 * i as u64 + kind;
         let state = match state {
-            State::Busy => BUSY,
-            State::Done => DONE,
-            State::Waits(Cause::Starved(i)) => wait(0, i),
-            State::Waits(Cause::Blocked(i)) => wait(1, i),
-            State::Waits(Cause::Memory(i)) => wait(2, i),
+            UnitState::Busy => BUSY,
+            UnitState::Done => DONE,
+            UnitState::Waits(Cause::Starved(i)) => wait(0, i),
+            UnitState::Waits(Cause::Blocked(i)) => wait(1, i),
+            UnitState::Waits(Cause::Memory(i)) => wait(2, i),
         };
         self.hold(self.numbers.first_stage + stage, state, from, to);
     }
 
-    fn level(&mut self, level: usize, at: u64, value: Value) {
+    fn level(&mut self, level: usize, at: u64, value: CounterValue) {
         let value = match value {
-            Value::Count(count) => count,
-            Value::Real(real) => real.to_bits(),
+            CounterValue::Count(count) => count,
+            CounterValue::Real(real) => real.to_bits(),
         };
         self.changes.change(self.numbers.first_level + level, at, value);
     }
 
-    fn moved(&mut self, channel: usize, transfer: Transfer, from: u64, to: u64) {
-        let Transfer { client, write } = transfer;
+    fn moved(&mut self, channel: usize, transfer: BusTransfer, from: u64, to: u64) {
+        let BusTransfer { client, write } = transfer;
         self.hold(self.numbers.first_bus + channel, 1 + 2 * client as u64 + u64::from(write), from, to);
     }
 

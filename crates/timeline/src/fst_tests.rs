@@ -212,9 +212,9 @@ fn waves_beyond_the_memory_limit_are_an_error() {
 
 /// Takes bytes in order alone.
 #[derive(Debug)]
-struct Pipe;
+struct UnseekableWriter;
 
-impl std::io::Write for Pipe {
+impl std::io::Write for UnseekableWriter {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         Ok(bytes.len())
     }
@@ -223,7 +223,7 @@ impl std::io::Write for Pipe {
     }
 }
 
-impl std::io::Seek for Pipe {
+impl std::io::Seek for UnseekableWriter {
     fn seek(&mut self, _: std::io::SeekFrom) -> std::io::Result<u64> {
         Err(std::io::ErrorKind::NotSeekable.into())
     }
@@ -231,6 +231,6 @@ impl std::io::Seek for Pipe {
 
 #[test]
 fn a_pipe_is_refused() {
-    let waves = Box::new(FstWaves::new(Pipe, &board(), &Budget::default()));
+    let waves = Box::new(FstWaves::new(UnseekableWriter, &board(), &Budget::default()));
     assert!(waves.finish(1).unwrap_err().to_string().contains("no pipe"));
 }

@@ -7,8 +7,8 @@
 //! The format, Kanata 4, counts cycles forwards only, but events are known token by token. So events are kept until the end.
 
 use crate::layout::{TimelineLayout, wait_name};
-use crate::levels::Value;
-use crate::probe::{State, StepAttribution, TokenLife, TraceSink, Transfer};
+use crate::levels::CounterValue;
+use crate::probe::{BusTransfer, StepAttribution, TokenLife, TraceSink, UnitState};
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::Cause;
 use std::io::{self, Write};
@@ -19,18 +19,18 @@ const STALLS: u8 = 1;
 
 /// A unit was at work for a token, or waited with it.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct TokenSpan {
     life: TokenLife,
     whose: StepAttribution,
     stage: usize,
-    state: State,
+    state: UnitState,
     from: u64,
     to: u64,
 }
 
 /// An event of a token. Events of one token and cycle are written in this order.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Event {
+enum TokenEvent {
     Begins(String),
     Leaves(u8, String),
     Enters(u8, String),
@@ -44,7 +44,7 @@ pub struct KanataLog<W> {
     board: TimelineLayout,
     /// Number of the stage where pixels end.
     last: Option<usize>,
-    pieces: Vec<Piece>,
+    pieces: Vec<TokenSpan>,
     held: Held,
     over: Option<OverBudget>,
 }
@@ -63,39 +63,39 @@ impl<W: Write> KanataLog<W> {
     }
 
     /// Events of one token, by cycle.
-    fn events(&self, pieces: &[Piece]) -> Vec<(u64, Event)> {
+    fn events(&self, pieces: &[TokenSpan]) -> Vec<(u64, TokenEvent)> {
         let Some(first) = pieces.first() else { return vec![] };
-        let mut events = vec![(first.from, Event::Begins(label(first)))];
+        let mut events = vec![(first.from, TokenEvent::Begins(label(first)))];
         let (mut is_in, mut end) = (None::<usize>, first.from);
         for piece in pieces {
             let name = match piece.state {
-                State::Waits(of) => {
+                UnitState::Waits(of) => {
                     let stall = self.stall(piece.stage, of);
-                    events.push((piece.from, Event::Enters(STALLS, stall.clone())));
-                    events.push((piece.to, Event::Leaves(STALLS, stall)));
+                    events.push((piece.from, TokenEvent::Enters(STALLS, stall.clone())));
+                    events.push((piece.to, TokenEvent::Leaves(STALLS, stall)));
                     continue;
                 }
-                State::Busy | State::Done => self.board.name(piece.stage),
+                UnitState::Busy | UnitState::Done => self.board.name(piece.stage),
             };
             if let Some(before) = is_in.filter(|before| *before != piece.stage) {
                 // Of a unit that goes on while the next is at it, nothing is shown beyond.
                 let left = end.min(piece.from);
-                events.push((left, Event::Leaves(STAGES, self.board.name(before))));
+                events.push((left, TokenEvent::Leaves(STAGES, self.board.name(before))));
                 if left < piece.from {
                     let fifo = self.between(before, piece.stage);
-                    events.push((left, Event::Enters(STAGES, fifo.into())));
-                    events.push((piece.from, Event::Leaves(STAGES, fifo.into())));
+                    events.push((left, TokenEvent::Enters(STAGES, fifo.into())));
+                    events.push((piece.from, TokenEvent::Leaves(STAGES, fifo.into())));
                 }
             }
             if is_in != Some(piece.stage) {
-                events.push((piece.from, Event::Enters(STAGES, name)));
+                events.push((piece.from, TokenEvent::Enters(STAGES, name)));
             }
             (is_in, end) = (Some(piece.stage), end.max(piece.to));
         }
         let Some(stage) = is_in else { return vec![] };
-        events.push((end, Event::Leaves(STAGES, self.board.name(stage))));
+        events.push((end, TokenEvent::Leaves(STAGES, self.board.name(stage))));
         let is_retired = pieces.iter().any(|piece| Some(piece.stage) == self.last);
-        events.push((end, Event::Ends { flushed: !is_retired }));
+        events.push((end, TokenEvent::Ends { flushed: !is_retired }));
         events
     }
 
@@ -107,10 +107,10 @@ impl<W: Write> KanataLog<W> {
         let mut pieces = std::mem::take(&mut self.pieces);
         pieces.sort_by_key(|piece| (piece.life.number, piece.from, piece.to, piece.stage));
         let lives = pieces.chunk_by(|a, b| a.life.number == b.life.number);
-        let mut events: Vec<(u64, u64, usize, Event)> = vec![];
+        let mut events: Vec<(u64, u64, usize, TokenEvent)> = vec![];
         for life in lives {
             let of_life = self.events(life);
-            self.held.grow(of_life.len() as u64 * size_of::<(u64, u64, usize, Event)>() as u64, "lives of tokens")?;
+            self.held.grow(of_life.len() as u64 * size_of::<(u64, u64, usize, TokenEvent)>() as u64, "lives of tokens")?;
             events.extend((0..).zip(of_life).map(|(k, (at, event))| (at, life[0].life.number, k, event)));
         }
         // Those of a token stay as they are, but that time goes forwards.
@@ -128,10 +128,10 @@ impl<W: Write> KanataLog<W> {
             let count = ids.len();
             let id = *ids.entry(life).or_insert(count);
             match event {
-                Event::Begins(label) => writeln!(out, "I\t{id}\t{life}\t0\nL\t{id}\t0\t{label}")?,
-                Event::Enters(lane, name) => writeln!(out, "S\t{id}\t{lane}\t{name}")?,
-                Event::Leaves(lane, name) => writeln!(out, "E\t{id}\t{lane}\t{name}")?,
-                Event::Ends { flushed } => {
+                TokenEvent::Begins(label) => writeln!(out, "I\t{id}\t{life}\t0\nL\t{id}\t0\t{label}")?,
+                TokenEvent::Enters(lane, name) => writeln!(out, "S\t{id}\t{lane}\t{name}")?,
+                TokenEvent::Leaves(lane, name) => writeln!(out, "E\t{id}\t{lane}\t{name}")?,
+                TokenEvent::Ends { flushed } => {
                     writeln!(out, "R\t{id}\t{retired}\t{}", u8::from(flushed))?;
                     retired += u64::from(!flushed);
                 }
@@ -142,7 +142,7 @@ impl<W: Write> KanataLog<W> {
 }
 
 /// Label of a token: its attribution and its pixel.
-fn label(Piece { life, whose, .. }: &Piece) -> String {
+fn label(TokenSpan { life, whose, .. }: &TokenSpan) -> String {
     let numbers = [("frame", whose.frame.map(|frame| frame + 1)), ("object", whose.object), ("polygon", whose.polygon)];
     let mut label: Vec<String> = numbers.into_iter().filter_map(|(what, number)| Some(format!("{what} {}", number?))).collect();
     if let Some([x, y]) = life.pixel {
@@ -153,14 +153,14 @@ fn label(Piece { life, whose, .. }: &Piece) -> String {
 }
 
 impl<W: Write> TraceSink for KanataLog<W> {
-    fn state(&mut self, stage: usize, state: State, whose: &StepAttribution, from: u64, to: u64) {
+    fn state(&mut self, stage: usize, state: UnitState, whose: &StepAttribution, from: u64, to: u64) {
         let Some(life) = whose.life.filter(|_| self.over.is_none()) else { return };
         // That a unit waits for the token is nothing that the token does.
-        if matches!(state, State::Waits(Cause::Starved(_)) | State::Done) {
+        if matches!(state, UnitState::Waits(Cause::Starved(_)) | UnitState::Done) {
             return;
         }
         match self.held.room(&mut self.pieces, 1, "lives of tokens") {
-            Ok(()) => self.pieces.push(Piece { life, whose: *whose, stage, state, from, to }),
+            Ok(()) => self.pieces.push(TokenSpan { life, whose: *whose, stage, state, from, to }),
             Err(over) => {
                 self.over = Some(over);
                 self.pieces = vec![];
@@ -168,9 +168,9 @@ impl<W: Write> TraceSink for KanataLog<W> {
         }
     }
 
-    fn level(&mut self, _: usize, _: u64, _: Value) {}
+    fn level(&mut self, _: usize, _: u64, _: CounterValue) {}
 
-    fn moved(&mut self, _: usize, _: Transfer, _: u64, _: u64) {}
+    fn moved(&mut self, _: usize, _: BusTransfer, _: u64, _: u64) {}
 
     fn open(&mut self, _: usize, _: u64, _: u64, _: u64) {}
 

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// A token as a reader sees it.
 #[derive(Debug, Default, PartialEq)]
-struct Read {
+struct DecodedToken {
     label: String,
     /// (lane, name, from, to), in the order in which they begin.
     stages: Vec<(u64, String, u64, u64)>,
@@ -18,11 +18,11 @@ struct Read {
 }
 
 /// Reads a file, and holds it to the format: time goes forwards, a stage ends before the next begins in its lane, nothing is left open.
-fn read(text: &str) -> Vec<Read> {
+fn read(text: &str) -> Vec<DecodedToken> {
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("Kanata\t0004"));
     let mut now = lines.next().unwrap().strip_prefix("C=\t").unwrap().parse::<u64>().unwrap();
-    let mut tokens: Vec<Read> = vec![];
+    let mut tokens: Vec<DecodedToken> = vec![];
     // By token and lane: location and first cycle.
     let mut open: BTreeMap<(usize, u64), (String, u64)> = BTreeMap::new();
     let mut retired = 0;
@@ -38,7 +38,7 @@ fn read(text: &str) -> Vec<Read> {
         match words[0] {
             "I" => {
                 assert_eq!(id, tokens.len(), "numbers follow each other");
-                tokens.push(Read::default());
+                tokens.push(DecodedToken::default());
             }
             "L" => tokens[id].label += words[3],
             "S" => assert_eq!(open.insert((id, number(2)), (words[3].into(), now)), None, "{line} at {now}"),
@@ -109,12 +109,12 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
     let [name_before, name_last] = [before, last].map(|stage| board.name(stage));
     let stall = format!("memory: {}", board.diagram.stages[last].clients.first().cloned().unwrap_or_default());
     let label = "frame 1, polygon 4, pixel 3, 5 and 3 more";
-    let retired = Read {
+    let retired = DecodedToken {
         label: label.into(),
         stages: vec![(0, name_before.clone(), 2, 5), (1, stall, 7, 9), (0, fifo, 5, 9), (0, name_last, 9, 10)],
         end: Some((10, false)),
     };
-    let flushed = Read { label: label.into(), stages: vec![(0, name_before, 5, 6)], end: Some((6, true)) };
+    let flushed = DecodedToken { label: label.into(), stages: vec![(0, name_before, 5, 6)], end: Some((6, true)) };
     assert_eq!(tokens, [retired, flushed]);
 }
 

@@ -7,7 +7,7 @@ pub const RATE_CYCLES: u64 = 256;
 
 /// Value of a counter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value {
+pub enum CounterValue {
     /// How many.
     Count(u64),
     /// How much.
@@ -16,7 +16,7 @@ pub enum Value {
 
 /// A channel of a memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Channel {
+pub struct ChannelCounters {
     /// `memory graphics`, with the number of the channel behind if there are several.
     pub name: String,
     /// Its memory.
@@ -29,7 +29,7 @@ pub struct Channel {
 
 /// A level.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub struct CounterInfo {
     /// Owner: name of the FIFO or channel, `client NAME` or `cache NAME`.
     pub of: String,
     /// Name of the counter.
@@ -37,32 +37,32 @@ pub struct Level {
     /// Unit of measure.
     pub unit: &'static str,
     /// Value in cycle 0.
-    pub start: Value,
+    pub start: CounterValue,
     /// The most that it can hold, where it is a count.
     pub most: u64,
     /// Whether it is shown.
     pub is_shown: bool,
 }
 
-impl Level {
+impl CounterInfo {
     fn new(of: String, what: &'static str, unit: &'static str, is_shown: bool) -> Self {
-        Self { of, what, unit, start: Value::Count(0), most: u32::MAX.into(), is_shown }
+        Self { of, what, unit, start: CounterValue::Count(0), most: u32::MAX.into(), is_shown }
     }
 
     fn rate(of: String, what: &'static str, unit: &'static str, is_shown: bool) -> Self {
-        Self { start: Value::Real(0.0), ..Self::new(of, what, unit, is_shown) }
+        Self { start: CounterValue::Real(0.0), ..Self::new(of, what, unit, is_shown) }
     }
 }
 
 /// All levels of a machine: one per FIFO, in order; three per channel, one per client, and one more per client, for its cache.
 #[derive(Clone, Debug)]
-pub struct Levels {
+pub struct CounterList {
     /// The channels of all memories, in order.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelCounters>,
     /// Banks of all channels.
     pub banks: usize,
     /// The levels.
-    pub all: Vec<Level>,
+    pub all: Vec<CounterInfo>,
     /// Number of the first channel of each memory.
     first_channels: Vec<usize>,
     /// Numbers of the first level of a channel and of a client.
@@ -71,7 +71,7 @@ pub struct Levels {
     clients: usize,
 }
 
-impl Levels {
+impl CounterList {
     /// Those of a board.
     pub fn new(board: &TimelineLayout) -> Self {
         let diagram = &board.diagram;
@@ -81,30 +81,30 @@ impl Levels {
             for channel in 0..memory.channels {
                 let suffix = if memory.channels > 1 { format!(" {channel}") } else { String::new() };
                 let (name, is_shown) = (format!("memory {}{suffix}", memory.name), board.shows_memory(number));
-                channels.push(Channel { name, memory: number, first_bank: banks, is_shown });
+                channels.push(ChannelCounters { name, memory: number, first_bank: banks, is_shown });
                 banks += memory.banks;
             }
         }
-        let fifo = |(number, fifo): (usize, &basrelief_kernel::FifoTopology)| Level {
+        let fifo = |(number, fifo): (usize, &basrelief_kernel::FifoTopology)| CounterInfo {
             most: fifo.depth as u64,
-            ..Level::new(fifo.name.clone(), "fill", "slots", board.shows_fifo(number))
+            ..CounterInfo::new(fifo.name.clone(), "fill", "slots", board.shows_fifo(number))
         };
-        let mut all: Vec<Level> = diagram.fifos.iter().enumerate().map(fifo).collect();
+        let mut all: Vec<CounterInfo> = diagram.fifos.iter().enumerate().map(fifo).collect();
         let of_channels = all.len();
-        for Channel { name, is_shown, .. } in &channels {
-            all.push(Level::new(name.clone(), "queue", "bursts", *is_shown));
-            all.push(Level::rate(name.clone(), "bytes per cycle", "bytes/cycle", *is_shown));
-            all.push(Level::rate(name.clone(), "bus use", "%", *is_shown));
+        for ChannelCounters { name, is_shown, .. } in &channels {
+            all.push(CounterInfo::new(name.clone(), "queue", "bursts", *is_shown));
+            all.push(CounterInfo::rate(name.clone(), "bytes per cycle", "bytes/cycle", *is_shown));
+            all.push(CounterInfo::rate(name.clone(), "bus use", "%", *is_shown));
         }
         let of_clients = all.len();
         for (number, client) in diagram.clients.iter().enumerate() {
-            let credits = Level::new(format!("client {}", client.name), "credits", "credits", board.shows_client(number));
-            all.push(Level { start: Value::Count(client.credits), most: client.credits, ..credits });
+            let credits = CounterInfo::new(format!("client {}", client.name), "credits", "credits", board.shows_client(number));
+            all.push(CounterInfo { start: CounterValue::Count(client.credits), most: client.credits, ..credits });
         }
         for (number, client) in diagram.clients.iter().enumerate() {
             let (name, is_shown) =
                 (client.cache.clone().unwrap_or_default(), client.cache.is_some() && board.shows_client(number));
-            all.push(Level::rate(format!("cache {name}"), "hit rate", "%", is_shown));
+            all.push(CounterInfo::rate(format!("cache {name}"), "hit rate", "%", is_shown));
         }
         Self { channels, banks, all, first_channels, of_channels, of_clients, clients: diagram.clients.len() }
     }

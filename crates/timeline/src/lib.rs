@@ -29,9 +29,9 @@ mod wires;
 pub use fst::FstWaves;
 pub use kanata::KanataLog;
 pub use layout::TimelineLayout;
-pub use levels::{Levels, RATE_CYCLES, Value};
+pub use levels::{CounterList, CounterValue, RATE_CYCLES};
 pub use perfetto::PerfettoTrace;
-pub use probe::{State, StepAttribution, TimelineProbe, TokenLife, TraceSink, Transfer};
+pub use probe::{BusTransfer, StepAttribution, TimelineProbe, TokenLife, TraceSink, UnitState};
 pub use utilization::UtilizationTimeline;
 
 #[cfg(test)]

@@ -19,12 +19,12 @@
 //! in windows was rejected: a unit may run ahead by any number of cycles, so no window is long enough.
 
 use crate::layout::{TimelineLayout, wait_name};
-use crate::levels::{Channel, Level, Levels, Value};
-use crate::probe::{State, StepAttribution, TraceSink, Transfer};
+use crate::levels::{ChannelCounters, CounterInfo, CounterList, CounterValue};
+use crate::probe::{BusTransfer, StepAttribution, TraceSink, UnitState};
 use crate::proto::{
     self, CounterDescriptor, DebugAnnotation, InternedData, InternedName, TracePacket, TrackDescriptor, TrackEvent,
 };
-use crate::scale::Scale;
+use crate::scale::TimeScale;
 use basrelief_kernel::{Cause, StageTopology};
 use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint, encoded_len_varint, key_len, message, uint64};
@@ -49,7 +49,7 @@ const ARGUMENTS: [&str; 5] = ["frame", "object", "polygon", "level", "asks"];
 
 /// Events of the slices of a stage without their attribution, encoded once.
 #[derive(Clone, Debug)]
-struct Slices {
+struct SliceTemplate {
     busy: Vec<u8>,
     starved: Vec<Vec<u8>>,
     blocked: Vec<Vec<u8>>,
@@ -59,15 +59,15 @@ struct Slices {
     clients: Vec<String>,
 }
 
-impl Slices {
+impl SliceTemplate {
     /// The event that begins a slice of this state; `None` where the stage has no such FIFO or client.
-    fn begin(&self, state: State) -> Option<&Vec<u8>> {
+    fn begin(&self, state: UnitState) -> Option<&Vec<u8>> {
         match state {
-            State::Busy => Some(&self.busy),
-            State::Waits(Cause::Starved(i)) => self.starved.get(i),
-            State::Waits(Cause::Blocked(i)) => self.blocked.get(i),
-            State::Waits(Cause::Memory(i)) => self.memory.get(i),
-            State::Done => Some(&self.done),
+            UnitState::Busy => Some(&self.busy),
+            UnitState::Waits(Cause::Starved(i)) => self.starved.get(i),
+            UnitState::Waits(Cause::Blocked(i)) => self.blocked.get(i),
+            UnitState::Waits(Cause::Memory(i)) => self.memory.get(i),
+            UnitState::Done => Some(&self.done),
         }
     }
 }
@@ -78,12 +78,12 @@ pub struct PerfettoTrace<W> {
     out: W,
     /// Packets, encoded as they come: keeping them as such until they are written took longer than the encoding.
     pub(crate) buffer: Vec<u8>,
-    scale: Scale,
+    scale: TimeScale,
     /// The common end of all packets of events.
     tail: Vec<u8>,
     /// Encoded arguments of an event.
     arguments: Vec<u8>,
-    slices: Vec<Slices>,
+    slices: Vec<SliceTemplate>,
     /// Numbers of the names of each client's reads and writes.
     transfers: Vec<[u64; 2]>,
     /// Tracks of the first level, bus and bank; the others of their kind follow.
@@ -101,16 +101,16 @@ impl<W: Write> PerfettoTrace<W> {
         let stages = &board.diagram.stages;
         let (slices, mut names) = intern(stages);
         let transfers = intern_transfers(board, &mut names);
-        let levels = Levels::new(board);
+        let levels = CounterList::new(board);
         let first_level = FIRST_UNIT + stages.len() as u64;
         let first_bus = first_level + levels.all.len() as u64;
         let first_bank = first_bus + levels.channels.len() as u64;
-        let banks_of = |channel: &Channel| {
+        let banks_of = |channel: &ChannelCounters| {
             let name = channel.name.clone();
             (0..board.diagram.memories[channel.memory].banks).map(move |bank| (format!("{name}: bank {bank}"), false))
         };
         let banks = levels.channels.iter().flat_map(banks_of).collect();
-        let (scale, buffer) = (Scale::nanoseconds(board.hz), Vec::with_capacity(2 * CHUNK));
+        let (scale, buffer) = (TimeScale::nanoseconds(board.hz), Vec::with_capacity(2 * CHUNK));
         let (tail, arguments) = (tail(), vec![]);
         let mut timeline = Self {
             out,
@@ -137,7 +137,7 @@ impl<W: Write> PerfettoTrace<W> {
     }
 
     /// Describes the visible tracks.
-    fn tracks(&mut self, board: &TimelineLayout, levels: &Levels) {
+    fn tracks(&mut self, board: &TimelineLayout, levels: &CounterList) {
         let machine = format!("{}: {}", board.machine, self.scale.words(board.hz));
         self.track(TrackDescriptor { child_ordering: Some(proto::EXPLICIT_ORDER), ..track(MACHINE, &machine) });
         let units = (0..self.slices.len()).filter(|&s| board.shows(s)).map(|s| (FIRST_UNIT + s as u64, board.name(s)));
@@ -196,7 +196,7 @@ impl<W: Write> PerfettoTrace<W> {
 }
 
 impl<W: Write> TraceSink for PerfettoTrace<W> {
-    fn state(&mut self, stage: usize, state: State, whose: &StepAttribution, from: u64, to: u64) {
+    fn state(&mut self, stage: usize, state: UnitState, whose: &StepAttribution, from: u64, to: u64) {
         let Some(slices) = self.slices.get(stage) else { return };
         let Some(begin) = slices.begin(state) else { return };
         annotate(&mut self.arguments, whose, &slices.clients);
@@ -205,16 +205,16 @@ impl<W: Write> TraceSink for PerfettoTrace<W> {
         self.write_out_if_full();
     }
 
-    fn level(&mut self, level: usize, at: u64, value: Value) {
+    fn level(&mut self, level: usize, at: u64, value: CounterValue) {
         let (counter_value, double_counter_value) = match value {
-            Value::Count(count) => (i64::try_from(count).ok(), None),
-            Value::Real(real) => (None, Some(real)),
+            CounterValue::Count(count) => (i64::try_from(count).ok(), None),
+            CounterValue::Real(real) => (None, Some(real)),
         };
         let track = self.first_level + level as u64;
         self.event(at, TrackEvent { counter_value, double_counter_value, ..event(proto::COUNTER, track) });
     }
 
-    fn moved(&mut self, channel: usize, Transfer { client, write }: Transfer, from: u64, to: u64) {
+    fn moved(&mut self, channel: usize, BusTransfer { client, write }: BusTransfer, from: u64, to: u64) {
         let Some(names) = self.transfers.get(client) else { return };
         let (track, name_iid) = (self.first_bus + channel as u64, Some(names[usize::from(write)]));
         self.event(from, TrackEvent { name_iid, ..event(proto::SLICE_BEGIN, track) });
@@ -249,7 +249,7 @@ fn track(uuid: u64, name: &str) -> TrackDescriptor {
 }
 
 /// A FIFO's counter is named as it is.
-fn name_of(level: &Level) -> String {
+fn name_of(level: &CounterInfo) -> String {
     if level.what == "fill" { level.of.clone() } else { format!("{}: {}", level.of, level.what) }
 }
 
@@ -319,7 +319,7 @@ fn interned(iid: u64, name: String) -> InternedName {
 }
 
 /// Numbers every cause of every stage, so that a slice's name takes one or two bytes.
-fn intern(stages: &[StageTopology]) -> (Vec<Slices>, Vec<InternedName>) {
+fn intern(stages: &[StageTopology]) -> (Vec<SliceTemplate>, Vec<InternedName>) {
     let mut names = vec![interned(BUSY, "busy".into()), interned(DONE, "done".into())];
     let mut slices = Vec::new();
     for (track, stage) in (FIRST_UNIT..).zip(stages) {
@@ -329,7 +329,7 @@ fn intern(stages: &[StageTopology]) -> (Vec<Slices>, Vec<InternedName>) {
             names.extend((first..).zip(0..list.len()).map(|(iid, i)| interned(iid, wait_name(stage, cause(i)))));
             (first..).take(list.len()).map(begin).collect()
         };
-        slices.push(Slices {
+        slices.push(SliceTemplate {
             busy: begin(BUSY),
             done: begin(DONE),
             starved: add(&stage.inputs, Cause::Starved),

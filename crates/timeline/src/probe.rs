@@ -1,13 +1,13 @@
 //! The probe: joins adjacent events, cuts them to the window, and passes them to the sinks.
 
 use crate::layout::TimelineLayout;
-use crate::levels::{Channel, Levels, RATE_CYCLES, Value};
+use crate::levels::{ChannelCounters, CounterList, CounterValue, RATE_CYCLES};
 use basrelief_kernel::{CacheCounts, Cause, Cycle, Interval, MemoryEvent, Outcome, Probe, RunReport};
 use std::io;
 
 /// State of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum UnitState {
     /// It is kept by a step.
     Busy,
     /// It waits.
@@ -46,7 +46,7 @@ pub struct TokenLife {
 
 /// Transfer on a data bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Transfer {
+pub struct BusTransfer {
     /// Number of the client.
     pub client: usize,
     /// Posted write rather than read.
@@ -57,12 +57,12 @@ pub struct Transfer {
 /// counter arrive in order of time. Events of different units have no order.
 pub trait TraceSink {
     /// A unit was in a state, for somebody, from one cycle to the one before another.
-    fn state(&mut self, stage: usize, state: State, whose: &StepAttribution, from: u64, to: u64);
-    /// A [level](Levels) holds a value from a cycle on. The first is told at the window's beginning.
-    fn level(&mut self, level: usize, at: u64, value: Value);
-    /// The bus of a [channel](Levels) moved data of a client, or to it.
-    fn moved(&mut self, channel: usize, transfer: Transfer, from: u64, to: u64);
-    /// A row was open in a bank, both numbered as in [`Levels`].
+    fn state(&mut self, stage: usize, state: UnitState, whose: &StepAttribution, from: u64, to: u64);
+    /// A [level](CounterList) holds a value from a cycle on. The first is told at the window's beginning.
+    fn level(&mut self, level: usize, at: u64, value: CounterValue);
+    /// The bus of a [channel](CounterList) moved data of a client, or to it.
+    fn moved(&mut self, channel: usize, transfer: BusTransfer, from: u64, to: u64);
+    /// A row was open in a bank, both numbered as in [`CounterList`].
     fn open(&mut self, bank: usize, row: u64, from: u64, to: u64);
     /// A frame, by its number from 1 on, took these cycles.
     fn frame(&mut self, number: usize, from: u64, to: u64);
@@ -75,8 +75,8 @@ pub trait TraceSink {
 
 /// Last value of a counter, and whether the sinks have received it.
 #[derive(Clone, Copy, Debug)]
-struct Now {
-    value: Value,
+struct CounterNow {
+    value: CounterValue,
     told: bool,
     is_shown: bool,
 }
@@ -85,7 +85,7 @@ struct Now {
 #[derive(Clone, Copy, Debug, Default)]
 struct BusNow {
     /// Transfer that may continue.
-    open: Option<(Transfer, u64, u64)>,
+    open: Option<(BusTransfer, u64, u64)>,
     /// Current interval of the rate, and its busy cycles.
     interval: u64,
     busy: u64,
@@ -105,8 +105,8 @@ pub struct TimelineProbe<'a> {
     charts: Vec<Box<dyn TraceSink + 'a>>,
     /// State of each stage that may continue, with its attribution.
     open: Vec<Option<(Interval, StepAttribution)>>,
-    numbers: Levels,
-    levels: Vec<Now>,
+    numbers: CounterList,
+    levels: Vec<CounterNow>,
     buses: Vec<BusNow>,
     hits: Vec<HitsNow>,
 }
@@ -120,8 +120,8 @@ impl std::fmt::Debug for TimelineProbe<'_> {
 impl<'a> TimelineProbe<'a> {
     /// Shows a machine to charts that were made for the same board.
     pub fn new(board: TimelineLayout, charts: Vec<Box<dyn TraceSink + 'a>>) -> Self {
-        let numbers = Levels::new(&board);
-        let levels = numbers.all.iter().map(|l| Now { value: l.start, told: false, is_shown: l.is_shown }).collect();
+        let numbers = CounterList::new(&board);
+        let levels = numbers.all.iter().map(|l| CounterNow { value: l.start, told: false, is_shown: l.is_shown }).collect();
         let (buses, hits) =
             (vec![BusNow::default(); numbers.channels.len()], vec![HitsNow::default(); board.diagram.clients.len()]);
         Self { open: vec![None; board.diagram.stages.len()], board, charts, numbers, levels, buses, hits }
@@ -141,7 +141,7 @@ impl<'a> TimelineProbe<'a> {
                 last.to = last.to.min(Cycle(run.total));
                 self.show(last, &whose);
                 if run.outcome == Outcome::Complete {
-                    self.state(stage, State::Done, &StepAttribution::default(), last.to.0, run.total);
+                    self.state(stage, UnitState::Done, &StepAttribution::default(), last.to.0, run.total);
                 }
             }
         }
@@ -186,10 +186,10 @@ impl<'a> TimelineProbe<'a> {
     }
 
     fn show(&mut self, Interval { stage, cause, from, to }: Interval, whose: &StepAttribution) {
-        self.state(stage, cause.map_or(State::Busy, State::Waits), whose, from.0, to.0);
+        self.state(stage, cause.map_or(UnitState::Busy, UnitState::Waits), whose, from.0, to.0);
     }
 
-    fn state(&mut self, stage: usize, state: State, whose: &StepAttribution, from: u64, to: u64) {
+    fn state(&mut self, stage: usize, state: UnitState, whose: &StepAttribution, from: u64, to: u64) {
         if let Some((from, to)) = self.cut(from, to).filter(|_| self.board.shows(stage)) {
             self.charts.iter_mut().for_each(|chart| chart.state(stage, state, whose, from, to));
         }
@@ -197,7 +197,7 @@ impl<'a> TimelineProbe<'a> {
 
     /// Sets a counter from cycle `at` on; `None` ends it. The value before is passed on once it is known to hold at the start of the
     /// window.
-    fn hold(&mut self, level: usize, at: u64, new: Option<Value>) {
+    fn hold(&mut self, level: usize, at: u64, new: Option<CounterValue>) {
         let TimelineLayout { from, to, .. } = self.board;
         let Some(now) = self.levels.get_mut(level).filter(|now| now.is_shown && new != Some(now.value)) else { return };
         let first = (!now.told && at > from && from < to).then_some((from, now.value));
@@ -210,14 +210,14 @@ impl<'a> TimelineProbe<'a> {
     }
 
     /// Ends the current transfer of a bus, passes it on, and starts the next.
-    fn show_transfer(&mut self, channel: usize, next: Option<(Transfer, u64, u64)>) {
+    fn show_transfer(&mut self, channel: usize, next: Option<(BusTransfer, u64, u64)>) {
         let Some((transfer, from, to)) = std::mem::replace(&mut self.buses[channel].open, next) else { return };
         if let Some((from, to)) = self.cut(from, to) {
             self.charts.iter_mut().for_each(|chart| chart.moved(channel, transfer, from, to));
         }
     }
 
-    fn moved(&mut self, channel: usize, transfer: Transfer, mut from: u64, to: u64) {
+    fn moved(&mut self, channel: usize, transfer: BusTransfer, mut from: u64, to: u64) {
         if !self.numbers.channels[channel].is_shown {
             return;
         }
@@ -251,8 +251,8 @@ impl<'a> TimelineProbe<'a> {
         let memory = &self.board.diagram.memories[self.numbers.channels[channel].memory];
         let bytes = busy as f64 * f64::from(memory.burst_bytes) / (memory.burst_cycles * RATE_CYCLES) as f64;
         let level = self.numbers.queue(channel);
-        self.hold(level + 1, at, Some(Value::Real(bytes)));
-        self.hold(level + 2, at, Some(Value::Real(100.0 * busy as f64 / RATE_CYCLES as f64)));
+        self.hold(level + 1, at, Some(CounterValue::Real(bytes)));
+        self.hold(level + 2, at, Some(CounterValue::Real(100.0 * busy as f64 / RATE_CYCLES as f64)));
     }
 
     fn looked_up(&mut self, client: usize, at: u64, found: CacheCounts) {
@@ -270,7 +270,7 @@ impl<'a> TimelineProbe<'a> {
         let HitsNow { interval, hits, all } = std::mem::take(&mut self.hits[client]);
         if all > 0 {
             let percent = 100.0 * hits as f64 / all as f64;
-            self.hold(self.numbers.hit_rate(client), interval * RATE_CYCLES, Some(Value::Real(percent)));
+            self.hold(self.numbers.hit_rate(client), interval * RATE_CYCLES, Some(CounterValue::Real(percent)));
         }
     }
 }
@@ -285,27 +285,27 @@ impl Probe for TimelineProbe<'_> {
     }
 
     fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
-        self.hold(fifo, at.0, Some(Value::Count(slots as u64)));
+        self.hold(fifo, at.0, Some(CounterValue::Count(slots as u64)));
     }
 
     fn memory(&mut self, event: MemoryEvent) {
         match event {
             MemoryEvent::Moved { memory, channel, client, write, from, to } => {
-                self.moved(self.numbers.channel(memory, channel), Transfer { client, write }, from.0, to.0);
+                self.moved(self.numbers.channel(memory, channel), BusTransfer { client, write }, from.0, to.0);
             }
             MemoryEvent::Open { memory, channel, bank, row, from, to } => {
-                let Channel { first_bank, is_shown, .. } = self.numbers.channels[self.numbers.channel(memory, channel)];
+                let ChannelCounters { first_bank, is_shown, .. } = self.numbers.channels[self.numbers.channel(memory, channel)];
                 if let Some((from, to)) = self.cut(from.0, to.0).filter(|_| is_shown) {
                     self.charts.iter_mut().for_each(|chart| chart.open(first_bank + bank, row, from, to));
                 }
             }
             MemoryEvent::Queued { memory, channel, at, bursts } => {
                 let level = self.numbers.queue(self.numbers.channel(memory, channel));
-                self.hold(level, at.0, Some(Value::Count(bursts as u64)));
+                self.hold(level, at.0, Some(CounterValue::Count(bursts as u64)));
             }
             MemoryEvent::InFlight { client, at, requests } => {
                 let credits = self.board.diagram.clients[client].credits.saturating_sub(requests as u64);
-                self.hold(self.numbers.credits(client), at.0, Some(Value::Count(credits)));
+                self.hold(self.numbers.credits(client), at.0, Some(CounterValue::Count(credits)));
             }
             MemoryEvent::LookedUp { client, at, found } => self.looked_up(client, at.0, found),
         }

@@ -5,7 +5,7 @@ const NS: u64 = 1_000_000_000;
 
 /// How many units of time a cycle takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Scale {
+pub(crate) struct TimeScale {
     /// Units per second.
     units: u64,
     hz: u64,
@@ -13,7 +13,7 @@ pub(crate) struct Scale {
     whole: Option<u64>,
 }
 
-impl Scale {
+impl TimeScale {
     fn new(units: u64, hz: u64) -> Self {
         Self { units, hz, whole: units.is_multiple_of(hz).then(|| units / hz) }
     }
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn a_cycle_takes_as_long_as_the_clock_says() {
-        let at = |hz, cycle| Scale::nanoseconds(hz).at(cycle);
+        let at = |hz, cycle| TimeScale::nanoseconds(hz).at(cycle);
         assert_eq!([at(200_000_000, 7), at(25_000_000, 7), at(1_000_000_000, 7)], [35, 280, 7]);
         assert_eq!([at(150_000_000, 1), at(150_000_000, 2), at(150_000_000, 3)], [6, 13, 20]);
         assert_eq!([at(0, 7), at(2_000_000_000, 7)], [7, 7], "no two cycles fall together");
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn a_unit_is_found_of_which_a_cycle_takes_a_whole_number() {
-        let whole = |hz| (Scale::whole(hz).1, Scale::whole(hz).0.at(3));
+        let whole = |hz| (TimeScale::whole(hz).1, TimeScale::whole(hz).0.at(3));
         assert_eq!([whole(0), whole(200_000_000), whole(25_000_000)], [(-9, 3), (-9, 15), (-9, 120)]);
         assert_eq!([whole(64_000_000), whole(2_000_000_000)], [(-12, 46_875), (-12, 1_500)]);
         assert_eq!(whole(150_000_000), (-15, 20_000_000));
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn the_words_say_what_is_shown() {
-        let words = |hz| Scale::nanoseconds(hz).words(hz);
+        let words = |hz| TimeScale::nanoseconds(hz).words(hz);
         assert_eq!(words(200_000_000), "a cycle is 5 ns");
         assert_eq!(words(150_000_000), "a cycle is 6.667 ns, times are rounded down");
         assert_eq!([words(0), words(2_000_000_000)], ["a cycle is shown as 1 ns"; 2]);

@@ -9,23 +9,23 @@ const LONGEST: usize = 20;
 
 /// The changes of one value: each the time since the one before, and the new value, seven bits to a byte.
 #[derive(Clone, Debug, Default)]
-struct Stream {
+struct ChangeStream {
     bytes: Vec<u8>,
     last: u64,
 }
 
 /// The changes of many values, by their numbers.
 #[derive(Debug)]
-pub(crate) struct Streams {
-    streams: Vec<Stream>,
+pub(crate) struct ChangeStreams {
+    streams: Vec<ChangeStream>,
     held: Held,
     /// More than may be held; from then on nothing is.
     over: Option<OverBudget>,
 }
 
-impl Streams {
+impl ChangeStreams {
     pub(crate) fn new(count: usize, budget: &Budget) -> Self {
-        Self { streams: vec![Stream::default(); count], held: budget.nothing(), over: None }
+        Self { streams: vec![ChangeStream::default(); count], held: budget.nothing(), over: None }
     }
 
     /// A value changes; no earlier than at its last change.
@@ -96,7 +96,7 @@ mod tests {
     proptest! {
         #[test]
         fn changes_come_in_order_of_time_and_as_they_were(changes in prop::collection::vec((0..4_usize, 0..1_u64 << 40, any::<u64>()), 0..200)) {
-            let mut streams = Streams::new(4, &Budget::default());
+            let mut streams = ChangeStreams::new(4, &Budget::default());
             let mut sorted = changes.clone();
             sorted.sort_by_key(|&(number, at, _)| (number, at));
             sorted.iter().for_each(|&(number, at, new)| streams.change(number, at, new));
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn memory_limit_is_kept() {
         let budget = Budget::new(1000);
-        let mut streams = Streams::new(2, &budget);
+        let mut streams = ChangeStreams::new(2, &budget);
         (0..1000).for_each(|at| streams.change(at as usize % 2, at, 1));
         assert!(streams.in_order().err().unwrap().to_string().contains("of waves"));
         assert_eq!(budget.left(), 1000, "what is given up is given back");

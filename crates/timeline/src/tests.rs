@@ -12,7 +12,7 @@ use std::io::{self, Write};
 
 /// A trace, as a reader sees it.
 #[derive(Clone, PartialEq, prost::Message)]
-struct Trace {
+struct DecodedTrace {
     #[prost(message, repeated, tag = "1")]
     packet: Vec<TracePacket>,
 }
@@ -52,7 +52,7 @@ fn slices(bytes: &[u8]) -> Vec<(String, String, u64, u64)> {
 
 /// (track, name, from, to), by decoding and sorting as Perfetto does: by time, then by place in the file.
 fn all_slices(bytes: &[u8]) -> Vec<(String, String, u64, u64)> {
-    let mut packets = Trace::decode(bytes).unwrap().packet;
+    let mut packets = DecodedTrace::decode(bytes).unwrap().packet;
     assert!(packets.iter().all(|p| p.trusted_packet_sequence_id == Some(SEQUENCE)));
     let data = packets.iter().filter_map(|p| p.interned_data.clone()).flat_map(|d| d.event_names);
     let names: BTreeMap<u64, String> = data.map(|n| (n.iid.unwrap(), n.name.unwrap())).collect();
@@ -84,7 +84,7 @@ fn counters(bytes: &[u8]) -> Vec<(String, u64, i64)> {
 
 /// (track, cycle, number) of counters with this unit of measure.
 fn counters_of(bytes: &[u8], unit: &str) -> Vec<(String, u64, i64)> {
-    let packets = Trace::decode(bytes).unwrap().packet;
+    let packets = DecodedTrace::decode(bytes).unwrap().packet;
     let described = packets.iter().filter_map(|p| p.track_descriptor.clone());
     let counted = described.filter(|t| t.counter.as_ref().is_some_and(|c| c.unit_name.as_deref() == Some(unit)));
     let tracks: BTreeMap<u64, String> = counted.map(|t| (t.uuid.unwrap(), t.name.unwrap())).collect();
@@ -175,7 +175,7 @@ fn selected_units_show_with_their_fifos() {
 
 /// Names of all tracks.
 fn tracks(bytes: &[u8]) -> Vec<String> {
-    Trace::decode(bytes).unwrap().packet.into_iter().filter_map(|p| p.track_descriptor?.name).collect()
+    DecodedTrace::decode(bytes).unwrap().packet.into_iter().filter_map(|p| p.track_descriptor?.name).collect()
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn slices_carry_attribution_and_end_with_it() {
             watcher.add(Interval { stage, cause: None, from: Cycle(from), to: Cycle(from + 1) }, whose);
         }
     });
-    let trace = Trace::decode(&*bytes).unwrap();
+    let trace = DecodedTrace::decode(&*bytes).unwrap();
     let data = trace.packet.iter().filter_map(|p| p.interned_data.clone()).flat_map(|d| d.debug_annotation_names);
     let names: BTreeMap<u64, String> = data.map(|n| (n.iid.unwrap(), n.name.unwrap())).collect();
     let begins = trace.packet.iter().filter(|p| p.track_event.as_ref().is_some_and(|e| e.r#type == Some(proto::SLICE_BEGIN)));
@@ -255,7 +255,7 @@ fn a_window_behind_the_end_shows_nothing() {
 
 /// (counter, cycle, value) of those that have fractions.
 fn rates(bytes: &[u8]) -> Vec<(String, u64, f64)> {
-    let packets = Trace::decode(bytes).unwrap().packet;
+    let packets = DecodedTrace::decode(bytes).unwrap().packet;
     let described = packets.iter().filter_map(|p| p.track_descriptor.clone());
     let tracks: BTreeMap<u64, String> = described.map(|t| (t.uuid.unwrap(), t.name.unwrap())).collect();
     let events = packets.iter().filter_map(|p| Some((p.timestamp?, p.track_event.as_ref()?)));
@@ -323,9 +323,9 @@ fn memory_tracks_add_up_to_the_report() {
 }
 
 /// Takes some bytes, then no more.
-struct Full(usize);
+struct FullWriter(usize);
 
-impl Write for Full {
+impl Write for FullWriter {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0 = self.0.checked_sub(bytes.len()).ok_or_else(|| io::Error::other("disk full"))?;
         Ok(bytes.len())
@@ -337,9 +337,9 @@ impl Write for Full {
 
 #[test]
 fn memory_is_bounded_and_write_errors_are_reported() {
-    let mut timeline = Box::new(PerfettoTrace::new(Full(10 * CHUNK), &samples::board()));
+    let mut timeline = Box::new(PerfettoTrace::new(FullWriter(10 * CHUNK), &samples::board()));
     for k in 0..20_000 {
-        timeline.state(0, State::Busy, &StepAttribution::default(), 2 * k, 2 * k + 1);
+        timeline.state(0, UnitState::Busy, &StepAttribution::default(), 2 * k, 2 * k + 1);
         assert!(timeline.buffer.capacity() <= 2 * CHUNK);
     }
     assert_eq!(timeline.finish(u64::MAX).unwrap_err().to_string(), "disk full");

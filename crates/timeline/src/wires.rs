@@ -1,7 +1,7 @@
 //! Signals of the wave file, and their values.
 
 use crate::layout::TimelineLayout;
-use crate::levels::{Levels, Value};
+use crate::levels::{CounterList, CounterValue};
 use fst_writer::{
     FstBodyWriter, FstHeaderWriter, FstScopeType, FstSignalId, FstSignalType, FstVarDirection, FstVarType, FstWriteError,
 };
@@ -17,7 +17,7 @@ pub(crate) const FIRST_WAIT: u64 = 3;
 
 /// Numbers of the values that change: the frame, then those of each kind.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Numbers {
+pub(crate) struct SignalNumbers {
     pub(crate) first_stage: usize,
     pub(crate) first_level: usize,
     pub(crate) first_bus: usize,
@@ -25,9 +25,9 @@ pub(crate) struct Numbers {
     pub(crate) count: usize,
 }
 
-impl Numbers {
+impl SignalNumbers {
     pub(crate) fn new(board: &TimelineLayout) -> Self {
-        let levels = Levels::new(board);
+        let levels = CounterList::new(board);
         let first_stage = FRAME + 1;
         let first_level = first_stage + board.diagram.stages.len();
         let first_bus = first_level + levels.all.len();
@@ -41,26 +41,26 @@ impl Numbers {
     }
 }
 
-type Header<W> = FstHeaderWriter<W>;
-type Body<W> = FstBodyWriter<W>;
-type Done<T = ()> = Result<T, FstWriteError>;
+type FstHeader<W> = FstHeaderWriter<W>;
+type FstBody<W> = FstBodyWriter<W>;
+type FstResult<T = ()> = Result<T, FstWriteError>;
 
 /// A number as a vector of bits.
 #[derive(Clone, Copy, Debug)]
-struct Number {
+struct NumberSignal {
     id: FstSignalId,
     bits: u32,
 }
 
-impl Number {
-    fn declare<W: Write + Seek>(header: &mut Header<W>, name: &str, most: u64) -> Done<Self> {
+impl NumberSignal {
+    fn declare<W: Write + Seek>(header: &mut FstHeader<W>, name: &str, most: u64) -> FstResult<Self> {
         let bits = u64::BITS - most.max(1).leading_zeros();
         let kind = if bits == 1 { FstVarType::Wire } else { FstVarType::Reg };
         let id = header.var(name, FstSignalType::bit_vec(bits), kind, FstVarDirection::Implicit, None)?;
         Ok(Self { id, bits })
     }
 
-    fn set<W: Write + Seek>(self, body: &mut Body<W>, value: u64) -> Done {
+    fn set<W: Write + Seek>(self, body: &mut FstBody<W>, value: u64) -> FstResult {
         let digits: [u8; 64] = std::array::from_fn(|bit| b'0' + (value >> (63 - bit) & 1) as u8);
         body.signal_change(self.id, &digits[64 - self.bits as usize..])
     }
@@ -81,19 +81,19 @@ fn wire_of(state: u64) -> Option<usize> {
 
 /// The signals that show a value.
 #[derive(Clone, Copy, Debug)]
-enum Wires {
+enum ValueWires {
     /// It is not shown.
     None,
     /// As it is.
-    Number(Number),
+    Number(NumberSignal),
     /// A number with a fraction.
     Real(FstSignalId),
     /// Of a unit: a wire per state.
-    State([Number; 5]),
+    State([NumberSignal; 5]),
     /// Signals of a bus: busy, client, and write.
-    Bus([Number; 3]),
+    Bus([NumberSignal; 3]),
     /// Of a bank: whether a row is open, and which.
-    Bank([Number; 2]),
+    Bank([NumberSignal; 2]),
     /// Of a FIFO.
     Fifo(FifoWires),
 }
@@ -101,9 +101,9 @@ enum Wires {
 /// Signals of a FIFO, and the values that they derive from.
 #[derive(Clone, Copy, Debug)]
 struct FifoWires {
-    fill: Number,
-    valid: Number,
-    ready: Number,
+    fill: NumberSignal,
+    valid: NumberSignal,
+    ready: NumberSignal,
     depth: u64,
     held: u64,
     /// The unit that takes from it waits for it.
@@ -112,9 +112,9 @@ struct FifoWires {
 }
 
 /// All signals, by the numbers of the values that they show.
-pub(crate) struct Signals {
-    wires: Vec<Wires>,
-    numbers: Numbers,
+pub(crate) struct SignalTable {
+    wires: Vec<ValueWires>,
+    numbers: SignalNumbers,
     /// The state of each stage.
     states: Vec<u64>,
     /// Numbers of each stage's input FIFOs.
@@ -123,11 +123,15 @@ pub(crate) struct Signals {
     changed: Vec<usize>,
 }
 
-impl Signals {
-    pub(crate) fn declare<W: Write + Seek>(header: &mut Header<W>, board: &TimelineLayout, numbers: &Numbers) -> Done<Self> {
-        let (levels, mut wires) = (Levels::new(board), vec![Wires::None; numbers.count]);
+impl SignalTable {
+    pub(crate) fn declare<W: Write + Seek>(
+        header: &mut FstHeader<W>,
+        board: &TimelineLayout,
+        numbers: &SignalNumbers,
+    ) -> FstResult<Self> {
+        let (levels, mut wires) = (CounterList::new(board), vec![ValueWires::None; numbers.count]);
         within(header, &board.machine, |header| {
-            wires[FRAME] = Wires::Number(Number::declare(header, "frame", u32::MAX.into())?);
+            wires[FRAME] = ValueWires::Number(NumberSignal::declare(header, "frame", u32::MAX.into())?);
             for stage in (0..board.diagram.stages.len()).filter(|&stage| board.shows(stage)) {
                 wires[numbers.first_stage + stage] = declare_states(header, &board.name(stage))?;
             }
@@ -150,30 +154,36 @@ impl Signals {
     }
 
     /// A value changes.
-    pub(crate) fn change<W: Write + Seek>(&mut self, body: &mut Body<W>, number: usize, new: u64) -> Done {
+    pub(crate) fn change<W: Write + Seek>(&mut self, body: &mut FstBody<W>, number: usize, new: u64) -> FstResult {
         match self.wires[number] {
-            Wires::None => Ok(()),
-            Wires::Number(wire) => wire.set(body, new),
-            Wires::Real(id) => body.signal_change(id, &f64::from_bits(new).to_le_bytes()),
-            Wires::State(wires) => self.change_state(body, number - self.numbers.first_stage, &wires, new),
-            Wires::Bus([bus, client, write]) => {
+            ValueWires::None => Ok(()),
+            ValueWires::Number(wire) => wire.set(body, new),
+            ValueWires::Real(id) => body.signal_change(id, &f64::from_bits(new).to_le_bytes()),
+            ValueWires::State(wires) => self.change_state(body, number - self.numbers.first_stage, &wires, new),
+            ValueWires::Bus([bus, client, write]) => {
                 let transfer = new.saturating_sub(1);
                 bus.set(body, u64::from(new > 0))?;
                 client.set(body, transfer / 2)?;
                 write.set(body, transfer % 2)
             }
-            Wires::Bank([open, row]) => {
+            ValueWires::Bank([open, row]) => {
                 open.set(body, u64::from(new > 0))?;
                 row.set(body, new.saturating_sub(1))
             }
-            Wires::Fifo(_) => {
+            ValueWires::Fifo(_) => {
                 self.change_fifo(number - self.numbers.first_level, |wires| wires.held = new);
                 Ok(())
             }
         }
     }
 
-    fn change_state<W: Write + Seek>(&mut self, body: &mut Body<W>, stage: usize, wires: &[Number], new: u64) -> Done {
+    fn change_state<W: Write + Seek>(
+        &mut self,
+        body: &mut FstBody<W>,
+        stage: usize,
+        wires: &[NumberSignal],
+        new: u64,
+    ) -> FstResult {
         let one = wire_of(new);
         for (number, wire) in wires.iter().enumerate() {
             wire.set(body, u64::from(one == Some(number)))?;
@@ -190,7 +200,7 @@ impl Signals {
 
     fn change_fifo(&mut self, fifo: usize, change: impl FnOnce(&mut FifoWires)) {
         let number = self.numbers.first_level + fifo;
-        let Some(Wires::Fifo(wires)) = self.wires.get_mut(number) else { return };
+        let Some(ValueWires::Fifo(wires)) = self.wires.get_mut(number) else { return };
         change(wires);
         if !std::mem::replace(&mut wires.changed, true) {
             self.changed.push(number);
@@ -198,9 +208,9 @@ impl Signals {
     }
 
     /// Writes the signals that derive from all changes of a cycle.
-    pub(crate) fn settle<W: Write + Seek>(&mut self, body: &mut Body<W>) -> Done {
+    pub(crate) fn settle<W: Write + Seek>(&mut self, body: &mut FstBody<W>) -> FstResult {
         for number in self.changed.drain(..) {
-            let Wires::Fifo(wires) = &mut self.wires[number] else { continue };
+            let ValueWires::Fifo(wires) = &mut self.wires[number] else { continue };
             wires.changed = false;
             wires.fill.set(body, wires.held)?;
             wires.valid.set(body, u64::from(wires.held > 0 && !wires.starves))?;
@@ -211,54 +221,58 @@ impl Signals {
 }
 
 /// Declares signals in a scope. Names have no spaces, because viewers end a name at a space.
-fn within<W: Write + Seek>(header: &mut Header<W>, name: &str, declare: impl FnOnce(&mut Header<W>) -> Done) -> Done {
+fn within<W: Write + Seek>(
+    header: &mut FstHeader<W>,
+    name: &str,
+    declare: impl FnOnce(&mut FstHeader<W>) -> FstResult,
+) -> FstResult {
     header.scope(name.replace(' ', "_"), "", FstScopeType::Module)?;
     declare(header)?;
     header.up_scope()
 }
 
-fn declare_states<W: Write + Seek>(header: &mut Header<W>, name: &str) -> Done<Wires> {
-    let mut wires = Wires::None;
+fn declare_states<W: Write + Seek>(header: &mut FstHeader<W>, name: &str) -> FstResult<ValueWires> {
+    let mut wires = ValueWires::None;
     within(header, name, |header| {
-        wires = Wires::State(all(header, STATES.map(|state| (state, 1)))?);
+        wires = ValueWires::State(all(header, STATES.map(|state| (state, 1)))?);
         Ok(())
     })?;
     Ok(wires)
 }
 
-fn declare_fifo<W: Write + Seek>(header: &mut Header<W>, depth: u64) -> Done<Wires> {
+fn declare_fifo<W: Write + Seek>(header: &mut FstHeader<W>, depth: u64) -> FstResult<ValueWires> {
     let [fill, valid, ready] = all(header, [("fill", depth), ("valid", 1), ("ready", 1)])?;
-    Ok(Wires::Fifo(FifoWires { fill, valid, ready, depth, held: 0, starves: false, changed: false }))
+    Ok(ValueWires::Fifo(FifoWires { fill, valid, ready, depth, held: 0, starves: false, changed: false }))
 }
 
-fn declare_level<W: Write + Seek>(header: &mut Header<W>, level: &crate::levels::Level) -> Done<Wires> {
+fn declare_level<W: Write + Seek>(header: &mut FstHeader<W>, level: &crate::levels::CounterInfo) -> FstResult<ValueWires> {
     let name = level.what.replace(' ', "_");
     Ok(match level.start {
-        Value::Count(_) => Wires::Number(Number::declare(header, &name, level.most)?),
-        Value::Real(_) => {
-            Wires::Real(header.var(name, FstSignalType::real(), FstVarType::Real, FstVarDirection::Implicit, None)?)
+        CounterValue::Count(_) => ValueWires::Number(NumberSignal::declare(header, &name, level.most)?),
+        CounterValue::Real(_) => {
+            ValueWires::Real(header.var(name, FstSignalType::real(), FstVarType::Real, FstVarDirection::Implicit, None)?)
         }
     })
 }
 
 /// Declares a scope per channel, and one in it per bank.
 fn declare_channels<W: Write + Seek>(
-    header: &mut Header<W>,
-    (board, levels): (&TimelineLayout, &Levels),
-    numbers: &Numbers,
-    wires: &mut [Wires],
-) -> Done {
+    header: &mut FstHeader<W>,
+    (board, levels): (&TimelineLayout, &CounterList),
+    numbers: &SignalNumbers,
+    wires: &mut [ValueWires],
+) -> FstResult {
     let clients = board.diagram.clients.len() as u64;
     for (number, channel) in levels.channels.iter().enumerate().filter(|(_, channel)| channel.is_shown) {
         within(header, &channel.name, |header| {
             for level in levels.queue(number)..levels.queue(number) + 3 {
                 wires[numbers.first_level + level] = declare_level(header, &levels.all[level])?;
             }
-            wires[numbers.first_bus + number] = Wires::Bus(all(header, [("bus", 1), ("client", clients), ("write", 1)])?);
+            wires[numbers.first_bus + number] = ValueWires::Bus(all(header, [("bus", 1), ("client", clients), ("write", 1)])?);
             for bank in 0..board.diagram.memories[channel.memory].banks {
                 let wires = &mut wires[numbers.first_bank + channel.first_bank + bank];
                 within(header, &format!("bank {bank}"), |header| {
-                    *wires = Wires::Bank(all(header, [("open", 1), ("row", u32::MAX.into())])?);
+                    *wires = ValueWires::Bank(all(header, [("open", 1), ("row", u32::MAX.into())])?);
                     Ok(())
                 })?;
             }
@@ -269,10 +283,10 @@ fn declare_channels<W: Write + Seek>(
 }
 
 /// Declares numbers of these names, each with the most that it can be.
-fn all<W: Write + Seek, const N: usize>(header: &mut Header<W>, names: [(&str, u64); N]) -> Done<[Number; N]> {
+fn all<W: Write + Seek, const N: usize>(header: &mut FstHeader<W>, names: [(&str, u64); N]) -> FstResult<[NumberSignal; N]> {
     let mut declared = [None; N];
     for (declared, (name, most)) in declared.iter_mut().zip(names) {
-        *declared = Some(Number::declare(header, name, most)?);
+        *declared = Some(NumberSignal::declare(header, name, most)?);
     }
     // Each is there by now.
     Ok(declared.map(|number| number.expect("declared above")))

@@ -1,7 +1,7 @@
 //! Checks of a command by itself: finite numbers, ranges, lengths. Every command passes them on its way in and out.
 
 use crate::command::*;
-use crate::error::{ErrorKind, Fault};
+use crate::error::{CommandFault, ErrorKind};
 use basrelief_signals::{MAX_PICTURE_PIXELS, ShadingSettings};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -21,25 +21,25 @@ const MAX_ENTRIES: u32 = 65_536;
 const CRITERIA: RangeInclusive<f64> = 0.001..=1024.0;
 const SIDES: RangeInclusive<u32> = 1..=MAX_SIDE;
 
-pub(crate) fn check(command: &Command) -> Result<(), Fault> {
+pub(crate) fn check(command: &TraceCommand) -> Result<(), CommandFault> {
     match command {
-        Command::Begin(begin) => check_begin(begin),
-        Command::Texture(texture) => check_texture(texture),
-        Command::Material(material) => check_material(material),
-        Command::Frame(frame) => check_frame(frame),
-        Command::Object(object) => check_object(object),
-        Command::Polygon(polygon) => check_polygon(polygon),
-        Command::Expect(expectation) => check_expectation(expectation),
-        Command::Shading(shading) => check_shading(&shading.into()),
-        Command::Importance(importance) => within("bias", importance.bias, 0..=7),
-        Command::Criterion(criterion) => within("error_bound", criterion.error_bound, CRITERIA),
-        Command::FrameEnd(_) | Command::End(_) => Ok(()),
+        TraceCommand::Begin(begin) => check_begin(begin),
+        TraceCommand::Texture(texture) => check_texture(texture),
+        TraceCommand::Material(material) => check_material(material),
+        TraceCommand::Frame(frame) => check_frame(frame),
+        TraceCommand::Object(object) => check_object(object),
+        TraceCommand::Polygon(polygon) => check_polygon(polygon),
+        TraceCommand::Expect(expectation) => check_expectation(expectation),
+        TraceCommand::Shading(shading) => check_shading(&shading.into()),
+        TraceCommand::Importance(importance) => within("bias", importance.bias, 0..=7),
+        TraceCommand::Criterion(criterion) => within("error_bound", criterion.error_bound, CRITERIA),
+        TraceCommand::FrameEnd(_) | TraceCommand::End(_) => Ok(()),
     }
 }
 
-fn check_begin(begin: &Begin) -> Result<(), Fault> {
+fn check_begin(begin: &BeginCommand) -> Result<(), CommandFault> {
     if begin.format != FORMAT {
-        return Err(Fault::new("format", format!("is {:?}, expected {FORMAT:?}: no display list", begin.format)));
+        return Err(CommandFault::new("format", format!("is {:?}, expected {FORMAT:?}: no display list", begin.format)));
     }
     check_version(begin.version)?;
     within("width", begin.width, SIDES)?;
@@ -47,56 +47,59 @@ fn check_begin(begin: &Begin) -> Result<(), Fault> {
     if u64::from(begin.width) * u64::from(begin.height) > MAX_PICTURE_PIXELS {
         let message =
             format!("makes pictures of {} x {} pixels, expected at most {MAX_PICTURE_PIXELS}", begin.width, begin.height);
-        return Err(Fault::new("height", message));
+        return Err(CommandFault::new("height", message));
     }
     Ok(())
 }
 
-pub(crate) fn check_version(version: u32) -> Result<(), Fault> {
+pub(crate) fn check_version(version: u32) -> Result<(), CommandFault> {
     if version != VERSION {
         let message = format!("is {version}, this reader knows {VERSION}: record the trace again, or update");
-        return Err(Fault::new("version", message).of_kind(ErrorKind::Unsupported));
+        return Err(CommandFault::new("version", message).of_kind(ErrorKind::Unsupported));
     }
     Ok(())
 }
 
-fn check_texture(texture: &TextureDefinition) -> Result<(), Fault> {
+fn check_texture(texture: &TextureDefinition) -> Result<(), CommandFault> {
     within("width", texture.width, SIDES)?;
     within("height", texture.height, SIDES)?;
     within("levels", texture.levels, 1..=texture.width.max(texture.height).ilog2() + 1)?;
     if !texture.offset.is_multiple_of(16) || texture.offset >= MAX_OFFSET {
         let message = format!("is {}, expected a multiple of 16 below 2^40 (levels fill whole 4 x 4 blocks)", texture.offset);
-        return Err(Fault::new("offset", message));
+        return Err(CommandFault::new("offset", message));
     }
     match (&texture.data, &texture.file) {
         (Some(data), None) => check_length(texture, data.0.len() as u64, "data"),
         (None, Some(file)) => check_file_name(file),
-        (None, None) => Err(Fault::new("data", "missing: give `data` (base64) or `file`")),
-        (Some(_), Some(_)) => Err(Fault::new("file", "stands beside `data`: give one of the two")),
+        (None, None) => Err(CommandFault::new("data", "missing: give `data` (base64) or `file`")),
+        (Some(_), Some(_)) => Err(CommandFault::new("file", "stands beside `data`: give one of the two")),
     }
 }
 
 /// Checks that the levels need `bytes` bytes. `field` is the source of the bytes.
-pub(crate) fn check_length(texture: &TextureDefinition, bytes: u64, field: &str) -> Result<(), Fault> {
+pub(crate) fn check_length(texture: &TextureDefinition, bytes: u64, field: &str) -> Result<(), CommandFault> {
     let expected = texture.texel_count() * texture.kind.texel_bytes();
     if bytes != expected {
         let (levels, width, height) = (texture.levels, texture.width, texture.height);
         let message = format!("holds {bytes} bytes, expected {expected}: {levels} level(s) from {width} x {height} on");
-        return Err(Fault::new(field, message));
+        return Err(CommandFault::new(field, message));
     }
     Ok(())
 }
 
 /// Refuses paths that lead out of the folder of the trace.
-fn check_file_name(file: &str) -> Result<(), Fault> {
+fn check_file_name(file: &str) -> Result<(), CommandFault> {
     let plain = |part: &str| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':', '\0']);
     if file.split('/').all(plain) {
         return Ok(());
     }
-    Err(Fault::new("file", format!("is {file:?}, expected a relative path below the trace's folder, such as \"wall.rgb\"")))
+    Err(CommandFault::new(
+        "file",
+        format!("is {file:?}, expected a relative path below the trace's folder, such as \"wall.rgb\""),
+    ))
 }
 
-fn check_material(material: &MaterialDefinition) -> Result<(), Fault> {
+fn check_material(material: &MaterialDefinition) -> Result<(), CommandFault> {
     finite("base_color", &[material.base_color])?;
     finite("normal_scale", &[[material.normal_scale]])?;
     let lighting = &material.lighting;
@@ -106,17 +109,17 @@ fn check_material(material: &MaterialDefinition) -> Result<(), Fault> {
     within("lighting.n", lighting.n, 1.0..=1000.0)
 }
 
-fn check_frame(frame: &FrameBegin) -> Result<(), Fault> {
+fn check_frame(frame: &FrameBegin) -> Result<(), CommandFault> {
     let camera = &frame.camera;
     let values =
         [("view_projection", &camera.view_projection[..]), ("to_light", &camera.to_light), ("to_viewer", &camera.to_viewer)];
     for (field, row) in values {
         if !row.iter().all(|value| value.is_finite()) {
-            return Err(Fault::new(format!("camera.{field}"), "holds a number that is not finite"));
+            return Err(CommandFault::new(format!("camera.{field}"), "holds a number that is not finite"));
         }
     }
     if !(1..=MAX_LIGHTS).contains(&frame.lights.len()) {
-        return Err(Fault::new("lights", format!("holds {} lights, expected 1..={MAX_LIGHTS}", frame.lights.len())));
+        return Err(CommandFault::new("lights", format!("holds {} lights, expected 1..={MAX_LIGHTS}", frame.lights.len())));
     }
     for (i, light) in frame.lights.iter().enumerate() {
         let (LightRecord::Directional { to_light: [x, y, z], intensity } | LightRecord::Point { position: [x, y, z], intensity }) =
@@ -126,24 +129,24 @@ fn check_frame(frame: &FrameBegin) -> Result<(), Fault> {
     Ok(())
 }
 
-fn check_object(object: &ObjectBegin) -> Result<(), Fault> {
+fn check_object(object: &ObjectBegin) -> Result<(), CommandFault> {
     finite("centre", &[object.centre])?;
     object.entries.map_or(Ok(()), |entries| within("entries", entries, 1..=MAX_ENTRIES))
 }
 
-fn check_shading(shading: &ShadingSettings) -> Result<(), Fault> {
+fn check_shading(shading: &ShadingSettings) -> Result<(), CommandFault> {
     shading.out_of_range().map_or(Ok(()), |(name, value)| within(name, value, 0.0..=ShadingSettings::MAX_INTENSITY))
 }
 
-fn check_polygon(polygon: &PolygonRecord) -> Result<(), Fault> {
+fn check_polygon(polygon: &PolygonRecord) -> Result<(), CommandFault> {
     within("lod", polygon.lod, 0..=63)?;
     within("arrival", polygon.arrival, 0..=MAX_ARRIVAL)?;
     let count = polygon.position.len();
     if !(3..=MAX_VERTICES).contains(&count) {
-        return Err(Fault::new("position", format!("holds {count} vertices, expected 3..={MAX_VERTICES}")));
+        return Err(CommandFault::new("position", format!("holds {count} vertices, expected 3..={MAX_VERTICES}")));
     }
     for (i, position) in polygon.position.iter().enumerate() {
-        check_position(position).map_err(|message| Fault::new(format!("position[{i}]"), message))?;
+        check_position(position).map_err(|message| CommandFault::new(format!("position[{i}]"), message))?;
     }
     attribute("normal", &polygon.normal, count)?;
     attribute("tangent", &polygon.tangent, count)?;
@@ -167,32 +170,35 @@ fn check_position(&[x, y, depth, reciprocal_w]: &[f32; 4]) -> Result<(), String>
     Ok(())
 }
 
-fn attribute<const N: usize>(field: &str, rows: &[[f32; N]], count: usize) -> Result<(), Fault> {
+fn attribute<const N: usize>(field: &str, rows: &[[f32; N]], count: usize) -> Result<(), CommandFault> {
     if !rows.is_empty() && rows.len() != count {
-        return Err(Fault::new(field, format!("holds {} vertices, expected {count} as in `position`, or none", rows.len())));
+        return Err(CommandFault::new(
+            field,
+            format!("holds {} vertices, expected {count} as in `position`, or none", rows.len()),
+        ));
     }
     finite(field, rows)
 }
 
-fn check_expectation(expectation: &Expectation) -> Result<(), Fault> {
+fn check_expectation(expectation: &ExpectedResults) -> Result<(), CommandFault> {
     match expectation.config.iter().find(|(_, setting)| !setting.is_finite()) {
-        Some((key, _)) => Err(Fault::new(format!("config.{key}"), "holds a number that is not finite")),
+        Some((key, _)) => Err(CommandFault::new(format!("config.{key}"), "holds a number that is not finite")),
         None => Ok(()),
     }
 }
 
-fn within<T: PartialOrd + Display>(field: &str, value: T, range: RangeInclusive<T>) -> Result<(), Fault> {
+fn within<T: PartialOrd + Display>(field: &str, value: T, range: RangeInclusive<T>) -> Result<(), CommandFault> {
     if range.contains(&value) {
         return Ok(());
     }
-    Err(Fault::new(field, format!("is {value}, expected {}..={}", range.start(), range.end())))
+    Err(CommandFault::new(field, format!("is {value}, expected {}..={}", range.start(), range.end())))
 }
 
-fn finite<const N: usize>(field: &str, rows: &[[f32; N]]) -> Result<(), Fault> {
+fn finite<const N: usize>(field: &str, rows: &[[f32; N]]) -> Result<(), CommandFault> {
     if rows.as_flattened().iter().all(|value| value.is_finite()) {
         return Ok(());
     }
     let bad = rows.iter().position(|row| !row.iter().all(|value| value.is_finite())).unwrap_or(0);
     let place = if rows.len() > 1 { format!("{field}[{bad}]") } else { field.into() };
-    Err(Fault::new(place, "holds a number that is not finite (too large for 32 bits, or NaN)"))
+    Err(CommandFault::new(place, "holds a number that is not finite (too large for 32 bits, or NaN)"))
 }

@@ -20,9 +20,9 @@ pub const MAX_VERTICES: usize = 64;
 /// One command: one line of a trace, or one record of its binary twin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Command {
+pub enum TraceCommand {
     /// Opens the trace.
-    Begin(Begin),
+    Begin(BeginCommand),
     /// Defines a texture.
     Texture(TextureDefinition),
     /// Defines a material.
@@ -36,18 +36,18 @@ pub enum Command {
     /// Closes the frame.
     FrameEnd(FrameEnd),
     /// Expected results of a machine; up to 64, outside frames.
-    Expect(Box<Expectation>),
+    Expect(Box<ExpectedResults>),
     /// Closes the trace.
-    End(End),
+    End(EndCommand),
     /// Shading settings of the figure shading device for the next frame or object.
     Shading(ShadingRecord),
     /// Importance of the next object.
-    Importance(Importance),
+    Importance(ImportanceWeights),
     /// Selects the accuracy criterion of the texel value generator.
     Criterion(Criterion),
 }
 
-impl Command {
+impl TraceCommand {
     /// Names of all commands, in the order of their numbers in the binary form.
     pub const NAMES: [&'static str; 12] = [
         "begin",
@@ -122,7 +122,7 @@ macro_rules! fields {
 /// First command: format, version and size of the pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Begin {
+pub struct BeginCommand {
     /// Always `basrelief-display-list`.
     pub format: String,
     /// Version of the format.
@@ -138,7 +138,7 @@ pub struct Begin {
     pub generator: String,
 }
 
-impl Begin {
+impl BeginCommand {
     /// Of a trace made by this project's geometry processor (102).
     pub fn new(width: u32, height: u32) -> Self {
         Self { format: FORMAT.into(), version: VERSION, width, height, generator: "basrelief".into() }
@@ -311,7 +311,7 @@ fields! {
 /// Importance of the next object. A command for the same reason as `shading`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Importance {
+pub struct ImportanceWeights {
     /// Levels by which its VQ table and CLUT are coarser than the MIP level, 0..=7.
     #[schemars(range(max = 7))]
     pub bias: u8,
@@ -415,7 +415,7 @@ pub const MAX_EXPECTATIONS: usize = 64;
 
 fields! {
     /// Expected results of a machine: replaying the trace is a test. Missing fields are not checked.
-    pub struct Expectation {} optional {
+    pub struct ExpectedResults {} optional {
         /// Machine, such as `bump`.
         machine: Option<String>,
         /// Settings other than the defaults, by dotted name.
@@ -431,7 +431,7 @@ fields! {
     }
 }
 
-impl Default for Expectation {
+impl Default for ExpectedResults {
     /// Expects nothing.
     fn default() -> Self {
         Self {
@@ -445,7 +445,7 @@ impl Default for Expectation {
     }
 }
 
-impl Expectation {
+impl ExpectedResults {
     /// Returns the approximate memory \[bytes\]: the share of a map node per entry, and the capacity of texts.
     pub(crate) fn bytes(&self) -> u64 {
         const PLACE: usize = 160;
@@ -463,7 +463,7 @@ impl Expectation {
 /// Last command: without it a trace is truncated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct End {
+pub struct EndCommand {
     /// Number of commands before this one.
     pub commands: u64,
 }

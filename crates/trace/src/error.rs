@@ -6,7 +6,7 @@ use std::io;
 
 /// Place in a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum TracePlace {
     /// JSON Lines: line, counted from 1, and column \[bytes, from 1\] if known.
     Line {
         /// Line number.
@@ -22,7 +22,7 @@ pub enum Place {
     Start,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for TracePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line { line, column: Some(column) } => write!(f, "line {line}, column {column}"),
@@ -54,7 +54,7 @@ pub enum ErrorKind {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TraceError {
     /// Place.
-    pub place: Place,
+    pub place: TracePlace,
     /// Kind.
     pub kind: ErrorKind,
     /// Command and field, such as `polygon.position[2]`; empty if the command is unknown.
@@ -76,12 +76,12 @@ impl fmt::Display for TraceError {
 impl std::error::Error for TraceError {}
 
 impl TraceError {
-    pub(crate) fn new(place: Place, kind: ErrorKind, path: impl Into<String>, message: impl Into<String>) -> Self {
+    pub(crate) fn new(place: TracePlace, kind: ErrorKind, path: impl Into<String>, message: impl Into<String>) -> Self {
         Self { place, kind, path: path.into(), message: message.into() }
     }
 
     /// A failed read. An end that the layer below did not expect (a compressed frame cut short) is a truncation.
-    pub(crate) fn read(place: Place, error: &io::Error) -> Self {
+    pub(crate) fn read(place: TracePlace, error: &io::Error) -> Self {
         if error.kind() == io::ErrorKind::UnexpectedEof {
             return Self::truncated(place, &format!("the input ends early ({error})"));
         }
@@ -91,28 +91,28 @@ impl TraceError {
         Self::new(place, ErrorKind::Io, "", format!("cannot read: {error}"))
     }
 
-    pub(crate) fn over_budget(place: Place, error: &OverBudget) -> Self {
+    pub(crate) fn over_budget(place: TracePlace, error: &OverBudget) -> Self {
         Self::new(place, ErrorKind::OverBudget, "", error.to_string())
     }
 
-    pub(crate) fn write(place: Place, error: &io::Error) -> Self {
+    pub(crate) fn write(place: TracePlace, error: &io::Error) -> Self {
         Self::new(place, ErrorKind::Io, "", format!("cannot write: {error}"))
     }
 
-    pub(crate) fn truncated(place: Place, what: &str) -> Self {
+    pub(crate) fn truncated(place: TracePlace, what: &str) -> Self {
         Self::new(place, ErrorKind::Truncated, "", format!("{what}: the trace is truncated; record or copy it again"))
     }
 }
 
 /// Fault of a command, without its place in the trace.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Fault {
+pub(crate) struct CommandFault {
     kind: ErrorKind,
     field: String,
     message: String,
 }
 
-impl Fault {
+impl CommandFault {
     pub(crate) fn new(field: impl Into<String>, message: impl Into<String>) -> Self {
         Self { kind: ErrorKind::Malformed, field: field.into(), message: message.into() }
     }
@@ -128,7 +128,7 @@ impl Fault {
     }
 
     /// The error of command `name` at `place`.
-    pub(crate) fn at(self, place: Place, name: &str) -> TraceError {
+    pub(crate) fn at(self, place: TracePlace, name: &str) -> TraceError {
         let dot = if self.field.is_empty() { "" } else { "." };
         TraceError::new(place, self.kind, format!("{name}{dot}{}", self.field), self.message)
     }

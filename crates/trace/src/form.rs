@@ -10,7 +10,7 @@ const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// How commands are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
+pub enum TraceEncoding {
     /// JSON Lines: one command per line.
     #[default]
     JsonLines,
@@ -21,28 +21,28 @@ pub enum Encoding {
 
 /// Form of a trace. Readers recognise it by its first bytes and not by the name of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Form {
+pub struct TraceForm {
     /// How commands are written.
-    pub encoding: Encoding,
+    pub encoding: TraceEncoding,
     /// The file is compressed with zstd.
     pub compressed: bool,
 }
 
-impl Form {
+impl TraceForm {
     /// All forms.
     pub const ALL: [Self; 4] = [
-        Self { encoding: Encoding::JsonLines, compressed: false },
-        Self { encoding: Encoding::JsonLines, compressed: true },
-        Self { encoding: Encoding::Binary, compressed: false },
-        Self { encoding: Encoding::Binary, compressed: true },
+        Self { encoding: TraceEncoding::JsonLines, compressed: false },
+        Self { encoding: TraceEncoding::JsonLines, compressed: true },
+        Self { encoding: TraceEncoding::Binary, compressed: false },
+        Self { encoding: TraceEncoding::Binary, compressed: true },
     ];
 
     /// The form to write into a file of this name: `.jsonl` or `.bdl`, each with `.zst` behind it if compressed.
     pub fn for_file_name(name: &str) -> Option<Self> {
         let (name, compressed) = name.strip_suffix(".zst").map_or((name, false), |stem| (stem, true));
         let encoding = match name.rsplit_once('.')?.1 {
-            "jsonl" => Encoding::JsonLines,
-            "bdl" => Encoding::Binary,
+            "jsonl" => TraceEncoding::JsonLines,
+            "bdl" => TraceEncoding::Binary,
             _ => return None,
         };
         Some(Self { encoding, compressed })
@@ -60,12 +60,12 @@ pub fn looks_like_trace(start: &[u8]) -> bool {
 const ZSTD_HEAD: u64 = 18;
 
 /// Reader whose first bytes were read and put back.
-type Peeked<R> = Chain<Cursor<Vec<u8>>, R>;
+type PeekedReader<R> = Chain<Cursor<Vec<u8>>, R>;
 
 #[cfg(feature = "zstd")]
-type Decoder<R> = zstd::Decoder<'static, BufReader<Peeked<R>>>;
+type ZstdDecoder<R> = zstd::Decoder<'static, BufReader<PeekedReader<R>>>;
 
-fn peek<R: Read>(mut reader: R, bytes: u64) -> io::Result<(Vec<u8>, Peeked<R>)> {
+fn peek<R: Read>(mut reader: R, bytes: u64) -> io::Result<(Vec<u8>, PeekedReader<R>)> {
     let mut head = Vec::new();
     reader.by_ref().take(bytes).read_to_end(&mut head)?;
     Ok((head.clone(), Cursor::new(head).chain(reader)))
@@ -73,9 +73,9 @@ fn peek<R: Read>(mut reader: R, bytes: u64) -> io::Result<(Vec<u8>, Peeked<R>)> 
 
 /// Uncompressed bytes of a trace.
 pub(crate) enum TraceBytes<R: Read> {
-    Plain(BufReader<Peeked<R>>),
+    Plain(BufReader<PeekedReader<R>>),
     #[cfg(feature = "zstd")]
-    Zstd(Box<BufReader<Peeked<Decoder<R>>>>),
+    Zstd(Box<BufReader<PeekedReader<ZstdDecoder<R>>>>),
 }
 
 impl<R: Read> TraceBytes<R> {
@@ -90,7 +90,7 @@ impl<R: Read> TraceBytes<R> {
     }
 
     #[cfg(feature = "zstd")]
-    fn decompress(head: &[u8], reader: Peeked<R>, budget: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+    fn decompress(head: &[u8], reader: PeekedReader<R>, budget: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
         let mut decoder = zstd::Decoder::new(reader)?;
         let bits = window_bits(head);
         decoder.window_log_max(bits.max(COMMON_WINDOW))?;
@@ -100,7 +100,7 @@ impl<R: Read> TraceBytes<R> {
     }
 
     #[cfg(not(feature = "zstd"))]
-    fn decompress(_: &[u8], _: Peeked<R>, _: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+    fn decompress(_: &[u8], _: PeekedReader<R>, _: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
         Err(no_compression())
     }
 }
@@ -164,13 +164,13 @@ impl<R: Read> BufRead for TraceBytes<R> {
 }
 
 /// Takes the uncompressed bytes of a trace.
-pub(crate) enum Sink<W: Write> {
+pub(crate) enum ByteSink<W: Write> {
     Plain(BufWriter<W>),
     #[cfg(feature = "zstd")]
     Zstd(Box<zstd::Encoder<'static, W>>),
 }
 
-impl<W: Write> Sink<W> {
+impl<W: Write> ByteSink<W> {
     pub(crate) fn create(writer: W, compressed: bool) -> io::Result<Self> {
         if compressed { Self::compress(writer) } else { Ok(Self::Plain(BufWriter::with_capacity(1 << 16, writer))) }
     }
@@ -212,11 +212,11 @@ mod tests {
 
     #[test]
     fn file_name_selects_written_form() {
-        let name = |name| Form::for_file_name(name);
-        assert_eq!(name("helmet.dl.jsonl"), Some(Form::ALL[0]));
-        assert_eq!(name("a/helmet.jsonl.zst"), Some(Form::ALL[1]));
-        assert_eq!(name("helmet.bdl"), Some(Form::ALL[2]));
-        assert_eq!(name("helmet.bdl.zst"), Some(Form::ALL[3]));
+        let name = |name| TraceForm::for_file_name(name);
+        assert_eq!(name("helmet.dl.jsonl"), Some(TraceForm::ALL[0]));
+        assert_eq!(name("a/helmet.jsonl.zst"), Some(TraceForm::ALL[1]));
+        assert_eq!(name("helmet.bdl"), Some(TraceForm::ALL[2]));
+        assert_eq!(name("helmet.bdl.zst"), Some(TraceForm::ALL[3]));
         assert_eq!(name("helmet.glb"), None);
         assert_eq!(name("zst"), None);
     }

@@ -1,6 +1,6 @@
 //! Tokens whose memory is counted until the last clone is dropped.
 
-use crate::error::Fault;
+use crate::error::CommandFault;
 use basrelief_input::{Budget, Held};
 use basrelief_signals::{Control, Frame, ObjectInfo, Polygon};
 use std::collections::VecDeque;
@@ -10,19 +10,19 @@ use std::sync::{Arc, Weak};
 const TOKEN: usize = 128;
 
 /// Tokens that a machine holds. Most machines hold as many as their FIFOs; some keep the list of a whole frame.
-pub(crate) struct Lent {
-    frames: Kind<Frame>,
-    objects: Kind<ObjectInfo>,
-    polygons: Kind<Polygon>,
+pub(crate) struct LentTokens {
+    frames: LentKind<Frame>,
+    objects: LentKind<ObjectInfo>,
+    polygons: LentKind<Polygon>,
 }
 
-impl Lent {
+impl LentTokens {
     pub(crate) fn new(budget: &Budget) -> Self {
-        Self { frames: Kind::new(budget), objects: Kind::new(budget), polygons: Kind::new(budget) }
+        Self { frames: LentKind::new(budget), objects: LentKind::new(budget), polygons: LentKind::new(budget) }
     }
 
     /// Counts a token.
-    pub(crate) fn lend(&mut self, control: &Control) -> Result<(), Fault> {
+    pub(crate) fn lend(&mut self, control: &Control) -> Result<(), CommandFault> {
         match control {
             Control::Frame(frame) => self.frames.lend(frame, size_of_val(&*frame.lights), "frames under way", "lights"),
             Control::Object(object) => self.objects.lend(object, object.name.len(), "objects under way", "name"),
@@ -35,17 +35,17 @@ impl Lent {
 }
 
 /// Tokens of one kind, in order.
-struct Kind<T> {
+struct LentKind<T> {
     out: VecDeque<(Weak<T>, u64)>,
     held: Held,
 }
 
-impl<T> Kind<T> {
+impl<T> LentKind<T> {
     fn new(budget: &Budget) -> Self {
         Self { out: VecDeque::new(), held: budget.nothing() }
     }
 
-    fn lend(&mut self, token: &Arc<T>, bytes: usize, what: &str, field: &'static str) -> Result<(), Fault> {
+    fn lend(&mut self, token: &Arc<T>, bytes: usize, what: &str, field: &'static str) -> Result<(), CommandFault> {
         // Tokens return in almost the order in which they were given out.
         while let Some((first, bytes)) = self.out.front()
             && first.strong_count() == 0
@@ -54,7 +54,7 @@ impl<T> Kind<T> {
             self.out.pop_front();
         }
         let bytes = (TOKEN + size_of::<T>() + bytes) as u64;
-        self.held.grow(bytes, what).map_err(Fault::over_budget(field))?;
+        self.held.grow(bytes, what).map_err(CommandFault::over_budget(field))?;
         self.out.push_back((Arc::downgrade(token), bytes));
         Ok(())
     }

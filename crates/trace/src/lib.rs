@@ -2,7 +2,7 @@
 //!
 //! # Format
 //!
-//! JSON Lines, one [`Command`] per line, an object whose one key is the command's name:
+//! JSON Lines, one [`TraceCommand`] per line, an object whose one key is the command's name:
 //!
 //! | command | place | meaning |
 //! |---|---|---|
@@ -53,7 +53,7 @@
 //! ```
 //!
 //! This crate reaches no file system: it is generic over [`Read`](std::io::Read) and [`Write`](std::io::Write), and
-//! asks its caller for the files beside a trace through [`Files`].
+//! asks its caller for the files beside a trace through [`TextureFiles`].
 
 mod check;
 mod command;
@@ -71,16 +71,16 @@ mod writer;
 
 pub use check::GUARD_BAND;
 pub use command::{
-    Begin, Command, Criterion, End, Expectation, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, Importance, LightRecord,
-    MAX_EXPECTATIONS, MAX_SIDE, MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, ShadingRecord, TextureDefinition,
-    TextureKind, VERSION,
+    BeginCommand, Criterion, EndCommand, ExpectedResults, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, ImportanceWeights,
+    LightRecord, MAX_EXPECTATIONS, MAX_SIDE, MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, ShadingRecord,
+    TextureDefinition, TextureKind, TraceCommand, VERSION,
 };
 pub use data::{Digest, Texels};
-pub use error::{ErrorKind, Place, TraceError};
-pub use form::{Encoding, Form, looks_like_trace};
-pub use parameter_value::{ParameterValue, Scalar};
-pub use reader::{Reader, open, open_within};
-pub use recorder::{CanonicalHash, Recorder};
-pub use resolver::{Files, NoFiles, Resolver};
+pub use error::{ErrorKind, TraceError, TracePlace};
+pub use form::{TraceEncoding, TraceForm, looks_like_trace};
+pub use parameter_value::{ParameterValue, ScalarValue};
+pub use reader::{TraceReader, open, open_within};
+pub use recorder::{CanonicalHash, TraceRecorder};
+pub use resolver::{NoFiles, TextureFiles, TraceResolver};
 pub use schema::schema;
-pub use writer::{Writer, convert, convert_within};
+pub use writer::{TraceWriter, convert, convert_within};

@@ -8,7 +8,7 @@ use std::fmt;
 
 /// A single value.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Scalar {
+pub enum ScalarValue {
     /// A switch.
     Bool(bool),
     /// A whole number.
@@ -26,15 +26,15 @@ pub enum Scalar {
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterValue {
     /// One value.
-    One(Scalar),
+    One(ScalarValue),
     /// One value per level.
-    List(Vec<Scalar>),
+    List(Vec<ScalarValue>),
 }
 
 impl ParameterValue {
     /// Returns the allocated memory \[bytes\]. Lists count twice, because they grow by doubling.
     pub(crate) fn bytes(&self) -> usize {
-        let text = |scalar: &Scalar| if let Scalar::Text(text) = scalar { 32 + text.len() } else { 0 };
+        let text = |scalar: &ScalarValue| if let ScalarValue::Text(text) = scalar { 32 + text.len() } else { 0 };
         match self {
             Self::One(scalar) => text(scalar),
             Self::List(list) => 2 * size_of_val(&**list) + list.iter().map(text).sum::<usize>(),
@@ -42,7 +42,7 @@ impl ParameterValue {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        let finite = |scalar: &Scalar| !matches!(scalar, Scalar::Number(number) if !number.is_finite());
+        let finite = |scalar: &ScalarValue| !matches!(scalar, ScalarValue::Number(number) if !number.is_finite());
         match self {
             Self::One(scalar) => finite(scalar),
             Self::List(list) => list.iter().all(finite),
@@ -50,7 +50,7 @@ impl ParameterValue {
     }
 }
 
-impl fmt::Display for Scalar {
+impl fmt::Display for ScalarValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Bool(value) => write!(f, "{value}"),
@@ -91,38 +91,38 @@ fn write_toml_string(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
 /// The binary form does not describe itself, so there a scalar is an ordinary enum, and a value says whether it is
 /// a list.
 #[derive(Serialize, Deserialize)]
-enum Tagged<'a> {
+enum TaggedValue<'a> {
     Bool(bool),
     Integer(i64),
     Number(f64),
     Text(Cow<'a, str>),
 }
 
-impl Serialize for Scalar {
+impl Serialize for ScalarValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match (self, serializer.is_human_readable()) {
             (Self::Bool(value), true) => value.serialize(serializer),
             (Self::Integer(value), true) => value.serialize(serializer),
             (Self::Number(value), true) => value.serialize(serializer),
             (Self::Text(value), true) => value.serialize(serializer),
-            (Self::Bool(value), false) => Tagged::Bool(*value).serialize(serializer),
-            (Self::Integer(value), false) => Tagged::Integer(*value).serialize(serializer),
-            (Self::Number(value), false) => Tagged::Number(*value).serialize(serializer),
-            (Self::Text(value), false) => Tagged::Text(value.into()).serialize(serializer),
+            (Self::Bool(value), false) => TaggedValue::Bool(*value).serialize(serializer),
+            (Self::Integer(value), false) => TaggedValue::Integer(*value).serialize(serializer),
+            (Self::Number(value), false) => TaggedValue::Number(*value).serialize(serializer),
+            (Self::Text(value), false) => TaggedValue::Text(value.into()).serialize(serializer),
         }
     }
 }
 
-impl<'de> Deserialize<'de> for Scalar {
+impl<'de> Deserialize<'de> for ScalarValue {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         if deserializer.is_human_readable() {
             return deserializer.deserialize_any(ScalarVisitor);
         }
-        Ok(match Tagged::deserialize(deserializer)? {
-            Tagged::Bool(value) => Self::Bool(value),
-            Tagged::Integer(value) => Self::Integer(value),
-            Tagged::Number(value) => Self::Number(value),
-            Tagged::Text(value) => Self::Text(value.into_owned()),
+        Ok(match TaggedValue::deserialize(deserializer)? {
+            TaggedValue::Bool(value) => Self::Bool(value),
+            TaggedValue::Integer(value) => Self::Integer(value),
+            TaggedValue::Number(value) => Self::Number(value),
+            TaggedValue::Text(value) => Self::Text(value.into_owned()),
         })
     }
 }
@@ -143,7 +143,7 @@ impl<'de> Deserialize<'de> for ParameterValue {
         if deserializer.is_human_readable() {
             return deserializer.deserialize_any(ParameterValueVisitor);
         }
-        let (is_list, mut items) = <(bool, Vec<Scalar>)>::deserialize(deserializer)?;
+        let (is_list, mut items) = <(bool, Vec<ScalarValue>)>::deserialize(deserializer)?;
         match (is_list, items.len(), items.pop()) {
             (false, 1, Some(scalar)) => Ok(Self::One(scalar)),
             (false, count, _) => Err(D::Error::custom(format_args!("{count} values, expected one"))),
@@ -158,31 +158,31 @@ impl<'de> Deserialize<'de> for ParameterValue {
 struct ScalarVisitor;
 
 impl Visitor<'_> for ScalarVisitor {
-    type Value = Scalar;
+    type Value = ScalarValue;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a switch, a number or a text")
     }
 
-    fn visit_bool<E: Error>(self, value: bool) -> Result<Scalar, E> {
-        Ok(Scalar::Bool(value))
+    fn visit_bool<E: Error>(self, value: bool) -> Result<ScalarValue, E> {
+        Ok(ScalarValue::Bool(value))
     }
 
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Scalar, E> {
-        Ok(Scalar::Integer(value))
+    fn visit_i64<E: Error>(self, value: i64) -> Result<ScalarValue, E> {
+        Ok(ScalarValue::Integer(value))
     }
 
-    fn visit_u64<E: Error>(self, value: u64) -> Result<Scalar, E> {
+    fn visit_u64<E: Error>(self, value: u64) -> Result<ScalarValue, E> {
         let out_of_range = |_| E::custom(format_args!("{value} is too large, expected at most {}", i64::MAX));
-        i64::try_from(value).map(Scalar::Integer).map_err(out_of_range)
+        i64::try_from(value).map(ScalarValue::Integer).map_err(out_of_range)
     }
 
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Scalar, E> {
-        Ok(Scalar::Number(value))
+    fn visit_f64<E: Error>(self, value: f64) -> Result<ScalarValue, E> {
+        Ok(ScalarValue::Number(value))
     }
 
-    fn visit_str<E: Error>(self, value: &str) -> Result<Scalar, E> {
-        Ok(Scalar::Text(value.into()))
+    fn visit_str<E: Error>(self, value: &str) -> Result<ScalarValue, E> {
+        Ok(ScalarValue::Text(value.into()))
     }
 }
 

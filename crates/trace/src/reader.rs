@@ -1,10 +1,10 @@
 //! Reads a trace of any form as a stream of commands.
 
 use crate::check::{check, check_version};
-use crate::command::{Begin, Command};
-use crate::error::{ErrorKind, Fault, Place, TraceError};
-use crate::form::{BINARY_MAGIC, Encoding, TraceBytes};
-use crate::sequence::Order;
+use crate::command::{BeginCommand, TraceCommand};
+use crate::error::{CommandFault, ErrorKind, TraceError, TracePlace};
+use crate::form::{BINARY_MAGIC, TraceBytes, TraceEncoding};
+use crate::sequence::CommandOrder;
 use basrelief_input::{Budget, Held, JsonFault, OverBudget, json_weight};
 use serde::Deserialize;
 use std::io::{self, BufRead, Read};
@@ -24,11 +24,11 @@ const GROWTH: u64 = 32;
 ///
 /// One command is in memory at a time. Allocations follow the bytes that arrive and not the sizes that a file declares. A
 /// command is counted against the memory limit until the next one is requested.
-pub struct Reader<R: Read> {
+pub struct TraceReader<R: Read> {
     source: TraceBytes<R>,
-    encoding: Encoding,
-    order: Order,
-    begin: Begin,
+    encoding: TraceEncoding,
+    order: CommandOrder,
+    begin: BeginCommand,
     given_begin: bool,
     failed: bool,
     buffer: Vec<u8>,
@@ -42,7 +42,7 @@ pub struct Reader<R: Read> {
 ///
 /// # Errors
 /// If the input cannot be read, is no display list, or has another version.
-pub fn open<R: Read>(reader: R) -> Result<Reader<R>, TraceError> {
+pub fn open<R: Read>(reader: R) -> Result<TraceReader<R>, TraceError> {
     open_within(reader, &Budget::default())
 }
 
@@ -50,49 +50,49 @@ pub fn open<R: Read>(reader: R) -> Result<Reader<R>, TraceError> {
 ///
 /// # Errors
 /// As [`open`], or over the memory limit.
-pub fn open_within<R: Read>(reader: R, budget: &Budget) -> Result<Reader<R>, TraceError> {
+pub fn open_within<R: Read>(reader: R, budget: &Budget) -> Result<TraceReader<R>, TraceError> {
     let (head, source, window) = TraceBytes::open(reader, budget).map_err(|e| open_error(&e))?;
-    let encoding = if head.starts_with(&BINARY_MAGIC) { Encoding::Binary } else { Encoding::JsonLines };
-    if encoding == Encoding::JsonLines && !head.is_empty() && !head.starts_with(b"{") {
+    let encoding = if head.starts_with(&BINARY_MAGIC) { TraceEncoding::Binary } else { TraceEncoding::JsonLines };
+    if encoding == TraceEncoding::JsonLines && !head.is_empty() && !head.starts_with(b"{") {
         let message = r#"no display list: expected JSON Lines that open with {"begin", their binary twin, or either in zstd"#;
-        return Err(TraceError::new(Place::Start, ErrorKind::Malformed, "", message));
+        return Err(TraceError::new(TracePlace::Start, ErrorKind::Malformed, "", message));
     }
-    let mut reader = Reader {
+    let mut reader = TraceReader {
         source,
         encoding,
-        order: Order::default(),
-        begin: Begin::new(1, 1),
+        order: CommandOrder::default(),
+        begin: BeginCommand::new(1, 1),
         given_begin: false,
         failed: false,
         buffer: Vec::new(),
         held: budget.nothing(),
         _window: window,
     };
-    if encoding == Encoding::Binary {
+    if encoding == TraceEncoding::Binary {
         reader.read_header()?;
     }
     reader.begin = match reader.command()? {
-        Command::Begin(begin) => begin,
-        other => return Err(Fault::new("", "stands first; expected `begin`").at(reader.place(), other.name())),
+        TraceCommand::Begin(begin) => begin,
+        other => return Err(CommandFault::new("", "stands first; expected `begin`").at(reader.place(), other.name())),
     };
     Ok(reader)
 }
 
 fn open_error(error: &io::Error) -> TraceError {
     if error.kind() == io::ErrorKind::Unsupported {
-        return TraceError::new(Place::Start, ErrorKind::Unsupported, "", error.to_string());
+        return TraceError::new(TracePlace::Start, ErrorKind::Unsupported, "", error.to_string());
     }
-    TraceError::read(Place::Start, error)
+    TraceError::read(TracePlace::Start, error)
 }
 
-impl<R: Read> Reader<R> {
+impl<R: Read> TraceReader<R> {
     /// The first command.
-    pub fn begin(&self) -> &Begin {
+    pub fn begin(&self) -> &BeginCommand {
         &self.begin
     }
 
     /// Place of the last command, or of the command that is being read.
-    pub(crate) fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> TracePlace {
         self.place_of(self.order.count().max(1))
     }
 
@@ -106,28 +106,28 @@ impl<R: Read> Reader<R> {
         TraceError::over_budget(self.place(), error)
     }
 
-    fn next_place(&self) -> Place {
+    fn next_place(&self) -> TracePlace {
         self.place_of(self.order.count() + 1)
     }
 
-    fn place_of(&self, number: u64) -> Place {
+    fn place_of(&self, number: u64) -> TracePlace {
         match self.encoding {
-            Encoding::JsonLines => Place::Line { line: number, column: None },
-            Encoding::Binary => Place::Record(number),
+            TraceEncoding::JsonLines => TracePlace::Line { line: number, column: None },
+            TraceEncoding::Binary => TracePlace::Record(number),
         }
     }
 
     fn read_header(&mut self) -> Result<(), TraceError> {
         self.fill(BINARY_MAGIC.len() as u64 + 4)?;
         let version = self.buffer.last_chunk().copied().map_or(0, u32::from_le_bytes);
-        check_version(version).map_err(|fault| fault.at(Place::Start, "begin"))
+        check_version(version).map_err(|fault| fault.at(TracePlace::Start, "begin"))
     }
 
-    fn command(&mut self) -> Result<Command, TraceError> {
+    fn command(&mut self) -> Result<TraceCommand, TraceError> {
         self.held.shrink_to(0);
         let command = match self.encoding {
-            Encoding::JsonLines => self.line()?,
-            Encoding::Binary => self.record()?,
+            TraceEncoding::JsonLines => self.line()?,
+            TraceEncoding::Binary => self.record()?,
         };
         if self.buffer.capacity() > SMALL {
             self.held.give_back(self.buffer.capacity() as u64);
@@ -141,7 +141,7 @@ impl<R: Read> Reader<R> {
         Ok(command)
     }
 
-    fn line(&mut self) -> Result<Command, TraceError> {
+    fn line(&mut self) -> Result<TraceCommand, TraceError> {
         self.buffer.clear();
         let mut most = SMALL as u64;
         loop {
@@ -205,7 +205,7 @@ impl<R: Read> Reader<R> {
             return fault.at(place, "begin");
         }
         let at = match place {
-            Place::Line { line, .. } => Place::Line { line, column: Some(fault.column) },
+            TracePlace::Line { line, .. } => TracePlace::Line { line, column: Some(fault.column) },
             other => other,
         };
         let path = Some(fault.path.to_string()).filter(|path| path != ".").unwrap_or_default();
@@ -214,12 +214,12 @@ impl<R: Read> Reader<R> {
         TraceError::new(at, ErrorKind::Malformed, path, message)
     }
 
-    fn record(&mut self) -> Result<Command, TraceError> {
+    fn record(&mut self) -> Result<TraceCommand, TraceError> {
         let place = self.next_place();
         self.fill(4)?;
         let length = self.buffer.last_chunk().copied().map_or(0, u32::from_le_bytes);
         let first = self.source.fill_buf().map_err(|e| TraceError::read(place, &e))?.first().copied();
-        let name = first.and_then(|number| Command::NAMES.get(usize::from(number)));
+        let name = first.and_then(|number| TraceCommand::NAMES.get(usize::from(number)));
         if u64::from(length) > limit(name == Some(&"texture")) {
             return Err(too_long(place, u64::from(length)));
         }
@@ -268,7 +268,7 @@ impl<R: Read> Reader<R> {
         loop {
             let rest = self.source.fill_buf().map_err(|e| TraceError::read(place, &e))?;
             // Blank lines behind the last command are skipped.
-            let blank = if self.encoding == Encoding::JsonLines { rest.trim_ascii().is_empty() } else { rest.is_empty() };
+            let blank = if self.encoding == TraceEncoding::JsonLines { rest.trim_ascii().is_empty() } else { rest.is_empty() };
             match rest.len() {
                 0 => return Ok(()),
                 length if blank => self.source.consume(length),
@@ -279,13 +279,13 @@ impl<R: Read> Reader<R> {
     }
 }
 
-impl<R: Read> Iterator for Reader<R> {
-    type Item = Result<Command, TraceError>;
+impl<R: Read> Iterator for TraceReader<R> {
+    type Item = Result<TraceCommand, TraceError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if !self.given_begin {
             self.given_begin = true;
-            return Some(Ok(Command::Begin(self.begin.clone())));
+            return Some(Ok(TraceCommand::Begin(self.begin.clone())));
         }
         if self.failed || self.order.ended() {
             return None;
@@ -301,7 +301,7 @@ pub(crate) fn limit(texture: bool) -> u64 {
     if texture { TEXTURE_LIMIT } else { LIMIT }
 }
 
-pub(crate) fn too_long(place: Place, bytes: u64) -> TraceError {
+pub(crate) fn too_long(place: TracePlace, bytes: u64) -> TraceError {
     let message = format!(
         "{bytes} bytes or more in one command, expected at most {} MiB for a texture and {} MiB for others: \
          put large texels into a `file` beside the trace",
@@ -312,15 +312,15 @@ pub(crate) fn too_long(place: Place, bytes: u64) -> TraceError {
 }
 
 /// Fault of a `begin` of another version. Its fields may differ, too, so the version is reported first.
-fn other_version(line: &[u8]) -> Option<Fault> {
+fn other_version(line: &[u8]) -> Option<CommandFault> {
     #[derive(Deserialize)]
-    struct Probe {
+    struct VersionProbe {
         begin: Version,
     }
     #[derive(Deserialize)]
     struct Version {
         version: u32,
     }
-    let probe: Probe = serde_json::from_slice(line).ok()?;
+    let probe: VersionProbe = serde_json::from_slice(line).ok()?;
     check_version(probe.begin.version).err()
 }

@@ -2,31 +2,31 @@
 
 use crate::command::*;
 use crate::data::{Digest, Texels};
-use crate::error::{Fault, Place, TraceError};
-use crate::form::Form;
-use crate::sequence::Nesting;
-use crate::writer::{Writer, write_line};
+use crate::error::{CommandFault, TraceError, TracePlace};
+use crate::form::TraceForm;
+use crate::sequence::FrameNesting;
+use crate::writer::{TraceWriter, write_line};
 use basrelief_signals::{Control, Frame, Material, ObjectInfo, Polygon, ShadingSettings, Texture, Vertex};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
 use std::sync::Arc;
 
-/// Records control tokens as a trace. [Reading](crate::Resolver) it gives equal tokens.
-pub struct Recorder<W: Write> {
-    writer: Writer<W>,
-    describer: Describer,
+/// Records control tokens as a trace. [Reading](crate::TraceResolver) it gives equal tokens.
+pub struct TraceRecorder<W: Write> {
+    writer: TraceWriter<W>,
+    describer: CommandBuilder,
 }
 
-impl<W: Write> Recorder<W> {
+impl<W: Write> TraceRecorder<W> {
     /// Opens a trace of this form and writes `begin`.
     ///
     /// # Errors
     /// A failed write, a value of `begin` that is not allowed, or a form that this build lacks.
-    pub fn new(writer: W, form: Form, begin: Begin) -> Result<Self, TraceError> {
-        let mut writer = Writer::new(writer, form)?;
-        let describer = Describer::new(&begin);
-        writer.write(&Command::Begin(begin))?;
+    pub fn new(writer: W, form: TraceForm, begin: BeginCommand) -> Result<Self, TraceError> {
+        let mut writer = TraceWriter::new(writer, form)?;
+        let describer = CommandBuilder::new(&begin);
+        writer.write(&TraceCommand::Begin(begin))?;
         Ok(Self { writer, describer })
     }
 
@@ -44,12 +44,12 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// If a frame is open or none was recorded, or the writer below fails.
-    pub fn finish(mut self, expectations: Vec<Expectation>) -> Result<W, TraceError> {
+    pub fn finish(mut self, expectations: Vec<ExpectedResults>) -> Result<W, TraceError> {
         for expectation in expectations {
-            self.writer.write(&Command::Expect(Box::new(expectation)))?;
+            self.writer.write(&TraceCommand::Expect(Box::new(expectation)))?;
         }
-        let end = Command::End(End { commands: self.writer.count() });
-        let place = Place::Command(self.writer.count() + 1);
+        let end = TraceCommand::End(EndCommand { commands: self.writer.count() });
+        let place = TracePlace::Command(self.writer.count() + 1);
         self.describer.nesting.accept(&end).map_err(|fault| fault.at(place, end.name()))?;
         self.writer.write(&end)?;
         self.writer.finish()
@@ -60,22 +60,22 @@ impl<W: Write> Recorder<W> {
 /// inline. Texels that are elsewhere contribute their hash alone. A scene and its recorded trace have the same hash. For a
 /// recorded trace in JSON Lines it is the output of `grep -vE '^\{"(expect|end)"' | sha256sum`.
 pub struct CanonicalHash {
-    hash: BufWriter<Hashing>,
-    describer: Describer,
+    hash: BufWriter<HashingWriter>,
+    describer: CommandBuilder,
 }
 
 impl CanonicalHash {
     /// Starts the hash of an input with this `begin`.
-    pub fn new(begin: &Begin) -> Self {
-        let mut hash = BufWriter::new(Hashing(Sha256::new()));
-        feed(&mut hash, &Command::Begin(begin.clone()));
-        Self { hash, describer: Describer::new(begin) }
+    pub fn new(begin: &BeginCommand) -> Self {
+        let mut hash = BufWriter::new(HashingWriter(Sha256::new()));
+        feed(&mut hash, &TraceCommand::Begin(begin.clone()));
+        Self { hash, describer: CommandBuilder::new(begin) }
     }
 
     /// Takes the next token.
     ///
     /// # Errors
-    /// As [`Recorder::record`], without the checks of the writer.
+    /// As [`TraceRecorder::record`], without the checks of the writer.
     pub fn update(&mut self, control: &Control) -> Result<(), TraceError> {
         let Self { hash, describer } = self;
         describer.describe(control, &mut |command| {
@@ -92,9 +92,9 @@ impl CanonicalHash {
 }
 
 /// Writer that hashes its input.
-struct Hashing(Sha256);
+struct HashingWriter(Sha256);
 
-impl Write for Hashing {
+impl Write for HashingWriter {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.update(bytes);
         Ok(bytes.len())
@@ -106,58 +106,58 @@ impl Write for Hashing {
 }
 
 /// Hashes a command while it is written. With its texels, the line may be long.
-fn feed(hash: &mut BufWriter<Hashing>, command: &Command) {
+fn feed(hash: &mut BufWriter<HashingWriter>, command: &TraceCommand) {
     // Hashing cannot fail, nor can a command: it has no keys but names.
     let _ = write_line(command, hash);
 }
 
 /// Turns control tokens into commands. Defines textures and materials at their first use.
-struct Describer {
+struct CommandBuilder {
     width: u32,
     height: u32,
-    nesting: Nesting,
+    nesting: FrameNesting,
     count: u64,
     textures: BTreeMap<u32, (TextureKind, Arc<Texture>)>,
     materials: BTreeMap<u32, Arc<Material>>,
 }
 
-type Emit<'a> = dyn FnMut(&Command) -> Result<(), TraceError> + 'a;
+type CommandSink<'a> = dyn FnMut(&TraceCommand) -> Result<(), TraceError> + 'a;
 
-impl Describer {
-    fn new(begin: &Begin) -> Self {
+impl CommandBuilder {
+    fn new(begin: &BeginCommand) -> Self {
         Self {
             width: begin.width,
             height: begin.height,
-            nesting: Nesting::default(),
+            nesting: FrameNesting::default(),
             count: 1,
             textures: BTreeMap::new(),
             materials: BTreeMap::new(),
         }
     }
 
-    fn describe(&mut self, control: &Control, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+    fn describe(&mut self, control: &Control, emit: &mut CommandSink<'_>) -> Result<(), TraceError> {
         let command = match control {
             Control::Frame(frame) => {
                 frame.textures.iter().try_for_each(|texture| self.define_texture(TextureKind::Color, texture, emit))?;
-                let begin = Command::Frame(self.frame(frame)?);
+                let begin = TraceCommand::Frame(self.frame(frame)?);
                 self.shading(frame.shading, emit)?;
                 begin
             }
             Control::Object(object) => {
                 self.shading(object.shading, emit)?;
                 if let Some(bias) = object.bias {
-                    self.emit(&Command::Importance(Importance { bias }), emit)?;
+                    self.emit(&TraceCommand::Importance(ImportanceWeights { bias }), emit)?;
                 }
-                Command::Object(object_begin(object))
+                TraceCommand::Object(object_begin(object))
             }
             Control::Polygon(polygon) => {
                 self.define_material(&polygon.material, emit)?;
-                Command::Polygon(polygon_record(polygon))
+                TraceCommand::Polygon(polygon_record(polygon))
             }
-            Control::Criterion(error_bound) => Command::Criterion(Criterion { error_bound: *error_bound }),
-            Control::FrameEnd => Command::FrameEnd(FrameEnd {}),
+            Control::Criterion(error_bound) => TraceCommand::Criterion(Criterion { error_bound: *error_bound }),
+            Control::FrameEnd => TraceCommand::FrameEnd(FrameEnd {}),
             Control::CodeBook(_) => {
-                let fault = Fault::new("", "is made behind the geometry processor and belongs in no display list");
+                let fault = CommandFault::new("", "is made behind the geometry processor and belongs in no display list");
                 return Err(self.error(fault, "code book"));
             }
         };
@@ -165,34 +165,34 @@ impl Describer {
     }
 
     /// Writes `shading` ahead of its frame or object, unless it is empty.
-    fn shading(&mut self, shading: ShadingSettings, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+    fn shading(&mut self, shading: ShadingSettings, emit: &mut CommandSink<'_>) -> Result<(), TraceError> {
         if shading == ShadingSettings::default() {
             return Ok(());
         }
-        self.emit(&Command::Shading(shading.into()), emit)
+        self.emit(&TraceCommand::Shading(shading.into()), emit)
     }
 
-    fn emit(&mut self, command: &Command, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+    fn emit(&mut self, command: &TraceCommand, emit: &mut CommandSink<'_>) -> Result<(), TraceError> {
         self.nesting.accept(command).map_err(|fault| self.error(fault, command.name()))?;
         self.count += 1;
         emit(command)
     }
 
-    fn error(&self, fault: Fault, name: &str) -> TraceError {
-        fault.at(Place::Command(self.count + 1), name)
+    fn error(&self, fault: CommandFault, name: &str) -> TraceError {
+        fault.at(TracePlace::Command(self.count + 1), name)
     }
 
     fn frame(&self, frame: &Frame) -> Result<FrameBegin, TraceError> {
         if (frame.width, frame.height) != (self.width, self.height) {
             let Self { width, height, .. } = self;
             let message = format!("is {} x {}, expected {width} x {height} as in `begin`", frame.width, frame.height);
-            return Err(self.error(Fault::new("size", message), "frame"));
+            return Err(self.error(CommandFault::new("size", message), "frame"));
         }
         let lights = frame.lights.iter().map(LightRecord::from).collect();
         Ok(FrameBegin { index: frame.index, camera: frame.camera, lights })
     }
 
-    fn define_material(&mut self, material: &Arc<Material>, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+    fn define_material(&mut self, material: &Arc<Material>, emit: &mut CommandSink<'_>) -> Result<(), TraceError> {
         if let Some(known) = self.materials.get(&material.id) {
             return same(known, material).map_err(|fault| self.error(fault, "material"));
         }
@@ -201,53 +201,58 @@ impl Describer {
                 self.define_texture(kind, texture, emit)?;
             }
         }
-        self.emit(&Command::Material(material_definition(material)), emit)?;
+        self.emit(&TraceCommand::Material(material_definition(material)), emit)?;
         self.materials.insert(material.id, Arc::clone(material));
         Ok(())
     }
 
-    fn define_texture(&mut self, kind: TextureKind, texture: &Arc<Texture>, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+    fn define_texture(
+        &mut self,
+        kind: TextureKind,
+        texture: &Arc<Texture>,
+        emit: &mut CommandSink<'_>,
+    ) -> Result<(), TraceError> {
         if let Some((known_kind, known)) = self.textures.get(&texture.id) {
             let known = if *known_kind == kind { same(known, texture) } else { Err(two_uses(texture.id)) };
             return known.map_err(|fault| self.error(fault, "texture"));
         }
         let definition = texture_definition(kind, texture).map_err(|fault| self.error(fault, "texture"))?;
-        self.emit(&Command::Texture(definition), emit)?;
+        self.emit(&TraceCommand::Texture(definition), emit)?;
         self.textures.insert(texture.id, (kind, Arc::clone(texture)));
         Ok(())
     }
 }
 
 /// Returns true if two definitions of one number are equal. Usually they are the same place in memory, which is cheap to test.
-fn same<T: PartialEq + Numbered>(known: &Arc<T>, found: &Arc<T>) -> Result<(), Fault> {
+fn same<T: PartialEq + NumberedItem>(known: &Arc<T>, found: &Arc<T>) -> Result<(), CommandFault> {
     if Arc::ptr_eq(known, found) || known == found {
         return Ok(());
     }
-    Err(Fault::new("id", format!("is {}, the number of a different one before; give each its own", found.number())))
+    Err(CommandFault::new("id", format!("is {}, the number of a different one before; give each its own", found.number())))
 }
 
-trait Numbered {
+trait NumberedItem {
     fn number(&self) -> u32;
 }
 
-impl Numbered for Material {
+impl NumberedItem for Material {
     fn number(&self) -> u32 {
         self.id
     }
 }
 
-impl Numbered for Texture {
+impl NumberedItem for Texture {
     fn number(&self) -> u32 {
         self.id
     }
 }
 
-fn two_uses(id: u32) -> Fault {
-    Fault::new("kind", format!("texture {id} is used as colour and as normal map; give each use a texture of its own"))
+fn two_uses(id: u32) -> CommandFault {
+    CommandFault::new("kind", format!("texture {id} is used as colour and as normal map; give each use a texture of its own"))
 }
 
-fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDefinition, Fault> {
-    let first = texture.levels.first().ok_or_else(|| Fault::new("levels", "is 0, expected at least one level"))?;
+fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDefinition, CommandFault> {
+    let first = texture.levels.first().ok_or_else(|| CommandFault::new("levels", "is 0, expected at least one level"))?;
     let bytes = texel_bytes(kind, texture);
     let sha256 = texture.elsewhere.map_or_else(|| Digest::of(&bytes), Digest);
     let definition = TextureDefinition {
@@ -271,10 +276,10 @@ fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDef
         if (level.width, level.height) != size || level.texels.len() as u64 != texels {
             let (width, height, count) = (level.width, level.height, level.texels.len());
             let message = format!("is {width} x {height} with {count} texels, expected {} x {}", size.0, size.1);
-            return Err(Fault::new(format!("levels[{k}]"), message));
+            return Err(CommandFault::new(format!("levels[{k}]"), message));
         }
         if kind == TextureKind::Normal && level.texels.iter().any(|texel| texel[3] != u8::MAX) {
-            return Err(Fault::new(format!("levels[{k}]"), "is of a normal map and has alpha; expected 255 throughout"));
+            return Err(CommandFault::new(format!("levels[{k}]"), "is of a normal map and has alpha; expected 255 throughout"));
         }
     }
     Ok(definition)

@@ -3,10 +3,10 @@
 use crate::check::check_length;
 use crate::command::*;
 use crate::data::Digest;
-use crate::error::{ErrorKind, Fault, TraceError};
-use crate::lent::Lent;
-use crate::reader::{Reader, open_within};
-use crate::sequence::Nesting;
+use crate::error::{CommandFault, ErrorKind, TraceError};
+use crate::lent::LentTokens;
+use crate::reader::{TraceReader, open_within};
+use crate::sequence::FrameNesting;
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_signals::{Control, Frame, Image, Light, Material, ObjectInfo, Polygon, ShadingSettings, Texture, Vertex};
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ const DEFINITION: u64 = 1 << 10;
 const TEXEL: u64 = 4;
 
 /// Opens the files beside a trace that hold texels. Names are relative, have `/` between their parts and no `..`.
-pub trait Files {
+pub trait TextureFiles {
     /// Opens a file.
     ///
     /// # Errors
@@ -27,7 +27,7 @@ pub trait Files {
     fn open(&mut self, name: &str) -> io::Result<Box<dyn Read>>;
 }
 
-impl<F: FnMut(&str) -> io::Result<Box<dyn Read>>> Files for F {
+impl<F: FnMut(&str) -> io::Result<Box<dyn Read>>> TextureFiles for F {
     fn open(&mut self, name: &str) -> io::Result<Box<dyn Read>> {
         self(name)
     }
@@ -37,7 +37,7 @@ impl<F: FnMut(&str) -> io::Result<Box<dyn Read>>> Files for F {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoFiles;
 
-impl Files for NoFiles {
+impl TextureFiles for NoFiles {
     fn open(&mut self, _: &str) -> io::Result<Box<dyn Read>> {
         Err(io::Error::new(io::ErrorKind::NotFound, "this trace is read without a folder to look in"))
     }
@@ -48,10 +48,10 @@ impl Files for NoFiles {
 /// Iterate to the end. The trace is checked, and all [expectations](Self::expectations) are there, only then. Textures and
 /// materials are kept and shared by their polygons; polygons are not kept. Kept data count against the memory limit.
 /// Tokens count until their last clone is dropped.
-pub struct Resolver<R: Read, F> {
-    reader: Reader<R>,
+pub struct TraceResolver<R: Read, F> {
+    reader: TraceReader<R>,
     files: F,
-    nesting: Nesting,
+    nesting: FrameNesting,
     textures: BTreeMap<u32, (TextureKind, Arc<Texture>)>,
     /// Colour textures defined ahead of the next frame: it declares them.
     declared: Vec<Arc<Texture>>,
@@ -60,7 +60,7 @@ pub struct Resolver<R: Read, F> {
     shading: ShadingSettings,
     /// Importance of the next object.
     bias: Option<u8>,
-    expectations: Vec<Expectation>,
+    expectations: Vec<ExpectedResults>,
     failed: bool,
     budget: Budget,
     /// Reservation of the kept data.
@@ -68,10 +68,10 @@ pub struct Resolver<R: Read, F> {
     /// Texels of the largest texture. Hashing and recording copy them.
     copied: Held,
     texture_copies: u64,
-    lent: Lent,
+    lent: LentTokens,
 }
 
-impl<R: Read, F: Files> Resolver<R, F> {
+impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
     /// Opens a trace of any form.
     ///
     /// # Errors
@@ -80,7 +80,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
         Self::within(reader, files, &Budget::default())
     }
 
-    /// As [`Resolver::new`], with a memory limit.
+    /// As [`TraceResolver::new`], with a memory limit.
     ///
     /// # Errors
     /// As [`open`](crate::open), or over the memory limit.
@@ -89,11 +89,11 @@ impl<R: Read, F: Files> Resolver<R, F> {
         let begin = reader.begin();
         // Hashing the trace copies it.
         let generator = budget.take(4 * begin.generator.len() as u64, "the name of what made the trace");
-        let held = generator.map_err(|e| Fault::over_budget("generator")(e).at(reader.place(), "begin"))?;
+        let held = generator.map_err(|e| CommandFault::over_budget("generator")(e).at(reader.place(), "begin"))?;
         Ok(Self {
             reader,
             files,
-            nesting: Nesting::default(),
+            nesting: FrameNesting::default(),
             textures: BTreeMap::new(),
             declared: Vec::new(),
             materials: BTreeMap::new(),
@@ -105,7 +105,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
             held,
             copied: budget.nothing(),
             texture_copies: 0,
-            lent: Lent::new(budget),
+            lent: LentTokens::new(budget),
         })
     }
 
@@ -122,17 +122,17 @@ impl<R: Read, F: Files> Resolver<R, F> {
     }
 
     /// First command: size of the pictures, and generator.
-    pub fn begin(&self) -> &Begin {
+    pub fn begin(&self) -> &BeginCommand {
         self.reader.begin()
     }
 
     /// Expectations read so far. All are there after the iteration has ended.
-    pub fn expectations(&self) -> &[Expectation] {
+    pub fn expectations(&self) -> &[ExpectedResults] {
         &self.expectations
     }
 
     /// Returns all expectations with their reservation.
-    pub fn into_expectations(self) -> (Vec<Expectation>, Held) {
+    pub fn into_expectations(self) -> (Vec<ExpectedResults>, Held) {
         let bytes = self.expectations.iter().map(|expectation| 2 * expectation.bytes()).sum();
         let Self { mut held, expectations, .. } = self;
         // Counted when they were read.
@@ -140,17 +140,17 @@ impl<R: Read, F: Files> Resolver<R, F> {
         (expectations, held)
     }
 
-    fn take(&mut self, command: Command) -> Result<Option<Control>, Fault> {
+    fn take(&mut self, command: TraceCommand) -> Result<Option<Control>, CommandFault> {
         self.nesting.accept(&command)?;
         let control = match command {
-            Command::Frame(frame) => Control::Frame(Arc::new(self.frame(&frame))),
-            Command::Object(ObjectBegin { id, name, centre, entries, mesh }) => {
+            TraceCommand::Frame(frame) => Control::Frame(Arc::new(self.frame(&frame))),
+            TraceCommand::Object(ObjectBegin { id, name, centre, entries, mesh }) => {
                 let shading = std::mem::take(&mut self.shading);
                 Control::Object(Arc::new(ObjectInfo { id, name, centre, entries, bias: self.bias.take(), shading, mesh }))
             }
-            Command::Polygon(polygon) => Control::Polygon(Arc::new(self.polygon(&polygon)?)),
-            Command::Criterion(Criterion { error_bound }) => Control::Criterion(error_bound),
-            Command::FrameEnd(_) => Control::FrameEnd,
+            TraceCommand::Polygon(polygon) => Control::Polygon(Arc::new(self.polygon(&polygon)?)),
+            TraceCommand::Criterion(Criterion { error_bound }) => Control::Criterion(error_bound),
+            TraceCommand::FrameEnd(_) => Control::FrameEnd,
             other => return self.keep(other).map(|()| None),
         };
         self.lent.lend(&control)?;
@@ -158,20 +158,20 @@ impl<R: Read, F: Files> Resolver<R, F> {
     }
 
     /// Handles commands that give no token.
-    fn keep(&mut self, command: Command) -> Result<(), Fault> {
+    fn keep(&mut self, command: TraceCommand) -> Result<(), CommandFault> {
         match command {
-            Command::Texture(texture) => return self.define_texture(texture),
-            Command::Material(material) => return self.define_material(material),
-            Command::Shading(shading) => self.shading = (&shading).into(),
-            Command::Importance(importance) => self.bias = Some(importance.bias),
-            Command::Expect(expectation) => {
+            TraceCommand::Texture(texture) => return self.define_texture(texture),
+            TraceCommand::Material(material) => return self.define_material(material),
+            TraceCommand::Shading(shading) => self.shading = (&shading).into(),
+            TraceCommand::Importance(importance) => self.bias = Some(importance.bias),
+            TraceCommand::Expect(expectation) => {
                 if self.expectations.len() == MAX_EXPECTATIONS {
                     let message =
                         format!("is one too many, expected at most {MAX_EXPECTATIONS}: `verify` replays the trace for each");
-                    return Err(Fault::new("", message));
+                    return Err(CommandFault::new("", message));
                 }
                 // Twice, because the caller receives a copy.
-                self.held.grow(2 * expectation.bytes(), "expectations").map_err(Fault::over_budget(""))?;
+                self.held.grow(2 * expectation.bytes(), "expectations").map_err(CommandFault::over_budget(""))?;
                 self.expectations.push(*expectation);
             }
             _ => {}
@@ -180,23 +180,23 @@ impl<R: Read, F: Files> Resolver<R, F> {
     }
 
     fn frame(&mut self, frame: &FrameBegin) -> Frame {
-        let &Begin { width, height, .. } = self.reader.begin();
+        let &BeginCommand { width, height, .. } = self.reader.begin();
         let lights = frame.lights.iter().map(Light::from).collect();
         let (textures, shading) = (std::mem::take(&mut self.declared), std::mem::take(&mut self.shading));
         Frame { index: frame.index, width, height, camera: frame.camera, lights, textures, shading }
     }
 
-    fn polygon(&self, polygon: &PolygonRecord) -> Result<Polygon, Fault> {
+    fn polygon(&self, polygon: &PolygonRecord) -> Result<Polygon, CommandFault> {
         let &PolygonRecord { object, lod, bump, arrival, .. } = polygon;
         let material = self.materials.get(&polygon.material).ok_or_else(|| unknown("material", polygon.material))?;
         Ok(Polygon { vertices: vertices(polygon), material: Arc::clone(material), object, lod, bump, arrival })
     }
 
-    fn define_material(&mut self, definition: MaterialDefinition) -> Result<(), Fault> {
+    fn define_material(&mut self, definition: MaterialDefinition) -> Result<(), CommandFault> {
         if self.materials.contains_key(&definition.id) {
             return Err(twice(definition.id));
         }
-        self.held.grow(DEFINITION + definition.name.len() as u64, "materials").map_err(Fault::over_budget("name"))?;
+        self.held.grow(DEFINITION + definition.name.len() as u64, "materials").map_err(CommandFault::over_budget("name"))?;
         let color_texture = self.texture("color_texture", definition.color_texture, TextureKind::Color)?;
         let normal_map = self.texture("normal_map", definition.normal_map, TextureKind::Normal)?;
         let MaterialDefinition { id, name, base_color, normal_scale, lighting, double_sided, .. } = definition;
@@ -205,25 +205,25 @@ impl<R: Read, F: Files> Resolver<R, F> {
         Ok(())
     }
 
-    fn texture(&self, field: &str, id: Option<u32>, kind: TextureKind) -> Result<Option<Arc<Texture>>, Fault> {
+    fn texture(&self, field: &str, id: Option<u32>, kind: TextureKind) -> Result<Option<Arc<Texture>>, CommandFault> {
         let Some(id) = id else { return Ok(None) };
         match self.textures.get(&id) {
             None => Err(unknown(field, id)),
             Some((found, _)) if *found != kind => {
-                Err(Fault::new(field, format!("is {id}, a texture of the other kind; expected kind {kind:?}")))
+                Err(CommandFault::new(field, format!("is {id}, a texture of the other kind; expected kind {kind:?}")))
             }
             Some((_, texture)) => Ok(Some(Arc::clone(texture))),
         }
     }
 
-    fn define_texture(&mut self, mut definition: TextureDefinition) -> Result<(), Fault> {
+    fn define_texture(&mut self, mut definition: TextureDefinition) -> Result<(), CommandFault> {
         if self.textures.contains_key(&definition.id) {
             return Err(twice(definition.id));
         }
-        self.held.grow(DEFINITION + definition.name.len() as u64, "textures").map_err(Fault::over_budget("name"))?;
+        self.held.grow(DEFINITION + definition.name.len() as u64, "textures").map_err(CommandFault::over_budget("name"))?;
         let texels = TEXEL * definition.texel_count();
         let copies = (texels + DEFINITION) * self.texture_copies;
-        self.held.grow(texels + copies, "texels").map_err(Fault::over_budget("width"))?;
+        self.held.grow(texels + copies, "texels").map_err(CommandFault::over_budget("width"))?;
         let (bytes, _held) = self.texels(&mut definition)?;
         if Digest::of(&bytes) != definition.sha256 {
             let message = format!(
@@ -231,12 +231,12 @@ impl<R: Read, F: Files> Resolver<R, F> {
                 definition.sha256,
                 Digest::of(&bytes)
             );
-            return Err(Fault::new("sha256", message));
+            return Err(CommandFault::new("sha256", message));
         }
         let levels = levels(&definition, &bytes);
         drop((bytes, _held));
         let more = texels.saturating_sub(self.copied.bytes());
-        self.copied.grow(more, "a copy of texels").map_err(Fault::over_budget("width"))?;
+        self.copied.grow(more, "a copy of texels").map_err(CommandFault::over_budget("width"))?;
         let TextureDefinition { id, name, kind, sampler, offset, .. } = definition;
         let texture = Arc::new(Texture { id, name, sampler, levels, offset, elsewhere: None });
         if kind == TextureKind::Color && !self.nesting.in_frame() {
@@ -247,22 +247,22 @@ impl<R: Read, F: Files> Resolver<R, F> {
     }
 
     /// Returns the texels, as many bytes as the levels need, with their reservation. The reader counts texels inside a command.
-    fn texels(&mut self, definition: &mut TextureDefinition) -> Result<(Vec<u8>, Held), Fault> {
+    fn texels(&mut self, definition: &mut TextureDefinition) -> Result<(Vec<u8>, Held), CommandFault> {
         if let Some(data) = definition.data.take() {
             return Ok((data.0, self.budget.nothing()));
         }
         let name = definition.file.as_deref().unwrap_or_default();
         let expected = definition.texel_count() * definition.kind.texel_bytes();
-        let held = self.budget.take(expected + 1, "a file of texels").map_err(Fault::over_budget("file"))?;
+        let held = self.budget.take(expected + 1, "a file of texels").map_err(CommandFault::over_budget("file"))?;
         let mut bytes = Vec::with_capacity(expected as usize + 1);
         let read = self.files.open(name).and_then(|file| file.take(expected + 1).read_to_end(&mut bytes));
-        read.map_err(|e| Fault::new("file", format!("cannot read {name:?}: {e}")).of_kind(ErrorKind::Io))?;
+        read.map_err(|e| CommandFault::new("file", format!("cannot read {name:?}: {e}")).of_kind(ErrorKind::Io))?;
         check_length(definition, bytes.len() as u64, "file")?;
         Ok((bytes, held))
     }
 }
 
-impl<R: Read, F: Files> Iterator for Resolver<R, F> {
+impl<R: Read, F: TextureFiles> Iterator for TraceResolver<R, F> {
     type Item = Result<(Control, Option<u64>), TraceError>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -290,12 +290,12 @@ impl<R: Read, F: Files> Iterator for Resolver<R, F> {
     }
 }
 
-fn unknown(field: &str, id: u32) -> Fault {
-    Fault::new(field, format!("is {id}, which is not defined; define it before its first use"))
+fn unknown(field: &str, id: u32) -> CommandFault {
+    CommandFault::new(field, format!("is {id}, which is not defined; define it before its first use"))
 }
 
-fn twice(id: u32) -> Fault {
-    Fault::new("id", format!("is {id}, which is defined already; give each its own number"))
+fn twice(id: u32) -> CommandFault {
+    CommandFault::new("id", format!("is {id}, which is defined already; give each its own number"))
 }
 
 fn vertices(polygon: &PolygonRecord) -> Vec<Vertex> {

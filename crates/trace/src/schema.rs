@@ -1,10 +1,10 @@
 //! The schema of one line.
 
-use crate::command::Command;
+use crate::command::TraceCommand;
 
 /// JSON schema (2020-12) of one line of a trace in JSON Lines.
 pub fn schema() -> serde_json::Value {
-    let mut schema = schemars::schema_for!(Command);
+    let mut schema = schemars::schema_for!(TraceCommand);
     schema.insert("$id".into(), "https://github.com/basrelief/basrelief/schemas/display-list-1.json".into());
     schema.insert("title".into(), "One line of a Basrelief display list".into());
     schema.to_value()

@@ -1,30 +1,30 @@
-//! Checks of the order of commands. [`Order`] holds for every stream of commands; machines rely on [`Nesting`].
+//! Checks of the order of commands. [`CommandOrder`] holds for every stream of commands; machines rely on [`FrameNesting`].
 
-use crate::command::Command;
-use crate::error::Fault;
+use crate::command::TraceCommand;
+use crate::error::CommandFault;
 
 /// `begin` first and once, `end` last with the right count.
 #[derive(Debug, Default)]
-pub(crate) struct Order {
+pub(crate) struct CommandOrder {
     count: u64,
     ended: bool,
 }
 
-impl Order {
-    pub(crate) fn accept(&mut self, command: &Command) -> Result<(), Fault> {
+impl CommandOrder {
+    pub(crate) fn accept(&mut self, command: &TraceCommand) -> Result<(), CommandFault> {
         match command {
-            _ if self.ended => return Err(Fault::new("", "stands after `end`; nothing may follow it")),
-            Command::Begin(_) if self.count > 0 => {
-                return Err(Fault::new("", "stands a second time; expected once, as the first command"));
+            _ if self.ended => return Err(CommandFault::new("", "stands after `end`; nothing may follow it")),
+            TraceCommand::Begin(_) if self.count > 0 => {
+                return Err(CommandFault::new("", "stands a second time; expected once, as the first command"));
             }
-            Command::Begin(_) => {}
-            _ if self.count == 0 => return Err(Fault::new("", "stands first; expected `begin`")),
-            Command::End(end) if end.commands != self.count => {
+            TraceCommand::Begin(_) => {}
+            _ if self.count == 0 => return Err(CommandFault::new("", "stands first; expected `begin`")),
+            TraceCommand::End(end) if end.commands != self.count => {
                 let message =
                     format!("is {}, but {} commands stand before it: some are lost or doubled", end.commands, self.count);
-                return Err(Fault::new("commands", message));
+                return Err(CommandFault::new("commands", message));
             }
-            Command::End(_) => self.ended = true,
+            TraceCommand::End(_) => self.ended = true,
             _ => {}
         }
         self.count += 1;
@@ -44,7 +44,7 @@ impl Order {
 
 /// Frames hold objects hold polygons; frames are counted from 0; arrivals never fall.
 #[derive(Debug, Default)]
-pub(crate) struct Nesting {
+pub(crate) struct FrameNesting {
     frames: u32,
     in_frame: bool,
     object: Option<u32>,
@@ -53,51 +53,51 @@ pub(crate) struct Nesting {
     ahead: Option<&'static str>,
 }
 
-impl Nesting {
+impl FrameNesting {
     /// Checks that `shading` and `importance`, in this order, precede their frame or object directly.
-    fn fits_ahead(&mut self, command: &Command) -> Result<(), Fault> {
+    fn fits_ahead(&mut self, command: &TraceCommand) -> Result<(), CommandFault> {
         let expected = match (self.ahead.take(), command) {
-            (None, _) | (Some(_), Command::Object(_)) => return Ok(()),
-            (Some("shading"), Command::Frame(_) | Command::Importance(_)) => return Ok(()),
+            (None, _) | (Some(_), TraceCommand::Object(_)) => return Ok(()),
+            (Some("shading"), TraceCommand::Frame(_) | TraceCommand::Importance(_)) => return Ok(()),
             (Some("shading"), _) => "stands behind `shading`; expected the `frame` or `object` that this is said of",
             (Some(_), _) => "stands behind `importance`; expected the `object` that this is said of",
         };
-        Err(Fault::new("", expected))
+        Err(CommandFault::new("", expected))
     }
 
-    pub(crate) fn accept(&mut self, command: &Command) -> Result<(), Fault> {
+    pub(crate) fn accept(&mut self, command: &TraceCommand) -> Result<(), CommandFault> {
         self.fits_ahead(command)?;
         match command {
-            Command::Shading(_) | Command::Importance(_) => {
+            TraceCommand::Shading(_) | TraceCommand::Importance(_) => {
                 self.ahead = Some(command.name());
                 Ok(())
             }
-            Command::Frame(frame) => self.open_frame(frame.index),
-            Command::Object(object) => {
+            TraceCommand::Frame(frame) => self.open_frame(frame.index),
+            TraceCommand::Object(object) => {
                 self.object = Some(object.id);
                 self.inside()
             }
-            Command::Criterion(_) => self.inside(),
-            Command::Polygon(polygon) => self.draw(polygon.object, polygon.arrival),
-            Command::FrameEnd(_) => {
+            TraceCommand::Criterion(_) => self.inside(),
+            TraceCommand::Polygon(polygon) => self.draw(polygon.object, polygon.arrival),
+            TraceCommand::FrameEnd(_) => {
                 self.inside()?;
                 (self.in_frame, self.object) = (false, None);
                 Ok(())
             }
-            Command::Expect(_) | Command::End(_) if self.in_frame => {
-                Err(Fault::new("", "stands inside a frame; expected `frame_end` before it"))
+            TraceCommand::Expect(_) | TraceCommand::End(_) if self.in_frame => {
+                Err(CommandFault::new("", "stands inside a frame; expected `frame_end` before it"))
             }
-            Command::End(_) if self.frames == 0 => Err(Fault::new("", "no frame before it: nothing to draw")),
+            TraceCommand::End(_) if self.frames == 0 => Err(CommandFault::new("", "no frame before it: nothing to draw")),
             _ => Ok(()),
         }
     }
 
-    fn open_frame(&mut self, index: u32) -> Result<(), Fault> {
+    fn open_frame(&mut self, index: u32) -> Result<(), CommandFault> {
         if self.in_frame {
-            return Err(Fault::new("", "stands inside a frame; expected `frame_end` before it"));
+            return Err(CommandFault::new("", "stands inside a frame; expected `frame_end` before it"));
         }
         if index != self.frames {
-            return Err(Fault::new("index", format!("is {index}, expected {}: frames are counted from 0", self.frames)));
+            return Err(CommandFault::new("index", format!("is {index}, expected {}: frames are counted from 0", self.frames)));
         }
         self.frames += 1;
         self.in_frame = true;
@@ -109,24 +109,24 @@ impl Nesting {
         self.in_frame
     }
 
-    fn inside(&self) -> Result<(), Fault> {
+    fn inside(&self) -> Result<(), CommandFault> {
         if self.in_frame {
             return Ok(());
         }
-        Err(Fault::new("", "stands outside a frame; expected `frame` before it"))
+        Err(CommandFault::new("", "stands outside a frame; expected `frame` before it"))
     }
 
-    fn draw(&mut self, object: u32, arrival: u64) -> Result<(), Fault> {
+    fn draw(&mut self, object: u32, arrival: u64) -> Result<(), CommandFault> {
         self.inside()?;
         if self.object != Some(object) {
             let current = self.object.map_or("there is none".into(), |id| format!("it is {id}"));
-            return Err(Fault::new(
+            return Err(CommandFault::new(
                 "object",
                 format!("is {object}, expected the current object, and {current}: put `object` before its polygons"),
             ));
         }
         if arrival < self.arrival {
-            return Err(Fault::new("arrival", format!("is {arrival}, before the {} of an earlier polygon", self.arrival)));
+            return Err(CommandFault::new("arrival", format!("is {arrival}, before the {} of an earlier polygon", self.arrival)));
         }
         self.arrival = arrival;
         Ok(())

@@ -1,61 +1,61 @@
 //! Writes a stream of commands in any form.
 
 use crate::check::check;
-use crate::command::{Command, End, VERSION};
-use crate::error::{ErrorKind, Place, TraceError};
-use crate::form::{BINARY_MAGIC, Encoding, Form, Sink};
+use crate::command::{EndCommand, TraceCommand, VERSION};
+use crate::error::{ErrorKind, TraceError, TracePlace};
+use crate::form::{BINARY_MAGIC, ByteSink, TraceEncoding, TraceForm};
 use crate::reader::{limit, open_within, too_long};
-use crate::sequence::Order;
+use crate::sequence::CommandOrder;
 use basrelief_input::Budget;
 use std::io::{self, Read, Write};
 
 /// Writes commands. Each command passes the checks of the reader, so that the output can be read.
-pub struct Writer<W: Write> {
-    sink: Sink<W>,
-    encoding: Encoding,
-    order: Order,
+pub struct TraceWriter<W: Write> {
+    sink: ByteSink<W>,
+    encoding: TraceEncoding,
+    order: CommandOrder,
     buffer: Vec<u8>,
 }
 
-impl<W: Write> Writer<W> {
-    /// A writer of this form. Output is buffered; call [`Writer::finish`] at the end.
+impl<W: Write> TraceWriter<W> {
+    /// A writer of this form. Output is buffered; call [`TraceWriter::finish`] at the end.
     ///
     /// # Errors
     /// If `writer` fails, or the form is compressed and this build has no zstd.
-    pub fn new(writer: W, form: Form) -> Result<Self, TraceError> {
+    pub fn new(writer: W, form: TraceForm) -> Result<Self, TraceError> {
         let start = |e: io::Error| {
             let kind = if e.kind() == io::ErrorKind::Unsupported { ErrorKind::Unsupported } else { ErrorKind::Io };
-            TraceError::new(Place::Start, kind, "", format!("cannot write: {e}"))
+            TraceError::new(TracePlace::Start, kind, "", format!("cannot write: {e}"))
         };
-        let mut sink = Sink::create(writer, form.compressed).map_err(start)?;
-        if form.encoding == Encoding::Binary {
+        let mut sink = ByteSink::create(writer, form.compressed).map_err(start)?;
+        if form.encoding == TraceEncoding::Binary {
             sink.write_all(&BINARY_MAGIC).map_err(start)?;
             sink.write_all(&VERSION.to_le_bytes()).map_err(start)?;
         }
-        Ok(Self { sink, encoding: form.encoding, order: Order::default(), buffer: Vec::new() })
+        Ok(Self { sink, encoding: form.encoding, order: CommandOrder::default(), buffer: Vec::new() })
     }
 
     /// Writes a command: first `begin`.
     ///
     /// # Errors
     /// A command out of order, a value that is not allowed, or a failed write.
-    pub fn write(&mut self, command: &Command) -> Result<(), TraceError> {
-        let place = Place::Command(self.order.count() + 1);
+    pub fn write(&mut self, command: &TraceCommand) -> Result<(), TraceError> {
+        let place = TracePlace::Command(self.order.count() + 1);
         let checked = check(command).and_then(|()| self.order.accept(command));
         checked.map_err(|fault| fault.at(place, command.name()))?;
         self.buffer.clear();
         match self.encoding {
-            Encoding::JsonLines => write_line(command, &mut self.buffer).map_err(|e| TraceError::write(place, &e))?,
-            Encoding::Binary => self.encode(command, place)?,
+            TraceEncoding::JsonLines => write_line(command, &mut self.buffer).map_err(|e| TraceError::write(place, &e))?,
+            TraceEncoding::Binary => self.encode(command, place)?,
         }
         let bytes = self.buffer.len() as u64;
-        if bytes > limit(matches!(command, Command::Texture(_))) {
+        if bytes > limit(matches!(command, TraceCommand::Texture(_))) {
             return Err(too_long(place, bytes));
         }
         self.sink.write_all(&self.buffer).map_err(|e| TraceError::write(place, &e))
     }
 
-    fn encode(&mut self, command: &Command, place: Place) -> Result<(), TraceError> {
+    fn encode(&mut self, command: &TraceCommand, place: TracePlace) -> Result<(), TraceError> {
         let failed = |what: String| TraceError::new(place, ErrorKind::Io, command.name(), format!("cannot write: {what}"));
         self.buffer.extend([0; 4]);
         self.buffer = postcard::to_extend(command, std::mem::take(&mut self.buffer)).map_err(|e| failed(e.to_string()))?;
@@ -77,15 +77,15 @@ impl<W: Write> Writer<W> {
     /// If no command was written, or the writer below fails.
     pub fn finish(mut self) -> Result<W, TraceError> {
         if !self.order.ended() {
-            self.write(&Command::End(End { commands: self.count() }))?;
+            self.write(&TraceCommand::End(EndCommand { commands: self.count() }))?;
         }
-        let place = Place::Command(self.count());
+        let place = TracePlace::Command(self.count());
         self.sink.finish().map_err(|e| TraceError::write(place, &e))
     }
 }
 
 /// The canonical line of a command, with its line end.
-pub(crate) fn write_line(command: &Command, mut line: impl Write) -> io::Result<()> {
+pub(crate) fn write_line(command: &TraceCommand, mut line: impl Write) -> io::Result<()> {
     serde_json::to_writer(&mut line, command)?;
     line.write_all(b"\n")
 }
@@ -95,7 +95,7 @@ pub(crate) fn write_line(command: &Command, mut line: impl Write) -> io::Result<
 ///
 /// # Errors
 /// If the trace is malformed or truncated, or reading or writing fails.
-pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: Form) -> Result<u64, TraceError> {
+pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: TraceForm) -> Result<u64, TraceError> {
     convert_within(reader, writer, form, &Budget::default())
 }
 
@@ -103,8 +103,8 @@ pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: Form) -> Result<u6
 ///
 /// # Errors
 /// As [`convert`], or over the memory limit.
-pub fn convert_within<R: Read, W: Write>(reader: R, writer: W, form: Form, budget: &Budget) -> Result<u64, TraceError> {
-    let mut out = Writer::new(writer, form)?;
+pub fn convert_within<R: Read, W: Write>(reader: R, writer: W, form: TraceForm, budget: &Budget) -> Result<u64, TraceError> {
+    let mut out = TraceWriter::new(writer, form)?;
     let mut commands = open_within(reader, budget)?;
     // The line or record of a command counts twice, because it is written from memory.
     let mut written = budget.nothing();

@@ -146,7 +146,7 @@ fn mistake_is_named_by_line_and_field() {
     let mut missed = Vec::new();
     for (from, to, line, path, message) in CASES {
         let error = with(from, to);
-        let at_line = matches!(error.place, Place::Line { line: found, .. } if found == *line);
+        let at_line = matches!(error.place, TracePlace::Line { line: found, .. } if found == *line);
         let at_field = error.path.starts_with(path) && path.is_empty() == error.path.is_empty();
         if !at_line || !at_field || !error.to_string().contains(message) {
             missed.push(format!("{from} -> {to}: {error}"));
@@ -207,7 +207,7 @@ fn list_in_place_of_object_is_refused() {
             let text: Vec<String> =
                 SAMPLE.lines().enumerate().map(|(k, l)| if k == i { changed.to_string() } else { l.into() }).collect();
             let error = error_of((text.join("\n") + "\n").as_bytes());
-            assert!(matches!(error.place, Place::Line { line, .. } if line == i as u64 + 1), "{pointer}: {error}");
+            assert!(matches!(error.place, TracePlace::Line { line, .. } if line == i as u64 + 1), "{pointer}: {error}");
         }
     }
 }
@@ -274,11 +274,11 @@ fn trace_without_frame_is_refused() {
 
 #[test]
 fn truncation_at_every_byte_is_an_error_in_every_form() {
-    for form in Form::ALL {
+    for form in TraceForm::ALL {
         let bytes = sample_as(form);
         assert!(resolve(&bytes).is_ok());
         // The line end after the last command may be missing.
-        let whole = bytes.len() - usize::from(form == Form { encoding: Encoding::JsonLines, compressed: false });
+        let whole = bytes.len() - usize::from(form == TraceForm { encoding: TraceEncoding::JsonLines, compressed: false });
         for length in 0..whole {
             assert!(resolve(&bytes[..length]).is_err(), "{form:?} cut to {length} of {} bytes", bytes.len());
             assert!(convert(&bytes[..length], Vec::new(), form).is_err(), "{form:?} cut to {length}");
@@ -288,7 +288,7 @@ fn truncation_at_every_byte_is_an_error_in_every_form() {
 
 #[test]
 fn trailing_byte_is_an_error_in_every_form() {
-    for form in Form::ALL {
+    for form in TraceForm::ALL {
         let mut bytes = sample_as(form);
         bytes.push(b'x');
         assert!(resolve(&bytes).is_err(), "{form:?}");
@@ -324,7 +324,7 @@ fn binary_trace_of_other_version_is_refused() {
 
 #[test]
 fn bad_record_is_named_by_number_and_command() {
-    let whole = sample_as(Form { encoding: Encoding::Binary, compressed: false });
+    let whole = sample_as(TraceForm { encoding: TraceEncoding::Binary, compressed: false });
     let begin = whole[16..].split_at(whole[12] as usize).0;
     for (record, says) in [
         (&[99][..], "record 2: unknown command: not a valid record"),
@@ -348,7 +348,7 @@ fn bad_record_is_named_by_number_and_command() {
 
 #[test]
 fn non_finite_number_in_binary_is_refused() {
-    let whole = sample_as(Form { encoding: Encoding::Binary, compressed: false });
+    let whole = sample_as(TraceForm { encoding: TraceEncoding::Binary, compressed: false });
     let at = whole.windows(4).position(|bytes| bytes == 0.25f32.to_le_bytes()).unwrap();
     for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let mut bytes = whole.clone();
@@ -399,7 +399,7 @@ fn recording(change: impl Fn(&mut Material)) -> TraceError {
     let mut material = (*sample_material()).clone();
     change(&mut material);
     let material = Arc::new(material);
-    let mut recorder = Recorder::new(Vec::new(), Form::default(), Begin::new(8, 8)).unwrap();
+    let mut recorder = TraceRecorder::new(Vec::new(), TraceForm::default(), BeginCommand::new(8, 8)).unwrap();
     let controls = resolve(SAMPLE.as_bytes()).unwrap();
     let result = controls.iter().try_for_each(|control| {
         recorder.record(control)?;
@@ -455,7 +455,7 @@ fn unreadable_command_is_not_recorded() {
 fn unusable_criterion_is_refused() {
     let controls = resolve(SAMPLE.as_bytes()).unwrap();
     for (error_bound, is_kept) in [(0.001, true), (1024.0, true), (0.0, false), (-1.0, false), (f64::NAN, false), (1e9, false)] {
-        let mut recorder = Recorder::new(Vec::new(), Form::default(), Begin::new(8, 8)).unwrap();
+        let mut recorder = TraceRecorder::new(Vec::new(), TraceForm::default(), BeginCommand::new(8, 8)).unwrap();
         recorder.record(&controls[0]).unwrap();
         let recorded = recorder.record(&Control::Criterion(error_bound));
         assert_eq!(recorded.is_ok(), is_kept, "{error_bound}");
@@ -468,14 +468,14 @@ fn unusable_criterion_is_refused() {
 #[test]
 fn recorder_refuses_wrong_frame_order() {
     let controls = resolve(SAMPLE.as_bytes()).unwrap();
-    let recorder = || Recorder::new(Vec::new(), Form::default(), Begin::new(8, 8)).unwrap();
+    let recorder = || TraceRecorder::new(Vec::new(), TraceForm::default(), BeginCommand::new(8, 8)).unwrap();
     let error = recorder().record(&controls[2]).unwrap_err();
     assert!(error.to_string().contains("polygon: stands outside a frame"), "{error}");
     assert!(recorder().finish(Vec::new()).unwrap_err().to_string().contains("no frame"));
     let mut open_frame = recorder();
     open_frame.record(&controls[0]).unwrap();
     assert!(open_frame.finish(Vec::new()).unwrap_err().to_string().contains("inside a frame"));
-    let mut other_size = Recorder::new(Vec::new(), Form::default(), Begin::new(9, 8)).unwrap();
+    let mut other_size = TraceRecorder::new(Vec::new(), TraceForm::default(), BeginCommand::new(9, 8)).unwrap();
     assert!(other_size.record(&controls[0]).unwrap_err().to_string().contains("is 8 x 8, expected 9 x 8"));
     let criterion = Control::Criterion(0.5);
     assert!(recorder().record(&criterion).unwrap_err().to_string().contains("criterion: stands outside a frame"));
@@ -494,12 +494,12 @@ proptest! {
 
     #[test]
     fn damaged_trace_never_panics(form in 0..4usize, at in any::<proptest::sample::Index>(), value in any::<u8>()) {
-        let mut bytes = sample_as(Form::ALL[form]);
+        let mut bytes = sample_as(TraceForm::ALL[form]);
         let at = at.index(bytes.len());
         bytes[at] = value;
         if let Ok(controls) = resolve(&bytes) {
-            let Begin { width, height, .. } = open(bytes.as_slice()).unwrap().begin().clone();
-            let mut recorder = Recorder::new(Vec::new(), Form::default(), Begin::new(width, height)).unwrap();
+            let BeginCommand { width, height, .. } = open(bytes.as_slice()).unwrap().begin().clone();
+            let mut recorder = TraceRecorder::new(Vec::new(), TraceForm::default(), BeginCommand::new(width, height)).unwrap();
             controls.iter().try_for_each(|control| recorder.record(control)).unwrap();
         }
     }

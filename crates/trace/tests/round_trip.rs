@@ -13,11 +13,11 @@ fn same(a: &impl std::fmt::Debug, b: &impl std::fmt::Debug) -> bool {
     format!("{a:?}") == format!("{b:?}")
 }
 
-fn commands(bytes: &[u8]) -> Vec<Command> {
+fn commands(bytes: &[u8]) -> Vec<TraceCommand> {
     open(bytes).unwrap().collect::<Result<_, _>>().unwrap()
 }
 
-fn converted(bytes: &[u8], form: Form) -> Vec<u8> {
+fn converted(bytes: &[u8], form: TraceForm) -> Vec<u8> {
     let mut out = Vec::new();
     convert(bytes, &mut out, form).unwrap();
     out
@@ -28,38 +28,38 @@ proptest! {
 
     #[test]
     fn recording_resolves_to_equal_controls(controls in controls(), form in 0..4usize) {
-        let resolved = resolve(&record(&controls, Form::ALL[form]).unwrap()).unwrap();
+        let resolved = resolve(&record(&controls, TraceForm::ALL[form]).unwrap()).unwrap();
         prop_assert!(same(&resolved, &controls));
     }
 
     #[test]
     fn conversion_between_all_forms_is_lossless(controls in controls(), from in 0..4usize, to in 0..4usize) {
-        let original = record(&controls, Form::ALL[from]).unwrap();
-        let there = converted(&original, Form::ALL[to]);
+        let original = record(&controls, TraceForm::ALL[from]).unwrap();
+        let there = converted(&original, TraceForm::ALL[to]);
         prop_assert!(same(&commands(&there), &commands(&original)));
-        prop_assert_eq!(converted(&there, Form::ALL[from]), original);
+        prop_assert_eq!(converted(&there, TraceForm::ALL[from]), original);
     }
 
     #[test]
     fn recorded_trace_has_hash_of_its_input(controls in controls(), form in 0..4usize) {
-        let replayed = resolve(&record(&controls, Form::ALL[form]).unwrap()).unwrap();
+        let replayed = resolve(&record(&controls, TraceForm::ALL[form]).unwrap()).unwrap();
         prop_assert_eq!(hash(&replayed), hash(&controls));
-        let text = String::from_utf8(record(&controls, Form::default()).unwrap()).unwrap();
+        let text = String::from_utf8(record(&controls, TraceForm::default()).unwrap()).unwrap();
         let kept: String = text.split_inclusive('\n').filter(|line| !line.starts_with(r#"{"end""#)).collect();
         prop_assert_eq!(Digest::of(kept.as_bytes()), hash(&controls));
     }
 
     #[test]
     fn settings_survive_both_encodings(value in setting()) {
-        let mut expectation = Expectation::default();
+        let mut expectation = ExpectedResults::default();
         expectation.config.insert("replacement.entries".into(), value);
-        for form in Form::ALL {
-            let mut recorder = Recorder::new(Vec::new(), form, Begin::new(8, 8)).unwrap();
+        for form in TraceForm::ALL {
+            let mut recorder = TraceRecorder::new(Vec::new(), form, BeginCommand::new(8, 8)).unwrap();
             for control in resolve(SAMPLE.as_bytes()).unwrap() {
                 recorder.record(&control).unwrap();
             }
             let bytes = recorder.finish(vec![expectation.clone()]).unwrap();
-            let mut resolver = Resolver::new(bytes.as_slice(), NoFiles).unwrap();
+            let mut resolver = TraceResolver::new(bytes.as_slice(), NoFiles).unwrap();
             prop_assert!(resolver.by_ref().all(|item| item.is_ok()));
             prop_assert!(same(&resolver.expectations(), &std::slice::from_ref(&expectation)));
         }
@@ -81,12 +81,12 @@ proptest! {
         controls in controls(), a in texture(90, false), b in texture(70, false), form in 0..4usize,
     ) {
         let controls = declaring(controls, vec![a, b]);
-        let trace = record(&controls, Form::ALL[form]).unwrap();
+        let trace = record(&controls, TraceForm::ALL[form]).unwrap();
         let resolved = resolve(&trace).unwrap();
         prop_assert!(same(&resolved, &controls));
         prop_assert_eq!(hash(&resolved), hash(&controls));
         let commands = commands(&trace);
-        let names: Vec<&str> = commands.iter().map(Command::name).filter(|name| *name != "shading").take(4).collect();
+        let names: Vec<&str> = commands.iter().map(TraceCommand::name).filter(|name| *name != "shading").take(4).collect();
         prop_assert_eq!(names, ["begin", "texture", "texture", "frame"]);
     }
 }
@@ -106,15 +106,15 @@ fn shading_settings_survive_every_form() {
             other => other.clone(),
         })
         .collect();
-    for form in Form::ALL {
+    for form in TraceForm::ALL {
         assert!(same(&resolve(&record(&shaded, form).unwrap()).unwrap(), &shaded));
         let names = |controls: &[Control]| -> Vec<&str> {
-            commands(&record(controls, form).unwrap()).iter().map(Command::name).filter(|name| *name == "shading").collect()
+            commands(&record(controls, form).unwrap()).iter().map(TraceCommand::name).filter(|name| *name == "shading").collect()
         };
         assert_eq!((names(&plain).len(), names(&shaded).len()), (0, 2));
     }
     assert_ne!(hash(&plain), hash(&shaded));
-    let text = String::from_utf8(record(&shaded, Form::default()).unwrap()).unwrap();
+    let text = String::from_utf8(record(&shaded, TraceForm::default()).unwrap()).unwrap();
     assert!(text.contains(r#"{"shading":{"mode":"brightness","ia":0.5,"is":-0.0}}"#), "{text}");
     assert!(text.contains(r#"{"shading":{"mode":"polyhedron"}}"#), "{text}");
 }
@@ -155,10 +155,10 @@ fn textures_defined_inside_a_frame_are_declared_with_none() {
 
 fn setting() -> impl Strategy<Value = ParameterValue> {
     let scalar = prop_oneof![
-        any::<bool>().prop_map(Scalar::Bool),
-        any::<i64>().prop_map(Scalar::Integer),
-        any::<f64>().prop_filter("finite", |x| x.is_finite()).prop_map(Scalar::Number),
-        any::<String>().prop_map(Scalar::Text),
+        any::<bool>().prop_map(ScalarValue::Bool),
+        any::<i64>().prop_map(ScalarValue::Integer),
+        any::<f64>().prop_filter("finite", |x| x.is_finite()).prop_map(ScalarValue::Number),
+        any::<String>().prop_map(ScalarValue::Text),
     ];
     prop_oneof![
         scalar.clone().prop_map(ParameterValue::One),
@@ -168,22 +168,22 @@ fn setting() -> impl Strategy<Value = ParameterValue> {
 
 #[test]
 fn canonical_sample_survives_every_form() {
-    for form in Form::ALL {
+    for form in TraceForm::ALL {
         let bytes = sample_as(form);
-        assert_eq!(String::from_utf8(converted(&bytes, Form::default())).unwrap(), SAMPLE);
+        assert_eq!(String::from_utf8(converted(&bytes, TraceForm::default())).unwrap(), SAMPLE);
         assert_eq!(commands(&bytes), commands(SAMPLE.as_bytes()));
     }
 }
 
 #[test]
 fn first_bytes_identify_the_form() {
-    let heads = Form::ALL.map(|form| sample_as(form)[..4].to_vec());
+    let heads = TraceForm::ALL.map(|form| sample_as(form)[..4].to_vec());
     assert_eq!(heads, [b"{\"be".to_vec(), vec![0x28, 0xb5, 0x2f, 0xfd], b"\x89BDL".to_vec(), vec![0x28, 0xb5, 0x2f, 0xfd]]);
 }
 
 #[test]
 fn expectations_are_there_after_the_end() {
-    let mut resolver = Resolver::new(SAMPLE.as_bytes(), NoFiles).unwrap();
+    let mut resolver = TraceResolver::new(SAMPLE.as_bytes(), NoFiles).unwrap();
     assert_eq!((resolver.begin().width, resolver.begin().height), (8, 8));
     assert!(resolver.by_ref().all(|item| item.is_ok()));
     let [expectation] = resolver.expectations() else { panic!("one expectation") };
@@ -197,12 +197,12 @@ fn texels_may_lie_in_a_file_beside_the_trace() {
     let mut inline = commands(SAMPLE.as_bytes());
     let mut taken = Vec::new();
     for command in &mut inline {
-        if let Command::Texture(texture) = command {
+        if let TraceCommand::Texture(texture) = command {
             texture.file = Some(format!("texels/{}.raw", texture.id));
             taken.push(texture.data.take().unwrap().0);
         }
     }
-    let mut writer = Writer::new(Vec::new(), Form::default()).unwrap();
+    let mut writer = TraceWriter::new(Vec::new(), TraceForm::default()).unwrap();
     inline.iter().for_each(|command| writer.write(command).unwrap());
     let beside = writer.finish().unwrap();
     let files = |cut: usize| {
@@ -212,11 +212,11 @@ fn texels_may_lie_in_a_file_beside_the_trace() {
             Ok(Box::new(std::io::Cursor::new(taken[i][cut..].to_vec())))
         }
     };
-    let controls: Result<Vec<_>, _> = Resolver::new(beside.as_slice(), files(0)).unwrap().map(|i| i.map(|i| i.0)).collect();
+    let controls: Result<Vec<_>, _> = TraceResolver::new(beside.as_slice(), files(0)).unwrap().map(|i| i.map(|i| i.0)).collect();
     assert_eq!(controls.unwrap(), resolve(SAMPLE.as_bytes()).unwrap());
-    let short = Resolver::new(beside.as_slice(), files(1)).unwrap().find_map(Result::err).unwrap();
+    let short = TraceResolver::new(beside.as_slice(), files(1)).unwrap().find_map(Result::err).unwrap();
     assert!(short.to_string().contains("texture.file: holds 15 bytes, expected 16"), "{short}");
-    let none = Resolver::new(beside.as_slice(), NoFiles).unwrap().find_map(Result::err).unwrap();
+    let none = TraceResolver::new(beside.as_slice(), NoFiles).unwrap().find_map(Result::err).unwrap();
     assert_eq!((none.kind, none.path.as_str()), (ErrorKind::Io, "texture.file"));
 }
 
@@ -225,7 +225,7 @@ fn without_meshes(trace: &[u8]) -> Vec<u8> {
     let (mut out, mut rest) = (trace[..12].to_vec(), &trace[12..]);
     while let Some((length, after)) = rest.split_first_chunk() {
         let (record, next) = after.split_at(u32::from_le_bytes(*length) as usize);
-        let is_object = Command::NAMES[usize::from(record[0])] == "object";
+        let is_object = TraceCommand::NAMES[usize::from(record[0])] == "object";
         let kept = &record[..record.len() - usize::from(is_object)];
         assert!(!is_object || record.ends_with(&[0]), "no mesh");
         out.extend((kept.len() as u32).to_le_bytes());
@@ -237,7 +237,7 @@ fn without_meshes(trace: &[u8]) -> Vec<u8> {
 
 #[test]
 fn object_record_without_mesh_sizes_is_read() {
-    let trace = sample_as(Form { encoding: Encoding::Binary, compressed: false });
+    let trace = sample_as(TraceForm { encoding: TraceEncoding::Binary, compressed: false });
     let older = without_meshes(&trace);
     assert!(older.len() < trace.len());
     assert!(same(&commands(&older), &commands(&trace)));

@@ -2,7 +2,7 @@
 
 mod common;
 
-use basrelief_trace::{Form, schema};
+use basrelief_trace::{TraceForm, schema};
 use common::*;
 use proptest::prelude::*;
 
@@ -23,7 +23,7 @@ fn sample_lines_match_schema() {
 fn schema_has_all_commands_and_refuses_others() {
     let validator = validator();
     let text = schema().to_string();
-    for name in basrelief_trace::Command::NAMES {
+    for name in basrelief_trace::TraceCommand::NAMES {
         assert!(text.contains(&format!("\"{name}\"")), "{name}");
     }
     for line in [r#"{"frame_end":{"x":1}}"#, r#"{"colour":{}}"#, r#"{"end":{}}"#, "{}"] {
@@ -37,7 +37,7 @@ proptest! {
     #[test]
     fn recorded_lines_match_schema(controls in controls()) {
         let validator = validator();
-        for line in String::from_utf8(record(&controls, Form::default()).unwrap()).unwrap().lines() {
+        for line in String::from_utf8(record(&controls, TraceForm::default()).unwrap()).unwrap().lines() {
             prop_assert!(validator.is_valid(&serde_json::from_str(line).unwrap()), "{}", line);
         }
     }

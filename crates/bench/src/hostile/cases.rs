@@ -3,7 +3,7 @@
 use super::split_mix::SplitMix64;
 use super::{mutate, options, settings};
 use basrelief_sim::{MACHINES, MachineInfo};
-use basrelief_trace::{Form, convert};
+use basrelief_trace::{TraceForm, convert};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -196,7 +196,7 @@ fn spoiled_lines(text: &str, random: &mut SplitMix64) -> Vec<u8> {
 }
 
 fn spoiled_form(name: &str, sources: &SampleInputs, random: &mut SplitMix64) -> Vec<u8> {
-    let form = Form::for_file_name(name).unwrap_or_default();
+    let form = TraceForm::for_file_name(name).unwrap_or_default();
     let mut bytes = Vec::new();
     // The samples are valid.
     convert(random.one(&sources.traces).as_bytes(), &mut bytes, form).unwrap_or_default();

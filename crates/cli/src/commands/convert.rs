@@ -5,7 +5,7 @@ use crate::error::{Done, Failure};
 use crate::input::TraceFile;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use basrelief_input::Budget;
-use basrelief_trace::{self as display_list, Form};
+use basrelief_trace::{self as display_list, TraceForm};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
@@ -21,12 +21,12 @@ pub fn convert(args: &ConvertArgs, budget: &Budget) -> Done {
 }
 
 /// Returns the form that a file name selects.
-pub fn form_of(path: &Path) -> Done<Form> {
+pub fn form_of(path: &Path) -> Done<TraceForm> {
     let name = path.to_string_lossy();
     if name == "-" {
-        return Ok(Form::default());
+        return Ok(TraceForm::default());
     }
-    Form::for_file_name(&name).ok_or_else(|| {
+    TraceForm::for_file_name(&name).ok_or_else(|| {
         Failure::Usage(format!(
             "{name}: the file name selects the form of a trace; expected .jsonl or .bdl, or either with .zst appended"
         ))
@@ -34,7 +34,7 @@ pub fn form_of(path: &Path) -> Done<Form> {
 }
 
 /// Writes a trace atomically to a file, or to standard output.
-pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, Form) -> Done) -> Done {
+pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, TraceForm) -> Done) -> Done {
     let form = form_of(path)?;
     if path == Path::new("-") {
         let mut out = Remembering { to: BufWriter::new(io::stdout().lock()), failed: None };

@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use basrelief_input::{Budget, Growing};
 use basrelief_signals::Scene;
 use basrelief_sim::{MachineConfig, RunInput, display_list, expectation_of, reserve_textures, trace_header};
-use basrelief_trace::{Begin, Encoding, Expectation, Form, ParameterValue, Recorder};
+use basrelief_trace::{BeginCommand, ExpectedResults, ParameterValue, TraceEncoding, TraceForm, TraceRecorder};
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
 use std::sync::Arc;
@@ -40,15 +40,15 @@ pub fn write_list(
     scene: &Arc<Scene>,
     config: &MachineConfig,
     writer: impl Write,
-    (form, begin): (Form, Begin),
-    expectations: Vec<Expectation>,
+    (form, begin): (TraceForm, BeginCommand),
+    expectations: Vec<ExpectedResults>,
     (mut progress, budget): (Progress, &Budget),
 ) -> Done {
     // Copies of texels during recording: base64 and a line buffer that doubles.
     let copies = || (0..4).map(|_| reserve_textures(scene, 0, budget)).collect::<Result<Vec<_>, _>>();
     let _copies = copies().map_err(Failure::within(&scene.name))?;
     let failed = Failure::within(&scene.name);
-    let mut recorder = Recorder::new(writer, form, begin).map_err(&failed)?;
+    let mut recorder = TraceRecorder::new(writer, form, begin).map_err(&failed)?;
     for (n, control) in (1..).zip(display_list(scene, config)) {
         recorder.record(&control).map_err(&failed)?;
         progress.at(n);
@@ -58,9 +58,9 @@ pub fn write_list(
 
 /// Returns the results of a replay of the trace. They differ from a run of the scene, where the geometry processor can be blocked: in a
 /// replay, polygons arrive as if nothing had stalled.
-fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budget: &Budget) -> Done<Expectation> {
+fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budget: &Budget) -> Done<ExpectedResults> {
     let mut list = Growing::new(budget, "a display list");
-    let form = Form { encoding: Encoding::Binary, compressed: true };
+    let form = TraceForm { encoding: TraceEncoding::Binary, compressed: true };
     let progress = Progress::new(None, "commands", true);
     write_list(scene, config, &mut list, (form, trace_header(scene)), vec![], (progress, budget))?;
     let (list, _held) = list.into_parts();

@@ -12,7 +12,7 @@ use basrelief_report::number::{real, thousands};
 use basrelief_sim::{
     AnalysisPolicy, DepthChoice, FifoSizing, MachineConfig, Observer, Overrides, RunOptions, Unobserved, size_fifos as sized,
 };
-use basrelief_trace::Form;
+use basrelief_trace::TraceForm;
 use std::fmt::Write;
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -42,7 +42,7 @@ pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> Done {
 /// Returns true if the name of an input is that of a model or a trace.
 fn is_drawn(path: &Path) -> bool {
     let is_model = path.extension().is_some_and(|e| ["gltf", "glb", "obj"].iter().any(|model| e.eq_ignore_ascii_case(model)));
-    is_model || demo_of(path).is_some() || Form::for_file_name(&path.to_string_lossy()).is_some()
+    is_model || demo_of(path).is_some() || TraceForm::for_file_name(&path.to_string_lossy()).is_some()
 }
 
 /// An input and the recording of its run.

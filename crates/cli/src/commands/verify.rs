@@ -10,7 +10,7 @@ use basrelief_input::{Budget, Held, beside};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
 use basrelief_sim::{MACHINES, MachineInfo, check_expectation, expectation_of};
-use basrelief_trace::{Command, Expectation, Form, Resolver, Writer, open_within};
+use basrelief_trace::{ExpectedResults, TraceCommand, TraceForm, TraceResolver, TraceWriter, open_within};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -97,7 +97,9 @@ impl Traces {
         for path in inside {
             if path.is_dir() {
                 self.add_folder(&path)?;
-            } else if Form::for_file_name(&path.to_string_lossy()).is_some() && fs::metadata(&path).is_ok_and(|m| m.is_file()) {
+            } else if TraceForm::for_file_name(&path.to_string_lossy()).is_some()
+                && fs::metadata(&path).is_ok_and(|m| m.is_file())
+            {
                 self.found.push(path);
             }
         }
@@ -110,14 +112,14 @@ fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure + use<E> {
 }
 
 /// Reads the expectations of a whole trace. Returns them with their memory.
-fn expectations(path: &Path, budget: &Budget) -> Done<(Vec<Expectation>, Held)> {
+fn expectations(path: &Path, budget: &Budget) -> Done<(Vec<ExpectedResults>, Held)> {
     let file = TraceFile::open(path)?;
-    let mut resolver = Resolver::within(file.reader, beside(&file.folder), budget).map_err(within(path))?;
+    let mut resolver = TraceResolver::within(file.reader, beside(&file.folder), budget).map_err(within(path))?;
     resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(within(path))?;
     Ok(resolver.into_expectations())
 }
 
-fn replay(path: &Path, expected: &Expectation, engine: Engine, budget: &Budget) -> Done<Report> {
+fn replay(path: &Path, expected: &ExpectedResults, engine: Engine, budget: &Budget) -> Done<Report> {
     let settings: Vec<(String, String)> = expected.config.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
     let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named).map_err(within(path))?;
@@ -145,7 +147,7 @@ fn check(path: &Path, engines: &[Engine], budget: &Budget) -> Done<Vec<String>> 
 fn bless(path: &Path, budget: &Budget) -> Done {
     let (mut old, _held) = expectations(path, budget)?;
     if old.is_empty() {
-        old.push(Expectation::default());
+        old.push(ExpectedResults::default());
     }
     let mut new = Vec::new();
     for expected in old {
@@ -154,16 +156,16 @@ fn bless(path: &Path, budget: &Budget) -> Done {
     }
     let input = TraceFile::open(path)?;
     to_trace_file(path, |file, form| {
-        let mut writer = Writer::new(file, form).map_err(within(path))?;
+        let mut writer = TraceWriter::new(file, form).map_err(within(path))?;
         for command in open_within(input.reader, budget).map_err(within(path))? {
             match command.map_err(within(path))? {
-                Command::Expect(_) => {}
-                Command::End(_) => break,
+                TraceCommand::Expect(_) => {}
+                TraceCommand::End(_) => break,
                 other => writer.write(&other).map_err(within(path))?,
             }
         }
         for expectation in new {
-            writer.write(&Command::Expect(Box::new(expectation))).map_err(within(path))?;
+            writer.write(&TraceCommand::Expect(Box::new(expectation))).map_err(within(path))?;
         }
         writer.finish().map(|_| ()).map_err(within(path))
     })

@@ -1,13 +1,13 @@
 //! Expectations: results of a replay that a trace states.
 
 use basrelief_report::Report;
-use basrelief_trace::{Expectation, ExpectedTraffic, ParameterValue};
+use basrelief_trace::{ExpectedResults, ExpectedTraffic, ParameterValue};
 use std::collections::BTreeMap;
 
 /// Returns the expectation that this report meets, under these settings.
-pub fn expectation_of(report: &Report, config: BTreeMap<String, ParameterValue>) -> Expectation {
+pub fn expectation_of(report: &Report, config: BTreeMap<String, ParameterValue>) -> ExpectedResults {
     let traffic = |c: &basrelief_report::model::Client| ExpectedTraffic { read_bytes: c.read_bytes, write_bytes: c.write_bytes };
-    Expectation {
+    ExpectedResults {
         machine: Some(report.machine.clone()),
         config,
         cycles: report.cycles.as_ref().map(|c| c.total),
@@ -20,7 +20,7 @@ pub fn expectation_of(report: &Report, config: BTreeMap<String, ParameterValue>)
 }
 
 /// Compares a report with an expectation, and returns one sentence per difference. Values that the expectation omits are not checked.
-pub fn check_expectation(expected: &Expectation, report: &Report) -> Vec<String> {
+pub fn check_expectation(expected: &ExpectedResults, report: &Report) -> Vec<String> {
     let found = expectation_of(report, expected.config.clone());
     let mut wrong = Vec::new();
     if expected.machine.as_ref().is_some_and(|m| *m != report.machine) {

@@ -10,7 +10,7 @@ use basrelief_kernel::{Demand, MemoryPorts, Unit};
 use basrelief_machines::{BoxedDraws, FrontConfig, MachineConfig};
 use basrelief_signals::{Control, Scene};
 use basrelief_threads::Later;
-use basrelief_trace::{Begin, CanonicalHash, Digest, Files, Resolver, TraceError};
+use basrelief_trace::{BeginCommand, CanonicalHash, Digest, TextureFiles, TraceError, TraceResolver};
 use std::cell::Cell;
 use std::io::Read;
 use std::rc::Rc;
@@ -47,8 +47,8 @@ pub fn input_sha256(source: RunInput, config: &MachineConfig, budget: &Budget) -
     Ok(digest.map(|digest| digest.to_string()).unwrap_or_default())
 }
 
-fn trace_hash(reader: Box<dyn Read>, files: impl Files, budget: &Budget) -> Result<Digest, TraceError> {
-    let mut resolver = Resolver::within(reader, files, budget)?;
+fn trace_hash(reader: Box<dyn Read>, files: impl TextureFiles, budget: &Budget) -> Result<Digest, TraceError> {
+    let mut resolver = TraceResolver::within(reader, files, budget)?;
     let mut hash = CanonicalHash::new(resolver.begin());
     for command in &mut resolver {
         hash.update(&command?.0)?;
@@ -57,8 +57,8 @@ fn trace_hash(reader: Box<dyn Read>, files: impl Files, budget: &Budget) -> Resu
 }
 
 /// Returns the header of a trace of this scene.
-pub fn trace_header(scene: &Scene) -> Begin {
-    scene.frames.first().map_or_else(|| Begin::new(1, 1), |f| Begin::new(f.width, f.height))
+pub fn trace_header(scene: &Scene) -> BeginCommand {
+    scene.frames.first().map_or_else(|| BeginCommand::new(1, 1), |f| BeginCommand::new(f.width, f.height))
 }
 
 /// Number of draw commands that have entered the machine.

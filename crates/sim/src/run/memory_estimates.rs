@@ -3,7 +3,7 @@
 use crate::options::RunOptions;
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_signals::{Scene, Texture};
-use basrelief_trace::Begin;
+use basrelief_trace::BeginCommand;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -24,8 +24,8 @@ pub(crate) const WAITING_PIXEL: u64 = 4;
 pub(crate) const FRAME: u64 = 1 << 10;
 
 /// Reserves memory for pictures of the size that a trace states.
-pub(crate) fn reserve_pictures(settings: &RunOptions, begin: &Begin) -> Result<Held, OverBudget> {
-    let &Begin { width, height, .. } = begin;
+pub(crate) fn reserve_pictures(settings: &RunOptions, begin: &BeginCommand) -> Result<Held, OverBudget> {
+    let &BeginCommand { width, height, .. } = begin;
     let pixels = u64::from(width) * u64::from(height);
     let bytes = match settings.exact {
         true => PIXEL_WITH_EXACT * pixels + METRICS_PIXEL * pixels.min(METRICS_PIXELS).max(METRICS_ROWS * u64::from(width)),

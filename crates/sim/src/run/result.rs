@@ -5,7 +5,7 @@ use basrelief_input::OverBudget;
 use basrelief_kernel::RunReport;
 use basrelief_machines::ConfigProblem;
 use basrelief_report::Report;
-use basrelief_trace::{Expectation, TraceError};
+use basrelief_trace::{ExpectedResults, TraceError};
 
 /// Error that prevents a report.
 #[derive(Debug, thiserror::Error)]
@@ -55,7 +55,7 @@ pub struct Run {
     /// True if the observer received a complete recording.
     pub recording_is_complete: bool,
     /// Expectations in the trace.
-    pub expectations: Vec<Expectation>,
+    pub expectations: Vec<ExpectedResults>,
     /// Time of simulation on the host, without reading, exact drawing, metrics and writing \[s\].
     pub simulate_s: f64,
 }

@@ -21,7 +21,7 @@ use basrelief_reference::{Picture, Quality, SizeMismatch};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_signals::{Camera, Frame};
 use basrelief_threads::{self as threads, Later};
-use basrelief_trace::Expectation;
+use basrelief_trace::ExpectedResults;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -49,7 +49,7 @@ pub(crate) struct InputInfo<'a> {
     /// The last frame.
     pub(crate) frame: Option<&'a Frame>,
     pub(crate) warnings: &'a [String],
-    pub(crate) expectations: Vec<Expectation>,
+    pub(crate) expectations: Vec<ExpectedResults>,
 }
 
 /// Returns the number of commands so far, and of all commands if known.

@@ -18,7 +18,7 @@ use basrelief_kernel::{NoProbe, Probe};
 use basrelief_machines::{BoxedControls, ConfigProblem, InputKind, MachineSpec, SceneFront, TraceFront, for_machine, numeral_of};
 use basrelief_report::model::Input;
 use basrelief_timeline::TimelineLayout;
-use basrelief_trace::{Files, Resolver};
+use basrelief_trace::{TextureFiles, TraceResolver};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -78,7 +78,7 @@ struct SceneInput {
 /// A trace, as in [`RunInput::Trace`].
 struct TraceInput {
     reader: Box<dyn Read>,
-    files: Box<dyn Files>,
+    files: Box<dyn TextureFiles>,
     name: String,
 }
 
@@ -179,7 +179,7 @@ impl RunJob<'_> {
             let message = "a trace can be read only once, but the times in `defer.left_at_ms` need preliminary runs; set `defer.left_at_tile` instead";
             return Err(RunError::Fault(message.into()));
         }
-        let resolver = Resolver::within(reader, move |name: &str| files.open(name), &options.budget)?;
+        let resolver = TraceResolver::within(reader, move |name: &str| files.open(name), &options.budget)?;
         let resolver = resolver.with_texture_copies(S::TEXTURE_COPIES);
         let pictures = memory_estimates::reserve_pictures(options, resolver.begin());
         let _pictures = pictures.map_err(|error| resolver.over_budget(&error))?;

@@ -6,7 +6,7 @@ use crate::options::RunOptions;
 use basrelief_input::{Budget, Held};
 use basrelief_reference::{Picture, PolygonRenderer, Style};
 use basrelief_signals::{Control, Frame};
-use basrelief_trace::{Begin, CanonicalHash, Digest, Expectation, Files, Resolver, TraceError};
+use basrelief_trace::{BeginCommand, CanonicalHash, Digest, ExpectedResults, TextureFiles, TraceError, TraceResolver};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::io::Read;
@@ -24,7 +24,7 @@ pub(crate) struct TraceNotes {
     pub(crate) frame: Option<Arc<Frame>>,
     /// Hash of all commands; `None` until the end.
     pub(crate) digest: Option<Digest>,
-    pub(crate) expectations: Vec<Expectation>,
+    pub(crate) expectations: Vec<ExpectedResults>,
     /// Error in the trace.
     pub(crate) error: Option<TraceError>,
     /// Time of reading, hashing and exact drawing \[s\], which is not simulation time.
@@ -33,7 +33,7 @@ pub(crate) struct TraceNotes {
 
 /// Iterator over the commands of a trace.
 pub(crate) struct TraceTap<R: Read, F> {
-    resolver: Resolver<R, F>,
+    resolver: TraceResolver<R, F>,
     hash: Option<CanonicalHash>,
     renderer: Option<PolygonRenderer>,
     seen: Rc<RefCell<TraceNotes>>,
@@ -41,9 +41,9 @@ pub(crate) struct TraceTap<R: Read, F> {
     budget: Budget,
 }
 
-impl<R: Read, F: Files> TraceTap<R, F> {
+impl<R: Read, F: TextureFiles> TraceTap<R, F> {
     pub(crate) fn new(
-        resolver: Resolver<R, F>,
+        resolver: TraceResolver<R, F>,
         exact: Option<Style>,
         seen: Rc<RefCell<TraceNotes>>,
         settings: &RunOptions,
@@ -90,7 +90,7 @@ impl<R: Read, F: Files> TraceTap<R, F> {
             Control::Object(object) => renderer.object(object),
             Control::Polygon(polygon) => renderer.polygon(polygon),
             Control::FrameEnd => {
-                let &Begin { width, height, .. } = self.resolver.begin();
+                let &BeginCommand { width, height, .. } = self.resolver.begin();
                 let bytes = memory_estimates::WAITING_PIXEL * u64::from(width) * u64::from(height);
                 let held = self.budget.take(bytes, "exact pictures that wait for the machine");
                 let held = held.map_err(|error| self.resolver.over_budget(&error))?;
@@ -102,7 +102,7 @@ impl<R: Read, F: Files> TraceTap<R, F> {
     }
 }
 
-impl<R: Read, F: Files> Iterator for TraceTap<R, F> {
+impl<R: Read, F: TextureFiles> Iterator for TraceTap<R, F> {
     type Item = Result<(Control, Option<u64>), String>;
 
     fn next(&mut self) -> Option<Self::Item> {

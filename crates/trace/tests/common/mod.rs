@@ -5,7 +5,9 @@ use basrelief_signals::{
     Camera, Control, Frame, Image, Light, LightKind, Lighting, Material, MeshInfo, ObjectInfo, Polygon, Sampler, ShadingMode,
     ShadingSettings, TexelFilter, Texture, Vertex, WrapMode,
 };
-use basrelief_trace::{Begin, CanonicalHash, Digest, Form, NoFiles, Recorder, Resolver, TraceError, Writer, open};
+use basrelief_trace::{
+    BeginCommand, CanonicalHash, Digest, NoFiles, TraceError, TraceForm, TraceRecorder, TraceResolver, TraceWriter, open,
+};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -13,24 +15,24 @@ use std::sync::Arc;
 pub const SAMPLE: &str = include_str!("../data/sample.dl.jsonl");
 
 pub fn resolve(bytes: &[u8]) -> Result<Vec<Control>, TraceError> {
-    Resolver::new(bytes, NoFiles)?.map(|item| item.map(|(control, _)| control)).collect()
+    TraceResolver::new(bytes, NoFiles)?.map(|item| item.map(|(control, _)| control)).collect()
 }
 
-pub fn record(controls: &[Control], form: Form) -> Result<Vec<u8>, TraceError> {
-    let mut recorder = Recorder::new(Vec::new(), form, Begin::new(64, 48))?;
+pub fn record(controls: &[Control], form: TraceForm) -> Result<Vec<u8>, TraceError> {
+    let mut recorder = TraceRecorder::new(Vec::new(), form, BeginCommand::new(64, 48))?;
     controls.iter().try_for_each(|control| recorder.record(control))?;
     recorder.finish(Vec::new())
 }
 
 pub fn hash(controls: &[Control]) -> Digest {
-    let mut hash = CanonicalHash::new(&Begin::new(64, 48));
+    let mut hash = CanonicalHash::new(&BeginCommand::new(64, 48));
     controls.iter().try_for_each(|control| hash.update(control)).unwrap();
     hash.finish()
 }
 
 /// The sample in another form.
-pub fn sample_as(form: Form) -> Vec<u8> {
-    let mut writer = Writer::new(Vec::new(), form).unwrap();
+pub fn sample_as(form: TraceForm) -> Vec<u8> {
+    let mut writer = TraceWriter::new(Vec::new(), form).unwrap();
     for command in open(SAMPLE.as_bytes()).unwrap() {
         writer.write(&command.unwrap()).unwrap();
     }

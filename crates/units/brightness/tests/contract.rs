@@ -3,14 +3,14 @@
 use basrelief_brightness::{BrightnessConfig, BrightnessFetch, BrightnessSource};
 use basrelief_kernel::Operators;
 use basrelief_kernel_conformance::unit_contract;
-use basrelief_shading::{LEVELS, Table, TableSet};
+use basrelief_shading::{LEVELS, ReferenceNormals, TableSet};
 use basrelief_signals::{
     Camera, Control, Flow, Fragment, Frame, Light, LightKind, NormalIndexes, ObjectInfo, Polygon, Stamp, StampSample, Vertex,
 };
 use std::sync::Arc;
 
 fn unit(config: BrightnessConfig) -> BrightnessFetch {
-    let tables = TableSet { entries: [40; LEVELS], table: Table::Fibonacci, distinct: true, entry_bits: 16 };
+    let tables = TableSet { entries: [40; LEVELS], table: ReferenceNormals::Fibonacci, distinct: true, entry_bits: 16 };
     BrightnessFetch::new(config, tables, 2, &Operators::default())
 }
 

@@ -103,7 +103,7 @@ fn means(directions: &[WeightedDirection], book: &[[i16; 3]], bits: u32) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_shading::{Table, reference_normals};
+    use basrelief_shading::{ReferenceNormals, reference_normals};
     use proptest::prelude::*;
 
     #[test]
@@ -139,9 +139,9 @@ mod tests {
     #[test]
     fn code_book_beats_fixed_table_of_same_size() {
         // A cap of the sphere, similar to the normals of a polygon.
-        let sphere = reference_normals(0, 20_000, Table::Fibonacci, true, 16).unwrap();
+        let sphere = reference_normals(0, 20_000, ReferenceNormals::Fibonacci, true, 16).unwrap();
         let cap: Vec<[i16; 3]> = sphere.into_iter().filter(|n| n[2] > 26_000).collect();
-        let fixed = reference_normals(1, 64, Table::Fibonacci, true, 16).unwrap();
+        let fixed = reference_normals(1, 64, ReferenceNormals::Fibonacci, true, 16).unwrap();
         let book = build_code_book(cap.iter().copied(), 64, 8, 16).normals;
         assert_eq!(book.len(), 64);
         assert!(error(&cap, &book) < 0.2 * error(&cap, &fixed));

@@ -2,7 +2,7 @@
 
 use basrelief_kernel::{OperatorCounts, Operators};
 use basrelief_parameters::parameters;
-use basrelief_shading::{LEVELS, MAX_ENTRIES, Table, TableSet};
+use basrelief_shading::{LEVELS, MAX_ENTRIES, ReferenceNormals, TableSet};
 use serde::{Deserialize, Serialize};
 
 /// Rule that changes the number of reference normals.
@@ -90,7 +90,7 @@ parameters! {
         /// Reference normals per VQ table (121): one number, or one per MIP level.
         entries: PerLevel = PerLevel::One(256), unit: "reference normals", Stated("256 by default at level 0; the count may fall per level"), range: EachWithin(1..=MAX_ENTRIES as u32);
         /// Distribution of the reference normals: fibonacci or tetrahedron (4 k^2 entries).
-        table: Table = Table::Fibonacci, unit: "", Assumed("even for every number of entries; the stated tetrahedron divided 8 x 8 is not");
+        table: ReferenceNormals = ReferenceNormals::Fibonacci, unit: "", Assumed("even for every number of entries; the stated tetrahedron divided 8 x 8 is not");
         /// Selects whether each level has reference normals of its own: different or identical.
         tables: Tables = Tables::Different, unit: "", Stated("each level has a different set of vectors, even where counts are equal");
         /// Width of each component of a table entry.

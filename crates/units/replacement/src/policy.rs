@@ -4,7 +4,7 @@
 //! on time (law 6).
 
 use crate::{Policy, ReplacementConfig};
-use basrelief_shading::Table;
+use basrelief_shading::ReferenceNormals;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -57,11 +57,11 @@ impl FragmentHistory {
 }
 
 /// Returns the size of the largest table of at most `entries` entries.
-fn there_is(entries: u32, table: Table) -> u32 {
+fn there_is(entries: u32, table: ReferenceNormals) -> u32 {
     match table {
-        Table::Fibonacci => entries.max(1),
+        ReferenceNormals::Fibonacci => entries.max(1),
         // 4 k^2 faces, at least 4.
-        Table::Tetrahedron => 4 * (entries / 4).isqrt().max(1).pow(2),
+        ReferenceNormals::Tetrahedron => 4 * (entries / 4).isqrt().max(1).pow(2),
     }
 }
 
@@ -69,7 +69,7 @@ fn there_is(entries: u32, table: Table) -> u32 {
 mod tests {
     use super::*;
 
-    fn entries(policy: Policy, table: Table, fragments: u64, lod: u8) -> Option<u32> {
+    fn entries(policy: Policy, table: ReferenceNormals, fragments: u64, lod: u8) -> Option<u32> {
         let mut history = FragmentHistory::default();
         history.count(7, fragments, lod);
         history.begin_frame();
@@ -78,21 +78,21 @@ mod tests {
 
     #[test]
     fn by_fragments_gives_small_objects_small_tables() {
-        let of = |fragments| entries(Policy::ByFragments, Table::Fibonacci, fragments, 0);
+        let of = |fragments| entries(Policy::ByFragments, ReferenceNormals::Fibonacci, fragments, 0);
         assert_eq!([1, 64 * 16, 64 * 100, 1 << 30].map(of), [Some(16), Some(16), Some(128), Some(256)]);
         assert_eq!(of(0), None, "it was not there in the last frame");
     }
 
     #[test]
     fn by_lod_halves_table_per_level() {
-        let of = |lod| entries(Policy::ByLod, Table::Fibonacci, 10, lod);
+        let of = |lod| entries(Policy::ByLod, ReferenceNormals::Fibonacci, 10, lod);
         assert_eq!([0, 7, 8, 16, 63].map(of), [Some(256), Some(256), Some(128), Some(64), Some(16)]);
-        assert_eq!(entries(Policy::Fixed, Table::Fibonacci, 10, 8), None);
+        assert_eq!(entries(Policy::Fixed, ReferenceNormals::Fibonacci, 10, 8), None);
     }
 
     #[test]
     fn policy_selects_existing_tetrahedron_division() {
-        let of = |lod| entries(Policy::ByLod, Table::Tetrahedron, 10, lod);
+        let of = |lod| entries(Policy::ByLod, ReferenceNormals::Tetrahedron, 10, lod);
         assert_eq!([0, 8, 16].map(of), [Some(256), Some(100), Some(64)]);
     }
 

@@ -3,13 +3,13 @@
 use super::*;
 use crate::Components;
 use basrelief_kernel::{OperatorConfig, Request};
-use basrelief_shading::{LEVELS, Table, brightness, reference_normals};
+use basrelief_shading::{LEVELS, ReferenceNormals, brightness, reference_normals};
 use basrelief_signals::{Camera, Fragment, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex};
 use glam::Vec3;
 use proptest::prelude::*;
 
 fn tables(entries: u32) -> TableSet {
-    TableSet { entries: [entries; LEVELS], table: Table::Fibonacci, distinct: true, entry_bits: 16 }
+    TableSet { entries: [entries; LEVELS], table: ReferenceNormals::Fibonacci, distinct: true, entry_bits: 16 }
 }
 
 fn unit(config: BrightnessConfig) -> BrightnessFetch {
@@ -98,7 +98,7 @@ fn claims_4_and_8_clut_holds_reference_brightness() {
     tell(&mut unit, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
     let lights = light_vectors(unit.state.frame.as_ref().unwrap(), [0.0; 3]);
     for level in 0..8 {
-        for (i, n) in reference_normals(level, 256, Table::Fibonacci, true, 16).unwrap().iter().enumerate() {
+        for (i, n) in reference_normals(level, 256, ReferenceNormals::Fibonacci, true, 16).unwrap().iter().enumerate() {
             let exact = brightness(Vec3::from(n.map(|c| f32::from(c) / 32_767.0)), &Lighting::default(), &lights);
             let stored = alpha(&mut unit, level, i as u16);
             assert!((stored - exact[0] - exact[1]).abs() <= 0.5 * 1.3 / 255.0 + 1e-6);
@@ -253,7 +253,7 @@ fn claim_7_direct_brightness_needs_no_clut() {
     let (shaded, requests, step) = fetch(&mut direct, &[(0, 17, 0.25), (1, 40, 0.75)]);
     let lights = light_vectors(direct.state.frame.as_ref().unwrap(), [0.0; 3]);
     let exact = |level, i: usize| {
-        let n = reference_normals(level, 256, Table::Fibonacci, true, 16).unwrap()[i];
+        let n = reference_normals(level, 256, ReferenceNormals::Fibonacci, true, 16).unwrap()[i];
         let [d, s] = brightness(Vec3::from(n.map(|c| f32::from(c) / 32_767.0)), &Lighting::default(), &lights);
         d + s
     };
@@ -286,7 +286,7 @@ fn stamp_fragments_get_brightness_of_their_samples() {
 fn impossible_entries_of_an_object_are_a_fault() {
     let mut unit = BrightnessFetch::new(
         BrightnessConfig::default(),
-        TableSet { table: Table::Tetrahedron, ..tables(256) },
+        TableSet { table: ReferenceNormals::Tetrahedron, ..tables(256) },
         2,
         &Operators::default(),
     );

@@ -1,7 +1,7 @@
 //! Tests of the grid against the scan that it replaces.
 
 use super::*;
-use basrelief_shading::{Table, reference_normals};
+use basrelief_shading::{ReferenceNormals, reference_normals};
 use proptest::prelude::*;
 
 /// Computes the nearest by its definition.
@@ -39,12 +39,12 @@ impl Random {
 fn search_equals_scan_for_a_million_directions() {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     for (table, entries, bits, searches) in [
-        (Table::Fibonacci, 256, 16, 150_000),
-        (Table::Fibonacci, 64, 16, 300_000),
-        (Table::Tetrahedron, 256, 8, 150_000),
-        (Table::Fibonacci, 7, 16, 1_000_000),
-        (Table::Fibonacci, 1_000, 8, 50_000),
-        (Table::Fibonacci, 1, 16, 1_000),
+        (ReferenceNormals::Fibonacci, 256, 16, 150_000),
+        (ReferenceNormals::Fibonacci, 64, 16, 300_000),
+        (ReferenceNormals::Tetrahedron, 256, 8, 150_000),
+        (ReferenceNormals::Fibonacci, 7, 16, 1_000_000),
+        (ReferenceNormals::Fibonacci, 1_000, 8, 50_000),
+        (ReferenceNormals::Fibonacci, 1, 16, 1_000),
     ] {
         let normals = reference_normals(3, entries, table, true, bits).unwrap();
         let mut search = NearestSearch::new(&normals, usize::MAX);
@@ -57,7 +57,7 @@ fn search_equals_scan_for_a_million_directions() {
 
 #[test]
 fn search_equals_scan_on_cell_edges() {
-    let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
+    let normals = reference_normals(0, 256, ReferenceNormals::Fibonacci, true, 16).unwrap();
     let mut search = NearestSearch::new(&normals, usize::MAX);
     let edges: Vec<i16> = (-16..=16).flat_map(|i| [-1, 0, 1].map(|d| (i * 2_048 + d).clamp(-32_768, 32_767) as i16)).collect();
     for &a in &edges {
@@ -71,7 +71,7 @@ fn search_equals_scan_on_cell_edges() {
 
 #[test]
 fn zero_vector_takes_lowest_index() {
-    let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
+    let normals = reference_normals(0, 256, ReferenceNormals::Fibonacci, true, 16).unwrap();
     assert_eq!(NearestSearch::new(&normals, 1_000_000).nearest([0; 3]), 0);
     assert_eq!(NearestSearch::new(&[], 10).nearest([1, 2, 3]), 0);
 }
@@ -84,7 +84,7 @@ fn erratum_nearest_has_largest_inner_product() {
 
 #[test]
 fn cell_of_full_table_has_few_candidates() {
-    let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
+    let normals = reference_normals(0, 256, ReferenceNormals::Fibonacci, true, 16).unwrap();
     let mut search = NearestSearch::new(&normals, usize::MAX);
     let mut random = Random(1);
     for _ in 0..50_000 {
@@ -99,7 +99,7 @@ fn cell_of_full_table_has_few_candidates() {
 
 #[test]
 fn squares_divide_on_first_direction() {
-    let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
+    let normals = reference_normals(0, 256, ReferenceNormals::Fibonacci, true, 16).unwrap();
     let mut search = NearestSearch::new(&normals, usize::MAX);
     let divided = |search: &NearestSearch| {
         let asked = search.finest.iter().filter(|[_, end]| *end > 0).count();

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{NearestSearch, PerLevel, Tables};
 use basrelief_kernel::Request;
-use basrelief_shading::{Table, reference_normals};
+use basrelief_shading::{ReferenceNormals, reference_normals};
 use basrelief_signals::{Fragment, Material, ObjectInfo, Polygon, Stamp, Vertex};
 use proptest::prelude::*;
 
@@ -73,7 +73,8 @@ fn claims_1_and_7_each_level_uses_its_own_table() {
     let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n)]))]);
     let found = indexes(&steps)[0].samples.clone();
     assert_eq!([0, 1].map(|i| (found[i].level, found[i].weight[0])), [(0, 0.5), (1, 0.5)]);
-    let chosen = |level: u8, i: u16| reference_normals(level, 256, Table::Fibonacci, true, 16).unwrap()[usize::from(i)];
+    let chosen =
+        |level: u8, i: u16| reference_normals(level, 256, ReferenceNormals::Fibonacci, true, 16).unwrap()[usize::from(i)];
     let (a, b) = (chosen(0, found[0].value[0]), chosen(1, found[1].value[0]));
     assert_ne!(a, b, "the same N' at two levels gives two slightly different vectors");
     for q in [a, b] {
@@ -97,7 +98,7 @@ fn claims_2_and_6_table_size_depends_on_level() {
     let entries = PerLevel::Levels(vec![256, 128, 64, 32]);
     let mut unit =
         Replacement::new(ReplacementConfig { entries, resident_tables: 8, ..config() }, 16, &Operators::default()).unwrap();
-    let directions = reference_normals(7, 4_000, Table::Fibonacci, true, 16).unwrap();
+    let directions = reference_normals(7, 4_000, ReferenceNormals::Fibonacci, true, 16).unwrap();
     let input = directions.iter().map(|&n| Flow::Item(sample(0, &[(0, n), (1, n), (2, n), (7, n)]))).collect();
     let (_, requests) = run(&mut unit, input);
     assert_eq!(unit.state.counters.reference_normals_used(), [256, 128, 64, 0, 0, 0, 0, 32]);
@@ -135,13 +136,13 @@ fn object_fixes_entries_and_bias_coarsens_table() {
     let found = indexes(&steps)[0].samples.clone();
     assert_eq!([found[0].level, found[1].level], [4, 7]);
     assert!(found[0].value[0] < 16);
-    let expected = NearestSearch::new(&reference_normals(4, 16, Table::Fibonacci, true, 16).unwrap(), 0).nearest(n);
+    let expected = NearestSearch::new(&reference_normals(4, 16, ReferenceNormals::Fibonacci, true, 16).unwrap(), 0).nearest(n);
     assert_eq!(found[0].value[0], expected);
 }
 
 #[test]
 fn impossible_table_is_an_error() {
-    let tetrahedron = ReplacementConfig { table: Table::Tetrahedron, ..config() };
+    let tetrahedron = ReplacementConfig { table: ReferenceNormals::Tetrahedron, ..config() };
     assert!(
         Replacement::new(ReplacementConfig { entries: PerLevel::One(200), ..tetrahedron.clone() }, 16, &Operators::default())
             .is_err()
@@ -258,7 +259,7 @@ fn variants_b_and_e_index_into_the_code_book() {
 fn clustered(codebook: CodeBookMode, entries: u32) -> (Replacement, Vec<Out>, Vec<Request>) {
     let config = ReplacementConfig { codebook, entries: PerLevel::One(entries), lanes: 8, ..config() };
     let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
-    let normals = reference_normals(0, 100, Table::Fibonacci, true, 16).unwrap();
+    let normals = reference_normals(0, 100, ReferenceNormals::Fibonacci, true, 16).unwrap();
     let mut input: Vec<_> = normals.iter().map(|&n| Flow::Item(sample(0, &[(0, n)]))).collect();
     input.push(Flow::Control(Control::FrameEnd));
     let (steps, requests) = run(&mut unit, input);
