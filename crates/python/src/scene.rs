@@ -136,7 +136,8 @@ impl Scene {
             if looks_like_trace(&bytes) || TraceForm::for_file_name(&name).is_some() {
                 return Err(Failure::usage(format_args!(
                     "{name}: a display list, which carries its own view: basrelief.display_list opens it"
-                )));
+                ))
+                .into());
             }
             let mut scene = Self::loaded((name, bytes), &folder, view, memory_limit, &budget)?;
             let (files, of_files) = folder.into_read();
@@ -299,7 +300,7 @@ impl DisplayList {
         if list.is_one()? {
             return Ok(list);
         }
-        Err(Failure::usage(format_args!("{}: not a display list: basrelief.scene opens a model", list.name)))
+        Err(Failure::usage(format_args!("{}: not a display list: basrelief.scene opens a model", list.name)).into())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyType>, (PathBuf,)) {
