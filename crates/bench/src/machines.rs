@@ -23,7 +23,7 @@ use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
 use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
 use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
-use basrelief_machines::{ConfigProblem, Draws, SceneFront};
+use basrelief_machines::{ConfigProblem, PictureMachine, SceneFront};
 use basrelief_parameters::Parameters;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Mesh, Object, Scene};
@@ -197,7 +197,7 @@ impl MachineJob for ShowBoard {
 }
 
 /// Runs the job with a machine. Also returns its fragments.
-fn done<J: MachineJob, M: Draws>(job: J, machine: Result<M, ConfigProblem>) -> (J::Result, u64) {
+fn done<J: MachineJob, M: PictureMachine>(job: J, machine: Result<M, ConfigProblem>) -> (J::Result, u64) {
     let mut machine = machine.expect("what the workloads set fits the defaults");
     (job.with(&mut machine), machine.facts().count("fragments"))
 }

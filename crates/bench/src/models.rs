@@ -2,8 +2,8 @@
 
 use crate::machines::demo_scene;
 use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
-use basrelief_reference::{Options, Picture, Quality, Style, draw_scene};
-use basrelief_scene::{Memory, ViewOptions, load};
+use basrelief_reference::{QualityMetrics, RenderOptions, RenderStyle, RgbPicture, draw_scene};
+use basrelief_scene::{MemoryFiles, ViewOptions, load};
 use basrelief_signals::{Mesh, Scene};
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -82,7 +82,7 @@ fn import(size: WorkloadSize, kind: &'static str, write: fn(&Mesh) -> Vec<u8>) -
         let mesh = mesh(size);
         let (bytes, name) = (write(&mesh), format!("model.{kind}"));
         move || {
-            let (scene, time) = measured(|| load(&bytes, &name, &Memory::default(), &ViewOptions::default()));
+            let (scene, time) = measured(|| load(&bytes, &name, &MemoryFiles::default(), &ViewOptions::default()));
             let scene: Scene = scene.expect("the model is sound");
             RunSample { time, count: (scene.objects[0].mesh.indices.len() / 3) as u64 }
         }
@@ -98,8 +98,8 @@ fn demo(size: WorkloadSize) -> Workload {
     })
 }
 
-fn picture(scene: &Scene) -> Picture {
-    draw_scene(scene, &scene.frames[0], &Style::from(Options::default()))
+fn picture(scene: &Scene) -> RgbPicture {
+    draw_scene(scene, &scene.frames[0], &RenderStyle::from(RenderOptions::default()))
 }
 
 fn exact(size: WorkloadSize) -> Workload {
@@ -119,7 +119,7 @@ fn metrics(size: WorkloadSize) -> Workload {
         let mut other = exact.clone();
         other.rgb.iter_mut().for_each(|rgb| rgb[1] ^= 1);
         move || {
-            let (quality, time) = measured(|| Quality::measure(&exact, &other));
+            let (quality, time) = measured(|| QualityMetrics::measure(&exact, &other));
             black_box(quality.expect("pictures of one size"));
             RunSample { time, count: exact.rgb.len() as u64 }
         }

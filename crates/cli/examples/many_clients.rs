@@ -12,7 +12,7 @@
 mod common;
 
 use basrelief_deferred_renderer::{PyramidCut, TextureMemory, TexturePage, TileEncoding, TileSource as _};
-use basrelief_scene::Subject;
+use basrelief_scene::SceneSubject;
 use basrelief_signals::Texture;
 use basrelief_tile_server::protocol::{hash_of, hash_of_picture, hex};
 use common::{Server, program};
@@ -99,7 +99,7 @@ struct Model {
 
 impl Model {
     fn new() -> Result<Self, Failed> {
-        let subject = Subject::demo(SCENE.trim_start_matches("demo:"))?;
+        let subject = SceneSubject::demo(SCENE.trim_start_matches("demo:"))?;
         let textures = subject.objects().iter().filter_map(|object| object.material.color_texture.clone());
         let textures = textures.map(|texture| (hex(&hash_of_picture(&texture)), texture)).collect();
         Ok(Self { textures, hashes: BTreeMap::new() })

@@ -5,7 +5,7 @@ use crate::error::{Done, Failure};
 use crate::global::GlobalOptions;
 use crate::views::Script;
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
-use basrelief_scene::{SceneError, Subject, ViewOptions, demo, load_path_with, read_camera};
+use basrelief_scene::{SceneError, SceneSubject, ViewOptions, demo, load_path_with, read_camera};
 use basrelief_signals::Scene;
 use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput};
 use basrelief_trace::{TraceForm, looks_like_trace};
@@ -136,14 +136,14 @@ pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> Don
 }
 
 /// Opens a model or a demo (`demo:NAME`) without a view; `None` for a trace.
-pub fn open_subject(path: &Path, global: &GlobalOptions) -> Done<Option<Subject>> {
+pub fn open_subject(path: &Path, global: &GlobalOptions) -> Done<Option<SceneSubject>> {
     if let Some(name) = demo_of(path) {
-        return Subject::demo(name).map(Some).map_err(|e| Failure::Usage(e.to_string()));
+        return SceneSubject::demo(name).map(Some).map_err(|e| Failure::Usage(e.to_string()));
     }
     if path == Path::new("-") || TraceFile::open(path)?.is_one()? {
         return Ok(None);
     }
-    let (subject, held) = Subject::load_path_with(path, &global.import_options()).map_err(failed_within(path))?;
+    let (subject, held) = SceneSubject::load_path_with(path, &global.import_options()).map_err(failed_within(path))?;
     // The memory stays reserved until the end of the program.
     held.keep();
     Ok(Some(subject))

@@ -1,7 +1,7 @@
 //! Services that the program provides to a sweep.
 
 use basrelief_input::Budget;
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use basrelief_sim::{PreparedScene, RunInput};
 use std::io;
 use std::path::Path;
@@ -80,7 +80,7 @@ pub trait Host: Sync {
     ///
     /// # Errors
     /// A sentence.
-    fn png(&self, picture: &Picture) -> Result<Vec<u8>, String>;
+    fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String>;
 
     /// Puts a file with these bytes in its place by renaming, folders above it created where absent.
     ///

@@ -5,7 +5,7 @@ use crate::folder::Failure;
 use crate::plan::{Plan, Point};
 use crate::{Host, Opened, SweepError};
 use basrelief_input::Held;
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use basrelief_report::Report;
 use basrelief_report::model::{Limit, OutcomeKind};
 use basrelief_signals::{Frame, Scene};
@@ -28,7 +28,7 @@ pub(crate) struct Ran {
 struct Watch<'a> {
     host: &'a dyn Host,
     pictures: bool,
-    picture: Option<Picture>,
+    picture: Option<RgbPicture>,
     tape: Option<(Vec<u8>, Held)>,
 }
 

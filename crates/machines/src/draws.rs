@@ -5,7 +5,7 @@ use basrelief_kernel::Machine;
 use basrelief_kernel::stats::{UnitStats, unit_stats};
 
 /// A machine that finishes pictures.
-pub trait Draws: Machine {
+pub trait PictureMachine: Machine {
     /// Returns the finished pictures in the frame buffer.
     fn finished(&mut self) -> &mut Vec<FinishedFrame>;
     /// Adds figures that depend on several units or on the configuration.

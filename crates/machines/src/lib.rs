@@ -27,8 +27,8 @@ mod unit_info;
 
 pub use basrelief_kernel::stats::UnitStats;
 pub use config::{ClockConfig, IdealConfig, ReferenceConfig, ReferenceFilter};
-pub use diagram::{BlockDiagram, PlacedText, Side, WireCell, drawn_units, numeral_of};
-pub use draws::Draws;
+pub use diagram::{BlockDiagram, CellSide, PlacedText, WireCell, drawn_units, numeral_of};
+pub use draws::PictureMachine;
 pub use front::{BoxedControls, BoxedDraws, FrontConfig, FrontEnd, SceneFront, TraceFront};
 pub use methods::{MethodNumber, MethodSpec, MethodSpecs};
 pub use parameter_info::{AllowedValues, ParameterChoice, ParameterInfo, ValueSource};

@@ -32,8 +32,8 @@ pub(crate) fn wired<M: Machine>(mut machine: M, ideal_units: &str) -> Result<M, 
 /// Idealizes units. `names` is a comma-separated list.
 fn make_ideal(machine: &mut impl Machine, names: &str) -> Result<(), ConfigProblem> {
     /// Units to idealize, and all units.
-    struct Idealize<'a>(Vec<&'a str>, Vec<String>);
-    impl Visitor for Idealize<'_> {
+    struct UnitIdealizer<'a>(Vec<&'a str>, Vec<String>);
+    impl Visitor for UnitIdealizer<'_> {
         fn stage<P: BoundStage>(&mut self, mut place: P) {
             let (stage, _) = place.open();
             if self.0.contains(&stage.name()) {
@@ -43,9 +43,9 @@ fn make_ideal(machine: &mut impl Machine, names: &str) -> Result<(), ConfigProbl
         }
     }
     let wanted: Vec<&str> = names.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
-    let mut visitor = Idealize(wanted, vec![]);
+    let mut visitor = UnitIdealizer(wanted, vec![]);
     machine.wire(&mut visitor);
-    let Idealize(wanted, all) = visitor;
+    let UnitIdealizer(wanted, all) = visitor;
     match wanted.iter().find(|name| !all.iter().any(|unit| unit == *name)) {
         Some(name) => problem("ideal.units", format!("has `{name}`, expected units of this machine: {}", all.join(", "))),
         None => Ok(()),

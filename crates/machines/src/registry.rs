@@ -185,9 +185,9 @@ pub struct MachineInfo {
 }
 
 /// Loader of many configurations that share one TOML text.
-pub struct ConfigLoader(Box<Load>);
+pub struct ConfigLoader(Box<LoadFn>);
 
-type Load = dyn Fn(&[(&str, &str)]) -> Result<MachineConfig, ConfigError> + Send + Sync;
+type LoadFn = dyn Fn(&[(&str, &str)]) -> Result<MachineConfig, ConfigError> + Send + Sync;
 
 impl ConfigLoader {
     /// Returns a configuration: defaults, then the text, then these settings in order.

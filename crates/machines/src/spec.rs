@@ -1,7 +1,7 @@
 //! Interface between a machine and the programs that run it.
 
 use crate::defer::RunAhead;
-use crate::draws::Draws;
+use crate::draws::PictureMachine;
 use crate::front::{BoxedControls, BoxedDraws, FrontConfig, FrontEnd, SceneFront, TraceFront};
 use crate::methods::MethodSpecs;
 use crate::problem::ConfigProblem;
@@ -174,7 +174,7 @@ impl RunSummary<'_> {
 }
 
 /// A machine with a log and with pictures of increasing quality; both are empty by default. `L` is an entry of the log.
-pub trait LoggingMachine<L>: Draws {
+pub trait LoggingMachine<L>: PictureMachine {
     /// Returns the pictures shown since the last call that a better picture of the same frame follows, in order.
     fn drain_rounds(&mut self) -> Vec<FinishedFrame> {
         vec![]
@@ -237,11 +237,11 @@ impl InputKind {
 ///
 /// # Errors
 /// Parameters that do not fit together.
-pub(crate) fn empty_machine<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
+pub(crate) fn empty_machine<S: MachineSpec>(spec: &S) -> Result<impl PictureMachine + use<S>, ConfigProblem> {
     spec.build(SceneFront::new(Box::new(std::iter::empty()) as BoxedDraws, spec.front()))
 }
 
 /// Builds the machine behind an empty trace.
-fn empty_trace_machine<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
+fn empty_trace_machine<S: MachineSpec>(spec: &S) -> Result<impl PictureMachine + use<S>, ConfigProblem> {
     spec.build(TraceFront::new(Box::new(std::iter::empty()) as BoxedControls, spec.front()))
 }

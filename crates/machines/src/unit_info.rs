@@ -42,7 +42,7 @@ fn file_of(module: &str) -> String {
 #[cfg(test)]
 macro_rules! diagram_tests {
     ($machine:ident, [$($config:expr),+]) => {
-        use $crate::unit_info::tests::{Wiring, assert_diagram_matches_wiring, assert_units_have_roles_and_files};
+        use $crate::unit_info::tests::{MachineWiring, assert_diagram_matches_wiring, assert_units_have_roles_and_files};
         use $crate::{SceneFront, TraceFront};
 
         type Replayed = std::iter::Empty<Result<(basrelief_signals::Control, Option<u64>), String>>;
@@ -65,7 +65,7 @@ macro_rules! diagram_tests {
 
         #[test]
         fn diagram_matches_wiring() {
-            let wirings = all().into_iter().flat_map(|(mut a, mut b)| [Wiring::of(&mut a), Wiring::of(&mut b)]);
+            let wirings = all().into_iter().flat_map(|(mut a, mut b)| [MachineWiring::of(&mut a), MachineWiring::of(&mut b)]);
             assert_diagram_matches_wiring(DIAGRAM, &units(), &wirings.collect::<Vec<_>>());
         }
 

@@ -1,7 +1,7 @@
 //! Conversion of pictures from and to Python.
 
 use crate::error::{Done, Exported, Failure};
-use basrelief_reference::{Picture, metrics};
+use basrelief_reference::{RgbPicture, metrics};
 use basrelief_sim::to_png;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
@@ -12,7 +12,7 @@ use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};
 pub struct Pixels<'py>(u32, u32, Bound<'py, PyBytes>);
 
 impl<'py> Pixels<'py> {
-    pub fn of(py: Python<'py>, picture: &Picture) -> Self {
+    pub fn of(py: Python<'py>, picture: &RgbPicture) -> Self {
         Self(picture.width, picture.height, PyBytes::new(py, &picture.to_rgba()))
     }
 }
@@ -23,7 +23,7 @@ pub struct Given(u32, u32, PyBackedBytes);
 
 impl Given {
     /// Decodes bytes from [`Picture::to_rgba`].
-    pub fn picture(&self) -> Done<Picture> {
+    pub fn picture(&self) -> Done<RgbPicture> {
         let Self(width, height, rgba) = self;
         let pixels = rgba.as_chunks::<4>().0;
         if u64::from(*width) * u64::from(*height) * 4 != rgba.len() as u64 {
@@ -34,7 +34,7 @@ impl Given {
         }
         let rgb = pixels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
         let covered = pixels.iter().map(|[.., alpha]| *alpha != 0).collect();
-        Ok(Picture { width: *width, height: *height, rgb, covered })
+        Ok(RgbPicture { width: *width, height: *height, rgb, covered })
     }
 }
 

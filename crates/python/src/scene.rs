@@ -3,7 +3,7 @@
 use crate::error::{Done, Exported, Failure, budget};
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_parameters::nearest;
-use basrelief_scene::{Directory, Files, Memory, SceneError, ViewOptions, demo, load_within, read_camera, text};
+use basrelief_scene::{FolderFiles, MemoryFiles, ModelFiles, SceneError, ViewOptions, demo, load_within, read_camera, text};
 use basrelief_sim::{PreparedScene, RunInput};
 use basrelief_trace::{TraceForm, looks_like_trace};
 use pyo3::pybacked::PyBackedBytes;
@@ -163,7 +163,7 @@ impl Scene {
             let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
             let (name, main) = main;
             let files: BTreeMap<String, Vec<u8>> = files.into_iter().map(|(name, bytes)| (name, bytes.to_vec())).collect();
-            let memory = files.iter().fold(Memory::default(), |memory, (name, bytes)| memory.with(name, bytes.as_slice()));
+            let memory = files.iter().fold(MemoryFiles::default(), |memory, (name, bytes)| memory.with(name, bytes.as_slice()));
             let mut scene = Self::loaded((name, main.to_vec()), &memory, view, memory_limit, &budget)?;
             scene.made = Made::Model(main.to_vec(), files);
             Ok(scene)
@@ -224,7 +224,7 @@ impl Scene {
     /// Loads a model. The caller adds the other files of the model.
     fn loaded(
         (name, main): (String, Vec<u8>),
-        files: &dyn Files,
+        files: &dyn ModelFiles,
         view: View,
         memory_limit: Option<u64>,
         budget: &Budget,
@@ -249,14 +249,14 @@ pub enum Reduced<'py> {
 
 /// The folder of a model. Keeps the files read from it, to rebuild the scene elsewhere.
 struct Folder {
-    folder: Directory,
+    folder: FolderFiles,
     read: RefCell<(BTreeMap<String, Vec<u8>>, Held)>,
 }
 
 impl Folder {
     fn of(path: &Path, allow_outside: bool, budget: &Budget) -> Self {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let folder = Directory::new(folder).allow_outside(allow_outside);
+        let folder = FolderFiles::new(folder).allow_outside(allow_outside);
         Self { folder, read: RefCell::new((BTreeMap::new(), budget.nothing())) }
     }
 
@@ -271,7 +271,7 @@ impl Folder {
     }
 }
 
-impl Files for Folder {
+impl ModelFiles for Folder {
     fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
         let (bytes, held) = self.folder.read(relative, budget)?;
         let (files, kept) = &mut *self.read.borrow_mut();

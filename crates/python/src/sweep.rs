@@ -4,7 +4,7 @@ use crate::error::{Done, Exported, Failure, budget};
 use crate::scene::{DisplayList, Source, View, text_of};
 use basrelief_dse::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
 use basrelief_input::Budget;
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use basrelief_scene::{ImportOptions, demo, load_path_with};
 use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, to_png};
 use basrelief_threads as threads;
@@ -167,7 +167,7 @@ impl Host for Program<'_> {
         text_of(&self.files.place(name), &self.files.budget).map_err(|failure| failure.to_string())
     }
 
-    fn png(&self, picture: &Picture) -> Result<Vec<u8>, String> {
+    fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {
         to_png(picture)
     }
 

@@ -1,7 +1,7 @@
 //! Observer of a run or of a resimulation: collects pictures and the recording, and checks for Ctrl-C.
 
 use basrelief_input::{Budget, Held};
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use basrelief_sim::{AnalysisPolicy, Observer, Pictures};
 use pyo3::{PyErr, Python};
 use std::io::{self, Write};
@@ -12,7 +12,7 @@ const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
 /// Collects the pictures of the last frame, the recording, and the exception that stopped the run.
 pub struct Watch {
-    pub last: Option<(Picture, Option<Picture>)>,
+    pub last: Option<(RgbPicture, Option<RgbPicture>)>,
     tape: Kept,
     looked: Instant,
     stopped: Option<PyErr>,

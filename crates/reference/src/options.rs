@@ -41,7 +41,7 @@ pub enum LevelRule {
 /// Levels of a colour texture, and the positions of their texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Pyramid {
+pub enum PyramidLevels {
     /// The given levels. A coordinate spans all levels equally: texel u * width of each.
     #[default]
     Given,
@@ -70,7 +70,7 @@ pub enum TexelCentre {
 /// Colour of the highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Components {
+pub enum BrightnessComponents {
     /// base * (diffuse + specular): one brightness, as in the patent.
     #[default]
     Combined,
@@ -81,7 +81,7 @@ pub enum Components {
 /// Source of a pixel's normal, and stage of lighting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Shading {
+pub enum ShadingModel {
     /// Per pixel: the interpolated normal, tilted by the normal map if the material has one.
     #[default]
     NormalMap,
@@ -101,32 +101,32 @@ pub enum Shading {
 /// Options of an exact picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Options {
+pub struct RenderOptions {
     /// Texture filter, for colour textures and normal maps.
     pub filter: TextureFilter,
     /// Rule for the level of detail of a pixel.
     pub level: LevelRule,
     /// Levels of colour textures.
-    pub pyramid: Pyramid,
+    pub pyramid: PyramidLevels,
     /// Colour of the highlight.
-    pub components: Components,
+    pub components: BrightnessComponents,
     /// Reverses the normals of back faces, as glTF requires for double-sided materials. False by default, because neither the
     /// machines nor the Mesa tool used for checks do it.
     pub two_sided_lighting: bool,
 }
 
-/// All inputs of an exact picture besides the scene. [`Options`] alone imply shading by normal maps.
+/// All inputs of an exact picture besides the scene. [`RenderOptions`] alone imply shading by normal maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Style {
+pub struct RenderStyle {
     /// Stage of lighting.
-    pub shading: Shading,
+    pub shading: ShadingModel,
     /// Options of a pixel.
-    pub options: Options,
+    pub options: RenderOptions,
 }
 
-impl From<Options> for Style {
-    fn from(options: Options) -> Self {
+impl From<RenderOptions> for RenderStyle {
+    fn from(options: RenderOptions) -> Self {
         Self { options, ..Self::default() }
     }
 }

@@ -2,7 +2,7 @@
 
 /// RGB picture, 8 bits per channel, with a mask of drawn pixels. The background is black and not covered.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
+pub struct RgbPicture {
     /// Width \[pixels\].
     pub width: u32,
     /// Height \[pixels\].
@@ -13,7 +13,7 @@ pub struct Picture {
     pub covered: Vec<bool>,
 }
 
-impl Picture {
+impl RgbPicture {
     /// Creates a picture of background only.
     pub fn new(width: u32, height: u32) -> Self {
         let pixels = width as usize * height as usize;
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn background_is_transparent_black() {
-        let mut picture = Picture::new(2, 1);
+        let mut picture = RgbPicture::new(2, 1);
         picture.rgb[1] = [1, 2, 3];
         picture.covered[1] = true;
         assert_eq!(picture.to_rgba(), [0, 0, 0, 0, 1, 2, 3, 255]);

@@ -4,7 +4,7 @@ use crate::pyramid::PyramidCache;
 use crate::raster::{WindowCorner, doubled_area};
 use crate::renderer::BatchRenderer;
 use crate::surface::{LightTerms, LitSurface, PixelAttributes, face_normal};
-use crate::{Picture, Style};
+use crate::{RenderStyle, RgbPicture};
 use basrelief_signals::{Frame, Material, ObjectInfo, Polygon, Vertex};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::sync::Arc;
@@ -12,12 +12,12 @@ use std::sync::Arc;
 /// Renderer of window-space polygons in a stream. Its memory does not grow with their number.
 ///
 /// Polygons are already clipped and culled, and are drawn with either winding. Counter-clockwise on the screen is the front for
-/// [`two_sided_lighting`](crate::Options::two_sided_lighting). Bump flag, LOD, vertex brightness and arrival concern the machines
+/// [`two_sided_lighting`](crate::RenderOptions::two_sided_lighting). Bump flag, LOD, vertex brightness and arrival concern the machines
 /// and are ignored. A triangle with coordinates that are not finite is left out.
 #[derive(Clone, Debug)]
 pub struct PolygonRenderer {
     size: [u32; 2],
-    style: Style,
+    style: RenderStyle,
     frame: Option<Arc<Frame>>,
     /// Transform from window coordinates to world space.
     unproject: DMat4,
@@ -29,7 +29,7 @@ pub struct PolygonRenderer {
 
 impl PolygonRenderer {
     /// Creates a renderer of pictures of `width` x `height` pixels.
-    pub fn new(width: u32, height: u32, style: impl Into<Style>) -> Self {
+    pub fn new(width: u32, height: u32, style: impl Into<RenderStyle>) -> Self {
         Self {
             size: [width, height],
             style: style.into(),
@@ -76,7 +76,7 @@ impl PolygonRenderer {
     }
 
     /// Returns the picture so far. The renderer starts the next one, with the same frame and object.
-    pub fn finish(&mut self) -> Picture {
+    pub fn finish(&mut self) -> RgbPicture {
         let [width, height] = self.size;
         self.material = None;
         std::mem::replace(&mut self.renderer, BatchRenderer::new(width, height)).finish()

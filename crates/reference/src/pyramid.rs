@@ -1,6 +1,6 @@
 //! The pyramid of the rate-limited renderer.
 
-use crate::{Options, Pyramid};
+use crate::{PyramidLevels, RenderOptions};
 use basrelief_signals::{Image, Texture};
 use std::sync::Arc;
 
@@ -10,8 +10,8 @@ pub(crate) struct PyramidCache(Vec<(Arc<Texture>, Arc<Texture>)>);
 
 impl PyramidCache {
     /// Returns the texture as it is sampled. The options are the same in every call.
-    pub fn of(&mut self, texture: &Arc<Texture>, options: &Options) -> Arc<Texture> {
-        let Pyramid::Tiled { tile, .. } = options.pyramid else { return Arc::clone(texture) };
+    pub fn of(&mut self, texture: &Arc<Texture>, options: &RenderOptions) -> Arc<Texture> {
+        let PyramidLevels::Tiled { tile, .. } = options.pyramid else { return Arc::clone(texture) };
         if let Some((_, made)) = self.0.iter().find(|(given, _)| Arc::ptr_eq(given, texture)) {
             return Arc::clone(made);
         }
@@ -79,9 +79,9 @@ mod tests {
         let texture = Texture { id: 3, name: "t".into(), levels: vec![image(9, 2)], offset: 7, ..Texture::default() };
         let texture = Arc::new(texture);
         let mut pyramids = PyramidCache::default();
-        assert!(Arc::ptr_eq(&pyramids.of(&texture, &Options::default()), &texture));
-        let pyramid = Pyramid::Tiled { tile: [4, 4], centre: TexelCentre::Half };
-        let options = Options { pyramid, ..Options::default() };
+        assert!(Arc::ptr_eq(&pyramids.of(&texture, &RenderOptions::default()), &texture));
+        let pyramid = PyramidLevels::Tiled { tile: [4, 4], centre: TexelCentre::Half };
+        let options = RenderOptions { pyramid, ..RenderOptions::default() };
         let made = pyramids.of(&texture, &options);
         assert_eq!(made.levels.len(), 3);
         assert!(Arc::ptr_eq(&pyramids.of(&texture, &options), &made));

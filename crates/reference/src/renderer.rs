@@ -1,6 +1,6 @@
 //! Visibility, then shading, of batches of triangles, by bands of rows.
 
-use crate::Picture;
+use crate::RgbPicture;
 use crate::raster::{CoveredTriangle, WindowCorner};
 use crate::surface::{LitSurface, PixelAttributes};
 use basrelief_threads as threads;
@@ -17,15 +17,15 @@ const NOTHING: u32 = u32::MAX;
 /// A picture being drawn.
 #[derive(Clone, Debug)]
 pub(crate) struct BatchRenderer {
-    picture: Picture,
+    picture: RgbPicture,
     depth: Vec<f64>,
     visible: Vec<u32>,
     surfaces: Vec<LitSurface>,
-    pending: Vec<Pending>,
+    pending: Vec<PendingPixel>,
 }
 
 #[derive(Clone, Debug)]
-struct Pending {
+struct PendingPixel {
     triangle: CoveredTriangle,
     surface: usize,
     back: bool,
@@ -33,7 +33,7 @@ struct Pending {
 
 impl BatchRenderer {
     pub fn new(width: u32, height: u32) -> Self {
-        let picture = Picture::new(width, height);
+        let picture = RgbPicture::new(width, height);
         let pixels = picture.rgb.len();
         Self { picture, depth: vec![1.0; pixels], visible: vec![NOTHING; pixels], surfaces: Vec::new(), pending: Vec::new() }
     }
@@ -63,14 +63,14 @@ impl BatchRenderer {
         if back && cull {
             return;
         }
-        self.pending.push(Pending { triangle, surface, back });
+        self.pending.push(PendingPixel { triangle, surface, back });
         if self.pending.len() >= BATCH {
             self.resolve(self.rows_per_band());
         }
     }
 
     /// Returns the picture.
-    pub fn finish(mut self) -> Picture {
+    pub fn finish(mut self) -> RgbPicture {
         self.resolve(self.rows_per_band());
         self.picture
     }
@@ -112,7 +112,7 @@ struct RowBand<'a> {
 }
 
 impl RowBand<'_> {
-    fn draw(&mut self, pending: &[Pending], surfaces: &[LitSurface]) {
+    fn draw(&mut self, pending: &[PendingPixel], surfaces: &[LitSurface]) {
         for (number, entry) in (0..).zip(pending) {
             self.cover(number, &entry.triangle);
         }
@@ -137,7 +137,7 @@ impl RowBand<'_> {
         });
     }
 
-    fn shade(&mut self, column: usize, row: usize, pending: &[Pending], surfaces: &[LitSurface]) {
+    fn shade(&mut self, column: usize, row: usize, pending: &[PendingPixel], surfaces: &[LitSurface]) {
         let at = (row - self.rows.start) * self.width + column;
         let number = std::mem::replace(&mut self.visible[at], NOTHING);
         if let Some(entry) = pending.get(number as usize) {
@@ -151,7 +151,7 @@ impl RowBand<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Style;
+    use crate::RenderStyle;
     use crate::pyramid::PyramidCache;
     use basrelief_signals::{Frame, Material};
     use glam::DVec2;
@@ -166,7 +166,7 @@ mod tests {
         let frame = Frame { width: 64, height: 48, ..Frame::default() };
         let material = Material { base_color: [9.0; 4], ..Material::default() };
         let mut renderer = BatchRenderer::new(64, 48);
-        renderer.surface(LitSurface::new(Style::default(), &frame, &material, [0.0; 3], &mut PyramidCache::default()));
+        renderer.surface(LitSurface::new(RenderStyle::default(), &frame, &material, [0.0; 3], &mut PyramidCache::default()));
         renderer.triangle([corner(3.0, 2.0, 0.1), corner(60.0, 20.0, 0.9), corner(20.0, 45.0, 0.5)], false, false);
         renderer.triangle([corner(1.0, 40.0, 0.6), corner(63.0, 30.0, 0.2), corner(20.0, 3.0, 0.8)], false, false);
         let pictures = [1, 5, 48, 100].map(|rows| {

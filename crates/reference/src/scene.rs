@@ -5,7 +5,7 @@ use crate::pyramid::PyramidCache;
 use crate::raster::WindowCorner;
 use crate::renderer::BatchRenderer;
 use crate::surface::{LightTerms, LitSurface, PixelAttributes, face_normal};
-use crate::{Picture, Style};
+use crate::{RenderStyle, RgbPicture};
 use basrelief_signals::{Frame, Mesh, Object, Scene};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
@@ -14,7 +14,7 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 /// Vertex normals and tangents are transformed to world space and normalised there, then interpolated unnormalised. Under a
 /// mirroring world transform, front faces stay front faces. The handedness of tangents is used as stored, as in glTF viewers.
 /// Triangles with invalid indices or coordinates are left out.
-pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<Style> + Copy)) -> Picture {
+pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<RenderStyle> + Copy)) -> RgbPicture {
     let style = (*style).into();
     let mut renderer = BatchRenderer::new(frame.width, frame.height);
     let mut pyramids = PyramidCache::default();

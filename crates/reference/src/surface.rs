@@ -4,7 +4,7 @@ use crate::light::ObjectLight;
 use crate::picture::to_8_bits;
 use crate::pyramid::PyramidCache;
 use crate::texture::{TextureFootprint, sample};
-use crate::{Components, Options, Pyramid, Shading, Style, TextureFilter};
+use crate::{BrightnessComponents, PyramidLevels, RenderOptions, RenderStyle, ShadingModel, TextureFilter};
 use basrelief_signals::{Frame, Material, Texture};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -68,7 +68,7 @@ pub(crate) struct SurfacePoint {
 /// A material under the lights of its frame, at the position of its object.
 #[derive(Clone, Debug)]
 pub(crate) struct LitSurface {
-    style: Style,
+    style: RenderStyle,
     base: DVec3,
     color_texture: Option<Arc<Texture>>,
     normal_map: Option<Arc<Texture>>,
@@ -77,9 +77,9 @@ pub(crate) struct LitSurface {
 }
 
 impl LitSurface {
-    pub fn new(style: Style, frame: &Frame, material: &Material, centre: [f32; 3], pyramids: &mut PyramidCache) -> Self {
+    pub fn new(style: RenderStyle, frame: &Frame, material: &Material, centre: [f32; 3], pyramids: &mut PyramidCache) -> Self {
         let [r, g, b, _] = material.base_color.map(f64::from);
-        let mapped = style.shading == Shading::NormalMap && style.options.filter != TextureFilter::None;
+        let mapped = style.shading == ShadingModel::NormalMap && style.options.filter != TextureFilter::None;
         Self {
             style,
             base: DVec3::new(r, g, b),
@@ -94,9 +94,9 @@ impl LitSurface {
     /// is true if it is seen from behind.
     pub fn light<V: AsMut<PixelAttributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
         let normal = match self.style.shading {
-            Shading::NormalMap | Shading::Phong | Shading::Texture => return,
-            Shading::Face => Some(face(vertices)),
-            Shading::Gouraud | Shading::Mean => None,
+            ShadingModel::NormalMap | ShadingModel::Phong | ShadingModel::Texture => return,
+            ShadingModel::Face => Some(face(vertices)),
+            ShadingModel::Gouraud | ShadingModel::Mean => None,
         };
         let weight = 1.0 / vertices.len() as f64;
         let mut mean = LightTerms::default();
@@ -104,7 +104,7 @@ impl LitSurface {
             vertex.lit = self.lit(vertex.color, normal.unwrap_or(vertex.normal), back);
             mean.add(&vertex.lit, weight);
         }
-        if self.style.shading == Shading::Mean {
+        if self.style.shading == ShadingModel::Mean {
             vertices.iter_mut().for_each(|vertex| vertex.as_mut().lit = mean);
         }
     }
@@ -116,13 +116,13 @@ impl LitSurface {
             base *= sample(texture, &self.style.options, &point.uv);
         }
         let lit = match self.style.shading {
-            Shading::NormalMap | Shading::Phong => self.lit(point.attributes.color, self.normal(point), point.back),
-            Shading::Gouraud | Shading::Face | Shading::Mean => point.attributes.lit,
-            Shading::Texture => LightTerms { diffuse: point.attributes.color, specular: DVec3::ZERO },
+            ShadingModel::NormalMap | ShadingModel::Phong => self.lit(point.attributes.color, self.normal(point), point.back),
+            ShadingModel::Gouraud | ShadingModel::Face | ShadingModel::Mean => point.attributes.lit,
+            ShadingModel::Texture => LightTerms { diffuse: point.attributes.color, specular: DVec3::ZERO },
         };
         let color = match self.style.options.components {
-            Components::Combined => base * (lit.diffuse + lit.specular),
-            Components::Separate => base * lit.diffuse + lit.specular,
+            BrightnessComponents::Combined => base * (lit.diffuse + lit.specular),
+            BrightnessComponents::Separate => base * lit.diffuse + lit.specular,
         };
         color.to_array().map(to_8_bits)
     }
@@ -132,8 +132,8 @@ impl LitSurface {
         let unit = normal.normalize_or_zero();
         let (diffuse, specular) = self.light.on(if back && self.style.options.two_sided_lighting { -unit } else { unit });
         let highlight = match self.style.options.components {
-            Components::Combined => color,
-            Components::Separate => DVec3::ONE,
+            BrightnessComponents::Combined => color,
+            BrightnessComponents::Separate => DVec3::ONE,
         };
         LightTerms { diffuse: color * diffuse, specular: highlight * specular }
     }
@@ -142,7 +142,7 @@ impl LitSurface {
     fn normal(&self, point: &SurfacePoint) -> DVec3 {
         let PixelAttributes { normal, tangent, handedness, .. } = point.attributes;
         self.normal_map.as_ref().map_or(normal, |map| {
-            let options = Options { pyramid: Pyramid::Given, ..self.style.options };
+            let options = RenderOptions { pyramid: PyramidLevels::Given, ..self.style.options };
             let texel = sample(map, &options, &point.uv_normal) * 2.0 - 1.0;
             let bitangent = normal.cross(tangent) * handedness;
             (tangent * texel.x + bitangent * texel.y) * self.normal_scale + normal * texel.z

@@ -1,6 +1,6 @@
 //! Texture sampling as defined by OpenGL, and as in the rate-limited renderer, in `f64`.
 
-use crate::{LevelRule, Options, Pyramid, TexelCentre, TextureFilter};
+use crate::{LevelRule, PyramidLevels, RenderOptions, TexelCentre, TextureFilter};
 use basrelief_signals::{Image, Texture, WrapMode};
 use glam::{DVec2, DVec3};
 
@@ -13,7 +13,7 @@ pub(crate) struct TextureFootprint {
 }
 
 /// Returns the filtered RGB, 0..=1. A texture without levels is white.
-pub(crate) fn sample(texture: &Texture, options: &Options, footprint: &TextureFootprint) -> DVec3 {
+pub(crate) fn sample(texture: &Texture, options: &RenderOptions, footprint: &TextureFootprint) -> DVec3 {
     let Some(finest) = texture.levels.first() else { return DVec3::ONE };
     let sampler = TextureSampler { texture, finest, pyramid: options.pyramid, at: footprint.at };
     let lod = || {
@@ -59,7 +59,7 @@ fn nearest_level(lod: f64) -> usize {
 struct TextureSampler<'a> {
     texture: &'a Texture,
     finest: &'a Image,
-    pyramid: Pyramid,
+    pyramid: PyramidLevels,
     at: DVec2,
 }
 
@@ -92,7 +92,7 @@ impl TextureSampler<'_> {
     }
 
     fn coordinate(&self, at: f64, finest: u32, size: u32, level: usize, wrap: WrapMode) -> f64 {
-        let Pyramid::Tiled { centre, .. } = self.pyramid else { return at * f64::from(size) };
+        let PyramidLevels::Tiled { centre, .. } = self.pyramid else { return at * f64::from(size) };
         // Period and edge are those of the finest level, because a side that was rounded up does not fill its level.
         let inside = match wrap {
             WrapMode::Repeat => at.rem_euclid(1.0),
@@ -155,11 +155,11 @@ mod tests {
     /// Returns the value in fifths at column coordinate `u` \[texels of level 0\], with a footprint of `step` texels.
     fn fifths(texture: &Texture, filter: TextureFilter, u: f64, step: f64) -> f64 {
         let at = TextureFootprint { at: DVec2::new(u / 4.0, 0.5), right: DVec2::new(step / 4.0, 0.0), down: DVec2::ZERO };
-        sample(texture, &Options { filter, ..Options::default() }, &at).x * 5.0
+        sample(texture, &RenderOptions { filter, ..RenderOptions::default() }, &at).x * 5.0
     }
 
     /// Returns the value as [`fifths`], with any options and footprint \[texels of level 0\].
-    fn fifths_by(texture: &Texture, options: Options, u: f64, right: [f64; 2], down: [f64; 2]) -> f64 {
+    fn fifths_by(texture: &Texture, options: RenderOptions, u: f64, right: [f64; 2], down: [f64; 2]) -> f64 {
         let finest = &texture.levels[0];
         let size = DVec2::new(f64::from(finest.width), f64::from(finest.height));
         let at =
@@ -207,7 +207,7 @@ mod tests {
         TextureFilter::NearestMipLinear,
     ];
 
-    const TILED: Pyramid = Pyramid::Tiled { tile: [1, 1], centre: TexelCentre::Half };
+    const TILED: PyramidLevels = PyramidLevels::Tiled { tile: [1, 1], centre: TexelCentre::Half };
 
     #[test]
     fn nearest_level_tie_selects_finer_level() {
@@ -226,7 +226,8 @@ mod tests {
     #[test]
     fn mip_map_selector_uses_only_scan_line_direction() {
         let texture = ramp(WrapMode::Clamp);
-        let by = |level| move |right, down| fifths_by(&texture, Options { level, ..Options::default() }, 1.5, right, down);
+        let by =
+            |level| move |right, down| fifths_by(&texture, RenderOptions { level, ..RenderOptions::default() }, 1.5, right, down);
         let scan_line = by(LevelRule::AlongScanLine);
         assert!((scan_line([2.0, 0.0], [1e6, 1e6]) - 1.25).abs() < 1e-12, "level 1, whatever changes downwards");
         assert!((scan_line([-4.0, 0.1], [0.0, 0.0]) - 4.0).abs() < 1e-12);
@@ -235,10 +236,10 @@ mod tests {
     }
 
     /// Creates a row of five texels: levels of 5, 3, 2 and 1 texels if sides are rounded up.
-    fn five(centre: TexelCentre, wrap: WrapMode) -> (Texture, Options) {
+    fn five(centre: TexelCentre, wrap: WrapMode) -> (Texture, RenderOptions) {
         let sampler = Modes { wrap: [wrap; 2], ..Modes::default() };
         let levels = [&[0, 10, 20, 30, 40][..], &[5, 25, 40], &[15, 40], &[28]].map(|v| gray(v.len() as u32, 1, v));
-        let options = Options { pyramid: Pyramid::Tiled { tile: [1, 1], centre }, ..Options::default() };
+        let options = RenderOptions { pyramid: PyramidLevels::Tiled { tile: [1, 1], centre }, ..RenderOptions::default() };
         (Texture { id: 0, name: String::new(), sampler, levels: levels.into(), offset: 0, elsewhere: None }, options)
     }
 
@@ -270,7 +271,8 @@ mod tests {
         for u in [f64::NAN, f64::INFINITY, -1e300] {
             for filter in FILTERS {
                 let _ = fifths(&texture, filter, u, u);
-                let _ = fifths_by(&texture, Options { filter, pyramid: TILED, ..Options::default() }, u, [u, u], [u, u]);
+                let _ =
+                    fifths_by(&texture, RenderOptions { filter, pyramid: TILED, ..RenderOptions::default() }, u, [u, u], [u, u]);
             }
         }
         texture.levels[0].texels.clear();

@@ -4,7 +4,10 @@
 #[path = "mesa/tool.rs"]
 mod tool;
 
-use basrelief_reference::{Components, LevelRule, Options, Picture, Pyramid, Shading, Style, TextureFilter, draw_scene};
+use basrelief_reference::{
+    BrightnessComponents, LevelRule, PyramidLevels, RenderOptions, RenderStyle, RgbPicture, ShadingModel, TextureFilter,
+    draw_scene,
+};
 use basrelief_scene::ViewOptions;
 use basrelief_signals::{Material, Mesh, Object, Scene};
 use std::path::{Path, PathBuf};
@@ -77,27 +80,27 @@ fn only_mesh(scene: &Scene) -> Mesh {
 }
 
 /// Default style of the tool.
-const BUMP: Style = Style {
-    shading: Shading::NormalMap,
-    options: Options {
+const BUMP: RenderStyle = RenderStyle {
+    shading: ShadingModel::NormalMap,
+    options: RenderOptions {
         filter: TextureFilter::Bilinear,
         level: LevelRule::LongerAxis,
-        pyramid: Pyramid::Given,
-        components: Components::Separate,
+        pyramid: PyramidLevels::Given,
+        components: BrightnessComponents::Separate,
         two_sided_lighting: false,
     },
 };
 
-fn draw(scene: &Scene, style: Style) -> Picture {
+fn draw(scene: &Scene, style: RenderStyle) -> RgbPicture {
     draw_scene(scene, &scene.frames[0], &style)
 }
 
 /// Draws with both and asserts agreement.
-fn assert_agreement(mesa: &Mesa, name: &str, scene: &Scene, model: &Path, style: Style, cull: bool) {
+fn assert_agreement(mesa: &Mesa, name: &str, scene: &Scene, model: &Path, style: RenderStyle, cull: bool) {
     assert_agreement_to(45.0, mesa, name, scene, model, style, cull);
 }
 
-fn assert_agreement_to(least: f64, mesa: &Mesa, name: &str, scene: &Scene, model: &Path, style: Style, cull: bool) {
+fn assert_agreement_to(least: f64, mesa: &Mesa, name: &str, scene: &Scene, model: &Path, style: RenderStyle, cull: bool) {
     let (db, differing) = agreement(&draw(scene, style), &mesa.draw(model, style, cull));
     let (mode, filter) = (mode(style.shading), style.options.filter);
     let what = format!("{name}, {mode}, texture filter: {filter:?}, culled: {cull}");
@@ -136,7 +139,7 @@ fn exact_pictures_agree_with_mesa() {
     }
 }
 
-const SHADINGS: [Shading; 3] = [Shading::Face, Shading::Gouraud, Shading::Phong];
+const SHADINGS: [ShadingModel; 3] = [ShadingModel::Face, ShadingModel::Gouraud, ShadingModel::Phong];
 
 #[test]
 fn flat_gouraud_and_phong_shading_agree_with_mesa() {
@@ -144,9 +147,9 @@ fn flat_gouraud_and_phong_shading_agree_with_mesa() {
     for model in models(&["Avocado/Avocado.gltf", "ClearcoatWicker.glb"]) {
         let (name, textured) = (name_of(&model), double_sided(&load(&model)));
         for shading in SHADINGS {
-            let plain = Style { shading, options: Options { filter: TextureFilter::None, ..BUMP.options } };
+            let plain = RenderStyle { shading, options: RenderOptions { filter: TextureFilter::None, ..BUMP.options } };
             assert_agreement(&mesa, &name, &white(&textured), &model, plain, false);
-            assert_agreement(&mesa, &name, &textured, &model, Style { shading, ..BUMP }, false);
+            assert_agreement(&mesa, &name, &textured, &model, RenderStyle { shading, ..BUMP }, false);
         }
     }
     for (name, mesh) in meshes() {
@@ -154,7 +157,7 @@ fn flat_gouraud_and_phong_shading_agree_with_mesa() {
         let model = as_gltf(&mesh, PLAIN, folder.path());
         let scene = load(&model);
         for shading in SHADINGS {
-            assert_agreement(&mesa, name, &scene, &model, Style { shading, ..BUMP }, false);
+            assert_agreement(&mesa, name, &scene, &model, RenderStyle { shading, ..BUMP }, false);
         }
     }
 }
@@ -170,20 +173,20 @@ fn culling_agrees_with_mesa_mirrored_or_not() {
         let model = as_gltf(&mesh, Look { double_sided: false, scale, ..PLAIN }, folder.path());
         let scene = load(&model);
         let open = double_sided(&scene);
-        let count = |picture: Picture| picture.covered.iter().filter(|&&c| c).count();
+        let count = |picture: RgbPicture| picture.covered.iter().filter(|&&c| c).count();
         let (culled, all) = (count(draw(&scene, BUMP)), count(draw(&open, BUMP)));
         assert!(culled + 1_000 < all, "culling must show: {culled} of {all} pixels");
         let name = format!("half a goblet, scaled by {scale:?}");
-        for shading in [Shading::NormalMap, Shading::Face] {
-            assert_agreement(&mesa, &name, &scene, &model, Style { shading, ..BUMP }, true);
-            assert_agreement(&mesa, &name, &open, &model, Style { shading, ..BUMP }, false);
+        for shading in [ShadingModel::NormalMap, ShadingModel::Face] {
+            assert_agreement(&mesa, &name, &scene, &model, RenderStyle { shading, ..BUMP }, true);
+            assert_agreement(&mesa, &name, &open, &model, RenderStyle { shading, ..BUMP }, false);
         }
     }
 }
 
 /// Returns the style of textures without light, with this filter.
-fn textured(filter: TextureFilter) -> Style {
-    Style { shading: Shading::Texture, options: Options { filter, ..BUMP.options } }
+fn textured(filter: TextureFilter) -> RenderStyle {
+    RenderStyle { shading: ShadingModel::Texture, options: RenderOptions { filter, ..BUMP.options } }
 }
 
 const MODELS: [&str; 6] = [

@@ -1,7 +1,7 @@
 //! Comparison of the metrics with the standard implementations of their fields, and their laws.
 
 use basrelief_reference::metrics::{IDENTICAL_DB, difference, flip, psnr, scaled_difference, ssim};
-use basrelief_reference::{Picture, Quality};
+use basrelief_reference::{QualityMetrics, RgbPicture};
 use proptest::prelude::*;
 
 type Pattern = fn(u32, u32, u32) -> u32;
@@ -26,8 +26,8 @@ fn noise(x: u32, y: u32, c: u32) -> u32 {
     (smooth(x, y, c) + (x * x * 31 + y * y * 17 + x * y * 7 + c * 91) % 64) % 256
 }
 
-fn picture(width: u32, height: u32, value: impl Fn(u32, u32, u32) -> u32) -> Picture {
-    let mut picture = Picture::new(width, height);
+fn picture(width: u32, height: u32, value: impl Fn(u32, u32, u32) -> u32) -> RgbPicture {
+    let mut picture = RgbPicture::new(width, height);
     for (i, pixel) in (0..).zip(&mut picture.rgb) {
         *pixel = [0, 1, 2].map(|c| value(i % width, i / width, c) as u8);
     }
@@ -49,7 +49,7 @@ const EXPECTED: [(Pattern, Pattern, [f64; 3]); 4] = [
 #[test]
 fn metrics_agree_with_numpy_scikit_image_and_nvidia_flip() {
     for (number, (a, b, [psnr_db, ssim, flip])) in EXPECTED.into_iter().enumerate() {
-        let quality = Quality::measure(&picture(96, 64, a), &picture(96, 64, b)).expect("same size");
+        let quality = QualityMetrics::measure(&picture(96, 64, a), &picture(96, 64, b)).expect("same size");
         assert!((quality.psnr_db - psnr_db).abs() < 2e-6, "pair {number}: {quality:?}");
         assert!((quality.ssim - ssim).abs() < 2e-6, "pair {number}: {quality:?}");
         assert!((quality.flip - flip).abs() < 2e-5, "pair {number}: {quality:?}");
@@ -59,7 +59,7 @@ fn metrics_agree_with_numpy_scikit_image_and_nvidia_flip() {
 #[test]
 fn background_counts_only_where_one_picture_covers_it() {
     let small = picture(20, 10, smooth);
-    let mut exact = Picture::new(80, 60);
+    let mut exact = RgbPicture::new(80, 60);
     for y in 0..10 {
         for x in 0..20 {
             exact.rgb[(y + 30) * 80 + x + 40] = small.rgb[y * 20 + x];
@@ -80,19 +80,19 @@ fn background_counts_only_where_one_picture_covers_it() {
 #[test]
 fn uncovered_pictures_are_identical() {
     for (width, height) in [(0, 0), (5, 4)] {
-        let nothing = Picture::new(width, height);
-        let expected = Quality { psnr_db: IDENTICAL_DB, ssim: 1.0, flip: 0.0 };
-        assert_eq!(Quality::measure(&nothing, &nothing), Ok(expected));
+        let nothing = RgbPicture::new(width, height);
+        let expected = QualityMetrics { psnr_db: IDENTICAL_DB, ssim: 1.0, flip: 0.0 };
+        assert_eq!(QualityMetrics::measure(&nothing, &nothing), Ok(expected));
     }
 }
 
 #[test]
 fn different_sizes_are_an_error() {
-    let (exact, other) = (Picture::new(4, 3), Picture::new(3, 4));
-    let error = Quality::measure(&exact, &other).expect_err("sizes differ");
+    let (exact, other) = (RgbPicture::new(4, 3), RgbPicture::new(3, 4));
+    let error = QualityMetrics::measure(&exact, &other).expect_err("sizes differ");
     assert_eq!((error.exact, error.other), ([4, 3], [3, 4]));
     assert!(error.to_string().contains("4x3 against picture 3x4"));
-    let mut short = Picture::new(4, 3);
+    let mut short = RgbPicture::new(4, 3);
     short.covered.pop();
     assert!(difference(&exact, &short).is_err());
 }
@@ -121,18 +121,18 @@ fn difference_is_eightfold_and_saturated() {
     assert_eq!(result.covered, [true, true]);
 }
 
-fn any_picture() -> impl Strategy<Value = Picture> {
+fn any_picture() -> impl Strategy<Value = RgbPicture> {
     prop::collection::vec((prop::array::uniform3(any::<u8>()), any::<bool>()), 12 * 9).prop_map(|pixels| {
         let (rgb, covered) = pixels.into_iter().unzip();
-        Picture { width: 12, height: 9, rgb, covered }
+        RgbPicture { width: 12, height: 9, rgb, covered }
     })
 }
 
 proptest! {
     #[test]
     fn metrics_are_symmetric_and_bounded(a in any_picture(), b in any_picture()) {
-        let there = Quality::measure(&a, &b).expect("same size");
-        let back = Quality::measure(&b, &a).expect("same size");
+        let there = QualityMetrics::measure(&a, &b).expect("same size");
+        let back = QualityMetrics::measure(&b, &a).expect("same size");
         prop_assert_eq!(there.psnr_db, back.psnr_db);
         prop_assert!((there.ssim - back.ssim).abs() < 1e-6 && (there.flip - back.flip).abs() < 2e-6);
         prop_assert!((0.0..=IDENTICAL_DB).contains(&there.psnr_db));
@@ -143,8 +143,8 @@ proptest! {
 
     #[test]
     fn identical_pictures_have_no_difference(a in any_picture()) {
-        let expected = Quality { psnr_db: IDENTICAL_DB, ssim: 1.0, flip: 0.0 };
-        prop_assert_eq!(Quality::measure(&a, &a), Ok(expected));
+        let expected = QualityMetrics { psnr_db: IDENTICAL_DB, ssim: 1.0, flip: 0.0 };
+        prop_assert_eq!(QualityMetrics::measure(&a, &a), Ok(expected));
         prop_assert!(difference(&a, &a).expect("same size").rgb.iter().all(|p| *p == [0; 3]));
     }
 }

@@ -3,7 +3,9 @@
 mod common;
 
 use basrelief_reference::metrics::psnr;
-use basrelief_reference::{Components, Options, Picture, PolygonRenderer, TextureFilter, draw_scene, object_centre};
+use basrelief_reference::{
+    BrightnessComponents, PolygonRenderer, RenderOptions, RgbPicture, TextureFilter, draw_scene, object_centre,
+};
 use basrelief_signals::{Frame, Light, LightKind, Lighting, Material, Mesh, Polygon, Scene, Vertex};
 use common::{IDENTITY, bumpy_sphere, frame, object, polygons, row_major, scene, sphere};
 use glam::DVec3;
@@ -11,11 +13,11 @@ use std::sync::Arc;
 
 const EYE: DVec3 = DVec3::new(1.5, 1.2, 3.0);
 
-fn covered(picture: &Picture) -> usize {
+fn covered(picture: &RgbPicture) -> usize {
     picture.covered.iter().filter(|&&c| c).count()
 }
 
-fn from_polygons(scene: &Scene, frame: &Frame, options: &Options) -> Picture {
+fn from_polygons(scene: &Scene, frame: &Frame, options: &RenderOptions) -> RgbPicture {
     let mut renderer = PolygonRenderer::new(frame.width, frame.height, *options);
     renderer.frame(frame);
     for object in &scene.objects {
@@ -55,8 +57,8 @@ fn scene_and_polygons_agree_to_60_db() {
     let scene = bumpy_sphere(72);
     assert!(scene.objects[0].mesh.indices.len() / 3 > 2 * 8192, "more than one batch");
     for filter in [TextureFilter::Nearest, TextureFilter::Bilinear, TextureFilter::Trilinear] {
-        for components in [Components::Combined, Components::Separate] {
-            let options = Options { filter, components, ..Options::default() };
+        for components in [BrightnessComponents::Combined, BrightnessComponents::Separate] {
+            let options = RenderOptions { filter, components, ..RenderOptions::default() };
             let (exact, other) = (draw_scene(&scene, &frame, &options), from_polygons(&scene, &frame, &options));
             let db = psnr(&exact, &other).expect("same size");
             assert!(covered(&exact) > 20_000 && db >= 60.0, "{options:?}: {db} dB");
@@ -75,8 +77,8 @@ fn facing_square_has_brightness_of_formula() {
     let eight_bits = |c: f64| (c.min(1.0) * 255.0 + 0.5) as u8;
     let combined = [0.5, 1.0, 0.25].map(|base| eight_bits(base * (diffuse + specular)));
     let separate = [0.5, 1.0, 0.25].map(|base| eight_bits(base * diffuse + specular));
-    for (components, expected) in [(Components::Combined, combined), (Components::Separate, separate)] {
-        let options = Options { components, ..Options::default() };
+    for (components, expected) in [(BrightnessComponents::Combined, combined), (BrightnessComponents::Separate, separate)] {
+        let options = RenderOptions { components, ..RenderOptions::default() };
         let picture = draw_scene(&scene, &white(LightKind::Directional { to_light }, 64), &options);
         assert_eq!(picture.rgb[32 * 64 + 32], expected);
     }
@@ -88,7 +90,7 @@ fn specular_term_is_not_gated() {
     let lighting = Lighting { ka: 0.0, kd: 1.0, ks: 1.0, n: 1.0 };
     let material = Material { lighting, ..Material::default() };
     let scene = scene(vec![object(square(1), IDENTITY, material)]);
-    let picture = draw_scene(&scene, &white(LightKind::Directional { to_light }, 32), &Options::default());
+    let picture = draw_scene(&scene, &white(LightKind::Directional { to_light }, 32), &RenderOptions::default());
     assert!(picture.rgb[16 * 32 + 16][0] > 100, "light from behind, highlight still there");
 }
 
@@ -99,7 +101,7 @@ fn point_lights_are_evaluated_at_world_box_centre() {
     assert_eq!(object_centre(&object(mesh, world, Material::default())), [6.0, 1.5, -1.5]);
     assert_eq!(object_centre(&object(Mesh::default(), world, Material::default())), [0.0; 3]);
     let scene = scene(vec![object(square(1), IDENTITY, Material::default())]);
-    let draw = |kind| draw_scene(&scene, &white(kind, 48), &Options::default());
+    let draw = |kind| draw_scene(&scene, &white(kind, 48), &RenderOptions::default());
     let point = draw(LightKind::Point { position: [3.0, 0.0, 4.0] });
     assert_eq!(point, draw(LightKind::Directional { to_light: [0.6, 0.0, 0.8] }));
 }
@@ -114,7 +116,7 @@ fn normal_map_tilts_normal_in_tangent_frame() {
     let lit = |normal_scale: f32, to_light: [f32; 3]| {
         let material = Material { normal_map: normal_map.clone(), normal_scale, lighting, ..Material::default() };
         let scene = scene(vec![object(square(1), IDENTITY, material)]);
-        let options = Options { filter: TextureFilter::Bilinear, ..Options::default() };
+        let options = RenderOptions { filter: TextureFilter::Bilinear, ..RenderOptions::default() };
         draw_scene(&scene, &white(LightKind::Directional { to_light }, 16), &options).rgb[8 * 16 + 8][0]
     };
     assert!(lit(1.0, [0.48, 0.36, 0.8]) >= 254);
@@ -129,7 +131,7 @@ fn near_plane_clipping_keeps_the_rest() {
     let frame = frame(160, 120, DVec3::new(0.3, 0.2, 2.0));
     let draw = |n| {
         let material = Material { color_texture: Some(common::stripes(64)), double_sided: true, ..Material::default() };
-        draw_scene(&scene(vec![object(square(n), floor, material)]), &frame, &Options::default())
+        draw_scene(&scene(vec![object(square(n), floor, material)]), &frame, &RenderOptions::default())
     };
     let (coarse, fine) = (draw(1), draw(40));
     assert!(covered(&coarse) > 5_000);
@@ -144,7 +146,7 @@ fn front_faces_survive_mirroring() {
     let frame = white(LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, 40);
     let draw = |world, double_sided| {
         let material = Material { double_sided, ..Material::default() };
-        draw_scene(&scene(vec![object(square(1), world, material)]), &frame, &Options::default())
+        draw_scene(&scene(vec![object(square(1), world, material)]), &frame, &RenderOptions::default())
     };
     let front = draw(IDENTITY, false);
     assert_eq!(front, draw(mirror, false));
@@ -158,8 +160,9 @@ fn back_face_normals_reverse_on_request() {
     let frame = white(LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, 40);
     let material = Material { double_sided: true, ..Material::default() };
     let scene_of = |world| scene(vec![object(square(1), world, material.clone())]);
-    let draw =
-        |world, two_sided_lighting| draw_scene(&scene_of(world), &frame, &Options { two_sided_lighting, ..Options::default() });
+    let draw = |world, two_sided_lighting| {
+        draw_scene(&scene_of(world), &frame, &RenderOptions { two_sided_lighting, ..RenderOptions::default() })
+    };
     let front = draw(IDENTITY, false);
     assert_eq!(draw(IDENTITY, true), front);
     assert_eq!(draw(behind, true), front);
@@ -172,7 +175,8 @@ fn front_surface_hides_earlier_and_later_ones() {
     let red = Material { base_color: [1.0, 0.0, 0.0, 1.0], ..Material::default() };
     let objects = [object(sphere(80), near, red), object(sphere(80), IDENTITY, Material::default())];
     let frame = frame(200, 200, DVec3::new(0.0, 0.0, 5.0));
-    let draw = |order: [usize; 2]| draw_scene(&scene(order.map(|i| objects[i].clone()).to_vec()), &frame, &Options::default());
+    let draw =
+        |order: [usize; 2]| draw_scene(&scene(order.map(|i| objects[i].clone()).to_vec()), &frame, &RenderOptions::default());
     let picture = draw([0, 1]);
     assert_eq!(picture, draw([1, 0]));
     assert_eq!(picture.rgb[100 * 200 + 100][1], 0);
@@ -181,11 +185,11 @@ fn front_surface_hides_earlier_and_later_ones() {
 #[test]
 fn renderer_draws_several_frames() {
     let scene = bumpy_sphere(12);
-    let options = Options::default();
+    let options = RenderOptions::default();
     let (info, first) = polygons(&scene.objects[0], &frame(80, 60, EYE));
     let mut renderer = PolygonRenderer::new(80, 60, options);
     first.iter().for_each(|polygon| renderer.polygon(polygon));
-    assert_eq!(renderer.finish(), Picture::new(80, 60), "nothing is drawn ahead of a frame");
+    assert_eq!(renderer.finish(), RgbPicture::new(80, 60), "nothing is drawn ahead of a frame");
     for eye in [EYE, -EYE] {
         let frame = frame(80, 60, eye);
         let (_, polygons) = polygons(&scene.objects[0], &frame);
@@ -203,7 +207,7 @@ fn polygons_are_fans_and_invalid_ones_are_dropped() {
         let vertex = |&[x, y]: &[f32; 2]| Vertex { position: [x, y, 0.5, inverse_w], ..Vertex::default() };
         let vertices = corners.iter().map(vertex).collect();
         let material = Arc::new(Material::default());
-        let mut renderer = PolygonRenderer::new(16, 16, Options::default());
+        let mut renderer = PolygonRenderer::new(16, 16, RenderOptions::default());
         renderer.frame(&frame);
         renderer.polygon(&Polygon { vertices, material, object: 0, lod: 0, bump: false, arrival: 0 });
         covered(&renderer.finish())
@@ -220,13 +224,13 @@ fn indices_out_of_range_are_dropped() {
     let mut mesh = square(1);
     mesh.indices = vec![0, 2, 99, 0, 2];
     let scene = scene(vec![object(mesh, IDENTITY, Material::default())]);
-    assert_eq!(covered(&draw_scene(&scene, &frame(16, 16, EYE), &Options::default())), 0);
+    assert_eq!(covered(&draw_scene(&scene, &frame(16, 16, EYE), &RenderOptions::default())), 0);
 }
 
 #[test]
 fn depth_and_shape_follow_the_camera() {
     let frame = frame(100, 100, DVec3::new(0.0, 0.0, 4.0));
-    let picture = draw_scene(&scene(vec![object(square(1), IDENTITY, Material::default())]), &frame, &Options::default());
+    let picture = draw_scene(&scene(vec![object(square(1), IDENTITY, Material::default())]), &frame, &RenderOptions::default());
     let corner = row_major(&frame.camera.view_projection) * DVec3::new(1.0, 1.0, 0.0).extend(1.0);
     let side = 100.0 * corner.x / corner.w;
     assert!((covered(&picture) as f64).sqrt() - side < 1.0);

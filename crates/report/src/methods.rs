@@ -189,7 +189,8 @@ mod tests {
     fn the_worst_picture_counts() {
         let (mut report, _) = samples::before_and_after();
         let quality = report.quality.as_mut().unwrap();
-        quality.frames = [40.0, 30.0, 50.0].map(|psnr_db| basrelief_reference::Quality { psnr_db, ..quality.last }).to_vec();
+        quality.frames =
+            [40.0, 30.0, 50.0].map(|psnr_db| basrelief_reference::QualityMetrics { psnr_db, ..quality.last }).to_vec();
         quality.last.psnr_db = 50.0;
         assert_eq!(Method::of(String::new(), vec![], &report).psnr_db, Some(30.0));
     }

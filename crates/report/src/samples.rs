@@ -9,7 +9,7 @@ use crate::model::{
 use crate::model::{Costs, ObjectCost, Others, PolygonCost, Spent};
 use basrelief_kernel::{Engine, Outcome, RunReport};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine};
-use basrelief_reference::Quality;
+use basrelief_reference::QualityMetrics;
 use basrelief_signals::Camera;
 use serde_json::json;
 
@@ -45,7 +45,7 @@ pub fn context() -> Context {
         hardware: vec![],
         legend: [("fragments".to_owned(), legend("fragments", Part::Work))].into_iter().collect(),
         quality: Some(PictureQuality {
-            last: Quality { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 },
+            last: QualityMetrics { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 },
             difference: Some(Difference { mean: 0.75, largest: 12 }),
             frames: vec![],
         }),
@@ -259,7 +259,7 @@ pub fn before_and_after() -> (Report, Report) {
         z.read_bytes -= 10_000;
     }
     if let Some(quality) = &mut b.quality {
-        quality.last = Quality { psnr_db: 36.5, ssim: 0.961, flip: 0.0512 };
+        quality.last = QualityMetrics { psnr_db: 36.5, ssim: 0.961, flip: 0.0512 };
     }
     (a, b)
 }

@@ -13,12 +13,12 @@ const RADIANS: f64 = std::f64::consts::PI / 180.0;
 
 /// Box around a model in the world, sides parallel to the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Bounds {
+pub(crate) struct WorldBounds {
     pub low: DVec3,
     pub high: DVec3,
 }
 
-impl Bounds {
+impl WorldBounds {
     /// The box around these points; around the origin if there are none.
     pub(crate) fn around(points: impl Iterator<Item = DVec3>) -> Self {
         let low_high = points.fold(None, |bounds: Option<(DVec3, DVec3)>, p| {
@@ -42,14 +42,14 @@ impl Bounds {
 
 /// How a camera projects.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Lens {
+pub(crate) enum Projection {
     /// Vertical field of view \[radians\], distances of the planes; `far` may be infinite.
     Perspective { field: f64, near: f64, far: f64 },
     /// Half the height of the view, distances of the planes.
     Orthographic { half_height: f64, near: f64, far: f64 },
 }
 
-impl Lens {
+impl Projection {
     /// Clip from view coordinates, OpenGL depth range.
     fn projection(self, aspect: f64) -> DMat4 {
         let rows = match self {
@@ -79,7 +79,7 @@ pub(crate) struct Viewpoint {
     pub eye: DVec3,
     /// Unit vectors to the right, up, and back towards the viewer.
     pub axes: [DVec3; 3],
-    pub lens: Lens,
+    pub lens: Projection,
 }
 
 /// A view-projection matrix and the direction to the viewer.
@@ -91,14 +91,14 @@ pub(crate) struct View {
 
 impl Viewpoint {
     /// A camera at `eye` whose view axis goes through `target`, upright; `None` where it would look straight up or down.
-    pub(crate) fn looking_at(eye: DVec3, target: DVec3, lens: Lens) -> Option<Self> {
+    pub(crate) fn looking_at(eye: DVec3, target: DVec3, lens: Projection) -> Option<Self> {
         let back = (eye - target).try_normalize()?;
         let right = DVec3::Y.cross(back).try_normalize()?;
         Some(Self { eye, axes: [right, back.cross(right), back], lens })
     }
 
     /// A camera placed by a node; glTF ignores the node's scale.
-    pub(crate) fn placed(world: DMat4, lens: Lens) -> Option<Self> {
+    pub(crate) fn placed(world: DMat4, lens: Projection) -> Option<Self> {
         let back = world.z_axis.truncate().try_normalize()?;
         let x = world.x_axis.truncate();
         let right = (x - back * back.dot(x)).try_normalize()?;
@@ -106,13 +106,13 @@ impl Viewpoint {
     }
 
     /// A camera that frames the box.
-    pub(crate) fn framing(bounds: &Bounds, [azimuth, elevation, field]: [f64; 3]) -> Self {
+    pub(crate) fn framing(bounds: &WorldBounds, [azimuth, elevation, field]: [f64; 3]) -> Self {
         let (a, e, field) = (azimuth * RADIANS, elevation * RADIANS, field * RADIANS);
         let back = DVec3::new(libm::sin(a) * libm::cos(e), libm::sin(e), libm::cos(a) * libm::cos(e));
         let radius = bounds.radius();
         let distance = radius / libm::sin(field / 2.0) * 1.02;
         let near = (distance - radius * 1.05).max(distance * 0.01);
-        let lens = Lens::Perspective { field, near, far: distance + radius * 1.05 };
+        let lens = Projection::Perspective { field, near, far: distance + radius * 1.05 };
         let right = DVec3::Y.cross(back).normalize_or(DVec3::X);
         Self { eye: bounds.centre() + back * distance, axes: [right, back.cross(right), back], lens }
     }
@@ -124,8 +124,8 @@ impl Viewpoint {
         let row = |axis: DVec3| axis.extend(-axis.dot(self.eye));
         let world_to_view = DMat4::from_cols(row(right), row(up), row(back), DVec4::W).transpose();
         let to_viewer = match self.lens {
-            Lens::Perspective { .. } => (self.eye - centre).normalize_or(back),
-            Lens::Orthographic { .. } => back,
+            Projection::Perspective { .. } => (self.eye - centre).normalize_or(back),
+            Projection::Orthographic { .. } => back,
         };
         View { view_projection: self.lens.projection(aspect) * world_to_view, to_viewer }
     }
@@ -202,8 +202,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn unit_box() -> Bounds {
-        Bounds { low: DVec3::splat(-1.0), high: DVec3::splat(1.0) }
+    fn unit_box() -> WorldBounds {
+        WorldBounds { low: DVec3::splat(-1.0), high: DVec3::splat(1.0) }
     }
 
     /// Numbers that an independent implementation of the same recipe gave for a cube of side 2, 640 x 480.
@@ -226,22 +226,22 @@ mod tests {
 
     #[test]
     fn depth_runs_from_minus_one_near_to_one_far() {
-        let depth = |lens: Lens, z: f64| {
+        let depth = |lens: Projection, z: f64| {
             let clip = lens.projection(1.5) * DVec4::new(0.0, 0.0, -z, 1.0);
             clip.z / clip.w
         };
-        let perspective = Lens::Perspective { field: 1.0, near: 0.5, far: 20.0 };
-        let orthographic = Lens::Orthographic { half_height: 2.0, near: 0.5, far: 20.0 };
+        let perspective = Projection::Perspective { field: 1.0, near: 0.5, far: 20.0 };
+        let orthographic = Projection::Orthographic { half_height: 2.0, near: 0.5, far: 20.0 };
         for lens in [perspective, orthographic] {
             assert!((depth(lens, 0.5) + 1.0).abs() < 1e-12 && (depth(lens, 20.0) - 1.0).abs() < 1e-12);
         }
-        let endless = Lens::Perspective { field: 1.0, near: 0.5, far: f64::INFINITY };
+        let endless = Projection::Perspective { field: 1.0, near: 0.5, far: f64::INFINITY };
         assert!((depth(endless, 0.5) + 1.0).abs() < 1e-12 && (depth(endless, 1e12) - 1.0).abs() < 1e-9);
     }
 
     #[test]
     fn single_point_can_be_viewed() {
-        let bounds = Bounds::around(std::iter::once(DVec3::splat(5.0)));
+        let bounds = WorldBounds::around(std::iter::once(DVec3::splat(5.0)));
         let view = Viewpoint::framing(&bounds, AUTO_VIEW).view(1.0, bounds.centre());
         assert!(view.view_projection.is_finite());
     }

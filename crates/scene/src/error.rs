@@ -88,7 +88,7 @@ impl SceneError {
 
 /// Warnings of an import, each kept once.
 #[derive(Debug, Default)]
-pub(crate) struct Warnings {
+pub(crate) struct ImportWarnings {
     sentences: Vec<String>,
     dropped: usize,
 }
@@ -99,7 +99,7 @@ const MOST_WARNINGS: usize = 100;
 /// Longest warning \[characters\]. A name in it can be as long as the file.
 const LONGEST_WARNING: usize = 1000;
 
-impl Warnings {
+impl ImportWarnings {
     /// Adds a warning, unless it is there.
     pub(crate) fn add(&mut self, sentence: impl Into<String>) {
         let mut sentence = sentence.into();

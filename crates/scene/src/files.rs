@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Source of the other files of a model: buffers, pictures, material libraries.
-pub trait Files {
+pub trait ModelFiles {
     /// Reads a file, with its reservation. The name is relative to the model, with `/` between folders.
     ///
     /// # Errors
@@ -17,12 +17,12 @@ pub trait Files {
 
 /// The files of a folder, read with `std::fs`.
 #[derive(Clone, Debug)]
-pub struct Directory {
+pub struct FolderFiles {
     folder: PathBuf,
     allow_outside: bool,
 }
 
-impl Directory {
+impl FolderFiles {
     /// Files relative to this folder, and only files in it or below it.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
         Self { folder: folder.into(), allow_outside: false }
@@ -35,7 +35,7 @@ impl Directory {
     }
 }
 
-/// A name leads out of the folder of a [`Directory`], which does not allow it.
+/// A name leads out of the folder of a [`FolderFiles`], which does not allow it.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 #[error("leads out of the folder of the model")]
 pub(crate) struct OutsideFolder;
@@ -53,7 +53,7 @@ fn leads_outside(relative: &str) -> bool {
     depths.into_iter().any(|depth: i64| depth < 0)
 }
 
-impl Files for Directory {
+impl ModelFiles for FolderFiles {
     fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
         if !self.allow_outside && leads_outside(relative) {
             return Err(io::Error::new(io::ErrorKind::PermissionDenied, OutsideFolder));
@@ -64,11 +64,11 @@ impl Files for Directory {
 
 /// Files held in memory, by name: for tests, and where there is no file system.
 #[derive(Clone, Debug, Default)]
-pub struct Memory {
+pub struct MemoryFiles {
     files: BTreeMap<String, Vec<u8>>,
 }
 
-impl Memory {
+impl MemoryFiles {
     /// Adds a file.
     #[must_use]
     pub fn with(mut self, name: &str, bytes: impl Into<Vec<u8>>) -> Self {
@@ -77,7 +77,7 @@ impl Memory {
     }
 }
 
-impl Files for Memory {
+impl ModelFiles for MemoryFiles {
     fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
         let bytes = self.files.get(relative).ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
         let held = budget.take(bytes.len() as u64, FILE)?;
@@ -98,7 +98,7 @@ pub(crate) fn read_regular(path: &Path, budget: &Budget) -> io::Result<(Vec<u8>,
     read_to_end(&mut std::fs::File::open(path)?, facts.len(), budget, FILE)
 }
 
-/// Turns a reference in a model into a name for [`Files::read`]: relative paths only. URLs and absolute paths are refused.
+/// Turns a reference in a model into a name for [`ModelFiles::read`]: relative paths only. URLs and absolute paths are refused.
 pub(crate) fn relative_name(reference: &str) -> Result<&str, &'static str> {
     if reference.is_empty() {
         return Err("is empty");
@@ -128,7 +128,7 @@ pub(crate) fn shorten(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::outside::Outside;
+    use crate::outside::ImportContext;
 
     #[test]
     fn only_relative_names_are_read() {
@@ -147,10 +147,10 @@ mod tests {
         std::fs::write(folder.path().join("a"), b"xyz").unwrap();
         std::fs::write(folder.path().join("model/b"), b"b").unwrap();
         let budget = Budget::default();
-        let files = Directory::new(folder.path().join("model"));
+        let files = FolderFiles::new(folder.path().join("model"));
         assert_eq!(files.read("../model/../a", &budget).unwrap_err().kind(), io::ErrorKind::PermissionDenied);
         assert_eq!(
-            Outside::new(&files, &budget).read("../a", "/uri").unwrap_err().to_string(),
+            ImportContext::new(&files, &budget).read("../a", "/uri").unwrap_err().to_string(),
             "/uri: `../a` leads out of the folder of the model; expected a file in this folder or below it; \
              move the file there, or allow it with --allow-outside"
         );
@@ -162,7 +162,7 @@ mod tests {
     fn folder_as_file_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a"), b"xyz").unwrap();
-        let files = Directory::new(folder.path());
+        let files = FolderFiles::new(folder.path());
         let budget = Budget::default();
         assert_eq!(files.read("a", &budget).unwrap().0, b"xyz");
         assert!(files.read(".", &budget).is_err());
@@ -175,14 +175,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
         assert!(made.unwrap().success());
-        let error = Directory::new(folder.path()).read("pipe", &Budget::default()).unwrap_err();
+        let error = FolderFiles::new(folder.path()).read("pipe", &Budget::default()).unwrap_err();
         assert_eq!(error.to_string(), "not a regular file");
     }
 
     #[test]
     fn missing_file_is_named_with_its_place() {
-        let files = Memory::default();
-        let outside = Outside::new(&files, &Budget::default());
+        let files = MemoryFiles::default();
+        let outside = ImportContext::new(&files, &Budget::default());
         let e = outside.read("a.bin", "/buffers/0/uri").unwrap_err().in_file("m.gltf");
         let text = e.to_string();
         assert!(text.starts_with("m.gltf: /buffers/0/uri: cannot read `a.bin`"), "{text}");

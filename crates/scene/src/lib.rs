@@ -1,7 +1,7 @@
 //! From models to scenes: glTF 2.0 and OBJ import, cameras, MIP pyramids and the demo scenes.
 //!
 //! The result is a [`Scene`]: objects, frames, and a warning for everything that was left out. Other files of a model are
-//! read through [`Files`], so that the importer also runs without a file system.
+//! read through [`ModelFiles`], so that the importer also runs without a file system.
 
 mod camera;
 mod demo;
@@ -24,15 +24,15 @@ mod view;
 pub use camera::{read_camera, write_camera};
 pub use demo::{DEMOS, DemoInfo, demo};
 pub use error::SceneError;
-pub use files::{Directory, Files, Memory};
-pub use subject::Subject;
+pub use files::{FolderFiles, MemoryFiles, ModelFiles};
+pub use subject::SceneSubject;
 pub use view::{OwnView, ViewOptions};
 
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_signals::Scene;
-use error::Warnings;
-use model::Model;
-use outside::{Outside, over_budget};
+use error::ImportWarnings;
+use model::ImportedModel;
+use outside::{ImportContext, over_budget};
 use std::io;
 use std::path::Path;
 use view::ViewHints;
@@ -43,7 +43,7 @@ use view::ViewHints;
 ///
 /// # Errors
 /// Neither of the formats, corrupt, a required extension that is not supported, over a limit, or nothing to draw.
-pub fn load(bytes: &[u8], name: &str, files: &dyn Files, options: &ViewOptions) -> Result<Scene, SceneError> {
+pub fn load(bytes: &[u8], name: &str, files: &dyn ModelFiles, options: &ViewOptions) -> Result<Scene, SceneError> {
     load_within(bytes, name, files, options, &Budget::default()).map(|(scene, _)| scene)
 }
 
@@ -54,24 +54,24 @@ pub fn load(bytes: &[u8], name: &str, files: &dyn Files, options: &ViewOptions) 
 pub fn load_within(
     bytes: &[u8],
     name: &str,
-    files: &dyn Files,
+    files: &dyn ModelFiles,
     options: &ViewOptions,
     budget: &Budget,
 ) -> Result<(Scene, Held), SceneError> {
-    let (subject, mut held) = Subject::load_within(bytes, name, files, budget)?;
+    let (subject, mut held) = SceneSubject::load_within(bytes, name, files, budget)?;
     let (scene, frames) = subject.seen_within(options, budget)?;
     held.join(frames);
     Ok((scene, held))
 }
 
-impl Subject {
+impl SceneSubject {
     /// Imports a model as [`load_within`](crate::load_within) does, to be looked at later.
     ///
     /// # Errors
     /// As [`load`], or over the memory limit.
-    pub fn load_within(bytes: &[u8], name: &str, files: &dyn Files, budget: &Budget) -> Result<(Self, Held), SceneError> {
-        let mut warnings = Warnings::default();
-        let outside = Outside::new(files, budget);
+    pub fn load_within(bytes: &[u8], name: &str, files: &dyn ModelFiles, budget: &Budget) -> Result<(Self, Held), SceneError> {
+        let mut warnings = ImportWarnings::default();
+        let outside = ImportContext::new(files, budget);
         let model = import(bytes, name, &outside, &mut warnings).map_err(|e| e.in_file(name))?;
         let hints = ViewHints { shading: model.shading, ..ViewHints::still(model.bounds, model.camera, model.lamps) };
         let subject = Self { name: name.into(), objects: model.objects, hints, warnings: warnings.into_vec() };
@@ -91,7 +91,7 @@ impl Subject {
         };
         let (bytes, _held) = files::read_regular(path, budget).map_err(|e| cannot(e).in_file(&shown))?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::load_within(&bytes, &shown, &Directory::new(folder).allow_outside(*allow_outside), budget)
+        Self::load_within(&bytes, &shown, &FolderFiles::new(folder).allow_outside(*allow_outside), budget)
     }
 }
 
@@ -108,7 +108,7 @@ pub fn load_path(path: &Path, options: &ViewOptions) -> Result<Scene, SceneError
 /// # Errors
 /// As [`load_path`], and over the budget.
 pub fn load_path_with(path: &Path, view: &ViewOptions, options: &ImportOptions) -> Result<(Scene, Held), SceneError> {
-    let (subject, mut held) = Subject::load_path_with(path, options)?;
+    let (subject, mut held) = SceneSubject::load_path_with(path, options)?;
     let (scene, frames) = subject.seen_within(view, &options.budget)?;
     held.join(frames);
     Ok((scene, held))
@@ -123,7 +123,12 @@ pub struct ImportOptions {
     pub allow_outside: bool,
 }
 
-fn import(bytes: &[u8], name: &str, outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
+fn import(
+    bytes: &[u8],
+    name: &str,
+    outside: &ImportContext<'_>,
+    warnings: &mut ImportWarnings,
+) -> Result<ImportedModel, SceneError> {
     let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
     let first = bytes.iter().find(|b| !b.is_ascii_whitespace());
     if bytes.starts_with(gltf::glb::MAGIC) || ending == "glb" {
@@ -145,7 +150,7 @@ mod tests {
 
     #[test]
     fn unknown_format_is_refused() {
-        let error = load(b"solid x", "x.stl", &Memory::default(), &ViewOptions::default()).unwrap_err().to_string();
+        let error = load(b"solid x", "x.stl", &MemoryFiles::default(), &ViewOptions::default()).unwrap_err().to_string();
         assert!(error.starts_with("x.stl: no known model format; expected a .glb, .gltf or .obj file"), "{error}");
     }
 }

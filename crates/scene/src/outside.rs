@@ -1,22 +1,22 @@
 //! Memory limit of an import, and access to the other files of a model.
 
 use crate::SceneError;
-use crate::files::{Files, OutsideFolder, relative_name, shorten};
+use crate::files::{ModelFiles, OutsideFolder, relative_name, shorten};
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_signals::Mesh;
 use std::cell::RefCell;
 use std::fmt::Display;
 
 /// The other files of a model, and the memory limit of its import. All parts of an importer share it.
-pub(crate) struct Outside<'a> {
-    files: &'a dyn Files,
+pub(crate) struct ImportContext<'a> {
+    files: &'a dyn ModelFiles,
     budget: Budget,
     /// Memory that stays in the scene.
     kept: RefCell<Held>,
 }
 
-impl<'a> Outside<'a> {
-    pub(crate) fn new(files: &'a dyn Files, budget: &Budget) -> Self {
+impl<'a> ImportContext<'a> {
+    pub(crate) fn new(files: &'a dyn ModelFiles, budget: &Budget) -> Self {
         Self { files, budget: budget.clone(), kept: RefCell::new(budget.nothing()) }
     }
 

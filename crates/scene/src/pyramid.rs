@@ -72,7 +72,7 @@ pub fn encode_normal(normal: [f64; 3]) -> [u8; 4] {
     [x, y, z, 255]
 }
 
-fn levels(base: Image, most: usize, mean: fn(&Image, Covered) -> [u8; 4]) -> Vec<Image> {
+fn levels(base: Image, most: usize, mean: fn(&Image, TexelCover) -> [u8; 4]) -> Vec<Image> {
     let mut all = Vec::new();
     let mut last = base;
     while all.len() + 1 < most && (last.width > 1 || last.height > 1) {
@@ -83,7 +83,7 @@ fn levels(base: Image, most: usize, mean: fn(&Image, Covered) -> [u8; 4]) -> Vec
     all
 }
 
-fn halve(image: &Image, mean: fn(&Image, Covered) -> [u8; 4]) -> Image {
+fn halve(image: &Image, mean: fn(&Image, TexelCover) -> [u8; 4]) -> Image {
     let (width, height) = (half(image.width), half(image.height));
     let texels = boxes(image.width, image.height, |covered| mean(image, covered));
     Image { width, height, texels }
@@ -94,16 +94,16 @@ fn half(size: u32) -> u32 {
 }
 
 /// Columns and rows that a texel of the next level covers.
-type Covered = [Cover; 2];
+type TexelCover = [SideCover; 2];
 
 /// Up to three texels of a side, from the first, and their weights.
 #[derive(Clone, Copy)]
-struct Cover {
+struct SideCover {
     first: u32,
     weights: [u32; 3],
 }
 
-impl Cover {
+impl SideCover {
     /// Part of a side that texel `i` of the next level covers.
     fn of(i: u32, size: u32) -> Self {
         let m = size / 2;
@@ -121,24 +121,24 @@ impl Cover {
 }
 
 /// A value for every box of the next level, row by row.
-fn boxes<T: Clone + Default + Send>(width: u32, height: u32, mean: impl Fn(Covered) -> T + Sync) -> Vec<T> {
+fn boxes<T: Clone + Default + Send>(width: u32, height: u32, mean: impl Fn(TexelCover) -> T + Sync) -> Vec<T> {
     threads::plane(half(width) as usize, half(height) as usize, |row, texels| {
-        let rows = Cover::of(row as u32, height);
+        let rows = SideCover::of(row as u32, height);
         for (column, texel) in (0..).zip(texels) {
-            *texel = mean([Cover::of(column, width), rows]);
+            *texel = mean([SideCover::of(column, width), rows]);
         }
     })
 }
 
 /// Numbers of the texels in a box, and their weights.
-fn texels_in(width: u32, [x, y]: Covered) -> impl Iterator<Item = (usize, u64)> {
+fn texels_in(width: u32, [x, y]: TexelCover) -> impl Iterator<Item = (usize, u64)> {
     y.texels().flat_map(move |(row, down)| {
         x.texels()
             .map(move |(column, across)| (row as usize * width as usize + column as usize, u64::from(down) * u64::from(across)))
     })
 }
 
-fn mean_color(image: &Image, covered: Covered) -> [u8; 4] {
+fn mean_color(image: &Image, covered: TexelCover) -> [u8; 4] {
     let (mut sum, mut whole) = ([0; 4], 0);
     for (texel, weight) in texels_in(image.width, covered).filter_map(|(i, weight)| Some((image.texels.get(i)?, weight))) {
         whole += weight;
@@ -150,7 +150,7 @@ fn mean_color(image: &Image, covered: Covered) -> [u8; 4] {
     sum.map(|s| ((s + whole / 2) / whole) as u8)
 }
 
-fn mean_normal(image: &Image, covered: Covered) -> [u8; 4] {
+fn mean_normal(image: &Image, covered: TexelCover) -> [u8; 4] {
     let mut sum = [0.0; 3];
     for (texel, weight) in texels_in(image.width, covered).filter_map(|(i, weight)| Some((image.texels.get(i)?, weight))) {
         for (s, n) in sum.iter_mut().zip(decode_normal(*texel)) {
@@ -161,7 +161,7 @@ fn mean_normal(image: &Image, covered: Covered) -> [u8; 4] {
 }
 
 fn halve_heights(map: &HeightMap) -> HeightMap {
-    let mean = |covered: Covered| {
+    let mean = |covered: TexelCover| {
         let heights = texels_in(map.width, covered).filter_map(|(i, weight)| Some((map.heights.get(i)?, weight as f64)));
         let (sum, whole) = heights.fold((0.0, 0.0), |(sum, whole), (height, weight)| (sum + height * weight, whole + weight));
         if whole > 0.0 { sum / whole } else { 0.0 }

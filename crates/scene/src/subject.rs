@@ -8,15 +8,15 @@ use basrelief_signals::{Frame, Light, Object, Scene};
 use std::sync::Arc;
 
 /// A model or a demo without a view. It is built once, and then drawn from any number of views. Built by
-/// [`Subject::load_within`](Self::load_within) and [`Subject::demo`](Self::demo).
-pub struct Subject {
+/// [`SceneSubject::load_within`](Self::load_within) and [`SceneSubject::demo`](Self::demo).
+pub struct SceneSubject {
     pub(crate) name: String,
     pub(crate) objects: Vec<Arc<Object>>,
     pub(crate) hints: ViewHints,
     pub(crate) warnings: Vec<String>,
 }
 
-impl Subject {
+impl SceneSubject {
     /// Returns the scene from this view. The model supplies missing options.
     ///
     /// # Errors

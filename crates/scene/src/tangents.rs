@@ -16,7 +16,7 @@ pub(crate) const BYTES_PER_CORNER: u64 = 320;
 /// Gives the mesh tangents from its positions, normals and normal-map coordinates. Vertices whose faces disagree, as
 /// along a mirrored seam, are split: the mesh may end with more of them.
 pub(crate) fn generate(mesh: &mut Mesh) {
-    let mut corners = Corners { mesh, tangents: vec![None; mesh.indices.len()] };
+    let mut corners = MeshCorners { mesh, tangents: vec![None; mesh.indices.len()] };
     // The error type has no values; a mesh that gives no tangents falls back below.
     let _ = generate_tangents(&mut corners);
     let tangents = corners.tangents;
@@ -41,18 +41,18 @@ pub(crate) fn repair(tangent: [f32; 4], normal: [f32; 3]) -> [f32; 4] {
 }
 
 /// A mesh as MikkTSpace reads it, and one tangent per corner.
-struct Corners<'a> {
+struct MeshCorners<'a> {
     mesh: &'a Mesh,
     tangents: Vec<Option<[f32; 4]>>,
 }
 
-impl Corners<'_> {
+impl MeshCorners<'_> {
     fn vertex(&self, face: usize, corner: usize) -> usize {
         self.mesh.indices.get(3 * face + corner).map_or(0, |i| *i as usize)
     }
 }
 
-impl Geometry<Exact> for Corners<'_> {
+impl Geometry<LibmFloats> for MeshCorners<'_> {
     fn num_faces(&self) -> usize {
         self.mesh.indices.len() / 3
     }
@@ -82,9 +82,9 @@ impl Geometry<Exact> for Corners<'_> {
 }
 
 /// The two functions that differ between platforms, from `libm`.
-enum Exact {}
+enum LibmFloats {}
 
-impl Ops for Exact {
+impl Ops for LibmFloats {
     fn sqrt(x: f32) -> f32 {
         x.sqrt()
     }

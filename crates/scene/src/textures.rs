@@ -1,7 +1,7 @@
 //! Textures of one scene: numbering, and places in memory.
 
 use crate::SceneError;
-use crate::outside::Outside;
+use crate::outside::ImportContext;
 use crate::picture::decode;
 use crate::pyramid::{color_levels, height_levels, heights_of, normal_levels};
 use basrelief_signals::{Image, Sampler, Texture};
@@ -12,7 +12,7 @@ const TEXTURE: u64 = 1 << 10;
 
 /// Content of a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Content {
+pub(crate) enum TextureContent {
     /// Colours.
     Color,
     /// Tangent-space normals.
@@ -36,19 +36,19 @@ impl TextureStore {
         bytes: &[u8],
         name: &str,
         sampler: Sampler,
-        content: Content,
-        outside: &Outside<'_>,
+        content: TextureContent,
+        outside: &ImportContext<'_>,
     ) -> Result<Arc<Texture>, SceneError> {
         let (image, mut held) = decode(bytes, name, outside)?;
         // The levels take as much again where the picture is a single row, a third of it elsewhere; heights have 8 bytes each.
         let finest = held.bytes();
-        let beside = if let Content::Heights(_) = content { 4 * finest } else { finest };
+        let beside = if let TextureContent::Heights(_) = content { 4 * finest } else { finest };
         let what = format!("levels of {name}, a picture of {} x {}", image.width, image.height);
         held.join(outside.take(beside + TEXTURE + name.len() as u64, "", what).map_err(|e| e.in_file(name))?);
         let levels = match content {
-            Content::Color => color_levels(image),
-            Content::Normals => normal_levels(image),
-            Content::Heights(strength) => {
+            TextureContent::Color => color_levels(image),
+            TextureContent::Normals => normal_levels(image),
+            TextureContent::Heights(strength) => {
                 let heights = heights_of(&image);
                 drop(image);
                 height_levels(heights, strength, sampler.wrap)
@@ -60,8 +60,8 @@ impl TextureStore {
     }
 
     /// Adds a finished pyramid as a texture.
-    pub(crate) fn add(&mut self, name: &str, sampler: Sampler, content: Content, levels: Vec<Image>) -> Arc<Texture> {
-        let end = if content == Content::Color { &mut self.color_end } else { &mut self.normal_end };
+    pub(crate) fn add(&mut self, name: &str, sampler: Sampler, content: TextureContent, levels: Vec<Image>) -> Arc<Texture> {
+        let end = if content == TextureContent::Color { &mut self.color_end } else { &mut self.normal_end };
         let offset = *end;
         *end += levels.iter().map(padded_texels).sum::<u64>();
         let id = self.next_id;
@@ -84,10 +84,10 @@ mod tests {
     fn textures_follow_each_other_in_their_own_memory() {
         let mut store = TextureStore::default();
         let levels = || color_levels(Image { width: 6, height: 4, texels: vec![[0; 4]; 24] });
-        let a = store.add("a", Sampler::default(), Content::Color, levels());
-        let b = store.add("b", Sampler::default(), Content::Normals, levels());
-        let c = store.add("c", Sampler::default(), Content::Color, levels());
-        let d = store.add("d", Sampler::default(), Content::Heights(1.0), levels());
+        let a = store.add("a", Sampler::default(), TextureContent::Color, levels());
+        let b = store.add("b", Sampler::default(), TextureContent::Normals, levels());
+        let c = store.add("c", Sampler::default(), TextureContent::Color, levels());
+        let d = store.add("d", Sampler::default(), TextureContent::Heights(1.0), levels());
         assert_eq!([a.id, b.id, c.id, d.id], [0, 1, 2, 3]);
         // 6 x 4 -> 2 x 1 blocks, 3 x 2 -> 1, 1 x 1 -> 1: four blocks of 16 texels.
         assert_eq!([a.offset, b.offset, c.offset, d.offset], [0, 0, 64, 64]);

@@ -1,7 +1,7 @@
 //! Frames of a scene from the view options of the user and the hints of the model.
 
 use crate::SceneError;
-use crate::camera::{AUTO_VIEW, Bounds, View, Viewpoint, check_camera, direction, rows, turn, turn_around};
+use crate::camera::{AUTO_VIEW, View, Viewpoint, WorldBounds, check_camera, direction, rows, turn, turn_around};
 use basrelief_signals::{Camera, Frame, Light, LightKind, MAX_PICTURE_PIXELS, ShadingSettings};
 use glam::{DMat4, DVec3, DVec4};
 use serde::{Deserialize, Serialize};
@@ -43,7 +43,7 @@ impl OwnView {
     /// # Errors
     /// An option out of range, with its place among the views.
     pub fn check(views: &[Self]) -> Result<(), SceneError> {
-        let nothing = Bounds { low: DVec3::ZERO, high: DVec3::ZERO };
+        let nothing = WorldBounds { low: DVec3::ZERO, high: DVec3::ZERO };
         let options = ViewOptions { size: [1; 2], views: views.to_vec(), ..ViewOptions::default() };
         ViewHints::still(nothing, None, vec![]).frames(&options).map(drop)
     }
@@ -102,7 +102,7 @@ impl Default for ViewOptions {
 
 /// A light in double precision.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Lamp {
+pub(crate) enum LightSource {
     /// Unit direction towards it.
     Directional(DVec3),
     /// Place.
@@ -119,16 +119,16 @@ pub(crate) enum LightOrbit {
 }
 
 /// A view, and the lights with their intensities.
-type Seen = (View, Vec<(Lamp, f64)>);
+type ResolvedView = (View, Vec<(LightSource, f64)>);
 
 /// View hints of a model or a demo.
 pub(crate) struct ViewHints {
     /// Around all vertices, in the world.
-    pub bounds: Bounds,
+    pub bounds: WorldBounds,
     /// The model's camera.
     pub camera: Option<Viewpoint>,
     /// The model's lights, with their intensities.
-    pub lamps: Vec<(Lamp, f64)>,
+    pub lamps: Vec<(LightSource, f64)>,
     /// Frames, where the user does not say.
     pub frames: u32,
     /// Orbit of the camera over all frames \[degrees\], where the user does not say.
@@ -141,7 +141,7 @@ pub(crate) struct ViewHints {
 
 impl ViewHints {
     /// The hints of a model without animation.
-    pub(crate) fn still(bounds: Bounds, camera: Option<Viewpoint>, lamps: Vec<(Lamp, f64)>) -> Self {
+    pub(crate) fn still(bounds: WorldBounds, camera: Option<Viewpoint>, lamps: Vec<(LightSource, f64)>) -> Self {
         Self {
             bounds,
             camera,
@@ -164,7 +164,7 @@ impl ViewHints {
             let expected = format!("at most {MAX_PICTURE_PIXELS} pixels");
             return Err(SceneError::at("size", format!("{width}x{height}")).expected(expected));
         }
-        let frame = |(index, (view, lamps)): (u32, Seen)| {
+        let frame = |(index, (view, lamps)): (u32, ResolvedView)| {
             Arc::new(Frame {
                 index,
                 width,
@@ -187,7 +187,7 @@ impl ViewHints {
     fn along_orbits(
         &self,
         options: &ViewOptions,
-        frame: impl Fn((u32, Seen)) -> Arc<Frame>,
+        frame: impl Fn((u32, ResolvedView)) -> Arc<Frame>,
     ) -> Result<Vec<Arc<Frame>>, SceneError> {
         let count = options.frames.unwrap_or(self.frames);
         if !(1..=MAX_FRAMES).contains(&count) {
@@ -199,7 +199,11 @@ impl ViewHints {
     }
 
     /// Each view by itself.
-    fn each_view(&self, options: &ViewOptions, frame: impl Fn((u32, Seen)) -> Arc<Frame>) -> Result<Vec<Arc<Frame>>, SceneError> {
+    fn each_view(
+        &self,
+        options: &ViewOptions,
+        frame: impl Fn((u32, ResolvedView)) -> Arc<Frame>,
+    ) -> Result<Vec<Arc<Frame>>, SceneError> {
         if options.views.len() > MAX_FRAMES as usize {
             return Err(SceneError::at("/views", options.views.len().to_string()).expected(format!("1..={MAX_FRAMES}")));
         }
@@ -212,7 +216,7 @@ impl ViewHints {
     }
 
     /// View and lights before anything turns.
-    fn first(&self, options: &ViewOptions) -> Result<Seen, SceneError> {
+    fn first(&self, options: &ViewOptions) -> Result<ResolvedView, SceneError> {
         Ok((self.zoom(self.turn(self.first_view(options)?, options)?, options)?, self.first_lamps(options)?))
     }
 
@@ -227,7 +231,7 @@ impl ViewHints {
     }
 
     /// View and lights, turned so far.
-    fn turned_on(&self, (view, lamps): &Seen, [orbit, light_orbit]: [f64; 2]) -> Seen {
+    fn turned_on(&self, (view, lamps): &ResolvedView, [orbit, light_orbit]: [f64; 2]) -> ResolvedView {
         (self.orbit(*view, orbit), lamps.iter().map(|(lamp, i)| (self.turn_lamp(*lamp, light_orbit), *i)).collect())
     }
 
@@ -242,15 +246,15 @@ impl ViewHints {
         Ok(viewpoint.view(width / height, self.bounds.centre()))
     }
 
-    fn first_lamps(&self, options: &ViewOptions) -> Result<Vec<(Lamp, f64)>, SceneError> {
+    fn first_lamps(&self, options: &ViewOptions) -> Result<Vec<(LightSource, f64)>, SceneError> {
         if let Some(light) = options.light {
-            return Ok(vec![(Lamp::Directional(direction(light, "light")?), 1.0)]);
+            return Ok(vec![(LightSource::Directional(direction(light, "light")?), 1.0)]);
         }
         if let Some(camera) = &options.camera {
-            return Ok(vec![(Lamp::Directional(direction(camera.to_light, "/camera/to_light")?), 1.0)]);
+            return Ok(vec![(LightSource::Directional(direction(camera.to_light, "/camera/to_light")?), 1.0)]);
         }
         if self.lamps.is_empty() {
-            return Ok(vec![(Lamp::Directional(direction(DEFAULT_LIGHT, "light")?), 1.0)]);
+            return Ok(vec![(LightSource::Directional(direction(DEFAULT_LIGHT, "light")?), 1.0)]);
         }
         Ok(self.lamps.clone())
     }
@@ -284,20 +288,20 @@ impl ViewHints {
         Ok(View { view_projection: larger * view.view_projection, ..view })
     }
 
-    fn turn_lamp(&self, lamp: Lamp, degrees: f64) -> Lamp {
+    fn turn_lamp(&self, lamp: LightSource, degrees: f64) -> LightSource {
         let centre = self.bounds.centre();
         match lamp {
             _ if degrees == 0.0 => lamp,
-            Lamp::Directional(to_light) => Lamp::Directional(turn(degrees).transform_vector3(to_light)),
-            Lamp::Point(p) => Lamp::Point(centre + turn(degrees).transform_vector3(p - centre)),
+            LightSource::Directional(to_light) => LightSource::Directional(turn(degrees).transform_vector3(to_light)),
+            LightSource::Point(p) => LightSource::Point(centre + turn(degrees).transform_vector3(p - centre)),
         }
     }
 
     /// The view as reported; a point light is seen from the model's centre.
-    fn camera(&self, view: View, lamps: &[(Lamp, f64)]) -> Camera {
+    fn camera(&self, view: View, lamps: &[(LightSource, f64)]) -> Camera {
         let to_light = match lamps.first() {
-            Some((Lamp::Directional(to_light), _)) => *to_light,
-            Some((Lamp::Point(p), _)) => (*p - self.bounds.centre()).normalize_or(DVec3::Y),
+            Some((LightSource::Directional(to_light), _)) => *to_light,
+            Some((LightSource::Point(p), _)) => (*p - self.bounds.centre()).normalize_or(DVec3::Y),
             None => DVec3::Y,
         };
         Camera {
@@ -316,10 +320,10 @@ fn finite(degrees: f64, name: &str) -> Result<f64, SceneError> {
     }
 }
 
-fn lights(lamps: &[(Lamp, f64)]) -> Vec<Light> {
-    let kind = |lamp: Lamp| match lamp {
-        Lamp::Directional(to_light) => LightKind::Directional { to_light: to_light.as_vec3().to_array() },
-        Lamp::Point(position) => LightKind::Point { position: position.as_vec3().to_array() },
+fn lights(lamps: &[(LightSource, f64)]) -> Vec<Light> {
+    let kind = |lamp: LightSource| match lamp {
+        LightSource::Directional(to_light) => LightKind::Directional { to_light: to_light.as_vec3().to_array() },
+        LightSource::Point(position) => LightKind::Point { position: position.as_vec3().to_array() },
     };
     lamps.iter().map(|(lamp, intensity)| Light { kind: kind(*lamp), intensity: *intensity as f32 }).collect()
 }
@@ -327,10 +331,10 @@ fn lights(lamps: &[(Lamp, f64)]) -> Vec<Light> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Lens;
+    use crate::camera::Projection;
 
-    fn hints(lamps: Vec<(Lamp, f64)>) -> ViewHints {
-        ViewHints::still(Bounds { low: DVec3::new(1., 0., 0.), high: DVec3::new(3., 2., 2.) }, None, lamps)
+    fn hints(lamps: Vec<(LightSource, f64)>) -> ViewHints {
+        ViewHints::still(WorldBounds { low: DVec3::new(1., 0., 0.), high: DVec3::new(3., 2., 2.) }, None, lamps)
     }
 
     #[test]
@@ -438,7 +442,7 @@ mod tests {
     #[test]
     fn light_option_precedes_camera_file_and_model() {
         let camera = Camera { view_projection: rows(DMat4::IDENTITY), to_light: [1., 0., 0.], to_viewer: [0., 0., 1.] };
-        let lamps = vec![(Lamp::Point(DVec3::new(2., 11., 1.)), 0.5), (Lamp::Directional(DVec3::Z), 1.0)];
+        let lamps = vec![(LightSource::Point(DVec3::new(2., 11., 1.)), 0.5), (LightSource::Directional(DVec3::Z), 1.0)];
         let first = |options: ViewOptions| hints(lamps.clone()).frames(&options).unwrap()[0].clone();
         let own = first(ViewOptions::default());
         assert_eq!((own.lights.len(), own.camera.to_light), (2, [0., 1., 0.]));
@@ -466,7 +470,7 @@ mod tests {
 
     #[test]
     fn model_camera_is_used() {
-        let lens = Lens::Orthographic { half_height: 1.0, near: 0.1, far: 10.0 };
+        let lens = Projection::Orthographic { half_height: 1.0, near: 0.1, far: 10.0 };
         let mut s = hints(vec![]);
         s.camera = Viewpoint::placed(DMat4::from_translation(DVec3::new(0., 0., 5.)), lens);
         let frame = &s.frames(&ViewOptions { size: [200, 100], ..ViewOptions::default() }).unwrap()[0];

@@ -1,7 +1,7 @@
 //! A small model can expand into large data, which are counted and refused above the limit.
 
 use basrelief_input::Budget;
-use basrelief_scene::{Memory, SceneError, ViewOptions, load_within};
+use basrelief_scene::{MemoryFiles, SceneError, ViewOptions, load_within};
 use image::{DynamicImage, ImageFormat};
 use serde_json::{Value, json};
 use std::io::Cursor;
@@ -9,7 +9,7 @@ use std::io::Cursor;
 const LIMIT: u64 = 1 << 20;
 
 /// The error of a model that must not be held.
-fn error_of(bytes: &[u8], name: &str, files: &Memory, view: &ViewOptions) -> SceneError {
+fn error_of(bytes: &[u8], name: &str, files: &MemoryFiles, view: &ViewOptions) -> SceneError {
     let budget = Budget::new(LIMIT);
     let error = load_within(bytes, name, files, view, &budget)
         .map(|_| ())
@@ -32,9 +32,9 @@ fn picture(side: u32) -> Vec<u8> {
     bytes.into_inner()
 }
 
-fn files() -> Memory {
+fn files() -> MemoryFiles {
     let corners: Vec<u8> = [0., 0., 0., 1., 0., 0., 0., 1., 0.].into_iter().flat_map(f32::to_le_bytes).collect();
-    Memory::default()
+    MemoryFiles::default()
         .with("corners.bin", corners)
         .with("large.bin", vec![0; 4 << 20])
         .with("wide.bin", vec![0; 1 << 18])

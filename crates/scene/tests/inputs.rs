@@ -106,7 +106,7 @@ fn corrupt_png_is_an_error_that_names_it() {
     let model = r#"{"asset": {"version": "2.0"}, "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
         "accessors": [{"type": "VEC3", "componentType": 5126, "count": 3}], "textures": [{"source": 0}],
         "images": [{"uri": "NAME"}], "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]}"#;
-    let files = basrelief_scene::Directory::new(&folder);
+    let files = basrelief_scene::FolderFiles::new(&folder);
     for path in files_below(&folder, &["png"]) {
         let name = path.file_name().unwrap().to_str().unwrap();
         let text = model.replace("NAME", name);
@@ -146,7 +146,7 @@ fn check_mesh(mesh: &basrelief_signals::Mesh, bump: bool) {
 fn computed_tangents_agree_with_a_files_own() {
     let Some(folder) = inputs("models/Avocado") else { return };
     let text = std::fs::read_to_string(folder.join("Avocado.gltf")).unwrap();
-    let files = basrelief_scene::Directory::new(&folder);
+    let files = basrelief_scene::FolderFiles::new(&folder);
     let mesh = |text: &str| {
         let scene = basrelief_scene::load(text.as_bytes(), "Avocado.gltf", &files, &ViewOptions::default()).unwrap();
         scene.objects[0].mesh.clone()

@@ -10,7 +10,7 @@ use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
 use basrelief_machines::texel::TexelMachineConfig;
 use basrelief_machines::{MachineInfo, MachineSpec, ReferenceFilter, for_machine};
-use basrelief_reference::{self as reference, LevelRule, Options, Pyramid, Shading, Style, TextureFilter};
+use basrelief_reference::{self as reference, LevelRule, PyramidLevels, RenderOptions, RenderStyle, ShadingModel, TextureFilter};
 use basrelief_signals::TexelFilter;
 use basrelief_texel_value_generator::{IlluminanceMode, MipMode};
 
@@ -20,7 +20,7 @@ pub(crate) trait SimulatedMachine: MachineSpec {
     const AUX_OUTPUTS: &'static [AuxOutputSpec<Self, Self::Log>] = &[];
 
     /// Returns the style of the exact picture.
-    fn exact_style(&self) -> Style;
+    fn exact_style(&self) -> RenderStyle;
 }
 
 /// Returns the auxiliary outputs of a machine.
@@ -33,19 +33,19 @@ pub fn aux_outputs(machine: &MachineInfo) -> Vec<AuxOutputInfo> {
 }
 
 impl SimulatedMachine for BumpProcessorConfig {
-    fn exact_style(&self) -> Style {
-        let options = Options {
+    fn exact_style(&self) -> RenderStyle {
+        let options = RenderOptions {
             filter: match self.reference.filter {
                 ReferenceFilter::Nearest => TextureFilter::Nearest,
                 ReferenceFilter::Bilinear => TextureFilter::Bilinear,
                 ReferenceFilter::Trilinear => TextureFilter::Trilinear,
             },
             components: match self.brightness.components {
-                Components::Combined => reference::Components::Combined,
-                Components::Separate => reference::Components::Separate,
+                Components::Combined => reference::BrightnessComponents::Combined,
+                Components::Separate => reference::BrightnessComponents::Separate,
             },
             two_sided_lighting: self.geometry.two_sided_lighting,
-            ..Options::default()
+            ..RenderOptions::default()
         };
         options.into()
     }
@@ -54,14 +54,14 @@ impl SimulatedMachine for BumpProcessorConfig {
 impl SimulatedMachine for ShadeConfig {
     /// Phong shading in every mode, so that the errors of all modes and shortcuts are comparable. The device has no textures, and its
     /// highlights have the colour of the light.
-    fn exact_style(&self) -> Style {
-        let options = Options {
+    fn exact_style(&self) -> RenderStyle {
+        let options = RenderOptions {
             filter: TextureFilter::None,
-            components: reference::Components::Separate,
+            components: reference::BrightnessComponents::Separate,
             two_sided_lighting: self.geometry.two_sided_lighting,
-            ..Options::default()
+            ..RenderOptions::default()
         };
-        Style { shading: Shading::Phong, options }
+        RenderStyle { shading: ShadingModel::Phong, options }
     }
 }
 
@@ -69,7 +69,7 @@ impl SimulatedMachine for TexelMachineConfig {
     const AUX_OUTPUTS: &'static [AuxOutputSpec<Self, Self::Log>] = texel::AUX_OUTPUTS;
 
     /// Exact mapping with the machine's own filter, so that the difference is the error of the division points.
-    fn exact_style(&self) -> Style {
+    fn exact_style(&self) -> RenderStyle {
         let filter = match (self.mip.mode, self.look_up.filter) {
             (MipMode::Off, TexelFilter::Nearest) => TextureFilter::Nearest,
             (MipMode::Off, TexelFilter::Bilinear) => TextureFilter::Bilinear,
@@ -78,17 +78,17 @@ impl SimulatedMachine for TexelMachineConfig {
             (MipMode::Trilinear, TexelFilter::Nearest) => TextureFilter::NearestMipLinear,
             (MipMode::Trilinear, TexelFilter::Bilinear) => TextureFilter::Trilinear,
         };
-        let options = Options {
+        let options = RenderOptions {
             filter,
             level: LevelRule::AlongScanLine,
             two_sided_lighting: self.geometry.two_sided_lighting,
-            ..Options::default()
+            ..RenderOptions::default()
         };
         let shading = match self.illuminance.mode {
-            IlluminanceMode::Off => Shading::Texture,
-            IlluminanceMode::Gouraud => Shading::Gouraud,
+            IlluminanceMode::Off => ShadingModel::Texture,
+            IlluminanceMode::Gouraud => ShadingModel::Gouraud,
         };
-        Style { shading, options }
+        RenderStyle { shading, options }
     }
 }
 
@@ -96,19 +96,19 @@ impl SimulatedMachine for DeferConfig {
     const AUX_OUTPUTS: &'static [AuxOutputSpec<Self, Self::Log>] = defer::AUX_OUTPUTS;
 
     /// Trilinear interpolation in the device's own pyramid, with the wrap modes of the textures.
-    fn exact_style(&self) -> Style {
+    fn exact_style(&self) -> RenderStyle {
         let centre = match self.defer.texel_centre {
             TexelCentre::Half => reference::TexelCentre::Half,
             TexelCentre::Integer => reference::TexelCentre::Integer,
         };
-        let options = Options {
+        let options = RenderOptions {
             filter: TextureFilter::Trilinear,
-            pyramid: Pyramid::Tiled { tile: [self.tile.width, self.tile.height], centre },
+            pyramid: PyramidLevels::Tiled { tile: [self.tile.width, self.tile.height], centre },
             two_sided_lighting: self.geometry.two_sided_lighting,
-            ..Options::default()
+            ..RenderOptions::default()
         };
-        let shading = if self.defer.lighting == LightingMode::Gouraud { Shading::Gouraud } else { Shading::Texture };
-        Style { shading, options }
+        let shading = if self.defer.lighting == LightingMode::Gouraud { ShadingModel::Gouraud } else { ShadingModel::Texture };
+        RenderStyle { shading, options }
     }
 }
 

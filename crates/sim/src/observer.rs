@@ -2,7 +2,7 @@
 
 use crate::outputs::aux_output::AuxOutput;
 use basrelief_kernel::MemoryRequest;
-use basrelief_reference::{Picture, Quality};
+use basrelief_reference::{QualityMetrics, RgbPicture};
 
 /// Pictures of a finished frame.
 #[derive(Debug)]
@@ -10,9 +10,9 @@ pub struct Pictures<'a> {
     /// Frame number, from 0.
     pub index: usize,
     /// The machine's picture.
-    pub machine: &'a Picture,
+    pub machine: &'a RgbPicture,
     /// The exact picture, and the quality of the machine's picture against it.
-    pub exact: Option<(&'a Picture, Quality)>,
+    pub exact: Option<(&'a RgbPicture, QualityMetrics)>,
 }
 
 /// Requests that a memory has accepted since the previous call, ordered by arrival, port number and issue.

@@ -2,7 +2,7 @@
 
 use basrelief_input::{Budget, Held};
 use basrelief_machines::FrontConfig;
-use basrelief_reference::{Picture, Quality, SizeMismatch, Style, draw_scene};
+use basrelief_reference::{QualityMetrics, RenderStyle, RgbPicture, SizeMismatch, draw_scene};
 use basrelief_report::model::Difference;
 use basrelief_signals::Scene;
 use basrelief_threads::Later;
@@ -41,10 +41,10 @@ struct SceneCache {
 /// An exact picture, and the last comparison with it.
 #[derive(Debug)]
 struct ExactEntry {
-    style: Style,
+    style: RenderStyle,
     frame: usize,
-    exact: Arc<Picture>,
-    compared: Option<(Picture, Quality, Difference)>,
+    exact: Arc<RgbPicture>,
+    compared: Option<(RgbPicture, QualityMetrics, Difference)>,
 }
 
 impl PreparedScene {
@@ -76,7 +76,7 @@ impl PreparedScene {
     }
 
     /// Starts to draw the exact picture of a frame. Returns `None` if there is no such frame.
-    pub(crate) fn exact(&self, style: Style, frame: usize) -> Option<Later<Arc<Picture>>> {
+    pub(crate) fn exact(&self, style: RenderStyle, frame: usize) -> Option<Later<Arc<RgbPicture>>> {
         if let Some(exact) = self.cache().and_then(|cache| Some(Arc::clone(&cache.entry(style, frame)?.exact))) {
             return Some(Later::on_demand(move || exact));
         }
@@ -89,7 +89,7 @@ impl PreparedScene {
         }))
     }
 
-    fn keep_exact(&self, style: Style, frame: usize, exact: &Arc<Picture>) {
+    fn keep_exact(&self, style: RenderStyle, frame: usize, exact: &Arc<RgbPicture>) {
         let Some(mut cache) = self.cache() else { return };
         let bytes = PIXEL * exact.rgb.len() as u64;
         if cache.pictures.len() < MAX_ENTRIES && cache.held.grow(bytes, "exact pictures").is_ok() {
@@ -100,11 +100,11 @@ impl PreparedScene {
     /// Compares the machine's picture of a frame with the exact picture.
     pub(crate) fn compare(
         &self,
-        style: Style,
+        style: RenderStyle,
         frame: usize,
-        exact: &Picture,
-        machine: &Picture,
-    ) -> Result<(Quality, Difference), SizeMismatch> {
+        exact: &RgbPicture,
+        machine: &RgbPicture,
+    ) -> Result<(QualityMetrics, Difference), SizeMismatch> {
         let same = |entry: &ExactEntry| entry.compared.as_ref().filter(|(of, ..)| of == machine).map(|(_, q, d)| (*q, *d));
         if let Some(known) = self.cache().and_then(|cache| cache.entry(style, frame).and_then(same)) {
             return Ok(known);
@@ -118,16 +118,16 @@ impl PreparedScene {
 }
 
 /// Compares a machine's picture with the exact picture.
-pub(crate) fn compare(exact: &Picture, machine: &Picture) -> Result<(Quality, Difference), SizeMismatch> {
-    Ok((Quality::measure(exact, machine)?, crate::analysis::picture_difference::difference(exact, machine)))
+pub(crate) fn compare(exact: &RgbPicture, machine: &RgbPicture) -> Result<(QualityMetrics, Difference), SizeMismatch> {
+    Ok((QualityMetrics::measure(exact, machine)?, crate::analysis::picture_difference::difference(exact, machine)))
 }
 
 impl SceneCache {
-    fn entry(&self, style: Style, frame: usize) -> Option<&ExactEntry> {
+    fn entry(&self, style: RenderStyle, frame: usize) -> Option<&ExactEntry> {
         self.pictures.iter().find(|entry| entry.style == style && entry.frame == frame)
     }
 
-    fn entry_mut(&mut self, style: Style, frame: usize) -> Option<&mut ExactEntry> {
+    fn entry_mut(&mut self, style: RenderStyle, frame: usize) -> Option<&mut ExactEntry> {
         self.pictures.iter_mut().find(|entry| entry.style == style && entry.frame == frame)
     }
 }
@@ -144,25 +144,25 @@ mod tests {
     #[test]
     fn exact_picture_is_drawn_once() {
         let prepared = PreparedScene::cached(scene(), &Budget::default());
-        let [first, second] = [0, 1].map(|_| prepared.exact(Style::default(), 0).unwrap().get());
+        let [first, second] = [0, 1].map(|_| prepared.exact(RenderStyle::default(), 0).unwrap().get());
         assert!(Arc::ptr_eq(&first, &second));
-        assert!(prepared.exact(Style::default(), 1).is_none(), "there is one frame");
+        assert!(prepared.exact(RenderStyle::default(), 1).is_none(), "there is one frame");
         let once = PreparedScene::from(scene());
-        let [first, second] = [0, 1].map(|_| once.exact(Style::default(), 0).unwrap().get());
+        let [first, second] = [0, 1].map(|_| once.exact(RenderStyle::default(), 0).unwrap().get());
         assert!(!Arc::ptr_eq(&first, &second) && first == second);
     }
 
     #[test]
     fn cache_respects_the_memory_limit() {
         let prepared = PreparedScene::cached(scene(), &Budget::new(100));
-        let [first, second] = [0, 1].map(|_| prepared.exact(Style::default(), 0).unwrap().get());
+        let [first, second] = [0, 1].map(|_| prepared.exact(RenderStyle::default(), 0).unwrap().get());
         assert!(!Arc::ptr_eq(&first, &second) && first == second);
     }
 
     #[test]
     fn changed_picture_is_compared_again() {
         let prepared = PreparedScene::cached(scene(), &Budget::default());
-        let style = Style::default();
+        let style = RenderStyle::default();
         let exact = prepared.exact(style, 0).unwrap().get();
         let mut machine = (*exact).clone();
         assert_eq!(prepared.compare(style, 0, &exact, &machine).unwrap(), compare(&exact, &machine).unwrap());

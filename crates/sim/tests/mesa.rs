@@ -3,7 +3,7 @@
 #[path = "../../reference/tests/mesa/tool.rs"]
 mod tool;
 
-use basrelief_reference::{Options, Picture, Shading, Style, TextureFilter};
+use basrelief_reference::{RenderOptions, RenderStyle, RgbPicture, ShadingModel, TextureFilter};
 use basrelief_signals::Scene;
 use basrelief_sim::{MachineInfo, Observer, Pictures, RunInput, RunOptions, run};
 use std::path::Path;
@@ -12,7 +12,7 @@ use tool::{Mesa, agreement, double_sided, foreign_models, load, models, name_of}
 
 /// Keeps the machine's picture.
 #[derive(Default)]
-struct Kept(Option<Picture>);
+struct Kept(Option<RgbPicture>);
 
 impl Observer for Kept {
     fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
@@ -22,7 +22,7 @@ impl Observer for Kept {
 }
 
 /// Draws a scene on the functional model with these settings.
-fn draw(machine: &str, settings: &[(&str, &str)], scene: &Arc<Scene>) -> Picture {
+fn draw(machine: &str, settings: &[(&str, &str)], scene: &Arc<Scene>) -> RgbPicture {
     let config = MachineInfo::named(machine).expect("a machine").load("", settings).expect("valid parameters");
     let settings = RunOptions { config, engine: None, exact: false, ..RunOptions::default() };
     let mut kept = Kept::default();
@@ -42,7 +42,7 @@ const MODELS: [&str; 4] = [
 fn decibels(mesa: &Mesa, path: &Path, (machine, settings): (&str, &[(&str, &str)]), filter: TextureFilter) -> f64 {
     let model = name_of(path);
     let scene = Arc::new(double_sided(&load(path)));
-    let style = Style { shading: Shading::Texture, options: Options { filter, ..Options::default() } };
+    let style = RenderStyle { shading: ShadingModel::Texture, options: RenderOptions { filter, ..RenderOptions::default() } };
     let (db, differing) = agreement(&draw(machine, settings, &scene), &mesa.draw(path, style, false));
     println!("{machine} {settings:?}, {model}: {db:.2} dB, {:.4} % of coverage differs", 100.0 * differing);
     assert!(differing <= 0.001, "{machine}, {model}: {differing} of the coverage differs");

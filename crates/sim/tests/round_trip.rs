@@ -5,7 +5,7 @@ use basrelief_kernel::{MemoryPorts, Unit};
 use basrelief_machines::FrontConfig;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_parameters::load;
-use basrelief_reference::{Picture, Quality};
+use basrelief_reference::{QualityMetrics, RgbPicture};
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
@@ -152,7 +152,7 @@ fn reading_a_trace_is_not_simulation_time() {
 }
 
 /// A frame, the machine's picture of it, and the exact one.
-type ShownFrame = (usize, Picture, Option<(Picture, Quality)>);
+type ShownFrame = (usize, RgbPicture, Option<(RgbPicture, QualityMetrics)>);
 
 /// Frames that an observer has received, in order.
 #[derive(Default, PartialEq)]

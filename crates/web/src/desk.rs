@@ -7,7 +7,7 @@ use crate::parcel::Parcel;
 use crate::path::{Come, Path, PathTiles};
 use crate::shown::{Rounds, Shown, catalogue};
 use basrelief_input::{Budget, Held};
-use basrelief_scene::{Memory, Subject};
+use basrelief_scene::{MemoryFiles, SceneSubject};
 use basrelief_sim::{
     AnalysisPolicy, AuxForm, AuxOutputInfo, Costs, MACHINES, MachineConfig, MachineInfo, Overrides, PreparedScene, RunInput,
     RunOptions, run, timeline_layout,
@@ -46,7 +46,7 @@ enum Kind {
 
 /// A model, a demo or a server's scene, with its last prepared view.
 struct Looked {
-    subject: Subject,
+    subject: SceneSubject,
     seen: Option<(View, PreparedScene)>,
     budget: Budget,
     #[expect(dead_code, reason = "held as long as the subject")]
@@ -56,7 +56,7 @@ struct Looked {
 }
 
 impl Looked {
-    fn new(subject: Subject, (held, budget): (Held, Budget), path: Option<Rc<Path>>) -> Box<Self> {
+    fn new(subject: SceneSubject, (held, budget): (Held, Budget), path: Option<Rc<Path>>) -> Box<Self> {
         Box::new(Self { subject, seen: None, budget, held, path })
     }
 }
@@ -82,7 +82,7 @@ impl Desk {
         match Ask::deserialize(&question.json).map_err(|e| format!("no question: {e}"))? {
             Ask::Catalogue => Ok(Parcel::of(catalogue())),
             Ask::Demo { name } => {
-                let subject = Subject::demo(&name).map_err(|e| e.to_string())?;
+                let subject = SceneSubject::demo(&name).map_err(|e| e.to_string())?;
                 let machine = MachineInfo::of_demo(&name).name;
                 let budget = budget();
                 let held = budget.nothing();
@@ -269,11 +269,11 @@ fn opened(name: &str, files: Vec<File>, question: &Parcel) -> Result<Kind, Strin
         let all = files.iter().map(|file| Ok((file.name.clone(), Arc::from(bytes(file)?)))).collect::<Result<_, String>>()?;
         return Ok(Kind::Trace(all, budget));
     }
-    let mut memory = Memory::default();
+    let mut memory = MemoryFiles::default();
     for file in files.iter().filter(|file| file.name != name) {
         memory = memory.with(&file.name, bytes(file)?);
     }
-    let loaded = Subject::load_within(bytes(main)?, name, &memory, &budget);
+    let loaded = SceneSubject::load_within(bytes(main)?, name, &memory, &budget);
     let (subject, held) = loaded.map_err(|e| e.to_string())?;
     Ok(Kind::Subject(Looked::new(subject, (held, budget), None)))
 }

@@ -3,7 +3,7 @@
 use crate::outside::Outside;
 use crate::parcel::Parcel;
 use crate::path::Path;
-use basrelief_reference::{Picture, metrics};
+use basrelief_reference::{RgbPicture, metrics};
 use basrelief_report::Report;
 use basrelief_report::html::sections;
 use basrelief_scene::DEMOS;
@@ -50,9 +50,9 @@ fn machine(machine: &MachineInfo) -> Value {
 /// Pictures of a run: those of the last frame, and the last picture of each auxiliary output.
 #[derive(Default)]
 pub(crate) struct Shown {
-    machine: Option<Picture>,
-    exact: Option<Picture>,
-    exhibits: Vec<(AuxOutputInfo, Picture)>,
+    machine: Option<RgbPicture>,
+    exact: Option<RgbPicture>,
+    exhibits: Vec<(AuxOutputInfo, RgbPicture)>,
     /// Receiver of intermediate pictures.
     rounds: Option<Rounds>,
 }
@@ -72,7 +72,7 @@ impl Rounds {
         Self { path, outside, before }
     }
 
-    fn show(&self, picture: &Picture) {
+    fn show(&self, picture: &RgbPicture) {
         if self.path.come().requests > self.before {
             let mut parcel = Parcel::default();
             let at = parcel.pack(&picture.to_rgba());
@@ -144,7 +144,7 @@ impl Shown {
 
     fn pictures(&self, parcel: &mut Parcel) -> Result<Vec<Value>, String> {
         let mut list = Vec::new();
-        let mut add = |name: &str, about: String, picture: &Picture| {
+        let mut add = |name: &str, about: String, picture: &RgbPicture| {
             let at = parcel.pack(&picture.to_rgba());
             list.push(json!({ "name": name, "about": about, "at": at, "width": picture.width, "height": picture.height }));
         };

@@ -12,7 +12,7 @@ use crate::progress::{InputProgress, Progress, TileProgress};
 use crate::terminal;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_input::Budget;
-use basrelief_scene::{Subject, ViewOptions};
+use basrelief_scene::{SceneSubject, ViewOptions};
 use basrelief_sim::{MACHINES, MachineConfig, Overrides, PreparedScene, RunInput};
 use basrelief_tile_server::client::{Fetcher, RemoteTiles, RetryPolicy, TileCache, TileStore};
 use basrelief_tile_server::preview::{LivePreview, PreviewedTiles};
@@ -36,7 +36,7 @@ fn config_of(args: &RunArgs, look: &Look, budget: &Budget) -> Done<(MachineConfi
 /// Fetches the scene of a server and applies the view. Its memory stays reserved until the end of the program.
 fn scene_of(fetcher: &Fetcher, view: &ViewOptions, shown: &TileProgress, budget: &Budget) -> Done<PreparedScene> {
     let (address, packed, _held) = fetcher.scene(|bytes| shown.scene(bytes)).map_err(Failure::Bad)?;
-    let (subject, held): (Subject, _) = unpack(&packed, &address, budget).map_err(Failure::Bad)?;
+    let (subject, held): (SceneSubject, _) = unpack(&packed, &address, budget).map_err(Failure::Bad)?;
     held.keep();
     let (scene, held) = subject.seen_within(view, budget).map_err(Failure::bad)?;
     held.keep();

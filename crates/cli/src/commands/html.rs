@@ -2,7 +2,7 @@
 
 use crate::error::{Done, Failure};
 use crate::outputs::PartialFile;
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use basrelief_report::html::Beside;
 use basrelief_report::{Report, to_html};
 use basrelief_sim::{page_assets, page_pictures};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub struct HtmlFile {
     path: PathBuf,
     file: PartialFile,
-    last: Option<(Picture, Option<Picture>)>,
+    last: Option<(RgbPicture, Option<RgbPicture>)>,
 }
 
 impl HtmlFile {
@@ -27,7 +27,7 @@ impl HtmlFile {
     }
 
     /// Stores image and reference image of a frame.
-    pub fn frame(&mut self, machine: &Picture, exact: Option<&Picture>) {
+    pub fn frame(&mut self, machine: &RgbPicture, exact: Option<&RgbPicture>) {
         self.last = Some((machine.clone(), exact.cloned()));
     }
 

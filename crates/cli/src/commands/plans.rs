@@ -10,7 +10,7 @@ use crate::progress::PointProgress;
 use basrelief_dse::{Folder, Host, Opened, Plan, Point, SweepError, Tally, Work, tables};
 use basrelief_input::{Budget, Held};
 use basrelief_parameters::nearest;
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use basrelief_sim::{RunInput, TOML_GROWTH, to_png};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
@@ -166,7 +166,7 @@ impl Host for Program<'_> {
         read_text(&self.place(name), &self.global.budget).map(|(text, _)| text).map_err(|failure| failure.to_string())
     }
 
-    fn png(&self, picture: &Picture) -> Result<Vec<u8>, String> {
+    fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {
         to_png(picture)
     }
 

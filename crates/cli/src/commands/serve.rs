@@ -7,7 +7,7 @@ use crate::global::GlobalOptions;
 use crate::input;
 use crate::interrupt;
 use basrelief_input::Budget;
-use basrelief_scene::{Subject, ViewOptions};
+use basrelief_scene::{SceneSubject, ViewOptions};
 use basrelief_signals::Texture;
 use basrelief_sim::reserve_textures;
 use basrelief_tile_server::protocol::{hash_of_picture, pack};
@@ -48,7 +48,7 @@ pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> Done {
 }
 
 /// Returns the compressed scene; its memory stays reserved until the end of the program.
-fn packed(subject: &Subject, budget: &Budget) -> Done<Vec<u8>> {
+fn packed(subject: &SceneSubject, budget: &Budget) -> Done<Vec<u8>> {
     let within = Failure::within(subject.name());
     let scene = subject.to_bytes(&mut hash_of_picture).map_err(|e| within(e.to_string()))?;
     let _whole = budget.take(scene.len() as u64, "a scene to be served").map_err(|e| within(e.to_string()))?;
@@ -58,7 +58,7 @@ fn packed(subject: &Subject, budget: &Budget) -> Done<Vec<u8>> {
 }
 
 /// Returns all colour textures, each once.
-fn textures(subject: &Subject) -> Vec<Arc<Texture>> {
+fn textures(subject: &SceneSubject) -> Vec<Arc<Texture>> {
     let all = subject.objects().iter().filter_map(|o| o.material.color_texture.clone());
     all.map(|texture| (texture.id, texture)).collect::<BTreeMap<_, _>>().into_values().collect()
 }

@@ -2,7 +2,7 @@
 
 use basrelief_dse::{Folder, Host, Opened, Plan, Tally, Work, execute, tables};
 use basrelief_input::Budget;
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_sim::{PreparedScene, RunInput, doc_trace};
 use std::fs;
@@ -49,7 +49,7 @@ impl Host for Program {
         if name == "wide.toml" { Ok("replacement.lanes = 16".into()) } else { Err(format!("{name}: cannot be read")) }
     }
 
-    fn png(&self, picture: &Picture) -> Result<Vec<u8>, String> {
+    fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {
         Ok(picture.to_rgba())
     }
 

@@ -1,7 +1,7 @@
 //! Host speed of a machine on a trace, with the timed engine and the functional model.
 
 use basrelief_kernel::{Engine, run, run_functional};
-use basrelief_machines::{ConfigProblem, Draws, FrontEnd, TraceFront};
+use basrelief_machines::{ConfigProblem, FrontEnd, PictureMachine, TraceFront};
 use basrelief_parameters::Parameters;
 use basrelief_signals::Control;
 use std::time::Instant;
@@ -22,7 +22,11 @@ where
 }
 
 /// Runs the timed engine and the functional model, and prints the elements per second. `figure` is the number of elements.
-pub fn print_speed<M: Draws>(machine: impl Fn() -> Result<M, ConfigProblem>, figure: &str, elements: &str) -> Result<(), String> {
+pub fn print_speed<M: PictureMachine>(
+    machine: impl Fn() -> Result<M, ConfigProblem>,
+    figure: &str,
+    elements: &str,
+) -> Result<(), String> {
     let machine = || machine().map_err(|e| e.to_string());
     let mut timed = machine()?;
     let began = Instant::now();

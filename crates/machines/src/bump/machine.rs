@@ -3,7 +3,7 @@
 use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
-use crate::Draws;
+use crate::PictureMachine;
 use crate::front::FrontEnd;
 use crate::problem::wired;
 use basrelief_brightness::{BrightnessFetch, Components};
@@ -94,7 +94,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
     }
 }
 
-impl<F: FrontEnd> Draws for BumpProcessor<F> {
+impl<F: FrontEnd> PictureMachine for BumpProcessor<F> {
     fn finished(&mut self) -> &mut Vec<FinishedFrame> {
         &mut self.frame_buffer.unit.state.finished
     }

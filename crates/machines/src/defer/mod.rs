@@ -31,7 +31,7 @@ pub const DIAGRAM: &str = include_str!("diagram.txt");
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Draws as _;
+    use crate::PictureMachine as _;
     use basrelief_kernel::HardwareKind;
 
     crate::unit_info::diagram_tests!(DeferredRenderer, [DeferConfig::default()]);

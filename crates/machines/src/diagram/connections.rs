@@ -1,11 +1,11 @@
 //! Follows the wires of a block diagram, so that a test can compare the diagram with the machine edge by edge.
 
-use super::{BlockDiagram, PlacedText, Side, WireCell, drawn_units};
+use super::{BlockDiagram, CellSide, PlacedText, WireCell, drawn_units};
 use std::collections::BTreeSet;
 
 /// Units and edges of a block diagram.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub(crate) struct Connections {
+pub(crate) struct DiagramConnections {
     /// Units and their numerals.
     pub(crate) units: BTreeSet<(String, String)>,
     /// Producer, FIFO, consumer.
@@ -14,7 +14,7 @@ pub(crate) struct Connections {
     pub(crate) clients: BTreeSet<[String; 3]>,
 }
 
-impl Connections {
+impl DiagramConnections {
     /// Reads a diagram.
     ///
     /// # Errors
@@ -48,24 +48,24 @@ impl Connections {
 }
 
 /// Row and column.
-type Cell = (usize, usize);
+type DiagramCell = (usize, usize);
 
-fn next((row, column): Cell, side: Side) -> Cell {
+fn next((row, column): DiagramCell, side: CellSide) -> DiagramCell {
     let (down, right) = side.step();
     (row.wrapping_add_signed(down), column.wrapping_add_signed(right))
 }
 
-fn covering(list: &[PlacedText], (row, column): Cell) -> Option<&PlacedText> {
+fn covering(list: &[PlacedText], (row, column): DiagramCell) -> Option<&PlacedText> {
     list.iter().find(|placed| placed.row == row && (placed.column..placed.column + placed.width).contains(&column))
 }
 
 impl BlockDiagram {
-    fn wire(&self, (row, column): Cell) -> Option<&WireCell> {
+    fn wire(&self, (row, column): DiagramCell) -> Option<&WireCell> {
         self.wires.iter().find(|wire| (wire.row, wire.column) == (row, column))
     }
 
     /// The unit at which a wire ends that leaves `cell` on this side. A blank separates a horizontal wire from its unit.
-    fn wire_end(&self, cell: Cell, side: Side) -> Option<&PlacedText> {
+    fn wire_end(&self, cell: DiagramCell, side: CellSide) -> Option<&PlacedText> {
         let near = next(cell, side);
         let is_blank = covering(&self.fifos, near).is_none() && self.wire(near).is_none();
         let beyond = if side.is_horizontal() && is_blank { next(near, side) } else { near };
@@ -73,7 +73,7 @@ impl BlockDiagram {
     }
 
     /// Follows a wire from its arrowhead against its direction, to its name and its producer.
-    fn follow(&self, head: &WireCell, mut side: Side) -> Result<(&str, &str), String> {
+    fn follow(&self, head: &WireCell, mut side: CellSide) -> Result<(&str, &str), String> {
         let (mut cell, mut fifo) = ((head.row, head.column), "");
         loop {
             cell = next(cell, side);
@@ -96,8 +96,8 @@ impl BlockDiagram {
 
 impl WireCell {
     /// The side at which a wire leaves this cell that was entered in this direction.
-    fn continuation(&self, direction: Side) -> Option<Side> {
-        let ahead: Vec<Side> = self.sides.iter().copied().filter(|side| *side != direction.opposite()).collect();
+    fn continuation(&self, direction: CellSide) -> Option<CellSide> {
+        let ahead: Vec<CellSide> = self.sides.iter().copied().filter(|side| *side != direction.opposite()).collect();
         match (self.sides.contains(&direction.opposite()), ahead.as_slice()) {
             (true, [only]) => Some(*only),
             (true, [_, _, _]) => Some(direction),
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     fn edges(text: &str) -> Vec<String> {
-        Connections::read(text).unwrap().fifos.into_iter().map(|edge| edge.join(" ")).collect()
+        DiagramConnections::read(text).unwrap().fifos.into_iter().map(|edge| edge.join(" ")).collect()
     }
 
     #[test]
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn clients_connect_units_and_memories() {
-        let connections = Connections::read(" [a (1)] ==x, y== {m (2)}   [b] ==z== {m (2)}").unwrap();
+        let connections = DiagramConnections::read(" [a (1)] ==x, y== {m (2)}   [b] ==z== {m (2)}").unwrap();
         let clients: Vec<String> = connections.clients.iter().map(|c| c.join(" ")).collect();
         assert_eq!(clients, ["a x m", "a y m", "b z m"]);
         let units = [("a", "1"), ("b", "")].map(|(name, numeral)| (name.to_owned(), numeral.to_owned()));
@@ -138,11 +138,12 @@ mod tests {
 
     #[test]
     fn broken_wires_and_clients_are_rejected() {
-        assert!(Connections::read(" [a] --x--> b").is_err_and(|e| e.contains("points at no unit")));
-        assert!(Connections::read(" [a]  -x--> [b]").is_err_and(|e| e.contains("breaks")));
+        assert!(DiagramConnections::read(" [a] --x--> b").is_err_and(|e| e.contains("points at no unit")));
+        assert!(DiagramConnections::read(" [a]  -x--> [b]").is_err_and(|e| e.contains("breaks")));
         assert!(
-            Connections::read(" [a] --x--+\n\n       [b] <--+").is_err_and(|e| e.contains("breaks at") || e.contains("turns"))
+            DiagramConnections::read(" [a] --x--+\n\n       [b] <--+")
+                .is_err_and(|e| e.contains("breaks at") || e.contains("turns"))
         );
-        assert!(Connections::read(" [a] ==x== m").is_err_and(|e| e.contains("expected")));
+        assert!(DiagramConnections::read(" [a] ==x== m").is_err_and(|e| e.contains("expected")));
     }
 }

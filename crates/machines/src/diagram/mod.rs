@@ -54,14 +54,14 @@ pub struct WireCell {
     /// Column, from 0.
     pub column: usize,
     /// Sides of the cell that the wire reaches from its centre.
-    pub sides: Vec<Side>,
+    pub sides: Vec<CellSide>,
     /// Direction of the arrowhead in this cell.
-    pub arrow: Option<Side>,
+    pub arrow: Option<CellSide>,
 }
 
 /// A side of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum CellSide {
     /// Left.
     Left,
     /// Right.
@@ -72,9 +72,9 @@ pub enum Side {
     Down,
 }
 
-use Side::{Down, Left, Right, Up};
+use CellSide::{Down, Left, Right, Up};
 
-impl Side {
+impl CellSide {
     /// All four sides.
     pub const ALL: [Self; 4] = [Left, Right, Up, Down];
 
@@ -206,21 +206,21 @@ impl CharGrid {
 
     /// The wire in this cell, if there is one.
     fn wire(&self, row: usize, column: usize) -> Option<WireCell> {
-        let near = |side: Side| {
+        let near = |side: CellSide| {
             let (down, right) = side.step();
             self.at(row.wrapping_add_signed(down), column.wrapping_add_signed(right))
         };
         // A line that is crossed runs to all four sides.
-        let line = |own: [Side; 2], other: [Side; 2], crossing: char| {
-            if other.iter().all(|&side| near(side) == crossing) { Side::ALL.to_vec() } else { own.to_vec() }
+        let line = |own: [CellSide; 2], other: [CellSide; 2], crossing: char| {
+            if other.iter().all(|&side| near(side) == crossing) { CellSide::ALL.to_vec() } else { own.to_vec() }
         };
         let (sides, arrow) = match self.at(row, column) {
             // A single `-` joins two words.
             '-' if [Left, Right].iter().any(|&side| "-+|<>".contains(near(side))) => (line([Left, Right], [Up, Down], '|'), None),
             '|' => (line([Up, Down], [Left, Right], '-'), None),
-            '+' => (Side::ALL.into_iter().filter(|&side| continues(near(side), side)).collect(), None),
+            '+' => (CellSide::ALL.into_iter().filter(|&side| continues(near(side), side)).collect(), None),
             c => {
-                let points = Side::ALL.into_iter().find(|&side| c == side.arrowhead())?;
+                let points = CellSide::ALL.into_iter().find(|&side| c == side.arrowhead())?;
                 let tail = points.opposite();
                 (vec![tail], continues(near(tail), tail).then_some(points))
             }
@@ -232,7 +232,7 @@ impl CharGrid {
 }
 
 /// Whether a corner or an arrowhead is connected to this neighbour.
-fn continues(neighbour: char, side: Side) -> bool {
+fn continues(neighbour: char, side: CellSide) -> bool {
     let line = if side.is_horizontal() { '-' } else { '|' };
     [line, '+', side.arrowhead()].contains(&neighbour)
 }
@@ -261,7 +261,7 @@ mod tests {
         let diagram = BlockDiagram::read("--+  |\n  | -|-\n  v  |");
         let at = |row, column| diagram.wires.iter().find(|w| (w.row, w.column) == (row, column)).unwrap();
         assert_eq!(at(0, 2).sides, [Left, Down]);
-        assert_eq!(at(1, 5).sides, Side::ALL);
+        assert_eq!(at(1, 5).sides, CellSide::ALL);
         assert_eq!((at(2, 2).sides.as_slice(), at(2, 2).arrow), ([Up].as_slice(), Some(Down)));
     }
 

@@ -4,7 +4,7 @@ use super::ShadeConfig;
 use super::check::check;
 use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
-use crate::Draws;
+use crate::PictureMachine;
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_figure_shading::{
@@ -76,7 +76,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
     }
 }
 
-impl<F: FrontEnd> Draws for FigureShadingDevice<F> {
+impl<F: FrontEnd> PictureMachine for FigureShadingDevice<F> {
     fn finished(&mut self) -> &mut Vec<FinishedFrame> {
         &mut self.frame_memory.unit.state.finished
     }

@@ -4,7 +4,7 @@ use super::TexelMachineConfig;
 use super::check::check;
 use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
-use crate::Draws;
+use crate::PictureMachine;
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
@@ -107,7 +107,7 @@ fn lines_in_flight(config: &TexelMachineConfig) -> u32 {
     1 + config.fifo.pixels.depth + config.frame_buffer.write_lines + config.memory.pixel.outstanding
 }
 
-impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
+impl<F: FrontEnd> PictureMachine for TextureMappingSystem<F> {
     fn finished(&mut self) -> &mut Vec<FinishedFrame> {
         &mut self.buffer.unit.state.finished
     }

@@ -30,7 +30,7 @@ pub const DIAGRAM: &str = include_str!("diagram.txt");
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Draws as _;
+    use crate::PictureMachine as _;
     use basrelief_kernel::{Hardware, HardwareKind};
 
     fn hardware(settings: &[(&str, &str)]) -> Vec<Hardware> {

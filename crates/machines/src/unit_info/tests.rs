@@ -1,18 +1,18 @@
 //! Shared tests of all machines: wiring against block diagram and units.
 
 use super::UnitInfo;
-use crate::diagram::connections::Connections;
+use crate::diagram::connections::DiagramConnections;
 use basrelief_kernel::{Engine, Machine, MemoryReport, StageTopology, run, topology};
 use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Wiring of a machine under one configuration.
-pub(crate) struct Wiring {
+pub(crate) struct MachineWiring {
     stages: Vec<StageTopology>,
     memories: Vec<MemoryReport>,
 }
 
-impl Wiring {
+impl MachineWiring {
     pub(crate) fn of(machine: &mut impl Machine) -> Self {
         Self { stages: topology(machine), memories: run(machine, Engine::Timed).memories }
     }
@@ -37,15 +37,15 @@ impl Wiring {
 }
 
 /// Asserts that `units` are exactly the wired stages, and that the diagram shows exactly these units, their FIFOs and their memory clients.
-pub(crate) fn assert_diagram_matches_wiring(drawing: &str, units: &[UnitInfo], all: &[Wiring]) {
+pub(crate) fn assert_diagram_matches_wiring(drawing: &str, units: &[UnitInfo], all: &[MachineWiring]) {
     let wired: BTreeSet<&str> = all.iter().flat_map(|w| &w.stages).map(|s| s.name.as_str()).collect();
     assert_eq!(units.iter().map(|u| u.name.as_str()).collect::<BTreeSet<_>>(), wired);
-    let wiring = Connections {
+    let wiring = DiagramConnections {
         units: units.iter().map(|u| (u.name.clone(), u.numeral.clone())).collect(),
-        fifos: all.iter().flat_map(Wiring::fifos).collect(),
-        clients: all.iter().flat_map(Wiring::clients).collect(),
+        fifos: all.iter().flat_map(MachineWiring::fifos).collect(),
+        clients: all.iter().flat_map(MachineWiring::clients).collect(),
     };
-    assert_eq!(Connections::read(drawing).unwrap(), wiring);
+    assert_eq!(DiagramConnections::read(drawing).unwrap(), wiring);
 }
 
 /// Asserts that every unit has a role, and that its source file contains it.

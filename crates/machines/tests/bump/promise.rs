@@ -3,18 +3,18 @@
 
 use crate::runs::{config, functional, small_demo};
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_reference::{Options, Picture, draw_scene, metrics};
+use basrelief_reference::{RenderOptions, RgbPicture, draw_scene, metrics};
 use basrelief_signals::Scene;
 
 /// The exact picture of the last frame.
-pub fn exact(scene: &Scene) -> Picture {
-    draw_scene(scene, scene.frames.last().unwrap(), &Options::default())
+pub fn exact(scene: &Scene) -> RgbPicture {
+    draw_scene(scene, scene.frames.last().unwrap(), &RenderOptions::default())
 }
 
 /// PSNR of the last picture against the exact one \[dB\].
-pub fn psnr(exact: &Picture, frames: &[FinishedFrame]) -> f64 {
+pub fn psnr(exact: &RgbPicture, frames: &[FinishedFrame]) -> f64 {
     let FinishedFrame { width, height, rgb, covered, .. } = frames.last().unwrap().clone();
-    metrics::psnr(exact, &Picture { width, height, rgb, covered }).unwrap()
+    metrics::psnr(exact, &RgbPicture { width, height, rgb, covered }).unwrap()
 }
 
 /// At 64 x 48 pixels, two levels are better than one in every demo of the machine, at every table size. Different tables are better in most

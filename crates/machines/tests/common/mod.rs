@@ -9,7 +9,7 @@ use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, Probe, RunReport, run_functional, run_with};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::{Draws, FrontConfig, FrontEnd, SceneFront, TraceFront, UnitStats};
+use basrelief_machines::{FrontConfig, FrontEnd, PictureMachine, SceneFront, TraceFront, UnitStats};
 use basrelief_parameters::{Parameters, load};
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Control, Scene};
@@ -73,25 +73,25 @@ pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> SceneF
 }
 
 /// Runs a machine with a probe.
-pub fn run_probed<P: Probe>(mut machine: impl Draws, engine: Engine, probe: &mut P) -> Ran {
+pub fn run_probed<P: Probe>(mut machine: impl PictureMachine, engine: Engine, probe: &mut P) -> Ran {
     let report = run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
     Ran { report, frames: machine.drain_finished(), facts: machine.facts() }
 }
 
 /// Runs a machine.
-pub fn run(machine: impl Draws, engine: Engine) -> Ran {
+pub fn run(machine: impl PictureMachine, engine: Engine) -> Ran {
     run_probed(machine, engine, &mut NoProbe)
 }
 
 /// Runs the timed engine, and asserts that the run finishes.
-pub fn timed(machine: impl Draws, settings: &[(&str, &str)]) -> Ran {
+pub fn timed(machine: impl PictureMachine, settings: &[(&str, &str)]) -> Ran {
     let ran = run(machine, Engine::Timed);
     assert_eq!(ran.report.outcome, Outcome::Complete, "{settings:?}");
     ran
 }
 
 /// Returns pictures and figures of the functional model.
-pub fn functional(mut machine: impl Draws) -> (Vec<FinishedFrame>, UnitStats) {
+pub fn functional(mut machine: impl PictureMachine) -> (Vec<FinishedFrame>, UnitStats) {
     run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
     (machine.drain_finished(), machine.facts())
 }
@@ -104,7 +104,7 @@ pub fn covered_by_bump(list: &[Control]) -> Vec<Vec<bool>> {
 }
 
 /// Runs both engines and the functional model, asserts that they agree, and returns the timed run.
-pub fn agree<M: Draws>(machine: impl Fn() -> M) -> Ran {
+pub fn agree<M: PictureMachine>(machine: impl Fn() -> M) -> Ran {
     let timed = run(machine(), Engine::Timed);
     assert_eq!(timed.report.outcome, Outcome::Complete);
     let ticked = run(machine(), Engine::Ticked);

@@ -3,7 +3,7 @@
 use crate::recipe::{FAST, SMALL, display_lists, floor, frame, object, texture, views};
 use crate::runs::{Ran, Seen, Tile, config, timed};
 use basrelief_deferred_renderer::cell::split_depth;
-use basrelief_deferred_renderer::{Cell, TexturePage, TileOrigin};
+use basrelief_deferred_renderer::{ReferenceCell, TexturePage, TileOrigin};
 use basrelief_machines::defer::warnings;
 use basrelief_signals::{Control, Frame, Material, WrapMode};
 use proptest::prelude::*;
@@ -28,7 +28,7 @@ fn pictures(seen: &Seen) -> Vec<&[[u8; 3]]> {
 /// Returns the tiles that the pixels of a reference buffer read, from its cells.
 fn wanted(seen: &Seen, frame: usize) -> BTreeSet<Tile> {
     let filled = &seen.filled[frame];
-    let of_cell = |cell: &Cell| -> Vec<Tile> {
+    let of_cell = |cell: &ReferenceCell| -> Vec<Tile> {
         let Some(page) = cell.page().map(|p| &filled.pages[usize::from(p)]) else { return vec![] };
         layers(page, cell.depth).into_iter().flat_map(|layer| read(page, layer, cell)).collect()
     };
@@ -41,7 +41,7 @@ fn layers(page: &TexturePage, depth: f32) -> Vec<u8> {
 }
 
 /// Returns the tiles of all texels with a weight above 0, texel by texel.
-fn read(page: &TexturePage, layer: u8, cell: &Cell) -> Vec<Tile> {
+fn read(page: &TexturePage, layer: u8, cell: &ReferenceCell) -> Vec<Tile> {
     let [x, y] = page.taps(layer, page.placed(cell.coordinates, cell.wrap));
     let texels = [[x.first, y.first], [x.second, y.first], [x.first, y.second], [x.second, y.second]];
     texels.map(|texel| (page.texture, page.tile_of(layer, texel))).to_vec()
@@ -150,7 +150,7 @@ fn from_picture_to_picture_no_pixel_becomes_coarser() {
         let pictures = pictures.to_string();
         let ran = timed(&list, &mode("progressive", &[("defer.pictures_per_view", &pictures)]));
         let filled = &ran.seen.filled[0];
-        let finest = |cell: &Cell| {
+        let finest = |cell: &ReferenceCell| {
             let page = &filled.pages[usize::from(cell.page()?)];
             let there = ran.seen.acquired(0);
             let wished = *layers(page, cell.depth).last()?;

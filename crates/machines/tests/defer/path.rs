@@ -5,10 +5,10 @@ use crate::runs::{Tile, config, replay, timed};
 use basrelief_deferred_renderer::identification::layers_of;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{
-    Cell, FilledBuffer, PyramidCut, TextureMemory, TexturePage, TileEncoding, TileOrigin, TileSource,
+    FilledBuffer, PyramidCut, ReferenceCell, TextureMemory, TexturePage, TileEncoding, TileOrigin, TileSource,
 };
 use basrelief_kernel::{Engine, Outcome, run, run_functional};
-use basrelief_machines::Draws;
+use basrelief_machines::PictureMachine;
 use basrelief_machines::defer::DeferredRenderer;
 use basrelief_signals::Texture;
 use std::cell::RefCell;
@@ -193,7 +193,7 @@ fn asked(order: &str) -> (Vec<Tile>, Vec<(Tile, [u32; 2])>) {
     (asked.take(), reads.collect())
 }
 
-fn reads_of(cell: &Cell, filled: &FilledBuffer) -> Vec<Tile> {
+fn reads_of(cell: &ReferenceCell, filled: &FilledBuffer) -> Vec<Tile> {
     let Some(page) = cell.page().map(|p| &filled.pages[usize::from(p)]) else { return vec![] };
     let (coarse, _, fine) = layers_of(page, cell);
     let placed = page.placed(cell.coordinates, cell.wrap);

@@ -6,7 +6,7 @@ use basrelief_deferred_renderer::{FilledBuffer, TexturePage, TileList, TileOrigi
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, RunReport, run_functional, run_with};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd};
-use basrelief_machines::{Draws, UnitStats};
+use basrelief_machines::{PictureMachine, UnitStats};
 use basrelief_signals::Control;
 use std::collections::BTreeSet;
 use std::sync::Arc;

@@ -4,7 +4,7 @@ use crate::common::covered_by_bump;
 use crate::recipe::{display_lists, frame, material, object, polygon, texture};
 use crate::runs::{Ran, config, figure, replay, run, scene_front, small_demo, timed};
 use basrelief_kernel::{Engine, run_functional};
-use basrelief_machines::Draws;
+use basrelief_machines::PictureMachine;
 use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, warnings};
 use basrelief_signals::{Control, WrapMode};
 use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! Pixels covered in either of two pictures, and the mean of a map over them.
 
 use super::filter::{FilterWindow, RowStrip, STRIP_PIXELS, STRIP_ROWS};
-use crate::Picture;
+use crate::RgbPicture;
 use basrelief_threads as threads;
 use std::ops::Range;
 
@@ -19,9 +19,9 @@ pub struct SizeMismatch {
     pub other: [u32; 2],
 }
 
-pub(super) fn same_size(exact: &Picture, other: &Picture) -> Result<(), SizeMismatch> {
-    let size = |picture: &Picture| [picture.width, picture.height];
-    let whole = |picture: &Picture| {
+pub(super) fn same_size(exact: &RgbPicture, other: &RgbPicture) -> Result<(), SizeMismatch> {
+    let size = |picture: &RgbPicture| [picture.width, picture.height];
+    let whole = |picture: &RgbPicture| {
         let pixels = picture.width as usize * picture.height as usize;
         picture.rgb.len() == pixels && picture.covered.len() == pixels
     };
@@ -32,12 +32,16 @@ pub(super) fn same_size(exact: &Picture, other: &Picture) -> Result<(), SizeMism
 }
 
 /// Returns the numbers of the pixels covered in either picture, ascending.
-pub(super) fn covered<'a>(exact: &'a Picture, other: &'a Picture) -> impl Iterator<Item = usize> + 'a {
+pub(super) fn covered<'a>(exact: &'a RgbPicture, other: &'a RgbPicture) -> impl Iterator<Item = usize> + 'a {
     covered_in(exact, other, 0..exact.height as usize)
 }
 
 /// Returns the numbers of the covered pixels in these rows.
-pub(super) fn covered_in<'a>(exact: &'a Picture, other: &'a Picture, rows: Range<usize>) -> impl Iterator<Item = usize> + 'a {
+pub(super) fn covered_in<'a>(
+    exact: &'a RgbPicture,
+    other: &'a RgbPicture,
+    rows: Range<usize>,
+) -> impl Iterator<Item = usize> + 'a {
     let pixels = rows.start * exact.width as usize..rows.end * exact.width as usize;
     let both = exact.covered[pixels.clone()].iter().zip(&other.covered[pixels.clone()]);
     pixels.zip(both).filter(|(_, (a, b))| **a || **b).map(|(i, _)| i)

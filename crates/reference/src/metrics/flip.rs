@@ -6,7 +6,7 @@
 
 use super::covered::{SizeMismatch, covered, covered_in, mean, same_size, strip_pixels};
 use super::filter::{FilterKernel, FilterWindow, FilteredRows, RimMode, RowStrip, due};
-use crate::Picture;
+use crate::RgbPicture;
 use std::f64::consts::PI;
 
 /// Pixels per degree of visual angle: 0.7 m from a 0.7 m wide monitor of 3840 pixels.
@@ -41,13 +41,13 @@ const FROM_XYZ: [[f64; 3]; 3] = [
 ///
 /// # Errors
 /// Returns an error if the pictures differ in size.
-pub fn flip(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
+pub fn flip(exact: &RgbPicture, other: &RgbPicture) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
     Ok(reach(exact, other).map_or(0.0, |window| flip_by(exact, other, &window, strip_pixels(&window))))
 }
 
 /// Computes the error in strips of about this many pixels.
-fn flip_by(exact: &Picture, other: &Picture, window: &FilterWindow, strip_pixels: usize) -> f64 {
+fn flip_by(exact: &RgbPicture, other: &RgbPicture, window: &FilterWindow, strip_pixels: usize) -> f64 {
     let planes = FlipFilters::new();
     let largest = largest_color_difference();
     let picture_width = exact.width as usize;
@@ -69,7 +69,7 @@ fn flip_by(exact: &Picture, other: &Picture, window: &FilterWindow, strip_pixels
 }
 
 /// Returns the covered pixels and the pixels in reach of their filters.
-fn reach(exact: &Picture, other: &Picture) -> Option<FilterWindow> {
+fn reach(exact: &RgbPicture, other: &RgbPicture) -> Option<FilterWindow> {
     let (width, height) = (exact.width as usize, exact.height as usize);
     let mut pixels = covered(exact, other).map(|i| (i % width, i / width));
     let (x, y) = pixels.next()?;
@@ -83,7 +83,7 @@ fn reach(exact: &Picture, other: &Picture) -> Option<FilterWindow> {
 /// Vision model of a row: filtered colour, and strength of edges and points in its luminance. It moves down the picture.
 struct VisionRow<'a> {
     planes: &'a FlipFilters,
-    picture: &'a Picture,
+    picture: &'a RgbPicture,
     window: &'a FilterWindow,
     /// Rows received so far.
     taken: usize,
@@ -100,7 +100,7 @@ struct VisionRow<'a> {
 }
 
 impl<'a> VisionRow<'a> {
-    fn new(planes: &'a FlipFilters, picture: &'a Picture, window: &'a FilterWindow) -> Self {
+    fn new(planes: &'a FlipFilters, picture: &'a RgbPicture, window: &'a FilterWindow) -> Self {
         let size = (window.width(), window.rows.len());
         // The features' kernels have a smaller radius, but their rows are received with the others.
         let rows = |across: &'a FilterKernel| FilteredRows::new(across, COLOR_RADIUS, size, RimMode::Extended);

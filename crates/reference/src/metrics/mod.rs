@@ -14,7 +14,7 @@ pub use covered::SizeMismatch;
 pub use flip::flip;
 pub use ssim::ssim;
 
-use crate::Picture;
+use crate::RgbPicture;
 use covered::{covered, rounded, same_size};
 
 /// PSNR of identical pictures \[dB\], and the largest reported value.
@@ -22,7 +22,7 @@ pub const IDENTICAL_DB: f64 = 99.0;
 
 /// Quality of a picture against the exact one.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Quality {
+pub struct QualityMetrics {
     /// Peak signal-to-noise ratio \[dB\], at most [`IDENTICAL_DB`].
     pub psnr_db: f64,
     /// Structural similarity, -1..=1, 1 = identical.
@@ -31,12 +31,12 @@ pub struct Quality {
     pub flip: f64,
 }
 
-impl Quality {
+impl QualityMetrics {
     /// Computes all three metrics.
     ///
     /// # Errors
     /// Returns an error if the pictures differ in size.
-    pub fn measure(exact: &Picture, other: &Picture) -> Result<Self, SizeMismatch> {
+    pub fn measure(exact: &RgbPicture, other: &RgbPicture) -> Result<Self, SizeMismatch> {
         Ok(Self { psnr_db: psnr(exact, other)?, ssim: ssim(exact, other)?, flip: flip(exact, other)? })
     }
 }
@@ -46,7 +46,7 @@ impl Quality {
 ///
 /// # Errors
 /// Returns an error if the pictures differ in size.
-pub fn psnr(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
+pub fn psnr(exact: &RgbPicture, other: &RgbPicture) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
     let mut sum = 0.0;
     let mut count = 0.0;
@@ -68,7 +68,7 @@ pub fn psnr(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
 ///
 /// # Errors
 /// Returns an error if the pictures differ in size.
-pub fn difference(exact: &Picture, other: &Picture) -> Result<Picture, SizeMismatch> {
+pub fn difference(exact: &RgbPicture, other: &RgbPicture) -> Result<RgbPicture, SizeMismatch> {
     let mut result = steps(exact, other)?;
     result.rgb.as_flattened_mut().iter_mut().for_each(|step| *step = step.saturating_mul(8));
     Ok(result)
@@ -79,7 +79,7 @@ pub fn difference(exact: &Picture, other: &Picture) -> Result<Picture, SizeMisma
 ///
 /// # Errors
 /// Returns an error if the pictures differ in size.
-pub fn scaled_difference(exact: &Picture, other: &Picture) -> Result<(Picture, u8), SizeMismatch> {
+pub fn scaled_difference(exact: &RgbPicture, other: &RgbPicture) -> Result<(RgbPicture, u8), SizeMismatch> {
     let mut result = steps(exact, other)?;
     let steps = result.rgb.as_flattened_mut();
     let largest = steps.iter().copied().max().unwrap_or(0);
@@ -90,9 +90,9 @@ pub fn scaled_difference(exact: &Picture, other: &Picture) -> Result<(Picture, u
 }
 
 /// Computes the absolute difference per channel. A pixel is covered if it is covered in either picture.
-fn steps(exact: &Picture, other: &Picture) -> Result<Picture, SizeMismatch> {
+fn steps(exact: &RgbPicture, other: &RgbPicture) -> Result<RgbPicture, SizeMismatch> {
     same_size(exact, other)?;
-    let mut result = Picture::new(exact.width, exact.height);
+    let mut result = RgbPicture::new(exact.width, exact.height);
     for i in covered(exact, other) {
         result.covered[i] = true;
         for ((to, &a), b) in result.rgb[i].iter_mut().zip(&exact.rgb[i]).zip(other.rgb[i]) {
@@ -107,8 +107,8 @@ pub(crate) mod tests {
     use super::*;
 
     /// Creates a picture with two thirds of its pixels covered, in colours without a pattern.
-    pub(crate) fn noise(width: u32, height: u32, seed: u32) -> Picture {
-        let mut picture = Picture::new(width, height);
+    pub(crate) fn noise(width: u32, height: u32, seed: u32) -> RgbPicture {
+        let mut picture = RgbPicture::new(width, height);
         let mut state = seed;
         for (rgb, covered) in picture.rgb.iter_mut().zip(&mut picture.covered) {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

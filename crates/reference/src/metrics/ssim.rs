@@ -2,7 +2,7 @@
 
 use super::covered::{SizeMismatch, covered_in, mean, same_size, strip_pixels};
 use super::filter::{FilterKernel, FilterWindow, FilteredRows, RimMode, RowStrip, due};
-use crate::Picture;
+use crate::RgbPicture;
 
 const SIGMA: f64 = 1.5;
 const RADIUS: usize = 5;
@@ -15,14 +15,14 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 ///
 /// # Errors
 /// Returns an error if the pictures differ in size.
-pub fn ssim(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
+pub fn ssim(exact: &RgbPicture, other: &RgbPicture) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
     let whole = FilterWindow { columns: 0..exact.width as usize, rows: 0..exact.height as usize };
     Ok(ssim_by(exact, other, &whole, strip_pixels(&whole)))
 }
 
 /// Computes the similarity in strips of about this many pixels.
-fn ssim_by(exact: &Picture, other: &Picture, whole: &FilterWindow, strip_pixels: usize) -> f64 {
+fn ssim_by(exact: &RgbPicture, other: &RgbPicture, whole: &FilterWindow, strip_pixels: usize) -> f64 {
     let kernel = FilterKernel::new(RADIUS, |d| libm::exp(-d * d / (2.0 * SIGMA * SIGMA))).normalised();
     mean(&RowStrip::all(strip_pixels, whole, RADIUS), 1.0, |strip| {
         let mut moments = LumaMoments::new(&kernel, (whole.width(), strip.reached.len()));
@@ -76,7 +76,7 @@ impl<'a> LumaMoments<'a> {
 }
 
 /// Returns the luma of a row.
-fn luma(picture: &Picture, row: usize) -> Vec<f64> {
+fn luma(picture: &RgbPicture, row: usize) -> Vec<f64> {
     let width = picture.width as usize;
     let pixels = picture.rgb.get(row * width..(row + 1) * width).unwrap_or_default();
     pixels.iter().map(|rgb| 0.299 * f64::from(rgb[0]) + 0.587 * f64::from(rgb[1]) + 0.114 * f64::from(rgb[2])).collect()

@@ -5,7 +5,7 @@
 //! names. Light and camera are the defaults of both sides, so the tests compare these, too.
 
 use basrelief_reference::metrics::psnr;
-use basrelief_reference::{Picture, Shading, Style, TextureFilter};
+use basrelief_reference::{RenderStyle, RgbPicture, ShadingModel, TextureFilter};
 use basrelief_scene::{ViewOptions, load_path};
 use basrelief_signals::{Material, Object, Scene};
 use std::path::{Path, PathBuf};
@@ -79,7 +79,7 @@ impl Mesa {
         assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
     }
 
-    pub fn draw(&self, model: &Path, style: Style, cull: bool) -> Picture {
+    pub fn draw(&self, model: &Path, style: RenderStyle, cull: bool) -> RgbPicture {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let file = |name: &str| folder.path().join(name);
         let mut draw = Command::new(&self.python);
@@ -92,7 +92,7 @@ impl Mesa {
         let files = [file("mesa.png"), file("mesa.npz"), file("mesa.raw")];
         self.run(Command::new(&self.python).args(["-c", UNPACK]).args(&files));
         let bytes = std::fs::read(&files[2]).expect("unpacked picture");
-        let mut picture = Picture::new(SIDE, SIDE);
+        let mut picture = RgbPicture::new(SIDE, SIDE);
         for (i, pixel) in bytes.chunks_exact(4).enumerate() {
             picture.rgb[i].copy_from_slice(&pixel[..3]);
             picture.covered[i] = pixel[3] != 0;
@@ -101,15 +101,15 @@ impl Mesa {
     }
 }
 
-/// Returns the tool's name for a shading. The tool cannot draw [`Shading::Mean`].
-pub fn mode(shading: Shading) -> &'static str {
+/// Returns the tool's name for a shading. The tool cannot draw [`ShadingModel::Mean`].
+pub fn mode(shading: ShadingModel) -> &'static str {
     match shading {
-        Shading::NormalMap => "bump",
-        Shading::Phong => "phong",
-        Shading::Gouraud => "gouraud",
-        Shading::Face => "flat",
-        Shading::Texture => "tex",
-        Shading::Mean => panic!("no mode of the tool"),
+        ShadingModel::NormalMap => "bump",
+        ShadingModel::Phong => "phong",
+        ShadingModel::Gouraud => "gouraud",
+        ShadingModel::Face => "flat",
+        ShadingModel::Texture => "tex",
+        ShadingModel::Mean => panic!("no mode of the tool"),
     }
 }
 
@@ -137,10 +137,10 @@ pub fn load(model: &Path) -> Scene {
 }
 
 /// Returns the PSNR inside the common coverage \[dB\], and the share of all pixels that only one picture covers.
-pub fn agreement(exact: &Picture, mesa: &Picture) -> (f64, f64) {
+pub fn agreement(exact: &RgbPicture, mesa: &RgbPicture) -> (f64, f64) {
     let both: Vec<_> = exact.covered.iter().zip(&mesa.covered).map(|(a, b)| *a && *b).collect();
     let differing = exact.covered.iter().zip(&mesa.covered).filter(|(a, b)| a != b).count();
-    let within = |picture: &Picture| Picture { covered: both.clone(), ..picture.clone() };
+    let within = |picture: &RgbPicture| RgbPicture { covered: both.clone(), ..picture.clone() };
     let db = psnr(&within(exact), &within(mesa)).expect("same size");
     assert!(both.iter().filter(|&&c| c).count() > 10_000, "hardly anything was drawn");
     (db, differing as f64 / both.len() as f64)

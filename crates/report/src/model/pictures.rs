@@ -1,6 +1,6 @@
 //! Pictures and their quality.
 
-use basrelief_reference::Quality;
+use basrelief_reference::QualityMetrics;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 pub struct PictureQuality {
     /// Quality of the final picture.
     #[serde(flatten)]
-    pub last: Quality,
+    pub last: QualityMetrics,
     /// Difference of the final picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub difference: Option<Difference>,
     /// Quality of each picture in order of time. Empty if only the final picture was compared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub frames: Vec<Quality>,
+    pub frames: Vec<QualityMetrics>,
 }
 
 /// Absolute difference of 8-bit values of all colour components, over the pixels covered in either picture.

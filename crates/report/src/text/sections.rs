@@ -295,7 +295,7 @@ pub(crate) fn quality(report: &Report) -> Table {
     ];
     let mut table = Table::new(&columns);
     let Some(quality) = &report.quality else { return table };
-    let mut row = |name: String, q: &basrelief_reference::Quality, d: Option<Difference>| {
+    let mut row = |name: String, q: &basrelief_reference::QualityMetrics, d: Option<Difference>| {
         let [mean, largest] = d.map_or_else(Default::default, |d| [format!("{:.3}", d.mean), d.largest.to_string()]);
         table.row([name, format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip), mean, largest]);
     };

@@ -2,7 +2,7 @@
 
 use super::lettering::{distance, width};
 use super::pattern::{noise, smoothstep};
-use super::stage::{Grid, PI, Point, Stage, Workshop, framing};
+use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, framing};
 use crate::view::LightOrbit;
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec2, DVec3};
@@ -13,8 +13,8 @@ const THICKNESS: f64 = 0.16;
 /// A gold coin on its back. Its relief - a sun, an inscription, a garland, a ring of beads - is a height map of 512 x 512 texels on a
 /// flat disc. The light circles once in eight frames: at every frame the tables of brightness (CLUTs) are computed anew,
 /// while the indices on the surface stay the same.
-pub(super) fn build() -> Stage {
-    let mut shop = Workshop::default();
+pub(super) fn build() -> DemoScene {
+    let mut shop = DemoBuilder::default();
     let relief = shop.heights("relief", 512, 11.0, |u, v| height(DVec2::new(2.0 * u - 1.0, 1.0 - 2.0 * v) * 1.01));
     let reeds = shop.heights("reeds", 64, 5.0, |u, _| 0.5 + 0.5 * libm::cos(2.0 * PI * u));
     let gold = [1.0, 0.80, 0.38];
@@ -23,27 +23,32 @@ pub(super) fn build() -> Stage {
     shop.place("face", disc(), DMat4::IDENTITY, &face);
     shop.place("edge", rim(), DMat4::IDENTITY, &edge);
     let stage = shop.stage(framing([-0.72, -THICKNESS, -0.72], [0.72, 0.0, 0.72], 0.0, 52.0), [-0.75, 0.75, 0.45]);
-    Stage { frames: 8, light_orbit: LightOrbit::Degrees(360.0), ..stage }
+    DemoScene { frames: 8, light_orbit: LightOrbit::Degrees(360.0), ..stage }
 }
 
 /// The upper side: rings around the centre, u to the right and v to the front.
 fn disc() -> Mesh {
-    let grid = Grid { columns: 96, rows: 10, collapsed_top: true, collapsed_bottom: false };
+    let grid = SurfaceGrid { columns: 96, rows: 10, collapsed_top: true, collapsed_bottom: false };
     grid.mesh(|s, t| {
         let (sin, cos) = (libm::sin(2.0 * PI * s), libm::cos(2.0 * PI * s));
         let position = DVec3::new(cos * t, 0.0, -sin * t);
         // The map reaches a little beyond the disc, so that no texel of the other side is filtered in.
         let uv = [position.x, position.z].map(|c| 0.5 + 0.5 * c / 1.01);
-        Point { position, normal: DVec3::Y, tangent: DVec3::X, uv }
+        SurfacePoint { position, normal: DVec3::Y, tangent: DVec3::X, uv }
     })
 }
 
 /// The edge, with 120 reeds.
 fn rim() -> Mesh {
-    Grid::open(96, 2).mesh(|s, t| {
+    SurfaceGrid::open(96, 2).mesh(|s, t| {
         let (sin, cos) = (libm::sin(2.0 * PI * s), libm::cos(2.0 * PI * s));
         let normal = DVec3::new(sin, 0.0, cos);
-        Point { position: normal - DVec3::Y * (THICKNESS * t), normal, tangent: DVec3::new(cos, 0.0, -sin), uv: [120.0 * s, t] }
+        SurfacePoint {
+            position: normal - DVec3::Y * (THICKNESS * t),
+            normal,
+            tangent: DVec3::new(cos, 0.0, -sin),
+            uv: [120.0 * s, t],
+        }
     })
 }
 

@@ -1,8 +1,8 @@
 //! A corridor to the vanishing point.
 
 use super::pattern::noise;
-use super::stage::{Stage, WHOLE, Workshop, rectangle};
-use crate::camera::{Lens, Viewpoint};
+use super::stage::{DemoBuilder, DemoScene, WHOLE, rectangle};
+use crate::camera::{Projection, Viewpoint};
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec3};
 
@@ -20,8 +20,8 @@ const BOARD: [f64; 2] = [0.16, 0.03];
 
 /// Each side is two triangles from behind the eye to the horizon, its texture repeated a thousand times: along the scan
 /// lines of the walls w runs through the ratio of 1:1000, along those of floor and ceiling it stays the same.
-pub(super) fn build() -> Stage {
-    let mut shop = Workshop::default();
+pub(super) fn build() -> DemoScene {
+    let mut shop = DemoBuilder::default();
     let dark = DVec3::new(0.13, 0.15, 0.20);
     let floor_colors = shop.colors("floor checks", [256, 256], move |u, v| checks(u, v, 4, dark, DVec3::new(0.92, 0.90, 0.84)));
     let wall_colors = shop
@@ -43,7 +43,7 @@ pub(super) fn build() -> Stage {
     let end = rectangle(DVec3::new(-half, height, -DEPTH[1]), DVec3::X * (2.0 * half), DVec3::NEG_Y * height, WHOLE);
     shop.place("end", end, DMat4::IDENTITY, &plaster);
     let eye = DVec3::new(0.5, 1.6, 0.0);
-    let lens = Lens::Perspective { field: 1.0, near: 0.1, far: 2.0 * DEPTH[1] };
+    let lens = Projection::Perspective { field: 1.0, near: 0.1, far: 2.0 * DEPTH[1] };
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let camera = Viewpoint::looking_at(eye, eye + DVec3::new(-0.16, -0.03, -1.0), lens).unwrap_or(Viewpoint { eye, axes, lens });
     shop.stage(camera, [0.45, 0.75, 0.5])

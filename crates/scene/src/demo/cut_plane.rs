@@ -1,6 +1,6 @@
 //! A plane that a curve cuts into many small facets, beside a curved body.
 
-use super::stage::{Grid, PI, Point, Stage, Workshop, append, framing};
+use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, append, framing};
 use basrelief_signals::{Lighting, Mesh};
 use glam::{DMat4, DVec3};
 
@@ -14,8 +14,8 @@ const HEIGHT: f64 = 0.72;
 /// A square plate from which a body with five lobes rises. To meet the curve along which the body cuts it, the plate is
 /// divided into facets, all in the plane y = 0, with equal normals, and drawn one after the other: what the shading
 /// device's short cuts for flat polygons and for the same plane as before are made for.
-pub(super) fn build(tessellation: u32) -> Stage {
-    let mut shop = Workshop::default();
+pub(super) fn build(tessellation: u32) -> DemoScene {
+    let mut shop = DemoBuilder::default();
     let slate = shop.lacquer("slate", [0.34, 0.42, 0.50], Lighting { ka: 0.15, kd: 0.75, ks: 0.30, n: 50.0 });
     let jade = shop.lacquer("jade", [0.16, 0.60, 0.40], Lighting { ka: 0.12, kd: 0.75, ks: 0.60, n: 50.0 });
     shop.place("plane", plane(tessellation), DMat4::IDENTITY, &slate);
@@ -48,9 +48,9 @@ fn outline(s: f64) -> DVec3 {
 
 /// The plane between curve and outline.
 fn plane(tessellation: u32) -> Mesh {
-    Grid::open(columns(tessellation), 3 * tessellation).mesh(|s, t| {
+    SurfaceGrid::open(columns(tessellation), 3 * tessellation).mesh(|s, t| {
         let position = (outwards(s) * curve(s)[0]).lerp(outline(s), t);
-        Point { position, normal: DVec3::Y, tangent: DVec3::X, uv: [s, t] }
+        SurfacePoint { position, normal: DVec3::Y, tangent: DVec3::X, uv: [s, t] }
     })
 }
 
@@ -58,10 +58,10 @@ fn plane(tessellation: u32) -> Mesh {
 fn edge(tessellation: u32) -> Mesh {
     let mut edge = Mesh::default();
     for (side, normal) in (0..4).zip([DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::NEG_X]) {
-        let part = Grid::open(columns(tessellation) / 4, 1).mesh(|s, t| {
+        let part = SurfaceGrid::open(columns(tessellation) / 4, 1).mesh(|s, t| {
             let s = (f64::from(side) + s - 0.5) / 4.0;
             let position = outline(s) - DVec3::Y * (THICKNESS * t);
-            Point { position, normal, tangent: DVec3::Y.cross(normal), uv: [s, t] }
+            SurfacePoint { position, normal, tangent: DVec3::Y.cross(normal), uv: [s, t] }
         });
         append(&mut edge, part);
     }
@@ -70,7 +70,8 @@ fn edge(tessellation: u32) -> Mesh {
 
 /// A dome over the curve: an ellipse in each direction from the centre.
 fn body(tessellation: u32) -> Mesh {
-    let grid = Grid { columns: columns(tessellation), rows: 5 * tessellation, collapsed_top: true, collapsed_bottom: false };
+    let grid =
+        SurfaceGrid { columns: columns(tessellation), rows: 5 * tessellation, collapsed_top: true, collapsed_bottom: false };
     grid.mesh(|s, t| {
         let (sin, cos) = (libm::sin(0.5 * PI * t), if t == 1.0 { 0.0 } else { libm::cos(0.5 * PI * t) });
         let [radius, slope] = curve(s);
@@ -78,7 +79,7 @@ fn body(tessellation: u32) -> Mesh {
         let around = outwards * slope + DVec3::Y.cross(outwards) * radius;
         let down = outwards * (radius * cos) - DVec3::Y * (HEIGHT * sin);
         let position = outwards * (radius * sin) + DVec3::Y * (HEIGHT * cos);
-        Point { position, normal: down.cross(around).normalize(), tangent: around.normalize(), uv: [s, t] }
+        SurfacePoint { position, normal: down.cross(around).normalize(), tangent: around.normalize(), uv: [s, t] }
     })
 }
 

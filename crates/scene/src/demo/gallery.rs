@@ -2,8 +2,8 @@
 
 use super::paintings::painting;
 use super::pattern::{noise, scatter};
-use super::stage::{Grid, PI, Point, Stage, WHOLE, Workshop, append, rectangle};
-use crate::camera::{Lens, Viewpoint};
+use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, WHOLE, append, rectangle};
+use crate::camera::{Projection, Viewpoint};
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec3};
 
@@ -17,8 +17,8 @@ const SIZES: [[u32; 2]; 10] =
 /// Pictures on the walls, on a block in the middle and on screens around it, most of them hidden, oblique or far from
 /// wherever one stands. Walls, ceiling, frames and pillars are plain. The way around leads between the screens, always
 /// with the same distance from the middle.
-pub(super) fn build() -> Stage {
-    let mut shop = Workshop::default();
+pub(super) fn build() -> DemoScene {
+    let mut shop = DemoBuilder::default();
     let mut frames = Mesh::default();
     for (number, place) in (0..).zip(places()) {
         let size = SIZES[number as usize % SIZES.len()];
@@ -35,24 +35,24 @@ pub(super) fn build() -> Stage {
     shop.place("screens", screens(), DMat4::IDENTITY, &cloth);
     shop.place("pillars", pillars(), DMat4::IDENTITY, &plaster);
     let eye = DVec3::new(-2.6, 1.7, 4.4);
-    let lens = Lens::Perspective { field: 1.05, near: 0.2, far: 60.0 };
+    let lens = Projection::Perspective { field: 1.05, near: 0.2, far: 60.0 };
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let camera = Viewpoint::looking_at(eye, DVec3::new(1.6, 1.75, -1.0), lens).unwrap_or(Viewpoint { eye, axes, lens });
     let stage = shop.stage(camera, [0.35, 0.8, 0.5]);
-    Stage { orbit: 360.0, ..stage }
+    DemoScene { orbit: 360.0, ..stage }
 }
 
 /// Where a picture hangs: the foot of the wall below its middle, the way out of the wall, and most metres it may be wide.
 #[derive(Clone, Copy)]
-struct Place {
+struct PicturePlace {
     foot: DVec3,
     out: DVec3,
     room: f64,
 }
 
-fn places() -> Vec<Place> {
+fn places() -> Vec<PicturePlace> {
     let [length, _, width] = HALL;
-    let on_wall = |foot: [f64; 2], out: DVec3| Place { foot: DVec3::new(foot[0], 0.0, foot[1]), out, room: 3.1 };
+    let on_wall = |foot: [f64; 2], out: DVec3| PicturePlace { foot: DVec3::new(foot[0], 0.0, foot[1]), out, room: 3.1 };
     let mut places = Vec::new();
     for k in -2..=2 {
         places.push(on_wall([4.0 * f64::from(k), -width], DVec3::Z));
@@ -65,7 +65,7 @@ fn places() -> Vec<Place> {
     for screen in SCREENS {
         let (out, across) = (screen.out(), DVec3::Y.cross(screen.out()));
         for (out, deep, room) in [(out, screen.thickness, screen.breadth), (across, screen.breadth, screen.thickness)] {
-            let hung = [out, -out].map(|out| Place { foot: screen.middle() + out * (deep / 2.0), out, room: room - 0.4 });
+            let hung = [out, -out].map(|out| PicturePlace { foot: screen.middle() + out * (deep / 2.0), out, room: room - 0.4 });
             places.extend(hung.into_iter().filter(|place| place.room > 0.0));
         }
     }
@@ -74,7 +74,7 @@ fn places() -> Vec<Place> {
 
 /// A wall that stands free.
 #[derive(Clone, Copy)]
-struct Screen {
+struct FreeWall {
     at: [f64; 2],
     /// From +z towards +x \[degrees\].
     turn: f64,
@@ -82,7 +82,7 @@ struct Screen {
     thickness: f64,
 }
 
-impl Screen {
+impl FreeWall {
     fn middle(self) -> DVec3 {
         DVec3::new(self.at[0], 0.0, self.at[1])
     }
@@ -111,18 +111,18 @@ impl Screen {
 const SCREEN_HEIGHT: f64 = 3.2;
 
 /// A block in the middle, two screens beside it, and four outside of the way around, which has a radius of 5.1 m.
-const SCREENS: [Screen; 7] = [
-    Screen { at: [0.0, 0.0], turn: 0.0, breadth: 2.6, thickness: 2.6 },
-    Screen { at: [3.3, 0.5], turn: 65.0, breadth: 1.8, thickness: 0.2 },
-    Screen { at: [-3.3, -0.5], turn: 75.0, breadth: 1.8, thickness: 0.2 },
-    Screen { at: [6.9, 4.2], turn: 60.0, breadth: 2.4, thickness: 0.2 },
-    Screen { at: [-6.9, 4.2], turn: -35.0, breadth: 2.4, thickness: 0.2 },
-    Screen { at: [6.9, -4.2], turn: 140.0, breadth: 2.4, thickness: 0.2 },
-    Screen { at: [-6.9, -4.2], turn: 15.0, breadth: 2.4, thickness: 0.2 },
+const SCREENS: [FreeWall; 7] = [
+    FreeWall { at: [0.0, 0.0], turn: 0.0, breadth: 2.6, thickness: 2.6 },
+    FreeWall { at: [3.3, 0.5], turn: 65.0, breadth: 1.8, thickness: 0.2 },
+    FreeWall { at: [-3.3, -0.5], turn: 75.0, breadth: 1.8, thickness: 0.2 },
+    FreeWall { at: [6.9, 4.2], turn: 60.0, breadth: 2.4, thickness: 0.2 },
+    FreeWall { at: [-6.9, 4.2], turn: -35.0, breadth: 2.4, thickness: 0.2 },
+    FreeWall { at: [6.9, -4.2], turn: 140.0, breadth: 2.4, thickness: 0.2 },
+    FreeWall { at: [-6.9, -4.2], turn: 15.0, breadth: 2.4, thickness: 0.2 },
 ];
 
 /// Hangs a picture of this many texels, as large as its place allows, and adds its frame.
-fn hang(shop: &mut Workshop, frames: &mut Mesh, number: u32, size: [u32; 2], place: Place) {
+fn hang(shop: &mut DemoBuilder, frames: &mut Mesh, number: u32, size: [u32; 2], place: PicturePlace) {
     const HIGHEST: f64 = 2.3;
     const MIDDLE: f64 = 1.75;
     let shape = f64::from(size[0]) / f64::from(size[1]);
@@ -172,11 +172,11 @@ fn pillars() -> Mesh {
     let [_, height, width] = HALL;
     let mut mesh = Mesh::default();
     for (x, z) in [-6.0, -2.0, 2.0, 6.0].into_iter().flat_map(|x| [-1.0, 1.0].map(|side| (x, side * (width - 0.6)))) {
-        let pillar = Grid::open(16, 1).mesh(|s, t| {
+        let pillar = SurfaceGrid::open(16, 1).mesh(|s, t| {
             let (sin, cos) = (libm::sin(2.0 * PI * s), libm::cos(2.0 * PI * s));
             let normal = DVec3::new(sin, 0.0, cos);
             let position = DVec3::new(x, height * (1.0 - t), z) + normal * 0.28;
-            Point { position, normal, tangent: DVec3::new(cos, 0.0, -sin), uv: [s, t] }
+            SurfacePoint { position, normal, tangent: DVec3::new(cos, 0.0, -sin), uv: [s, t] }
         });
         append(&mut mesh, pillar);
     }

@@ -1,13 +1,13 @@
 //! A goblet: a spline turned around an axis.
 
-use super::spline::Spline;
-use super::stage::{Grid, PI, Point, Stage, Workshop, framing};
+use super::spline::CubicSpline;
+use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, framing};
 use basrelief_signals::{Lighting, Mesh};
 use glam::{DMat4, DVec2, DVec3};
 
 /// Control points of the profile, radius and height: from the bottom of the cup up its inside, over the rim, down the
 /// outside, stem and knob to the edge of the foot. Twin points make the curve turn sharply.
-const PROFILE: Spline<21> = Spline([
+const PROFILE: CubicSpline<21> = CubicSpline([
     DVec2::new(0.000, 1.140),
     DVec2::new(0.240, 1.140),
     DVec2::new(0.540, 1.260),
@@ -32,8 +32,8 @@ const PROFILE: Spline<21> = Spline([
 ]);
 
 /// A golden goblet with narrow highlights along its curves. At tessellation 4 it has 6,864 triangles.
-pub(super) fn build(tessellation: u32) -> Stage {
-    let mut shop = Workshop::default();
+pub(super) fn build(tessellation: u32) -> DemoScene {
+    let mut shop = DemoBuilder::default();
     let gold = shop.lacquer("gold", [0.86, 0.62, 0.20], Lighting { ka: 0.14, kd: 0.70, ks: 0.70, n: 80.0 });
     shop.place("goblet", surface(tessellation), DMat4::IDENTITY, &gold);
     shop.stage(framing([-0.5, 0.1, -0.5], [0.5, 2.1, 0.5], 0.0, 18.0), [-0.6, 0.55, 0.75])
@@ -41,14 +41,14 @@ pub(super) fn build(tessellation: u32) -> Stage {
 
 /// The profile turned around the y axis.
 fn surface(tessellation: u32) -> Mesh {
-    let grid = Grid { columns: 12 * tessellation, rows: 18 * tessellation, collapsed_top: true, collapsed_bottom: false };
+    let grid = SurfaceGrid { columns: 12 * tessellation, rows: 18 * tessellation, collapsed_top: true, collapsed_bottom: false };
     grid.mesh(|s, t| {
         let (point, along) = PROFILE.at(t);
         let (sin, cos) = (libm::sin(2.0 * PI * s), libm::cos(2.0 * PI * s));
         let turned = |radius: f64, height: f64| DVec3::new(sin * radius, height, cos * radius);
         // Down the outside is to the left of the normal.
         let normal = turned(-along.y, along.x).normalize();
-        Point { position: turned(point.x, point.y), normal, tangent: DVec3::new(cos, 0.0, -sin), uv: [s, t] }
+        SurfacePoint { position: turned(point.x, point.y), normal, tangent: DVec3::new(cos, 0.0, -sin), uv: [s, t] }
     })
 }
 

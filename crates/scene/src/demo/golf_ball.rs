@@ -1,7 +1,7 @@
 //! A golf ball: all of its shape is in the normal map.
 
 use super::pattern::smoothstep;
-use super::stage::{Globe, PI, Stage, Workshop, framing, sphere};
+use super::stage::{DemoBuilder, DemoScene, PI, SphereMap, framing, sphere};
 use glam::{DMat4, DVec3};
 
 const DIMPLES: u32 = 336;
@@ -14,10 +14,10 @@ const SLOPE: f64 = 0.62;
 
 /// A white ball with 336 dimples, evenly spread, and a printed mark. The normal map is computed on the sphere itself, not
 /// from a flat height map, so the dimples are round up to the poles.
-pub(super) fn build() -> Stage {
-    let mut shop = Workshop::default();
-    let globe = Globe::new([1024, 512]);
-    let dimples = Dimples::new(&globe);
+pub(super) fn build() -> DemoScene {
+    let mut shop = DemoBuilder::default();
+    let globe = SphereMap::new([1024, 512]);
+    let dimples = DimpleIndex::new(&globe);
     let normal = |texel| dimpled_normal(dimples.near(texel), globe.direction(texel), globe.east(texel));
     let map = shop.globe_normals("dimples", &globe, normal);
     let print = shop.globe_colors("print", &globe, printed_color);
@@ -36,18 +36,18 @@ fn centre(i: u32) -> DVec3 {
 }
 
 /// Which dimples are near: of some thirty at the same height, three or so.
-struct Dimples {
+struct DimpleIndex {
     /// Squares of texels in a row.
     width: u32,
     /// The centres of the dimples that reach into each square, in their order.
     squares: Vec<Vec<DVec3>>,
 }
 
-impl Dimples {
+impl DimpleIndex {
     /// Side of a square \[texels\].
     const SIDE: u32 = 16;
 
-    fn new(globe: &Globe) -> Self {
+    fn new(globe: &SphereMap) -> Self {
         let centres: Vec<DVec3> = (0..DIMPLES).map(centre).collect();
         let [width, height] = globe.size.map(|size| size.div_ceil(Self::SIDE));
         let squares = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
@@ -61,9 +61,10 @@ impl Dimples {
 }
 
 /// Of these the ones that are less than [`RADIUS`] away from any texel of a square.
-fn reaching(centres: &[DVec3], globe: &Globe, square: [u32; 2]) -> Vec<DVec3> {
-    let texel = |place: [u32; 2]| globe.direction([0, 1].map(|i| (square[i] * Dimples::SIDE + place[i]).min(globe.size[i] - 1)));
-    let (middle, last) = (texel([Dimples::SIDE / 2; 2]), Dimples::SIDE - 1);
+fn reaching(centres: &[DVec3], globe: &SphereMap, square: [u32; 2]) -> Vec<DVec3> {
+    let texel =
+        |place: [u32; 2]| globe.direction([0, 1].map(|i| (square[i] * DimpleIndex::SIDE + place[i]).min(globe.size[i] - 1)));
+    let (middle, last) = (texel([DimpleIndex::SIDE / 2; 2]), DimpleIndex::SIDE - 1);
     // Corners are farthest from the middle.
     let corners = [[0, 0], [last, 0], [0, last], [last, last]].map(|corner| middle.dot(texel(corner)));
     let reach = libm::acos(corners.into_iter().fold(1.0, f64::min));

@@ -2,10 +2,10 @@
 
 use glam::DVec2;
 
-type Stroke = &'static [[f64; 2]];
+type LetterStroke = &'static [[f64; 2]];
 
 /// Strokes of a letter in a box 6 high, from the lower left; none for a letter that is not needed.
-fn strokes(letter: char) -> &'static [Stroke] {
+fn strokes(letter: char) -> &'static [LetterStroke] {
     match letter {
         'A' => &[&[[0., 0.], [2., 6.], [4., 0.]], &[[0.7, 2.], [3.3, 2.]]],
         'B' => &[&[

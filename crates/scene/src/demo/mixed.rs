@@ -1,7 +1,7 @@
 //! Everything at once.
 
-use super::pattern::{Masonry, noise, weave};
-use super::stage::{Grid, PI, Point, Stage, Workshop, append, framing, sphere};
+use super::pattern::{BrickPattern, noise, weave};
+use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, append, framing, sphere};
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec3};
 
@@ -11,9 +11,9 @@ const BALL: DVec3 = DVec3::new(-0.35, 0.0, 0.3);
 /// Bump targets beside ordinary polygons, in front of and behind each other: a woven ball whose number of reference
 /// normals is fixed by the model, a brick block with colour texture and normal map, a block with a normal map that the
 /// model forbids to use, a ring of plain coloured polygons through it all, and a textured floor without normal map.
-pub(super) fn build() -> Stage {
-    let mut shop = Workshop::default();
-    let masonry = Masonry { bricks: 3, courses: 6, seed: 31 };
+pub(super) fn build() -> DemoScene {
+    let mut shop = DemoBuilder::default();
+    let masonry = BrickPattern { bricks: 3, courses: 6, seed: 31 };
     let woven = shop.heights("weave", 256, 11.0, |u, v| weave(u, v, 8.0));
     let bricks = shop.heights("bricks", 256, 6.0, move |u, v| masonry.height(u, v));
     let brick_colors = shop.colors("brick colours", [256, 256], move |u, v| {
@@ -41,9 +41,9 @@ pub(super) fn build() -> Stage {
 
 /// A floor, seen from above.
 fn plane() -> Mesh {
-    Grid::open(24, 24).mesh(|s, t| {
+    SurfaceGrid::open(24, 24).mesh(|s, t| {
         let (x, z) = (8.0 * s - 4.0, 7.0 * t - 4.0);
-        Point { position: DVec3::new(x, 0.0, z), normal: DVec3::Y, tangent: DVec3::X, uv: [x, z] }
+        SurfacePoint { position: DVec3::new(x, 0.0, z), normal: DVec3::Y, tangent: DVec3::X, uv: [x, z] }
     })
 }
 
@@ -59,9 +59,9 @@ fn cube() -> Mesh {
     ];
     for [normal, right] in sides {
         let up = normal.cross(right);
-        let side = Grid::open(4, 4).mesh(|s, t| {
+        let side = SurfaceGrid::open(4, 4).mesh(|s, t| {
             let position = normal + right * (2.0 * s - 1.0) + up * (1.0 - 2.0 * t);
-            Point { position, normal, tangent: right, uv: [s, t] }
+            SurfacePoint { position, normal, tangent: right, uv: [s, t] }
         });
         append(&mut cube, side);
     }
@@ -75,13 +75,13 @@ fn ring() -> Mesh {
     // Leans by 0.4 to the right.
     let (sin, cos) = (libm::sin(0.4), libm::cos(0.4));
     let lean = |p: DVec3| DVec3::new(p.x * cos + p.y * sin, p.y * cos - p.x * sin, p.z);
-    let mut ring = Grid::open(72, 16).mesh(|s, t| {
+    let mut ring = SurfaceGrid::open(72, 16).mesh(|s, t| {
         let (a, b) = (2.0 * PI * s, 2.0 * PI * t);
         let outward = DVec3::new(libm::sin(a), 0.0, libm::cos(a));
         let normal = outward * libm::cos(b) - DVec3::Y * libm::sin(b);
         let position = lean(outward * BIG + normal * SMALL);
         let tangent = lean(DVec3::new(libm::cos(a), 0.0, -libm::sin(a)));
-        Point { position, normal: lean(normal), tangent, uv: [s, t] }
+        SurfacePoint { position, normal: lean(normal), tangent, uv: [s, t] }
     });
     ring.colors = ring.uv.iter().map(|[s, _]| rainbow(f64::from(*s))).collect();
     ring

@@ -18,10 +18,10 @@ mod stage;
 mod turntable;
 
 use crate::model::bounds;
-use crate::view::{Lamp, ViewHints};
-use crate::{SceneError, Subject, ViewOptions};
+use crate::view::{LightSource, ViewHints};
+use crate::{SceneError, SceneSubject, ViewOptions};
 use basrelief_signals::{Scene, ShadingSettings};
-use stage::Stage;
+use stage::DemoScene;
 use std::ops::RangeInclusive;
 
 /// How often the sides of a demo's surfaces are divided, as in `goblet@8`: twice the number is four times the polygons.
@@ -37,43 +37,43 @@ pub struct DemoInfo {
     pub name: &'static str,
     /// Description, in a sentence.
     pub about: &'static str,
-    build: Build,
+    build: DemoBuild,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Build {
+enum DemoBuild {
     /// There is one form of it.
-    Fixed(fn() -> Stage),
+    Fixed(fn() -> DemoScene),
     /// By its tessellation.
-    Tessellated(fn(u32) -> Stage),
+    Tessellated(fn(u32) -> DemoScene),
 }
 
 impl DemoInfo {
-    const fn fixed(name: &'static str, about: &'static str, build: fn() -> Stage) -> Self {
-        Self { name, about, build: Build::Fixed(build) }
+    const fn fixed(name: &'static str, about: &'static str, build: fn() -> DemoScene) -> Self {
+        Self { name, about, build: DemoBuild::Fixed(build) }
     }
 
-    const fn tessellated(name: &'static str, about: &'static str, build: fn(u32) -> Stage) -> Self {
-        Self { name, about, build: Build::Tessellated(build) }
+    const fn tessellated(name: &'static str, about: &'static str, build: fn(u32) -> DemoScene) -> Self {
+        Self { name, about, build: DemoBuild::Tessellated(build) }
     }
 
     /// Tessellations N that [`demo`] takes as `NAME@N`; `None` where there is only one.
     pub fn tessellations(&self) -> Option<RangeInclusive<u32>> {
         match self.build {
-            Build::Fixed(_) => None,
-            Build::Tessellated(_) => Some(TESSELLATIONS),
+            DemoBuild::Fixed(_) => None,
+            DemoBuild::Tessellated(_) => Some(TESSELLATIONS),
         }
     }
 
-    fn stage(&self, tessellation: Option<&str>) -> Result<Stage, SceneError> {
+    fn stage(&self, tessellation: Option<&str>) -> Result<DemoScene, SceneError> {
         let refused = |text: &str, expected: String| {
             Err(SceneError::at("demo", format!("`{}` has no tessellation `{text}`", self.name)).expected(expected))
         };
         match (self.build, tessellation) {
-            (Build::Fixed(build), None) => Ok(build()),
-            (Build::Fixed(_), Some(text)) => refused(text, format!("`{}`", self.name)),
-            (Build::Tessellated(build), None) => Ok(build(DEFAULT_TESSELLATION)),
-            (Build::Tessellated(build), Some(text)) => match text.parse() {
+            (DemoBuild::Fixed(build), None) => Ok(build()),
+            (DemoBuild::Fixed(_), Some(text)) => refused(text, format!("`{}`", self.name)),
+            (DemoBuild::Tessellated(build), None) => Ok(build(DEFAULT_TESSELLATION)),
+            (DemoBuild::Tessellated(build), Some(text)) => match text.parse() {
                 Ok(n) if TESSELLATIONS.contains(&n) => Ok(build(n)),
                 _ => refused(text, format!("`{0}@{1}` to `{0}@{2}`", self.name, TESSELLATIONS.start(), TESSELLATIONS.end())),
             },
@@ -129,10 +129,10 @@ pub const DEMOS: &[DemoInfo] = &[
 /// # Errors
 /// No demo of this name; a tessellation that it does not have; options out of range.
 pub fn demo(name: &str, options: &ViewOptions) -> Result<Scene, SceneError> {
-    Subject::demo(name)?.seen(options)
+    SceneSubject::demo(name)?.seen(options)
 }
 
-impl Subject {
+impl SceneSubject {
     /// Builds a demo scene as [`demo`](crate::demo) does, to be looked at later.
     ///
     /// # Errors
@@ -142,7 +142,7 @@ impl Subject {
     }
 }
 
-fn subject(name: &str) -> Result<Subject, SceneError> {
+fn subject(name: &str) -> Result<SceneSubject, SceneError> {
     let (title, tessellation) = name.split_once('@').map_or((name, None), |(title, n)| (title, Some(n)));
     let info = DEMOS.iter().find(|d| d.name == title).ok_or_else(|| {
         let names: Vec<&str> = DEMOS.iter().map(|d| d.name).collect();
@@ -152,13 +152,13 @@ fn subject(name: &str) -> Result<Subject, SceneError> {
     let hints = ViewHints {
         bounds: bounds(&stage.objects),
         camera: Some(stage.camera),
-        lamps: vec![(Lamp::Directional(stage.to_light), 1.0)],
+        lamps: vec![(LightSource::Directional(stage.to_light), 1.0)],
         frames: stage.frames,
         orbit: stage.orbit,
         light_orbit: stage.light_orbit,
         shading: ShadingSettings::default(),
     };
-    Ok(Subject { name: name.into(), objects: stage.objects, hints, warnings: Vec::new() })
+    Ok(SceneSubject { name: name.into(), objects: stage.objects, hints, warnings: Vec::new() })
 }
 
 #[cfg(test)]

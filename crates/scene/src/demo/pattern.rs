@@ -37,13 +37,13 @@ pub(super) fn noise(u: f64, v: f64, cells: i64, seed: u32) -> f64 {
 
 /// Courses of stones: how many bricks and courses per tile, every other course shifted by half a brick.
 #[derive(Clone, Copy)]
-pub(super) struct Masonry {
+pub(super) struct BrickPattern {
     pub bricks: i64,
     pub courses: i64,
     pub seed: u32,
 }
 
-impl Masonry {
+impl BrickPattern {
     /// The brick at a point, and how far inside it the point is \[courses\]: negative in the mortar.
     fn locate(&self, u: f64, v: f64) -> ((i64, i64), f64) {
         // Weathered edges are not straight.
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn patterns_repeat_without_seams() {
-        let wall = Masonry { bricks: 6, courses: 12, seed: 1 };
+        let wall = BrickPattern { bricks: 6, courses: 12, seed: 1 };
         for k in 0..50 {
             let t = f64::from(k) / 50.0;
             for f in [|u, v| noise(u, v, 4, 7), |u, v| weave(u, v, 8.0)] as [fn(f64, f64) -> f64; 2] {
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn heights_stay_between_zero_and_one() {
-        let wall = Masonry { bricks: 6, courses: 12, seed: 1 };
+        let wall = BrickPattern { bricks: 6, courses: 12, seed: 1 };
         for i in 0..100 {
             for j in 0..100 {
                 let (u, v) = (f64::from(i) / 100.0, f64::from(j) / 100.0);

@@ -4,9 +4,9 @@ use glam::DVec2;
 
 /// A cubic B-spline of N >= 4 control points: uniform knots, but for its ends, which are the first and the last control
 /// point. Twice continuously differentiable.
-pub(super) struct Spline<const N: usize>(pub [DVec2; N]);
+pub(super) struct CubicSpline<const N: usize>(pub [DVec2; N]);
 
-impl<const N: usize> Spline<N> {
+impl<const N: usize> CubicSpline<N> {
     /// Pieces of the curve.
     const SPANS: usize = N - 3;
 
@@ -41,7 +41,7 @@ impl<const N: usize> Spline<N> {
 mod tests {
     use super::*;
 
-    const ZIGZAG: Spline<7> = Spline([
+    const ZIGZAG: CubicSpline<7> = CubicSpline([
         DVec2::new(0.0, 1.0),
         DVec2::new(1.0, -1.0),
         DVec2::new(2.0, 1.0),
@@ -62,7 +62,7 @@ mod tests {
     /// Where knots are uniform, a knot's point weighs its three control points 1 : 4 : 1.
     #[test]
     fn inner_knots_weigh_one_four_one() {
-        let uniform = Spline([0.0, 1.0, 3.0, 2.0, 5.0, 4.0, 6.0, 9.0, 7.0, 8.0].map(|y| DVec2::new(1.0, y)));
+        let uniform = CubicSpline([0.0, 1.0, 3.0, 2.0, 5.0, 4.0, 6.0, 9.0, 7.0, 8.0].map(|y| DVec2::new(1.0, y)));
         let (point, _) = uniform.at(3.0 / 7.0);
         assert!((point.y - (2.0 + 4.0 * 5.0 + 4.0) / 6.0).abs() < 1e-12, "{point}");
     }

@@ -1,8 +1,8 @@
 //! Building blocks of the demos: curved surfaces, textures, materials.
 
-use crate::camera::{Bounds, Viewpoint};
+use crate::camera::{Viewpoint, WorldBounds};
 use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
-use crate::textures::{Content, TextureStore};
+use crate::textures::{TextureContent, TextureStore};
 use crate::view::LightOrbit;
 use basrelief_signals::{Image, Lighting, Material, Mesh, Object, Sampler, ShadingSettings, TexelFilter, Texture, WrapMode};
 use basrelief_threads as threads;
@@ -10,7 +10,7 @@ use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
 /// A demo without view options.
-pub(super) struct Stage {
+pub(super) struct DemoScene {
     pub objects: Vec<Arc<Object>>,
     pub camera: Viewpoint,
     /// Unit direction.
@@ -23,11 +23,11 @@ pub(super) struct Stage {
 
 /// Returns the camera that frames a box from this azimuth and elevation \[degrees\], with a field of view of 30 degrees.
 pub(super) fn framing(low: [f64; 3], high: [f64; 3], azimuth: f64, elevation: f64) -> Viewpoint {
-    Viewpoint::framing(&Bounds { low: low.into(), high: high.into() }, [azimuth, elevation, 30.0])
+    Viewpoint::framing(&WorldBounds { low: low.into(), high: high.into() }, [azimuth, elevation, 30.0])
 }
 
 /// A point of a surface.
-pub(super) struct Point {
+pub(super) struct SurfacePoint {
     pub position: DVec3,
     pub normal: DVec3,
     /// Direction of growing u.
@@ -37,7 +37,7 @@ pub(super) struct Point {
 
 /// A surface over the unit square: s to the right, t down, as seen from its front; u must grow with s or be mapped
 /// without mirroring. A side may be collapsed to a point, as at the poles of a sphere.
-pub(super) struct Grid {
+pub(super) struct SurfaceGrid {
     pub columns: u32,
     pub rows: u32,
     /// The first row of vertices is a point.
@@ -46,14 +46,14 @@ pub(super) struct Grid {
     pub collapsed_bottom: bool,
 }
 
-impl Grid {
+impl SurfaceGrid {
     /// No side collapsed.
     pub(super) fn open(columns: u32, rows: u32) -> Self {
         Self { columns, rows, collapsed_top: false, collapsed_bottom: false }
     }
 
     /// The mesh of a surface.
-    pub(super) fn mesh(&self, point: impl Fn(f64, f64) -> Point) -> Mesh {
+    pub(super) fn mesh(&self, point: impl Fn(f64, f64) -> SurfacePoint) -> Mesh {
         let mut mesh = Mesh::default();
         for j in 0..=self.rows {
             for i in 0..=self.columns {
@@ -94,7 +94,7 @@ pub(super) fn rectangle(corner: DVec3, right: DVec3, down: DVec3, uv: [[f64; 2];
     let normal = down.cross(right).normalize_or_zero();
     let tangent = right.normalize_or_zero();
     let between = |axis: usize, share: f64| uv[0][axis] + share * (uv[1][axis] - uv[0][axis]);
-    Grid::open(1, 1).mesh(|s, t| Point {
+    SurfaceGrid::open(1, 1).mesh(|s, t| SurfacePoint {
         position: corner + right * s + down * t,
         normal,
         tangent,
@@ -118,7 +118,7 @@ pub(super) fn append(mesh: &mut Mesh, part: Mesh) {
 
 /// A unit sphere; its poles lie on the y axis, u runs east from -z, v from the north pole to the south pole.
 pub(super) fn sphere(columns: u32, rows: u32, tiles: [f64; 2]) -> Mesh {
-    let grid = Grid { columns, rows, collapsed_top: true, collapsed_bottom: true };
+    let grid = SurfaceGrid { columns, rows, collapsed_top: true, collapsed_bottom: true };
     grid.mesh(|s, t| {
         // A pole is many vertices; each serves the triangle to the left of its column, so it looks half a column west.
         let pole = t == 0.0 || t == 1.0;
@@ -126,7 +126,7 @@ pub(super) fn sphere(columns: u32, rows: u32, tiles: [f64; 2]) -> Mesh {
         let s = if pole { s + shift } else { s };
         let position = direction(s, t);
         let east = direction(s + 0.25, 0.5);
-        Point { position, normal: position, tangent: east, uv: [s * tiles[0], t * tiles[1]] }
+        SurfacePoint { position, normal: position, tangent: east, uv: [s * tiles[0], t * tiles[1]] }
     })
 }
 
@@ -154,14 +154,14 @@ fn towards([sin, cos]: [f64; 2], [ring, height]: [f64; 2]) -> DVec3 {
 }
 
 /// The texels of a picture of the whole sphere, with sines and cosines computed once per column and row.
-pub(super) struct Globe {
+pub(super) struct SphereMap {
     pub size: [u32; 2],
     /// Longitude, and direction to the east, which is the same in the whole column.
     columns: Vec<([f64; 2], DVec3)>,
     rows: Vec<[f64; 2]>,
 }
 
-impl Globe {
+impl SphereMap {
     pub(super) fn new(size: [u32; 2]) -> Self {
         let column = |u: f64| (longitude(u), direction(u + 0.25, 0.5));
         let columns = (0..size[0]).map(|i| column(centre(i, size[0]))).collect();
@@ -183,31 +183,31 @@ pub(super) const PI: f64 = std::f64::consts::PI;
 
 /// Makes textures and objects, numbering them.
 #[derive(Default)]
-pub(super) struct Workshop {
+pub(super) struct DemoBuilder {
     store: TextureStore,
     materials: u32,
     objects: Vec<Arc<Object>>,
 }
 
-impl Workshop {
+impl DemoBuilder {
     /// A repeating normal map from heights over the unit square, `height` texels high.
     pub(super) fn heights(&mut self, name: &str, size: u32, height: f64, at: impl Fn(f64, f64) -> f64 + Sync) -> Arc<Texture> {
         let heights = by_texel([size; 2], |[column, row]| at(centre(column, size), centre(row, size)));
         let wrap = [WrapMode::Repeat; 2];
         let levels = height_levels(HeightMap { width: size, height: size, heights }, height, wrap);
-        self.store.add(name, sampler(wrap), Content::Heights(height), levels)
+        self.store.add(name, sampler(wrap), TextureContent::Heights(height), levels)
     }
 
     /// A normal map of the whole sphere from unit tangent-space normals by texel, repeating in u only.
-    pub(super) fn globe_normals(&mut self, name: &str, globe: &Globe, at: impl Fn([u32; 2]) -> DVec3 + Sync) -> Arc<Texture> {
+    pub(super) fn globe_normals(&mut self, name: &str, globe: &SphereMap, at: impl Fn([u32; 2]) -> DVec3 + Sync) -> Arc<Texture> {
         let [width, height] = globe.size;
         let texels = by_texel(globe.size, |texel| crate::pyramid::encode_normal(at(texel).to_array()));
         let levels = normal_levels(Image { width, height, texels });
-        self.store.add(name, sampler([WrapMode::Repeat, WrapMode::Clamp]), Content::Normals, levels)
+        self.store.add(name, sampler([WrapMode::Repeat, WrapMode::Clamp]), TextureContent::Normals, levels)
     }
 
     /// A repeating colour texture of the whole sphere, by direction; components 0..=1.
-    pub(super) fn globe_colors(&mut self, name: &str, globe: &Globe, at: impl Fn(DVec3) -> DVec3 + Sync) -> Arc<Texture> {
+    pub(super) fn globe_colors(&mut self, name: &str, globe: &SphereMap, at: impl Fn(DVec3) -> DVec3 + Sync) -> Arc<Texture> {
         self.colors_as(name, globe.size, [WrapMode::Repeat; 2], |texel| at(globe.direction(texel)))
     }
 
@@ -234,7 +234,7 @@ impl Workshop {
         };
         let texels = by_texel(size, |texel| stored(at(texel)));
         let levels = color_levels(Image { width: size[0], height: size[1], texels });
-        self.store.add(name, sampler(wrap), Content::Color, levels)
+        self.store.add(name, sampler(wrap), TextureContent::Color, levels)
     }
 
     /// A material of this colour and these textures.
@@ -304,9 +304,9 @@ impl Workshop {
     }
 
     /// The finished stage, one frame, under a light from this direction.
-    pub(super) fn stage(self, camera: Viewpoint, to_light: [f64; 3]) -> Stage {
+    pub(super) fn stage(self, camera: Viewpoint, to_light: [f64; 3]) -> DemoScene {
         let to_light = DVec3::from_array(to_light).normalize_or(DVec3::Y);
-        Stage { objects: self.objects, camera, to_light, frames: 1, orbit: 0.0, light_orbit: LightOrbit::Degrees(0.0) }
+        DemoScene { objects: self.objects, camera, to_light, frames: 1, orbit: 0.0, light_orbit: LightOrbit::Degrees(0.0) }
     }
 }
 

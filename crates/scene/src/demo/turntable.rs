@@ -1,16 +1,16 @@
 //! A box that turns close to the eye.
 
 use super::paintings::{landscape, mosaic, rings, stripes};
-use super::stage::{Grid, PI, Point, Stage, WHOLE, Workshop, rectangle};
-use crate::camera::{Lens, Viewpoint};
+use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, WHOLE, rectangle};
+use crate::camera::{Projection, Viewpoint};
 use crate::view::LightOrbit;
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec3};
 
 /// A box of five pictures on a plain disc. It turns once in eight frames, so close to the eye that its edges pass at a
 /// quarter of the distance of its middle: perspective is strong, and each side is only two triangles.
-pub(super) fn build() -> Stage {
-    let mut shop = Workshop::default();
+pub(super) fn build() -> DemoScene {
+    let mut shop = DemoBuilder::default();
     let pictures = [
         shop.picture("rings", [256, 256], |u, v| rings(5, u, v)),
         shop.picture("landscape", [384, 256], |u, v| landscape(9, u, v)),
@@ -33,18 +33,18 @@ pub(super) fn build() -> Stage {
     let felt = shop.dull("felt", [0.20, 0.42, 0.28], None);
     shop.place("disc", disc(), DMat4::from_translation(DVec3::NEG_Y * 1.02), &felt);
     let eye = DVec3::new(0.55, 1.55, 1.75);
-    let lens = Lens::Perspective { field: 1.4, near: 0.1, far: 20.0 };
+    let lens = Projection::Perspective { field: 1.4, near: 0.1, far: 20.0 };
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let camera = Viewpoint::looking_at(eye, DVec3::new(0.1, -0.15, 0.0), lens).unwrap_or(Viewpoint { eye, axes, lens });
     let stage = shop.stage(camera, [0.7, 0.7, 0.75]);
-    Stage { frames: 8, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..stage }
+    DemoScene { frames: 8, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..stage }
 }
 
 /// The disc it stands on.
 fn disc() -> Mesh {
-    let grid = Grid { columns: 48, rows: 1, collapsed_top: true, collapsed_bottom: false };
+    let grid = SurfaceGrid { columns: 48, rows: 1, collapsed_top: true, collapsed_bottom: false };
     grid.mesh(|s, t| {
         let (sin, cos) = (libm::sin(2.0 * PI * s), libm::cos(2.0 * PI * s));
-        Point { position: DVec3::new(cos, 0.0, -sin) * (1.9 * t), normal: DVec3::Y, tangent: DVec3::X, uv: [s, t] }
+        SurfacePoint { position: DVec3::new(cos, 0.0, -sin) * (1.9 * t), normal: DVec3::Y, tangent: DVec3::X, uv: [s, t] }
     })
 }

@@ -4,41 +4,41 @@
 //! it are found. Decoded data are counted against the memory limit, because a million primitives can refer to one small
 //! buffer.
 
-use super::buffers::Buffers;
+use super::buffers::GltfBuffers;
 use super::check::resolve;
-use super::format::{Component, Format, decode, format_of, unsigned_numbers};
-use super::json::{Accessor, Document, Int, Sparse};
+use super::format::{ComponentType, ElementFormat, decode, format_of, unsigned_numbers};
+use super::json::{GltfAccessor, GltfDocument, GltfInteger, SparseAccessor};
 use crate::SceneError;
-use crate::error::Warnings;
-use crate::outside::{Outside, over_budget};
+use crate::error::ImportWarnings;
+use crate::outside::{ImportContext, over_budget};
 use basrelief_input::Held;
 use std::cell::RefCell;
 
 /// Function that returns the smaller or the larger of two numbers.
-type Fold = fn(f32, f32) -> f32;
+type CompareFn = fn(f32, f32) -> f32;
 
 /// Most elements of an accessor without a buffer view, which nothing in the file backs.
 const MAX_ZEROS: u64 = 1 << 20;
 
 /// Reads accessors of one document.
-pub(crate) struct Accessors<'a> {
-    document: &'a Document,
-    buffers: &'a Buffers<'a>,
-    outside: &'a Outside<'a>,
+pub(crate) struct AccessorReader<'a> {
+    document: &'a GltfDocument,
+    buffers: &'a GltfBuffers<'a>,
+    outside: &'a ImportContext<'a>,
     /// Memory of the mesh that is being built.
     building: RefCell<Held>,
 }
 
 /// Elements of an accessor without gaps, sparse replacements done.
-struct Packed {
-    format: Format,
+struct DenseElements {
+    format: ElementFormat,
     bytes: Vec<u8>,
     _held: Held,
 }
 
-impl Packed {
+impl DenseElements {
     /// The least or largest of each component.
-    fn extreme(&self, format: Format, choose: fn(f32, f32) -> f32) -> Vec<f32> {
+    fn extreme(&self, format: ElementFormat, choose: fn(f32, f32) -> f32) -> Vec<f32> {
         let size = format.component.bytes() as usize;
         let element = |bytes: &[u8]| bytes.chunks_exact(size).map(|raw| decode(raw, format)).collect::<Vec<_>>();
         let mut elements = self.bytes.chunks_exact(format.used_bytes() as usize);
@@ -52,13 +52,13 @@ impl Packed {
     }
 }
 
-impl<'a> Accessors<'a> {
+impl<'a> AccessorReader<'a> {
     /// Checks that every accessor lies within its buffer view, and warns of those that are not aligned.
     pub(crate) fn new(
-        document: &'a Document,
-        buffers: &'a Buffers<'a>,
-        outside: &'a Outside<'a>,
-        warnings: &mut Warnings,
+        document: &'a GltfDocument,
+        buffers: &'a GltfBuffers<'a>,
+        outside: &'a ImportContext<'a>,
+        warnings: &mut ImportWarnings,
     ) -> Result<Self, SceneError> {
         let accessors = Self { document, buffers, outside, building: RefCell::new(outside.nothing()) };
         for (i, accessor) in document.accessors.iter().enumerate() {
@@ -80,7 +80,14 @@ impl<'a> Accessors<'a> {
     }
 
     /// Warns of elements that do not begin at multiples of their components' size: other readers may not take them.
-    fn check_alignment(&self, view: Int, offset: Int, component: Component, place: &str, warnings: &mut Warnings) {
+    fn check_alignment(
+        &self,
+        view: GltfInteger,
+        offset: GltfInteger,
+        component: ComponentType,
+        place: &str,
+        warnings: &mut ImportWarnings,
+    ) {
         let base = self.document.buffer_views.get(view.index()).map_or(0, |v| v.byte_offset.0);
         let size = component.bytes();
         // Both lie within one buffer, so the sum does not overflow.
@@ -95,16 +102,17 @@ impl<'a> Accessors<'a> {
     }
 
     /// Bytes between the elements of an accessor, where its buffer view says so.
-    pub(crate) fn stride(&self, index: Int) -> Option<(Int, u64)> {
+    pub(crate) fn stride(&self, index: GltfInteger) -> Option<(GltfInteger, u64)> {
         let view = self.document.accessors.get(index.index())?.buffer_view?;
         Some((view, self.document.buffer_views.get(view.index())?.byte_stride?.0))
     }
 
     /// Warns if `min` or `max` differs from the data. This importer does not use them; other readers do.
-    fn check_extremes(&self, index: Int, packed: &Packed, warnings: &mut Warnings) {
+    fn check_extremes(&self, index: GltfInteger, packed: &DenseElements, warnings: &mut ImportWarnings) {
         let Some(accessor) = self.document.accessors.get(index.index()) else { return };
-        let stored = Format { normalized: false, ..packed.format };
-        let extremes: [(&str, &Option<Vec<f64>>, Fold); 2] = [("min", &accessor.min, f32::min), ("max", &accessor.max, f32::max)];
+        let stored = ElementFormat { normalized: false, ..packed.format };
+        let extremes: [(&str, &Option<Vec<f64>>, CompareFn); 2] =
+            [("min", &accessor.min, f32::min), ("max", &accessor.max, f32::max)];
         for (name, declared, choose) in extremes {
             let Some(declared) = declared else { continue };
             let place = format!("/accessors/{}/{name}", index.0);
@@ -121,11 +129,11 @@ impl<'a> Accessors<'a> {
     }
 
     /// Checks the numbers of every accessor of floats. A fault may be the reason why nothing is drawn.
-    pub(crate) fn check_finite(&self, warnings: &mut Warnings) -> Result<(), SceneError> {
+    pub(crate) fn check_finite(&self, warnings: &mut ImportWarnings) -> Result<(), SceneError> {
         for i in 0..self.document.accessors.len() {
-            let index = Int(i as u64);
+            let index = GltfInteger(i as u64);
             let (format, _) = self.describe(index, "")?;
-            if format.component == Component::F32 && format.rows <= 4 && format.columns == 1 {
+            if format.component == ComponentType::F32 && format.rows <= 4 && format.columns == 1 {
                 self.floats::<4>(index, "nothing that is drawn", warnings)?;
                 self.built(0);
             }
@@ -134,7 +142,7 @@ impl<'a> Accessors<'a> {
     }
 
     /// Format and number of elements.
-    pub(crate) fn describe(&self, index: Int, place: &str) -> Result<(Format, u64), SceneError> {
+    pub(crate) fn describe(&self, index: GltfInteger, place: &str) -> Result<(ElementFormat, u64), SceneError> {
         let accessor = resolve(&self.document.accessors, "accessors", index, || place.into())?;
         Ok((format_of(accessor, index.index())?, accessor.count.0))
     }
@@ -154,13 +162,13 @@ impl<'a> Accessors<'a> {
     /// Elements as floats, of which there are `N` or fewer per element; the rest is 0 (1 for the fourth).
     pub(crate) fn floats<const N: usize>(
         &self,
-        index: Int,
+        index: GltfInteger,
         place: &str,
-        warnings: &mut Warnings,
+        warnings: &mut ImportWarnings,
     ) -> Result<Vec<[f32; N]>, SceneError> {
         let packed = self.packed(index, place)?;
         self.check_extremes(index, &packed, warnings);
-        let Packed { format, bytes, _held } = packed;
+        let DenseElements { format, bytes, _held } = packed;
         self.charge(4 * N as u64 * (bytes.len() as u64 / format.element_bytes()), place)?;
         let step = format.component.bytes() as usize;
         let mut elements = Vec::with_capacity(bytes.len() / format.element_bytes() as usize);
@@ -183,10 +191,10 @@ impl<'a> Accessors<'a> {
     }
 
     /// Elements as indices.
-    pub(crate) fn indices(&self, index: Int, place: &str, warnings: &mut Warnings) -> Result<Vec<u32>, SceneError> {
+    pub(crate) fn indices(&self, index: GltfInteger, place: &str, warnings: &mut ImportWarnings) -> Result<Vec<u32>, SceneError> {
         let packed = self.packed(index, place)?;
-        let Packed { format, bytes, .. } = &packed;
-        let unsigned = matches!(format.component, Component::U8 | Component::U16 | Component::U32);
+        let DenseElements { format, bytes, .. } = &packed;
+        let unsigned = matches!(format.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
         if !format.is_vector(1) || !unsigned || format.normalized {
             return Err(SceneError::at(place, format!("accessor {} is {}", index.0, format.name()))
                 .expected("SCALAR of unsigned byte, unsigned short or unsigned int"));
@@ -206,7 +214,12 @@ impl<'a> Accessors<'a> {
 
     /// Indices have no stride. A stride of the size of an index does no harm. With another stride, readers that use it draw
     /// other triangles than readers that ignore it.
-    fn check_stride_of_indices(&self, index: Int, component: Component, warnings: &mut Warnings) -> Result<(), SceneError> {
+    fn check_stride_of_indices(
+        &self,
+        index: GltfInteger,
+        component: ComponentType,
+        warnings: &mut ImportWarnings,
+    ) -> Result<(), SceneError> {
         let Some((view, stride)) = self.stride(index) else { return Ok(()) };
         let (place, used_by) = (format!("/bufferViews/{}/byteStride", view.0), format!("/accessors/{}", index.0));
         if stride != component.bytes() {
@@ -218,7 +231,7 @@ impl<'a> Accessors<'a> {
         Ok(())
     }
 
-    fn packed(&self, index: Int, place: &str) -> Result<Packed, SceneError> {
+    fn packed(&self, index: GltfInteger, place: &str) -> Result<DenseElements, SceneError> {
         let accessor = resolve(&self.document.accessors, "accessors", index, || place.into())?;
         let format = format_of(accessor, index.index())?;
         let total = accessor.count.0.saturating_mul(format.element_bytes());
@@ -235,11 +248,11 @@ impl<'a> Accessors<'a> {
         if let Some(sparse) = &accessor.sparse {
             self.replace(sparse, index.index(), format, &mut bytes)?;
         }
-        Ok(Packed { format, bytes, _held: held })
+        Ok(DenseElements { format, bytes, _held: held })
     }
 
     /// Place of the elements; `None` for an accessor of zeros.
-    fn source(&self, accessor: &Accessor, i: usize, format: Format) -> Result<Option<Span>, SceneError> {
+    fn source(&self, accessor: &GltfAccessor, i: usize, format: ElementFormat) -> Result<Option<ElementSpan>, SceneError> {
         let place = format!("/accessors/{i}");
         let count = accessor.count.0;
         let Some(view) = accessor.buffer_view else {
@@ -262,7 +275,14 @@ impl<'a> Accessors<'a> {
     }
 
     /// The part of a buffer view that holds `count` elements, checked against the view's length.
-    fn span(&self, view: Int, offset: Int, count: u64, [stride, element]: [u64; 2], place: &str) -> Result<Span, SceneError> {
+    fn span(
+        &self,
+        view: GltfInteger,
+        offset: GltfInteger,
+        count: u64,
+        [stride, element]: [u64; 2],
+        place: &str,
+    ) -> Result<ElementSpan, SceneError> {
         let views = &self.document.buffer_views;
         let length = resolve(views, "bufferViews", view, || format!("{place}/bufferView"))?.byte_length.0;
         let needed = count.checked_sub(1).and_then(|n| n.checked_mul(stride)).and_then(|n| n.checked_add(element));
@@ -274,21 +294,26 @@ impl<'a> Accessors<'a> {
         }
         // All of it lies within the view, so it can be addressed as soon as the view has data.
         let [stride, element] = [stride, element].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
-        Ok(Span { view, start: offset.index(), count: Int(count).index(), stride, element })
+        Ok(ElementSpan { view, start: offset.index(), count: GltfInteger(count).index(), stride, element })
     }
 
     /// The elements of a span, one after the other.
-    fn elements(&self, span: &Span) -> Result<impl Iterator<Item = &[u8]> + use<'_>, SceneError> {
+    fn elements(&self, span: &ElementSpan) -> Result<impl Iterator<Item = &[u8]> + use<'_>, SceneError> {
         let bytes = self.buffers.view(self.document, span.view, String::new)?;
-        let Span { start, count, stride, element, .. } = *span;
+        let ElementSpan { start, count, stride, element, .. } = *span;
         Ok((0..count).filter_map(move |i| bytes.get(start + i * stride..start + i * stride + element)))
     }
 
     /// Where the indices and the values of a sparse accessor lie.
-    fn sparse_sources(&self, sparse: &Sparse, i: usize, format: Format) -> Result<(Component, Span, Span), SceneError> {
+    fn sparse_sources(
+        &self,
+        sparse: &SparseAccessor,
+        i: usize,
+        format: ElementFormat,
+    ) -> Result<(ComponentType, ElementSpan, ElementSpan), SceneError> {
         let place = |part: &str| format!("/accessors/{i}/sparse/{part}");
-        let component = Component::parse(sparse.indices.component_type, || place("indices/componentType"))?;
-        if !matches!(component, Component::U8 | Component::U16 | Component::U32) {
+        let component = ComponentType::parse(sparse.indices.component_type, || place("indices/componentType"))?;
+        if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
             return Err(SceneError::at(place("indices/componentType"), component.name()).expected("an unsigned type"));
         }
         let (count, at) = (sparse.count.0, &sparse.indices);
@@ -299,7 +324,7 @@ impl<'a> Accessors<'a> {
         Ok((component, indices, values))
     }
 
-    fn replace(&self, sparse: &Sparse, i: usize, format: Format, bytes: &mut [u8]) -> Result<(), SceneError> {
+    fn replace(&self, sparse: &SparseAccessor, i: usize, format: ElementFormat, bytes: &mut [u8]) -> Result<(), SceneError> {
         let (component, indices, values) = self.sparse_sources(sparse, i, format)?;
         let mut least = 0;
         for (k, (index, value)) in self.elements(&indices)?.zip(self.elements(&values)?).enumerate() {
@@ -318,8 +343,8 @@ impl<'a> Accessors<'a> {
 }
 
 /// A checked place of elements in a buffer view \[bytes\].
-struct Span {
-    view: Int,
+struct ElementSpan {
+    view: GltfInteger,
     start: usize,
     count: usize,
     stride: usize,

@@ -1,10 +1,10 @@
 //! Buffers and buffer views.
 
 use super::check::resolve;
-use super::json::{Buffer, BufferView, Document, Int};
+use super::json::{BufferView, GltfBuffer, GltfDocument, GltfInteger};
 use crate::SceneError;
 use crate::files::shorten;
-use crate::outside::Outside;
+use crate::outside::ImportContext;
 use base64::Engine;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
@@ -13,14 +13,18 @@ use std::borrow::Cow;
 
 /// All buffers of a document. One without data is legal as long as nothing reads it: some exporters leave such
 /// placeholders for extensions.
-pub(crate) struct Buffers<'a> {
+pub(crate) struct GltfBuffers<'a> {
     data: Vec<Option<(Cow<'a, [u8]>, Held)>>,
 }
 
-impl<'a> Buffers<'a> {
+impl<'a> GltfBuffers<'a> {
     /// Loads every buffer: from the GLB's BIN chunk (`bin`, where `container` says the file is a GLB), a data URI or a
     /// file.
-    pub(crate) fn load(document: &Document, container: Container<'a>, outside: &Outside<'_>) -> Result<Self, SceneError> {
+    pub(crate) fn load(
+        document: &GltfDocument,
+        container: GltfContainer<'a>,
+        outside: &ImportContext<'_>,
+    ) -> Result<Self, SceneError> {
         let load = |(i, buffer)| load_buffer(i, buffer, container, outside);
         let data = document.buffers.iter().enumerate().map(load).collect::<Result<_, _>>()?;
         for (i, view) in document.buffer_views.iter().enumerate() {
@@ -30,7 +34,12 @@ impl<'a> Buffers<'a> {
     }
 
     /// The bytes of a buffer view.
-    pub(crate) fn view(&self, document: &Document, index: Int, place: impl FnOnce() -> String) -> Result<&[u8], SceneError> {
+    pub(crate) fn view(
+        &self,
+        document: &GltfDocument,
+        index: GltfInteger,
+        place: impl FnOnce() -> String,
+    ) -> Result<&[u8], SceneError> {
         let view = resolve(&document.buffer_views, "bufferViews", index, place)?;
         let data = self.data.get(view.buffer.index()).and_then(|d| d.as_ref()).ok_or_else(|| {
             SceneError::at(format!("/buffers/{}", view.buffer.0), "has no data: neither a uri nor a BIN chunk")
@@ -45,14 +54,14 @@ impl<'a> Buffers<'a> {
 
 /// Container of the buffers.
 #[derive(Clone, Copy)]
-pub(crate) enum Container<'a> {
+pub(crate) enum GltfContainer<'a> {
     /// A `.gltf` file.
     Json,
     /// A `.glb` file and its BIN chunk.
     Glb(Option<&'a [u8]>),
 }
 
-fn check_view(document: &Document, i: usize, view: &BufferView) -> Result<(), SceneError> {
+fn check_view(document: &GltfDocument, i: usize, view: &BufferView) -> Result<(), SceneError> {
     let place = || format!("/bufferViews/{i}/byteLength");
     let buffer = resolve(&document.buffers, "buffers", view.buffer, || format!("/bufferViews/{i}/buffer"))?;
     if view.byte_length.0 == 0 {
@@ -73,9 +82,9 @@ type HeldBytes<'a> = (Cow<'a, [u8]>, Held);
 
 fn load_buffer<'a>(
     i: usize,
-    buffer: &Buffer,
-    container: Container<'a>,
-    outside: &Outside<'_>,
+    buffer: &GltfBuffer,
+    container: GltfContainer<'a>,
+    outside: &ImportContext<'_>,
 ) -> Result<Option<HeldBytes<'a>>, SceneError> {
     let place = format!("/buffers/{i}");
     if buffer.byte_length.0 == 0 {
@@ -86,8 +95,8 @@ fn load_buffer<'a>(
             let (data, held) = read_uri(uri, outside, &format!("{place}/uri"))?;
             (Cow::Owned(data), held)
         }
-        (None, Container::Glb(Some(bin))) if i == 0 => (Cow::Borrowed(bin), outside.nothing()),
-        (None, Container::Glb(None)) if i == 0 => {
+        (None, GltfContainer::Glb(Some(bin))) if i == 0 => (Cow::Borrowed(bin), outside.nothing()),
+        (None, GltfContainer::Glb(None)) if i == 0 => {
             return Err(SceneError::at(place, "the GLB file has no BIN chunk")
                 .expected("one, since this buffer has no uri")
                 .cure("export the model again"));
@@ -104,7 +113,7 @@ fn load_buffer<'a>(
 }
 
 /// Reads the bytes of a data URI or of a file relative to the model, with their reservation.
-pub(crate) fn read_uri(uri: &str, outside: &Outside<'_>, place: &str) -> Result<(Vec<u8>, Held), SceneError> {
+pub(crate) fn read_uri(uri: &str, outside: &ImportContext<'_>, place: &str) -> Result<(Vec<u8>, Held), SceneError> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         let held = outside.take(uri.len() as u64, place, "a data URI")?;
         return decode_data_uri(uri).map(|bytes| (bytes, held)).ok_or_else(|| {
@@ -151,13 +160,13 @@ fn percent_bytes(text: &str) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::Memory;
+    use crate::files::MemoryFiles;
     use basrelief_input::Budget;
 
     #[test]
     fn uris_are_decoded() {
-        let files = Memory::default().with("a b.bin", *b"xyz");
-        let outside = Outside::new(&files, &Budget::default());
+        let files = MemoryFiles::default().with("a b.bin", *b"xyz");
+        let outside = ImportContext::new(&files, &Budget::default());
         let read = |uri: &str| read_uri(uri, &outside, "").map(|(bytes, _)| bytes);
         assert_eq!(read("a%20b.bin").unwrap(), b"xyz");
         assert_eq!(read("data:application/octet-stream;base64,AAEC").unwrap(), [0, 1, 2]);

@@ -1,9 +1,9 @@
 //! Checks of a document before its data are read: version, extensions, references.
 
-use super::json::{Document, Int, MaterialDef, Node, Primitive, TextureInfo};
+use super::json::{GltfDocument, GltfInteger, GltfNode, GltfPrimitive, MaterialDef, TextureInfo};
 use super::parse::escape;
 use crate::SceneError;
-use crate::error::Warnings;
+use crate::error::ImportWarnings;
 
 /// Extensions that are fully supported.
 const SUPPORTED: [&str; 4] = ["KHR_lights_punctual", "KHR_texture_transform", "KHR_mesh_quantization", "KHR_node_visibility"];
@@ -27,7 +27,7 @@ const REFINEMENTS: [&str; 10] = [
 pub(crate) fn resolve<'a, T>(
     list: &'a [T],
     name: &str,
-    reference: Int,
+    reference: GltfInteger,
     place: impl FnOnce() -> String,
 ) -> Result<&'a T, SceneError> {
     list.get(reference.index()).ok_or_else(|| {
@@ -42,7 +42,7 @@ pub(crate) fn resolve<'a, T>(
 }
 
 /// Checks version, extensions, references and strides.
-pub(crate) fn check(document: &Document, warnings: &mut Warnings) -> Result<(), SceneError> {
+pub(crate) fn check(document: &GltfDocument, warnings: &mut ImportWarnings) -> Result<(), SceneError> {
     check_version(document, warnings)?;
     check_extensions(document, warnings)?;
     for (i, node) in document.nodes.iter().enumerate() {
@@ -78,7 +78,7 @@ pub(crate) fn check(document: &Document, warnings: &mut Warnings) -> Result<(), 
     Ok(())
 }
 
-fn check_version(document: &Document, warnings: &mut Warnings) -> Result<(), SceneError> {
+fn check_version(document: &GltfDocument, warnings: &mut ImportWarnings) -> Result<(), SceneError> {
     let asset = &document.asset;
     let parts = |version: &str| -> Option<(u32, u32)> {
         let (major, minor) = version.split_once('.')?;
@@ -101,7 +101,7 @@ fn check_version(document: &Document, warnings: &mut Warnings) -> Result<(), Sce
     }
 }
 
-fn check_extensions(document: &Document, warnings: &mut Warnings) -> Result<(), SceneError> {
+fn check_extensions(document: &GltfDocument, warnings: &mut ImportWarnings) -> Result<(), SceneError> {
     for (i, name) in document.extensions_required.iter().enumerate() {
         let name = name.as_str();
         if !SUPPORTED.contains(&name) && !REFINEMENTS.contains(&name) {
@@ -119,7 +119,7 @@ fn check_extensions(document: &Document, warnings: &mut Warnings) -> Result<(), 
     Ok(())
 }
 
-fn check_node(document: &Document, i: usize, node: &Node) -> Result<(), SceneError> {
+fn check_node(document: &GltfDocument, i: usize, node: &GltfNode) -> Result<(), SceneError> {
     let place = |field: &str| format!("/nodes/{i}/{field}");
     for (j, child) in node.children.iter().enumerate() {
         resolve(&document.nodes, "nodes", *child, || place(&format!("children/{j}")))?;
@@ -147,7 +147,7 @@ fn check_node(document: &Document, i: usize, node: &Node) -> Result<(), SceneErr
     Ok(())
 }
 
-fn check_primitive(document: &Document, place: &str, primitive: &Primitive) -> Result<(), SceneError> {
+fn check_primitive(document: &GltfDocument, place: &str, primitive: &GltfPrimitive) -> Result<(), SceneError> {
     for (name, accessor) in &primitive.attributes {
         resolve(&document.accessors, "accessors", *accessor, || format!("{place}/attributes/{}", escape(name)))?;
     }
@@ -168,7 +168,7 @@ fn check_primitive(document: &Document, place: &str, primitive: &Primitive) -> R
     }
 }
 
-fn check_material(document: &Document, i: usize, material: &MaterialDef) -> Result<(), SceneError> {
+fn check_material(document: &GltfDocument, i: usize, material: &MaterialDef) -> Result<(), SceneError> {
     let pbr = material.pbr_metallic_roughness.as_ref();
     let infos: [(&str, Option<&TextureInfo>); 5] = [
         ("pbrMetallicRoughness/baseColorTexture", pbr.and_then(|p| p.base_color_texture.as_ref())),
@@ -183,7 +183,7 @@ fn check_material(document: &Document, i: usize, material: &MaterialDef) -> Resu
     Ok(())
 }
 
-fn check_textures(document: &Document) -> Result<(), SceneError> {
+fn check_textures(document: &GltfDocument) -> Result<(), SceneError> {
     for (i, texture) in document.textures.iter().enumerate() {
         if let Some(sampler) = texture.sampler {
             resolve(&document.samplers, "samplers", sampler, || format!("/textures/{i}/sampler"))?;
@@ -202,14 +202,14 @@ fn check_textures(document: &Document) -> Result<(), SceneError> {
 }
 
 /// Warns of strides that glTF forbids. They still define the places of the elements.
-fn check_strides(document: &Document, warnings: &mut Warnings) {
+fn check_strides(document: &GltfDocument, warnings: &mut ImportWarnings) {
     let strides = document.buffer_views.iter().enumerate().filter_map(|(i, view)| Some((i, view.byte_stride?.0)));
     for (i, stride) in strides.filter(|(_, stride)| !(4..=252).contains(stride) || !stride.is_multiple_of(4)) {
         warnings.add(format!("/bufferViews/{i}/byteStride: is {stride}, expected a multiple of 4 in 4..=252: read as it stands"));
     }
 }
 
-fn check_data(document: &Document) -> Result<(), SceneError> {
+fn check_data(document: &GltfDocument) -> Result<(), SceneError> {
     for (i, image) in document.images.iter().enumerate() {
         if let Some(view) = image.buffer_view {
             resolve(&document.buffer_views, "bufferViews", view, || format!("/images/{i}/bufferView"))?;

@@ -7,7 +7,7 @@ use std::fmt::{Formatter, Result as FmtResult};
 
 /// Content of `extras.basrelief` of a node, a material or a scene. Other extras belong to other programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Extras {
+pub(crate) struct BasreliefExtras {
     /// Number of reference normals of the object.
     pub entries: Option<u32>,
     /// Levels by which its table and CLUT are coarser.
@@ -28,7 +28,7 @@ struct OwnExtras {
     shading: ShadingSettings,
 }
 
-impl<'de> Deserialize<'de> for Extras {
+impl<'de> Deserialize<'de> for BasreliefExtras {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(ExtrasVisitor)
     }
@@ -38,14 +38,14 @@ impl<'de> Deserialize<'de> for Extras {
 struct ExtrasVisitor;
 
 impl<'de> Visitor<'de> for ExtrasVisitor {
-    type Value = Extras;
+    type Value = BasreliefExtras;
 
     fn expecting(&self, f: &mut Formatter<'_>) -> FmtResult {
         f.write_str("any value")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Extras, A::Error> {
-        let mut extras = Extras::default();
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<BasreliefExtras, A::Error> {
+        let mut extras = BasreliefExtras::default();
         while let Some(key) = map.next_key::<String>()? {
             if key == "basrelief" {
                 let OwnExtras { entries, bias, bump, shading } = map.next_value()?;
@@ -55,7 +55,7 @@ impl<'de> Visitor<'de> for ExtrasVisitor {
                         ShadingSettings::MAX_INTENSITY
                     )));
                 }
-                extras = Extras { entries, bias, bump, shading };
+                extras = BasreliefExtras { entries, bias, bump, shading };
             } else {
                 map.next_value::<IgnoredAny>()?;
             }
@@ -63,33 +63,33 @@ impl<'de> Visitor<'de> for ExtrasVisitor {
         Ok(extras)
     }
 
-    fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut list: A) -> Result<Extras, A::Error> {
+    fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut list: A) -> Result<BasreliefExtras, A::Error> {
         while list.next_element::<IgnoredAny>()?.is_some() {}
-        Ok(Extras::default())
+        Ok(BasreliefExtras::default())
     }
 
-    fn visit_bool<E: Error>(self, _: bool) -> Result<Extras, E> {
-        Ok(Extras::default())
+    fn visit_bool<E: Error>(self, _: bool) -> Result<BasreliefExtras, E> {
+        Ok(BasreliefExtras::default())
     }
 
-    fn visit_u64<E: Error>(self, _: u64) -> Result<Extras, E> {
-        Ok(Extras::default())
+    fn visit_u64<E: Error>(self, _: u64) -> Result<BasreliefExtras, E> {
+        Ok(BasreliefExtras::default())
     }
 
-    fn visit_i64<E: Error>(self, _: i64) -> Result<Extras, E> {
-        Ok(Extras::default())
+    fn visit_i64<E: Error>(self, _: i64) -> Result<BasreliefExtras, E> {
+        Ok(BasreliefExtras::default())
     }
 
-    fn visit_f64<E: Error>(self, _: f64) -> Result<Extras, E> {
-        Ok(Extras::default())
+    fn visit_f64<E: Error>(self, _: f64) -> Result<BasreliefExtras, E> {
+        Ok(BasreliefExtras::default())
     }
 
-    fn visit_str<E: Error>(self, _: &str) -> Result<Extras, E> {
-        Ok(Extras::default())
+    fn visit_str<E: Error>(self, _: &str) -> Result<BasreliefExtras, E> {
+        Ok(BasreliefExtras::default())
     }
 
-    fn visit_unit<E: Error>(self) -> Result<Extras, E> {
-        Ok(Extras::default())
+    fn visit_unit<E: Error>(self) -> Result<BasreliefExtras, E> {
+        Ok(BasreliefExtras::default())
     }
 }
 
@@ -101,18 +101,25 @@ mod tests {
     #[test]
     fn extras_may_be_anything() {
         for other in ["1", "-1", "1.5", "\"x\"", "null", "[1, {}]", "true", "{\"a\": {}}"] {
-            assert_eq!(serde_json::from_str::<Extras>(other).unwrap(), Extras::default(), "{other}");
+            assert_eq!(serde_json::from_str::<BasreliefExtras>(other).unwrap(), BasreliefExtras::default(), "{other}");
         }
-        let ours = serde_json::from_str::<Extras>(r#"{"x": [], "basrelief": {"entries": 64, "bump": false}}"#).unwrap();
-        assert_eq!(ours, Extras { entries: Some(64), bias: None, bump: Some(false), shading: ShadingSettings::default() });
-        assert!(serde_json::from_str::<Extras>(r#"{"basrelief": {"entires": 64}}"#).is_err());
+        let ours = serde_json::from_str::<BasreliefExtras>(r#"{"x": [], "basrelief": {"entries": 64, "bump": false}}"#).unwrap();
+        assert_eq!(
+            ours,
+            BasreliefExtras { entries: Some(64), bias: None, bump: Some(false), shading: ShadingSettings::default() }
+        );
+        assert!(serde_json::from_str::<BasreliefExtras>(r#"{"basrelief": {"entires": 64}}"#).is_err());
     }
 
     #[test]
     fn extras_set_shading_of_object() {
-        let read = |shading: &str| serde_json::from_str::<Extras>(&format!(r#"{{"basrelief": {{"shading": {shading}}}}}"#));
+        let read =
+            |shading: &str| serde_json::from_str::<BasreliefExtras>(&format!(r#"{{"basrelief": {{"shading": {shading}}}}}"#));
         let shading = ShadingSettings { mode: Some(ShadingMode::Polyhedron), ia: None, is: Some(0.5) };
-        assert_eq!(read(r#"{"mode": "polyhedron", "is": 0.5}"#).unwrap(), Extras { shading, ..Extras::default() });
+        assert_eq!(
+            read(r#"{"mode": "polyhedron", "is": 0.5}"#).unwrap(),
+            BasreliefExtras { shading, ..BasreliefExtras::default() }
+        );
         for wrong in [r#"{"ia": 17}"#, r#"{"is": -1}"#, r#"{"mode": "flat"}"#, r#"{"n": 2}"#] {
             assert!(read(wrong).is_err(), "{wrong}");
         }

@@ -1,11 +1,11 @@
 //! Formats of accessor elements.
 
-use super::json::{Accessor, Int};
+use super::json::{GltfAccessor, GltfInteger};
 use crate::SceneError;
 
 /// Type of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Component {
+pub(crate) enum ComponentType {
     I8,
     U8,
     I16,
@@ -14,9 +14,9 @@ pub(crate) enum Component {
     F32,
 }
 
-impl Component {
+impl ComponentType {
     /// The type with this number in glTF.
-    pub(crate) fn parse(code: Int, place: impl FnOnce() -> String) -> Result<Self, SceneError> {
+    pub(crate) fn parse(code: GltfInteger, place: impl FnOnce() -> String) -> Result<Self, SceneError> {
         Ok(match code.0 {
             5120 => Self::I8,
             5121 => Self::U8,
@@ -56,8 +56,8 @@ impl Component {
 
 /// Format of the elements of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Format {
-    pub component: Component,
+pub(crate) struct ElementFormat {
+    pub component: ComponentType,
     pub normalized: bool,
     /// Components per column: 1..=4.
     pub rows: usize,
@@ -65,7 +65,7 @@ pub(crate) struct Format {
     pub columns: usize,
 }
 
-impl Format {
+impl ElementFormat {
     /// For messages.
     pub(crate) fn name(self) -> String {
         let kind = match (self.columns, self.rows) {
@@ -95,8 +95,8 @@ impl Format {
 }
 
 /// The format of accessor `i`, checked.
-pub(crate) fn format_of(accessor: &Accessor, i: usize) -> Result<Format, SceneError> {
-    let component = Component::parse(accessor.component_type, || format!("/accessors/{i}/componentType"))?;
+pub(crate) fn format_of(accessor: &GltfAccessor, i: usize) -> Result<ElementFormat, SceneError> {
+    let component = ComponentType::parse(accessor.component_type, || format!("/accessors/{i}/componentType"))?;
     let (columns, rows) = match accessor.kind.as_str() {
         "SCALAR" => (1, 1),
         "VEC2" => (1, 2),
@@ -110,35 +110,35 @@ pub(crate) fn format_of(accessor: &Accessor, i: usize) -> Result<Format, SceneEr
                 .expected("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4"));
         }
     };
-    if accessor.normalized && matches!(component, Component::U32 | Component::F32) {
+    if accessor.normalized && matches!(component, ComponentType::U32 | ComponentType::F32) {
         return Err(SceneError::at(format!("/accessors/{i}/normalized"), format!("true for {}", component.name()))
             .expected("true only for bytes and shorts"));
     }
     if accessor.count.0 == 0 {
         return Err(SceneError::at(format!("/accessors/{i}/count"), "is 0").expected("at least 1"));
     }
-    Ok(Format { component, normalized: accessor.normalized, rows, columns })
+    Ok(ElementFormat { component, normalized: accessor.normalized, rows, columns })
 }
 
 /// Numbers of an unsigned type.
-pub(crate) fn unsigned_numbers(bytes: &[u8], component: Component) -> Vec<u32> {
+pub(crate) fn unsigned_numbers(bytes: &[u8], component: ComponentType) -> Vec<u32> {
     match component {
-        Component::U8 => bytes.iter().map(|b| u32::from(*b)).collect(),
-        Component::U16 => bytes.as_chunks().0.iter().map(|b| u32::from(u16::from_le_bytes(*b))).collect(),
+        ComponentType::U8 => bytes.iter().map(|b| u32::from(*b)).collect(),
+        ComponentType::U16 => bytes.as_chunks().0.iter().map(|b| u32::from(u16::from_le_bytes(*b))).collect(),
         _ => bytes.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect(),
     }
 }
 
 /// A component as a float; normalized integers to 0..=1 or -1..=1 (glTF 2.0, section 3.11).
-pub(crate) fn decode(raw: &[u8], format: Format) -> f32 {
+pub(crate) fn decode(raw: &[u8], format: ElementFormat) -> f32 {
     let scaled = |value: f32, most: f32| if format.normalized { (value / most).max(-1.0) } else { value };
     match (format.component, raw) {
-        (Component::I8, [a]) => scaled(f32::from(*a as i8), 127.0),
-        (Component::U8, [a]) => scaled(f32::from(*a), 255.0),
-        (Component::I16, [a, b]) => scaled(f32::from(i16::from_le_bytes([*a, *b])), 32767.0),
-        (Component::U16, [a, b]) => scaled(f32::from(u16::from_le_bytes([*a, *b])), 65535.0),
-        (Component::U32, [a, b, c, d]) => u32::from_le_bytes([*a, *b, *c, *d]) as f32,
-        (Component::F32, [a, b, c, d]) => f32::from_le_bytes([*a, *b, *c, *d]),
+        (ComponentType::I8, [a]) => scaled(f32::from(*a as i8), 127.0),
+        (ComponentType::U8, [a]) => scaled(f32::from(*a), 255.0),
+        (ComponentType::I16, [a, b]) => scaled(f32::from(i16::from_le_bytes([*a, *b])), 32767.0),
+        (ComponentType::U16, [a, b]) => scaled(f32::from(u16::from_le_bytes([*a, *b])), 65535.0),
+        (ComponentType::U32, [a, b, c, d]) => u32::from_le_bytes([*a, *b, *c, *d]) as f32,
+        (ComponentType::F32, [a, b, c, d]) => f32::from_le_bytes([*a, *b, *c, *d]),
         _ => 0.0,
     }
 }

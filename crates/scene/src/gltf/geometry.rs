@@ -1,11 +1,11 @@
 //! Primitives to meshes.
 
-use super::accessor::Accessors;
-use super::format::{Component, Format};
-use super::json::{Int, Primitive, TextureTransform};
-use super::skin::Influences;
+use super::accessor::AccessorReader;
+use super::format::{ComponentType, ElementFormat};
+use super::json::{GltfInteger, GltfPrimitive, TextureTransform};
+use super::skin::VertexMatrices;
 use crate::SceneError;
-use crate::error::Warnings;
+use crate::error::ImportWarnings;
 use crate::normals;
 use crate::tangents;
 use basrelief_signals::Mesh;
@@ -23,42 +23,42 @@ pub(crate) struct UvRequest {
 
 /// Texture coordinates that a primitive must provide; `None` if the material has no such texture.
 #[derive(Clone, Default)]
-pub(crate) struct Needs {
+pub(crate) struct RequiredUvs {
     pub color: Option<UvRequest>,
     pub normal_map: Option<UvRequest>,
 }
 
 /// Reads primitives of one document.
-pub(crate) struct Geometry<'a> {
-    pub accessors: &'a Accessors<'a>,
+pub(crate) struct PrimitiveReader<'a> {
+    pub accessors: &'a AccessorReader<'a>,
     /// `KHR_mesh_quantization` is declared.
     pub quantized: bool,
 }
 
 /// A primitive with everything that its mesh depends on.
 #[derive(Clone, Copy)]
-pub(crate) struct Source<'a> {
-    pub primitive: &'a Primitive,
-    pub needs: &'a Needs,
+pub(crate) struct MeshSource<'a> {
+    pub primitive: &'a GltfPrimitive,
+    pub needs: &'a RequiredUvs,
     /// Weights of its morph targets.
     pub weights: &'a [f64],
-    pub skin: Option<&'a Influences>,
+    pub skin: Option<&'a VertexMatrices>,
     /// JSON pointer.
     pub place: &'a str,
 }
 
 /// Which formats a vertex attribute may have.
 #[derive(Clone, Copy, PartialEq)]
-enum Semantic {
+enum AttributeSemantic {
     Position,
     Direction,
     TexCoord,
     Color,
 }
 
-impl Semantic {
-    fn allows(self, format: Format, quantized: bool) -> bool {
-        use Component::{F32, I8, I16, U8, U16, U32};
+impl AttributeSemantic {
+    fn allows(self, format: ElementFormat, quantized: bool) -> bool {
+        use ComponentType::{F32, I8, I16, U8, U16, U32};
         let narrow = matches!(format.component, I8 | U8 | I16 | U16);
         match (self, format.component) {
             (_, F32) => true,
@@ -83,16 +83,16 @@ impl Semantic {
     }
 }
 
-impl Geometry<'_> {
+impl PrimitiveReader<'_> {
     /// Returns the mesh of a primitive; `None` if it has no triangles.
-    pub(crate) fn mesh(&self, source: &Source<'_>, warnings: &mut Warnings) -> Result<Option<Mesh>, SceneError> {
-        let Source { primitive, place, .. } = *source;
+    pub(crate) fn mesh(&self, source: &MeshSource<'_>, warnings: &mut ImportWarnings) -> Result<Option<Mesh>, SceneError> {
+        let MeshSource { primitive, place, .. } = *source;
         let mode = primitive.mode.map_or(TRIANGLES, |m| m.0);
         if mode < TRIANGLES {
             warnings.add(format!("{place} draws points or lines: skipped"));
             return Ok(None);
         }
-        let Some(positions) = self.attribute::<3>(source, "POSITION", None, Semantic::Position, warnings)? else {
+        let Some(positions) = self.attribute::<3>(source, "POSITION", None, AttributeSemantic::Position, warnings)? else {
             warnings.add(format!("{place} has no POSITION: skipped"));
             return Ok(None);
         };
@@ -107,17 +107,17 @@ impl Geometry<'_> {
     }
 
     /// Everything beside positions and indices.
-    fn fill(&self, mesh: &mut Mesh, source: &Source<'_>, warnings: &mut Warnings) -> Result<(), SceneError> {
-        let Source { needs, place, .. } = *source;
+    fn fill(&self, mesh: &mut Mesh, source: &MeshSource<'_>, warnings: &mut ImportWarnings) -> Result<(), SceneError> {
+        let MeshSource { needs, place, .. } = *source;
         let count = Some(mesh.positions.len());
         mesh.uv = self.uv(source, needs.color.as_ref(), mesh.positions.len(), warnings)?;
         mesh.uv_normal = self.uv(source, needs.normal_map.as_ref(), mesh.positions.len(), warnings)?;
-        mesh.colors = self.attribute(source, "COLOR_0", count, Semantic::Color, warnings)?.unwrap_or_default();
+        mesh.colors = self.attribute(source, "COLOR_0", count, AttributeSemantic::Color, warnings)?.unwrap_or_default();
         for color in &mut mesh.colors {
             *color = color.map(|c| c.clamp(0.0, 1.0));
         }
-        let mut normals = self.attribute::<3>(source, "NORMAL", count, Semantic::Direction, warnings)?;
-        let mut tangents = self.attribute::<4>(source, "TANGENT", count, Semantic::Direction, warnings)?;
+        let mut normals = self.attribute::<3>(source, "NORMAL", count, AttributeSemantic::Direction, warnings)?;
+        let mut tangents = self.attribute::<4>(source, "TANGENT", count, AttributeSemantic::Direction, warnings)?;
         if let Some(skin) = source.skin {
             skin.pose(mesh, normals.as_mut(), tangents.as_mut(), place)?;
         }
@@ -150,15 +150,15 @@ impl Geometry<'_> {
 
     fn uv(
         &self,
-        source: &Source<'_>,
+        source: &MeshSource<'_>,
         request: Option<&UvRequest>,
         count: usize,
-        warnings: &mut Warnings,
+        warnings: &mut ImportWarnings,
     ) -> Result<Vec<[f32; 2]>, SceneError> {
         let place = source.place;
         let Some(request) = request else { return Ok(Vec::new()) };
         let name = format!("TEXCOORD_{}", request.set);
-        let uv = self.attribute::<2>(source, &name, Some(count), Semantic::TexCoord, warnings)?;
+        let uv = self.attribute::<2>(source, &name, Some(count), AttributeSemantic::TexCoord, warnings)?;
         if uv.is_none() {
             self.accessors.charge(size_of::<[f32; 2]>() as u64 * count as u64, place)?;
         }
@@ -179,11 +179,11 @@ impl Geometry<'_> {
     /// An attribute with one element per vertex.
     fn attribute<const N: usize>(
         &self,
-        source: &Source<'_>,
+        source: &MeshSource<'_>,
         name: &str,
         count: Option<usize>,
-        semantic: Semantic,
-        warnings: &mut Warnings,
+        semantic: AttributeSemantic,
+        warnings: &mut ImportWarnings,
     ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
         let place = format!("{}/attributes/{name}", source.place);
         let base = self.elements(&source.primitive.attributes, name, count, semantic, &place, warnings)?;
@@ -196,12 +196,12 @@ impl Geometry<'_> {
     fn morph<const N: usize>(
         &self,
         base: &mut [[f32; N]],
-        source: &Source<'_>,
+        source: &MeshSource<'_>,
         name: &str,
-        semantic: Semantic,
-        warnings: &mut Warnings,
+        semantic: AttributeSemantic,
+        warnings: &mut ImportWarnings,
     ) -> Result<(), SceneError> {
-        let Source { primitive, weights, place, .. } = *source;
+        let MeshSource { primitive, weights, place, .. } = *source;
         if weights.len() != primitive.targets.len() && !weights.is_empty() {
             warnings.add(format!("{place}: {} weights for {} morph targets", weights.len(), primitive.targets.len()));
         }
@@ -210,7 +210,7 @@ impl Geometry<'_> {
             let place = format!("{place}/targets/{i}/{name}");
             let add = |value: &mut f32, delta: f32| *value = (f64::from(*value) + weight * f64::from(delta)) as f32;
             // The handedness of a tangent, its fourth component, has no delta.
-            if semantic == Semantic::Direction && N == 4 {
+            if semantic == AttributeSemantic::Direction && N == 4 {
                 let deltas = self.elements::<3>(target, name, Some(base.len()), semantic, &place, warnings)?.unwrap_or_default();
                 base.iter_mut().zip(deltas).for_each(|(base, delta)| base.iter_mut().zip(delta).for_each(|(b, d)| add(b, d)));
             } else {
@@ -230,16 +230,16 @@ impl Geometry<'_> {
     /// The elements of the accessor that attributes name.
     fn elements<const N: usize>(
         &self,
-        attributes: &BTreeMap<String, Int>,
+        attributes: &BTreeMap<String, GltfInteger>,
         name: &str,
         count: Option<usize>,
-        semantic: Semantic,
+        semantic: AttributeSemantic,
         place: &str,
-        warnings: &mut Warnings,
+        warnings: &mut ImportWarnings,
     ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
         let Some(index) = attributes.get(name) else { return Ok(None) };
         let (format, elements) = self.accessors.describe(*index, place)?;
-        let width_fits = format.is_vector(N) || (matches!(semantic, Semantic::Color) && format.is_vector(3));
+        let width_fits = format.is_vector(N) || (matches!(semantic, AttributeSemantic::Color) && format.is_vector(3));
         if !width_fits || !semantic.allows(format, self.quantized) {
             return Err(SceneError::at(place, format!("accessor {} is {}", index.0, format.name()))
                 .expected(format!("VEC{N} of {}", semantic.expected()))
@@ -259,11 +259,11 @@ impl Geometry<'_> {
     /// Vertex numbers of all triangles, without those that use a vertex twice.
     fn triangles(
         &self,
-        primitive: &Primitive,
+        primitive: &GltfPrimitive,
         mode: u64,
         vertices: usize,
         place: &str,
-        warnings: &mut Warnings,
+        warnings: &mut ImportWarnings,
     ) -> Result<Vec<u32>, SceneError> {
         let order = match primitive.indices {
             Some(index) => self.indices(index, vertices, &format!("{place}/indices"), warnings)?,
@@ -280,7 +280,13 @@ impl Geometry<'_> {
         Ok(triangulate(&order, mode))
     }
 
-    fn indices(&self, index: Int, vertices: usize, place: &str, warnings: &mut Warnings) -> Result<Vec<u32>, SceneError> {
+    fn indices(
+        &self,
+        index: GltfInteger,
+        vertices: usize,
+        place: &str,
+        warnings: &mut ImportWarnings,
+    ) -> Result<Vec<u32>, SceneError> {
         let order = self.accessors.indices(index, place, warnings)?;
         match order.iter().enumerate().find(|(_, i)| **i as usize >= vertices) {
             Some((k, i)) => Err(SceneError::at(place, format!("index {k} of accessor {} is {i}", index.0))
@@ -317,7 +323,7 @@ fn triangulate(order: &[u32], mode: u64) -> Vec<u32> {
 }
 
 /// Makes normals unit. Normals of length 0 are computed from the faces around them.
-fn unit_normals(given: Vec<[f32; 3]>, mesh: &Mesh, place: &str, warnings: &mut Warnings) -> Vec<[f32; 3]> {
+fn unit_normals(given: Vec<[f32; 3]>, mesh: &Mesh, place: &str, warnings: &mut ImportWarnings) -> Vec<[f32; 3]> {
     let vector = |n: &[f32; 3]| DVec3::from_array(n.map(f64::from));
     if given.iter().all(|n| vector(n).try_normalize().is_some()) {
         return given.iter().map(|n| normals::unit(vector(n), DVec3::Z)).collect();

@@ -1,7 +1,7 @@
 //! The binary container of glTF (GLB).
 
 use crate::SceneError;
-use crate::error::Warnings;
+use crate::error::ImportWarnings;
 
 /// First bytes of a GLB file.
 pub(crate) const MAGIC: &[u8] = b"glTF";
@@ -13,13 +13,13 @@ const BIN: u32 = 0x004E_4942;
 
 /// The two chunks that matter.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Glb<'a> {
+pub(crate) struct GlbChunks<'a> {
     pub json: &'a [u8],
     pub bin: Option<&'a [u8]>,
 }
 
 /// Takes a GLB file apart.
-pub(crate) fn parse<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Result<Glb<'a>, SceneError> {
+pub(crate) fn parse<'a>(bytes: &'a [u8], warnings: &mut ImportWarnings) -> Result<GlbChunks<'a>, SceneError> {
     let end = check_header(bytes, warnings)?;
     let within = bytes.get(..end).unwrap_or(bytes);
     let (mut json, mut bin) = (None, None);
@@ -42,11 +42,11 @@ pub(crate) fn parse<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Result<Glb<
         number += 1;
     }
     let json = json.ok_or_else(|| broken(HEADER_BYTES, "no JSON chunk").expected("one as the first chunk"))?;
-    Ok(Glb { json, bin })
+    Ok(GlbChunks { json, bin })
 }
 
 /// Checks the header; where the file should end.
-fn check_header(bytes: &[u8], warnings: &mut Warnings) -> Result<usize, SceneError> {
+fn check_header(bytes: &[u8], warnings: &mut ImportWarnings) -> Result<usize, SceneError> {
     if bytes.len() < HEADER_BYTES {
         let what = format!("file of {} bytes ends within the GLB header", bytes.len());
         return Err(broken(bytes.len(), &what).expected("at least 12 bytes: magic, version, length"));
@@ -129,8 +129,8 @@ pub(crate) mod tests {
     #[test]
     fn chunks_come_back() {
         let bytes = build("{}", Some(&[1, 2, 3, 4]));
-        let glb = parse(&bytes, &mut Warnings::default()).unwrap();
-        assert_eq!(glb, Glb { json: b"{}  ", bin: Some(&[1, 2, 3, 4]) });
+        let glb = parse(&bytes, &mut ImportWarnings::default()).unwrap();
+        assert_eq!(glb, GlbChunks { json: b"{}  ", bin: Some(&[1, 2, 3, 4]) });
     }
 
     #[test]
@@ -138,7 +138,7 @@ pub(crate) mod tests {
         let bytes = build("{\"a\": 1}", Some(&[0; 8]));
         for end in 0..bytes.len() {
             // Cut between the chunks the rest is a whole file but for its length, which must be noticed, too.
-            let cut = parse(&bytes[..end], &mut Warnings::default());
+            let cut = parse(&bytes[..end], &mut ImportWarnings::default());
             assert!(cut.is_err(), "cut at {end}");
         }
     }

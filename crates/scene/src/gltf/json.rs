@@ -1,6 +1,6 @@
 //! The parts of a glTF 2.0 document that this importer reads. Names and optional fields follow the specification.
 
-use super::extras::Extras;
+use super::extras::BasreliefExtras;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, Visitor};
 use std::collections::BTreeMap;
@@ -8,30 +8,30 @@ use std::fmt::{Formatter, Result as FmtResult};
 
 /// A non-negative integer; glTF allows to write it with a zero fraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Int(pub u64);
+pub(crate) struct GltfInteger(pub u64);
 
-impl Int {
+impl GltfInteger {
     /// Returns the number as an index. A number too large for this platform is out of range of any list.
     pub(crate) fn index(self) -> usize {
         usize::try_from(self.0).unwrap_or(usize::MAX)
     }
 }
 
-impl<'de> Deserialize<'de> for Int {
+impl<'de> Deserialize<'de> for GltfInteger {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct IntVisitor;
         impl Visitor<'_> for IntVisitor {
-            type Value = Int;
+            type Value = GltfInteger;
             fn expecting(&self, f: &mut Formatter<'_>) -> FmtResult {
                 f.write_str("a non-negative integer")
             }
-            fn visit_u64<E: Error>(self, v: u64) -> Result<Int, E> {
-                Ok(Int(v))
+            fn visit_u64<E: Error>(self, v: u64) -> Result<GltfInteger, E> {
+                Ok(GltfInteger(v))
             }
-            fn visit_f64<E: Error>(self, v: f64) -> Result<Int, E> {
+            fn visit_f64<E: Error>(self, v: f64) -> Result<GltfInteger, E> {
                 // 2^53: above it a fraction of zero says nothing.
                 if (0.0..=9_007_199_254_740_992.0).contains(&v) && v.floor() == v {
-                    Ok(Int(v as u64))
+                    Ok(GltfInteger(v as u64))
                 } else {
                     Err(E::invalid_value(serde::de::Unexpected::Float(v), &self))
                 }
@@ -43,25 +43,25 @@ impl<'de> Deserialize<'de> for Int {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(crate) struct Document {
-    pub asset: Asset,
+pub(crate) struct GltfDocument {
+    pub asset: GltfAsset,
     #[serde(default)]
     pub extensions_used: Vec<String>,
     #[serde(default)]
     pub extensions_required: Vec<String>,
-    pub scene: Option<Int>,
+    pub scene: Option<GltfInteger>,
     #[serde(default)]
     pub scenes: Vec<SceneDef>,
     #[serde(default)]
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<GltfNode>,
     #[serde(default)]
     pub meshes: Vec<MeshDef>,
     #[serde(default)]
-    pub accessors: Vec<Accessor>,
+    pub accessors: Vec<GltfAccessor>,
     #[serde(default)]
     pub buffer_views: Vec<BufferView>,
     #[serde(default)]
-    pub buffers: Vec<Buffer>,
+    pub buffers: Vec<GltfBuffer>,
     #[serde(default)]
     pub materials: Vec<MaterialDef>,
     #[serde(default)]
@@ -82,7 +82,7 @@ pub(crate) struct Document {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(crate) struct Asset {
+pub(crate) struct GltfAsset {
     pub version: String,
     pub min_version: Option<String>,
 }
@@ -90,11 +90,11 @@ pub(crate) struct Asset {
 #[derive(Default, Deserialize)]
 pub(crate) struct RootExtensions {
     #[serde(rename = "KHR_lights_punctual")]
-    pub lights: Option<Lights>,
+    pub lights: Option<GltfLights>,
 }
 
 #[derive(Deserialize)]
-pub(crate) struct Lights {
+pub(crate) struct GltfLights {
     pub lights: Vec<LightDef>,
 }
 
@@ -119,28 +119,28 @@ fn one() -> f64 {
 #[derive(Deserialize)]
 pub(crate) struct SceneDef {
     #[serde(default)]
-    pub nodes: Vec<Int>,
+    pub nodes: Vec<GltfInteger>,
     #[serde(default)]
-    pub extras: Extras,
+    pub extras: BasreliefExtras,
 }
 
 #[derive(Deserialize)]
-pub(crate) struct Node {
+pub(crate) struct GltfNode {
     pub name: Option<String>,
     #[serde(default)]
-    pub children: Vec<Int>,
+    pub children: Vec<GltfInteger>,
     pub matrix: Option<Box<[f64; 16]>>,
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
-    pub mesh: Option<Int>,
+    pub mesh: Option<GltfInteger>,
     /// Weights of morph targets, in place of the mesh's own.
     pub weights: Option<Vec<f64>>,
-    pub camera: Option<Int>,
-    pub skin: Option<Int>,
+    pub camera: Option<GltfInteger>,
+    pub skin: Option<GltfInteger>,
     pub extensions: Option<Box<NodeExtensions>>,
     #[serde(default)]
-    pub extras: Extras,
+    pub extras: BasreliefExtras,
 }
 
 #[derive(Deserialize)]
@@ -148,16 +148,16 @@ pub(crate) struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub light: Option<LightReference>,
     #[serde(rename = "KHR_node_visibility")]
-    pub visibility: Option<Visibility>,
+    pub visibility: Option<NodeVisibility>,
 }
 
 #[derive(Deserialize)]
 pub(crate) struct LightReference {
-    pub light: Int,
+    pub light: GltfInteger,
 }
 
 #[derive(Deserialize)]
-pub(crate) struct Visibility {
+pub(crate) struct NodeVisibility {
     #[serde(default = "yes")]
     pub visible: bool,
 }
@@ -169,7 +169,7 @@ fn yes() -> bool {
 #[derive(Deserialize)]
 pub(crate) struct MeshDef {
     pub name: Option<String>,
-    pub primitives: Vec<Primitive>,
+    pub primitives: Vec<GltfPrimitive>,
     /// Weights of morph targets at rest.
     #[serde(default)]
     pub weights: Vec<f64>,
@@ -178,41 +178,41 @@ pub(crate) struct MeshDef {
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct SkinDef {
-    pub inverse_bind_matrices: Option<Int>,
+    pub inverse_bind_matrices: Option<GltfInteger>,
     #[serde(default)]
-    pub joints: Vec<Int>,
+    pub joints: Vec<GltfInteger>,
 }
 
 #[derive(Deserialize)]
-pub(crate) struct Primitive {
-    pub attributes: BTreeMap<String, Int>,
-    pub indices: Option<Int>,
-    pub material: Option<Int>,
-    pub mode: Option<Int>,
+pub(crate) struct GltfPrimitive {
+    pub attributes: BTreeMap<String, GltfInteger>,
+    pub indices: Option<GltfInteger>,
+    pub material: Option<GltfInteger>,
+    pub mode: Option<GltfInteger>,
     #[serde(default)]
-    pub targets: Vec<BTreeMap<String, Int>>,
+    pub targets: Vec<BTreeMap<String, GltfInteger>>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(crate) struct Accessor {
-    pub buffer_view: Option<Int>,
+pub(crate) struct GltfAccessor {
+    pub buffer_view: Option<GltfInteger>,
     #[serde(default)]
-    pub byte_offset: Int,
-    pub component_type: Int,
+    pub byte_offset: GltfInteger,
+    pub component_type: GltfInteger,
     #[serde(default)]
     pub normalized: bool,
-    pub count: Int,
+    pub count: GltfInteger,
     #[serde(rename = "type")]
     pub kind: String,
     pub min: Option<Vec<f64>>,
     pub max: Option<Vec<f64>>,
-    pub sparse: Option<Box<Sparse>>,
+    pub sparse: Option<Box<SparseAccessor>>,
 }
 
 #[derive(Deserialize)]
-pub(crate) struct Sparse {
-    pub count: Int,
+pub(crate) struct SparseAccessor {
+    pub count: GltfInteger,
     pub indices: SparseIndices,
     pub values: SparseValues,
 }
@@ -220,34 +220,34 @@ pub(crate) struct Sparse {
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct SparseIndices {
-    pub buffer_view: Int,
+    pub buffer_view: GltfInteger,
     #[serde(default)]
-    pub byte_offset: Int,
-    pub component_type: Int,
+    pub byte_offset: GltfInteger,
+    pub component_type: GltfInteger,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct SparseValues {
-    pub buffer_view: Int,
+    pub buffer_view: GltfInteger,
     #[serde(default)]
-    pub byte_offset: Int,
+    pub byte_offset: GltfInteger,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct BufferView {
-    pub buffer: Int,
+    pub buffer: GltfInteger,
     #[serde(default)]
-    pub byte_offset: Int,
-    pub byte_length: Int,
-    pub byte_stride: Option<Int>,
+    pub byte_offset: GltfInteger,
+    pub byte_length: GltfInteger,
+    pub byte_stride: Option<GltfInteger>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(crate) struct Buffer {
-    pub byte_length: Int,
+pub(crate) struct GltfBuffer {
+    pub byte_length: GltfInteger,
     pub uri: Option<String>,
 }
 
@@ -255,7 +255,7 @@ pub(crate) struct Buffer {
 #[serde(rename_all = "camelCase")]
 pub(crate) struct MaterialDef {
     pub name: Option<String>,
-    pub pbr_metallic_roughness: Option<Pbr>,
+    pub pbr_metallic_roughness: Option<PbrMaterial>,
     pub normal_texture: Option<TextureInfo>,
     pub occlusion_texture: Option<TextureInfo>,
     pub emissive_texture: Option<TextureInfo>,
@@ -267,12 +267,12 @@ pub(crate) struct MaterialDef {
     #[serde(default)]
     pub extensions: BTreeMap<String, IgnoredAny>,
     #[serde(default)]
-    pub extras: Extras,
+    pub extras: BasreliefExtras,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(crate) struct Pbr {
+pub(crate) struct PbrMaterial {
     #[serde(default = "opaque_white")]
     pub base_color_factor: [f64; 4],
     pub base_color_texture: Option<TextureInfo>,
@@ -286,9 +286,9 @@ fn opaque_white() -> [f64; 4] {
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct TextureInfo {
-    pub index: Int,
+    pub index: GltfInteger,
     #[serde(default)]
-    pub tex_coord: Int,
+    pub tex_coord: GltfInteger,
     /// Of a normal texture.
     pub scale: Option<f64>,
     #[serde(default)]
@@ -310,7 +310,7 @@ pub(crate) struct TextureTransform {
     pub rotation: f64,
     #[serde(default = "unscaled")]
     pub scale: [f64; 2],
-    pub tex_coord: Option<Int>,
+    pub tex_coord: Option<GltfInteger>,
 }
 
 fn unscaled() -> [f64; 2] {
@@ -319,8 +319,8 @@ fn unscaled() -> [f64; 2] {
 
 #[derive(Deserialize)]
 pub(crate) struct TextureDef {
-    pub sampler: Option<Int>,
-    pub source: Option<Int>,
+    pub sampler: Option<GltfInteger>,
+    pub source: Option<GltfInteger>,
     #[serde(default)]
     pub extensions: BTreeMap<String, OtherSource>,
 }
@@ -328,7 +328,7 @@ pub(crate) struct TextureDef {
 /// Picture that an extension such as `KHR_texture_basisu` adds to a texture.
 #[derive(Deserialize)]
 pub(crate) struct OtherSource {
-    pub source: Option<Int>,
+    pub source: Option<GltfInteger>,
 }
 
 #[derive(Deserialize)]
@@ -336,34 +336,34 @@ pub(crate) struct OtherSource {
 pub(crate) struct ImageDef {
     pub name: Option<String>,
     pub uri: Option<String>,
-    pub buffer_view: Option<Int>,
+    pub buffer_view: Option<GltfInteger>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct SamplerDef {
-    pub mag_filter: Option<Int>,
-    pub wrap_s: Option<Int>,
-    pub wrap_t: Option<Int>,
+    pub mag_filter: Option<GltfInteger>,
+    pub wrap_s: Option<GltfInteger>,
+    pub wrap_t: Option<GltfInteger>,
 }
 
 #[derive(Deserialize)]
 pub(crate) struct CameraDef {
     #[serde(rename = "type")]
     pub kind: String,
-    pub perspective: Option<Perspective>,
-    pub orthographic: Option<Orthographic>,
+    pub perspective: Option<PerspectiveCamera>,
+    pub orthographic: Option<OrthographicCamera>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
-pub(crate) struct Perspective {
+pub(crate) struct PerspectiveCamera {
     pub yfov: f64,
     pub znear: f64,
     pub zfar: Option<f64>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
-pub(crate) struct Orthographic {
+pub(crate) struct OrthographicCamera {
     pub xmag: f64,
     pub ymag: f64,
     pub znear: f64,
@@ -376,9 +376,9 @@ mod tests {
 
     #[test]
     fn integers_may_have_a_zero_fraction() {
-        assert_eq!(serde_json::from_str::<Int>("3.0").unwrap(), Int(3));
+        assert_eq!(serde_json::from_str::<GltfInteger>("3.0").unwrap(), GltfInteger(3));
         for bad in ["3.5", "-1", "\"3\"", "1e300"] {
-            assert!(serde_json::from_str::<Int>(bad).is_err(), "{bad}");
+            assert!(serde_json::from_str::<GltfInteger>(bad).is_err(), "{bad}");
         }
     }
 }

@@ -1,15 +1,15 @@
 //! Materials and their textures.
 
-use super::buffers::{Buffers, read_uri};
+use super::buffers::{GltfBuffers, read_uri};
 use super::check::resolve;
-use super::geometry::{Needs, UvRequest};
-use super::json::{Document, Int, MaterialDef, TextureInfo};
+use super::geometry::{RequiredUvs, UvRequest};
+use super::json::{GltfDocument, GltfInteger, MaterialDef, TextureInfo};
 use crate::SceneError;
-use crate::error::Warnings;
+use crate::error::ImportWarnings;
 use crate::files::shorten;
-use crate::outside::Outside;
+use crate::outside::ImportContext;
 use crate::picture;
-use crate::textures::{Content, TextureStore};
+use crate::textures::{TextureContent, TextureStore};
 use basrelief_input::Held;
 use basrelief_signals::{Lighting, Material, Sampler, TexelFilter, Texture, WrapMode};
 use std::borrow::Cow;
@@ -21,32 +21,36 @@ const MATERIAL: u64 = 512;
 
 /// A material and its requests to the primitives that use it.
 #[derive(Clone)]
-pub(crate) struct Surface {
+pub(crate) struct BuiltMaterial {
     pub material: Arc<Material>,
-    pub needs: Needs,
+    pub needs: RequiredUvs,
 }
 
 /// Builds the materials of one document.
-pub(crate) struct Materials<'a> {
-    pub document: &'a Document,
-    pub buffers: &'a Buffers<'a>,
-    outside: &'a Outside<'a>,
+pub(crate) struct MaterialBuilder<'a> {
+    pub document: &'a GltfDocument,
+    pub buffers: &'a GltfBuffers<'a>,
+    outside: &'a ImportContext<'a>,
     pub store: TextureStore,
     /// Textures made so far, by picture: of each a few, by sampler and use.
-    shared: BTreeMap<usize, Vec<(Sampler, Content, Arc<Texture>)>>,
+    shared: BTreeMap<usize, Vec<(Sampler, TextureContent, Arc<Texture>)>>,
     /// By number in the document; the last is the default material.
-    surfaces: Vec<Option<Surface>>,
+    surfaces: Vec<Option<BuiltMaterial>>,
 }
 
-impl<'a> Materials<'a> {
-    pub(crate) fn new(document: &'a Document, buffers: &'a Buffers<'a>, outside: &'a Outside<'a>) -> Self {
+impl<'a> MaterialBuilder<'a> {
+    pub(crate) fn new(document: &'a GltfDocument, buffers: &'a GltfBuffers<'a>, outside: &'a ImportContext<'a>) -> Self {
         let surfaces = vec![None; document.materials.len() + 1];
         Self { document, buffers, outside, store: TextureStore::default(), shared: BTreeMap::new(), surfaces }
     }
 
     /// The material of a primitive; built at its first use, so that textures of unused ones are not decoded.
-    pub(crate) fn surface(&mut self, index: Option<Int>, warnings: &mut Warnings) -> Result<Surface, SceneError> {
-        let i = index.map_or(self.document.materials.len(), Int::index);
+    pub(crate) fn surface(
+        &mut self,
+        index: Option<GltfInteger>,
+        warnings: &mut ImportWarnings,
+    ) -> Result<BuiltMaterial, SceneError> {
+        let i = index.map_or(self.document.materials.len(), GltfInteger::index);
         if let Some(Some(surface)) = self.surfaces.get(i) {
             return Ok(surface.clone());
         }
@@ -55,7 +59,7 @@ impl<'a> Materials<'a> {
             Some(definition) => self.build(i, definition, warnings)?,
             None => {
                 let material = Material { id: i as u32, name: "default".into(), ..Material::default() };
-                Surface { material: Arc::new(material), needs: Needs::default() }
+                BuiltMaterial { material: Arc::new(material), needs: RequiredUvs::default() }
             }
         };
         if let Some(slot) = self.surfaces.get_mut(i) {
@@ -64,16 +68,16 @@ impl<'a> Materials<'a> {
         Ok(surface)
     }
 
-    fn build(&mut self, i: usize, def: &MaterialDef, warnings: &mut Warnings) -> Result<Surface, SceneError> {
+    fn build(&mut self, i: usize, def: &MaterialDef, warnings: &mut ImportWarnings) -> Result<BuiltMaterial, SceneError> {
         let place = format!("/materials/{i}");
         warn_of_omissions(def, &place, warnings);
         let pbr = def.pbr_metallic_roughness.as_ref();
         let emits = emits_only(def);
         let base_texture = pbr.and_then(|p| p.base_color_texture.as_ref());
         let color_info = if emits { def.emissive_texture.as_ref() } else { base_texture };
-        let color = self.texture(color_info, Content::Color, warnings)?;
+        let color = self.texture(color_info, TextureContent::Color, warnings)?;
         let normal_info = def.normal_texture.as_ref();
-        let normal_map = self.texture(normal_info, Content::Normals, warnings)?;
+        let normal_map = self.texture(normal_info, TextureContent::Normals, warnings)?;
         let factor = pbr.map_or([1.0; 4], |p| p.base_color_factor);
         if factor.iter().any(|c| !(0.0..=1.0).contains(c)) {
             return Err(SceneError::at(format!("{place}/pbrMetallicRoughness/baseColorFactor"), format!("is {factor:?}"))
@@ -94,7 +98,7 @@ impl<'a> Materials<'a> {
         }
         let name = def.name.as_ref().map_or(0, String::len) as u64;
         self.outside.hold(MATERIAL + name, place, "materials and their names")?;
-        let needs = Needs {
+        let needs = RequiredUvs {
             color: color_info.filter(|_| color.is_some()).map(request),
             normal_map: normal_info.filter(|_| normal_map.is_some()).map(request),
         };
@@ -108,15 +112,15 @@ impl<'a> Materials<'a> {
             double_sided: def.double_sided,
             lighting,
         };
-        Ok(Surface { material: Arc::new(material), needs })
+        Ok(BuiltMaterial { material: Arc::new(material), needs })
     }
 
     /// Returns the texture of a material; `None` if it has none that can be read.
     fn texture(
         &mut self,
         info: Option<&TextureInfo>,
-        content: Content,
-        warnings: &mut Warnings,
+        content: TextureContent,
+        warnings: &mut ImportWarnings,
     ) -> Result<Option<Arc<Texture>>, SceneError> {
         let Some(info) = info else { return Ok(None) };
         let place = format!("/textures/{}", info.index.0);
@@ -139,11 +143,11 @@ impl<'a> Materials<'a> {
         Ok(Some(texture))
     }
 
-    fn sampler(&self, index: Option<Int>) -> Result<Sampler, SceneError> {
+    fn sampler(&self, index: Option<GltfInteger>) -> Result<Sampler, SceneError> {
         let Some(index) = index else { return Ok(Sampler::default()) };
         let place = || format!("/samplers/{}", index.0);
         let definition = resolve(&self.document.samplers, "samplers", index, place)?;
-        let wrap = |mode: Option<Int>, field: &str| match mode.map(|m| m.0) {
+        let wrap = |mode: Option<GltfInteger>, field: &str| match mode.map(|m| m.0) {
             None | Some(10497) => Ok(WrapMode::Repeat),
             Some(33648) => Ok(WrapMode::Mirror),
             Some(33071) => Ok(WrapMode::Clamp),
@@ -162,10 +166,10 @@ impl<'a> Materials<'a> {
     }
 
     /// Returns the bytes and the name of a picture file, with their reservation.
-    fn image(&self, index: Int) -> Result<(Cow<'a, [u8]>, String, Held), SceneError> {
+    fn image(&self, index: GltfInteger) -> Result<(Cow<'a, [u8]>, String, Held), SceneError> {
         let place = format!("/images/{}", index.0);
         let image = resolve(&self.document.images, "images", index, || place.clone())?;
-        let buffers: &'a Buffers<'a> = self.buffers;
+        let buffers: &'a GltfBuffers<'a> = self.buffers;
         let (bytes, held) = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => {
                 let (bytes, held) = read_uri(uri, self.outside, &format!("{place}/uri"))?;
@@ -187,21 +191,21 @@ impl<'a> Materials<'a> {
     /// Decodes every picture. A fault may be the reason why nothing is drawn.
     pub(crate) fn check_pictures(&mut self) -> Result<(), SceneError> {
         for i in 0..self.document.images.len() {
-            let index = Int(i as u64);
+            let index = GltfInteger(i as u64);
             let (bytes, name, _held) = self.image(index)?;
             let (sampler, outside) = (Sampler::default(), self.outside);
-            self.store.decode(&bytes, &name, sampler, Content::Color, outside).map_err(|e| named(e, index))?;
+            self.store.decode(&bytes, &name, sampler, TextureContent::Color, outside).map_err(|e| named(e, index))?;
         }
         Ok(())
     }
 
     /// Looks at the pictures that no drawn material uses: a missing or unknown one is worth a warning, but no more.
-    pub(crate) fn check_unused(&self, warnings: &mut Warnings) {
+    pub(crate) fn check_unused(&self, warnings: &mut ImportWarnings) {
         for i in 0..self.document.images.len() {
             if self.shared.contains_key(&i) {
                 continue;
             }
-            match self.image(Int(i as u64)) {
+            match self.image(GltfInteger(i as u64)) {
                 Ok((bytes, name, _)) if picture::sniff(&bytes).is_none() => {
                     warnings.add(format!("/images/{i}: `{name}` is neither PNG nor JPEG (nothing drawn uses it)"));
                 }
@@ -213,7 +217,7 @@ impl<'a> Materials<'a> {
 }
 
 /// Adds the pointer to an error of a picture, which knows only its file.
-fn named(mut error: SceneError, source: Int) -> SceneError {
+fn named(mut error: SceneError, source: GltfInteger) -> SceneError {
     error.place = format!("/images/{}", source.0);
     error
 }
@@ -230,7 +234,7 @@ fn emits_only(definition: &MaterialDef) -> bool {
     definition.emissive_factor != [0.0; 3] && base.iter().take(3).all(|c| *c == 0.0)
 }
 
-fn warn_of_omissions(definition: &MaterialDef, place: &str, warnings: &mut Warnings) {
+fn warn_of_omissions(definition: &MaterialDef, place: &str, warnings: &mut ImportWarnings) {
     if definition.emissive_factor != [0.0; 3] && !emits_only(definition) {
         warnings.add(format!("{place}: its emission is not used, because its base colour is not black"));
     }

@@ -21,19 +21,19 @@ mod tests;
 
 use crate::SceneError;
 use crate::camera::rows;
-use crate::error::Warnings;
-use crate::model::{Model, bounds};
-use crate::outside::{Outside, mesh_bytes};
-use accessor::Accessors;
+use crate::error::ImportWarnings;
+use crate::model::{ImportedModel, bounds};
+use crate::outside::{ImportContext, mesh_bytes};
+use accessor::AccessorReader;
 use basrelief_signals::{Material, Mesh, Object, ShadingSettings};
-use buffers::{Buffers, Container};
-use extras::Extras;
-use geometry::{Geometry, Source};
+use buffers::{GltfBuffers, GltfContainer};
+use extras::BasreliefExtras;
+use geometry::{MeshSource, PrimitiveReader};
 use glam::{DMat3, DMat4};
-use json::{Document, Node, Primitive};
-use material::Materials;
-use nodes::Placed;
-use skin::Skins;
+use json::{GltfDocument, GltfNode, GltfPrimitive};
+use material::MaterialBuilder;
+use nodes::PlacedNode;
+use skin::SkinReader;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -44,33 +44,46 @@ const MAX_PLACED_VERTICES: usize = 1 << 27;
 const OBJECT: u64 = 512;
 
 /// Imports a `.glb` file.
-pub(crate) fn import_glb(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
+pub(crate) fn import_glb(
+    bytes: &[u8],
+    outside: &ImportContext<'_>,
+    warnings: &mut ImportWarnings,
+) -> Result<ImportedModel, SceneError> {
     let glb = glb::parse(bytes, warnings)?;
-    import(glb.json, Container::Glb(glb.bin), outside, warnings)
+    import(glb.json, GltfContainer::Glb(glb.bin), outside, warnings)
 }
 
 /// Imports a `.gltf` file.
-pub(crate) fn import_json(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
-    import(bytes, Container::Json, outside, warnings)
+pub(crate) fn import_json(
+    bytes: &[u8],
+    outside: &ImportContext<'_>,
+    warnings: &mut ImportWarnings,
+) -> Result<ImportedModel, SceneError> {
+    import(bytes, GltfContainer::Json, outside, warnings)
 }
 
-fn import(json: &[u8], container: Container<'_>, outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
+fn import(
+    json: &[u8],
+    container: GltfContainer<'_>,
+    outside: &ImportContext<'_>,
+    warnings: &mut ImportWarnings,
+) -> Result<ImportedModel, SceneError> {
     let (document, _held) = parse::parse(json, outside)?;
     check::check(&document, warnings)?;
-    let buffers = Buffers::load(&document, container, outside)?;
-    let accessors = Accessors::new(&document, &buffers, outside, warnings)?;
+    let buffers = GltfBuffers::load(&document, container, outside)?;
+    let accessors = AccessorReader::new(&document, &buffers, outside, warnings)?;
     // Lists that grow by doubling: nodes in the world, nodes to be placed, and a flag for nodes with a parent.
-    let placed = document.nodes.len() as u64 * 4 * size_of::<Placed>() as u64;
+    let placed = document.nodes.len() as u64 * 4 * size_of::<PlacedNode>() as u64;
     let _placed = outside.take(placed, "/nodes", "nodes in the world")?;
     let nodes = nodes::place(&document, warnings)?;
     let camera = scene::camera(&document, &nodes, warnings)?;
     let quantized = document.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
-    let mut importer = Importer {
+    let mut importer = GltfImporter {
         document: &document,
         outside,
-        geometry: Geometry { accessors: &accessors, quantized },
-        skins: Skins::new(&document, &accessors, warnings)?,
-        materials: Materials::new(&document, &buffers, outside),
+        geometry: PrimitiveReader { accessors: &accessors, quantized },
+        skins: SkinReader::new(&document, &accessors, warnings)?,
+        materials: MaterialBuilder::new(&document, &buffers, outside),
         primitives: BTreeMap::new(),
         objects: Vec::new(),
         vertices: 0,
@@ -90,10 +103,10 @@ fn import(json: &[u8], container: Container<'_>, outside: &Outside<'_>, warnings
         .scenes
         .get(document.scene.map_or(0, |scene| scene.index()))
         .map_or_else(ShadingSettings::default, |s| s.extras.shading);
-    Ok(Model { objects, bounds, camera, lamps, shading })
+    Ok(ImportedModel { objects, bounds, camera, lamps, shading })
 }
 
-fn nothing_to_draw(document: &Document) -> SceneError {
+fn nothing_to_draw(document: &GltfDocument) -> SceneError {
     let (place, cure) = if document.meshes.is_empty() {
         ("/meshes", "the file has no mesh: export the model with its geometry")
     } else {
@@ -109,24 +122,24 @@ fn is_line_or_point(world: DMat4) -> bool {
 }
 
 /// A primitive ready to be placed.
-type Built = (Arc<Mesh>, Arc<Material>, Extras);
+type BuiltPrimitive = (Arc<Mesh>, Arc<Material>, BasreliefExtras);
 
 /// Collects objects; meshes that several nodes use are shared.
-struct Importer<'a> {
-    document: &'a Document,
-    outside: &'a Outside<'a>,
-    geometry: Geometry<'a>,
-    skins: Skins<'a>,
-    materials: Materials<'a>,
+struct GltfImporter<'a> {
+    document: &'a GltfDocument,
+    outside: &'a ImportContext<'a>,
+    geometry: PrimitiveReader<'a>,
+    skins: SkinReader<'a>,
+    materials: MaterialBuilder<'a>,
     /// By mesh, primitive, and the node whose skin or weights it has.
-    primitives: BTreeMap<(usize, usize, Option<usize>), Option<Built>>,
+    primitives: BTreeMap<(usize, usize, Option<usize>), Option<BuiltPrimitive>>,
     objects: Vec<Arc<Object>>,
     vertices: usize,
 }
 
-impl Importer<'_> {
+impl GltfImporter<'_> {
     /// Draws the meshes of the nodes, or all meshes if the file has no nodes.
-    fn draw_nodes(&mut self, nodes: &[Placed], warnings: &mut Warnings) -> Result<(), SceneError> {
+    fn draw_nodes(&mut self, nodes: &[PlacedNode], warnings: &mut ImportWarnings) -> Result<(), SceneError> {
         let document = self.document;
         for placed in nodes {
             let Some(node) = document.nodes.get(placed.index) else { continue };
@@ -152,8 +165,8 @@ impl Importer<'_> {
         &mut self,
         mesh: usize,
         world: DMat4,
-        placed: Option<(usize, &Node)>,
-        warnings: &mut Warnings,
+        placed: Option<(usize, &GltfNode)>,
+        warnings: &mut ImportWarnings,
     ) -> Result<(), SceneError> {
         let node = placed.map(|(_, node)| node);
         let document = self.document;
@@ -191,10 +204,10 @@ impl Importer<'_> {
     fn primitive(
         &mut self,
         (mesh, number): (usize, usize),
-        primitive: &Primitive,
-        posed: Option<(usize, &Node)>,
-        warnings: &mut Warnings,
-    ) -> Result<Option<Built>, SceneError> {
+        primitive: &GltfPrimitive,
+        posed: Option<(usize, &GltfNode)>,
+        warnings: &mut ImportWarnings,
+    ) -> Result<Option<BuiltPrimitive>, SceneError> {
         let key = (mesh, number, posed.map(|(node, _)| node));
         if let Some(built) = self.primitives.get(&key) {
             return Ok(built.clone());
@@ -207,7 +220,7 @@ impl Importer<'_> {
             Some(skin) => self.skins.influences(skin, primitive, &place, warnings)?,
             None => None,
         };
-        let source = Source { primitive, needs: &surface.needs, weights, skin: skin.as_ref(), place: &place };
+        let source = MeshSource { primitive, needs: &surface.needs, weights, skin: skin.as_ref(), place: &place };
         let mesh = self.geometry.mesh(&source, warnings)?;
         self.geometry.accessors.built(mesh.as_ref().map_or(0, mesh_bytes));
         let extras = primitive.material.and_then(|m| self.document.materials.get(m.index())).map(|m| m.extras);

@@ -1,12 +1,12 @@
 //! The node hierarchy.
 
-use super::json::{Document, Int, Node};
+use super::json::{GltfDocument, GltfInteger, GltfNode};
 use crate::SceneError;
-use crate::error::Warnings;
+use crate::error::ImportWarnings;
 use glam::{DMat4, DQuat, DVec3, DVec4};
 
 /// A node in the world.
-pub(crate) struct Placed {
+pub(crate) struct PlacedNode {
     /// Number in the document.
     pub index: usize,
     /// Object to world.
@@ -16,12 +16,15 @@ pub(crate) struct Placed {
 /// The visible nodes of the scene to draw, parents before children, siblings in order, with their world matrices.
 ///
 /// The walk keeps its own stack, so that a chain of a million nodes is no danger.
-pub(crate) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<Placed>, SceneError> {
+pub(crate) fn place(document: &GltfDocument, warnings: &mut ImportWarnings) -> Result<Vec<PlacedNode>, SceneError> {
     let has_parent = check_tree(document)?;
-    let mut stack: Vec<Placed> =
-        roots(document, &has_parent, warnings)?.into_iter().rev().map(|index| Placed { index, world: DMat4::IDENTITY }).collect();
+    let mut stack: Vec<PlacedNode> = roots(document, &has_parent, warnings)?
+        .into_iter()
+        .rev()
+        .map(|index| PlacedNode { index, world: DMat4::IDENTITY })
+        .collect();
     let mut placed = Vec::new();
-    while let Some(Placed { index, world: parent }) = stack.pop() {
+    while let Some(PlacedNode { index, world: parent }) = stack.pop() {
         let Some(node) = document.nodes.get(index).filter(|n| visible(n)) else { continue };
         let world = parent * local(node, index, warnings)?;
         if !world.is_finite() {
@@ -29,36 +32,36 @@ pub(crate) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<
                 SceneError::at(format!("/nodes/{index}"), "its world matrix overflows").expected("transforms of ordinary size")
             );
         }
-        stack.extend(node.children.iter().rev().map(|child| Placed { index: child.index(), world }));
-        placed.push(Placed { index, world });
+        stack.extend(node.children.iter().rev().map(|child| PlacedNode { index: child.index(), world }));
+        placed.push(PlacedNode { index, world });
     }
     Ok(placed)
 }
 
 /// World matrix of every node, whether it is in the scene or not. [`place`] has checked that nodes are trees.
-pub(crate) fn worlds(document: &Document, warnings: &mut Warnings) -> Result<Vec<DMat4>, SceneError> {
+pub(crate) fn worlds(document: &GltfDocument, warnings: &mut ImportWarnings) -> Result<Vec<DMat4>, SceneError> {
     let mut worlds = vec![DMat4::IDENTITY; document.nodes.len()];
-    let mut stack: Vec<Placed> = check_tree(document)?
+    let mut stack: Vec<PlacedNode> = check_tree(document)?
         .iter()
         .enumerate()
         .filter(|(_, has_parent)| !**has_parent)
-        .map(|(index, _)| Placed { index, world: DMat4::IDENTITY })
+        .map(|(index, _)| PlacedNode { index, world: DMat4::IDENTITY })
         .collect();
-    while let Some(Placed { index, world: parent }) = stack.pop() {
+    while let Some(PlacedNode { index, world: parent }) = stack.pop() {
         let (Some(node), Some(slot)) = (document.nodes.get(index), worlds.get_mut(index)) else { continue };
         *slot = parent * local(node, index, warnings)?;
         let world = *slot;
-        stack.extend(node.children.iter().map(|child| Placed { index: child.index(), world }));
+        stack.extend(node.children.iter().map(|child| PlacedNode { index: child.index(), world }));
     }
     Ok(worlds)
 }
 
-fn visible(node: &Node) -> bool {
+fn visible(node: &GltfNode) -> bool {
     node.extensions.as_ref().and_then(|e| e.visibility.as_ref()).is_none_or(|v| v.visible)
 }
 
 /// Checks that the nodes are trees; whether each has a parent.
-fn check_tree(document: &Document) -> Result<Vec<bool>, SceneError> {
+fn check_tree(document: &GltfDocument) -> Result<Vec<bool>, SceneError> {
     let mut has_parent = vec![false; document.nodes.len()];
     for (i, node) in document.nodes.iter().enumerate() {
         for (j, child) in node.children.iter().enumerate() {
@@ -95,14 +98,14 @@ fn check_tree(document: &Document) -> Result<Vec<bool>, SceneError> {
 }
 
 /// Roots of the default scene, else of the first scene, else all nodes without a parent.
-fn roots(document: &Document, has_parent: &[bool], warnings: &mut Warnings) -> Result<Vec<usize>, SceneError> {
+fn roots(document: &GltfDocument, has_parent: &[bool], warnings: &mut ImportWarnings) -> Result<Vec<usize>, SceneError> {
     if document.scenes.is_empty() && document.scene.is_none() {
         if !document.nodes.is_empty() {
             warnings.add("the file has no scene: all its nodes are drawn");
         }
         return Ok((0..has_parent.len()).filter(|i| has_parent.get(*i) == Some(&false)).collect());
     }
-    let number = document.scene.unwrap_or(Int(0));
+    let number = document.scene.unwrap_or(GltfInteger(0));
     let scene = super::check::resolve(&document.scenes, "scenes", number, || "/scene".into())?;
     if document.scenes.len() > 1 {
         warnings.add(format!("the file has {} scenes: number {} is drawn", document.scenes.len(), number.0));
@@ -130,7 +133,7 @@ fn roots(document: &Document, has_parent: &[bool], warnings: &mut Warnings) -> R
 /// Deviation of the length of a rotation from 1 without a warning: the error of four components of 8 bits, as in the validator.
 const LENGTH_TOLERANCE: f64 = 0.00769;
 
-fn local(node: &Node, index: usize, warnings: &mut Warnings) -> Result<DMat4, SceneError> {
+fn local(node: &GltfNode, index: usize, warnings: &mut ImportWarnings) -> Result<DMat4, SceneError> {
     let place = |field: &str| format!("/nodes/{index}/{field}");
     if let Some(matrix) = &node.matrix {
         let mut matrix = DMat4::from_cols_array(matrix);

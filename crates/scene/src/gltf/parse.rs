@@ -1,13 +1,13 @@
-//! From text to a [`Document`].
+//! From text to a [`GltfDocument`].
 
-use super::json::Document;
+use super::json::GltfDocument;
 use crate::SceneError;
-use crate::outside::Outside;
+use crate::outside::ImportContext;
 use basrelief_input::{Held, JsonFault, json_weight};
 use serde_path_to_error::{Path, Segment};
 
 /// Parses the JSON of a glTF file, with its reservation.
-pub(crate) fn parse(bytes: &[u8], outside: &Outside<'_>) -> Result<(Document, Held), SceneError> {
+pub(crate) fn parse(bytes: &[u8], outside: &ImportContext<'_>) -> Result<(GltfDocument, Held), SceneError> {
     if bytes.starts_with(b"\xef\xbb\xbf") {
         return Err(SceneError::at("byte 0", "begins with a byte order mark")
             .expected("JSON text in UTF-8 without one, as glTF demands")
@@ -56,16 +56,16 @@ pub(crate) fn escape(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Memory;
+    use crate::MemoryFiles;
     use basrelief_input::Budget;
 
     fn says(text: &str) -> String {
         parsed(text.as_bytes(), 1 << 20).err().map(|e| e.to_string()).unwrap_or_default()
     }
 
-    fn parsed(bytes: &[u8], limit: u64) -> Result<Document, SceneError> {
-        let files = Memory::default();
-        parse(bytes, &Outside::new(&files, &Budget::new(limit))).map(|(document, _)| document)
+    fn parsed(bytes: &[u8], limit: u64) -> Result<GltfDocument, SceneError> {
+        let files = MemoryFiles::default();
+        parse(bytes, &ImportContext::new(&files, &Budget::new(limit))).map(|(document, _)| document)
     }
 
     #[test]

@@ -1,15 +1,19 @@
 //! Cameras and lights of a document.
 
-use super::json::{CameraDef, Document, LightDef};
-use super::nodes::Placed;
+use super::json::{CameraDef, GltfDocument, LightDef};
+use super::nodes::PlacedNode;
 use crate::SceneError;
-use crate::camera::{Lens, Viewpoint};
-use crate::error::Warnings;
-use crate::view::Lamp;
+use crate::camera::{Projection, Viewpoint};
+use crate::error::ImportWarnings;
+use crate::view::LightSource;
 use glam::{DMat4, DVec3};
 
 /// The camera of the first node that has one.
-pub(crate) fn camera(document: &Document, nodes: &[Placed], warnings: &mut Warnings) -> Result<Option<Viewpoint>, SceneError> {
+pub(crate) fn camera(
+    document: &GltfDocument,
+    nodes: &[PlacedNode],
+    warnings: &mut ImportWarnings,
+) -> Result<Option<Viewpoint>, SceneError> {
     for (i, definition) in document.cameras.iter().enumerate() {
         lens(definition, i)?;
     }
@@ -26,7 +30,7 @@ pub(crate) fn camera(document: &Document, nodes: &[Placed], warnings: &mut Warni
     Ok(viewpoint)
 }
 
-fn lens(camera: &CameraDef, i: usize) -> Result<Lens, SceneError> {
+fn lens(camera: &CameraDef, i: usize) -> Result<Projection, SceneError> {
     let fail =
         |field: &str, what: String, expected: &str| Err(SceneError::at(format!("/cameras/{i}/{field}"), what).expected(expected));
     match (camera.kind.as_str(), camera.perspective, camera.orthographic) {
@@ -38,7 +42,7 @@ fn lens(camera: &CameraDef, i: usize) -> Result<Lens, SceneError> {
             if !(p.znear > 0.0 && far > p.znear) {
                 return fail("perspective/znear", format!("is {}, zfar {far}", p.znear), "0 < znear < zfar");
             }
-            Ok(Lens::Perspective { field: p.yfov, near: p.znear, far })
+            Ok(Projection::Perspective { field: p.yfov, near: p.znear, far })
         }
         ("orthographic", _, Some(o)) => {
             if o.xmag == 0.0 || o.ymag == 0.0 {
@@ -48,7 +52,7 @@ fn lens(camera: &CameraDef, i: usize) -> Result<Lens, SceneError> {
             if !(o.znear >= 0.0 && o.zfar > o.znear) {
                 return fail("orthographic", format!("znear is {}, zfar {}", o.znear, o.zfar), "0 <= znear < zfar");
             }
-            Ok(Lens::Orthographic { half_height: o.ymag.abs(), near: o.znear, far: o.zfar })
+            Ok(Projection::Orthographic { half_height: o.ymag.abs(), near: o.znear, far: o.zfar })
         }
         ("perspective" | "orthographic", ..) => fail(&camera.kind, "is missing".into(), "an object with the camera's numbers"),
         (other, ..) => fail("type", format!("`{other}`"), "perspective or orthographic"),
@@ -58,11 +62,11 @@ fn lens(camera: &CameraDef, i: usize) -> Result<Lens, SceneError> {
 /// The lights of the drawn nodes. Intensities in a file are physical (lux, candela). The devices have a factor in the
 /// lighting formula, so intensities are scaled: the strongest is 1 at the centre of the model.
 pub(crate) fn lamps(
-    document: &Document,
-    nodes: &[Placed],
+    document: &GltfDocument,
+    nodes: &[PlacedNode],
     centre: DVec3,
-    warnings: &mut Warnings,
-) -> Result<Vec<(Lamp, f64)>, SceneError> {
+    warnings: &mut ImportWarnings,
+) -> Result<Vec<(LightSource, f64)>, SceneError> {
     let definitions = document.extensions.lights.as_ref().map_or(&[][..], |l| &l.lights);
     for (i, definition) in definitions.iter().enumerate() {
         check_light(definition, i)?;
@@ -95,11 +99,11 @@ fn check_light(light: &LightDef, i: usize) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn lamp(light: &LightDef, node: &Placed, warnings: &mut Warnings) -> Result<Lamp, SceneError> {
+fn lamp(light: &LightDef, node: &PlacedNode, warnings: &mut ImportWarnings) -> Result<LightSource, SceneError> {
     let DMat4 { z_axis, w_axis, .. } = node.world;
     if light.kind == "directional" {
         // It shines along -z.
-        return Ok(Lamp::Directional(z_axis.truncate().normalize_or(DVec3::Z)));
+        return Ok(LightSource::Directional(z_axis.truncate().normalize_or(DVec3::Z)));
     }
     if light.kind == "spot" {
         warnings.add(format!("the spot light of /nodes/{} is drawn as a point light", node.index));
@@ -109,11 +113,11 @@ fn lamp(light: &LightDef, node: &Placed, warnings: &mut Warnings) -> Result<Lamp
         return Err(SceneError::at(format!("/nodes/{}", node.index), "its light lies beyond single precision")
             .expected("a transform of ordinary size"));
     }
-    Ok(Lamp::Point(position))
+    Ok(LightSource::Point(position))
 }
 
 /// Brightness of a light of this colour (Rec. 709); these devices have white light only.
-fn luminance(light: &LightDef, warnings: &mut Warnings) -> f64 {
+fn luminance(light: &LightDef, warnings: &mut ImportWarnings) -> f64 {
     let [r, g, b] = light.color;
     if r != g || g != b {
         warnings.add("coloured lights are drawn white, with the luminance of their colour (Rec. 709)");
@@ -122,10 +126,10 @@ fn luminance(light: &LightDef, warnings: &mut Warnings) -> f64 {
 }
 
 /// Factor of the intensity of a light at the centre of the model, by its distance.
-fn falloff(lamp: Lamp, centre: DVec3) -> f64 {
+fn falloff(lamp: LightSource, centre: DVec3) -> f64 {
     match lamp {
-        Lamp::Directional(_) => 1.0,
-        Lamp::Point(p) => {
+        LightSource::Directional(_) => 1.0,
+        LightSource::Point(p) => {
             let squared = (p - centre).length_squared();
             if squared > 0.0 { 1.0 / squared } else { 1.0 }
         }

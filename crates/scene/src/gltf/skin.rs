@@ -1,10 +1,10 @@
 //! Skins in their rest pose: vertices follow joints (glTF 2.0, section 3.7.3).
 
-use super::accessor::Accessors;
-use super::json::{Document, Int, Primitive};
+use super::accessor::AccessorReader;
+use super::json::{GltfDocument, GltfInteger, GltfPrimitive};
 use super::nodes;
 use crate::SceneError;
-use crate::error::Warnings;
+use crate::error::ImportWarnings;
 use basrelief_signals::Mesh;
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
@@ -12,20 +12,24 @@ use glam::{DMat3, DMat4, DVec3, DVec4};
 const SUM_TOLERANCE: f64 = 0.01;
 
 /// The skins of a document.
-pub(crate) struct Skins<'a> {
-    document: &'a Document,
-    accessors: &'a Accessors<'a>,
+pub(crate) struct SkinReader<'a> {
+    document: &'a GltfDocument,
+    accessors: &'a AccessorReader<'a>,
     /// World matrix of each node; none if the document has no skin.
     worlds: Vec<DMat4>,
 }
 
 /// Matrix of each vertex of a primitive, from mesh space to the world.
-pub(crate) struct Influences {
+pub(crate) struct VertexMatrices {
     matrices: Vec<DMat4>,
 }
 
-impl<'a> Skins<'a> {
-    pub fn new(document: &'a Document, accessors: &'a Accessors<'a>, warnings: &mut Warnings) -> Result<Self, SceneError> {
+impl<'a> SkinReader<'a> {
+    pub fn new(
+        document: &'a GltfDocument,
+        accessors: &'a AccessorReader<'a>,
+        warnings: &mut ImportWarnings,
+    ) -> Result<Self, SceneError> {
         let worlds = if document.skins.is_empty() { Vec::new() } else { nodes::worlds(document, warnings)? };
         Ok(Self { document, accessors, worlds })
     }
@@ -33,11 +37,11 @@ impl<'a> Skins<'a> {
     /// Matrices of a primitive's vertices. `None` if it has no joints or no weights: it is then drawn where it is defined.
     pub fn influences(
         &self,
-        skin: Int,
-        primitive: &Primitive,
+        skin: GltfInteger,
+        primitive: &GltfPrimitive,
         place: &str,
-        warnings: &mut Warnings,
-    ) -> Result<Option<Influences>, SceneError> {
+        warnings: &mut ImportWarnings,
+    ) -> Result<Option<VertexMatrices>, SceneError> {
         let joints = self.joint_matrices(skin, warnings)?;
         let mut matrices: Vec<DMat4> = Vec::new();
         let mut sums: Vec<f64> = Vec::new();
@@ -69,11 +73,11 @@ impl<'a> Skins<'a> {
             return Ok(None);
         }
         normalize(&mut matrices, &sums, place, warnings);
-        Ok(Some(Influences { matrices }))
+        Ok(Some(VertexMatrices { matrices }))
     }
 
     /// World matrix of each joint behind its inverse bind matrix.
-    fn joint_matrices(&self, skin: Int, warnings: &mut Warnings) -> Result<Vec<DMat4>, SceneError> {
+    fn joint_matrices(&self, skin: GltfInteger, warnings: &mut ImportWarnings) -> Result<Vec<DMat4>, SceneError> {
         let place = format!("/skins/{}", skin.0);
         let Some(definition) = self.document.skins.get(skin.index()) else { return Ok(Vec::new()) };
         let inverse = match definition.inverse_bind_matrices {
@@ -94,13 +98,13 @@ impl<'a> Skins<'a> {
             return Err(SceneError::at(place, format!("{} inverse bind matrices", inverse.len()))
                 .expected(format!("{}, the number of joints", definition.joints.len())));
         }
-        let world = |joint: &Int| self.worlds.get(joint.index()).copied().unwrap_or_default();
+        let world = |joint: &GltfInteger| self.worlds.get(joint.index()).copied().unwrap_or_default();
         Ok(definition.joints.iter().zip(inverse).map(|(joint, inverse)| world(joint) * inverse).collect())
     }
 }
 
 /// Divides matrices by the sums of their weights.
-fn normalize(matrices: &mut [DMat4], sums: &[f64], place: &str, warnings: &mut Warnings) {
+fn normalize(matrices: &mut [DMat4], sums: &[f64], place: &str, warnings: &mut ImportWarnings) {
     for (matrix, sum) in matrices.iter_mut().zip(sums) {
         if (sum - 1.0).abs() > SUM_TOLERANCE {
             warnings.add(format!(
@@ -115,7 +119,7 @@ fn normalize(matrices: &mut [DMat4], sums: &[f64], place: &str, warnings: &mut W
     }
 }
 
-impl Influences {
+impl VertexMatrices {
     /// Moves positions, normals and tangents to where the joints take them.
     pub fn pose(
         &self,

@@ -1,7 +1,7 @@
 //! Whole documents, good and bad.
 
 use super::glb::tests::build;
-use crate::files::Memory;
+use crate::files::MemoryFiles;
 use crate::picture::tests::png;
 use crate::{SceneError, ViewOptions, load};
 use base64::Engine;
@@ -72,7 +72,7 @@ fn square() -> Value {
 }
 
 fn import(document: &Value) -> Result<Scene, SceneError> {
-    load(document.to_string().as_bytes(), "m.gltf", &Memory::default(), &ViewOptions::default())
+    load(document.to_string().as_bytes(), "m.gltf", &MemoryFiles::default(), &ViewOptions::default())
 }
 
 /// The document with the value at a pointer replaced; a missing key of an object is added.
@@ -388,7 +388,7 @@ fn square_glb() -> Vec<u8> {
 
 #[test]
 fn glb_gives_same_scene_as_gltf() {
-    let glb = load(&square_glb(), "m.gltf", &Memory::default(), &ViewOptions::default()).unwrap();
+    let glb = load(&square_glb(), "m.gltf", &MemoryFiles::default(), &ViewOptions::default()).unwrap();
     assert_eq!(glb, import(&square()).unwrap());
 }
 
@@ -396,7 +396,7 @@ fn glb_gives_same_scene_as_gltf() {
 fn every_truncation_of_a_glb_is_an_error() {
     let whole = square_glb();
     for end in 0..whole.len() {
-        let cut = load(&whole[..end], "cut.glb", &Memory::default(), &ViewOptions::default());
+        let cut = load(&whole[..end], "cut.glb", &MemoryFiles::default(), &ViewOptions::default());
         assert!(cut.is_err(), "cut at {end} of {}", whole.len());
     }
 }
@@ -457,6 +457,6 @@ proptest! {
         for (place, value) in flips {
             *place.get_mut(&mut bytes) = value;
         }
-        let _ = load(&bytes, "m.glb", &Memory::default(), &ViewOptions::default());
+        let _ = load(&bytes, "m.glb", &MemoryFiles::default(), &ViewOptions::default());
     }
 }

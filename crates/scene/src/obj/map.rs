@@ -2,11 +2,11 @@
 
 use super::text::{escaped, keyword_and_rest, number, shown};
 use crate::SceneError;
-use crate::error::Warnings;
+use crate::error::ImportWarnings;
 
 /// A reference to a picture.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Map {
+pub(super) struct TextureMap {
     /// Relative to the library, `/` between folders.
     pub file: String,
     /// `-clamp on`.
@@ -21,7 +21,7 @@ pub(super) struct Map {
     pub offset: [f64; 2],
 }
 
-impl Map {
+impl TextureMap {
     fn new() -> Self {
         Self { file: String::new(), clamp: false, height: 1.0, range: [0.0, 1.0], scale: [1.0; 2], offset: [0.0; 2] }
     }
@@ -34,17 +34,17 @@ impl Map {
 }
 
 /// Arguments of an option.
-enum Arguments {
+enum OptionArguments {
     Word,
     Numbers { least: usize, most: usize },
 }
 
-fn arguments_of(option: &[u8]) -> Option<Arguments> {
+fn arguments_of(option: &[u8]) -> Option<OptionArguments> {
     Some(match option {
-        b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-imfchan" | b"-type" | b"-colorspace" => Arguments::Word,
-        b"-bm" | b"-boost" | b"-texres" => Arguments::Numbers { least: 1, most: 1 },
-        b"-mm" => Arguments::Numbers { least: 2, most: 2 },
-        b"-o" | b"-s" | b"-t" => Arguments::Numbers { least: 1, most: 3 },
+        b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-imfchan" | b"-type" | b"-colorspace" => OptionArguments::Word,
+        b"-bm" | b"-boost" | b"-texres" => OptionArguments::Numbers { least: 1, most: 1 },
+        b"-mm" => OptionArguments::Numbers { least: 2, most: 2 },
+        b"-o" | b"-s" | b"-t" => OptionArguments::Numbers { least: 1, most: 3 },
         _ => return None,
     })
 }
@@ -53,8 +53,8 @@ fn arguments_of(option: &[u8]) -> Option<Arguments> {
 ///
 /// # Errors
 /// An option without its number.
-pub(super) fn parse(text: &[u8], warnings: &mut Warnings) -> Result<Option<Box<Map>>, SceneError> {
-    let mut map = Map::new();
+pub(super) fn parse(text: &[u8], warnings: &mut ImportWarnings) -> Result<Option<Box<TextureMap>>, SceneError> {
+    let mut map = TextureMap::new();
     let text = text.trim_ascii();
     let mut rest = text;
     // Where the name begins and ends: it may contain blanks.
@@ -64,12 +64,12 @@ pub(super) fn parse(text: &[u8], warnings: &mut Warnings) -> Result<Option<Box<M
         let (word, behind) = keyword_and_rest(rest);
         rest = behind;
         match arguments_of(word) {
-            Some(Arguments::Word) => {
+            Some(OptionArguments::Word) => {
                 let (argument, behind) = keyword_and_rest(rest);
                 rest = behind;
                 apply_word(word, argument, &mut map, warnings);
             }
-            Some(Arguments::Numbers { least, most }) => {
+            Some(OptionArguments::Numbers { least, most }) => {
                 let values = leading_numbers(&mut rest, most);
                 if values.len() < least {
                     let what = format!("{} numbers behind `{}`", values.len(), shown(word));
@@ -108,7 +108,7 @@ fn leading_numbers(rest: &mut &[u8], most: usize) -> Vec<f64> {
     values
 }
 
-fn apply_word(option: &[u8], argument: &[u8], map: &mut Map, warnings: &mut Warnings) {
+fn apply_word(option: &[u8], argument: &[u8], map: &mut TextureMap, warnings: &mut ImportWarnings) {
     match (option, argument) {
         (b"-clamp", _) => map.clamp = argument == b"on",
         // Blending concerns MIP levels only.
@@ -117,7 +117,7 @@ fn apply_word(option: &[u8], argument: &[u8], map: &mut Map, warnings: &mut Warn
     }
 }
 
-fn apply_numbers(option: &[u8], values: &[f64], map: &mut Map, warnings: &mut Warnings) {
+fn apply_numbers(option: &[u8], values: &[f64], map: &mut TextureMap, warnings: &mut ImportWarnings) {
     let or = |i: usize, other: f64| values.get(i).copied().unwrap_or(other);
     match option {
         b"-bm" => map.height *= or(0, 1.0),
@@ -134,7 +134,7 @@ fn apply_numbers(option: &[u8], values: &[f64], map: &mut Map, warnings: &mut Wa
     }
 }
 
-fn unused(option: &[u8], warnings: &mut Warnings) {
+fn unused(option: &[u8], warnings: &mut ImportWarnings) {
     warnings.add(format!("MTL option `{}` is not supported: drawn without it", shown(option)));
 }
 
@@ -142,15 +142,15 @@ fn unused(option: &[u8], warnings: &mut Warnings) {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> (Map, Vec<String>) {
-        let mut warnings = Warnings::default();
+    fn read(text: &str) -> (TextureMap, Vec<String>) {
+        let mut warnings = ImportWarnings::default();
         let map = parse(text.as_bytes(), &mut warnings).unwrap().unwrap();
         (*map, warnings.into_vec())
     }
 
     #[test]
     fn options_stand_on_either_side_of_the_name() {
-        let expected = Map { file: "tex/my wall.png".into(), clamp: true, scale: [2.0, 3.0], ..Map::new() };
+        let expected = TextureMap { file: "tex/my wall.png".into(), clamp: true, scale: [2.0, 3.0], ..TextureMap::new() };
         for text in
             ["-s 2 3 1 -clamp on tex\\my wall.png", "tex/my wall.png -clamp on -s 2 3", "-clamp on tex/my wall.png -s 2 3 1"]
         {
@@ -187,8 +187,8 @@ mod tests {
 
     #[test]
     fn option_without_its_number_is_an_error() {
-        let error = parse(b"a.png -bm", &mut Warnings::default()).unwrap_err();
+        let error = parse(b"a.png -bm", &mut ImportWarnings::default()).unwrap_err();
         assert_eq!(error.to_string(), "0 numbers behind `-bm`; expected at least 1");
-        assert_eq!(parse(b"-clamp on", &mut Warnings::default()).unwrap(), None);
+        assert_eq!(parse(b"-clamp on", &mut ImportWarnings::default()).unwrap(), None);
     }
 }

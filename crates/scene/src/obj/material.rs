@@ -1,12 +1,12 @@
 //! Materials and their pictures.
 
-use super::map::Map;
+use super::map::TextureMap;
 use super::mtl::{self, MtlMaterial};
 use super::text::{escaped, shown, words};
 use crate::SceneError;
-use crate::error::Warnings;
-use crate::outside::Outside;
-use crate::textures::{Content, TextureStore};
+use crate::error::ImportWarnings;
+use crate::outside::ImportContext;
+use crate::textures::{TextureContent, TextureStore};
 use basrelief_signals::{Lighting, Material, Sampler, TexelFilter, Texture, WrapMode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,36 +21,36 @@ const BUMP_HEIGHT: f64 = 4.0;
 const EXPONENTS: [f32; 2] = [1.0, 1000.0];
 
 /// Materials by name: a file can have as many as lines.
-pub(super) type Library<'a> = BTreeMap<&'a [u8], &'a MtlMaterial>;
+pub(super) type MaterialLibrary<'a> = BTreeMap<&'a [u8], &'a MtlMaterial>;
 
 /// File, whether it is clamped, kind of content, and the bits of its height.
 type TextureKey = (String, bool, u8, u64);
 
 /// A material with the maps that place its textures.
 #[derive(Clone)]
-pub(super) struct Surface {
+pub(super) struct PlacedMaterial {
     pub material: Arc<Material>,
     /// Map of the colour texture.
-    pub color: Option<Map>,
+    pub color: Option<TextureMap>,
     /// Map of the normal map.
-    pub relief: Option<Map>,
+    pub relief: Option<TextureMap>,
 }
 
 /// Builds materials and loads their pictures.
-pub(super) struct Materials<'a> {
-    outside: &'a Outside<'a>,
+pub(super) struct MaterialBuilder<'a> {
+    outside: &'a ImportContext<'a>,
     store: TextureStore,
     /// Textures made so far; `None` for a picture that is missing.
     shared: BTreeMap<TextureKey, Option<Arc<Texture>>>,
 }
 
-impl<'a> Materials<'a> {
-    pub fn new(outside: &'a Outside<'a>) -> Self {
+impl<'a> MaterialBuilder<'a> {
+    pub fn new(outside: &'a ImportContext<'a>) -> Self {
         Self { outside, store: TextureStore::default(), shared: BTreeMap::new() }
     }
 
     /// Reads the libraries that `mtllib` statements name. A missing one is a warning.
-    pub fn libraries(&self, statements: &[Vec<u8>], warnings: &mut Warnings) -> Result<Vec<MtlMaterial>, SceneError> {
+    pub fn libraries(&self, statements: &[Vec<u8>], warnings: &mut ImportWarnings) -> Result<Vec<MtlMaterial>, SceneError> {
         let mut all = Vec::new();
         for statement in statements {
             match self.library(statement, warnings) {
@@ -72,7 +72,7 @@ impl<'a> Materials<'a> {
         Ok(all)
     }
 
-    fn library(&self, name: &[u8], warnings: &mut Warnings) -> Result<Vec<MtlMaterial>, SceneError> {
+    fn library(&self, name: &[u8], warnings: &mut ImportWarnings) -> Result<Vec<MtlMaterial>, SceneError> {
         let name = escaped(name).replace('\\', "/");
         let (bytes, _held) = self.outside.read(&name, "mtllib")?;
         let mut materials = mtl::parse(&bytes, &name, self.outside, warnings).map_err(|e| e.in_file(&name))?;
@@ -83,7 +83,13 @@ impl<'a> Materials<'a> {
         Ok(materials)
     }
 
-    pub fn build(&mut self, id: u32, name: &[u8], library: &Library<'_>, warnings: &mut Warnings) -> Result<Surface, SceneError> {
+    pub fn build(
+        &mut self,
+        id: u32,
+        name: &[u8],
+        library: &MaterialLibrary<'_>,
+        warnings: &mut ImportWarnings,
+    ) -> Result<PlacedMaterial, SceneError> {
         self.outside.hold(OBJECT + 2 * name.len() as u64, "", "materials and their names")?;
         // Without culling: OBJ does not say which side of a face is meant.
         let plain = Material { id, name: escaped(name), double_sided: true, ..Material::default() };
@@ -91,15 +97,15 @@ impl<'a> Materials<'a> {
             if !name.is_empty() && !library.is_empty() {
                 warnings.add(format!("material `{}` is in no library: drawn white", shown(name)));
             }
-            return Ok(Surface { material: Arc::new(plain), color: None, relief: None });
+            return Ok(PlacedMaterial { material: Arc::new(plain), color: None, relief: None });
         };
         let emits = definition.diffuse == [0.0; 3] && definition.emission != [0.0; 3];
         warn_of_omissions(definition, emits, warnings);
         let color = if emits { &definition.emission_map } else { &definition.color }.as_deref();
-        let color_texture = self.texture(color, Content::Color, warnings)?;
+        let color_texture = self.texture(color, TextureContent::Color, warnings)?;
         let (relief, content) = match (&definition.normal, &definition.bump) {
-            (Some(normal), _) => (Some(&**normal), Content::Normals),
-            (None, bump) => (bump.as_deref(), Content::Heights(BUMP_HEIGHT * bump.as_ref().map_or(1.0, |m| m.height))),
+            (Some(normal), _) => (Some(&**normal), TextureContent::Normals),
+            (None, bump) => (bump.as_deref(), TextureContent::Heights(BUMP_HEIGHT * bump.as_ref().map_or(1.0, |m| m.height))),
         };
         let normal_map = self.texture(relief, content, warnings)?;
         let gain = color.map_or(1.0, |map| gain(map, warnings));
@@ -109,14 +115,14 @@ impl<'a> Materials<'a> {
             (lighting.ka, lighting.kd) = (1.0, 0.0);
         }
         let material = Material { base_color: [r, g, b, 1.0], color_texture, normal_map, lighting, ..plain };
-        Ok(Surface { material: Arc::new(material), color: color.cloned(), relief: relief.cloned() })
+        Ok(PlacedMaterial { material: Arc::new(material), color: color.cloned(), relief: relief.cloned() })
     }
 
     fn texture(
         &mut self,
-        map: Option<&Map>,
-        content: Content,
-        warnings: &mut Warnings,
+        map: Option<&TextureMap>,
+        content: TextureContent,
+        warnings: &mut ImportWarnings,
     ) -> Result<Option<Arc<Texture>>, SceneError> {
         let Some(map) = map else { return Ok(None) };
         let key = texture_key(map, content);
@@ -140,17 +146,17 @@ impl<'a> Materials<'a> {
     }
 }
 
-fn texture_key(map: &Map, content: Content) -> TextureKey {
+fn texture_key(map: &TextureMap, content: TextureContent) -> TextureKey {
     let (kind, bits) = match content {
-        Content::Color => (0, 0),
-        Content::Normals => (1, 0),
-        Content::Heights(height) => (2, height.to_bits()),
+        TextureContent::Color => (0, 0),
+        TextureContent::Normals => (1, 0),
+        TextureContent::Heights(height) => (2, height.to_bits()),
     };
     (map.file.clone(), map.clamp, kind, bits)
 }
 
 /// Factor of a colour picture; a base other than 0 and gains beyond 1 are left out.
-fn gain(map: &Map, warnings: &mut Warnings) -> f32 {
+fn gain(map: &TextureMap, warnings: &mut ImportWarnings) -> f32 {
     let [base, gain] = map.range;
     if base == 0.0 && (0.0..=1.0).contains(&gain) {
         return gain as f32;
@@ -161,7 +167,7 @@ fn gain(map: &Map, warnings: &mut Warnings) -> f32 {
 }
 
 /// The lighting coefficients of a material. Ks and Ns are the devices' ks and n; the others are as in any model.
-fn lighting(definition: &MtlMaterial, warnings: &mut Warnings) -> Lighting {
+fn lighting(definition: &MtlMaterial, warnings: &mut ImportWarnings) -> Lighting {
     let mut lighting = Lighting::default();
     if let Some([r, g, b]) = definition.specular {
         if r != g || g != b {
@@ -189,7 +195,7 @@ fn lighting(definition: &MtlMaterial, warnings: &mut Warnings) -> Lighting {
     lighting
 }
 
-fn warn_of_omissions(definition: &MtlMaterial, emits: bool, warnings: &mut Warnings) {
+fn warn_of_omissions(definition: &MtlMaterial, emits: bool, warnings: &mut ImportWarnings) {
     let name = || shown(&definition.name);
     let black = definition.diffuse == [0.0; 3];
     if definition.emission != [0.0; 3] && !emits {

@@ -1,11 +1,11 @@
 //! Meshes of groups.
 
-use super::material::Surface;
-use super::parse::{Corner, Face, Group, NONE, Obj};
+use super::material::PlacedMaterial;
+use super::parse::{CornerIndices, NONE, ObjFace, ObjFile, ObjGroup};
 use super::polygon::{self, MOST_CONCAVE_CORNERS, triangulate};
 use crate::SceneError;
-use crate::error::Warnings;
-use crate::outside::{Outside, over_budget};
+use crate::error::ImportWarnings;
+use crate::outside::{ImportContext, over_budget};
 use crate::{normals, tangents};
 use basrelief_input::{Held, OverBudget};
 use basrelief_signals::Mesh;
@@ -29,14 +29,14 @@ pub(super) const TRIANGLES: &str = "vertices and triangles";
 const FAR: f64 = 16.0;
 
 /// Positions of a file in single precision, from an offset.
-pub(super) struct Positions {
+pub(super) struct OffsetPositions {
     pub offset: DVec3,
     pub local: Vec<[f32; 3]>,
 }
 
-impl Positions {
+impl OffsetPositions {
     /// Subtracts an offset on each axis on which the model is far from the origin, in double precision.
-    pub fn new(obj: &Obj) -> Self {
+    pub fn new(obj: &ObjFile) -> Self {
         let points = || obj.positions.iter().copied().map(DVec3::from_array);
         let low = points().fold(DVec3::INFINITY, DVec3::min);
         let high = points().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -47,8 +47,8 @@ impl Positions {
     }
 
     /// Places of a polygon's corners, from the offset.
-    fn polygon(&self, obj: &Obj, corners: &[Corner], points: &mut Vec<DVec3>) {
-        let place = |corner: &Corner| obj.positions.get(corner[0] as usize).map_or(DVec3::ZERO, |p| DVec3::from_array(*p));
+    fn polygon(&self, obj: &ObjFile, corners: &[CornerIndices], points: &mut Vec<DVec3>) {
+        let place = |corner: &CornerIndices| obj.positions.get(corner[0] as usize).map_or(DVec3::ZERO, |p| DVec3::from_array(*p));
         points.clear();
         points.extend(corners.iter().map(|corner| place(corner) - self.offset));
     }
@@ -56,10 +56,10 @@ impl Positions {
 
 /// Calls `each` with each face, the places of its corners, and its triangles.
 fn for_each_face(
-    obj: &Obj,
-    positions: &Positions,
-    group: &Group,
-    mut each: impl FnMut(Face, &[Corner], &[DVec3], &[[u32; 3]]) -> Result<(), OverBudget>,
+    obj: &ObjFile,
+    positions: &OffsetPositions,
+    group: &ObjGroup,
+    mut each: impl FnMut(ObjFace, &[CornerIndices], &[DVec3], &[[u32; 3]]) -> Result<(), OverBudget>,
 ) -> Result<(), SceneError> {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for (face, corners) in group.faces() {
@@ -86,12 +86,12 @@ pub(super) struct SmoothNormals {
 impl SmoothNormals {
     /// Computes them from the faces around each position; there are none if every corner has its own normal.
     pub fn new(
-        obj: &Obj,
-        positions: &Positions,
-        outside: &Outside<'_>,
-        warnings: &mut Warnings,
+        obj: &ObjFile,
+        positions: &OffsetPositions,
+        outside: &ImportContext<'_>,
+        warnings: &mut ImportWarnings,
     ) -> Result<(Self, Held), SceneError> {
-        let faces = || obj.groups.iter().flat_map(Group::faces);
+        let faces = || obj.groups.iter().flat_map(ObjGroup::faces);
         let mut held = outside.nothing();
         if !faces().any(|(face, corners)| face.smoothing > 0 && corners.iter().any(|corner| corner[2] == NONE)) {
             return Ok((Self::default(), held));
@@ -136,15 +136,21 @@ fn has_sharp_edge(places: &[[f32; 3]], indices: &[u32], normals: &[[f32; 3]]) ->
 }
 
 /// The parts of a file that meshes of groups are made from.
-pub(super) struct Shape<'a> {
-    pub obj: &'a Obj,
-    pub positions: &'a Positions,
+pub(super) struct MeshParts<'a> {
+    pub obj: &'a ObjFile,
+    pub positions: &'a OffsetPositions,
     pub smooth: &'a SmoothNormals,
 }
 
-impl Shape<'_> {
+impl MeshParts<'_> {
     /// The mesh of a group: one vertex for each different corner.
-    pub fn mesh(&self, group: &Group, surface: &Surface, held: &mut Held, warnings: &mut Warnings) -> Result<Mesh, SceneError> {
+    pub fn mesh(
+        &self,
+        group: &ObjGroup,
+        surface: &PlacedMaterial,
+        held: &mut Held,
+        warnings: &mut ImportWarnings,
+    ) -> Result<Mesh, SceneError> {
         let mut builder =
             MeshBuilder { shape: self, surface, mesh: Mesh::default(), vertices: BTreeMap::new(), without_uv: false };
         let mut faces = 0;
@@ -171,18 +177,18 @@ impl Shape<'_> {
 
 /// Collects the vertices of a mesh.
 struct MeshBuilder<'a> {
-    shape: &'a Shape<'a>,
-    surface: &'a Surface,
+    shape: &'a MeshParts<'a>,
+    surface: &'a PlacedMaterial,
     mesh: Mesh,
     /// Numbers of vertices by corner and, for corners without a normal, by smoothing group or flat face.
-    vertices: BTreeMap<(Corner, u32), u32>,
+    vertices: BTreeMap<(CornerIndices, u32), u32>,
     /// A corner of a textured group has no texture coordinates.
     without_uv: bool,
 }
 
 impl MeshBuilder<'_> {
-    fn push(&mut self, corner: Corner, sharing: u32, flat: Option<[f32; 3]>, held: &mut Held) -> Result<(), OverBudget> {
-        let Shape { obj, positions, smooth } = self.shape;
+    fn push(&mut self, corner: CornerIndices, sharing: u32, flat: Option<[f32; 3]>, held: &mut Held) -> Result<(), OverBudget> {
+        let MeshParts { obj, positions, smooth } = self.shape;
         let [position, uv, normal] = corner.map(|i| i as usize);
         let own = obj.normals.get(normal).and_then(|n| DVec3::from_array(n.map(f64::from)).try_normalize());
         let key = (corner, if own.is_some() { 0 } else { sharing });

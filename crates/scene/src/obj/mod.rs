@@ -15,20 +15,24 @@ mod text;
 
 use crate::SceneError;
 use crate::camera::rows;
-use crate::error::Warnings;
-use crate::model::{Model, bounds};
-use crate::outside::{Outside, mesh_bytes};
+use crate::error::ImportWarnings;
+use crate::model::{ImportedModel, bounds};
+use crate::outside::{ImportContext, mesh_bytes};
 use crate::tangents;
 use basrelief_signals::{Object, ShadingSettings};
 use glam::DMat4;
-use material::{Library, Materials, OBJECT, Surface};
-use mesh::{CORNER, Positions, Shape, SmoothNormals, TRIANGLES};
-use parse::Group;
+use material::{MaterialBuilder, MaterialLibrary, OBJECT, PlacedMaterial};
+use mesh::{CORNER, MeshParts, OffsetPositions, SmoothNormals, TRIANGLES};
+use parse::ObjGroup;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Imports an OBJ file.
-pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
+pub(crate) fn import(
+    bytes: &[u8],
+    outside: &ImportContext<'_>,
+    warnings: &mut ImportWarnings,
+) -> Result<ImportedModel, SceneError> {
     let (obj, _held) = parse::parse(bytes, outside, warnings)?;
     if obj.groups.is_empty() {
         return Err(SceneError::at("", "nothing to draw")
@@ -36,15 +40,15 @@ pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warning
             .cure("export the model with its faces")
             .with_notes(warnings.sentences()));
     }
-    let mut materials = Materials::new(outside);
+    let mut materials = MaterialBuilder::new(outside);
     let definitions = materials.libraries(&obj.libraries, warnings)?;
     // Of two with the same name the first.
-    let library: Library<'_> = definitions.iter().rev().map(|m| (m.name.as_slice(), m)).collect();
+    let library: MaterialLibrary<'_> = definitions.iter().rev().map(|m| (m.name.as_slice(), m)).collect();
     let _local = outside.take((size_of::<[f32; 3]>() * obj.positions.len()) as u64, "", "positions")?;
-    let positions = Positions::new(&obj);
+    let positions = OffsetPositions::new(&obj);
     let (smooth, _smooth) = SmoothNormals::new(&obj, &positions, outside, warnings)?;
-    let shape = Shape { obj: &obj, positions: &positions, smooth: &smooth };
-    let mut surfaces: BTreeMap<&[u8], Surface> = BTreeMap::new();
+    let shape = MeshParts { obj: &obj, positions: &positions, smooth: &smooth };
+    let mut surfaces: BTreeMap<&[u8], PlacedMaterial> = BTreeMap::new();
     let mut objects = Vec::new();
     for group in &obj.groups {
         let surface = match surfaces.get(group.material.as_slice()) {
@@ -54,17 +58,17 @@ pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warning
         surfaces.insert(&group.material, surface.clone());
         objects.push(Arc::new(object(objects.len() as u32, group, surface, &shape, outside, warnings)?));
     }
-    Ok(Model { bounds: bounds(&objects), objects, camera: None, lamps: Vec::new(), shading: ShadingSettings::default() })
+    Ok(ImportedModel { bounds: bounds(&objects), objects, camera: None, lamps: Vec::new(), shading: ShadingSettings::default() })
 }
 
 /// The object of a group; its matrix holds the offset of the positions.
 fn object(
     id: u32,
-    group: &Group,
-    surface: Surface,
-    shape: &Shape<'_>,
-    outside: &Outside<'_>,
-    warnings: &mut Warnings,
+    group: &ObjGroup,
+    surface: PlacedMaterial,
+    shape: &MeshParts<'_>,
+    outside: &ImportContext<'_>,
+    warnings: &mut ImportWarnings,
 ) -> Result<Object, SceneError> {
     let corners = 3 * group.triangles() as u64;
     let tangents = if surface.material.normal_map.is_some() { tangents::BYTES_PER_CORNER } else { 0 };

@@ -1,10 +1,10 @@
 //! Material libraries (MTL).
 
-use super::map::{self, Map};
+use super::map::{self, TextureMap};
 use super::text::{Line, escaped, keyword_and_rest, lines, numbers, shown};
 use crate::SceneError;
-use crate::error::Warnings;
-use crate::outside::Outside;
+use crate::error::ImportWarnings;
+use crate::outside::ImportContext;
 
 /// A material as written.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,13 +21,13 @@ pub(super) struct MtlMaterial {
     /// illum.
     pub model: Option<u32>,
     /// map_Kd.
-    pub color: Option<Box<Map>>,
+    pub color: Option<Box<TextureMap>>,
     /// map_Ke.
-    pub emission_map: Option<Box<Map>>,
+    pub emission_map: Option<Box<TextureMap>>,
     /// map_Bump, bump: heights.
-    pub bump: Option<Box<Map>>,
+    pub bump: Option<Box<TextureMap>>,
     /// norm: a tangent-space normal map.
-    pub normal: Option<Box<Map>>,
+    pub normal: Option<Box<TextureMap>>,
 }
 
 impl MtlMaterial {
@@ -47,7 +47,7 @@ impl MtlMaterial {
     }
 
     /// All references to pictures.
-    pub fn maps(&mut self) -> impl Iterator<Item = &mut Map> {
+    pub fn maps(&mut self) -> impl Iterator<Item = &mut TextureMap> {
         [&mut self.color, &mut self.emission_map, &mut self.bump, &mut self.normal].into_iter().flatten().map(|map| &mut **map)
     }
 }
@@ -62,12 +62,12 @@ const KEYWORD: &[u8] = b"newmtl";
 pub(super) fn parse(
     bytes: &[u8],
     file: &str,
-    outside: &Outside<'_>,
-    warnings: &mut Warnings,
+    outside: &ImportContext<'_>,
+    warnings: &mut ImportWarnings,
 ) -> Result<Vec<MtlMaterial>, SceneError> {
     // It stays as long as the scene is read, and so it is counted as if it stayed for good.
     let materials = bytes.windows(KEYWORD.len()).filter(|window| *window == KEYWORD).count();
-    let structs = (2 * size_of::<MtlMaterial>() + size_of::<Map>()) * materials;
+    let structs = (2 * size_of::<MtlMaterial>() + size_of::<TextureMap>()) * materials;
     outside.hold((structs + 3 * bytes.len()) as u64, "", "materials of a library")?;
     let mut materials: Vec<MtlMaterial> = Vec::new();
     for line in lines(bytes) {
@@ -79,7 +79,7 @@ pub(super) fn parse(
     Ok(materials)
 }
 
-fn statement(line: &Line<'_>, materials: &mut Vec<MtlMaterial>, warnings: &mut Warnings) -> Result<(), SceneError> {
+fn statement(line: &Line<'_>, materials: &mut Vec<MtlMaterial>, warnings: &mut ImportWarnings) -> Result<(), SceneError> {
     let (keyword, rest) = keyword_and_rest(&line.text);
     if keyword == KEYWORD {
         materials.push(MtlMaterial::new(rest.trim_ascii()));
@@ -116,7 +116,7 @@ fn statement(line: &Line<'_>, materials: &mut Vec<MtlMaterial>, warnings: &mut W
 }
 
 /// A colour as one number or three; `fallback` if it is given in another way.
-fn color(rest: &[u8], fallback: [f32; 3], keyword: &[u8], warnings: &mut Warnings) -> Result<[f32; 3], SceneError> {
+fn color(rest: &[u8], fallback: [f32; 3], keyword: &[u8], warnings: &mut ImportWarnings) -> Result<[f32; 3], SceneError> {
     if matches!(keyword_and_rest(rest).0, b"spectral" | b"xyz") {
         warnings.add(format!("MTL: `{} {}` is not used: only red, green and blue are supported", shown(keyword), shown(rest)));
         return Ok(fallback);
@@ -126,7 +126,7 @@ fn color(rest: &[u8], fallback: [f32; 3], keyword: &[u8], warnings: &mut Warning
     Ok(if count == 3 { rgb } else { [rgb[0]; 3] })
 }
 
-fn clamped(component: f32, name: &str, warnings: &mut Warnings) -> f32 {
+fn clamped(component: f32, name: &str, warnings: &mut ImportWarnings) -> f32 {
     if !(0.0..=1.0).contains(&component) {
         warnings.add(format!("MTL: `{name}` beyond 0..=1 is clamped"));
     }
@@ -136,13 +136,13 @@ fn clamped(component: f32, name: &str, warnings: &mut Warnings) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Memory;
+    use crate::MemoryFiles;
     use basrelief_input::Budget;
 
     fn read(text: &str) -> (Vec<MtlMaterial>, Vec<String>) {
-        let files = Memory::default();
-        let mut warnings = Warnings::default();
-        let outside = Outside::new(&files, &Budget::default());
+        let files = MemoryFiles::default();
+        let mut warnings = ImportWarnings::default();
+        let outside = ImportContext::new(&files, &Budget::default());
         let materials = parse(text.as_bytes(), "m.mtl", &outside, &mut warnings).unwrap();
         (materials, warnings.into_vec())
     }
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn statements_of_a_material_are_read() {
         let text = "\u{feff}newmtl my wall\nKd 0.5 0.25 1\nKs 0.5\nNs 20\nKe 0 0 0\nillum 2\nmap_Kd a.png\nbump h.png\nnorm n.png\nNi 1\nd 1\n";
-        let map = |file: &str| map::parse(file.as_bytes(), &mut Warnings::default()).unwrap();
+        let map = |file: &str| map::parse(file.as_bytes(), &mut ImportWarnings::default()).unwrap();
         let material = MtlMaterial {
             diffuse: [0.5, 0.25, 1.0],
             specular: Some([0.5; 3]),

@@ -2,8 +2,8 @@
 
 use super::text::{Line, escaped, keyword_and_rest, lines, number, numbers, shown, takes_name, words};
 use crate::SceneError;
-use crate::error::Warnings;
-use crate::outside::{Outside, over_budget};
+use crate::error::ImportWarnings;
+use crate::outside::{ImportContext, over_budget};
 use basrelief_input::{Held, OverBudget};
 use std::collections::BTreeMap;
 
@@ -17,11 +17,11 @@ pub(super) const NONE: u32 = u32::MAX;
 const UNSET: u32 = u32::MAX;
 
 /// Numbers of position, texture coordinate and normal, from 0; [`NONE`] where not given.
-pub(super) type Corner = [u32; 3];
+pub(super) type CornerIndices = [u32; 3];
 
 /// A polygon of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Face {
+pub(super) struct ObjFace {
     /// Number of corners of this face and of those ahead of it in its group.
     end: usize,
     /// Smoothing group: faces of one group share normals; 0 if the face is flat.
@@ -30,16 +30,16 @@ pub(super) struct Face {
 
 /// Faces of one object and material.
 #[derive(Debug, Default)]
-pub(super) struct Group {
+pub(super) struct ObjGroup {
     pub object: Vec<u8>,
     pub material: Vec<u8>,
-    corners: Vec<Corner>,
-    faces: Vec<Face>,
+    corners: Vec<CornerIndices>,
+    faces: Vec<ObjFace>,
 }
 
-impl Group {
+impl ObjGroup {
     /// Faces with their corners, at least 3 each.
-    pub fn faces(&self) -> impl Iterator<Item = (Face, &[Corner])> {
+    pub fn faces(&self) -> impl Iterator<Item = (ObjFace, &[CornerIndices])> {
         let begins = std::iter::once(0).chain(self.faces.iter().map(|face| face.end));
         begins.zip(&self.faces).map(|(begin, face)| (*face, self.corners.get(begin..face.end).unwrap_or_default()))
     }
@@ -59,14 +59,14 @@ impl Group {
 
 /// An OBJ file.
 #[derive(Debug, Default)]
-pub(super) struct Obj {
+pub(super) struct ObjFile {
     pub positions: Vec<[f64; 3]>,
     /// As many as positions, or none.
     pub colors: Vec<[f32; 4]>,
     /// v runs up, as in the file.
     pub uv: Vec<[f32; 2]>,
     pub normals: Vec<[f32; 3]>,
-    pub groups: Vec<Group>,
+    pub groups: Vec<ObjGroup>,
     /// The file has no `s` statement.
     pub smoothing_is_assumed: bool,
     /// Arguments of the `mtllib` statements.
@@ -74,7 +74,11 @@ pub(super) struct Obj {
 }
 
 /// Parses OBJ text, with the memory that the result takes. Elements other than faces are left out with a warning.
-pub(super) fn parse(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<(Obj, Held), SceneError> {
+pub(super) fn parse(
+    bytes: &[u8],
+    outside: &ImportContext<'_>,
+    warnings: &mut ImportWarnings,
+) -> Result<(ObjFile, Held), SceneError> {
     if let Some(at) = bytes.iter().position(|b| *b == 0) {
         let what = if matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) { "UTF-16 text" } else { "binary data" };
         return Err(SceneError::at(format!("byte {at}"), what).expected("OBJ text").cure("save the file as UTF-8 or ASCII text"));
@@ -82,9 +86,9 @@ pub(super) fn parse(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings
     // Only lines that are joined are copied. One may be the whole text, in a list that grows by doubling.
     let joined = bytes.windows(2).any(|pair| matches!(pair, b"\\\n" | b"\\\r"));
     let _lines = outside.take(if joined { 2 * bytes.len() as u64 } else { 0 }, "", "lines of OBJ text")?;
-    let mut parser = Parser {
+    let mut parser = ObjParser {
         warnings,
-        obj: Obj::default(),
+        obj: ObjFile::default(),
         held: outside.nothing(),
         groups: BTreeMap::new(),
         current: None,
@@ -98,9 +102,9 @@ pub(super) fn parse(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings
     parser.finish()
 }
 
-struct Parser<'a> {
-    warnings: &'a mut Warnings,
-    obj: Obj,
+struct ObjParser<'a> {
+    warnings: &'a mut ImportWarnings,
+    obj: ObjFile,
     /// Memory of all of it.
     held: Held,
     /// Groups by object and material.
@@ -115,7 +119,7 @@ struct Parser<'a> {
     largest: [(u32, usize); 3],
 }
 
-impl Parser<'_> {
+impl ObjParser<'_> {
     fn statement(&mut self, line: &Line<'_>) -> Result<(), SceneError> {
         let (keyword, rest) = keyword_and_rest(&line.text);
         if line.parts > 1 && takes_name(keyword) {
@@ -208,7 +212,7 @@ impl Parser<'_> {
             return Err(SceneError::at("", format!("face of {} vertices", end - begin)).expected("at least 3"));
         }
         self.held.room(&mut group.faces, 1, "faces").map_err(over)?;
-        group.faces.push(Face { end, smoothing: self.smoothing });
+        group.faces.push(ObjFace { end, smoothing: self.smoothing });
         if let Some(slot) = self.obj.groups.get_mut(index) {
             *slot = group;
         }
@@ -226,14 +230,14 @@ impl Parser<'_> {
         let names = 2 * (object.len() + material.len()) as u64;
         self.held.grow(GROUP + names, "groups and their names").map_err(over)?;
         let index = self.obj.groups.len();
-        self.obj.groups.push(Group { object: object.clone(), material: material.clone(), ..Group::default() });
+        self.obj.groups.push(ObjGroup { object: object.clone(), material: material.clone(), ..ObjGroup::default() });
         self.groups.insert(self.names.clone(), index);
         self.current = Some(index);
         Ok(index)
     }
 
     /// `position`, `position/uv`, `position//normal` or `position/uv/normal`; negative numbers count from the end.
-    fn corner(&mut self, word: &[u8], line: usize) -> Result<Corner, SceneError> {
+    fn corner(&mut self, word: &[u8], line: usize) -> Result<CornerIndices, SceneError> {
         let counts = [self.obj.positions.len(), self.obj.uv.len(), self.obj.normals.len()];
         let mut corner = [NONE; 3];
         let wrong = || {
@@ -256,7 +260,7 @@ impl Parser<'_> {
         if parts.next().is_some() { Err(wrong()) } else { Ok(corner) }
     }
 
-    fn finish(mut self) -> Result<(Obj, Held), SceneError> {
+    fn finish(mut self) -> Result<(ObjFile, Held), SceneError> {
         let lists =
             [("vertex", self.obj.positions.len()), ("texture coordinate", self.obj.uv.len()), ("normal", self.obj.normals.len())];
         for ((name, count), (index, line)) in lists.into_iter().zip(self.largest) {
@@ -293,13 +297,13 @@ fn over(error: OverBudget) -> SceneError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Memory;
+    use crate::MemoryFiles;
     use basrelief_input::Budget;
 
-    fn read(text: &str) -> Result<Obj, SceneError> {
-        let files = Memory::default();
-        let outside = Outside::new(&files, &Budget::default());
-        parse(text.as_bytes(), &outside, &mut Warnings::default()).map(|(obj, _)| obj)
+    fn read(text: &str) -> Result<ObjFile, SceneError> {
+        let files = MemoryFiles::default();
+        let outside = ImportContext::new(&files, &Budget::default());
+        parse(text.as_bytes(), &outside, &mut ImportWarnings::default()).map(|(obj, _)| obj)
     }
 
     #[test]

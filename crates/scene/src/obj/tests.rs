@@ -1,6 +1,6 @@
 //! Whole models.
 
-use crate::files::Memory;
+use crate::files::MemoryFiles;
 use crate::picture::tests::png;
 use crate::{SceneError, ViewOptions, load};
 use basrelief_signals::{Scene, WrapMode};
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 const SQUARE: &str = "mtllib lib/m.mtl\no wall\nusemtl stone\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
     vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
 
-fn import(text: &str, files: &Memory) -> Result<Scene, SceneError> {
+fn import(text: &str, files: &MemoryFiles) -> Result<Scene, SceneError> {
     load(text.as_bytes(), "m.obj", files, &ViewOptions::default())
 }
 
@@ -18,7 +18,7 @@ fn materials_are_read_through_the_given_files() {
     let mtl = "newmtl stone\nKd 0.5 0.6 0.7\nmap_Kd -clamp on c.png\nmap_Bump -bm 2 h.png\n";
     let ramp = png(4, 4, |x, _| [(x * 20) as u8, (x * 20) as u8, (x * 20) as u8, 255]);
     let files =
-        Memory::default().with("lib/m.mtl", mtl).with("lib/c.png", png(2, 2, |x, _| [x as u8; 4])).with("lib/h.png", ramp);
+        MemoryFiles::default().with("lib/m.mtl", mtl).with("lib/c.png", png(2, 2, |x, _| [x as u8; 4])).with("lib/h.png", ramp);
     let scene = import(SQUARE, &files).unwrap();
     assert_eq!(scene.warnings, [""; 0]);
     let object = &scene.objects[0];
@@ -38,9 +38,9 @@ fn materials_are_read_through_the_given_files() {
 
 #[test]
 fn missing_libraries_and_pictures_are_warnings() {
-    let scene = import(SQUARE, &Memory::default()).unwrap();
+    let scene = import(SQUARE, &MemoryFiles::default()).unwrap();
     assert!(scene.warnings[0].contains("cannot read `lib/m.mtl`"), "{:?}", scene.warnings);
-    let files = Memory::default().with("lib/m.mtl", "newmtl stone\nmap_Kd gone.png\n");
+    let files = MemoryFiles::default().with("lib/m.mtl", "newmtl stone\nmap_Kd gone.png\n");
     let scene = import(SQUARE, &files).unwrap();
     assert!(scene.warnings[0].contains("cannot read `lib/gone.png`"), "{:?}", scene.warnings);
     assert!(scene.objects[0].material.color_texture.is_none() && scene.objects[0].mesh.uv.is_empty());
@@ -48,7 +48,7 @@ fn missing_libraries_and_pictures_are_warnings() {
 
 #[test]
 fn corrupt_picture_is_an_error_that_names_it() {
-    let files = Memory::default().with("lib/m.mtl", "newmtl stone\nmap_Kd c.png\n").with("lib/c.png", *b"GIF89a");
+    let files = MemoryFiles::default().with("lib/m.mtl", "newmtl stone\nmap_Kd c.png\n").with("lib/c.png", *b"GIF89a");
     assert!(import(SQUARE, &files).unwrap_err().to_string().starts_with("lib/c.png: neither PNG nor JPEG (a GIF picture)"));
 }
 
@@ -56,7 +56,7 @@ fn corrupt_picture_is_an_error_that_names_it() {
 fn texture_seams_keep_smooth_normals() {
     // A roof: two faces that share the ridge 2-3 in space, but not in the texture.
     let roof = "v -1 0 0\nv 0 1 0\nv 0 1 -1\nv 1 0 0\nvt 0 0\nvt 1 0\nf 1/1 2/1 3/1\nf 2/2 4/2 3/2\n";
-    let scene = import(roof, &Memory::default()).unwrap();
+    let scene = import(roof, &MemoryFiles::default()).unwrap();
     let mesh = &scene.objects[0].mesh;
     let ridge: Vec<_> = mesh.positions.iter().zip(&mesh.normals).filter(|(p, _)| **p == [0., 1., 0.]).collect();
     assert_eq!(ridge.len(), 2);
@@ -65,8 +65,8 @@ fn texture_seams_keep_smooth_normals() {
 
 #[test]
 fn nothing_to_draw_is_an_error() {
-    assert!(import("v 0 0 0\nl 1 1\n", &Memory::default()).unwrap_err().to_string().contains("lines and points"));
-    assert!(import("", &Memory::default()).is_err());
+    assert!(import("v 0 0 0\nl 1 1\n", &MemoryFiles::default()).unwrap_err().to_string().contains("lines and points"));
+    assert!(import("", &MemoryFiles::default()).is_err());
 }
 
 /// As many materials as lines, each used once: looked for one by one in a list, they took minutes.
@@ -77,7 +77,7 @@ fn lookup_of_many_materials_is_fast() {
     let faces: String = (0..MATERIALS).map(|i| format!("usemtl m{i}\nf 1 2 3\n")).collect();
     let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
     let began = std::time::Instant::now();
-    let scene = import(&text, &Memory::default().with("m.mtl", library)).unwrap();
+    let scene = import(&text, &MemoryFiles::default().with("m.mtl", library)).unwrap();
     assert_eq!(scene.objects.len(), MATERIALS);
     assert_eq!(scene.objects[MATERIALS - 1].material.base_color, [0.0, 0.0, 1.0, 1.0]);
     assert!(began.elapsed().as_secs() < 15, "{:?}", began.elapsed());
@@ -85,25 +85,25 @@ fn lookup_of_many_materials_is_fast() {
 
 #[test]
 fn first_of_two_equal_material_names_is_used() {
-    let files = Memory::default().with("lib/m.mtl", "newmtl stone\nKd 1 0 0\nnewmtl stone\nKd 0 1 0\n");
+    let files = MemoryFiles::default().with("lib/m.mtl", "newmtl stone\nKd 1 0 0\nnewmtl stone\nKd 0 1 0\n");
     assert_eq!(import(SQUARE, &files).unwrap().objects[0].material.base_color, [1.0, 0.0, 0.0, 1.0]);
 }
 
 proptest! {
     #[test]
     fn any_text_is_read_or_refused(text in "([vfou#][tn]?( [-0-9/.x\\\\]{1,6}){0,5}\n){0,20}") {
-        let _ = import(&text, &Memory::default());
+        let _ = import(&text, &MemoryFiles::default());
     }
 
     #[test]
     fn any_library_is_read_or_refused(text in "newmtl stone\n((Kd|map_Kd|bump|d|norm) ?(-bm|-s|-clamp|-mm)?( [-0-9a.]{1,4}){0,4}\n){0,9}") {
-        let _ = import(SQUARE, &Memory::default().with("lib/m.mtl", text));
+        let _ = import(SQUARE, &MemoryFiles::default().with("lib/m.mtl", text));
     }
 
     #[test]
     fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         for name in ["a.obj", "a.glb", "a.gltf", "a"] {
-            let _ = load(&bytes, name, &Memory::default(), &ViewOptions::default());
+            let _ = load(&bytes, name, &MemoryFiles::default(), &ViewOptions::default());
         }
     }
 }

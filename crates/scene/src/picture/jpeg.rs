@@ -1,6 +1,6 @@
 //! JPEG files: checks of the headers, then the decoder of the `jpeg-decoder` crate.
 //!
-//! The decoder reads all scan scripts, restart intervals and sampling factors, except those that [`Header`] refuses. It
+//! The decoder reads all scan scripts, restart intervals and sampling factors, except those that [`JpegHeader`] refuses. It
 //! does not notice data that end early, takes some colour spaces for others, and calls an unsupported kind a fault of the
 //! file; so the headers are read first.
 
@@ -10,10 +10,10 @@ mod tests;
 
 use super::size::{TEXEL, check_size, texels_of};
 use crate::SceneError;
-use crate::outside::Outside;
+use crate::outside::ImportContext;
 use basrelief_input::Held;
 use basrelief_signals::Image;
-use header::Header;
+use header::JpegHeader;
 use jpeg_decoder::{Decoder, Error};
 
 /// Memory that the decoder takes for a sample \[bytes\]: its coefficient twice, its value, and its share of the result.
@@ -34,8 +34,8 @@ const GUARD: [u8; 2048] = {
 };
 
 /// Decodes a JPEG file into RGBA, with the memory that its texels take.
-pub(super) fn decode(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<(Image, Held), SceneError> {
-    let header = Header::read(bytes)?;
+pub(super) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, Held), SceneError> {
+    let header = JpegHeader::read(bytes)?;
     let [width, height] = header.size;
     check_size([width, height])?;
     let file = (bytes.len() + header.scan_ends.len() * GUARD.len()) as u64;

@@ -6,7 +6,7 @@ mod size;
 pub(crate) use size::MAX_SIDE;
 
 use crate::SceneError;
-use crate::outside::Outside;
+use crate::outside::ImportContext;
 use basrelief_input::Held;
 use basrelief_signals::Image;
 use image::codecs::png::PngDecoder;
@@ -22,10 +22,10 @@ const SCRATCH: u64 = 1 << 26;
 ///
 /// # Errors
 /// Neither PNG nor JPEG, corrupt, over [`MAX_SIDE`], or over the budget.
-pub(crate) fn decode(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<(Image, Held), SceneError> {
+pub(crate) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, Held), SceneError> {
     let decoded = match sniff(bytes) {
-        Some(Format::Png) => decode_png(bytes, name, outside),
-        Some(Format::Jpeg) => jpeg::decode(bytes, name, outside),
+        Some(PictureFormat::Png) => decode_png(bytes, name, outside),
+        Some(PictureFormat::Jpeg) => jpeg::decode(bytes, name, outside),
         None => Err(SceneError::at("", format!("neither PNG nor JPEG{}", look_alike(bytes)))
             .expected("a PNG or JPEG picture, whatever its file name says")
             .cure("convert it")),
@@ -33,7 +33,7 @@ pub(crate) fn decode(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<
     decoded.map_err(|e| e.in_file(name))
 }
 
-fn decode_png(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<(Image, Held), SceneError> {
+fn decode_png(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, Held), SceneError> {
     // Texts and colour profiles are expanded ahead of the dimensions: a file of a known length, by a thousand times.
     let most = SCRATCH.min(1024 * bytes.len() as u64).min(outside.left() / 4);
     let scratch = outside.take(most, "", "scratch memory of the PNG decoder")?;
@@ -56,17 +56,17 @@ fn decode_png(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<(Image,
 
 /// A picture format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Format {
+pub(crate) enum PictureFormat {
     Png,
     Jpeg,
 }
 
 /// The format that the first bytes announce.
-pub(crate) fn sniff(bytes: &[u8]) -> Option<Format> {
+pub(crate) fn sniff(bytes: &[u8]) -> Option<PictureFormat> {
     if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
-        Some(Format::Png)
+        Some(PictureFormat::Png)
     } else if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
-        Some(Format::Jpeg)
+        Some(PictureFormat::Jpeg)
     } else {
         None
     }
@@ -103,13 +103,13 @@ fn png_fault(error: &ImageError) -> SceneError {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::Memory;
+    use crate::MemoryFiles;
     use basrelief_input::Budget;
     use image::{ImageBuffer, ImageFormat, Luma, Rgba};
 
     fn decoded(bytes: &[u8], name: &str, limit: u64) -> Result<Image, SceneError> {
-        let files = Memory::default();
-        decode(bytes, name, &Outside::new(&files, &Budget::new(limit))).map(|(image, _)| image)
+        let files = MemoryFiles::default();
+        decode(bytes, name, &ImportContext::new(&files, &Budget::new(limit))).map(|(image, _)| image)
     }
 
     /// A PNG file of this picture.

@@ -29,13 +29,13 @@ pub(super) fn write(mesh: &Mesh, bytes: &mut Vec<u8>) {
 }
 
 /// Arrays that are read one after the other.
-pub(super) struct Arrays<'a> {
+pub(super) struct ArrayReader<'a> {
     rest: &'a [u8],
     budget: Budget,
     held: Held,
 }
 
-impl<'a> Arrays<'a> {
+impl<'a> ArrayReader<'a> {
     /// Creates a reader of these bytes, whose memory is added to a reservation.
     pub(super) fn new(rest: &'a [u8], budget: &Budget, held: Held) -> Self {
         Self { rest, budget: budget.clone(), held }

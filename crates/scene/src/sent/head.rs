@@ -1,9 +1,9 @@
 //! The head of a scene that travels: everything but the arrays of its meshes.
 
-use crate::camera::{Bounds, Viewpoint};
+use crate::camera::{Viewpoint, WorldBounds};
 use crate::picture::MAX_SIDE;
-use crate::view::{Lamp, LightOrbit, ViewHints};
-use crate::{SceneError, Subject};
+use crate::view::{LightOrbit, LightSource, ViewHints};
+use crate::{SceneError, SceneSubject};
 use basrelief_signals::{Image, Lighting, Material, Mesh, Object, Sampler, ShadingSettings, Texture};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Everything but arrays. References are places in lists.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Head {
+pub(super) struct SceneManifest {
     name: String,
     textures: Vec<TextureHead>,
     materials: Vec<MaterialHead>,
@@ -91,9 +91,9 @@ struct ObjectHead {
 
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct ViewHead {
-    bounds: Bounds,
+    bounds: WorldBounds,
     camera: Option<Viewpoint>,
-    lamps: Vec<(Lamp, f64)>,
+    lamps: Vec<(LightSource, f64)>,
     frames: u32,
     orbit: f64,
     light_orbit: LightOrbit,
@@ -101,12 +101,12 @@ struct ViewHead {
 }
 
 /// Things that several refer to, each once, in the order in which they were first named.
-struct Shared<'a, T> {
+struct SharedItems<'a, T> {
     list: Vec<&'a Arc<T>>,
     places: BTreeMap<*const T, u32>,
 }
 
-impl<'a, T> Shared<'a, T> {
+impl<'a, T> SharedItems<'a, T> {
     fn new() -> Self {
         Self { list: vec![], places: BTreeMap::new() }
     }
@@ -120,10 +120,10 @@ impl<'a, T> Shared<'a, T> {
     }
 }
 
-impl Head {
+impl SceneManifest {
     /// The head of a subject, and the meshes of the following arrays.
-    pub(super) fn of<'a>(subject: &'a Subject, hash: &mut dyn FnMut(&Texture) -> [u8; 32]) -> (Self, Vec<&'a Arc<Mesh>>) {
-        let (mut meshes, mut materials, mut textures) = (Shared::new(), Shared::new(), Shared::new());
+    pub(super) fn of<'a>(subject: &'a SceneSubject, hash: &mut dyn FnMut(&Texture) -> [u8; 32]) -> (Self, Vec<&'a Arc<Mesh>>) {
+        let (mut meshes, mut materials, mut textures) = (SharedItems::new(), SharedItems::new(), SharedItems::new());
         let object = |object: &'a Arc<Object>| ObjectHead {
             name: object.name.clone(),
             mesh: meshes.place(&object.mesh),
@@ -158,7 +158,7 @@ impl Head {
     }
 
     /// The subject with these meshes.
-    pub(super) fn subject(self, meshes: Vec<Mesh>) -> Result<Subject, SceneError> {
+    pub(super) fn subject(self, meshes: Vec<Mesh>) -> Result<SceneSubject, SceneError> {
         let Self { name, textures, materials, objects, view, warnings, .. } = self;
         let meshes: Vec<Arc<Mesh>> = meshes.into_iter().map(Arc::new).collect();
         distinct("textures", textures.iter().map(|t| t.id))?;
@@ -166,7 +166,7 @@ impl Head {
         let textures = read("textures", textures, TextureHead::texture)?;
         let materials = read("materials", materials, |material, i| material.material(i, &textures))?;
         let objects = read("objects", objects, |object, i| object.object(i, &meshes, &materials))?;
-        Ok(Subject { name, objects, hints: view.hints()?, warnings })
+        Ok(SceneSubject { name, objects, hints: view.hints()?, warnings })
     }
 }
 
@@ -275,8 +275,8 @@ impl ViewHead {
 
     fn hints(self) -> Result<ViewHints, SceneError> {
         let Self { bounds, camera, lamps, frames, orbit, light_orbit, shading } = self;
-        let lamp = |(lamp, intensity): &(Lamp, f64)| {
-            let (Lamp::Directional(v) | Lamp::Point(v)) = lamp;
+        let lamp = |(lamp, intensity): &(LightSource, f64)| {
+            let (LightSource::Directional(v) | LightSource::Point(v)) = lamp;
             [v.x, v.y, v.z, *intensity]
         };
         let camera_numbers = camera.iter().flat_map(|c| c.axes.into_iter().chain([c.eye]));

@@ -17,11 +17,11 @@ mod head;
 mod tests;
 
 use crate::outside::over_budget;
-use crate::{SceneError, Subject};
-use arrays::Arrays;
+use crate::{SceneError, SceneSubject};
+use arrays::ArrayReader;
 use basrelief_input::{Budget, Held};
 use basrelief_signals::{Mesh, Texture};
-use head::Head;
+use head::SceneManifest;
 
 /// How it begins.
 const MAGIC: &[u8] = b"basrelief-scene/1\n";
@@ -29,13 +29,13 @@ const MAGIC: &[u8] = b"basrelief-scene/1\n";
 /// here \[bytes\].
 const HEAD_WEIGHT: u64 = 64;
 
-impl Subject {
+impl SceneSubject {
     /// The subject without texels. `hash` gives the SHA-256 of a texture's picture, by which the other side asks for its tiles.
     ///
     /// # Errors
     /// Meshes or heads of more than 4 GiB.
     pub fn to_bytes(&self, hash: &mut dyn FnMut(&Texture) -> [u8; 32]) -> Result<Vec<u8>, SceneError> {
-        let (head, meshes) = Head::of(self, hash);
+        let (head, meshes) = SceneManifest::of(self, hash);
         let head = postcard::to_allocvec(&head).map_err(|e| SceneError::at("head", e.to_string()))?;
         let length = u32::try_from(head.len()).map_err(|_| SceneError::at("head", "is longer than 4 GiB"))?;
         let mut bytes = [MAGIC, &length.to_le_bytes(), &head].concat();
@@ -53,7 +53,7 @@ impl Subject {
     }
 }
 
-fn read(bytes: &[u8], budget: &Budget) -> Result<(Subject, Held), SceneError> {
+fn read(bytes: &[u8], budget: &Budget) -> Result<(SceneSubject, Held), SceneError> {
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
         SceneError::at("byte 0", "no scene").expected("`basrelief-scene/1`").cure("ask a `basrelief serve` of the same version")
     })?;
@@ -62,11 +62,12 @@ fn read(bytes: &[u8], budget: &Budget) -> Result<(Subject, Held), SceneError> {
     let length = u32::from_le_bytes(*length);
     let (head, rest) = rest.split_at_checked(length as usize).ok_or_else(cut)?;
     let held = budget.take(HEAD_WEIGHT * u64::from(length), "the head of a scene").map_err(|e| over_budget("head", &e))?;
-    let (head, left): (Head, _) = postcard::take_from_bytes(head).map_err(|e| SceneError::at("head", format!("corrupt: {e}")))?;
+    let (head, left): (SceneManifest, _) =
+        postcard::take_from_bytes(head).map_err(|e| SceneError::at("head", format!("corrupt: {e}")))?;
     if !left.is_empty() {
         return Err(SceneError::at("head", format!("is {} bytes longer than what it says", left.len())));
     }
-    let mut arrays = Arrays::new(rest, budget, held);
+    let mut arrays = ArrayReader::new(rest, budget, held);
     let meshes = (0..).zip(&head.meshes).map(|(i, mesh)| arrays.mesh(i, mesh)).collect::<Result<Vec<Mesh>, _>>()?;
     let held = arrays.finish()?;
     Ok((head.subject(meshes)?, held))

@@ -1,7 +1,7 @@
 //! Scenes arrive as they were sent; other bytes are refused.
 
 use super::*;
-use crate::{Memory, ViewOptions};
+use crate::{MemoryFiles, ViewOptions};
 use basrelief_signals::{Material, Scene, WrapMode};
 use std::sync::Arc;
 
@@ -10,12 +10,12 @@ fn hash(texture: &Texture) -> [u8; 32] {
     [texture.id as u8; 32]
 }
 
-fn sent(subject: &Subject) -> Vec<u8> {
+fn sent(subject: &SceneSubject) -> Vec<u8> {
     subject.to_bytes(&mut |t| hash(t)).unwrap()
 }
 
-fn received(bytes: &[u8]) -> Result<Subject, String> {
-    Subject::from_bytes(bytes, "there", &Budget::default()).map(|(subject, _)| subject).map_err(|e| e.to_string())
+fn received(bytes: &[u8]) -> Result<SceneSubject, String> {
+    SceneSubject::from_bytes(bytes, "there", &Budget::default()).map(|(subject, _)| subject).map_err(|e| e.to_string())
 }
 
 /// The scene as the other side should see it.
@@ -37,7 +37,7 @@ fn without_texels(scene: Scene) -> Scene {
 fn sent_scene_arrives_unchanged_from_any_view() {
     let orbit = ViewOptions { frames: Some(3), orbit_degrees: Some(100.0), turn: Some([5.0, 7.0]), ..ViewOptions::default() };
     for name in ["mixed", "coin", "goblet@2", "turntable"] {
-        let subject = Subject::demo(name).unwrap();
+        let subject = SceneSubject::demo(name).unwrap();
         let there = received(&sent(&subject)).unwrap();
         for view in [&ViewOptions::default(), &orbit] {
             assert_eq!(there.seen(view).unwrap(), without_texels(subject.seen(view).unwrap()), "{name}");
@@ -48,9 +48,9 @@ fn sent_scene_arrives_unchanged_from_any_view() {
 
 #[test]
 fn shared_parts_are_sent_once() {
-    let subject = Subject::demo("gallery").unwrap();
+    let subject = SceneSubject::demo("gallery").unwrap();
     let there = received(&sent(&subject)).unwrap();
-    let shared = |s: &Subject| {
+    let shared = |s: &SceneSubject| {
         let mut meshes: Vec<_> = s.objects.iter().map(|o| Arc::as_ptr(&o.mesh)).collect();
         meshes.sort_unstable();
         meshes.dedup();
@@ -61,9 +61,9 @@ fn shared_parts_are_sent_once() {
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-fn triangle() -> Subject {
-    let files = Memory::default();
-    Subject::load_within(TRIANGLE.as_bytes(), "t.obj", &files, &Budget::default()).unwrap().0
+fn triangle() -> SceneSubject {
+    let files = MemoryFiles::default();
+    SceneSubject::load_within(TRIANGLE.as_bytes(), "t.obj", &files, &Budget::default()).unwrap().0
 }
 
 #[test]
@@ -116,9 +116,9 @@ fn values_out_of_range_are_refused_with_their_place() {
 
 #[test]
 fn declared_sizes_are_counted_before_allocation() {
-    let bytes = sent(&Subject::demo("sphere").unwrap());
+    let bytes = sent(&SceneSubject::demo("sphere").unwrap());
     let budget = Budget::new(bytes.len() as u64);
-    let error = Subject::from_bytes(&bytes, "there", &budget).map(|_| ()).unwrap_err();
+    let error = SceneSubject::from_bytes(&bytes, "there", &budget).map(|_| ()).unwrap_err();
     assert!(error.over_budget && error.to_string().contains("/meshes/0/"), "{error}");
     assert_eq!(budget.left(), bytes.len() as u64, "what was refused is not held");
 }

@@ -83,15 +83,15 @@ mod tests {
     use super::*;
     use crate::observer::Unobserved;
     use basrelief_input::Budget;
-    use basrelief_reference::Picture;
+    use basrelief_reference::RgbPicture;
 
-    fn picture(grey: u8) -> Picture {
-        let mut picture = Picture::new(2, 1);
+    fn picture(grey: u8) -> RgbPicture {
+        let mut picture = RgbPicture::new(2, 1);
         picture.rgb = vec![[7; 3], [7, grey, 7]];
         picture
     }
 
-    fn show(comparison: &mut PictureComparison<'_>, index: usize, machine: &Picture) -> Result<(), String> {
+    fn show(comparison: &mut PictureComparison<'_>, index: usize, machine: &RgbPicture) -> Result<(), String> {
         comparison.frame(&Pictures { index, machine, exact: None })
     }
 

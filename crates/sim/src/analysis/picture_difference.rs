@@ -1,11 +1,11 @@
 //! Difference of two pictures in 8-bit steps.
 
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use basrelief_report::model::Difference;
 
 /// Returns the mean and the largest difference of the 8-bit values, over pixels that are covered in either picture. The pictures must
 /// have the same size.
-pub(crate) fn difference(exact: &Picture, other: &Picture) -> Difference {
+pub(crate) fn difference(exact: &RgbPicture, other: &RgbPicture) -> Difference {
     let (mut sum, mut values, mut largest) = (0_u64, 0_u64, 0);
     let covered = exact.covered.iter().zip(&other.covered).map(|(a, b)| *a || *b);
     for (_, (a, b)) in covered.zip(exact.rgb.iter().zip(&other.rgb)).filter(|(covered, _)| *covered) {
@@ -24,7 +24,7 @@ mod tests {
 
     #[test]
     fn only_covered_pixels_count() {
-        let mut exact = Picture::new(2, 2);
+        let mut exact = RgbPicture::new(2, 2);
         let mut other = exact.clone();
         assert_eq!(difference(&exact, &other), Difference { mean: 0.0, largest: 0 });
         exact.rgb = vec![[10, 20, 30], [0, 0, 0], [7, 7, 7], [9, 9, 9]];

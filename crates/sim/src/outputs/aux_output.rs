@@ -1,6 +1,6 @@
 //! Auxiliary output, as the observer receives it.
 
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use std::fmt;
 use std::io::{self, Write};
 
@@ -47,9 +47,9 @@ pub struct AuxOutput<'a> {
 /// AuxContent of an auxiliary output.
 pub enum AuxContent<'a> {
     /// A picture of a frame.
-    Picture(&'a Picture),
+    Picture(&'a RgbPicture),
     /// A picture with its file name.
-    NamedPicture(String, &'a Picture),
+    NamedPicture(String, &'a RgbPicture),
     /// Writes JSON lines.
     Lines(&'a dyn Fn(&mut dyn Write) -> io::Result<()>),
 }

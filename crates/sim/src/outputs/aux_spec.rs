@@ -2,7 +2,7 @@
 
 use super::aux_output::{AuxContent, AuxForm, AuxOutput, AuxOutputInfo};
 use crate::observer::Observer;
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use std::io::{self, Write};
 
 /// Auxiliary output of a machine with configuration `S` and log entries `L`.
@@ -18,7 +18,7 @@ enum OutputMaker<S, L> {
     /// A picture that the machine has finished.
     Round,
     /// A picture made from an entry of the log; `None` for other entries.
-    Picture(fn(&S, &L) -> Option<Picture>),
+    Picture(fn(&S, &L) -> Option<RgbPicture>),
     /// Lines made from an entry of the log and the number of its frame; no lines for other entries.
     Lines(LineWriter<L>),
 }
@@ -28,7 +28,7 @@ impl<S, L> AuxOutputSpec<S, L> {
         name: &'static str,
         form: AuxForm,
         about: &'static str,
-        make: fn(&S, &L) -> Option<Picture>,
+        make: fn(&S, &L) -> Option<RgbPicture>,
     ) -> Self {
         Self { info: AuxOutputInfo { name, about, form, judges: false }, make: OutputMaker::Picture(make) }
     }
@@ -71,7 +71,7 @@ impl<S, L> AuxOutputSpec<S, L> {
 pub(crate) fn show_round(
     info: AuxOutputInfo,
     [frame, round]: [u32; 2],
-    picture: &Picture,
+    picture: &RgbPicture,
     observer: &mut dyn Observer,
 ) -> Result<(), String> {
     let content = AuxContent::NamedPicture(round_name(info.name, frame, round), picture);

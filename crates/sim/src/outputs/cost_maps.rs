@@ -4,7 +4,7 @@ use super::aux_output::{AuxContent, AuxForm, AuxOutput, AuxOutputInfo};
 use super::heat_map::{HEAT, Ramp, Scale, heat_map, heat_maps};
 use crate::analysis::costs::{CostKind, Costs};
 use crate::observer::Observer;
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 
 /// Cost maps. They are made at the end of a run and sum all frames.
 pub const COST_PICTURES: [AuxOutputInfo; 5] = [
@@ -46,7 +46,7 @@ pub(crate) fn show(costs: &Costs, observer: &mut dyn Observer) -> Result<(), Str
     if costs.size().contains(&0) {
         return Ok(());
     }
-    let make: [fn(&Costs, &str) -> Option<Picture>; 5] = [cost, wait, overdraw, level, entry];
+    let make: [fn(&Costs, &str) -> Option<RgbPicture>; 5] = [cost, wait, overdraw, level, entry];
     let frames = if costs.frames > 1 { format!(", sum of {} frames", costs.frames) } else { String::new() };
     for (info, make) in COST_PICTURES.into_iter().zip(make) {
         if let Some(picture) = make(costs, &frames) {
@@ -57,14 +57,14 @@ pub(crate) fn show(costs: &Costs, observer: &mut dyn Observer) -> Result<(), Str
     Ok(())
 }
 
-fn cost(costs: &Costs, frames: &str) -> Option<Picture> {
+fn cost(costs: &Costs, frames: &str) -> Option<RgbPicture> {
     let values = costs.cycles_by_pixel(None);
     let (top, and_more) = top(&values);
     let title = format!("cycles per pixel of all units, busy and waiting{frames}");
     Some(heat_map(costs.size()[0], &values, &Scale { and_more, ..Scale::new(&title, top) }))
 }
 
-fn wait(costs: &Costs, frames: &str) -> Option<Picture> {
+fn wait(costs: &Costs, frames: &str) -> Option<RgbPicture> {
     let by_kind = WAITS.map(|(kind, ..)| costs.cycles_by_pixel(Some(kind)));
     let place = |place: usize| by_kind.each_ref().map(|values| values[place]);
     let values: Vec<f32> = (0..by_kind[0].len()).map(|at| place(at).iter().sum()).collect();
@@ -79,22 +79,22 @@ fn most(values: [f32; 3]) -> usize {
     (0..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best })
 }
 
-fn overdraw(costs: &Costs, frames: &str) -> Option<Picture> {
+fn overdraw(costs: &Costs, frames: &str) -> Option<RgbPicture> {
     whole(costs, &costs.overdraw(), &format!("fragments per pixel, including hidden ones{frames}"))
 }
 
 /// Returns `None` if all pixels have the finest level, because levels are then absent or unused.
-fn level(costs: &Costs, _: &str) -> Option<Picture> {
+fn level(costs: &Costs, _: &str) -> Option<RgbPicture> {
     let levels = costs.levels();
     levels.iter().any(|level| *level > 0.0).then(|| whole(costs, &levels, "MIP level, 0 is the finest"))?
 }
 
-fn entry(costs: &Costs, _: &str) -> Option<Picture> {
+fn entry(costs: &Costs, _: &str) -> Option<RgbPicture> {
     whole(costs, &costs.entries(), "entry of the table of reference normals of its level")
 }
 
 /// Draws whole numbers, with a scale from 0 to the largest. Returns `None` if no pixel has a value.
-fn whole(costs: &Costs, values: &[f32], title: &str) -> Option<Picture> {
+fn whole(costs: &Costs, values: &[f32], title: &str) -> Option<RgbPicture> {
     let most = values.iter().copied().filter(|value| !value.is_nan()).max_by(f32::total_cmp)?;
     let top = f64::from(most).max(1.0);
     let marks: Vec<f64> = if top <= 16.0 { (1..top as u32).map(f64::from).collect() } else { vec![(top / 2.0).floor()] };

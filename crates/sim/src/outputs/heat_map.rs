@@ -1,7 +1,7 @@
 //! Heat maps with a scale.
 
 use super::lettering::{ADVANCE, LINE, lines, set, write};
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 
 /// Height of a scale without its title \[pixels\]: bar, ticks and numbers.
 pub(super) const BAR_HEIGHT: u32 = 30;
@@ -45,14 +45,14 @@ impl<'a> Scale<'a> {
 }
 
 /// Draws values, row by row, and a scale below. NaN is background.
-pub(super) fn heat_map(width: u32, values: &[f32], scale: &Scale<'_>) -> Picture {
+pub(super) fn heat_map(width: u32, values: &[f32], scale: &Scale<'_>) -> RgbPicture {
     heat_maps(width, values, |_| 0, &[*scale])
 }
 
 /// Draws values, row by row, and several scales below. `which` returns the scale of a pixel by its index. NaN is background.
-pub(super) fn heat_maps(width: u32, values: &[f32], which: impl Fn(usize) -> usize, scales: &[Scale<'_>]) -> Picture {
+pub(super) fn heat_maps(width: u32, values: &[f32], which: impl Fn(usize) -> usize, scales: &[Scale<'_>]) -> RgbPicture {
     let height = values.len() as u32 / width.max(1);
-    let mut picture = Picture::new(width, height + scales.iter().map(|scale| scale.height(width)).sum::<u32>());
+    let mut picture = RgbPicture::new(width, height + scales.iter().map(|scale| scale.height(width)).sum::<u32>());
     for (place, value) in values.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
         let scale = &scales[which(place)];
         picture.rgb[place] = color(scale.colors, f64::from(*value) / scale.top);
@@ -78,7 +78,7 @@ fn color(colors: &Ramp, share: f64) -> [u8; 3] {
     std::array::from_fn(mix)
 }
 
-fn draw_scale(picture: &mut Picture, row: u32, scale: &Scale<'_>) {
+fn draw_scale(picture: &mut RgbPicture, row: u32, scale: &Scale<'_>) {
     let span = picture.width.saturating_sub(2 * MARGIN).max(1);
     for y in row..row + scale.height(picture.width) {
         (0..picture.width).for_each(|x| set(picture, x, y, GROUND));
@@ -155,7 +155,7 @@ mod tests {
         let titled = |width: u32, title| heat_map(width, &vec![1.0; width as usize], &Scale { title, ..bare(1.0) });
         assert_eq!(titled(120, "CYCLES").height, 1 + BAR_HEIGHT + LINE);
         assert_eq!(titled(120, "CYCLES OF ALL UNITS").height, 1 + BAR_HEIGHT + 2 * LINE);
-        let row_of_bar = |picture: &Picture| (1..picture.height).find(|y| picture.rgb[(y * 120 + 6) as usize] == HEAT[0]);
+        let row_of_bar = |picture: &RgbPicture| (1..picture.height).find(|y| picture.rgb[(y * 120 + 6) as usize] == HEAT[0]);
         assert_eq!(row_of_bar(&titled(120, "CYCLES")), Some(1 + LINE + 4));
     }
 

@@ -1,6 +1,6 @@
 //! Text in pictures.
 
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 
 /// Glyphs of three columns by five rows, with one octal digit per row.
 const GLYPHS: [(char, [u8; 5]); 44] = [
@@ -73,7 +73,7 @@ pub(super) fn lines(text: &str, width: u32) -> Vec<String> {
 }
 
 /// Writes a text in white capitals. Characters other than letters, digits and `.-_:,+()` are blanks.
-pub(super) fn write(picture: &mut Picture, start: u32, row: u32, text: &str) {
+pub(super) fn write(picture: &mut RgbPicture, start: u32, row: u32, text: &str) {
     for (k, letter) in (0..).zip(text.chars()) {
         let letter = letter.to_ascii_uppercase();
         let Some((_, glyph)) = GLYPHS.iter().find(|(known, _)| *known == letter) else { continue };
@@ -86,7 +86,7 @@ pub(super) fn write(picture: &mut Picture, start: u32, row: u32, text: &str) {
 }
 
 /// Draws a pixel. Pixels outside of the picture are ignored.
-pub(super) fn set(picture: &mut Picture, x: u32, y: u32, color: [u8; 3]) {
+pub(super) fn set(picture: &mut RgbPicture, x: u32, y: u32, color: [u8; 3]) {
     let place = y as usize * picture.width as usize + x as usize;
     if x < picture.width && place < picture.rgb.len() {
         picture.rgb[place] = color;
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn glyphs_are_distinct_and_unknown_characters_are_blank() {
         let drawn = |text: &str| {
-            let mut picture = Picture::new(20, HEIGHT);
+            let mut picture = RgbPicture::new(20, HEIGHT);
             write(&mut picture, 0, 0, text);
             picture.covered
         };

@@ -3,7 +3,7 @@
 use super::png::to_png;
 use basrelief_machines::MachineInfo;
 use basrelief_parameters::{Parameter, as_option};
-use basrelief_reference::{Picture, metrics};
+use basrelief_reference::{RgbPicture, metrics};
 use basrelief_report::Report;
 use basrelief_report::html::{Beside, PagePicture, ParameterRow};
 use serde_json::Value;
@@ -22,8 +22,8 @@ pub fn page_assets(report: &Report) -> Result<Beside, String> {
 ///
 /// # Errors
 /// Pictures of different sizes, and pictures that cannot be encoded.
-pub fn page_pictures(machine: &Picture, exact: Option<&Picture>) -> Result<Vec<PagePicture>, String> {
-    let made = |caption: &str, picture: &Picture, largest| -> Result<PagePicture, String> {
+pub fn page_pictures(machine: &RgbPicture, exact: Option<&RgbPicture>) -> Result<Vec<PagePicture>, String> {
+    let made = |caption: &str, picture: &RgbPicture, largest| -> Result<PagePicture, String> {
         Ok(PagePicture { caption: caption.into(), png: to_png(picture)?, largest })
     };
     let mut list = vec![made("The machine's picture", machine, None)?];

@@ -1,6 +1,6 @@
 //! PNG encoding.
 
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
@@ -10,7 +10,7 @@ use image::{ExtendedColorType, ImageEncoder};
 ///
 /// # Errors
 /// Pictures that the encoder rejects, such as one without pixels.
-pub fn to_png(picture: &Picture) -> Result<Vec<u8>, String> {
+pub fn to_png(picture: &RgbPicture) -> Result<Vec<u8>, String> {
     let mut png = Vec::new();
     PngEncoder::new(&mut png)
         .write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)

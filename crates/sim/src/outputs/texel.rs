@@ -5,7 +5,7 @@ use super::aux_spec::AuxOutputSpec;
 use super::heat_map::{Scale, heat_map};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::texel::{DisplacementMap, SpanRecord, TexelLog, TexelMachineConfig};
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use std::io::{self, Write};
 
 pub(crate) const AUX_OUTPUTS: &[AuxOutputSpec<TexelMachineConfig, TexelLog>] = &[
@@ -45,7 +45,7 @@ fn write_spans(frame: u32, spans: &[SpanRecord], out: &mut dyn Write) -> io::Res
 
 /// Draws the displacement of each visible pixel's texel as a heat map with a scale. The scale ends at the error bound \[pixels\], or at
 /// the largest displacement if that is larger; the bound is then marked. Pixels without a texture are background.
-fn displacement_picture(map: &DisplacementMap, error_bound: f64) -> Picture {
+fn displacement_picture(map: &DisplacementMap, error_bound: f64) -> RgbPicture {
     let largest = map.displacement.iter().copied().filter(|d| !d.is_nan()).fold(0.0, f32::max);
     let top = f64::from(largest).max(error_bound);
     let marks: &[f64] = if top > error_bound { &[error_bound] } else { &[] };
@@ -55,10 +55,10 @@ fn displacement_picture(map: &DisplacementMap, error_bound: f64) -> Picture {
 
 /// Draws the machine's picture in dark grey, and every visible pixel with divided coordinates in yellow: ends of spans, and division
 /// points.
-fn divisions_picture(frame: &FinishedFrame, map: &DisplacementMap) -> Picture {
+fn divisions_picture(frame: &FinishedFrame, map: &DisplacementMap) -> RgbPicture {
     const POINT: [u8; 3] = [255, 225, 40];
     let FinishedFrame { width, height, rgb, covered, .. } = frame.clone();
-    let mut drawn = Picture { width, height, rgb, covered };
+    let mut drawn = RgbPicture { width, height, rgb, covered };
     for (rgb, divided) in drawn.rgb.iter_mut().zip(&map.divided) {
         let [r, g, b] = rgb.map(u16::from);
         *rgb = if *divided { POINT } else { [((r + 2 * g + b) / 8) as u8; 3] };

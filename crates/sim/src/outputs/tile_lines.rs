@@ -73,7 +73,7 @@ pub(super) fn write_tiles(frame: u32, tiles: &[TileRecord], out: &mut dyn Write)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_deferred_renderer::{Cell, PyramidCut, TexturePage};
+    use basrelief_deferred_renderer::{PyramidCut, ReferenceCell, TexturePage};
     use basrelief_signals::{Image, Sampler, Texture};
     use std::sync::Arc;
 
@@ -84,7 +84,11 @@ mod tests {
     }
 
     fn buffer(frame: u32) -> FilledBuffer {
-        let cells = vec![Cell::textured(0, [1.5, 2.25], 0.5, [255; 3]), Cell::direct([1, 2, 3]), Cell::default()];
+        let cells = vec![
+            ReferenceCell::textured(0, [1.5, 2.25], 0.5, [255; 3]),
+            ReferenceCell::direct([1, 2, 3]),
+            ReferenceCell::default(),
+        ];
         FilledBuffer { frame, width: 3, height: 1, pages: vec![page()], cells }
     }
 

@@ -2,17 +2,17 @@
 
 use super::heat_map::{Scale, heat_map};
 use super::lettering::{ADVANCE, LINE, set, write};
-use basrelief_deferred_renderer::{Cell, FilledBuffer, PyramidLayer, TexturePage, TileList, TileState};
-use basrelief_reference::Picture;
+use basrelief_deferred_renderer::{FilledBuffer, PyramidLayer, ReferenceCell, TexturePage, TileList, TileState};
+use basrelief_reference::RgbPicture;
 use std::sync::Arc;
 
 /// Colour of pixels without a texture.
 const DIRECT: [u8; 3] = [128; 3];
 
 /// Draws the layer depth of each pixel as a heat map, from layer 0 to the finest layer of the scene. Pixels without a texture are grey.
-pub(super) fn layer_depth_picture(filled: &FilledBuffer) -> Picture {
+pub(super) fn layer_depth_picture(filled: &FilledBuffer) -> RgbPicture {
     let deepest = filled.pages.iter().map(|p| p.dmax()).max().unwrap_or(0).max(1);
-    let depth = |cell: &Cell| if cell.page().is_some() { cell.depth } else { f32::NAN };
+    let depth = |cell: &ReferenceCell| if cell.page().is_some() { cell.depth } else { f32::NAN };
     let depths: Vec<f32> = filled.cells.iter().map(depth).collect();
     let between: Vec<f64> = (1..deepest).map(f64::from).collect();
     let title = "layer of the pyramid, 0 is the coarsest, grey: no texture";
@@ -83,13 +83,13 @@ fn places(sizes: &[[u32; 2]]) -> (Vec<[u32; 2]>, [u32; 2]) {
 
 /// Draws the tile load lists (136) at the end of a run. Each texture has a title with number, name and size, and its numbered layers from
 /// the coarsest on the left to the finest. Grey is N, yellow is L, green is E. Tiles beyond the maximum size are omitted.
-pub(super) fn tile_map_picture(lists: &[(Arc<TexturePage>, TileList)]) -> Picture {
+pub(super) fn tile_map_picture(lists: &[(Arc<TexturePage>, TileList)]) -> RgbPicture {
     let sizes: Vec<_> = lists.iter().map(|(page, _)| size_of(page)).collect();
     let (places, [width, height]) = places(&sizes);
     // Legend below the map.
     let least = 3 * (TILE_SIDE + 3 * ADVANCE) + GAP;
     let size = [width.max(least).saturating_add(GAP), height.saturating_add(GAP + LINE)].map(|n| n.min(MAX_SIDE));
-    let mut picture = Picture::new(size[0], size[1]);
+    let mut picture = RgbPicture::new(size[0], size[1]);
     picture.rgb.fill([32; 3]);
     picture.covered.fill(true);
     for ((page, list), [left, top]) in lists.iter().zip(places) {
@@ -104,7 +104,7 @@ pub(super) fn tile_map_picture(lists: &[(Arc<TexturePage>, TileList)]) -> Pictur
 }
 
 /// Draws a texture.
-fn draw(picture: &mut Picture, page: &TexturePage, list: &TileList, [left, top]: [u32; 2]) {
+fn draw(picture: &mut RgbPicture, page: &TexturePage, list: &TileList, [left, top]: [u32; 2]) {
     if top >= picture.height {
         return;
     }
@@ -121,7 +121,7 @@ fn draw(picture: &mut Picture, page: &TexturePage, list: &TileList, [left, top]:
 }
 
 /// Draws a tile of the map.
-fn fill(picture: &mut Picture, [left, top]: [u32; 2], colour: [u8; 3]) {
+fn fill(picture: &mut RgbPicture, [left, top]: [u32; 2], colour: [u8; 3]) {
     if left < picture.width && top < picture.height {
         let side = 0..TILE_SIDE - 1;
         side.clone().flat_map(|y| side.clone().map(move |x| (x, y))).for_each(|(x, y)| set(picture, left + x, top + y, colour));
@@ -143,10 +143,10 @@ mod tests {
 
     #[test]
     fn layer_depth_has_a_scale_and_direct_colours_are_grey() {
-        let mut cells = vec![Cell::default(); 200];
-        cells[0] = Cell::textured(0, [1.5, 2.25], 0.0, [255; 3]);
-        cells[1] = Cell::textured(0, [1.5, 2.25], 2.0, [255; 3]);
-        cells[2] = Cell::direct([1, 2, 3]);
+        let mut cells = vec![ReferenceCell::default(); 200];
+        cells[0] = ReferenceCell::textured(0, [1.5, 2.25], 0.0, [255; 3]);
+        cells[1] = ReferenceCell::textured(0, [1.5, 2.25], 2.0, [255; 3]);
+        cells[2] = ReferenceCell::direct([1, 2, 3]);
         let pages = vec![page([200, 60])];
         let picture = layer_depth_picture(&FilledBuffer { frame: 0, width: 100, height: 2, pages, cells });
         assert_eq!(picture.covered[..4], [true, true, true, false]);

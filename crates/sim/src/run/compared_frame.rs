@@ -1,7 +1,7 @@
 //! Comparison of a finished frame with its exact picture, on a background thread.
 
 use super::exact::ExactPicture;
-use basrelief_reference::{Picture, Quality, SizeMismatch};
+use basrelief_reference::{QualityMetrics, RgbPicture, SizeMismatch};
 use basrelief_report::model::Difference;
 use basrelief_threads::Later;
 use sha2::{Digest as _, Sha256};
@@ -10,16 +10,16 @@ use std::sync::Arc;
 /// A finished frame with its comparison.
 pub(crate) struct ComparedFrame {
     pub(crate) index: usize,
-    pub(crate) machine: Picture,
+    pub(crate) machine: RgbPicture,
     /// SHA-256 of the RGB8 rows, top row first.
     pub(crate) digest: String,
-    pub(crate) exact: Option<(Arc<Picture>, Quality, Difference)>,
+    pub(crate) exact: Option<(Arc<RgbPicture>, QualityMetrics, Difference)>,
 }
 
 /// Compares a frame while the machine continues.
 pub(crate) fn compare_frame(
     index: usize,
-    machine: Picture,
+    machine: RgbPicture,
     exact: Option<ExactPicture>,
 ) -> Later<Result<ComparedFrame, SizeMismatch>> {
     Later::start(move || {
@@ -28,7 +28,7 @@ pub(crate) fn compare_frame(
     })
 }
 
-fn digest(picture: &Picture) -> String {
+fn digest(picture: &RgbPicture) -> String {
     let mut hash = Sha256::new();
     hash.update(picture.rgb.as_flattened());
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()

@@ -2,7 +2,7 @@
 
 use super::trace_tap::TraceNotes;
 use crate::prepared::{self, PreparedScene};
-use basrelief_reference::{Picture, Quality, SizeMismatch, Style};
+use basrelief_reference::{QualityMetrics, RenderStyle, RgbPicture, SizeMismatch};
 use basrelief_report::model::Difference;
 use basrelief_threads::Later;
 use std::cell::RefCell;
@@ -22,21 +22,21 @@ pub(crate) enum ExactSource {
 /// ExactSource pictures of a scene. The next one is already being drawn.
 pub(crate) struct SceneExact {
     prepared: PreparedScene,
-    style: Style,
-    next: Option<Later<Arc<Picture>>>,
+    style: RenderStyle,
+    next: Option<Later<Arc<RgbPicture>>>,
 }
 
 impl SceneExact {
-    pub(crate) fn new(prepared: &PreparedScene, style: Style) -> Self {
+    pub(crate) fn new(prepared: &PreparedScene, style: RenderStyle) -> Self {
         Self { prepared: prepared.clone(), style, next: prepared.exact(style, 0) }
     }
 }
 
 /// ExactSource picture of a frame.
 pub(crate) struct ExactPicture {
-    picture: Later<Arc<Picture>>,
+    picture: Later<Arc<RgbPicture>>,
     /// Scene, style and frame, if the scene may have cached the comparison.
-    cached: Option<(PreparedScene, Style, usize)>,
+    cached: Option<(PreparedScene, RenderStyle, usize)>,
 }
 
 impl ExactSource {
@@ -61,7 +61,7 @@ impl ExactPicture {
     ///
     /// # Errors
     /// Pictures of different sizes.
-    pub(crate) fn compare(self, machine: &Picture) -> Result<(Arc<Picture>, Quality, Difference), SizeMismatch> {
+    pub(crate) fn compare(self, machine: &RgbPicture) -> Result<(Arc<RgbPicture>, QualityMetrics, Difference), SizeMismatch> {
         let exact = self.picture.get();
         let (quality, difference) = match self.cached {
             Some((prepared, style, index)) => prepared.compare(style, index, &exact, machine)?,

@@ -17,7 +17,7 @@ use basrelief_input::{Held, OverBudget};
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
 use basrelief_machines::{InputKind, LoggingMachine, PictureRecord, UnitStats};
-use basrelief_reference::{Picture, Quality, SizeMismatch};
+use basrelief_reference::{QualityMetrics, RgbPicture, SizeMismatch};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_signals::{Camera, Frame};
 use basrelief_threads::{self as threads, Later};
@@ -66,12 +66,12 @@ pub(crate) struct Session<'a> {
     /// Frames that are being compared, or whose comparison has not been collected.
     comparing: VecDeque<Later<Result<ComparedFrame, SizeMismatch>>>,
     images: Vec<String>,
-    quality: Vec<Quality>,
+    quality: Vec<QualityMetrics>,
     difference: Option<Difference>,
     /// Maximum number of frames in comparison while the next frame is drawn.
     pub(crate) max_comparing: usize,
     /// Pictures that a better picture of the same frame follows.
-    rounds: Vec<(u32, Picture)>,
+    rounds: Vec<(u32, RgbPicture)>,
     shown: Vec<PictureRecord>,
     failed: Option<String>,
     /// Memory of finished frames.

@@ -4,7 +4,7 @@
 use super::memory_estimates;
 use crate::options::RunOptions;
 use basrelief_input::{Budget, Held};
-use basrelief_reference::{Picture, PolygonRenderer, Style};
+use basrelief_reference::{PolygonRenderer, RenderStyle, RgbPicture};
 use basrelief_signals::{Control, Frame};
 use basrelief_trace::{BeginCommand, CanonicalHash, Digest, ExpectedResults, TextureFiles, TraceError, TraceResolver};
 use std::cell::RefCell;
@@ -19,7 +19,7 @@ pub(crate) struct TraceNotes {
     /// Number of commands so far.
     pub(crate) commands: u64,
     /// Exact pictures of passed frames that have not been fetched yet.
-    pub(crate) exact: VecDeque<(Picture, Held)>,
+    pub(crate) exact: VecDeque<(RgbPicture, Held)>,
     /// The last frame so far.
     pub(crate) frame: Option<Arc<Frame>>,
     /// Hash of all commands; `None` until the end.
@@ -44,7 +44,7 @@ pub(crate) struct TraceTap<R: Read, F> {
 impl<R: Read, F: TextureFiles> TraceTap<R, F> {
     pub(crate) fn new(
         resolver: TraceResolver<R, F>,
-        exact: Option<Style>,
+        exact: Option<RenderStyle>,
         seen: Rc<RefCell<TraceNotes>>,
         settings: &RunOptions,
     ) -> Self {

@@ -12,7 +12,7 @@ use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::stats::FigureValue;
 use basrelief_kernel::{self as kernel, Cause, Cycle, Limits, Netlist, Outcome, Probe};
 use basrelief_machines::defer::RunAhead;
-use basrelief_machines::{BoxedDraws, Draws as _, LoggingMachine as _, MachineSpec, SceneFront};
+use basrelief_machines::{BoxedDraws, LoggingMachine as _, MachineSpec, PictureMachine as _, SceneFront};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! The partial image between two images of the device, updated as tiles arrive.
 
 use basrelief_deferred_renderer::{FilledBuffer, PicturePreview, TexturePage};
-use basrelief_reference::Picture;
+use basrelief_reference::RgbPicture;
 use basrelief_sim::to_png;
 use serde::Serialize;
 use std::mem;
@@ -112,6 +112,6 @@ impl PreviewRender {
         let FilledBuffer { width, height, .. } = *self.filled;
         let pixels = self.preview.picture(&self.filled);
         let rgb = pixels.iter().map(|pixel| pixel.unwrap_or_default()).collect();
-        to_png(&Picture { width, height, rgb, covered: pixels.iter().map(Option::is_some).collect() })
+        to_png(&RgbPicture { width, height, rgb, covered: pixels.iter().map(Option::is_some).collect() })
     }
 }

@@ -1,7 +1,7 @@
 //! A compressed scene. Its uncompressed size counts against the memory limit before it is allocated.
 
 use basrelief_input::{Budget, Held};
-use basrelief_scene::Subject;
+use basrelief_scene::SceneSubject;
 use fdeflate::{DecompressionError, Decompressor};
 use miniz_oxide::deflate;
 
@@ -19,10 +19,10 @@ pub fn pack(scene: &[u8]) -> Vec<u8> {
 ///
 /// # Errors
 /// Damaged data, or more than the memory limit. The message begins with `name`.
-pub fn unpack(packed: &[u8], name: &str, budget: &Budget) -> Result<(Subject, Held), String> {
+pub fn unpack(packed: &[u8], name: &str, budget: &Budget) -> Result<(SceneSubject, Held), String> {
     let failed = |e| format!("{name}: no scene: {e}; is `basrelief serve` running there?");
     let (bytes, _held) = unpacked(packed, budget).map_err(failed)?;
-    Subject::from_bytes(&bytes, name, budget).map_err(|e| e.to_string())
+    SceneSubject::from_bytes(&bytes, name, budget).map_err(|e| e.to_string())
 }
 
 /// Decompresses bytes.
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn packed_scene_unpacks_unchanged() {
-        let subject = Subject::demo("cut-plane@1").unwrap();
+        let subject = SceneSubject::demo("cut-plane@1").unwrap();
         let sent = subject.to_bytes(&mut crate::protocol::hash_of_picture).unwrap();
         let (again, _held) = unpack(&pack(&sent), "http://a/scene", &Budget::default()).unwrap();
         assert!(again.to_bytes(&mut |texture| texture.elsewhere.unwrap()).unwrap() == sent);

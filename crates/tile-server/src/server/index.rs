@@ -1,14 +1,14 @@
 //! The page at `/served`: a list of the pictures and the commands to view the scene.
 
 use crate::protocol::{hash_of_picture, hex};
-use basrelief_scene::Subject;
+use basrelief_scene::SceneSubject;
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
 /// Returns the page. It uses no scripts and no external resources, and links to the viewer or names the command that builds it.
-pub fn index_page(subject: &Subject, textures: &[Arc<Texture>], has_viewer: bool) -> String {
+pub fn index_page(subject: &SceneSubject, textures: &[Arc<Texture>], has_viewer: bool) -> String {
     let name = escaped(subject.name());
     let pictures: BTreeMap<String, &Arc<Texture>> = textures.iter().map(|t| (hex(&hash_of_picture(t)), t)).collect();
     let mut rows = String::new();

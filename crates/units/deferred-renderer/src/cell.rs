@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Contents of a pixel of the reference buffer (126). Its numbers are exactly representable in its fields.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
+pub struct ReferenceCell {
     /// Texture page pointer (310), or one of the two constants below.
     page: u16,
     /// Brightness coefficients IR IG IB (316), or R G B (303) in steps of 1 / 255.
@@ -25,13 +25,13 @@ const EMPTY: u16 = u16::MAX;
 /// Page pointer of a direct colour: field (301) is 0.
 const DIRECT: u16 = u16::MAX - 1;
 
-impl Default for Cell {
+impl Default for ReferenceCell {
     fn default() -> Self {
         Self { page: EMPTY, coefficients: [0; 3], coordinates: [0.0; 2], depth: 0.0, wrap: [WrapMode::Repeat; 2] }
     }
 }
 
-impl Cell {
+impl ReferenceCell {
     /// Creates the cell of Figure 3A: direct colour, already multiplied by its brightness.
     #[inline]
     pub fn direct(rgb: [u8; 3]) -> Self {
@@ -149,16 +149,16 @@ impl CellFormat {
 
     /// Creates the cell of a textured pixel: coordinates \[texels of the finest layer\], layer depth, brightness per channel.
     #[inline]
-    pub fn textured(&self, page: &TexturePage, st: [f32; 2], depth: f32, brightness: [f32; 3]) -> Cell {
+    pub fn textured(&self, page: &TexturePage, st: [f32; 2], depth: f32, brightness: [f32; 3]) -> ReferenceCell {
         let scale = self.full / self.range;
         let stored = brightness.map(|b| (b * scale + 0.5).clamp(0.0, self.full) as u16);
         let depth = self.depth.apply(depth).clamp(0.0, f32::from(page.dmax()));
-        Cell::textured(page.number, st.map(|s| self.coordinate.apply(s)), depth, stored)
+        ReferenceCell::textured(page.number, st.map(|s| self.coordinate.apply(s)), depth, stored)
     }
 
     /// Returns the factor of a texel per channel.
     #[inline]
-    pub fn brightness(&self, cell: &Cell) -> [f32; 3] {
+    pub fn brightness(&self, cell: &ReferenceCell) -> [f32; 3] {
         let scale = self.range / self.full;
         cell.coefficients.map(|c| f32::from(c) * scale)
     }

@@ -1,6 +1,6 @@
 //! Initial rasterization (454): computes the texture needs of each pixel.
 
-use crate::Cell;
+use crate::ReferenceCell;
 use crate::cell::{CellFormat, layer_depth, most_pages};
 use crate::cell_work::CellWork;
 use crate::config::{CellConfig, EngineConfig, LightingMode, WrapOverride};
@@ -62,7 +62,7 @@ pub struct CellsState {
 /// frame declares (452), one after the other, or for an undeclared picture when a polygon first uses it. Textures with the same
 /// picture under several samplers share a page, because the wrap mode belongs to the cell.
 #[derive(Clone, Debug)]
-pub struct Cells {
+pub struct CellUnit {
     /// Parameters.
     pub config: EngineConfig,
     format: CellFormat,
@@ -81,7 +81,7 @@ pub fn brightness_range(lighting: LightingMode) -> f32 {
     if lighting == LightingMode::Gouraud { 2.0 } else { 1.0 }
 }
 
-impl Cells {
+impl CellUnit {
     /// Creates the unit in its power-on state.
     pub fn new(
         (config, operators): (EngineConfig, Operators),
@@ -203,7 +203,7 @@ impl Cells {
                 }
                 None => {
                     counters.direct += 1;
-                    Cell::direct(saturated(colour))
+                    ReferenceCell::direct(saturated(colour))
                 }
             };
             cells.push(PlacedCell { x: f.x, y: f.y, cell });
@@ -212,7 +212,7 @@ impl Cells {
     }
 }
 
-impl Unit for Cells {
+impl Unit for CellUnit {
     basrelief_kernel::unit_info!("texture, coordinates, layer depth, brightness of a pixel; sets pages (132) up");
     type In = Option<Flow<Stamp<Fragment>>>;
     type Out = Option<CellFlow>;

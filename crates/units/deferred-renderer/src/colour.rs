@@ -1,6 +1,6 @@
 //! Colour of a pixel: the layers that it is computed from (Figures 7A and 7B), and its value.
 
-use crate::Cell;
+use crate::ReferenceCell;
 use crate::cell::CellFormat;
 use crate::identification::layers_of;
 use crate::page::{AxisTap, WrappedCoordinates};
@@ -22,7 +22,7 @@ pub struct LayerChoice {
 
 /// Returns the layers by Figure 7A, with all tiles present.
 #[inline]
-pub fn best(texels: &PageTexels, cell: &Cell) -> LayerChoice {
+pub fn best(texels: &PageTexels, cell: &ReferenceCell) -> LayerChoice {
     let (coarse, fraction, fine) = layers_of(&texels.page, cell);
     LayerChoice { lower: coarse, upper: fine.map(|f| (f, fraction)), improve: None, words: 0 }
 }
@@ -31,7 +31,7 @@ pub fn best(texels: &PageTexels, cell: &Cell) -> LayerChoice {
 /// search starts at D_L, because the text would fetch a layer of weight zero.) Returns `None` if not even the top tile is
 /// present. A word of the tile load list (136) has `entries` entries.
 #[inline]
-pub fn progressive(texels: &PageTexels, cell: &Cell, placed: WrappedCoordinates, entries: u32) -> Option<LayerChoice> {
+pub fn progressive(texels: &PageTexels, cell: &ReferenceCell, placed: WrappedCoordinates, entries: u32) -> Option<LayerChoice> {
     let (coarse, fraction, fine) = layers_of(&texels.page, cell);
     let wished = fine.unwrap_or(coarse);
     let mut words = 0;
@@ -80,7 +80,7 @@ pub fn sample(texels: &PageTexels, choice: &LayerChoice, placed: WrappedCoordina
 
 /// Computes the product of texel and brightness coefficients, in 8 bits.
 #[inline]
-pub fn shaded(format: &CellFormat, cell: &Cell, colour: [f32; 4]) -> [u8; 3] {
+pub fn shaded(format: &CellFormat, cell: &ReferenceCell, colour: [f32; 4]) -> [u8; 3] {
     let brightness = format.brightness(cell);
     saturated([0, 1, 2].map(|c| colour[c] * brightness[c] * (1.0 / 255.0)))
 }

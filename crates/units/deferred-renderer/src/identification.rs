@@ -3,7 +3,7 @@
 use crate::cell::split_depth;
 use crate::config::EngineConfig;
 use crate::tokens::{CellBlock, MarkFlow, PassFlow, TileMark, TileMarks};
-use crate::{Cell, TableSizes, TexturePage, interpolators};
+use crate::{ReferenceCell, TableSizes, TexturePage, interpolators};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::Frame;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Returns the layers of a cell's interpolation: D_L, D_f, and D_G = D_L + 1 if D_f is above 0.
 #[inline]
-pub fn layers_of(page: &TexturePage, cell: &Cell) -> (u8, f32, Option<u8>) {
+pub fn layers_of(page: &TexturePage, cell: &ReferenceCell) -> (u8, f32, Option<u8>) {
     let (coarse, fraction) = split_depth(cell.depth, page.dmax());
     (coarse, fraction, (fraction > 0.0).then_some(coarse + 1))
 }

@@ -4,7 +4,7 @@ use crate::cell::CellFormat;
 use crate::colour::{progressive, sample, shaded};
 use crate::encoding::TileEncoding;
 use crate::texels::PageTexels;
-use crate::{Cell, FilledBuffer, TexturePage};
+use crate::{FilledBuffer, ReferenceCell, TexturePage};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ impl PicturePreview {
         filled.cells.iter().map(|cell| self.colour(cell)).collect()
     }
 
-    fn colour(&self, cell: &Cell) -> Option<[u8; 3]> {
+    fn colour(&self, cell: &ReferenceCell) -> Option<[u8; 3]> {
         let Some(page) = cell.page() else { return cell.is_drawn().then(|| cell.rgb()) };
         let texels = self.pages.get(&page)?;
         let placed = texels.page.placed(cell.coordinates, cell.wrap);

@@ -2,7 +2,7 @@
 
 use crate::config::{EngineConfig, RenderMode};
 use crate::tokens::{CellBlock, CellFlow, PassFlow, PassRound, PlacedCell};
-use crate::{Cell, TableSizes, TexturePage};
+use crate::{ReferenceCell, TableSizes, TexturePage};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_shading::{BLOCK, pixel_offset};
@@ -16,7 +16,7 @@ const BLOCK_CELLS: usize = 16;
 
 /// Phase of the reference buffer within a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-enum Phase {
+enum BufferPhase {
     /// Receives cells (454), up to the end of the frame.
     #[default]
     Fill,
@@ -44,7 +44,7 @@ pub struct FilledBuffer {
     /// All pages so far, by number.
     pub pages: Vec<Arc<TexturePage>>,
     /// Cells, row by row.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<ReferenceCell>,
 }
 
 /// Observer of a real path. The model has none.
@@ -67,11 +67,11 @@ pub struct ReferenceBufferCounters {
 /// State of the reference buffer (126) between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceBufferState {
-    phase: Phase,
+    phase: BufferPhase,
     /// Frame that fills the buffer.
     pub frame: Option<Arc<Frame>>,
     /// Cells, block by block.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<ReferenceCell>,
     /// Pages so far, by number.
     pub pages: Vec<Arc<TexturePage>>,
     /// Blocks that gather writes.
@@ -126,7 +126,7 @@ impl ReferenceBuffer {
         let room = if layout::fits(frame.width, frame.height) { [frame.width, frame.height] } else { [0, 0] };
         let blocks = room.map(|n| n.div_ceil(BLOCK) as usize);
         self.state.cells.clear();
-        self.state.cells.resize(blocks[0] * blocks[1] * BLOCK_CELLS, Cell::default());
+        self.state.cells.resize(blocks[0] * blocks[1] * BLOCK_CELLS, ReferenceCell::default());
         self.state.frame = Some(Arc::clone(frame));
         self.state.lines = GatheredLines::default();
     }
@@ -186,7 +186,7 @@ impl ReferenceBuffer {
         if self.state.lines.is_empty() {
             return self.end_of_fill();
         }
-        self.state.phase = Phase::Flush;
+        self.state.phase = BufferPhase::Flush;
         Step::after(self.config.latency.into(), (None, None))
     }
 
@@ -201,10 +201,10 @@ impl ReferenceBuffer {
         }
         if self.mode == RenderMode::Best {
             self.state.counters.passes += 1;
-            self.state.phase = Phase::Identify(0);
+            self.state.phase = BufferPhase::Identify(0);
             Step::after(latency, (None, None))
         } else {
-            self.state.phase = Phase::Begin;
+            self.state.phase = BufferPhase::Begin;
             Step::after(latency, (Some(PassFlow::End), None))
         }
     }
@@ -212,7 +212,7 @@ impl ReferenceBuffer {
     /// Reads one block.
     #[inline]
     fn read(&mut self, block: usize, traffic: &mut MemoryPorts) -> Option<CellBlock> {
-        let cells: &[Cell; BLOCK_CELLS] = self.state.cells[block * BLOCK_CELLS..].first_chunk()?;
+        let cells: &[ReferenceCell; BLOCK_CELLS] = self.state.cells[block * BLOCK_CELLS..].first_chunk()?;
         let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
         traffic.read(0, block as u64 * u64::from(bytes), bytes);
         self.state.counters.read += BLOCK_CELLS as u64;
@@ -225,7 +225,7 @@ impl ReferenceBuffer {
     /// Returns the next block of a pass, or its end, with the cycles, and true at the end.
     #[inline]
     fn pass(&mut self, block: usize, traffic: &mut MemoryPorts) -> (Option<PassFlow>, u64, bool) {
-        let wants_all = matches!(self.state.phase, Phase::Colour(_));
+        let wants_all = matches!(self.state.phase, BufferPhase::Colour(_));
         if (block + 1) * BLOCK_CELLS > self.state.cells.len() {
             return (Some(PassFlow::End), 1, true);
         }
@@ -243,9 +243,9 @@ impl Unit for ReferenceBuffer {
     #[inline]
     fn demand(&self) -> Demand {
         match self.state.phase {
-            Phase::Fill => Demand::Only(0),
-            Phase::Wait => Demand::Only(1),
-            Phase::Flush | Phase::Identify(_) | Phase::Begin | Phase::Colour(_) => Demand::Nothing,
+            BufferPhase::Fill => Demand::Only(0),
+            BufferPhase::Wait => Demand::Only(1),
+            BufferPhase::Flush | BufferPhase::Identify(_) | BufferPhase::Begin | BufferPhase::Colour(_) => Demand::Nothing,
         }
     }
 
@@ -253,28 +253,28 @@ impl Unit for ReferenceBuffer {
     fn step(&mut self, (cells, round): Self::In, traffic: &mut MemoryPorts) -> Step<Out> {
         let latency = u64::from(self.config.latency);
         match self.state.phase {
-            Phase::Fill => match cells {
+            BufferPhase::Fill => match cells {
                 Some(token) => self.fill(token, traffic),
                 None => Step::after(latency, (None, None)),
             },
-            Phase::Flush => self.flush(traffic),
-            Phase::Identify(block) => {
+            BufferPhase::Flush => self.flush(traffic),
+            BufferPhase::Identify(block) => {
                 let (token, cycles, end) = self.pass(block, traffic);
-                self.state.phase = if end { Phase::Begin } else { Phase::Identify(block + 1) };
+                self.state.phase = if end { BufferPhase::Begin } else { BufferPhase::Identify(block + 1) };
                 Step::after(latency, (token, None)).busy(cycles)
             }
-            Phase::Begin => {
+            BufferPhase::Begin => {
                 self.state.counters.passes += 1;
-                self.state.phase = Phase::Colour(0);
+                self.state.phase = BufferPhase::Colour(0);
                 Step::after(latency, (None, Some(PassFlow::Begin)))
             }
-            Phase::Colour(block) => {
+            BufferPhase::Colour(block) => {
                 let (token, cycles, end) = self.pass(block, traffic);
-                self.state.phase = if end { Phase::Wait } else { Phase::Colour(block + 1) };
+                self.state.phase = if end { BufferPhase::Wait } else { BufferPhase::Colour(block + 1) };
                 Step::after(latency, (None, token)).busy(cycles)
             }
-            Phase::Wait => {
-                self.state.phase = if round == Some(PassRound::Again) { Phase::Begin } else { Phase::Fill };
+            BufferPhase::Wait => {
+                self.state.phase = if round == Some(PassRound::Again) { BufferPhase::Begin } else { BufferPhase::Fill };
                 Step::after(latency, (None, None))
             }
         }
@@ -286,7 +286,7 @@ impl Unit for ReferenceBuffer {
     }
 
     fn is_empty(&self) -> bool {
-        self.state.phase == Phase::Fill
+        self.state.phase == BufferPhase::Fill
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

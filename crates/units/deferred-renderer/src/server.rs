@@ -102,7 +102,7 @@ pub struct ConventionalLoad {
 
 /// Phase of the server within a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-enum Phase {
+enum ServerPhase {
     /// Sends polygons and sizes of textures (451, 452), up to the end of the frame.
     #[default]
     Polygons,
@@ -130,7 +130,7 @@ pub struct ServerCounters {
 /// State of the server between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ServerState {
-    phase: Phase,
+    phase: ServerPhase,
     /// Frames sent.
     pub frames: u64,
     /// Polygon memory (112).
@@ -155,7 +155,7 @@ pub struct ServerState {
 ///
 /// After an unavailable tile the server sends nothing. The device finishes its received work, and then stops.
 #[derive(Debug)]
-pub struct Server {
+pub struct TileServer {
     /// Parameters.
     pub config: PathConfig,
     lighting: LightingMode,
@@ -164,7 +164,7 @@ pub struct Server {
     pub state: ServerState,
 }
 
-impl Server {
+impl TileServer {
     /// Creates a server that takes its tiles from `source`. Normals travel only if the device lights surfaces.
     pub fn new(config: PathConfig, lighting: LightingMode, source: Box<dyn TileSource>) -> Self {
         Self { config, lighting, source, state: ServerState::default() }
@@ -212,7 +212,7 @@ impl Server {
             }
             Control::FrameEnd => {
                 self.state.frames += 1;
-                self.state.phase = Phase::Tiles;
+                self.state.phase = ServerPhase::Tiles;
             }
             Control::Object(object) => bytes = self.state.polygons.object(object, (&self.config, self.lighting)),
             Control::CodeBook(_) | Control::Criterion(_) => {}
@@ -238,7 +238,7 @@ impl Server {
                 None
             }
             TileRequest::End => {
-                self.state.phase = Phase::Shown;
+                self.state.phase = ServerPhase::Shown;
                 None
             }
             TileRequest::Tile(page, tile) => match self.source.tile(page, *tile) {
@@ -261,7 +261,7 @@ impl Server {
     }
 }
 
-impl Unit for Server {
+impl Unit for TileServer {
     basrelief_kernel::unit_info!("has polygons (112) and textures (114); sends tiles on request");
     type In = (Option<Control>, Option<TileRequest>, Option<()>);
     type Out = Option<TileResponse>;
@@ -276,14 +276,14 @@ impl Unit for Server {
             *self.state.offered = Some(());
         }
         if shown.is_some() {
-            self.state.phase = Phase::Polygons;
+            self.state.phase = ServerPhase::Polygons;
         }
         let parcel = control.map(|c| self.mesh(c)).or_else(|| self.answer(&request?));
         Step::after(0, parcel)
     }
 
     fn is_empty(&self) -> bool {
-        self.state.phase == Phase::Polygons
+        self.state.phase == ServerPhase::Polygons
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -31,7 +31,7 @@ struct ListedPage {
 
 /// Phase of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-enum Phase {
+enum ListPhase {
     /// Receives pages and marks of the identification (461), up to its end.
     #[default]
     Identified,
@@ -66,7 +66,7 @@ pub struct ViewTiles {
 /// State of the lists between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TileListsState {
-    phase: Phase,
+    phase: ListPhase,
     pages: Vec<ListedPage>,
     /// Tiles to be acquired, in order: page and tile.
     pub plan: VecDeque<(u16, AcquiredTile)>,
@@ -199,7 +199,7 @@ impl TileLists {
             self.mark_layers();
         }
         let cycles = self.acquire();
-        self.state.phase = Phase::Acquire;
+        self.state.phase = ListPhase::Acquire;
         (cycles, (self.announcement(), None, None))
     }
 
@@ -209,15 +209,15 @@ impl TileLists {
         self.state.pictures += 1;
         let is_left = self.state.views.last().is_some_and(|view| view.is_left);
         if is_left || self.leaving.is_behind(self.state.pictures) {
-            self.state.phase = Phase::Identified;
+            self.state.phase = ListPhase::Identified;
             return (1, (Some(TileRequest::End), None, Some(PassRound::Done)));
         }
         let cycles = self.acquire();
         if self.state.plan.is_empty() {
-            self.state.phase = Phase::Identified;
+            self.state.phase = ListPhase::Identified;
             return (cycles, (Some(TileRequest::End), None, Some(PassRound::Done)));
         }
-        self.state.phase = Phase::Acquire;
+        self.state.phase = ListPhase::Acquire;
         (cycles, (self.announcement(), None, Some(PassRound::Again)))
     }
 
@@ -264,10 +264,10 @@ impl TileLists {
     fn end_of_acquisition(&mut self) -> Out {
         if self.mode == RenderMode::Progressive {
             let is_left = self.state.views.last().is_some_and(|view| view.is_left);
-            self.state.phase = Phase::Improved;
+            self.state.phase = ListPhase::Improved;
             (None, Some(if is_left { StoreOrder::Left } else { StoreOrder::End }), None)
         } else {
-            self.state.phase = Phase::Identified;
+            self.state.phase = ListPhase::Identified;
             (Some(TileRequest::End), Some(StoreOrder::End), Some(PassRound::Done))
         }
     }
@@ -291,7 +291,7 @@ impl TileLists {
                 marks.iter().for_each(|mark| self.mark(mark));
                 return (marks.len() as u64, (None, None, None));
             }
-            MarkFlow::End if self.state.phase == Phase::Identified => return self.end_of_identification(),
+            MarkFlow::End if self.state.phase == ListPhase::Identified => return self.end_of_identification(),
             MarkFlow::End => return self.end_of_picture(),
         }
         (1, (None, None, None))
@@ -306,9 +306,9 @@ impl Unit for TileLists {
     #[inline]
     fn demand(&self) -> Demand {
         match self.state.phase {
-            Phase::Identified => Demand::Only(0),
-            Phase::Acquire => Demand::Nothing,
-            Phase::Improved => Demand::Only(1),
+            ListPhase::Identified => Demand::Only(0),
+            ListPhase::Acquire => Demand::Nothing,
+            ListPhase::Improved => Demand::Only(1),
         }
     }
 
@@ -325,7 +325,7 @@ impl Unit for TileLists {
     }
 
     fn is_empty(&self) -> bool {
-        self.state.phase == Phase::Identified
+        self.state.phase == ListPhase::Identified
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -1,6 +1,6 @@
 //! Tokens between the units of the rendering device (100).
 
-use crate::{Cell, TexturePage};
+use crate::{ReferenceCell, TexturePage};
 use basrelief_signals::{Control, Frame, Stamp};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ pub struct PlacedCell {
     /// Row, from the top.
     pub y: u16,
     /// Cell to be stored in the reference buffer (126).
-    pub cell: Cell,
+    pub cell: ReferenceCell,
 }
 
 /// Token from initial rasterization (454) to reference buffer (126).
@@ -37,13 +37,13 @@ pub struct CellBlock {
     /// Mask of drawn pixels: bit 4 * row + column.
     pub mask: u16,
     /// Cells, indexed by bit number.
-    pub cells: [Cell; 16],
+    pub cells: [ReferenceCell; 16],
 }
 
 impl CellBlock {
     /// Returns the drawn pixels: bit number, and cell.
     #[inline]
-    pub fn drawn(&self) -> impl Iterator<Item = (usize, &Cell)> {
+    pub fn drawn(&self) -> impl Iterator<Item = (usize, &ReferenceCell)> {
         self.cells.iter().enumerate().filter(|(i, _)| self.mask & 1 << i != 0)
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Stage at which N.L below 0 is clamped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Clamp {
+pub enum SumClamp {
     /// Clamped at the sample points.
     #[default]
     Vertex,
@@ -43,7 +43,7 @@ parameters! {
         /// Mode register (14): normal, brightness or polyhedron. Display lists and scenes can override it.
         mode: ShadingMode = ShadingMode::Normal, unit: "", Stated("process 13 writes the mode register (14)");
         /// Clamp of N.L below 0: vertex (at the sample points) or none.
-        clamp: Clamp = Clamp::Vertex, unit: "", Assumed("a light behind the surface takes no light away; none makes the theorem hold exactly");
+        clamp: SumClamp = SumClamp::Vertex, unit: "", Assumed("a light behind the surface takes no light away; none makes the theorem hold exactly");
         /// True if interpolated normals are normalised before the inner product.
         renormalise: bool = false, unit: "", Stated("equations (12) to (14) take the weighted sum as it is");
         /// Work saved if the specular term is negligible: no_start (circuit (50) is not started) or gate (its output is blocked).

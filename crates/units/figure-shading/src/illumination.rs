@@ -1,6 +1,6 @@
 //! Values that are constant over an object: coefficients and lights, and the brightness formula.
 
-use crate::{Clamp, power};
+use crate::{SumClamp, power};
 use basrelief_shading::LightVector;
 use basrelief_signals::{Lighting, ShadingMode};
 use glam::Vec3;
@@ -27,10 +27,10 @@ pub struct ObjectIllumination {
 
 impl ObjectIllumination {
     /// Returns `Ka*Ia + Kd * sum of Is*(N.L)`, without colour.
-    pub fn ambient_and_diffuse(&self, normal: Vec3, clamp: Clamp) -> f32 {
+    pub fn ambient_and_diffuse(&self, normal: Vec3, clamp: SumClamp) -> f32 {
         let lit = |light: &LightVector| {
             let cosine = normal.dot(light.to_light);
-            light.intensity * if clamp == Clamp::Vertex { cosine.max(0.0) } else { cosine }
+            light.intensity * if clamp == SumClamp::Vertex { cosine.max(0.0) } else { cosine }
         };
         self.lighting.ka * self.ambient + self.lighting.kd * self.lights.iter().map(lit).sum::<f32>()
     }
@@ -66,15 +66,15 @@ mod tests {
     #[test]
     fn section_2_ambient_counts_once_other_terms_per_light() {
         let s = illumination(0.5, 1.0);
-        assert_eq!(s.ambient_and_diffuse(Vec3::Z, Clamp::Vertex), 0.25 * 2.0 + 0.5);
+        assert_eq!(s.ambient_and_diffuse(Vec3::Z, SumClamp::Vertex), 0.25 * 2.0 + 0.5);
         assert!((s.specular(Vec3::Z) - 0.64).abs() < 1e-6);
     }
 
     #[test]
     fn section_2_clamp_and_even_power_keep_far_side_dark() {
         let s = illumination(0.5, 1.0);
-        assert_eq!(s.ambient_and_diffuse(-Vec3::Z, Clamp::Vertex), 0.5);
-        assert_eq!(s.ambient_and_diffuse(-Vec3::Z, Clamp::None), 0.0);
+        assert_eq!(s.ambient_and_diffuse(-Vec3::Z, SumClamp::Vertex), 0.5);
+        assert_eq!(s.ambient_and_diffuse(-Vec3::Z, SumClamp::None), 0.0);
         assert_eq!(s.specular(-Vec3::Z), 0.0);
         assert_eq!(s.specular(Vec3::new(0.6, 0.0, 0.8) * 1.5), 1.0);
     }
@@ -84,6 +84,6 @@ mod tests {
         assert_eq!(normal_of([f32::NAN, 0.0, 1.0]), Vec3::ZERO);
         assert_eq!(normal_of([f32::INFINITY, 0.0, 1.0]), Vec3::ZERO);
         assert_eq!(normal_of([0.0; 3]), Vec3::ZERO);
-        assert_eq!(illumination(0.5, 1.0).ambient_and_diffuse(Vec3::ZERO, Clamp::None), 0.5);
+        assert_eq!(illumination(0.5, 1.0).ambient_and_diffuse(Vec3::ZERO, SumClamp::None), 0.5);
     }
 }

@@ -68,8 +68,8 @@ pub use adder::{Adder, AdderCounters, AdderState};
 pub use basrelief_signals::ShadingMode;
 pub use brightness_interpolation::{BrightnessInterpolation, BrightnessInterpolationCounters, BrightnessInterpolationState};
 pub use config::{
-    CircuitConfig, Clamp, FlatnessConfig, HostConfig, InterpolationConfig, NormalInterpolationConfig, PowerMethod,
-    SamePlaneConfig, ScanConfig, ShadingConfig, ShortCutConfigs, SpecularNegligibleConfig, SpecularSkip,
+    CircuitConfig, FlatnessConfig, HostConfig, InterpolationConfig, NormalInterpolationConfig, PowerMethod, SamePlaneConfig,
+    ScanConfig, ShadingConfig, ShortCutConfigs, SpecularNegligibleConfig, SpecularSkip, SumClamp,
 };
 pub use cpu::CpuConfig;
 pub use gate::{Gate, GateCounters, GateState};

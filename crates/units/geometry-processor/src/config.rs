@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Surfaces that are candidates for bump mapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Targets {
+pub enum BumpTargets {
     /// Surfaces with a normal map.
     #[default]
     Mapped,
@@ -29,7 +29,7 @@ pub enum BumpUnit {
 /// Delivery times of the commands of a replayed display list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Arrival {
+pub enum CommandArrival {
     /// At the recorded cycles, or later if blocked.
     #[default]
     Recorded,
@@ -73,7 +73,7 @@ parameters! {
     /// Selection of bump targets. An object's model overrides it.
     pub struct BumpConfig {
         /// Candidates: mapped (surfaces with a normal map) or all.
-        targets: Targets = Targets::Mapped, unit: "", Stated("a polygon is marked as bump target in advance by its model");
+        targets: BumpTargets = BumpTargets::Mapped, unit: "", Stated("a polygon is marked as bump target in advance by its model");
         /// Scope of one LOD, and so of one bump decision and one set of tables: polygon or object.
         unit: BumpUnit = BumpUnit::Polygon, unit: "", Stated("bump mapping may be switched per object instead of per polygon, as a larger unit");
         /// Largest LOD at which a candidate is a bump target. Small LOD means fine detail.
@@ -85,6 +85,6 @@ parameters! {
     /// Replay of a recorded display list instead of the geometry processor (102).
     pub struct DisplayListConfig {
         /// Delivery times of commands: recorded or asap.
-        arrival: Arrival = Arrival::Recorded, unit: "", Assumed("polygons come as an unblocked geometry processor would deliver them, so a replay takes about the cycles of the run it was recorded from");
+        arrival: CommandArrival = CommandArrival::Recorded, unit: "", Assumed("polygons come as an unblocked geometry processor would deliver them, so a replay takes about the cycles of the run it was recorded from");
     }
 }

@@ -1,6 +1,6 @@
 //! Display-list source: the replay of a recorded display list.
 
-use crate::config::{Arrival, DisplayListConfig};
+use crate::config::{CommandArrival, DisplayListConfig};
 use crate::link::{POLYGON_BYTES, PolygonLink};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
@@ -81,7 +81,7 @@ where
     ) -> Option<Result<DueCommand, String>> {
         let due = |(control, arrival): (Control, Option<u64>)| {
             let brought = brought(self.link.cycles(self.link.bytes(&control)));
-            let recorded = if self.config.arrival == Arrival::Recorded { arrival.unwrap_or(0).min(LATEST) } else { 0 };
+            let recorded = if self.config.arrival == CommandArrival::Recorded { arrival.unwrap_or(0).min(LATEST) } else { 0 };
             (control, recorded.max(brought))
         };
         command.map(|command| command.map(due).map_err(|e| e.to_string()))
@@ -143,11 +143,11 @@ mod tests {
     };
 
     /// Returns the unblocked delivery cycles of commands without bytes that have these recorded cycles.
-    fn delivered(arrival: Arrival, recorded: &[Option<u64>]) -> Vec<u64> {
+    fn delivered(arrival: CommandArrival, recorded: &[Option<u64>]) -> Vec<u64> {
         delivered_over(LINK, arrival, &Control::FrameEnd, recorded)
     }
 
-    fn delivered_over(link: PolygonLink, arrival: Arrival, control: &Control, recorded: &[Option<u64>]) -> Vec<u64> {
+    fn delivered_over(link: PolygonLink, arrival: CommandArrival, control: &Control, recorded: &[Option<u64>]) -> Vec<u64> {
         let commands = recorded.iter().map(|a| Ok::<_, String>((control.clone(), *a)));
         let mut source = DisplayListSource::new(DisplayListConfig { arrival }, link, commands);
         let (mut free, mut all) = (0, Vec::new());
@@ -162,12 +162,12 @@ mod tests {
 
     #[test]
     fn recorded_commands_arrive_at_their_cycles() {
-        let at = |recorded: &[Option<u64>]| delivered(Arrival::Recorded, recorded);
+        let at = |recorded: &[Option<u64>]| delivered(CommandArrival::Recorded, recorded);
         assert_eq!(at(&[Some(32), Some(33), Some(50), Some(1000)]), [32, 33, 50, 1000]);
         assert_eq!(at(&[None, None, Some(50), None, Some(52)]), [0, 1, 50, 51, 52]);
         assert_eq!(at(&[Some(9), Some(3), Some(9), Some(20)]), [9, 10, 11, 20]);
         assert_eq!(at(&[Some(7)]), [7]);
-        assert_eq!(delivered(Arrival::Asap, &[Some(32), None, Some(1000)]), [0, 1, 2]);
+        assert_eq!(delivered(CommandArrival::Asap, &[Some(32), None, Some(1000)]), [0, 1, 2]);
     }
 
     #[test]
@@ -179,11 +179,11 @@ mod tests {
         let at = |bytes_per_cycle, arrival, recorded: &[Option<u64>]| {
             delivered_over(PolygonLink { bytes_per_cycle, ..LINK }, arrival, &polygon, recorded)
         };
-        assert_eq!(at(60, Arrival::Asap, &[None; 3]), [0, 1, 2]);
-        assert_eq!(at(16, Arrival::Asap, &[None; 3]), [3, 7, 11]);
-        assert_eq!(at(16, Arrival::Recorded, &[Some(5), Some(6), Some(20), None]), [5, 9, 20, 24]);
+        assert_eq!(at(60, CommandArrival::Asap, &[None; 3]), [0, 1, 2]);
+        assert_eq!(at(16, CommandArrival::Asap, &[None; 3]), [3, 7, 11]);
+        assert_eq!(at(16, CommandArrival::Recorded, &[Some(5), Some(6), Some(20), None]), [5, 9, 20, 24]);
         let lit = VertexAttributes { lit: LightingStage::InMachine, ..LINK.taken };
-        assert_eq!(delivered_over(PolygonLink { taken: lit, ..LINK }, Arrival::Asap, &polygon, &[None; 2]), [5, 11]);
+        assert_eq!(delivered_over(PolygonLink { taken: lit, ..LINK }, CommandArrival::Asap, &polygon, &[None; 2]), [5, 11]);
     }
 
     #[test]
@@ -206,6 +206,6 @@ mod tests {
     #[test]
     fn absurd_cycles_do_not_overflow() {
         let absurd = [Some(u64::MAX), Some(u64::MAX), None];
-        assert_eq!(delivered(Arrival::Recorded, &absurd), [LATEST, LATEST + 1, LATEST + 2]);
+        assert_eq!(delivered(CommandArrival::Recorded, &absurd), [LATEST, LATEST + 1, LATEST + 2]);
     }
 }

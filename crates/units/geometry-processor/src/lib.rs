@@ -18,7 +18,7 @@ pub mod unit;
 mod window;
 mod work;
 
-pub use config::{Arrival, BumpConfig, BumpUnit, DisplayListConfig, GeometryConfig, Targets};
+pub use config::{BumpConfig, BumpTargets, BumpUnit, CommandArrival, DisplayListConfig, GeometryConfig};
 pub use display_list_source::{DisplayListSource, DisplayListSourceCounters, DisplayListSourceState};
 pub use link::PolygonLink;
 pub use scene_source::{SceneDraws, SceneSource, SceneSourceCounters, SceneSourceState};

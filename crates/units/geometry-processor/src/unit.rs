@@ -1,7 +1,7 @@
 //! Geometry processor (102).
 
 use crate::clip::{ClipResult, clip};
-use crate::config::{BumpConfig, BumpUnit, GeometryConfig, Targets};
+use crate::config::{BumpConfig, BumpTargets, BumpUnit, GeometryConfig};
 use crate::link::POLYGON_BYTES;
 use crate::object_lod::{self, object_lod};
 use crate::state::GeometryProcessorState;
@@ -222,7 +222,7 @@ impl GeometryProcessor {
     }
 
     pub(crate) fn is_candidate(&self, object: &Object) -> bool {
-        self.bump.targets == Targets::All || object.material.normal_map.is_some()
+        self.bump.targets == BumpTargets::All || object.material.normal_map.is_some()
     }
 
     fn is_target(&self, object: &Object, lod: u8) -> bool {

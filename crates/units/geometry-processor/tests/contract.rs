@@ -1,8 +1,8 @@
 //! The geometry processor (102) and the two sources keep the unit contract.
 
 use basrelief_geometry_processor::{
-    Arrival, BumpConfig, DisplayListConfig, DisplayListSource, DisplayListSourceState, GeometryConfig, GeometryProcessor,
-    PolygonLink, SceneDraws, SceneSource, Targets,
+    BumpConfig, BumpTargets, CommandArrival, DisplayListConfig, DisplayListSource, DisplayListSourceState, GeometryConfig,
+    GeometryProcessor, PolygonLink, SceneDraws, SceneSource,
 };
 use basrelief_kernel::{OperatorConfig, Operators};
 use basrelief_kernel_conformance::unit_contract;
@@ -79,7 +79,7 @@ const TAKEN: VertexAttributes = VertexAttributes { lit: LightingStage::Targets, 
 fn unit() -> GeometryProcessor {
     let config = GeometryConfig { vertex_cache: 4, two_sided_lighting: true, ..GeometryConfig::default() };
     let operators = Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() };
-    GeometryProcessor::new(config, BumpConfig { targets: Targets::All, ..BumpConfig::default() }, TAKEN, operators)
+    GeometryProcessor::new(config, BumpConfig { targets: BumpTargets::All, ..BumpConfig::default() }, TAKEN, operators)
 }
 
 unit_contract! {
@@ -111,21 +111,21 @@ fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
 
 type Commands = std::vec::IntoIter<Result<(Control, Option<u64>), String>>;
 
-fn replay(arrival: Arrival, state: DisplayListSourceState) -> DisplayListSource<Commands> {
+fn replay(arrival: CommandArrival, state: DisplayListSourceState) -> DisplayListSource<Commands> {
     let link = PolygonLink { bytes_per_cycle: 16, taken: TAKEN };
     DisplayListSource::resumed(DisplayListConfig { arrival }, link, display_list().into_iter(), state)
 }
 
 unit_contract! {
     name: display_list_source_as_recorded,
-    unit: replay(Arrival::Recorded, DisplayListSourceState::default()),
+    unit: replay(CommandArrival::Recorded, DisplayListSourceState::default()),
     inputs: (),
-    state: |unit| unit.state => |unit, state| *unit = replay(Arrival::Recorded, state),
+    state: |unit| unit.state => |unit, state| *unit = replay(CommandArrival::Recorded, state),
 }
 
 unit_contract! {
     name: display_list_source_asap,
-    unit: replay(Arrival::Asap, DisplayListSourceState::default()),
+    unit: replay(CommandArrival::Asap, DisplayListSourceState::default()),
     inputs: (),
-    state: |unit| unit.state => |unit, state| *unit = replay(Arrival::Asap, state),
+    state: |unit| unit.state => |unit, state| *unit = replay(CommandArrival::Asap, state),
 }

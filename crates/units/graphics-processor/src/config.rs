@@ -32,7 +32,7 @@ pub enum HeldEntry {
 /// Choice of the colour texture's MIP level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Mip {
+pub enum MipFilter {
     /// The level nearest to the polygon's own level of detail for this texture.
     #[default]
     Nearest,
@@ -48,7 +48,7 @@ parameters! {
         /// Filter within a level of the colour texture: nearest or bilinear.
         filter: TexelFilter = TexelFilter::Bilinear, unit: "", Assumed("ordinary texture mapping; four taps");
         /// MIP level of the colour texture: nearest or off.
-        mip: Mip = Mip::Nearest, unit: "", Assumed("one level, chosen once per polygon");
+        mip: MipFilter = MipFilter::Nearest, unit: "", Assumed("one level, chosen once per polygon");
         /// Size of a texel of a colour texture.
         texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
         /// Multipliers of the unit.

@@ -16,7 +16,7 @@ pub mod state;
 pub mod unit;
 mod work;
 
-pub use config::{DepthConfig, DrawOrder, GraphicsConfig, HeldEntry, Mip};
+pub use config::{DepthConfig, DrawOrder, GraphicsConfig, HeldEntry, MipFilter};
 pub use depth_test::{DepthTest, DepthTestCounters, DepthTestState};
 pub use state::{GraphicsProcessorCounters, GraphicsProcessorState, HeldItem, InputPhase};
 pub use unit::GraphicsProcessor;

@@ -1,7 +1,7 @@
 //! Graphics processor (104).
 
 use crate::blend::{blended, filtered};
-use crate::config::{DrawOrder, GraphicsConfig, Mip};
+use crate::config::{DrawOrder, GraphicsConfig, MipFilter};
 use crate::state::{GraphicsProcessorState, HeldItem, InputPhase};
 use crate::work::PixelTiming;
 use basrelief_kernel::stats::UnitStats;
@@ -120,8 +120,8 @@ impl GraphicsProcessor {
         self.state.pace = self.timing.pace(polygon, &self.config);
         if let Some(texture) = &polygon.material.color_texture {
             self.state.level = match self.config.mip {
-                Mip::Off => 0,
-                Mip::Nearest => nearest_level(polygon, texture),
+                MipFilter::Off => 0,
+                MipFilter::Nearest => nearest_level(polygon, texture),
             };
             self.state.place = self.layout.level(texture, self.state.level);
         }

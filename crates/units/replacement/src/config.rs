@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Rule that changes the number of reference normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Policy {
+pub enum TablePolicy {
     /// The number does not change.
     #[default]
     Fixed,
@@ -63,7 +63,7 @@ impl std::fmt::Debug for EachWithin {
 /// Selects whether the tables of two levels differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Tables {
+pub enum TableSource {
     /// Each level has reference normals of its own, so that quantization errors differ and interpolation averages them.
     #[default]
     Different,
@@ -92,7 +92,7 @@ parameters! {
         /// Distribution of the reference normals: fibonacci or tetrahedron (4 k^2 entries).
         table: ReferenceNormals = ReferenceNormals::Fibonacci, unit: "", Assumed("even for every number of entries; the stated tetrahedron divided 8 x 8 is not");
         /// Selects whether each level has reference normals of its own: different or identical.
-        tables: Tables = Tables::Different, unit: "", Stated("each level has a different set of vectors, even where counts are equal");
+        tables: TableSource = TableSource::Different, unit: "", Stated("each level has a different set of vectors, even where counts are equal");
         /// Width of each component of a table entry.
         entry_bits: u32 = 16, unit: "bits", Assumed("no coarser than N'"), range: 8..=16;
         /// Dot-product units that work in parallel on one search, which takes ceil(entries / lanes) cycles.
@@ -112,7 +112,7 @@ parameters! {
         /// Memory (120) for gathered pseudo-normals and for the fragments and control held beside them.
         gather_bytes: u64 = 64 << 20, unit: "bytes", Assumed("2.2 M fragments of two levels"), range: 1..=1_u64 << 32;
         /// Rule that changes the number of reference normals per frame, unless an object fixes it: fixed, by_lod or by_fragments.
-        policy: Policy = Policy::Fixed, unit: "", Stated("the number may be changed dynamically; by which rule is ours");
+        policy: TablePolicy = TablePolicy::Fixed, unit: "", Stated("the number may be changed dynamically; by which rule is ours");
         /// Fewest reference normals that a policy selects.
         least_entries: u32 = 16, unit: "reference normals", Assumed("below that the steps of brightness are seen on any surface"), range: 1..=MAX_ENTRIES as u32;
         /// For by_fragments: fragments of an object in the last frame per reference normal.
@@ -126,7 +126,7 @@ impl ReplacementConfig {
         TableSet {
             entries: self.entries.levels(),
             table: self.table,
-            distinct: self.tables == Tables::Different,
+            distinct: self.tables == TableSource::Different,
             entry_bits: self.entry_bits,
         }
     }

@@ -22,7 +22,7 @@ mod tables;
 mod unit;
 
 pub use code_book::{CodeBook, build_code_book};
-pub use config::{CodeBookMode, PerLevel, Policy, ReplacementConfig, Tables};
+pub use config::{CodeBookMode, PerLevel, ReplacementConfig, TablePolicy, TableSource};
 pub use gather::GatheredBatch;
 pub use search::NearestSearch;
 pub use state::{ReplacementCounters, ReplacementState};

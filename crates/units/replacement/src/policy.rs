@@ -3,7 +3,7 @@
 //! A policy depends on the fragments that an object drew in the last frame, never on cycles, because the picture must not depend
 //! on time (law 6).
 
-use crate::{Policy, ReplacementConfig};
+use crate::{ReplacementConfig, TablePolicy};
 use basrelief_shading::ReferenceNormals;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -46,9 +46,9 @@ impl FragmentHistory {
         let seen = self.last.get(&object).filter(|seen| seen.fragments > 0)?;
         let most = config.entries.levels()[0];
         let wanted = match config.policy {
-            Policy::Fixed => return None,
-            Policy::ByLod => most >> (seen.lod / seen.fragments / 8),
-            Policy::ByFragments => u32::try_from(seen.fragments / u64::from(config.fragments_per_entry))
+            TablePolicy::Fixed => return None,
+            TablePolicy::ByLod => most >> (seen.lod / seen.fragments / 8),
+            TablePolicy::ByFragments => u32::try_from(seen.fragments / u64::from(config.fragments_per_entry))
                 .unwrap_or(u32::MAX)
                 .checked_next_power_of_two()?,
         };
@@ -69,7 +69,7 @@ fn there_is(entries: u32, table: ReferenceNormals) -> u32 {
 mod tests {
     use super::*;
 
-    fn entries(policy: Policy, table: ReferenceNormals, fragments: u64, lod: u8) -> Option<u32> {
+    fn entries(policy: TablePolicy, table: ReferenceNormals, fragments: u64, lod: u8) -> Option<u32> {
         let mut history = FragmentHistory::default();
         history.count(7, fragments, lod);
         history.begin_frame();
@@ -78,21 +78,21 @@ mod tests {
 
     #[test]
     fn by_fragments_gives_small_objects_small_tables() {
-        let of = |fragments| entries(Policy::ByFragments, ReferenceNormals::Fibonacci, fragments, 0);
+        let of = |fragments| entries(TablePolicy::ByFragments, ReferenceNormals::Fibonacci, fragments, 0);
         assert_eq!([1, 64 * 16, 64 * 100, 1 << 30].map(of), [Some(16), Some(16), Some(128), Some(256)]);
         assert_eq!(of(0), None, "it was not there in the last frame");
     }
 
     #[test]
     fn by_lod_halves_table_per_level() {
-        let of = |lod| entries(Policy::ByLod, ReferenceNormals::Fibonacci, 10, lod);
+        let of = |lod| entries(TablePolicy::ByLod, ReferenceNormals::Fibonacci, 10, lod);
         assert_eq!([0, 7, 8, 16, 63].map(of), [Some(256), Some(256), Some(128), Some(64), Some(16)]);
-        assert_eq!(entries(Policy::Fixed, ReferenceNormals::Fibonacci, 10, 8), None);
+        assert_eq!(entries(TablePolicy::Fixed, ReferenceNormals::Fibonacci, 10, 8), None);
     }
 
     #[test]
     fn policy_selects_existing_tetrahedron_division() {
-        let of = |lod| entries(Policy::ByLod, ReferenceNormals::Tetrahedron, 10, lod);
+        let of = |lod| entries(TablePolicy::ByLod, ReferenceNormals::Tetrahedron, 10, lod);
         assert_eq!([0, 8, 16].map(of), [Some(256), Some(100), Some(64)]);
     }
 

@@ -4,7 +4,7 @@ use crate::gather::TableLoad;
 use crate::policy::MOST_OBJECTS;
 use crate::state::TableKey;
 use crate::tables::HostTables;
-use crate::{CodeBookMode, Policy, ReplacementConfig, ReplacementState};
+use crate::{CodeBookMode, ReplacementConfig, ReplacementState, TablePolicy};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{LEVELS, TableError};
@@ -72,7 +72,7 @@ impl Replacement {
 
     #[inline(always)]
     fn item(&mut self, normals: &mut PseudoNormals, traffic: &mut MemoryPorts) -> Out {
-        if self.config.policy != Policy::Fixed {
+        if self.config.policy != TablePolicy::Fixed {
             let object = self.state.object.as_ref().map_or(0, |o| o.id);
             self.state.history.count(object, normals.stamp.len() as u64, self.state.lod);
         }
@@ -255,7 +255,7 @@ impl Replacement {
             // Sums of 2^32 directions of an entry.
             stats.hardware(HardwareKind::Table, "sums of directions", 3 * u64::from(most), width + 32);
         }
-        if c.policy != Policy::Fixed {
+        if c.policy != TablePolicy::Fixed {
             stats.hardware(HardwareKind::Table, "objects of two frames", 2 * MOST_OBJECTS as u64, OBJECT_BITS);
         }
     }

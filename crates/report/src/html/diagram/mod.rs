@@ -8,7 +8,7 @@ use super::svg::{fill, px, rect, share, svg_sized};
 use super::units::{self, parts};
 use crate::model::Report;
 use crate::text::sections::{in_frames, mean_occupancy};
-use basrelief_machines::{BlockDiagram, PlacedText, Side, WireCell};
+use basrelief_machines::{BlockDiagram, CellSide, PlacedText, WireCell};
 
 /// Width and height of a cell of the grid.
 const CELL: (f64, f64) = (8.0, 26.0);
@@ -186,13 +186,13 @@ fn wires(sheet: &BlockDiagram) -> Html {
 }
 
 /// From the middle of a cell to one of its sides; to the box there, where one begins.
-fn line(sheet: &BlockDiagram, wire: &WireCell, side: Side) -> String {
+fn line(sheet: &BlockDiagram, wire: &WireCell, side: CellSide) -> String {
     let (x, y) = end(sheet, wire, side);
     format!("M{} {}L{} {}", px(left(wire.column) + CELL.0 / 2.0), px(top(wire.row) + CELL.1 / 2.0), px(x), px(y))
 }
 
 /// Where a wire that leaves its cell on this side ends.
-fn end(sheet: &BlockDiagram, wire: &WireCell, side: Side) -> (f64, f64) {
+fn end(sheet: &BlockDiagram, wire: &WireCell, side: CellSide) -> (f64, f64) {
     let (down, right) = side.step();
     let boxed = |distance: isize| {
         let (row, column) = (wire.row.wrapping_add_signed(down * distance), wire.column.wrapping_add_signed(right * distance));
@@ -211,7 +211,7 @@ fn end(sheet: &BlockDiagram, wire: &WireCell, side: Side) -> (f64, f64) {
 /// Length and half the width of an arrowhead.
 const HEAD: (f64, f64) = (8.0, 4.0);
 
-fn head(sheet: &BlockDiagram, wire: &WireCell, side: Side) -> String {
+fn head(sheet: &BlockDiagram, wire: &WireCell, side: CellSide) -> String {
     let (x, y) = end(sheet, wire, side);
     let (down, right) = (side.step().0 as f64, side.step().1 as f64);
     let corner = |way: f64| (x - HEAD.0 * right + way * HEAD.1 * down, y - HEAD.0 * down + way * HEAD.1 * right);

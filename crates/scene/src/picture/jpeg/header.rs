@@ -22,7 +22,7 @@ mod marker {
 }
 
 /// A colour component.
-pub(super) struct Component {
+pub(super) struct JpegComponent {
     id: u8,
     /// Horizontal and vertical sampling factor, each 1..=4.
     sampling: [u32; 2],
@@ -32,10 +32,10 @@ pub(super) struct Component {
 
 /// Facts about a JPEG file that can be decoded.
 #[derive(Default)]
-pub(super) struct Header {
+pub(super) struct JpegHeader {
     /// Width and height \[pixels\].
     pub size: [u32; 2],
-    pub components: Vec<Component>,
+    pub components: Vec<JpegComponent>,
     /// Offset of the marker behind the data of each scan \[bytes\].
     pub scan_ends: Vec<usize>,
     has_jfif: bool,
@@ -43,7 +43,7 @@ pub(super) struct Header {
     adobe_transform: Option<u8>,
 }
 
-impl Header {
+impl JpegHeader {
     /// Reads all marker segments up to the end-of-image marker.
     ///
     /// # Errors
@@ -132,7 +132,7 @@ impl Header {
             if sampling.iter().any(|factor| !(1..=4).contains(factor)) {
                 return Err(corrupt("a sampling factor is not 1, 2, 3 or 4"));
             }
-            self.components.push(Component { id: *id, sampling, has_scan: false });
+            self.components.push(JpegComponent { id: *id, sampling, has_scan: false });
         }
         if self.components.len() != usize::from(*count) {
             return Err(corrupt("its frame header has another length than its number of components asks for"));

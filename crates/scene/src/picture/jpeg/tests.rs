@@ -1,19 +1,19 @@
 //! All kinds of JPEG against libjpeg, whose pixels `tests/inputs/jpeg/make.py` has stored.
 
 use super::super::decode;
-use crate::outside::Outside;
-use crate::{Memory, SceneError};
+use crate::outside::ImportContext;
+use crate::{MemoryFiles, SceneError};
 use basrelief_input::Budget;
 use basrelief_signals::Image;
 
 /// A JPEG file and the RGB pixels that libjpeg decodes from it.
-struct Case {
+struct JpegCase {
     name: String,
     file: Vec<u8>,
     pixels: Vec<u8>,
 }
 
-fn matrix() -> Vec<Case> {
+fn matrix() -> Vec<JpegCase> {
     fn take<'a>(bytes: &mut &'a [u8], count: usize) -> &'a [u8] {
         let (taken, rest) = bytes.split_at(count);
         *bytes = rest;
@@ -35,18 +35,18 @@ fn matrix() -> Vec<Case> {
         let name = String::from_utf8(take(&mut rest, length).to_vec()).unwrap();
         let length = number(&mut rest, 4);
         let file = take(&mut rest, length).to_vec();
-        cases.push(Case { name, file, pixels: pictures[number(&mut rest, 2)].clone() });
+        cases.push(JpegCase { name, file, pixels: pictures[number(&mut rest, 2)].clone() });
     }
     assert!(cases.len() > 1000, "{} cases", cases.len());
     cases
 }
 
 fn decoded(bytes: &[u8]) -> Result<Image, SceneError> {
-    let files = Memory::default();
-    decode(bytes, "t.jpg", &Outside::new(&files, &Budget::default())).map(|(image, _)| image)
+    let files = MemoryFiles::default();
+    decode(bytes, "t.jpg", &ImportContext::new(&files, &Budget::default())).map(|(image, _)| image)
 }
 
-fn case(name: &str) -> Case {
+fn case(name: &str) -> JpegCase {
     matrix().into_iter().find(|case| case.name == name).unwrap()
 }
 
@@ -60,7 +60,7 @@ fn difference(image: &Image, pixels: &[u8]) -> f64 {
 #[test]
 fn every_kind_of_jpeg_agrees_with_libjpeg_or_is_refused() {
     let mut refused = 0;
-    for Case { name, file, pixels } in matrix() {
+    for JpegCase { name, file, pixels } in matrix() {
         match decoded(&file) {
             Ok(image) => {
                 let difference = difference(&image, &pixels);
@@ -78,7 +78,7 @@ fn every_kind_of_jpeg_agrees_with_libjpeg_or_is_refused() {
 
 #[test]
 fn jpeg_without_end_marker_is_an_error() {
-    for Case { name, file, .. } in matrix().into_iter().step_by(17) {
+    for JpegCase { name, file, .. } in matrix().into_iter().step_by(17) {
         for end in [file.len() / 2, file.len() * 4 / 5, file.len() - 2] {
             let error = decoded(&file[..end]).map(drop).expect_err(&name).to_string();
             assert!(error.contains("is cut off") || error.contains("not supported"), "{name}: {error}");
@@ -89,7 +89,7 @@ fn jpeg_without_end_marker_is_an_error() {
 /// A scan that only refines mean values is not checked: each bit of it is valid, and the picture is off by half a level.
 #[test]
 fn jpeg_with_incomplete_scan_is_an_error() {
-    for Case { name, file, .. } in matrix().into_iter().filter(|case| !case.name.contains("two-dc")).step_by(17) {
+    for JpegCase { name, file, .. } in matrix().into_iter().filter(|case| !case.name.contains("two-dc")).step_by(17) {
         let cut = [&file[..file.len() - 24], b"\xff\xd9"].concat();
         let error = decoded(&cut).map(drop).expect_err(&name).to_string();
         assert!(["is cut off", "corrupt", "not supported"].iter().any(|part| error.contains(part)), "{name}: {error}");
@@ -127,7 +127,7 @@ fn sampling_factor_that_divides_no_other_is_refused() {
 /// Photoshop writes RGB with component numbers 1 to 3, an Adobe segment with transform 0, and no JFIF segment.
 #[test]
 fn adobe_transform_0_means_rgb() {
-    let Case { mut file, pixels, .. } = case("rgb");
+    let JpegCase { mut file, pixels, .. } = case("rgb");
     assert!(file.windows(5).any(|bytes| bytes == b"Adobe"));
     for i in 0..file.len() - 2 {
         if file[i..].starts_with(&[0xff, 0xc0]) {

@@ -9,7 +9,7 @@ use crate::run::compared_frame::{ComparedFrame, compare_frame};
 use crate::run::memory_estimates;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::{LoggingMachine, PictureRecord};
-use basrelief_reference::{Picture, SizeMismatch, metrics};
+use basrelief_reference::{RgbPicture, SizeMismatch, metrics};
 use basrelief_threads::Later;
 
 impl Session<'_> {
@@ -102,10 +102,10 @@ impl Session<'_> {
     }
 
     /// Compares the earlier pictures of a frame with the last one, and returns the number of the last one.
-    fn compare_rounds(&mut self, frame: u32, last: &Picture) -> Result<u32, SizeMismatch> {
+    fn compare_rounds(&mut self, frame: u32, last: &RgbPicture) -> Result<u32, SizeMismatch> {
         let (own, others) = std::mem::take(&mut self.rounds).into_iter().partition(|(of, _)| *of == frame);
         self.rounds = others;
-        let own: Vec<(u32, Picture)> = own;
+        let own: Vec<(u32, RgbPicture)> = own;
         let rest: usize = self.rounds.iter().map(|(_, picture)| picture.rgb.len()).sum();
         self.rounds_held.shrink_to(memory_estimates::WAITING_PIXEL * rest as u64);
         for (round, (_, picture)) in (0..).zip(&own) {
@@ -119,6 +119,6 @@ impl Session<'_> {
 }
 
 /// Converts a finished frame to a picture.
-fn picture(frame: FinishedFrame) -> Picture {
-    Picture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered }
+fn picture(frame: FinishedFrame) -> RgbPicture {
+    RgbPicture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Input that the final rasterization waits for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Phase {
+pub(super) enum RasterizationPhase {
     /// A block to be coloured, or a token before a pass.
     #[default]
     Cells,
@@ -38,7 +38,7 @@ pub struct RasterizationCounters {
 /// State of the final rasterization, with the texture-data memory (130).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RasterizationState {
-    pub(super) phase: Phase,
+    pub(super) phase: RasterizationPhase,
     /// Pages and the received parts of their pyramids, by number.
     pub pages: Vec<PageTexels>,
     /// Number of the current frame, from 1.

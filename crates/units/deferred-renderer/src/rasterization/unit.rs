@@ -1,6 +1,6 @@
 //! The unit and its step.
 
-use super::state::{Phase, RasterizationState};
+use super::state::{RasterizationPhase, RasterizationState};
 use crate::cell::CellFormat;
 use crate::colour::{LayerChoice, best, progressive, sample, shaded};
 use crate::config::{EngineConfig, RenderMode};
@@ -10,7 +10,7 @@ use crate::server::place_of;
 use crate::texels::PageTexels;
 use crate::tokens::{CellBlock, ExpandedTile, MarkFlow, PassFlow, StoreOrder};
 use crate::touched::{LastTexels, MOST_LINES};
-use crate::{Cell, TableSizes, ViewpointEnds, interpolators};
+use crate::{ReferenceCell, TableSizes, ViewpointEnds, interpolators};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::{PictureFlow, PixelBlock};
@@ -67,12 +67,12 @@ impl Rasterization {
 
     fn order(&mut self, order: StoreOrder, traffic: &mut MemoryPorts) -> Step<Out> {
         match order {
-            StoreOrder::Load { page, tile } => self.state.phase = Phase::Tile(page, tile),
+            StoreOrder::Load { page, tile } => self.state.phase = RasterizationPhase::Tile(page, tile),
             StoreOrder::Synthesize { page, tile } => return self.synthesize(page, tile, traffic),
-            StoreOrder::End => self.state.phase = Phase::Cells,
+            StoreOrder::End => self.state.phase = RasterizationPhase::Cells,
             StoreOrder::Left => {
                 self.state.is_left = true;
-                self.state.phase = Phase::Cells;
+                self.state.phase = RasterizationPhase::Cells;
             }
         }
         Step::after(0, (None, None))
@@ -93,7 +93,8 @@ impl Rasterization {
 
     fn store(&mut self, arrived: &ExpandedTile, traffic: &mut MemoryPorts) -> Step<Out> {
         let ExpandedTile { page, tile, texels } = arrived;
-        let Phase::Tile(number, ordered) = std::mem::replace(&mut self.state.phase, Phase::Orders) else {
+        let RasterizationPhase::Tile(number, ordered) = std::mem::replace(&mut self.state.phase, RasterizationPhase::Orders)
+        else {
             return Step::after(0, (None, None));
         };
         if (number, ordered) != (page.number, *tile) {
@@ -124,7 +125,7 @@ impl Rasterization {
             }
             PassFlow::Begin => {
                 self.state.improvable = false;
-                self.state.phase = Phase::Orders;
+                self.state.phase = RasterizationPhase::Orders;
                 Step::after(latency, (None, None))
             }
             PassFlow::Cells(block) => self.colour(&block, traffic),
@@ -182,7 +183,7 @@ impl Rasterization {
     fn textured(
         &mut self,
         page: usize,
-        cell: &Cell,
+        cell: &ReferenceCell,
         (marks, touched): (&mut BlockMarks, &mut [LastTexels; 2]),
         traffic: &mut MemoryPorts,
     ) -> ([u8; 3], usize, u32) {
@@ -222,9 +223,9 @@ impl Unit for Rasterization {
     #[inline]
     fn demand(&self) -> Demand {
         match self.state.phase {
-            Phase::Cells => Demand::Only(0),
-            Phase::Orders => Demand::Only(1),
-            Phase::Tile(..) => Demand::Only(2),
+            RasterizationPhase::Cells => Demand::Only(0),
+            RasterizationPhase::Orders => Demand::Only(1),
+            RasterizationPhase::Tile(..) => Demand::Only(2),
         }
     }
 
@@ -248,7 +249,7 @@ impl Unit for Rasterization {
     }
 
     fn is_empty(&self) -> bool {
-        self.state.phase == Phase::Cells
+        self.state.phase == RasterizationPhase::Cells
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

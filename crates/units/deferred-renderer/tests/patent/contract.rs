@@ -8,8 +8,9 @@ use basrelief_deferred_renderer::tokens::{
     TileRequest, TileResponse,
 };
 use basrelief_deferred_renderer::{
-    Cell, CellConfig, CellFormat, Cells, EngineConfig, Expander, Identification, LightingMode, Path, PathConfig, PyramidCut,
-    Rasterization, ReferenceBuffer, RenderMode, TableSizes, TileConfig, TileLists, TileOrder, ViewpointEnds, WrapOverride,
+    CellConfig, CellFormat, CellUnit, EngineConfig, Expander, Identification, LightingMode, NetworkPath, PathConfig, PyramidCut,
+    Rasterization, ReferenceBuffer, ReferenceCell, RenderMode, TableSizes, TileConfig, TileLists, TileOrder, ViewpointEnds,
+    WrapOverride,
 };
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Unit};
 use basrelief_kernel_conformance::unit_contract;
@@ -99,9 +100,9 @@ fn engine() -> EngineConfig {
     EngineConfig::default()
 }
 
-fn cells() -> Cells {
+fn cells() -> CellUnit {
     let cut = PyramidCut { tile: [8, 8], ..PyramidCut::default() };
-    Cells::new((engine(), Operators::default()), &CellConfig::default(), (LightingMode::None, WrapOverride::Sampler), cut)
+    CellUnit::new((engine(), Operators::default()), &CellConfig::default(), (LightingMode::None, WrapOverride::Sampler), cut)
 }
 
 fn reference_buffer(mode: RenderMode) -> ReferenceBuffer {
@@ -116,9 +117,13 @@ fn expander() -> Expander {
     Expander::new(TileConfig::default(), 8, 2)
 }
 
-fn path() -> Path {
+fn path() -> NetworkPath {
     // A fraction of a bit per cycle, and no whole number of cycles per byte.
-    Path::new(&PathConfig { bits_per_second: 777_777_777, latency_us: 1, ..PathConfig::default() }, 200_000_000, 3 * 64 * 64)
+    NetworkPath::new(
+        &PathConfig { bits_per_second: 777_777_777, latency_us: 1, ..PathConfig::default() },
+        200_000_000,
+        3 * 64 * 64,
+    )
 }
 
 fn rasterization(mode: RenderMode) -> TwoInputs {
@@ -258,7 +263,7 @@ fn reference_buffer_evicts_lru_block_and_flushes_at_end() {
     };
     input(Some(CellFlow::Frame(frame)));
     let mut block = |column: u16| {
-        let cell = PlacedCell { x: 4 * column, y: 0, cell: Cell::default() };
+        let cell = PlacedCell { x: 4 * column, y: 0, cell: ReferenceCell::default() };
         input(Some(CellFlow::Cells(Stamp::from_iter([cell]))))
     };
     assert_eq!([0, 1, 0, 0].map(&mut block).concat(), []);

@@ -6,8 +6,8 @@ use basrelief_deferred_renderer::cell::CellFormat;
 use basrelief_deferred_renderer::colour::progressive;
 use basrelief_deferred_renderer::tokens::{CellBlock, CellFlow, PassFlow, StoreOrder, TileResponse};
 use basrelief_deferred_renderer::{
-    Cell, CellConfig, Cells, ConventionalLoad, EngineConfig, LightingMode, PageTexels, PathConfig, PyramidCut, Rasterization,
-    RenderMode, ServedTexture, Server, TableSizes, TextureMemory, TileEncoding, ViewpointEnds, WrapOverride,
+    CellConfig, CellUnit, ConventionalLoad, EngineConfig, LightingMode, PageTexels, PathConfig, PyramidCut, Rasterization,
+    ReferenceCell, RenderMode, ServedTexture, TableSizes, TextureMemory, TileEncoding, TileServer, ViewpointEnds, WrapOverride,
 };
 use basrelief_kernel::{MemoryPorts, Operators, Unit};
 use basrelief_signals::{
@@ -34,13 +34,13 @@ fn triangle(material: Material, normal: [f32; 3], bump: bool) -> Control {
     Control::Polygon(Arc::new(Polygon { vertices, material: Arc::new(material), object: 3, lod: 0, bump, arrival: 0 }))
 }
 
-fn cells(lighting: LightingMode) -> Cells {
+fn cells(lighting: LightingMode) -> CellUnit {
     let engine = (EngineConfig::default(), Operators::default());
-    Cells::new(engine, &CellConfig::default(), (lighting, WrapOverride::Sampler), PyramidCut::default())
+    CellUnit::new(engine, &CellConfig::default(), (lighting, WrapOverride::Sampler), PyramidCut::default())
 }
 
 /// Returns the cell of a pixel of the last polygon of these commands, and the number of pages set up.
-fn cell(unit: &mut Cells, controls: &[Control]) -> (Cell, usize) {
+fn cell(unit: &mut CellUnit, controls: &[Control]) -> (ReferenceCell, usize) {
     let mut step = |token| unit.step(Some(token), &mut MemoryPorts::default()).out;
     let pages = controls.iter().filter(|c| matches!(step(Flow::Control((*c).clone())), Some(CellFlow::Page(_)))).count();
     let fragment = Fragment { x: 1, y: 1, weights: [0.1, 0.1], ..Fragment::default() };
@@ -86,7 +86,7 @@ fn one_picture_under_several_samplers_is_one_page() {
 /// Returns the bytes of the server's tokens for these commands, and the load of all their textures.
 fn sent(config: PathConfig, lighting: LightingMode, controls: &[Control]) -> (Vec<u64>, ConventionalLoad) {
     let source = TextureMemory::new(TileEncoding::Raw, 85);
-    let mut server = Server::new(config, lighting, Box::new(source));
+    let mut server = TileServer::new(config, lighting, Box::new(source));
     let mut send = |control: &Control| {
         // The phase between frames does not matter here.
         let (phase, traffic) = (matches!(control, Control::Frame(_)).then_some(()), &mut MemoryPorts::default());
@@ -130,7 +130,7 @@ fn with_top() -> PageTexels {
 fn figure_7b_search_reads_one_or_two_words_per_layer() {
     let texels = with_top();
     let words = |st: [f32; 2], depth: f32, entries: u32| {
-        let cell = Cell::textured(0, st, depth, [255; 3]);
+        let cell = ReferenceCell::textured(0, st, depth, [255; 3]);
         progressive(&texels, &cell, texels.page.placed(cell.coordinates, cell.wrap), entries).unwrap().words
     };
     assert_eq!(words([10.0, 10.0], 0.0, 64), 1);
@@ -146,7 +146,7 @@ fn final_rasterization_pays_for_figure_7b_search() {
         let mut unit = Rasterization::new(engine, mode, ViewpointEnds::default(), (format, TableSizes::default()));
         unit.state.pages.push(with_top());
         let mut block = CellBlock { mask: u16::MAX, ..CellBlock::default() };
-        block.cells = [Cell::textured(0, [10.0, 10.0], depth, [255; 3]); 16];
+        block.cells = [ReferenceCell::textured(0, [10.0, 10.0], depth, [255; 3]); 16];
         unit.step((Some(PassFlow::Begin), None, None), &mut MemoryPorts::default());
         unit.step((None, Some(StoreOrder::End), None), &mut MemoryPorts::default());
         unit.step((Some(PassFlow::Cells(block)), None, None), &mut MemoryPorts::default()).occupancy

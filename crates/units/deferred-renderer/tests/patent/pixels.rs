@@ -5,7 +5,7 @@ use crate::{page, texture};
 use basrelief_deferred_renderer::cell::{layer_depth, split_depth};
 use basrelief_deferred_renderer::colour::{best, progressive, sample, shaded};
 use basrelief_deferred_renderer::{
-    Cell, CellConfig, CellFormat, FilledBuffer, NumberFormat, PageTexels, PicturePreview, ServedTexture, TileEncoding,
+    CellConfig, CellFormat, FilledBuffer, NumberFormat, PageTexels, PicturePreview, ReferenceCell, ServedTexture, TileEncoding,
 };
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ fn with_layers(size: [u32; 2], layers: &[u8]) -> PageTexels {
 fn embodiments_10_and_20_fractional_depth_blends_layers() {
     let texels = with_layers([128, 128], &[0, 1, 2, 3]);
     let at = |depth: f32| {
-        let cell = Cell::textured(0, [40.3, 71.9], depth, [255; 3]);
+        let cell = ReferenceCell::textured(0, [40.3, 71.9], depth, [255; 3]);
         let choice = best(&texels, &cell);
         sample(&texels, &choice, texels.page.placed(cell.coordinates, cell.wrap))
     };
@@ -52,7 +52,7 @@ fn embodiments_10_and_20_fractional_depth_blends_layers() {
 fn figure_7b_uses_finest_present_layer_and_marks_next() {
     let choose = |there: &[u8], depth: f32| {
         let texels = with_layers([128, 128], there);
-        let cell = Cell::textured(0, [40.3, 71.9], depth, [255; 3]);
+        let cell = ReferenceCell::textured(0, [40.3, 71.9], depth, [255; 3]);
         let placed = texels.page.placed(cell.coordinates, cell.wrap);
         progressive(&texels, &cell, placed, 16).map(|c| (c.lower, c.upper.map(|u| u.0), c.improve))
     };
@@ -89,8 +89,8 @@ fn cell_values_fit_their_fields() {
     let float = CellConfig { coordinate_bits: 16, ..CellConfig::default() };
     let [s, t] = cell(&float).coordinates;
     assert!((s + 5.141_592_7).abs() <= 8.0 / 256.0 && (t - 1000.123).abs() <= 4.0, "7 bits of fraction: {s} {t}");
-    assert_eq!(Cell::direct([1, 2, 3]).rgb(), [1, 2, 3]);
-    assert!(!Cell::default().is_drawn() && Cell::direct([0; 3]).page().is_none());
+    assert_eq!(ReferenceCell::direct([1, 2, 3]).rgb(), [1, 2, 3]);
+    assert!(!ReferenceCell::default().is_drawn() && ReferenceCell::direct([0; 3]).page().is_none());
 }
 
 #[test]
@@ -107,8 +107,8 @@ fn cell_formula_reads_brightness_back() {
 fn preview_uses_finest_received_layer_and_averages() {
     let (size, format) = ([64, 64], CellFormat::new(&CellConfig::default(), 1.0));
     let (page, mut served) = (page(size, [16, 16]), ServedTexture::new(texture(size)));
-    let cell = Cell::textured(0, [40.3, 50.9], 1.5, [255; 3]);
-    let filled = FilledBuffer { width: 2, height: 1, cells: vec![cell, Cell::default()], ..FilledBuffer::default() };
+    let cell = ReferenceCell::textured(0, [40.3, 50.9], 1.5, [255; 3]);
+    let filled = FilledBuffer { width: 2, height: 1, cells: vec![cell, ReferenceCell::default()], ..FilledBuffer::default() };
     let mut preview = PicturePreview::new(format.clone(), TileEncoding::Raw);
     let mut come = |preview: &mut PicturePreview, layer: u8| {
         for tile in (0..page.tiles()).filter(|tile| page.layer_of(*tile) == layer) {

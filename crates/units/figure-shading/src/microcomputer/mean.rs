@@ -1,7 +1,7 @@
 //! Process 24: mean brightness of a polygon, and its output.
 
 use super::Microcomputer;
-use super::state::{CpuProcess, DecidedPolygon, Phase};
+use super::state::{CpuPhase, CpuProcess, DecidedPolygon};
 use super::unit::{Out, nothing};
 use crate::cpu::CpuOperations;
 use crate::{FigureFlow, ShadedDot};
@@ -61,7 +61,7 @@ impl Microcomputer {
     /// Returns the next dot of process 24, or the polygon's end.
     #[inline]
     pub(super) fn put_out(&mut self) -> Out {
-        let Phase::Output { figure, brightness } = &self.state.phase else { return nothing(1) };
+        let CpuPhase::Output { figure, brightness } = &self.state.phase else { return nothing(1) };
         let to_53 = figure.registers.mean_goes_to_53();
         let mut cycles = 1;
         let signal = if let Some(Fragment { x, y, z, .. }) = self.state.dots.next(&figure.polygon) {
@@ -70,7 +70,7 @@ impl Microcomputer {
             self.state.counters.processes[CpuProcess::Mean as usize].cycles += cycles;
             FigureFlow::Dot(ShadedDot { x, y, z, brightness: *brightness })
         } else {
-            self.state.phase = Phase::Idle;
+            self.state.phase = CpuPhase::Idle;
             FigureFlow::End
         };
         let out = if to_53 { (None, None, Some(signal), None) } else { (None, None, None, Some(signal)) };

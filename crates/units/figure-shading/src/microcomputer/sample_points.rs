@@ -6,7 +6,7 @@ use crate::cpu::CpuOperations;
 use crate::illumination::normal_of;
 use crate::local_memory::{LIGHT, LIGHTS, PolygonBuffer};
 use crate::power::multiplications;
-use crate::{Clamp, ObjectIllumination, ShadingRegisters};
+use crate::{ObjectIllumination, ShadingRegisters, SumClamp};
 use basrelief_kernel::{MemoryPorts, OperatorCounts};
 use basrelief_signals::Polygon;
 
@@ -28,7 +28,12 @@ const HIGHLIGHT: CpuOperations = CpuOperations { multiply: 1, add: 3, ..CpuOpera
 
 /// Returns red, green and blue of each sample point: first ambient and diffuse, then (steps 80 to 83) the specular term. The
 /// latter is left out if circuit (50) adds it or if it is negligible.
-fn brightness(polygon: &Polygon, illumination: &ObjectIllumination, registers: ShadingRegisters, clamp: Clamp) -> Vec<[f32; 3]> {
+fn brightness(
+    polygon: &Polygon,
+    illumination: &ObjectIllumination,
+    registers: ShadingRegisters,
+    clamp: SumClamp,
+) -> Vec<[f32; 3]> {
     let points = polygon.vertices.iter().map(|vertex| {
         let normal = normal_of(vertex.normal);
         let reflected = illumination.ambient_and_diffuse(normal, clamp);

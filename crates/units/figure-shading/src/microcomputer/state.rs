@@ -73,7 +73,7 @@ pub(crate) struct HostSettings {
 
 /// Phase of the CPU (11).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Phase {
+pub(crate) enum CpuPhase {
     /// Waiting for the host.
     #[default]
     Idle,
@@ -111,7 +111,7 @@ pub struct MicrocomputerState {
     pub(crate) limits: SpecularLimits,
     /// Polygons received, which is the number of the next one.
     pub(crate) polygons: u64,
-    pub(crate) phase: Phase,
+    pub(crate) phase: CpuPhase,
     /// Position of process 24 in its polygon.
     pub(crate) dots: DotScan,
     /// Plane of Figure 7 in memory (12). `None` means void.

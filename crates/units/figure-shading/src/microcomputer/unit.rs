@@ -1,7 +1,7 @@
 //! The unit and its steps: one to decide, one to shade, and one per dot of process 24.
 
 use super::normals::normals_of;
-use super::state::{CpuProcess, DecidedPolygon, MicrocomputerState, Phase};
+use super::state::{CpuPhase, CpuProcess, DecidedPolygon, MicrocomputerState};
 use crate::cpu::CpuOperations;
 use crate::dots::DotScan;
 use crate::local_memory::{self, LocalPort, PolygonBuffer};
@@ -46,8 +46,8 @@ pub struct Microcomputer {
 }
 
 /// One optional token per output.
-type Outs = (Option<RegisterOrder>, Option<Arc<NormalLoad>>, Option<FigureFlow>, Option<FigureFlow>);
-pub(super) type Out = Step<Outs>;
+type CpuOutputs = (Option<RegisterOrder>, Option<Arc<NormalLoad>>, Option<FigureFlow>, Option<FigureFlow>);
+pub(super) type Out = Step<CpuOutputs>;
 
 pub(super) fn nothing(cycles: u64) -> Out {
     Step::after(cycles, (None, None, None, None)).busy(cycles.max(1))
@@ -116,13 +116,13 @@ impl Microcomputer {
         match control {
             Control::Frame(frame) => {
                 let cycles = self.begin_frame(&frame);
-                self.state.phase = Phase::WriteMode;
+                self.state.phase = CpuPhase::WriteMode;
                 passed(cycles, FigureFlow::Frame(frame))
             }
             Control::Object(object) => {
                 let (cycles, other_mode) = self.begin_object(object);
                 if other_mode {
-                    self.state.phase = Phase::WriteMode;
+                    self.state.phase = CpuPhase::WriteMode;
                 }
                 nothing(cycles)
             }
@@ -144,34 +144,34 @@ impl Microcomputer {
         let (specular, specular_cycles) = if reused { (true, 0) } else { self.judge_specular(&normals, buffer, traffic) };
         cycles += flat_cycles + plane_cycles + specular_cycles;
         let registers = ShadingRegisters { mode: self.state.settings.mode, flat, specular };
-        self.state.phase = Phase::WriteFlat(DecidedPolygon { polygon, number, registers, reused });
+        self.state.phase = CpuPhase::WriteFlat(DecidedPolygon { polygon, number, registers, reused });
         nothing(cycles)
     }
 
     /// Runs process 20.
     fn start_50(&mut self, decided: DecidedPolygon, traffic: &mut MemoryPorts) -> Out {
         let (load, cycles) = self.start(&decided, traffic);
-        self.state.phase = Phase::Shade(decided);
+        self.state.phase = CpuPhase::Shade(decided);
         Step::after(cycles, (None, load, None, None)).busy(cycles.max(1))
     }
 
     /// Continues with the next phase, if no dot is emitted.
-    fn go_on(&mut self, phase: Phase, traffic: &mut MemoryPorts) -> Out {
+    fn go_on(&mut self, phase: CpuPhase, traffic: &mut MemoryPorts) -> Out {
         match phase {
-            Phase::WriteMode => self.write(CpuProcess::Mode, RegisterWrite::Mode(self.state.settings.mode)),
-            Phase::WriteFlat(decided) => {
+            CpuPhase::WriteMode => self.write(CpuProcess::Mode, RegisterWrite::Mode(self.state.settings.mode)),
+            CpuPhase::WriteFlat(decided) => {
                 let flat = decided.registers.flat;
-                self.state.phase = Phase::WriteSpecular(decided);
+                self.state.phase = CpuPhase::WriteSpecular(decided);
                 self.write(CpuProcess::Flatness, RegisterWrite::Flat(flat))
             }
-            Phase::WriteSpecular(decided) => {
+            CpuPhase::WriteSpecular(decided) => {
                 let specular = decided.registers.specular;
-                self.state.phase = Phase::Start(decided);
+                self.state.phase = CpuPhase::Start(decided);
                 self.write(CpuProcess::Specular, RegisterWrite::Specular(specular))
             }
-            Phase::Start(decided) => self.start_50(decided, traffic),
-            Phase::Shade(decided) => self.shade(decided, traffic),
-            Phase::Idle | Phase::Output { .. } => nothing(1),
+            CpuPhase::Start(decided) => self.start_50(decided, traffic),
+            CpuPhase::Shade(decided) => self.shade(decided, traffic),
+            CpuPhase::Idle | CpuPhase::Output { .. } => nothing(1),
         }
     }
 
@@ -195,7 +195,7 @@ impl Microcomputer {
         let figure = Arc::new(PolygonFigure { polygon, raster, registers, route, brightness });
         if let Some(brightness) = mean {
             self.state.dots = DotScan::new(&figure.polygon, raster);
-            self.state.phase = Phase::Output { figure: Arc::clone(&figure), brightness };
+            self.state.phase = CpuPhase::Output { figure: Arc::clone(&figure), brightness };
         }
         passed(cycles, FigureFlow::Figure(figure))
     }
@@ -223,7 +223,7 @@ impl Microcomputer {
 impl Unit for Microcomputer {
     basrelief_kernel::unit_info!("decides, shades sample points, draws flat polygons");
     type In = Option<Control>;
-    type Out = Outs;
+    type Out = CpuOutputs;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -236,7 +236,7 @@ impl Unit for Microcomputer {
             return self.take(control, traffic);
         }
         // Tested before the phase is moved out, because process 24 comes here for every dot.
-        if matches!(self.state.phase, Phase::Output { .. }) {
+        if matches!(self.state.phase, CpuPhase::Output { .. }) {
             return self.put_out();
         }
         let phase = std::mem::take(&mut self.state.phase);
@@ -248,7 +248,7 @@ impl Unit for Microcomputer {
     }
 
     fn is_empty(&self) -> bool {
-        matches!(self.state.phase, Phase::Idle)
+        matches!(self.state.phase, CpuPhase::Idle)
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

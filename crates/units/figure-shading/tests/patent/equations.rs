@@ -1,7 +1,7 @@
 //! Section 2: interpolation, and the theorem of the invention.
 
 use crate::chain::{Config, direction, draw, lighting, polygon, sun, triangle, weights};
-use basrelief_figure_shading::{Clamp, ShadingMode};
+use basrelief_figure_shading::{ShadingMode, SumClamp};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::cmp::Ordering;
@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 /// Returns the configuration for which the theorem is exact.
 fn exact() -> Config {
     let mut config = Config::default().plain();
-    config.shading.clamp = Clamp::None;
+    config.shading.clamp = SumClamp::None;
     config
 }
 
@@ -84,7 +84,7 @@ proptest! {
         t in triangle(), normals in prop::array::uniform3(direction()), light in direction(), lighting in lighting(),
     ) {
         let mut config = exact();
-        config.shading.clamp = Clamp::Vertex;
+        config.shading.clamp = SumClamp::Vertex;
         let shaded = draw(&config, vec![sun(light)], polygon(&t, &normals, lighting));
         let to_light = light.normalize().as_dvec3();
         let cut_off = normals.iter().map(|n| -n.as_dvec3().dot(to_light)).fold(0.0, f64::max);
@@ -126,8 +126,8 @@ fn theorem_fails_with_clamp_at_partly_dark_polygon() {
         shaded.linear.iter().find(|d| (d.x, d.y) == (15, 0)).expect("inside").brightness[0]
     };
     let share = 15.5 / 32.0;
-    assert!((at(Clamp::None) - (1.0 - 2.0 * share)).abs() < 1e-6);
-    assert!((at(Clamp::Vertex) - (1.0 - share)).abs() < 1e-6);
+    assert!((at(SumClamp::None) - (1.0 - 2.0 * share)).abs() < 1e-6);
+    assert!((at(SumClamp::Vertex) - (1.0 - share)).abs() < 1e-6);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Short cuts 2 and 3 (flat; same plane as before), and Figure 6.
 
 use crate::chain::{Config, SIDE, direction, draw, feed, frame, lighting, polygon, shade, sun, triangle};
-use basrelief_figure_shading::{Clamp, CpuProcess, Microcomputer, PolygonRoute, ShadingMode};
+use basrelief_figure_shading::{CpuProcess, Microcomputer, PolygonRoute, ShadingMode, SumClamp};
 use basrelief_shading::saturated;
 use basrelief_signals::{Camera, Control, Frame, Light, Lighting, Material, Polygon};
 use glam::Vec3;
@@ -197,7 +197,7 @@ fn figure_7_reused_brightness_is_not_calculated() {
 fn at_sample_points(mode: ShadingMode, flat: bool, negligible: bool) -> f32 {
     let mut config = Config::default();
     config.shading.mode = mode;
-    config.shading.clamp = Clamp::None;
+    config.shading.clamp = SumClamp::None;
     config.shading.flat_in_brightness_mode = true;
     config.short_cuts.flatness.tolerance = if flat { 1.0 } else { 0.0 };
     config.short_cuts.specular_negligible.threshold = if negligible { 1.0 } else { 0.0 };

@@ -1,5 +1,5 @@
 use super::*;
-use crate::config::{Arrival, DisplayListConfig};
+use crate::config::{CommandArrival, DisplayListConfig};
 use crate::{DisplayListSource, PolygonLink};
 use basrelief_kernel::OperatorConfig;
 use basrelief_signals::{Camera, Image, Light, LightKind, Lighting, LightingStage, Material, Mesh, Sampler, Texture};
@@ -184,14 +184,14 @@ fn lod_threshold_decides_bump_targets_unless_model_does() {
         assert_eq!(polygon.lod, 20);
         polygon.bump
     };
-    assert!(decide(Targets::Mapped, 63, &mapped, None));
-    assert!(decide(Targets::Mapped, 20, &mapped, None));
-    assert!(!decide(Targets::Mapped, 19, &mapped, None));
-    assert!(!decide(Targets::Mapped, 63, &plain, None));
-    assert!(decide(Targets::All, 63, &plain, None));
-    assert!(!decide(Targets::All, 19, &plain, None));
-    assert!(decide(Targets::Mapped, 0, &plain, Some(true)));
-    assert!(!decide(Targets::All, 63, &mapped, Some(false)));
+    assert!(decide(BumpTargets::Mapped, 63, &mapped, None));
+    assert!(decide(BumpTargets::Mapped, 20, &mapped, None));
+    assert!(!decide(BumpTargets::Mapped, 19, &mapped, None));
+    assert!(!decide(BumpTargets::Mapped, 63, &plain, None));
+    assert!(decide(BumpTargets::All, 63, &plain, None));
+    assert!(!decide(BumpTargets::All, 19, &plain, None));
+    assert!(decide(BumpTargets::Mapped, 0, &plain, Some(true)));
+    assert!(!decide(BumpTargets::All, 63, &mapped, Some(false)));
 }
 
 #[test]
@@ -411,7 +411,7 @@ proptest! {
             _ => Ok((control.clone(), all_known.then_some(*at))),
         });
         let link = PolygonLink { bytes_per_cycle: GeometryConfig::default().link_bytes, taken: TAKEN };
-        let mut source = DisplayListSource::new(DisplayListConfig { arrival: Arrival::Recorded }, link, commands);
+        let mut source = DisplayListSource::new(DisplayListConfig { arrival: CommandArrival::Recorded }, link, commands);
         let mut free = 0;
         for (control, at) in &recorded {
             let step = source.step((), &mut MemoryPorts::default());

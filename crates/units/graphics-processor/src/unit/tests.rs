@@ -180,7 +180,7 @@ fn texture_level_follows_polygon_texel_ratio() {
     // uv (0.5, 0.25) of 4 x 4 texels: columns 1 and 2, rows 0 and 1.
     assert_eq!(addresses, [4, 8, 20, 24]);
     assert_eq!(nearest.unit.state.counters.textured, 1);
-    let off = run(GraphicsConfig { mip: Mip::Off, filter: TexelFilter::Nearest, ..GraphicsConfig::default() });
+    let off = run(GraphicsConfig { mip: MipFilter::Off, filter: TexelFilter::Nearest, ..GraphicsConfig::default() });
     assert_eq!(off.pixels()[0].rgb, [255, 0, 0]);
     assert_eq!(off.traffic[1].look_ups().len(), 1);
 }
@@ -188,7 +188,7 @@ fn texture_level_follows_polygon_texel_ratio() {
 const AFTER_LIST: GraphicsConfig = GraphicsConfig {
     draw: DrawOrder::AfterList,
     filter: TexelFilter::Bilinear,
-    mip: Mip::Nearest,
+    mip: MipFilter::Nearest,
     texel_bytes: 4,
     multipliers: 41,
     adders: 38,

@@ -17,9 +17,9 @@ fn scan(normals: &[[i16; 3]], n: [i16; 3]) -> u16 {
 }
 
 /// A random generator, because `proptest` would take minutes for this many cases.
-struct Random(u64);
+struct TestRandom(u64);
 
-impl Random {
+impl TestRandom {
     fn next(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -37,7 +37,7 @@ impl Random {
 
 #[test]
 fn search_equals_scan_for_a_million_directions() {
-    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let mut random = TestRandom(0x2545_f491_4f6c_dd1d);
     for (table, entries, bits, searches) in [
         (ReferenceNormals::Fibonacci, 256, 16, 150_000),
         (ReferenceNormals::Fibonacci, 64, 16, 300_000),
@@ -86,7 +86,7 @@ fn erratum_nearest_has_largest_inner_product() {
 fn cell_of_full_table_has_few_candidates() {
     let normals = reference_normals(0, 256, ReferenceNormals::Fibonacci, true, 16).unwrap();
     let mut search = NearestSearch::new(&normals, usize::MAX);
-    let mut random = Random(1);
+    let mut random = TestRandom(1);
     for _ in 0..50_000 {
         search.nearest(random.normal());
     }

@@ -1,7 +1,7 @@
 //! Tests of the unit's steps.
 
 use super::*;
-use crate::{NearestSearch, PerLevel, Tables};
+use crate::{NearestSearch, PerLevel, TableSource};
 use basrelief_kernel::Request;
 use basrelief_shading::{ReferenceNormals, reference_normals};
 use basrelief_signals::{Fragment, Material, ObjectInfo, Polygon, Stamp, Vertex};
@@ -87,7 +87,7 @@ fn claims_1_and_7_each_level_uses_its_own_table() {
 fn identical_tables_give_same_index_at_every_level() {
     let n = [12_000, -30_000, 5_000];
     let mut unit =
-        Replacement::new(ReplacementConfig { tables: Tables::Identical, ..config() }, 16, &Operators::default()).unwrap();
+        Replacement::new(ReplacementConfig { tables: TableSource::Identical, ..config() }, 16, &Operators::default()).unwrap();
     let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n), (5, n)]))]);
     let found: Vec<u16> = indexes(&steps)[0].samples.iter().map(|s| s.value[0]).collect();
     assert_eq!(found, [found[0]; 3]);
@@ -340,7 +340,7 @@ fn object_importance_coarsens_its_table() {
 
 #[test]
 fn policy_follows_fragments_of_last_frame() {
-    let config = ReplacementConfig { policy: Policy::ByFragments, fragments_per_entry: 1, ..config() };
+    let config = ReplacementConfig { policy: TablePolicy::ByFragments, fragments_per_entry: 1, ..config() };
     let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
     let frame = || {
         let (lights, textures) = (vec![], vec![]);
