@@ -114,35 +114,35 @@ fn polygon(c: &mut Choices<'_>, object: u32, arrival: &mut u64) -> PolygonRecord
     }
 }
 
-fn commands(c: &mut Choices<'_>) -> Vec<Command> {
-    let mut all = vec![Command::Begin(Begin::new(1 + c.below(16), 1 + c.below(16)))];
-    all.push(Command::Texture(texture(c, 0, TextureKind::Color)));
-    all.push(Command::Texture(texture(c, 1, TextureKind::Normal)));
-    all.extend([0, 1].map(|id| Command::Material(material(c, id))));
+fn commands(c: &mut Choices<'_>) -> Vec<TraceCommand> {
+    let mut all = vec![TraceCommand::Begin(BeginCommand::new(1 + c.below(16), 1 + c.below(16)))];
+    all.push(TraceCommand::Texture(texture(c, 0, TextureKind::Color)));
+    all.push(TraceCommand::Texture(texture(c, 1, TextureKind::Normal)));
+    all.extend([0, 1].map(|id| TraceCommand::Material(material(c, id))));
     let mut arrival = 0;
     for index in 0..=c.below(2) {
-        all.push(Command::Frame(frame(c, index)));
+        all.push(TraceCommand::Frame(frame(c, index)));
         for id in 0..c.below(3) {
             let (name, centre) = (format!("o{id}"), [(); 3].map(|()| c.signed()));
             let entries = c.some(|c| 1 + c.below(64));
-            all.push(Command::Object(ObjectBegin { id, name, centre, entries, mesh: None }));
-            all.extend((0..c.below(4)).map(|_| Command::Polygon(polygon(c, id, &mut arrival))));
+            all.push(TraceCommand::Object(ObjectBegin { id, name, centre, entries, mesh: None }));
+            all.extend((0..c.below(4)).map(|_| TraceCommand::Polygon(polygon(c, id, &mut arrival))));
         }
-        all.push(Command::FrameEnd(FrameEnd {}));
+        all.push(TraceCommand::FrameEnd(FrameEnd {}));
     }
     all
 }
 
-fn written(commands: &[Command], encoding: Encoding) -> Vec<u8> {
-    let mut writer = Writer::new(Vec::new(), Form { encoding, compressed: false }).expect("in memory");
+fn written(commands: &[TraceCommand], encoding: TraceEncoding) -> Vec<u8> {
+    let mut writer = TraceWriter::new(Vec::new(), TraceForm { encoding, compressed: false }).expect("in memory");
     commands.iter().for_each(|command| writer.write(command).expect("a valid command"));
     writer.finish().expect("in memory")
 }
 
 /// Returns a trace of the same tokens, recorded.
 fn recorded(trace: &[u8]) -> Vec<u8> {
-    let resolver = Resolver::new(trace, NoFiles).expect("a valid trace");
-    let mut recorder = Recorder::new(Vec::new(), Form::default(), resolver.begin().clone()).expect("a valid begin");
+    let resolver = TraceResolver::new(trace, NoFiles).expect("a valid trace");
+    let mut recorder = TraceRecorder::new(Vec::new(), TraceForm::default(), resolver.begin().clone()).expect("a valid begin");
     resolver.for_each(|control| recorder.record(&control.expect("a valid trace").0).expect("what resolves can be recorded"));
     recorder.finish(vec![]).expect("in memory")
 }
@@ -161,9 +161,9 @@ fuzz_target!(|bytes: &[u8]| {
     let mut choices = Choices(bytes);
     let machine = MACHINES[choices.below(MACHINES.len() as u32) as usize];
     let commands = commands(&mut choices);
-    let trace = written(&commands, Encoding::JsonLines);
+    let trace = written(&commands, TraceEncoding::JsonLines);
     let timed = report(&machine, trace.clone(), Engine::Timed);
     assert_eq!(report(&machine, trace.clone(), Engine::Ticked), timed, "ticked");
-    assert_eq!(report(&machine, written(&commands, Encoding::Binary), Engine::Timed), timed, "binary");
+    assert_eq!(report(&machine, written(&commands, TraceEncoding::Binary), Engine::Timed), timed, "binary");
     assert_eq!(report(&machine, recorded(&trace), Engine::Timed), timed, "recorded");
 });

@@ -3,24 +3,24 @@
 
 #![no_main]
 
-use basrelief_trace::{Form, NoFiles, Recorder, Resolver, convert};
+use basrelief_trace::{TraceForm, NoFiles, TraceRecorder, TraceResolver, convert};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let mut canonical = Vec::new();
-    if convert(bytes, &mut canonical, Form::default()).is_err() {
+    if convert(bytes, &mut canonical, TraceForm::default()).is_err() {
         return;
     }
-    for form in Form::ALL {
+    for form in TraceForm::ALL {
         let (mut there, mut back) = (Vec::new(), Vec::new());
         convert(canonical.as_slice(), &mut there, form).expect("a valid trace converts");
-        convert(there.as_slice(), &mut back, Form::default()).expect("a converted trace converts");
+        convert(there.as_slice(), &mut back, TraceForm::default()).expect("a converted trace converts");
         assert!(back == canonical, "{form:?} lost something");
     }
-    let Ok(resolver) = Resolver::new(bytes, NoFiles) else { return };
+    let Ok(resolver) = TraceResolver::new(bytes, NoFiles) else { return };
     let begin = resolver.begin().clone();
     let Ok(controls) = resolver.collect::<Result<Vec<_>, _>>() else { return };
-    let mut recorder = Recorder::new(Vec::new(), Form::default(), begin).expect("a valid begin");
+    let mut recorder = TraceRecorder::new(Vec::new(), TraceForm::default(), begin).expect("a valid begin");
     for (control, _) in &controls {
         recorder.record(control).expect("what resolves can be recorded");
     }
