@@ -2,6 +2,7 @@
 """Measures how plain the prose of this repository is, and checks it against limits.
 
   tools/prose.py [--check] [--worst N] PATH...
+  tools/prose.py --subjects
 
 Prose is the text of Markdown files (paragraphs, and table cells of six words or more) and of comments in Rust, TypeScript and
 Python. Per kind it prints: sentences; words per sentence; the share of sentences that begin with What, Who, Whose ...; the share
@@ -9,11 +10,15 @@ that contain such a word; the share with three or more relative clauses. `--wors
 scores. `--check` exits with 1 if a limit is exceeded, if a test name is longer than 60 characters or if a function name begins
 with `what_` or `who_`.
 
+`--subjects` exits with 1 if the subject of a commit after FIRST_SUBJECTS is not `area: imperative` of at most 72 characters. In a
+shallow clone it checks the commits that are there.
+
 Low figures are necessary for plain prose, but not sufficient: the program counts words, it does not understand them.
 """
 import argparse
 import os
 import re
+import subprocess
 import sys
 
 SKIPPED_FOLDERS = {".git", "node_modules", "pictures", "target"}
@@ -22,6 +27,14 @@ NOUN_CLAUSE = re.compile(r"\b(what|who|whom|whose|whoever|whatever)\b")
 RELATIVE = re.compile(r"\b(that|which|what|who|whom|where|whose)\b")
 FUNCTION = re.compile(r"(#\[(?:tokio::)?test\][^{}]*?)?\bfn (\w+)")
 LONGEST_TEST_NAME = 60
+
+# The subjects of later commits are checked.
+FIRST_SUBJECTS = "fcb995202a2e3cacebd5dd350133a519c74abf5f"
+SUBJECT = re.compile(r"^[a-z0-9][\w.-]*(, [a-z0-9][\w.-]*)*: [a-z][^.]*([.]\S[^.]*)*$")
+LONGEST_SUBJECT = 72
+# Endings of verbs that are not imperative: "adds", "added", "adding"; and verbs that end so by themselves.
+NO_IMPERATIVE = re.compile(r"(?<![su])s$|ed$|ing$")
+IMPERATIVES = {"bring", "embed", "feed", "need", "speed", "swing"}
 
 # Limits per kind: words per sentence; then percent of sentences that begin with, contain and nest.
 LIMITS = {"documents": (16.0, 0.3, 2.0, 0.5), "comments": (16.0, 0.5, 2.0, 0.5)}
@@ -109,12 +122,46 @@ def bad_names(path):
             yield f"{path}: test name `{name}` has {len(name)} characters, allowed {LONGEST_TEST_NAME}"
 
 
+def git(*arguments):
+    return subprocess.run(["git", *arguments], capture_output=True, text=True)
+
+
+def subject_complaint(subject):
+    """Returns the fault of a commit subject, or `None`."""
+    verb = subject.partition(": ")[2].partition(" ")[0]
+    if len(subject) > LONGEST_SUBJECT:
+        return f"has {len(subject)} characters, allowed {LONGEST_SUBJECT}"
+    if not SUBJECT.match(subject) or NO_IMPERATIVE.search(verb) and verb not in IMPERATIVES:
+        return "is not `area: imperative`, for example `report: add the name of the bottleneck`"
+    return None
+
+
+def check_subjects():
+    commits = "HEAD"
+    if git("cat-file", "-e", FIRST_SUBJECTS).returncode == 0:
+        commits = FIRST_SUBJECTS + "..HEAD"
+    elif git("rev-parse", "--is-shallow-repository").stdout.strip() != "true":
+        print(f"subjects: not checked, because commit {FIRST_SUBJECTS[:8]} is not in this repository")
+        return
+    lines = git("log", "--no-merges", "--format=%h %s", commits).stdout.splitlines()
+    pairs = [line.split(" ", 1) for line in lines]
+    complaints = [f"{commit}: subject `{s}` {fault}" for commit, s in pairs if (fault := subject_complaint(s))]
+    print("\n".join([f"subjects: {len(lines)} commits, {len(complaints)} complaints", *complaints]))
+    sys.exit(bool(complaints))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="exit with 1 if a limit is exceeded")
     parser.add_argument("--worst", type=int, default=0, metavar="N", help="list the N sentences with the highest scores")
-    parser.add_argument("paths", nargs="+", metavar="PATH")
+    parser.add_argument("--subjects", action="store_true", help="check the subjects of commits, and nothing else")
+    parser.add_argument("paths", nargs="*", metavar="PATH")
     options = parser.parse_args()
+    if options.subjects:
+        check_subjects()
+        return
+    if not options.paths:
+        parser.error("expected a file or a folder")
 
     found = {kind: [] for kind in LIMITS}
     complaints = []
