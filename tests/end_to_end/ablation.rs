@@ -40,6 +40,7 @@ fn ablation_table_equals_separate_runs() {
 
 /// The specification: each omitted contribution is below half a step, so no output changes by more than 1. The other short
 /// cuts change nothing beyond their tolerance.
+// Claim: as shortcuts_change_outputs_by_at_most_their_rounding.
 #[test]
 fn default_thresholds_change_output_by_one_step() {
     let place = Place::new();

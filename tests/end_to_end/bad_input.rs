@@ -220,6 +220,7 @@ fn closed_output_pipe_is_no_error() {
     assert!(child.wait().expect("a child").success());
 }
 
+// Claim: as own_views_equal_the_same_options.
 #[test]
 fn bad_view_file_names_place_and_field() {
     let place = Place::new();

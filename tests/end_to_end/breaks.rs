@@ -33,6 +33,7 @@ fn looking(place: &Place, server: &Server, out: &str) -> Child {
     client
 }
 
+// Claim: as crowded_clients_get_every_tile.
 #[test]
 fn killed_client_leaves_whole_images_only() {
     let place = Place::new();
@@ -54,6 +55,7 @@ fn killed_client_leaves_whole_images_only() {
 }
 
 /// The server is away for 2 s, longer than the retries of a request. These detect a missing answer after 1.5 s.
+// Claim: as crowded_clients_get_every_tile.
 #[test]
 fn server_restart_costs_clients_only_time() {
     let place = Place::new();
@@ -70,6 +72,7 @@ fn server_restart_costs_clients_only_time() {
     assert_eq!(place.names("out"), place.names("undisturbed"));
 }
 
+// Claim: as crowded_clients_get_every_tile.
 #[test]
 fn full_disk_names_image_and_leaves_no_partial_file() {
     let place = Place::new();
@@ -100,6 +103,7 @@ fn status(server: &Server, name: &str) -> u64 {
 
 /// More clients than connections request the largest answers, and each reads only the first byte.
 #[cfg(target_os = "linux")]
+// Claim: as crowded_clients_get_every_tile.
 #[test]
 fn server_threads_and_memory_are_bounded() {
     let place = Place::new();

@@ -14,6 +14,7 @@ fn image(place: &Place, out: &str) -> String {
     place.report(out)["image"][0]["sha256"].as_str().expect("a hash").to_owned()
 }
 
+// Claim: defer, outputs: A run writes an image per round, layer depth with its scale, a tile map and both dumps.
 #[test]
 fn defer_writes_round_images_maps_and_dumps() {
     let place = Place::new();
@@ -69,6 +70,7 @@ fn unknown_dump_is_refused() {
     assert!(place.names("").is_empty());
 }
 
+// Claim: defer, path, [0025]: A preset makes a local disk the path.
 #[test]
 fn local_disk_preset_is_a_path_0025() {
     let place = Place::new();
@@ -94,6 +96,7 @@ fn local_disk_preset_is_a_path_0025() {
     assert!(ms(&reports[1]) > 3.0 * ms(&reports[0]));
 }
 
+// Claim: defer, trace: A recorded trace draws the same images in every form and mode. Two sample traces check the cycles.
 #[test]
 fn recorded_trace_draws_same_images_in_all_forms() {
     let place = Place::new();

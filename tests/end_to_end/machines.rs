@@ -26,6 +26,7 @@ fn demo_selects_its_machine_by_default() {
     }
 }
 
+// Claim: as engines_agree_on_demos_in_every_mode.
 #[test]
 fn engines_and_functional_mode_agree_on_all_demos() {
     let place = Place::new();
@@ -70,6 +71,7 @@ fn shade_report_has_paths_circuits_and_errors() {
     assert!(!place.bytes("t.pftrace").is_empty());
 }
 
+// Claim: shade, normals: Normalized normals come closest to the reference image.
 #[test]
 fn normalized_normals_are_closest_to_reference() {
     let place = Place::new();
@@ -82,6 +84,7 @@ fn normalized_normals_are_closest_to_reference() {
     assert!(renormalised < 0.5 * plain && renormalised < 0.5 * polyhedron, "{renormalised} {plain} {polyhedron}");
 }
 
+// Claim: trace: A trace from any machine gives the same image on `shade` and `texel`, and covers the same pixels.
 #[test]
 fn replay_gives_same_image_from_any_machine() {
     let place = Place::new();

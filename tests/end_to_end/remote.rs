@@ -129,6 +129,8 @@ pub fn get(address: &str, path: &str) -> String {
     String::from_utf8_lossy(&answer).into_owned()
 }
 
+// Claim: defer, real path: An image from a server equals the image from the file. Passing faults are retried, permanent ones are
+// named, and received tiles stay. A silent client delays no other.
 #[test]
 fn image_from_server_equals_image_from_file() {
     let place = Place::new();
@@ -146,6 +148,7 @@ fn image_from_server_equals_image_from_file() {
     assert!(!place.names("").contains(&"nothing".to_owned()));
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn lost_server_keeps_received_tiles() {
     let place = Place::new();
@@ -186,6 +189,7 @@ fn comparable(place: &Place, out: &str) -> serde_json::Value {
     report
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn served_scene_gives_report_and_images_of_file() {
     let place = Place::new();
@@ -212,6 +216,7 @@ fn served_scene_gives_report_and_images_of_file() {
     }
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn views_of_one_server_share_tiles() {
     let place = Place::new();
@@ -262,6 +267,7 @@ fn report_has_traffic_and_image_times_of_real_path() {
 }
 
 /// On a slow path, each picture is written when it is complete, and not all of them at the end.
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn image_is_written_before_next_tiles_arrive() {
     let place = Place::new();

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 /// The path is slow, so the host's own time is small beside it. The example `shaped_path` makes the rest of the table of
 /// docs/experiments/defer.md.
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn modelled_path_takes_as_long_as_real_one() {
     let place = Place::new();
@@ -35,6 +36,8 @@ fn modelled_path_takes_as_long_as_real_one() {
 }
 
 /// The counts of tiles reproduce a run in which the clock decided the view changes.
+// Claim: defer, 475, real path: A user who turns away waits for no abandoned view, and keeps received tiles. A run with the same
+// counts repeats the images.
 #[test]
 fn slow_path_does_not_delay_view_changes() {
     let place = Place::new();

@@ -67,6 +67,7 @@ fn frames_and_their_spans_are_numbered() {
 
 /// Checks section 3 of the specification with the dump alone. Every segment of more than one pixel keeps the error bound. No
 /// segment except the last of its span could be one pixel longer.
+// Claim: images: By the dump of spans, every segment keeps the error bound, and only the last of a span could be one pixel longer.
 #[test]
 fn division_points_respect_error_bound() {
     let place = Place::new();
@@ -100,6 +101,7 @@ fn division_points_respect_error_bound() {
     }
 }
 
+// Claim: images: A replayed trace has the same spans.
 #[test]
 fn replayed_list_has_same_spans() {
     let place = Place::new();
@@ -110,6 +112,8 @@ fn replayed_list_has_same_spans() {
     assert_eq!(place.bytes("a/displacement.png"), place.bytes("b/displacement.png"));
 }
 
+// Claim: images: At equal error the adaptive method needs fewer divisions than each fixed method. A table row is a run with its
+// settings.
 #[test]
 fn all_methods_are_compared_at_the_same_error() {
     let place = Place::new();

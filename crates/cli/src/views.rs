@@ -149,6 +149,7 @@ mod tests {
         assert_eq!(read("[[views]]\nturn = [1, 2]\n[[views]]").unwrap().left_at_ms, None);
     }
 
+    // Claim: as own_views_equal_the_same_options.
     #[test]
     fn view_file_errors_name_place_and_field() {
         for (text, says) in [

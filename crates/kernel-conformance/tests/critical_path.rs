@@ -49,6 +49,7 @@ fn always_busy_unit_is_the_path() {
 }
 
 /// The same chain. The steps of each stage belong to tokens 0 to 3 in order.
+// Claim: analysis: The critical path by polygon adds up to the path. A segment belongs to its first step.
 #[test]
 fn segment_belongs_to_its_first_step() {
     let draw = Draw::chain();

@@ -16,12 +16,14 @@ fn stuck(deadlock: &Deadlock) -> Vec<String> {
 }
 
 proptest! {
+    // Claim: as no_token_is_lost_doubled_or_reordered.
     #[test]
     fn both_engines_give_equal_reports(recipe in recipe()) {
         // `run_both` compares the engines. A separate test lets a difference shrink to the smallest plan.
         run_both(&recipe.plan().0, u64::MAX);
     }
 
+    // Claim: as no_token_is_lost_doubled_or_reordered.
     #[test]
     fn order_of_units_does_not_matter(recipe in recipe()) {
         let (here, there) = (report(&recipe.plan().0), report(&recipe.reordered()));
@@ -31,6 +33,7 @@ proptest! {
         }
     }
 
+    // Claim: as busy_starved_blocked_done.
     #[test]
     fn accounts_and_histograms_sum_to_total(recipe in recipe()) {
         let report = report(&recipe.plan().0);
@@ -47,6 +50,7 @@ proptest! {
         }
     }
 
+    // Claim: laws, all: On random machines no token is lost, the order of units has no effect, and both engines give equal reports.
     #[test]
     fn no_token_is_lost_doubled_or_reordered(recipe in recipe()) {
         let (plan, tokens) = recipe.plan();

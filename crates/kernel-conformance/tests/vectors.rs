@@ -4,6 +4,7 @@ use basrelief_kernel::{Engine, run};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, result};
 use serde_json::Value;
 
+// Claim: laws, all: Both engines agree with an independent implementation of the laws.
 #[test]
 fn both_engines_match_law_vectors() {
     let vectors = include_str!("vectors/laws.jsonl");

@@ -1,6 +1,5 @@
 //! Invariants of absence: what must not be in the tree. ARCHITECTURE.md lists them.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 #[path = "invariants/circles.rs"]
@@ -230,22 +229,6 @@ fn library_code_is_safe() {
     }
     let workspace: toml::Table = read(&root().join("Cargo.toml")).parse().unwrap();
     assert_eq!(workspace["workspace"]["lints"]["rust"]["unsafe_code"].as_str(), Some("forbid"));
-}
-
-#[test]
-fn every_test_named_in_the_table_of_claims_exists() {
-    let table = read(&root().join("docs/reference/claims.csv"));
-    let names: BTreeSet<&str> = table.split([' ', ',', '"', '\n']).filter(|word| word.contains(".rs::")).collect();
-    assert!(names.len() > 30, "{}", names.len());
-    for name in names {
-        let (file, test) = name.split_once("::").unwrap();
-        let text = read(&root().join(file));
-        let found = text.match_indices(&format!("fn {test}(")).any(|(at, _)| {
-            // The attribute stands on one of the lines above, in proptest! too.
-            text[..at].lines().rev().take(3).any(|line| line.trim() == "#[test]")
-        });
-        assert!(found, "docs/reference/claims.csv names {name}, which is no test");
-    }
 }
 
 /// `DepthTest` as `depth_test`; digits stand alone: `selector_28`.

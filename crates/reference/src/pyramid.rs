@@ -58,6 +58,8 @@ mod tests {
     }
 
     /// Example from the specification of the renderer.
+    // Claim: images: 700 x 300 texels have layers of 44 x 19, 88 x 38, 175 x 75, 350 x 150, 700 x 300. An odd edge repeats its last
+    // texel. Averages are (sum of 4 + 2) >> 2.
     #[test]
     fn layers_of_700_by_300_texels_end_in_one_tile() {
         let sizes: Vec<_> = tiled(image(700, 300), [64, 64]).iter().map(|l| (l.width, l.height)).collect();
@@ -66,6 +68,7 @@ mod tests {
         assert_eq!(tiled(image(65, 1), [64, 64]).len(), 2);
     }
 
+    // Claim: as layers_of_700_by_300_texels_end_in_one_tile.
     #[test]
     fn odd_edge_repeats_last_texel() {
         let levels = tiled(image(3, 3), [1, 1]);

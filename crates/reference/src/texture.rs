@@ -223,6 +223,7 @@ mod tests {
         assert!((blended - 4.0).abs() < 1e-9, "half of 3 and half of 5: {blended}");
     }
 
+    // Claim: images: The level of the MIP-map selector (320) is that of the derived formula.
     #[test]
     fn mip_map_selector_uses_only_scan_line_direction() {
         let texture = ramp(WrapMode::Clamp);

@@ -141,6 +141,7 @@ fn exact_pictures_agree_with_mesa() {
 
 const SHADINGS: [ShadingModel; 3] = [ShadingModel::Face, ShadingModel::Gouraud, ShadingModel::Phong];
 
+// Claim: shade, reference image: Flat, Gouraud and Phong agree with Mesa, and with each other on a fine mesh.
 #[test]
 fn flat_gouraud_and_phong_shading_agree_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
@@ -211,6 +212,8 @@ fn assert_textures_agree(mesa: &Mesa, name: &str, scene: &Scene, model: &Path, o
     }
 }
 
+// Claim: images: Texture mapping alone agrees with Mesa on six models, on Spot, and with sides that are no power of two in every
+// wrap mode.
 #[test]
 fn textures_agree_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
@@ -220,6 +223,7 @@ fn textures_agree_with_mesa() {
 }
 
 /// Spot with its texture: we read OBJ and MTL, the tool reads glTF, because it drops materials of OBJ files.
+// Claim: as textures_agree_with_mesa.
 #[test]
 fn obj_texture_agrees_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
@@ -239,6 +243,7 @@ fn obj_texture_agrees_with_mesa() {
 
 /// A floor that extends to the horizon. Its texture is not square, its sides are no powers of two, and it uses each wrap mode of
 /// glTF.
+// Claim: as textures_agree_with_mesa.
 #[test]
 fn textures_of_any_size_and_wrap_agree_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };

@@ -151,6 +151,7 @@ fn gouraud_interpolates_vertex_light() {
     assert!(psnr(&drawn, &expected).expect("same size") > 70.0);
 }
 
+// Claim: as flat_gouraud_and_phong_shading_agree_with_mesa.
 #[test]
 fn fine_mesh_looks_the_same_in_every_shading() {
     let frame = frame(160, 120, EYE);

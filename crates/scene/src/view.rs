@@ -395,6 +395,7 @@ mod tests {
         assert_eq!(frames[0].camera.view_projection, frames[1].camera.view_projection);
     }
 
+    // Claim: defer, views: A file of views gives the frames of equal command-line options. An error names its place.
     #[test]
     fn own_views_equal_the_same_options() {
         let turning = ViewHints { frames: 4, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..hints(vec![]) };

@@ -225,6 +225,7 @@ mod tests {
         assert_eq!(BlockLayout::default(), BlockLayout::new(TextureLayout::Blocked, 4, 64));
     }
 
+    // Claim: as pictures_do_not_depend_on_raster_order_or_layout.
     #[test]
     fn each_layout_matches_hand_computed_texel() {
         let texture = texture(&[[32, 16]], 0);

@@ -88,6 +88,7 @@ mod tests {
         }
     }
 
+    // Claim: as lod_3_divides_the_difference_of_two_levels_3_to_5.
     #[test]
     fn lod_3_weighs_adjacent_levels_5_to_3() {
         assert_eq!(pairs(&select_levels(3, 2, 8)), [(0, 5.0 / 8.0), (1, 3.0 / 8.0)]);

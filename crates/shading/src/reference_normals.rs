@@ -213,6 +213,7 @@ mod tests {
         reference_normals(level, 256, table, distinct, 16).unwrap().into_iter().collect()
     }
 
+    // Claim: as claim_1_7_each_level_has_its_own_map_and_table.
     #[test]
     fn claim_1_levels_share_no_reference_normal() {
         for table in [ReferenceNormals::Fibonacci, ReferenceNormals::Tetrahedron] {

@@ -72,6 +72,7 @@ fn check(costs: &Costs, report: &RunReport) {
     }
 }
 
+// Claim: as segment_belongs_to_its_first_step.
 #[test]
 fn critical_path_by_polygon_sums_to_the_cycle() {
     for (name, settings) in [CASES[0], CASES[4], CASES[7], CASES[10]] {

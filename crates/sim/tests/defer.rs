@@ -93,6 +93,7 @@ fn wrapped(wrap: WrapMode) -> Arc<Scene> {
     Arc::new(scene)
 }
 
+// Claim: defer, wrap modes: The reference image continues odd textures beyond their edges like the device, in every mode.
 #[test]
 fn section_3_exact_picture_wraps_odd_textures_like_the_device() {
     for wrap in [WrapMode::Repeat, WrapMode::Mirror, WrapMode::Clamp] {
@@ -107,6 +108,7 @@ fn section_3_exact_picture_wraps_odd_textures_like_the_device() {
     }
 }
 
+// Claim: as bump_target_is_lit_at_vertices_by_formula.
 #[test]
 fn gouraud_with_normal_maps_matches_the_exact_picture() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/patch.gltf");
@@ -133,6 +135,7 @@ fn counts(report: &Report, name: &str) -> Vec<u64> {
     serde_json::to_value(&report.figures[name]).and_then(serde_json::from_value).unwrap()
 }
 
+// Claim: as user_times_become_stable_tile_counts_475.
 #[test]
 fn left_view_requests_no_more_tiles_475() {
     let never = looking_around(&[("defer.left_at_tile", "[0]")]);
@@ -150,6 +153,8 @@ fn left_view_requests_no_more_tiles_475() {
     assert_ne!(left.image[0].sha256, never.image[0].sha256);
 }
 
+// Claim: defer, 475: Solver runs turn times of user input into counts. An abandoned view requests nothing more, and the next
+// continues from there.
 #[test]
 fn user_times_become_stable_tile_counts_475() {
     let tiles_left_at = |ms: &str| {

@@ -56,6 +56,7 @@ fn bytes(report: &Report) -> Vec<(&String, &String, u64, u64)> {
     memories.flat_map(|(m, r)| r.clients.iter().map(move |(c, t)| (m, c, t.read_bytes, t.write_bytes))).collect()
 }
 
+// Claim: trace: A scene and its trace have the same hash, images, figures and bytes, in JSON and binary.
 #[test]
 fn replay_draws_the_same_picture_and_moves_the_same_bytes() {
     for (name, frames) in [("mixed", 1), ("coin", 3), ("brick", 1)] {
@@ -96,6 +97,7 @@ fn tail(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> u64 {
 /// With room for the whole trace, the front end is never blocked. A replay has no host and no FIFO after
 /// it, so a polygon reaches the rasterizer exactly `fifo.draws.latency` cycles earlier than in the scene's run. The run is shorter by that
 /// much, and by up to the tail if the end of the last frame waits for the geometry processor.
+// Claim: trace: A replay takes the cycles of the run, except for delays of the front end.
 #[test]
 fn replay_takes_the_cycles_of_the_run_without_front_end() {
     let unblocked = ("fifo.polygons.depth", "65536");

@@ -78,26 +78,32 @@ fn every_assumption_is_changed(machine: usize, frames: u32) {
     }
 }
 
+// Claim: analysis: The sensitivity analysis changes every assumed parameter. A row equals a run with its value, on any number of
+// threads.
 #[test]
 fn bump_sensitivity_equals_separate_runs() {
     every_assumption_is_changed(0, 1);
 }
 
+// Claim: as bump_sensitivity_equals_separate_runs.
 #[test]
 fn shade_sensitivity_equals_separate_runs() {
     every_assumption_is_changed(1, 1);
 }
 
+// Claim: as bump_sensitivity_equals_separate_runs.
 #[test]
 fn texel_sensitivity_equals_separate_runs() {
     every_assumption_is_changed(2, 2);
 }
 
+// Claim: as bump_sensitivity_equals_separate_runs.
 #[test]
 fn defer_sensitivity_equals_separate_runs() {
     every_assumption_is_changed(3, 1);
 }
 
+// Claim: as bump_sensitivity_equals_separate_runs.
 #[test]
 fn sensitivity_does_not_depend_on_threads() {
     let settings = vec![("shade.mode".to_owned(), "normal".to_owned()), ("cpu.divide".to_owned(), "40".to_owned())];

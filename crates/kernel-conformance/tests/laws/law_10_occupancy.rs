@@ -15,6 +15,7 @@ fn wire(depth: usize, tokens: u64, source: (u64, u64), sink: u64) -> Plan {
     draw.0
 }
 
+// Claim: laws, 10 Occupancy: A slot counts as occupied from reservation through pop.
 #[test]
 fn slot_counts_from_reservation_through_pop() {
     // Starts 2 x n, latency 3, visible and popped 4 later. Each token occupies a slot for 5 cycles: 0..=4, 2..=6, 4..=8. Occupied

@@ -37,6 +37,7 @@ fn both(clients: bool, gaps: &[u64]) -> RunReport {
     timed
 }
 
+// Claim: laws, 11 Marks: A mark is passed at delivery. Caches stay warm between marks.
 #[test]
 fn mark_is_passed_at_delivery() {
     // Steps at 1 .. 7, each delivered 2 later. Marked tokens 2 and 5: at 3 and 6, delivered 5 and 8. Token 6: at 7,
@@ -54,6 +55,7 @@ fn memory_wait_comes_before_mark() {
     assert_eq!(report.caches[0].counts.merged, 6);
 }
 
+// Claim: as mark_is_passed_at_delivery.
 #[test]
 fn caches_stay_warm_between_marks() {
     // One token every 40 cycles. The line is present for all tokens but the first, also after the marks.

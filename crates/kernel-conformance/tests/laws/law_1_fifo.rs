@@ -14,12 +14,14 @@ fn wire(depth: usize, fifo_latency: u64, latency: &[u64]) -> Plan {
     draw.0
 }
 
+// Claim: laws, 1 FIFO: A token is visible f cycles after its delivery, and tokens keep their order.
 #[test]
 fn token_is_visible_f_cycles_after_delivery() {
     // Starts 0, 1, 2; delivered 0, 1, 2; visible 5, 6, 7.
     assert_eq!(starts(&wire(8, 5, &[0, 0, 0]), "sink"), [5, 6, 7]);
 }
 
+// Claim: as token_is_visible_f_cycles_after_delivery.
 #[test]
 fn tokens_never_overtake() {
     // Starts 0, 1, 2, 3; delivered 9, 1, 2, 10; d + f = 11, 3, 4, 12. Token 1 waits for token 0: 11 + 1. Token 2 waits for token

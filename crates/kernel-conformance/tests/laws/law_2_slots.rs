@@ -16,6 +16,7 @@ fn wire(depth: usize, f: u64, occupancy: u64, latency: u64, tokens: u64) -> Plan
     draw.0
 }
 
+// Claim: laws, 2 Slots: A slot is held from the start of the step through the pop, which gives the depth for full rate.
 #[test]
 fn slot_is_held_from_start_through_pop() {
     // Latency 5, f = 1. A token that starts at s is visible and popped at s + 6, and its slot is free at s + 7. Two slots
@@ -23,6 +24,7 @@ fn slot_is_held_from_start_through_pop() {
     assert_eq!(starts(&wire(2, 1, 1, 5, 6), "source"), [0, 1, 7, 8, 14, 15]);
 }
 
+// Claim: as slot_is_held_from_start_through_pop.
 #[test]
 fn full_rate_needs_exactly_the_depth_of_law_2() {
     for (f, occupancy, latency) in [(1, 1, 0), (1, 1, 5), (3, 1, 0), (2, 2, 5), (1, 3, 10), (1, 4, 0)] {

@@ -20,6 +20,8 @@ fn join_waits_for_its_last_input() {
     assert_eq!(starts(&draw.0, "join"), [3, 8, 13]);
 }
 
+// Claim: laws, 3 Start: A step pops exactly its declared inputs, and starts with credits for its largest case. Impossible
+// parameters are rejected.
 #[test]
 fn exactly_declared_inputs_are_popped() {
     let mut draw = Draw::default();
@@ -66,6 +68,7 @@ fn silent_output_reserves_no_slot() {
     assert_eq!(starts(&draw.0, "route"), [1, 3, 5, 7]);
 }
 
+// Claim: as exactly_declared_inputs_are_popped.
 #[test]
 fn start_needs_credits_for_largest_step() {
     // Two reads of 32 bytes per step, 3 credits. Memory: closed 2, then 3 to the data, with 2 cycles per burst.

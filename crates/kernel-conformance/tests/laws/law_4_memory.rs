@@ -34,6 +34,7 @@ fn counts(report: &RunReport, port: &str) -> PortCounts {
     report.memories[0].ports.iter().find(|p| p.client == port).unwrap().counts
 }
 
+// Claim: laws, 4 Memory: Row hits, closed rows and conflicts have their latencies. The lower port wins in the same cycle.
 #[test]
 fn hit_closed_and_conflict_have_their_latencies() {
     // Step at 1, three reads, rows 0, 0, 1, in view at 2. Activated 2, column 4, data 7 .. 9. Hit: column 6, data 9 .. 11.
@@ -114,6 +115,7 @@ fn two_clients(order: [usize; 2]) -> Plan {
     draw.0
 }
 
+// Claim: as hit_closed_and_conflict_have_their_latencies.
 #[test]
 fn lower_port_wins_same_cycle_in_any_wiring() {
     for order in [[0, 1], [1, 0]] {

@@ -28,6 +28,7 @@ fn counts(plan: &Plan) -> CacheCounts {
     report(plan).caches[0].counts
 }
 
+// Claim: laws, 5 Cache: A miss goes to memory, and a line in flight is merged. A hit behind a miss waits.
 #[test]
 fn miss_goes_to_memory_and_line_in_flight_is_merged() {
     // Three steps, at 1, 2, 3, all of line 0. Miss: closed, column 4, data 7 .. 9, + 2: delivered 11, visible 12. The other steps
@@ -51,6 +52,7 @@ fn present_line_is_a_hit() {
     }
 }
 
+// Claim: as miss_goes_to_memory_and_line_in_flight_is_merged.
 #[test]
 fn hit_behind_miss_waits() {
     // Token 0 misses line 0. Token 1 misses line 1 much later. Token 2, at 32, hits line 0, but its answer waits for that of line

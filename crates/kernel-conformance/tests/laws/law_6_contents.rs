@@ -26,6 +26,7 @@ fn plan(memory: PlanMemory, outstanding: u32) -> Plan {
     draw.0
 }
 
+// Claim: laws, 6 Contents: Tokens and images do not depend on memory timing.
 #[test]
 fn tokens_do_not_depend_on_the_memory() {
     let small = small_memory().config;

@@ -89,6 +89,7 @@ fn bench(room: usize, tokens: Vec<Flow>) -> Bench<Batch> {
     Bench::new(Batch { room, scale: 1, held: vec![], flushing: false }, tokens, None, &[], &setting)
 }
 
+// Claim: laws, 7 Control in band: A control token takes effect when it is popped. A full gather memory is an error, not a deadlock.
 #[test]
 fn control_token_takes_effect_when_popped() {
     use Flow::{End, Item, Scale};
@@ -115,6 +116,7 @@ fn gathering_unit_without_end_token_deadlocks() {
     );
 }
 
+// Claim: as control_token_takes_effect_when_popped.
 #[test]
 fn exceeding_gather_memory_is_error_not_deadlock() {
     let tokens = || vec![Flow::Item(1), Flow::Item(2), Flow::Item(3), Flow::End];

@@ -34,6 +34,7 @@ fn batch_beside(depth: usize) -> Plan {
     draw.0
 }
 
+// Claim: laws, 8 End: Idle time does not end a run. A deadlock names units, FIFOs and occupancy.
 #[test]
 fn idle_stretches_do_not_end_a_run() {
     // One slot: starts 0, 50,002 and 100,004. Each token is visible and popped 50,001 later, and occupies the sink for 7 cycles.
@@ -64,6 +65,7 @@ fn last_busy_cycle_counts() {
     assert_eq!(report(&wire(1, (1, 0), 9)).total, 10);
 }
 
+// Claim: as idle_stretches_do_not_end_a_run.
 #[test]
 fn deadlock_names_units_fifos_and_levels() {
     // `fork` steps at 1 and 3, then `b` is full. `in` receives its third token at 4, visible at 5: 6 cycles. `gather` holds two

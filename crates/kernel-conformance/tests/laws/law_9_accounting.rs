@@ -20,6 +20,7 @@ fn request(write: bool) -> Kind {
     Kind::Access { requests: vec![request] }
 }
 
+// Claim: laws, 9 Accounting: Each cycle of a unit is busy, starved, blocked, memory wait or done, and causes add up to the total.
 #[test]
 fn busy_starved_blocked_done() {
     // Two tokens, one output slot, a sink occupied for 5 cycles. Step 0 at 1, visible and popped 2, slot free 3. Step 1 at 3,

@@ -100,6 +100,7 @@ mod tests {
         config.never_left(2)
     }
 
+    // Claim: as user_times_become_stable_tile_counts_475.
     #[test]
     fn view_is_left_before_the_first_tile_that_is_late() {
         let at = |ms: &[f64]| left_at(ms).left_once_more(&ahead()).map(|next| next.defer.left_at_tile);
@@ -112,6 +113,7 @@ mod tests {
         assert_eq!(at(&[]), None);
     }
 
+    // Claim: as user_times_become_stable_tile_counts_475.
     #[test]
     fn next_view_begins_when_the_user_turns_to_it() {
         let config = left_at(&[7.0, 8.0]);

@@ -38,6 +38,8 @@ fn used(ran: &Ran) -> Vec<u64> {
     used.clone()
 }
 
+// Claim: bump, 1, 7: Each MIP level has its own normal map and VQ table, without common vectors. N' becomes the nearest vector of
+// its level.
 #[test]
 fn claim_1_7_each_level_has_its_own_map_and_table() {
     let config = config(&[]);
@@ -59,6 +61,7 @@ fn claim_1_7_each_level_has_its_own_map_and_table() {
     assert!(differ > 90, "the maps of two levels differ");
 }
 
+// Claim: bump, 2, 6: The size of a table depends on the level and grows with resolution.
 #[test]
 fn claim_2_6_table_size_grows_with_resolution() {
     let entries = [64, 32, 16, 8, 4, 2, 1, 1];
@@ -74,6 +77,7 @@ fn claim_2_6_table_size_grows_with_resolution() {
     assert_eq!(ran.bytes("tables"), ran.count("vq_table_load_bytes"));
 }
 
+// Claim: bump, 3: Tables are smaller than the number of distinct N'. The report shows exceptions.
 #[test]
 fn claim_3_tables_are_smaller_than_distinct_pseudo_normals() {
     let ran = timed(&small_demo("sphere", 1), &[("replacement.entries", "64")]);
@@ -84,6 +88,7 @@ fn claim_3_tables_are_smaller_than_distinct_pseudo_normals() {
     assert!(timed(&smooth.scene(), &[]).count("distinct_pseudo_normals") < 256);
 }
 
+// Claim: bump, 4, 8: A CLUT per level holds, for each reference normal, its brightness under the light.
 #[test]
 fn claim_4_8_clut_per_level_holds_brightness_of_normals() {
     let config = config(&[]);
@@ -98,6 +103,7 @@ fn claim_4_8_clut_per_level_holds_brightness_of_normals() {
     }
 }
 
+// Claim: bump, 7: Brightness computed per index, without a CLUT, differs by at most one step of the CLUT.
 #[test]
 fn claim_7_direct_brightness_differs_by_at_most_a_clut_step() {
     let scene = small_demo("sphere", 1);
@@ -110,6 +116,7 @@ fn claim_7_direct_brightness_differs_by_at_most_a_clut_step() {
     assert_ne!(a, b);
 }
 
+// Claim: bump, 5, 9: 2, 3 and 8 levels are mapped, quantized and fetched, then brightness is interpolated.
 #[test]
 fn claim_5_9_brightness_is_fetched_per_level_then_interpolated() {
     for levels in ["2", "3", "8"] {
@@ -131,6 +138,7 @@ fn claim_5_9_brightness_is_fetched_per_level_then_interpolated() {
     }
 }
 
+// Claim: bump, worked example: LOD 3 divides the difference of two levels 3 : 5.
 #[test]
 fn lod_3_divides_the_difference_of_two_levels_3_to_5() {
     let mut chain = Chain::new(&config(&[]));
@@ -144,6 +152,7 @@ fn lod_3_divides_the_difference_of_two_levels_3_to_5() {
     assert!((alpha(3) - (fine + (coarse - fine) * 3.0 / 8.0)).abs() < 1e-6);
 }
 
+// Claim: bump, two levels: The same N' at two levels gives two slightly different brightness values.
 #[test]
 fn same_n_prime_at_two_levels_gives_different_brightness() {
     let mut chain = Chain::new(&config(&[]));
@@ -157,6 +166,7 @@ fn same_n_prime_at_two_levels_gives_different_brightness() {
     assert!(differ > 150, "{differ} of 200");
 }
 
+// Claim: bump, 10: The functional model, without time, gives the same images.
 #[test]
 fn claim_10_functional_model_gives_the_same_pictures() {
     for settings in [&[][..], &[("rasterizer.early_z", "false"), ("graphics.draw", "after_list"), ("replacement.lanes", "1")]] {
@@ -168,6 +178,7 @@ fn claim_10_functional_model_gives_the_same_pictures() {
     }
 }
 
+// Claim: bump, erratum: The nearest reference normal has the largest inner product; ties go to the lowest index.
 #[test]
 fn erratum_nearest_normal_has_the_largest_inner_product() {
     let config = config(&[]);
@@ -184,6 +195,7 @@ fn erratum_nearest_normal_has_the_largest_inner_product() {
 const FIGURE_5B: [[u16; 6]; 6] =
     [[2, 1, 2, 3, 2, 7], [1, 5, 1, 5, 1, 5], [3, 1, 3, 1, 3, 1], [1, 6, 1, 6, 1, 6], [7, 8, 7, 7, 4, 7], [8, 4, 2, 4, 8, 4]];
 
+// Claim: bump, Figures 5, 6: The index map becomes the brightness map, at three levels.
 #[test]
 fn figures_5_and_6_index_map_becomes_brightness_map() {
     let config = config(&[]);
@@ -214,6 +226,7 @@ fn sheet(surface: Surface) -> Part {
     Part { surface, shape, at, size, repeat: 2.0, entries: None, bump: None, double_sided: false }
 }
 
+// Claim: bump, Figure 4, S12: A trace without bump targets maps, searches and fetches nothing.
 #[test]
 fn figure_4_s12_list_without_bump_targets_is_drawn_at_once() {
     let parts = vec![sheet(Surface::Textured), Part { at: [0.7, 0.6, 0.0], ..sheet(Surface::Plain) }];
@@ -227,6 +240,7 @@ fn figure_4_s12_list_without_bump_targets_is_drawn_at_once() {
     }
 }
 
+// Claim: bump, Figure 4, S14 to S22: Every fragment of every bump target is mapped, quantized, fetched.
 #[test]
 fn figure_4_s14_to_s22_every_bump_fragment_passes_all_steps() {
     let ran = timed(&small_demo("brick", 1), &[]);
@@ -246,6 +260,7 @@ fn working(recorder: &Recorder, ran: &Ran, name: &str) -> (u64, u64) {
     (first.from.0, worked.next_back().unwrap_or(first).to.0)
 }
 
+// Claim: bump, Figure 4, S24: `after_list` draws after the last bump target; streaming gives the same image.
 #[test]
 fn figure_4_s24_deferred_and_streamed_pictures_are_equal() {
     let scene = small_demo("mixed", 1);
@@ -270,6 +285,7 @@ fn figure_4_s24_deferred_and_streamed_pictures_are_equal() {
 }
 
 /// The description promises that storing only indexes moves less memory than storing full normals. The test runs both.
+// Claim: as indexes_move_fewer_bytes_than_full_normals.
 #[test]
 fn deferred_indexes_move_less_than_deferred_normals() {
     let scene = small_demo("golf-ball", 1);

@@ -45,6 +45,7 @@ fn conserved(ran: &Ran, config: &BumpProcessorConfig, frames: usize) {
     }
 }
 
+// Claim: laws, all: Both engines agree on every demo.
 #[test]
 fn engines_agree_on_every_demo() {
     for demo in DEMOS {
@@ -107,6 +108,7 @@ fn stamps_change_neither_picture_nor_count() {
     assert_eq!((&few.frames, figures(&few)), (&single.frames, figures(&single)), "few credits, smaller stamps");
 }
 
+// Claim: as exactly_declared_inputs_are_popped.
 #[test]
 fn incompatible_parameters_are_rejected_with_a_key() {
     let rejected = assert_rejected::<BumpProcessorConfig>;
@@ -123,12 +125,14 @@ fn incompatible_parameters_are_rejected_with_a_key() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
 
+    // Claim: as claim_10_functional_model_gives_the_same_pictures.
     #[test]
     fn engines_agree_on_every_scene_and_configuration(scene in scenes(), meaning in meanings(), timing in timings()) {
         let settings = [borrowed(&meaning), borrowed(&timing)].concat();
         agree(&scene.scene(), &config(&settings));
     }
 
+    // Claim: as tokens_do_not_depend_on_the_memory.
     #[test]
     fn law_6_timing_never_changes_a_picture(scene in scenes(), meaning in meanings(), timing in timings()) {
         let scene = scene.scene();

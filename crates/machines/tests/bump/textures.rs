@@ -20,6 +20,7 @@ fn misses(ran: &Ran, cache: &str) -> u64 {
     ran.report.caches.iter().find(|c| c.name == cache).unwrap().counts.misses
 }
 
+// Claim: analysis: No image depends on texture layout. Texels have distinct addresses.
 #[test]
 fn pictures_do_not_depend_on_raster_order_or_layout() {
     for demo in ["mixed", "brick", "coin"] {
@@ -35,6 +36,7 @@ fn pictures_do_not_depend_on_raster_order_or_layout() {
     }
 }
 
+// Claim: as pictures_do_not_depend_on_raster_order_or_layout.
 #[test]
 fn texture_traffic_depends_on_raster_order_and_layout() {
     let options = ViewOptions { size: [320, 240], frames: Some(1), ..ViewOptions::default() };

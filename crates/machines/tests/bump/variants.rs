@@ -20,6 +20,7 @@ fn used(ran: &Ran) -> Vec<u64> {
     used.clone()
 }
 
+// Claim: bump, variant (a): Fixed tables are loaded once and stay from frame to frame.
 #[test]
 fn variant_a_fixed_tables_are_loaded_once() {
     let ran = timed(&small_demo("sphere", 3), &[("replacement.resident_tables", "8")]);
@@ -28,6 +29,7 @@ fn variant_a_fixed_tables_are_loaded_once() {
     assert_eq!(ran.count("vq_table_loads"), levels);
 }
 
+// Claim: bump, variant (b): A code book per polygon is slower and gives a better image.
 #[test]
 fn variant_b_code_book_per_polygon_is_slower_and_better() {
     let scene = small_demo("brick", 1);
@@ -60,6 +62,7 @@ fn variant_b_code_book_per_polygon_is_slower_and_better() {
     assert_eq!(own.count("vq_table_loads"), 0);
 }
 
+// Claim: bump, variant (c): The object fixes the number of reference normals.
 #[test]
 fn variant_c_object_fixes_the_number_of_normals() {
     let with = |entries| timed(&mixed(|object| object.entries = Some(entries)), &[]);
@@ -70,6 +73,7 @@ fn variant_c_object_fixes_the_number_of_normals() {
     }
 }
 
+// Claim: bump, variant (d): Bump mapping is decided per object, or by the LOD while drawing.
 #[test]
 fn variant_d_bump_mapping_is_decided_per_object() {
     let with = |bump| timed(&mixed(|object| object.bump = bump), &[]);
@@ -81,6 +85,7 @@ fn variant_d_bump_mapping_is_decided_per_object() {
     assert_eq!(off.frames[0].covered, on.frames[0].covered);
 }
 
+// Claim: as variant_d_bump_mapping_is_decided_per_object.
 #[test]
 fn variant_d_lod_threshold_decides_while_drawing() {
     let bump = |max_lod| timed(&small_demo("brick", 1), &[("bump.max_lod", max_lod)]).count("bump_polygons");
@@ -88,6 +93,7 @@ fn variant_d_lod_threshold_decides_while_drawing() {
     assert!(rising.windows(2).all(|w| w[0] < w[1]), "{rising:?}");
 }
 
+// Claim: bump, variant (e): A code book per object is better than fixed tables and worse than one per polygon.
 #[test]
 fn variant_e_code_book_per_object_uses_all_its_n_prime() {
     let scene = mixed(|object| object.entries = None);
@@ -103,6 +109,7 @@ fn variant_e_code_book_per_object_uses_all_its_n_prime() {
     assert!(fixed < object && object < polygon, "{fixed} {object} {polygon}");
 }
 
+// Claim: bump, 4, 8: Only a change of light recalculates CLUTs; the report lists the cost.
 #[test]
 fn cluts_are_rebuilt_only_when_the_light_moves() {
     let still = timed(&small_demo("sphere", 3), &[]);
@@ -121,6 +128,7 @@ fn cluts_are_rebuilt_only_when_the_light_moves() {
     }
 }
 
+// Claim: bump, memory: Storing indexes moves fewer bytes than full normals, including CLUTs and tables.
 #[test]
 fn indexes_move_fewer_bytes_than_full_normals() {
     // Indexes on the surface, reads and writes of CLUT entries, and loads of VQ tables replace the normals.

@@ -28,6 +28,7 @@ fn run(list: &[Control], mode: &str, cap: &str) -> Ran {
     timed(list, &[FAST, SMALL, &[("defer.mode", mode), ("defer.dmax", cap)]].concat())
 }
 
+// Claim: as dmax_cap_0033_drops_only_the_finest_layers.
 #[test]
 fn depth_of_layers_0033_cap_on_dmax_equals_halved_textures() {
     // Tiles of 8 x 8: 128 x 128 texels have Dmax = 4, 64 x 32 have 3.
@@ -48,6 +49,7 @@ fn depth_of_layers_0033_cap_on_dmax_equals_halved_textures() {
     }
 }
 
+// Claim: as dmax_cap_0033_drops_only_the_finest_layers.
 #[test]
 fn depth_of_layers_0033_cap_of_dmax_or_more_changes_nothing() {
     let list = list(&texture(0, [128, 128], [WrapMode::Repeat; 2]), &texture(1, [37, 61], [WrapMode::Clamp; 2]));

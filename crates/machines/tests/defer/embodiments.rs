@@ -27,6 +27,7 @@ fn repainted(list: &[Control]) -> Vec<Control> {
     list.iter().map(of).collect()
 }
 
+// Claim: defer, embodiments 1, 11: A view is rasterized without pattern data, then tiles are fetched, then the image is finished.
 #[test]
 fn embodiments_1_and_11_rasterize_then_fetch_then_finish() {
     let ran = timed(&views(&[0.0]), &[FAST, SMALL].concat());
@@ -47,6 +48,7 @@ fn embodiments_1_and_11_rasterize_then_fetch_then_finish() {
     }
 }
 
+// Claim: defer, embodiments 2, 12: Textures are pyramids of tiles.
 #[test]
 fn embodiments_2_and_12_textures_are_pyramids_of_tiles() {
     let seen = seen(&views(&[0.0]), &[]);
@@ -57,6 +59,7 @@ fn embodiments_2_and_12_textures_are_pyramids_of_tiles() {
     }
 }
 
+// Claim: defer, embodiments 3, 13: Brightness coefficients are in the cell.
 #[test]
 fn embodiments_3_and_13_brightness_in_cell_multiplies_texel() {
     let base = texture(1, [8, 8], [WrapMode::Clamp; 2]);
@@ -73,6 +76,7 @@ fn embodiments_3_and_13_brightness_in_cell_multiplies_texel() {
     }
 }
 
+// Claim: defer, embodiments 4, 5, 14, 15: A tile list holds L, and L becomes E on acquisition.
 #[test]
 fn embodiments_4_5_14_and_15_tile_states_go_from_l_to_e() {
     let left_early = seen(&views(&[0.0]), &[("defer.mode", "progressive"), ("defer.pictures_per_view", "1")]);
@@ -84,6 +88,7 @@ fn embodiments_4_5_14_and_15_tile_states_go_from_l_to_e() {
     assert!(states(&whole, TileState::NotPresent) > 0);
 }
 
+// Claim: defer, embodiments 6, 9, 16, 19: A tile is synthesized from the layer below, or loaded.
 #[test]
 fn embodiments_6_9_16_and_19_tile_is_synthesized_or_loaded() {
     let seen = seen(&views(&[0.0]), &[]);
@@ -101,6 +106,7 @@ fn embodiments_6_9_16_and_19_tile_is_synthesized_or_loaded() {
     }
 }
 
+// Claim: defer, embodiments 7, 8, 17, 18: Progressive images improve to the best.
 #[test]
 fn embodiments_7_8_17_and_18_pictures_improve_to_the_best() {
     let progressive = seen(&views(&[0.0]), &[("defer.mode", "progressive")]);
@@ -115,6 +121,7 @@ fn embodiments_7_8_17_and_18_pictures_improve_to_the_best() {
     assert_eq!(error(&progressive.finished[0].rgb), 0);
 }
 
+// Claim: defer, embodiments 10, 20: An integer D takes one interpolation; other values take two and one between layers.
 #[test]
 fn embodiments_10_and_20_interpolate_once_or_twice_by_depth() {
     let base = textured(&texture(1, [32, 32], [WrapMode::Clamp; 2]));

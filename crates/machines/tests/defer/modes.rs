@@ -47,6 +47,7 @@ fn read(page: &TexturePage, layer: u8, cell: &ReferenceCell) -> Vec<Tile> {
     texels.map(|texel| (page.texture, page.tile_of(layer, texel))).to_vec()
 }
 
+// Claim: defer, modes: All three modes end with the same image, with any lossless encoding and order. `best` loads least.
 #[test]
 fn all_modes_orders_and_lossless_encodings_end_alike() {
     let [best, progressive, conventional] = modes(&views(&[0.0, 5.0]), &[]);
@@ -60,6 +61,7 @@ fn all_modes_orders_and_lossless_encodings_end_alike() {
     }
 }
 
+// Claim: as figures_5a_and_5b_mark_exactly_the_tiles_read.
 #[test]
 fn best_resolution_acquires_exactly_the_tiles_that_pixels_read() {
     let ran = timed(&views(&[0.0]), &mode("best", &[]));
@@ -69,6 +71,7 @@ fn best_resolution_acquires_exactly_the_tiles_that_pixels_read() {
     assert!(wanted.iter().all(|(texture, _)| *texture != 3), "nothing of the hidden picture");
 }
 
+// Claim: as all_modes_orders_and_lossless_encodings_end_alike.
 #[test]
 fn best_resolution_loads_least_and_conventional_most() {
     let [best, progressive, conventional] = modes(&views(&[0.0]), &[]);
@@ -115,6 +118,7 @@ fn declared_textures_count_without_polygons_452_471() {
     assert_eq!([of(0), of(7), of(8)], [1; 3], "one page each");
 }
 
+// Claim: as all_modes_orders_and_lossless_encodings_end_alike.
 #[test]
 fn first_progressive_picture_precedes_best_resolution() {
     let slow = [("path.bits_per_second", "20000000"), ("path.requests", "4")];
@@ -133,6 +137,7 @@ fn progresses(ran: &Ran) {
     }
 }
 
+// Claim: defer, modes: `progressive` shows at most Dmax + 1 images, and no pixel becomes coarser.
 #[test]
 fn progressive_takes_at_most_dmax_plus_1_pictures() {
     let ran = timed(&views(&[0.0, 7.0]), &mode("progressive", &[]));
@@ -140,6 +145,7 @@ fn progressive_takes_at_most_dmax_plus_1_pictures() {
     progresses(&ran);
 }
 
+// Claim: as progressive_takes_at_most_dmax_plus_1_pictures.
 #[test]
 fn from_picture_to_picture_no_pixel_becomes_coarser() {
     // Layers cannot be recognized by colour, because colours are averaged. They are derived from the tiles that have arrived, by frame.
@@ -165,6 +171,7 @@ fn from_picture_to_picture_no_pixel_becomes_coarser() {
     }
 }
 
+// Claim: as marking_only_changes_n_to_l.
 #[test]
 fn leaving_early_drops_requests_and_next_view_continues() {
     let early = [("defer.pictures_per_view", "2")];
@@ -176,6 +183,7 @@ fn leaving_early_drops_requests_and_next_view_continues() {
     assert!(ran.seen.lists.iter().any(|(_, list)| list.states().contains(&basrelief_deferred_renderer::TileState::NotPresent)));
 }
 
+// Claim: defer, 481, 482: A new viewpoint fetches only missing tiles.
 #[test]
 fn new_viewpoint_fetches_only_missing_tiles() {
     for m in ["best", "progressive"] {
@@ -194,6 +202,7 @@ fn new_viewpoint_fetches_only_missing_tiles() {
     }
 }
 
+// Claim: as half_centres_align_layers_integer_centres_shift_them.
 #[test]
 fn integer_texel_centres_keep_all_modes_equal() {
     let integer = [("defer.texel_centre", "integer")];
@@ -207,6 +216,7 @@ fn integer_texel_centres_keep_all_modes_equal() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
 
+    // Claim: as figures_5a_and_5b_mark_exactly_the_tiles_read.
     #[test]
     fn any_scene_ends_alike_in_all_modes(list in display_lists()) {
         let [best, progressive, conventional] = modes(&list, &[]);

@@ -20,6 +20,8 @@ fn total(more: &[(&str, &str)]) -> u64 {
     timed(&views(&[0.0]), &[FAST, SMALL, more].concat()).report.total
 }
 
+// Claim: defer, path (104, 106, 108): Rate, latency, requests in flight, bytes and order of tiles. Errors name damaged or lost
+// tiles.
 #[test]
 fn double_rate_halves_the_time_of_a_path_bound_run() {
     let [slow, fast] = ["1000000", "2000000"].map(|rate| total(&[("path.bits_per_second", rate)]));
@@ -27,6 +29,7 @@ fn double_rate_halves_the_time_of_a_path_bound_run() {
     assert!((1.99..2.01).contains(&ratio), "{ratio}");
 }
 
+// Claim: as double_rate_halves_the_time_of_a_path_bound_run.
 #[test]
 fn requests_in_flight_hide_the_latency_of_the_path() {
     let slow = |requests: &str| total(&[("path.latency_us", "200"), ("path.requests", requests)]);
@@ -39,6 +42,7 @@ fn requests_in_flight_hide_the_latency_of_the_path() {
     assert!((2 * latency..4 * latency).contains(&many), "all in flight: {many}");
 }
 
+// Claim: as double_rate_halves_the_time_of_a_path_bound_run.
 #[test]
 fn transferred_bytes_equal_counted_bytes() {
     let ran = timed(&views(&[0.0, 2.0]), &[FAST, SMALL].concat());
@@ -100,6 +104,7 @@ impl TileSource for Damaged {
     }
 }
 
+// Claim: as double_rate_halves_the_time_of_a_path_bound_run.
 #[test]
 fn missing_or_truncated_tile_is_an_error_with_its_name() {
     for lost in [true, false] {
@@ -115,6 +120,7 @@ fn missing_or_truncated_tile_is_an_error_with_its_name() {
     }
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn lost_tile_keeps_complete_pictures_on_every_engine() {
     let settings = [FAST, SMALL, &[("defer.mode", "progressive")]].concat();
@@ -201,6 +207,7 @@ fn reads_of(cell: &ReferenceCell, filled: &FilledBuffer) -> Vec<Tile> {
     tiles.map(|tile| (page.texture, tile)).collect()
 }
 
+// Claim: as double_rate_halves_the_time_of_a_path_bound_run.
 #[test]
 fn tiles_are_requested_in_the_configured_order() {
     let (listed, _) = asked("listed");

@@ -30,6 +30,7 @@ fn conserved(ran: &Ran) {
     assert!(busy("interpolation") >= ran.count("interpolation_started_cycles"));
 }
 
+// Claim: shade, engines: Both engines and the functional model agree on lists, configurations, demos.
 #[test]
 fn engines_agree_on_demos_in_every_mode() {
     for demo in ["sphere", "mixed"] {
@@ -52,6 +53,7 @@ fn incompatible_parameters_are_rejected_with_a_key() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 2, ..ProptestConfig::default() })]
 
+    // Claim: as engines_agree_on_demos_in_every_mode.
     #[test]
     fn engines_agree_on_every_display_list_and_configuration(
         list in display_lists(), meaning in meanings(), timing in timings(),

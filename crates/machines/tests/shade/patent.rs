@@ -36,6 +36,7 @@ fn assert_path(ran: &Ran, path: &str, polygons: u64) {
     assert_eq!(ran.count(&format!("dots_{path}")), polygons * DOTS, "{path}");
 }
 
+// Claim: as claim_1_registers_select_brightness_source.
 #[test]
 fn section_6_the_six_paths() {
     for (normals, settings, path) in [
@@ -55,6 +56,8 @@ fn section_6_the_six_paths() {
     assert_path(&ran, "reused", 2);
 }
 
+// Claim: shade, six routes: Each route costs less than the full one. The power is the bottleneck of the full route. Full normal
+// interpolation gives the same image within one step.
 #[test]
 fn each_path_costs_less_than_the_full_path() {
     let total = |normals, settings: &[(&str, &str)]| timed(&squares(8, normals), settings).report.total;
@@ -69,6 +72,7 @@ fn each_path_costs_less_than_the_full_path() {
     assert!(total(FLAT, &[on_one_plane]) < flat);
 }
 
+// Claim: as register_18_closes_gate_or_skips_circuit_50.
 #[test]
 fn short_cut_1_only_not_starting_circuit_50_saves_cycles() {
     let run = |settings: &[(&str, &str)]| timed(&squares(8, DULL), settings);
@@ -85,6 +89,7 @@ fn short_cut_1_only_not_starting_circuit_50_saves_cycles() {
     assert!(no_start.report.total < gate.report.total, "{} {}", no_start.report.total, gate.report.total);
 }
 
+// Claim: as polygon_waits_for_a_free_buffer.
 #[test]
 fn second_buffer_overlaps_transfer_and_drawing() {
     let run = |buffers| timed(&squares(8, SHINY), &[("host.buffers", buffers)]);
@@ -97,6 +102,7 @@ fn second_buffer_overlaps_transfer_and_drawing() {
     }
 }
 
+// Claim: as each_path_costs_less_than_the_full_path.
 #[test]
 fn the_power_of_circuit_50_limits_the_full_path() {
     let total = |settings: &[(&str, &str)]| timed(&squares(8, SHINY), settings).report.total;
@@ -110,6 +116,7 @@ fn the_power_of_circuit_50_limits_the_full_path() {
     assert_eq!(table.count("power_table_fills"), 1);
 }
 
+// Claim: as each_path_costs_less_than_the_full_path.
 #[test]
 fn full_normal_interpolation_draws_the_same_picture() {
     let run = |normals, settings: &[(&str, &str)]| timed(&squares(8, normals), settings);
@@ -135,6 +142,7 @@ fn full_normal_interpolation_draws_the_same_picture() {
     assert_eq!(pipelined("2") - pipelined("1"), 8 * DOTS, "a cycle more per dot");
 }
 
+// Claim: as each_path_costs_less_than_the_full_path.
 #[test]
 fn each_light_occupies_circuit_50_and_process_22_again() {
     let run = |lights: usize| {
@@ -152,6 +160,7 @@ fn each_light_occupies_circuit_50_and_process_22_again() {
     }
 }
 
+// Claim: as coverage_is_that_of_the_rasterizer_in_every_mode.
 #[test]
 fn without_a_depth_test_the_last_dot_stays() {
     let colour = |ks| material(Lighting { ka: 1.0, kd: 0.0, ks, n: 1.0 });
@@ -186,6 +195,7 @@ fn unsupported_input_is_a_warning() {
     assert!(said[0].contains("1 polygons have a colour texture") && said[1].contains("1 polygons have fewer"), "{said:?}");
 }
 
+// Claim: as process_cycles_follow_cpu_table.
 #[test]
 fn renormalising_costs_circuit_50_cycles() {
     let run = |settings: &[(&str, &str)]| timed(&squares(8, SHINY), settings);
@@ -196,6 +206,7 @@ fn renormalising_costs_circuit_50_cycles() {
     assert!(unit.report.total > plain.report.total + 8 * DOTS * 9);
 }
 
+// Claim: as registers_14_16_18_set_the_passing_polygon.
 #[test]
 fn memory_12_and_the_registers_show_in_the_report() {
     let ran = timed(&squares(8, SHINY), &[]);
@@ -270,6 +281,7 @@ fn recorded(demo: &str) -> Vec<Control> {
     draws.filter_map(|draw: Draw| geometry.step(Some(draw), &mut MemoryPorts::default()).out).collect()
 }
 
+// Claim: as replay_gives_same_image_from_any_machine.
 #[test]
 fn traces_of_either_machine_cover_the_same_pixels() {
     for demo in ["sphere", "mixed"] {
@@ -283,6 +295,8 @@ fn traces_of_either_machine_cover_the_same_pixels() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 2, ..ProptestConfig::default() })]
 
+    // Claim: shade, 1, memory: The selected value is stored at its address in (300). Pixels equal those of the rasterizer in every
+    // mode.
     #[test]
     fn coverage_is_that_of_the_rasterizer_in_every_mode(
         list in display_lists(), mode in prop::sample::select(vec!["normal", "brightness", "polyhedron"]),
@@ -291,6 +305,7 @@ proptest! {
         prop_assert_eq!(ran.frames.iter().map(|f| f.covered.clone()).collect::<Vec<_>>(), covered_by_bump(&list));
     }
 
+    // Claim: shade, short cuts: At the default thresholds no output changes by more than one step, on demos and on random lists.
     #[test]
     fn shortcuts_change_outputs_by_at_most_their_rounding(list in display_lists()) {
         let whole = timed(&list, &[]);

@@ -32,6 +32,8 @@ fn starved(ran: &Ran, unit: &str, input: &str) -> u64 {
     unit.account.starved[at]
 }
 
+// Claim: texel, 1 to 3: Each scan line has division points and is interpolated between them. Only ends and division points are
+// exact.
 #[test]
 fn claims_1_to_3_points_between_divisions_are_approximated() {
     let list = floor([400, 8], [1.0, 0.02], 3.0);
@@ -59,6 +61,7 @@ fn claims_1_to_3_points_between_divisions_are_approximated() {
     assert!(inner > 20, "{inner}");
 }
 
+// Claim: texel, 4, 7: The texel modifies the pixel value, with illuminance and the old value.
 #[test]
 fn claims_4_and_7_intermediate_texel_modifies_pixel_value() {
     let list = floor([64, 8], [1.0, 0.1], 2.0);
@@ -75,6 +78,7 @@ fn claims_4_and_7_intermediate_texel_modifies_pixel_value() {
     assert!(sum(&blended) > sum(&once) && sum(&once) > 0);
 }
 
+// Claim: texel, 5, 6: The step calculator uses the criterion in its storage element: a larger e gives fewer points.
 #[test]
 fn claims_5_and_6_steps_follow_the_stored_criterion() {
     let list = floor([400, 8], [1.0, 0.02], 3.0);
@@ -88,6 +92,7 @@ fn claims_5_and_6_steps_follow_the_stored_criterion() {
     }
 }
 
+// Claim: texel, 7, 8: Step calculator, approximate calculator, combiner and storage element in one system.
 #[test]
 fn claim_8_system_has_all_four_elements() {
     let ran = timed(&floor([64, 8], [1.0, 0.1], 2.0), &[]);
@@ -98,6 +103,7 @@ fn claim_8_system_has_all_four_elements() {
     assert!(tokens("segments") > 0 && tokens("texture_values") > 0 && tokens("pixels") > 0);
 }
 
+// Claim: as claim_9_level_is_constant_per_segment.
 #[test]
 fn claim_9_the_pixel_value_follows_the_level_of_the_segment() {
     let list = floor([64, 8], [1.0, 0.02], 60.0);
@@ -110,6 +116,8 @@ fn claim_9_the_pixel_value_follows_the_level_of_the_segment() {
     }
 }
 
+// Claim: texel, timing: A pipelined divider hides its latency. An iterative one starves the interpolator at a small e. Each method
+// counts its divisions.
 #[test]
 fn section_5_iterative_divider_starves_the_interpolator() {
     let list = floor([640, 32], [1.0, 0.02], 3.0);
@@ -124,6 +132,7 @@ fn section_5_iterative_divider_starves_the_interpolator() {
     assert!(loose < iterative / 10, "{loose}: segments are longer than a division takes");
 }
 
+// Claim: as section_5_iterative_divider_starves_the_interpolator.
 #[test]
 fn section_6_divisions_per_pixel_of_the_methods() {
     let list = floor([640, 16], [1.0, 0.1], 3.0);
@@ -147,6 +156,7 @@ fn section_6_divisions_per_pixel_of_the_methods() {
     }
 }
 
+// Claim: as section_5_iterative_divider_starves_the_interpolator.
 #[test]
 fn section_6_divisions_are_counted_by_unit() {
     let list = floor([640, 16], [1.0, 0.1], 3.0);
@@ -173,6 +183,7 @@ fn section_6_divisions_are_counted_by_unit() {
     assert!(near(all, 3.0 + 8.0 / (640.0 * 16.0)));
 }
 
+// Claim: texel, 6, 8: A trace selects the criterion of a frame and of an object.
 #[test]
 fn claims_6_and_8_trace_sets_criterion_of_frame_and_object() {
     let plain = floor([400, 8], [1.0, 0.02], 3.0);
@@ -196,6 +207,7 @@ fn claims_6_and_8_trace_sets_criterion_of_frame_and_object() {
     assert_eq!(of(&[both, next].concat()), fine + 2 * coarse);
 }
 
+// Claim: as section_5_first_step_takes_division_and_root.
 #[test]
 fn trilinear_pixel_takes_twice_the_time_of_a_bilinear_one() {
     // Every pixel lies between two levels: 1.4 texels of the 16 per pixel.
@@ -213,6 +225,7 @@ fn trilinear_pixel_takes_twice_the_time_of_a_bilinear_one() {
     assert!(cycles < 1.01 && samples == 2, "two filters: {cycles}");
 }
 
+// Claim: as coverage_is_that_of_the_rasterizer_by_every_method.
 #[test]
 fn log_changes_nothing_and_contains_all_spans() {
     let scene = small_demo("corridor");
@@ -257,6 +270,7 @@ fn unused_input_is_a_warning() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 2, ..ProptestConfig::default() })]
 
+    // Claim: texel, coverage, log: Every method covers the rasterizer's pixels. A log of spans and displacements changes nothing.
     #[test]
     fn coverage_is_that_of_the_rasterizer_by_every_method(
         list in display_lists(), method in prop::sample::select(vec!["adaptive", "exact", "fixed", "subpolygon"]),
@@ -265,6 +279,7 @@ proptest! {
         prop_assert_eq!(ran.frames.iter().map(|f| f.covered.clone()).collect::<Vec<_>>(), covered_by_bump(&list));
     }
 
+    // Claim: as section_3_displacement_is_at_most_e.
     #[test]
     fn no_pixel_is_displaced_by_more_than_e(list in display_lists()) {
         let list: Vec<Control> = list.into_iter().filter(|c| !matches!(c, Control::Criterion(_))).collect();

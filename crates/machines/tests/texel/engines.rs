@@ -26,6 +26,7 @@ fn conserved(ran: &Ran) {
     assert!(ran.count("pixels") <= ran.count("fragments"));
 }
 
+// Claim: texel, engines: Both engines and the functional model agree on traces, configurations and demos. Timing changes no image.
 #[test]
 fn engines_agree_on_demos_by_every_method() {
     for demo in ["corridor", "turntable"] {
@@ -50,6 +51,7 @@ fn incompatible_parameters_are_rejected_with_a_key() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 2, ..ProptestConfig::default() })]
 
+    // Claim: as engines_agree_on_demos_by_every_method.
     #[test]
     fn engines_agree_on_every_display_list_and_configuration(
         list in display_lists(), meaning in meanings(), timing in timings(),
@@ -58,6 +60,7 @@ proptest! {
         agree(|| replay(&list, &config), &config);
     }
 
+    // Claim: as engines_agree_on_demos_by_every_method.
     #[test]
     fn law_6_timing_never_changes_a_picture(list in display_lists(), meaning in meanings(), timing in timings()) {
         let plain = config(&borrowed(&meaning));

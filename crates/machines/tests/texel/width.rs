@@ -22,6 +22,7 @@ fn keeps_bound(bits: u32) -> bool {
     })
 }
 
+// Claim: as division_takes_half_its_quotient_bits_in_cycles.
 #[test]
 fn default_uv_width_is_the_narrowest_within_the_bound() {
     let bits = TexelMachineConfig::default().texel.coordinate_bits;

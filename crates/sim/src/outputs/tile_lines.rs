@@ -98,6 +98,7 @@ mod tests {
         String::from_utf8(bytes).unwrap()
     }
 
+    // Claim: as defer_writes_round_images_maps_and_dumps.
     #[test]
     fn textured_pixel_is_one_line() {
         let first = text(|out| write_reference_buffer(&buffer(0), out));
@@ -105,6 +106,7 @@ mod tests {
         assert!(text(|out| write_reference_buffer(&buffer(2), out)).starts_with("{\"frame\":2,\"x\":0,"));
     }
 
+    // Claim: as defer_writes_round_images_maps_and_dumps.
     #[test]
     fn tile_is_one_line() {
         let record = |tile, acquired| TileRecord { page: page(), tile, acquired };

@@ -141,6 +141,7 @@ mod tests {
         Arc::new(TexturePage::new(0, &texture, PyramidCut::default(), 0))
     }
 
+    // Claim: as defer_writes_round_images_maps_and_dumps.
     #[test]
     fn layer_depth_has_a_scale_and_direct_colours_are_grey() {
         let mut cells = vec![ReferenceCell::default(); 200];
@@ -159,6 +160,7 @@ mod tests {
         assert_eq!(ticks, [6, 49, 93]);
     }
 
+    // Claim: as defer_writes_round_images_maps_and_dumps.
     #[test]
     fn map_has_a_coloured_square_for_every_tile() {
         let page = page([100, 60]);

@@ -43,6 +43,7 @@ pub fn split(several: &[u8], tiles: usize) -> Result<Vec<&[u8]>, String> {
 mod tests {
     use super::*;
 
+    // Claim: as page_batches_missing_tiles.
     #[test]
     fn batch_with_wrong_tile_count_is_refused() {
         let (tiles, mut sent) = ([&b"one"[..], b"", b"three"], vec![]);

@@ -46,6 +46,7 @@ fn unpacked(mut packed: &[u8], budget: &Budget) -> Result<(Vec<u8>, Held), Strin
 mod tests {
     use super::*;
 
+    // Claim: as page_batches_missing_tiles.
     #[test]
     fn damaged_scene_is_refused() {
         let scene: Vec<u8> = (0..200_000_u32).flat_map(|n| (n / 5 * 7).to_le_bytes()).collect();
@@ -61,6 +62,7 @@ mod tests {
         assert!(unpacked(b"glTF and no more", &budget).is_err());
     }
 
+    // Claim: as page_batches_missing_tiles.
     #[test]
     fn unpacked_scene_counts_against_memory_limit() {
         let packed = pack(&vec![0; 16 << 20]);

@@ -40,6 +40,7 @@ mod tests {
     use std::thread;
     use std::time::Duration;
 
+    // Claim: as crowded_clients_get_every_tile.
     #[test]
     fn semaphore_limits_concurrent_work() {
         let (semaphore, at_work, done) = (Semaphore::new(2), AtomicUsize::new(0), AtomicUsize::new(0));

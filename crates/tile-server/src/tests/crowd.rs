@@ -10,6 +10,8 @@ const IN_FLIGHT: u32 = 8;
 /// Connection limit: a tenth of the connections that the clients would keep.
 const CONNECTIONS: usize = 16;
 
+// Claim: defer, server under load: Clients with ten times the allowed connections receive every tile. Threads and memory do not
+// grow with clients. A killed client, a restarted server and a full disk lose no received tile.
 #[test]
 fn crowded_clients_get_every_tile() {
     let limits = Limits { connections: CONNECTIONS, ..Limits::default() };
@@ -38,6 +40,7 @@ fn crowded_clients_get_every_tile() {
     assert!(again < CLIENTS * tiles.len() / 100, "{again} requests were lost by connections closed on them");
 }
 
+// Claim: as crowded_clients_get_every_tile.
 #[test]
 fn concurrent_requests_compute_a_sum_once() {
     let served = Arc::new(served());

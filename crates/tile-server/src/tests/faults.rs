@@ -34,6 +34,7 @@ fn prefetch_is_bounded() {
     assert!((all.len() - 3..=all.len()).contains(&fetched()), "{} of {}", fetched(), all.len());
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn passing_fault_is_retried_without_loss() {
     for fault in PASSING.into_iter().chain([Fault::Status(404)]) {
@@ -66,6 +67,7 @@ fn slow_path_is_no_timeout() {
     assert_eq!(count.load(Ordering::SeqCst), page().tiles(), "none is asked for again");
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn lasting_fault_names_texture_layer_and_tile() {
     for (fault, says) in [
@@ -124,6 +126,7 @@ fn late_server_is_awaited_within_limit() {
     assert!(began.elapsed() >= late);
 }
 
+// Claim: as crowded_clients_get_every_tile.
 #[test]
 fn restarting_server_is_awaited_within_limit() {
     for (starting, comes_back) in [(Duration::from_secs(20), true), (Duration::ZERO, false)] {
@@ -163,6 +166,7 @@ fn server_behind_proxy_is_awaited() {
     assert!(error.ends_with("scene: http status: 502, for 0 s; is `basrelief serve` running there?"), "{error}");
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn retries_end_at_their_time_limit() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);

@@ -18,6 +18,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn cache_keeps_tiles_of_lost_server() {
     let folder = tempfile::tempdir().unwrap();
@@ -34,6 +35,7 @@ fn cache_keeps_tiles_of_lost_server() {
     assert_eq!(count.load(Ordering::SeqCst), 0, "all there");
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn undecodable_tile_is_not_cached() {
     for fault in [Fault::Undecodable, Fault::OtherSize, Fault::Corrupt] {
@@ -44,6 +46,7 @@ fn undecodable_tile_is_not_cached() {
     }
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn damaged_cache_file_is_removed_and_fetched_again() {
     let folder = tempfile::tempdir().unwrap();

@@ -86,6 +86,7 @@ fn bytes_of_a_layer_are_those_of_its_tiles() {
     assert!(fetcher.number(&format!("bytes/{picture}/64x64/png/9")).unwrap_err().contains("status: 404"));
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn tile_is_immutable_and_scene_is_revalidated() {
     let at = serving(LOOPBACK, LITTLE);
@@ -142,6 +143,7 @@ fn busy_texture_does_not_block_another() {
     assert!(served.tiles(&asked).is_ok());
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn silent_clients_are_evicted() {
     let address = serving(LOOPBACK, LITTLE);
@@ -159,6 +161,7 @@ fn silent_clients_are_evicted() {
     drop(idle);
 }
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn stalled_readers_are_evicted() {
     // The scene is larger than the buffers of the connection.
@@ -231,6 +234,7 @@ fn drip(mut clients: Vec<TcpStream>) {
 /// Time limit of a request. Without other clients it takes milliseconds, and a blocked request waits for 10 s.
 const SOON: Duration = Duration::from_secs(3);
 
+// Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn idle_and_dripping_clients_block_no_request() {
     let address = serving(LOOPBACK, Limits { connections: 32, ..Limits::default() });

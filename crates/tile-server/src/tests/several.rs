@@ -6,6 +6,8 @@ fn several(url: &str, requests: u32, tiles_per_request: u32) -> RemoteTiles {
     unkept(Fetcher::new(url, PATIENT), fetch(requests, tiles_per_request))
 }
 
+// Claim: defer, real path: Several tiles per request are the same tiles in fewer requests. A failed batch is repeated as single
+// tiles.
 #[test]
 fn batched_requests_keep_all_threads_busy() {
     assert_eq!(page().tiles(), 11);
@@ -23,6 +25,7 @@ fn batched_requests_keep_all_threads_busy() {
     }
 }
 
+// Claim: as batched_requests_keep_all_threads_busy.
 #[test]
 fn failed_batch_is_retried_tile_by_tile() {
     for fault in PASSING.into_iter().chain([Fault::Endless]) {

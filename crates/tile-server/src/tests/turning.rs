@@ -59,6 +59,7 @@ fn left_at(late: u32, in_flight: u32) -> Left {
     Left { tiles, taken, meter, count }
 }
 
+// Claim: as slow_path_does_not_delay_view_changes.
 #[test]
 fn abandoned_view_leaves_tiles_to_next() {
     // The answers are the scene, two tiles, and a tile that is held back.
@@ -119,6 +120,7 @@ fn expired_view_requests_no_more_tiles() {
     assert!(user.leaves(&mut from(&page, 1)));
 }
 
+// Claim: as slow_path_does_not_delay_view_changes.
 #[test]
 fn view_starts_at_its_time() {
     let (url, count) = faulty(u32::MAX, |_| Fault::None);

@@ -63,6 +63,8 @@ mod tests {
         ObjectIllumination { lighting, color: [1.0; 3], ambient: 2.0, lights: vec![light; 2], ..ObjectIllumination::default() }
     }
 
+    // Claim: shade, formula: Ambient counts once, other terms per light. N.H is cut to 0..1 before the power. The only saturation
+    // follows the adder (52).
     #[test]
     fn section_2_ambient_counts_once_other_terms_per_light() {
         let s = illumination(0.5, 1.0);
@@ -70,6 +72,7 @@ mod tests {
         assert!((s.specular(Vec3::Z) - 0.64).abs() < 1e-6);
     }
 
+    // Claim: as section_2_ambient_counts_once_other_terms_per_light.
     #[test]
     fn section_2_clamp_and_even_power_keep_far_side_dark() {
         let s = illumination(0.5, 1.0);
@@ -79,6 +82,7 @@ mod tests {
         assert_eq!(s.specular(Vec3::new(0.6, 0.0, 0.8) * 1.5), 1.0);
     }
 
+    // Claim: as zero_area_and_repeated_points_have_no_dots.
     #[test]
     fn degenerate_normals_count_as_zero() {
         assert_eq!(normal_of([f32::NAN, 0.0, 1.0]), Vec3::ZERO);

@@ -172,6 +172,7 @@ mod tests {
     use basrelief_kernel::OperatorConfig;
     use proptest::prelude::*;
 
+    // Claim: as iteration_equals_power.
     #[test]
     fn multiplications_follow_repeated_squaring() {
         assert_eq!([1.0, 2.0, 3.0, 50.0, 200.0, 1.5].map(multiplications), [0, 1, 2, 7, 9, 1]);
@@ -208,6 +209,7 @@ mod tests {
     }
 
     proptest! {
+        // Claim: shade, power: The iteration computes the power with the multiplications of squaring. A table errs by two steps.
         #[test]
         fn iteration_equals_power(x in 0f32..=1.0, n in 1u32..=1000, fraction in prop::sample::select(vec![0f32, 0.25, 0.7])) {
             let n = n as f32 + fraction;
@@ -215,6 +217,7 @@ mod tests {
             prop_assert!((f64::from(power(x, n)) - exact).abs() <= 1e-4 * exact + 1e-30);
         }
 
+        // Claim: as iteration_equals_power.
         #[test]
         fn table_error_is_two_steps_and_below_bound(
             x in 0f32..=1.0, n in 1u32..=200, entries in 2u32..=4096, bits in 1u32..=24, share in 0f32..=1.0,

@@ -125,6 +125,8 @@ mod tests {
         modes.into_iter().flat_map(move |mode| flags.map(|(flat, specular)| ShadingRegisters { mode, flat, specular }))
     }
 
+    // Claim: shade, 1, selection: Registers select the mean for flat polygons, linear brightness otherwise, and add the specular
+    // term if it is visible.
     #[test]
     fn claim_1_registers_select_brightness_source() {
         use BrightnessSelection::{Linear, LinearAndSpecular, Mean};
@@ -139,6 +141,7 @@ mod tests {
         }
     }
 
+    // Claim: as figure_6_steps_80_to_83_add_specular_in_process_22.
     #[test]
     fn figure_6_specular_term_counts_exactly_once() {
         for r in registers() {
@@ -148,6 +151,7 @@ mod tests {
         }
     }
 
+    // Claim: as claim_1_registers_select_brightness_source.
     #[test]
     fn each_route_has_one_selection() {
         for r in registers() {

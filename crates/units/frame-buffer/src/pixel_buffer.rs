@@ -227,6 +227,7 @@ mod tests {
         all
     }
 
+    // Claim: defer, [0067], [0076]: Video output reads only pixels from a shared memory, and nothing overwrites them meanwhile.
     #[test]
     fn background_is_written_once_per_frame() {
         for (shared, base) in [(true, layout::Z_BUFFER), (false, layout::COLOR_BUFFERS)] {
@@ -240,6 +241,7 @@ mod tests {
         PictureFlow::Frame(Arc::new(Frame { width, height, ..Frame::default() }))
     }
 
+    // Claim: as background_is_written_once_per_frame.
     #[test]
     fn displayed_pixels_are_not_overwritten() {
         let kept = |shared: bool| {

@@ -113,6 +113,7 @@ mod tests {
     }
 
     proptest! {
+        // Claim: bump, 1: The bump formula with partial derivatives and the tangent frame give the same N'.
         #[test]
         fn claim_1_bump_formula_equals_tangent_frame(
             a in prop::array::uniform3(-1f64..1.0), b in prop::array::uniform3(-1f64..1.0),

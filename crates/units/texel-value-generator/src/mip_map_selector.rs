@@ -131,6 +131,7 @@ impl Unit for MipMapSelector {
 mod tests {
     use super::*;
 
+    // Claim: as claim_9_level_is_constant_per_segment.
     #[test]
     fn level_is_log2_of_texels_per_pixel() {
         let of = |gradient, mode| level(gradient, [256.0, 64.0], 8.0, mode);

@@ -76,6 +76,8 @@ fn expected(tiles: &[u32]) -> Vec<Arc<[u8]>> {
     tiles.iter().map(|tile| memory.tile(&page(), *tile).unwrap()).collect()
 }
 
+// Claim: defer, viewer: A browser draws the same image from a server as the program, to the bit. It fetches no tile twice and
+// rejects wrong tiles.
 #[test]
 fn page_batches_missing_tiles() {
     let server = Server::new(|_, _| ());
@@ -90,6 +92,7 @@ fn page_batches_missing_tiles() {
     assert_eq!(path.come(), Come { requests: 2, scene_bytes: 0, tiles: 5, tile_bytes: bytes as u64 });
 }
 
+// Claim: as page_batches_missing_tiles.
 #[test]
 fn full_memory_refetches_tiles() {
     let server = Server::new(|_, _| ());
@@ -100,6 +103,7 @@ fn full_memory_refetches_tiles() {
     assert_eq!(server.requests(), 2, "{server:?}");
 }
 
+// Claim: as page_batches_missing_tiles.
 #[test]
 fn wrong_response_is_retried_and_not_cached() {
     let spoils: [fn(usize, &mut Got); 6] = [

@@ -92,6 +92,7 @@ fn alpha(unit: &mut BrightnessFetch, level: u8, index: u16) -> f32 {
     fetch(unit, &[(level, index, 1.0)]).0.brightness
 }
 
+// Claim: as claim_4_8_clut_per_level_holds_brightness_of_normals.
 #[test]
 fn claims_4_and_8_clut_holds_reference_brightness() {
     let mut unit = unit(BrightnessConfig::default());
@@ -107,6 +108,7 @@ fn claims_4_and_8_clut_holds_reference_brightness() {
     assert_eq!(unit.state.counters.rebuilds, 8, "each level when it is first needed");
 }
 
+// Claim: as figures_5_and_6_index_map_becomes_brightness_map.
 #[test]
 fn figures_5_and_6_index_map_becomes_brightness_map() {
     const MAP: [[u16; 6]; 6] =
@@ -125,6 +127,7 @@ fn figures_5_and_6_index_map_becomes_brightness_map() {
     }
 }
 
+// Claim: as claim_5_9_brightness_is_fetched_per_level_then_interpolated.
 #[test]
 fn claims_5_and_9_lod_3_interpolates_levels_5_to_3() {
     let mut unit = unit(BrightnessConfig::default());
@@ -202,6 +205,7 @@ fn samples_beyond_interpolator_rate_cost_cycles() {
     assert_eq!([1, 2, 3, 8].map(occupancy), [8, 4, 3, 1]);
 }
 
+// Claim: as cluts_are_rebuilt_only_when_the_light_moves.
 #[test]
 fn unchanged_lighting_is_not_recalculated() {
     let mut unit = unit(BrightnessConfig::default());
@@ -246,6 +250,7 @@ fn separate_components_keep_highlight_separate() {
     assert_eq!(requests.last().unwrap().bytes, 4);
 }
 
+// Claim: as claim_7_direct_brightness_differs_by_at_most_a_clut_step.
 #[test]
 fn claim_7_direct_brightness_needs_no_clut() {
     let mut direct = unit(BrightnessConfig { source: BrightnessSource::Direct, ..BrightnessConfig::default() });

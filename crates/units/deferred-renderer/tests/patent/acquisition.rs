@@ -8,6 +8,8 @@ use image::{ExtendedColorType, ImageEncoder};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+// Claim: defer, Figure 6; [0127], erratum: From Dmax down, tiles are synthesized if all sources exist, else loaded. A layer ends
+// before the next.
 #[test]
 fn figure_6_synthesizes_from_sources_with_erratum_0127() {
     let page = page([256, 256], [64, 64]);
@@ -33,6 +35,7 @@ fn figure_6_synthesizes_from_sources_with_erratum_0127() {
     );
 }
 
+// Claim: as figure_6_synthesizes_from_sources_with_erratum_0127.
 #[test]
 fn tile_sources_cover_exactly_the_tile() {
     for size in SIZES {
@@ -62,6 +65,7 @@ pub fn load(served: &mut ServedTexture, texels: &mut PageTexels, tile: u32, enco
     texels.store(tile, &encoding.decode(&bytes, size).unwrap(), 1);
 }
 
+// Claim: defer, Figure 6: A synthesized tile is the loaded one, bit for bit (raw and png); odd edges repeat their last texel.
 #[test]
 fn synthesized_tile_equals_loaded_tile() {
     for encoding in [TileEncoding::Raw, TileEncoding::Png] {
@@ -85,6 +89,7 @@ fn synthesized_tile_equals_loaded_tile() {
     }
 }
 
+// Claim: as synthesized_tile_equals_loaded_tile.
 #[test]
 fn odd_edge_repeats_texel_and_average_rounds_half_up() {
     let levels = vec![Image { width: 3, height: 1, texels: vec![[1, 0, 0, 255], [2, 1, 0, 255], [9, 255, 0, 255]] }];
@@ -96,6 +101,7 @@ fn odd_edge_repeats_texel_and_average_rounds_half_up() {
     assert_eq!(top.iter().map(|t| [t[0], t[1], t[2]]).collect::<Vec<_>>(), [[2, 1, 0], [9, 255, 0]]);
 }
 
+// Claim: as double_rate_halves_the_time_of_a_path_bound_run.
 #[test]
 fn damaged_tile_is_an_error() {
     let texels = vec![[1, 2, 3, 255]; 12];

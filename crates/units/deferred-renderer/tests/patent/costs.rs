@@ -50,6 +50,7 @@ fn cell(unit: &mut CellUnit, controls: &[Control]) -> (ReferenceCell, usize) {
     }
 }
 
+// Claim: defer, brightness coefficients (316): Bump targets are lit like other polygons and the reference image.
 #[test]
 fn bump_target_is_lit_at_vertices_by_formula() {
     let material = Material { base_color: [0.5; 4], ..Material::default() };
@@ -66,6 +67,7 @@ fn bump_target_is_lit_at_vertices_by_formula() {
     assert_eq!(lit(true, LightingMode::None), 128);
 }
 
+// Claim: defer, page (132): An image under several samplers is one page.
 #[test]
 fn one_picture_under_several_samplers_is_one_page() {
     let one = texture([100, 40]);
@@ -97,6 +99,7 @@ fn sent(config: PathConfig, lighting: LightingMode, controls: &[Control]) -> (Ve
     (bytes, server.conventional(PyramidCut::default()))
 }
 
+// Claim: defer, 451, 482: A mesh travels once, indexed. Later frames send commands only.
 #[test]
 fn step_451_mesh_travels_once_and_indexed() {
     let mesh = MeshInfo { vertices: 100, indices: 300, uv: true, colors: false };
@@ -126,6 +129,7 @@ fn with_top() -> PageTexels {
     texels
 }
 
+// Claim: defer, Figure 7B: The search pays for each word of the tile load list (136).
 #[test]
 fn figure_7b_search_reads_one_or_two_words_per_layer() {
     let texels = with_top();
@@ -139,6 +143,7 @@ fn figure_7b_search_reads_one_or_two_words_per_layer() {
     assert_eq!(words([256.0, 256.0], 3.0, 4), 2 + words([256.0, 256.0], 2.0, 4), "four tiles of layer 3 lie in two words of 4");
 }
 
+// Claim: as figure_7b_search_reads_one_or_two_words_per_layer.
 #[test]
 fn final_rasterization_pays_for_figure_7b_search() {
     let cycles = |mode: RenderMode, depth: f32| {

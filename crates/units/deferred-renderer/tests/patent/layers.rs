@@ -32,6 +32,8 @@ fn numbered(size: [u32; 2], tile: [u32; 2]) -> Vec<Vec<Vec<u32>>> {
     halved(size, tile).into_iter().map(layer).collect()
 }
 
+// Claim: defer, [0029-0037]: Layers, tile numbers, pitch (138) and base (140) equal a table from a walk over all tiles of square,
+// non-square and odd sizes.
 #[test]
 fn tile_numbers_pitch_and_base_match_walked_table() {
     for tile in [[64, 64], [16, 16], [8, 32]] {
@@ -60,6 +62,7 @@ fn tile_numbers_pitch_and_base_match_walked_table() {
     }
 }
 
+// Claim: as tile_numbers_pitch_and_base_match_walked_table.
 #[test]
 fn layers_of_700_by_300_match_specification() {
     let page = page([700, 300], [64, 64]);
@@ -67,6 +70,7 @@ fn layers_of_700_by_300_match_specification() {
     assert_eq!(page.layers.iter().map(|l| l.pitch).collect::<Vec<_>>(), [1, 2, 3, 6, 11]);
 }
 
+// Claim: defer, [0063], erratum: The tile pitch of a square texture is 2^D; the tile base is the sum of 4^k.
 #[test]
 fn erratum_0063_tile_pitch_of_square_texture_is_2_to_d() {
     let page = page([1024, 1024], [64, 64]);
@@ -75,6 +79,8 @@ fn erratum_0063_tile_pitch_of_square_texture_is_2_to_d() {
     assert_eq!(page.tiles(), 341);
 }
 
+// Claim: defer, depth of layers, [0033]: A cap on Dmax removes the finest layers only. The image equals that of halved textures, in
+// every mode.
 #[test]
 fn dmax_cap_0033_drops_only_the_finest_layers() {
     for (size, cap) in SIZES.into_iter().flat_map(|size| [0, 1, 3, 31].map(|cap| (size, cap))) {

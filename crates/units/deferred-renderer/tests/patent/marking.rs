@@ -47,6 +47,8 @@ fn coordinate(size: u32) -> impl Strategy<Value = f32> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
+    // Claim: defer, Figures 5A, 5B: The marked tiles are exactly those of the bilinear filter for every wrap mode, border, corner
+    // and texel centre, on random coordinates and whole images.
     #[test]
     fn figures_5a_and_5b_mark_exactly_the_tiles_read(
         (size, s, t) in (1u32..80, 1u32..80).prop_flat_map(|(w, h)| (Just([w, h]), coordinate(w), coordinate(h))),
@@ -68,6 +70,7 @@ proptest! {
         }
     }
 
+    // Claim: as figures_5a_and_5b_mark_exactly_the_tiles_read.
     #[test]
     fn taps_are_filter_texels_with_shares(
         (size, s) in (1u32..80).prop_flat_map(|w| (Just(w), coordinate(w))), wrap in wraps(), centre in centres(),
@@ -82,6 +85,7 @@ proptest! {
         }
     }
 
+    // Claim: as figures_5a_and_5b_mark_exactly_the_tiles_read.
     #[test]
     fn nan_and_huge_coordinates_stay_inside(
         s in any::<f32>(), t in any::<f32>(), wrap in [wraps(), wraps()], centre in centres(),
@@ -97,6 +101,7 @@ proptest! {
     }
 }
 
+// Claim: defer, Figure 5B, erratum: The last column and row mark no tile of the next row or layer.
 #[test]
 fn erratum_5b_last_column_and_row_mark_no_next_tile() {
     for (wrap, right, below) in
@@ -120,6 +125,7 @@ fn erratum_5b_last_column_and_row_mark_no_next_tile() {
     }
 }
 
+// Claim: defer, [0104], erratum: (S,T) of the finer layer is twice that of the coarser.
 #[test]
 fn erratum_0104_finer_layer_doubles_coordinates() {
     let page = page_of([256, 256], PyramidCut { tile: [64, 64], centre: TexelCentre::Integer, ..PyramidCut::default() });
@@ -131,6 +137,7 @@ fn erratum_0104_finer_layer_doubles_coordinates() {
     }
 }
 
+// Claim: defer, texel centres: With centres at halves, layers coincide; at integers, coarse layers shift.
 #[test]
 fn half_centres_align_layers_integer_centres_shift_them() {
     for (centre, shift) in [(TexelCentre::Half, 0.0), (TexelCentre::Integer, 1.5)] {
@@ -146,6 +153,7 @@ fn half_centres_align_layers_integer_centres_shift_them() {
     }
 }
 
+// Claim: defer, [0100], [0148], errata: Marking changes N to L only; a new viewpoint resets L to N.
 #[test]
 fn marking_only_changes_n_to_l() {
     let page = page([128, 128], [64, 64]);

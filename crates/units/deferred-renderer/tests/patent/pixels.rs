@@ -9,6 +9,7 @@ use basrelief_deferred_renderer::{
 };
 use std::sync::Arc;
 
+// Claim: defer, layer depth: D = Dmax - log2(rho), clamped; split into D_L and D_f.
 #[test]
 fn layer_depth_is_dmax_minus_log2_of_longer_axis() {
     for (rho, depth) in [(1.0, 4.0), (2.0, 3.0), (8.0, 1.0), (0.25, 4.0), (64.0, 0.0), (0.0, 4.0)] {
@@ -32,6 +33,7 @@ fn with_layers(size: [u32; 2], layers: &[u8]) -> PageTexels {
     texels
 }
 
+// Claim: as embodiments_10_and_20_interpolate_once_or_twice_by_depth.
 #[test]
 fn embodiments_10_and_20_fractional_depth_blends_layers() {
     let texels = with_layers([128, 128], &[0, 1, 2, 3]);
@@ -48,6 +50,8 @@ fn embodiments_10_and_20_fractional_depth_blends_layers() {
     assert_eq!(at(3.0).read[0].map(|r| r.0), Some(3), "D_G beyond Dmax: Dmax alone");
 }
 
+// Claim: defer, Figure 7B; [0151], errata: The finest present layer colours, and the next is marked. D_f = 0 starts at D_L. D_G of
+// an earlier view stays.
 #[test]
 fn figure_7b_uses_finest_present_layer_and_marks_next() {
     let choose = |there: &[u8], depth: f32| {
@@ -65,6 +69,7 @@ fn figure_7b_uses_finest_present_layer_and_marks_next() {
     assert_eq!(choose(&[0, 1, 2, 3], 3.0), Some((3, None, None)), "magnified: D_L = D_G = Dmax");
 }
 
+// Claim: defer, Figures 3A, 3B; [0092]: Fields of the cell round to their format, fixed or floating.
 #[test]
 fn cell_values_fit_their_fields() {
     let page = page([1024, 1024], [64, 64]);
@@ -93,6 +98,7 @@ fn cell_values_fit_their_fields() {
     assert!(!ReferenceCell::default().is_drawn() && ReferenceCell::direct([0; 3]).page().is_none());
 }
 
+// Claim: as cell_values_fit_their_fields.
 #[test]
 fn cell_formula_reads_brightness_back() {
     let page = page([64, 64], [64, 64]);

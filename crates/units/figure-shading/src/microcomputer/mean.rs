@@ -82,6 +82,7 @@ impl Microcomputer {
 mod tests {
     use super::*;
 
+    // Claim: as section_2_constant_shading_is_mean_of_sample_points.
     #[test]
     fn mean_of_equal_brightness_is_exact() {
         for b in [0.1, 0.3, 0.7, 1.0 / 3.0] {

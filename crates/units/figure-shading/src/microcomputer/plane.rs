@@ -61,6 +61,7 @@ mod tests {
         Polygon { vertices, material: Arc::default(), object: 0, lod: 0, bump: false, arrival: 0 }
     }
 
+    // Claim: as figure_7_any_new_input_voids_stored_brightness.
     #[test]
     fn polygon_without_area_or_of_several_colours_is_not_stored() {
         let line = polygon(&[[1.0, 1.0, 0.1], [2.0, 2.0, 0.2], [3.0, 3.0, 0.9]]);
@@ -72,6 +73,7 @@ mod tests {
     }
 
     proptest! {
+        // Claim: as same_plane_changes_output_within_tolerance.
         #[test]
         fn figure_7_step_92_tests_normal_and_plane(
             slope in prop::array::uniform2(-1e-3f32..1e-3), at in prop::array::uniform4(5f32..100.0), off in prop_oneof![0f32..0.8e-4, 1.0 / 8192.0..3e-4f32], below in any::<bool>(),

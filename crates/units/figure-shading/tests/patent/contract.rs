@@ -267,6 +267,7 @@ fn message(signal: FigureFlow, highlight: SpecularFlow) -> String {
     format!("{traffic:?}")
 }
 
+// Claim: shade, protocol: The adder (52) asserts equal addresses.
 #[test]
 fn section_4_adder_rejects_different_addresses() {
     let dot = |x, y| FigureFlow::Dot(ShadedDot { x, y, ..ShadedDot::default() });
@@ -279,6 +280,7 @@ fn section_4_adder_rejects_different_addresses() {
     assert!(message(FigureFlow::End, SpecularFlow::End).contains("fault: None"));
 }
 
+// Claim: as section_2_ambient_counts_once_other_terms_per_light.
 #[test]
 fn section_2_only_the_output_saturates() {
     let mut adder = Adder::default();

@@ -39,6 +39,8 @@ fn of_square(cpu: CpuConfig, normals: [Vec3; 4], process: CpuProcess) -> u64 {
     cycles(&drawn(&config, lights(1), &[polygon(&SQUARE, &normals, shiny(50.0))]).0, process)
 }
 
+// Claim: shade, cost: Each process uses the CPU's operation table. Process 17 takes no power per polygon. Process 24 pays for each
+// dot. Normalization costs cycles of (50).
 #[test]
 fn process_cycles_follow_cpu_table() {
     for (normals, flat) in [(CURVED, false), ([Vec3::Z; 4], true)] {
@@ -70,6 +72,7 @@ fn process_cycles_follow_cpu_table() {
     assert_eq!(more(|c| c.divide += 1, [Vec3::Z; 4], CpuProcess::Mean), 1 + 2, "a share, and an area of each triangle");
 }
 
+// Claim: as process_cycles_follow_cpu_table.
 #[test]
 fn process_17_searches_limit_once_per_material() {
     let square = |n| polygon(&SQUARE, &CURVED, shiny(n));
@@ -116,6 +119,7 @@ fn renormalising_costs_process_17_a_normalisation() {
     assert!(renormalised > plain + u64::from(config.cpu.square_root));
 }
 
+// Claim: as process_cycles_follow_cpu_table.
 #[test]
 fn process_24_pays_set_up_and_each_dot() {
     let config = Config::default();
@@ -163,6 +167,8 @@ fn renormalising_occupies_circuit_50_for_square_root() {
     assert_eq!(dot_of_50(true, operators(), false), 14, "the power takes longer");
 }
 
+// Claim: shade, registers, memory (12): Registers (14), (16), (18) are written in a step each, and select. The host writes memory
+// (12), the processes read it.
 #[test]
 fn registers_14_16_18_set_the_passing_polygon() {
     let mut unit = Config::default().microcomputer();
@@ -203,6 +209,7 @@ fn traffic_of(unit: &mut Microcomputer, control: Control) -> [u64; 2] {
     }
 }
 
+// Claim: as registers_14_16_18_set_the_passing_polygon.
 #[test]
 fn host_writes_memory_12_and_processes_read_it() {
     let square = || polygon(&SQUARE, &CURVED, shiny(50.0));

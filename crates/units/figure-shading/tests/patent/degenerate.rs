@@ -24,6 +24,8 @@ fn drawn(points: &[[f32; 2]], normals: &[Vec3]) -> Vec<ShadedDot> {
     last
 }
 
+// Claim: shade, degenerate polygons: Each degenerate polygon has a rule: zero area, repeated points, concave, folded, NaN, invalid
+// normals, fewer than three points.
 #[test]
 fn zero_area_and_repeated_points_have_no_dots() {
     for points in [
@@ -36,6 +38,7 @@ fn zero_area_and_repeated_points_have_no_dots() {
     }
 }
 
+// Claim: as zero_area_and_repeated_points_have_no_dots.
 #[test]
 fn repeated_point_changes_nothing() {
     let [a, b, c] = TRIANGLE;
@@ -46,6 +49,7 @@ fn repeated_point_changes_nothing() {
     assert_eq!(once, twice);
 }
 
+// Claim: as zero_area_and_repeated_points_have_no_dots.
 #[test]
 fn concave_or_folded_polygon_is_drawn_once_per_dot() {
     let arrow = [[2.0, 2.0], [28.0, 15.0], [2.0, 28.0], [14.0, 15.0]];
@@ -55,6 +59,7 @@ fn concave_or_folded_polygon_is_drawn_once_per_dot() {
     assert!(drawn(&bow, &[Vec3::Z; 4]).len() < (SIDE * SIDE) as usize);
 }
 
+// Claim: as zero_area_and_repeated_points_have_no_dots.
 #[test]
 fn nan_coordinates_count_as_zero() {
     let nan = [[f32::NAN, 2.0], [28.0, 4.0], [6.0, 30.0]];
@@ -62,6 +67,7 @@ fn nan_coordinates_count_as_zero() {
     assert_eq!(drawn(&nan, &[Vec3::Z; 3]), drawn(&zero, &[Vec3::Z; 3]));
 }
 
+// Claim: as zero_area_and_repeated_points_have_no_dots.
 #[test]
 fn infinite_normal_counts_as_zero_and_is_ambient() {
     for renormalise in [false, true] {
@@ -79,6 +85,7 @@ fn infinite_normal_counts_as_zero_and_is_ambient() {
     }
 }
 
+// Claim: as zero_area_and_repeated_points_have_no_dots.
 #[test]
 fn polygon_with_too_few_points_has_no_dots() {
     for count in 0..3 {

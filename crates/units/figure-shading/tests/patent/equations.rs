@@ -44,6 +44,8 @@ fn two_steps(t: &[[f32; 2]; 3], i: [f64; 3], dot: (u16, u16)) -> f64 {
 }
 
 proptest! {
+    // Claim: shade, 1, linear interpolation means: Circuit (21) interpolates ambient and diffuse brightness like equation (6) in
+    // two steps.
     #[test]
     fn equation_6_equals_circuit_21(t in triangle(), normals in prop::array::uniform3(direction()), kd in 0.125f32..1.0) {
         let mut config = exact();
@@ -59,6 +61,9 @@ proptest! {
         }
     }
 
+    // Claim: shade, 1, normal-interpolation means: Circuit (50) computes only the specular term, from the interpolated normal.
+    // Claim: shade, theorem: Without clamping and normalization, interpolated brightness and interpolated normals give equal
+    // ambient and diffuse terms.
     #[test]
     fn theorem_only_specular_depends_on_interpolation(
         t in triangle(), normals in prop::array::uniform3(direction()), light in direction(), lighting in lighting(),
@@ -79,6 +84,7 @@ proptest! {
     }
 
     /// max(0, L.N) at the sample points exceeds max(0, L.Np) by the part that is clamped at the dark points.
+    // Claim: shade, theorem: Otherwise the error is at most the clamped amount or the shortening of the normal.
     #[test]
     fn theorem_error_with_clamp_is_at_most_clamped_part(
         t in triangle(), normals in prop::array::uniform3(direction()), light in direction(), lighting in lighting(),
@@ -97,6 +103,7 @@ proptest! {
     }
 
     /// Renormalised, L.Np grows by the factor by which Np was short.
+    // Claim: as theorem_error_with_clamp_is_at_most_clamped_part.
     #[test]
     fn theorem_error_renormalised_is_normal_shortening(
         t in triangle(), normals in prop::array::uniform3(direction()), light in direction(), lighting in lighting(),
@@ -114,6 +121,7 @@ proptest! {
     }
 }
 
+// Claim: as theorem_error_with_clamp_is_at_most_clamped_part.
 #[test]
 fn theorem_fails_with_clamp_at_partly_dark_polygon() {
     let t = [[0.0, 0.0], [32.0, 0.0], [0.0, 32.0]];
@@ -130,6 +138,7 @@ fn theorem_fails_with_clamp_at_partly_dark_polygon() {
     assert!((at(SumClamp::Vertex) - (1.0 - share)).abs() < 1e-6);
 }
 
+// Claim: shade, normals: The shortened normal dims the highlight: 20 degrees apart, x 0.47 at n = 50, x 0.047 at n = 200.
 #[test]
 fn section_4_shortened_normal_dims_highlight() {
     // Normals 20 degrees apart, H half-way between.
@@ -151,6 +160,7 @@ fn section_4_shortened_normal_dims_highlight() {
     }
 }
 
+// Claim: as section_2_ambient_counts_once_other_terms_per_light.
 #[test]
 fn section_2_circuit_50_clamps_n_h_before_power() {
     let t = [[1.0, 1.0], [30.0, 3.0], [9.0, 29.0]];
@@ -162,6 +172,7 @@ fn section_2_circuit_50_clamps_n_h_before_power() {
     }
 }
 
+// Claim: as section_2_ambient_counts_once_other_terms_per_light.
 #[test]
 fn section_2_terms_of_several_lights_add_up() {
     let t = [[1.0, 1.0], [30.0, 3.0], [9.0, 29.0]];

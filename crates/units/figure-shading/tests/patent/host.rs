@@ -29,6 +29,7 @@ fn object() -> Control {
     Control::Object(Arc::new(ObjectInfo { ..ObjectInfo::default() }))
 }
 
+// Claim: as polygon_waits_for_a_free_buffer.
 #[test]
 fn host_bytes_follow_protocol() {
     let mut unit = unit(HostConfig { buffers: 2, ..HostConfig::default() });
@@ -50,6 +51,7 @@ fn host_bytes_follow_protocol() {
     assert_eq!(unit.state.counters.bytes, 4 * (13 + 33 + 25 + 33));
 }
 
+// Claim: as polygon_waits_for_a_free_buffer.
 #[test]
 fn point_light_l_is_sent_per_object() {
     let mut unit = unit(HostConfig::default());
@@ -59,6 +61,8 @@ fn point_light_l_is_sent_per_object() {
     assert_eq!(unit.state.counters.bytes - before, 4 * 3);
 }
 
+// Claim: shade, protocol: A polygon is finished before the next is accepted. With two buffers, one is transferred ahead. Transfers
+// take their bytes and times.
 #[test]
 fn polygon_waits_for_a_free_buffer() {
     for buffers in [1, 2] {
@@ -74,6 +78,7 @@ fn polygon_waits_for_a_free_buffer() {
     }
 }
 
+// Claim: as polygon_waits_for_a_free_buffer.
 #[test]
 fn frame_ends_after_all_polygons() {
     let mut unit = unit(HostConfig { buffers: 2, ..HostConfig::default() });
@@ -86,6 +91,7 @@ fn frame_ends_after_all_polygons() {
     assert_eq!(send(&mut unit, Control::FrameEnd).out, Some(Control::FrameEnd), "nothing to wait for");
 }
 
+// Claim: as zero_area_and_repeated_points_have_no_dots.
 #[test]
 fn fewer_than_three_points_are_dropped_and_counted() {
     let mut unit = unit(HostConfig::default());

@@ -38,6 +38,7 @@ fn draw(unit: &mut Microcomputer, controls: Vec<Control>) -> (PolygonRoute, f32,
     (figure.route, dots[0].brightness[0], modes)
 }
 
+// Claim: shade, protocol: Mode, Ia and Is can change per frame or object.
 #[test]
 fn object_settings_override_frame_and_configuration() {
     let mut unit = Config::default().microcomputer();

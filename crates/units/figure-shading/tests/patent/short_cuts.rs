@@ -16,6 +16,8 @@ fn slope(lighting: &Lighting) -> f32 {
 }
 
 proptest! {
+    // Claim: as polygon_of_different_colours_is_not_flat.
+    // Claim: as default_tolerances_move_output_by_at_most_1.
     #[test]
     fn flatness_changes_output_within_tolerance(
         t in triangle(), normal in direction(), off in prop::array::uniform3(direction()), light in direction(),
@@ -46,6 +48,7 @@ proptest! {
         prop_assert!(shaded.mean.is_empty());
     }
 
+    // Claim: shade, short cut 3, Figure 7: Same plane changes no output beyond the tolerance. Reused values are not computed.
     #[test]
     fn same_plane_changes_output_within_tolerance(
         first in triangle(), second in triangle(), normal in direction(), off in direction(), light in direction(),
@@ -68,6 +71,7 @@ proptest! {
     }
 }
 
+// Claim: shade, 1, flatness decision: A polygon is flat if its normals are equal within a tolerance and its colours are equal.
 #[test]
 fn polygon_of_different_colours_is_not_flat() {
     let Control::Polygon(white) = polygon(&SQUARE, &[Vec3::Z; 4], Lighting::default()) else { unreachable!() };
@@ -77,6 +81,7 @@ fn polygon_of_different_colours_is_not_flat() {
     assert_eq!((route(white), route(Arc::new(coloured))), (PolygonRoute::Flat, PolygonRoute::Normal));
 }
 
+// Claim: shade, short cut 2: Flatness changes no output beyond the tolerance.
 #[test]
 fn default_tolerances_move_output_by_at_most_1() {
     let lighting = Lighting { ka: 0.1, kd: 0.8, ks: 0.4, n: 200.0 };
@@ -142,6 +147,8 @@ fn second(before: &Scene, after: &Scene, config: &Config) -> PolygonRoute {
     shade(&mut other, config, after.polygon()).figure.expect("a figure").route
 }
 
+// Claim: shade, Figure 7: A new mode, Ia, Is, L, V, Ka, Kd, Ks or n voids the stored brightness. Polygons without area or with
+// several colours store nothing.
 #[test]
 fn figure_7_any_new_input_voids_stored_brightness() {
     let (scene, same) = (Scene::new(), Config::default());
@@ -176,6 +183,7 @@ fn figure_7_any_new_input_voids_stored_brightness() {
     }
 }
 
+// Claim: as same_plane_changes_output_within_tolerance.
 #[test]
 fn figure_7_reused_brightness_is_not_calculated() {
     let (scene, config) = (Scene::new(), Config::default());
@@ -211,6 +219,7 @@ fn at_sample_points(mode: ShadingMode, flat: bool, negligible: bool) -> f32 {
     dots[0].brightness[0]
 }
 
+// Claim: shade, Figure 6: The specular term is added exactly once: by circuit (50), or by process 22.
 #[test]
 fn figure_6_steps_80_to_83_add_specular_in_process_22() {
     for mode in [ShadingMode::Normal, ShadingMode::Brightness, ShadingMode::Polyhedron] {
@@ -226,6 +235,7 @@ fn figure_6_steps_80_to_83_add_specular_in_process_22() {
     }
 }
 
+// Claim: shade, 1, mean-value means: Process 24 gives the mean of the sample points to all dots.
 #[test]
 fn section_2_constant_shading_is_mean_of_sample_points() {
     let mut config = Config::default();

@@ -26,6 +26,7 @@ fn leaning(angle: f64) -> [Vec3; 3] {
     })
 }
 
+// Claim: as specular_negligible_changes_output_by_at_most_1.
 #[test]
 fn highlight_may_peak_inside_dark_polygon() {
     let lighting = Lighting { ks: 0.5, n: 200.0, ..Lighting::default() };
@@ -41,6 +42,7 @@ fn highlight_may_peak_inside_dark_polygon() {
     }
 }
 
+// Claim: as specular_negligible_changes_output_by_at_most_1.
 #[test]
 fn cancelling_normals_have_no_bound() {
     let lighting = Lighting { ks: 0.5, n: 200.0, ..Lighting::default() };
@@ -51,6 +53,7 @@ fn cancelling_normals_have_no_bound() {
     assert_eq!(route(&renormalising(true), &zero, lighting), PolygonRoute::Normal);
 }
 
+// Claim: as specular_negligible_changes_output_by_at_most_1.
 #[test]
 fn back_facing_or_matt_polygon_is_negligible() {
     let lighting = Lighting { ks: 0.5, n: 1.0, ..Lighting::default() };
@@ -63,6 +66,7 @@ fn back_facing_or_matt_polygon_is_negligible() {
     assert_eq!(route(&off, &away, matte), PolygonRoute::Normal);
 }
 
+// Claim: shade, short cut 1: Register (18) closes gate (51), or circuit (50) does not start. Only the latter saves cycles.
 #[test]
 fn register_18_closes_gate_or_skips_circuit_50() {
     let lighting = Lighting { ks: 0.5, n: 200.0, ..Lighting::default() };
@@ -77,6 +81,8 @@ fn register_18_closes_gate_or_skips_circuit_50() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 4 * ProptestConfig::default().cases, ..ProptestConfig::default() })]
 
+    // Claim: shade, short cut 1: Specular negligible changes no output by more than 1, even if a highlight peaks inside a polygon
+    // with dark corners.
     #[test]
     fn specular_negligible_changes_output_by_at_most_1(
         t in triangle(), middle in direction(), spread in 0f32..2.5, off in prop::array::uniform3(direction()),

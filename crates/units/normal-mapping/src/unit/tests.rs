@@ -62,6 +62,7 @@ fn mapped(unit: &mut NormalMapping, at: Fragment, traffic: &mut MemoryPorts) -> 
     }
 }
 
+// Claim: as claim_1_7_each_level_has_its_own_map_and_table.
 #[test]
 fn claims_1_and_5_each_level_reads_its_own_map() {
     // Level k leans along +x for even k and along +y for odd k.

@@ -69,6 +69,7 @@ fn search_equals_scan_on_cell_edges() {
     }
 }
 
+// Claim: as erratum_nearest_normal_has_the_largest_inner_product.
 #[test]
 fn zero_vector_takes_lowest_index() {
     let normals = reference_normals(0, 256, ReferenceNormals::Fibonacci, true, 16).unwrap();
@@ -76,6 +77,7 @@ fn zero_vector_takes_lowest_index() {
     assert_eq!(NearestSearch::new(&[], 10).nearest([1, 2, 3]), 0);
 }
 
+// Claim: as erratum_nearest_normal_has_the_largest_inner_product.
 #[test]
 fn erratum_nearest_has_largest_inner_product() {
     let normals = [[0, 0, -32_767], [0, 0, 32_767], [0, 0, 32_767]];

@@ -66,6 +66,7 @@ fn indexes(steps: &[Out]) -> Vec<NormalIndexes> {
     out(steps).iter().filter_map(item).collect()
 }
 
+// Claim: as claim_1_7_each_level_has_its_own_map_and_table.
 #[test]
 fn claims_1_and_7_each_level_uses_its_own_table() {
     let n = [12_000, -30_000, 5_000];
@@ -93,6 +94,7 @@ fn identical_tables_give_same_index_at_every_level() {
     assert_eq!(found, [found[0]; 3]);
 }
 
+// Claim: as claim_2_6_table_size_grows_with_resolution.
 #[test]
 fn claims_2_and_6_table_size_depends_on_level() {
     let entries = PerLevel::Levels(vec![256, 128, 64, 32]);

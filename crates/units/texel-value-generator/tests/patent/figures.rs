@@ -36,6 +36,7 @@ pub fn scanned(snap: Snap, march: March, corners: &[[f32; 3]]) -> (Vec<ScanSpan>
     (spans, unit)
 }
 
+// Claim: texel, Figure 4A: Ends are snapped (410). Empty spans are dropped (420). Short spans have ends only (430).
 #[test]
 fn figure_4a_step_410_snaps_ends_to_integer_pixels() {
     let bar = [[3.25, 5.0, 1.0], [9.75, 5.0, 1.0], [9.75, 6.0, 1.0], [3.25, 6.0, 1.0]];
@@ -52,6 +53,7 @@ fn figure_4a_step_410_snaps_ends_to_integer_pixels() {
     assert_eq!(columns(Snap::Truncate), columns(Snap::Floor));
 }
 
+// Claim: as figure_4a_step_410_snaps_ends_to_integer_pixels.
 #[test]
 fn figure_4a_step_420_drops_empty_span() {
     let sliver = [[3.6, 0.0, 1.0], [4.4, 0.0, 1.0], [4.4, 9.0, 1.0], [3.6, 9.0, 1.0]];
@@ -59,6 +61,7 @@ fn figure_4a_step_420_drops_empty_span() {
     assert!(spans.is_empty() && unit.state.counters.empty == 1);
 }
 
+// Claim: as figure_4a_step_410_snaps_ends_to_integer_pixels.
 #[test]
 fn figure_4a_step_430_short_span_has_only_end_points() {
     let uv = [[0.0, 0.0], [1.0, 0.0]];
@@ -69,6 +72,7 @@ fn figure_4a_step_430_short_span_has_only_end_points() {
     }
 }
 
+// Claim: texel, Figure 4B: The step is rounded down, at least 1, at most the rest (444, 446). Both directions keep the bound.
 #[test]
 fn figure_4b_next_point_is_step_rounded_down_and_clamped() {
     let span = span(300, [0.1, 1.0], [[0.0, 0.0], [1.0, 0.0]]);
@@ -82,6 +86,7 @@ fn figure_4b_next_point_is_step_rounded_down_and_clamped() {
     }
 }
 
+// Claim: as claims_1_to_3_points_between_divisions_are_approximated.
 #[test]
 fn figure_6_division_points_are_exact_rest_is_linear() {
     let span = span(200, [1.0, 0.05], [[0.2, 0.9], [0.7, 0.1]]);
@@ -99,6 +104,7 @@ fn figure_6_division_points_are_exact_rest_is_linear() {
     }
 }
 
+// Claim: as figure_1_child_polygons_have_exact_ends.
 #[test]
 fn figure_2_fixed_points_and_intervals_divide_span() {
     let span = span(65, [1.0, 0.5], [[0.0, 0.0], [1.0, 0.0]]);
@@ -110,6 +116,7 @@ fn figure_2_fixed_points_and_intervals_divide_span() {
     assert_eq!(fixed(0, 64), [0, 64]);
 }
 
+// Claim: texel, Figures 1, 2: Child polygons have exact ends on each scan line; fixed points lie evenly.
 #[test]
 fn figure_1_child_polygons_have_exact_ends() {
     // A triangle of 40 pixels, cut into 4 x 4 of 10. On its scan lines the lines between them are 10 pixels apart.
@@ -129,6 +136,7 @@ fn figure_1_child_polygons_have_exact_ends() {
     }
 }
 
+// Claim: as figure_4b_next_point_is_step_rounded_down_and_clamped.
 #[test]
 fn right_to_left_marching_keeps_same_bound() {
     let corners = [[2.5, 3.0, 1.0], [60.5, 3.0, 0.05], [60.5, 40.0, 0.05], [2.5, 40.0, 1.0]];
@@ -143,6 +151,7 @@ fn right_to_left_marching_keeps_same_bound() {
     }
 }
 
+// Claim: texel, w > 0: A w of 0 or less is an error with its place.
 #[test]
 fn non_positive_w_error_names_place() {
     for w in [0.0, -1.0, f32::NAN, f32::INFINITY] {
@@ -156,6 +165,7 @@ fn non_positive_w_error_names_place() {
     }
 }
 
+// Claim: as reciprocal_division_matches_two_divisions.
 #[test]
 fn free_divider_takes_next_division() {
     let cycles = |count, pipelined, bits, divisions| {
@@ -179,6 +189,7 @@ fn divided(config: DividerConfig, bits: u32, points: &DivisionPoints) -> (Vec<[i
     (quotients.iter().map(|FixedCoordinates(uv)| *uv).collect(), step.occupancy, step.latency, unit.state.counters)
 }
 
+// Claim: texel, width: A quotient of w bits takes w / 2 cycles. The default is the narrowest width within the bound on the demos.
 #[test]
 fn division_takes_half_its_quotient_bits_in_cycles() {
     let points = smallvec![DivisionPoint([0.5, 0.25, 0.9])];
@@ -191,6 +202,7 @@ fn division_takes_half_its_quotient_bits_in_cycles() {
     assert_eq!([24, 29].map(|bits| kept(bits, 1)), [24, 29], "radix 2");
 }
 
+// Claim: as division_takes_half_its_quotient_bits_in_cycles.
 #[test]
 fn quotients_are_rounded_to_coordinate_bits() {
     let points = smallvec![DivisionPoint([1.0, -2.0, 3.0])];
@@ -201,6 +213,8 @@ fn quotients_are_rounded_to_coordinate_bits() {
     }
 }
 
+// Claim: texel, two divisions: A point takes two divisions, or a reciprocal and two multiplications. Dividers differ by count,
+// latency and interval.
 #[test]
 fn reciprocal_division_matches_two_divisions() {
     let points: DivisionPoints = smallvec![DivisionPoint([0.4, 0.45, 0.5]), DivisionPoint([0.3, 0.1, 0.7])];
@@ -213,6 +227,7 @@ fn reciprocal_division_matches_two_divisions() {
     assert!(two.iter().flatten().zip(one.iter().flatten()).all(|(a, b)| (a - b).abs() <= 1), "{two:?} {one:?}");
 }
 
+// Claim: as claims_5_and_6_steps_follow_the_stored_criterion.
 #[test]
 fn storage_element_holds_criterion_until_next() {
     let mut storage = StorageElement::default();

@@ -63,6 +63,7 @@ fn turning(config: &TexelConfig) -> (usize, usize) {
     (all.iter().filter(|n| **n > 0).count(), all.iter().sum())
 }
 
+// Claim: as texels_along_span_are_monotone.
 #[test]
 fn larger_e_gives_more_non_monotonic_texel_edges() {
     let exact = turning(&TexelConfig { method: Method::Exact, ..config(0.5) });

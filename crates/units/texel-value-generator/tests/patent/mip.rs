@@ -20,6 +20,7 @@ fn levels(mode: MipMode, gradients: &[GradientPacket]) -> Vec<(u16, f32)> {
 }
 
 proptest! {
+    // Claim: texel, 9: The MIP level is constant per segment, follows from its ends, and decides the pixel value.
     #[test]
     fn claim_9_level_is_constant_per_segment(span in spans(), e in bounds()) {
         let walked = walk_on(&config(e), span, &textured(WrapMode::Repeat), Some(MipPer::Segment));

@@ -30,6 +30,7 @@ fn combine(unit: &mut Combiner, [x, y]: [u16; 2], [value, alpha]: [u16; 2]) -> (
     (packet.rgb[3], traffic.requests().iter().map(|r| r.address).collect())
 }
 
+// Claim: as claims_4_and_7_intermediate_texel_modifies_pixel_value.
 #[test]
 fn combiner_replaces_modulates_and_blends() {
     let drawn = |mode| {
@@ -43,6 +44,7 @@ fn combiner_replaces_modulates_and_blends() {
     assert_eq!(drawn(CombineMode::Blend), [([200, 100, 0], line), ([180, 90, 0], vec![])]);
 }
 
+// Claim: as line_is_read_only_after_its_write_is_done.
 #[test]
 fn held_line_is_not_read_and_evicted_line_is() {
     let mut unit = combiner(CombineMode::Blend, 2);
@@ -54,6 +56,7 @@ fn held_line_is_not_read_and_evicted_line_is() {
 proptest! {
     /// The buffer (360) behind a FIFO of `depth` packets takes each packet as late as possible. It gathers `gathering` lines, and
     /// the last `posted` writes are not done yet.
+    // Claim: texel, read-back: Old values are read through the port. Lines that may not be in memory yet are held and not read.
     #[test]
     fn line_is_read_only_after_its_write_is_done(
         places in prop::collection::vec((0u16..3, 0u16..3), 1..200), depth in 1usize..5, gathering in 1u32..4, posted in 1usize..4,

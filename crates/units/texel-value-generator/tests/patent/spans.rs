@@ -19,6 +19,7 @@ fn by_trial([a, b]: [f64; 2], length: f64) -> f64 {
     (0..=100_000).map(|i| f64::from(i) / 100_000.0).map(|t| length * (exact_share(t) - t).abs()).fold(0.0, f64::max)
 }
 
+// Claim: texel, the step: The largest displacement follows the derived formula, because the source lost the formula.
 #[test]
 fn section_3_largest_displacement_matches_formula() {
     for w in [[1.0, 2.0], [2.0, 1.0], [1.0, 1000.0], [1.0, 1.0], [0.3, 0.31]] {
@@ -39,6 +40,9 @@ fn best_fixed(span: &ScanSpan, e: f64) -> usize {
 }
 
 proptest! {
+    // Claim: texel, the step: On random scan lines (w up to 1:1000, 1 to 4,096 pixels, e from 0.05 to 4) no pixel is displaced by
+    // more than e, by formula and measured. No segment could be one pixel longer. No fixed interval within e has fewer divisions.
+    // Steps change with w.
     #[test]
     fn section_3_displacement_is_at_most_e(span in spans(), e in bounds()) {
         let walked = walk(&config(e), span);
@@ -49,6 +53,7 @@ proptest! {
         prop_assert!(walked.largest_displacement() <= e + rounding(&span), "{} measured", walked.largest_displacement());
     }
 
+    // Claim: as section_3_displacement_is_at_most_e.
     #[test]
     fn section_3_segments_are_longest_possible(span in spans(), e in bounds()) {
         let points = walk(&config(e), span).points();
@@ -58,6 +63,7 @@ proptest! {
         }
     }
 
+    // Claim: as section_3_displacement_is_at_most_e.
     #[test]
     fn section_3_fixed_interval_needs_no_fewer_divisions(
         span in spans().prop_filter("quadratic", |s| s.count <= 700), e in bounds(),
@@ -66,6 +72,7 @@ proptest! {
         prop_assert!(inner <= best_fixed(&span, e), "{inner} {}", best_fixed(&span, e));
     }
 
+    // Claim: as section_3_displacement_is_at_most_e.
     #[test]
     fn section_3_steps_grow_and_shrink_with_w(span in spans(), e in bounds()) {
         let points = walk(&config(e), span).points();
@@ -76,6 +83,7 @@ proptest! {
         prop_assert!(monotone, "{steps:?}");
     }
 
+    // Claim: texel, monotone: Texels are monotone along a span. A larger e makes edges of enlarged texels zigzag on more planes.
     #[test]
     fn texels_along_span_are_monotone(span in spans(), e in bounds()) {
         let uv = walk_on(&config(e), span, &textured(WrapMode::Clamp), None).uv();
@@ -86,6 +94,7 @@ proptest! {
         }
     }
 
+    // Claim: texel, the step: A table in place of the square root keeps the bound, and costs divisions.
     #[test]
     fn root_table_keeps_bound_and_costs_divisions(span in spans(), e in bounds(), entries in 1u32..300) {
         let exact = walk(&config(e), span);
@@ -94,6 +103,7 @@ proptest! {
         prop_assert!(table.counters.segments >= exact.counters.segments);
     }
 
+    // Claim: as figure_1_child_polygons_have_exact_ends.
     #[test]
     fn every_method_walks_each_pixel_once_in_order(
         span in spans(), e in bounds(), interval in 1u32..40, points in 0u32..9, backwards in any::<bool>(), x in 0u16..40,
@@ -118,6 +128,7 @@ proptest! {
     }
 }
 
+// Claim: texel, the step: The approximate form keeps e for rising w. It exceeds e up to four times if w falls to zero.
 #[test]
 fn section_3_approximate_form_keeps_e_only_for_rising_w() {
     let ratio = |w: [f64; 2], e: f64| {
@@ -140,6 +151,7 @@ fn section_3_approximate_form_keeps_e_only_for_rising_w() {
     assert!(ratio([1.0, 0.5], 0.5) < 1.05);
 }
 
+// Claim: as figure_4a_step_410_snaps_ends_to_integer_pixels.
 #[test]
 fn short_and_degenerate_spans_are_handled() {
     let uv = [[0.0, 0.0], [3.0, 1.0]];
@@ -154,6 +166,7 @@ fn short_and_degenerate_spans_are_handled() {
     assert!(walked.largest_displacement() <= 4.0);
 }
 
+// Claim: texel, formats: Rounding keeps the bound on spans of 4,096 pixels, with w up to 1:1000 and a thousand tiles.
 #[test]
 fn section_3_longest_spans_with_most_tiles_keep_e() {
     for w in [[1.0, 0.001], [0.001, 1.0], [1000.0, 1.0]] {
@@ -176,6 +189,7 @@ fn section_3_longest_spans_with_most_tiles_keep_e() {
     }
 }
 
+// Claim: as root_table_keeps_bound_and_costs_divisions.
 #[test]
 fn table_roots_are_short_within_stated_error() {
     for entries in [1, 2, 64, 1024] {

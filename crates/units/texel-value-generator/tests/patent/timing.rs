@@ -14,6 +14,8 @@ fn kept(config: &TexelConfig, w: [f64; 2]) -> Vec<u64> {
     walk(config, span(200, w, UV)).kept.0.split_off(1)
 }
 
+// Claim: texel, timing: A step takes a root, the first of a span also e / abs(dw). The interpolator takes a cycle per pixel, and a
+// reciprocal with gradients per pixel. A span without division pays products. A trilinear pixel takes two samples.
 #[test]
 fn section_5_first_step_takes_division_and_root() {
     for (step_bits, iterations) in [(16, 8), (17, 9), (32, 16)] {
@@ -29,6 +31,7 @@ fn section_5_first_step_takes_division_and_root() {
     assert_eq!(kept(&fixed, [0.1, 1.0]), [1; 2]);
 }
 
+// Claim: as section_5_first_step_takes_division_and_root.
 #[test]
 fn section_5_undivided_span_pays_only_its_products() {
     for w in [[0.4, 0.4], [0.4, 0.401], [0.401, 0.4]] {
@@ -55,6 +58,7 @@ proptest! {
     }
 }
 
+// Claim: as section_5_first_step_takes_division_and_root.
 #[test]
 fn section_5_pixel_gradients_take_a_reciprocal_each() {
     let span = span(200, [0.1, 1.0], UV);
