@@ -19,7 +19,7 @@ pub struct Effect {
     pub axis: usize,
     /// Number of the objective's column.
     pub objective: usize,
-    /// For the values of the axis, in their order; several values are one level where there are more than twelve.
+    /// Means by level of the axis, in order. An axis of more than twelve values has several values per level.
     pub levels: Vec<Level>,
 }
 
@@ -32,7 +32,7 @@ pub struct Level {
     pub points: usize,
     /// Mean of the objective, in its unit.
     pub mean: f64,
-    /// Its best value.
+    /// Best value of the objective on this level.
     pub best: f64,
 }
 
@@ -43,12 +43,12 @@ impl Effect {
         Some((self.levels.iter().min_by(by_mean)?, self.levels.iter().max_by(by_mean)?))
     }
 
-    /// From the lowest mean to the highest, in the unit of the objective.
+    /// Returns the difference between the highest and the lowest mean, in the unit of the objective.
     pub fn moved(&self) -> f64 {
         self.ends().map_or(0.0, |(low, high)| high.mean - low.mean)
     }
 
-    /// From the lowest to the highest of the best values.
+    /// Returns the difference between the highest and the lowest best value.
     pub fn best_moved(&self) -> f64 {
         let best = || self.levels.iter().map(|level| level.best);
         best().reduce(f64::max).zip(best().reduce(f64::min)).map_or(0.0, |(high, low)| high - low)
@@ -82,14 +82,14 @@ pub fn effects(table: &Table) -> Vec<Effect> {
     table.objectives().flat_map(of).collect()
 }
 
-/// Whether each point is the first with one axis changed, or none.
+/// Returns true if each point differs from the first point in at most one axis.
 fn is_star(table: &Table) -> bool {
     let Some((first, others)) = table.rows.split_first() else { return false };
     let changed = |row: &Row| table.axes().filter(|&axis| row.cells[axis] != first.cells[axis]).count();
     others.iter().all(|row| changed(row) <= 1)
 }
 
-/// Nothing where no point with these rows has run.
+/// Returns `None` if no point of these rows has run.
 pub(crate) fn level(table: &Table, (objective, goal): (usize, Goal), label: &str, rows: &[usize]) -> Option<Level> {
     let run = rows.iter().map(|&row| &table.rows[row]).filter(|row| row.state == State::Ok);
     let mut values: Vec<f64> = run.filter_map(|row| row.cells.get(objective)?.number()).collect();
@@ -149,7 +149,7 @@ mod tests {
         table.rows.retain(|row| row.id.contains('0'));
         let told: Vec<_> = effects(&table).iter().take(2).map(|e| (e.axis, e.moved(), e.levels[0].points)).collect();
         assert_eq!(told, [(2, 200.0, 1), (3, 30.0, 1)]);
-        // With a point more it is none: means are over all points with a value.
+        // With one more point it is no such plan, so means are over all points with a value.
         table.rows.push(grid().rows[5].clone());
         assert_eq!(effects(&table)[0].levels[0].points, 4);
     }

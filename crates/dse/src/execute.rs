@@ -77,9 +77,9 @@ struct Recorded {
 
 #[derive(Default)]
 struct Queue<'a> {
-    /// To be run: the first of each.
+    /// Groups to run, beginning with their first points.
     groups: VecDeque<Vec<&'a Point>>,
-    /// To be timed again.
+    /// Points to resimulate, with the recording of their group.
     again: VecDeque<(Arc<Recorded>, &'a Point)>,
     /// Groups with a running first point, whose other points follow.
     begun: usize,
@@ -92,7 +92,7 @@ enum Task<'a> {
     Retime(Arc<Recorded>, &'a Point),
 }
 
-/// How a point came to be there.
+/// The way in which a result was obtained.
 enum Way {
     There,
     Run { failed: bool },
@@ -182,11 +182,11 @@ impl<'a> Crew<'a> {
         Ok(())
     }
 
-    /// Runs a point and puts it in its place; its tape, where there are others to be timed from it.
+    /// Runs a point and stores its result. Returns its recording if other points are resimulated from it.
     fn run_and_put(&self, point: &Point, is_recorded: bool) -> Result<Option<Recorded>, SweepError> {
         let Placed { way, png, tape } = self.run_one(point, is_recorded)?;
         self.count(way);
-        // Where it cannot be held, points are run.
+        // If the recording does not fit into memory, the points run instead.
         let recording = tape.and_then(|tape| Recording::read(&mut Cursor::new(tape), self.host.budget()).ok());
         Ok(recording.map(|recording| Recorded { recording, png }))
     }

@@ -25,9 +25,9 @@ const SEED: u32 = 1;
 pub struct Explored {
     /// The plan with the points alone that were chosen.
     pub plan: Plan,
-    /// How they came to be there.
+    /// Numbers of points by the way in which their results were obtained.
     pub tally: Tally,
-    /// The share of the hypervolume of the whole grid that they have; where all points of the grid are there, and there is any.
+    /// Share of the hypervolume of the whole grid. `None` unless all points of the grid have results and the volume is positive.
     pub share: Option<f64>,
 }
 
@@ -100,7 +100,7 @@ fn limiting(axes: &[(usize, Vec<String>)], limits: &[Limit]) -> Vec<usize> {
     found
 }
 
-/// Runs points; the costs of each that is there and keeps the constraints.
+/// Runs points. Returns the costs of each point that has a result and meets the constraints.
 fn costs(
     plan: &Plan,
     points: &[&Point],

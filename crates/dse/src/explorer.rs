@@ -1,4 +1,4 @@
-//! Finding a front with few runs.
+//! Search of a Pareto front with few runs.
 //!
 //! An [`Explorer`] chooses the next points of a grid from the known points. It starts with a coarse sample: the corners with all axes
 //! at their first or last value, and a Sobol sequence over the whole grid. Then it refines around the front:
@@ -35,7 +35,7 @@ pub struct Explorer {
     seed: u32,
 }
 
-/// Which axes limit a point, most first: as re-timing or a report's `limits` say. May be empty.
+/// Returns the axes that limit a point, the strongest first, as measured by resimulation. May be empty.
 pub type Hint<'a> = dyn Fn(&[usize]) -> Vec<usize> + 'a;
 
 impl Explorer {
@@ -51,7 +51,7 @@ impl Explorer {
         Ok(Self { axes: axes.into(), budget, seed })
     }
 
-    /// At most so many points to run next, the most promising first; none when the budget is spent or nothing is left that might
+    /// Returns at most `most` points to run next, the most promising first. The list is empty if the budget is spent or no other point might
     /// improve the front.
     ///
     /// ```
@@ -71,7 +71,7 @@ impl Explorer {
     /// ```
     pub fn next(&self, known: &Known, most: usize, hint: &Hint<'_>) -> Vec<Point> {
         let most = most.min(self.budget.saturating_sub(known.len()));
-        // Its bounds were checked when this was made.
+        // The constructor has checked the bounds.
         let coarse = sobol(self.budget, &self.axes, self.seed).unwrap_or_default();
         let (start, rest) = coarse.split_at(self.start().min(coarse.len()));
         let ends = [vec![0; self.axes.len()], self.axes.iter().map(|length| length - 1).collect()];
@@ -85,7 +85,7 @@ impl Explorer {
         self.budget.div_ceil(4).max((PER_AXIS * self.axes.len()).min(self.budget / 2))
     }
 
-    /// Candidates around the known Pareto front.
+    /// Returns candidates around the known Pareto front.
     fn refined(&self, known: &Known, hint: &Hint<'_>) -> Vec<Point> {
         let front = Front::of(known);
         let longest = self.axes.iter().copied().max().unwrap_or(1);
@@ -104,7 +104,7 @@ impl Explorer {
         refined
     }
 
-    /// One step up the first of the hinted axes that has one.
+    /// Returns the point one step up the first hinted axis that has a higher value.
     fn raised(&self, point: &[usize], hint: &[usize]) -> Option<Point> {
         let axis = *hint.iter().find(|&&axis| self.axes.get(axis).is_some_and(|length| point[axis] + 1 < *length))?;
         let mut raised = point.to_vec();
@@ -112,7 +112,7 @@ impl Explorer {
         Some(raised)
     }
 
-    /// So many steps up and down each axis, hinted axes first.
+    /// Returns the points `step` steps up and down each axis, hinted axes first.
     fn beside(&self, point: &[usize], step: usize, hint: &[usize]) -> Vec<Point> {
         let others = (0..self.axes.len()).filter(|axis| !hint.contains(axis));
         let axes = hint.iter().copied().filter(|&axis| axis < self.axes.len()).chain(others);
@@ -133,7 +133,7 @@ fn halfway(a: &[usize], b: &[usize]) -> [Point; 2] {
     [0, 1].map(|up| a.iter().zip(b).map(|(a, b)| a.min(b) + (a.abs_diff(*b) + up) / 2).collect())
 }
 
-/// Pareto front of the known points; of points with equal costs the first.
+/// Pareto front of the known points. Of points with equal costs it has the first.
 struct Front<'a> {
     points: Vec<&'a [usize]>,
     /// Two neighbours by any cost, and how far they are from each other; the farthest first.
@@ -152,7 +152,7 @@ impl<'a> Front<'a> {
         Self { points, gaps: gaps(&costs) }
     }
 
-    /// Its points: ends, then those beside the widest gaps, each once.
+    /// Returns the ends of the front, then the points beside the widest gaps, each once.
     fn widest_first(&self) -> Vec<&'a [usize]> {
         let mut wide = vec![0.0f64; self.points.len()];
         for &(a, b, gap) in &self.gaps {
@@ -215,7 +215,7 @@ mod tests {
         axes.iter().fold(vec![vec![]], more)
     }
 
-    /// The share of the full grid's hypervolume that so many runs find.
+    /// Returns the share of the full grid's hypervolume that `budget` runs find.
     fn found(model: Model, axes: &[usize], budget: usize, batch: usize, seed: u32) -> f64 {
         let all: Vec<Vec<f64>> = grid(axes).iter().filter_map(|point| model(point)).collect();
         let space = Space::of(&all).unwrap();

@@ -13,13 +13,13 @@ use std::collections::BTreeMap;
 /// A number of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Its path.
+    /// Path of the figure in the report.
     pub name: String,
     /// Unit of measure, in the plural; empty for a ratio.
     pub unit: String,
     /// Description; may be empty.
     pub what: String,
-    /// Its value.
+    /// Value of the figure.
     pub cell: Cell,
 }
 
@@ -27,7 +27,7 @@ pub struct Figure {
 const RENAMED: [(&str, &str); 4] =
     [("drain", "scan_out_tail"), ("look_ups", "lookups"), ("utilisation", "utilization"), ("bus_utilisation", "bus_utilization")];
 
-/// The path that a name in a plan stands for.
+/// Returns the path of a name in a plan.
 pub fn path_of(name: &str) -> String {
     let Some((group, last)) = name.rsplit_once('.') else {
         return if name == "cycles" { "cycles.frames".into() } else { name.into() };
@@ -39,8 +39,8 @@ pub fn path_of(name: &str) -> String {
 /// Parts of a report whose numbers are figures without conversion.
 const PLAIN: [&str; 6] = ["cycles", "quality", "units", "fifos", "memories", "caches"];
 
-/// The figures of a report, part by part, in the order of their names: that of JSON's keys goes by features that other crates may ask
-/// for.
+/// Returns the figures of a report, part by part, sorted by name. The order of JSON's keys depends on features that other crates may
+/// enable.
 pub fn figures(report: &Value) -> Vec<Figure> {
     let mut figures = Vec::new();
     for part in PLAIN {
@@ -120,7 +120,7 @@ fn sums(report: &Value) -> Vec<Figure> {
     frames.into_iter().chain(bytes).chain([bits]).collect()
 }
 
-/// The unit of measure of a figure that has none in the report: docs of `basrelief_report::model` say the same in words.
+/// Returns the unit of measure of a figure without one in the report, as documented in `basrelief_report::model`.
 fn unit(path: &[&str]) -> &'static str {
     let last = path.last().copied().unwrap_or_default();
     match (path[0], last) {

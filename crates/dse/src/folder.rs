@@ -22,11 +22,11 @@ pub struct Folder(PathBuf);
 /// State of a point in the folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// It has run to its end.
+    /// The point has a report.
     Report,
-    /// It has not, and why is known.
+    /// The point failed with a stored reason.
     Failed,
-    /// Nothing, or a part that a killed process has left.
+    /// The point has no result, or an incomplete one of a killed process.
     Missing,
 }
 
@@ -75,12 +75,12 @@ pub struct Failure {
 }
 
 impl Folder {
-    /// The folder at this path, there or not.
+    /// Creates a handle of the folder at this path, which need not exist.
     pub fn new(path: &Path) -> Self {
         Self(path.into())
     }
 
-    /// Where a file of the sweep as a whole lies.
+    /// Returns the path of a file of the whole sweep.
     pub fn place(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
@@ -115,10 +115,10 @@ impl Folder {
         parse(&self.report_text(id)?, &self.of_point(id, REPORT))
     }
 
-    /// Why a point failed.
+    /// Returns the reason of a failed point.
     ///
     /// # Errors
-    /// A file that cannot be read, or says something else.
+    /// A file that cannot be read, or has other content.
     pub fn failure(&self, id: &str) -> Result<Failure, SweepError> {
         let path = self.of_point(id, FAILED);
         let text = fs::read_to_string(&path).map_err(|e| SweepError(format!("{}: cannot be read: {e}", path.display())))?;

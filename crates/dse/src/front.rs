@@ -14,7 +14,7 @@ pub fn candidates(table: &Table) -> Vec<(usize, Vec<f64>)> {
     by(table, &table.objectives().collect::<Vec<_>>())
 }
 
-/// As [`candidates`], by these objectives alone.
+/// Returns [`candidates`] by these objectives only.
 fn by(table: &Table, objectives: &[(usize, Goal)]) -> Vec<(usize, Vec<f64>)> {
     let costs = |cells: &[Cell]| -> Option<Vec<f64>> {
         objectives.iter().map(|&(at, goal)| Some(goal.cost(cells.get(at)?.number()?))).collect()
@@ -50,13 +50,13 @@ pub fn front(table: &Table) -> Vec<usize> {
     front_by(table, &table.objectives().collect::<Vec<_>>())
 }
 
-/// As [`front`], by these objectives alone.
+/// Returns [`front`] by these objectives only.
 pub(crate) fn front_by(table: &Table, objectives: &[(usize, Goal)]) -> Vec<usize> {
     let (rows, costs): (Vec<usize>, Vec<Vec<f64>>) = by(table, objectives).into_iter().unzip();
     nondominated(&costs).into_iter().map(|at| rows[at]).collect()
 }
 
-/// Whether costs `a` are nowhere above costs `b`, and somewhere below.
+/// Returns true if costs `a` are at most costs `b` everywhere, and less somewhere.
 pub fn dominates(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
 }
@@ -69,7 +69,7 @@ pub fn nondominated(costs: &[impl AsRef<[f64]>]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..costs.len()).collect();
     order.sort_by(|&a, &b| lexicographic(of(a), of(b)));
     let (mut seen, mut front) = (Seen::default(), vec![]);
-    // Dominating points come before a point, and equal points are adjacent.
+    // In this order, dominating points precede a point, and equal points are adjacent.
     for equal in order.chunk_by(|&a, &b| of(a) == of(b)) {
         if seen.add(of(equal[0])) {
             front.extend_from_slice(equal);
@@ -82,9 +82,9 @@ pub fn nondominated(costs: &[impl AsRef<[f64]>]) -> Vec<usize> {
 /// Points of a front, in lexicographic order.
 #[derive(Default)]
 struct Seen<'a> {
-    /// With up to three costs: the second and the third of those that no other is below in both, the second ascending.
+    /// With up to three costs: the second and third costs of points that no other point dominates in both, sorted by the second.
     stair: Vec<[f64; 2]>,
-    /// With more: all of them.
+    /// With more costs: all points.
     points: Vec<&'a [f64]>,
 }
 
@@ -110,7 +110,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// By the first number, then the second, and so on; zeros of either sign are equal.
+/// Compares lists by the first number, then the second, and so on. Zeros of either sign are equal.
 pub(crate) fn lexicographic(a: &[f64], b: &[f64]) -> Ordering {
     a.partial_cmp(b).unwrap_or(Ordering::Equal)
 }
@@ -121,7 +121,7 @@ mod tests {
     use crate::{Column, Role, Row, State};
     use proptest::prelude::*;
 
-    /// Few different values, so that there are ties.
+    /// Generates costs with few different values, so that ties occur.
     pub(crate) fn costs() -> impl Strategy<Value = Vec<Vec<f64>>> {
         let number = (0u8..6).prop_map(f64::from);
         (1usize..5).prop_flat_map(move |n| prop::collection::vec(prop::collection::vec(number.clone(), n), 0..40))
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn long_fronts_are_found() {
-        // By comparing each with each other, these would take minutes.
+        // A comparison of each pair would take minutes.
         let stair: Vec<[f64; 2]> = (0..100_000).map(|at| [f64::from(at), f64::from(-at)]).collect();
         assert_eq!(nondominated(&stair).len(), 100_000);
         let plane: Vec<[f64; 3]> = (0..300).flat_map(|x| (0..300).map(move |y| [x, y, -x - y].map(f64::from))).collect();

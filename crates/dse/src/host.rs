@@ -15,7 +15,7 @@ pub enum Opened {
     Trace,
 }
 
-/// How far points have come.
+/// Progress of a sweep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Points of the sweep.
@@ -31,7 +31,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Both, one after the other.
+    /// Adds the numbers of another tally.
     pub(crate) fn add(&mut self, other: &Self) {
         self.points += other.points;
         self.there += other.there;
@@ -40,7 +40,7 @@ impl Tally {
         self.failed += other.failed;
     }
 
-    /// Points that are there.
+    /// Returns the number of points with results.
     pub fn done(&self) -> usize {
         self.there + self.run + self.retimed
     }
@@ -88,7 +88,7 @@ pub trait Host: Sync {
     /// A file that cannot be written.
     fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
 
-    /// So far have points come.
+    /// Reports the progress.
     fn progress(&self, tally: &Tally);
 
     /// Memory limit for inputs and recordings.

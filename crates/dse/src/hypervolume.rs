@@ -1,4 +1,4 @@
-//! How good a front is, in one number.
+//! Hypervolume: the quality of a front as one number.
 //!
 //! The hypervolume of a front is the part of the space of costs that at least one of its points dominates, up to a reference
 //! point. The larger, the better; a point that another dominates adds nothing. It is exact: the space is cut at every point
@@ -7,7 +7,7 @@
 use crate::front::{lexicographic, nondominated};
 use crate::table::Table;
 
-/// Most points a slice may be cut for, all slices of all slices together: half a second.
+/// Maximum work in points over all nested slices, about half a second.
 const MOST_WORK: f64 = 2e7;
 
 /// The space that a front is measured in.
@@ -40,14 +40,14 @@ impl Space {
         Self::of(&costs)
     }
 
-    /// The share of the space that these costs dominate, from 0 to 1. An objective by which all are equal does not count.
+    /// Returns the share of the space that these costs dominate, from 0 to 1. An objective with equal costs in all points does not count.
     ///
-    /// Nothing if it would take too long: from some thousand points with three objectives, some hundred with four.
+    /// Returns `None` if it would take too long: from about a thousand points with three objectives, a hundred with four.
     pub fn hypervolume(&self, costs: &[Vec<f64>]) -> Option<f64> {
         let spread = |at: &usize| self.reference[*at] > self.best[*at];
         let counted: Vec<usize> = (0..self.best.len()).filter(spread).collect();
         let scaled = |cost: &Vec<f64>| -> Vec<f64> {
-            // Costs below the best known costs count as these.
+            // Costs below the best known costs count as the best known costs.
             counted.iter().map(|&at| ((cost[at] - self.best[at]) / (self.reference[at] - self.best[at])).max(0.0)).collect()
         };
         let scaled: Vec<Vec<f64>> = costs.iter().map(scaled).collect();
@@ -73,7 +73,7 @@ pub fn hypervolume(costs: &[impl AsRef<[f64]>], reference: &[f64]) -> Option<f64
     (work <= MOST_WORK).then(|| volume(points, reference))
 }
 
-/// Of points that do not dominate each other.
+/// Returns the volume of points that do not dominate each other.
 fn volume(mut points: Vec<&[f64]>, reference: &[f64]) -> f64 {
     let Some((&end, rest)) = reference.split_last() else { return if points.is_empty() { 0.0 } else { 1.0 } };
     let last = rest.len();
@@ -105,7 +105,7 @@ fn add<'a>(front: &mut Vec<&'a [f64]>, point: &'a [f64]) {
     }
 }
 
-/// Of points in order of their last cost: steps of a stair.
+/// Returns the area below points sorted by their last cost, which form the steps of a stair.
 fn area(points: &[&[f64]], right: f64, top: f64) -> f64 {
     let (mut left, mut sum) = (right, 0.0);
     for point in points.iter().filter(|point| point[0] < right) {

@@ -1,12 +1,12 @@
-//! The values of a column: their range, and those of an axis, few enough to be told one by one.
+//! Ranges of columns, and the levels of an axis.
 
 use crate::table::{Cell, Table};
 use std::collections::BTreeMap;
 
-/// Most levels of an axis. Where there are more values, several that follow each other are one level.
+/// Maximum number of levels of an axis. If an axis has more values, several neighbouring values form one level.
 pub(crate) const MOST: usize = 12;
 
-/// From this ratio of largest to smallest value on, a scale is logarithmic.
+/// A scale is logarithmic from this ratio of largest to smallest value on.
 const LOGARITHMIC: f64 = 10.0;
 
 /// Lowest and highest of finite numbers.
@@ -14,19 +14,19 @@ pub(crate) fn range(numbers: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     numbers.fold(None, |range, x| range.map_or(Some((x, x)), |(low, high): (f64, f64)| Some((low.min(x), high.max(x)))))
 }
 
-/// Whether a scale from low to high is to be logarithmic.
+/// Returns true if a scale between these ends should be logarithmic.
 pub(crate) fn logarithmic((low, high): (f64, f64)) -> bool {
     low > 0.0 && high / low >= LOGARITHMIC
 }
 
-/// The values of a column, in order: numbers ascending, then words as they come first.
+/// Values of a column: numbers in ascending order, then words in the order of their first row.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Levels {
     /// Each in words; of several values the first and the last.
     pub(crate) labels: Vec<String>,
-    /// The level of each row; none where nothing is known.
+    /// Level of each row; `None` if its value is unknown.
     pub(crate) of_row: Vec<Option<usize>>,
-    /// Whether each level is one value.
+    /// True if each level has one value.
     pub(crate) single: bool,
 }
 

@@ -1,4 +1,4 @@
-//! One point, run by itself.
+//! Run of one point.
 
 use crate::figures::{Figure, figures};
 use crate::folder::Failure;
@@ -16,15 +16,15 @@ use std::sync::Arc;
 
 /// Result of the run of a point.
 pub(crate) struct Ran {
-    /// The report, or why there is none.
+    /// Report, or the reason for its absence.
     pub(crate) report: Result<Report, Failure>,
     /// The last picture, as a file.
     pub(crate) png: Option<Vec<u8>>,
-    /// The tape, of a run that came to its end and was to be recorded.
+    /// Recording of a completed run, if requested.
     pub(crate) tape: Option<Vec<u8>>,
 }
 
-/// Takes the last picture, and the tape as long as there is room for it.
+/// Observer that keeps the last picture, and the recording if memory suffices.
 struct Watch<'a> {
     host: &'a dyn Host,
     pictures: bool,
@@ -39,7 +39,7 @@ impl Observer for Watch<'_> {
     }
 
     fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
-        // Where there is no room, points are run instead.
+        // Without memory for the recording, the other points run instead.
         self.tape = self.tape.take().and_then(|(mut tape, mut held)| {
             held.grow(bytes.len() as u64, "a tape").ok()?;
             tape.extend_from_slice(bytes);
@@ -121,13 +121,13 @@ pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<Limit> 
     ran().unwrap_or_default()
 }
 
-/// Most cycles of a rehearsal: more than its few pixels take, over the slowest of paths, too. Cycles of waiting take no time.
+/// Maximum number of cycles of the trial run. Its few pixels take fewer, even over the slowest path. Waiting cycles take no host time.
 const REHEARSAL: u64 = 1 << 40;
 /// Size of its picture \[pixels\].
 const SMALL: (u32, u32) = (16, 12);
 
-/// The figures that reports of this plan will have, from a run of its first point that can run, on a small picture; none where no
-/// such run gives a report.
+/// Returns the figures of the plan's reports, from a run of its first valid point with a small picture. Returns `None` if no such run
+/// gives a report.
 pub(crate) fn rehearse(plan: &Plan, host: &dyn Host) -> Option<Vec<Figure>> {
     let fits = |point: &&Point| plan.config(&point.places).is_ok_and(|config| config.check().is_ok());
     let config = plan.points.iter().find(fits).and_then(|point| plan.config(&point.places).ok());

@@ -1,5 +1,5 @@
-//! A table as a Parquet file, for pandas, polars, DuckDB: the columns of the CSV with their types, compressed with zstd. Key-value
-//! metadata `columns` says the unit, role and meaning of each, as JSON.
+//! Export of a table as a Parquet file: the columns of the CSV with types, compressed with zstd. Key-value
+//! metadata `columns` has the unit, role and meaning of each column, as JSON.
 
 use crate::table::Table;
 use crate::typed::{Values, columns};
@@ -58,7 +58,7 @@ fn field(name: &str, values: &Values) -> Result<TypePtr> {
     Ok(Arc::new(field.with_logical_type(logical).build()?))
 }
 
-/// Writes a column: values that are known, and for each row whether its is.
+/// Writes a column: its known values, and for each row whether the value is known.
 fn write<T: DataType, V>(mut column: SerializedColumnWriter<'_>, values: &[Option<V>], of: impl Fn(&V) -> T::T) -> Result<()> {
     let known: Vec<T::T> = values.iter().flatten().map(of).collect();
     let levels: Vec<i16> = values.iter().map(|value| value.is_some().into()).collect();

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Which of two values is better.
+/// Direction in which values are better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Goal {
     /// The smaller.
@@ -17,7 +17,7 @@ pub enum Goal {
 pub struct Objective {
     /// Name of the column.
     pub column: String,
-    /// Which of two values is better.
+    /// Direction in which values are better.
     pub goal: Goal,
 }
 
@@ -26,13 +26,13 @@ pub struct Objective {
 pub struct Constraint {
     /// Name of the column.
     pub column: String,
-    /// How the value must stand to the bound.
+    /// Required relation of the value to the bound.
     pub comparison: Comparison,
     /// The bound, in the unit of the column; finite.
     pub bound: f64,
 }
 
-/// How a value must stand to a bound.
+/// Relation of a value to a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Comparison {
     /// `>=`
@@ -62,7 +62,7 @@ pub enum RuleError {
 }
 
 impl Goal {
-    /// Whether `a` is better than `b`.
+    /// Returns true if `a` is better than `b`.
     pub fn better(self, a: f64, b: f64) -> bool {
         match self {
             Self::Min => a < b,
@@ -113,7 +113,7 @@ impl fmt::Display for Comparison {
 }
 
 impl Constraint {
-    /// Whether a value keeps it.
+    /// Returns true if a value meets the constraint.
     pub fn keeps(&self, value: f64) -> bool {
         match self.comparison {
             Comparison::AtLeast => value >= self.bound,
@@ -137,7 +137,7 @@ impl fmt::Display for Constraint {
     }
 }
 
-/// Of the form `cycles min`.
+/// Parses the form `cycles min`.
 impl FromStr for Objective {
     type Err = RuleError;
 
@@ -154,7 +154,7 @@ impl FromStr for Objective {
     }
 }
 
-/// Of the form `quality.psnr_db >= 36`; blanks may be left out.
+/// Parses the form `quality.psnr_db >= 36`, with or without blanks.
 impl FromStr for Constraint {
     type Err = RuleError;
 

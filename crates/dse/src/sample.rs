@@ -15,12 +15,12 @@ pub type Point = Vec<usize>;
 
 /// Largest number of points of [`sobol`], a limit of its generator.
 pub const MOST_SOBOL: usize = 1 << 16;
-/// Most axes of a sample: as many have direction numbers of their own.
+/// Maximum number of axes of a sample. The library has direction numbers for these.
 pub const MOST_AXES: usize = sobol_burley::NUM_DIMENSIONS as usize;
-/// Most points of [`latin_hypercube`].
+/// Maximum number of points of [`latin_hypercube`].
 pub const MOST_LATIN: usize = 100_000;
 
-/// Why there is no sample.
+/// Reason for which a sample is impossible.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SampleError {
     /// An axis has no value.
@@ -32,11 +32,11 @@ pub enum SampleError {
     /// Too many points.
     #[error("{points} points of a {sample} sample; expected at most {most}")]
     Points {
-        /// As a plan names it.
+        /// Name of the method in a plan.
         sample: &'static str,
-        /// As many were asked for.
+        /// Requested number of points.
         points: usize,
-        /// As many there can be.
+        /// Maximum number of points.
         most: usize,
     },
 }
@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// How often each value of an axis is taken.
+    /// Returns the number of points per value of an axis.
     fn taken(points: &[Point], axis: usize, length: usize) -> Vec<usize> {
         (0..length).map(|value| points.iter().filter(|point| point[axis] == value).count()).collect()
     }

@@ -1,5 +1,5 @@
-//! A table as a SQLite database: table `points` with the columns of the CSV, and table `columns` that says the unit, role and meaning
-//! of each.
+//! Export as a SQLite database: table `points` with the columns of the CSV, and table `columns` with the unit, role and meaning
+//! of each column.
 
 use crate::table::Table;
 use crate::typed::{Values, columns};

@@ -12,7 +12,7 @@ pub(crate) const RESERVED: [&str; 4] = [OWN[0], OWN[1], OWN[2], PICTURE];
 
 /// Results of a sweep.
 ///
-/// Every row has one cell per column; [`Table::check`] finds a row that has not. Names of columns are
+/// Every row has one cell per column, which [`Table::check`] checks. Names of columns are
 /// unique, and none is `id`, `state`, `reason` or `picture`, which every written table has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
@@ -44,7 +44,7 @@ pub struct Column {
 pub enum Role {
     /// Was chosen by the plan.
     Axis,
-    /// Is to be as small or as large as possible.
+    /// Column to minimize or maximize.
     Objective(Goal),
     /// Was measured.
     Figure,
@@ -55,22 +55,22 @@ pub enum Role {
 pub struct Row {
     /// Hash of the point.
     pub id: String,
-    /// Whether it has figures.
+    /// State of the point.
     pub state: State,
     /// A value for each column.
     pub cells: Vec<Cell>,
-    /// Its picture, as a path relative to the folder of the table, parts separated by `/`.
+    /// Path of the picture relative to the folder of the table, with `/` as separator.
     pub picture: Option<String>,
 }
 
-/// How far a point has come.
+/// State of a point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum State {
-    /// It has run to its end.
+    /// The point has a report.
     Ok,
-    /// It has not, and this is why. Cells of its axes have values; others may have.
+    /// The point failed for this reason. Its axes have values; other cells may have values.
     Failed(String),
-    /// It has not run yet.
+    /// The point has not run yet.
     Pending,
 }
 
@@ -83,7 +83,7 @@ pub enum Cell {
     Whole(u64),
     /// A word: a choice, a name.
     Text(String),
-    /// Nothing is known.
+    /// The value is unknown.
     Missing,
 }
 
@@ -97,9 +97,9 @@ pub enum TableError {
         row: usize,
         /// Hash of the row.
         id: String,
-        /// How many cells it has.
+        /// Number of cells of the row.
         cells: usize,
-        /// How many columns there are.
+        /// Number of columns of the table.
         columns: usize,
     },
     /// A name that two columns have.
@@ -129,7 +129,7 @@ impl Table {
         })
     }
 
-    /// Whether the point has run, and keeps every constraint. A constraint on a cell without a finite number is not kept.
+    /// Returns true if the point has run and meets every constraint. A cell without a finite number meets no constraint.
     pub fn feasible(&self, row: &Row) -> bool {
         let kept = |constraint: &Constraint| {
             let cell = self.column(&constraint.column).and_then(|at| row.cells.get(at));
@@ -159,7 +159,7 @@ impl Table {
 }
 
 impl Column {
-    /// Name and unit, as in `cycles.total [cycles]`; the name alone where there is no unit.
+    /// Returns name and unit, as in `cycles.total [cycles]`, or the name if the column has no unit.
     pub fn header(&self) -> String {
         if self.unit.is_empty() { self.name.clone() } else { format!("{} [{}]", self.name, self.unit) }
     }
@@ -176,11 +176,11 @@ impl Cell {
     }
 }
 
-/// As it is written: the shortest digits that read back to the same value.
+/// Formats a number with the fewest digits that read back to the same value.
 impl fmt::Display for Cell {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            // With an exponent where the number is long: 1e300 has 301 digits.
+            // The debug form writes long numbers with an exponent; 1e300 has 301 digits.
             Self::Number(x) => write!(f, "{x:?}"),
             Self::Whole(n) => n.fmt(f),
             Self::Text(text) => f.write_str(text),
@@ -190,7 +190,7 @@ impl fmt::Display for Cell {
 }
 
 impl State {
-    /// One word: `ok`, `failed` or `pending`.
+    /// Returns `ok`, `failed` or `pending`.
     pub fn word(&self) -> &'static str {
         match self {
             Self::Ok => "ok",

@@ -25,8 +25,8 @@ pub const FILES: &[(&str, &str)] = &[
 ];
 const FRONT: &str = "front.txt";
 
-/// Writes the tables of all points, and gives the front in words. Where they are there already, of the same points, nothing is read or
-/// written.
+/// Writes the tables of all points, and returns the front as text. If tables of the same points exist, it reads and writes nothing
+/// else.
 ///
 /// # Errors
 /// A report that cannot be read, a file that cannot be written.
@@ -80,7 +80,7 @@ fn stamp(plan: &Plan, found: &[Found]) -> String {
     crate::plan::hexadecimal(hash)
 }
 
-/// The table of these points: a row for each. Columns are objectives, figures of constraints, inputs where
+/// Returns the table of these points with a row for each. Columns are objectives, figures of constraints, inputs if
 /// there are several, axes, and all other figures.
 ///
 /// # Errors
@@ -116,7 +116,7 @@ fn table(plan: &Plan, (points, found): (&[&Point], &[Found]), folder: &Folder) -
     Ok(table)
 }
 
-/// The column of inputs, where there are several.
+/// Name of the column of inputs, for plans with several inputs.
 const INPUT: &str = "input";
 
 /// Names and values of a point's input and axes.
@@ -156,7 +156,7 @@ fn columns(plan: &Plan, points: &[(State, Vec<Figure>)]) -> Vec<Column> {
     columns
 }
 
-/// Most points of a front that are printed.
+/// Maximum number of printed points of a front.
 const MOST_PRINTED: usize = 40;
 
 /// Returns the Pareto front as a text table.

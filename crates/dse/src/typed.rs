@@ -3,14 +3,14 @@
 use crate::table::OWN;
 use crate::table::{Cell, Row, Table};
 
-/// Values of a column by row; none where nothing is known.
+/// Values of a column by row; `None` if a value is unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Values {
     /// Counts that all fit.
     Whole(Vec<Option<i64>>),
-    /// Numbers; counts that do not fit, or stand beside measures, are rounded to 53 bits.
+    /// Numbers. Counts that do not fit, or that share a column with measures, are rounded to 53 bits.
     Number(Vec<Option<f64>>),
-    /// Words; where numbers stand beside them, these as they are written.
+    /// Words. Numbers in a column with words are converted to text.
     Text(Vec<Option<String>>),
 }
 

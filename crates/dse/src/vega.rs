@@ -11,12 +11,12 @@ use std::collections::BTreeSet;
 /// Version of the Vega-Lite schema.
 pub const SCHEMA: &str = "https://vega.github.io/schema/vega-lite/v6.json";
 
-/// A scatter of the first two objectives, the third by colour, with the front as a line and all axes in the tooltip. With fewer
-/// objectives than two the first columns that are left stand in.
+/// Returns a scatter chart of the first two objectives, the third by colour, with the front as a line and all axes in the tooltip. With fewer
+/// than two objectives, the next columns replace them.
 ///
-/// The data is within: of each point that has run its axes, objectives and constrained figures under the names of their
-/// columns, `id`, `front` (whether no other point beats it), `line` (whether none does by the two that are shown) and `feasible`
-/// (whether it keeps the constraints).
+/// The chart contains its data. Each point that has run has its axes, objectives and constrained figures under the names of their
+/// columns, `id`, `front` (true if no other point dominates it), `line` (true if none does in the two shown objectives) and `feasible`
+/// (true if it meets the constraints).
 pub fn vega(table: &Table) -> Value {
     let told: Vec<usize> = (0..table.columns.len()).filter(|&at| is_told(table, at)).collect();
     let objectives = || table.objectives().map(|(at, _)| at);
@@ -56,7 +56,7 @@ pub fn vega(table: &Table) -> Value {
     })
 }
 
-/// Whether a column says which point it is, or how good.
+/// Returns true if a column is an axis, an objective or a constrained figure.
 fn is_told(table: &Table, at: usize) -> bool {
     let column = &table.columns[at];
     column.role != Role::Figure || table.constraints.iter().any(|rule| rule.column == column.name)
@@ -121,7 +121,7 @@ fn points(table: &Table, told: &[usize]) -> Vec<Value> {
             ("feasible", table.feasible(row).into()),
         ];
         let cells = told.iter().filter_map(|&at| Some((table.columns[at].name.clone(), value(row.cells.get(at)?))));
-        // The columns of the table come first: the point's own words are not to be replaced by them.
+        // The point's own keys come last, so that columns of the table cannot replace them.
         let all: Map<String, Value> = cells.chain(own.map(|(name, value)| (name.to_owned(), value))).collect();
         Value::Object(all)
     };

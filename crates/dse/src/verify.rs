@@ -5,8 +5,8 @@ use crate::plan::{Plan, Point};
 use crate::{Folder, Found, Host, SweepError};
 use basrelief_threads as threads;
 
-/// Runs `percent` of the points that have a report again, each as a whole, and compares bytes: how many were run, and the hashes of
-/// those that have come out otherwise. Which points goes by their hashes, so it is the same sample each time.
+/// Repeats the runs of `percent` of the points with reports and compares bytes. Returns the number of repeated points, and the hashes of
+/// points that differ. Hashes select the points, so the sample is the same each time.
 ///
 /// # Errors
 /// A report that cannot be read, an input that cannot be opened.

@@ -1,4 +1,4 @@
-//! A table as CSV and as JSON lines: for pandas, R, jq or a spreadsheet.
+//! Export of a table as CSV and as JSON lines, for pandas, R, jq or a spreadsheet.
 //!
 //! Both have the same columns: `id`, `state` (`ok`, `failed`, `pending`), `reason` of a failure, then the columns of the table under
 //! [`Column::header`](crate::Column::header): name and unit. Numbers are the shortest that read back to the same value. Unknown
@@ -27,7 +27,7 @@ pub fn csv(table: &Table, out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-/// Its kind tells a full disk from others.
+/// Converts the error. Its kind distinguishes a full disk from other causes.
 fn io_error(error: csv::Error) -> io::Error {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error,
@@ -45,18 +45,18 @@ pub fn json_lines(table: &Table, mut out: impl Write) -> io::Result<()> {
         let own = OWN.into_iter().zip([id, state.word(), state.reason()].map(Value::from));
         let cells = headers.iter().map(String::as_str).zip(cells.iter().map(value));
         let picture = (PICTURE, picture.as_deref().into());
-        // Not by a `Value`: the order of its keys depends on features that other crates may ask for.
+        // A `Value` is no choice, because the order of its keys depends on features that other crates may enable.
         serde_json::Serializer::new(&mut out).collect_map(own.chain(cells).chain([picture]))?;
         out.write_all(b"\n")?;
     }
     out.flush()
 }
 
-/// Description of a column for formats that hold one.
+/// Description of a column, for formats with such a field.
 #[cfg(any(feature = "parquet", feature = "sqlite"))]
 #[derive(Debug, serde::Serialize)]
 pub(crate) struct AboutColumn {
-    /// As it is written.
+    /// Name in the written file.
     pub(crate) name: String,
     pub(crate) unit: String,
     /// `min` or `max` for an objective, `axis` for an axis, otherwise `figure`.

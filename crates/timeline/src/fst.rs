@@ -51,7 +51,7 @@ impl<W: Write + Seek> FstWaves<W> {
         Self { out, board: board.clone(), changes, ends: vec![board.from; numbers.count], numbers, section: SECTION }
     }
 
-    /// A value holds from one cycle to the one before another, and is 0 where none is said to.
+    /// Sets a value from cycle `from` to the cycle before `to`. Outside of such intervals it is 0.
     fn hold(&mut self, number: usize, value: u64, from: u64, to: u64) {
         if from > self.ends[number] {
             self.changes.change(number, self.ends[number], 0);

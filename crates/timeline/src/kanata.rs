@@ -37,7 +37,7 @@ enum TokenEvent {
     Ends { flushed: bool },
 }
 
-/// Writes the lives of tokens. Errors are told by [`TraceSink::finish`].
+/// Writes the lives of tokens. [`TraceSink::finish`] returns errors.
 #[derive(Debug)]
 pub struct KanataLog<W> {
     out: W,
@@ -78,7 +78,7 @@ impl<W: Write> KanataLog<W> {
                 UnitState::Busy | UnitState::Done => self.board.name(piece.stage),
             };
             if let Some(before) = is_in.filter(|before| *before != piece.stage) {
-                // Of a unit that goes on while the next is at it, nothing is shown beyond.
+                // The bar of a unit ends where the next unit begins, even if the unit continues.
                 let left = end.min(piece.from);
                 events.push((left, TokenEvent::Leaves(STAGES, self.board.name(before))));
                 if left < piece.from {
@@ -113,7 +113,7 @@ impl<W: Write> KanataLog<W> {
             self.held.grow(of_life.len() as u64 * size_of::<(u64, u64, usize, TokenEvent)>() as u64, "lives of tokens")?;
             events.extend((0..).zip(of_life).map(|(k, (at, event))| (at, life[0].life.number, k, event)));
         }
-        // Those of a token stay as they are, but that time goes forwards.
+        // The order within a token stays, and the file runs forwards in time.
         events.sort();
         let Self { out, .. } = self;
         writeln!(out, "Kanata\t0004")?;

@@ -11,9 +11,9 @@ pub struct TimelineLayout {
     pub hz: u64,
     /// Stages, FIFOs, memories and clients of the machine.
     pub diagram: Diagram,
-    /// The patent's reference numeral of each stage; empty where there is none.
+    /// The patent's reference numeral of each stage; empty if it has none.
     pub numerals: Vec<String>,
-    /// Whether each stage is shown.
+    /// True for each shown stage.
     pub shown: Vec<bool>,
     /// The first cycle that is shown.
     pub from: u64,
@@ -41,23 +41,23 @@ impl TimelineLayout {
         Ok(())
     }
 
-    /// Whether a stage is shown.
+    /// Returns true if a stage is shown.
     pub fn shows(&self, stage: usize) -> bool {
         self.shown.get(stage).is_some_and(|shown| *shown)
     }
 
-    /// Whether a memory client is: a stage that uses it is.
+    /// Returns true if a memory client is shown, because a stage that uses it is.
     pub fn shows_client(&self, client: usize) -> bool {
         self.diagram.clients.get(client).is_some_and(|client| client.stages.iter().any(|&stage| self.shows(stage)))
     }
 
-    /// Whether a memory is: one of its clients is.
+    /// Returns true if a memory is shown, because one of its clients is.
     pub fn shows_memory(&self, memory: usize) -> bool {
         let clients = self.diagram.clients.iter().enumerate().filter(|(_, client)| client.memory == memory);
         clients.map(|(number, _)| number).any(|client| self.shows_client(client))
     }
 
-    /// Whether a FIFO is.
+    /// Returns true if a FIFO is shown.
     pub fn shows_fifo(&self, fifo: usize) -> bool {
         self.diagram.fifos.get(fifo).is_some_and(|fifo| fifo.ends.iter().any(|&stage| self.shows(stage)))
     }

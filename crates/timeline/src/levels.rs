@@ -8,9 +8,9 @@ pub const RATE_CYCLES: u64 = 256;
 /// Value of a counter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CounterValue {
-    /// How many.
+    /// Number of items.
     Count(u64),
-    /// How much.
+    /// Measured value.
     Real(f64),
 }
 
@@ -19,11 +19,11 @@ pub enum CounterValue {
 pub struct ChannelCounters {
     /// `memory graphics`, with the number of the channel behind if there are several.
     pub name: String,
-    /// Its memory.
+    /// Number of the memory.
     pub memory: usize,
     /// Banks of all channels before it.
     pub first_bank: usize,
-    /// Whether it is shown.
+    /// True if it is shown.
     pub is_shown: bool,
 }
 
@@ -40,7 +40,7 @@ pub struct CounterInfo {
     pub start: CounterValue,
     /// The most that it can hold, where it is a count.
     pub most: u64,
-    /// Whether it is shown.
+    /// True if it is shown.
     pub is_shown: bool,
 }
 
@@ -72,7 +72,7 @@ pub struct CounterList {
 }
 
 impl CounterList {
-    /// Those of a board.
+    /// Creates the counters of a layout.
     pub fn new(board: &TimelineLayout) -> Self {
         let diagram = &board.diagram;
         let (mut channels, mut first_channels, mut banks) = (vec![], vec![], 0);

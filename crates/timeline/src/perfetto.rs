@@ -32,7 +32,7 @@ use std::io::{self, Write};
 
 /// Bytes that are written at once.
 pub(crate) const CHUNK: usize = 1 << 16;
-/// Most bytes ahead of an event in its packet: three keys, three numbers of at most ten bytes.
+/// Maximum number of bytes before an event in its packet: three keys, three numbers of at most ten bytes.
 const HEAD: usize = 33;
 /// All packets are of one sequence: one writer.
 pub(crate) const SEQUENCE: u32 = 1;
@@ -72,7 +72,7 @@ impl SliceTemplate {
     }
 }
 
-/// Writes a Perfetto trace. Write errors end the writing and are told by [`TraceSink::finish`].
+/// Writes a Perfetto trace. A write error ends the writing, and [`TraceSink::finish`] returns it.
 #[derive(Debug)]
 pub struct PerfettoTrace<W> {
     out: W,
@@ -224,7 +224,7 @@ impl<W: Write> TraceSink for PerfettoTrace<W> {
     fn open(&mut self, bank: usize, row: u64, from: u64, to: u64) {
         let track_of = self.first_bank + bank as u64;
         let Some((name, is_described)) = self.banks.get_mut(bank) else { return };
-        // Only once it is used: a memory may have tens of thousands.
+        // A track is described at its first use, because a memory may have tens of thousands.
         if !std::mem::replace(is_described, true) {
             let descriptor = track(track_of, name);
             let rank = i32::try_from(track_of).unwrap_or(i32::MAX);

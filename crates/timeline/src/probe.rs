@@ -12,7 +12,7 @@ pub enum UnitState {
     Busy,
     /// It waits.
     Waits(Cause),
-    /// It makes no step any more, but others go on.
+    /// The unit executes no further step, but other units do.
     Done,
 }
 
@@ -36,11 +36,11 @@ pub struct StepAttribution {
 /// A token whose life is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TokenLife {
-    /// Its number among those of its kind.
+    /// Number of the token among tokens of its kind.
     pub number: u64,
     /// Column and row of its first pixel, where it has any.
     pub pixel: Option<[u16; 2]>,
-    /// How many pixels it has.
+    /// Number of pixels of the token.
     pub pixels: usize,
 }
 
@@ -56,9 +56,9 @@ pub struct BusTransfer {
 /// A file that shows a run. It receives only events within the window and the selection of its layout. Events of one unit or one
 /// counter arrive in order of time. Events of different units have no order.
 pub trait TraceSink {
-    /// A unit was in a state, for somebody, from one cycle to the one before another.
+    /// Receives the state of a unit, with its attribution, from a cycle to the cycle before another.
     fn state(&mut self, stage: usize, state: UnitState, whose: &StepAttribution, from: u64, to: u64);
-    /// A [level](CounterList) holds a value from a cycle on. The first is told at the window's beginning.
+    /// Receives the value of a [level](CounterList) from a cycle on. The first comes at the beginning of the window.
     fn level(&mut self, level: usize, at: u64, value: CounterValue);
     /// The bus of a [channel](CounterList) moved data of a client, or to it.
     fn moved(&mut self, channel: usize, transfer: BusTransfer, from: u64, to: u64);
@@ -66,10 +66,10 @@ pub trait TraceSink {
     fn open(&mut self, bank: usize, row: u64, from: u64, to: u64);
     /// A frame, by its number from 1 on, took these cycles.
     fn frame(&mut self, number: usize, from: u64, to: u64);
-    /// Nothing more comes; the window ends at `end`.
+    /// Ends the output; the window ends at `end`.
     ///
     /// # Errors
-    /// The first that the writer gave.
+    /// The first error of the writer.
     fn finish(self: Box<Self>, end: u64) -> io::Result<()>;
 }
 
@@ -234,7 +234,7 @@ impl<'a> TimelineProbe<'a> {
         }
     }
 
-    /// Of a bus no more comes before interval `next`.
+    /// Passes on the use of a bus up to interval `next`.
     fn end_rate(&mut self, channel: usize, next: u64) {
         let BusNow { interval, busy, .. } = self.buses[channel];
         if next <= interval {
@@ -265,7 +265,7 @@ impl<'a> TimelineProbe<'a> {
         now.all += found.hits + found.misses + found.merged;
     }
 
-    /// Nothing more comes of the interval in which a client looked something up last.
+    /// Passes on the last interval in which a client looked something up.
     fn end_hits(&mut self, client: usize) {
         let HitsNow { interval, hits, all } = std::mem::take(&mut self.hits[client]);
         if all > 0 {

@@ -27,7 +27,7 @@ pub(crate) struct TracePacket {
     pub track_descriptor: Option<TrackDescriptor>,
 }
 
-/// The sequence starts here, nothing said before counts.
+/// Flag: the sequence starts here, and earlier state is void.
 pub(crate) const INCREMENTAL_STATE_CLEARED: u32 = 1;
 /// The packet names things by the numbers that `InternedData` gave them.
 pub(crate) const NEEDS_INCREMENTAL_STATE: u32 = 2;
@@ -54,7 +54,7 @@ pub(crate) struct CounterDescriptor {
     pub unit_name: Option<String>,
 }
 
-/// Children of a track stand in the order of their ranks.
+/// Children of a track are sorted by rank.
 pub(crate) const EXPLICIT_ORDER: i32 = 3;
 
 #[derive(Clone, PartialEq, prost::Message)]

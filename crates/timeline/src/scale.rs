@@ -3,7 +3,7 @@
 /// Nanoseconds per second.
 const NS: u64 = 1_000_000_000;
 
-/// How many units of time a cycle takes.
+/// Units of time per cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TimeScale {
     /// Units per second.

@@ -4,7 +4,7 @@ use basrelief_input::{Budget, Held, OverBudget};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Most bytes of a change: two numbers of at most ten.
+/// Maximum size of a change: two numbers of at most ten bytes.
 const LONGEST: usize = 20;
 
 /// The changes of one value: each the time since the one before, and the new value, seven bits to a byte.
@@ -19,7 +19,7 @@ struct ChangeStream {
 pub(crate) struct ChangeStreams {
     streams: Vec<ChangeStream>,
     held: Held,
-    /// More than may be held; from then on nothing is.
+    /// Set once the memory limit is reached; later changes are dropped.
     over: Option<OverBudget>,
 }
 
@@ -45,10 +45,10 @@ impl ChangeStreams {
         stream.last = at;
     }
 
-    /// All changes in order of time, as (time, number of the value, new value); those of one time in order of numbers.
+    /// Returns all changes in order of time, then of number, as (time, number of the value, new value).
     ///
     /// # Errors
-    /// More than could be held.
+    /// The changes exceeded the memory limit.
     pub(crate) fn in_order(&self) -> Result<impl Iterator<Item = (u64, usize, u64)> + '_, OverBudget> {
         self.over.clone().map_or(Ok(()), Err)?;
         let mut rests: Vec<(&[u8], u64)> = self.streams.iter().map(|stream| (stream.bytes.as_slice(), 0)).collect();

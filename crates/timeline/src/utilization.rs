@@ -2,7 +2,7 @@
 
 use basrelief_kernel::{Cause, Cycle, Probe};
 
-/// Most columns; there are at least half as many, of a run that is long enough.
+/// Maximum number of columns. A long run has at least half as many.
 const COLUMNS: usize = 2048;
 
 /// Number of states of a unit, in the order of the counts of a column.

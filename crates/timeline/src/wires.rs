@@ -35,7 +35,7 @@ impl SignalNumbers {
         Self { first_stage, first_level, first_bus, first_bank, count: first_bank + levels.banks }
     }
 
-    /// Those that hold from one cycle to another; levels hold until the next.
+    /// Returns the wires whose values end at a cycle. Levels last until the next value.
     pub(crate) fn that_end(self) -> impl Iterator<Item = usize> {
         (0..self.first_level).chain(self.first_bus..self.count)
     }
@@ -69,7 +69,7 @@ impl NumberSignal {
 /// The wires of a unit, by state.
 const STATES: [&str; 5] = ["busy", "starved", "blocked", "memory", "done"];
 
-/// Which wire of a unit is 1.
+/// Returns the wire of a unit that is 1 in a state.
 fn wire_of(state: u64) -> Option<usize> {
     match state {
         0 => None,
@@ -84,17 +84,17 @@ fn wire_of(state: u64) -> Option<usize> {
 enum ValueWires {
     /// It is not shown.
     None,
-    /// As it is.
+    /// The number itself.
     Number(NumberSignal),
     /// A number with a fraction.
     Real(FstSignalId),
-    /// Of a unit: a wire per state.
+    /// A wire per state of a unit.
     State([NumberSignal; 5]),
     /// Signals of a bus: busy, client, and write.
     Bus([NumberSignal; 3]),
-    /// Of a bank: whether a row is open, and which.
+    /// Open flag and row of a bank.
     Bank([NumberSignal; 2]),
-    /// Of a FIFO.
+    /// Wires of a FIFO.
     Fifo(FifoWires),
 }
 

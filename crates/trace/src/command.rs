@@ -64,7 +64,7 @@ impl TraceCommand {
         "criterion",
     ];
 
-    /// Name, as it stands in a line.
+    /// Returns the name of the command in a line.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Begin(_) => "begin",
@@ -139,7 +139,7 @@ pub struct BeginCommand {
 }
 
 impl BeginCommand {
-    /// Of a trace made by this project's geometry processor (102).
+    /// Creates the beginning of a trace by this project's geometry processor (102).
     pub fn new(width: u32, height: u32) -> Self {
         Self { format: FORMAT.into(), version: VERSION, width, height, generator: "basrelief".into() }
     }
@@ -422,7 +422,7 @@ fields! {
         config: BTreeMap<String, ParameterValue>,
         /// Total \[cycles\].
         cycles: Option<u64>,
-        /// Of each frame \[cycles\].
+        /// Render cycles of each frame.
         frames: Vec<u64>,
         /// Bytes by memory and client.
         memories: BTreeMap<String, BTreeMap<String, ExpectedTraffic>>,

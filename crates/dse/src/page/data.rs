@@ -4,11 +4,11 @@ use super::scale::{Scale, WHOLE};
 use crate::table::{Role, State, Table};
 use std::collections::BTreeSet;
 
-/// Most rows that are drawn.
+/// Maximum number of drawn rows.
 pub(super) const MOST_ROWS: usize = 2_000;
-/// Most of them from the front.
+/// Maximum number of drawn rows of the front.
 const MOST_FRONT: usize = 1_000;
-/// Most columns to choose from.
+/// Maximum number of columns in the selection.
 const MOST_COLUMNS: usize = 24;
 /// Colours of a scale.
 pub(super) const COLOURS: u32 = 7;
@@ -24,7 +24,7 @@ pub struct PageOptions {
 
 /// A column that can be drawn.
 pub(super) struct Shown {
-    /// Its number in the table.
+    /// Number of the column in the table.
     pub(super) column: usize,
     pub(super) scale: Scale,
 }
@@ -36,7 +36,7 @@ pub(super) struct Sweep<'a> {
     pub(super) front: Vec<usize>,
     /// Rows that are drawn: those on the front last, so that nothing hides them.
     pub(super) drawn: Vec<usize>,
-    /// Columns that can be drawn: objectives, axes, constrained figures, those asked for, then others.
+    /// Columns that can be drawn: objectives, axes, constrained figures, requested columns, then others.
     pub(super) shown: Vec<Shown>,
     on_front: BTreeSet<usize>,
 }
@@ -52,7 +52,7 @@ impl<'a> Sweep<'a> {
         Self { table, drawn, shown: shown(table, options), on_front, front }
     }
 
-    /// Whether a row is on the front.
+    /// Returns true if a row is on the front.
     pub(super) fn is_best(&self, row: usize) -> bool {
         self.on_front.contains(&row)
     }
@@ -72,13 +72,13 @@ impl<'a> Sweep<'a> {
         self.shown.iter().position(|shown| shown.column == column)
     }
 
-    /// How many rows have run.
+    /// Returns the number of rows that have run.
     pub(super) fn run(&self) -> usize {
         self.table.rows.iter().filter(|row| row.state == State::Ok).count()
     }
 }
 
-/// At most so many of these, at equal distances.
+/// Returns at most `most` of these rows, at equal distances.
 pub(super) fn thinned(rows: &[usize], most: usize) -> Vec<usize> {
     let count = rows.len().min(most);
     (0..count).map(|at| rows[at * rows.len() / count]).collect()

@@ -42,7 +42,7 @@ fn best(sweep: &Sweep<'_>, (at, goal): (usize, Goal)) -> Option<(usize, usize, G
     sweep.front.iter().copied().filter(|row| value(row).is_some()).reduce(better).map(|row| (row, at, goal))
 }
 
-/// How many points there are, and which are best.
+/// Returns a paragraph with the number of points and the best ones.
 fn found(sweep: &Sweep<'_>) -> String {
     let table = sweep.table;
     let count = |state: fn(&State) -> bool| table.rows.iter().filter(|row| state(&row.state)).count() as u64;
@@ -69,7 +69,7 @@ fn found(sweep: &Sweep<'_>) -> String {
     }
 }
 
-/// The hypervolume with the space it stands for; nothing of a front of one point, or where it would take too long.
+/// Returns the hypervolume with its space. It is empty for a front of one point, or if the computation would take too long.
 fn volume(sweep: &Sweep<'_>) -> Html {
     let costs: Vec<Vec<f64>> = crate::candidates(sweep.table).into_iter().map(|(_, costs)| costs).collect();
     let share = Space::of(&costs).filter(|_| sweep.front.len() > 1).and_then(|space| space.hypervolume(&costs));

@@ -9,10 +9,10 @@ use crate::rules::Goal;
 use basrelief_report::html::markup::{Html, details, el, el_text};
 use basrelief_report::html::svg::{label, px, svg_sized};
 
-/// Most maps.
+/// Maximum number of maps.
 const MOST_MAPS: usize = 24;
 const CELL: (f64, f64) = (74.0, 30.0);
-/// Most room for the values of the upright axis.
+/// Maximum width of the labels of the y axis.
 const LEFT: f64 = 140.0;
 const TOP: f64 = 40.0;
 
@@ -23,7 +23,7 @@ struct Map {
     across: usize,
 }
 
-/// Of each objective the two axes that move it most; others on demand.
+/// Returns for each objective a map of the two axes with the largest effect; others open on demand.
 pub(super) fn heat(sweep: &Sweep<'_>) -> Html {
     let (first, others) = maps(sweep);
     let total = first.len() + others.len();
@@ -46,7 +46,7 @@ pub(super) fn heat(sweep: &Sweep<'_>) -> Html {
 fn maps(sweep: &Sweep<'_>) -> (Vec<Map>, Vec<Map>) {
     let effects = effects(sweep.table);
     let (mut first, mut others) = (vec![], vec![]);
-    // One that never differs needs no map.
+    // An objective with one value needs no map.
     for objective in sweep.table.objectives().filter(|(at, _)| sweep.place(*at).is_some()) {
         let of = effects.iter().filter(|effect| effect.objective == objective.0 && effect.levels.len() > 1);
         let axes: Vec<usize> = of.map(|effect| effect.axis).collect();

@@ -13,7 +13,7 @@ pub(super) fn cell(cell: &Cell) -> String {
     }
 }
 
-/// A number to four digits, whole ones from a thousand on.
+/// Formats a number with four digits, from a thousand on as a whole number.
 pub(super) fn rounded(x: f64) -> String {
     let size = x.abs();
     let decimals = match size {
@@ -27,7 +27,7 @@ pub(super) fn rounded(x: f64) -> String {
     real(format!("{x:.decimals$}").parse().unwrap_or(x))
 }
 
-/// As [`rounded`], large ones in thousands, millions or more: for narrow places.
+/// Formats like [`rounded`], with large numbers in thousands, millions or more, for narrow places.
 pub(super) fn compact(x: f64) -> String {
     let (unit, suffix) = unit(x.abs());
     format!("{}{suffix}", rounded(x / unit))

@@ -36,9 +36,9 @@ use sha2::{Digest, Sha256};
 const STYLE: &str = include_str!("sweep.css");
 const SCRIPT: &str = include_str!("sweep.js");
 
-/// The page of a sweep. Pictures of rows are looked for beside it.
+/// Returns the page of a sweep. It expects pictures of rows beside itself.
 ///
-/// The table must be as [`Table::check`] demands; where a row has no cell for a column, none is shown.
+/// The table must pass [`Table::check`]. Missing cells of a row are not shown.
 pub fn page(table: &Table, options: &PageOptions) -> String {
     let sweep = Sweep::new(table, options);
     let parts = contents(&sweep);
@@ -49,7 +49,7 @@ pub fn page(table: &Table, options: &PageOptions) -> String {
     whole_page(&format!("{} · Basrelief", table.title), &policy(), STYLE, el("body", &[], body))
 }
 
-/// Nothing comes from elsewhere but pictures beside the page, and nothing is run but the one script.
+/// Returns the security policy: only pictures beside the page are loaded, and only the one script runs.
 fn policy() -> String {
     let hash = BASE64_STANDARD.encode(Sha256::digest(SCRIPT));
     format!(

@@ -8,12 +8,12 @@ use basrelief_report::html::svg::{label, px, svg_sized};
 use basrelief_report::number::thousands;
 use serde_json::{Value, json};
 
-/// Most lines, and how many of them from the front: more would hide each other.
+/// Maximum number of lines. More lines would hide each other.
 const MOST_LINES: usize = 300;
 const MOST_BEST: usize = 60;
-/// Most axes.
+/// Maximum number of axes.
 const MOST_AXES: usize = 14;
-/// Least distance of two axes, width of all where there is room, and room beside the first and the last.
+/// Minimum distance of two axes.
 const APART: f64 = 132.0;
 const WIDTH: f64 = 1130.0;
 const SIDE: f64 = 70.0;
@@ -43,12 +43,12 @@ impl Threads {
         Self { columns, apart }
     }
 
-    /// How far from the left an axis stands.
+    /// Returns the x coordinate of an axis.
     fn x(&self, number: usize) -> f64 {
         SIDE + number as f64 * self.apart
     }
 
-    /// The line of a row; with a gap where nothing is known.
+    /// Returns the line of a row, with a gap at an unknown value.
     fn path(&self, sweep: &Sweep<'_>, row: usize) -> String {
         let mut path = String::new();
         let mut pen = 'M';
@@ -80,7 +80,7 @@ fn y(at: u32) -> f64 {
     TOP + (1.0 - f64::from(at) / f64::from(WHOLE)) * HEIGHT
 }
 
-/// The last part of a name says most.
+/// Returns the end of a name, because its last part is the most specific.
 fn end(name: &str, room: f64) -> String {
     let most = (room / 6.8) as usize;
     let count = name.chars().count();
@@ -114,7 +114,7 @@ pub(super) fn parallel(sweep: &Sweep<'_>) -> Html {
     [el_text("p", "quiet", &about), el("div", &[("class", "wide"), ("tabindex", "0")], [drawing])].into_iter().collect()
 }
 
-/// Where the axes stand, for the script: place of the column and distance from the left.
+/// Returns the positions of the axes for the script: number of the column and x coordinate.
 pub(super) fn places(sweep: &Sweep<'_>) -> Value {
     let threads = Threads::of(sweep);
     let axes: Vec<(usize, f64)> = threads.columns.iter().enumerate().map(|(number, &place)| (place, threads.x(number))).collect();

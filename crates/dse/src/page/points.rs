@@ -8,12 +8,12 @@ use basrelief_report::html::{Align, with_cells};
 use basrelief_report::number::thousands;
 use std::collections::BTreeMap;
 
-/// Most rows of the table, and how many of them are seen at once.
+/// Maximum number of rows of the table.
 const MOST: usize = 200;
 const OPEN: usize = 16;
-/// Most reasons that are told.
+/// Maximum number of listed reasons.
 const MOST_REASONS: usize = 20;
-/// Characters of a hash that tell points apart.
+/// Characters of a hash that distinguish points.
 const SHORT: usize = 10;
 
 /// The front as a table, best by the first objective first.

@@ -10,7 +10,7 @@ pub(super) const WHOLE: u32 = 10_000;
 const PADDING: f64 = 0.03;
 /// Parts that a linear scale is divided into, about.
 const PARTS: f64 = 6.0;
-/// Most marks of a logarithmic scale.
+/// Maximum number of marks of a logarithmic scale.
 const MARKS: i32 = 8;
 
 /// The scale of a column.
@@ -18,16 +18,16 @@ const MARKS: i32 = 8;
 pub(super) struct Scale {
     /// Ticks: position and label.
     pub(super) ticks: Vec<(u32, String)>,
-    /// Position of each row, up to [`WHOLE`]; none without a value.
+    /// Position of each row, up to [`WHOLE`]; `None` without a value.
     pub(super) at: Vec<Option<u32>>,
     /// Lowest and highest value in words.
     pub(super) ends: [String; 2],
-    /// Whether equal ratios have equal lengths.
+    /// True if equal ratios have equal lengths.
     pub(super) logarithmic: bool,
 }
 
 impl Scale {
-    /// The scale of a column of which rows differ; none of others. Words, and few values of an axis, stand at equal distances.
+    /// Returns the scale of a column, or `None` if all rows have the same value. Words, and few values of an axis, have equal distances.
     pub(super) fn of(table: &Table, column: usize) -> Option<Self> {
         let cells: Vec<&Cell> = table.rows.iter().filter_map(|row| row.cells.get(column)).collect();
         let levels = || Some(Levels::of(table, column));
@@ -101,7 +101,7 @@ fn written(x: f64, decimals: usize, suffix: &str) -> String {
     if long { format!("{x:.3e}") } else { format!("{x:.decimals$}{suffix}") }
 }
 
-/// Powers of ten; where there are few, twice and five times as much, too.
+/// Returns powers of ten; if these are few, also their doubles and fivefolds.
 fn logarithmic_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let ends = [low, high].map(|x| libm::floor(libm::log10(x)) as i32);
     let digits: &[u32] = if ends[1] - ends[0] <= 2 { &[1, 2, 5] } else { &[1] };

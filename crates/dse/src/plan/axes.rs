@@ -6,7 +6,7 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
-/// Most values of an axis.
+/// Maximum number of values of an axis.
 pub(super) const MOST_VALUES: usize = 1 << 12;
 
 /// Parameters that take their values together: one, or several that are zipped.
@@ -34,7 +34,7 @@ struct Steps {
 /// Values of parameters, by place: the order in the file is that of the axes.
 type Parsed = Vec<(Option<usize>, String, Vec<Value>)>;
 
-/// Where the parts of a plan stand in its text.
+/// Positions of the parts of a plan in its text.
 pub(super) struct Places<'a>(Option<Spanned<DeTable<'a>>>);
 
 impl<'a> Places<'a> {
@@ -42,7 +42,7 @@ impl<'a> Places<'a> {
         Self(DeTable::parse(text).ok())
     }
 
-    /// Where the key at the end of this path stands.
+    /// Returns the position of the key at the end of this path.
     fn of_path(&self, path: &[String]) -> Option<usize> {
         let mut table = self.0.as_ref()?.get_ref();
         let mut found: Option<Range<usize>> = None;
@@ -129,13 +129,13 @@ fn range_values(range: &Table, place: &str) -> Result<Vec<Value>, String> {
         return Err(wrong("it does not rise from its first value to its last".into()));
     }
     let mut values = Vec::new();
-    // From its number, not from the value before: rounding errors must not add up.
+    // The value follows from its number and not from the previous value, so rounding errors do not add up.
     for n in 0_u32.. {
         let x = match (step, factor) {
             (Some(step), _) => from + f64::from(n) * step,
             (_, factor) => (0..n).fold(from, |x, _| x * factor.unwrap_or(1.0)),
         };
-        // Digits that only rounding has made, as of 0.1 + 0.2, go.
+        // Removes digits that come from rounding, as in 0.1 + 0.2.
         let x = (x * 1e9).round() / 1e9;
         if x > to || values.len() > MOST_VALUES {
             break;
@@ -160,7 +160,7 @@ pub(super) fn cell(value: &Value) -> Cell {
 pub(super) struct Exclusion(Vec<(usize, usize, Vec<String>)>);
 
 impl Exclusion {
-    /// As it is written.
+    /// Parses a block of the plan.
     pub(super) fn of(table: &Table, axes: &[Axis]) -> Result<Self, String> {
         let mut wanted = Vec::new();
         leaves(table, "", &mut wanted);

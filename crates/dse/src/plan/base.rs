@@ -7,8 +7,8 @@ use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use toml::Value;
 
-/// Makes the base the first place of each axis; where there are no axes, one for each assumed parameter, with its neighbours. `with`
-/// gives the configuration with one parameter at another value, as it is written in TOML.
+/// Puts the base first on each axis. Without axes, it makes one for each assumed parameter, with its neighbours. `with`
+/// returns the configuration with one parameter changed to a value in TOML.
 pub(super) fn around(
     axes: Vec<Axis>,
     base: &MachineConfig,

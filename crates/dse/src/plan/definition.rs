@@ -23,7 +23,7 @@ pub struct Plan {
     pub constraints: Vec<Constraint>,
     /// No step starts in this cycle or later.
     pub max_cycles: u64,
-    /// Whether exact pictures are drawn, and measured against. In a folder all points have them.
+    /// True if reference images are drawn and compared. It is the same for all points of a folder.
     pub(crate) exact: bool,
     /// Points to run, each once.
     pub points: Vec<Point>,
@@ -36,7 +36,7 @@ pub struct Plan {
 /// An input of a plan.
 #[derive(Clone, Debug)]
 pub struct Input {
-    /// As the plan names it.
+    /// Name of the axis in the plan.
     pub name: String,
     /// The open input.
     pub opened: Opened,
@@ -44,7 +44,7 @@ pub struct Input {
     pub(super) identity: String,
 }
 
-/// One run.
+/// One point of the plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Point {
     /// SHA-256, in hexadecimal, over all that its report depends on.
@@ -53,7 +53,7 @@ pub struct Point {
     pub work: String,
     /// Number of its input.
     pub input: usize,
-    /// Its place on each axis, from 0.
+    /// Place of the point on each axis, from 0.
     pub places: Vec<usize>,
 }
 
@@ -68,7 +68,7 @@ impl Plan {
         self.points.iter().filter(of_shard).collect()
     }
 
-    /// How many runs there are at least: points that share their work are one.
+    /// Returns the minimum number of runs. Points that share their work need one run.
     pub fn works(&self) -> usize {
         self.points.iter().map(|point| &point.work).collect::<BTreeSet<_>>().len()
     }

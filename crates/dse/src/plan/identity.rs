@@ -44,7 +44,7 @@ impl Identity {
         let mut values = BTreeMap::new();
         match plan.config(places) {
             Ok(config) => parameters(&config.to_value(), &mut String::new(), &mut values),
-            // It never runs; each such point stands for itself.
+            // An invalid point never runs, so it has an identity of its own.
             Err(_) => values.extend(plan.settings(places)),
         }
         let [mut all, mut work] = [(); 2].map(|()| {
@@ -65,7 +65,7 @@ impl Identity {
     }
 }
 
-/// Dotted names and values. Sorted: the order of JSON's keys goes by features that other crates may ask for.
+/// Collects dotted names and values, sorted, because the order of JSON's keys depends on features that other crates may enable.
 fn parameters(value: &Value, key: &mut String, found: &mut BTreeMap<String, String>) {
     let Some(group) = value.as_object() else {
         found.insert(key.clone(), value.to_string());

@@ -23,9 +23,9 @@ use written::{Config, Method, Samples, Written};
 /// A run, to make a plan [around](Plan::around).
 #[derive(Clone, Debug)]
 pub struct Around {
-    /// As the user named it; a display list is opened by that.
+    /// Name given by the user; a trace is opened by this name.
     pub name: String,
-    /// Its input.
+    /// Input of the plan.
     pub opened: Opened,
     /// Machine.
     pub machine: &'static MachineInfo,
@@ -33,7 +33,7 @@ pub struct Around {
     pub given: Overrides,
     /// No step starts in this cycle or later.
     pub max_cycles: u64,
-    /// Whether exact pictures are drawn, and measured against.
+    /// True if reference images are drawn and compared.
     pub exact: bool,
 }
 
@@ -130,7 +130,7 @@ impl Plan {
         base::around(self.axes.clone(), &base, &|key, value| self.load(&[(key.into(), value.into())]).ok())
     }
 
-    /// Each parameter once, each value by itself.
+    /// Checks that each parameter occurs once, and that each value is valid by itself.
     fn check_parameters(&self) -> Result<(), String> {
         let mut seen = BTreeSet::new();
         if let Some(twice) = self.axes.iter().flat_map(|axis| &axis.keys).find(|key| !seen.insert(*key)) {
@@ -159,7 +159,7 @@ impl Plan {
         }
     }
 
-    /// Figures by their paths, each known; none are where nothing could be run to know them by.
+    /// Replaces figures by their paths and checks that each exists. Without a trial run nothing is checked.
     fn check_figures(&mut self, known: Option<&[Figure]>) -> Result<(), String> {
         let columns = self.objectives.iter_mut().map(|o| ("objectives", &mut o.column));
         for (place, column) in columns.chain(self.constraints.iter_mut().map(|c| ("constraints", &mut c.column))) {

@@ -8,7 +8,7 @@ use crate::sample::{latin_hypercube, sobol};
 use basrelief_threads as threads;
 use std::collections::BTreeSet;
 
-/// Most points of a plan, over all inputs.
+/// Maximum number of points of a plan, over all inputs.
 pub(super) const MOST_POINTS: usize = 1 << 15;
 
 /// Places on all axes: the grid or a sample of it, without excluded points.
@@ -66,7 +66,7 @@ fn grid(lengths: &[usize]) -> Vec<Vec<usize>> {
     all
 }
 
-/// The base, which is the first place of each axis, and behind it each other place of each axis alone.
+/// Returns the base, which is the first place of each axis, then each other place of each axis alone.
 fn one_at_a_time(lengths: &[usize]) -> Vec<Vec<usize>> {
     let base = vec![0; lengths.len()];
     let alone = |(axis, &length): (usize, &usize)| {
@@ -81,7 +81,7 @@ fn one_at_a_time(lengths: &[usize]) -> Vec<Vec<usize>> {
     std::iter::once(vec![0; lengths.len()]).chain(others).collect()
 }
 
-/// The points of a plan, input by input; of equal ones the first.
+/// Returns the points of a plan, input by input, without repetitions.
 pub(super) fn points(plan: &Plan, places: &[Vec<usize>]) -> Vec<Point> {
     let identity = Identity::of(plan);
     let all: Vec<(usize, &Vec<usize>)> =

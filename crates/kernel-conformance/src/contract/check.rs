@@ -109,8 +109,8 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         self.nothing_is_left_at_the_end()
     }
 
-    /// Checks that a used unit, reset to the state of a fresh unit, repeats the run of the fresh unit. A stateless unit must do
-    /// so without a reset.
+    /// Checks that a used unit, reset to the state of a fresh unit, repeats the run of the fresh unit. A stateless unit must repeat
+    /// it without a reset.
     ///
     /// # Errors
     /// Names the first difference.

@@ -279,7 +279,7 @@ fn figure_4_s24_deferred_and_streamed_pictures_are_equal() {
     let waiting = after.count("bump_fragments");
     assert!(0 < waiting && waiting < after.count("pixels"), "some polygons of this scene are no bump targets");
     assert_eq!(after.count("results_held"), waiting, "and those do not wait");
-    // Written once, read once: a byte of brightness, and four for the place of a stamp of up to four.
+    // Each entry is written once and read once: a byte of brightness per fragment, and four bytes for the place of a stamp.
     let bytes = after.bytes("held");
     assert!((2 * 2 * waiting..=2 * 5 * waiting).contains(&bytes), "{bytes} bytes of {waiting} fragments");
 }

@@ -16,7 +16,7 @@ use indexmap::IndexSet;
 /// A report on the page of a comparison.
 #[derive(Clone, Debug)]
 pub struct Side<'a> {
-    /// As the user named it.
+    /// Name given by the user.
     pub name: &'a str,
     /// The report.
     pub report: &'a Report,
@@ -24,7 +24,7 @@ pub struct Side<'a> {
     pub beside: Beside,
 }
 
-/// The page that holds a report against others.
+/// Page that compares a report with other reports.
 pub fn compared(a: &Side<'_>, others: &[(Side<'_>, &Comparison)]) -> String {
     let title = format!("{} against {} · Basrelief", a.name, others.iter().map(|(b, _)| b.name).collect::<Vec<_>>().join(", "));
     let several = others.len() > 1;
@@ -89,7 +89,7 @@ fn both(a: &Side<'_>, b: &Side<'_>, of: impl Fn(&Side<'_>) -> Html) -> Html {
     [part("A", a), part("B", b)].into_iter().collect()
 }
 
-/// Beside each other, where there is room.
+/// Places both beside each other if the window is wide enough.
 fn side_by_side(both: Html) -> Html {
     if both.is_empty() { both } else { el("div", &[("class", "pair")], [both]) }
 }

@@ -7,7 +7,7 @@ use crate::model::{Fifo, Report};
 use crate::number::thousands;
 use crate::text::sections::{self, full_cycles, in_frames, mean_occupancy};
 
-/// Most columns of a histogram.
+/// Maximum number of columns of a histogram.
 const COLUMNS: usize = 33;
 
 /// A small histogram each.

@@ -7,10 +7,10 @@ use crate::model::{Cycles, Report};
 use crate::number::thousands;
 use crate::text::table::{Align::Right, Table};
 
-/// Most columns of the chart, and most rows of the table.
+/// Maximum number of columns of the chart, and of rows of the table.
 const COLUMNS: usize = 120;
 const ROWS: usize = 500;
-/// Rows from which the table is shown only when asked for.
+/// A table with this many rows is collapsed.
 const LONG: usize = 24;
 
 pub(super) fn frames(report: &Report) -> Html {

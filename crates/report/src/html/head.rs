@@ -24,7 +24,7 @@ pub fn big_numbers(numbers: impl IntoIterator<Item = (String, String)>) -> Html 
 }
 
 fn big((number, unit): (String, String)) -> Html {
-    // The term comes first in the file, the number stands first on the page.
+    // The file has the term first, the page shows the number first.
     el("div", &[], [el_text("dt", "", unit), el_text("dd", "", number)])
 }
 

@@ -7,7 +7,7 @@ use crate::model::PolygonCost;
 use crate::model::Report;
 use crate::number::thousands;
 
-/// Most polygons shown.
+/// Maximum number of shown polygons.
 const MOST: usize = 40;
 /// Width of the drawing, room for the names left of it and for the cycles below; from one row to the next, and how much of it is filled.
 const WIDTH: f64 = 900.0;
@@ -16,8 +16,8 @@ const BELOW: f64 = 18.0;
 const ROW: f64 = 13.0;
 const FILLED: f64 = 10.0;
 
-/// For each of the most expensive polygons, in the order in which they came, a bar from its first step to its last, filled as the cycles
-/// were spent that it cost; frames are marked. Nothing of a report without such costs.
+/// Draws a bar for each of the most expensive polygons, in their order, from its first step to its last. The bar is divided like the
+/// cycles of the polygon, and frames are marked. Empty for a report without costs.
 pub(super) fn draw(report: &Report) -> Html {
     let (Some(costs), Some(cycles)) = (&report.costs, &report.cycles) else { return Html::default() };
     let mut shown: Vec<&PolygonCost> = costs.polygons.iter().filter(|p| p.to > p.from).take(MOST).collect();

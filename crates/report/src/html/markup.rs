@@ -20,18 +20,18 @@ impl Html {
         Self(format!("<script>{code}</script>"))
     }
 
-    /// Data for a script, as an element with this id. It may hold anything: no `<` of it stands in the page.
+    /// Returns data for a script as an element with this id. The data may hold any text, because each `<` is escaped.
     pub fn data(id: &str, value: &serde_json::Value) -> Self {
         let json = value.to_string().replace('<', "\\u003c");
         Self(format!("<script type=\"application/json\" id=\"{}\">{json}</script>\n", escape(id)))
     }
 
-    /// Whether there is nothing in it.
+    /// Returns true if the markup is empty.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// As text.
+    /// Returns the markup as text.
     pub fn into_text(self) -> String {
         self.0
     }

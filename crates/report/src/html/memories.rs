@@ -8,9 +8,9 @@ use crate::number::thousands;
 use crate::text::sections;
 use crate::text::table::Align::{Left, Right};
 
-/// Most columns of a bus over time.
+/// Maximum number of columns of a bus over time.
 const COLUMNS: usize = 150;
-/// Where the scale of a bus may end \[percent\].
+/// Possible ends of the scale of a bus \[percent\].
 const SCALES: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 
 pub(super) fn memories(report: &Report) -> Html {

@@ -90,11 +90,11 @@ fn contents(report: &Report, beside: &Beside) -> Vec<Content> {
 /// A part of the page, for pages that are more than a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Section {
-    /// Its name in addresses.
+    /// Name of the section in addresses.
     pub id: &'static str,
-    /// Its heading.
+    /// Heading of the section.
     pub title: &'static str,
-    /// Markup below the heading, escaped; [`STYLE`] says how it looks.
+    /// Escaped markup below the heading, styled by [`STYLE`].
     pub html: String,
 }
 

@@ -5,10 +5,10 @@ use super::markup::{self, Html, el, el_text};
 /// The style sheet of the page.
 pub const STYLE: &str = include_str!("style.css");
 
-/// Nothing may come from elsewhere, and nothing is run.
+/// Security policy: the page loads nothing and runs nothing.
 pub(super) const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
 
-/// A page that looks like all of ours: its title, its policy for content, a style sheet to stand behind [`STYLE`], its body.
+/// Returns a page in the common style, from its title, security policy, additional style sheet and body.
 pub fn whole_page(title: &str, policy: &str, style: &'static str, body: Html) -> String {
     let page = el("html", &[("lang", "en")], [page_head(title, policy, style), body]);
     format!("<!DOCTYPE html>\n{}\n", page.into_text())

@@ -1,4 +1,4 @@
-//! The configuration, and where each value comes from.
+//! Section with the configuration and the provenance of each value.
 
 use super::markup::{Html, details, el, el_text, text};
 use super::table::with_cells;
@@ -7,23 +7,23 @@ use crate::text::table::Align::{Left, Right};
 /// A parameter of the machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ParameterRow {
-    /// As in `--set KEY=VALUE`.
+    /// Key of `--set KEY=VALUE`.
     pub key: String,
-    /// Of this run.
+    /// Value in this run.
     pub value: String,
-    /// Of the machine.
+    /// Default of the machine.
     pub default: String,
     /// Unit of measure; empty for a switch or a choice.
     pub unit: String,
     /// Meaning.
     pub about: String,
-    /// Where the default comes from: stated, derived or assumed.
+    /// Provenance of the default: stated, derived or assumed.
     pub provenance: String,
     /// Source of the default, in words.
     pub source: String,
 }
 
-/// Those that differ from their defaults first; the others when asked for.
+/// Returns the table of changed parameters, and a collapsed table of the others.
 pub(super) fn parameters(rows: &[ParameterRow]) -> Html {
     if rows.is_empty() {
         return Html::default();
@@ -44,7 +44,7 @@ fn table(caption: &str, rows: &[&ParameterRow]) -> Html {
         let key = el_text("code", "", &row.key);
         vec![key, text(&row.value), text(&row.unit), text(&row.default), from, text(&row.about)]
     };
-    // Where every value is the default, one column tells it.
+    // If every value is the default, one column suffices.
     let kept = |at: usize| changed || at != 3;
     let columns: Vec<_> = columns.into_iter().enumerate().filter(|(at, _)| kept(*at)).map(|(_, column)| column).collect();
     let row = |row| cells(row).into_iter().enumerate().filter(|(at, _)| kept(*at)).map(|(_, cell)| cell).collect();

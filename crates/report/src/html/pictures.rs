@@ -34,7 +34,7 @@ fn figure(report: &Report, picture: &PagePicture) -> Html {
     el("figure", &[], [el("img", &attributes, []), el("figcaption", &[], [text(&picture.caption), scale])])
 }
 
-/// From no difference to the largest there is.
+/// Returns the colour scale from zero to the largest difference.
 fn scale(largest: u8) -> Html {
     let says = format!(
         "scaled to the largest difference in this picture: black is 0, full red, green or blue is {largest} of 255 steps"

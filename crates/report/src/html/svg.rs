@@ -151,7 +151,7 @@ pub fn label(anchor: &str, x: f64, y: f64, content: &str) -> Html {
     el("text", &[("text-anchor", anchor), ("x", &px(x)), ("y", &px(y))], [text(content)])
 }
 
-/// At most `most` columns of equally many values each, but for the last: number of the first value, and all of them.
+/// Groups values into at most `most` columns of equal size, except the last. Returns the number of the first value, and the values.
 pub(super) fn bins(values: &[f64], most: usize) -> impl Iterator<Item = (usize, &[f64])> {
     let per = values.len().div_ceil(most).max(1);
     values.chunks(per).enumerate().map(move |(i, chunk)| (i * per, chunk))

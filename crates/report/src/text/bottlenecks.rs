@@ -5,9 +5,9 @@ use crate::model::{FULLY_PIPELINED, Limit, PathPart, PathPolygon, PathPolygons, 
 use crate::number::{about, percent, thousands};
 use Align::{Left, Right};
 
-/// Most rows of the table.
+/// Maximum number of rows of the table.
 const ROWS: usize = 8;
-/// Most parts of the critical path in its sentence.
+/// Maximum number of parts of the critical path in its sentence.
 const PARTS: usize = 4;
 /// Smallest second saving that the sentence mentions \[share of the cycles\].
 const WORTH: f64 = 0.01;

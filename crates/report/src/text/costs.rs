@@ -5,7 +5,7 @@ use crate::model::{Report, Spent};
 use crate::number::{percent, thousands};
 use Align::{Left, Right};
 
-/// Most rows of either on a terminal.
+/// Maximum number of rows of each table on a terminal.
 const SHOWN: usize = 5;
 
 /// Cells of a row.
@@ -15,7 +15,7 @@ fn cells(spent: &Spent, all: u64) -> [String; 6] {
     [thousands(cycles), percent(cycles, all), busy, starved, memory, blocked]
 }
 
-/// Titles of [`cells`], each with the order in which it goes where the width does not hold all.
+/// Titles of [`cells`]. The number is the order in which a narrow terminal drops columns.
 const SPENT: [(&str, Align, u8); 6] = [
     ("unit-cycles", Right, 0),
     ("%", Right, 0),

@@ -9,7 +9,7 @@ use Align::{Left, Right};
 
 /// Heights of a histogram's bars; the first means none at all.
 const BARS: [char; 9] = ['·', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
-/// Most bars of a histogram.
+/// Maximum number of bars of a histogram.
 const BINS: usize = 16;
 
 pub(crate) fn units(report: &Report) -> Table {
@@ -92,12 +92,12 @@ pub(crate) fn in_frames(fifo: &Fifo, drain: u64) -> Fifo {
     fifo
 }
 
-/// Cycles in which every slot was held.
+/// Returns the cycles in which every slot was occupied.
 pub(crate) fn full_cycles(fifo: &Fifo) -> u64 {
     usize::try_from(fifo.depth).ok().and_then(|d| fifo.histogram.get(d)).copied().unwrap_or(0)
 }
 
-/// Slots held, averaged over all cycles.
+/// Returns the mean number of occupied slots over all cycles.
 pub(crate) fn mean_occupancy(fifo: &Fifo) -> f64 {
     let held: f64 = fifo.histogram.iter().enumerate().map(|(k, &n)| k as f64 * n as f64).sum();
     match sum(&fifo.histogram) {
@@ -232,7 +232,7 @@ pub(crate) fn processes(report: &Report) -> Table {
     table
 }
 
-/// Most rows of a table of figures.
+/// Maximum number of rows of a table of figures.
 const ROWS: usize = 40;
 
 /// A table of figures; a long one is cut short.
@@ -249,7 +249,7 @@ pub(crate) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Tabl
     rows
 }
 
-/// Figures of the machine, but for those of routes, circuits, processes and tables, which stand there.
+/// Returns the figures of the machine, except those that have tables of their own, such as routes and processes.
 pub(crate) fn figures(report: &Report) -> Table {
     let mut table = Table::new(&[("Figure", Left, 0), ("", Right, 0), ("", Left, 1)]);
     let elsewhere = |name: &str| match report.legend.get(name).and_then(|legend| legend.part.as_ref()) {
@@ -267,7 +267,7 @@ pub(crate) fn figures(report: &Report) -> Table {
     table
 }
 
-/// Ending of the figure that says how far another one counts.
+/// Suffix of the figure that has the maximum count of another figure.
 const COUNTED_TO: &str = "_counted_to";
 
 /// A figure as people read it; a long list is cut short.
@@ -306,7 +306,7 @@ pub(crate) fn quality(report: &Report) -> Table {
     table
 }
 
-/// Derived figures, but for the utilization of units, idle circuits and the hit rates, which stand in their tables.
+/// Returns derived figures, except the utilization of units, idle circuits and hit rates, which other tables have.
 pub(crate) fn derived(report: &Report) -> Table {
     let mut table = Table::new(&[("Derived", Left, 0), ("", Right, 0), ("", Left, 1)]);
     let told = |name: &str| [".utilization", ".hit_rate", ".idle"].iter().any(|end| name.ends_with(end));

@@ -6,7 +6,7 @@ use crate::number::{real, thousands};
 use Align::{Left, Right};
 use serde_json::Value;
 
-/// Most rows on a terminal.
+/// Maximum number of rows on a terminal.
 const SHOWN: usize = 20;
 
 /// Longest words about a parameter in a table \[characters\].

@@ -1,6 +1,6 @@
 //! Width and colour of a terminal.
 
-/// How to set a text.
+/// Style of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
     /// Columns of the terminal.

@@ -5,7 +5,7 @@ use crate::number::{real, thousands};
 use crate::work::work;
 use basrelief_kernel::HardwareKind;
 
-/// The lines, of a run that came to its end or not.
+/// Returns the lines of the summary, for complete and incomplete runs.
 pub(super) fn lines(report: &Report) -> Vec<String> {
     [cycles(report), quality(report), traffic(report), hardware(report)].into_iter().flatten().collect()
 }

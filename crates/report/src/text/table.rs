@@ -3,7 +3,7 @@
 use super::style::{Paint, Style};
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, TableStyle};
 
-/// Where a column's text stands.
+/// Alignment of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// At its left end: words.

@@ -42,7 +42,7 @@ pub(super) fn build() -> DemoScene {
     DemoScene { orbit: 360.0, ..stage }
 }
 
-/// Where a picture hangs: the foot of the wall below its middle, the way out of the wall, and most metres it may be wide.
+/// Place of a picture: the foot of the wall below its middle, the direction out of the wall, and its maximum width in metres.
 #[derive(Clone, Copy)]
 struct PicturePlace {
     foot: DVec3,
@@ -72,7 +72,7 @@ fn places() -> Vec<PicturePlace> {
     places
 }
 
-/// A wall that stands free.
+/// Free-standing wall.
 #[derive(Clone, Copy)]
 struct FreeWall {
     at: [f64; 2],

@@ -16,7 +16,7 @@ pub(super) struct DemoScene {
     /// Unit direction.
     pub to_light: DVec3,
     pub frames: u32,
-    /// Of the camera \[degrees over all frames\].
+    /// Orbit of the camera \[degrees over all frames\].
     pub orbit: f64,
     pub light_orbit: LightOrbit,
 }
@@ -249,7 +249,7 @@ impl DemoBuilder {
         Arc::new(Material { color_texture, normal_map, ..material })
     }
 
-    /// A material without textures that shines as it is told to.
+    /// Returns a material without textures and with these lighting coefficients.
     pub(super) fn lacquer(&mut self, name: &str, color: [f32; 3], lighting: Lighting) -> Arc<Material> {
         let material = self.untextured(name, color);
         Arc::new(Material { lighting, ..material })

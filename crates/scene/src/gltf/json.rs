@@ -289,7 +289,7 @@ pub(crate) struct TextureInfo {
     pub index: GltfInteger,
     #[serde(default)]
     pub tex_coord: GltfInteger,
-    /// Of a normal texture.
+    /// Scale of a normal texture.
     pub scale: Option<f64>,
     #[serde(default)]
     pub extensions: TextureInfoExtensions,

@@ -15,7 +15,7 @@ const SUM_TOLERANCE: f64 = 0.01;
 pub(crate) struct SkinReader<'a> {
     document: &'a GltfDocument,
     accessors: &'a AccessorReader<'a>,
-    /// World matrix of each node; none if the document has no skin.
+    /// World matrix of each node; empty if the document has no skin.
     worlds: Vec<DMat4>,
 }
 
@@ -76,7 +76,7 @@ impl<'a> SkinReader<'a> {
         Ok(Some(VertexMatrices { matrices }))
     }
 
-    /// World matrix of each joint behind its inverse bind matrix.
+    /// Returns the world matrix of each joint times its inverse bind matrix.
     fn joint_matrices(&self, skin: GltfInteger, warnings: &mut ImportWarnings) -> Result<Vec<DMat4>, SceneError> {
         let place = format!("/skins/{}", skin.0);
         let Some(definition) = self.document.skins.get(skin.index()) else { return Ok(Vec::new()) };

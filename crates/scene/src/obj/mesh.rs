@@ -84,7 +84,7 @@ pub(super) struct SmoothNormals {
 }
 
 impl SmoothNormals {
-    /// Computes them from the faces around each position; there are none if every corner has its own normal.
+    /// Computes normals from the faces around each position, unless every corner has a normal in the file.
     pub fn new(
         obj: &ObjFile,
         positions: &OffsetPositions,

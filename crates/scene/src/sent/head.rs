@@ -59,9 +59,9 @@ pub(super) struct MeshHead {
 pub(super) enum NormalUv {
     /// There are none.
     None,
-    /// Those of the colour texture.
+    /// The coordinates of the colour texture.
     Same,
-    /// Others.
+    /// Other coordinates.
     Own,
 }
 

@@ -190,7 +190,7 @@ fn accept(listener: &TcpListener, answers: &Arc<dyn RequestHandler>, hosts: &Arc
     }
 }
 
-/// One connection, as its thread sees it.
+/// State of one connection in its thread.
 struct ServedClient<'a> {
     stream: &'a TcpStream,
     number: u64,

@@ -27,7 +27,7 @@ pub fn power(x: f32, n: f32) -> f32 {
     result
 }
 
-/// Returns the multiplications of the iteration: squarings, and products for the further ones of n in binary. A fraction of n
+/// Returns the number of multiplications of the iteration: squarings, and a product for each binary one of n except the first. A fraction of n
 /// costs as much as the next whole number.
 pub(crate) fn multiplications(n: f32) -> u64 {
     let whole = libm::ceilf(n).clamp(1.0, MOST) as u32;

@@ -42,7 +42,7 @@ pub struct NormalLoad {
 pub enum RegisterOrder {
     /// A register write.
     Write(RegisterWrite),
-    /// A token that passes through. A polygon takes the registers' values along.
+    /// A token that passes through. A polygon token carries the values of the registers.
     Pass(FigureFlow),
 }
 

@@ -42,7 +42,7 @@ pub struct GeometryProcessor {
     pub state: GeometryProcessorState,
 }
 
-/// Reason for a triangle to become no polygon.
+/// Reason for which a triangle is dropped.
 enum DropReason {
     Outside,
     Culled,

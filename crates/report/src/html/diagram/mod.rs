@@ -12,14 +12,14 @@ use basrelief_machines::{BlockDiagram, CellSide, PlacedText, WireCell};
 
 /// Width and height of a cell of the grid.
 const CELL: (f64, f64) = (8.0, 26.0);
-/// How much larger than its grid it is shown: letters of 15 pixels.
+/// Scale of the drawing, which gives letters of 15 pixels.
 const ENLARGED: f64 = 1.15;
 /// Between a box and the edge of its row.
 const MARGIN: f64 = 1.0;
 /// Height of the filled strip at the bottom of a box, and of the gauge under a name.
 const STRIP: f64 = 6.5;
 const GAUGE: f64 = 4.0;
-/// Where text stands in its row.
+/// Position of the text's baseline in its row.
 const BASELINE: f64 = 13.0;
 const MIDDLE: f64 = 17.0;
 
@@ -59,7 +59,7 @@ fn draw(diagram: &str, report: &Report) -> Html {
     el("div", &[("class", "wide"), ("role", "region"), ("tabindex", "0"), ("aria-label", "Block diagram")], [drawing])
 }
 
-/// Whether each is drawn there for the first time.
+/// Marks each text with true if it is the first at its place.
 fn by_place(list: &[PlacedText]) -> impl Iterator<Item = (&PlacedText, bool)> {
     list.iter().enumerate().map(|(at, placed)| (placed, !list[..at].iter().any(|before| before.name() == placed.name())))
 }
@@ -185,20 +185,20 @@ fn wires(sheet: &BlockDiagram) -> Html {
     [path("wire", &lines), path("head", &heads)].into_iter().collect()
 }
 
-/// From the middle of a cell to one of its sides; to the box there, where one begins.
+/// Draws a line from the middle of a cell to one of its sides, or to the box that begins there.
 fn line(sheet: &BlockDiagram, wire: &WireCell, side: CellSide) -> String {
     let (x, y) = end(sheet, wire, side);
     format!("M{} {}L{} {}", px(left(wire.column) + CELL.0 / 2.0), px(top(wire.row) + CELL.1 / 2.0), px(x), px(y))
 }
 
-/// Where a wire that leaves its cell on this side ends.
+/// Returns the end of a wire that leaves its cell on this side.
 fn end(sheet: &BlockDiagram, wire: &WireCell, side: CellSide) -> (f64, f64) {
     let (down, right) = side.step();
     let boxed = |distance: isize| {
         let (row, column) = (wire.row.wrapping_add_signed(down * distance), wire.column.wrapping_add_signed(right * distance));
         sheet.units.iter().any(|b| b.row == row && (b.column..b.column + b.width).contains(&column))
     };
-    // Sideways a blank lies between a line and its box.
+    // Horizontally, a blank separates a line from its box.
     let beyond = match () {
         () if down != 0 && boxed(1) => MARGIN,
         () if right != 0 && boxed(2) => CELL.0,
