@@ -15,7 +15,7 @@ use std::error::Error;
 
 const PERCENT: [usize; 4] = [5, 10, 15, 25];
 const SEEDS: u32 = 8;
-/// Points at a time.
+/// Number of points per round of the exploration.
 const BATCH: usize = 8;
 
 /// A grid that is known as a whole.

@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 const SKIPPED: [&str; 4] = ["target", "node_modules", ".git", "traces"];
 
 /// Words that readers search for. `docs/README.md` names the page that explains each.
-const TOPICS: [&str; 12] = [
+const TOPICS: [&str; 13] = [
     "backpressure",
     "bandwidth",
     "bottleneck",
     "breakdown",
+    "infinite",
     "initiation interval",
     "latency",
     "occupancy",

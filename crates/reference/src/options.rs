@@ -45,8 +45,8 @@ pub enum PyramidLevels {
     /// The given levels. A coordinate spans all levels equally: texel u * width of each.
     #[default]
     Given,
-    /// Levels of the rate-limited renderer, computed from the finest one: sides halved and rounded up, an odd edge repeating its
-    /// last texel, means `(sum of 4 + 2) >> 2`, down to the first level that fits in one tile. Texel u * width of the finest
+    /// Levels of the rate-limited renderer, computed from the finest one. Each halves the sides and rounds up. An odd edge repeats its
+    /// last texel, and a texel is `(sum of 4 + 2) >> 2`. The last level fits in one tile. Texel u * width of the finest
     /// level is texel u * width / 2^k of level k.
     Tiled {
         /// Columns and rows of a tile \[texels\].

@@ -38,7 +38,7 @@ impl Rows {
     }
 }
 
-/// Every figure of a report but those of the host, in the report's order.
+/// Lists every figure of a report except those of the host, in the report's order.
 pub fn rows(report: &Report) -> Vec<Row> {
     let mut rows = Rows::default();
     run(report, &mut rows);

@@ -40,7 +40,7 @@ pub struct Input {
     pub name: String,
     /// The open input.
     pub opened: Opened,
-    /// All of it that a report depends on.
+    /// Everything in the plan that a report depends on.
     pub(super) identity: String,
 }
 

@@ -60,7 +60,7 @@ impl DimpleIndex {
     }
 }
 
-/// Of these the ones that are less than [`RADIUS`] away from any texel of a square.
+/// Returns the centres that are less than [`RADIUS`] away from any texel of a square.
 fn reaching(centres: &[DVec3], globe: &SphereMap, square: [u32; 2]) -> Vec<DVec3> {
     let texel =
         |place: [u32; 2]| globe.direction([0, 1].map(|i| (square[i] * DimpleIndex::SIDE + place[i]).min(globe.size[i] - 1)));

@@ -342,7 +342,7 @@ impl<'a> AccessorReader<'a> {
     }
 }
 
-/// A checked place of elements in a buffer view \[bytes\].
+/// Range of elements in a buffer view, checked against its length \[bytes\].
 struct ElementSpan {
     view: GltfInteger,
     start: usize,

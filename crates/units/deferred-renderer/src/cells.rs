@@ -44,7 +44,7 @@ pub struct CellsState {
     pub pages: BTreeMap<u32, Arc<TexturePage>>,
     /// First texture of each page, by page number.
     pub pictures: Vec<Arc<Texture>>,
-    /// Declared textures whose pages follow.
+    /// Declared textures whose pages are not set up yet.
     pub declared: VecDeque<Arc<Texture>>,
     /// First free byte of the texture-data memory (130).
     pub end: u64,
