@@ -86,7 +86,7 @@ impl Held {
     /// Makes room in a list for `more` items. A full list doubles its capacity.
     ///
     /// # Errors
-    /// As [`Held::grow`].
+    /// Errors of [`Held::grow`].
     pub fn room<T>(&mut self, list: &mut Vec<T>, more: usize, what: impl Display) -> Result<(), OverBudget> {
         if list.capacity() - list.len() < more {
             let larger = list.capacity().max(more).max(16);

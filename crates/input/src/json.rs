@@ -30,10 +30,10 @@ pub fn from_str<T: DeserializeOwned>(text: &str) -> Result<T, JsonFault> {
     read(|| Deserializer::from_str(text))
 }
 
-/// As [`from_str`], of bytes that should be UTF-8.
+/// Parses like [`from_str`], from bytes that should be UTF-8.
 ///
 /// # Errors
-/// As [`from_str`].
+/// Errors of [`from_str`].
 pub fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, JsonFault> {
     read(|| Deserializer::from_slice(bytes))
 }

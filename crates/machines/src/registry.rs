@@ -193,7 +193,7 @@ impl ConfigLoader {
     /// Returns a configuration: defaults, then the text, then these settings in order.
     ///
     /// # Errors
-    /// As [`basrelief_parameters::load`].
+    /// Errors of [`basrelief_parameters::load`].
     pub fn load(&self, settings: &[(&str, &str)]) -> Result<MachineConfig, ConfigError> {
         (self.0)(settings)
     }
@@ -263,7 +263,7 @@ impl MachineInfo {
     /// Loads a configuration: defaults, then the TOML text, then single settings in order.
     ///
     /// # Errors
-    /// As [`basrelief_parameters::load`].
+    /// Errors of [`basrelief_parameters::load`].
     pub fn load(&self, toml: &str, settings: &[(&str, &str)]) -> Result<MachineConfig, ConfigError> {
         self.loader(toml)?.load(settings)
     }

@@ -58,7 +58,7 @@ fn pure() -> Vec<String> {
     PURE.iter().map(|name| (*name).to_owned()).chain(units()).collect()
 }
 
-/// Where a crate lies.
+/// Returns the folder of a crate.
 fn folder(name: &str) -> PathBuf {
     let unit = root().join("crates").join(UNITS).join(name);
     if unit.exists() { unit } else { root().join("crates").join(name) }

@@ -40,7 +40,7 @@ impl<C: Parameters> Loader<C> {
     /// As [`load`] with its text and these settings.
     ///
     /// # Errors
-    /// As [`load`].
+    /// Errors of [`load`].
     pub fn load(&self, settings: &[(&str, &str)]) -> Result<C, ConfigError> {
         let mut tree = self.given.clone();
         for (key, value) in settings {

@@ -41,7 +41,7 @@ impl Report {
     /// Writes the text of [`Report::to_json`] in chunks, so that the whole text is never in memory.
     ///
     /// # Errors
-    /// As [`Report::to_json`], or if `out` fails.
+    /// Errors of [`Report::to_json`], or if `out` fails.
     pub fn write_json(&self, mut out: impl Write) -> io::Result<()> {
         serde_json::to_writer_pretty(&mut out, self)?;
         out.write_all(b"\n")

@@ -15,7 +15,7 @@ pub fn real(x: f64) -> String {
     format!("{sign}{}{point}{decimals}", group(whole))
 }
 
-/// As [`real`], with a sign also where positive.
+/// Formats like [`real`], with a sign for positive numbers too.
 pub fn signed(x: f64) -> String {
     if x > 0.0 { format!("+{}", real(x)) } else { real(x) }
 }

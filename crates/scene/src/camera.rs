@@ -6,7 +6,7 @@ use basrelief_signals::Camera;
 use glam::{DMat4, DVec3, DVec4};
 use serde::{Deserialize, Serialize};
 
-/// Where the automatic camera stands: azimuth from +z towards +x, elevation, vertical field of view \[degrees\].
+/// View of the automatic camera: azimuth from +z towards +x, elevation, vertical field of view \[degrees\].
 pub(crate) const AUTO_VIEW: [f64; 3] = [30.0, 20.0, 35.0];
 
 const RADIANS: f64 = std::f64::consts::PI / 180.0;
@@ -40,7 +40,7 @@ impl WorldBounds {
     }
 }
 
-/// How a camera projects.
+/// Projection of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Projection {
     /// Vertical field of view \[radians\], distances of the planes; `far` may be infinite.

@@ -93,7 +93,7 @@ pub(crate) struct ImportWarnings {
     dropped: usize,
 }
 
-/// Most different warnings that are kept.
+/// Maximum number of different warnings that are kept.
 const MOST_WARNINGS: usize = 100;
 
 /// Longest warning \[characters\]. A name in it can be as long as the file.

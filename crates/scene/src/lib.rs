@@ -47,10 +47,10 @@ pub fn load(bytes: &[u8], name: &str, files: &dyn ModelFiles, options: &ViewOpti
     load_within(bytes, name, files, options, &Budget::default()).map(|(scene, _)| scene)
 }
 
-/// As [`load`], with a memory limit: the scene and its reservation.
+/// Like [`load`], with a memory limit: the scene and its reservation.
 ///
 /// # Errors
-/// As [`load`], or over the memory limit.
+/// Errors of [`load`], and input over the memory limit.
 pub fn load_within(
     bytes: &[u8],
     name: &str,
@@ -68,7 +68,7 @@ impl SceneSubject {
     /// Imports a model as [`load_within`](crate::load_within) does, to be looked at later.
     ///
     /// # Errors
-    /// As [`load`], or over the memory limit.
+    /// Errors of [`load`], and input over the memory limit.
     pub fn load_within(bytes: &[u8], name: &str, files: &dyn ModelFiles, budget: &Budget) -> Result<(Self, Held), SceneError> {
         let mut warnings = ImportWarnings::default();
         let outside = ImportContext::new(files, budget);
@@ -81,7 +81,7 @@ impl SceneSubject {
     /// Imports a model from the file system as [`load_path_with`](crate::load_path_with) does, to be looked at later.
     ///
     /// # Errors
-    /// As [`load_path_with`](crate::load_path_with).
+    /// Errors of [`load_path_with`](crate::load_path_with).
     pub fn load_path_with(path: &Path, options: &ImportOptions) -> Result<(Self, Held), SceneError> {
         let ImportOptions { budget, allow_outside } = options;
         let shown = path.display().to_string();
@@ -98,7 +98,7 @@ impl SceneSubject {
 /// Imports a model from the file system. Its other files are read from its folder.
 ///
 /// # Errors
-/// As [`load`], or the file cannot be read.
+/// Errors of [`load`], or the file cannot be read.
 pub fn load_path(path: &Path, options: &ViewOptions) -> Result<Scene, SceneError> {
     load_path_with(path, options, &ImportOptions::default()).map(|(scene, _)| scene)
 }
@@ -106,7 +106,7 @@ pub fn load_path(path: &Path, options: &ViewOptions) -> Result<Scene, SceneError
 /// As [`load_path`], with options of the import: the scene, and the memory that it takes.
 ///
 /// # Errors
-/// As [`load_path`], and over the budget.
+/// Errors of [`load_path`], and input over the memory limit.
 pub fn load_path_with(path: &Path, view: &ViewOptions, options: &ImportOptions) -> Result<(Scene, Held), SceneError> {
     let (subject, mut held) = SceneSubject::load_path_with(path, options)?;
     let (scene, frames) = subject.seen_within(view, &options.budget)?;

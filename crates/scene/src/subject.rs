@@ -27,10 +27,10 @@ impl SceneSubject {
         Ok(Scene { name, objects, frames: hints.frames(options)?, warnings })
     }
 
-    /// As [`seen`](Self::seen), with a memory limit: the scene, and the reservation of its frames.
+    /// Like [`seen`](Self::seen), with a memory limit: the scene, and the reservation of its frames.
     ///
     /// # Errors
-    /// As [`seen`](Self::seen), or over the memory limit.
+    /// Errors of [`seen`](Self::seen), and input over the memory limit.
     pub fn seen_within(&self, options: &ViewOptions, budget: &Budget) -> Result<(Scene, Held), SceneError> {
         let frame = (size_of::<Frame>() + 64 + self.hints.lamps.len() * size_of::<Light>()) as u64;
         let frames = self.hints.count(options) as u64;

@@ -9,7 +9,7 @@ use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
-/// Most memory of [`generate`] \[bytes per corner\]: lists of corners, faces and groups, tables of vertices to be split, and
+/// Maximum memory of [`generate`] \[bytes per corner\]: lists of corners, faces and groups, tables of vertices to be split, and
 /// the mesh with a vertex per corner. Measured: 167 if all corners share a vertex, 250 if each has its own.
 pub(crate) const BYTES_PER_CORNER: u64 = 320;
 

@@ -11,13 +11,13 @@ use std::sync::Arc;
 /// Default direction to the light (assumed); normalised.
 const DEFAULT_LIGHT: [f64; 3] = [0.4, 0.8, 0.45];
 
-/// Most pixels per side: coordinates of fragments have 16 bits, and a frame buffer must fit in memory.
+/// Maximum number of pixels per side: coordinates of fragments have 16 bits, and a frame buffer must fit in memory.
 const MAX_SIDE: u32 = 16_384;
 
-/// How much larger or smaller a picture may be seen.
+/// Range of the zoom factor.
 const ZOOM: RangeInclusive<f64> = 0.01..=100.0;
 
-/// Most frames of one scene.
+/// Maximum number of frames of one scene.
 const MAX_FRAMES: u32 = 1_000_000;
 
 /// One of several views. Missing options are those of the surrounding [`ViewOptions`].

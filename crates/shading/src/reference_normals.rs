@@ -3,7 +3,7 @@
 use crate::lod::LEVELS;
 use std::f64::consts::PI;
 
-/// Most entries of a table, because indexes have 16 bits.
+/// Maximum number of entries of a table, because indexes have 16 bits.
 pub const MAX_ENTRIES: usize = 65_536;
 
 /// Distribution of the reference normals of a table over the sphere.

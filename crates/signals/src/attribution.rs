@@ -1,7 +1,7 @@
 //! Attribution of tokens: the frame, object, polygon or pixels that a token belongs to. Units never read it. Observers of a run
 //! use it to sum the cost per object and polygon.
 
-/// Most pixels of a [`PixelSet`] value of any shape but a row.
+/// Maximum number of pixels of a [`PixelSet`] value of any shape but a row.
 const MAX_NON_ROW_PIXELS: usize = 16;
 
 /// Attribution of a token. A token without an attribution of its own inherits that of the token from which it was made.

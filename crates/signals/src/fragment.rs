@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use std::sync::Arc;
 
-/// Most pseudo-normals per fragment: eight MIP levels, or two levels of four texels.
+/// Maximum number of pseudo-normals per fragment: eight MIP levels, or two levels of four texels.
 pub const MAX_SAMPLES: usize = 8;
 
 /// A pixel covered by a polygon.
@@ -25,7 +25,7 @@ pub struct Fragment {
     pub triangle: u16,
 }
 
-/// Most items of a [`Stamp`].
+/// Maximum number of items of a [`Stamp`].
 pub const MAX_STAMP: usize = 4;
 
 /// Neighbours on the screen: 1 to [`MAX_STAMP`] items, for pixels of one triangle in one 4 x 4 block of the picture, in scan

@@ -16,7 +16,7 @@ pub const HELD_RESULTS: u64 = 1 << 30;
 
 /// Largest width and height of a picture \[pixels\].
 pub const MAX_SIDE: u32 = 1 << 14;
-/// Most pixels of a picture. With 4 bytes per pixel, and sides rounded up to whole blocks, such a picture fits its buffer.
+/// Maximum number of pixels of a picture. With 4 bytes per pixel, and sides rounded up to whole blocks, such a picture fits its buffer.
 pub const MAX_PIXELS: u64 = 1 << 24;
 
 /// Returns true if a picture of this size fits its buffer.

@@ -28,7 +28,7 @@ impl PixelPlace for Pixel {
 pub trait PixelToken {
     /// Width and height of a line \[pixels\]. Their product is [`LINE_PIXELS`].
     const LINE: [u32; 2];
-    /// Most pixels of a token.
+    /// Maximum number of pixels of a token.
     const MOST_PIXELS: u32;
     /// Returns the number of pixels.
     fn pixels(&self) -> usize;
@@ -116,7 +116,7 @@ impl ColorToken for Stamp<Pixel> {
     }
 }
 
-/// Most pixels of a [`Packet`].
+/// Maximum number of pixels of a [`Packet`].
 pub const PACKET_PIXELS: usize = 16;
 
 /// Positions of the pixels of a packet: neighbours on a scan line, in one aligned cell of [`PACKET_PIXELS`] columns.

@@ -95,7 +95,7 @@ impl<T: BitWidth, const N: usize> BitWidth for [T; N] {
     }
 }
 
-/// As many items as lie side by side, and their count.
+/// The width is that of all items side by side, and of their count.
 impl<A: Array<Item: BitWidth>> BitWidth for SmallVec<A> {
     fn bits(widths: &SignalWidths) -> u32 {
         let most = A::size() as u32;

@@ -14,7 +14,7 @@ pub struct Tasks<T> {
 #[derive(Debug)]
 struct List<T> {
     waiting: VecDeque<T>,
-    /// How many are being done: each may add some.
+    /// Number of running tasks, each of which may add tasks.
     under_way: usize,
 }
 

@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 pub const FORMAT: &str = "basrelief-display-list";
 /// Version of the format that this crate reads and writes.
 pub const VERSION: u32 = 1;
-/// Most texels or pixels per side.
+/// Maximum number of texels or pixels per side.
 pub const MAX_SIDE: u32 = 16_384;
-/// Most vertices of a polygon.
+/// Maximum number of vertices of a polygon.
 pub const MAX_VERTICES: usize = 64;
 
 /// One command: one line of a trace, or one record of its binary twin.
@@ -410,7 +410,7 @@ pub struct ExpectedTraffic {
     pub write_bytes: u64,
 }
 
-/// Most expectations of a trace. `verify` replays the trace for each.
+/// Maximum number of expectations of a trace. `verify` replays the trace for each.
 pub const MAX_EXPECTATIONS: usize = 64;
 
 fields! {

@@ -8,7 +8,7 @@ use std::io::{self, BufRead, BufReader, BufWriter, Chain, Cursor, Read, Write};
 pub(crate) const BINARY_MAGIC: [u8; 8] = *b"\x89BDL\r\n\x1a\n";
 const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
-/// How commands are written.
+/// Encoding of the commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TraceEncoding {
     /// JSON Lines: one command per line.
@@ -22,7 +22,7 @@ pub enum TraceEncoding {
 /// Form of a trace. Readers recognise it by its first bytes and not by the name of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TraceForm {
-    /// How commands are written.
+    /// Encoding of the commands.
     pub encoding: TraceEncoding,
     /// The file is compressed with zstd.
     pub compressed: bool,

@@ -46,10 +46,10 @@ pub fn open<R: Read>(reader: R) -> Result<TraceReader<R>, TraceError> {
     open_within(reader, &Budget::default())
 }
 
-/// As [`open`], with a memory limit.
+/// Like [`open`], with a memory limit.
 ///
 /// # Errors
-/// As [`open`], or over the memory limit.
+/// Errors of [`open`], and input over the memory limit.
 pub fn open_within<R: Read>(reader: R, budget: &Budget) -> Result<TraceReader<R>, TraceError> {
     let (head, source, window) = TraceBytes::open(reader, budget).map_err(|e| open_error(&e))?;
     let encoding = if head.starts_with(&BINARY_MAGIC) { TraceEncoding::Binary } else { TraceEncoding::JsonLines };

@@ -75,7 +75,7 @@ impl CanonicalHash {
     /// Takes the next token.
     ///
     /// # Errors
-    /// As [`TraceRecorder::record`], without the checks of the writer.
+    /// Errors of [`TraceRecorder::record`], without the checks of the writer.
     pub fn update(&mut self, control: &Control) -> Result<(), TraceError> {
         let Self { hash, describer } = self;
         describer.describe(control, &mut |command| {

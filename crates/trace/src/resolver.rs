@@ -75,15 +75,15 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
     /// Opens a trace of any form.
     ///
     /// # Errors
-    /// As [`crate::open`].
+    /// Errors of [`crate::open`].
     pub fn new(reader: R, files: F) -> Result<Self, TraceError> {
         Self::within(reader, files, &Budget::default())
     }
 
-    /// As [`TraceResolver::new`], with a memory limit.
+    /// Like [`TraceResolver::new`], with a memory limit.
     ///
     /// # Errors
-    /// As [`open`](crate::open), or over the memory limit.
+    /// Errors of [`open`](crate::open), and input over the memory limit.
     pub fn within(reader: R, files: F, budget: &Budget) -> Result<Self, TraceError> {
         let reader = open_within(reader, budget)?;
         let begin = reader.begin();

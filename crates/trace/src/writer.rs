@@ -99,10 +99,10 @@ pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: TraceForm) -> Resu
     convert_within(reader, writer, form, &Budget::default())
 }
 
-/// As [`convert`], with a memory limit.
+/// Like [`convert`], with a memory limit.
 ///
 /// # Errors
-/// As [`convert`], or over the memory limit.
+/// Errors of [`convert`], and input over the memory limit.
 pub fn convert_within<R: Read, W: Write>(reader: R, writer: W, form: TraceForm, budget: &Budget) -> Result<u64, TraceError> {
     let mut out = TraceWriter::new(writer, form)?;
     let mut commands = open_within(reader, budget)?;

@@ -11,7 +11,7 @@ const LIMIT: u64 = 2 << 20;
 const LONG: usize = 6 << 20;
 const SHORT: usize = 48 << 10;
 
-/// How a field of a command is made large.
+/// The way in which a field of a command becomes large.
 #[derive(Clone, Copy)]
 enum Hostile {
     /// By a long text.

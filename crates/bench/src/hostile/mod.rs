@@ -19,7 +19,7 @@ pub use table::RunTable;
 
 use std::path::Path;
 
-/// Most resident memory \[MiB\]: the default limit for files, and the program's own memory.
+/// Maximum resident memory \[MiB\]: the default limit for files, and the program's own memory.
 pub const MOST_MEBIBYTES: u64 = 1024 + 64;
 
 /// Fault of a run.

@@ -71,7 +71,7 @@ fn names_are_escaped_wherever_they_stand() {
     assert_eq!(data_of(&page)["rows"][0]["picture"], bad);
 }
 
-/// Where points are drawn is where the script moves them back to.
+/// The script moves points back to the positions at which Rust has drawn them.
 #[test]
 fn the_script_has_the_positions_that_are_drawn() {
     let page = shown(&samples::device(300));

@@ -57,10 +57,10 @@ pub(super) fn get(bytes: &[u8], at: &mut usize, what: &'static str) -> Result<u6
     Err(RecordingError::Value { what, value, expected: "a number of 64 bits" })
 }
 
-/// As [`get`], with a maximum.
+/// Like [`get`], with a maximum.
 ///
 /// # Errors
-/// As [`get`], or if the number is larger than `most`.
+/// Errors of [`get`], or if the number is larger than `most`.
 pub(super) fn get_up_to(
     bytes: &[u8],
     at: &mut usize,

@@ -123,7 +123,7 @@ impl FifoTiming {
         self.room.get()
     }
 
-    /// As [`FifoTiming::front_visible`]; if that is unknown, a lower bound of it.
+    /// Returns [`FifoTiming::front_visible`], or a lower bound if it is unknown.
     #[inline]
     pub(crate) fn no_front_before(&self) -> Cycle {
         match self.front_visible() {
@@ -133,7 +133,7 @@ impl FifoTiming {
         }
     }
 
-    /// As [`FifoTiming::room_at`]; if that is unknown, a lower bound of it.
+    /// Returns [`FifoTiming::room_at`], or a lower bound if it is unknown.
     #[inline]
     pub(crate) fn no_room_before(&self) -> Cycle {
         match self.room_at() {

@@ -231,7 +231,7 @@ impl CharGrid {
     }
 }
 
-/// Whether a corner or an arrowhead is connected to this neighbour.
+/// Returns true if a corner or an arrowhead is connected to this neighbour.
 fn continues(neighbour: char, side: CellSide) -> bool {
     let line = if side.is_horizontal() { '-' } else { '|' };
     [line, '+', side.arrowhead()].contains(&neighbour)

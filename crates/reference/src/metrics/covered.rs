@@ -52,7 +52,7 @@ pub(super) fn covered_in<'a>(
 /// sequential one.
 pub(super) fn mean(strips: &[RowStrip], empty: f64, values: impl Fn(&RowStrip) -> Vec<f64> + Sync) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
-    // As many strips at a time as there are workers, so that the planes of the others are not in memory.
+    // One strip per worker at a time, so that the planes of other strips are not in memory.
     for together in strips.chunks(threads::workers()) {
         for value in threads::map(together.iter().collect(), &values).into_iter().flatten() {
             sum += value;

@@ -8,7 +8,7 @@ use crate::text::style::{Paint, Style};
 use crate::text::table::{Align, Table};
 use Align::{Left, Right};
 
-/// Most rows of a table; JSON has them all.
+/// Maximum number of rows of a table; JSON has them all.
 const SHOWN: usize = 12;
 
 impl Comparison {

@@ -51,7 +51,7 @@ pub use table::with_cells;
 /// Returns the page, without the host part of the report.
 ///
 /// # Errors
-/// As [`Report::to_json`].
+/// Errors of [`Report::to_json`].
 pub fn to_html(report: &Report, beside: &Beside) -> Result<String, serde_json::Error> {
     let report = &Report { host: None, ..report.clone() };
     let shown = contents(report, beside);

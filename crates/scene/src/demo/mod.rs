@@ -24,10 +24,10 @@ use basrelief_signals::{Scene, ShadingSettings};
 use stage::DemoScene;
 use std::ops::RangeInclusive;
 
-/// How often the sides of a demo's surfaces are divided, as in `goblet@8`: twice the number is four times the polygons.
+/// Divisions per side of a demo's surfaces, as in `goblet@8`. Twice the number gives four times the polygons.
 const TESSELLATIONS: RangeInclusive<u32> = 1..=16;
 
-/// Where the name of the demo does not say.
+/// Tessellation of a demo name without a number.
 const DEFAULT_TESSELLATION: u32 = 4;
 
 /// A demo scene.

@@ -59,7 +59,7 @@ mod tests {
         assert!(arriving.perp_dot(ZIGZAG.0[6] - ZIGZAG.0[5]).abs() < 1e-12 && arriving.x > 0.0);
     }
 
-    /// Where knots are uniform, a knot's point weighs its three control points 1 : 4 : 1.
+    /// With uniform knots, the point at a knot weights its three control points 1 : 4 : 1.
     #[test]
     fn inner_knots_weigh_one_four_one() {
         let uniform = CubicSpline([0.0, 1.0, 3.0, 2.0, 5.0, 4.0, 6.0, 9.0, 7.0, 8.0].map(|y| DVec2::new(1.0, y)));

@@ -323,7 +323,7 @@ fn by_texel<T: Clone + Default + Send>([width, height]: [u32; 2], at: impl Fn([u
     })
 }
 
-/// Where the centre of a texel lies on a side of so many, which is 1 long.
+/// Returns the position of the centre of texel `i` on a side of `size` texels and length 1.
 fn centre(i: u32, size: u32) -> f64 {
     (f64::from(i) + 0.5) / f64::from(size)
 }

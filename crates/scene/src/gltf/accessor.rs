@@ -17,7 +17,7 @@ use std::cell::RefCell;
 /// Function that returns the smaller or the larger of two numbers.
 type CompareFn = fn(f32, f32) -> f32;
 
-/// Most elements of an accessor without a buffer view, which nothing in the file backs.
+/// Maximum number of elements of an accessor without a buffer view, which nothing in the file backs.
 const MAX_ZEROS: u64 = 1 << 20;
 
 /// Reads accessors of one document.
@@ -304,7 +304,7 @@ impl<'a> AccessorReader<'a> {
         Ok((0..count).filter_map(move |i| bytes.get(start + i * stride..start + i * stride + element)))
     }
 
-    /// Where the indices and the values of a sparse accessor lie.
+    /// Returns the ranges of the indices and of the values of a sparse accessor.
     fn sparse_sources(
         &self,
         sparse: &SparseAccessor,

@@ -76,7 +76,7 @@ impl ElementFormat {
         format!("{kind} of {}{}", if self.normalized { "normalized " } else { "" }, self.component.name())
     }
 
-    /// Whether it is a vector (or scalar) of this width.
+    /// Returns true for a vector (or scalar) of this width.
     pub(crate) fn is_vector(self, width: usize) -> bool {
         self.columns == 1 && self.rows == width
     }

@@ -37,7 +37,7 @@ use skin::SkinReader;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Most vertices of all objects together: a mesh may be placed many times.
+/// Maximum number of vertices of all objects together: a mesh may be placed many times.
 const MAX_PLACED_VERTICES: usize = 1 << 27;
 
 /// Memory of a placed object beside its name and its mesh \[bytes\].

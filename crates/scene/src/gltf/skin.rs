@@ -8,7 +8,7 @@ use crate::error::ImportWarnings;
 use basrelief_signals::Mesh;
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
-/// How far the sum of a vertex's weights may be from 1 without a warning: three weights of 8 bits are each rounded.
+/// Allowed distance of the sum of a vertex's weights from 1. Three weights of 8 bits are each rounded.
 const SUM_TOLERANCE: f64 = 0.01;
 
 /// The skins of a document.

@@ -57,7 +57,7 @@ pub(super) fn parse(text: &[u8], warnings: &mut ImportWarnings) -> Result<Option
     let mut map = TextureMap::new();
     let text = text.trim_ascii();
     let mut rest = text;
-    // Where the name begins and ends: it may contain blanks.
+    // Begin and end of the name, which may contain blanks.
     let mut name: Option<[usize; 2]> = None;
     while !rest.is_empty() {
         let begin = text.len() - rest.len();

@@ -23,7 +23,7 @@ const SMOOTHED: u64 = 128;
 /// Reason for taking memory.
 pub(super) const TRIANGLES: &str = "vertices and triangles";
 
-/// How many times farther from the origin than large a model is, if its positions are stored from an offset.
+/// Positions are stored from an offset if the model's distance from the origin is this many times its size.
 ///
 /// Single precision has 24 bits. At 16 times the size 20 of them are left for the shape.
 const FAR: f64 = 16.0;

@@ -42,7 +42,7 @@ pub(crate) fn import(
     }
     let mut materials = MaterialBuilder::new(outside);
     let definitions = materials.libraries(&obj.libraries, warnings)?;
-    // Of two with the same name the first.
+    // The first of two materials with the same name counts.
     let library: MaterialLibrary<'_> = definitions.iter().rev().map(|m| (m.name.as_slice(), m)).collect();
     let _local = outside.take((size_of::<[f32; 3]>() * obj.positions.len()) as u64, "", "positions")?;
     let positions = OffsetPositions::new(&obj);

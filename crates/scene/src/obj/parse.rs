@@ -61,7 +61,7 @@ impl ObjGroup {
 #[derive(Debug, Default)]
 pub(super) struct ObjFile {
     pub positions: Vec<[f64; 3]>,
-    /// As many as positions, or none.
+    /// Colours of the positions, or empty.
     pub colors: Vec<[f32; 4]>,
     /// v runs up, as in the file.
     pub uv: Vec<[f32; 2]>,

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-/// Most corners of a concave polygon: the time to cut it grows with their square.
+/// Maximum number of corners of a concave polygon: the time to cut it grows with their square.
 pub(super) const MOST_CONCAVE_CORNERS: usize = 4096;
 
-/// How far a corner may turn the wrong way in a convex polygon, relative to the polygon's area; for rounding.
+/// Allowed turn of a corner the wrong way in a convex polygon, relative to the polygon's area, because of rounding.
 const TURN_TOLERANCE: f64 = 1e-9;
 
 /// Vector along the normal of a polygon, of twice its area (Newell's method).

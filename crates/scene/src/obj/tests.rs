@@ -69,7 +69,7 @@ fn nothing_to_draw_is_an_error() {
     assert!(import("", &MemoryFiles::default()).is_err());
 }
 
-/// As many materials as lines, each used once: looked for one by one in a list, they took minutes.
+/// Each line uses a material of its own. A linear search in a list took minutes.
 #[test]
 fn lookup_of_many_materials_is_fast() {
     const MATERIALS: usize = 100_000;

@@ -46,7 +46,7 @@ fn decode_png(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(
     check_size([width, height])?;
     let (texels, raw) = (u64::from(width) * u64::from(height), decoder.total_bytes());
     let rgba = TEXEL * texels;
-    // As it is stored and as RGBA, and that again as it is kept.
+    // The stored samples and their RGBA form are in memory together, then two copies of the RGBA form.
     let mut held = outside.take((raw + rgba).max(2 * rgba), "", texels_of(name, [width, height]))?;
     let pixels = DynamicImage::from_decoder(decoder).map_err(|e| png_fault(&e))?.into_rgba8();
     let image = Image { width, height, texels: pixels.as_raw().as_chunks().0.to_vec() };

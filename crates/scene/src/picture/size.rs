@@ -2,7 +2,7 @@
 
 use crate::SceneError;
 
-/// Most texels per side.
+/// Maximum number of texels per side.
 pub(crate) const MAX_SIDE: u32 = 16_384;
 
 /// Bytes of a texel.

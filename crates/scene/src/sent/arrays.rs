@@ -8,7 +8,7 @@ use crate::outside::over_budget;
 use basrelief_input::{Budget, Held};
 use basrelief_signals::Mesh;
 
-/// Most vertices that an index of two bytes tells apart.
+/// Maximum number of vertices that an index of two bytes tells apart.
 const SHORT_INDEX: u32 = 1 << 16;
 
 /// Writes the arrays of a mesh.

@@ -44,7 +44,7 @@ struct MaterialHead {
     double_sided: bool,
 }
 
-/// How long the arrays of a mesh are.
+/// Lengths of the arrays of a mesh.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct MeshHead {
     pub(super) vertices: u32,

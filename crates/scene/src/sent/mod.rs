@@ -23,9 +23,9 @@ use basrelief_input::{Budget, Held};
 use basrelief_signals::{Mesh, Texture};
 use head::SceneManifest;
 
-/// How it begins.
+/// First bytes of a packed scene.
 const MAGIC: &[u8] = b"basrelief-scene/1\n";
-/// Most memory per byte of the head, with lists that grow by doubling: an empty sentence is one byte there, and 24
+/// Maximum memory per byte of the head, with lists that grow by doubling: an empty sentence is one byte there, and 24
 /// here \[bytes\].
 const HEAD_WEIGHT: u64 = 64;
 

@@ -10,7 +10,7 @@ const END: &str = "<!-- end -->";
 /// Replaces every table of a file, as [`replaced`] does.
 ///
 /// # Errors
-/// As [`replaced`], or a file that cannot be read or written.
+/// Errors of [`replaced`], or a file that cannot be read or written.
 pub fn update(path: &Path, mut make: impl FnMut(&str) -> Result<Option<String>, Box<dyn Error>>) -> Result<(), Box<dyn Error>> {
     let said = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
     let text = std::fs::read_to_string(path).map_err(|e| said(&e))?;

@@ -13,7 +13,7 @@ pub struct Expander {
     /// Parameters.
     pub config: TileConfig,
     latency: u64,
-    /// Most expanded tiles that wait to be stored.
+    /// Maximum number of expanded tiles that wait to be stored.
     waiting: u32,
 }
 

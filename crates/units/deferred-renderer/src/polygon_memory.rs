@@ -23,7 +23,7 @@ const FRAME: u64 = 21;
 const LIGHT: u64 = 5;
 /// Object: its number, and a transform of three rows \[numbers\].
 const OBJECT: u64 = 13;
-/// Most vertices with indices of two bytes.
+/// Maximum number of vertices with indices of two bytes.
 const SHORT_INDEX: u32 = 1 << 16;
 
 /// Counters of polygon data on the path.

@@ -21,7 +21,7 @@ pub struct TableSizes {
     pub cell_bits: u32,
     /// Width of the page pointer (310) of a cell \[bits\].
     pub page_bits: u32,
-    /// Most layers of a page.
+    /// Maximum number of layers of a page.
     pub layers: u32,
     /// Tiles that fit in the texture-data memory (130).
     pub tiles: u64,

@@ -4,7 +4,7 @@ use crate::TexturePage;
 use crate::page::AxisTap;
 use basrelief_kernel::MemoryPorts;
 
-/// Most lines of the texel cache that a block of 4 x 4 pixels touches: four texels of two layers each.
+/// Maximum number of lines of the texel cache that a block of 4 x 4 pixels touches: four texels of two layers each.
 pub const MOST_LINES: u32 = 16 * 2 * 4;
 
 /// Page, layer, and blocks of texels of the previous pixel.

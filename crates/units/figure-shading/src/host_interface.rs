@@ -57,7 +57,7 @@ pub struct HostInterface {
 
 type Out = Step<Option<Control>>;
 
-/// Most requests of a step to memory (12): coefficients, points, normals and colours of a polygon.
+/// Maximum number of requests of a step to memory (12): coefficients, points, normals and colours of a polygon.
 const MOST_REQUESTS: u32 = 4;
 
 impl HostInterface {

@@ -10,9 +10,9 @@
 
 use basrelief_kernel::MemoryPorts;
 
-/// Most lights, the limit of a display list.
+/// Maximum number of lights, the limit of a display list.
 const MOST_LIGHTS: u64 = 1024;
-/// Most points of a polygon, the limit of a display list.
+/// Maximum number of points of a polygon, the limit of a display list.
 const MOST_POINTS: u64 = 64;
 
 pub(crate) const SETTINGS: u64 = 0;

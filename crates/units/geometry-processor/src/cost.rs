@@ -69,5 +69,5 @@ const INDEX: u32 = 32 + 2;
 /// Lights with registers of seven numbers each: direction, half-way vector, intensity. The number is assumed: the minimum that
 /// OpenGL requires. A scene with more lights is accepted.
 const LIGHTS: u32 = 8;
-/// Most corners of a triangle cut by six planes.
+/// Maximum number of corners of a triangle cut by six planes.
 const MOST_CORNERS: u32 = 9;

@@ -23,7 +23,7 @@ pub struct DepthTestCounters {
     pub gathered: u64,
     /// Lines written.
     pub lines_written: u64,
-    /// Most flags in use in any frame.
+    /// Maximum number of flags in use in any frame.
     pub most_flags: u64,
 }
 

@@ -34,7 +34,7 @@ pub struct GraphicsProcessor {
     pub config: GraphicsConfig,
     /// True if the highlight is blended separately from the rest of the brightness (`brightness.components = separate`).
     pub separate: bool,
-    /// Most fragments of a stamp.
+    /// Maximum number of fragments of a stamp.
     pub stamp: u32,
     /// Line of the cache of colour textures \[bytes\].
     pub line_bytes: u32,

@@ -14,7 +14,7 @@ pub struct DistinctCounter {
 }
 
 impl DistinctCounter {
-    /// Most normals that are counted.
+    /// Maximum number of normals that are counted.
     pub const LIMIT: u32 = 65_536;
 
     /// Returns the number of distinct normals seen, at most [`Self::LIMIT`].

@@ -8,7 +8,7 @@ use basrelief_shading::ReferenceNormals;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Most objects that are remembered. Further objects have the configured number.
+/// Maximum number of objects that are remembered. Further objects have the configured number.
 pub(crate) const MOST_OBJECTS: usize = 256;
 
 /// Fragments of an object in one frame.

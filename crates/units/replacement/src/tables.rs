@@ -4,7 +4,7 @@ use crate::NearestSearch;
 use crate::state::TableKey;
 use basrelief_shading::{LEVELS, TableError, TableSet};
 
-/// Most entries of all stored tables. Beyond this number the host discards all tables, as each object may fix another number.
+/// Maximum number of entries of all stored tables. Beyond this number the host discards all tables, as each object may fix another number.
 const MOST_ENTRIES: u64 = 1 << 20;
 
 /// Search structures of the VQ tables (121).

@@ -31,7 +31,7 @@ pub struct RasterizationCounters {
     pub between_layers: u64,
     /// Words of the tile load lists (136) that searches read.
     pub words: u64,
-    /// Most pictures of one frame.
+    /// Maximum number of pictures of one frame.
     pub most_pictures: u64,
 }
 

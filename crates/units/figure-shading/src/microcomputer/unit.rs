@@ -67,7 +67,7 @@ fn passed(cycles: u64, signal: FigureFlow) -> Out {
 const REGISTER: CpuOperations = CpuOperations { store: 1, ..CpuOperations::NONE };
 /// A dot: a step of three edges, of the address and of the depth, and a branch. Address and depth are stored.
 const DOT: CpuOperations = CpuOperations { integer: 3 + 1 + 1 + 1, store: 2, ..CpuOperations::NONE };
-/// Most requests of a step to memory (12): three for the data sent once, two for the limits, and those of processes 15, 92 and
+/// Maximum number of requests of a step to memory (12): three for the data sent once, two for the limits, and those of processes 15, 92 and
 /// 17.
 const MOST_REQUESTS: u32 = 3 + 2 + 1 + 3 + 2;
 
