@@ -61,7 +61,7 @@ fn cells(sweep: &Sweep<'_>, row: usize, told: &[usize], pictures: bool) -> Vec<H
     [name].into_iter().chain(pictures.then_some(picture)).chain(values).collect()
 }
 
-/// Why points failed, the most frequent reason first.
+/// Returns the reasons of failed points, the most frequent one first.
 pub(super) fn failures(sweep: &Sweep<'_>) -> Html {
     let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for row in &sweep.table.rows {

@@ -146,8 +146,8 @@ impl Replacement {
 
 /// Tables fixed in advance.
 impl Replacement {
-    /// Marks the tables of a stamp as used, and queues those that are not resident. If the unit holds them all, it does so once
-    /// for all fragments. Otherwise it does so per fragment, so that loads do not depend on the size of a stamp.
+    /// Marks the tables of a stamp as used, and queues tables that are not resident. If the unit holds all of them, one pass for
+    /// all fragments suffices. Otherwise each fragment has a pass, so that loads do not depend on the size of a stamp.
     #[inline]
     fn request_tables(&mut self, normals: &PseudoNormals) {
         let levels = || normals.samples.iter().map(|s| s.level);
