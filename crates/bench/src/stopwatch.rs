@@ -1,5 +1,5 @@
-//! Times every unit by itself. It runs a machine's units without time, each for as long as its FIFOs allow, and reads the clock
-//! around that.
+//! Measures the host time of each unit. It runs the units of a machine without simulated time, each for as long as its FIFOs
+//! allow, and reads the clock before and after.
 //!
 //! Thus each unit gets the tokens of a real run, passes its requests to a handle that keeps them, as under an engine, and pays
 //! for popping and pushing. Engine, memories and caches are absent. Two clock readings per visit are included, 50 ns for some ten

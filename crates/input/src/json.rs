@@ -1,4 +1,4 @@
-//! JSON whose errors name their place in plain words.
+//! Parser of JSON with errors that name their place in plain words.
 
 use crate::strict::Strict;
 use crate::words::plain;

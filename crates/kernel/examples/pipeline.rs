@@ -1,4 +1,4 @@
-//! Three units in a row, and where their cycles go.
+//! Three units in a row, and their cycle breakdown.
 //!
 //! ```text
 //!   source --numbers--> square --squares--> sink
@@ -43,7 +43,7 @@ impl Machine for Squares {
     }
 }
 
-/// Runs it; what came out, and a line per unit.
+/// Runs the machine. Returns the output, and a line per unit.
 pub fn text() -> String {
     let mut machine = Squares {
         source: Stage::new("source", Source::new(0..4)),

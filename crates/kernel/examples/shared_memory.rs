@@ -7,7 +7,7 @@
 //!   right numbers --b--> log writer ---+
 //! ```
 //!
-//! The reader asks for one line eight times: one miss, and the others wait for the same fill. The writer sends 16 bytes for
+//! The reader requests one line eight times. One look-up misses, and the others wait for the same fill. The writer sends 16 bytes for
 //! each of its numbers.
 
 use basrelief_kernel::Source;
@@ -58,7 +58,7 @@ impl Machine for Shared {
     }
 }
 
-/// Runs it; what the memory moved and the cache found.
+/// Runs the machine. Returns the traffic of the memory and the results of the look-ups.
 pub fn text() -> String {
     let mut memories = MemorySystem::default();
     let memory = memories.add_memory("memory", &MemoryConfig::default());

@@ -18,7 +18,7 @@ impl Figures {
     }
 }
 
-/// All figures that follow from a timed report; none from a functional one.
+/// Returns all figures derived from a timed report; empty for a functional report.
 pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let mut figures = Figures::default();
     let Some(cycles) = &report.cycles else { return figures.0 };

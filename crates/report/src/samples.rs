@@ -203,7 +203,7 @@ pub fn source_bound() -> Report {
     ])
 }
 
-/// Two units that wait for each other.
+/// Returns a report of two units that wait for each other.
 pub fn deadlocked() -> Report {
     let mut report = with_units(&[
         ("fork", &[("busy", 20_000), ("<in", 0), (">left", 980_000), (">right", 0)]),

@@ -14,7 +14,7 @@ fn count(figure: &Figure) -> u64 {
     if let Figure::Count(n) = figure { *n } else { 0 }
 }
 
-/// The entry of this name, made if there is none.
+/// Returns the entry of this name, and creates it if it is missing.
 fn entry<T>(list: &mut Vec<T>, is: impl Fn(&T) -> bool, new: impl FnOnce() -> T) -> &mut T {
     let at = list.iter().position(is).unwrap_or(list.len());
     if at == list.len() {
@@ -28,13 +28,13 @@ fn entry<T>(list: &mut Vec<T>, is: impl Fn(&T) -> bool, new: impl FnOnce() -> T)
 pub struct Work {
     /// One of them: `fragment` or `dot`.
     pub one: String,
-    /// How many.
+    /// Number of items.
     pub count: u64,
-    /// How many, in names of the report.
+    /// Formula of the number, in names of the report.
     pub formula: String,
 }
 
-/// The work of a machine; no fragments where it names none.
+/// Returns the work of a machine; 0 fragments if the machine has no figure of work.
 pub fn work(report: &Report) -> Work {
     let named = parts(report).find(|(.., part)| **part == Part::Work);
     let (name, count, unit) = named.map_or(("fragments", 0, "fragments"), |(name, figure, unit, _)| (name, count(figure), unit));
@@ -52,7 +52,7 @@ pub struct Route<'a> {
     pub dots: u64,
 }
 
-/// The routes of a machine, in its order; none where it has only one.
+/// Returns the routes of a machine in its order; empty if it has only one.
 pub fn routes(report: &Report) -> Vec<Route<'_>> {
     let mut routes = vec![];
     for (_, figure, unit, part) in parts(report) {
@@ -93,7 +93,7 @@ pub fn circuits(report: &Report) -> Vec<Circuit<'_>> {
 pub struct Process<'a> {
     /// Name.
     pub name: &'a str,
-    /// How often it ran.
+    /// Number of executions.
     pub runs: u64,
     /// Cycles that all runs took.
     pub cycles: u64,

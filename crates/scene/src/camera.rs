@@ -19,7 +19,7 @@ pub(crate) struct WorldBounds {
 }
 
 impl WorldBounds {
-    /// The box around these points; around the origin if there are none.
+    /// Returns the box around these points, or an empty box at the origin if there are none.
     pub(crate) fn around(points: impl Iterator<Item = DVec3>) -> Self {
         let low_high = points.fold(None, |bounds: Option<(DVec3, DVec3)>, p| {
             let (low, high) = bounds.unwrap_or((p, p));

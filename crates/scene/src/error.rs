@@ -117,7 +117,7 @@ impl ImportWarnings {
         }
     }
 
-    /// The sentences so far.
+    /// Warnings so far.
     pub(crate) fn sentences(&self) -> &[String] {
         &self.sentences
     }

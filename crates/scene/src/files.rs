@@ -62,7 +62,7 @@ impl ModelFiles for FolderFiles {
     }
 }
 
-/// Files held in memory, by name: for tests, and where there is no file system.
+/// Files in memory, by name, for tests and for platforms without a file system.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryFiles {
     files: BTreeMap<String, Vec<u8>>,

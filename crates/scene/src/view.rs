@@ -76,7 +76,7 @@ pub struct ViewOptions {
 }
 
 impl ViewOptions {
-    /// These options as one of the views has them.
+    /// Returns these options with the fields of one view.
     fn of(&self, own: &OwnView) -> Self {
         Self {
             size: self.size,
@@ -112,7 +112,7 @@ pub(crate) enum LightSource {
 /// How far the light turns, where the user does not say.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum LightOrbit {
-    /// By this angle over all frames \[degrees\].
+    /// Turned by this angle over all frames \[degrees\].
     Degrees(f64),
     /// With the camera: the model turns under a fixed light.
     WithCamera,
@@ -198,7 +198,7 @@ impl ViewHints {
         Ok((0..count).map(|index| frame((index, self.turned_on(&first, turns.map(|by| part(index) * by))))).collect())
     }
 
-    /// Each view by itself.
+    /// Returns a frame for each listed view.
     fn each_view(
         &self,
         options: &ViewOptions,
@@ -230,7 +230,7 @@ impl ViewHints {
         Ok([orbit, finite(options.light_orbit_degrees.unwrap_or(own_light_orbit), "light_orbit")?])
     }
 
-    /// View and lights, turned so far.
+    /// Returns the view and the lights after these turns.
     fn turned_on(&self, (view, lamps): &ResolvedView, [orbit, light_orbit]: [f64; 2]) -> ResolvedView {
         (self.orbit(*view, orbit), lamps.iter().map(|(lamp, i)| (self.turn_lamp(*lamp, light_orbit), *i)).collect())
     }

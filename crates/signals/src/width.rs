@@ -45,8 +45,8 @@ pub const COLOR: u32 = 24;
 pub const LEVEL: u32 = 3;
 /// Share of a MIP level, in steps of the LOD \[bits\]. It has spare bits because several texels may have a share in the level.
 pub const SHARE: u32 = 8;
-/// Control token \[bits\]: its kind, and the number of its frame, object or polygon. The data of these lie in set-up registers of
-/// the units that use them.
+/// Control token \[bits\]: its kind, and the number of its frame, object or polygon. Set-up registers of the units hold the data of
+/// frames, objects and polygons.
 pub const CONTROL: u32 = 32;
 
 /// A token type with a width on a wire and an attribution.

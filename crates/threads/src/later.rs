@@ -29,7 +29,7 @@ impl<T: Send + 'static> Later<T> {
         Self { work: Arc::new(Mutex::new(Some(Box::new(work)))), thread: None }
     }
 
-    /// The value, as soon as it is there. Where its thread has not come to it yet, it is computed here.
+    /// Returns the value when it is available. If its thread has not started, this call computes it.
     pub fn get(self) -> T {
         let value = done(&self.work).or_else(|| self.thread.and_then(|thread| joined(thread.join())));
         value.expect("work is done once, by its thread or by who asks for it")

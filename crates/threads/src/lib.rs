@@ -54,7 +54,7 @@ pub fn both<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() ->
     })
 }
 
-/// Runs two closures concurrently, which may wait for each other. Returns `None` and runs nothing if no thread is available.
+/// Runs two closures concurrently. They may wait for each other. Returns `None` and runs nothing if no thread is available.
 pub fn apart<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> Option<(A, B)> {
     if workers() == 1 {
         return None;

@@ -31,7 +31,7 @@ pub fn tasks<T: Send>(first: impl IntoIterator<Item = T>, work: impl Fn(T, &Task
 }
 
 impl<T> Tasks<T> {
-    /// Adds some behind the others.
+    /// Adds tasks at the end of the list.
     pub fn add(&self, more: impl IntoIterator<Item = T>) {
         self.lock().waiting.extend(more);
         self.changed.notify_all();

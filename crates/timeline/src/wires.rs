@@ -10,7 +10,7 @@ use std::io::{Seek, Write};
 /// Number of the value that is the frame.
 pub(crate) const FRAME: usize = 0;
 
-/// States of a unit; 0 is none. A stall state contains the number of its FIFO or client.
+/// States of a unit; 0 stands for no state. A stall state contains the number of its FIFO or client.
 pub(crate) const BUSY: u64 = 1;
 pub(crate) const DONE: u64 = 2;
 pub(crate) const FIRST_WAIT: u64 = 3;

@@ -17,7 +17,7 @@ pub struct Texels(pub Vec<u8>);
 impl Serialize for Texels {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() {
-            // Encoded in pieces. As a whole the text would take another four thirds of the memory.
+            // Encoded in pieces, because the whole text would take another four thirds of the memory.
             serializer.collect_str(&Base64Display::new(&self.0, &STANDARD))
         } else {
             serializer.serialize_bytes(&self.0)

@@ -61,7 +61,7 @@ mod tests {
         assert_eq!((count(&many, "divider", Divider), width(&many, "divider", Divider)), (5, 33));
         let reciprocal = hardware(&[("divider.division", "reciprocal")]);
         assert!(count(&reciprocal, "divider", Multiplier) > count(&all, "divider", Multiplier));
-        // The step calculator has the hardware of its equation, and none of it with other methods.
+        // The step calculator has the hardware of its equation only with the adaptive method.
         let steps = |all: &[Hardware]| [Divider, SquareRoot, Table].map(|kind| count(all, "step-calculator", kind));
         assert_eq!(steps(&all), [1, 1, 0]);
         assert_eq!(steps(&hardware(&[("texel.step_table", "256")])), [1, 0, 256]);

@@ -203,7 +203,7 @@ impl<'a> Plan<'a> {
         (Limit::Unit(name.into()), sentence)
     }
 
-    /// The neighbour that waits most for `name`, as a sentence; empty if none does. Blocked neighbours come first: backpressure
+    /// Returns a sentence about the neighbour that waits most for `name`; empty if none waits. Blocked neighbours come first: backpressure
     /// shows that work was ready, starvation only that there was none.
     fn victim(&self, name: &str) -> String {
         let caused = |how: &'static str| {

@@ -141,13 +141,13 @@ fn in_frames(report: &Report, what: &str, others: &[&str]) -> String {
     format!("{what} ({}){rest}", thousands(report.frame_cycles()))
 }
 
-/// Units that work on behind the last frame.
+/// Returns the units that still work after the last frame.
 fn working_on(report: &Report) -> Vec<&str> {
     let units = report.units.iter().flatten().filter(|(_, unit)| report.drain() > 0 && report.drain_of(unit) == 0);
     units.map(|(name, _)| name.as_str()).collect()
 }
 
-/// FIFOs that were not empty all the time behind the last frame.
+/// Returns the FIFOs that held tokens at some time after the last frame.
 fn filled_behind(report: &Report) -> Vec<&str> {
     let drain = report.drain();
     let empty = |histogram: &[u64]| histogram.first().copied().unwrap_or(0);

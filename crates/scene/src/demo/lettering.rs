@@ -4,7 +4,7 @@ use glam::DVec2;
 
 type LetterStroke = &'static [[f64; 2]];
 
-/// Strokes of a letter in a box 6 high, from the lower left; none for a letter that is not needed.
+/// Returns the strokes of a letter in a box of height 6, from the lower left. A letter that no inscription needs has no strokes.
 fn strokes(letter: char) -> &'static [LetterStroke] {
     match letter {
         'A' => &[&[[0., 0.], [2., 6.], [4., 0.]], &[[0.7, 2.], [3.3, 2.]]],

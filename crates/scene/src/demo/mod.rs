@@ -33,7 +33,7 @@ const DEFAULT_TESSELLATION: u32 = 4;
 /// A demo scene.
 #[derive(Clone, Copy, Debug)]
 pub struct DemoInfo {
-    /// As given to [`demo`].
+    /// Name as given to [`demo`].
     pub name: &'static str,
     /// Description, in a sentence.
     pub about: &'static str,

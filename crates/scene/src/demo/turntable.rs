@@ -40,7 +40,7 @@ pub(super) fn build() -> DemoScene {
     DemoScene { frames: 8, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..stage }
 }
 
-/// The disc it stands on.
+/// The disc below the box.
 fn disc() -> Mesh {
     let grid = SurfaceGrid { columns: 48, rows: 1, collapsed_top: true, collapsed_bottom: false };
     grid.mesh(|s, t| {

@@ -297,7 +297,7 @@ impl<'a> AccessorReader<'a> {
         Ok(ElementSpan { view, start: offset.index(), count: GltfInteger(count).index(), stride, element })
     }
 
-    /// The elements of a span, one after the other.
+    /// Returns the elements of a range in order.
     fn elements(&self, span: &ElementSpan) -> Result<impl Iterator<Item = &[u8]> + use<'_>, SceneError> {
         let bytes = self.buffers.view(self.document, span.view, String::new)?;
         let ElementSpan { start, count, stride, element, .. } = *span;

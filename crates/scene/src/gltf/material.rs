@@ -32,9 +32,9 @@ pub(crate) struct MaterialBuilder<'a> {
     pub buffers: &'a GltfBuffers<'a>,
     outside: &'a ImportContext<'a>,
     pub store: TextureStore,
-    /// Textures made so far, by picture: of each a few, by sampler and use.
+    /// Textures made so far, by picture. Each picture has a few, by sampler and use.
     shared: BTreeMap<usize, Vec<(Sampler, TextureContent, Arc<Texture>)>>,
-    /// By number in the document; the last is the default material.
+    /// Materials by number in the document; the last is the default material.
     surfaces: Vec<Option<BuiltMaterial>>,
 }
 

@@ -131,7 +131,7 @@ struct GltfImporter<'a> {
     geometry: PrimitiveReader<'a>,
     skins: SkinReader<'a>,
     materials: MaterialBuilder<'a>,
-    /// By mesh, primitive, and the node whose skin or weights it has.
+    /// Meshes by mesh, primitive, and the node that has the skin or weights.
     primitives: BTreeMap<(usize, usize, Option<usize>), Option<BuiltPrimitive>>,
     objects: Vec<Arc<Object>>,
     vertices: usize,

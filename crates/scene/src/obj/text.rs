@@ -73,7 +73,7 @@ pub(super) fn takes_name(keyword: &[u8]) -> bool {
     NAMED.contains(&keyword.as_slice()) || keyword.starts_with(b"map_")
 }
 
-/// The first word of a text, and the text behind it without surrounding blanks.
+/// Returns the first word of a text, and the rest without surrounding blanks.
 pub(super) fn keyword_and_rest(text: &[u8]) -> (&[u8], &[u8]) {
     let text = text.trim_ascii();
     let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());

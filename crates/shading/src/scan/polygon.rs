@@ -49,7 +49,7 @@ impl PolygonWinding {
     }
 }
 
-/// Traversal of a polygon: it stands on a pixel, or past the last.
+/// Traversal of a polygon. Its position is a pixel, or the end.
 ///
 /// Fill rule: a pixel belongs to a polygon if its centre lies inside, or on a top or left edge. Polygons that share an edge
 /// neither share nor miss a pixel of it, even if snapping to the sub-pixel grid has made one slightly concave. The winding of a

@@ -224,7 +224,7 @@ impl Unit for BrightnessFetch {
     #[inline(always)]
     fn step(&mut self, mut input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         match input {
-            // By reference, because a move would copy the token.
+            // Borrowed, because a move would copy the token.
             Some(Flow::Item(ref mut indexes)) => self.item(indexes, traffic),
             Some(Flow::Control(control)) => self.control(control),
             None => self.resume(traffic),

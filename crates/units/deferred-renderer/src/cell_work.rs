@@ -48,7 +48,7 @@ impl CellWork {
         Self { operators, fill_rate, dividers, setup_units }
     }
 
-    /// Returns the cycles from one group of cells to the next. Dividers take turns. Of all other operators there are as many as a
+    /// Returns the cycles from one group of cells to the next. Dividers take turns. All other operators are as many as a
     /// group needs.
     pub(crate) fn interval(&self) -> u64 {
         let Operators { multiply, add, divide, .. } = &self.operators;
