@@ -19,7 +19,7 @@ use jpeg_decoder::{Decoder, Error};
 /// Memory that the decoder takes for a sample \[bytes\]: its coefficient twice, its value, and its share of the result.
 const SAMPLE: u64 = 6;
 
-/// Number of `0xFF 0x00` bytes added after the data of each scan.
+/// Bytes added after the data of each scan: `0xFF 0x00`, repeated.
 ///
 /// They decode to ones, and no Huffman code consists of ones only. A scan whose data end early therefore runs into an invalid
 /// code; the decoder alone would read zeros, which are valid.
