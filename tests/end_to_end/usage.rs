@@ -10,5 +10,6 @@ fn help_and_messages_are_as_reviewed() {
     trycmd::TestCases::new()
         .register_bin("basrelief", std::path::Path::new(PROGRAM))
         .env("COLUMNS", "100")
-        .case(workspace().join("tests/usage/*.trycmd"));
+        .case(workspace().join("tests/usage/*.trycmd"))
+        .case(workspace().join("crates/cli/README.md"));
 }

@@ -12,3 +12,8 @@ pub use budget::{Budget, Growing, Held, OverBudget, Size, read_to_end};
 pub use file::{beside, read_text};
 pub use json::{JsonFault, from_slice, from_str};
 pub use weight::json_weight;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -36,3 +36,8 @@ pub use problem::{ConfigProblem, slow_fifos};
 pub use registry::{ConfigLoader, MACHINES, MachineConfig, MachineInfo};
 pub use spec::{CostPoints, InputKind, LoggingMachine, MachineSpec, PictureRecord, RunSummary, TileFetch};
 pub use unit_info::{UnitInfo, units};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -52,3 +52,8 @@ pub use options::{
 pub use picture::RgbPicture;
 pub use polygons::PolygonRenderer;
 pub use scene::{draw_scene, object_centre};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -44,3 +44,8 @@ pub use json::{ReadError, SCHEMA, schema};
 pub use methods::Methods;
 pub use model::{Report, Sensitivity, costs, sensitivity};
 pub use text::{Style, Tables, hardware, to_text};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -29,3 +29,8 @@ pub use lod::{LEVELS, LevelSet, lod, select_levels};
 pub use reference_normals::{MAX_ENTRIES, ReferenceNormals, TableError, TableSet, quantize_unit, reference_normals};
 pub use scan::{MAX_BLOCK, PolygonScan, PolygonSpans, RasterGrid, fan_triangles};
 pub use texture::{LANES, SampleFootprints, SampleTaps, decode_normal, footprints, taps, wrapped};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

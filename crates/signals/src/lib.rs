@@ -46,3 +46,8 @@ pub use packet::{
 };
 pub use polygon::{LightingStage, MeshInfo, ObjectInfo, Polygon, SentAttributes, Vertex, VertexAttributes};
 pub use width::{BitWidth, SignalWidths};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

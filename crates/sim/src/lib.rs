@@ -1,22 +1,5 @@
 //! Simulation of an input on a machine: the run, the exact picture, quality metrics, analyses and the report. Without a file system,
 //! and without its own clock.
-//!
-//! A program that loads a trace, runs the machine, and reads its report:
-//!
-//! ```
-//! use basrelief_sim::{RunOptions, RunInput, Unobserved, run};
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let bytes = basrelief_sim::doc_trace();
-//! let source = RunInput::trace(std::io::Cursor::new(bytes), "quad.dl.jsonl");
-//! let run = run(source, &RunOptions::default(), &mut Unobserved, None)?;
-//! let report = run.report;
-//! let cycles = report.cycles.as_ref().map_or(0, |c| c.total);
-//! println!("{cycles} cycles, picture {}", report.image[0].sha256);
-//! # assert!(cycles > 0);
-//! # Ok(())
-//! # }
-//! ```
 
 mod analysis;
 mod failure;
@@ -62,3 +45,8 @@ pub use run::{run, timeline_layout};
 pub fn doc_trace() -> Vec<u8> {
     include_bytes!("quad.dl.jsonl").to_vec()
 }
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

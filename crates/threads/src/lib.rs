@@ -142,6 +142,11 @@ fn spawned<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> io::
     Builder::new().spawn(work)
 }
 
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -31,3 +31,8 @@ pub mod protocol;
 pub mod server;
 #[cfg(test)]
 mod tests;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

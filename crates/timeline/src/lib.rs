@@ -40,3 +40,8 @@ mod fst_tests;
 mod kanata_tests;
 #[cfg(test)]
 mod tests;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

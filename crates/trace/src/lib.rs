@@ -35,23 +35,6 @@
 //!                  Control (tokens of the wires)       --> CanonicalHash
 //! ```
 //!
-//! ```
-//! use basrelief_trace::{NoFiles, Resolver};
-//! use basrelief_signals::Control;
-//!
-//! let trace = r#"{"begin":{"format":"basrelief-display-list","version":1,"width":4,"height":4,"generator":"by hand"}}
-//! {"material":{"id":0,"name":"grey","base_color":[0.5,0.5,0.5,1],"normal_scale":1,"lighting":{"ka":0.1,"kd":0.8,"ks":0.4,"n":32}}}
-//! {"frame":{"index":0,"camera":{"view_projection":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"to_light":[0,0,1],"to_viewer":[0,0,1]},"lights":[{"directional":{"to_light":[0,0,1],"intensity":1}}]}}
-//! {"object":{"id":0,"name":"triangle","centre":[0,0,0]}}
-//! {"polygon":{"object":0,"material":0,"lod":0,"bump":false,"arrival":0,"position":[[0,0,0.5,1],[4,0,0.5,1],[0,4,0.5,1]]}}
-//! {"frame_end":{}}
-//! {"end":{"commands":6}}
-//! "#;
-//! let controls: Result<Vec<_>, _> = Resolver::new(trace.as_bytes(), NoFiles)?.collect();
-//! assert!(matches!(controls?[2], (Control::Polygon(_), Some(0))));
-//! # Ok::<(), basrelief_trace::TraceError>(())
-//! ```
-//!
 //! This crate reaches no file system: it is generic over [`Read`](std::io::Read) and [`Write`](std::io::Write), and
 //! asks its caller for the files beside a trace through [`TextureFiles`].
 
@@ -84,3 +67,8 @@ pub use recorder::{CanonicalHash, TraceRecorder};
 pub use resolver::{NoFiles, TextureFiles, TraceResolver};
 pub use schema::schema;
 pub use writer::{TraceWriter, convert, convert_within};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

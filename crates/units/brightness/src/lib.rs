@@ -21,3 +21,8 @@ pub use clut::{ClutKey, ClutLevels};
 pub use config::{BrightnessConfig, BrightnessSource, Components};
 pub use state::{BrightnessFetchCounters, BrightnessFetchState};
 pub use unit::BrightnessFetch;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -68,3 +68,8 @@ pub use server::{ConventionalLoad, ServerCounters, ServerState, TextureMemory, T
 pub use sizes::TableSizes;
 pub use texels::{LayerCounts, PageTexels};
 pub use tile_lists::{TileLists, TileListsCounters, TileListsState};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -83,3 +83,8 @@ pub use registers::{BrightnessSelection, PolygonRoute, RegisterWrite, ShadingReg
 pub use selector_28::{Selector28, Selector28Counters, Selector28State};
 pub use selector_53::{Selector53, Selector53State};
 pub use signals::{FigureFlow, FinishedPolygon, NormalLoad, PolygonFigure, RegisterOrder, ShadedDot, SpecularDot, SpecularFlow};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

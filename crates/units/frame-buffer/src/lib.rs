@@ -17,3 +17,8 @@ pub use pixel_buffer::{PixelBuffer, PixelBufferCounters, PixelBufferState};
 pub use state::{FinishedFrame, FrameBufferCounters, FrameBufferState};
 pub use unit::{FrameBuffer, FrameDone};
 pub use video_out::{VideoOut, VideoOutCounters, VideoOutState};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -24,3 +24,8 @@ pub use link::PolygonLink;
 pub use scene_source::{SceneDraws, SceneSource, SceneSourceCounters, SceneSourceState};
 pub use state::{GeometryProcessorCounters, GeometryProcessorState, VertexCache};
 pub use unit::GeometryProcessor;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

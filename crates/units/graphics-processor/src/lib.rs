@@ -20,3 +20,8 @@ pub use config::{DepthConfig, DrawOrder, GraphicsConfig, HeldEntry, MipFilter};
 pub use depth_test::{DepthTest, DepthTestCounters, DepthTestState};
 pub use state::{GraphicsProcessorCounters, GraphicsProcessorState, HeldItem, InputPhase};
 pub use unit::GraphicsProcessor;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

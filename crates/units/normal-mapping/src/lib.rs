@@ -19,3 +19,8 @@ pub use config::{FilterAt, NormalMappingConfig};
 pub use distinct::DistinctCounter;
 pub use state::{NormalMappingCounters, NormalMappingState};
 pub use unit::NormalMapping;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -18,3 +18,8 @@ pub use config::{RasterOrder, RasterizerConfig};
 pub use distributor::{Distributor, DistributorState};
 pub use state::{RasterizerCounters, RasterizerState};
 pub use unit::Rasterizer;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

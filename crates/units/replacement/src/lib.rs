@@ -27,3 +27,8 @@ pub use gather::GatheredBatch;
 pub use search::NearestSearch;
 pub use state::{ReplacementCounters, ReplacementState};
 pub use unit::Replacement;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -56,3 +56,8 @@ pub use step_calculator::{
 };
 pub use storage_element::StorageElement;
 pub use texture_look_up_table::{TextureLookUpTable, TextureLookUpTableCounters, TextureLookUpTableState};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
