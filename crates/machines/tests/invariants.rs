@@ -5,22 +5,7 @@ use std::path::{Path, PathBuf};
 #[path = "invariants/circles.rs"]
 mod circles;
 
-/// The floors, lowest first: a crate may use only crates of lower floors. Tests, which ship nothing, may use any crate
-/// that the graph allows. The units have one to themselves, whatever stands in their folder.
-const FLOORS: &[&[&str]] = &[
-    &["input", "parameters", "threads"],
-    &["kernel", "signals"],
-    &["kernel-conformance", "shading", "trace"],
-    &[UNITS],
-    &["scene", "reference"],
-    &["machines"],
-    &["report", "timeline"],
-    &["sim"],
-    &["dse", "tile-server"],
-    &["cli", "bench", "python", "web"],
-];
-
-/// The folder of the unit crates, in `crates`; in [`FLOORS`], all of them.
+/// The folder of the unit crates, in `crates`; in the drawing of ARCHITECTURE.md, all of them.
 const UNITS: &str = "units";
 
 /// Crates that compute: no I/O, no clock, no global state, nothing printed. So do the units.
@@ -71,9 +56,20 @@ fn dependencies(name: &str) -> Vec<String> {
     keys.filter_map(|key| key.strip_prefix("basrelief-")).map(str::to_owned).collect()
 }
 
+/// The boxes of the drawing of crates in ARCHITECTURE.md, lowest first, each with its words. Tests, which ship nothing, may use
+/// any crate that the graph allows.
+fn floors() -> Vec<Vec<String>> {
+    let text = read(&root().join("ARCHITECTURE.md"));
+    let boxes = text.lines().filter_map(|line| line.strip_prefix(" | ")?.rsplit_once('|'));
+    let words = |(inside, _): (&str, &str)| inside.split([' ', '|']).map(str::to_owned).collect();
+    boxes.map(words).collect::<Vec<_>>().into_iter().rev().collect()
+}
+
 fn floor(name: &str) -> usize {
-    let group = if units().iter().any(|unit| unit == name) { UNITS } else { name };
-    FLOORS.iter().position(|floor| floor.contains(&group)).unwrap_or_else(|| panic!("`{name}` is on no floor; add it to FLOORS"))
+    let is_unit = units().iter().any(|unit| unit == name);
+    let word = if is_unit { format!("{UNITS}/*") } else { name.to_owned() };
+    let found = floors().iter().position(|floor| floor.contains(&word));
+    found.unwrap_or_else(|| panic!("`{name}` is missing in the drawing of ARCHITECTURE.md"))
 }
 
 fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
