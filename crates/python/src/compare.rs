@@ -21,17 +21,35 @@ pub struct Side {
     recording: Option<PyBackedBytes>,
 }
 
+/// A compared run with its report.
+struct ParsedSide<'a> {
+    side: &'a Side,
+    report: Report,
+}
+
 impl Side {
-    fn taped(&self, report: &Report) -> Done<Option<RecordedRun>> {
-        let read =
-            |tape: &PyBackedBytes| RecordedRun::read(report, &mut opened(tape)?, &budget(Budget::DEFAULT)).map_err(of_tape);
-        self.recording.as_ref().map(read).transpose()
+    fn parsed(&self) -> Done<ParsedSide<'_>> {
+        Ok(ParsedSide { side: self, report: report_of(&self.report)? })
+    }
+}
+
+impl ParsedSide<'_> {
+    fn recorded_run(&self) -> Done<Option<RecordedRun>> {
+        let read = |recording: &PyBackedBytes| {
+            RecordedRun::read(&self.report, &mut opened(recording)?, &budget(Budget::DEFAULT)).map_err(of_tape)
+        };
+        self.side.recording.as_ref().map(read).transpose()
     }
 
-    fn shown<'a>(&'a self, report: &'a Report) -> Done<html::Side<'a>> {
-        let beside =
-            html::Beside { pictures: pictures(self.image.as_ref(), None)?, ..page_assets(report).map_err(Failure::bad)? };
-        Ok(html::Side { name: &self.name, report, beside })
+    fn shown(&self) -> Done<html::Side<'_>> {
+        let assets = page_assets(&self.report).map_err(Failure::bad)?;
+        let beside = html::Beside { pictures: pictures(self.side.image.as_ref(), None)?, ..assets };
+        Ok(html::Side { name: &self.side.name, report: &self.report, beside })
+    }
+
+    fn compared_with(&self, other: &Self) -> Done<Comparison> {
+        let explained = self.recorded_run()?.zip(other.recorded_run()?).and_then(|(a, b)| explain(&a, &b));
+        Ok(difference(&self.report, &other.report, explained))
     }
 }
 
@@ -39,7 +57,7 @@ impl Side {
 #[pyfunction]
 pub fn compare(py: Python<'_>, a: Side, b: Side) -> Exported<(String, String)> {
     py.detach(|| {
-        let comparison = compared_reports((&a, &report_of(&a.report)?), (&b, &report_of(&b.report)?))?;
+        let comparison = a.parsed()?.compared_with(&b.parsed()?)?;
         let text = comparison.to_text(Style { width: WIDTH, color: false });
         Ok((serde_json::to_string(&comparison).map_err(Failure::bad)?, text))
     })
@@ -49,13 +67,8 @@ pub fn compare(py: Python<'_>, a: Side, b: Side) -> Exported<(String, String)> {
 #[pyfunction]
 pub fn compared(py: Python<'_>, a: Side, b: Side) -> Exported<String> {
     py.detach(|| {
-        let (of_a, of_b) = (report_of(&a.report)?, report_of(&b.report)?);
-        let comparison = compared_reports((&a, &of_a), (&b, &of_b))?;
-        Ok(page_of(&a.shown(&of_a)?, &[(b.shown(&of_b)?, &comparison)]))
+        let (a, b) = (a.parsed()?, b.parsed()?);
+        let comparison = a.compared_with(&b)?;
+        Ok(page_of(&a.shown()?, &[(b.shown()?, &comparison)]))
     })
-}
-
-fn compared_reports((a, of_a): (&Side, &Report), (b, of_b): (&Side, &Report)) -> Done<Comparison> {
-    let explained = a.taped(of_a)?.zip(b.taped(of_b)?).and_then(|(a, b)| explain(&a, &b));
-    Ok(difference(of_a, of_b, explained))
 }

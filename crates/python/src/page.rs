@@ -24,8 +24,8 @@ pub fn pictures(image: Option<&Given>, reference: Option<&Given>) -> Done<Vec<Pa
     page_pictures(&image.picture()?, reference.as_ref()).map_err(Failure::bad)
 }
 
-fn with_pictures(report: &Report, (image, reference): (Option<Given>, Option<Given>)) -> Done<Beside> {
-    Ok(Beside { pictures: pictures(image.as_ref(), reference.as_ref())?, ..page_assets(report).map_err(Failure::bad)? })
+fn with_pictures(report: &Report, given: &(Option<Given>, Option<Given>)) -> Done<Beside> {
+    Ok(Beside { pictures: pictures(given.0.as_ref(), given.1.as_ref())?, ..page_assets(report).map_err(Failure::bad)? })
 }
 
 /// Reads a report from the text of the file `name`, and removes the figures of the host.
@@ -46,7 +46,7 @@ pub fn text(report: &str) -> Exported<String> {
 pub fn page(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Exported<String> {
     py.detach(|| {
         let report = report_of(&report)?;
-        Ok(to_html(&report, &with_pictures(&report, pictures)?).map_err(Failure::bad)?)
+        Ok(to_html(&report, &with_pictures(&report, &pictures)?).map_err(Failure::bad)?)
     })
 }
 
@@ -55,7 +55,7 @@ pub fn page(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Giv
 pub fn part(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Exported<String> {
     py.detach(|| {
         let report = report_of(&report)?;
-        let all = sections(&report, &with_pictures(&report, pictures)?);
+        let all = sections(&report, &with_pictures(&report, &pictures)?);
         let shown = all.iter().filter(|section| SHOWN.contains(&section.id));
         let parts: String = shown.map(|section| format!("<h2>{}</h2>{}", section.title, section.html)).collect();
         Ok(format!("<div class=\"basrelief\"><style>{}</style>{parts}</div>", scoped()))

@@ -139,7 +139,7 @@ impl Scene {
                 ))
                 .into());
             }
-            let mut scene = Self::loaded((name, bytes), &folder, view, memory_limit, &budget)?;
+            let mut scene = Self::loaded(name, bytes, &folder, view, memory_limit, &budget)?;
             let (files, of_files) = folder.into_read();
             if let Made::Model(_, read) = &mut scene.made {
                 *read = files;
@@ -164,7 +164,7 @@ impl Scene {
             let (name, main) = main;
             let files: BTreeMap<String, Vec<u8>> = files.into_iter().map(|(name, bytes)| (name, bytes.to_vec())).collect();
             let memory = files.iter().fold(MemoryFiles::default(), |memory, (name, bytes)| memory.with(name, bytes.as_slice()));
-            let mut scene = Self::loaded((name, main.to_vec()), &memory, view, memory_limit, &budget)?;
+            let mut scene = Self::loaded(name, main.to_vec(), &memory, view, memory_limit, &budget)?;
             scene.made = Made::Model(main.to_vec(), files);
             Ok(scene)
         })
@@ -223,7 +223,8 @@ impl Scene {
 impl Scene {
     /// Loads a model. The caller adds the other files of the model.
     fn loaded(
-        (name, main): (String, Vec<u8>),
+        name: String,
+        main: Vec<u8>,
         files: &dyn ModelFiles,
         view: View,
         memory_limit: Option<u64>,

@@ -145,7 +145,7 @@ impl SignalTable {
                     Ok(())
                 })?;
             }
-            declare_channels(header, (board, &levels), numbers, &mut wires)
+            declare_channels(header, board, &levels, numbers, &mut wires)
         })?;
         let diagram = &board.diagram;
         let number = |name: &String| diagram.fifos.iter().position(|fifo| fifo.name == *name).unwrap_or(usize::MAX);
@@ -258,7 +258,8 @@ fn declare_level<W: Write + Seek>(header: &mut FstHeader<W>, level: &crate::leve
 /// Declares a scope per channel, and one in it per bank.
 fn declare_channels<W: Write + Seek>(
     header: &mut FstHeader<W>,
-    (board, levels): (&TimelineLayout, &CounterList),
+    board: &TimelineLayout,
+    levels: &CounterList,
     numbers: &SignalNumbers,
     wires: &mut [ValueWires],
 ) -> FstResult {

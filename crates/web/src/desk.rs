@@ -56,7 +56,7 @@ struct Looked {
 }
 
 impl Looked {
-    fn new(subject: SceneSubject, (held, budget): (Held, Budget), path: Option<Rc<Path>>) -> Box<Self> {
+    fn new(subject: SceneSubject, held: Held, budget: Budget, path: Option<Rc<Path>>) -> Box<Self> {
         Box::new(Self { subject, seen: None, budget, held, path })
     }
 }
@@ -86,7 +86,7 @@ impl Desk {
                 let machine = MachineInfo::of_demo(&name).name;
                 let budget = budget();
                 let held = budget.nothing();
-                self.take(Drawn::Demo(name), Kind::Subject(Looked::new(subject, (held, budget), None)), machine)
+                self.take(Drawn::Demo(name), Kind::Subject(Looked::new(subject, held, budget, None)), machine)
             }
             Ask::From { server } => {
                 let kind = self.fetched(&server)?;
@@ -122,7 +122,7 @@ impl Desk {
         let budget = budget();
         let path = Path::new(Rc::clone(outside), server, &budget);
         let (subject, held) = unpack(&path.scene()?, &format!("{server}scene"), &budget)?;
-        Ok(Kind::Subject(Looked::new(subject, (held, budget), Some(Rc::new(path)))))
+        Ok(Kind::Subject(Looked::new(subject, held, budget, Some(Rc::new(path)))))
     }
 
     fn run(&mut self, ask: &RunAsk) -> Result<Parcel, String> {
@@ -160,7 +160,7 @@ impl Desk {
         config.check().map_err(|e| e.to_string())?;
         let (input, budget) = lying.input(&ask.view, &config)?;
         let is_here = lying.path().is_none();
-        Ok((lying, machine, (input, options((config, given), ask, budget, is_here))))
+        Ok((lying, machine, (input, options(config, given, ask, budget, is_here))))
     }
 }
 
@@ -193,7 +193,7 @@ fn come(path: &Path) -> Value {
 
 /// Returns the options of a run. `is_here` is true if the texels for an exact picture are local. Otherwise intermediate pictures
 /// are shown.
-fn options((config, given): (MachineConfig, Overrides), ask: &RunAsk, budget: Budget, is_here: bool) -> RunOptions {
+fn options(config: MachineConfig, given: Overrides, ask: &RunAsk, budget: Budget, is_here: bool) -> RunOptions {
     let exact = ask.exact && is_here;
     let wanted = |info: &AuxOutputInfo| match info.form {
         AuxForm::PicturePerRound => !is_here,
@@ -275,5 +275,5 @@ fn opened(name: &str, files: Vec<File>, question: &Parcel) -> Result<Kind, Strin
     }
     let loaded = SceneSubject::load_within(bytes(main)?, name, &memory, &budget);
     let (subject, held) = loaded.map_err(|e| e.to_string())?;
-    Ok(Kind::Subject(Looked::new(subject, (held, budget), None)))
+    Ok(Kind::Subject(Looked::new(subject, held, budget, None)))
 }

@@ -78,7 +78,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let (leaving, onlooker) = (ViewpointEnds::new(&c.defer, source.user()), source.onlooker());
         let shared = (c.defer.depth_pixel == DepthPixel::Shared).then(|| (c.video_out.clone(), c.clock.hz));
         let sizes = TableSizes::new(&c.cell, cut, &engine);
-        let cells = CellUnit::new((engine.clone(), c.operators.clone()), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
+        let cells = CellUnit::new(engine.clone(), c.operators.clone(), &c.cell, &c.defer, cut);
         let tile_bytes = 3 * c.tile.width * c.tile.height;
         let widths = SignalWidths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..SignalWidths::default() };
         wired(
@@ -94,14 +94,11 @@ impl<F: FrontEnd> DeferredRenderer<F> {
                 cell_maker: Stage::new("cells", cells),
                 reference_buffer: Stage::new(
                     "reference-buffer",
-                    ReferenceBuffer::new(engine.clone(), mode, (format.bytes, sizes)).shown_to(onlooker),
+                    ReferenceBuffer::new(engine.clone(), mode, format.bytes, sizes).shown_to(onlooker),
                 ),
                 identification: Stage::new("identification", Identification::new(engine.clone(), sizes)),
-                tile_lists: Stage::new(
-                    "tile-lists",
-                    TileLists::new(engine.clone(), mode, (c.tile.order, sizes), leaving.clone()),
-                ),
-                rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, leaving, (format, sizes))),
+                tile_lists: Stage::new("tile-lists", TileLists::new(engine.clone(), mode, c.tile.order, sizes, leaving.clone())),
+                rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, leaving, format, sizes)),
                 pixel_buffer: Stage::new("pixel-buffer", PixelBuffer::new(c.frame_buffer, shared)),
                 video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
                 memories,

@@ -104,6 +104,13 @@ impl FilterKernel {
     }
 }
 
+/// Size of a plane \[values\].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaneSize {
+    pub width: usize,
+    pub height: usize,
+}
+
 /// Last rows of a plane, filtered across: as many as a filter down the plane reads. Some twenty whole planes would come from
 /// memory in every pass, and from the operating system for every picture: two threads lost two fifths of their time there.
 #[derive(Clone, Debug)]
@@ -119,9 +126,10 @@ pub(crate) struct FilteredRows<'a> {
 }
 
 impl<'a> FilteredRows<'a> {
-    /// Creates a buffer for a plane of this width and height. Rows are received up to a radius ahead of the row that is filtered
+    /// Creates a buffer for a plane of this size. Rows are received up to a radius ahead of the row that is filtered
     /// down.
-    pub fn new(across: &'a FilterKernel, radius: usize, (width, height): (usize, usize), rim: RimMode) -> Self {
+    pub fn new(across: &'a FilterKernel, radius: usize, size: PlaneSize, rim: RimMode) -> Self {
+        let PlaneSize { width, height } = size;
         let held = height.min(2 * radius + 1);
         Self { across, rim, width, height, values: vec![0.0; held * width], padded: vec![0.0; width + 2 * across.radius()] }
     }
@@ -183,7 +191,7 @@ mod tests {
         let same = FilterKernel(vec![1.0]);
         let [across, down] = kernels.map(|kernel| kernel.unwrap_or(&same));
         let (height, radius) = (plane.len() / width, down.radius());
-        let mut rows = FilteredRows::new(across, radius, (width, height), rim);
+        let mut rows = FilteredRows::new(across, radius, PlaneSize { width, height }, rim);
         let mut result = vec![0.0; plane.len()];
         let mut taken = 0;
         for (row, out) in result.chunks_exact_mut(width).enumerate() {

@@ -5,7 +5,7 @@
 //! spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps instead of 441.
 
 use super::covered::{SizeMismatch, covered, covered_in, mean, same_size, strip_pixels};
-use super::filter::{FilterKernel, FilterWindow, FilteredRows, RimMode, RowStrip, due};
+use super::filter::{FilterKernel, FilterWindow, FilteredRows, PlaneSize, RimMode, RowStrip, due};
 use crate::RgbPicture;
 use std::f64::consts::PI;
 
@@ -101,7 +101,7 @@ struct VisionRow<'a> {
 
 impl<'a> VisionRow<'a> {
     fn new(planes: &'a FlipFilters, picture: &'a RgbPicture, window: &'a FilterWindow) -> Self {
-        let size = (window.width(), window.rows.len());
+        let size = PlaneSize { width: window.width(), height: window.rows.len() };
         // The features' kernels have a smaller radius, but their rows are received with the others.
         let rows = |across: &'a FilterKernel| FilteredRows::new(across, COLOR_RADIUS, size, RimMode::Extended);
         let [(_, first), (_, second)] = &planes.blue_yellow;

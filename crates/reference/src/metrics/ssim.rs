@@ -1,7 +1,7 @@
 //! Structural similarity.
 
 use super::covered::{SizeMismatch, covered_in, mean, same_size, strip_pixels};
-use super::filter::{FilterKernel, FilterWindow, FilteredRows, RimMode, RowStrip, due};
+use super::filter::{FilterKernel, FilterWindow, FilteredRows, PlaneSize, RimMode, RowStrip, due};
 use crate::RgbPicture;
 
 const SIGMA: f64 = 1.5;
@@ -25,7 +25,7 @@ pub fn ssim(exact: &RgbPicture, other: &RgbPicture) -> Result<f64, SizeMismatch>
 fn ssim_by(exact: &RgbPicture, other: &RgbPicture, whole: &FilterWindow, strip_pixels: usize) -> f64 {
     let kernel = FilterKernel::new(RADIUS, |d| libm::exp(-d * d / (2.0 * SIGMA * SIGMA))).normalised();
     mean(&RowStrip::all(strip_pixels, whole, RADIUS), 1.0, |strip| {
-        let mut moments = LumaMoments::new(&kernel, (whole.width(), strip.reached.len()));
+        let mut moments = LumaMoments::new(&kernel, PlaneSize { width: whole.width(), height: strip.reached.len() });
         let mut similarities = Vec::with_capacity(strip.rows.len() * whole.width());
         let mut taken = 0;
         for row in strip.rows.clone() {
@@ -50,9 +50,9 @@ struct LumaMoments<'a> {
 }
 
 impl<'a> LumaMoments<'a> {
-    fn new(kernel: &'a FilterKernel, size: (usize, usize)) -> Self {
+    fn new(kernel: &'a FilterKernel, size: PlaneSize) -> Self {
         let rows = || FilteredRows::new(kernel, RADIUS, size, RimMode::Mirrored);
-        Self { rows: [(); 5].map(|()| rows()), blurred: [(); 5].map(|()| vec![0.0; size.0]) }
+        Self { rows: [(); 5].map(|()| rows()), blurred: [(); 5].map(|()| vec![0.0; size.width]) }
     }
 
     /// Receives a row of both pictures.

@@ -175,7 +175,7 @@ impl GltfImporter<'_> {
         let base = node_name.or(definition.name.clone()).unwrap_or_else(|| format!("mesh {mesh}"));
         for (i, primitive) in definition.primitives.iter().enumerate() {
             let posed = placed.filter(|(_, node)| node.skin.is_some() || node.weights.is_some());
-            let Some((built, material, extras)) = self.primitive((mesh, i), primitive, posed, warnings)? else { continue };
+            let Some((built, material, extras)) = self.primitive(mesh, i, primitive, posed, warnings)? else { continue };
             self.vertices = self.vertices.saturating_add(built.positions.len());
             if self.vertices > MAX_PLACED_VERTICES {
                 return Err(SceneError::at(format!("/meshes/{mesh}"), "is placed so often that there is too much to draw")
@@ -203,7 +203,8 @@ impl GltfImporter<'_> {
     /// The mesh and material of a primitive, built once.
     fn primitive(
         &mut self,
-        (mesh, number): (usize, usize),
+        mesh: usize,
+        number: usize,
         primitive: &GltfPrimitive,
         posed: Option<(usize, &GltfNode)>,
         warnings: &mut ImportWarnings,

@@ -69,6 +69,5 @@ pub fn tiles_path(picture: &str, cut: PyramidCut, encoding: (TileEncoding, u8), 
 /// # Errors
 /// The tile is damaged or has another size.
 pub fn check_tile(encoding: TileEncoding, page: &TexturePage, tile: u32, body: &[u8]) -> Result<(), String> {
-    let (first, end) = page.texels_of(tile);
-    encoding.decode(body, [end[0] - first[0], end[1] - first[1]]).map(drop).map_err(|e| format!("corrupt: {e}"))
+    encoding.decode(body, page.texels_of(tile).size()).map(drop).map_err(|e| format!("corrupt: {e}"))
 }

@@ -215,9 +215,8 @@ impl TiledPicture<'_> {
             return Err((404, format!("this picture has {} tiles\n", page.tiles())));
         }
         let texels = self.offered.pyramid.lock().unwrap_or_else(PoisonError::into_inner).tile(page, number);
-        let (first, end) = page.texels_of(number);
         // Encoded without the lock, so that several threads can encode.
-        let encoded = encoding.encode(&texels, [end[0] - first[0], end[1] - first[1]], *quality);
+        let encoded = encoding.encode(&texels, page.texels_of(number).size(), *quality);
         encoded.map_err(|e| (500, e))
     }
 

@@ -3,7 +3,7 @@
 use crate::ReferenceCell;
 use crate::cell::{CellFormat, layer_depth, most_pages};
 use crate::cell_work::CellWork;
-use crate::config::{CellConfig, EngineConfig, LightingMode, WrapOverride};
+use crate::config::{CellConfig, EngineConfig, LightingMode, RendererConfig, WrapOverride};
 use crate::page::{PyramidCut, TexturePage};
 use crate::pyramid::is_same_picture;
 use crate::sizes::TableSizes;
@@ -84,19 +84,20 @@ pub fn brightness_range(lighting: LightingMode) -> f32 {
 impl CellUnit {
     /// Creates the unit in its power-on state.
     pub fn new(
-        (config, operators): (EngineConfig, Operators),
+        config: EngineConfig,
+        operators: Operators,
         cell: &CellConfig,
-        (lighting, wrap): (LightingMode, WrapOverride),
+        renderer: &RendererConfig,
         cut: PyramidCut,
     ) -> Self {
         Self {
             work: CellWork::new(&config, operators),
             sizes: TableSizes::new(cell, cut, &config),
             config,
-            format: CellFormat::new(cell, brightness_range(lighting)),
+            format: CellFormat::new(cell, brightness_range(renderer.lighting)),
             page_bits: cell.page_bits,
-            lighting,
-            wrap,
+            lighting: renderer.lighting,
+            wrap: renderer.wrap,
             cut,
             state: CellsState::default(),
         }

@@ -56,8 +56,7 @@ impl Unit for Expander {
 
     fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let Some(EncodedTile { page, tile, bytes }) = input else { return Step::after(0, None) };
-        let (first, end) = page.texels_of(tile);
-        let size = [end[0] - first[0], end[1] - first[1]];
+        let size = page.texels_of(tile).size();
         match self.config.encoding.decode(&bytes, size) {
             Ok(texels) => {
                 let raw = self.config.encoding == TileEncoding::Raw;

@@ -57,7 +57,7 @@ pub use encoding::TileEncoding;
 pub use expander::Expander;
 pub use identification::{Identification, IdentificationCounters, IdentificationState};
 pub use leaving::{UpcomingTiles, ViewUser, ViewpointEnds};
-pub use page::{PyramidCut, PyramidLayer, TexelCentre, TexturePage, WrappedCoordinates};
+pub use page::{PyramidCut, PyramidLayer, TexelArea, TexelCentre, TexturePage, WrappedCoordinates};
 pub use path::{NetworkPath, PathCounters, PathState};
 pub use preview::PicturePreview;
 pub use pyramid::{LayerTexels, ServedTexture};

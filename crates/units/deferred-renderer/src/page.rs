@@ -9,6 +9,22 @@ use basrelief_signals::{Texture, WrapMode};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
+/// Rectangle of texels of one layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TexelArea {
+    /// First column and row.
+    pub first: [u32; 2],
+    /// Column and row behind the last.
+    pub end: [u32; 2],
+}
+
+impl TexelArea {
+    /// Returns width and height \[texels\].
+    pub fn size(self) -> [u32; 2] {
+        [0, 1].map(|i| self.end[i] - self.first[i])
+    }
+}
+
 /// A texture page (132), without its texels: Dmax (133), tile pitch array (138), tile base array (140).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TexturePage {
@@ -134,19 +150,17 @@ impl TexturePage {
         l.base + (texel[1] >> self.shift[1]) * l.pitch + (texel[0] >> self.shift[0])
     }
 
-    /// Returns the texels of a tile: first column and row, and those behind the last. Tiles at the right and lower edge may be
-    /// smaller.
-    pub fn texels_of(&self, tile: u32) -> ([u32; 2], [u32; 2]) {
+    /// Returns the texels of a tile. Tiles at the right and lower edge may be smaller.
+    pub fn texels_of(&self, tile: u32) -> TexelArea {
         let layer = &self.layers[usize::from(self.layer_of(tile))];
         let place = [(tile - layer.base) % layer.pitch, (tile - layer.base) / layer.pitch];
         let first = [0, 1].map(|i| place[i] << self.shift[i]);
-        (first, [0, 1].map(|i| (first[i] + self.cut.tile[i]).min(layer.size[i])))
+        TexelArea { first, end: [0, 1].map(|i| (first[i] + self.cut.tile[i]).min(layer.size[i])) }
     }
 
     /// Returns the number of texels of a tile.
     pub fn texels_in(&self, tile: u32) -> u64 {
-        let (first, end) = self.texels_of(tile);
-        u64::from(end[0] - first[0]) * u64::from(end[1] - first[1])
+        self.texels_of(tile).size().map(u64::from).into_iter().product()
     }
 
     /// Returns the tiles of the next finer layer that a tile is the average of: four, or two or one at the right and lower edge.
@@ -166,7 +180,7 @@ impl TexturePage {
     /// Returns the tile of the next coarser layer that a tile is a source of. Returns `None` for the coarsest layer.
     pub fn average_of(&self, tile: u32) -> Option<u32> {
         let coarser = self.layer_of(tile).checked_sub(1)?;
-        Some(self.tile_of(coarser, self.texels_of(tile).0.map(|first| first / 2)))
+        Some(self.tile_of(coarser, self.texels_of(tile).first.map(|first| first / 2)))
     }
 
     /// Returns the byte address of a texel in the texture-data memory (130). Tiles follow each other, and each has 4 x 4 blocks

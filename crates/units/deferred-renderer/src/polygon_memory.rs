@@ -53,7 +53,7 @@ impl PolygonMemory {
     }
 
     /// Returns the bytes of the command of an object, and of its mesh if the device does not have it.
-    pub fn object(&mut self, object: &ObjectInfo, (config, lighting): (&PathConfig, LightingMode)) -> u64 {
+    pub fn object(&mut self, object: &ObjectInfo, config: &PathConfig, lighting: LightingMode) -> u64 {
         let is_new = self.sent.insert(object.id);
         self.untold = is_new && object.mesh.is_none();
         let bytes = object.mesh.filter(|_| is_new).map_or(0, |mesh| mesh_bytes(&mesh, config, lighting));
@@ -62,7 +62,7 @@ impl PolygonMemory {
     }
 
     /// Returns the bytes of a polygon: 0 if its mesh is known. Otherwise its vertices count, because their sharing is unknown.
-    pub fn polygon(&mut self, polygon: &Polygon, (config, lighting): (&PathConfig, LightingMode)) -> u64 {
+    pub fn polygon(&mut self, polygon: &Polygon, config: &PathConfig, lighting: LightingMode) -> u64 {
         if !self.untold {
             return 0;
         }

@@ -28,8 +28,7 @@ impl PicturePreview {
 
     /// Stores a received tile. The device reports tiles that cannot be expanded.
     pub fn store(&mut self, page: &Arc<TexturePage>, tile: u32, bytes: &[u8]) {
-        let (first, end) = page.texels_of(tile);
-        let Ok(texels) = self.encoding.decode(bytes, [end[0] - first[0], end[1] - first[1]]) else { return };
+        let Ok(texels) = self.encoding.decode(bytes, page.texels_of(tile).size()) else { return };
         let own = self.pages.entry(page.number).or_insert_with(|| PageTexels::new(Arc::clone(page)));
         own.store(tile, &texels, 0);
         let mut finer = tile;

@@ -1,6 +1,6 @@
 //! Pyramid (134): the texels of a texture, layer by layer.
 
-use crate::TexturePage;
+use crate::{TexelArea, TexturePage};
 use basrelief_signals::Texture;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -28,7 +28,8 @@ impl<'a> LayerSlice<'a> {
     }
 
     /// Returns the texels of a rectangle, row by row.
-    fn cut(self, (first, end): ([u32; 2], [u32; 2])) -> Vec<[u8; 4]> {
+    fn cut(self, area: TexelArea) -> Vec<[u8; 4]> {
+        let TexelArea { first, end } = area;
         (first[1]..end[1]).flat_map(|y| &self.row(y)[first[0] as usize..end[0] as usize]).copied().collect()
     }
 }
@@ -44,7 +45,8 @@ impl LayerTexels {
     }
 
     /// Writes texels into a rectangle, row by row.
-    pub fn put(&mut self, (first, end): ([u32; 2], [u32; 2]), texels: &[[u8; 4]]) {
+    pub fn put(&mut self, area: TexelArea, texels: &[[u8; 4]]) {
+        let TexelArea { first, end } = area;
         let width = (end[0] - first[0]) as usize;
         for (y, row) in (first[1]..end[1]).zip(texels.chunks_exact(width)) {
             let start = (y * self.size[0] + first[0]) as usize;
@@ -54,7 +56,8 @@ impl LayerTexels {
 
     /// Fills a rectangle with averages of the next finer layer: (sum of 4 + 2) >> 2 per channel. At an odd side the finer layer's
     /// last texel is repeated.
-    pub(crate) fn average(&mut self, finer: LayerSlice<'_>, (first, end): ([u32; 2], [u32; 2])) {
+    pub(crate) fn average(&mut self, finer: LayerSlice<'_>, area: TexelArea) {
+        let TexelArea { first, end } = area;
         for y in first[1]..end[1] {
             let start = y as usize * self.size[0] as usize;
             let own = &mut self.texels[start + first[0] as usize..start + end[0] as usize];
@@ -111,7 +114,7 @@ impl ServedTexture {
         while self.coarser.len() < above {
             let finer = self.coarser.last().map_or(self.finest(), LayerTexels::texels);
             let mut next = LayerTexels::new(finer.size.map(|n| n.div_ceil(2)));
-            next.average(finer, ([0, 0], next.size));
+            next.average(finer, TexelArea { first: [0, 0], end: next.size });
             self.coarser.push(next);
         }
         let layer = if above == 0 { self.finest() } else { self.coarser[above - 1].texels() };

@@ -106,7 +106,7 @@ type Out = (Option<PassFlow>, Option<PassFlow>);
 
 impl ReferenceBuffer {
     /// Creates the buffer in its power-on state. `cell_bytes` is the size of a cell in memory.
-    pub fn new(config: EngineConfig, mode: RenderMode, (cell_bytes, sizes): (u32, TableSizes)) -> Self {
+    pub fn new(config: EngineConfig, mode: RenderMode, cell_bytes: u32, sizes: TableSizes) -> Self {
         Self { config, mode, cell_bytes, sizes, keep: false, onlooker: None, state: ReferenceBufferState::default() }
     }
 

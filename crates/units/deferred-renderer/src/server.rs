@@ -54,8 +54,7 @@ impl TextureMemory {
     }
 
     fn encode(&self, texels: &[[u8; 4]], page: &TexturePage, tile: u32) -> Result<Vec<u8>, String> {
-        let (first, end) = page.texels_of(tile);
-        let encoded = self.encoding.encode(texels, [end[0] - first[0], end[1] - first[1]], self.quality);
+        let encoded = self.encoding.encode(texels, page.texels_of(tile).size(), self.quality);
         encoded.map_err(|e| format!("{}: {e}", place_of(page, tile)))
     }
 }
@@ -200,7 +199,7 @@ impl TileServer {
         let mut bytes = 0;
         match &control {
             Control::Polygon(polygon) => {
-                bytes = self.state.polygons.polygon(polygon, (&self.config, self.lighting));
+                bytes = self.state.polygons.polygon(polygon, &self.config, self.lighting);
                 bytes += polygon.material.color_texture.as_ref().map_or(0, |texture| self.size_of(texture));
             }
             Control::Frame(frame) => {
@@ -214,7 +213,7 @@ impl TileServer {
                 self.state.frames += 1;
                 self.state.phase = ServerPhase::Tiles;
             }
-            Control::Object(object) => bytes = self.state.polygons.object(object, (&self.config, self.lighting)),
+            Control::Object(object) => bytes = self.state.polygons.object(object, &self.config, self.lighting),
             Control::CodeBook(_) | Control::Criterion(_) => {}
         }
         TileResponse { bytes, content: ResponseContent::Mesh(control) }

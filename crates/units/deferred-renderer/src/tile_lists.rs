@@ -102,7 +102,7 @@ type Out = (Option<TileRequest>, Option<StoreOrder>, Option<PassRound>);
 
 impl TileLists {
     /// Creates the lists in their power-on state.
-    pub fn new(config: EngineConfig, mode: RenderMode, (order, sizes): (TileOrder, TableSizes), leaving: ViewpointEnds) -> Self {
+    pub fn new(config: EngineConfig, mode: RenderMode, order: TileOrder, sizes: TableSizes, leaving: ViewpointEnds) -> Self {
         Self { config, mode, order, leaving, sizes, state: TileListsState::default() }
     }
 

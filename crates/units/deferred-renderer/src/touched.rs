@@ -20,7 +20,8 @@ impl LastTexels {
         page: &TexturePage,
         layer: u8,
         [x, y]: &[AxisTap; 2],
-        (client, traffic): (u32, &mut MemoryPorts),
+        client: u32,
+        traffic: &mut MemoryPorts,
     ) {
         let blocks = [x.first >> 2, x.second >> 2, y.first >> 2, y.second >> 2];
         let touched = Some((page.number, layer, blocks));

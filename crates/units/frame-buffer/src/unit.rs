@@ -85,7 +85,7 @@ impl<T: ColorToken> FrameBuffer<T> {
     /// Writes a pixel of a token. `is_open` is true if the line of the token is the most recently written one, which holds after
     /// its first pixel.
     #[inline(always)]
-    fn write(&mut self, (x, y, color): (u16, u16, [u8; 3]), is_open: &mut bool, traffic: &mut MemoryPorts) {
+    fn write(&mut self, [x, y]: [u16; 2], color: [u8; 3], is_open: &mut bool, traffic: &mut MemoryPorts) {
         let Some(picture) = &mut self.state.picture else { return };
         let (x, y, width) = (u32::from(x), u32::from(y), picture.width);
         let place = y as usize * width as usize + x as usize;
@@ -158,7 +158,7 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
         match input {
             Some(Flow::Item(token)) => {
                 let mut is_open = false;
-                token.each(|x, y, rgb| self.write((x, y, rgb), &mut is_open, traffic));
+                token.each(|x, y, rgb| self.write([x, y], rgb, &mut is_open, traffic));
                 return Step::over(token.pixels(), 1, latency, None);
             }
             Some(Flow::Control(Control::Frame(frame))) => self.begin(&frame, traffic),

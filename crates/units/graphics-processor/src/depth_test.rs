@@ -114,7 +114,7 @@ impl<T: DepthToken> DepthTest<T> {
     /// Looks up a z value unless its line is gathered or clear. A value that will be written needs the whole line, which is more
     /// than one look-up if lines of the z-cache are small.
     #[inline]
-    fn look_up(&mut self, (line, within): (u64, u32), whole: bool, traffic: &mut MemoryPorts) {
+    fn look_up(&mut self, line: u64, within: u32, whole: bool, traffic: &mut MemoryPorts) {
         if self.state.lines.contains(line) {
             self.state.counters.gathered += 1;
         } else if self.state.clear.get(line as usize).is_some_and(|clear| *clear) {
@@ -147,7 +147,7 @@ impl<T: DepthToken> DepthTest<T> {
     /// Tests a pixel of a token. `is_open` is true if the line of the token is known to be the most recently written one, so that
     /// no other work is left.
     #[inline(always)]
-    fn passes(&mut self, (x, y, z): (u16, u16, u32), is_open: &mut bool, traffic: &mut MemoryPorts) -> bool {
+    fn passes(&mut self, [x, y]: [u16; 2], z: u32, is_open: &mut bool, traffic: &mut MemoryPorts) -> bool {
         let (x, y) = (u32::from(x), u32::from(y));
         if x >= self.state.width {
             return false;
@@ -177,7 +177,7 @@ impl<T: DepthToken> DepthTest<T> {
     #[inline(never)]
     fn test_in_another(&mut self, line: u64, [x, y]: [u32; 2], passes: bool, traffic: &mut MemoryPorts) {
         let [columns, rows] = T::LINE;
-        self.look_up((line, y % rows * columns + x % columns), passes, traffic);
+        self.look_up(line, y % rows * columns + x % columns, passes, traffic);
         if passes {
             self.gather(line, traffic);
         }
@@ -210,7 +210,7 @@ impl<T: DepthToken> Unit for DepthTest<T> {
             Some(Flow::Item(mut token)) => {
                 let tested = token.pixels();
                 let mut is_open = false;
-                let any = token.retain(|x, y, z| self.passes((x, y, z), &mut is_open, traffic));
+                let any = token.retain(|x, y, z| self.passes([x, y], z, &mut is_open, traffic));
                 Step::over(tested, 1, latency, (any || T::KEPT_WHEN_EMPTY).then_some(Flow::Item(token)))
             }
             Some(Flow::Control(Control::FrameEnd)) => Step::after(latency, self.end(traffic)),

@@ -33,13 +33,13 @@ impl FootprintLines {
     /// Looks up the taps of the first `count` samples of the level at this position, in most cases each line once. A repeated
     /// look-up would cost the device nothing, but it would cost host time.
     #[inline(always)]
-    pub(crate) fn look_up(&self, place: LevelPlace, (footprints, count): (&SampleFootprints, usize), traffic: &mut MemoryPorts) {
+    pub(crate) fn look_up(&self, place: LevelPlace, footprints: &SampleFootprints, count: usize, traffic: &mut MemoryPorts) {
         if traffic.is_discarding() {
             return;
         }
         let texels = place.footprints(footprints);
         let Some(shift) = self.texel_shift else {
-            return self.look_up_each(place.start, (texels, count), traffic);
+            return self.look_up_each(place.start, texels, count, traffic);
         };
         let rest = (place.start & ((1 << shift) - 1)) as u32;
         let lines = texels.map(|texel| (texel + rest).unbounded_shr_scalar(shift));
@@ -56,7 +56,7 @@ impl FootprintLines {
 
     /// Looks up texels that can lie across lines. The cache handles the duplicates.
     #[inline(never)]
-    fn look_up_each(&self, start: u64, (texels, count): ([u32x4; 4], usize), traffic: &mut MemoryPorts) {
+    fn look_up_each(&self, start: u64, texels: [u32x4; 4], count: usize, traffic: &mut MemoryPorts) {
         let texels = texels.map(u32x4::to_array);
         for lane in 0..count {
             for tap in texels {

@@ -107,7 +107,7 @@ impl NormalMapping {
         for (level, weight, place) in selected {
             let image = map.levels.get(usize::from(level))?;
             let footprints = footprints(image, &map.sampler, self.config.filter, uv);
-            self.lines.look_up(place, (&footprints, stamp.len()), traffic);
+            self.lines.look_up(place, &footprints, stamp.len(), traffic);
             counters.texels += u64::from(footprints.count) * stamp.len() as u64;
             let value = |stored: [f32x4; 3]| {
                 let [x, y, z] = stored.map(decode_normal);

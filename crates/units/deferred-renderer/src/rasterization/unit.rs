@@ -45,12 +45,7 @@ type Out = (Option<MarkFlow>, Option<PictureFlow>);
 
 impl Rasterization {
     /// Creates the unit in its power-on state.
-    pub fn new(
-        config: EngineConfig,
-        mode: RenderMode,
-        leaving: ViewpointEnds,
-        (format, sizes): (CellFormat, TableSizes),
-    ) -> Self {
+    pub fn new(config: EngineConfig, mode: RenderMode, leaving: ViewpointEnds, format: CellFormat, sizes: TableSizes) -> Self {
         Self { config, mode, leaving, format, sizes, keep: false, state: RasterizationState::default() }
     }
 
@@ -162,7 +157,7 @@ impl Rasterization {
                     cell.rgb()
                 }
                 Some(page) => {
-                    let (rgb, layers, read) = self.textured(usize::from(page), cell, (&mut marks, &mut touched), traffic);
+                    let (rgb, layers, read) = self.textured(usize::from(page), cell, &mut marks, &mut touched, traffic);
                     interpolations += layers;
                     words += read;
                     rgb
@@ -184,7 +179,8 @@ impl Rasterization {
         &mut self,
         page: usize,
         cell: &ReferenceCell,
-        (marks, touched): (&mut BlockMarks, &mut [LastTexels; 2]),
+        marks: &mut BlockMarks,
+        touched: &mut [LastTexels; 2],
         traffic: &mut MemoryPorts,
     ) -> ([u8; 3], usize, u32) {
         let Some(texels) = self.state.pages.get_mut(page) else { return ([0; 3], 0, 0) };
@@ -207,7 +203,7 @@ impl Rasterization {
             if improve.is_none() {
                 texels.need(layer, &taps, self.state.frame);
             }
-            touched[slot].look_up(&texels.page, layer, &taps, (TEXELS, &mut *traffic));
+            touched[slot].look_up(&texels.page, layer, &taps, TEXELS, traffic);
         }
         self.state.counters.textured += 1;
         self.state.counters.between_layers += u64::from(choice.upper.is_some());

@@ -1,7 +1,9 @@
 //! Acquisition of tiles: Figure 6, averaging, encodings.
 
 use crate::{SIZES, page, texture};
-use basrelief_deferred_renderer::{PageTexels, PyramidCut, ServedTexture, TexturePage, TileEncoding, TileList, TileOrigin};
+use basrelief_deferred_renderer::{
+    PageTexels, PyramidCut, ServedTexture, TexelArea, TexturePage, TileEncoding, TileList, TileOrigin,
+};
 use basrelief_signals::{Image, Sampler, Texture};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -48,7 +50,7 @@ fn tile_sources_cover_exactly_the_tile() {
                 continue;
             }
             let finer = page.layers[usize::from(depth) + 1].size;
-            let (first, end) = page.texels_of(tile);
+            let TexelArea { first, end } = page.texels_of(tile);
             let covered = (first[1]..end[1]).flat_map(|y| (first[0]..end[0]).map(move |x| [2 * x, 2 * y]));
             let all = covered.flat_map(|[x, y]| [[x, y], [(x + 1).min(finer[0] - 1), (y + 1).min(finer[1] - 1)]]);
             assert_eq!(sources, all.map(|texel| page.tile_of(depth + 1, texel)).collect(), "{size:?}, tile {tile}");
@@ -59,8 +61,7 @@ fn tile_sources_cover_exactly_the_tile() {
 /// Stores these tiles as received from the server, in this encoding.
 pub fn load(served: &mut ServedTexture, texels: &mut PageTexels, tile: u32, encoding: TileEncoding) {
     let page = Arc::clone(&texels.page);
-    let (first, end) = page.texels_of(tile);
-    let size = [end[0] - first[0], end[1] - first[1]];
+    let size = page.texels_of(tile).size();
     let bytes = encoding.encode(&served.tile(&page, tile), size, 90).unwrap();
     texels.store(tile, &encoding.decode(&bytes, size).unwrap(), 1);
 }

@@ -8,9 +8,8 @@ use basrelief_deferred_renderer::tokens::{
     TileRequest, TileResponse,
 };
 use basrelief_deferred_renderer::{
-    CellConfig, CellFormat, CellUnit, EngineConfig, Expander, Identification, LightingMode, NetworkPath, PathConfig, PyramidCut,
-    Rasterization, ReferenceBuffer, ReferenceCell, RenderMode, TableSizes, TileConfig, TileLists, TileOrder, ViewpointEnds,
-    WrapOverride,
+    CellConfig, CellFormat, CellUnit, EngineConfig, Expander, Identification, NetworkPath, PathConfig, PyramidCut, Rasterization,
+    ReferenceBuffer, ReferenceCell, RenderMode, RendererConfig, TableSizes, TileConfig, TileLists, TileOrder, ViewpointEnds,
 };
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Unit};
 use basrelief_kernel_conformance::unit_contract;
@@ -102,15 +101,15 @@ fn engine() -> EngineConfig {
 
 fn cells() -> CellUnit {
     let cut = PyramidCut { tile: [8, 8], ..PyramidCut::default() };
-    CellUnit::new((engine(), Operators::default()), &CellConfig::default(), (LightingMode::None, WrapOverride::Sampler), cut)
+    CellUnit::new(engine(), Operators::default(), &CellConfig::default(), &RendererConfig::default(), cut)
 }
 
 fn reference_buffer(mode: RenderMode) -> ReferenceBuffer {
-    ReferenceBuffer::new(engine(), mode, (16, TableSizes::default()))
+    ReferenceBuffer::new(engine(), mode, 16, TableSizes::default())
 }
 
 fn tile_lists(mode: RenderMode) -> TwoOutputs {
-    TwoOutputs(TileLists::new(engine(), mode, (TileOrder::Pixels, TableSizes::default()), ViewpointEnds::default()))
+    TwoOutputs(TileLists::new(engine(), mode, TileOrder::Pixels, TableSizes::default(), ViewpointEnds::default()))
 }
 
 fn expander() -> Expander {
@@ -131,7 +130,8 @@ fn rasterization(mode: RenderMode) -> TwoInputs {
         engine(),
         mode,
         ViewpointEnds::default(),
-        (CellFormat::new(&CellConfig::default(), 1.0), TableSizes::default()),
+        CellFormat::new(&CellConfig::default(), 1.0),
+        TableSizes::default(),
     ))
 }
 
@@ -241,7 +241,7 @@ unit_contract! {
 
 unit_contract! {
     name: reference_buffer_that_gathers_one_block,
-    unit: ReferenceBuffer::new(EngineConfig { write_lines: 1, ..engine() }, RenderMode::Best, (16, TableSizes::default())),
+    unit: ReferenceBuffer::new(EngineConfig { write_lines: 1, ..engine() }, RenderMode::Best, 16, TableSizes::default()),
     inputs: { let w = wires(RenderMode::Best); (w.cells, w.rounds) },
     clients: [ClientKind::Port, ClientKind::Port],
     state,
@@ -249,8 +249,7 @@ unit_contract! {
 
 #[test]
 fn reference_buffer_evicts_lru_block_and_flushes_at_end() {
-    let mut unit =
-        ReferenceBuffer::new(EngineConfig { write_lines: 2, ..engine() }, RenderMode::Best, (16, TableSizes::default()));
+    let mut unit = ReferenceBuffer::new(EngineConfig { write_lines: 2, ..engine() }, RenderMode::Best, 16, TableSizes::default());
     let mut input = |token: Option<CellFlow>| {
         let demand = if token.is_some() { Demand::Only(0) } else { Demand::Nothing };
         assert_eq!((unit.demand(), unit.is_empty()), (demand, token.is_some()));

@@ -7,7 +7,7 @@ use basrelief_deferred_renderer::colour::progressive;
 use basrelief_deferred_renderer::tokens::{CellBlock, CellFlow, PassFlow, StoreOrder, TileResponse};
 use basrelief_deferred_renderer::{
     CellConfig, CellUnit, ConventionalLoad, EngineConfig, LightingMode, PageTexels, PathConfig, PyramidCut, Rasterization,
-    ReferenceCell, RenderMode, ServedTexture, TableSizes, TextureMemory, TileEncoding, TileServer, ViewpointEnds, WrapOverride,
+    ReferenceCell, RenderMode, RendererConfig, ServedTexture, TableSizes, TextureMemory, TileEncoding, TileServer, ViewpointEnds,
 };
 use basrelief_kernel::{MemoryPorts, Operators, Unit};
 use basrelief_signals::{
@@ -35,8 +35,9 @@ fn triangle(material: Material, normal: [f32; 3], bump: bool) -> Control {
 }
 
 fn cells(lighting: LightingMode) -> CellUnit {
-    let engine = (EngineConfig::default(), Operators::default());
-    CellUnit::new(engine, &CellConfig::default(), (lighting, WrapOverride::Sampler), PyramidCut::default())
+    let renderer = RendererConfig { lighting, ..RendererConfig::default() };
+    let (engine, operators) = (EngineConfig::default(), Operators::default());
+    CellUnit::new(engine, operators, &CellConfig::default(), &renderer, PyramidCut::default())
 }
 
 /// Returns the cell of a pixel of the last polygon of these commands, and the number of pages set up.
@@ -148,7 +149,7 @@ fn figure_7b_search_reads_one_or_two_words_per_layer() {
 fn final_rasterization_pays_for_figure_7b_search() {
     let cycles = |mode: RenderMode, depth: f32| {
         let (format, engine) = (CellFormat::new(&CellConfig::default(), 1.0), EngineConfig::default());
-        let mut unit = Rasterization::new(engine, mode, ViewpointEnds::default(), (format, TableSizes::default()));
+        let mut unit = Rasterization::new(engine, mode, ViewpointEnds::default(), format, TableSizes::default());
         unit.state.pages.push(with_top());
         let mut block = CellBlock { mask: u16::MAX, ..CellBlock::default() };
         block.cells = [ReferenceCell::textured(0, [10.0, 10.0], depth, [255; 3]); 16];

@@ -1,7 +1,7 @@
 //! Depth of layers, tile pitch, tile base, tile numbers.
 
 use crate::{SIZES, page, page_of, texture};
-use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TexturePage};
+use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TexelArea, TexturePage};
 use basrelief_signals::WrapMode;
 use std::collections::BTreeSet;
 
@@ -50,7 +50,7 @@ fn tile_numbers_pitch_and_base_match_walked_table() {
                 for (y, row) in rows.iter().enumerate() {
                     for (x, &number) in row.iter().enumerate() {
                         assert_eq!(page.tile_of(depth as u8, [x as u32, y as u32]), number);
-                        let (first, end) = page.texels_of(number);
+                        let TexelArea { first, end } = page.texels_of(number);
                         assert!((first[0]..end[0]).contains(&(x as u32)) && (first[1]..end[1]).contains(&(y as u32)));
                         assert_eq!(usize::from(page.layer_of(number)), depth);
                     }
