@@ -111,7 +111,7 @@ fn data_of_server_stays_within_memory_limit() {
     let place = Place::new();
     let outcome = run(&place, 1024, &format!("run --from http://{address}/ --quiet --memory-limit 64MiB"));
     let error = outcome.error(1);
-    assert!(error.contains("/scene: would hold") && error.contains("over the limit of 64 MiB"), "{error}");
+    assert!(error.contains("/scene/64x64/raw: would hold") && error.contains("over the limit of 64 MiB"), "{error}");
     assert!(!error.contains("attempt"), "asked for once: {error}");
 }
 

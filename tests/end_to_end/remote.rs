@@ -63,6 +63,7 @@ impl Drop for Server {
 struct Between {
     url: String,
     tiles: Arc<AtomicU64>,
+    most: Arc<AtomicU64>,
 }
 
 impl Between {
@@ -83,15 +84,21 @@ impl Between {
         let server = url.trim_start_matches("http://").trim_end_matches('/').to_owned();
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let own = format!("http://{}/", listener.local_addr().expect("an address"));
-        let tiles = Arc::new(AtomicU64::new(0));
-        let passed = Arc::clone(&tiles);
+        let (tiles, most) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(most)));
+        let (passed, limit) = (Arc::clone(&tiles), Arc::clone(&most));
         thread::spawn(move || {
             for stream in listener.incoming().flatten() {
-                let (server, passed) = (server.clone(), Arc::clone(&passed));
-                thread::spawn(move || pass(stream, &server, (&passed, most), late));
+                let (server, passed, limit) = (server.clone(), Arc::clone(&passed), Arc::clone(&limit));
+                thread::spawn(move || pass(stream, &server, (&passed, limit.load(Ordering::SeqCst)), late));
             }
         });
-        Self { url: own, tiles }
+        Self { url: own, tiles, most }
+    }
+
+    /// Forwards all tiles from now on, and counts them from 0.
+    fn reset(&self) {
+        self.tiles.store(0, Ordering::SeqCst);
+        self.most.store(u64::MAX, Ordering::SeqCst);
     }
 
     fn passed(&self) -> u64 {
@@ -175,9 +182,10 @@ fn lost_server_keeps_received_tiles() {
         assert_eq!(picture(&place.path("lost").join(&name)), picture(&place.path("whole").join(&name)), "{round}");
     }
     assert_eq!(place.bytes("lost/image.png"), place.bytes("lost/image-round-1.png"), "the best one is the picture");
-    let again = Between::new(&server.1, u64::MAX);
-    assert_eq!(run(&again.url, "--tile-cache kept --out again").code(), 0);
-    assert_eq!(again.passed(), figure(&place, "whole", "tiles_loaded") - most, "only the rest");
+    // The cache is that of one address, so the proxy stays.
+    dying.reset();
+    assert_eq!(run(&dying.url, "--tile-cache kept --out again").code(), 0);
+    assert_eq!(dying.passed(), figure(&place, "whole", "tiles_loaded") - most, "only the rest");
     assert_eq!(images(&place, "again"), images(&place, "whole"));
 }
 
@@ -230,7 +238,7 @@ fn views_of_one_server_share_tiles() {
     assert!(figure(&place, "remote", "tiles_reused") > 0);
     assert_eq!(counted.passed(), figure(&place, "remote", "tiles_loaded"), "none is fetched twice");
     // These views begin alike and then turn the other way.
-    let counted = Between::new(&server.1, u64::MAX);
+    counted.reset();
     let other = "--frames 2 --orbit -50";
     place.ok(&format!("run --from {} {SMALL} {other} {CUT} --quiet --tile-cache kept --out other", counted.url));
     assert!((1..figure(&place, "other", "tiles_loaded")).contains(&counted.passed()), "{}", counted.passed());
@@ -249,9 +257,10 @@ fn report_has_traffic_and_image_times_of_real_path() {
         (count("tiles"), count("tile_bytes")),
         (figure(&place, "remote", "tiles_loaded"), figure(&place, "remote", "path_tile_bytes"))
     );
-    assert_eq!(count("requests"), count("tiles") + 1, "the scene, and each tile");
+    let lists = count("requests") - count("tiles") - 1;
+    assert!((1..=100).contains(&lists), "the scene, each tile, and {lists} lists of hashes");
     assert!((1..=9).contains(&count("connections")), "connections are kept: {}", count("connections"));
-    let scene = get(server.address(), "/scene");
+    let scene = get(server.address(), "/scene/8x8/raw");
     let length = scene.lines().find_map(|line| line.strip_prefix("content-length: ")).expect("a length");
     assert_eq!(count("scene_bytes").to_string(), length);
     // An answer's head has at least its status and length. A request has at least its path and host.
@@ -357,14 +366,14 @@ fn answering(body: &'static [u8]) -> String {
 #[test]
 fn server_without_scene_is_named() {
     let place = Place::new();
-    // Compressed data: `basrelief-scene/1`, and a head that declares 4 GiB but is missing.
-    let cut = b"\x78\x01\x01\x16\x00\xe9\xffbasrelief-scene/1\n\xff\xff\xff\xff\x65\xbb\x0a\x4f";
+    // Compressed data: `basrelief-scene/2`, and a head that declares 4 GiB but is missing; then no hashes of tiles.
+    let cut = b"\x78\x01\x01\x16\x00\xe9\xffbasrelief-scene/2\n\xff\xff\xff\xff\x65\xc1\x0a\x50\x00\x00\x00\x00";
     for body in [&b"{\"op\": 17, garbage"[..], b"", b"<html>It works!</html>", b"\x78\x01\xff\xff\xff", cut] {
         let url = answering(body);
         let refused = place.run(&format!("run --from {url} --quiet"));
-        assert!(refused.error(1).starts_with(&format!("{url}scene: ")), "{}", refused.err);
+        assert!(refused.error(1).starts_with(&format!("{url}scene/64x64/raw: ")), "{}", refused.err);
     }
-    assert!(place.run(&format!("run --from {} --quiet", answering(cut))).err.contains("/scene: head: is cut short"));
+    assert!(place.run(&format!("run --from {} --quiet", answering(cut))).err.contains("/scene/64x64/raw: head: is cut short"));
     assert!(place.names("").is_empty(), "{:?}", place.names(""));
 }
 
@@ -507,4 +516,74 @@ fn public_address_and_bad_combinations_are_refused() {
     }
     assert!(refused("run PATCH --tile-cache x").contains("--from"));
     assert!(refused("run PATCH --wait 3").contains("--from"));
+}
+
+/// Serves tiles of one server under the addresses of another.
+fn lying(honest: &Server, liar: &Server) -> String {
+    let picture = |server: &Server| {
+        let page = get(server.address(), "/served");
+        let (before, _) = page.split_once("</code></td></tr>").expect("a picture");
+        before.rsplit_once("<code>").expect("a picture").1.to_owned()
+    };
+    let (pictures, addresses) = ([honest, liar].map(picture), [honest, liar].map(|server| server.address().to_owned()));
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let url = format!("http://{}/", listener.local_addr().expect("an address"));
+    thread::spawn(move || {
+        for mut client in listener.incoming().flatten() {
+            let mut lines = BufReader::new(client.try_clone().expect("a stream")).lines().map_while(Result::ok);
+            let first = lines.next().unwrap_or_default();
+            while lines.next().is_some_and(|line| !line.is_empty()) {}
+            let path = first.split(' ').nth(1).unwrap_or("/");
+            let lies = path.starts_with("/tile/");
+            let asked = if lies { path.replace(&pictures[0], &pictures[1]) } else { path.to_owned() };
+            let mut upstream = TcpStream::connect(&addresses[usize::from(lies)]).expect("the server");
+            write!(upstream, "GET {asked} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").expect("sent");
+            let mut answer = Vec::new();
+            upstream.read_to_end(&mut answer).expect("an answer");
+            // The client may have given up and closed the connection.
+            let _ = client.write_all(&answer);
+        }
+    });
+    url
+}
+
+#[test]
+fn lying_tile_is_refused_and_not_cached() {
+    let place = Place::new();
+    let (liar, honest) = (serve_triangle(&place, [0, 0, 200]), serve_triangle(&place, [200, 0, 0]));
+    let url = lying(&honest, &liar);
+    let run = |url: &str| place.run(&format!("run --from {url} --size 32x24 --tile-cache kept --quiet --out remote"));
+    let refused = run(&url);
+    let error = refused.error(1);
+    assert!(
+        ["texture ", "tile 0", "/tile/", "not the tile that the scene states"].iter().all(|part| error.contains(part)),
+        "{error}"
+    );
+    assert_eq!(run(&honest.1).code(), 0);
+    place.ok("run m.obj --machine defer --size 32x24 --quiet --out file");
+    assert_eq!(images(&place, "remote"), images(&place, "file"));
+}
+
+/// The head of the answer arrives one byte at a time, and would take more than ten minutes.
+#[test]
+fn dripping_head_of_scene_ends_soon() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address");
+    thread::spawn(move || {
+        for mut stream in listener.incoming().flatten() {
+            thread::spawn(move || {
+                let head = format!("HTTP/1.1 200 OK\r\nx: {}", "x".repeat(10_000));
+                for byte in head.bytes() {
+                    if stream.write_all(&[byte]).is_err() {
+                        return;
+                    }
+                    thread::sleep(std::time::Duration::from_millis(500));
+                }
+            });
+        }
+    });
+    let (place, began) = (Place::new(), std::time::Instant::now());
+    let refused = place.run(&format!("run --from http://{address}/ --quiet"));
+    assert!(refused.error(1).contains("too slow: the head of the answer takes more than 10 s"), "{}", refused.err);
+    assert!(began.elapsed().as_secs() < 60, "{:?}", began.elapsed());
 }

@@ -126,6 +126,8 @@ pub struct CostPoints {
 /// Tile requests of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileFetch {
+    /// Width and height of a tile \[texels\].
+    pub tile: [u32; 2],
     /// Encoding of the tiles on the path.
     pub encoding: TileEncoding,
     /// JPEG quality, 1 to 100, if tiles are JPEG.

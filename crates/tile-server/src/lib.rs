@@ -11,7 +11,8 @@
 //!
 //! | path | content |
 //! |---|---|
-//! | `/scene` | the scene ([`basrelief_scene::Subject::to_bytes`]), [compressed](protocol::pack) |
+//! | `/scene/WIDTHxHEIGHT/ENCODING` | the scene ([`basrelief_scene::Subject::to_bytes`]), [compressed](protocol::pack), and the [hashes](protocol::GroupHashes) of its tiles |
+//! | `/hashes/PICTURE/WIDTHxHEIGHT/ENCODING/GROUP` | the hashes of the tiles of a group: 16 bytes for each tile |
 //! | `/tile/PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER` | one tile of a picture cut into tiles of this size; ENCODING is `raw`, `png`, or `jpeg-QUALITY` |
 //! | `/tile/PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER,NUMBER,...` | [several tiles](protocol::join): for each its length as 4 bytes, little-endian, then its bytes |
 //! | `/bytes/PICTURE/WIDTHxHEIGHT/ENCODING/LAYER` | the total size of the tiles of a layer in bytes, as a decimal number; layer 0 is the coarsest |

@@ -6,13 +6,14 @@ use crate::outside::Outside;
 use crate::parcel::Parcel;
 use crate::path::{Come, Path, PathTiles};
 use crate::shown::{Rounds, Shown, catalogue};
+use basrelief_deferred_renderer::TileEncoding;
 use basrelief_input::{Budget, Held};
 use basrelief_scene::{MemoryFiles, SceneSubject};
 use basrelief_sim::{
     AnalysisPolicy, AuxForm, AuxOutputInfo, Costs, MACHINES, MachineConfig, MachineInfo, Overrides, PreparedScene, RunInput,
     RunOptions, run, timeline_layout,
 };
-use basrelief_tile_server::protocol::unpack;
+use basrelief_tile_server::protocol::{GroupHashes, ReceivedScene, unpack};
 use basrelief_timeline::UtilizationTimeline;
 use basrelief_trace::looks_like_trace;
 use serde::Deserialize as _;
@@ -52,13 +53,37 @@ struct Looked {
     #[expect(dead_code, reason = "held as long as the subject")]
     held: Held,
     /// Connection to the server with the texels; `None` if the texels are local.
-    path: Option<Rc<Path>>,
+    remote: Option<Remote>,
+}
+
+/// Tile size, encoding and quality of the tiles of a server.
+type TileFormat = ([u32; 2], (TileEncoding, u8));
+
+/// Connection to a server, and the hashes of its tiles in one format.
+struct Remote {
+    path: Rc<Path>,
+    format: TileFormat,
+    hashes: Rc<GroupHashes>,
 }
 
 impl Looked {
-    fn new(subject: SceneSubject, held: Held, budget: Budget, path: Option<Rc<Path>>) -> Box<Self> {
-        Box::new(Self { subject, seen: None, budget, held, path })
+    fn local(subject: SceneSubject, held: Held, budget: Budget) -> Box<Self> {
+        Box::new(Self { subject, seen: None, budget, held, remote: None })
     }
+
+    /// Fetches the scene of a server with the hashes of tiles in a format.
+    fn fetched(path: Rc<Path>, format: TileFormat, budget: Budget) -> Result<Self, String> {
+        let body = path.scene(format.0, format.1)?;
+        let ReceivedScene { subject, hashes, held } = unpack(&body, &format!("{}scene", path.server()), &budget)?;
+        let remote = Some(Remote { path, format, hashes: Rc::new(hashes) });
+        Ok(Self { subject, seen: None, budget, held, remote })
+    }
+}
+
+/// Returns the format in which a machine fetches tiles.
+fn tile_format(config: &MachineConfig) -> Result<TileFormat, String> {
+    let fetch = config.tile_fetch().ok_or_else(|| format!("only machine {} renders from a server", fetching_machine().name))?;
+    Ok((fetch.tile, (fetch.encoding, fetch.jpeg_quality)))
 }
 
 /// Returns the memory limit for untrusted input. The page has 4 GiB of address space in total.
@@ -86,7 +111,7 @@ impl Desk {
                 let machine = MachineInfo::of_demo(&name).name;
                 let budget = budget();
                 let held = budget.nothing();
-                self.take(Drawn::Demo(name), Kind::Subject(Looked::new(subject, held, budget, None)), machine)
+                self.take(Drawn::Demo(name), Kind::Subject(Looked::local(subject, held, budget)), machine)
             }
             Ask::From { server } => {
                 let kind = self.fetched(&server)?;
@@ -120,9 +145,9 @@ impl Desk {
     fn fetched(&self, server: &str) -> Result<Kind, String> {
         let outside = self.outside.as_ref().ok_or("there is nobody to ask for what a server has")?;
         let budget = budget();
-        let path = Path::new(Rc::clone(outside), server, &budget);
-        let (subject, held) = unpack(&path.scene()?, &format!("{server}scene"), &budget)?;
-        Ok(Kind::Subject(Looked::new(subject, held, budget, Some(Rc::new(path)))))
+        let path = Rc::new(Path::new(Rc::clone(outside), server, &budget));
+        let usual = Overrides::default().config(fetching_machine(), &[]).map_err(|e| e.to_string())?;
+        Ok(Kind::Subject(Box::new(Looked::fetched(path, tile_format(&usual)?, budget)?)))
     }
 
     fn run(&mut self, ask: &RunAsk) -> Result<Parcel, String> {
@@ -208,7 +233,7 @@ impl Lying {
     /// Returns the connection to the server with the texels; `None` if the texels are local.
     fn path(&self) -> Option<&Rc<Path>> {
         match &self.kind {
-            Kind::Subject(looked) => looked.path.as_ref(),
+            Kind::Subject(looked) => looked.remote.as_ref().map(|remote| &remote.path),
             Kind::Trace(..) => None,
         }
     }
@@ -216,19 +241,22 @@ impl Lying {
     fn input(&mut self, view: &View, config: &MachineConfig) -> Result<(RunInput, Budget), String> {
         match &mut self.kind {
             Kind::Subject(looked) => {
-                let Looked { subject, seen, budget, path, .. } = &mut **looked;
+                if let Some(Remote { path, format, .. }) = &looked.remote {
+                    let (path, wanted) = (Rc::clone(path), tile_format(config)?);
+                    if wanted != *format {
+                        **looked = Looked::fetched(path, wanted, looked.budget.clone())?;
+                    }
+                }
+                let Looked { subject, seen, budget, remote, .. } = &mut **looked;
                 let prepared = match seen.take() {
                     Some((of, prepared)) if of == *view => prepared,
                     _ => PreparedScene::cached(Arc::new(subject.seen(&view.options()).map_err(|e| e.to_string())?), budget),
                 };
                 *seen = Some((view.clone(), prepared.clone()));
-                let input = match path {
+                let input = match remote {
                     None => RunInput::Scene(prepared),
-                    Some(path) => {
-                        let fetch = config
-                            .tile_fetch()
-                            .ok_or_else(|| format!("only machine {} renders from a server", fetching_machine().name))?;
-                        let tiles = PathTiles::new(Rc::clone(path), (fetch.encoding, fetch.jpeg_quality));
+                    Some(Remote { path, format: (_, encoding), hashes }) => {
+                        let tiles = PathTiles::new(Rc::clone(path), Rc::clone(hashes), *encoding);
                         RunInput::Remote { scene: prepared, tiles: Box::new(tiles), name: self.drawn.name().into() }
                     }
                 };
@@ -275,5 +303,5 @@ fn opened(name: &str, files: Vec<File>, question: &Parcel) -> Result<Kind, Strin
     }
     let loaded = SceneSubject::load_within(bytes(main)?, name, &memory, &budget);
     let (subject, held) = loaded.map_err(|e| e.to_string())?;
-    Ok(Kind::Subject(Looked::new(subject, held, budget, None)))
+    Ok(Kind::Subject(Looked::local(subject, held, budget)))
 }

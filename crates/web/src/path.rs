@@ -6,7 +6,8 @@ use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding, TileSou
 use basrelief_input::{Budget, Held};
 use basrelief_signals::Texture;
 use basrelief_tile_server::protocol::{
-    MAX_TILE_BYTES, TileCatalog, check_hash, check_status, check_tile, hash_from_etag, max_tiles_per_request, split, tiles_path,
+    GroupHashes, MAX_LIST_BYTES, MAX_TILE_BYTES, TileCatalog, check_hash, check_scene_status, check_status, group_of,
+    hash_from_etag, hash_of_received, hashes_path, max_tiles_per_request, scene_path, split, tiles_path,
 };
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, VecDeque};
@@ -46,6 +47,11 @@ impl Path {
         Self { outside, server: server.into(), come: Cell::default(), kept: RefCell::default(), held }
     }
 
+    /// Returns the address of the server, for messages.
+    pub(crate) fn server(&self) -> &str {
+        &self.server
+    }
+
     pub(crate) fn come(&self) -> Come {
         self.come.get()
     }
@@ -56,15 +62,25 @@ impl Path {
         self.come.set(come);
     }
 
-    /// Fetches the scene in wire format.
-    pub(crate) fn scene(&self) -> Result<Vec<u8>, String> {
-        let scene = self.get("scene", Ok)?;
+    /// Fetches the scene in wire format, with the hashes of tiles of this size and encoding.
+    pub(crate) fn scene(&self, tile: [u32; 2], encoding: (TileEncoding, u8)) -> Result<Vec<u8>, String> {
+        let scene = self.get_with(&scene_path(tile, encoding), check_scene_status, Ok)?;
         self.count(|come| come.scene_bytes += scene.len() as u64);
         Ok(scene)
     }
 
     /// Fetches an address and decodes the body with `made`. Repeats the request if a check or `made` fails.
     fn get<T>(&self, address: &str, made: impl Fn(Vec<u8>) -> Result<T, String>) -> Result<T, String> {
+        self.get_with(address, check_status, made)
+    }
+
+    /// As `get`, with a check of the status.
+    fn get_with<T>(
+        &self,
+        address: &str,
+        check_status: fn(u16) -> Result<(), String>,
+        made: impl Fn(Vec<u8>) -> Result<T, String>,
+    ) -> Result<T, String> {
         let once = |attempt| -> Result<T, String> {
             self.count(|come| come.requests += 1);
             let got = self.outside.get(address, attempt > 1)?;
@@ -87,6 +103,20 @@ impl Path {
         let (number, body) = self.get(address, |body| Ok((number(&body)?, Arc::from(body))))?;
         self.keep(address.into(), &body);
         Ok(number)
+    }
+
+    /// Fetches a list of hashes of tiles once and caches it.
+    fn hash_list(&self, address: &str, check: impl Fn(&[u8]) -> Result<(), String>) -> Result<Arc<[u8]>, String> {
+        if let Some(list) = self.kept(address) {
+            return Ok(list);
+        }
+        let checked = |body: Vec<u8>| match body.len() as u64 {
+            0..=MAX_LIST_BYTES => check(&body).map(|()| body),
+            _ => Err(format!("too long: more than {MAX_LIST_BYTES} bytes")),
+        };
+        let list = Arc::from(self.get(address, checked)?);
+        self.keep(address.into(), &list);
+        Ok(list)
     }
 
     /// Returns cached data.
@@ -112,6 +142,8 @@ fn number(body: &[u8]) -> Result<u64, String> {
 #[derive(Debug)]
 pub(crate) struct PathTiles {
     path: Rc<Path>,
+    /// Hashes of the tiles, as the scene states them.
+    hashes: Rc<GroupHashes>,
     offered: TileCatalog,
     /// Announced tiles in order: texture and tile number.
     announced: VecDeque<(u32, u32)>,
@@ -120,8 +152,8 @@ pub(crate) struct PathTiles {
 }
 
 impl PathTiles {
-    pub(crate) fn new(path: Rc<Path>, encoding: (TileEncoding, u8)) -> Self {
-        Self { path, offered: TileCatalog::new(encoding), announced: VecDeque::new(), ahead: Vec::new() }
+    pub(crate) fn new(path: Rc<Path>, hashes: Rc<GroupHashes>, encoding: (TileEncoding, u8)) -> Self {
+        Self { path, hashes, offered: TileCatalog::new(encoding), announced: VecDeque::new(), ahead: Vec::new() }
     }
 
     fn address(&self, page: &TexturePage, tiles: &[u32]) -> String {
@@ -140,17 +172,26 @@ impl PathTiles {
         std::iter::once(tile).chain(missing).take(max_tiles_per_request(page)).collect()
     }
 
+    /// Returns the list of the hashes of the group of a tile.
+    fn hashes_of(&self, page: &TexturePage, tile: u32) -> Result<Arc<[u8]>, String> {
+        let (picture, group) = (self.offered.picture(page.texture), group_of(tile));
+        let address = hashes_path(&picture, page.cut.tile, self.offered.encoding, group);
+        self.path.hash_list(&address, |list| self.hashes.check_list(&picture, group, list))
+    }
+
     /// Fetches a tile together with the next missing tiles of its texture.
     fn fetch(&mut self, page: &TexturePage, tile: u32) -> Result<(), String> {
         let wanted = self.together(page, tile);
         let encoding = self.offered.encoding.0;
+        let picture = self.offered.picture(page.texture);
         let checked = |body: Vec<u8>| -> Result<Vec<Arc<[u8]>>, String> {
             let tiles = if wanted.len() == 1 { vec![&body[..]] } else { split(&body, wanted.len())? };
             for (number, tile) in wanted.iter().zip(&tiles) {
                 if tile.len() as u64 > MAX_TILE_BYTES {
                     return Err(format!("too long: more than {MAX_TILE_BYTES} bytes"));
                 }
-                check_tile(encoding, page, *number, tile)?;
+                let hash = hash_of_received(encoding, page, *number, tile)?;
+                self.hashes.check_tile(&picture, (*number, hash), || self.hashes_of(page, *number))?;
             }
             Ok(tiles.into_iter().map(Arc::from).collect())
         };

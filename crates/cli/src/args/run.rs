@@ -102,11 +102,14 @@ pub struct PageArgs {
     /// Allow an address that other computers can reach.
     #[arg(long)]
     pub public: bool,
+    /// Answer requests to this host name too; repeatable [default: the address only].
+    #[arg(long, value_name = "NAME")]
+    pub allow_host: Vec<String>,
     /// Folder written by `web/build` [default: `page` beside this program].
     #[arg(long, value_name = "DIR")]
     pub folder: Option<PathBuf>,
     /// Write the page as one file that works without a server, and exit.
-    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["listen", "public"])]
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["listen", "public", "allow_host"])]
     pub export: Option<PathBuf>,
 }
 

@@ -12,11 +12,11 @@ use crate::progress::{InputProgress, Progress, TileProgress};
 use crate::terminal;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_input::Budget;
-use basrelief_scene::{SceneSubject, ViewOptions};
-use basrelief_sim::{MACHINES, MachineConfig, Overrides, PreparedScene, RunInput};
+use basrelief_scene::ViewOptions;
+use basrelief_sim::{MACHINES, MachineConfig, Overrides, PreparedScene, RunInput, TileFetch};
 use basrelief_tile_server::client::{Fetcher, RemoteTiles, RetryPolicy, TileCache, TileStore};
 use basrelief_tile_server::preview::{LivePreview, PreviewedTiles};
-use basrelief_tile_server::protocol::unpack;
+use basrelief_tile_server::protocol::{GroupHashes, ReceivedScene, scene_path, unpack};
 use std::io::{self, Write as _};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -33,19 +33,26 @@ fn config_of(args: &RunArgs, look: &Look, budget: &Budget) -> Done<(MachineConfi
     input::config(&look.tell(&machine, None)?, None, budget)
 }
 
-/// Fetches the scene of a server and applies the view. Its memory stays reserved until the end of the program.
-fn scene_of(fetcher: &Fetcher, view: &ViewOptions, shown: &TileProgress, budget: &Budget) -> Done<PreparedScene> {
-    let (address, packed, _held) = fetcher.scene(|bytes| shown.scene(bytes)).map_err(Failure::Bad)?;
-    let (subject, held): (SceneSubject, _) = unpack(&packed, &address, budget).map_err(Failure::Bad)?;
+/// Fetches the scene of a server and applies the view. Returns it with the hashes of its tiles. Their memory stays reserved until the
+/// end of the program.
+fn scene_of(
+    fetcher: &Fetcher,
+    (fetch, view): (&TileFetch, &ViewOptions),
+    shown: &TileProgress,
+    budget: &Budget,
+) -> Done<(PreparedScene, GroupHashes)> {
+    let address = scene_path(fetch.tile, (fetch.encoding, fetch.jpeg_quality));
+    let (url, body, _held) = fetcher.scene(&address, |bytes| shown.scene(bytes)).map_err(Failure::Bad)?;
+    let ReceivedScene { subject, hashes, held } = unpack(&body, &url, budget).map_err(Failure::Bad)?;
     held.keep();
     let (scene, held) = subject.seen_within(view, budget).map_err(Failure::bad)?;
     held.keep();
-    Ok(Arc::new(scene).into())
+    Ok((Arc::new(scene).into(), hashes))
 }
 
-/// Opens the folder of `--tile-cache`.
-fn open_cache(folder: &Path) -> Done<TileCache> {
-    let cache = TileCache::open(folder, write_tile).map_err(Failure::file(folder, "be written"))?;
+/// Opens the folder of `--tile-cache` for a server.
+fn open_cache(folder: &Path, url: &str) -> Done<TileCache> {
+    let cache = TileCache::open(folder, url, write_tile).map_err(Failure::file(folder, "be written"))?;
     remove_remains(folder);
     Ok(cache)
 }
@@ -69,8 +76,8 @@ pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> Done {
         .wait
         .map_or_else(RetryPolicy::default, |s| RetryPolicy { starting: Duration::from_secs(s), ..RetryPolicy::default() });
     let fetcher = Fetcher::within(url, retry, budget);
-    let scene = scene_of(&fetcher, &look.view, &shown, budget)?;
-    let cache = args.tile_cache.as_deref().map(open_cache).transpose()?;
+    let (scene, hashes) = scene_of(&fetcher, (&fetch, &look.view), &shown, budget)?;
+    let cache = args.tile_cache.as_deref().map(|folder| open_cache(folder, url)).transpose()?;
     interrupt::say(match cache {
         Some(_) => "interrupted; only the images shown so far and the tiles in --tile-cache were written",
         None => "interrupted; only the images shown so far were written",
@@ -78,7 +85,7 @@ pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> Done {
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| TileStore { cache, failed: Arc::clone(&failed) });
     let real = Some(RealTimes::new(fetcher.meter().clone(), shown.clone()));
-    let (tiles, watched) = (Box::new(RemoteTiles::new(fetcher, fetch, kept, Arc::new(shown))), LivePreview::default());
+    let (tiles, watched) = (Box::new(RemoteTiles::new(fetcher, (fetch, hashes), kept, Arc::new(shown))), LivePreview::default());
     let tiles = match config.preview().filter(|_| args.simulation.watch.is_some()) {
         Some(preview) => Box::new(PreviewedTiles::new(tiles, watched.clone(), preview)),
         None => tiles as Box<dyn TileSource>,

@@ -32,7 +32,8 @@ pub fn page(args: &PageArgs, quiet: bool) -> Done {
             args.listen
         )));
     }
-    let (address, server) = site(&folder, PAGE)?.listen(args.listen).map_err(Failure::Bad)?;
+    let (address, server) =
+        site(&folder, PAGE)?.with_host_names(args.allow_host.clone()).listen(args.listen).map_err(Failure::Bad)?;
     interrupt::say("server stopped");
     if !quiet {
         print(&format!("Page: http://{address}/ (stop with Ctrl-C)\n"))?;

@@ -46,7 +46,7 @@ impl RealTimes {
             tiles: counted.tiles,
             tile_bytes: counted.tile_bytes,
             abandoned_tiles: counted.abandoned,
-            head_bytes: counted.received.saturating_sub(counted.scene + counted.tile_bytes),
+            head_bytes: counted.received.saturating_sub(counted.scene + counted.tile_bytes + counted.other),
         }
     }
 }

@@ -46,6 +46,7 @@ impl MachineSpec for DeferConfig {
     fn tile_fetch(&self) -> Option<TileFetch> {
         let (tile, path) = (&self.tile, &self.path);
         Some(TileFetch {
+            tile: [tile.width, tile.height],
             encoding: tile.encoding,
             jpeg_quality: tile.jpeg_quality,
             requests: path.requests,

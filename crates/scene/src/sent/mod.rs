@@ -1,10 +1,10 @@
 //! A subject as it travels to a renderer elsewhere: everything but texels.
 //!
-//! `basrelief-scene/1`, uncompressed, all numbers with the low byte first:
+//! `basrelief-scene/2`, uncompressed, all numbers with the low byte first:
 //!
 //! | bytes | content |
 //! |---|---|
-//! | 18 | `basrelief-scene/1` and a line end |
+//! | 18 | `basrelief-scene/2` and a line end |
 //! | 4 | length of the head |
 //! | that many | the [head](head::Head): names, textures, materials, objects, view, and how long the arrays are; postcard's encoding |
 //! | the rest | the [arrays](arrays) of all meshes, one mesh after the other, each mesh once however many objects it has |
@@ -24,7 +24,7 @@ use basrelief_signals::{Mesh, Texture};
 use head::SceneManifest;
 
 /// First bytes of a packed scene.
-const MAGIC: &[u8] = b"basrelief-scene/1\n";
+const MAGIC: &[u8] = b"basrelief-scene/2\n";
 /// Maximum memory per byte of the head, with lists that grow by doubling: an empty sentence is one byte there, and 24
 /// here \[bytes\].
 const HEAD_WEIGHT: u64 = 64;
@@ -55,7 +55,7 @@ impl SceneSubject {
 
 fn read(bytes: &[u8], budget: &Budget) -> Result<(SceneSubject, Held), SceneError> {
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
-        SceneError::at("byte 0", "no scene").expected("`basrelief-scene/1`").cure("ask a `basrelief serve` of the same version")
+        SceneError::at("byte 0", "no scene").expected("`basrelief-scene/2`").cure("ask a `basrelief serve` of the same version")
     })?;
     let cut = || SceneError::at("head", "is cut short");
     let (length, rest) = rest.split_first_chunk::<4>().ok_or_else(cut)?;

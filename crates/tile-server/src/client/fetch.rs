@@ -1,7 +1,10 @@
 //! Requests, repeated if they fail.
 
-use super::metrics::{Body, CountingConnector, TransferMetrics};
-use crate::protocol::{MAX_TILE_BYTES, MIN_BYTES_PER_SECOND, check_hash, check_status, hash_from_etag, split};
+use super::metrics::{Body, TransferMetrics};
+use super::transport::CountingConnector;
+use crate::protocol::{
+    MAX_TILE_BYTES, MIN_BYTES_PER_SECOND, check_hash, check_scene_status, check_status, hash_from_etag, split,
+};
 use basrelief_input::{Budget, Growing, Held, OverBudget};
 use std::io::{self, Read, Write};
 use std::thread;
@@ -43,7 +46,8 @@ impl Default for RetryPolicy {
 /// Maximum number of requests in flight.
 pub const MAX_IN_FLIGHT: u32 = 32;
 
-/// Longest time until the head of a response is complete. It is long because many requests may share a slow path.
+/// Longest time until the first byte of a response. It is long because many requests may share a slow path. From the first byte on, the
+/// head may take no longer than a stall.
 const MAX_HEAD: Duration = Duration::from_secs(600);
 /// Interval between connection attempts.
 const LOOK: Duration = Duration::from_millis(100);
@@ -132,16 +136,16 @@ impl Fetcher {
         Self { agent, base: base.trim_end_matches('/').to_owned(), patience, budget: budget.clone(), meter }
     }
 
-    /// Fetches the compressed scene. Returns its URL, its bytes and their memory. Waits for a server that does not listen yet. `came`
-    /// receives the number of bytes so far.
+    /// Fetches the compressed scene at an address. Returns its URL, its bytes and their memory. Waits for a server that does not listen
+    /// yet. `came` receives the number of bytes so far.
     ///
     /// # Errors
     /// All attempts have failed.
-    pub fn scene(&self, came: impl Fn(u64)) -> Result<(String, Vec<u8>, Held), String> {
-        let url = format!("{}/scene", self.base);
+    pub fn scene(&self, address: &str, came: impl Fn(u64)) -> Result<(String, Vec<u8>, Held), String> {
+        let url = format!("{}/{address}", self.base);
         let once = || {
             self.meter.begin();
-            self.once(&url, u64::MAX, &came)
+            self.once(&url, (u64::MAX, check_scene_status), &came)
         };
         match self.patiently((Attempts::default(), &sleep), once) {
             Ok((scene, held)) => {
@@ -155,26 +159,26 @@ impl Fetcher {
         }
     }
 
-    /// Fetches a tile of at most `largest` bytes that passes the check. `pause` waits, and returns false if the tile is no longer needed.
+    /// Fetches a body of at most `largest` bytes that passes the check. `pause` waits, and returns false if it is no longer needed.
     ///
     /// # Errors
     /// All attempts have failed.
-    pub fn tile(
+    pub fn body(
         &self,
-        tile: &str,
-        largest: u64,
+        address: &str,
+        (largest, kind): (u64, Body),
         check: impl Fn(&[u8]) -> Result<(), String>,
         (attempts, pause): (Attempts, &dyn Fn(Duration) -> bool),
     ) -> Result<Vec<u8>, String> {
-        let body = self.checked(tile, largest, |body| check(&body).map(|()| body), (attempts, pause))?;
-        self.meter.came(Body::Tile, body.len() as u64);
+        let body = self.checked(address, largest, |body| check(&body).map(|()| body), (attempts, pause))?;
+        self.meter.came(kind, body.len() as u64);
         Ok(body)
     }
 
     /// Makes one request for several tiles, each of which must pass the check. Returns `None` after any failure; the caller then
     /// requests the tiles one by one.
     pub fn tiles(&self, tiles: &str, count: usize, check: impl Fn(usize, &[u8]) -> Result<(), String>) -> Option<Vec<Vec<u8>>> {
-        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), MAX_TILE_BYTES, &|_| ()).ok()?;
+        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), (MAX_TILE_BYTES, check_status), &|_| ()).ok()?;
         let tiles = split(&body, count).ok()?;
         tiles.iter().enumerate().try_for_each(|(i, tile)| check(i, tile)).ok()?;
         tiles.iter().for_each(|tile| self.meter.came(Body::Tile, tile.len() as u64));
@@ -204,7 +208,7 @@ impl Fetcher {
         attempts: (Attempts, &dyn Fn(Duration) -> bool),
     ) -> Result<T, String> {
         let url = format!("{}/{address}", self.base);
-        let once = || -> Result<T, FetchError> { Ok(check(self.once(&url, largest, &|_| ())?.0)?) };
+        let once = || -> Result<T, FetchError> { Ok(check(self.once(&url, (largest, check_status), &|_| ())?.0)?) };
         self.patiently(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
     }
 
@@ -265,7 +269,12 @@ impl Fetcher {
         }
     }
 
-    fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<FetchedBody, FetchError> {
+    fn once(
+        &self,
+        url: &str,
+        (largest, check_status): (u64, fn(u16) -> Result<(), String>),
+        came: &dyn Fn(u64),
+    ) -> Result<FetchedBody, FetchError> {
         let _under_way = self.meter.under_way();
         let called = self.agent.get(url).call().map_err(|e| self.fault(&e));
         // A refused connection is no request.
@@ -298,6 +307,7 @@ impl Fetcher {
     fn told(&self, error: &ureq::Error) -> String {
         match error {
             ureq::Error::Timeout(_) => format!("nothing has come for {} s", self.patience.stall.as_secs_f64()),
+            ureq::Error::Io(e) if e.get_ref().is_some() => e.to_string(),
             e => e.to_string(),
         }
     }

@@ -3,7 +3,6 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-use ureq::unversioned::transport::{Buffers, ConnectionDetails, Connector, NextTimeout, Transport};
 
 /// Counts bytes and requests. Clones count together.
 #[derive(Clone, Debug, Default)]
@@ -122,8 +121,18 @@ impl TransferMetrics {
         RequestGuard(self.clone())
     }
 
+    /// Counts an opened connection.
+    pub(super) fn connected(&self) {
+        add(&self.0.connections, 1);
+    }
+
+    /// Counts sent bytes.
+    pub(super) fn sent(&self, bytes: usize) {
+        add(&self.0.sent, bytes as u64);
+    }
+
     /// Counts received bytes.
-    fn received(&self, bytes: usize) {
+    pub(super) fn received(&self, bytes: usize) {
         add(&self.0.received, bytes as u64);
         if bytes > 0 {
             self.clock().came = Some(Instant::now());
@@ -131,7 +140,7 @@ impl TransferMetrics {
     }
 
     /// Returns true if data arrived on any connection within this time.
-    fn came_within(&self, time: Duration) -> bool {
+    pub(super) fn came_within(&self, time: Duration) -> bool {
         self.clock().came.is_some_and(|came| came.elapsed() < time)
     }
 
@@ -181,57 +190,6 @@ impl TransferMetrics {
 
 fn add(count: &AtomicU64, n: u64) {
     count.fetch_add(n, Ordering::Relaxed);
-}
-
-/// Counts the traffic of every connection. A timeout of one connection does not count while data arrives on another: the path is slow, and
-/// the connection has to wait its turn.
-#[derive(Debug)]
-pub(super) struct CountingConnector(pub(super) TransferMetrics, pub(super) Duration);
-
-impl<In: Transport> Connector<In> for CountingConnector {
-    type Out = CountingTransport<In>;
-
-    fn connect(&self, _: &ConnectionDetails<'_>, chained: Option<In>) -> Result<Option<Self::Out>, ureq::Error> {
-        Ok(chained.map(|inner| {
-            add(&self.0.0.connections, 1);
-            CountingTransport { inner, meter: self.0.clone(), stall: self.1 }
-        }))
-    }
-}
-
-/// A counted connection.
-#[derive(Debug)]
-pub(super) struct CountingTransport<In> {
-    inner: In,
-    meter: TransferMetrics,
-    stall: Duration,
-}
-
-impl<In: Transport> Transport for CountingTransport<In> {
-    fn buffers(&mut self) -> &mut dyn Buffers {
-        self.inner.buffers()
-    }
-
-    fn transmit_output(&mut self, amount: usize, timeout: NextTimeout) -> Result<(), ureq::Error> {
-        add(&self.meter.0.sent, amount as u64);
-        self.inner.transmit_output(amount, timeout)
-    }
-
-    fn await_input(&mut self, timeout: NextTimeout) -> Result<bool, ureq::Error> {
-        let before = self.inner.buffers().input().len();
-        let came = loop {
-            match self.inner.await_input(timeout) {
-                Err(ureq::Error::Timeout(_)) if self.meter.came_within(self.stall) => {}
-                came => break came?,
-            }
-        };
-        self.meter.received(self.inner.buffers().input().len().saturating_sub(before));
-        Ok(came)
-    }
-
-    fn is_open(&mut self) -> bool {
-        self.inner.is_open()
-    }
 }
 
 #[cfg(test)]

@@ -2,17 +2,19 @@
 
 mod cache;
 mod fetch;
+mod hash_lists;
 mod metrics;
 mod queue;
 mod schedule;
 mod tiles;
+mod transport;
 
-pub use cache::TileCache;
+pub use cache::{TileCache, TileStore};
 pub use fetch::{Fetcher, RetryPolicy};
 pub use metrics::{Elapsed, TransferMetrics};
 #[cfg(test)]
 pub(crate) use queue::MAX_AHEAD;
-pub use tiles::{RemoteTiles, TileStore};
+pub use tiles::RemoteTiles;
 
 use std::fmt::Debug;
 

@@ -1,31 +1,26 @@
 //! The tile source of the device: fetches tiles ahead with several concurrent requests.
 
 use super::fetch::{Attempts, MAX_IN_FLIGHT};
+use super::hash_lists::{HashLists, HashedTile};
+use super::metrics::Body;
 use super::queue::{TileFetchQueue, TileRequest};
 use super::schedule::ViewSchedule;
-use super::{FetchProgress, Fetcher, TileCache};
-use crate::protocol::{MAX_TILE_BYTES, TileCatalog, check_tile, max_tiles_per_request, tiles_path};
+use super::{FetchProgress, Fetcher, TileStore};
+use crate::protocol::{GroupHashes, MAX_TILE_BYTES, TileCatalog, hash_of_received, max_tiles_per_request, tiles_path};
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding, TileSource, ViewUser};
 use basrelief_signals::Texture;
 use basrelief_sim::TileFetch;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
-
-/// The tile cache, and the reason if it cannot be written.
-#[derive(Clone, Debug)]
-pub struct TileStore {
-    /// The cache.
-    pub cache: TileCache,
-    /// Set at the first write error; later tiles are not cached.
-    pub failed: Arc<OnceLock<String>>,
-}
+use std::time::Duration;
 
 /// Everything that a fetching thread needs.
 #[derive(Clone, Debug)]
 struct FetchWorker {
     queue: Arc<TileFetchQueue>,
     fetcher: Fetcher,
+    hashes: Arc<HashLists>,
     /// Encoding and quality.
     encoding: (TileEncoding, u8),
     tiles_per_request: usize,
@@ -37,18 +32,33 @@ impl FetchWorker {
     /// Fetches tiles until the queue is closed.
     fn work(&self) {
         while let Some(wanted) = self.queue.take(|page| self.most(page)) {
-            let mut rest = Vec::new();
-            for wanted in wanted {
-                match self.kept(&wanted) {
-                    Some(tile) => {
-                        self.progress.arrived(0);
-                        self.done(&wanted, Ok(tile));
-                    }
-                    None => rest.push(wanted),
-                }
-            }
+            let rest: Vec<TileRequest> = wanted.into_iter().filter_map(|wanted| self.take_kept(wanted)).collect();
+            rest.iter().for_each(|wanted| self.hashes.prefetch(self.hashed(wanted), &self.fetcher, &self.pause()));
             self.fetch(&rest);
         }
+    }
+
+    /// Takes a tile from the cache. Returns the request if the tile must be fetched.
+    fn take_kept(&self, wanted: TileRequest) -> Option<TileRequest> {
+        let address = self.address(&[&wanted]);
+        // The cache removes a tile that fails its check, so the list must be there first.
+        let can_check = || self.hashes.can_check(self.hashed(&wanted), &self.fetcher, &self.pause());
+        let kept = self.kept.as_ref().filter(|_| can_check());
+        let cached = kept.and_then(|kept| kept.cache.get(&address, MAX_TILE_BYTES, |body| self.check(&wanted, body)));
+        let Some(tile) = cached else { return Some(wanted) };
+        self.progress.arrived(0);
+        self.done(&wanted, Ok(tile));
+        None
+    }
+
+    /// Returns a tile with its format.
+    fn hashed<'a>(&self, wanted: &'a TileRequest) -> HashedTile<'a> {
+        HashedTile { picture: &wanted.picture, tile: wanted.tile, size: wanted.page.cut.tile, encoding: self.encoding }
+    }
+
+    /// Returns a function that waits, and returns false once the queue is closed.
+    fn pause(&self) -> impl Fn(Duration) -> bool {
+        |pause| self.queue.pause(pause)
     }
 
     /// Returns the maximum number of tiles of a page per request.
@@ -57,46 +67,39 @@ impl FetchWorker {
     }
 
     /// Fetches tiles of one picture with one request; if that fails, with one request each.
-    fn fetch(&self, wanted: &[TileRequest]) {
+    fn fetch(&self, requests: &[TileRequest]) {
         let mut attempts = Attempts::default();
-        if wanted.len() > 1 {
-            match self.fetch_together(wanted) {
-                Some(tiles) => return wanted.iter().zip(tiles).for_each(|(wanted, tile)| self.came(wanted, Ok(tile))),
+        if requests.len() > 1 {
+            match self.fetch_together(requests) {
+                Some(tiles) => return requests.iter().zip(tiles).for_each(|(request, tile)| self.came(request, Ok(tile))),
                 None => attempts.made += 1,
             }
         }
-        for wanted in wanted {
-            let (address, check) = (self.address(&[wanted]), |body: &[u8]| self.check(wanted, body));
-            let pause = |pause| self.queue.pause(pause);
-            self.came(wanted, self.fetcher.tile(&address, MAX_TILE_BYTES, check, (attempts, &pause)));
+        for request in requests {
+            let (address, check) = (self.address(&[request]), |body: &[u8]| self.check(request, body));
+            let body = self.fetcher.body(&address, (MAX_TILE_BYTES, Body::Tile), check, (attempts, &self.pause()));
+            self.came(request, body);
         }
     }
 
-    fn fetch_together(&self, wanted: &[TileRequest]) -> Option<Vec<Vec<u8>>> {
-        let wanted: Vec<&TileRequest> = wanted.iter().collect();
-        self.fetcher.tiles(&self.address(&wanted), wanted.len(), |i, body| self.check(wanted[i], body))
-    }
-
-    /// Returns a tile of the cache.
-    fn kept(&self, wanted: &TileRequest) -> Option<Vec<u8>> {
-        self.kept.as_ref()?.cache.get(&self.address(&[wanted]), MAX_TILE_BYTES, |body| self.check(wanted, body))
+    fn fetch_together(&self, requests: &[TileRequest]) -> Option<Vec<Vec<u8>>> {
+        let requests: Vec<&TileRequest> = requests.iter().collect();
+        self.fetcher.tiles(&self.address(&requests), requests.len(), |i, body| self.check(requests[i], body))
     }
 
     /// Checks a tile.
     fn check(&self, wanted: &TileRequest, body: &[u8]) -> Result<(), String> {
-        check_tile(self.encoding.0, &wanted.page, wanted.tile, body)
+        let hash = hash_of_received(self.encoding.0, &wanted.page, wanted.tile, body)?;
+        self.hashes.check(self.hashed(wanted), hash, &self.fetcher, &self.pause())
     }
 
     /// Handles a received tile or its final error.
-    fn came(&self, wanted: &TileRequest, tile: Result<Vec<u8>, String>) {
+    fn came(&self, request: &TileRequest, tile: Result<Vec<u8>, String>) {
         if let Ok(tile) = &tile {
-            if let Some(kept) = self.kept.as_ref().filter(|kept| kept.failed.get().is_none()) {
-                // A write error does not affect the run; the command line reports it at the end.
-                let _ = kept.cache.put(&self.address(&[wanted]), tile).map_err(|e| kept.failed.set(e.to_string()));
-            }
+            self.kept.iter().for_each(|kept| kept.put(&self.address(&[request]), tile));
             self.progress.arrived(tile.len() as u64);
         }
-        self.done(wanted, tile);
+        self.done(request, tile);
     }
 
     /// Hands a tile to the device.
@@ -109,9 +112,10 @@ impl FetchWorker {
     }
 
     /// Returns the address of tiles of one picture.
-    fn address(&self, wanted: &[&TileRequest]) -> String {
-        let numbers: Vec<u32> = wanted.iter().map(|wanted| wanted.tile).collect();
-        wanted.first().map_or_else(String::new, |first| tiles_path(&first.picture, first.page.cut, self.encoding, &numbers))
+    fn address(&self, requests: &[&TileRequest]) -> String {
+        let numbers: Vec<u32> = requests.iter().map(|request| request.tile).collect();
+        let first = requests.first();
+        first.map_or_else(String::new, |first| tiles_path(&first.picture, first.page.cut, self.encoding, &numbers))
     }
 }
 
@@ -125,19 +129,31 @@ pub struct RemoteTiles {
 }
 
 impl RemoteTiles {
-    /// Starts the threads, at most `MAX_IN_FLIGHT`. Each received tile is cached at once.
-    pub fn new(fetcher: Fetcher, fetch: TileFetch, kept: Option<TileStore>, progress: Arc<dyn FetchProgress>) -> Self {
-        let TileFetch { encoding, jpeg_quality, requests, tiles_per_request, left_at_ms } = fetch;
+    /// Starts the threads, at most `MAX_IN_FLIGHT`. Each received tile is checked against the hashes of the scene, and cached at once.
+    pub fn new(
+        fetcher: Fetcher,
+        (fetch, hashes): (TileFetch, GroupHashes),
+        kept: Option<TileStore>,
+        progress: Arc<dyn FetchProgress>,
+    ) -> Self {
+        let TileFetch { tile: _, encoding, jpeg_quality, requests, tiles_per_request, left_at_ms } = fetch;
         let encoding = (encoding, jpeg_quality);
         let queue = Arc::new(TileFetchQueue::new(TileCatalog::new(encoding), fetcher.meter().clone(), progress.clone()));
         let user = (!left_at_ms.is_empty()).then(|| Arc::new(ViewSchedule::new(Arc::clone(&queue), left_at_ms)));
-        let worker = FetchWorker { queue, fetcher, encoding, tiles_per_request: tiles_per_request as usize, kept, progress };
+        let (hashes, tiles_per_request) = (Arc::new(HashLists::new(hashes)), tiles_per_request as usize);
+        let worker = FetchWorker { queue, fetcher, hashes, encoding, tiles_per_request, kept, progress };
         let start = |_| {
             let worker = worker.clone();
             thread::spawn(move || worker.work())
         };
         let threads = (0..requests.clamp(1, MAX_IN_FLIGHT)).map(start).collect();
         Self { worker, user, threads }
+    }
+
+    /// Stores a list of hashes, so that tests count the requests for tiles alone.
+    #[cfg(test)]
+    pub(crate) fn insert_list(&self, picture: &str, group: u32, list: Vec<u8>) {
+        self.worker.hashes.insert(picture, group, list);
     }
 }
 

@@ -48,26 +48,17 @@ impl TileCatalog {
             return Some(cut.raw_bytes(texture.levels.first().map_or([1; 2], |image| [image.width, image.height])));
         }
         let (picture, layer) = (hex(texture.elsewhere.as_ref()?), TexturePage::new(0, texture, cut, 0).dmax());
-        number(&format!("bytes/{}/{layer}", cut_name(&picture, cut, self.encoding))).ok()
+        number(&format!("bytes/{}/{layer}", cut_name(&picture, cut.tile, self.encoding))).ok()
     }
 }
 
 /// Returns picture, tile size and encoding as part of an address.
-fn cut_name(picture: &str, cut: PyramidCut, encoding: (TileEncoding, u8)) -> String {
-    let [width, height] = cut.tile;
+pub(crate) fn cut_name(picture: &str, [width, height]: [u32; 2], encoding: (TileEncoding, u8)) -> String {
     format!("{picture}/{width}x{height}/{}", encoding_name(encoding))
 }
 
 /// Returns the address of tiles of a picture.
 pub fn tiles_path(picture: &str, cut: PyramidCut, encoding: (TileEncoding, u8), tiles: &[u32]) -> String {
     let numbers: Vec<String> = tiles.iter().map(u32::to_string).collect();
-    format!("tile/{}/{}", cut_name(picture, cut, encoding), numbers.join(","))
-}
-
-/// Checks that a received tile can be decoded and has the right size.
-///
-/// # Errors
-/// The tile is damaged or has another size.
-pub fn check_tile(encoding: TileEncoding, page: &TexturePage, tile: u32, body: &[u8]) -> Result<(), String> {
-    encoding.decode(body, page.texels_of(tile).size()).map(drop).map_err(|e| format!("corrupt: {e}"))
+    format!("tile/{}/{}", cut_name(picture, cut.tile, encoding), numbers.join(","))
 }

@@ -19,6 +19,11 @@ pub fn parse_encoding(text: &str) -> Option<(TileEncoding, u8)> {
     }
 }
 
+/// Returns the address of the scene with the hashes of tiles of this size and encoding.
+pub fn scene_path([width, height]: [u32; 2], encoding: (TileEncoding, u8)) -> String {
+    format!("scene/{width}x{height}/{}", encoding_name(encoding))
+}
+
 /// Returns the name of an encoding.
 pub fn encoding_name((encoding, quality): (TileEncoding, u8)) -> String {
     match encoding {

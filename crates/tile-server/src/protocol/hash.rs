@@ -30,7 +30,14 @@ pub fn hash_of_picture(texture: &Texture) -> [u8; 32] {
 
 /// Returns the ETag of a body.
 pub fn etag_of(body: &[u8]) -> String {
-    format!("\"{}\"", hash_of(body))
+    etag_of_parts(&[body])
+}
+
+/// Returns the ETag of a body that consists of these parts.
+pub fn etag_of_parts(parts: &[&[u8]]) -> String {
+    let mut hash = Sha256::new();
+    parts.iter().for_each(|part| hash.update(part));
+    format!("\"{}\"", hex(&hash.finalize()))
 }
 
 /// Returns the hash of a body from its ETag.
@@ -56,6 +63,20 @@ pub fn check_status(status: u16) -> Result<(), String> {
         403 => Err("http status: 403; the server does not answer to this name (`basrelief serve --allow-host NAME`)".into()),
         404 => Err("http status: 404; the server may have another scene by now".into()),
         _ => Err(format!("http status: {status}")),
+    }
+}
+
+/// Checks the status of a response to a request for the scene.
+///
+/// # Errors
+/// Any status other than 200.
+pub fn check_scene_status(status: u16) -> Result<(), String> {
+    match status {
+        404 => {
+            Err("http status: 404; the server has no scene with hashes of tiles: use a `basrelief serve` of the same version"
+                .into())
+        }
+        _ => check_status(status),
     }
 }
 

@@ -1,5 +1,6 @@
 //! A compressed scene. Its uncompressed size counts against the memory limit before it is allocated.
 
+use super::GroupHashes;
 use basrelief_input::{Budget, Held};
 use basrelief_scene::SceneSubject;
 use fdeflate::{DecompressionError, Decompressor};
@@ -15,14 +16,27 @@ pub fn pack(scene: &[u8]) -> Vec<u8> {
     deflate::compress_to_vec_zlib(scene, LEVEL)
 }
 
-/// Decompresses a scene received from `name`. Returns the scene and its memory.
+/// A scene as a client receives it.
+pub struct ReceivedScene {
+    /// The scene; its texels are on the server.
+    pub subject: SceneSubject,
+    /// Hashes of the tiles of its pictures.
+    pub hashes: GroupHashes,
+    /// Memory of both.
+    pub held: Held,
+}
+
+/// Decompresses a scene with its hashes of tiles, received from `name`.
 ///
 /// # Errors
 /// Damaged data, or more than the memory limit. The message begins with `name`.
-pub fn unpack(packed: &[u8], name: &str, budget: &Budget) -> Result<(SceneSubject, Held), String> {
+pub fn unpack(body: &[u8], name: &str, budget: &Budget) -> Result<ReceivedScene, String> {
     let failed = |e| format!("{name}: no scene: {e}; is `basrelief serve` running there?");
+    let (packed, hashes, hashes_held) = GroupHashes::split(body, budget).map_err(failed)?;
     let (bytes, _held) = unpacked(packed, budget).map_err(failed)?;
-    SceneSubject::from_bytes(&bytes, name, budget).map_err(|e| e.to_string())
+    let (subject, mut held) = SceneSubject::from_bytes(&bytes, name, budget).map_err(|e| e.to_string())?;
+    held.join(hashes_held);
+    Ok(ReceivedScene { subject, hashes, held })
 }
 
 /// Decompresses bytes.
@@ -76,9 +90,10 @@ mod tests {
     fn packed_scene_unpacks_unchanged() {
         let subject = SceneSubject::demo("cut-plane@1").unwrap();
         let sent = subject.to_bytes(&mut crate::protocol::hash_of_picture).unwrap();
-        let (again, _held) = unpack(&pack(&sent), "http://a/scene", &Budget::default()).unwrap();
+        let body = |scene: &[u8]| [pack(scene), GroupHashes::default().to_bytes()].concat();
+        let again = unpack(&body(&sent), "http://a/scene", &Budget::default()).unwrap().subject;
         assert!(again.to_bytes(&mut |texture| texture.elsewhere.unwrap()).unwrap() == sent);
-        let error = unpack(&pack(b"other"), "http://a/scene", &Budget::default()).err().unwrap();
+        let error = unpack(&body(b"other"), "http://a/scene", &Budget::default()).err().unwrap();
         assert!(error.starts_with("http://a/scene: byte 0: no scene"), "{error}");
     }
 }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 #[derive(Debug, Default)]
 pub struct StaticFiles {
     files: BTreeMap<String, StaticFile>,
+    host_names: Vec<String>,
 }
 
 /// A file.
@@ -31,6 +32,11 @@ impl StaticFiles {
         let address = if name == "index.html" { "/".into() } else { format!("/{name}") };
         let packed = packed.into_iter().map(|(encoding, bytes)| (encoding, bytes.as_slice().into(), etag_of(&bytes))).collect();
         self.files.insert(address, StaticFile { bytes: bytes.into(), tag: etag_of(bytes), kind: kind(name), packed });
+    }
+
+    /// Answers requests whose header Host holds one of these names, besides those to the address of the server.
+    pub fn with_host_names(self, host_names: Vec<String>) -> Self {
+        Self { host_names, ..self }
     }
 
     /// Returns the file at a path.
@@ -56,6 +62,10 @@ impl RequestHandler for StaticFiles {
 
     fn headers(&self) -> &str {
         ""
+    }
+
+    fn host_names(&self) -> &[String] {
+        &self.host_names
     }
 }
 

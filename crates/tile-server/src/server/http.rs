@@ -118,6 +118,8 @@ pub(crate) type Packed = (&'static str, Arc<[u8]>, String);
 pub(crate) struct Response {
     status: u16,
     pub(crate) body: Arc<[u8]>,
+    /// Bytes behind the body, so that responses can share a large body.
+    pub(crate) tail: Arc<[u8]>,
     /// ETag; errors have none.
     tag: Option<String>,
     /// Media type.
@@ -132,7 +134,12 @@ pub(crate) struct Response {
 impl Response {
     /// Makes a response with status 200.
     pub(crate) fn found((body, tag): (Arc<[u8]>, String), kind: &'static str, keep: CachePolicy) -> Self {
-        Self { status: 200, body, tag: Some(tag), kind, keep, packed: vec![], encoding: None }
+        Self { status: 200, body, tail: [].into(), tag: Some(tag), kind, keep, packed: vec![], encoding: None }
+    }
+
+    /// Adds bytes behind the body.
+    pub(crate) fn with_tail(self, tail: Arc<[u8]>) -> Self {
+        Self { tail, ..self }
     }
 
     /// Adds compressed forms.
@@ -155,6 +162,7 @@ impl Response {
         Self {
             status,
             body: why.into_bytes().into(),
+            tail: [].into(),
             tag: None,
             kind,
             keep: CachePolicy::NoStore,
@@ -168,12 +176,12 @@ impl Response {
         let known = |tag: &str| {
             has.is_some_and(|has| has.split(',').any(|one| ["*", tag].contains(&one.trim().trim_start_matches("W/"))))
         };
-        if self.tag.as_deref().is_some_and(known) { Self { status: 304, body: [].into(), ..self } } else { self }
+        if self.tag.as_deref().is_some_and(known) { Self { status: 304, body: [].into(), tail: [].into(), ..self } } else { self }
     }
 
     /// Returns the head. `last` announces that the connection closes.
     pub(crate) fn head(&self, headers: &str, last: bool) -> String {
-        let &Self { status, ref body, ref tag, kind, keep, ref packed, encoding } = self;
+        let &Self { status, ref body, ref tail, ref tag, kind, keep, ref packed, encoding } = self;
         let reason = match status {
             200 => "OK",
             304 => "Not Modified",
@@ -194,7 +202,7 @@ impl Response {
             304 => String::new(),
             _ => {
                 let encoding = encoding.map(|encoding| format!("content-encoding: {encoding}\r\n")).unwrap_or_default();
-                let length = body.len();
+                let length = body.len() + tail.len();
                 format!("content-length: {length}\r\ncontent-type: {kind}\r\n{encoding}x-content-type-options: nosniff\r\n")
             }
         };

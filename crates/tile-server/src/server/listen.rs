@@ -1,17 +1,12 @@
-//! Connections of a server: a limited number, one thread each, and a client that does nothing loses its connection to the next one.
-//!
-//! If all connections are in use and another client connects, the server evicts the connection that has been idle longest, or if none is
-//! idle, one whose client has read nothing for half a second. While a client waits, each response announces that it is the last of its
-//! connection. So busy clients take turns, and few requests are lost to closed connections.
+//! A server: one thread for each of a limited number of [connections](super::connections).
 
+use super::connections::{ConnectionState, Connections};
 use super::hosts::AllowedHosts;
 use super::http::{HeaderParse, MAX_HEAD, Request, Response};
 use crate::protocol::MIN_BYTES_PER_SECOND;
-use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -24,18 +19,16 @@ pub struct Limits {
     pub slowest: u64,
     /// Concurrent connections.
     pub connections: usize,
+    /// Maximum size of the bodies that exist for single responses at the same time \[bytes\].
+    pub bodies: u64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { idle: Duration::from_secs(10), slowest: MIN_BYTES_PER_SECOND, connections: 256 }
+        Self { idle: Duration::from_secs(10), slowest: MIN_BYTES_PER_SECOND, connections: 256, bodies: 32 << 20 }
     }
 }
 
-/// Time without progress after which a connection can be evicted.
-const STALLED: Duration = Duration::from_millis(500);
-/// Interval between attempts to evict.
-const LOOK: Duration = Duration::from_millis(50);
 /// Pause after a failed `accept`, for example with too many open files.
 const PAUSE: Duration = Duration::from_millis(10);
 /// Bytes written at a time.
@@ -45,6 +38,10 @@ const PART: usize = 1 << 14;
 pub(crate) trait RequestHandler: Send + Sync + 'static {
     /// Returns the response to a path.
     fn answer(&self, path: &str) -> Response;
+    /// Returns the maximum size of a body that exists for the response to this path alone \[bytes\].
+    fn body_bytes(&self, _path: &str) -> u64 {
+        0
+    }
     /// Returns the headers of every response, one per line.
     fn headers(&self) -> &str;
     /// Returns the names of the server, besides its address, that the header Host may hold.
@@ -53,90 +50,6 @@ pub(crate) trait RequestHandler: Send + Sync + 'static {
     }
     /// Called when a response is sent completely: it arrives even if the process ends now.
     fn sent(&self, _answer: &Response) {}
-}
-
-/// State of a connection; the first in this order is evicted first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum ConnectionState {
-    /// The last response is sent; the client has only to close.
-    Lingering,
-    /// The client has sent no request, or part of one.
-    Idle,
-    /// The client receives a response.
-    Sending,
-    /// The response is being computed.
-    Computing,
-}
-
-#[derive(Debug)]
-struct Connection {
-    stream: Arc<TcpStream>,
-    state: ConnectionState,
-    /// Start of the state; while sending, the last progress.
-    since: Instant,
-    evicted: bool,
-}
-
-/// All connections.
-#[derive(Debug, Default)]
-struct Connections {
-    open: Mutex<BTreeMap<u64, Connection>>,
-    closed: Condvar,
-    /// Another client waits for a connection.
-    crowded: AtomicBool,
-}
-
-impl Connections {
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<u64, Connection>> {
-        self.open.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Admits a connection as soon as there is room.
-    fn admit(&self, number: u64, stream: Arc<TcpStream>, most: usize) {
-        let mut open = self.lock();
-        while open.len() >= most {
-            self.crowded.store(true, Ordering::Relaxed);
-            evict_one(&mut open);
-            open = self.closed.wait_timeout(open, LOOK).unwrap_or_else(PoisonError::into_inner).0;
-        }
-        self.crowded.store(false, Ordering::Relaxed);
-        open.insert(number, Connection { stream, state: ConnectionState::Idle, since: Instant::now(), evicted: false });
-    }
-
-    fn now(&self, number: u64, state: ConnectionState) {
-        if let Some(connection) = self.lock().get_mut(&number) {
-            (connection.state, connection.since) = (state, Instant::now());
-            // A client evicted while idle may still have a response to receive, and may be evicted again.
-            connection.evicted &= state != ConnectionState::Sending;
-        }
-    }
-
-    /// Returns true if the connection closes after the current response.
-    fn is_evicted(&self, number: u64) -> bool {
-        self.lock().get(&number).is_none_or(|connection| connection.evicted)
-    }
-
-    fn close(&self, number: u64) {
-        self.lock().remove(&number);
-        self.closed.notify_all();
-    }
-}
-
-/// Evicts the connection that is needed least, if any. Its thread reads the end of the stream, and still answers a request that has
-/// arrived.
-fn evict_one(open: &mut BTreeMap<u64, Connection>) {
-    let idle = |c: &&mut Connection| match c.state {
-        ConnectionState::Lingering | ConnectionState::Idle => true,
-        ConnectionState::Sending => c.since.elapsed() > STALLED,
-        ConnectionState::Computing => false,
-    };
-    let all = open.values_mut().filter(|c| !c.evicted).filter(idle);
-    if let Some(connection) = all.min_by_key(|c| (c.state, c.since)) {
-        connection.evicted = true;
-        let shut = if connection.state == ConnectionState::Sending { Shutdown::Both } else { Shutdown::Read };
-        // A stream that is already closed needs no shutdown.
-        let _ = connection.stream.shutdown(shut);
-    }
 }
 
 /// A running server.
@@ -167,10 +80,10 @@ pub(crate) fn listen(
 }
 
 fn accept(listener: &TcpListener, answers: &Arc<dyn RequestHandler>, hosts: &Arc<AllowedHosts>, limits: Limits) {
-    let connections = Arc::new(Connections::default());
+    let connections = Arc::new(Connections::new(limits.bodies));
     for number in 0.. {
         let Ok((stream, _)) = listener.accept() else {
-            evict_one(&mut connections.lock());
+            connections.evict_one();
             thread::sleep(PAUSE);
             continue;
         };
@@ -209,17 +122,20 @@ impl ServedClient<'_> {
             self.connections.now(self.number, ConnectionState::Idle);
             let head = self.read_request(&mut received)?;
             self.connections.now(self.number, ConnectionState::Computing);
+            let mut room = self.connections.room(0);
             let (answer, last, only_head) = match head {
                 HeaderParse::Incomplete => return Ok(()),
                 HeaderParse::Complete(asked, length) => {
                     received.drain(..length);
+                    room = self.connections.room(answers.body_bytes(&asked.path));
                     let answer = self.answer(answers, &asked);
                     (answer, asked.last || self.others_wait(), asked.head)
                 }
                 HeaderParse::Rejected(status, why) => (Response::refused(status, why), true, false),
             };
+            room.shrink_to(answer.body.len() as u64);
             self.connections.now(self.number, ConnectionState::Sending);
-            let body = if only_head { &[] } else { &*answer.body };
+            let body: [&[u8]; 2] = if only_head { [&[]; 2] } else { [&answer.body, &answer.tail] };
             self.send(body, answer.head(answers.headers(), last).as_bytes())?;
             if !only_head {
                 answers.sent(&answer);
@@ -239,7 +155,7 @@ impl ServedClient<'_> {
 
     /// Returns true if another client needs this connection.
     fn others_wait(&self) -> bool {
-        self.connections.crowded.load(Ordering::Relaxed) || self.connections.is_evicted(self.number)
+        self.connections.are_crowded() || self.connections.is_evicted(self.number)
     }
 
     /// Waits for a request; returns `Incomplete` at the end of the stream.
@@ -271,16 +187,16 @@ impl ServedClient<'_> {
         stream.read(bytes)
     }
 
-    fn send(&self, body: &[u8], head: &[u8]) -> io::Result<()> {
+    fn send(&self, [body, tail]: [&[u8]; 2], head: &[u8]) -> io::Result<()> {
         self.stream.set_write_timeout(Some(self.limits.idle))?;
         let (began, mut sent) = (Instant::now(), 0);
         let mut stream = self.stream;
         // A small response is one packet with its head.
         let (first, rest) = body.split_at(body.len().min(PART));
-        for part in std::iter::once(&*[head, first].concat()).chain(rest.chunks(PART)) {
+        for part in std::iter::once(&*[head, first].concat()).chain(rest.chunks(PART)).chain(tail.chunks(PART)) {
             stream.write_all(part)?;
-            self.connections.now(self.number, ConnectionState::Sending);
             sent += part.len() as u64;
+            self.connections.sent(self.number, sent);
             if began.elapsed() > self.limits.idle + Duration::from_secs(sent / self.limits.slowest) {
                 return Err(io::ErrorKind::TimedOut.into());
             }

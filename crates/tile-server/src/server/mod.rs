@@ -1,6 +1,8 @@
 //! The server: HTTP/1.1 over TCP with one thread per connection, fair to clients that compete for connections.
 
+mod connections;
 mod files;
+mod group_hashes;
 mod hosts;
 pub(crate) mod http;
 mod index;

@@ -1,6 +1,7 @@
 //! `basrelief serve`: the server (110) of the patent as a program.
 
 use super::StaticFiles;
+use super::group_hashes::CachedHashes;
 use super::http::{CachePolicy, Response};
 use super::listen::{Limits, ListeningServer, RequestHandler, listen};
 use super::semaphore::Semaphore;
@@ -16,7 +17,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 const MOST_TEXELS: u64 = 1 << 18;
 /// Maximum number of layer sizes cached per picture.
 const MOST_SUMS: usize = 1 << 10;
-const BYTES: &str = "application/octet-stream";
+/// Size of a body from which it counts against the limit for bodies \[bytes\]. The buffer of a connection takes smaller ones at once.
+const SMALL_BODY: u64 = 1 << 16;
+pub(super) const BYTES: &str = "application/octet-stream";
 
 /// Size of tiles, encoding, and layer.
 type LayerKey = ([u32; 2], (TileEncoding, u8), usize);
@@ -24,7 +27,7 @@ type LayerKey = ([u32; 2], (TileEncoding, u8), usize);
 /// A served picture.
 #[derive(Debug)]
 pub(crate) struct ServedPicture {
-    texture: Arc<Texture>,
+    pub(super) texture: Arc<Texture>,
     /// Its layers, computed on first use. Encoded tiles are not cached, because there is one for each size and encoding.
     pub(crate) pyramid: Mutex<ServedTexture>,
     /// Sizes of layers in bytes. All clients request the same ones, and each requires encoding a whole layer.
@@ -34,14 +37,16 @@ pub(crate) struct ServedPicture {
 /// A scene service.
 #[derive(Debug)]
 pub struct SceneService {
-    scene: Fixed,
+    /// The compressed scene; the hashes of its tiles follow it in a response.
+    pub(super) scene: Arc<[u8]>,
+    pub(super) hashes: CachedHashes,
     index: Fixed,
     /// The viewer, empty if it is not built.
     viewer: StaticFiles,
     /// Pictures by the hexadecimal hash of their texels.
     pub(crate) pictures: BTreeMap<String, ServedPicture>,
     /// Limits the encoders, so that their memory does not grow with the number of clients.
-    encoders: Semaphore,
+    pub(super) encoders: Semaphore,
     /// Headers that let pages of another origin read the responses, or nothing.
     cors: String,
     host_names: Vec<String>,
@@ -56,7 +61,7 @@ fn fixed(body: Vec<u8>) -> Fixed {
 }
 
 /// Body and media type, or status and reason of the error.
-type Found = Result<(Vec<u8>, &'static str), (u16, String)>;
+pub(crate) type Found = Result<(Vec<u8>, &'static str), (u16, String)>;
 
 impl SceneService {
     /// Serves this compressed scene, this page for people, and the pictures of these textures.
@@ -68,7 +73,8 @@ impl SceneService {
         let pictures = textures.into_iter().map(offered).collect();
         let encoders = Semaphore::new(threads::workers());
         Self {
-            scene: fixed(scene),
+            scene: scene.into(),
+            hashes: CachedHashes::default(),
             index: fixed(index.into_bytes()),
             viewer: StaticFiles::default(),
             pictures,
@@ -147,17 +153,30 @@ impl SceneService {
     }
 
     /// Parses picture, tile size and encoding; `None` if the address has another form.
-    fn cut(&self, asked: &str) -> Result<Option<TiledPicture<'_>>, (u16, String)> {
-        let parts: Vec<&str> = asked.split('/').collect();
-        let [picture, size, encoding] = parts[..] else { return Ok(None) };
-        let side = |s: &str| s.parse::<u32>().ok().filter(|n| n.is_power_of_two() && (4..=512).contains(n));
-        let size = size.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
-        let (Some(tile), Some(encoding)) = (size, parse_encoding(encoding)) else { return Ok(None) };
+    pub(super) fn cut(&self, asked: &str) -> Result<Option<TiledPicture<'_>>, (u16, String)> {
+        let Some((picture, format)) = asked.split_once('/') else { return Ok(None) };
+        let Some((tile, encoding)) = parse_format(format) else { return Ok(None) };
         let Some(offered) = self.pictures.get(picture) else {
             return Err((404, "there is no such picture: the server may have another scene by now\n".into()));
         };
         let page = TexturePage::new(0, &offered.texture, PyramidCut { tile, ..PyramidCut::default() }, 0);
         Ok(Some(TiledPicture { offered, page, encoding }))
+    }
+
+    /// Returns the response to a path that is no file of the viewer.
+    pub(crate) fn found(&self, path: &str) -> Result<Response, (u16, String)> {
+        let immutable = |(body, kind)| Response::found(fixed(body), kind, CachePolicy::Immutable);
+        match path.split_once('/').and_then(|(_, path)| path.split_once('/')) {
+            Some(("tile", asked)) => self.tiles(asked).map(immutable),
+            Some(("bytes", asked)) => self.bytes(asked).map(immutable),
+            Some(("hashes", asked)) => self.hash_list(asked).map(immutable),
+            Some(("scene", format)) => self.scene(Some(format)),
+            _ => match path {
+                "/" | "/served" => Ok(Response::found(self.index.clone(), "text/html; charset=utf-8", CachePolicy::Revalidate)),
+                "/scene" => self.scene(None),
+                _ => Err((404, "expected /, /served, /scene/..., /tile/..., /hashes/... or /bytes/...\n".into())),
+            },
+        }
     }
 
     /// Starts to listen at an address; port 0 selects a free port. Returns the address and the running server.
@@ -169,6 +188,15 @@ impl SceneService {
     }
 }
 
+/// Parses `WIDTHxHEIGHT/ENCODING`.
+pub(super) fn parse_format(format: &str) -> Option<([u32; 2], (TileEncoding, u8))> {
+    let (size, encoding) = format.split_once('/')?;
+    let (width, height) = size.split_once('x')?;
+    // One address per tile: `+64` and `064` are no sizes.
+    let side = |s: &str| s.parse::<u32>().ok().filter(|n| n.is_power_of_two() && (4..=512).contains(n) && n.to_string() == s);
+    Some(([side(width)?, side(height)?], parse_encoding(encoding)?))
+}
+
 impl RequestHandler for SceneService {
     fn answer(&self, path: &str) -> Response {
         if let Some(file) = self.viewer.file(path) {
@@ -176,19 +204,18 @@ impl RequestHandler for SceneService {
         }
         // Held until the end, because the body is also hashed.
         let _permit = path.starts_with("/tile/").then(|| self.encoders.acquire());
-        let found = match path {
-            "/" | "/served" => return Response::found(self.index.clone(), "text/html; charset=utf-8", CachePolicy::Revalidate),
-            "/scene" => return Response::found(self.scene.clone(), BYTES, CachePolicy::Revalidate),
-            _ => match (path.strip_prefix("/tile/"), path.strip_prefix("/bytes/")) {
-                (Some(asked), _) => self.tiles(asked),
-                (_, Some(asked)) => self.bytes(asked),
-                _ => Err((404, "expected /, /served, /scene, /tile/... or /bytes/...\n".into())),
-            },
-        };
-        match found {
-            Ok((body, kind)) => Response::found(fixed(body), kind, CachePolicy::Immutable),
-            Err((status, why)) => Response::refused(status, why),
-        }
+        self.found(path).unwrap_or_else(|(status, why)| Response::refused(status, why))
+    }
+
+    fn body_bytes(&self, path: &str) -> u64 {
+        let tiles = path.strip_prefix("/tile/").and_then(|asked| asked.rsplit_once('/'));
+        let texels = tiles.and_then(|(cut, numbers)| {
+            let ([width, height], _) = parse_format(cut.split_once('/')?.1)?;
+            Some(u64::from(width * height) * numbers.split(',').count() as u64)
+        });
+        // An encoded tile is hardly larger than its raw texels, and has a length before it.
+        let bytes = 4 * texels.unwrap_or_default().min(MOST_TEXELS);
+        if bytes < SMALL_BODY { 0 } else { bytes }
     }
 
     fn headers(&self) -> &str {
@@ -201,23 +228,28 @@ impl RequestHandler for SceneService {
 }
 
 /// A picture cut into tiles.
-struct TiledPicture<'a> {
+pub(super) struct TiledPicture<'a> {
     offered: &'a ServedPicture,
-    page: TexturePage,
+    pub(super) page: TexturePage,
     /// Encoding and JPEG quality.
-    encoding: (TileEncoding, u8),
+    pub(super) encoding: (TileEncoding, u8),
 }
 
 impl TiledPicture<'_> {
-    fn tile(&self, number: u32) -> Result<Vec<u8>, (u16, String)> {
+    pub(super) fn tile(&self, number: u32) -> Result<Vec<u8>, (u16, String)> {
         let Self { page, encoding: (encoding, quality), .. } = self;
         if number >= page.tiles() {
             return Err((404, format!("this picture has {} tiles\n", page.tiles())));
         }
-        let texels = self.offered.pyramid.lock().unwrap_or_else(PoisonError::into_inner).tile(page, number);
+        let (texels, size) = self.texels(number);
         // Encoded without the lock, so that several threads can encode.
-        let encoded = encoding.encode(&texels, page.texels_of(number).size(), *quality);
-        encoded.map_err(|e| (500, e))
+        encoding.encode(&texels, size, *quality).map_err(|e| (500, e))
+    }
+
+    /// Returns the texels of a tile, and its size.
+    pub(super) fn texels(&self, number: u32) -> (Vec<[u8; 4]>, [u32; 2]) {
+        let texels = self.offered.pyramid.lock().unwrap_or_else(PoisonError::into_inner).tile(&self.page, number);
+        (texels, self.page.texels_of(number).size())
     }
 
     /// Returns the media type.

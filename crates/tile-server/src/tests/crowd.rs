@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::server::Limits;
+use std::io::Read as _;
 use std::sync::mpsc::channel;
+use std::time::Instant;
 
 /// Simultaneous clients. Each keeps as many connections as it has requests in flight.
 const CLIENTS: usize = 20;
@@ -24,7 +26,7 @@ fn crowded_clients_get_every_tile() {
     let look_around = &|client: usize| {
         let fetcher = Fetcher::new(&format!("http://{address}"), RetryPolicy::default());
         let meter = fetcher.meter().clone();
-        let fetch = TileFetch { encoding: TileEncoding::Raw, jpeg_quality: 100, ..fetch(IN_FLIGHT, 1) };
+        let fetch = TileFetch { tile: [16, 16], encoding: TileEncoding::Raw, jpeg_quality: 100, ..fetch(IN_FLIGHT, 1) };
         let mut source = unkept(fetcher, fetch);
         source.offer(&elsewhere());
         source.announce(&tiles);
@@ -53,4 +55,41 @@ fn concurrent_requests_compute_a_sum_once() {
     let _under_work = served.pictures[&hex(&hash_of_picture(&texture()))].pyramid.lock().unwrap();
     thread::spawn(move || tell.send(body(&again)));
     assert_eq!(told.recv_timeout(Duration::from_secs(20)), Ok(first));
+}
+
+/// Clients that request large tiles and read slowly share a bounded amount of memory, and an honest client is served at once.
+#[test]
+fn slow_readers_delay_no_honest_client() {
+    let texels = vec![[7, 8, 9, 255]; 512 * 512];
+    let large = Arc::new(Texture { levels: vec![Image { width: 512, height: 512, texels }], ..Texture::clone(&texture()) });
+    let asked = format!("/tile/{}/512x512/raw/", hex(&hash_of_picture(&large)));
+    let last = TexturePage::new(0, &large, PyramidCut { tile: [512, 512], ..PyramidCut::default() }, 0).tiles() - 1;
+    let service = SceneService::new(b"scene".to_vec(), String::new(), [texture(), large]);
+    // Room for four large bodies.
+    let limits = Limits { connections: 64, bodies: 4 << 20, ..Limits::default() };
+    let (at, _server) = service.listen(([127, 0, 0, 1], 0).into(), limits).unwrap();
+    let request = format!("GET {asked}{last} HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    for _ in 0..40 {
+        let (request, mut bytes) = (request.clone(), [0; 4096]);
+        // Each reads 80 kB/s, never stops, and comes back when it is evicted.
+        thread::spawn(move || {
+            while let Ok(mut slow) = TcpStream::connect(at) {
+                let mut sent = slow.write_all(request.as_bytes()).map(|()| 1);
+                while sent.is_ok_and(|n| n > 0) {
+                    thread::sleep(Duration::from_millis(50));
+                    sent = slow.read(&mut bytes);
+                }
+            }
+        });
+    }
+    thread::sleep(Duration::from_secs(2));
+    for number in 0..5 {
+        let began = Instant::now();
+        let mut honest = TcpStream::connect(at).unwrap();
+        write!(honest, "GET {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", address(number)).unwrap();
+        let mut answer = Vec::new();
+        honest.read_to_end(&mut answer).unwrap();
+        assert!(answer.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&answer));
+        assert!(began.elapsed() < Duration::from_secs(2), "{number}: {:?}", began.elapsed());
+    }
 }

@@ -17,7 +17,7 @@ fn tiles_are_equal_for_any_requests_in_flight() {
 #[test]
 fn prefetch_is_bounded() {
     let (url, count) = faulty(u32::MAX, |_| Fault::None);
-    let mut tiles = tiles(&url, 4, None);
+    let mut tiles = unkept(Fetcher::new(&url, PATIENT), TileFetch { tile: [4, 4], ..fetch(4, 1) });
     let page = Arc::new(TexturePage::new(0, &texture(), PyramidCut { tile: [4, 4], ..PyramidCut::default() }, 0));
     let all: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
     tiles.offer(&elsewhere());
@@ -81,6 +81,7 @@ fn lasting_fault_names_texture_layer_and_tile() {
         (Fault::Silent, "nothing has come for 1 s"),
         (Fault::Stalled, "nothing has come for 1 s"),
         (Fault::Dripping, "less than 1000 bytes/s"),
+        (Fault::DrippingHead, "too slow: the head of the answer takes more than 1 s"),
         (Fault::Undecodable, "corrupt: "),
         (Fault::OtherSize, "picture of 3 x 2, expected RGB of 50 x 23"),
     ] {
@@ -113,7 +114,7 @@ fn waiting(starting: Duration) -> RetryPolicy {
 fn late_server_is_awaited_within_limit() {
     let address = listener_of_its_own().local_addr().unwrap();
     let url = format!("http://{address}");
-    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene(|_| ()).unwrap_err();
+    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene("scene", |_| ()).unwrap_err();
     assert!(error.starts_with(&format!("{url}/scene: ")) && error.contains("refused"), "{error}");
     assert!(error.ends_with(", for 0 s; is `basrelief serve` running there?"), "{error}");
     let began = Instant::now();
@@ -122,7 +123,7 @@ fn late_server_is_awaited_within_limit() {
         thread::sleep(late);
         served().listen(address, Limits::default()).unwrap().1.join()
     });
-    assert_eq!(Fetcher::new(&url, waiting(Duration::from_secs(20))).scene(|_| ()).unwrap().1, b"scene");
+    assert_eq!(Fetcher::new(&url, waiting(Duration::from_secs(20))).scene("scene", |_| ()).unwrap().1[..5], *b"scene");
     assert!(began.elapsed() >= late);
 }
 
@@ -162,7 +163,7 @@ fn server_behind_proxy_is_awaited() {
         assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 8, "{status}");
     }
     let (url, _count) = faulty(u32::MAX, |_| Fault::Status(502));
-    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene(|_| ()).unwrap_err();
+    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene("scene", |_| ()).unwrap_err();
     assert!(error.ends_with("scene: http status: 502, for 0 s; is `basrelief serve` running there?"), "{error}");
 }
 
@@ -172,7 +173,7 @@ fn retries_end_at_their_time_limit() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
     let began = Instant::now();
     let patience = RetryPolicy { attempts: 100, whole: 19 * HASTY.stall / 10, ..HASTY };
-    let error = Fetcher::new(&url, patience).scene(|_| ()).unwrap_err();
+    let error = Fetcher::new(&url, patience).scene("scene", |_| ()).unwrap_err();
     assert!(error.contains("attempt 2; at most 100 are made, none 1.9 s after the first"), "{error}");
     assert!(error.ends_with("is `basrelief serve` running there?"), "{error}");
     assert_eq!(count.load(Ordering::SeqCst), 2);
@@ -193,4 +194,15 @@ fn dropped_client_does_not_wait() {
     drop(tiles);
     // The server closes the connections before this time, but only after its sleep.
     assert!(began.elapsed() < 2 * HASTY.stall, "{:?}", began.elapsed());
+}
+
+#[test]
+fn dripping_head_ends_at_its_deadline() {
+    for fault in [Fault::DrippingHead, Fault::Informing] {
+        let (url, _count) = faulty(u32::MAX, move |_| fault);
+        let began = Instant::now();
+        let error = Fetcher::new(&url, RetryPolicy { attempts: 1, ..HASTY }).scene("scene", |_| ()).unwrap_err();
+        // The server needs more than ten times as long.
+        assert!(began.elapsed() < 4 * HASTY.stall, "{fault:?}: {:?}: {error}", began.elapsed());
+    }
 }

@@ -4,8 +4,13 @@ use super::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// Opens a cache for one server, whatever its port.
 fn cache(folder: &Path) -> TileCache {
-    TileCache::open(folder, write_atomically).unwrap()
+    cache_for(folder, "http://a.example/")
+}
+
+fn cache_for(folder: &Path, url: &str) -> TileCache {
+    TileCache::open(folder, url, write_atomically).unwrap()
 }
 
 fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
@@ -60,7 +65,8 @@ fn damaged_cache_file_is_removed_and_fetched_again() {
     fs::write(wrong, [hash_of(b"no tile").as_bytes(), b"no tile"].concat()).unwrap();
     fs::write(cut, "short").unwrap();
     for file in [damaged, wrong, cut] {
-        let tile = file.file_name().unwrap().to_str().unwrap().replace('-', "/");
+        let name = file.file_name().unwrap().to_str().unwrap();
+        let tile = name.split_once('-').unwrap().1.replace('-', "/");
         assert_eq!(cache(folder.path()).get(&tile, 1 << 20, |_| Err("no tile".into())), None);
         assert!(!file.exists(), "{tile}");
     }
@@ -97,4 +103,13 @@ fn unwritable_cache_is_reported_and_costs_no_tile() {
     let (url, _) = faulty(u32::MAX, |_| Fault::None);
     assert_eq!(all(&mut tiles(&url, 2, Some(kept.clone()))).unwrap(), expected());
     assert!(kept.failed.get().is_some_and(|why| !why.is_empty()));
+}
+
+#[test]
+fn servers_do_not_share_cached_tiles() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b] = ["http://a.example/", "http://a.example:8080/"].map(|url| cache_for(folder.path(), url));
+    a.put("tile/x/64x64/raw/0", b"a").unwrap();
+    assert_eq!(a.get("tile/x/64x64/raw/0", 9, |_| Ok(())).as_deref(), Some(&b"a"[..]));
+    assert_eq!(b.get("tile/x/64x64/raw/0", 9, |_| Ok(())), None);
 }

@@ -2,15 +2,16 @@
 
 mod crowd;
 mod faults;
+mod hashes;
 mod keeping;
 mod serving;
 mod several;
 mod turning;
 
 use crate::client::{Fetcher, NoProgress, RemoteTiles, RetryPolicy, TileCache, TileStore};
-use crate::protocol::{hash_of, hash_of_picture, hex};
+use crate::protocol::{GroupHashes, group_of, hash_of, hash_of_list, hash_of_picture, hash_of_tile, hex, tiles_in_group};
 use crate::server::SceneService;
-use basrelief_deferred_renderer::{PyramidCut, TextureMemory, TexturePage, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TextureMemory, TexturePage, TileEncoding, TileSource};
 use basrelief_signals::{Image, Sampler, Texture};
 use basrelief_sim::TileFetch;
 use std::io::{BufRead, BufReader, Write};
@@ -58,6 +59,10 @@ enum Fault {
     Stalled,
     /// One byte at a time, slowly.
     Dripping,
+    /// The head one byte at a time, slowly.
+    DrippingHead,
+    /// Informational responses without end, slowly.
+    Informing,
     /// Much more than a tile, with a valid hash.
     Endless,
     /// No tile, with a valid hash.
@@ -83,7 +88,11 @@ const HASTY: RetryPolicy = RetryPolicy { stall: Duration::from_secs(1), ..PATIEN
 
 /// Returns the retry policy for a fault: a short timeout if only a timeout detects the fault.
 fn patience(fault: Fault) -> RetryPolicy {
-    if matches!(fault, Fault::Silent | Fault::Stalled | Fault::Dripping) { HASTY } else { PATIENT }
+    if matches!(fault, Fault::Silent | Fault::Stalled | Fault::Dripping | Fault::DrippingHead | Fault::Informing) {
+        HASTY
+    } else {
+        PATIENT
+    }
 }
 
 fn texture() -> Arc<Texture> {
@@ -144,7 +153,11 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     let head = format!("HTTP/1.1 {status} x\r\nContent-Length: {length}\r\nETag: \"{hash}\"\r\nConnection: close\r\n\r\n");
     let parts = body.chunks(if fault == Fault::Dripping { 1 } else { body.len().max(1) });
     // The client may have given up and closed the connection.
-    let mut sent = stream.write_all(head.as_bytes());
+    let mut sent = match fault {
+        Fault::DrippingHead => drip(&stream, head.as_bytes().chunks(1)),
+        Fault::Informing => drip(&stream, std::iter::repeat_n(&b"HTTP/1.1 103 Early Hints\r\n\r\n"[..], 1000)),
+        _ => stream.write_all(head.as_bytes()),
+    };
     for part in parts {
         sent = sent.and_then(|()| stream.write_all(part));
         if fault == Fault::Dripping && sent.is_ok() {
@@ -154,6 +167,15 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     if fault == Fault::Stalled {
         thread::sleep(3 * HASTY.stall);
     }
+}
+
+/// Sends parts slowly: each before a stall, all of them much later.
+fn drip<'a>(mut stream: &TcpStream, parts: impl Iterator<Item = &'a [u8]>) -> std::io::Result<()> {
+    for part in parts {
+        stream.write_all(part)?;
+        thread::sleep(HASTY.stall / 10);
+    }
+    Ok(())
 }
 
 /// Returns a listener, its address and its request counter.
@@ -183,18 +205,39 @@ fn kept(cache: TileCache) -> TileStore {
     TileStore { cache, failed: Arc::default() }
 }
 
+/// Returns the lists of the groups of a texture.
+fn lists(texture: &Arc<Texture>, fetch: &TileFetch) -> Vec<Vec<u8>> {
+    let page = TexturePage::new(0, texture, PyramidCut { tile: fetch.tile, ..PyramidCut::default() }, 0);
+    let mut served = ServedTexture::new(Arc::clone(texture));
+    let mut hash = |tile| {
+        let size = page.texels_of(tile).size();
+        hash_of_tile((fetch.encoding, fetch.jpeg_quality), &served.tile(&page, tile), size).unwrap()
+    };
+    let groups = 0..=group_of(page.tiles() - 1);
+    groups.map(|group| tiles_in_group(group, page.tiles()).flat_map(&mut hash).collect()).collect()
+}
+
+/// Makes a tile source that knows the lists of hashes, so that it requests tiles alone.
+fn source(fetcher: Fetcher, fetch: TileFetch, kept: Option<TileStore>) -> RemoteTiles {
+    let (picture, mut hashes, lists) = (hash_of_picture(&texture()), GroupHashes::default(), lists(&texture(), &fetch));
+    hashes.insert(picture, lists.iter().map(|list| hash_of_list(list)).collect());
+    let source = RemoteTiles::new(fetcher, (fetch, hashes), kept, Arc::new(NoProgress));
+    (0..).zip(lists).for_each(|(group, list)| source.insert_list(&hex(&picture), group, list));
+    source
+}
+
 fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
-    RemoteTiles::new(Fetcher::new(url, PATIENT), fetch(in_flight, 1), kept, Arc::new(NoProgress))
+    source(Fetcher::new(url, PATIENT), fetch(in_flight, 1), kept)
 }
 
 /// Makes a tile source without a cache.
 fn unkept(fetcher: Fetcher, fetch: TileFetch) -> RemoteTiles {
-    RemoteTiles::new(fetcher, fetch, None, Arc::new(NoProgress))
+    source(fetcher, fetch, None)
 }
 
 /// Returns options for PNG tiles.
 fn fetch(requests: u32, tiles_per_request: u32) -> TileFetch {
-    TileFetch { encoding: TileEncoding::Png, jpeg_quality: 85, requests, tiles_per_request, left_at_ms: vec![] }
+    TileFetch { tile: [64, 64], encoding: TileEncoding::Png, jpeg_quality: 85, requests, tiles_per_request, left_at_ms: vec![] }
 }
 
 fn announce_all(source: &mut dyn TileSource) {

@@ -45,7 +45,7 @@ fn left_at(late: u32, in_flight: u32) -> Left {
     let (url, count, release) = holding(late);
     let fetcher = Fetcher::new(&url, PATIENT);
     let meter = fetcher.meter().clone();
-    fetcher.scene(|_| ()).unwrap();
+    fetcher.scene("scene", |_| ()).unwrap();
     let fetch = TileFetch { left_at_ms: vec![LEFT_AT_MS], ..fetch(in_flight, 1) };
     let mut tiles = unkept(fetcher, fetch);
     tiles.offer(&elsewhere());
@@ -107,7 +107,7 @@ fn next_view_skips_unrequested_tiles() {
 fn expired_view_requests_no_more_tiles() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Late);
     let fetcher = Fetcher::new(&url, PATIENT);
-    fetcher.scene(|_| ()).unwrap();
+    fetcher.scene("scene", |_| ()).unwrap();
     let fetch = TileFetch { left_at_ms: vec![2.5 * LATE.as_secs_f64() * 1e3], ..fetch(1, 1) };
     let mut tiles = unkept(fetcher, fetch);
     tiles.offer(&elsewhere());
@@ -126,7 +126,7 @@ fn view_starts_at_its_time() {
     let (url, count) = faulty(u32::MAX, |_| Fault::None);
     let fetcher = Fetcher::new(&url, PATIENT);
     let meter = fetcher.meter().clone();
-    fetcher.scene(|_| ()).unwrap();
+    fetcher.scene("scene", |_| ()).unwrap();
     let mut tiles = unkept(fetcher, TileFetch { left_at_ms: vec![120.0], ..fetch(4, 1) });
     announce_all(&mut tiles);
     let user = tiles.user().unwrap();

@@ -4,7 +4,7 @@ use super::*;
 use crate::outside::Got;
 use basrelief_deferred_renderer::TextureMemory;
 use basrelief_signals::{Image, Sampler};
-use basrelief_tile_server::protocol::{etag_of, hash_of_picture, hex, join};
+use basrelief_tile_server::protocol::{etag_of, hash_of_list, hash_of_picture, hash_of_received, hex, join};
 
 fn texture() -> Arc<Texture> {
     let texels = (0..200 * 90).map(|i: u32| [i as u8, (i / 7) as u8, (i / 200) as u8, 255]).collect();
@@ -16,6 +16,21 @@ fn texture() -> Arc<Texture> {
 fn elsewhere() -> Arc<Texture> {
     let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
     Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
+}
+
+/// Returns the list of the hashes of all tiles.
+fn hash_list() -> Vec<u8> {
+    let tiles: Vec<u32> = (1..page().tiles()).collect();
+    let hash = |(body, tile): (&Arc<[u8]>, &u32)| hash_of_received(TileEncoding::Raw, &page(), *tile, body).unwrap();
+    expected(&tiles).iter().zip(&tiles).flat_map(hash).collect()
+}
+
+/// Returns the hashes in the scene.
+fn hashes(list: &[u8]) -> Rc<GroupHashes> {
+    let mut hashes = GroupHashes::default();
+    let top = hash_of_received(TileEncoding::Raw, &page(), 0, &expected(&[0])[0]).unwrap();
+    hashes.insert(hash_of_picture(&texture()), vec![hash_of_list(&top), hash_of_list(list)]);
+    Rc::new(hashes)
 }
 
 fn page() -> Arc<TexturePage> {
@@ -41,6 +56,11 @@ impl Server {
 
 impl Outside for Server {
     fn get(&self, address: &str, _: bool) -> Result<Got, String> {
+        // Lists of hashes are answered without faults, and not counted.
+        if address.starts_with("hashes/") {
+            let body = hash_list();
+            return Ok(Got { status: 200, tag: etag_of(&body), body });
+        }
         self.asked.borrow_mut().push(address.into());
         let numbers = address.strip_prefix(&format!("tile/{}/64x64/raw/", hex(&hash_of_picture(&texture()))));
         let mut memory = TextureMemory::new(TileEncoding::Raw, 100);
@@ -64,7 +84,11 @@ fn path(server: &Rc<Server>, budget: &Budget) -> Rc<Path> {
 
 /// Announces tiles and takes them in order.
 fn take(path: &Rc<Path>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
-    let mut source = PathTiles::new(Rc::clone(path), (TileEncoding::Raw, 100));
+    take_with(path, hashes(&hash_list()), tiles)
+}
+
+fn take_with(path: &Rc<Path>, hashes: Rc<GroupHashes>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
+    let mut source = PathTiles::new(Rc::clone(path), hashes, (TileEncoding::Raw, 100));
     source.offer(&elsewhere());
     source.announce(&tiles.iter().map(|tile| (page(), *tile)).collect::<Vec<_>>());
     tiles.iter().map(|tile| source.tile(&page(), *tile)).collect()
@@ -133,4 +157,19 @@ fn wrong_response_is_retried_and_not_cached() {
         }
     });
     assert_eq!(take(&path(&server, &Budget::default()), &[3, 0, 5]).unwrap(), expected(&[3, 0, 5]));
+}
+
+#[test]
+fn lying_tile_is_an_error_that_names_it() {
+    // A tile of the right size, with a matching hash of the response.
+    let server = Server::new(|_, got| {
+        got.body[9] ^= 1;
+        got.tag = etag_of(&got.body);
+    });
+    let error = take(&path(&server, &Budget::default()), &[3]).unwrap_err();
+    assert!(error.starts_with("texture 4 (plane), layer 2, tile 3: http://a/tile/"), "{error}");
+    assert!(error.contains("not the tile that the scene states"), "{error}");
+    let server = Server::new(|_, _| ());
+    let error = take_with(&path(&server, &Budget::default()), hashes(b"other"), &[3]).unwrap_err();
+    assert!(error.contains("/hashes/") && error.contains("not the list that the scene states"), "{error}");
 }
