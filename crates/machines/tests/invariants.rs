@@ -212,6 +212,17 @@ fn no_test_is_ignored_and_nothing_is_left_to_do() {
     }
 }
 
+/// Without `expecting`, serde reports an internal type name for a value that no variant accepts.
+#[test]
+fn every_untagged_enum_states_its_expectation() {
+    let files = crates().into_iter().flat_map(|name| code(&name));
+    let untagged: Vec<String> =
+        files.map(|(place, line)| format!("{place}: {line}")).filter(|l| l.contains("serde(untagged")).collect();
+    assert!(untagged.len() >= 6, "{untagged:#?}");
+    let silent: Vec<&String> = untagged.iter().filter(|line| !line.contains("expecting = ")).collect();
+    assert!(silent.is_empty(), "{silent:#?}");
+}
+
 #[test]
 fn library_code_is_safe() {
     // Names to be called by from WebAssembly count as unsafe; they stand in one file.

@@ -36,7 +36,7 @@ impl From<&kernel::Hardware> for Hardware {
 
 /// One figure of a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number, a text, or a list of them")]
 pub enum Figure {
     /// Count.
     Count(u64),

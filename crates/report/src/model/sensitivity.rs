@@ -54,7 +54,7 @@ pub struct Change {
 
 /// Result of a changed parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected the measures of a run, or the reason why there are none")]
 pub enum ComesTo {
     /// A complete run.
     Run(Moved),

@@ -20,7 +20,7 @@ pub enum TablePolicy {
 
 /// One number for all MIP levels, or one per level. A list shorter than 8 continues with its last number.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a whole number, or a list of them")]
 pub enum PerLevel {
     /// The same number at every level.
     One(u32),
