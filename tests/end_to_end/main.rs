@@ -10,6 +10,7 @@ mod comparisons;
 mod costs;
 mod defer;
 #[cfg(unix)]
+mod import_warnings;
 mod interrupt;
 #[cfg(unix)]
 mod limits;

@@ -123,6 +123,39 @@ fn every_command_keeps_its_inputs() {
     }
 }
 
+/// Textures, buffers and texels in files are inputs, although the command line does not name them.
+#[test]
+fn outputs_keep_files_that_an_input_names() {
+    let place = Place::new();
+    let model = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl m\nf 1/1 2/2 3/3\n";
+    fs::write(place.path("m.obj"), model).expect("written");
+    fs::write(place.path("m.mtl"), "newmtl m\nmap_Kd image.png\n").expect("written");
+    image::RgbImage::from_pixel(4, 4, image::Rgb([9; 3])).save(place.path("image.png")).expect("written");
+    let positions: Vec<u8> = [0f32, 0., 0., 1., 0., 0., 0., 1., 0.].iter().flat_map(|x| x.to_le_bytes()).collect();
+    fs::write(place.path("b.bin"), positions).expect("written");
+    let gltf = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"uri":"b.bin","byteLength":36}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}]}"#;
+    fs::write(place.path("b.gltf"), gltf).expect("written");
+    let before = ["image.png", "m.mtl", "b.bin"].map(|name| place.bytes(name));
+    for line in [
+        "run m.obj --size 8x8 --out .",
+        "run m.obj --size 8x8 --out o --html m.mtl",
+        "run m.obj --size 8x8 --out o --timeline image.png",
+        "run b.gltf --size 8x8 --out o --recording b.bin",
+    ] {
+        let refused = place.run(line);
+        assert!(refused.error(2).contains("is an input (a file that INPUT names)"), "{line}: {}", refused.err);
+        assert_eq!(["image.png", "m.mtl", "b.bin"].map(|name| place.bytes(name)), before, "{line}");
+    }
+    // Other names in the folder of the model are free.
+    fs::rename(place.path("image.png"), place.path("wood.png")).expect("renamed");
+    fs::write(place.path("m.mtl"), "newmtl m\nmap_Kd wood.png\n").expect("written");
+    place.ok("run m.obj --size 8x8 --out . --quiet");
+    assert_eq!(place.bytes("wood.png"), before[0]);
+}
+
 #[test]
 fn foreign_names_cannot_control_the_terminal() {
     let place = Place::new();

@@ -2,6 +2,7 @@
 
 use crate::address_space;
 use crate::args::Cli;
+use crate::inputs_read;
 use basrelief_input::Budget;
 use basrelief_scene::ImportOptions;
 
@@ -26,6 +27,6 @@ impl GlobalOptions {
 
     /// Returns the options for opening a model.
     pub fn import_options(&self) -> ImportOptions {
-        ImportOptions { budget: self.budget.clone(), allow_outside: self.allow_outside }
+        ImportOptions { budget: self.budget.clone(), allow_outside: self.allow_outside, on_read: Some(inputs_read::add) }
     }
 }

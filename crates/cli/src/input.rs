@@ -3,9 +3,10 @@
 use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use crate::global::GlobalOptions;
+use crate::inputs_read;
 use crate::views::Script;
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
-use basrelief_scene::{SceneError, SceneSubject, ViewOptions, demo, load_path_with, read_camera};
+use basrelief_scene::{SceneError, SceneSubject, ViewOptions, load_path_with, read_camera};
 use basrelief_signals::Scene;
 use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput};
 use basrelief_trace::{TraceForm, looks_like_trace};
@@ -85,7 +86,11 @@ impl TraceFile {
 
     /// Converts the trace into the input of a run.
     pub fn into_source(self) -> RunInput {
-        let files = Box::new(beside(&self.folder));
+        let (mut open, folder) = (beside(&self.folder), self.folder.clone());
+        let files = Box::new(move |name: &str| {
+            inputs_read::add(&folder.join(name));
+            open(name)
+        });
         RunInput::Trace { reader: self.reader, files, name: self.name }
     }
 
@@ -120,7 +125,7 @@ pub fn open(path: &Path, view: &ViewArgs, global: &GlobalOptions) -> Done<Input>
 /// Opens an input with a resolved view.
 pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> Done<Input> {
     if let Some(name) = demo_of(path) {
-        return demo_scene(name, view).map(|scene| Input::Scene(scene.into()));
+        return demo_scene(name, view, &global.budget).map(|scene| Input::Scene(scene.into()));
     }
     let mut trace = TraceFile::open(path)?;
     if path == Path::new("-") || trace.is_one()? {
@@ -156,8 +161,12 @@ fn failed_within(path: &Path) -> impl Fn(SceneError) -> Failure {
 }
 
 /// Returns a demo scene.
-pub fn demo_scene(name: &str, view: &ViewOptions) -> Done<Arc<Scene>> {
-    demo(name, view).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
+pub fn demo_scene(name: &str, view: &ViewOptions, budget: &Budget) -> Done<Arc<Scene>> {
+    let usage = |e: SceneError| if e.over_budget { Failure::bad(e) } else { Failure::Usage(e.to_string()) };
+    let (scene, held) = SceneSubject::demo(name).and_then(|demo| demo.seen_within(view, budget)).map_err(usage)?;
+    // The memory stays reserved until the end of the program.
+    held.keep();
+    Ok(Arc::new(scene))
 }
 
 /// Reads a text file. Returns the text and its memory.

@@ -12,6 +12,7 @@ mod commands;
 mod error;
 mod global;
 mod input;
+mod inputs_read;
 mod interrupt;
 mod legacy;
 mod outputs;

@@ -20,18 +20,28 @@ pub trait ModelFiles {
 pub struct FolderFiles {
     folder: PathBuf,
     allow_outside: bool,
+    on_read: Option<OnRead>,
 }
+
+/// Function that receives the path of each file that a model names, before the file is read.
+pub type OnRead = fn(&Path);
 
 impl FolderFiles {
     /// Files relative to this folder, and only files in it or below it.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
-        Self { folder: folder.into(), allow_outside: false }
+        Self { folder: folder.into(), allow_outside: false, on_read: None }
     }
 
     /// Allows or forbids names with `..` that lead out of the folder.
     #[must_use]
     pub fn allow_outside(self, allow_outside: bool) -> Self {
         Self { allow_outside, ..self }
+    }
+
+    /// Calls `on_read` with the path of each file.
+    #[must_use]
+    pub fn on_read(self, on_read: Option<OnRead>) -> Self {
+        Self { on_read, ..self }
     }
 }
 
@@ -58,7 +68,9 @@ impl ModelFiles for FolderFiles {
         if !self.allow_outside && leads_outside(relative) {
             return Err(io::Error::new(io::ErrorKind::PermissionDenied, OutsideFolder));
         }
-        read_regular(&self.folder.join(relative), budget)
+        let path = self.folder.join(relative);
+        self.on_read.iter().for_each(|on_read| on_read(&path));
+        read_regular(&path, budget)
     }
 }
 

@@ -24,7 +24,7 @@ mod view;
 pub use camera::{read_camera, write_camera};
 pub use demo::{DEMOS, DemoInfo, demo};
 pub use error::SceneError;
-pub use files::{FolderFiles, MemoryFiles, ModelFiles};
+pub use files::{FolderFiles, MemoryFiles, ModelFiles, OnRead};
 pub use subject::SceneSubject;
 pub use view::{OwnView, ViewOptions};
 
@@ -83,7 +83,7 @@ impl SceneSubject {
     /// # Errors
     /// Errors of [`load_path_with`](crate::load_path_with).
     pub fn load_path_with(path: &Path, options: &ImportOptions) -> Result<(Self, Held), SceneError> {
-        let ImportOptions { budget, allow_outside } = options;
+        let ImportOptions { budget, allow_outside, on_read } = options;
         let shown = path.display().to_string();
         let cannot = |e: io::Error| match OverBudget::within(&e) {
             Some(error) => over_budget("", error),
@@ -91,7 +91,8 @@ impl SceneSubject {
         };
         let (bytes, _held) = files::read_regular(path, budget).map_err(|e| cannot(e).in_file(&shown))?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::load_within(&bytes, &shown, &FolderFiles::new(folder).allow_outside(*allow_outside), budget)
+        let files = FolderFiles::new(folder).allow_outside(*allow_outside).on_read(*on_read);
+        Self::load_within(&bytes, &shown, &files, budget)
     }
 }
 
@@ -121,6 +122,8 @@ pub struct ImportOptions {
     pub budget: Budget,
     /// The model may name files outside its folder, with `..`.
     pub allow_outside: bool,
+    /// Receives the path of each further file of the model.
+    pub on_read: Option<OnRead>,
 }
 
 fn import(

@@ -1,7 +1,7 @@
 //! Models and demos without a view.
 
 use crate::outside::over_budget;
-use crate::view::ViewHints;
+use crate::view::{MAX_FRAMES, ViewHints};
 use crate::{SceneError, ViewOptions};
 use basrelief_input::{Budget, Held};
 use basrelief_signals::{Frame, Light, Object, Scene};
@@ -33,7 +33,7 @@ impl SceneSubject {
     /// Errors of [`seen`](Self::seen), and input over the memory limit.
     pub fn seen_within(&self, options: &ViewOptions, budget: &Budget) -> Result<(Scene, Held), SceneError> {
         let frame = (size_of::<Frame>() + 64 + self.hints.lamps.len() * size_of::<Light>()) as u64;
-        let frames = self.hints.count(options) as u64;
+        let frames = self.hints.count(options).min(MAX_FRAMES as usize) as u64;
         let held = budget.take(frame.saturating_mul(frames), "frames and their lights");
         let held = held.map_err(|error| over_budget("", &error).in_file(&self.name))?;
         Ok((self.seen(options)?, held))

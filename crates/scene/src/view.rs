@@ -18,7 +18,7 @@ const MAX_SIDE: u32 = 16_384;
 const ZOOM: RangeInclusive<f64> = 0.01..=100.0;
 
 /// Maximum number of frames of one scene.
-const MAX_FRAMES: u32 = 1_000_000;
+pub(crate) const MAX_FRAMES: u32 = 1_000_000;
 
 /// One of several views. Missing options are those of the surrounding [`ViewOptions`].
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -47,7 +47,11 @@ impl Failure {
 
     /// Makes the error of a file that cannot be read or written.
     pub fn file(path: &Path, doing: &str) -> impl Fn(io::Error) -> Self + use<> {
-        Self::within(&format!("{}: cannot {doing}", path.display()))
+        let within = Self::within(&format!("{}: cannot {doing}", path.display()));
+        // Commands that accept standard input do not open this path.
+        let is_stdin = path == Path::new("-") && doing == "be read";
+        let cure = if is_stdin { "; standard input is not accepted here, expected a file" } else { "" };
+        move |error| within(format!("{error}{cure}"))
     }
 
     /// Converts an error of a run. It names the input, unless a parameter or an output is at fault.

@@ -20,14 +20,15 @@ use std::sync::Arc;
 pub fn record(args: &RecordArgs, global: &GlobalOptions) -> Done {
     let inputs = read_files(Some(&args.input), &args.machine, &args.view);
     check_outputs_keep_inputs(None, &[("--out", &args.out)], &inputs).map_err(Failure::Usage)?;
+    let (config, _) = input::config(&args.machine, demo_of(&args.input), &global.budget)?;
     let Input::Scene(scene) = input::open(&args.input, &args.view, global)? else {
         return Err(Failure::Usage(format!(
             "{}: is already a trace; `basrelief convert` changes its form",
             args.input.display()
         )));
     };
+    check_outputs_keep_inputs(None, &[("--out", &args.out)], &[]).map_err(Failure::Usage)?;
     let (scene, budget) = (scene.scene(), &global.budget);
-    let (config, _) = input::config(&args.machine, demo_of(&args.input), budget)?;
     let expectations = if args.expect { vec![expected(scene, &config, args, budget)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
         let progress = Progress::new(None, "commands", global.quiet);

@@ -20,8 +20,9 @@ pub fn demo(args: &DemoArgs, global: &GlobalOptions) -> Done {
     let machine = args.machine.machine.unwrap_or(&MACHINES[0]);
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
     let look = input::look(&args.view, &global.budget)?;
-    let scene = input::demo_scene(name, &look.view)?;
+    // Settings are checked first, because a large scene takes seconds.
     let machine = input::config(&look.tell(&args.machine, Some(name))?, Some(name), &global.budget)?;
+    let scene = input::demo_scene(name, &look.view, &global.budget)?;
     simulate(Input::Scene(scene.into()), Simulation::new(&args.simulation, machine, global))
 }
 
@@ -39,8 +40,8 @@ pub fn run(args: &RunArgs, global: &GlobalOptions) -> Done {
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
     let look = input::look(&args.view, &global.budget)?;
-    let input = input::open_seen(path, &look.view, global)?;
     let machine = input::config(&look.tell(&args.machine, demo_of(path))?, demo_of(path), &global.budget)?;
+    let input = input::open_seen(path, &look.view, global)?;
     simulate(input, Simulation::new(&args.simulation, machine, global))
 }
 

@@ -94,6 +94,7 @@ impl<'a> Simulation<'a> {
     /// Runs an input and writes its outputs. With `around`, the report has a sensitivity analysis.
     pub fn run(mut self, source: Source, around: Option<Around>) -> Done {
         let Source { input, progress, real, watched } = source;
+        self.check_outputs_keep_named_files()?;
         // Created before the dumps, which may be in this folder.
         let outputs = Outputs::begin(&self.args.out).map_err(Failure::file(&self.args.out, "be written"))?;
         check_distinct(&self.args.out, &named_outputs(self.args)).map_err(Failure::Usage)?;
@@ -113,6 +114,8 @@ impl<'a> Simulation<'a> {
         };
         let recording_is_complete = run.recording_is_complete;
         let report = self.completed(run, around, &files)?;
+        // A trace names its files while it is read.
+        self.check_outputs_keep_named_files()?;
         let files = files.finish(&report, recording_is_complete, self.args)?;
         if self.args.json {
             // Printed before publication: if printing fails, nothing is written.
@@ -128,6 +131,11 @@ impl<'a> Simulation<'a> {
             watched.finish();
         }
         self.show(&report, &names)
+    }
+
+    /// Refuses outputs that would overwrite a file that the input names.
+    fn check_outputs_keep_named_files(&self) -> Done {
+        check_outputs_keep_inputs(Some(&self.args.out), &named_outputs(self.args), &[]).map_err(Failure::Usage)
     }
 
     /// Returns the report of a run with the sensitivity analysis and the figures of the host.

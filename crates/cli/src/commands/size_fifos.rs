@@ -60,8 +60,8 @@ impl Sized {
             return Ok(Self { name: path.display().to_string(), tape: Box::new(open_tape(&path)?), drawn: None });
         }
         let budget = &global.budget;
-        let input = input::open(path, &args.view, global)?.for_several_runs(budget);
         let (config, given) = input::config(&args.machine, demo_of(path), budget)?;
+        let input = input::open(path, &args.view, global)?.for_several_runs(budget);
         let options = options(config, given, budget);
         let mut kept = Kept { bytes: Vec::new(), held: budget.nothing() };
         let run =

@@ -1,5 +1,7 @@
 //! Checks that outputs overwrite neither each other nor inputs.
 
+use crate::inputs_read;
+use basrelief_sim::{MACHINES, aux_outputs};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -59,7 +61,17 @@ fn is_its_recording(option: &str, name: &OsStr) -> bool {
     option == "--recording" && name == RUN_RECORDING
 }
 
-/// Refuses outputs that would overwrite an input. Every command with inputs and outputs calls this function before it writes.
+/// Returns true for a file that a run can write into `--out`. A texture may be there under another name.
+fn is_written(name: &OsStr) -> bool {
+    let (path, own) = (Path::new(name), ["image", "reference", "difference"].map(str::to_owned));
+    let aux = MACHINES.iter().flat_map(aux_outputs).map(|output| output.name.to_owned());
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let is_kind = |kind: String| stem.strip_prefix(&kind).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
+    OWN.iter().any(|own| name == *own) || path.extension().is_some_and(|e| e == "png") && own.into_iter().chain(aux).any(is_kind)
+}
+
+/// Refuses outputs that would overwrite an input. Every command with inputs and outputs calls this function before it writes. Files
+/// that a model or a trace names are inputs as soon as they are read.
 ///
 /// `folder` is the folder of `--out`, into which a run writes files under names of its own.
 ///
@@ -67,9 +79,11 @@ fn is_its_recording(option: &str, name: &OsStr) -> bool {
 /// A sentence with the option to change.
 pub fn check_outputs_keep_inputs(folder: Option<&Path>, named: &[(&str, &Path)], inputs: &[(&str, &Path)]) -> Result<(), String> {
     let folder = folder.and_then(|folder| folder.canonicalize().ok());
-    for (what, input) in inputs.iter().filter(|(_, input)| input.is_file()) {
+    let named_by_inputs = inputs_read::all();
+    let further = named_by_inputs.iter().map(|path| ("a file that INPUT names", &**path));
+    for (what, input) in inputs.iter().copied().chain(further).filter(|(_, input)| input.is_file()) {
         let taken = place(input);
-        let own = taken.parent() == folder.as_deref() && taken.file_name().is_some_and(is_own);
+        let own = taken.parent() == folder.as_deref() && taken.file_name().is_some_and(is_written);
         let named = named.iter().find(|(_, output)| place(output) == taken);
         if let Some(option) = named.map(|(option, _)| *option).or(own.then_some("--out")) {
             let input = input.display();
