@@ -1,7 +1,9 @@
 //! Hostile runs of the program: `hostile PROGRAM [--cases N] [--seed S]` prints a table in Markdown, and fails if there is any
-//! finding. Findings are stored in `target/hostile-findings/`.
+//! finding. Every fourth case runs twice, and its results are compared. Findings are stored in `target/hostile-findings/`.
 
-use basrelief_bench::hostile::{HostileCase, InputKind, RunTable, SampleInputs, SplitMix64, TestedProgram, run_twice};
+use basrelief_bench::hostile::{
+    HostileCase, HostileServer, InputKind, RunTable, SampleInputs, TestedProgram, random_of, run_case,
+};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -10,6 +12,8 @@ const USAGE: &str = "usage: hostile PROGRAM [--cases N] [--seed S]";
 const CASES: u64 = 400;
 /// Time above which a run is reported \[s\]. It is no fault by itself, because the host may have been busy.
 const SLOW_S: f64 = 5.0;
+/// One of so many cases runs twice.
+const COMPARED: u64 = 4;
 const FINDINGS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/hostile-findings");
 
 fn main() -> Result<(), String> {
@@ -25,14 +29,15 @@ fn main() -> Result<(), String> {
             _ => return Err(USAGE.into()),
         }
     }
-    let (program, sources) = (TestedProgram::new(Path::new(program))?, SampleInputs::load()?);
+    let sources = SampleInputs::load()?;
+    let program = TestedProgram::new(Path::new(program), HostileServer::start(sources.sample_scene().clone())?)?;
     let folder = std::env::temp_dir().join(format!("basrelief-hostile-{}", std::process::id()));
     let (mut table, mut found) = (RunTable::default(), 0);
     for kind in InputKind::ALL {
         for number in 0..cases {
-            let case = kind.case(&sources, &mut SplitMix64::of(seed, kind as u64, number));
-            let (run, finding) = run_twice(&program, &case, &folder)?;
-            table.add(kind, &run, finding);
+            let case = kind.case(&sources, &mut random_of(seed, kind as u64, number));
+            let (run, finding) = run_case(&program, &case, &folder, number % COMPARED == 0)?;
+            table.add(kind, &run, finding, number % COMPARED == 0);
             if run.seconds > SLOW_S {
                 eprintln!("{:.1} s: {}", run.seconds, keep(kind, number, &case)?.display());
             }

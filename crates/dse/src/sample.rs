@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn samples_are_more_even_than_chance() {
         let axes = [16; 3];
-        let mut random_numbers = SplitMix64::new(5);
+        let mut random_numbers = SplitMix64::new(5_u64);
         let random: Vec<Point> = (0..256).map(|_| axes.iter().map(|&length| random_numbers.below(length)).collect()).collect();
         let by_chance = discrepancy(&random, 16);
         let latin = discrepancy(&latin_hypercube(256, &axes, 5).unwrap(), 16);

@@ -5,8 +5,8 @@
 pub struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// A generator that starts from a seed.
-    pub fn new(seed: u32) -> Self {
+    /// Creates a generator that starts from a seed.
+    pub fn new(seed: impl Into<u64>) -> Self {
         Self(seed.into())
     }
 
@@ -38,14 +38,14 @@ mod tests {
     #[test]
     fn split_mix_64_equals_the_published_numbers() {
         // First outputs for seed 1234567, as in the tests of other implementations.
-        let mut generator = SplitMix64::new(1_234_567);
+        let mut generator = SplitMix64::new(1_234_567_u64);
         assert_eq!([generator.next_u64(), generator.next_u64()], [6_457_827_717_110_365_317, 3_203_168_211_198_807_973]);
     }
 
     #[test]
     fn shuffle_keeps_every_value() {
         let mut values: Vec<usize> = (0..100).collect();
-        SplitMix64::new(1).shuffle(&mut values);
+        SplitMix64::new(1_u64).shuffle(&mut values);
         assert_ne!(values, (0..100).collect::<Vec<_>>());
         values.sort_unstable();
         assert_eq!(values, (0..100).collect::<Vec<_>>());

@@ -1,7 +1,9 @@
 //! Hostile cases: a damaged file, and a command line.
 
-use super::split_mix::SplitMix64;
-use super::{mutate, options, settings};
+use super::random::RandomChoice as _;
+use super::server::{HostileAnswers, SampleScene};
+use super::{mutate, options, scripts, settings};
+use basrelief_dse::SplitMix64;
 use basrelief_sim::{MACHINES, MachineInfo};
 use basrelief_trace::{TraceForm, convert};
 use serde_json::Value;
@@ -30,6 +32,12 @@ pub enum InputKind {
     Settings,
     /// Recordings.
     Tape,
+    /// Plans.
+    Plan,
+    /// Lists of views.
+    Views,
+    /// Scenes and tiles of a server.
+    Scene,
     /// Command lines.
     Options,
 }
@@ -39,8 +47,17 @@ pub enum InputKind {
 pub struct HostileCase {
     /// Files in its folder.
     pub files: Vec<(String, Vec<u8>)>,
-    /// Arguments of the program.
+    /// Arguments of the program; SERVER is the address of the hostile server.
     pub arguments: Vec<String>,
+    /// Answers of the hostile server, if the program requests any.
+    pub served: Option<HostileAnswers>,
+}
+
+impl HostileCase {
+    /// Makes a case without a server.
+    pub(super) fn of_files(files: Vec<(String, Vec<u8>)>, arguments: Vec<String>) -> Self {
+        Self { files, arguments, served: None }
+    }
 }
 
 /// Valid inputs, to be damaged.
@@ -54,11 +71,12 @@ pub struct SampleInputs {
     /// Presets of each machine, in the order of [`MACHINES`].
     configurations: Vec<Vec<String>>,
     tape: Vec<u8>,
+    scene: SampleScene,
 }
 
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// Options of every run of a file: short, and without analyses that other cases cover.
-const SHORT: &str = "--max-cycles 200000 --out out";
+pub(super) const SHORT: &str = "--max-cycles 200000 --out out";
 const CAMERA: &str = r#"{"view_projection":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"to_light":[0,0,1],"to_viewer":[0,0.5,1]}"#;
 
 impl SampleInputs {
@@ -80,8 +98,24 @@ impl SampleInputs {
                 .into_iter()
                 .collect::<Result<_, _>>()?,
             tape: bytes("fuzz/seeds/tape/corridor")?,
+            scene: SampleScene::load(&Path::new(WORKSPACE).join("tests/models/patch.obj"))?,
             configurations: MACHINES.iter().map(presets).collect::<Result<_, _>>()?,
         })
+    }
+
+    /// Returns a small trace.
+    pub(super) fn trace(&self) -> &str {
+        &self.traces[0]
+    }
+
+    /// Returns a scene as a server sends it, without compression.
+    pub(super) fn scene(&self) -> &[u8] {
+        &self.scene.plain
+    }
+
+    /// Returns the sample scene, for the hostile server.
+    pub fn sample_scene(&self) -> &SampleScene {
+        &self.scene
     }
 }
 
@@ -99,7 +133,7 @@ fn presets(machine: &MachineInfo) -> Result<Vec<String>, String> {
 
 impl InputKind {
     /// All kinds.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::TraceText,
         Self::TraceBinary,
         Self::TraceCompressed,
@@ -109,6 +143,9 @@ impl InputKind {
         Self::Picture,
         Self::Settings,
         Self::Tape,
+        Self::Plan,
+        Self::Views,
+        Self::Scene,
         Self::Options,
     ];
 
@@ -123,7 +160,10 @@ impl InputKind {
             Self::Obj => "OBJ and MTL",
             Self::Picture => "PNG and JPEG",
             Self::Settings => "configurations and cameras",
-            Self::Tape => "tapes",
+            Self::Tape => "recordings",
+            Self::Plan => "plans",
+            Self::Views => "lists of views",
+            Self::Scene => "scenes over HTTP",
             Self::Options => "command lines",
         }
     }
@@ -143,13 +183,16 @@ impl InputKind {
             Self::Picture => picture(sources, random),
             Self::Settings => settings(sources, random),
             Self::Tape => tape(sources, random),
+            Self::Plan => scripts::plan(sources, random),
+            Self::Views => scripts::views(random),
+            Self::Scene => scripts::scene(sources, random),
             Self::Options => command_line(sources, random),
         }
     }
 }
 
 /// Splits a line at spaces.
-fn words(line: &str) -> Vec<String> {
+pub(super) fn words(line: &str) -> Vec<String> {
     line.split_whitespace().map(str::to_owned).collect()
 }
 
@@ -164,7 +207,7 @@ fn trace(name: &str, bytes: Vec<u8>, random: &mut SplitMix64) -> HostileCase {
         2 => format!("run {name} --functional --out out"),
         _ => format!("run {name} {SHORT} --machine {}", machine(random)),
     };
-    HostileCase { files: vec![(name.into(), bytes)], arguments: words(&line) }
+    HostileCase::of_files(vec![(name.into(), bytes)], words(&line))
 }
 
 fn model(name: &str, bytes: Vec<u8>, mut files: Vec<(String, Vec<u8>)>, random: &mut SplitMix64) -> HostileCase {
@@ -174,7 +217,7 @@ fn model(name: &str, bytes: Vec<u8>, mut files: Vec<(String, Vec<u8>)>, random: 
         _ => format!("run {name} --size 32x24 {SHORT} --machine {}", machine(random)),
     };
     files.push((name.into(), bytes));
-    HostileCase { files, arguments: words(&line) }
+    HostileCase::of_files(files, words(&line))
 }
 
 /// Damages a line as JSON, the text as text, or its bytes.
@@ -271,7 +314,7 @@ fn settings(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
         _ => ("c.toml", settings::configuration(machine, random).into_bytes(), "--config c.toml"),
     };
     let line = format!("demo --machine {} --size 32x24 {SHORT} {option}", machine.name);
-    HostileCase { files: vec![(name.into(), bytes)], arguments: words(&line) }
+    HostileCase::of_files(vec![(name.into(), bytes)], words(&line))
 }
 
 /// Damages a recording below its compression, which has its own checksum, or in one of four cases above it.
@@ -291,7 +334,7 @@ fn tape(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
         2 => format!("resimulate t.tape --set fifo.spans.depth={} --json", 1 << random.below(8)),
         _ => "resimulate t.tape --no-bottlenecks --out out".to_owned(),
     };
-    HostileCase { files: vec![("t.tape".into(), bytes)], arguments: words(&line) }
+    HostileCase::of_files(vec![("t.tape".into(), bytes)], words(&line))
 }
 
 fn command_line(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase {
@@ -302,5 +345,5 @@ fn command_line(sources: &SampleInputs, random: &mut SplitMix64) -> HostileCase 
         "MODEL" => "m.gltf".into(),
         _ => word,
     };
-    HostileCase { files, arguments: options::command_line(random).into_iter().map(named).collect() }
+    HostileCase::of_files(files, options::command_line(random).into_iter().map(named).collect())
 }

@@ -8,13 +8,16 @@ mod cases;
 mod mutate;
 mod options;
 mod program;
+mod random;
+mod scripts;
+mod server;
 mod settings;
-mod split_mix;
 mod table;
 
 pub use cases::{HostileCase, InputKind, SampleInputs};
 pub use program::{PATIENCE_S, RunResult, TestedProgram};
-pub use split_mix::SplitMix64;
+pub use random::random_of;
+pub use server::{HostileServer, SampleScene};
 pub use table::RunTable;
 
 use std::path::Path;
@@ -35,14 +38,20 @@ pub enum RunFault {
     Unequal,
 }
 
-/// Runs a case twice in `folder`.
+/// Runs a case in `folder`, and once more if its results are to be compared.
 ///
 /// # Errors
 /// Returns an error if the case cannot be run.
-pub fn run_twice(program: &TestedProgram, case: &HostileCase, folder: &Path) -> Result<(RunResult, Option<RunFault>), String> {
+pub fn run_case(
+    program: &TestedProgram,
+    case: &HostileCase,
+    folder: &Path,
+    compares: bool,
+) -> Result<(RunResult, Option<RunFault>), String> {
     let first = program.run(case, folder)?;
-    if let Some(finding) = judge(&first) {
-        return Ok((first, Some(finding)));
+    let finding = judge(&first);
+    if finding.is_some() || !compares {
+        return Ok((first, finding));
     }
     let second = program.run(case, folder)?;
     let equal = first.left == second.left && first.code == second.code;
@@ -88,8 +97,8 @@ mod tests {
     fn same_seed_creates_same_cases() {
         let sources = SampleInputs::load().expect("the workspace is there");
         for kind in InputKind::ALL {
-            let made: Vec<HostileCase> = (0..20).map(|n| kind.case(&sources, &mut SplitMix64::of(7, kind as u64, n))).collect();
-            let again: Vec<HostileCase> = (0..20).map(|n| kind.case(&sources, &mut SplitMix64::of(7, kind as u64, n))).collect();
+            let made: Vec<HostileCase> = (0..20).map(|n| kind.case(&sources, &mut random_of(7, kind as u64, n))).collect();
+            let again: Vec<HostileCase> = (0..20).map(|n| kind.case(&sources, &mut random_of(7, kind as u64, n))).collect();
             assert_eq!(made, again, "{kind:?}");
             assert!((1..20).any(|n| made[n] != made[0]), "{kind:?}: all the same");
         }

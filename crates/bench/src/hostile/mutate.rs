@@ -1,6 +1,7 @@
 //! Damages to an input.
 
-use super::split_mix::SplitMix64;
+use super::random::RandomChoice as _;
+use basrelief_dse::SplitMix64;
 use serde_json::{Value, json};
 
 /// Unusual numbers.

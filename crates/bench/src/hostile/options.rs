@@ -1,8 +1,9 @@
 //! Command lines that make little sense.
 
 use super::mutate::ODD_NUMBERS;
+use super::random::RandomChoice as _;
 use super::settings::setting;
-use super::split_mix::SplitMix64;
+use basrelief_dse::SplitMix64;
 use basrelief_sim::{MACHINES, MachineInfo};
 
 /// Command lines, with `FILE` for a trace and `MODEL` for a model.

@@ -1,6 +1,7 @@
 //! The program, run in a folder of its own, with time and memory measured.
 
 use super::cases::HostileCase;
+use super::server::HostileServer;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,7 +13,10 @@ pub const PATIENCE_S: u64 = 20;
 
 /// Program under test.
 #[derive(Clone, Debug)]
-pub struct TestedProgram(PathBuf);
+pub struct TestedProgram {
+    path: PathBuf,
+    server: HostileServer,
+}
 
 /// Result of a run.
 #[derive(Clone, Debug)]
@@ -39,13 +43,13 @@ impl TestedProgram {
     ///
     /// # Errors
     /// Returns an error if the program, or its measuring tool, does not exist.
-    pub fn new(path: &Path) -> Result<Self, String> {
+    pub fn new(path: &Path, server: HostileServer) -> Result<Self, String> {
         let path = path.canonicalize().map_err(|e| format!("{}: {e}", path.display()))?;
         for tool in ["time", "timeout"] {
             let there = Command::new(tool).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
             there.map_err(|e| format!("{tool}: {e}; install GNU time and coreutils (apt-get install time coreutils)"))?;
         }
-        Ok(Self(path))
+        Ok(Self { path, server })
     }
 
     /// Runs a case in a folder that is emptied first.
@@ -61,13 +65,16 @@ impl TestedProgram {
         }
         fs::create_dir_all(&inside).map_err(failed)?;
         case.files.iter().try_for_each(|(name, bytes)| fs::write(inside.join(name), bytes)).map_err(failed)?;
+        case.served.iter().for_each(|answers| self.server.set(answers));
+        let url = self.server.url();
+        let arguments = case.arguments.iter().map(|word| if word == "SERVER" { &url } else { word });
         // `timeout` ends the program itself. A kill from here would leave it behind.
         let output = Command::new("time")
             .args(["--quiet", "-f", "%M %U %S", "-o"])
             .arg(&measured)
             .args(["timeout", "-s", "KILL", &(BUSY * PATIENCE_S).to_string()])
-            .arg(&self.0)
-            .args(&case.arguments)
+            .arg(&self.path)
+            .args(arguments)
             .current_dir(&inside)
             .env("NO_COLOR", "1")
             .env("COLUMNS", "100")

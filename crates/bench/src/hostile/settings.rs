@@ -1,7 +1,8 @@
 //! Parameters of a machine at unusual values.
 
 use super::mutate::ODD_NUMBERS;
-use super::split_mix::SplitMix64;
+use super::random::RandomChoice as _;
+use basrelief_dse::SplitMix64;
 use basrelief_parameters::Parameter;
 use basrelief_sim::MachineInfo;
 use serde_json::Value;
@@ -85,13 +86,14 @@ fn resolved(schema: &Value, at: &Value) -> Value {
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::random_of;
     use super::*;
     use basrelief_sim::MACHINES;
 
     #[test]
     fn most_settings_are_valid_and_some_are_not() {
         for machine in MACHINES {
-            let mut random = SplitMix64::of(3, 0, 0);
+            let mut random = random_of(3, 0, 0);
             let taken = (0..300).filter(|_| {
                 let (key, value) = setting(machine, &mut random);
                 assert!(machine.parameters().iter().any(|p| p.key == key), "{key}");

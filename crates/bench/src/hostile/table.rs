@@ -11,6 +11,7 @@ pub struct RunTable(Vec<(&'static str, Row)>);
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
     runs: u64,
+    compared: u64,
     /// Counts by exit code.
     codes: [u64; 3],
     crashes: u64,
@@ -23,10 +24,11 @@ struct Row {
 
 impl RunTable {
     /// Counts a case.
-    pub fn add(&mut self, kind: InputKind, run: &RunResult, finding: Option<RunFault>) {
+    pub fn add(&mut self, kind: InputKind, run: &RunResult, finding: Option<RunFault>, compared: bool) {
         for name in [kind.name(), "all"] {
             let row = self.row(name);
             row.runs += 1;
+            row.compared += u64::from(compared);
             if let Some(count) = usize::try_from(run.code).ok().and_then(|code| row.codes.get_mut(code)) {
                 *count += 1;
             }
@@ -57,15 +59,15 @@ impl Display for RunTable {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "| what was spoiled | inputs, each run twice | exit code 0 | 1 | 2 | panics and signals | hangs | over the memory | \
-             second run differs | largest memory MiB | longest run, s of the processor |"
+            "| damaged input | inputs | of these run twice | exit code 0 | 1 | 2 | panics, signals | hangs | over memory | \
+             second run differs | largest memory MiB | longest run, s |"
         )?;
-        writeln!(f, "|---|{}", "---:|".repeat(10))?;
+        writeln!(f, "|---|{}", "---:|".repeat(11))?;
         for (name, row) in &self.0 {
-            let Row { runs, codes: [done, bad, usage], crashes, hangs, over, unequal, mebibytes, seconds } = row;
+            let Row { runs, compared, codes: [done, bad, usage], crashes, hangs, over, unequal, mebibytes, seconds } = row;
             writeln!(
                 f,
-                "| {name} | {runs} | {done} | {bad} | {usage} | {crashes} | {hangs} | {over} | {unequal} | {mebibytes} | {seconds:.2} |"
+                "| {name} | {runs} | {compared} | {done} | {bad} | {usage} | {crashes} | {hangs} | {over} | {unequal} | {mebibytes} | {seconds:.2} |"
             )?;
         }
         Ok(())
