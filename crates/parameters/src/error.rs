@@ -39,9 +39,19 @@ fn hint(nearest: &Option<String>) -> String {
     nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 
+/// Maximum number of characters of a value in a message. A list can be as long as the file.
+const LONGEST_VALUE: usize = 80;
+
+fn shortened(value: &str) -> String {
+    match value.char_indices().nth(LONGEST_VALUE) {
+        Some((end, _)) => format!("{}... ({} characters)", &value[..end], value.chars().count()),
+        None => value.into(),
+    }
+}
+
 /// A value outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{key}` is {value}, expected {expected}")]
+#[error("`{key}` is {}, expected {expected}", shortened(value))]
 pub struct RangeError {
     /// Dotted name.
     pub key: String,
@@ -49,4 +59,18 @@ pub struct RangeError {
     pub value: String,
     /// The allowed values.
     pub expected: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_value_is_shortened_in_message() {
+        let error = |value: String| RangeError { key: "a".into(), value, expected: "1..=8".into() }.to_string();
+        assert_eq!(error("[1, 9]".into()), "`a` is [1, 9], expected 1..=8");
+        let long = error(format!("[{}1]", "1,".repeat(100_000)));
+        assert!(long.starts_with("`a` is [1,1") && long.ends_with("1... (200003 characters), expected 1..=8"), "{long}");
+        assert!(long.len() < 200, "{}", long.len());
+    }
 }
