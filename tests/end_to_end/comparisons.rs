@@ -33,6 +33,64 @@ fn comparing_fails_only_over_its_limit() {
 }
 
 #[test]
+fn limit_never_passes_missing_figures() {
+    let place = Place::new();
+    let demo = "demo golf-ball --size 32x24 --quiet";
+    let coarse = "--set replacement.entries=16";
+    for (folder, options) in [
+        ("a", ""),
+        ("functional", "--functional"),
+        ("no-quality", "--no-exact"),
+        ("coarse", coarse),
+        ("bare", "--functional --no-exact"),
+    ] {
+        place.ok(&format!("{demo} {options} --out {folder}"));
+    }
+    let fails = |line: &str| place.run(&format!("compare {line} --fail-over 1000000")).error(1).to_owned();
+    assert!(fails("a functional").starts_with("functional: cycles cannot be judged: A has it and B lacks it"));
+    assert!(fails("a no-quality").starts_with("no-quality: quality cannot be judged: A has it and B lacks it"));
+    assert!(fails("a coarse no-quality").starts_with("no-quality: quality"));
+    assert!(fails("bare a").contains("A has neither cycles nor bytes nor quality"));
+    assert!(!place.ok("compare a functional").out.contains("Nothing got worse"));
+    place.ok("compare functional a --fail-over 0");
+    let error = place.run("compare a coarse --fail-over 2").error(1).to_owned();
+    assert!(error.starts_with("coarse: quality.psnr_db got worse by ") && error.contains(" %; the limit is 2 %"), "{error}");
+}
+
+#[test]
+fn limit_counts_every_frame() {
+    let place = Place::new();
+    place.ok("demo golf-ball --size 32x24 --frames 3 --quiet --out a");
+    let mut report = place.report("a");
+    report["quality"]["frames"][1]["psnr_db"] = 5.0.into();
+    fs::write(place.path("middle.json"), report.to_string()).expect("written");
+    let error = place.run("compare a middle.json --fail-over 2").error(1).to_owned();
+    assert!(error.starts_with("middle.json: quality.frames[1].psnr_db got worse by "), "{error}");
+    let mut report = place.report("a");
+    report["quality"]["frames"].as_array_mut().expect("frames").pop();
+    fs::write(place.path("fewer.json"), report.to_string()).expect("written");
+    let error = place.run("compare a fewer.json --fail-over 2").error(1).to_owned();
+    assert!(error.contains("quality.frames cannot be judged: A has 3 frames and B has 2"), "{error}");
+}
+
+#[test]
+fn limit_rejects_unfinished_runs_and_other_inputs() {
+    let place = Place::new();
+    let demo = "demo golf-ball --size 32x24 --quiet";
+    place.ok(&format!("{demo} --out a"));
+    place.run(&format!("{demo} --max-cycles 100 --out cut")).error(1);
+    let error = place.run("compare a cut --fail-over 1000000").error(1).to_owned();
+    assert!(error.contains("cut: outcome cannot be judged: run B did not finish (limit)"), "{error}");
+    assert!(!error.contains("inf"), "{error}");
+    place.ok("demo golf-ball --size 32x24 --turn 5,0 --quiet --out other");
+    let error = place.run("compare a other --fail-over 1000000").error(1).to_owned();
+    assert!(error.starts_with("other: input.sha256 differs from A"), "{error}");
+    place.ok("compare a other --fail-over 1000000 --allow-other-input");
+    assert_eq!(place.run("compare a other --allow-other-input").code(), 2);
+    assert_eq!(place.run("compare a other --fail-over nan").code(), 2);
+}
+
+#[test]
 fn comparing_two_machines_is_reported() {
     let place = Place::new();
     place.ok("demo goblet@1 --size 32x24 --out a --quiet");

@@ -80,14 +80,12 @@ pub fn rows(report: &Report) -> Vec<Row> {
 }
 
 fn run(report: &Report, rows: &mut Rows) {
-    let kind = serde_json::to_value(report.outcome.kind).ok();
-    let outcome = kind.as_ref().and_then(Value::as_str).unwrap_or_default();
     let facts = [
         ("version", report.version.as_str()),
         ("machine", &report.machine),
         ("input", &report.input.name),
         ("input_sha256", &report.input.sha256),
-        ("outcome", outcome),
+        ("outcome", report.outcome.kind.name()),
     ];
     for (name, text) in facts {
         rows.add(("run", name), "value", "", text);

@@ -34,9 +34,12 @@ pub struct CompareArgs {
     /// The second report; each of several is compared with A.
     #[arg(required = true, value_name = "B")]
     pub others: Vec<PathBuf>,
-    /// Exit with code 1 if a figure of any report is worse by more than this [%].
+    /// Exit with code 1 if a figure of any report is worse by more than this [%], or cannot be judged.
     #[arg(long, value_name = "PERCENT", value_parser = finite)]
     pub fail_over: Option<f64>,
+    /// With --fail-over, judge runs with different inputs too; without this option they fail.
+    #[arg(long, requires = "fail_over")]
+    pub allow_other_input: bool,
     /// Print the comparison as JSON; several comparisons form a list.
     #[arg(long)]
     pub json: bool,

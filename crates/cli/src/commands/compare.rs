@@ -52,12 +52,31 @@ pub fn compare(args: &CompareArgs, budget: &Budget) -> Done {
     if let Some(path) = &args.html {
         page(path, (&first, &others), &pairs)?;
     }
-    let worst = pairs.iter().map(|pair| pair.comparison.worst_percent()).fold(0.0, f64::max);
     match args.fail_over {
-        Some(limit) if worst > limit => Err(Failure::Bad(format!("worse by {worst} %; --fail-over allows {limit} %"))),
-        _ => Ok(()),
+        Some(limit) => judge(&pairs, limit, args.allow_other_input),
+        None => Ok(()),
     }
 }
+
+/// Largest number of reasons in the error message.
+const MOST_REASONS: usize = 8;
+
+/// Fails if a report fails the limit.
+fn judge(pairs: &[Pair<'_>], limit: f64, allow_other_input: bool) -> Done {
+    let failures = pairs.iter().flat_map(|Pair { b, comparison, .. }| {
+        let has_other_input = comparison.other_input && !allow_other_input;
+        let input = has_other_input.then(|| format!("{b}: {OTHER_INPUT}"));
+        input.into_iter().chain(comparison.failures(limit).into_iter().map(move |reason| format!("{b}: {reason}")))
+    });
+    let mut failures: Vec<String> = failures.collect();
+    let more = failures.len().saturating_sub(MOST_REASONS);
+    failures.truncate(MOST_REASONS);
+    failures.extend((more > 0).then(|| format!("and {more} more")));
+    if failures.is_empty() { Ok(()) } else { Err(Failure::Bad(failures.join("\n"))) }
+}
+
+const OTHER_INPUT: &str =
+    "input.sha256 differs from A or is unknown, so the runs cannot be judged; --allow-other-input judges them";
 
 /// Writes the comparison as an HTML page, with the images beside the reports.
 fn page(path: &Path, (first, others): (&Side, &[Side]), pairs: &[Pair<'_>]) -> Done {

@@ -38,10 +38,34 @@ pub struct Section {
 /// Largest regression.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Worst {
-    /// Size \[%\]; 0 if nothing got worse.
+    /// Size \[%\], finite; 0 if nothing got worse.
     pub percent: f64,
-    /// Kind and name.
+    /// Name of the figure.
     pub what: String,
+}
+
+/// A figure that counts and that cannot be judged.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Unjudged {
+    /// Name of the figure.
+    pub figure: String,
+    /// Reason.
+    pub reason: String,
+}
+
+/// Judgement of the figures that count.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Largest regression of the judged figures.
+    pub worst: Worst,
+    /// Figures that cannot be judged.
+    pub unjudged: Vec<Unjudged>,
+}
+
+impl Default for Verdict {
+    fn default() -> Self {
+        Self { worst: Worst { percent: 0.0, what: "nothing".into() }, unjudged: vec![] }
+    }
 }
 
 /// Part of the change of the cycles that one group of parameters causes.
@@ -80,13 +104,21 @@ pub struct Comparison {
     pub explained: Option<Explained>,
     /// Parts with differences.
     pub sections: Vec<Section>,
-    /// Largest regression.
-    pub worst: Worst,
+    /// The runs have different inputs, or the input of a run is unknown.
+    pub other_input: bool,
+    /// Largest regression, and counted figures that cannot be judged.
+    #[serde(flatten)]
+    pub verdict: Verdict,
 }
 
 impl Comparison {
-    /// Returns the largest regression of B against A \[%\]; 0 if there is none. Infinite if A is complete and B is not.
-    pub fn worst_percent(&self) -> f64 {
-        self.worst.percent
+    /// Returns the reasons for which B fails a limit of `percent`, one sentence each. Figures that cannot be judged fail every limit.
+    /// The input is not considered; see [`Comparison::other_input`].
+    pub fn failures(&self, percent: f64) -> Vec<String> {
+        let Verdict { worst, unjudged } = &self.verdict;
+        let unjudged = unjudged.iter().map(|Unjudged { figure, reason }| format!("{figure} cannot be judged: {reason}"));
+        let is_over = worst.percent > percent;
+        let over = is_over.then(|| format!("{} got worse by {} %; the limit is {percent} %", worst.what, worst.percent));
+        unjudged.chain(over).collect()
     }
 }

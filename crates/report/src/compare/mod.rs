@@ -7,19 +7,23 @@
 //! B is resimulated with one group of parameters as in A, and A with all timing parameters of B. The caller passes the resulting
 //! cycles; this crate puts them into words.
 //!
-//! **Regression**: [`Comparison::worst`] is the largest of these, in percent. Improvements do not count.
+//! **Regression**: [`Verdict::worst`] is the largest of these, in percent. Improvements do not count.
 //! - growth of `cycles.total`, and of any frame;
-//! - growth of the bytes of any memory client; from nothing counts as 100 %;
-//! - loss of quality: PSNR relative to A; SSIM and FLIP, whose scale is 0..1, in hundredths;
-//! - A is complete and B is not: infinite, so that no limit lets it pass (`null` in JSON).
+//! - growth of the bytes of any memory client;
+//! - loss of quality of the final picture and of any frame: PSNR relative to A; SSIM and FLIP, whose scale is 0..1, in hundredths.
+//!
+//! **Not judged**: [`Verdict::unjudged`] lists counted figures without a percentage. No limit lets them pass.
+//! - a figure that A has and B lacks, and fewer frames in B than in A;
+//! - a run that did not finish;
+//! - growth from 0, and a value that is not finite.
 
 mod comparison;
 mod explain;
 mod overview;
 mod text;
-mod worst;
+mod verdict;
 
-pub use comparison::{Change, Comparison, Explained, Section, Share, WORK, Worst};
+pub use comparison::{Change, Comparison, Explained, Section, Share, Unjudged, Verdict, WORK, Worst};
 pub use overview::overview;
 
 use crate::long_table::{self, Row};
@@ -33,7 +37,8 @@ pub fn compare(a: &Report, b: &Report, explained: Option<Explained>) -> Comparis
         equal: sections.is_empty(),
         explanation: explain::explain(a, b, (sections.is_empty(), explained.as_ref())),
         explained,
-        worst: worst::worst(a, b),
+        other_input: a.input.sha256 != b.input.sha256 || a.input.sha256.is_empty(),
+        verdict: verdict::verdict(a, b, sections.is_empty()),
         sections,
     }
 }
@@ -95,7 +100,8 @@ mod tests {
         let a = samples::balanced();
         let same = compare(&a, &a.clone().with_host(1.0, 1.0), None);
         assert!(same.equal && same.sections.is_empty());
-        assert_eq!(same.worst_percent(), 0.0);
+        assert_eq!(same.failures(0.0), [""; 0]);
+        assert!(!same.other_input);
     }
 
     #[test]
@@ -126,6 +132,18 @@ mod tests {
     }
 
     #[test]
+    fn other_or_unknown_input_is_reported() {
+        let a = samples::balanced();
+        let mut b = a.clone();
+        b.input.name = "renamed.gltf".into();
+        assert!(!compare(&a, &b, None).other_input);
+        b.input.sha256 = "cd".repeat(32);
+        assert!(compare(&a, &b, None).other_input);
+        b.input.sha256.clear();
+        assert!(compare(&a, &b, None).other_input && compare(&b, &b, None).other_input);
+    }
+
+    #[test]
     fn a_comparison_is_json() {
         let (a, b) = samples::before_and_after();
         let share = Share { group: WORK.into(), set: vec![], cycles: Some(1_000_000), by: Some(-600_000) };
@@ -134,5 +152,6 @@ mod tests {
         assert_eq!((&json["explained"][0]["by"], &json["together"]), (&(-600_000).into(), &0.into()));
         assert_eq!(json["sections"][0]["table"], "config");
         assert_eq!(json["sections"][0]["changes"][0]["delta"], -192.0);
+        assert_eq!((&json["worst"]["what"], &json["unjudged"]), (&"quality.psnr_db".into(), &serde_json::json!([])));
     }
 }

@@ -1,6 +1,6 @@
 //! The comparison as people read it.
 
-use super::comparison::{Change, Comparison, Section};
+use super::comparison::{Change, Comparison, Section, Unjudged, Verdict};
 use crate::model::Figure;
 use crate::number::signed;
 use crate::text::sections::figure;
@@ -12,15 +12,17 @@ use Align::{Left, Right};
 const SHOWN: usize = 12;
 
 impl Comparison {
-    /// Returns the causes, the tables and the largest regression, with a line feed at the end.
+    /// Returns the causes, the tables and the verdict, with a line feed at the end.
     pub fn to_text(&self, style: Style) -> String {
         let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&self.explanation))];
         parts.extend(self.sections.iter().map(|section| section.to_text(style)));
-        let worst = &self.worst;
+        let Verdict { worst, unjudged } = &self.verdict;
+        for Unjudged { figure, reason } in unjudged {
+            parts.push(style.wrap(&format!("Cannot be judged: {figure}: {reason}.")));
+        }
         if worst.percent > 0.0 {
-            let percent = if worst.percent.is_finite() { format!("{:.1} %", worst.percent) } else { "beyond any limit".into() };
-            parts.push(format!("Largest regression: {}, {percent}.", worst.what));
-        } else if !self.equal {
+            parts.push(format!("Largest regression: {}, {:.1} %.", worst.what, worst.percent));
+        } else if unjudged.is_empty() && !self.equal {
             parts.push("Nothing got worse.".into());
         }
         parts.join("\n\n") + "\n"

@@ -162,6 +162,19 @@ pub enum OutcomeKind {
     Fault,
 }
 
+impl OutcomeKind {
+    /// Returns the name as in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Complete => "complete",
+            Self::Deadlock => "deadlock",
+            Self::Limit => "limit",
+            Self::Stopped => "stopped",
+            Self::Fault => "fault",
+        }
+    }
+}
+
 /// Width and height of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Size {
