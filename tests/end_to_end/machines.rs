@@ -153,6 +153,31 @@ fn bad_shade_values_are_named() {
     assert_eq!(place.names(""), ["c.toml", "mended"]);
 }
 
+/// Returns the places of all formats in a schema.
+fn formats(part: &Value, place: &str) -> Vec<String> {
+    let below = |(key, value): (String, &Value)| formats(value, &format!("{place}/{key}"));
+    match part {
+        Value::Object(fields) => {
+            let own = fields.get("format").filter(|format| format.is_string()).map(|format| format!("{place}: {format}"));
+            own.into_iter().chain(fields.iter().map(|(key, value)| (key.clone(), value)).flat_map(below)).collect()
+        }
+        Value::Array(list) => list.iter().enumerate().map(|(k, value)| (k.to_string(), value)).flat_map(below).collect(),
+        _ => vec![],
+    }
+}
+
+#[test]
+fn printed_schemas_have_no_unknown_format() {
+    let place = Place::new();
+    let machines = ["bump", "shade", "texel", "defer"].map(|machine| format!("config --machine {machine}"));
+    for of in ["trace", "report", "camera"].map(str::to_owned).into_iter().chain(machines) {
+        let schema: Value = serde_json::from_str(&place.ok(&format!("schema {of}")).out).expect("a schema");
+        assert!(jsonschema::meta::is_valid(&schema), "{of}");
+        jsonschema::validator_for(&schema).expect("a valid schema");
+        assert_eq!(formats(&schema, ""), [""; 0], "{of}");
+    }
+}
+
 #[test]
 fn report_config_matches_schema() {
     let place = Place::new();

@@ -12,6 +12,7 @@ use crate::unit_info::UnitInfo;
 use basrelief_deferred_renderer::PicturePreview;
 use basrelief_kernel::{Hardware, Machine as _};
 use basrelief_parameters::{ConfigError, Loader, Parameter, resolved};
+use basrelief_signals::schema_of;
 use serde_json::Value;
 use std::fmt;
 
@@ -220,7 +221,7 @@ impl MachineInfo {
             left_at: S::LEFT_AT,
             has_methods: S::METHODS.is_some(),
             table: || resolved(&S::default()),
-            schema: || schemars::schema_for!(S).to_value(),
+            schema: || schema_of::<S>().to_value(),
             loader: |toml| {
                 let loader = Loader::<S>::new(toml)?;
                 Ok(ConfigLoader(Box::new(move |settings| loader.load(settings).map(MachineConfig::from))))

@@ -3,6 +3,7 @@
 use crate::derived::derive;
 use crate::model::{FULLY_PIPELINED, Report, UNBOUNDED_FIFO};
 use basrelief_input::JsonFault;
+use basrelief_signals::schema_of;
 use std::io::{self, Write};
 
 /// Format and version of a report.
@@ -86,7 +87,7 @@ fn from_schema_2(mut report: Report) -> Report {
 
 /// The JSON schema of a report.
 pub fn schema() -> serde_json::Value {
-    let mut schema = schemars::schema_for!(Report);
+    let mut schema = schema_of::<Report>();
     if let Some(title) = schema.get_mut("properties").and_then(|p| p.pointer_mut("/schema")) {
         title["const"] = SCHEMA.into();
     }

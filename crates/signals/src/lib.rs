@@ -13,6 +13,8 @@
 //!
 //! [`layout`] is the address map of the one memory that several units share.
 //!
+//! [`schema_of`] makes JSON schemas of such data.
+//!
 //! [`Flow`] puts control tokens in band (law 7): every wire behind the geometry processor carries `Flow<T>`.
 //!
 //! Conventions: matrices are row-major and multiply column vectors (clip = M * \[x y z 1\]^T, OpenGL depth range). In window
@@ -28,6 +30,7 @@ pub mod model;
 pub mod packet;
 pub mod polygon;
 pub mod quantization_memory;
+pub mod schema;
 pub mod width;
 
 pub use attribution::{Attribution, PixelSet};
@@ -45,6 +48,7 @@ pub use packet::{
     ColorToken, DepthToken, LINE_NUMBER, LINE_PIXELS, PACKET_PIXELS, Packet, PixelPacket, PixelPlace, PixelToken, line_of, lines,
 };
 pub use polygon::{LightingStage, MeshInfo, ObjectInfo, Polygon, SentAttributes, Vertex, VertexAttributes};
+pub use schema::schema_of;
 pub use width::{BitWidth, SignalWidths};
 
 /// Tests the example of the README.

@@ -1,10 +1,11 @@
 //! The schema of one line.
 
 use crate::command::TraceCommand;
+use basrelief_signals::schema_of;
 
 /// JSON schema (2020-12) of one line of a trace in JSON Lines.
 pub fn schema() -> serde_json::Value {
-    let mut schema = schemars::schema_for!(TraceCommand);
+    let mut schema = schema_of::<TraceCommand>();
     schema.insert("$id".into(), "https://github.com/basrelief/basrelief/schemas/display-list-1.json".into());
     schema.insert("title".into(), "One line of a Basrelief display list".into());
     schema.to_value()

@@ -2,7 +2,7 @@
 
 use crate::args::{SchemaArgs, SchemaName};
 use crate::error::{Done, print};
-use basrelief_signals::Camera;
+use basrelief_signals::{Camera, schema_of};
 
 /// Prints a schema.
 pub fn schema(args: &SchemaArgs) -> Done {
@@ -10,7 +10,7 @@ pub fn schema(args: &SchemaArgs) -> Done {
         SchemaName::Trace => basrelief_trace::schema(),
         SchemaName::Report => basrelief_report::schema(),
         SchemaName::Config => args.machine.schema(),
-        SchemaName::Camera => schemars::schema_for!(Camera).to_value(),
+        SchemaName::Camera => schema_of::<Camera>().to_value(),
     };
     print(&format!("{schema:#}\n"))
 }
