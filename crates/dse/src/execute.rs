@@ -37,9 +37,11 @@ pub struct Work<'a> {
 /// # Errors
 /// The first file that cannot be written, or an input that can no longer be opened. A failed point is no error: its failure is stored.
 pub fn execute(plan: &Plan, work: &Work<'_>, store: &dyn Store, host: &dyn Host) -> Result<Tally, SweepError> {
-    let missing: Vec<&Point> = work.points.iter().copied().filter(|point| is_missing(point, work, store)).collect();
+    let found = threads::map(work.points.to_vec(), |point| (point, store.find(&point.id)));
+    let outdated = found.iter().filter(|(_, found)| *found == Found::Outdated).count();
+    let missing: Vec<&Point> = found.into_iter().filter(|(_, found)| must_run(*found, work)).map(|(point, _)| point).collect();
     let (points, there) = (work.points.len(), work.points.len() - missing.len());
-    let tally = Tally { points, there, ..Tally::default() };
+    let tally = Tally { points, there, outdated, ..Tally::default() };
     let tasks = missing.len();
     let queue = Queue { groups: groups(missing), tally, ..Queue::default() };
     let crew = Crew { plan, work, store, host, queue: Mutex::new(queue), changed: Condvar::new() };
@@ -50,11 +52,11 @@ pub fn execute(plan: &Plan, work: &Work<'_>, store: &dyn Store, host: &dyn Host)
 }
 
 fn is_missing(point: &Point, work: &Work<'_>, store: &dyn Store) -> bool {
-    match store.find(&point.id) {
-        Found::Report => false,
-        Found::Failed => work.retry_failed,
-        Found::Missing => true,
-    }
+    must_run(store.find(&point.id), work)
+}
+
+fn must_run(found: Found, work: &Work<'_>) -> bool {
+    found.is_missing() || found == Found::Failed && work.retry_failed
 }
 
 /// Points by their work, groups and the points in them in an order drawn at random.

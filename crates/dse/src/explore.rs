@@ -8,7 +8,7 @@ use crate::explorer::{Explorer, Known};
 use crate::one::limits;
 use crate::plan::{Plan, Point};
 use crate::tables::table_of;
-use crate::{Folder, Found, Host, SweepError, Tally, Work, execute};
+use crate::{Folder, Host, SweepError, Tally, Work, execute};
 use crate::{candidates, hypervolume::Space};
 use basrelief_parameters::Effect;
 use basrelief_report::model::Limit;
@@ -116,7 +116,7 @@ fn costs(
 
 /// The share of the whole grid's hypervolume that the chosen points have.
 fn share(plan: &Plan, chosen: &BTreeSet<usize>, folder: &Folder) -> Result<Option<f64>, SweepError> {
-    if plan.points.iter().any(|point| folder.find(&point.id) == Found::Missing) {
+    if plan.points.iter().any(|point| folder.find(&point.id).is_missing()) {
         return Ok(None);
     }
     let all: Vec<&Point> = plan.points.iter().collect();

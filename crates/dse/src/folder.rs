@@ -1,10 +1,13 @@
 //! Storage of points: `points/HASH/report.json` of a complete run, `failed.json` of a failed run, and the picture.
 //!
 //! Files appear as a whole, and every writer writes the same bytes. So nothing is locked, and any number of processes and machines can
-//! work on one folder.
+//! work on one folder. Both files state the build of the simulator that wrote them, because another build may give other results.
 
+use crate::plan::Point;
 use crate::{Host, SweepError};
 use basrelief_report::Report;
+use basrelief_sim::BUILD;
+use basrelief_threads as threads;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fs;
@@ -26,8 +29,17 @@ pub enum Found {
     Report,
     /// The point failed with a stored reason.
     Failed,
-    /// The point has no result, or an incomplete one of a killed process.
+    /// Another build of the simulator made the result.
+    Outdated,
+    /// The point has no result, a damaged one, or an incomplete one of a killed process.
     Missing,
+}
+
+impl Found {
+    /// Returns true if the point must run.
+    pub fn is_missing(self) -> bool {
+        matches!(self, Self::Outdated | Self::Missing)
+    }
 }
 
 /// Storage of points: a [`Folder`], or a store that keeps only some figures.
@@ -59,14 +71,34 @@ impl Store for Folder {
     }
 
     fn put_failure(&self, id: &str, failure: &Failure, host: &dyn Host) -> Result<(), SweepError> {
-        let text = serde_json::to_string_pretty(failure).map_err(|e| SweepError(e.to_string()))?;
+        let Failure { outcome, message } = failure.clone();
+        let failed = FailedPoint { build: BUILD.into(), outcome, message };
+        let text = serde_json::to_string_pretty(&failed).map_err(|e| SweepError(e.to_string()))?;
+        self.remove_outdated(id)?;
         publish(&self.of_point(id, FAILED), format!("{text}\n").as_bytes(), host)
     }
 }
 
-/// Why a point has no report.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Content of `failed.json`.
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+struct FailedPoint {
+    /// Absent in version 0.1.
+    #[serde(default)]
+    build: String,
+    outcome: String,
+    message: String,
+}
+
+/// The build that wrote a file of a point. The other fields are only checked to be JSON.
+#[derive(Deserialize)]
+struct WrittenBy {
+    #[serde(default)]
+    build: String,
+}
+
+/// Why a point has no report.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// In one word: `deadlock`, `limit`, `fault`, `unfit` of parameters, or `error`.
     pub outcome: String,
@@ -89,13 +121,28 @@ impl Folder {
         self.0.join("points").join(id).join(name)
     }
 
-    /// State of a point in the folder.
+    /// State of a point in the folder. Reads its files to their ends, because a power cut can leave empty or torn files.
     pub fn find(&self, id: &str) -> Found {
-        match [REPORT, FAILED].map(|name| self.of_point(id, name).is_file()) {
-            [true, _] => Found::Report,
-            [_, true] => Found::Failed,
-            _ => Found::Missing,
+        let builds = [REPORT, FAILED].map(|name| {
+            let bytes = fs::read(self.of_point(id, name)).ok()?;
+            serde_json::from_slice(&bytes).ok().map(|WrittenBy { build }| build)
+        });
+        match builds.each_ref().map(Option::as_deref) {
+            [Some(BUILD), _] => Found::Report,
+            [_, Some(BUILD)] => Found::Failed,
+            [None, None] => Found::Missing,
+            _ => Found::Outdated,
         }
+    }
+
+    /// States of several points, in their order.
+    pub fn find_all(&self, points: &[&Point]) -> Vec<Found> {
+        threads::map(points.to_vec(), |point| self.find(&point.id))
+    }
+
+    /// Removes a report that does not count, so that it never lies beside a new picture.
+    fn remove_outdated(&self, id: &str) -> Result<(), SweepError> {
+        if self.find(id).is_missing() { remove(&self.of_point(id, REPORT)) } else { Ok(()) }
     }
 
     /// The report of a point, as it was written.
@@ -122,7 +169,8 @@ impl Folder {
     pub fn failure(&self, id: &str) -> Result<Failure, SweepError> {
         let path = self.of_point(id, FAILED);
         let text = fs::read_to_string(&path).map_err(|e| SweepError(format!("{}: cannot be read: {e}", path.display())))?;
-        parse(&text, &path)
+        let FailedPoint { outcome, message, .. } = parse(&text, &path)?;
+        Ok(Failure { outcome, message })
     }
 
     /// The picture of a point, relative to the folder, where it has one.
@@ -135,15 +183,19 @@ impl Folder {
     /// # Errors
     /// A file that cannot be written.
     pub fn put(&self, id: &str, (report, picture): (&str, Option<&[u8]>), host: &dyn Host) -> Result<(), SweepError> {
+        self.remove_outdated(id)?;
         if let Some(picture) = picture {
             publish(&self.of_point(id, PICTURE), picture, host)?;
         }
         publish(&self.of_point(id, REPORT), report.as_bytes(), host)?;
-        let failed = self.of_point(id, FAILED);
-        match fs::remove_file(&failed) {
-            Err(e) if e.kind() != ErrorKind::NotFound => Err(SweepError(format!("{}: cannot be removed: {e}", failed.display()))),
-            _ => Ok(()),
-        }
+        remove(&self.of_point(id, FAILED))
+    }
+}
+
+fn remove(path: &Path) -> Result<(), SweepError> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != ErrorKind::NotFound => Err(SweepError(format!("{}: cannot be removed: {e}", path.display()))),
+        _ => Ok(()),
     }
 }
 

@@ -28,6 +28,8 @@ pub struct Tally {
     pub retimed: usize,
     /// Failed points of those run here.
     pub failed: usize,
+    /// Points of another build of the simulator, which are run again.
+    pub outdated: usize,
 }
 
 impl Tally {
@@ -38,6 +40,7 @@ impl Tally {
         self.run += other.run;
         self.retimed += other.retimed;
         self.failed += other.failed;
+        self.outdated += other.outdated;
     }
 
     /// Returns the number of points with results.

@@ -6,12 +6,10 @@ use crate::plan::{Plan, Point};
 use crate::{Cell, Column, Goal, PageOptions, Role, Row, State, Table, front, page, vega, write};
 use crate::{Folder, Found, Host, SweepError};
 use basrelief_threads as threads;
-use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::fs;
 
-/// Files of a sweep and their descriptions. The front is written last: if it is up to date, all files are.
+/// Files of a sweep and their descriptions. The front is written last.
 pub const FILES: &[(&str, &str)] = &[
     ("sweep.html", "the sweep as a page"),
     ("sweep.jsonl", "the whole table, a JSON object per point"),
@@ -25,20 +23,13 @@ pub const FILES: &[(&str, &str)] = &[
 ];
 const FRONT: &str = "front.txt";
 
-/// Writes the tables of all points, and returns the front as text. If tables of the same points exist, it reads and writes nothing
-/// else.
+/// Writes the tables of all points, and returns the front as text.
 ///
 /// # Errors
 /// A report that cannot be read, a file that cannot be written.
 pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, SweepError> {
-    let found: Vec<Found> = plan.points.iter().map(|point| folder.find(&point.id)).collect();
-    let stamp = format!("\npoints {}\n", stamp(plan, &found));
-    let before = fs::read_to_string(folder.place(FRONT)).unwrap_or_default();
-    if let Some(front) = before.strip_suffix(&stamp) {
-        return Ok(front.to_owned());
-    }
     let all: Vec<&Point> = plan.points.iter().collect();
-    let table = table(plan, (&all, &found), folder)?;
+    let table = table_of(plan, &all, folder)?;
     let failed = |error: std::io::Error| SweepError(format!("the table: {error}"));
     let (mut lines, mut csv) = (Vec::new(), Vec::new());
     write::json_lines(&table, &mut lines).map_err(failed)?;
@@ -52,7 +43,6 @@ pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, S
     );
     let chart = serde_json::to_string_pretty(&vega(&table)).map_err(|error| SweepError(error.to_string()))? + "\n";
     let front = front_text(&table);
-    let last = format!("{front}{stamp}");
     let all = [
         page.as_bytes(),
         &lines,
@@ -62,44 +52,27 @@ pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, S
         #[cfg(feature = "sqlite")]
         &crate::sqlite(&table).map_err(failed)?,
         chart.as_bytes(),
-        last.as_bytes(),
+        front.as_bytes(),
     ];
     FILES.iter().zip(all).try_for_each(|((file, _), bytes)| publish(&folder.place(file), bytes, host))?;
     Ok(front)
 }
 
-/// A hash over all that the tables depend on: a report follows from the hash of its point.
-fn stamp(plan: &Plan, found: &[Found]) -> String {
-    let mut hash = Sha256::new();
-    hash.update(format!("{:?}", (env!("CARGO_PKG_VERSION"), FILES, &plan.title, &plan.objectives, &plan.constraints)));
-    for (point, found) in plan.points.iter().zip(found) {
-        hash.update(format!("{} {found:?}\n", point.id));
-    }
-    let inputs: Vec<&str> = plan.inputs.iter().map(|input| input.name.as_str()).collect();
-    hash.update(format!("{inputs:?} {:?}", plan.axes));
-    crate::plan::hexadecimal(hash)
-}
-
-/// Returns the table of these points with a row for each. Columns are objectives, figures of constraints, inputs if
+/// Writes the tables of all points, and returns the front as text.
 /// there are several, axes, and all other figures.
 ///
 /// # Errors
 /// A report that cannot be read.
 pub(crate) fn table_of(plan: &Plan, points: &[&Point], folder: &Folder) -> Result<Table, SweepError> {
-    let found: Vec<Found> = points.iter().map(|point| folder.find(&point.id)).collect();
-    table(plan, (points, &found), folder)
-}
-
-fn table(plan: &Plan, (points, found): (&[&Point], &[Found]), folder: &Folder) -> Result<Table, SweepError> {
-    let read = |(point, found): (&&Point, &Found)| match found {
+    let read = |point: &&Point| match folder.find(&point.id) {
         Found::Report => folder.report(&point.id).map(|report| (State::Ok, figures(&report))),
         Found::Failed => folder.failure(&point.id).map(|failure| {
             let crate::folder::Failure { outcome, message } = failure;
             (State::Failed(format!("{outcome}: {message}")), vec![])
         }),
-        Found::Missing => Ok((State::Pending, vec![])),
+        Found::Outdated | Found::Missing => Ok((State::Pending, vec![])),
     };
-    let read = threads::map(points.iter().zip(found).collect(), read).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let read = threads::map(points.iter().collect(), read).into_iter().collect::<Result<Vec<_>, _>>()?;
     let columns = columns(plan, &read);
     let numbers: BTreeMap<&str, usize> = columns.iter().enumerate().map(|(n, column)| (column.name.as_str(), n)).collect();
     let row = |(point, (state, figures)): (&&Point, &(State, Vec<Figure>))| {

@@ -7,7 +7,7 @@ use crate::recording::opened;
 use basrelief_input::Budget;
 use basrelief_report::html::{self, compared as page_of};
 use basrelief_report::{Comparison, Report, Style, compare as difference};
-use basrelief_sim::{RecordedRun, explain, page_assets};
+use basrelief_sim::{RecordedRun, RecordingError, explain, page_assets};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{FromPyObject, Python, pyfunction};
 
@@ -34,11 +34,13 @@ impl Side {
 }
 
 impl ParsedSide<'_> {
+    /// Returns `None` for the recording of another build that this build cannot use. Then causes are not measured.
     fn recorded_run(&self) -> Done<Option<RecordedRun>> {
-        let read = |recording: &PyBackedBytes| {
-            RecordedRun::read(&self.report, &mut opened(recording)?, &budget(Budget::DEFAULT)).map_err(of_tape)
-        };
-        self.side.recording.as_ref().map(read).transpose()
+        let Some(recording) = &self.side.recording else { return Ok(None) };
+        match RecordedRun::read(&self.report, &mut opened(recording)?, &budget(Budget::DEFAULT)) {
+            Err(RecordingError::OtherBuild { .. }) => Ok(None),
+            read => read.map(Some).map_err(of_tape),
+        }
     }
 
     fn shown(&self) -> Done<html::Side<'_>> {

@@ -44,7 +44,7 @@ impl Plan {
         py.detach(|| {
             let folder = Folder::new(&folder);
             let is_missing = |point: &&Point| match folder.find(&point.id) {
-                Found::Missing => true,
+                Found::Outdated | Found::Missing => true,
                 Found::Failed => retry_failed,
                 Found::Report => false,
             };
@@ -204,5 +204,6 @@ fn publish(path: &Path, bytes: &[u8]) -> io::Result<()> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(folder)?;
     file.write_all(bytes)?;
+    file.as_file().sync_all()?;
     file.persist(path).map(drop).map_err(|error| error.error)
 }

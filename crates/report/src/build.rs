@@ -14,6 +14,8 @@ use indexmap::IndexMap;
 /// Parts of a report that the kernel does not know.
 #[derive(Clone, Debug)]
 pub struct Context {
+    /// Identity of the build of the simulator.
+    pub build: String,
     /// The machine, as `--machine` names it.
     pub machine: String,
     /// Input of the run.
@@ -60,6 +62,7 @@ impl Report {
         Self {
             schema: SCHEMA.into(),
             version: env!("CARGO_PKG_VERSION").into(),
+            build: context.build,
             machine: context.machine,
             input: context.input,
             outcome: outcome.into(),

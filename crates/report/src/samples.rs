@@ -23,6 +23,7 @@ pub fn context() -> Context {
     [0, 5, 10, 15].into_iter().for_each(|i| view_projection[i] = 1.0);
     let figure = |name: &str, value: Figure| (name.to_owned(), value);
     Context {
+        build: "0.1.0+0123456789abcdef".into(),
         machine: "bump".into(),
         input: Input { kind: "demo".into(), name: "coin".into(), sha256: "ab".repeat(32) },
         config: json!({

@@ -2,6 +2,7 @@
 //! and without its own clock.
 
 mod analysis;
+mod build;
 mod failure;
 mod machine;
 mod observer;
@@ -23,6 +24,7 @@ pub use basrelief_machines::{
     AllowedValues, ConfigLoader, CostPoints, MACHINES, MachineConfig, MachineInfo, ParameterChoice, ParameterInfo, TileFetch,
     ValueSource,
 };
+pub use build::BUILD;
 pub use failure::{Done, Failure};
 pub use machine::aux_outputs;
 pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};

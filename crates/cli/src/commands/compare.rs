@@ -6,11 +6,12 @@ use crate::args::CompareArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::read_text;
 use crate::outputs::{PartialFile, REPORT, check_outputs_keep_inputs, recording_in};
+use crate::terminal;
 use basrelief_input::{Budget, json_weight};
 use basrelief_report::compare::overview;
 use basrelief_report::html::{self, PagePicture, compared};
 use basrelief_report::{Comparison, Report, compare as difference};
-use basrelief_sim::{RecordedRun, explain, page_assets};
+use basrelief_sim::{RecordedRun, RecordingError, explain, page_assets};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -114,7 +115,7 @@ impl Side {
         // A recording belongs only to a report with its original name.
         let tape = recording_in(file.parent().unwrap_or(Path::new("")));
         let has_tape = file.ends_with(REPORT) && tape.exists();
-        let taped = has_tape.then(|| read_tape(&report, &tape, budget)).transpose()?;
+        let taped = if has_tape { read_tape(&report, &tape, budget)? } else { None };
         let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
         Ok(Self { name: path.display().to_string(), report, file, folder, taped })
     }
@@ -148,6 +149,14 @@ impl Side {
     }
 }
 
-fn read_tape(report: &Report, path: &Path, budget: &Budget) -> Done<RecordedRun> {
-    RecordedRun::read(report, &mut open(path)?, budget).map_err(unreadable(&path.display().to_string()))
+/// Reads a recording. Without the recording of another build, the comparison has less to say and is still right.
+fn read_tape(report: &Report, path: &Path, budget: &Budget) -> Done<Option<RecordedRun>> {
+    let name = path.display();
+    match RecordedRun::read(report, &mut open(path)?, budget) {
+        Err(error @ RecordingError::OtherBuild { .. }) => {
+            terminal::note(&format!("{name}: {error}; causes are not measured"));
+            Ok(None)
+        }
+        read => read.map(Some).map_err(unreadable(&name.to_string())),
+    }
 }

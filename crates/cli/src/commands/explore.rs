@@ -4,7 +4,7 @@ use super::plans::{Planned, counts, work, written};
 use crate::args::ExploreArgs;
 use crate::error::{Done, Failure, print};
 use crate::global::GlobalOptions;
-use basrelief_dse::{Explored, Found, explore as find};
+use basrelief_dse::{Explored, Found, Point, explore as find};
 
 /// Runs an exploration.
 pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> Done {
@@ -14,7 +14,8 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> Done {
     let name = args.plan.plan.display().to_string();
     let found = find(plan, args.budget.into(), &work, (&folder, &host)).map_err(Failure::within(&name))?;
     let Explored { plan, tally, share } = found;
-    let failed = plan.points.iter().filter(|point| folder.find(&point.id) == Found::Failed).count();
+    let points: Vec<&Point> = plan.points.iter().collect();
+    let failed = folder.find_all(&points).into_iter().filter(|found| *found == Found::Failed).count();
     let mut said = counts(&tally, failed);
     said += &match share {
         Some(share) => {

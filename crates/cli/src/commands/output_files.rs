@@ -8,7 +8,7 @@ use super::reporting::publish_report;
 use super::requests::RequestsFile;
 use crate::args::SimulationArgs;
 use crate::error::{Done, Failure};
-use crate::outputs::{Outputs, PartialFile, REPORT, RUN_RECORDING};
+use crate::outputs::{OF_A_RUN, Outputs, PartialFile, REPORT, RUN_RECORDING};
 use crate::progress::InputProgress;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
@@ -90,7 +90,7 @@ impl Observer for OutputFiles {
                 if exhibit.info.form == AuxForm::PicturePerRound {
                     if self.real.is_some() {
                         let failed = |e| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
-                        self.outputs.show(name).map_err(failed)?;
+                        self.outputs.show(name, &OF_A_RUN).map_err(failed)?;
                     }
                     self.shown = Some((exhibit.frame, name.clone()));
                 }
@@ -199,7 +199,7 @@ impl OutputFiles {
     /// Keeps the best image of the unfinished frame of a failed run.
     pub fn rescue(self, error: Failure) -> Failure {
         let Some((_, best)) = self.shown.filter(|(frame, _)| *frame as usize >= self.frames) else { return error };
-        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", &[])) {
+        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", &OF_A_RUN)) {
             Ok(()) => error,
             Err(e) => Failure::Bad(format!("{error}\nThe best image so far cannot be written: {e}")),
         }

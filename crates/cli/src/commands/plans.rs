@@ -65,8 +65,9 @@ pub fn work<'a>(args: &PlanArgs, points: &'a [&'a Point], threads: usize) -> Wor
 }
 
 /// Returns the counts of points as text.
-pub fn counts(Tally { points, there, run, retimed, .. }: &Tally, failed: usize) -> String {
-    format!("{points} points: {there} reused, {run} run, {retimed} resimulated; {failed} failed\n")
+pub fn counts(Tally { points, there, run, retimed, outdated, .. }: &Tally, failed: usize) -> String {
+    let again = if *outdated > 0 { format!("{outdated} of another build of basrelief are run again\n") } else { String::new() };
+    format!("{points} points: {there} reused, {run} run, {retimed} resimulated; {failed} failed\n{again}")
 }
 
 /// Writes the tables and returns a message.

@@ -2,7 +2,7 @@
 
 use crate::args::TablesArgs;
 use crate::error::{Done, print};
-use crate::outputs::{OLD_RUN_RECORDING, Outputs, REPORT, RUN_RECORDING};
+use crate::outputs::{OF_A_RUN, Outputs, REPORT};
 use basrelief_report::{Report, Style, to_csv, to_text};
 use std::io::{self, IsTerminal, Write};
 
@@ -14,7 +14,7 @@ pub fn publish_report(outputs: Outputs, report: &Report, csv: bool) -> io::Resul
         let mut file = outputs.create("report.csv")?;
         file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush())?;
     }
-    outputs.publish(REPORT, &[RUN_RECORDING, OLD_RUN_RECORDING])
+    outputs.publish(REPORT, &OF_A_RUN)
 }
 
 /// Prints the report.

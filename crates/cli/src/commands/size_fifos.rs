@@ -7,6 +7,7 @@ use crate::clock::seconds;
 use crate::error::{Done, Failure, print};
 use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
+use crate::terminal;
 use basrelief_input::{Budget, Held};
 use basrelief_report::number::{real, thousands};
 use basrelief_sim::{
@@ -33,6 +34,7 @@ pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> Done {
     for (number, input) in inputs.iter().enumerate() {
         input.check(number, &sizes)?;
     }
+    sizes.warnings.iter().for_each(|warning| terminal::note(warning));
     if args.json {
         return print(&format!("{}\n", serde_json::to_string_pretty(&sizes).map_err(Failure::bad)?));
     }

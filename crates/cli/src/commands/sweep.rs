@@ -45,7 +45,7 @@ fn results(
     (folder, args): (&Folder, &SweepArgs),
     host: &Program<'_>,
 ) -> Done<String> {
-    let failed = points.iter().filter(|point| folder.find(&point.id) == Found::Failed).count();
+    let failed = folder.find_all(points).into_iter().filter(|found| *found == Found::Failed).count();
     let mut said = counts(tally, failed);
     if let Some(percent) = args.verify {
         let (count, others) = verify(plan, points, percent, folder, host).map_err(bad)?;
@@ -58,7 +58,7 @@ fn results(
     if args.point.is_some() {
         return Ok(said);
     }
-    let missing = missing(plan, folder).count();
+    let missing = missing(plan, folder).len();
     if missing > 0 {
         let _ = writeln!(said, "{missing} points of other shards are missing; the tables are written once they exist");
         return Ok(said);
@@ -67,14 +67,16 @@ fn results(
     Ok(said)
 }
 
-fn missing<'a>(plan: &'a Plan, folder: &Folder) -> impl Iterator<Item = &'a Point> {
-    plan.points.iter().filter(|point| folder.find(&point.id) == Found::Missing)
+fn missing<'a>(plan: &'a Plan, folder: &Folder) -> Vec<&'a Point> {
+    let points: Vec<&Point> = plan.points.iter().collect();
+    let found = folder.find_all(&points);
+    points.into_iter().zip(found).filter(|(_, found)| found.is_missing()).map(|(point, _)| point).collect()
 }
 
 /// Prints a command for each missing point.
 fn list(plan: &Plan, folder: &Folder, args: &SweepArgs) -> Done {
     let command = command(args)?;
-    print(&missing(plan, folder).map(|point| format!("{command} --point {}\n", point.id)).collect::<String>())
+    print(&missing(plan, folder).iter().map(|point| format!("{command} --point {}\n", point.id)).collect::<String>())
 }
 
 /// Maximum array size in the default configuration of Slurm.
@@ -82,7 +84,7 @@ const MOST_TASKS: usize = 1000;
 
 /// Prints a job script.
 fn slurm(plan: &Plan, folder: &Folder, args: &SweepArgs) -> Done {
-    let missing = missing(plan, folder).count();
+    let missing = missing(plan, folder).len();
     let tasks = plan.works().min(missing).clamp(1, MOST_TASKS);
     let command = command(args)?;
     print(&format!(

@@ -10,7 +10,9 @@ pub const REPORT: &str = "report.json";
 /// File name of the recording beside a report.
 pub const RUN_RECORDING: &str = "run.recording";
 /// File name of that recording before version 0.2.
-pub const OLD_RUN_RECORDING: &str = "run.tape";
+const OLD_RUN_RECORDING: &str = "run.tape";
+/// Files that describe a run. Those of an older run do not belong beside the images of a new one.
+pub const OF_A_RUN: [&str; 4] = [REPORT, "report.csv", RUN_RECORDING, OLD_RUN_RECORDING];
 /// Files that a run writes into `--out`, besides images.
 const OWN: [&str; 8] =
     [REPORT, "report.csv", RUN_RECORDING, OLD_RUN_RECORDING, "ablation.json", "ablation.csv", "methods.json", "methods.csv"];

@@ -50,6 +50,7 @@ impl PartialFile {
     pub fn publish(mut self) -> io::Result<()> {
         self.file.flush()?;
         let Some(partial) = &self.partial else { return Ok(()) };
+        self.file.get_ref().sync_all()?;
         let mut unfinished = Unfinished::lock();
         fs::rename(partial, &self.path)?;
         unfinished.settle(&[Leftover::File(partial.clone())]);

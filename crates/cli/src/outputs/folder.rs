@@ -2,6 +2,7 @@
 
 use super::partial::{LOCK, make_folder, remove_remains};
 use super::unfinished::{Leftover, Unfinished};
+use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -73,17 +74,37 @@ impl Outputs {
         fs::copy(from, self.partial.join(second)).map(|_| ())
     }
 
-    /// Publishes one file before the others; it stays even if the run fails.
-    pub fn show(&self, name: &str) -> io::Result<()> {
+    /// Publishes one file before the others; it stays even if the run fails. Removes the files named in `belong`, which are of an
+    /// older run.
+    pub fn show(&self, name: &str, belong: &[&str]) -> io::Result<()> {
         let _lock = Unfinished::lock();
-        fs::rename(self.partial.join(name), self.folder.join(name))
+        let file = self.partial.join(name);
+        sync(&file)?;
+        belong.iter().try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
+        fs::rename(file, self.folder.join(name))
     }
 
     /// Publishes all files, `last` after the others: a reader that finds it finds the others too. Two runs publish into a folder one after
-    /// the other. Files named in `belong` that this run did not write are removed.
+    /// the other. An older `last` is removed first, so that a run killed here never leaves it beside new files. Files named in `belong`
+    /// that this run did not write are removed too.
     pub fn publish(mut self, last: &str, belong: &[&str]) -> io::Result<()> {
         let _turn = turn(&self.folder)?;
         let mut unfinished = Unfinished::lock();
+        let others = self.others(last)?;
+        let names: Vec<&Path> = others.iter().map(AsRef::as_ref).chain([Path::new(last)]).collect();
+        // A file that is renamed before its content is on disk can be empty after a power cut.
+        names.iter().try_for_each(|name| sync(&self.partial.join(name)))?;
+        let old = belong.iter().filter(|name| others.iter().all(|new| new != **name)).chain([&last]);
+        old.into_iter().try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
+        names.iter().try_for_each(|name| fs::rename(self.partial.join(name), self.folder.join(name)))?;
+        fs::remove_dir_all(&self.partial)?;
+        unfinished.settle(&self.leftovers);
+        self.leftovers.clear();
+        Ok(())
+    }
+
+    /// Returns the names of all files but `last`.
+    fn others(&self, last: &str) -> io::Result<Vec<OsString>> {
         let mut others = Vec::new();
         for entry in fs::read_dir(&self.partial)? {
             let name = entry?.file_name();
@@ -94,17 +115,14 @@ impl Outputs {
                 others.push(name);
             }
         }
-        for name in belong.iter().filter(|name| others.iter().all(|new| new != **name)) {
-            remove_if_there(&self.folder.join(name))?;
-        }
-        for name in others.iter().map(AsRef::as_ref).chain([Path::new(last)]) {
-            fs::rename(self.partial.join(name), self.folder.join(name))?;
-        }
-        fs::remove_dir_all(&self.partial)?;
-        unfinished.settle(&self.leftovers);
-        self.leftovers.clear();
-        Ok(())
+        Ok(others)
     }
+}
+
+/// Waits until the content of a file is on disk.
+fn sync(path: &Path) -> io::Result<()> {
+    // Windows demands write access.
+    File::options().write(true).open(path)?.sync_all()
 }
 
 fn remove_if_there(path: &Path) -> io::Result<()> {

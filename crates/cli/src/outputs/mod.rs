@@ -11,7 +11,7 @@ mod partial;
 mod tests;
 mod unfinished;
 
-pub use distinct::{OLD_RUN_RECORDING, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs, recording_in};
+pub use distinct::{OF_A_RUN, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs, recording_in};
 pub use file::PartialFile;
 pub use folder::Outputs;
 pub use partial::remove_remains;

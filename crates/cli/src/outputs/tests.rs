@@ -53,6 +53,29 @@ fn stale_recording_is_removed_with_its_report() {
 }
 
 #[test]
+fn old_report_never_lies_beside_new_images() {
+    let base = tempfile::tempdir().unwrap();
+    let old = || {
+        OF_A_RUN.iter().for_each(|name| fs::write(base.path().join(name), "old").unwrap());
+        fs::write(base.path().join("image.png"), "old").unwrap();
+    };
+    old();
+    // An image of a run that is killed later.
+    let outputs = Outputs::begin(base.path()).unwrap();
+    write_all(&outputs, &["image.png".into()], "new");
+    assert_eq!(names(base.path()).len(), 1 + OF_A_RUN.len() + 1);
+    outputs.show("image.png", &OF_A_RUN).unwrap();
+    drop(outputs);
+    assert_eq!(names(base.path()), ["image.png"]);
+    // The best image of a failed run.
+    old();
+    let outputs = Outputs::begin(base.path()).unwrap();
+    write_all(&outputs, &["image.png".into()], "best");
+    outputs.publish("image.png", &OF_A_RUN).unwrap();
+    assert_eq!(names(base.path()), ["image.png"]);
+}
+
+#[test]
 fn failed_placement_leaves_no_file() {
     let base = tempfile::tempdir().unwrap();
     fs::create_dir(base.path().join("report")).unwrap();

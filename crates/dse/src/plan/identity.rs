@@ -1,4 +1,5 @@
-//! Identity of a point: a hash over everything that its report depends on.
+//! Identity of a point: a hash over everything that its report depends on, except the build of the simulator. A point keeps its identity
+//! from build to build; its [folder](crate::folder) states the build.
 
 use super::definition::Plan;
 use crate::Opened;
@@ -10,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// First hashed line.
-const KIND: &str = "basrelief-point/1";
+const KIND: &str = "basrelief-point/2";
 
 /// All of an input that a report depends on.
 pub(super) fn of_input(name: &str, opened: &Opened, sha256: &str) -> String {
@@ -33,9 +34,8 @@ pub(super) struct Identity {
 impl Identity {
     pub(super) fn of(plan: &Plan) -> Self {
         let timing = plan.machine.parameters().into_iter().filter(|p| p.effect == Effect::Timing).map(|p| p.key).collect();
-        let version = env!("CARGO_PKG_VERSION");
         let limit = Some(plan.max_cycles).filter(|most| *most < u64::MAX);
-        let head = serde_json::json!([KIND, SCHEMA, version, plan.machine.name, limit]).to_string();
+        let head = serde_json::json!([KIND, SCHEMA, plan.machine.name, limit]).to_string();
         Self { timing, head }
     }
 
@@ -83,6 +83,6 @@ fn parameters(value: &Value, key: &mut String, found: &mut BTreeMap<String, Stri
 }
 
 /// The digest as text.
-pub(crate) fn hexadecimal(hash: Sha256) -> String {
+fn hexadecimal(hash: Sha256) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }

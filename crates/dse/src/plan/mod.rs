@@ -9,7 +9,6 @@ mod written;
 
 pub use axes::Axis;
 pub use definition::{Input, Plan, Point};
-pub(crate) use identity::hexadecimal;
 
 use crate::figures::{Figure, path_of};
 use crate::one;

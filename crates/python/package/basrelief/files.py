@@ -17,6 +17,8 @@ def write(path: FilePath, content: bytes) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
         # The usual permissions; `mkstemp` gives access to the owner only.
         os.chmod(name, 0o666 & ~_umask())
         os.replace(name, place)

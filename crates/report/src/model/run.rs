@@ -19,6 +19,9 @@ pub struct Report {
     pub schema: String,
     /// Version of the simulator.
     pub version: String,
+    /// Identity of the build: the version, and a hash over the sources of the simulator. Absent in reports of version 0.1.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub build: String,
     /// Machine, as in `--machine`.
     pub machine: String,
     /// Input of the run.

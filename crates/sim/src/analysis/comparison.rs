@@ -4,7 +4,7 @@
 //! of run A; the change in cycles is the contribution of the group. All other differences are work: the recording of A, resimulated
 //! with all timing parameters of B, is B with the work of A. The remainder of the difference is the interaction of the groups.
 
-use crate::recording::{LoadedRecording, RecordingError, netlist_of_same_work};
+use crate::recording::{LoadedRecording, RecordingError, netlist_of_same_work, of_build};
 use basrelief_input::Budget;
 use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
 use basrelief_parameters::{Effect, Parameter};
@@ -29,16 +29,21 @@ impl RecordedRun {
     /// Reads the recording of the run with this report.
     ///
     /// # Errors
-    /// An invalid recording, or the recording of another run.
+    /// An invalid recording, the recording of another run, or a recording of another build whose timing this build does not reproduce.
     pub fn read(report: &Report, reader: &mut dyn Read, budget: &Budget) -> Result<Self, RecordingError> {
         let recording = LoadedRecording::read(reader, budget)?;
         let config = recording.config(&[])?;
         let cycles = report.frame_cycles();
+        let is_of_run = (&recording.result.input, &recording.result.image) == (&report.input, &report.image);
         let is_of_report = config.machine().name == report.machine
+            && is_of_run
             && config.to_value() == report.config
-            && (&recording.result.input, &recording.result.image) == (&report.input, &report.image)
             && resimulated_cycles(&recording, &config) == Some(cycles);
-        if is_of_report { Ok(Self { recording, config, cycles }) } else { Err(RecordingError::OtherRun) }
+        match is_of_report {
+            true => Ok(Self { recording, config, cycles }),
+            false if is_of_run => Err(of_build(&recording.build, RecordingError::OtherRun)),
+            false => Err(RecordingError::OtherRun),
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 //! If units share a memory, cycles are not monotonic in a depth. The result is therefore the best one found, without a proof that it is
 //! the smallest. Its cycles are exact, because every result is resimulated as a whole.
 
+use crate::build::build_warning;
 use crate::recording::{LoadedRecording, RecordingError, config_error};
 use basrelief_kernel::{Netlist, Outcome, RunReport};
 use basrelief_machines::{MachineSpec, for_machine};
@@ -19,6 +20,9 @@ pub struct FifoSizing {
     pub machine: String,
     /// The recorded depths, then one choice for each tolerance.
     pub choices: Vec<DepthChoice>,
+    /// Recordings of other builds of the simulator, one sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// Depths of all FIFOs.
@@ -61,7 +65,10 @@ pub fn size_fifos(
             return Err(RecordingError::Config("the recordings have different machines or different parameters".into()));
         }
     }
-    for_machine!(&config, spec => SizingSearch::new(spec, &loaded)?.all(within_percent))
+    let mut sizing = for_machine!(&config, spec => SizingSearch::new(spec, &loaded)?.all(within_percent))?;
+    sizing.warnings = loaded.iter().filter_map(|recording| build_warning(&recording.build)).collect();
+    sizing.warnings.dedup();
+    Ok(sizing)
 }
 
 struct SizingSearch<'a, S> {
@@ -99,7 +106,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
             let depths = self.smallest(percent)?;
             choices.push(self.choice(Some(percent), &depths)?);
         }
-        Ok(FifoSizing { machine: S::NAME.into(), choices })
+        Ok(FifoSizing { machine: S::NAME.into(), choices, warnings: vec![] })
     }
 
     fn choice(&self, within_percent: Option<f64>, depths: &[u32]) -> Result<DepthChoice, RecordingError> {

@@ -11,7 +11,7 @@ pub enum RecordingError {
     #[error(transparent)]
     Read(#[from] io::Error),
     /// The file is not a recording, or is incomplete.
-    #[error("not a recording: {0}; make one with `basrelief run --tape FILE`")]
+    #[error("not a recording: {0}; make one with `basrelief run --recording FILE`")]
     Format(String),
     /// The recorded steps do not belong to this machine.
     #[error(transparent)]
@@ -28,7 +28,15 @@ pub enum RecordingError {
     /// The run does not finish, so that its pictures and counts would be different.
     #[error("under these parameters the run does not finish: {0}")]
     Incomplete(String),
-    /// The recording and the report next to it belong to different runs or to different versions.
+    /// Another build of the simulator made the recording, and this build cannot use it.
+    #[error("build {build} of basrelief made the recording, and this build cannot use it: {reason}; run the machine again")]
+    OtherBuild {
+        /// Build that made the recording.
+        build: String,
+        /// Reason.
+        reason: String,
+    },
+    /// The recording and the report next to it belong to different runs.
     #[error("the recording and the report next to it belong to different runs")]
     OtherRun,
     /// The memory limit is exceeded.

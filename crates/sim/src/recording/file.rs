@@ -3,6 +3,7 @@
 use super::error::RecordingError;
 use super::loaded::{LoadedRecording, config_error};
 use super::resimulation::{TimedRun, ensure_complete, netlist_of_same_work};
+use crate::build::build_warning;
 use basrelief_input::Budget;
 use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
 use basrelief_parameters::Effect;
@@ -47,6 +48,8 @@ impl Recording {
         let recorded: S = overrides.load(&[]).map_err(config_error)?;
         let run = tape.resimulate(netlist_of_same_work(&recorded, spec, *input)?)?;
         ensure_complete(&run)?;
-        TimedRun { spec, input: *input, run: &run }.report(result.clone(), figures)
+        let mut result = result.clone();
+        result.warnings.extend(build_warning(&self.loaded.build));
+        TimedRun { spec, input: *input, run: &run }.report(result, figures)
     }
 }

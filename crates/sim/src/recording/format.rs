@@ -26,7 +26,9 @@ pub(super) const SHORT_BYTES: usize = 4 << 20;
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Header {
-    pub(super) version: String,
+    /// Build of the simulator that executed the steps; in version 0.1, the version alone.
+    #[serde(rename = "version")]
+    pub(super) build: String,
     pub(super) machine: String,
     #[serde(rename = "way")]
     pub(super) input: InputKind,
@@ -83,10 +85,9 @@ pub(super) fn block(letter: u8, content: &[u8]) -> Vec<u8> {
     all
 }
 
-/// Encodes the first line and the header of a recording.
-pub(crate) fn header<S: MachineSpec>(input: InputKind, overrides: &Overrides) -> Vec<u8> {
-    let version = env!("CARGO_PKG_VERSION").into();
-    let header = Header { version, machine: S::NAME.into(), input, overrides: overrides.clone() };
+/// Encodes the first line and the header of a recording whose steps `build` of the simulator executed.
+pub(crate) fn header<S: MachineSpec>(build: &str, input: InputKind, overrides: &Overrides) -> Vec<u8> {
+    let header = Header { build: build.into(), machine: S::NAME.into(), input, overrides: overrides.clone() };
     [FIRST_LINE, &block(b'H', &serde_json::to_vec(&header).unwrap_or_default())].concat()
 }
 

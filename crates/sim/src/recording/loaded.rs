@@ -2,6 +2,7 @@
 
 use super::error::RecordingError;
 use super::reader::{Blocks, ChunkReader, checked_end};
+use crate::build::BUILD;
 use crate::options::Overrides;
 use crate::run::untimed::UntimedResult;
 use basrelief_input::{Budget, Held};
@@ -12,6 +13,8 @@ use std::io::Read;
 
 /// A whole recording in memory.
 pub(crate) struct LoadedRecording {
+    /// Build of the simulator that executed the steps.
+    pub(crate) build: String,
     pub(super) machine: &'static MachineInfo,
     pub(crate) overrides: Overrides,
     pub(crate) input: InputKind,
@@ -35,19 +38,24 @@ impl LoadedRecording {
             all.push(chunk);
         }
         let end = checked_end(chunks.end, chunks.work)?;
-        let (overrides, input) = (header.overrides, header.input);
-        let config = overrides.config(machine, &[]).map_err(config_error)?;
+        let (build, overrides, input) = (header.build, header.overrides, header.input);
+        let config = overrides.config(machine, &[]).map_err(|error| of_build(&build, config_error(error)))?;
         let netlist = for_machine!(&config, spec => input.shape(spec));
-        let netlist = netlist.map_err(|problem| RecordingError::Format(problem.to_string()))?;
+        let netlist = netlist.map_err(|problem| of_build(&build, RecordingError::Format(problem.to_string())))?;
         let tape = Recording::new(all, &netlist, budget.left());
         let (result, figures, work) = (end.result, end.figures, end.work);
-        Ok(Self { machine, overrides, input, tape, result, figures, work, _held: chunks.waiting })
+        Ok(Self { build, machine, overrides, input, tape, result, figures, work, _held: chunks.waiting })
     }
 
     /// Returns the configuration of the recorded run with `more` settings.
     pub(crate) fn config(&self, more: &[(String, String)]) -> Result<MachineConfig, RecordingError> {
         self.overrides.config(self.machine, more).map_err(config_error)
     }
+}
+
+/// Converts an error in a recording that this build of the simulator made.
+pub(crate) fn of_build(build: &str, error: RecordingError) -> RecordingError {
+    if build == BUILD { error } else { RecordingError::OtherBuild { build: build.into(), reason: error.to_string() } }
 }
 
 /// Converts an error in the parameters.

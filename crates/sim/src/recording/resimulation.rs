@@ -3,9 +3,10 @@
 use super::error::RecordingError;
 use super::format::header;
 use super::kept::KeptSteps;
-use super::loaded::config_error;
+use super::loaded::{config_error, of_build};
 use super::reader::{Blocks, ChunkReader, checked_end};
 use crate::analysis::bottleneck::CompletedRun;
+use crate::build::build_warning;
 use crate::observer::{Observer, Unobserved};
 use crate::options::{AnalysisPolicy, Overrides};
 use crate::run::untimed::UntimedResult;
@@ -52,15 +53,18 @@ pub fn resimulate_to(
     if let Some((key, _)) = options.settings.iter().find(|(key, _)| changes_work(key)) {
         return Err(RecordingError::Work(key.clone()));
     }
-    let recorded = header.overrides.config(machine, &[]).map_err(config_error)?;
+    let recorded = header.overrides.config(machine, &[]).map_err(|error| of_build(&header.build, config_error(error)))?;
     let mut overrides = header.overrides;
     overrides.settings.extend(options.settings.iter().cloned());
     let config = overrides.config(machine, &[]).map_err(config_error)?;
-    let resimulation = Resimulation { recorded, overrides, input: header.input, blocks, options, observer };
+    let (build, input) = (header.build, header.input);
+    let resimulation = Resimulation { build, recorded, overrides, input, blocks, options, observer };
     for_machine!(&config, spec => resimulation.report(spec))
 }
 
 struct Resimulation<'a> {
+    /// Build that executed the steps.
+    build: String,
     recorded: MachineConfig,
     overrides: Overrides,
     input: InputKind,
@@ -71,12 +75,12 @@ struct Resimulation<'a> {
 
 impl Resimulation<'_> {
     fn report<S: MachineSpec>(self, spec: &S) -> Result<Report, RecordingError> {
-        let Self { recorded, overrides, input, blocks, options, observer } = self;
+        let Self { build, recorded, overrides, input, blocks, options, observer } = self;
         let recorded: S =
             serde_json::from_value(recorded.to_value()).map_err(|error| RecordingError::Format(error.to_string()))?;
         let netlist = netlist_of_same_work(&recorded, spec, input)?;
         let mut chunks = ChunkReader::new(blocks, Some(observer), KeptSteps::new(options.bottlenecks, &options.budget));
-        chunks.show(&header::<S>(input, &overrides))?;
+        chunks.show(&header::<S>(&build, input, &overrides))?;
         let timed = kernel::resimulate(netlist, &mut |waiting| chunks.next(waiting), &mut NoProbe, u64::MAX);
         // Reads to the end, which contains the untimed result.
         while timed.is_ok() && chunks.next(0).is_ok_and(|chunk| chunk.is_some()) {}
@@ -86,7 +90,8 @@ impl Resimulation<'_> {
         }
         let run = timed?;
         ensure_complete(&run)?;
-        let end = checked_end(end, work)?;
+        let mut end = checked_end(end, work)?;
+        end.result.warnings.extend(build_warning(&build));
         let mut report = TimedRun { spec, input, run: &run }.report(end.result, &end.figures)?;
         if let Some(chunks) = kept.as_ref().and_then(KeptSteps::chunks) {
             let (overrides, room) = (&overrides, options.budget.left());

@@ -9,6 +9,7 @@ use super::result::{Run, RunError};
 use super::untimed::UntimedResult;
 use crate::analysis::bottleneck::{BottleneckList, CompletedRun};
 use crate::analysis::costs::StepPolygons;
+use crate::build::BUILD;
 use crate::machine::SimulatedMachine;
 use crate::observer::{MemoryRequests, Observer, picture_name};
 use crate::options::{AnalysisPolicy, RunOptions};
@@ -132,7 +133,7 @@ impl<'a> Session<'a> {
             machine.keep_log();
         }
         if self.records() {
-            let header = recording::header::<S>(input, &self.options.overrides);
+            let header = recording::header::<S>(BUILD, input, &self.options.overrides);
             self.attempt(|session| session.observer.recording(&header, true));
         }
         self.keep_requests(&mut machine);

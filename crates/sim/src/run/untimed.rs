@@ -1,5 +1,6 @@
 //! Untimed result of a run: everything in its report that does not depend on timing.
 
+use crate::build::BUILD;
 use basrelief_kernel::{Outcome, RunReport};
 use basrelief_machines::{MachineSpec, PictureRecord, RunSummary, UnitStats, drawn_units};
 use basrelief_report::model::{Input, Picture, PictureQuality, Size};
@@ -27,6 +28,7 @@ impl UntimedResult {
         spec.figures(&RunSummary { run, pictures: &self.shown }, &mut facts);
         let drawn = drawn_units(S::DIAGRAM).into_iter();
         let context = Context {
+            build: BUILD.into(),
             machine: S::NAME.into(),
             input: self.input,
             config: serde_json::to_value(spec).unwrap_or_default(),
