@@ -25,6 +25,72 @@ fn remains_of_killed_run_are_removed() {
     assert_eq!(place.names("out"), FILES);
 }
 
+/// Publishing hundreds of images takes some milliseconds. The run is killed once the first of them is in its place.
+#[cfg(unix)]
+#[test]
+fn killed_run_leaves_no_old_report_beside_new_images() {
+    use std::os::unix::fs::MetadataExt as _;
+    let place = Place::new();
+    let line = "run PATCH --size 16x12 --frames 400 --functional --no-exact --csv --quiet";
+    place.ok(line);
+    let old = place.bytes("out/report.json");
+    let mut between = 0;
+    for _ in 0..5 {
+        let inodes = || (1..=400).map(|k| fs::metadata(place.path(&format!("out/image-{k:04}.png"))).map(|m| m.ino()).ok());
+        let before: Vec<_> = inodes().collect();
+        let mut child = place.command(&format!("{line} --set replacement.entries=16")).spawn().expect("starts");
+        while child.try_wait().expect("a child").is_none() && inodes().eq(before.iter().copied()) {}
+        child.kill().expect("a child");
+        child.wait().expect("a child");
+        let report = fs::read(place.path("out/report.json")).ok();
+        between += usize::from(report.is_none());
+        assert_ne!(report.as_ref(), Some(&old), "an old report beside new images");
+        assert!(report.is_some() || !place.path("out/report.csv").exists(), "an old table beside new images");
+        place.ok(line);
+    }
+    assert!(between > 0, "no run was killed while it published");
+}
+
+/// Traces the system calls of a run. A file that is renamed before its content is on disk can be empty after a power cut.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_are_on_disk_before_they_are_renamed() {
+    let place = Place::new();
+    fs::write(
+        place.path("plan.toml"),
+        "input = \"demo:coin\"\nmachine = \"shade\"\nobjectives = [\"cycles min\"]\n[view]\nsize = \"16x12\"\n[axes]\nfifo.pixels.depth = [2, 4]\n",
+    )
+    .expect("written");
+    for line in ["run PATCH --size 16x12 --csv --html page.html", "sweep plan.toml --out sweep", "record PATCH --out t.bdl"] {
+        let mut traced = Command::new("strace");
+        traced.args(["-f", "-y", "-o", "calls", "-e", "trace=fsync,fdatasync,rename,renameat,renameat2"]);
+        let run = place.command(line);
+        traced.arg(run.get_program()).args(run.get_args()).current_dir(place.path("")).stdout(Stdio::null());
+        match traced.status() {
+            Ok(status) if status.success() => {}
+            _ => return println!("SKIPPED: strace is not there, or may not trace"),
+        }
+        let calls = place.text("calls");
+        let mut synced: Vec<&str> = vec![];
+        let mut renamed = 0;
+        for call in calls.lines() {
+            if let Some((_, file)) = call.split_once("sync(").filter(|_| call.contains(") = 0")) {
+                synced.extend(file.split(['<', '>']).nth(1));
+            } else if let Some((_, names)) = call.split_once("rename").filter(|_| call.contains(") = 0")) {
+                let from = names.split('"').nth(1).expect("a path");
+                let name = from.trim_start_matches("./");
+                // Inside a hidden folder, files only get their final names.
+                let to = names.split('"').nth(3).expect("a path");
+                if !to.contains(".partial-") {
+                    renamed += 1;
+                    assert!(synced.iter().any(|file| file.ends_with(name)), "{line}: {from} is not on disk: {calls}");
+                }
+            }
+        }
+        assert!(renamed > 0, "{line}: {calls}");
+    }
+}
+
 #[test]
 fn two_runs_into_one_folder_leave_one_complete_result() {
     let place = Place::new();

@@ -188,6 +188,39 @@ fn listed_commands_and_shards_complete_sweep() {
 }
 
 #[test]
+fn new_sweep_writes_all_tables_again() {
+    let place = place();
+    place.ok("sweep plan.toml");
+    let whole = files(&place.path("out"));
+    fs::remove_file(place.path("out/sweep.csv")).unwrap();
+    fs::write(place.path("out/sweep.html"), "").unwrap();
+    let said = place.ok("sweep plan.toml").out;
+    assert!(said.starts_with("24 points: 24 reused, 0 run, ") && said.contains("sweep.csv"), "{said}");
+    same(&files(&place.path("out")), &whole);
+}
+
+#[test]
+fn damaged_or_outdated_points_run_again_with_note() {
+    let place = place();
+    place.ok("sweep plan.toml");
+    let whole = files(&place.path("out"));
+    let reports: Vec<PathBuf> = whole.keys().filter(|path| path.ends_with("report.json")).cloned().collect();
+    for report in &reports[..3] {
+        fs::write(place.path("out").join(report), "").unwrap();
+    }
+    for report in &reports[3..8] {
+        let mut changed = place.json(&format!("out/{}", report.display()));
+        changed["build"] = "0.1.0".into();
+        fs::write(place.path("out").join(report), changed.to_string()).unwrap();
+    }
+    let said = place.ok("sweep plan.toml").out;
+    assert!(said.starts_with("24 points: 16 reused, "), "{said}");
+    assert_eq!(said.lines().nth(1), Some("5 of another build of basrelief are run again"));
+    same(&files(&place.path("out")), &whole);
+    assert!(!place.ok("sweep plan.toml").out.contains("another build"));
+}
+
+#[test]
 fn wrong_plan_is_named_with_cure() {
     let place = place();
     let says = |replaced: &str, by: &str, code: i32, expected: &str| {

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, Program
+from pandas.api.types import is_numeric_dtype
 
 
 def blocks(text: str) -> list[str]:
@@ -41,3 +42,15 @@ def test_examples_give_what_they_say(document: str, values: int, monkeypatch: py
     names: dict[str, Any] = {}
     examples = blocks((ROOT / document).read_text())
     assert sum(check(example, document, names) for example in examples) == values
+
+
+def test_pandas_recipe_gives_numbers(program: Program, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    guide = (ROOT / "docs/guide/read-a-report.md").read_text()
+    recipe = re.search(r"^python3 -c '\n(import pandas.*?)'$", guide, re.MULTILINE | re.DOTALL)
+    assert recipe
+    assert program("demo", "golf-ball", "--size", "32x24", "--csv").returncode == 0
+    names: dict[str, Any] = {}
+    exec(compile(recipe[1], "read-a-report.md", "exec"), names)
+    assert all(is_numeric_dtype(kind) for kind in names["units"].dtypes)
+    assert "done" in names["units"].columns

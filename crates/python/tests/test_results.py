@@ -18,6 +18,7 @@ import polars
 import pytest
 from basrelief import Machine, Result, Table
 from conftest import ROOT
+from pandas.api.types import is_numeric_dtype
 from PIL import Image
 
 
@@ -34,12 +35,16 @@ def test_cycles_of_every_unit_sum_to_the_run(result: Result) -> None:
 
 
 def test_tables_are_frames_of_pandas_and_polars(result: Result) -> None:
+    texts = {"units": {"unit"}, "fifos": {"fifo"}, "memories": {"memory", "client"}, "caches": {"cache"}}
     for name in ("units", "fifos", "memories", "caches", "bottlenecks", "figures"):
         table: Table = getattr(result, name)
         rows = len(table.rows())
         assert rows > 0 and all(len(column) == rows for column in table.values()), name
         if name != "figures":  # The values of `figures` are numbers, texts and lists.
             assert polars.DataFrame(table).shape == (rows, len(table)) == table.frame("polars").shape
+        if name in texts:
+            kinds = table.frame().dtypes.items()
+            assert all(is_numeric_dtype(kind) for column, kind in kinds if column not in texts[name]), name
         assert pandas.DataFrame(table).shape == (rows, len(table)) == table.frame().shape
         assert table._repr_html_().count("<tr>") == rows + 1
     fifos = result.fifos

@@ -3,7 +3,9 @@
 use crate::support::{Program, files, plan, sweep};
 use basrelief_dse::folder::{Failure, Store};
 use basrelief_dse::{Folder, Found, Work, execute, tables, verify};
+use basrelief_sim::BUILD;
 use std::fs;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tempfile::tempdir;
 
@@ -134,6 +136,72 @@ fn existing_points_are_reused_failed_on_demand() {
     assert_eq!((tally.there, tally.run, tally.failed), (12 - first.failed, first.failed, first.failed));
 }
 
+fn report_of(folder: &Path, id: &str) -> PathBuf {
+    folder.join("points").join(id).join("report.json")
+}
+
+#[test]
+fn damaged_point_runs_again() {
+    let folder = tempdir().unwrap();
+    let (plan, _) = sweep(PLAN, folder.path(), 2);
+    let before = files(folder.path());
+    let report = fs::read(report_of(folder.path(), &plan.points[0].id)).unwrap();
+    let damages = [vec![], report[..report.len() / 2].to_vec(), vec![0; report.len()], [&report[..], b"}"].concat()];
+    for (point, damaged) in plan.points.iter().zip(damages) {
+        fs::write(report_of(folder.path(), &point.id), damaged).unwrap();
+        assert_eq!(Folder::new(folder.path()).find(&point.id), Found::Missing);
+    }
+    let (_, tally) = sweep(PLAN, folder.path(), 2);
+    assert_eq!((tally.there, tally.run + tally.retimed, tally.outdated), (8, 4, 0));
+    assert!(before == files(folder.path()));
+}
+
+#[test]
+fn points_of_another_build_run_again() {
+    let folder = tempdir().unwrap();
+    let (plan, _) = sweep(PLAN, folder.path(), 2);
+    let before = files(folder.path());
+    let store = Folder::new(folder.path());
+    for point in &plan.points[..3] {
+        let text = store.report_text(&point.id).unwrap();
+        fs::write(report_of(folder.path(), &point.id), text.replacen(BUILD, "0.1.0+another", 1)).unwrap();
+        assert_eq!(store.find(&point.id), Found::Outdated);
+    }
+    // A failure of another build may be mended now.
+    let failed = folder.path().join("points").join(&plan.points[3].id).join("failed.json");
+    fs::remove_file(failed.with_file_name("report.json")).unwrap();
+    fs::write(failed, r#"{"outcome": "deadlock", "message": "of version 0.1"}"#).unwrap();
+    let (_, tally) = sweep(PLAN, folder.path(), 2);
+    assert_eq!((tally.there, tally.run + tally.retimed, tally.outdated), (8, 4, 4));
+    assert!(before == files(folder.path()));
+}
+
+#[test]
+fn failure_replaces_report_of_another_build() {
+    let folder = tempdir().unwrap();
+    let (host, store) = (Program::new(), Folder::new(folder.path()));
+    store.put("a", ("{\"build\": \"0.1.0+another\"}", None), &host).unwrap();
+    let failure = Failure { outcome: "limit".into(), message: "stopped".into() };
+    store.put_failure("a", &failure, &host).unwrap();
+    assert_eq!((store.find("a"), store.failure("a").unwrap()), (Found::Failed, failure));
+    assert!(!report_of(folder.path(), "a").exists());
+}
+
+#[test]
+fn missing_or_damaged_tables_are_written_again() {
+    let folder = tempdir().unwrap();
+    sweep(PLAN, folder.path(), 2);
+    let before = files(folder.path());
+    for (table, _) in tables::FILES {
+        fs::remove_file(folder.path().join(table)).unwrap();
+        sweep(PLAN, folder.path(), 2);
+        assert!(before == files(folder.path()), "{table}");
+        fs::write(folder.path().join(table), "").unwrap();
+        sweep(PLAN, folder.path(), 2);
+        assert!(before == files(folder.path()), "{table}");
+    }
+}
+
 #[test]
 fn a_second_plan_finds_the_points_of_the_first() {
     let folder = tempdir().unwrap();
@@ -182,7 +250,8 @@ fn ten_thousand_points_are_checked_found_and_resumed_at_once() {
     let (folder, host) = (tempdir().unwrap(), Program::new());
     let store = Folder::new(folder.path());
     for point in &plan(text, &host).points {
-        store.put(&point.id, ("{ \"cycles\": { \"frames\": [7] } }", None), &host).unwrap();
+        let report = format!("{{ \"build\": \"{BUILD}\", \"cycles\": {{ \"frames\": [7] }} }}");
+        store.put(&point.id, (&report, None), &host).unwrap();
     }
     sweep(text, folder.path(), 2);
     let began = Instant::now();
