@@ -192,6 +192,25 @@ fn every_platform_computes_the_same_bits() {
     absent(&[pure(), importers.to_vec()].concat(), &words);
 }
 
+/// A function that renames a file to its final name syncs it first, or a power cut can leave an empty file. A rename within a hidden
+/// folder is not final.
+#[test]
+fn functions_that_rename_files_sync_them_first() {
+    let mut found = 0;
+    for name in crates() {
+        let shipped = code(&name).into_iter().filter(|(place, _)| !place.contains("/tests/"));
+        let all: Vec<String> = shipped.map(|(_, line)| line).collect();
+        let text = all.join("\n").replace("pub fn ", "fn ");
+        for function in text.split("fn ").filter(|f| f.contains("fs::rename(") || f.contains(".persist(")) {
+            let is_hidden = function.contains("self.partial.join(new_name)");
+            let (before, _) = function.split_once("fs::rename(").or_else(|| function.split_once(".persist(")).unwrap();
+            assert!(is_hidden || before.contains("sync"), "`{name}`: fn {function}");
+            found += 1;
+        }
+    }
+    assert!(found >= 4, "{found}");
+}
+
 #[test]
 fn only_the_command_line_decides_exit_codes() {
     let libraries: Vec<String> = crates().into_iter().filter(|name| name != "cli").collect();

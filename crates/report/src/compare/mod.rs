@@ -96,9 +96,10 @@ mod tests {
     use crate::samples;
 
     #[test]
-    fn equal_reports_differ_in_nothing_but_the_host() {
-        let a = samples::balanced();
-        let same = compare(&a, &a.clone().with_host(1.0, 1.0), None);
+    fn equal_reports_differ_in_nothing_but_host_and_build() {
+        let a = Report { build: "0.1.0+another".into(), ..samples::balanced() };
+        assert_ne!(a.build, samples::balanced().build);
+        let same = compare(&a, &samples::balanced().with_host(1.0, 1.0), None);
         assert!(same.equal && same.sections.is_empty());
         assert_eq!(same.failures(0.0), [""; 0]);
         assert!(!same.other_input);
