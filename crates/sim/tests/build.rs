@@ -36,6 +36,8 @@ fn workspace() -> (TempDir, PathBuf) {
 #[test]
 fn build_has_hash_of_its_sources() {
     assert_eq!(BUILD, format!("{}+{}", env!("CARGO_PKG_VERSION"), hash(package())));
+    // Cargo builds again in vain if it watches a file that does not exist.
+    assert!(Sources::around(package()).unwrap().watched.iter().all(|path| path.exists()));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::comparison::{Unjudged, Verdict, Worst};
 use crate::model::{Memory, OutcomeKind, PictureQuality, Report};
 use crate::number::{round6, thousands};
-use basrelief_reference::Quality;
+use basrelief_reference::QualityMetrics;
 use indexmap::IndexMap;
 
 /// Reason for a figure that report B lacks.
@@ -89,7 +89,7 @@ impl Judge {
     }
 
     /// Judges one picture: PSNR relative to A, SSIM and FLIP in hundredths.
-    fn picture(&mut self, place: &str, a: &Quality, b: &Quality) {
+    fn picture(&mut self, place: &str, a: &QualityMetrics, b: &QualityMetrics) {
         let ssim = ("ssim", a.ssim, b.ssim, 100.0 * (a.ssim - b.ssim));
         let flip = ("flip", a.flip, b.flip, 100.0 * (b.flip - a.flip));
         let psnr = ("psnr_db", a.psnr_db, b.psnr_db, 100.0 * (a.psnr_db - b.psnr_db) / a.psnr_db);
@@ -119,13 +119,13 @@ mod tests {
     use crate::compare::{Comparison, compare};
     use crate::model::{OutcomeKind, PictureQuality, Report};
     use crate::samples;
-    use basrelief_reference::Quality;
+    use basrelief_reference::QualityMetrics;
 
     /// A report with the quality of three frames.
     fn several_frames() -> Report {
         let mut report = samples::balanced();
         let quality = report.quality.as_mut().unwrap();
-        quality.frames = [30.0, 27.9, quality.last.psnr_db].map(|psnr_db| Quality { psnr_db, ..quality.last }).into();
+        quality.frames = [30.0, 27.9, quality.last.psnr_db].map(|psnr_db| QualityMetrics { psnr_db, ..quality.last }).into();
         report
     }
 
@@ -216,7 +216,7 @@ mod tests {
     }
 
     fn quality_of(psnr_db: f64) -> PictureQuality {
-        let last = Quality { psnr_db, ssim: 0.5, flip: 0.5 };
+        let last = QualityMetrics { psnr_db, ssim: 0.5, flip: 0.5 };
         PictureQuality { last, difference: None, frames: vec![] }
     }
 
