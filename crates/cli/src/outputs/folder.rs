@@ -85,8 +85,8 @@ impl Outputs {
     }
 
     /// Publishes all files, `last` after the others: a reader that finds it finds the others too. Two runs publish into a folder one after
-    /// the other. An older `last` is removed first, so that a run killed here never leaves it beside new files. Files named in `belong`
-    /// that this run did not write are removed too.
+    /// the other. An older `last` and the older files named in `belong` are removed first, so that a run killed here never leaves them
+    /// beside new files.
     pub fn publish(mut self, last: &str, belong: &[&str]) -> io::Result<()> {
         let _turn = turn(&self.folder)?;
         let mut unfinished = Unfinished::lock();
@@ -94,8 +94,7 @@ impl Outputs {
         let names: Vec<&Path> = others.iter().map(AsRef::as_ref).chain([Path::new(last)]).collect();
         // A file that is renamed before its content is on disk can be empty after a power cut.
         names.iter().try_for_each(|name| sync(&self.partial.join(name)))?;
-        let old = belong.iter().filter(|name| others.iter().all(|new| new != **name)).chain([&last]);
-        old.into_iter().try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
+        belong.iter().chain([&last]).try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
         names.iter().try_for_each(|name| fs::rename(self.partial.join(name), self.folder.join(name)))?;
         fs::remove_dir_all(&self.partial)?;
         unfinished.settle(&self.leftovers);
