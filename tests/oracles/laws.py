@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""laws.py - the laws of time (second edition), executable: a slow per-cycle simulator of small plans.
+"""laws.py - the laws of time (third edition), executable: a slow per-cycle simulator of small plans.
 
   laws.py run PLAN.json          print the result of a plan as canonical JSON
   laws.py make SEED [N] DIR      write N random plans with their results: DIR/<seed>.json = {"plan": ..., "result": ...}
@@ -7,12 +7,13 @@
 The crate documentation of the kernel states the laws in words. This program is an independent oracle for them: it simulates
 cycle by cycle and shares no code with the engines. An engine is right if it prints the same result for every plan.
 
-PLAN  {"fifos":    [{"name", "depth", "latency"}],
+PLAN  {"fifos":    [{"name", "depth", "latency", optional "period"}],
        "memories": [{"name", "burst_bytes", "burst_cycles", "channels", "channel_bytes", "banks", "row_bytes", "window", "cap",
                      "cl", "cwl", "rcd", "rp", "ras", "rtp", "wr", "wtr", "rrd", "faw", "refi", "rfc",
-                     "ports": [{"name", "outstanding"}]}],
-       "caches":   [{"name", "port", "line_bytes", "sets", "ways", "hit_latency", "lookups_per_cycle"}],
-       "units":    [{"name", "kind", "in": [fifo], "out": [fifo], "occupancy": [..], "latency": [..], ...}]}
+                     "ports": [{"name", "outstanding"}], optional "periodic": [{"name", "period", "bytes", "stride", "span"}]}],
+       "caches":   [{"name", "port", "line_bytes", "sets", "ways", "hit_latency", "lookups_per_cycle", optional "at_once"}],
+       "units":    [{"name", "kind", "in": [fifo], "out": [fifo], "occupancy": [..], "latency": [..], ...,
+                     optional "after": [..], optional "blocking", optional "issue"}]}
 A token is (id, last). Occupancy and latency are lists indexed by id modulo length, where id is: source - of the token it emits; expand -
 of the child that the step emits; join - of its first input's token; merge - the new number k; otherwise of the popped token. A port belongs to
 exactly one unit or cache, a cache to exactly one unit; a step's largest need of a port is the number of entries of "requests" on it, or of
@@ -37,13 +38,25 @@ order of (arrival, port number, issue, address), and the first `window` of those
 into view on. Of those whose column command can go in this cycle the oldest goes; only the oldest in view may go once it has been passed over
 `cap` times. When its column command can go is `column` below: row commands are given as early as the bank allows, also while others move
 data. refi = 0: no refresh; else rfc + rcd < refi. An answer is there when the last data of all the request's bursts have moved, not before the port's answer ahead of
-it; the credit is back in that same cycle. A step delivers at max(start + latency, its answers). Occupancy of a cached step is
-max(occupancy, ceil(distinct lines / lookups_per_cycle)); its look-ups are its distinct lines in order of first mention, all made at its
-start. A look-up at s of a line in the tags whose memory answer is > s is merged, otherwise a hit; a line replaced before its fill is
-absent: a new miss. Hits, merged look-ups and misses all touch LRU. A cached step awaits its port until its last look-up's answer, hit latency
-included. Complete = no token in a FIFO, every source and merge has passed all its tokens, no expand part-way; otherwise deadlock. "done"
-counts from the end of a unit's last step in a complete run; in a deadlock only sources and merges that have passed all tokens are done,
-the others keep the cause that holds them.
+it; the credit is back in that same cycle.
+Work after data: a step delivers at max(start + latency, each of its answers + after). "after" is a list like "latency" (default 0).
+Blocking: a step of a unit with "blocking" keeps the unit until the last of its answers. The cycles between its occupancy and that answer
+count as memory of its first port, in order of first mention, whose answers are not all there.
+Issue rate: an access unit issues "issue" requests per cycle on each port (default 0: all at once). Request n of the step on a port arrives in
+cycle start + n div issue, and the occupancy is at least ceil(requests on the port / issue). Credits for all are taken at the start.
+Periodic FIFO: a token of a FIFO with a "period" is visible from the smallest multiple of the period that is not before max(d + f, visible
+time of the token before + 1), where d is its delivery and f the latency of the FIFO.
+Periodic client: it reads request k = 0, 1, .. in cycle k * period at address (k * stride) mod span, without credits, as long as the run
+lasts. Periodic clients have the port numbers after the other ports of the memory. They keep no run alive and do not count towards total.
+Their requests count if they arrive before total, their bursts if the column command is before total.
+Caches: the look-ups of a cached step are its distinct lines in order of first mention, and its occupancy is max(occupancy, ceil(distinct
+lines / lookups_per_cycle)). Look-up n is made in cycle start + n div lookups_per_cycle, or at the start if the cache is "at_once". A miss
+arrives at its memory in the cycle of the look-up. A look-up at s of a line in the tags whose memory answer is > s is merged, otherwise a
+hit; a line replaced before its fill is absent: a new miss. Hits, merged look-ups and misses all touch LRU. A cached step awaits its port
+until its last look-up's answer, hit latency included. If a full output's oldest holder awaits several ports, the lowest memory number and
+then the lowest port number counts first. Complete = no token in a FIFO, every source and merge has passed all its tokens, no expand part-way;
+otherwise deadlock. "done" counts from the end of a unit's last step, or from its last answer if it blocks, in a complete run; in a
+deadlock only sources and merges that have passed all tokens are done, the others keep the cause that holds them.
 RESULT {"outcome": "complete" | "deadlock", "total", "units": {name: {"steps", "busy", "done", "starved": {fifo: n},
         "memory": {port: n}, "blocked": {fifo: n}}}, "fifos": {name: histogram}, "memories": {name: {port: {"requests",
         "bursts", "row_hits", "row_closed", "row_conflicts"}}}, "caches": {name: {"hits", "misses", "merged"}}}; starved, memory and blocked
@@ -52,7 +65,7 @@ RESULT {"outcome": "complete" | "deadlock", "total", "units": {name: {"steps", "
 import json, random, sys
 
 class Fifo:
-    def __init__(s, d): s.depth, s.latency, s.entries, s.head, s.settled, s.last_visible = d["depth"], d["latency"], [], 0, 0, -1
+    def __init__(s, d): s.depth, s.latency, s.period, s.entries, s.head, s.settled, s.last_visible = d["depth"], d["latency"], d.get("period", 1), [], 0, 0, -1
     def held(s, c): return sum(1 for e in s.entries[s.head:]) + (1 if s.head and s.entries[s.head - 1]["popped"] == c else 0)
     def room(s, c): return s.held(c) < s.depth
     def front(s, c): return s.entries[s.head] if s.head < len(s.entries) and s.entries[s.head].get("visible", 1 << 60) <= c else None
@@ -85,6 +98,7 @@ class Memory:
     def __init__(s, d):
         s.d, s.last_data, s.channels = d, -1, [Channel(d) for _ in range(d["channels"])]
         s.ports = [{"name": p["name"], "credits": p["outstanding"], "returns": [], "answer": 0, "open": [], "requests": 0, "bursts": 0, "row_hits": 0, "row_closed": 0, "row_conflicts": 0} for p in d["ports"]]
+        s.users = len(s.ports); s.ports += [dict(p, returns=[], answer=0, open=[], credits=0, requests=0, bursts=0, arrivals=[], columns=[], row_hits=0, row_closed=0, row_conflicts=0) for p in d.get("periodic", [])]
         s.arrived = []                                   # (port number, issue order, address, bytes, write, callback) of this cycle
     def serve(s, c):
         """Column commands of cycle c, then the requests that arrive in it."""
@@ -95,7 +109,9 @@ class Memory:
             go = next((x for x in able if x[1] == c), None)
             if go:
                 q, p = go[0], s.ports[go[0]["port"]]; ch.passed = 0 if q is ch.queue[0] else ch.passed + 1
-                end = ch.serve(*go); p[go[2]] += 1; p["bursts"] += 1; s.last_data = max(s.last_data, end - 1)
+                end = ch.serve(*go); p[go[2]] += 1; p["bursts"] += 1
+                if q["port"] < s.users: s.last_data = max(s.last_data, end - 1)
+                else: p["columns"].append((c, go[2]))
                 r = q["request"]; r["left"] -= 1; r["end"] = max(r["end"], end)
                 while p["open"] and not p["open"][0]["left"]:
                     r = p["open"].pop(0); p["answer"] = max(p["answer"], r["end"]); p["returns"].append(p["answer"]); r["done"](p["answer"])
@@ -107,7 +123,15 @@ class Memory:
                 row = (m // d["channels"] * d["channel_bytes"] + a % d["channel_bytes"]) // d["row_bytes"]
                 s.channels[m % d["channels"]].queue.append({"bank": row % d["banks"], "row": row // d["banks"], "write": write, "port": n, "request": r})
         s.arrived = []
-    def waiting(s): return any(ch.queue for ch in s.channels)
+    def tick(s, c):
+        """Requests of periodic clients in cycle c."""
+        for i, p in enumerate(s.ports[s.users:], s.users):
+            if c % p["period"] == 0: p["arrivals"].append(c); s.arrived.append((i, 0, c // p["period"] * p["stride"] % p["span"], p["bytes"], False, lambda a: None))
+    def cut(s, total):
+        for p in s.ports[s.users:]:
+            p["requests"] = sum(c < total for c in p["arrivals"]); cols = [k for c, k in p["columns"] if c < total]; p["bursts"] = len(cols)
+            for k in ("row_hits", "row_closed", "row_conflicts"): p[k] = cols.count(k)
+    def waiting(s): return any(q["port"] < s.users for ch in s.channels for q in ch.queue)
 
 class Cache:
     def __init__(s, d): s.d, s.sets, s.fill, s.answer, s.hits, s.misses, s.merged, s.looks = d, [[] for _ in range(d["sets"])], {}, 0, 0, 0, 0, []
@@ -121,7 +145,8 @@ def simulate(plan):
     mems = {m["name"]: Memory(m) for m in plan.get("memories", [])}
     port = {p["name"]: (m, i) for m in mems.values() for i, p in enumerate(m.ports)}
     caches = {k["name"]: Cache(k) for k in plan.get("caches", [])}
-    units = [dict(u, free=0, steps=0, k=0, state=None, log=[], last_start=-1) for u in plan["units"]]
+    units = [dict(u, free=0, steps=0, k=0, state=None, log=[], last_start=-1, block=None) for u in plan["units"]]
+    later = []                                           # (cycle, what happens in it): requests and look-ups of steps under way
     pick = lambda l, i: l[i % len(l)]
     def needs(u):                                        # credits of its largest step, by port
         n = {}
@@ -143,6 +168,10 @@ def simulate(plan):
         started = []
         for u in units:
             if u["free"] > c: u["log"].append("busy"); continue
+            if u["block"] is not None:
+                wait = next((p for p, ts in u["block"].items() if any(t is None or t > c for t in ts)), None)
+                if wait: u["log"].append(("memory", wait)); continue
+                u["block"] = None; u["released"] = c
             if finished(u): u["log"].append("idle"); continue
             ins = declared(u); lack = next((f for f in ins if not fifos[f].front(c)), None)
             if lack: u["log"].append(("starved", lack)); continue
@@ -151,7 +180,8 @@ def simulate(plan):
             full = next((f for f in u["out"] if not fifos[f].room(c)), None)
             if full:
                 f = fifos[full]; e = f.entries[f.head - 1] if f.head and f.entries[f.head - 1]["popped"] == c else f.entries[f.head]
-                wait = next((p for p, ts in e["awaits"].items() if any(t is None or t > c for t in ts)), None)
+                rank = sorted(e["awaits"], key=lambda p: (list(mems.values()).index(port[p][0]), port[p][1]))
+                wait = next((p for p in rank if any(t is None or t > c for t in e["awaits"][p])), None)
                 u["log"].append(("memory", wait) if wait else ("blocked", full)); continue
             started.append(u)
         for u in started:                                # decide from the state before this cycle's pops, then act
@@ -172,57 +202,68 @@ def simulate(plan):
                 t = toks[0]
                 if t[0] % u["size"] == u["size"] - 1 or t[1]: emit = {u["out"][0]: (t[0] // u["size"], t[1])}
             else: t = toks[0]
-            occ, lat = pick(u["occupancy"], t[0]), pick(u["latency"], t[0])
+            occ, lat, after = pick(u["occupancy"], t[0]), pick(u["latency"], t[0]), pick(u.get("after", [0]), t[0])
             awaits = {}                                      # port: answers, None while not known
             def hear(p, awaits=awaits):
                 ts = awaits.setdefault(p, []); ts.append(None); i = len(ts) - 1
                 def done(a): ts[i] = a
                 return done
             if k == "access":
+                on = {}
                 for n, r in enumerate(u["requests"]):
                     m, i = port[r["port"]]; m.ports[i]["credits"] -= 1
-                    m.arrived.append((i, n, (t[0] * r["stride"] + r["offset"]) % r["span"], r["bytes"], r["write"], (lambda a: None) if r["write"] else hear(r["port"])))
+                    k_on = on[r["port"]] = on.get(r["port"], -1) + 1; issue = u.get("issue", 0)
+                    what = (i, n, (t[0] * r["stride"] + r["offset"]) % r["span"], r["bytes"], r["write"], (lambda a: None) if r["write"] else hear(r["port"]))
+                    later.append((c + (k_on // issue if issue else 0), lambda m=m, what=what: m.arrived.append(what)))
+                    if issue: occ = max(occ, k_on // issue + 1)
             if k == "cached":
                 q = caches[u["cache"]]; d = q.d; m, i = port[d["port"]]; lines = []
                 for r in u["lookups"]:
                     line = (t[0] * r["stride"] + r["offset"]) % r["span"] // d["line_bytes"]
                     if line not in lines: lines.append(line)
                 occ = max(occ, -(-len(lines) // d["lookups_per_cycle"]))
-                for n, line in enumerate(lines):
+                def look(n, line, heard, at, q=q, d=d, m=m, i=i):
                     s = q.sets[line % d["sets"]]
                     if line in s:
-                        s.remove(line); s.append(line); fill = q.fill[line]; flying = not fill or fill[0] > c
+                        s.remove(line); s.append(line); fill = q.fill[line]; flying = not fill or fill[0] > at
                         if flying: q.merged += 1
                         else: q.hits += 1
-                        q.looks.append((fill if flying else None, c, hear(d["port"])))
+                        m.ports[i]["credits"] += 1; q.looks.append((fill if flying else None, at, heard))
                     else:
                         if len(s) == d["ways"]: s.pop(0)
-                        s.append(line); q.misses += 1; m.ports[i]["credits"] -= 1; fill = q.fill[line] = []
-                        m.arrived.append((i, n, line * d["line_bytes"], d["line_bytes"], False, fill.append)); q.looks.append((fill, c, hear(d["port"])))
+                        s.append(line); q.misses += 1; fill = q.fill[line] = []
+                        m.arrived.append((i, n, line * d["line_bytes"], d["line_bytes"], False, fill.append)); q.looks.append((fill, at, heard))
+                m.ports[i]["credits"] -= len(lines)
+                for n, line in enumerate(lines):
+                    at = c if d.get("at_once") else c + n // d["lookups_per_cycle"]
+                    later.append((at, lambda n=n, line=line, heard=hear(d["port"]), at=at, look=look: look(n, line, heard, at)))
             new = []
             for f, tok in emit.items():
-                e = {"token": tok, "popped": None, "reserved": c, "awaits": awaits}; fifos[f].entries.append(e); new.append((fifos[f], e))
+                e = {"token": tok, "popped": None, "reserved": c, "awaits": awaits, "after": after}; fifos[f].entries.append(e); new.append((fifos[f], e))
             for f, e in new: e["base"] = c + lat
-            u["free"] = c + occ; u["steps"] += 1; u["k"] += 1; u["last_start"] = c; u["log"].append("busy"); active = max(active, u["free"] - 1)
-        for m in mems.values(): m.serve(c)
+            u["free"] = c + occ; u["released"] = c + occ; u["block"] = awaits if u.get("blocking") and awaits else None; u["steps"] += 1; u["k"] += 1; u["last_start"] = c; u["log"].append("busy"); active = max(active, u["free"] - 1)
+        for x in [x for x in later if x[0] == c]: x[1]()
+        later = [x for x in later if x[0] > c]
+        for m in mems.values(): m.tick(c); m.serve(c)
         for q in caches.values(): q.settle()
         for f in fifos.values():                          # a token's time is known when its answers are, and those of the tokens ahead
             while f.settled < len(f.entries):
                 e = f.entries[f.settled]; ts = [t for x in e["awaits"].values() for t in x]
                 if None in ts: break
-                e["visible"] = max(max([e["base"]] + ts) + f.latency, f.last_visible + 1); f.last_visible = e["visible"]; f.settled += 1; active = max(active, e["visible"])
+                e["visible"] = max(max([e["base"]] + [x + e["after"] for x in ts]) + f.latency, f.last_visible + 1); e["visible"] = -(-e["visible"] // f.period) * f.period; f.last_visible = e["visible"]; f.settled += 1; active = max(active, e["visible"])
         for f in fifos.values():
             f.__dict__.setdefault("log", []).append(f.held(c))
-        events = [u["free"] for u in units] + [t for m in mems.values() for p in m.ports for t in p["returns"]] + [e["visible"] for f in fifos.values() for e in f.entries[f.head:f.settled]]
+        events = [u["free"] for u in units] + [x[0] for x in later] + [t for u in units if u["block"] for ts in u["block"].values() for t in ts if t is not None] + [t for m in mems.values() for p in m.ports[:m.users] for t in p["returns"]] + [e["visible"] for f in fifos.values() for e in f.entries[f.head:f.settled]]
         if not started and not any(t > c for t in events) and not any(m.waiting() for m in mems.values()): break
         c += 1
         if c > 2_000_000: raise SystemExit("plan runs too long")
     active = max([active] + [m.last_data for m in mems.values()]); total = active + 1
+    for m in mems.values(): m.cut(total)
     res = {"outcome": "complete", "total": total, "units": {}, "fifos": {}, "memories": {}, "caches": {}}
     stuck = any(u["kind"] in ("source", "merge") and u["k"] < u["tokens"] or u["state"] for u in units) or any(f.head < len(f.entries) for f in fifos.values())
     if stuck: res["outcome"] = "deadlock"
     for u in units:
-        log = (u["log"] + ["idle"] * total)[:total]; end = u["free"] if u["steps"] else 0
+        log = (u["log"] + ["idle"] * total)[:total]; end = u["released"] if u["steps"] else 0
         r = {"steps": u["steps"], "busy": 0, "done": 0, "starved": {}, "memory": {}, "blocked": {}}
         for i, x in enumerate(log):
             if x == "busy": r["busy"] += 1
@@ -240,12 +281,18 @@ def simulate(plan):
 def make(seed):
     r = random.Random(seed); plan = {"fifos": [], "memories": [], "caches": [], "units": []}
     few = lambda lo, hi: [r.randint(lo, hi) for _ in range(r.randint(1, 3))]
-    def fifo(): plan["fifos"].append({"name": "f%d" % len(plan["fifos"]), "depth": r.choice([1, 1, 2, 3, 4, 8]), "latency": r.choice([1, 1, 1, 2, 3])}); return plan["fifos"][-1]["name"]
+    def fifo(): plan["fifos"].append(dict({"name": "f%d" % len(plan["fifos"]), "depth": r.choice([1, 1, 2, 3, 4, 8]), "latency": r.choice([1, 1, 1, 2, 3])}, **({"period": r.randint(2, 20)} if r.random() < .1 else {}))); return plan["fifos"][-1]["name"]
     def unit(kind, i, o, **x): plan["units"].append(dict({"name": "u%d" % len(plan["units"]), "kind": kind, "in": i, "out": o, "occupancy": few(1, 4), "latency": few(0, 6)}, **x))
     for k in range(r.randint(0, 2)):
         plan["memories"].append({"name": "m%d" % k, "burst_bytes": 32, "burst_cycles": r.randint(1, 4), "banks": r.choice([1, 2, 4]), "row_bytes": r.choice([64, 256]), "channels": r.choice([1, 1, 2, 3]), "channel_bytes": r.choice([32, 64, 256]), "window": r.choice([1, 2, 4, 16]), "cap": r.choice([0, 1, 4, 16]),
                                  "cl": r.randint(0, 4), "cwl": r.randint(0, 3), "rcd": r.randint(0, 4), "rp": r.randint(0, 4), "ras": r.randint(0, 9), "rtp": r.randint(0, 3), "wr": r.randint(0, 4), "wtr": r.randint(0, 3),
                                  "rrd": r.randint(0, 3), "faw": r.randint(0, 12), **r.choice([{"refi": 0, "rfc": 0}, {"refi": 100, "rfc": r.randint(1, 20)}]), "ports": []})
+        if r.random() < .3:
+            m, n = plan["memories"][-1], r.randint(1, 2); m["periodic"] = []
+            for j in range(n):                               # less than the memory can serve, or units would wait longer and longer
+                size = r.choice([32, 64, 96]); least = n * (size // 32 + 1) * (m["burst_cycles"] + m["cl"] + m["rp"] + m["rcd"] + m["ras"] + m["wtr"] + m["wr"])
+                m["periodic"].append({"name": "m%dv%d" % (k, j), "period": least + r.randint(0, 40), "bytes": size, "stride": r.choice([32, 64, 96]), "span": 1024})
+    def extra(): return dict(**({"after": few(0, 5)} if r.random() < .5 else {}), **({"blocking": True} if r.random() < .4 else {}))
     def port(least):
         m = r.choice(plan["memories"]); m["ports"].append({"name": "%sp%d" % (m["name"], len(m["ports"])), "outstanding": least + r.randint(0, 4)}); return m["ports"][-1]["name"]
     n = r.randint(4, 24); a = fifo(); unit("source", [], [a], tokens=n)
@@ -259,11 +306,13 @@ def make(seed):
         elif k == "access":
             p, q = port(2), r.random() < .4; reqs = [{"port": p, "write": False, "bytes": r.choice([4, 32, 64]), "stride": r.choice([4, 32, 96, 260]), "offset": r.randint(0, 64), "span": 1024}]
             if q: reqs.append({"port": p, "write": True, "bytes": 32, "stride": 64, "offset": 512, "span": 1024})
-            unit("access", [a], [b], requests=reqs)
+            if r.random() < .3: reqs += [dict(reqs[0], offset=r.randint(64, 900)) for _ in range(r.randint(1, 2))]; next(x for x in plan["memories"][int(p[1])]["ports"] if x["name"] == p)["outstanding"] += 2
+            if r.random() < .3: reqs.insert(r.randint(0, len(reqs)), dict(reqs[0], port=port(1), offset=r.randint(64, 900)))
+            unit("access", [a], [b], requests=reqs, **extra(), **({"issue": r.randint(1, 2)} if r.random() < .5 else {}))
         elif k == "cached":
             looks = [{"stride": r.choice([4, 16, 40]), "offset": r.randint(0, 200), "span": 512} for _ in range(r.randint(1, 3))]
-            plan["caches"].append({"name": "c%d" % len(plan["caches"]), "port": port(len(looks)), "line_bytes": 32, "sets": r.choice([1, 2, 4]), "ways": r.choice([1, 2]), "hit_latency": r.randint(0, 3), "lookups_per_cycle": r.randint(1, 2)})
-            unit("cached", [a], [b], cache=plan["caches"][-1]["name"], lookups=looks)
+            plan["caches"].append({"name": "c%d" % len(plan["caches"]), "port": port(len(looks)), "line_bytes": 32, "sets": r.choice([1, 2, 4]), "ways": r.choice([1, 2]), "hit_latency": r.randint(0, 3), "lookups_per_cycle": r.randint(1, 2), **({"at_once": True} if r.random() < .3 else {})})
+            unit("cached", [a], [b], cache=plan["caches"][-1]["name"], lookups=looks, **extra())
         else:
             w = r.randint(2, 3); xs, ys = [fifo() for _ in range(w)], [fifo() for _ in range(w)]
             unit(k, [a], xs)

@@ -99,7 +99,8 @@ unit_contract! {
     state: |unit| unit.held => |unit, held| unit.held = held,
 }
 
-/// Emits each token three times, with a read, a write and a look-up per step. Each switch breaks one promise.
+/// Emits each token three times, with a read, a write and a look-up per step. It works for a cycle after its data, and every third
+/// step blocks. Each switch breaks one promise.
 #[derive(Clone, Default)]
 struct Triple {
     held: (u64, u32),
@@ -110,6 +111,7 @@ struct Triple {
     forgetful: bool,
     shared: bool,
     hoards: bool,
+    hasty: bool,
 }
 
 impl Unit for Triple {
@@ -138,7 +140,9 @@ impl Unit for Triple {
             () if self.shared => self.steps.get(),
             () => token,
         };
-        Step::after(1, Some(out)).busy(1 + token % 2)
+        let latency = if self.hasty { 0 } else { 1 };
+        let step = Step::after(latency, Some(out)).busy(1 + token % 2).after_data(1);
+        if token % 3 == 0 { step.blocking() } else { step }
     }
     fn largest_step(&self, client: usize) -> u32 {
         if client < 2 { 2 } else { 0 }
@@ -171,6 +175,12 @@ fn step_beyond_largest_is_named() {
     let broken = contract(Triple { greedy: true, ..Triple::default() }).steps_keep_within_largest_step().unwrap_err();
     assert!(broken.what.starts_with("unit, cycle "), "{broken}");
     assert!(broken.what.ends_with("a step needs 3 credits of memory client 1, but largest_step(1) declares 2"), "{broken}");
+}
+
+#[test]
+fn work_after_data_beyond_latency_is_named() {
+    let broken = contract(Triple { hasty: true, ..Triple::default() }).work_after_data_is_part_of_latency().unwrap_err();
+    assert!(broken.what.ends_with("a step works 1 cycles after its data, expected at most its latency, 0"), "{broken}");
 }
 
 #[test]

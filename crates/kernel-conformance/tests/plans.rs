@@ -2,7 +2,7 @@
 
 mod common;
 
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMachine, PlanRequest};
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMachine, PlanPeriodic, PlanRequest};
 use common::{Draw, small_memory};
 
 fn good() -> Plan {
@@ -11,7 +11,7 @@ fn good() -> Plan {
     let (name, port) = ("cache".into(), "q".into());
     let mut draw = Draw::default();
     draw.memory(small_memory(), &[("p", 2), ("q", 2)])
-        .cache(PlanCache { name, port, line_bytes: 32, sets: 4, ways: 1, hit_latency: 2, lookups_per_cycle: 1 })
+        .cache(PlanCache { name, port, line_bytes: 32, sets: 4, ways: 1, hit_latency: 2, lookups_per_cycle: 1, at_once: true })
         .fifo("a", 1, 1)
         .fifo("b", 1, 1)
         .fifo("c", 1, 1)
@@ -40,6 +40,15 @@ fn each_fault_is_named() {
         (|p| p.memories[0].ports[0].outstanding = 0, "port `p`: `outstanding` is 0, expected 1..=1048576"),
         (|p| p.caches[0].ways = u32::MAX, "cache `cache`: `ways` is 4294967295, expected 1..=1048576"),
         (|p| p.units[0].occupancy = vec![1, 0], "unit `source`: `occupancy` is 0, expected 1..=1099511627776"),
+        (|p| p.fifos[0].period = 0, "FIFO `a`: `period` is 0, expected 1..=1099511627776"),
+        (
+            |p| p.memories[0].periodic.push(PlanPeriodic { name: "v".into(), period: 0, bytes: 4, stride: 4, span: 4 }),
+            "periodic client `v`: `period` is 0, expected 1..=1099511627776",
+        ),
+        (
+            |p| p.memories[0].periodic.push(PlanPeriodic { name: "p".into(), period: 1, bytes: 4, stride: 4, span: 4 }),
+            "port `p`: there are two of this name, expected one",
+        ),
         (|p| p.units[0].latency.clear(), "unit `source`: `length of latency` is 0, expected 1..=1048576"),
         (|p| p.units[3].kind = Kind::Gather { size: 0 }, "unit `sink`: `length of out` is 0, expected 1..=1"),
         (|p| p.units[0].kind = Kind::Join, "unit `source`: `length of in` is 0, expected 1..=8"),

@@ -6,8 +6,10 @@ use crate::memory_events::CacheEvents;
 use crate::{CacheConfig, Cycle};
 
 /// Look-ups of a step, as far as they are settled.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PendingLookUps {
+    /// Cycle of the last look-up.
+    pub(crate) last: Cycle,
     /// Start of the step.
     pub(crate) start: Cycle,
     /// `request`: number of the last request that a look-up waits for, plus one, if its answer was unknown at the look-up;
@@ -40,6 +42,8 @@ pub(crate) struct CacheTagArray {
     tags: Vec<Tag>,
     /// True if every look-up hits.
     pub(crate) always_hits: bool,
+    /// True if the look-ups of a step take several cycles; otherwise all are made at its start (law 5).
+    pub(crate) spreads: bool,
 }
 
 impl CacheTagArray {
@@ -51,12 +55,13 @@ impl CacheTagArray {
             ways,
             tags: vec![Tag { line: NO_LINE, request: 0 }; sets * ways],
             always_hits: config.always_hits,
+            spreads: false,
         }
     }
 
     /// Returns true if look-ups give the same results in both caches from power-on.
     pub(crate) fn is_alike(&self, other: &Self) -> bool {
-        let geometry = |tags: &Self| (tags.line, tags.sets, tags.ways, tags.always_hits);
+        let geometry = |tags: &Self| (tags.line, tags.sets, tags.ways, tags.always_hits, tags.spreads);
         geometry(self) == geometry(other)
     }
 
@@ -129,17 +134,23 @@ impl Cache {
         if look_ups <= per_cycle { 1 } else { look_ups.div_ceil(per_cycle).into() }
     }
 
+    /// Returns the cycle of look-up `number` of a step that starts at `start`.
+    #[inline]
+    pub(crate) fn look_up_at(&self, start: Cycle, number: u32) -> Cycle {
+        if self.tags.spreads { start + u64::from(number / self.config.lookups_per_cycle.max(1)) } else { start }
+    }
+
     /// Accounts for look-ups whose fills are all known by `fill` and returns their answer time. Answers come in order, so never
     /// before the previous one.
     #[inline(always)]
-    pub(crate) fn resolve(&mut self, start: Cycle, fill: Cycle, counts: CacheCounts) -> Cycle {
+    pub(crate) fn resolve(&mut self, (start, last): (Cycle, Cycle), fill: Cycle, counts: CacheCounts) -> Cycle {
         self.counts.hits += counts.hits;
         self.counts.misses += counts.misses;
         self.counts.merged += counts.merged;
         if let Some(watch) = &mut self.watch {
             watch.note(start, self.counts);
         }
-        self.answer = self.answer.max(start.max(fill) + u64::from(self.config.hit_latency));
+        self.answer = self.answer.max(last.max(fill) + u64::from(self.config.hit_latency));
         self.answer
     }
 }

@@ -10,7 +10,7 @@
 //! - Once the oldest burst has been passed over `cap` times, it is next in any case.
 
 use crate::counts::{ChannelCounts, RowOutcome};
-use crate::memory_events::{ChannelEvents, MemoryEvent, closed_at};
+use crate::memory_events::{ChannelEvents, EventBounds, MemoryEvent, closed_at};
 use crate::{Cycle, MemoryConfig};
 pub(crate) use burst::Burst;
 use timing::{Bank, CLOSED, ChannelTiming, ColumnCommand};
@@ -22,6 +22,9 @@ struct QueuedBurst {
     /// First cycle in view. For a burst behind the window: the first cycle in view if there were room.
     from: Cycle,
 }
+
+/// A served burst: the burst, its row outcome, the cycle of its column command, and the cycle after its last data.
+pub(crate) type ServedBurst = (Burst, RowOutcome, Cycle, Cycle);
 
 /// One channel.
 #[derive(Clone, Debug)]
@@ -54,6 +57,8 @@ pub(crate) struct Channel {
     choice: Option<(usize, ColumnCommand)>,
     /// All counts that do not follow from other fields.
     counts: ChannelCounts,
+    /// Cycles after the end of the run in which it moves data for periodic clients.
+    pub(crate) overrun: u64,
     /// Events for a probe, if one is attached.
     pub(crate) watch: Option<Box<ChannelEvents>>,
 }
@@ -82,6 +87,7 @@ impl Channel {
             columns: vec![Cycle::ZERO; window.next_power_of_two()].into(),
             choice: None,
             counts: ChannelCounts::default(),
+            overrun: 0,
             watch: None,
         }
     }
@@ -92,10 +98,10 @@ impl Channel {
     }
 
     /// Emits the events since the last call, or up to the `end` of a run.
-    pub(crate) fn emit(&mut self, place: [usize; 2], end: Option<Cycle>, emit: impl FnMut(MemoryEvent)) {
+    pub(crate) fn emit(&mut self, place: [usize; 2], until: (Cycle, EventBounds), emit: impl FnMut(MemoryEvent)) {
         if let Some(watch) = &mut self.watch {
             let open = self.banks.iter().enumerate().filter(|(_, bank)| bank.row != CLOSED);
-            watch.emit(place, open.map(|(number, bank)| (number, bank.row, bank.until)), end, emit);
+            watch.emit(place, open.map(|(number, bank)| (number, bank.row, bank.until)), until, emit);
         }
     }
 
@@ -232,10 +238,9 @@ impl Channel {
         self.choice.map(|(_, column)| column.at)
     }
 
-    /// Serves the next choice if it is final, given that all later requests arrive at `horizon` or later. Returns the burst, its
-    /// row outcome, the cycle of its column command, and the cycle after its last data.
+    /// Serves the next choice if it is final, given that all later requests arrive at `horizon` or later.
     #[inline(always)]
-    pub(crate) fn serve(&mut self, horizon: Cycle) -> Option<(Burst, RowOutcome, Cycle, Cycle)> {
+    pub(crate) fn serve(&mut self, horizon: Cycle) -> Option<ServedBurst> {
         let (place, column) = match self.choice {
             Some(choice) => choice,
             None => self.first_ready()?,
@@ -306,9 +311,11 @@ impl Channel {
 
     /// Returns the counts of a run of `total` cycles.
     pub(crate) fn counts(&self, total: u64) -> ChannelCounts {
-        let bus_busy = self.counts.rows.bursts() * self.timing.burst_cycles;
+        let bus_busy = self.counts.rows.bursts() * self.timing.burst_cycles - self.overrun;
+        let waiting = self.queue[self.first..].iter().map(|waiting| Cycle(total).since(waiting.burst.arrival));
+        let queued = self.counts.queued + waiting.sum::<u64>();
         let refreshes = total.saturating_sub(1).checked_div(self.timing.refi).unwrap_or(0);
-        ChannelCounts { bus_busy, refreshes, ..self.counts }
+        ChannelCounts { bus_busy, queued, refreshes, ..self.counts }
     }
 }
 

@@ -28,6 +28,17 @@ impl<T> Fifo<T> {
         self
     }
 
+    /// Makes the FIFO periodic: tokens become visible only in multiples of `period` >= 1 cycles (law 1). An example is a buffer
+    /// flip, which waits for the vertical blank of a display.
+    ///
+    /// # Panics
+    /// If the period is 0.
+    #[must_use]
+    pub fn with_period(mut self, period: u64) -> Self {
+        self.link.set_period(period);
+        self
+    }
+
     /// Sets the function that labels tokens, for probes that read labels.
     #[must_use]
     pub fn labelled(mut self, label: fn(&T) -> Label) -> Self {

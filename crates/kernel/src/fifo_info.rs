@@ -8,6 +8,8 @@ pub struct FifoInfo {
     /// Width of a slot \[bits\]; 0 if unknown.
     bits: u32,
     latency: u64,
+    /// Tokens become visible in multiples of this cycle.
+    period: u64,
     pushed: u64,
     popped: u64,
     /// Numbers of the stages at its ends and of the FIFO itself, once the wiring is checked.
@@ -26,7 +28,7 @@ impl FifoInfo {
         assert!(depth >= 1, "FIFO {name}: depth 0, expected at least 1 (law 1)");
         assert!(latency >= 1, "FIFO {name}: latency 0, expected at least 1 (law 1)");
         let (producer, consumer) = (None, None);
-        Self { name: name.into(), depth, bits: 0, latency, pushed: 0, popped: 0, producer, consumer, number: 0 }
+        Self { name: name.into(), depth, bits: 0, latency, period: 1, pushed: 0, popped: 0, producer, consumer, number: 0 }
     }
 
     /// Its name in the machine.
@@ -82,6 +84,16 @@ impl FifoInfo {
     /// Cycles from delivery to visibility.
     pub fn latency(&self) -> u64 {
         self.latency
+    }
+
+    /// Cycles between the cycles in which tokens can become visible; 1 for any cycle (law 1).
+    pub fn period(&self) -> u64 {
+        self.period
+    }
+
+    pub(crate) fn set_period(&mut self, period: u64) {
+        assert!(period >= 1, "FIFO {}: period 0, expected at least 1 (law 1)", self.name);
+        self.period = period;
     }
 
     /// Tokens inside, delivered or not.

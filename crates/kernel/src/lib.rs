@@ -15,17 +15,22 @@
 //!   [`Stage`].
 //! - **Step**: the smallest piece of work of a unit. A step pops tokens from some inputs and emits [0 or 1 token per
 //!   output](Step). It *starts* in a cycle s and occupies the unit for its **occupancy** >= 1, so the next step may start at
-//!   s + occupancy. It *delivers* at s + its **latency** >= 0, or with the last memory answer that it waits for. A fully pipelined
+//!   s + occupancy. It *delivers* at s + its **latency** >= 0, or later if it waits for memory answers. A fully pipelined
 //!   unit has occupancy 1 (initiation interval 1) and any latency.
+//! - **Work after data**: the [part of the latency](Step::after_data) that needs a memory answer, for example the filter behind a texel
+//!   fetch. A **blocking** step [keeps its unit](Step::blocking) until its last answer, for example the load of a table.
 //! - **FIFO**: a [bounded queue](Fifo) between two units, with a *depth* in slots. A token delivered at d is **visible** to the
-//!   consumer at d + f, where f >= 1 is the FIFO's latency. The step that takes the token pops it.
+//!   consumer at d + f, where f >= 1 is the FIFO's latency. The step that takes the token pops it. Tokens of a [periodic
+//!   FIFO](Fifo::with_period) become visible only in multiples of its **period**.
 //! - **Slot**: room for one token in a FIFO. The step that fills a slot **reserves** it at its start. The slot stays in use through
 //!   the cycle of the pop. The *oldest holder* of a full FIFO is the token whose pop will free the next slot.
 //! - **Demand**: the inputs from which the next step takes tokens, [declared](Unit::demand) by the unit from its own state.
 //! - **Client**: a unit's access path to a memory: a **port** of a memory, with or without a cache in front. A unit numbers its
 //!   clients from 0. [`MemorySystem`] numbers the ports of each memory in the order of their addition.
-//! - **Request**: a read or a posted write of some bytes. It *arrives* at the start of its step. A **look-up** requests a line from a
-//!   cache. A step issues both through [`MemoryPorts`].
+//! - **Request**: a read or a posted write of some bytes. It *arrives* at the start of its step, or later under the **issue rate** of
+//!   its port. A **look-up** requests a line from a cache. A step issues both through [`MemoryPorts`].
+//! - **Periodic client**: a client that belongs to no unit and [reads at fixed times](PeriodicReads), for example the scan-out of a
+//!   display.
 //! - **Credit**: the right to one more request in flight on a port. A port has `outstanding` credits. A credit returns in the cycle of
 //!   the answer.
 //! - **Burst**: the unit of transfer, [`MemoryConfig::burst_bytes`] aligned bytes, served by one **column command** of its
@@ -109,7 +114,8 @@
 //! get the same cycle counts.
 //!
 //! 1. **FIFO.** The depth and the latency f of a FIFO are at least 1. A token delivered at d is visible from
-//!    max(d + f, visible time of the token before it + 1). Tokens never overtake each other.
+//!    max(d + f, visible time of the token before it + 1). In a FIFO with a period, it is visible from the smallest multiple of the
+//!    period that is not before this cycle. A period changes time, never content. Tokens never overtake each other.
 //!
 //!    *Enforced by [`Fifo::new`] and `FifoTiming::deliver`; test `laws/law_1_fifo`.*
 //! 2. **Slots.** A step reserves the slot that it fills *at its start*. Tokens in flight therefore hold slots, as under credit flow
@@ -125,9 +131,15 @@
 //!    has wider tokens. No choice depends on the arrival order of tokens of different FIFOs. A function that needs arrival order, such as
 //!    an arbiter, is a memory or a kernel unit.
 //!
+//!    A step delivers at max(s + `latency`, a + `after_data`) for each memory answer a that it awaits. `after_data` >= 0 is the work that
+//!    needs the data. A *blocking* step keeps its unit until the last of its answers. So the unit is free from
+//!    max(s + `occupancy`, last answer) on.
+//!
 //!    *Enforced by `MachineTiming::next_start`, from [`Unit::demand`] and [`Unit::largest_step`]. [`check_wiring`] and every step check
 //!    these declarations. Tests `laws/law_3_start`, `wiring`.*
-//! 4. **Memory.** All requests of a step arrive at its start and are split into aligned bursts in ascending order. A memory has
+//! 4. **Memory.** A port issues `issue` requests per cycle (0: all at once). Request n of a step on a port arrives in cycle
+//!    s + n div `issue`, and the occupancy of the step is at least ceil(n / `issue`) for n requests. Credits for all of them are taken at the
+//!    start. Requests are split into aligned bursts in ascending order. A memory has
 //!    `channels` that share nothing: a burst at byte address a belongs to channel (a div `channel_bytes`) mod `channels`. The bursts of a
 //!    channel form a queue in order of (arrival, port number, order of issue, address). Port numbers belong to the memory's
 //!    configuration, so the order of the wiring cannot matter. The first `window` unserved bursts are *in view*. A burst comes into view in
@@ -151,12 +163,16 @@
 //!    An answer arrives when the last data of all its bursts have moved, and not before the previous answer on that port. Writes are
 //!    posted. Reads and writes each hold one of the port's `outstanding` credits, which returns in the cycle of the answer.
 //!
+//!    A memory may have *periodic clients*, which belong to no unit. Request k of such a client is a read that arrives in cycle
+//!    k * `period`, at an address that follows from k. It holds no credit. Periodic clients have the last port numbers of their memory.
+//!
 //!    *Enforced by [`MemorySystem`]; test `laws/law_4_memory`, and `dramsim3` against DRAMsim3's figures.*
-//! 5. **Cache.** A cache port makes one look-up per cycle. The look-ups of a step are its n distinct lines in order of first mention. All
-//!    are made at its start, and its occupancy is >= ceil(n / ports). Tags change in order of look-up at the step's start; the least
+//! 5. **Cache.** The look-ups of a step are its n distinct lines in order of first mention. Its occupancy is
+//!    >= ceil(n / `lookups_per_cycle`). Look-up n is made in cycle s + n div `lookups_per_cycle` if the cache
+//!    [spreads look-ups](MemorySystem::spread_look_ups), and at the start s otherwise. Tags change in order of look-up; the least
 //!    recently used line is replaced. Tags run ahead of the data (Igehy 1998), so a line in flight may be replaced, while fills and uses
-//!    stay in order. A miss makes one line request, which arrives at the memory in the same cycle. The look-up is answered at the request's
-//!    answer + hit latency. A look-up of a line in flight is `merged`: it makes no request and waits for that fill. Answers
+//!    stay in order. A miss makes one line request, which arrives at the memory in the cycle of the look-up. The look-up is answered at the
+//!    request's answer + hit latency. A look-up of a line in flight is `merged`: it makes no request and waits for that fill. Answers
 //!    come in order: a hit behind a miss waits. hits + misses + merged = look-ups.
 //!
 //!    *Enforced by the caches of [`MemorySystem::add_cached_client`], counted in [`CacheCounts`]; test `laws/law_5_cache`.*
@@ -177,10 +193,13 @@
 //! 8. **End.** The run ends when the next start of every unit is unknown, and never after N idle cycles, because an idle stretch can last
 //!    millions. The run is complete if sources are exhausted, FIFOs are empty and no unit holds tokens. Otherwise it is a deadlock, for which
 //!    both engines print the same text and the exit code is 1. Total = 1 + the last cycle in which a unit was busy, a token became
-//!    visible, or a memory moved data.
+//!    visible, or a memory moved data for a unit. A periodic client keeps no run alive. Its requests count if they arrive before the
+//!    total, and its bursts count if their column command is before the total.
 //!
 //!    *Enforced by [`run`], returned as [`Outcome`] and [`RunReport::total`]; test `laws/law_8_end`.*
-//! 9. **Accounting.** Each cycle of a unit in 0 .. total-1 has the first cause of this list that applies. *busy*. *done*: after the last
+//! 9. **Accounting.** Each cycle of a unit in 0 .. total-1 has the first cause of this list that applies. *busy*. *memory{port}* for the
+//!    cycles between the occupancy of a blocking step and its last answer: the first port, in order of first mention, whose answers have not
+//!    all arrived. *done*: after the last
 //!    step of the unit in a complete run (in a deadlock, units keep the cause that blocks them). *starved{first declared input without a
 //!    visible token}*. *memory{port}*: fewer credits than the largest step needs, or the oldest slot holder of the first full output is
 //!    before its step's last answer (hits and hit latency count, posted writes never). *blocked{first output without a slot}*. The
@@ -199,7 +218,7 @@
 //!     *Set by [`Step::marked`], kept in [`RunReport::marks`]; test `laws/law_11_marks`.*
 //!
 //! Consequently the order in which units are visited cannot change any result. The tests of the laws stand in
-//! `basrelief-kernel-conformance`: `hand` computes four whole machines by hand, `vectors` compares both engines with 320 results of an
+//! `basrelief-kernel-conformance`: `hand` computes four whole machines by hand, `vectors` compares both engines with 480 results of an
 //! independent implementation of these laws, and `properties` runs random machines.
 //!
 //! # Details that the laws leave open
@@ -211,11 +230,13 @@
 //! - **Refresh.** A refresh waits for nothing and does not change `rrd` and `faw`. Law 4 needs `rfc` + `rcd` < `refi`.
 //! - **Answers.** In law 4, the bursts of a request end in the cycle after the last data of any burst. A credit returns, and may be
 //!   used, in the very cycle of the answer.
-//! - **Delivery.** A step delivers at max(start + latency, answers of its reads and look-ups). Writes have no answers. Steps of one
-//!   unit deliver in order, because law 1 never lets a token overtake.
+//! - **Delivery.** The answers of a step are those of its reads and look-ups, hit latency included. Writes have no answers. A blocking step
+//!   without answers does not block. Steps of one unit deliver in order, because law 1 never lets a token overtake.
 //! - **Ports of one step.** The requests of a step are issued in order. Requests to different memories do not wait for each
-//!   other. Needs of a step are counted in requests for a port, and in distinct lines for a cached port, hits included.
-//! - **Look-ups.** At start s a look-up of a line in the tags is *merged* if the line's memory answer is later than s, otherwise a
+//!   other. Needs of a step are counted in requests for a port, and in distinct lines for a cached port, hits included. The direct
+//!   requests of a step on a cached port come after its look-ups: none arrives before the last miss. For the order of first mention in
+//!   law 9, look-ups come before requests, by client.
+//! - **Look-ups.** A look-up in cycle s of a line in the tags is *merged* if the line's memory answer is later than s, otherwise a
 //!   *hit*. A line replaced before its fill is absent, so its look-up is a new miss. Hits, merged look-ups and misses all count as use. The
 //!   occupancy of a step is max(its own, ceil(distinct lines / `lookups_per_cycle`)). For law 9 the step waits for the answer of its last
 //!   look-up, hit latency included.
@@ -226,7 +247,8 @@
 //! - **Complete.** No FIFO holds a token, every unit is [empty](Unit::is_empty), and no unit would still make a step without
 //!   input.
 //! - **Limit.** With [`Limits::max_cycles`] no step starts in that cycle or later. If some step would start then, the run ends
-//!   there as [`Outcome::Limit`]. Otherwise it ends as it would have ended without the limit, possibly a little later.
+//!   there as [`Outcome::Limit`]. Otherwise it ends as it would have ended without the limit, possibly a little later. Requests of
+//!   units that have arrived by then run out and count. So do the periodic requests that are served among them.
 //! - **Fault.** A unit that cannot continue ends the run at once. The message names the cycle of its step. The other events up to
 //!   then differ between engines, because `timed` runs ahead.
 //!
@@ -262,6 +284,7 @@ mod netlist;
 mod operators;
 mod outcome;
 pub mod parts;
+mod periodic;
 #[cfg(not(feature = "config"))]
 mod plain_parameters;
 mod port;
@@ -307,6 +330,7 @@ pub use netlist::Netlist;
 pub use operators::{OperatorConfig, OperatorCounts, Operators};
 pub use outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor};
 pub use parts::MemoryPart;
+pub use periodic::PeriodicReads;
 pub use probe::{Interval, NoProbe, Probe, Recorder};
 pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
 pub use request::Request;

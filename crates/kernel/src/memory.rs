@@ -1,11 +1,12 @@
 //! Memories (law 4): requests of several ports, in order, become bursts of several channels.
 
-use crate::channel::{Burst, Channel};
+use crate::channel::{Burst, Channel, ServedBurst};
 use crate::client::Client;
 use crate::counts::{BusActivity, ChannelCounts, RowOutcome};
 use crate::diagram::MemoryTopology;
 use crate::divisor::Divisor;
-use crate::memory_events::MemoryEvent;
+use crate::memory_events::{EventBounds, MemoryEvent};
+use crate::periodic::{LateData, PeriodicClient};
 use crate::port::{ArrivedRequest, Completion, Port};
 use crate::{Cycle, MemoryConfig};
 
@@ -33,6 +34,8 @@ impl MemoryRequest {
     }
 }
 
+mod among_periodic;
+
 /// Records how a burst was served.
 #[cold]
 fn note_burst(
@@ -55,10 +58,14 @@ pub(crate) struct Memory {
     pub(crate) name: String,
     /// Its ports, in order of number.
     pub(crate) ports: Vec<usize>,
-    /// Number of requests that are not split into bursts yet.
+    /// Its periodic clients, in order of number.
+    pub(crate) periodic: Vec<PeriodicClient>,
+    /// Data of periodic clients that may move after the end of the run.
+    late_data: Vec<LateData>,
+    /// Number of requests of units that are not split into bursts yet.
     pub(crate) arrived: u64,
     pub(crate) burst_bytes: u32,
-    /// Number of unserved bursts.
+    /// Number of unserved bursts of units.
     bursts: u64,
     burst: Divisor,
     interleave: Divisor,
@@ -87,6 +94,8 @@ impl Memory {
         Self {
             name: name.into(),
             ports: Vec::new(),
+            periodic: Vec::new(),
+            late_data: Vec::new(),
             arrived: 0,
             burst_bytes: config.burst_bytes,
             bursts: 0,
@@ -107,7 +116,7 @@ impl Memory {
         }
     }
 
-    /// Returns true if no request and no burst waits.
+    /// Returns true if no request and no burst of a unit waits.
     #[inline]
     pub(crate) fn is_idle(&self) -> bool {
         self.arrived + self.bursts == 0
@@ -184,10 +193,10 @@ impl Memory {
         self.channels.iter_mut().for_each(Channel::keep_events);
     }
 
-    /// Emits the events since the last call, or up to the `end` of a run. This is memory `number`.
-    pub(crate) fn emit(&mut self, number: usize, end: Option<Cycle>, emit: &mut impl FnMut(MemoryEvent)) {
+    /// Emits the events since the last call, or up to the end of a run. This is memory `number`.
+    pub(crate) fn emit(&mut self, number: usize, bounds: EventBounds, emit: &mut impl FnMut(MemoryEvent)) {
         for (channel, place) in self.channels.iter_mut().zip(0..) {
-            channel.emit([number, place], end, &mut *emit);
+            channel.emit([number, place], (self.data_end, bounds), &mut *emit);
         }
     }
 
@@ -221,26 +230,39 @@ impl Memory {
     /// Serves every choice that is final, given that all later requests arrive at `horizon` or later. Returns true if there was
     /// any.
     pub(crate) fn serve(&mut self, clients: &mut [Client], horizon: Cycle) -> bool {
+        if !self.periodic.is_empty() {
+            return self.serve_among_periodic(clients, horizon);
+        }
         if self.arrived > 0 {
             self.split_before(clients, horizon);
         }
         let waiting = self.bursts;
-        for channel in &mut self.channels {
-            while let Some((burst, row, column, end)) = channel.serve(horizon) {
-                self.bursts -= 1;
-                self.data_end = self.data_end.max(end);
-                let data = Cycle(end.0 - self.burst_cycles);
-                self.bus.moved(data, end);
-                let port = &mut clients[burst.client as usize].port;
-                port.counts.rows.count(row);
-                port.counts.queue_wait += column.since(burst.arrival) - 1;
-                if self.notes_bursts {
-                    note_burst(channel, port, (burst, row), column, (data, end));
-                }
-                port.moved(burst.request, end);
+        for channel in 0..self.channels.len() {
+            while let Some(served) = self.channels[channel].serve(horizon) {
+                self.moved(channel, clients, served);
             }
         }
         self.bursts < waiting
+    }
+
+    /// Accounts for a burst that a channel has served.
+    #[inline(always)]
+    fn moved(&mut self, channel: usize, clients: &mut [Client], (burst, row, column, end): ServedBurst) {
+        let Client { port, is_periodic, .. } = &mut clients[burst.client as usize];
+        let data = Cycle(end.0 - self.burst_cycles);
+        if *is_periodic {
+            self.late_data.push(LateData { channel, from: data, to: end });
+        } else {
+            self.bursts -= 1;
+            self.data_end = self.data_end.max(end);
+            self.bus.moved(data, end);
+        }
+        port.counts.rows.count(row);
+        port.counts.queue_wait += column.since(burst.arrival) - 1;
+        if self.notes_bursts {
+            note_burst(&mut self.channels[channel], port, (burst, row), column, (data, end));
+        }
+        port.moved(burst.request, end);
     }
 
     /// Returns a lower bound of all answers to come; `None` if nothing waits.

@@ -85,6 +85,15 @@ impl MemoryEvent {
     }
 }
 
+/// Bounds of the events that are settled.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EventBounds {
+    /// The run ends in this cycle at the latest.
+    pub(crate) limit: Cycle,
+    /// End of the run; `None` while it goes on.
+    pub(crate) end: Option<Cycle>,
+}
+
 /// A number that goes up and down. Ups come in order of time, and so do downs, so all changes before the last of both are
 /// settled.
 #[derive(Clone, Debug, Default)]
@@ -106,9 +115,9 @@ impl Gauge {
         self.last[1] = at;
     }
 
-    /// Emits each change since the last call with the new value, as far as changes are settled, or up to `end`.
-    pub(crate) fn emit(&mut self, end: Option<Cycle>, mut emit: impl FnMut(Cycle, usize)) {
-        let until = end.unwrap_or(self.last[0].min(self.last[1]));
+    /// Emits each change since the last call with the new value, as far as changes are settled, or up to the end.
+    pub(crate) fn emit(&mut self, EventBounds { limit, end }: EventBounds, mut emit: impl FnMut(Cycle, usize)) {
+        let until = end.unwrap_or(self.last[0].min(self.last[1])).min(limit);
         while let Some(at) = self.ups.front().into_iter().chain(self.downs.front()).copied().min().filter(|at| *at < until) {
             let now = self.now + take_all(&mut self.ups, at) - take_all(&mut self.downs, at);
             if std::mem::replace(&mut self.now, now) != now {
@@ -163,26 +172,32 @@ impl ChannelEvents {
         self.closed.extend(before.map(|row| OpenRow { bank, row, from, to }));
     }
 
-    /// Emits the events since the last call. At the end of a run it includes the rows that are `left` open, each until its next
-    /// refresh.
+    /// Emits the events since the last call, and of bursts only those that have moved their data by `settled`. At the end of a run it
+    /// includes all bursts, and the rows that are `left` open, each until its next refresh.
     pub(crate) fn emit(
         &mut self,
         [memory, channel]: [usize; 2],
         left: impl Iterator<Item = (usize, u64, Cycle)>,
-        end: Option<Cycle>,
+        (settled, bounds): (Cycle, EventBounds),
         mut emit: impl FnMut(MemoryEvent),
     ) {
-        for (burst, from, to) in self.moved.drain(..) {
-            emit(MemoryEvent::Moved { memory, channel, client: burst.client as usize, write: burst.write, from, to });
+        // The last bursts of a periodic client may move data beyond the end of the run.
+        let settled_bursts = self.moved.partition_point(|(_, _, to)| *to <= settled);
+        let bursts = if bounds.end.is_some() { self.moved.len() } else { settled_bursts };
+        for (burst, from, to) in self.moved.drain(..bursts) {
+            let to = to.min(bounds.end.unwrap_or(to).max(settled));
+            if from < to {
+                emit(MemoryEvent::Moved { memory, channel, client: burst.client as usize, write: burst.write, from, to });
+            }
         }
-        if let Some(end) = end {
+        if let Some(end) = bounds.end {
             let opened = &self.opened;
             self.closed.extend(left.map(|(bank, row, until)| OpenRow { bank, row, from: opened[bank], to: until.min(end) }));
         }
         for OpenRow { bank, row, from, to } in self.closed.drain(..) {
             emit(MemoryEvent::Open { memory, channel, bank, row, from, to });
         }
-        self.queue.emit(end, |at, bursts| emit(MemoryEvent::Queued { memory, channel, at, bursts }));
+        self.queue.emit(bounds, |at, bursts| emit(MemoryEvent::Queued { memory, channel, at, bursts }));
     }
 }
 
@@ -238,17 +253,18 @@ mod tests {
     #[test]
     fn gauge_emits_each_settled_change_once() {
         let (mut level, mut told) = (Gauge::default(), vec![]);
+        let until = |end| EventBounds { limit: Cycle::UNKNOWN, end };
         [0, 2, 2, 5].into_iter().for_each(|at| level.up(Cycle(at)));
         level.down(Cycle(2));
-        level.emit(None, |at, n| told.push((at.0, n)));
+        level.emit(until(None), |at, n| told.push((at.0, n)));
         assert_eq!(told, [(0, 1)], "what comes in cycle 2 may still change");
         level.down(Cycle(5));
         level.down(Cycle(9));
-        level.emit(None, |at, n| told.push((at.0, n)));
+        level.emit(until(None), |at, n| told.push((at.0, n)));
         assert_eq!(told, [(0, 1), (2, 2)]);
-        level.emit(Some(Cycle(9)), |at, n| told.push((at.0, n)));
+        level.emit(until(Some(Cycle(9))), |at, n| told.push((at.0, n)));
         assert_eq!(told, [(0, 1), (2, 2)], "one up and one down in cycle 5; nothing in cycle 9, where the run ends");
-        level.emit(Some(Cycle(10)), |at, n| told.push((at.0, n)));
+        level.emit(until(Some(Cycle(10))), |at, n| told.push((at.0, n)));
         assert_eq!(told, [(0, 1), (2, 2), (9, 1)]);
     }
 

@@ -4,7 +4,8 @@ use crate::request::Request;
 use crate::step_requests::{Cursor, StepRequests, StepRequestsView, objection};
 use crate::{MAX_CLIENTS, MemorySystem};
 
-/// Requests and look-ups of one step, in order of issue. All arrive at the step's start (laws 4 and 5).
+/// Requests and look-ups of one step, in order of issue. They arrive at the step's start, or at the issue rate of their port (laws 4
+/// and 5).
 #[derive(Clone, Debug, Default)]
 pub struct MemoryPorts {
     pub(crate) discards: bool,

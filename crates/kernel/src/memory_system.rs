@@ -3,10 +3,11 @@
 use crate::cache::{Cache, CacheTagArray};
 use crate::client::Client;
 use crate::memory::{Memory, MemoryRequest};
-use crate::memory_events::Gauge;
+use crate::memory_events::{EventBounds, Gauge};
+use crate::periodic::{PeriodicClient, PeriodicReads};
 use crate::port::{Completion, Port};
 use crate::step_requests::TagLookup;
-use crate::{CacheConfig, Cycle, MemoryConfig, MemoryEvent, Probe};
+use crate::{CacheConfig, Cycle, MemoryConfig, MemoryEvent, Probe, Request};
 pub(crate) use look_ups::LookUpQueue;
 
 /// The memories of a machine.
@@ -30,8 +31,21 @@ impl MemorySystem {
     pub fn add_client(&mut self, name: &str, memory: usize, outstanding: u32) -> usize {
         let number = self.clients.len();
         self.memories[memory].ports.push(number);
-        self.clients.push(Client { port: Port::new(name, memory, outstanding), cache: None });
+        self.clients.push(Client { port: Port::new(name, memory, outstanding), cache: None, is_periodic: false });
         number
+    }
+
+    /// Adds a periodic client and returns its number. It belongs to no unit, holds no credits, and comes after all other ports of
+    /// the memory in order (law 4). It keeps no run alive and does not count towards the total (law 8).
+    ///
+    /// # Panics
+    /// If the period is 0.
+    pub fn add_periodic_client(&mut self, name: &str, memory: usize, reads: PeriodicReads) -> usize {
+        assert!(reads.period >= 1, "client {name}: period 0, expected at least 1 (law 4)");
+        let client = self.clients.len();
+        self.memories[memory].periodic.push(PeriodicClient { client, reads, next: (Cycle::ZERO, 0) });
+        self.clients.push(Client { port: Port::new(name, memory, 0), cache: None, is_periodic: true });
+        client
     }
 
     /// Adds a client whose reads go through its own cache and returns the client's number.
@@ -46,6 +60,21 @@ impl MemorySystem {
         let client = self.add_client(name, memory, outstanding);
         self.clients[client].cache = Some(Cache::new(cache_name, cache));
         client
+    }
+
+    /// Sets the issue rate of a client's port: its requests of one step arrive at so many per cycle; 0 for all at once (law 4).
+    pub fn set_issue_rate(&mut self, client: usize, per_cycle: u32) {
+        self.clients[client].port.set_issue_rate(per_cycle);
+    }
+
+    /// Makes the look-ups of one step arrive at [`CacheConfig::lookups_per_cycle`] per cycle instead of all at once (law 5). Has no
+    /// effect on a client without a cache.
+    pub fn spread_look_ups(&mut self, client: usize) {
+        let Client { port, cache, .. } = &mut self.clients[client];
+        if let Some(cache) = cache {
+            cache.tags.spreads = true;
+            port.is_paced = true;
+        }
     }
 
     /// Name of a client's port.
@@ -165,24 +194,24 @@ impl MemorySystem {
     /// Records events of all memories, ports and caches from now on.
     pub(crate) fn keep_events(&mut self) {
         self.memories.iter_mut().for_each(Memory::keep_events);
-        for Client { port, cache } in &mut self.clients {
+        for Client { port, cache, .. } in &mut self.clients {
             port.notes.get_or_insert_default().in_flight = Some(Gauge::default());
             cache.iter_mut().for_each(|cache| cache.watch = Some(Box::default()));
         }
     }
 
-    /// Emits the events since the last call to a probe, as far as they are settled, or up to the `end` of a run.
-    pub(crate) fn emit(&mut self, probe: &mut impl Probe, end: Option<Cycle>) {
+    /// Emits the events since the last call to a probe, as far as they are settled, or up to the end of a run.
+    pub(crate) fn emit(&mut self, probe: &mut impl Probe, bounds: EventBounds) {
         let mut emit = |event| probe.memory(event);
         for (number, memory) in self.memories.iter_mut().enumerate() {
-            memory.emit(number, end, &mut emit);
+            memory.emit(number, bounds, &mut emit);
         }
-        for (client, Client { port, cache }) in self.clients.iter_mut().enumerate() {
+        for (client, Client { port, cache, .. }) in self.clients.iter_mut().enumerate() {
             if let Some(in_flight) = port.notes.as_mut().and_then(|notes| notes.in_flight.as_mut()) {
-                in_flight.emit(end, |at, requests| emit(MemoryEvent::InFlight { client, at, requests }));
+                in_flight.emit(bounds, |at, requests| emit(MemoryEvent::InFlight { client, at, requests }));
             }
             if let Some(watch) = cache.as_mut().and_then(|cache| cache.watch.as_mut()) {
-                watch.emit(client, end.is_some(), &mut emit);
+                watch.emit(client, bounds.end.is_some(), &mut emit);
             }
         }
     }
@@ -229,18 +258,25 @@ impl MemorySystem {
         self.clients[client].port.keep_from = number;
     }
 
-    /// Issues a direct request and returns its number.
+    /// Issues a direct request of a step that starts at `start`. Returns its number and its arrival.
     #[inline]
-    pub(crate) fn issue(&mut self, client: usize, arrival: Cycle, address: u64, bytes: u32, write: bool) -> u64 {
+    pub(crate) fn issue(&mut self, client: usize, start: Cycle, request: &Request) -> (u64, Cycle) {
         let port = &mut self.clients[client].port;
         self.memories[port.memory].arrived += 1;
-        port.issue(arrival, address, bytes, write)
+        let arrival = if port.is_paced { port.next_issue(start) } else { start };
+        (port.issue(arrival, request.address, request.bytes, request.write), arrival)
+    }
+
+    /// Returns a lower bound of all later answers of a client's memory.
+    pub(crate) fn earliest_answer(&mut self, client: usize) -> Cycle {
+        let Self { memories, clients } = self;
+        memories[clients[client].port.memory].earliest_answer(clients).unwrap_or_default()
     }
 
     /// Returns the tags of a client's cache and the number of its next request; `None` if it has no cache.
     #[inline(always)]
     pub(crate) fn tags(&mut self, client: usize) -> Option<(&mut CacheTagArray, u64)> {
-        let Client { port, cache } = &mut self.clients[client];
+        let Client { port, cache, .. } = &mut self.clients[client];
         Some((&mut cache.as_mut()?.tags, port.issued))
     }
 
@@ -281,19 +317,25 @@ impl MemorySystem {
         }
     }
 
-    /// Returns true if no request waits to be served.
+    /// Returns true if no request of a unit waits to be served.
     pub(crate) fn is_idle(&self) -> bool {
         self.memories.iter().all(Memory::is_idle)
     }
 
-    /// The last cycle of any data movement or credit return, plus one.
+    /// Takes in what periodic clients do before the end of a run of `total` cycles.
+    pub(crate) fn finish_periodic(&mut self, total: Cycle) {
+        let Self { memories, clients } = self;
+        memories.iter_mut().for_each(|memory| memory.finish_periodic(clients, total));
+    }
+
+    /// The last cycle of any data movement or credit return for a unit, plus one.
     pub(crate) fn data_end(&self) -> Cycle {
         self.memories.iter().map(|m| m.data_end).max().unwrap_or(Cycle::ZERO)
     }
 
-    /// The last answer on any port.
+    /// The last answer on any port of a unit.
     pub(crate) fn last_answer(&self) -> Cycle {
-        self.clients.iter().map(|c| c.port.last_answer()).max().unwrap_or(Cycle::ZERO)
+        self.clients.iter().filter(|c| !c.is_periodic).map(|c| c.port.last_answer()).max().unwrap_or(Cycle::ZERO)
     }
 }
 

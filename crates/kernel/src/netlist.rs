@@ -37,6 +37,7 @@ pub(crate) struct FifoSpec {
     pub(crate) name: String,
     pub(crate) depth: usize,
     pub(crate) latency: u64,
+    pub(crate) period: u64,
     /// Width of a slot \[bits\].
     bits: u32,
     /// Numbers of its producer and consumer stages.
@@ -135,8 +136,8 @@ impl Visitor for NetlistWalk {
         self.stages.push(StageInfo { names, inputs, outputs, clients, credits, ideal });
         for link in (0..connections.outputs.count()).map(|i| connections.outputs.link(i)) {
             let (producer, consumer) = (link.producer().unwrap_or_default(), link.consumer().unwrap_or_default());
-            let (depth, latency, bits) = (link.depth(), link.latency(), link.bits());
-            self.fifos.push(FifoSpec { name: link.name().into(), depth, latency, bits, producer, consumer });
+            let (depth, latency, period, bits) = (link.depth(), link.latency(), link.period(), link.bits());
+            self.fifos.push(FifoSpec { name: link.name().into(), depth, latency, period, bits, producer, consumer });
         }
     }
 }

@@ -50,6 +50,12 @@ pub(crate) struct Port {
     pub(crate) name: String,
     pub(crate) memory: usize,
     outstanding: u64,
+    /// True if its requests of one step may arrive in several cycles.
+    pub(crate) is_paced: bool,
+    /// Requests of a step that arrive per cycle; 0 for all at once.
+    issue_rate: u32,
+    /// Start of the last step with direct requests, and their number.
+    last_step: (Cycle, u32),
     requests: Box<[PortRequest]>,
     pub(crate) issued: u64,
     split: u64,
@@ -93,6 +99,9 @@ impl Port {
             name: name.into(),
             memory,
             outstanding: u64::from(outstanding),
+            is_paced: false,
+            issue_rate: 0,
+            last_step: (Cycle::UNKNOWN, 0),
             requests: vec![PortRequest::default(); ring].into(),
             issued: 0,
             split: 0,
@@ -108,6 +117,24 @@ impl Port {
     /// Total number of credits.
     pub(crate) fn outstanding(&self) -> u64 {
         self.outstanding
+    }
+
+    /// Sets the number of requests of a step that arrive per cycle; 0 for all at once.
+    pub(crate) fn set_issue_rate(&mut self, per_cycle: u32) {
+        self.issue_rate = per_cycle;
+        self.is_paced |= per_cycle > 0;
+    }
+
+    /// Returns the arrival of the next direct request of the step that starts at `start` (law 4). A request does not arrive before
+    /// the request ahead of it, for example a miss of the same step.
+    pub(crate) fn next_issue(&mut self, start: Cycle) -> Cycle {
+        if self.last_step.0 != start {
+            self.last_step = (start, 0);
+        }
+        let number = self.last_step.1;
+        self.last_step.1 += 1;
+        let ahead = self.issued.checked_sub(1).map_or(start, |last| self.requests[self.slot(last)].arrived.arrival);
+        ahead.max(start + u64::from(number.checked_div(self.issue_rate).unwrap_or(0)))
     }
 
     #[inline(always)]

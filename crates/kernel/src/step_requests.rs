@@ -16,6 +16,8 @@ pub(crate) struct CacheLookUps {
     pub(crate) new: u32,
     /// Number of the last of the earlier requests, plus one; 0 for none.
     pub(crate) last_held: u64,
+    /// True if the look-ups take several cycles.
+    pub(crate) is_spread: bool,
 }
 
 /// Requests of one step, or of several steps in order.
@@ -28,8 +30,30 @@ pub(crate) struct StepRequests {
     held: Vec<u64>,
     /// Lines that are requested now.
     new: Vec<u64>,
+    /// For caches whose look-ups take several cycles: each look-up of an entry of `held` or `new`, in order.
+    order: Vec<SpreadLookUp>,
     /// Lines of the most recent step, by client.
     lines: Vec<u64>,
+}
+
+/// A look-up of a step in a cache whose look-ups take several cycles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SpreadLookUp {
+    /// Number of the look-up in its step.
+    pub(crate) number: u32,
+    /// True if it requests its line.
+    pub(crate) is_miss: bool,
+}
+
+/// Lines of a step's look-ups in one cache.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CacheLines<'a> {
+    /// Numbers of the earlier requests that fill lines.
+    pub(crate) held: &'a [u64],
+    /// Lines that are requested now.
+    pub(crate) new: &'a [u64],
+    /// Order of both; empty if all are looked up in one cycle.
+    pub(crate) order: &'a [SpreadLookUp],
 }
 
 /// The requests of one step: a range of a [`StepRequests`] that starts at a cursor.
@@ -47,6 +71,7 @@ pub(crate) struct Cursor {
     look_ups: usize,
     held: usize,
     new: usize,
+    order: usize,
 }
 
 /// Number of requests of a step, and number of caches with look-ups.
@@ -71,11 +96,12 @@ impl StepRequests {
         self.look_ups.clear();
         self.held.clear();
         self.new.clear();
+        self.order.clear();
     }
 
     /// Number of entries.
     pub(crate) fn len(&self) -> usize {
-        self.requests.len() + self.look_ups.len() + self.held.len() + self.new.len()
+        self.requests.len() + self.look_ups.len() + self.held.len() + self.new.len() + self.order.len()
     }
 
     /// Appends a step and looks up its tags. Returns false if the requests exceed the unit's declaration or the wiring.
@@ -141,7 +167,12 @@ impl StepRequests {
                 if seen & bit == 0 || !self.lines[first..].contains(&line) {
                     seen |= bit;
                     self.lines.push(line);
-                    match tags.look_up(line, next + (self.new.len() - new) as u64) {
+                    let found = tags.look_up(line, next + (self.new.len() - new) as u64);
+                    if tags.spreads && !tags.always_hits {
+                        let number = (self.lines.len() - first - 1) as u32;
+                        self.order.push(SpreadLookUp { number, is_miss: found.is_none() });
+                    }
+                    match found {
                         Some(_) if tags.always_hits => {}
                         Some(request) => {
                             self.held.push(request);
@@ -159,7 +190,8 @@ impl StepRequests {
         let lines = (self.lines.len() - first) as u32;
         let (held, new) = ((self.held.len() - held) as u32, (self.new.len() - new) as u32);
         let client = look_ups.first().map_or(0, |r| r.client);
-        self.look_ups.push(CacheLookUps { client, lines, held, new, last_held });
+        let is_spread = tags.spreads;
+        self.look_ups.push(CacheLookUps { client, lines, held, new, last_held, is_spread });
         lines
     }
 
@@ -190,16 +222,17 @@ impl StepRequests {
 }
 
 impl<'a> StepRequestsView<'a> {
-    /// Passes the look-ups to `see`, by client, with the numbers of earlier requests and the newly requested lines. Returns the
-    /// direct requests.
+    /// Passes the look-ups to `see`, by client, with their lines. Returns the direct requests.
     #[inline(always)]
-    pub(crate) fn look_ups(self, mut see: impl FnMut(&CacheLookUps, &[u64], &[u64])) -> &'a [Request] {
+    pub(crate) fn look_ups(self, mut see: impl FnMut(&CacheLookUps, CacheLines<'_>)) -> &'a [Request] {
         let Self { asked, at, count } = self;
         for look_up in &asked.look_ups[at.look_ups..][..count.caches] {
             let (held, new) = (&asked.held[at.held..][..look_up.held as usize], &asked.new[at.new..][..look_up.new as usize]);
-            see(look_up, held, new);
+            let order = if look_up.is_spread { &asked.order[at.order..][..held.len() + new.len()] } else { &[] };
+            see(look_up, CacheLines { held, new, order });
             at.held += held.len();
             at.new += new.len();
+            at.order += order.len();
         }
         at.look_ups += count.caches;
         let first = at.requests;

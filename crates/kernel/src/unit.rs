@@ -48,6 +48,10 @@ pub struct Step<O> {
     pub occupancy: u64,
     /// Cycles from start to delivery; memory answers may come later.
     pub latency: u64,
+    /// Cycles from the last memory answer to delivery: the part of the work that needs the data (law 3).
+    pub after_data: u32,
+    /// True if the step keeps its unit until its last memory answer (law 3).
+    pub blocking: bool,
     /// Its delivery passes a mark (law 11).
     pub marked: bool,
 }
@@ -56,7 +60,7 @@ impl<O> Step<O> {
     /// A step of one cycle, delivered `latency` cycles after its start.
     #[inline]
     pub fn after(latency: u64, out: O) -> Self {
-        Self { out, occupancy: 1, latency, marked: false }
+        Self { out, occupancy: 1, latency, after_data: 0, blocking: false, marked: false }
     }
 
     /// A step over `items` items of a wide token, which enter `interval` cycles apart. The unit is busy for all of them, and the
@@ -64,7 +68,14 @@ impl<O> Step<O> {
     #[inline]
     pub fn over(items: usize, interval: u64, latency: u64, out: O) -> Self {
         let occupancy = (items as u64 * interval).max(1);
-        Self { out, occupancy, latency: latency + occupancy.saturating_sub(interval), marked: false }
+        Self { occupancy, latency: latency + occupancy.saturating_sub(interval), ..Self::after(latency, out) }
+    }
+
+    /// Replaces the tokens and keeps the times.
+    #[inline]
+    pub fn map<T>(self, map: impl FnOnce(O) -> T) -> Step<T> {
+        let Self { out, occupancy, latency, after_data, blocking, marked } = self;
+        Step { out: map(out), occupancy, latency, after_data, blocking, marked }
     }
 
     /// Sets the occupancy in cycles.
@@ -72,6 +83,24 @@ impl<O> Step<O> {
     #[must_use]
     pub fn busy(mut self, occupancy: u64) -> Self {
         self.occupancy = occupancy;
+        self
+    }
+
+    /// Sets the cycles of work that need the data: the step delivers no earlier than so many cycles after each of its memory
+    /// answers. An example is the filter behind a texel fetch.
+    #[inline]
+    #[must_use]
+    pub fn after_data(mut self, cycles: u32) -> Self {
+        self.after_data = cycles;
+        self
+    }
+
+    /// Makes the step blocking: it keeps its unit until its last memory answer. An example is the load of a table that the next
+    /// step reads.
+    #[inline]
+    #[must_use]
+    pub fn blocking(mut self) -> Self {
+        self.blocking = true;
         self
     }
 

@@ -55,7 +55,13 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
                 }
             }
         };
-        let clients = clients.iter().enumerate().map(&mut add).collect();
+        let clients: Vec<usize> = clients.iter().enumerate().map(&mut add).collect();
+        if setting.slow_memory {
+            for &client in &clients {
+                memories.set_issue_rate(client, 1);
+                memories.spread_look_ups(client);
+            }
+        }
         let front = U::In::front(tokens, setting);
         let back = U::Out::back(expected, setting);
         let unit = Stage::new("unit", Subject { unit, after_step });

@@ -103,6 +103,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         self.no_token_is_lost_or_doubled()?;
         self.back_pressure_changes_no_token()?;
         self.steps_keep_within_largest_step()?;
+        self.work_after_data_is_part_of_latency()?;
         self.state_round_trips()?;
         self.accounting_sums_to_the_total()?;
         self.engines_report_the_same()?;
@@ -169,13 +170,24 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// # Errors
     /// Names the client, the need and the declaration.
     pub fn steps_keep_within_largest_step(&self) -> Result<(), ContractViolation> {
-        for setting in settings() {
-            let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &setting);
-            if let Outcome::Fault(text) = run(&mut bench, Engine::Timed).outcome {
-                return place(&setting, Err(text));
-            }
+        settings().iter().try_for_each(|setting| self.run_without_fault(setting))
+    }
+
+    /// Checks that no step works longer after its data than its whole latency, which includes this work.
+    ///
+    /// # Errors
+    /// Names both numbers of cycles.
+    pub fn work_after_data_is_part_of_latency(&self) -> Result<(), ContractViolation> {
+        self.run_without_fault(&plain())
+    }
+
+    /// Runs the fresh unit. A fault is an error.
+    fn run_without_fault(&self, setting: &TestEnvironment) -> Result<(), ContractViolation> {
+        let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, setting);
+        match run(&mut bench, Engine::Timed).outcome {
+            Outcome::Fault(text) => place(setting, Err(text)),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     /// Checks that the state survives a round trip through JSON, into a fresh unit, after every step. A checkpoint is therefore a

@@ -14,7 +14,8 @@ pub struct TestEnvironment {
     pub source_gaps: Vec<u64>,
     /// Cycles for which token n occupies each sink, repeating.
     pub sink_occupancy: Vec<u64>,
-    /// True for a slow memory with caches of one line and only the credits of the largest step.
+    /// True for a slow memory with caches of one line and only the credits of the largest step. Its ports issue one request and make
+    /// one look-up per cycle.
     pub slow_memory: bool,
 }
 

@@ -110,6 +110,7 @@ macro_rules! unit_contract {
                 no_token_is_lost_or_doubled
                 back_pressure_changes_no_token
                 steps_keep_within_largest_step
+                work_after_data_is_part_of_latency
                 state_round_trips
                 accounting_sums_to_the_total
                 engines_report_the_same

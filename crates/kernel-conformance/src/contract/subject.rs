@@ -24,6 +24,10 @@ impl<U: Unit> Unit for Subject<U> {
 
     fn step(&mut self, input: U::In, traffic: &mut MemoryPorts) -> Step<U::Out> {
         let step = self.unit.step(input, traffic);
+        let Step { latency, after_data, .. } = step;
+        if u64::from(after_data) > latency {
+            traffic.fault(format!("a step works {after_data} cycles after its data, expected at most its latency, {latency}"));
+        }
         if let Some(Err(text)) = self.after_step.clone().map(|hook| hook(&mut self.unit)) {
             traffic.fault(text);
         }

@@ -45,13 +45,15 @@ fn distinct<'p>(kind: &str, names: impl Iterator<Item = &'p String>) -> Result<(
 pub(super) fn check(plan: &Plan) -> Result<(), PlanError> {
     distinct("FIFO", plan.fifos.iter().map(|f| &f.name))?;
     distinct("memory", plan.memories.iter().map(|m| &m.name))?;
-    distinct("port", plan.memories.iter().flat_map(|m| &m.ports).map(|p| &p.name))?;
+    let unit_ports = plan.memories.iter().flat_map(|m| &m.ports).map(|p| &p.name);
+    distinct("port", unit_ports.chain(plan.memories.iter().flat_map(|m| &m.periodic).map(|p| &p.name)))?;
     distinct("cache", plan.caches.iter().map(|c| &c.name))?;
     distinct("unit", plan.units.iter().map(|u| &u.name))?;
     for f in &plan.fifos {
         let place = format!("FIFO `{}`", f.name);
         within(&place, "depth", f.depth as u64, 1..=MOST)?;
         within(&place, "latency", f.latency, 1..=LONGEST)?;
+        within(&place, "period", f.period, 1..=LONGEST)?;
     }
     memories(plan)?;
     caches(plan)?;
@@ -70,6 +72,12 @@ fn memories(plan: &Plan) -> Result<(), PlanError> {
         }
         for p in &m.ports {
             within(&format!("port `{}`", p.name), "outstanding", p.outstanding.into(), 1..=MOST)?;
+        }
+        for p in &m.periodic {
+            let place = format!("periodic client `{}`", p.name);
+            within(&place, "period", p.period, 1..=LONGEST)?;
+            within(&place, "bytes", p.bytes.into(), 1..=MOST)?;
+            within(&place, "span", p.span, 1..=LONGEST)?;
         }
     }
     Ok(())
@@ -107,6 +115,7 @@ fn unit(unit: &PlannedUnit) -> Result<(), PlanError> {
     within(&place, "length of latency", unit.latency.len() as u64, 1..=MOST)?;
     unit.occupancy.iter().try_for_each(|&o| within(&place, "occupancy", o, 1..=LONGEST))?;
     unit.latency.iter().try_for_each(|&l| within(&place, "latency", l, 0..=LONGEST))?;
+    within(&place, "length of after", unit.after.len() as u64, 0..=MOST)?;
     match &unit.kind {
         Kind::Expand { factor } => within(&place, "factor", *factor, 1..=LONGEST),
         Kind::Gather { size } => within(&place, "size", *size, 1..=LONGEST),

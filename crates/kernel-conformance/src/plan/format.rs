@@ -27,6 +27,13 @@ pub struct PlanFifo {
     pub depth: usize,
     /// Cycles from delivery to visibility, at least 1.
     pub latency: u64,
+    /// Tokens become visible in multiples of this cycle, at least 1.
+    #[serde(default = "one")]
+    pub period: u64,
+}
+
+fn one() -> u64 {
+    1
 }
 
 /// A memory of a plan. Its `outstanding` is ignored, because each port has its own.
@@ -39,6 +46,20 @@ pub struct PlanMemory {
     pub config: MemoryConfig,
     /// Its ports, in order of number.
     pub ports: Vec<PlanPort>,
+    /// Its periodic clients, in order of number.
+    #[serde(default)]
+    pub periodic: Vec<PlanPeriodic>,
+}
+
+/// A periodic client of a memory. It reads `bytes` at address (k * stride) mod span in cycle k * period.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[allow(missing_docs, reason = "the formula says all")]
+pub struct PlanPeriodic {
+    pub name: String,
+    pub period: u64,
+    pub bytes: u32,
+    pub stride: u64,
+    pub span: u64,
 }
 
 /// A port of a memory.
@@ -61,6 +82,9 @@ pub struct PlanCache {
     pub ways: u32,
     pub hit_latency: u32,
     pub lookups_per_cycle: u32,
+    /// True if all look-ups of a step are made at its start.
+    #[serde(default)]
+    pub at_once: bool,
 }
 
 /// A unit of a plan.
@@ -81,6 +105,15 @@ pub struct PlannedUnit {
     pub occupancy: Vec<u64>,
     /// Latency of each step, indexed by id modulo length \[cycles\].
     pub latency: Vec<u64>,
+    /// Work after data of each step, indexed by id modulo length \[cycles\]; empty for none.
+    #[serde(default)]
+    pub after: Vec<u32>,
+    /// True if its steps keep it until their last answer.
+    #[serde(default)]
+    pub blocking: bool,
+    /// Requests of a step that arrive per cycle on each port; 0 for all at once.
+    #[serde(default)]
+    pub issue: u32,
 }
 
 /// Kind of a unit of a plan.

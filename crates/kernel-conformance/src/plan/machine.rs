@@ -1,9 +1,9 @@
 //! A machine whose wiring follows a plan.
 
 use super::check::{PlanError, check};
-use super::format::{Kind, Plan, PlannedUnit};
+use super::format::{Kind, Plan, PlanPeriodic, PlannedUnit};
 use super::unit::{PlanUnit, Token};
-use basrelief_kernel::{CacheConfig, Fifo, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{CacheConfig, Fifo, Machine, MemorySystem, PeriodicReads, Stage, Visitor};
 use std::collections::BTreeMap;
 
 /// A stage and the numbers of its FIFOs and clients.
@@ -30,17 +30,18 @@ impl PlanMachine {
     /// If the plan is invalid. The error contains the place, the field and the expectation.
     pub fn new(plan: &Plan) -> Result<Self, PlanError> {
         check(plan)?;
-        let fifos: Vec<_> = plan.fifos.iter().map(|f| Fifo::new(&f.name, f.depth, f.latency)).collect();
+        let fifos: Vec<_> = plan.fifos.iter().map(|f| Fifo::new(&f.name, f.depth, f.latency).with_period(f.period)).collect();
         let numbers: BTreeMap<&str, usize> = plan.fifos.iter().enumerate().map(|(i, f)| (f.name.as_str(), i)).collect();
         let find = |names: &[String]| names.iter().filter_map(|n| numbers.get(n.as_str()).copied()).collect();
         let mut memories = MemorySystem::default();
         let ports = add_memories(plan, &mut memories);
-        let place = |unit: &PlannedUnit| {
+        let mut place = |unit: &PlannedUnit| {
             let (clients, of_request) = clients_of(plan, unit, &ports);
+            clients.iter().for_each(|&client| memories.set_issue_rate(client, unit.issue));
             let stage = Stage::new(&unit.name, PlanUnit::new(unit, of_request));
             Placed { stage, inputs: find(&unit.inputs), outputs: find(&unit.outputs), clients }
         };
-        let stages = plan.units.iter().map(place).collect();
+        let stages = plan.units.iter().map(&mut place).collect();
         Ok(Self { fifos, stages, memories })
     }
 
@@ -68,10 +69,18 @@ fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p
                         lookups_per_cycle: c.lookups_per_cycle,
                         always_hits: false,
                     };
-                    memories.add_cached_client(&p.name, memory, p.outstanding, &c.name, &cache)
+                    let client = memories.add_cached_client(&p.name, memory, p.outstanding, &c.name, &cache);
+                    if !c.at_once {
+                        memories.spread_look_ups(client);
+                    }
+                    client
                 }
             };
             ports.insert(p.name.as_str(), client);
+        }
+        for p in &m.periodic {
+            let &PlanPeriodic { period, bytes, stride, span, .. } = p;
+            memories.add_periodic_client(&p.name, memory, PeriodicReads { period, bytes, base: 0, stride, span });
         }
     }
     ports

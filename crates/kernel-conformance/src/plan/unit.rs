@@ -112,7 +112,7 @@ fn address(id: u64, stride: u64, offset: u64, span: u64) -> u64 {
 }
 
 /// Picks a time by id modulo the length of the list.
-fn pick(list: &[u64], id: u64) -> u64 {
+fn pick<T: Copy>(list: &[T], id: u64) -> T {
     list[id as usize % list.len()]
 }
 
@@ -137,7 +137,9 @@ impl Unit for PlanUnit {
             self.swallowed.extend(input.first().copied().flatten());
         }
         self.steps += 1;
-        Step::after(pick(&self.plan.latency, id), out).busy(pick(&self.plan.occupancy, id))
+        let after_data = if self.plan.after.is_empty() { 0 } else { pick(&self.plan.after, id) };
+        let (latency, occupancy) = (pick(&self.plan.latency, id), pick(&self.plan.occupancy, id));
+        Step { blocking: self.plan.blocking, ..Step::after(latency, out).busy(occupancy).after_data(after_data) }
     }
 
     fn largest_step(&self, client: usize) -> u32 {

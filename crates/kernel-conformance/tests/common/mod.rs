@@ -29,7 +29,7 @@ impl Draw {
     }
 
     pub fn fifo(&mut self, name: &str, depth: usize, latency: u64) -> &mut Self {
-        self.0.fifos.push(PlanFifo { name: name.into(), depth, latency });
+        self.0.fifos.push(PlanFifo { name: name.into(), depth, latency, period: 1 });
         self
     }
 
@@ -37,7 +37,8 @@ impl Draw {
     pub fn unit(&mut self, name: &str, kind: Kind, wires: [&str; 2], occupancy: &[u64], latency: &[u64]) -> &mut Self {
         let [inputs, outputs] = wires.map(|names| names.split_whitespace().map(str::to_owned).collect());
         let (occupancy, latency) = (occupancy.to_vec(), latency.to_vec());
-        self.0.units.push(PlannedUnit { name: name.into(), kind, inputs, outputs, occupancy, latency });
+        let (name, after, blocking, issue) = (name.into(), vec![], false, 0);
+        self.0.units.push(PlannedUnit { name, kind, inputs, outputs, occupancy, latency, after, blocking, issue });
         self
     }
 
@@ -81,7 +82,7 @@ pub fn small_memory() -> PlanMemory {
         row_bytes: 64,
         outstanding: 1,
     };
-    PlanMemory { name: "memory".into(), config, ports: vec![] }
+    PlanMemory { name: "memory".into(), config, ports: vec![], periodic: vec![] }
 }
 
 pub fn machine(plan: &Plan) -> PlanMachine {

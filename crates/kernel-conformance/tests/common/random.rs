@@ -2,7 +2,7 @@
 
 use super::Draw;
 use basrelief_kernel::MemoryConfig;
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanPeriodic, PlanRequest};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -30,6 +30,7 @@ pub enum GraphPart {
         ways: u32,
         hit_latency: u32,
         per_cycle: u32,
+        at_once: bool,
         spare: u32,
     },
     /// Fork, work on each branch, join. The first branch may gather and expand. The graph then deadlocks if the other branches
@@ -46,6 +47,38 @@ pub enum GraphPart {
     Feedback,
 }
 
+/// How a unit uses its memory ports.
+#[derive(Clone, Debug)]
+pub struct DataUse {
+    pub after: Vec<u32>,
+    pub blocking: bool,
+    pub issue: u32,
+}
+
+fn data_use() -> impl Strategy<Value = DataUse> {
+    let after = prop_oneof![Just(vec![]), vec(0..=5_u32, 1..=3)];
+    (after, any::<bool>(), 0..=2_u32).prop_map(|(after, blocking, issue)| DataUse { after, blocking, issue })
+}
+
+/// Generates periodic clients of a memory; mostly none. Their periods get longer by [`served_in`].
+fn periodic() -> impl Strategy<Value = Vec<PlanPeriodic>> {
+    let one = (0..=40_u64, 1..=96_u32, select(vec![0_u64, 32, 96])).prop_map(|(period, bytes, stride)| PlanPeriodic {
+        name: String::new(),
+        period,
+        bytes,
+        stride,
+        span: 1024,
+    });
+    prop_oneof![3 => Just(vec![]), 2 => vec(one, 1..=2)]
+}
+
+/// Returns cycles in which a memory surely serves a request of so many periodic clients. With shorter periods, units could wait
+/// longer and longer.
+fn served_in(config: &MemoryConfig, bytes: u32, clients: usize) -> u64 {
+    let MemoryConfig { burst_cycles, cl, rp, rcd, ras, wtr, wr, .. } = config;
+    clients as u64 * u64::from((bytes / config.burst_bytes + 2) * (burst_cycles + cl + rp + rcd + ras + wtr + wr))
+}
+
 /// A plan without names. Times and FIFOs are used in turn, repeating.
 #[derive(Clone, Debug)]
 pub struct Recipe {
@@ -53,6 +86,10 @@ pub struct Recipe {
     pub parts: Vec<GraphPart>,
     pub fifos: Vec<(usize, u64)>,
     pub times: Vec<(Vec<u64>, Vec<u64>)>,
+    /// Periods of the FIFOs; used in turn, repeating.
+    pub periods: Vec<u64>,
+    /// Work after data, blocking and issue rate of units with memory ports; used in turn, repeating.
+    pub data_uses: Vec<DataUse>,
     pub memories: [PlanMemory; 2],
     /// Sort keys for the order of the units.
     pub order: Vec<u32>,
@@ -64,7 +101,8 @@ fn memory() -> impl Strategy<Value = PlanMemory> {
     let choice = (1..=16_u32, 0..=16_u32);
     let times = (vec(0..=4_u32, 8), 1..=4_u32, 0..=9_u32, 0..=12_u32);
     let refresh = prop_oneof![Just((0, 0)), (40..=100_u32, 0..=20_u32)];
-    (shape, choice, times, refresh).prop_map(|(shape, (window, cap), (times, burst_cycles, ras, faw), (refi, rfc))| {
+    let rest = (times, refresh, periodic());
+    (shape, choice, rest).prop_map(|(shape, (window, cap), ((times, burst_cycles, ras, faw), (refi, rfc), mut periodic))| {
         let (channels, channel_bytes, banks, row_bytes) = shape;
         let [cl, cwl, rcd, rp, rtp, wr, wtr, rrd] = std::array::from_fn(|i| times[i]);
         let (burst_bytes, outstanding) = (32, 1);
@@ -92,7 +130,9 @@ fn memory() -> impl Strategy<Value = PlanMemory> {
             row_bytes,
             outstanding,
         };
-        PlanMemory { name: String::new(), config, ports: vec![] }
+        let clients = periodic.len();
+        periodic.iter_mut().for_each(|p| p.period += served_in(&config, p.bytes, clients));
+        PlanMemory { name: String::new(), config, ports: vec![], periodic }
     })
 }
 
@@ -104,9 +144,9 @@ fn part() -> impl Strategy<Value = GraphPart> {
         1 => (2..=3_u64).prop_map(|factor| GraphPart::Expand { factor }),
         1 => (2..=4_u64).prop_map(|size| GraphPart::Gather { size }),
         2 => (vec(request, 1..=3), 0..=4_u32).prop_map(|(requests, spare)| GraphPart::Access { requests, spare }),
-        2 => (cache, 0..=3_u32, 1..=2_u32, 0..=3_u32).prop_map(
-            |((memory, strides, sets, ways), hit_latency, per_cycle, spare)| GraphPart::Cached {
-                memory, strides, sets, ways, hit_latency, per_cycle, spare
+        2 => (cache, 0..=3_u32, (1..=2_u32, any::<bool>()), 0..=3_u32).prop_map(
+            |((memory, strides, sets, ways), hit_latency, (per_cycle, at_once), spare)| GraphPart::Cached {
+                memory, strides, sets, ways, hit_latency, per_cycle, at_once, spare
             }
         ),
         2 => (2..=3_usize, proptest::option::of(2..=4_u64)).prop_map(|(width, batch)| GraphPart::ForkJoin { width, batch }),
@@ -120,8 +160,20 @@ pub fn recipe() -> impl Strategy<Value = Recipe> {
     let fifo = (select(vec![1_usize, 1, 2, 3, 4, 8]), select(vec![1_u64, 1, 1, 2, 3]));
     let time = (vec(1..=4_u64, 1..=3), vec(0..=6_u64, 1..=3));
     let order = vec(any::<u32>(), 64);
-    (1..=24_u64, vec(part(), 0..=5), vec(fifo, 1..=12), vec(time, 1..=12), [memory(), memory()], order)
-        .prop_map(|(tokens, parts, fifos, times, memories, order)| Recipe { tokens, parts, fifos, times, memories, order })
+    let period = prop_oneof![9 => Just(1), 1 => 2..=20_u64];
+    let times = (vec(time, 1..=12), vec(period, 1..=12), vec(data_use(), 1..=4));
+    (1..=24_u64, vec(part(), 0..=5), vec(fifo, 1..=12), times, [memory(), memory()], order).prop_map(
+        |(tokens, parts, fifos, (times, periods, data_uses), memories, order)| Recipe {
+            tokens,
+            parts,
+            fifos,
+            times,
+            periods,
+            data_uses,
+            memories,
+            order,
+        },
+    )
 }
 
 /// Maximum number of tokens on one wire, so that a case is quick.
@@ -142,13 +194,21 @@ impl Builder<'_> {
         let (depth, latency) = self.recipe.fifos[n % self.recipe.fifos.len()];
         let name = format!("f{n}");
         self.draw.fifo(&name, depth, latency);
+        self.draw.0.fifos[n].period = self.recipe.periods[n % self.recipe.periods.len()];
         name
     }
 
     fn unit(&mut self, kind: Kind, inputs: &str, outputs: &str) {
         let n = self.draw.0.units.len();
         let (occupancy, latency) = &self.recipe.times[n % self.recipe.times.len()];
+        let uses_memory = matches!(kind, Kind::Access { .. } | Kind::Cached { .. });
+        let is_cached = matches!(kind, Kind::Cached { .. });
         self.draw.unit(&format!("u{n}"), kind, [inputs, outputs], occupancy, latency);
+        if uses_memory {
+            let DataUse { after, blocking, issue } = self.recipe.data_uses[n % self.recipe.data_uses.len()].clone();
+            let unit = &mut self.draw.0.units[n];
+            (unit.after, unit.blocking, unit.issue) = (after, blocking, if is_cached { 0 } else { issue });
+        }
     }
 
     /// Adds a unit with one input and one output at the open end.
@@ -217,11 +277,12 @@ impl Builder<'_> {
                 self.then(Kind::Gather { size });
             }
             GraphPart::Access { requests, spare } => self.access(requests, *spare),
-            GraphPart::Cached { memory, strides, sets, ways, hit_latency, per_cycle, spare } => {
+            GraphPart::Cached { memory, strides, sets, ways, hit_latency, per_cycle, at_once, spare } => {
                 let port = self.port(*memory, strides.len() as u32 + spare);
                 let name = format!("c{}", self.draw.0.caches.len());
-                let (sets, ways, hit_latency) = (*sets, *ways, *hit_latency);
-                let cache = PlanCache { name, port, line_bytes: 32, sets, ways, hit_latency, lookups_per_cycle: *per_cycle };
+                let [sets, ways, hit_latency, lookups_per_cycle] = [*sets, *ways, *hit_latency, *per_cycle];
+                let (line_bytes, at_once) = (32, *at_once);
+                let cache = PlanCache { name, port, line_bytes, sets, ways, hit_latency, lookups_per_cycle, at_once };
                 let look_up = |(n, &stride): (usize, &u64)| PlanLookUp { stride, offset: 50 * n as u64, span: 512 };
                 let kind = Kind::Cached { cache: cache.name.clone(), lookups: strides.iter().enumerate().map(look_up).collect() };
                 self.draw.cache(cache);
@@ -253,7 +314,11 @@ pub fn tight_recipe() -> impl Strategy<Value = Recipe> {
 impl Recipe {
     /// Returns the plan and the number of tokens that its sink must receive.
     pub fn plan(&self) -> (Plan, u64) {
-        let memory = |n: usize| PlanMemory { name: format!("m{n}"), ..self.memories[n].clone() };
+        let memory = |n: usize| {
+            let mut memory = PlanMemory { name: format!("m{n}"), ..self.memories[n].clone() };
+            memory.periodic.iter_mut().enumerate().for_each(|(k, periodic)| periodic.name = format!("m{n}v{k}"));
+            memory
+        };
         let draw = Draw(Plan { memories: vec![memory(0), memory(1)], ..Plan::default() });
         let mut builder = Builder { recipe: self, draw, tokens: self.tokens, end: String::new() };
         builder.end = builder.fifo();

@@ -1,7 +1,7 @@
 //! Law 1: depth >= 1, latency f >= 1. A token delivered at d is visible from max(d + f, visible time of the token before it + 1).
 //! Tokens never overtake.
 
-use super::common::{Draw, starts, swallowed};
+use super::common::{Draw, report, starts, swallowed};
 use basrelief_kernel::Fifo;
 use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMachine};
 
@@ -36,6 +36,23 @@ fn tokens_never_overtake() {
 fn one_token_becomes_visible_per_cycle() {
     // Delivered 6, 6, 6, 6: visible 7, 8, 9, 10.
     assert_eq!(starts(&wire(8, 1, &[6, 5, 4, 3]), "sink"), [7, 8, 9, 10]);
+}
+
+#[test]
+fn token_of_periodic_fifo_waits_for_next_multiple() {
+    // Delivered 0, 1, 2, 18; d + f = 1, 2, 3, 19. Period 5: the next multiples are 5, then not before 6 and 11: 10 and 15, then 20.
+    let mut plan = wire(8, 1, &[0, 0, 0, 15]);
+    plan.fifos[0].period = 5;
+    assert_eq!(starts(&plan, "sink"), [5, 10, 15, 20]);
+    let histogram = report(&plan).fifos[0].histogram.clone();
+    // Reserved at 0, 1, 2, 3, popped at 5, 10, 15, 20.
+    assert_eq!(histogram[..5], [0, 6, 6, 6, 3]);
+}
+
+#[test]
+#[should_panic(expected = "FIFO f: period 0, expected at least 1 (law 1)")]
+fn period_0_is_rejected() {
+    let _ = Fifo::<u8>::new("f", 1, 1).with_period(0);
 }
 
 #[test]

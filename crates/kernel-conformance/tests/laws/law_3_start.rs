@@ -52,6 +52,64 @@ fn start_needs_slot_on_every_output() {
     assert_eq!(starts(&draw.0, "sink"), [3, 13, 23]);
 }
 
+/// A unit with these requests per step on port p of a memory, which answers the first after 8 cycles.
+fn client(tokens: u64, requests: Vec<PlanRequest>) -> Draw {
+    let mut draw = Draw::default();
+    draw.fifo("in", 8, 1)
+        .fifo("out", 8, 1)
+        .memory(small_memory(), &[("p", 8)])
+        .unit("source", Kind::Source { tokens }, ["", "in"], &[1], &[0])
+        .unit("client", Kind::Access { requests }, ["in", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+    draw
+}
+
+fn request(write: bool) -> PlanRequest {
+    PlanRequest { port: "p".into(), write, bytes: 32, stride: 0, offset: 0, span: 64 }
+}
+
+#[test]
+fn work_after_data_follows_last_answer() {
+    // Step at 1: column 4, data 7 .. 9, answer 9.
+    let visible = |latency, after: &[u32], write| {
+        let mut plan = client(1, vec![request(write)]).0;
+        (plan.units[1].latency, plan.units[1].after) = (vec![latency], after.to_vec());
+        starts(&plan, "sink")
+    };
+    assert_eq!(visible(0, &[], false), [10]);
+    assert_eq!(visible(0, &[4], false), [9 + 4 + 1]);
+    // The latency counts from the start, beside the answer.
+    assert_eq!(visible(12, &[4], false), [9 + 4 + 1]);
+    assert_eq!(visible(20, &[4], false), [1 + 20 + 1]);
+    // A posted write has no answer.
+    assert_eq!(visible(0, &[4], true), [1 + 1]);
+}
+
+#[test]
+fn blocking_step_keeps_unit_until_last_answer() {
+    // Step 0 at 1, answer 9.
+    let steps = |blocking, write| {
+        let mut plan = client(2, vec![request(write)]).0;
+        plan.units[1].blocking = blocking;
+        starts(&plan, "client")
+    };
+    assert_eq!(steps(false, false), [1, 2]);
+    assert_eq!(steps(true, false), [1, 9]);
+    // A posted write has no answer.
+    assert_eq!(steps(true, true), [1, 2]);
+}
+
+#[test]
+fn blocking_step_frees_unit_before_delivery() {
+    // Tokens 0 and 2 deliver 40 cycles after their start.
+    let mut plan = client(4, vec![request(false)]).0;
+    plan.units[1].blocking = true;
+    plan.units[1].latency = vec![40, 0];
+    // Answers 9, 15, 21, 27: the unit is free then, though it has not delivered token 0 yet. Delivered 41, 42, 55, 56.
+    assert_eq!(starts(&plan, "client"), [1, 9, 15, 21]);
+    assert_eq!(starts(&plan, "sink"), [42, 43, 56, 57]);
+}
+
 #[test]
 fn silent_output_reserves_no_slot() {
     let mut draw = Draw::default();

@@ -1,4 +1,4 @@
-//! Law 4: requests arrive at the start of their step, are split into bursts, and are answered in order on each port.
+//! Law 4: requests arrive at the start of their step or at the issue rate of their port, are split into bursts, and are answered in order on each port.
 //! (`src/channel/tests.rs` of the kernel tests how a channel serves bursts.)
 //!
 //! The memory has one bank, rows of 64 bytes, and bursts of 32 bytes and 2 cycles. From view to column: hit 0, closed 2, conflict
@@ -6,7 +6,7 @@
 
 use super::common::{Draw, account, machine, report, small_memory, starts, unit};
 use basrelief_kernel::{Cycle, Engine, Machine, MemoryConfig, MemoryRequest, PortCounts, RunReport, run};
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMemory, PlanRequest};
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMemory, PlanPeriodic, PlanPort, PlanRequest};
 
 fn request(port: &str, write: bool, bytes: u32, offset: u64) -> PlanRequest {
     PlanRequest { port: port.into(), write, bytes, stride: 0, offset, span: 1 << 20 }
@@ -51,6 +51,70 @@ fn hit_closed_and_conflict_have_their_latencies() {
     assert_eq!(counts.latencies.used(), [0, 0, 0, 2, 1]);
     let channel = report.memories[0].channels[0];
     assert_eq!((channel.rows, channel.bus_busy, channel.queued), (counts.rows, 6, 16 + 3));
+}
+
+/// Returns the arrivals of all requests, which must be the same with both engines.
+fn arrivals(plan: &Plan) -> Vec<u64> {
+    let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
+        let mut machine = machine(plan);
+        machine.memories().keep_requests();
+        run(&mut machine, engine);
+        let requests: Vec<_> = machine.memories().take_requests().flat_map(|(_, all)| all).collect();
+        requests.iter().map(|request| request.arrival.0).collect::<Vec<_>>()
+    });
+    assert_eq!(timed, ticked);
+    timed
+}
+
+#[test]
+fn requests_arrive_at_issue_rate() {
+    let requests = |issue| {
+        let mut plan = client(2, 10, vec![request("p", false, 4, 0); 5]);
+        plan.units[1].issue = issue;
+        plan
+    };
+    assert_eq!(arrivals(&requests(0)), [1, 1, 1, 1, 1, 2, 2, 2, 2, 2]);
+    // The occupancy is at least ceil(5 / 1) and ceil(5 / 2).
+    assert_eq!(arrivals(&requests(1)), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+    assert_eq!(arrivals(&requests(2)), [1, 1, 2, 2, 3, 4, 4, 5, 5, 6]);
+    assert_eq!(unit(&report(&requests(2)), "client").account.busy, 6);
+}
+
+#[test]
+fn each_port_issues_at_its_own_rate() {
+    let mut plan = client(1, 3, vec![request("p", false, 4, 0), request("q", true, 4, 0), request("p", false, 4, 0)]);
+    plan.memories[0].ports.push(PlanPort { name: "q".into(), outstanding: 1 });
+    plan.units[1].issue = 1;
+    // Requests 0 and 1 of port p, and request 0 of port q.
+    assert_eq!(arrivals(&plan), [1, 1, 2]);
+}
+
+/// A client of one read at cycle 1, with a periodic client that reads row 1.
+fn beside_periodic(period: u64) -> Plan {
+    let mut plan = client(1, 1, vec![request("p", false, 32, 0)]);
+    plan.memories[0].periodic = vec![PlanPeriodic { name: "v".into(), period, bytes: 32, stride: 0, span: 32 }];
+    plan
+}
+
+#[test]
+fn periodic_client_comes_after_other_ports() {
+    // Both arrive at 1. The periodic client also arrives at 0: activated 1, column 3, data 6 .. 8. The read of the unit goes first
+    // among those of cycle 1: hit, column 5, data 8 .. 10, visible 11.
+    let plan = beside_periodic(1);
+    assert_eq!(starts(&plan, "sink"), [11]);
+    // Alone it is closed: column 4, data 7 .. 9, visible 10.
+    assert_eq!(starts(&client(1, 1, vec![request("p", false, 32, 0)]), "sink"), [10]);
+}
+
+#[test]
+fn periodic_requests_count_up_to_the_end() {
+    // The run ends at 12. Requests arrive in 0 .. 11. Columns 3, 7, 9, 11: the periodic client has all but the one at 5.
+    let report = report(&beside_periodic(1));
+    assert_eq!(report.total, 12);
+    let counts = counts(&report, "v");
+    assert_eq!((counts.reads, counts.rows.bursts()), (12, 4));
+    // Data move in 6 .. 11; those of the columns 9 and 11 would move in 12 .. 15.
+    assert_eq!(report.memories[0].channels[0].bus_busy, 6);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Law 5: one look-up per cache port and cycle, for all distinct lines of a step from its start. Tags run ahead of the data, and
+//! Law 5: the look-ups of a step are its distinct lines, made at its start or at so many per cycle. Tags run ahead of the data, and
 //! answers arrive in order.
 //!
 //! The memory is that of law 4, with lines of 32 bytes and a hit latency of 2.
@@ -17,7 +17,7 @@ fn client(tokens: u64, (sets, ways, per_cycle): (u32, u32, u32), lookups: Vec<Pl
     draw.fifo("in", 8, 1)
         .fifo("out", 8, 1)
         .memory(small_memory(), &[("p", 8)])
-        .cache(PlanCache { name, port, line_bytes: 32, sets, ways, hit_latency: 2, lookups_per_cycle: per_cycle })
+        .cache(PlanCache { name, port, line_bytes: 32, sets, ways, hit_latency: 2, lookups_per_cycle: per_cycle, at_once: true })
         .unit("source", Kind::Source { tokens }, ["", "in"], &[1], &[0])
         .unit("client", Kind::Cached { cache: "cache".into(), lookups }, ["in", "out"], &[1], &[0])
         .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
@@ -36,6 +36,33 @@ fn miss_goes_to_memory_and_line_in_flight_is_merged() {
     let plan = client(3, (4, 1, 1), vec![look_up(0, 0)]);
     assert_eq!(starts(&plan, "sink"), [12, 13, 14]);
     assert_eq!(counts(&plan), CacheCounts { hits: 0, misses: 1, merged: 2 });
+}
+
+#[test]
+fn look_up_is_judged_in_its_own_cycle() {
+    // Step 0 at 1 looks up line 5 at 1 and line 0 one cycle later. Line 5: closed, column 4. Line 0: conflict, precharged at 4,
+    // column 10, data 13 .. 15. Step 1 at 14 looks up another line and then line 0: at 14 in flight, at 15 a hit.
+    let lookups = vec![look_up(160, 160), look_up(0, 0)];
+    for (at_once, hits) in [(true, 0), (false, 1)] {
+        let mut plan = client(2, (16, 1, 1), lookups.clone());
+        plan.caches[0].at_once = at_once;
+        plan.units[0].occupancy = vec![13];
+        assert_eq!(starts(&plan, "client"), [1, 14]);
+        assert_eq!(counts(&plan), CacheCounts { hits, misses: 3, merged: 1 - hits });
+    }
+}
+
+#[test]
+fn answer_counts_from_the_last_look_up() {
+    // Step 0 at 1 misses four lines of two rows; the last answer is long before step 1, at 101, which hits all. Two look-ups per
+    // cycle: the last is at 102, answered at 104, visible 105.
+    let lookups = (0..4).map(|line| look_up(0, 32 * line)).collect::<Vec<_>>();
+    for (at_once, visible) in [(true, 104), (false, 105)] {
+        let mut plan = client(2, (4, 1, 2), lookups.clone());
+        plan.caches[0].at_once = at_once;
+        plan.units[0].occupancy = vec![100];
+        assert_eq!(starts(&plan, "sink")[1], visible);
+    }
 }
 
 #[test]

@@ -2,9 +2,9 @@
 //! deadlock with a fixed text. Total = 1 + the last cycle in which a unit was busy, a token became visible, or a memory moved
 //! data.
 
-use super::common::{Draw, account, report, run_both};
+use super::common::{Draw, account, report, run_both, small_memory};
 use basrelief_kernel::{BlockedUnit, Engine, FifoLevel, Limits, Outcome, WaitsFor, run_with};
-use basrelief_kernel_conformance::plan::{Kind, Plan};
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMemory, PlanPeriodic};
 
 fn wire(tokens: u64, source: (u64, u64), sink: u64) -> Plan {
     let mut draw = Draw::default();
@@ -32,6 +32,17 @@ fn batch_beside(depth: usize) -> Plan {
         .unit("join", Kind::Join, ["a2 b", "out"], &[1], &[0])
         .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
     draw.0
+}
+
+#[test]
+fn periodic_client_keeps_no_run_alive() {
+    let mut plan = wire(1, (1, 0), 7);
+    let periodic = PlanPeriodic { name: "v".into(), period: 3, bytes: 4, stride: 0, span: 4 };
+    plan.memories.push(PlanMemory { periodic: vec![periodic], ..small_memory() });
+    let report = report(&plan);
+    // The token is visible and popped at 1, and occupies the sink until 8. Requests arrive at 0, 3 and 6.
+    assert_eq!((&report.outcome, report.total), (&Outcome::Complete, 8));
+    assert_eq!(report.memories[0].ports[0].counts.reads, 3);
 }
 
 // Claim: laws, 8 End: Idle time does not end a run. A deadlock names units, FIFOs and occupancy.

@@ -1,7 +1,7 @@
 //! Law 9: every cycle of every unit is busy, done, or charged to the first cause that applies. The sum is the total.
 
 use super::common::{Draw, account, report, small_memory};
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanRequest};
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanPort, PlanRequest};
 
 /// A source, a unit of the given kind with a port and a cache available, and a sink.
 fn around(kind: Kind, tokens: u64, outstanding: u32, depth: usize, sink: u64) -> Plan {
@@ -43,6 +43,30 @@ fn too_few_credits_count_as_memory() {
 }
 
 #[test]
+fn blocking_cycles_count_as_memory() {
+    // Eight credits. Step 0 at 1, answer 9: 2 .. 8 are memory. Step 1 at 9, answer 15: 10 .. 14 are memory.
+    let mut plan = around(request(false), 2, 8, 8, 1);
+    plan.units[1].blocking = true;
+    let report = report(&plan);
+    assert_eq!(report.total, 17);
+    assert_eq!(account(&report, "unit"), "busy 2, done 2, starved in 1, memory p 12");
+}
+
+#[test]
+fn blocking_cycles_count_for_first_mentioned_port() {
+    // Step at 1. Port p has the lower number: column 4, answer 9. Port q: hit, column 6, answer 11.
+    let of = |port: &str| PlanRequest { port: port.into(), write: false, bytes: 32, stride: 0, offset: 0, span: 64 };
+    let charged = |ports: [&str; 2]| {
+        let mut plan = around(Kind::Access { requests: ports.map(of).to_vec() }, 1, 8, 8, 1);
+        plan.memories[0].ports.push(PlanPort { name: "q".into(), outstanding: 1 });
+        plan.units[1].blocking = true;
+        account(&report(&plan), "unit")
+    };
+    assert_eq!(charged(["p", "q"]), "busy 1, done 2, starved in 1, memory p 7, memory q 2");
+    assert_eq!(charged(["q", "p"]), "busy 1, done 2, starved in 1, memory q 9");
+}
+
+#[test]
 fn full_output_awaiting_answer_counts_as_memory() {
     // Enough credits, one slot. Step 0 at 1, data 7 .. 9, visible and popped 10, slot free 11: step 1. Of 2 .. 10, the cycles
     // before the answer at 9 are charged to memory, and 9 and 10 to the FIFO. Hit, column 12, data 15 .. 17, popped 18.
@@ -66,7 +90,16 @@ fn hit_latency_counts_as_memory() {
     let lookups = vec![PlanLookUp { stride: 0, offset: 0, span: 64 }];
     let mut plan = around(Kind::Cached { cache: "cache".into(), lookups }, 3, 8, 1, 1);
     let (name, port) = ("cache".into(), "p".into());
-    plan.caches.push(PlanCache { name, port, line_bytes: 32, sets: 1, ways: 1, hit_latency: 4, lookups_per_cycle: 1 });
+    plan.caches.push(PlanCache {
+        name,
+        port,
+        line_bytes: 32,
+        sets: 1,
+        ways: 1,
+        hit_latency: 4,
+        lookups_per_cycle: 1,
+        at_once: true,
+    });
     plan.units[0].occupancy = vec![20, 1, 1];
     // Step 0 at 1: answer 9 + 4 = 13, popped 14. Step 1 at 21: hit, answer 25, visible and popped 26, slot free 27: step 2. Of 22
     // .. 26: 22, 23, 24 are memory, 25 and 26 the FIFO. Answer 31, popped 32: 33 cycles.

@@ -7,7 +7,7 @@ use crate::recording::RecordingWriter;
 use crate::step_requests::StepRequestsView;
 use crate::time::{FinalUnitState, InputMask, StageArity, StageVisit, StepTiming};
 use crate::wires::{Inputs, Outputs};
-use crate::{Connections, Demand, MemoryPorts, Probe, Stage, Unit};
+use crate::{Connections, Demand, MemoryPorts, Probe, Stage, Step, Unit};
 
 /// The steps of one stage, in order.
 pub(crate) trait StepSource {
@@ -99,11 +99,12 @@ where
     #[inline(always)]
     fn step(&mut self, demand: Demand, traffic: &mut MemoryPorts) -> StepTiming {
         let step = self.unit.step(self.connections.inputs.pop(demand), traffic);
-        if step.occupancy == 0 {
+        let Step { out, occupancy, latency, after_data, blocking, marked } = step;
+        if occupancy == 0 {
             traffic.fault("a step kept its unit for 0 cycles, expected at least 1 (law 3)".into());
         }
-        let outputs = self.connections.outputs.push(step.out);
-        StepTiming { occupancy: step.occupancy, latency: step.latency, outputs, marked: step.marked }
+        let outputs = self.connections.outputs.push(out);
+        StepTiming { occupancy, latency, after_data, outputs, marked, blocking }
     }
 
     #[inline(always)]

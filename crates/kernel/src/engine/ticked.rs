@@ -71,7 +71,8 @@ impl<SomeProbe: Probe> Visitor for Tick<'_, SomeProbe> {
         let number = self.stage;
         self.stage += 1;
         let demand = stage.unit.demand();
-        if self.time.stages[number].free > self.now || demand == Demand::Finished {
+        let clock = &self.time.stages[number];
+        if clock.free > self.now || (demand == Demand::Finished && clock.released() <= self.now) {
             return;
         }
         if self.time.next_start(number, demand) <= self.now {
@@ -93,7 +94,7 @@ fn join(waits: &mut Vec<Wait>, (cause, from, to): Wait) {
 /// Records the known answers that slots wait for. `timed` asks when all are known, but this engine asks in every cycle.
 fn record_awaits(time: &mut MachineTiming) {
     let MachineTiming { stages, fifos, memories, .. } = time;
-    stages.iter().for_each(|clock| clock.record_awaits(fifos, memories));
+    stages.iter_mut().for_each(|clock| clock.record_awaits(fifos, memories));
 }
 
 /// Finds out if any stage has a known next start.
@@ -120,6 +121,7 @@ pub(super) fn run<M: Machine, P: Probe>(
 ) -> StopReason {
     let (tape, mut keep) = recording.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
     time.memories.share_all();
+    time.limit = Cycle(limits.max_cycles);
     let (traffic, waits) = (MemoryPorts::default(), vec![Vec::new(); time.stages.len()]);
     let mut tick = Tick { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits, tape };
     loop {
@@ -145,9 +147,10 @@ pub(super) fn run<M: Machine, P: Probe>(
         let busy = time.stages.iter().map(|clock| clock.free).max();
         let visible = time.fifos.iter().filter_map(FifoTiming::last_visible).max();
         time.land_all();
+        let released = time.stages.iter().map(|clock| clock.block.until).filter(|until| until.is_known()).max();
         record_awaits(time);
         time.fifos.iter_mut().for_each(|fifo| fifo.count_held(tick.now));
-        let horizon = busy.max(visible).unwrap_or_default().max(time.memories.last_answer());
+        let horizon = busy.max(visible).max(released).unwrap_or_default().max(time.memories.last_answer());
         if !tick.fired && horizon <= tick.now && time.memories.is_idle() {
             return StopReason::Quiet;
         }

@@ -15,10 +15,11 @@
 //!    later than any known time. `FifoTiming::deliver`, `FifoTiming::pop`, `Memory::serve`; `Cycle::UNKNOWN`. Tests
 //!    `laws/law_1_fifo`, `laws/law_2_slots`.
 //! 3. **A known start is the earliest** (law 3). It is the maximum of four kinds of known times. Each is final by 2 and, once
-//!    passed, stays passed until the step starts. `MachineTiming::next_start`; for the causes of the wait
+//!    passed, stays passed until the step starts. The time at which a blocking step frees its unit is unknown until its answers are
+//!    known. `MachineTiming::next_start`; for the causes of the wait
 //!    `MachineTiming::split_wait`. Tests `laws/law_3_start`, `laws/law_9_accounting`.
-//! 4. **Requests of a client arrive in order of time.** They arrive at the starts of one stage's steps, which only grow, so the queue of a
-//!    port is sorted. This needs one stage per client, requests to that stage's clients only, and credits for the largest
+//! 4. **Requests of a client arrive in order of time.** They arrive while their step occupies its stage, in order of issue, so the queue
+//!    of a port is sorted. This needs one stage per client, requests to that stage's clients only, and credits for the largest
 //!    step; otherwise a start would be known too early or never. `check_wiring`; `MemoryPorts::settle` refuses other requests.
 //!    Tests `wiring::memory_client_exists_and_belongs_to_one_stage`, `wiring::largest_step_has_enough_credits`,
 //!    `wiring::request_to_missing_client_is_a_fault`, `wiring::step_beyond_largest_is_a_fault`.
@@ -26,10 +27,12 @@
 //!    there at the earliest. So if no unknown request arrives before *h*, a memory may serve every burst whose column command is at
 //!    *h* + 1 or before, all bursts while its window is full, and its oldest burst once that has been passed over `cap` times.
 //!    `Channel::serve`. A memory that only one stage uses gets no request before that stage is free again.
-//!    `MemorySystem::find_private`, `StageVisit::serve_private`. Tests `laws/law_4_memory`, `vectors`.
+//!    `MemorySystem::find_private`, `StageVisit::serve_private`. Requests of periodic clients are known in advance and bound no horizon.
+//!    They are taken in together with the requests of units (`Memory::serve_among_periodic`). Tests `laws/law_4_memory`, `vectors`.
 //! 6. **Promises are kept.** A stage that promised *p* makes no step before *p*. Each input and output that it waits for comes no earlier
 //!    than the promise of the stage at the other end plus the latency between. So the least promise of a memory's
-//!    users is such an *h*. `StageVisit::promise`, `MemorySystem::serve_promised`. Test
+//!    users is such an *h*. A blocked stage makes no step before the earliest answer that the memory of an unanswered client can still give
+//!    (`InFlightSteps::no_release_before`). `StageVisit::promise`, `MemorySystem::serve_promised`. Test
 //!    `properties::both_engines_give_equal_reports`.
 //! 7. **If nothing moves, no request can arrive before the horizon.** Every stage with further steps waits, through
 //!    some chain of FIFOs and credits, for an answer to a waiting request. The horizon is the earliest possible such answer:
@@ -40,7 +43,8 @@
 //!    served, or its request is split into bursts. Each round makes a step, advances a memory, or is the last. Test `laws/law_8_end`.
 //! 9. **A skipped stage could do nothing.** A visit depends on the stage itself and on four inputs: its front token is visible, its
 //!    full FIFO has room, the promises while neither is so, and its number of served requests. Each input sets a news flag when it
-//!    changes. A stage that a limit or the end of a recording holds back is visited in any case. A visit lands all its steps in flight
+//!    changes. A stage that a limit or the end of a recording holds back is visited in any case, and so is a stage that an
+//!    answer has freed. A visit lands all its steps in flight
 //!    before it ends. `FifoTiming::news`, `StageVisit::has_news`. Without the flags two of three visits found nothing. Tests
 //!    `properties::both_engines_give_equal_reports`, `hidden_deliveries`.
 //!
@@ -83,6 +87,7 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
         max_cycles: u64,
         tape: Option<&'a mut RecordingWriter>,
     ) -> Self {
+        time.limit = Cycle(max_cycles);
         let (promises, accounts_for) = (time.memories.has_any(), time.accounts_for);
         let (traffic, end, fault) = (MemoryPorts::default(), Cycle(max_cycles), None);
         let (stage, moved, limited, needs_more_steps) = (0, false, false, false);

@@ -5,7 +5,7 @@ use crate::Cycle;
 use crate::cache::PendingLookUps;
 use crate::client::Client;
 use crate::counts::CacheCounts;
-use crate::step_requests::CacheLookUps;
+use crate::step_requests::{CacheLines, CacheLookUps, SpreadLookUp};
 use std::collections::VecDeque;
 
 /// Look-ups of a client without an answer.
@@ -13,8 +13,17 @@ use std::collections::VecDeque;
 pub(crate) struct LookUpQueue {
     /// By step.
     pub(crate) steps: VecDeque<PendingLookUps>,
-    /// Requests that fill the lines of earlier requests: for each step as many as are [open](PendingLookUps::open).
-    pub(crate) open: VecDeque<u64>,
+    /// Look-ups of lines of earlier requests: for each step as many as are [open](PendingLookUps::open).
+    pub(crate) open: VecDeque<OpenLookUp>,
+}
+
+/// A look-up of a line whose fill is unknown.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OpenLookUp {
+    /// The request that fills the line.
+    request: u64,
+    /// Cycle of the look-up.
+    at: Cycle,
 }
 
 impl MemorySystem {
@@ -25,10 +34,14 @@ impl MemorySystem {
         &mut self,
         client: usize,
         start: Cycle,
-        (look_ups, held, new): (&CacheLookUps, &[u64], &[u64]),
-        open: &mut VecDeque<u64>,
+        (look_ups, lines): (&CacheLookUps, CacheLines<'_>),
+        open: &mut VecDeque<OpenLookUp>,
     ) -> (PendingLookUps, u64) {
-        let Client { port, cache } = &mut self.clients[client];
+        if look_ups.is_spread {
+            return self.look_up_over_time(client, start, (look_ups, lines), open);
+        }
+        let CacheLines { held, new, .. } = lines;
+        let Client { port, cache, .. } = &mut self.clients[client];
         let (line_bytes, cycles) = cache.as_ref().map_or((1, 1), |c| (c.config.line_bytes, c.cycles(look_ups.lines)));
         self.memories[port.memory].arrived += new.len() as u64;
         for &line in new {
@@ -36,7 +49,7 @@ impl MemorySystem {
         }
         let counts = CacheCounts { hits: (look_ups.lines - look_ups.new).into(), misses: look_ups.new.into(), merged: 0 };
         let request = if new.is_empty() { look_ups.last_held } else { port.issued };
-        let mut pending = PendingLookUps { start, request, fill: Cycle::ZERO, counts, open: 0 };
+        let mut pending = PendingLookUps { start, last: start, request, fill: Cycle::ZERO, counts, open: 0 };
         let Some(last) = look_ups.last_held.checked_sub(1) else { return (pending, cycles) };
         // Answers come in order: usually the last of them has arrived.
         let fill = port.answer(last);
@@ -46,7 +59,7 @@ impl MemorySystem {
                 match fill {
                     (_, fill) if fill <= start => {}
                     (request, Cycle::UNKNOWN) => {
-                        open.push_back(request);
+                        open.push_back(OpenLookUp { request, at: start });
                         pending.open += 1;
                         *hits -= 1;
                     }
@@ -63,14 +76,61 @@ impl MemorySystem {
         (pending, cycles)
     }
 
+    /// As [`MemorySystem::look_up`], for a cache whose look-ups take several cycles. Each look-up is judged, and each miss arrives,
+    /// in its own cycle.
+    #[inline(never)]
+    fn look_up_over_time(
+        &mut self,
+        client: usize,
+        start: Cycle,
+        (look_ups, lines): (&CacheLookUps, CacheLines<'_>),
+        open: &mut VecDeque<OpenLookUp>,
+    ) -> (PendingLookUps, u64) {
+        let Client { port, cache, .. } = &mut self.clients[client];
+        let Some(cache) = cache else { return Default::default() };
+        let last = cache.look_up_at(start, look_ups.lines.saturating_sub(1));
+        let line_bytes = cache.config.line_bytes;
+        self.memories[port.memory].arrived += lines.new.len() as u64;
+        let counts = CacheCounts { hits: (look_ups.lines - look_ups.new).into(), misses: look_ups.new.into(), merged: 0 };
+        let mut pending = PendingLookUps { start, last, request: 0, fill: Cycle::ZERO, counts, open: 0 };
+        let (mut held, mut new) = (lines.held.iter(), lines.new.iter());
+        for &SpreadLookUp { number, is_miss } in lines.order {
+            let at = cache.look_up_at(start, number);
+            if is_miss {
+                new.next().inspect(|&&line| _ = port.issue(at, line * u64::from(line_bytes), line_bytes, false));
+                continue;
+            }
+            let Some(&request) = held.next() else { continue };
+            let fill = port.answer(request);
+            if fill > at {
+                pending.counts.hits -= 1;
+                if fill.is_known() {
+                    pending.counts.merged += 1;
+                } else {
+                    open.push_back(OpenLookUp { request, at });
+                    pending.open += 1;
+                }
+            }
+        }
+        let known = look_ups.last_held.checked_sub(1).map_or(Cycle::ZERO, |last| port.answer(last));
+        if look_ups.new > 0 {
+            pending.request = port.issued;
+        } else if known.is_known() {
+            pending.fill = known;
+        } else {
+            pending.request = look_ups.last_held;
+        }
+        (pending, cache.cycles(look_ups.lines))
+    }
+
     /// Removes the first look-ups whose fills are known by now, at most `left`. The last of them has this `answer`. Call it in
     /// order of look-up.
     #[inline]
     pub(crate) fn resolve(&mut self, client: usize, queue: &mut LookUpQueue, left: &mut u32, answer: &mut Cycle) {
-        let Client { port, cache } = &mut self.clients[client];
+        let Client { port, cache, .. } = &mut self.clients[client];
         let Some(cache) = cache else { return };
         while *left > 0
-            && let Some(&PendingLookUps { start, request, mut fill, mut counts, open }) = queue.steps.front()
+            && let Some(&PendingLookUps { start, last, request, mut fill, mut counts, open }) = queue.steps.front()
         {
             if let Some(last) = request.checked_sub(1) {
                 fill = port.answer(last);
@@ -78,10 +138,10 @@ impl MemorySystem {
             if !fill.is_known() {
                 return;
             }
-            for request in queue.open.drain(..open as usize) {
-                *if port.answer(request) > start { &mut counts.merged } else { &mut counts.hits } += 1;
+            for OpenLookUp { request, at } in queue.open.drain(..open as usize) {
+                *if port.answer(request) > at { &mut counts.merged } else { &mut counts.hits } += 1;
             }
-            *answer = cache.resolve(start, fill, counts);
+            *answer = cache.resolve((start, last), fill, counts);
             queue.steps.pop_front();
             *left -= 1;
         }
@@ -91,6 +151,6 @@ impl MemorySystem {
     #[inline(always)]
     pub(crate) fn resolve_at_once(&mut self, client: usize, pending: &PendingLookUps) -> Cycle {
         let cache = self.clients[client].cache.as_mut();
-        cache.map_or(Cycle::ZERO, |cache| cache.resolve(pending.start, pending.fill, pending.counts))
+        cache.map_or(Cycle::ZERO, |cache| cache.resolve((pending.start, pending.last), pending.fill, pending.counts))
     }
 }

@@ -18,38 +18,44 @@ pub(super) struct DecodedSteps {
     pub(super) refused: Option<String>,
 }
 
-/// A decoded step: the contents of its class in 16 bytes, because there may be millions.
+/// A decoded step: the contents of its class in 20 bytes, because there may be millions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RecordedStep {
     pub(super) occupancy: u32,
     latency: u32,
+    after_data: u32,
     requests: u32,
     pub(super) takes: InputMask,
     outputs: u8,
-    /// Number of caches with look-ups, and the bit [`MARK`].
+    /// Number of caches with look-ups, and the bits [`MARK`] and [`BLOCKS`].
     caches: u8,
 }
 
 /// Bit of [`RecordedStep::caches`]: the delivery passes a mark.
 const MARK: u8 = 1 << 7;
+/// Bit of [`RecordedStep::caches`]: the last answer frees the unit.
+const BLOCKS: u8 = 1 << 6;
 /// Replaces [`RecordedStep::caches`] if the requests were refused.
-const REFUSED: u8 = MARK - 1;
-const _: () = assert!(MAX_CLIENTS < REFUSED as usize && MAX_LINKS <= 8 && size_of::<RecordedStep>() == 16);
+const REFUSED: u8 = BLOCKS - 1;
+const _: () = assert!(MAX_CLIENTS < REFUSED as usize && MAX_LINKS <= 8 && size_of::<RecordedStep>() == 20);
 
 impl RecordedStep {
     /// Converts a class of a stage with this number of inputs. Numbers of decoded classes fit into 32 bits.
     pub(super) fn of(StepClass { demand, made, count, .. }: &StepClass, inputs: usize) -> Self {
         let (occupancy, latency) = (made.occupancy as u32, made.latency as u32);
-        let caches = count.caches as u8 | if made.marked { MARK } else { 0 };
+        let flags = if made.marked { MARK } else { 0 } | if made.blocking { BLOCKS } else { 0 };
+        let caches = count.caches as u8 | flags;
         let takes = InputMask::of(*demand, inputs);
-        Self { occupancy, latency, requests: count.requests as u32, takes, outputs: made.outputs as u8, caches }
+        let (after_data, outputs) = (made.after_data, made.outputs as u8);
+        Self { occupancy, latency, after_data, requests: count.requests as u32, takes, outputs, caches }
     }
 
     #[inline(always)]
     pub(super) fn made(&self) -> StepTiming {
-        let &Self { occupancy, latency, outputs, caches, .. } = self;
-        let marked = caches & MARK != 0;
-        StepTiming { occupancy: occupancy.into(), latency: latency.into(), outputs: outputs.into(), marked }
+        let &Self { after_data, outputs, caches, .. } = self;
+        let [occupancy, latency] = [self.occupancy, self.latency].map(u64::from);
+        let (marked, blocking) = (caches & MARK != 0, caches & BLOCKS != 0);
+        StepTiming { occupancy, latency, after_data, outputs: outputs.into(), marked, blocking }
     }
 
     /// The same step with refused requests.
@@ -65,12 +71,12 @@ impl RecordedStep {
     /// Returns true if it has no requests.
     #[inline(always)]
     pub(super) fn is_silent(&self) -> bool {
-        self.requests | u32::from(self.caches & !MARK) == 0
+        self.requests | u32::from(self.caches & REFUSED) == 0
     }
 
     #[inline(always)]
     pub(super) fn count(&self) -> Count {
-        Count { requests: self.requests as usize, caches: usize::from(self.caches & !MARK) }
+        Count { requests: self.requests as usize, caches: usize::from(self.caches & REFUSED) }
     }
 }
 

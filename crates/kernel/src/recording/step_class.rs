@@ -16,6 +16,11 @@ const LONGEST: u64 = u32::MAX as u64;
 /// Maximum number of requests, and of look-ups, of a step, and of bytes of a request.
 const MOST: u64 = 1 << 20;
 
+/// Bits of the outputs of a class, beyond the outputs and the mark. Recordings of machines without blocking steps and work after
+/// data have neither.
+const BLOCKS: u64 = 2 << MAX_LINKS;
+const HAS_AFTER_DATA: u64 = BLOCKS << 1;
+
 /// The common part of the steps of a class.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StepClass {
@@ -31,7 +36,7 @@ impl StepClass {
     /// A class without a definition.
     pub(super) const UNDEFINED: Self = Self {
         demand: Demand::Finished,
-        made: StepTiming { occupancy: 0, latency: 0, outputs: 0, marked: false },
+        made: StepTiming { occupancy: 0, latency: 0, after_data: 0, outputs: 0, marked: false, blocking: false },
         requests: vec![],
         look_ups: vec![],
         count: Count { requests: 0, caches: 0 },
@@ -55,11 +60,15 @@ impl StepClass {
     }
 
     pub(super) fn write(&self, bytes: &mut Vec<u8>) {
-        let StepTiming { occupancy, latency, outputs, marked } = self.made;
+        let StepTiming { occupancy, latency, after_data, outputs, marked, blocking } = self.made;
+        let extras = if blocking { BLOCKS } else { 0 } | if after_data > 0 { HAS_AFTER_DATA } else { 0 };
         put(bytes, code(self.demand));
-        put(bytes, u64::from(outputs) << 1 | u64::from(marked));
+        put(bytes, extras | u64::from(outputs) << 1 | u64::from(marked));
         put(bytes, occupancy);
         put(bytes, latency);
+        if after_data > 0 {
+            put(bytes, after_data.into());
+        }
         for requests in [&self.requests, &self.look_ups] {
             put(bytes, requests.len() as u64);
             for r in requests {
@@ -75,15 +84,26 @@ impl StepClass {
     /// If it is not valid for a stage with so many inputs and outputs.
     pub(super) fn read(bytes: &[u8], at: &mut usize, [inputs, outputs]: [usize; 2]) -> Result<Self, RecordingError> {
         let demand = demand_of(get_up_to(bytes, at, ("the demand of a step", u64::MAX, ""))?, inputs)?;
-        let all = (1 << outputs << 1) - 1;
-        let delivers = get_up_to(bytes, at, ("the set of outputs of a step", all, "outputs that the stage has"))?;
+        let all: u64 = (1 << outputs << 1) - 1;
+        let (what, expected) = ("the set of outputs of a step", "outputs that the stage has");
+        let bits = get_up_to(bytes, at, (what, u64::MAX, expected))?;
+        let delivers = bits & !(BLOCKS | HAS_AFTER_DATA);
+        if delivers > all {
+            return Err(RecordingError::Value { what, value: delivers, expected });
+        }
         let occupancy = get_up_to(bytes, at, ("the occupancy of a step", LONGEST, "1 to 4294967295 cycles"))?;
         if occupancy == 0 {
             let (what, expected) = ("the occupancy of a step", "1 to 4294967295 cycles");
             return Err(RecordingError::Value { what, value: 0, expected });
         }
         let latency = get_up_to(bytes, at, ("the latency of a step", LONGEST, "at most 4294967295 cycles"))?;
-        let made = StepTiming { occupancy, latency, outputs: (delivers >> 1) as u32, marked: delivers & 1 != 0 };
+        let after_data = if bits & HAS_AFTER_DATA == 0 {
+            0
+        } else {
+            get_up_to(bytes, at, ("the work after data of a step", LONGEST, "at most 4294967295 cycles"))? as u32
+        };
+        let (outputs, marked, blocking) = ((delivers >> 1) as u32, delivers & 1 != 0, bits & BLOCKS != 0);
+        let made = StepTiming { occupancy, latency, after_data, outputs, marked, blocking };
         let mut requests = || -> Result<Vec<Request>, RecordingError> {
             let count = get_up_to(bytes, at, ("the number of requests of a step", MOST, "at most 1048576"))?;
             (0..count).map(|_| request(bytes, at)).collect()
@@ -113,6 +133,9 @@ pub(super) fn place(demand: Demand, made: &StepTiming, (requests, look_ups): (&[
     let mut mix = |value: u64| hash = (hash ^ value).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     mix(made.occupancy);
     mix(made.latency << 16 | u64::from(made.outputs) << 1 | u64::from(made.marked));
+    if made.blocking || made.after_data > 0 {
+        mix(u64::from(made.after_data) << 1 | u64::from(made.blocking));
+    }
     for r in requests.iter().chain(look_ups) {
         mix(u64::from(r.bytes) << 8 | u64::from(r.client) << 1 | u64::from(r.write));
     }
@@ -140,5 +163,49 @@ pub(super) fn demand_of(code: u64, inputs: usize) -> Result<Demand, RecordingErr
         2 => Ok(Demand::Finished),
         k if k < 3 + inputs as u64 => Ok(Demand::Only((k - 3) as usize)),
         value => Err(RecordingError::Value { what: "the demand of a step", value, expected: "inputs that the stage has" }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step with one input and one output.
+    fn class(after_data: u32, blocking: bool) -> StepClass {
+        let made = StepTiming { occupancy: 3, latency: 200, after_data, outputs: 1, marked: true, blocking };
+        StepClass::of(Demand::All, made, (&[], &[]))
+    }
+
+    #[test]
+    fn step_without_data_use_has_bytes_of_old_recordings() {
+        let mut bytes = Vec::new();
+        class(0, false).write(&mut bytes);
+        // Demand, outputs and mark, occupancy, latency, number of requests, number of look-ups.
+        assert_eq!(bytes, [1, 3, 3, 0x80 | (200 - 128), 1, 0, 0]);
+        assert_eq!(StepClass::read(&bytes, &mut 0, [1, 1]), Ok(class(0, false)));
+    }
+
+    #[test]
+    fn data_use_round_trips() {
+        let mut places = Vec::new();
+        for class in [class(0, true), class(7, false), class(7, true), class(900, true)] {
+            let mut bytes = Vec::new();
+            class.write(&mut bytes);
+            let mut at = 0;
+            assert_eq!(StepClass::read(&bytes, &mut at, [1, 1]).as_ref(), Ok(&class));
+            assert_eq!(at, bytes.len());
+            places.push(place(class.demand, &class.made, (&[], &[])));
+        }
+        places.dedup();
+        assert_eq!(places.len(), 4, "other classes usually have other places");
+    }
+
+    #[test]
+    fn outputs_beyond_those_of_stage_are_errors() {
+        let mut bytes = Vec::new();
+        class(7, true).write(&mut bytes);
+        let error = StepClass::read(&bytes, &mut 0, [1, 0]).unwrap_err();
+        let (what, expected) = ("the set of outputs of a step", "outputs that the stage has");
+        assert_eq!(error, RecordingError::Value { what, value: 3, expected });
     }
 }

@@ -4,6 +4,7 @@ use super::occupancy::OccupancyHistogram;
 use super::token_times::TokenTimes;
 use crate::Cycle;
 use crate::capacity::MAX_CLIENTS;
+use crate::netlist::FifoSpec;
 use std::cell::{Cell, RefCell};
 
 /// Tokens between two settlements of the occupancy. Settling each token as it came cost 100 instructions; a sweep costs 20. With
@@ -30,6 +31,7 @@ pub(crate) struct FifoTiming {
     delivered: Cell<usize>,
     popped: Cell<usize>,
     latency: u64,
+    period: u64,
     /// First visible cycle of the front token, and first cycle with a free slot for the next push. Every visit reads them, and
     /// they change with each token.
     front: Cell<Cycle>,
@@ -61,9 +63,8 @@ fn token(ring: &[TokenTimes], number: usize) -> &TokenTimes {
 }
 
 impl FifoTiming {
-    /// Creates the times of a FIFO of `depth` slots whose tokens are visible `latency` cycles after delivery. `awaits`: true if
-    /// its producer has memory clients, so that each slot keeps their answers.
-    pub(crate) fn new(depth: usize, latency: u64, awaits: bool) -> Self {
+    /// Creates the times of a FIFO. `awaits`: true if its producer has memory clients, so that each slot keeps their answers.
+    pub(crate) fn new(&FifoSpec { depth, latency, period, .. }: &FifoSpec, awaits: bool) -> Self {
         let unused = TokenTimes { reserved: Cell::default(), visible: Cell::new(Cycle::UNKNOWN), free: Cell::default() };
         let tokens = (depth + SWEEP).next_power_of_two();
         Self {
@@ -73,6 +74,7 @@ impl FifoTiming {
             delivered: Cell::new(0),
             popped: Cell::new(0),
             latency,
+            period,
             front: Cell::new(Cycle::UNKNOWN),
             room: Cell::default(),
             next_visible: Cell::default(),
@@ -198,10 +200,14 @@ impl FifoTiming {
         }
     }
 
-    /// Delivers the oldest reserved token (law 1): visible from max(d + f, visible time of the token before it + 1).
+    /// Delivers the oldest reserved token (law 1): visible from max(d + f, visible time of the token before it + 1), or from the
+    /// next multiple of the period.
     #[inline(always)]
     pub(crate) fn deliver(&self, delivered: Cycle) {
-        let visible = delivered.after(self.latency).max(self.next_visible.get());
+        let mut visible = delivered.after(self.latency).max(self.next_visible.get());
+        if self.period > 1 {
+            visible = Cycle(visible.0.next_multiple_of(self.period));
+        }
         let number = self.delivered.get();
         token(&self.ring, number).visible.set(visible);
         self.next_visible.set(visible.after(1));

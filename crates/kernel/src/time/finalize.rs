@@ -36,6 +36,7 @@ impl MachineTiming {
             StopReason::Limit(max) => (false, max),
             StopReason::Stopped | StopReason::Fault(_) => (false, quiet_total),
         };
+        self.memories.finish_periodic(Cycle(total));
         let mut stuck = Vec::new();
         let mut waits = Vec::new();
         let units = (0..self.stages.len())
@@ -81,12 +82,14 @@ impl MachineTiming {
 
     /// Returns the report of a unit, and the resource that blocks it for ever with the stage that could provide it.
     fn unit_report(&self, stage: usize, demand: Demand, complete: bool, total: Cycle) -> (UnitReport, Option<HeldBy>) {
-        let StageClock { free, steps, busy, .. } = &self.stages[stage];
+        let clock = &self.stages[stage];
+        let StageClock { free, steps, busy, .. } = clock;
         let mut account = self.accounts[stage].clone();
         account.busy = busy - free.since(total);
         let mut held_by = None;
         if demand == Demand::Finished || (complete && *steps > 0) {
-            account.done += total.since(*free);
+            clock.block.split((*free, total), &mut |(cause, from, to)| account.charge(cause, to.since(from)));
+            account.done += total.since(clock.released());
         } else {
             self.split_wait(stage, demand, (*free, total), |(cause, from, to)| account.charge(cause, to.since(from)));
             // A unit that was busy until the end waits for it, too.

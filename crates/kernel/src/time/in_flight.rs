@@ -1,8 +1,9 @@
 //! Steps in flight: steps that wait for memory answers, or behind such a step (laws 4 and 5).
 
+use super::blocking_wait::ClientOrder;
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::memory_system::LookUpQueue;
-use crate::step_requests::{CacheLookUps, StepRequestsView};
+use crate::step_requests::{CacheLines, CacheLookUps, StepRequestsView};
 use crate::{Cycle, MemorySystem, Request};
 use std::collections::VecDeque;
 
@@ -11,12 +12,16 @@ use std::collections::VecDeque;
 pub(crate) struct Delivery {
     /// Start + latency: the earliest delivery.
     pub(crate) base: Cycle,
-    /// Outputs that get a token, one bit each, and the bit [`MARKED`].
+    /// Cycles from the last answer to the delivery, at least; 0 if it waits for no answer.
+    pub(crate) after_data: u32,
+    /// Outputs that get a token, one bit each, and the bits [`MARKED`] and [`BLOCKING`].
     pub(crate) outputs: u32,
 }
 
 /// Bit of [`Delivery::outputs`]: the delivery passes a mark.
 pub(crate) const MARKED: u32 = 1 << MAX_LINKS;
+/// Bit of [`Delivery::outputs`]: the last answer frees the unit.
+pub(crate) const BLOCKING: u32 = MARKED << 1;
 
 /// A step that has issued its requests.
 #[derive(Clone, Debug)]
@@ -43,7 +48,14 @@ impl InFlightStep {
     /// Delivery time, if all answers are known.
     #[inline]
     pub(crate) fn delivered(&self) -> Cycle {
-        self.answers.iter().fold(self.delivery.base, |latest, answer| latest.max(*answer))
+        let Delivery { base, after_data, .. } = self.delivery;
+        let last = self.answers.iter().fold(Cycle::ZERO, |latest, answer| latest.max(*answer));
+        base.max(last.after(after_data.into()))
+    }
+
+    /// Returns true if the last answer of this step frees the unit.
+    pub(crate) fn is_blocking(&self) -> bool {
+        self.delivery.outputs & BLOCKING != 0
     }
 
     /// Takes in the answers to reads. Returns true if all answers are known.
@@ -74,6 +86,18 @@ impl InFlightStep {
     }
 }
 
+/// A step that has just issued its requests.
+pub(crate) struct IssuedRequests {
+    /// The least occupancy that its requests and look-ups need (laws 4 and 5).
+    pub(crate) least: u64,
+    /// True if it can deliver at once, because all its answers are known and no step is ahead.
+    pub(crate) at_once: bool,
+    /// True if it awaits any answer.
+    pub(crate) awaits: bool,
+    /// Its awaited clients, if it is a blocking step.
+    pub(crate) order: ClientOrder,
+}
+
 /// Steps in flight, oldest first.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InFlightSteps {
@@ -90,8 +114,7 @@ impl InFlightSteps {
         self.steps.is_empty()
     }
 
-    /// Issues the requests of a step that starts at `start`. Returns the least occupancy that its look-ups need (law 5), and true
-    /// if it can deliver at once because all its answers are known and no step is ahead.
+    /// Issues the requests of a step that starts at `start`.
     #[inline]
     pub(crate) fn issue(
         &mut self,
@@ -99,16 +122,37 @@ impl InFlightSteps {
         start: Cycle,
         (ids, system): (&[usize], &mut MemorySystem),
         asks: StepRequestsView<'_>,
-    ) -> (u64, bool) {
-        let mut least = 1;
+    ) -> IssuedRequests {
+        let mut issued = IssuedRequests { least: 1, at_once: false, awaits: false, order: ClientOrder::default() };
         let mut waits = false;
-        let requests = asks.look_ups(|look_ups, held, new| {
-            let (cycles, waits_too) = self.look_up(flight, start, (ids, &mut *system), (look_ups, held, new));
-            least = least.max(cycles);
+        let is_blocking = flight.is_blocking();
+        let requests = asks.look_ups(|look_ups, lines| {
+            let (cycles, waits_too) = self.look_up(flight, start, (ids, &mut *system), (look_ups, lines));
+            issued.least = issued.least.max(cycles);
+            issued.awaits = true;
             waits |= waits_too;
+            if is_blocking {
+                issued.order.mention(look_ups.client as usize);
+            }
         });
-        waits |= issue_requests(flight, start, (ids, system), requests);
-        (least, !waits && self.steps.is_empty())
+        waits |= issue_requests(flight, start, (ids, system), requests, &mut issued);
+        issued.awaits |= waits;
+        issued.at_once = !waits && self.steps.is_empty();
+        issued
+    }
+
+    /// Returns the blocking step that has just been issued, while any of its answers is unknown.
+    pub(crate) fn blocking(&self) -> Option<&InFlightStep> {
+        self.steps.back().filter(|flight| flight.is_blocking())
+    }
+
+    /// Returns a lower bound of the last answer that the blocking step waits for.
+    pub(crate) fn no_release_before(&self, ids: &[usize], system: &mut MemorySystem) -> Cycle {
+        let Some(flight) = self.blocking() else { return Cycle::ZERO };
+        let awaited = flight.awaited(ids, system);
+        ids.iter().zip(awaited).fold(Cycle::ZERO, |bound, (&client, answer)| {
+            bound.max(if answer.is_known() { answer } else { system.earliest_answer(client) })
+        })
     }
 
     /// Makes the look-ups of a step in one cache. Returns the least occupancy, and true if the step waits for any.
@@ -118,7 +162,7 @@ impl InFlightSteps {
         flight: &mut InFlightStep,
         start: Cycle,
         (ids, system): (&[usize], &mut MemorySystem),
-        look_up: (&CacheLookUps, &[u64], &[u64]),
+        look_up: (&CacheLookUps, CacheLines<'_>),
     ) -> (u64, bool) {
         let own = look_up.0.client as usize;
         let queue = &mut self.look_ups[own];
@@ -219,20 +263,25 @@ impl InFlightSteps {
     }
 }
 
-/// Issues the direct requests of a step. Returns true if it waits for any.
+/// Issues the direct requests of a step. Returns true if it waits for any, and notes in `issued` the occupancy that they need.
 #[inline]
 fn issue_requests(
     flight: &mut InFlightStep,
     start: Cycle,
     (ids, system): (&[usize], &mut MemorySystem),
     requests: &[Request],
+    issued: &mut IssuedRequests,
 ) -> bool {
     let mut waits = false;
     for r in requests {
-        let number = system.issue(ids[r.client as usize], start, r.address, r.bytes, r.write);
+        let (number, arrival) = system.issue(ids[r.client as usize], start, r);
+        issued.least = issued.least.max(arrival.since(start) + 1);
         if !r.write {
             flight.reads[r.client as usize] = number + 1;
             waits = true;
+            if flight.is_blocking() {
+                issued.order.mention(r.client as usize);
+            }
         }
     }
     waits

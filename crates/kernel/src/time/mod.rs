@@ -1,6 +1,7 @@
 //! Timing: the cycles that follow from the work of units. It has no units and no tokens. It holds the clock and the steps in
 //! flight of each stage, the times of each FIFO's slots, and the memories.
 
+mod blocking_wait;
 mod fifo_timing;
 mod finalize;
 mod in_flight;
@@ -22,6 +23,7 @@ pub(crate) use stage_clock::{StageClock, Wait, charge};
 pub(crate) use stage_visit::StageVisit;
 pub(crate) use step_timing::{AnyArity, StageArity, StepTiming};
 
+use crate::memory_events::EventBounds;
 use crate::netlist::Netlist;
 use crate::{Account, Cycle, MemorySystem, Probe};
 
@@ -35,6 +37,8 @@ pub(crate) struct MachineTiming {
     pub(crate) memories: MemorySystem,
     /// True if waits are charged and occupancy is counted.
     pub(crate) accounts_for: bool,
+    /// No step starts in this cycle or later.
+    pub(crate) limit: Cycle,
 }
 
 impl MachineTiming {
@@ -44,8 +48,9 @@ impl MachineTiming {
         memories.find_private(shape.stages.iter().map(|stage| stage.clients.as_slice()));
         let stages: Vec<_> = shape.stages.iter().map(|stage| StageClock::new(stage, &memories)).collect();
         let has_clients = |stage: usize| !shape.stages[stage].clients.is_empty();
-        let fifos = shape.fifos.iter().map(|f| FifoTiming::new(f.depth, f.latency, has_clients(f.producer))).collect();
-        Self { accounts: vec![Account::default(); shape.stages.len()], shape, stages, fifos, memories, accounts_for: true }
+        let fifos = shape.fifos.iter().map(|f| FifoTiming::new(f, has_clients(f.producer))).collect();
+        let (accounts, limit) = (vec![Account::default(); shape.stages.len()], Cycle::UNKNOWN);
+        Self { accounts, shape, stages, fifos, memories, accounts_for: true, limit }
     }
 
     /// Switches accounting off, for runs that need only the total.
@@ -77,7 +82,7 @@ impl MachineTiming {
             for (number, fifo) in self.fifos.iter().enumerate() {
                 fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.held(number, at, slots));
             }
-            self.memories.emit(probe, end);
+            self.memories.emit(probe, EventBounds { limit: self.limit, end });
         }
     }
 

@@ -34,7 +34,7 @@ impl StageClock {
         if takes == InputMask::NO_STEP {
             return Cycle::UNKNOWN;
         }
-        let mut at = self.free;
+        let mut at = if K::HAS_MEMORY { self.released() } else { self.free };
         inputs.each(takes.inputs(), K::INPUTS, |_, fifo| at = at.max(fifo.front_visible()));
         // Most visits end here. Other unknown times make no difference.
         if !at.is_known() {
@@ -60,8 +60,10 @@ impl StageClock {
         memories: &MemorySystem,
         takes: InputMask,
         (from, to): (Cycle, Cycle),
-        charge: impl FnMut(Wait),
+        mut charge: impl FnMut(Wait),
     ) {
+        let (from, to) =
+            if K::HAS_MEMORY && self.block.until > from { self.block.split((from, to), &mut charge) } else { (from, to) };
         let mut wait = WaitSplitter { at: from, to, charge };
         inputs.each(takes.inputs(), K::INPUTS, |i, fifo| wait.until(Cause::Starved(i), fifo.front_visible()));
         if wait.is_over() {

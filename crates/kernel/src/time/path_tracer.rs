@@ -35,11 +35,24 @@ struct PathEvent {
     why: EventCause,
 }
 
+/// A step that delivers later.
+#[derive(Clone, Copy, Debug)]
+struct Delivering {
+    /// Its event.
+    step: u32,
+    /// Its stage.
+    stage: usize,
+    /// Its delivery without memory.
+    base: Cycle,
+    /// Cycles from the last answer to the delivery, at least.
+    after_data: u64,
+}
+
 /// Tokens of a FIFO.
 #[derive(Clone, Debug)]
 struct FifoTokens {
-    /// Tokens inside: the step that made each, and its delivery without memory.
-    inside: VecDeque<(u32, Cycle)>,
+    /// Tokens inside: the step that made each.
+    inside: VecDeque<Delivering>,
     /// The token that became visible last.
     visible: u32,
     /// Steps that took the last tokens, as many as there are slots.
@@ -65,8 +78,8 @@ pub(crate) struct PathTracer {
     fifos: Vec<FifoTokens>,
     /// The step that issued each request, by client.
     issued: Vec<Vec<u32>>,
-    /// The last step that passes a mark, its stage, and its delivery without memory.
-    mark: Option<(u32, usize, Cycle)>,
+    /// The last step that passes a mark.
+    mark: Option<Delivering>,
     /// Groups of the steps to come, by stage; and events of grouped steps, with their groups.
     groups: Vec<Box<dyn Iterator<Item = u32>>>,
     of_groups: Vec<(u32, u32)>,
@@ -129,12 +142,13 @@ impl PathTracer {
                 tokens.pops.pop_front();
             }
         }
-        let base = at + clock.kept(made).1;
+        let (base, after_data) = (at + clock.kept(made).1, made.after_data.into());
+        let delivering = Delivering { step: event, stage, base, after_data };
         for (_, fifo) in clock.outputs.of(made.outputs) {
-            self.fifos[fifo].inside.push_back((event, base));
+            self.fifos[fifo].inside.push_back(delivering);
         }
         if made.marked {
-            self.mark = Some((event, stage, base));
+            self.mark = Some(delivering);
         }
     }
 
@@ -143,6 +157,12 @@ impl PathTracer {
         let &StageView { stage, clock, fifos, memories } = visit;
         if clock.free == at {
             return (self.steps[stage], EventCause::Occupancy(stage as u16));
+        }
+        if clock.block.until == at
+            && let Some(client) = clock.block.last(at).map(|own| clock.clients[own])
+        {
+            let answered = self.answer(memories, client, (self.steps[stage], at));
+            return (answered, EventCause::Memory(client as u16, RequestPhase::Order));
         }
         for (_, fifo) in clock.inputs.of(inputs) {
             if fifos[fifo].front_visible() == at {
@@ -167,29 +187,33 @@ impl PathTracer {
 
     /// Records that the front token of a FIFO, which is popped now, became visible.
     fn token(&mut self, shape: &Netlist, visit: &StageView<'_>, fifo: usize) -> u32 {
-        let (step, base) = self.fifos[fifo].inside.pop_front().unwrap_or((NONE, Cycle::ZERO));
-        let (slots, producer) = (&visit.fifos[fifo], shape.fifos[fifo].producer);
+        let nothing = Delivering { step: NONE, stage: shape.fifos[fifo].producer, base: Cycle::ZERO, after_data: 0 };
+        let made = self.fifos[fifo].inside.pop_front().unwrap_or(nothing);
+        let slots = &visit.fifos[fifo];
         let (visible, why) = (slots.front_visible(), EventCause::Fifo(fifo as u16));
-        let (latest, delivered) = latest(slots.front_answers().as_ref(), base);
-        if delivered + shape.fifos[fifo].latency < visible {
+        let (latest, delivered) = latest(slots.front_answers().as_ref(), &made);
+        let before = self.fifos[fifo].visible;
+        if delivered + shape.fifos[fifo].latency <= self.at(before) {
             // One token becomes visible per cycle.
-            return self.push(visible, self.fifos[fifo].visible, why);
+            return self.push(visible, before, why);
         }
-        let client = latest.map(|own| shape.stages[producer].clients[own]);
-        let after = self.delivery(visit.memories, (step, producer), base, (client, delivered));
+        let client = latest.map(|own| shape.stages[made.stage].clients[own]);
+        let after = self.delivery(visit.memories, &made, (client, delivered));
         self.push(visible, after, why)
     }
 
-    /// Records the delivery of a step: not before `base`, and not before the answer of `client`, if it waits for one.
-    fn delivery(
-        &mut self,
-        memories: &MemorySystem,
-        (step, stage): (u32, usize),
-        base: Cycle,
-        (client, at): (Option<usize>, Cycle),
-    ) -> u32 {
-        let ready = if base > self.at(step) { self.push(base, step, EventCause::Latency(stage as u16)) } else { step };
-        client.map_or(ready, |client| self.answer(memories, client, (ready, at)))
+    /// Records the delivery of a step at `at`. If it was later than without memory, `client` gave the last answer.
+    fn delivery(&mut self, memories: &MemorySystem, made: &Delivering, (client, at): (Option<usize>, Cycle)) -> u32 {
+        let &Delivering { step, stage, base, after_data } = made;
+        let why = EventCause::Latency(stage as u16);
+        let latency = |path: &mut Self, until: Cycle, after| {
+            if until > path.at(after) { path.push(until, after, why) } else { after }
+        };
+        let Some(client) = client else { return latency(self, base, step) };
+        let answer = Cycle(at.0 - after_data);
+        let ready = latency(self, base.min(answer), step);
+        let answered = self.answer(memories, client, (ready, answer));
+        latency(self, at, answered)
     }
 
     /// Records the phases of the request that a client got last by `at`, after an event.
@@ -254,11 +278,12 @@ impl PathTracer {
 
     /// Returns the event that the end of the run waits for.
     fn last(&mut self, time: &MachineTiming) -> u32 {
-        if let Some((step, stage, base)) = self.mark {
-            let clock = &time.stages[stage];
-            let at = clock.marks.iter().copied().max().unwrap_or(base);
-            let client = clock.clients.iter().copied().find(|&client| time.memories.is_answer(client, at));
-            return self.delivery(&time.memories, (step, stage), base, (client.filter(|_| at > base), at));
+        if let Some(made) = self.mark {
+            let clock = &time.stages[made.stage];
+            let at = clock.marks.iter().copied().max().unwrap_or(made.base);
+            let answer = Cycle(at.since(Cycle(made.after_data)));
+            let client = clock.clients.iter().copied().find(|&client| time.memories.is_answer(client, answer));
+            return self.delivery(&time.memories, &made, (client.filter(|_| at > made.base), at));
         }
         let stage = (0..time.stages.len()).max_by_key(|&stage| time.stages[stage].free);
         let Some(stage) = stage.filter(|&stage| self.steps[stage] != NONE) else { return NONE };
@@ -288,10 +313,13 @@ impl ByGroup {
     }
 }
 
-/// Returns the client, as the unit numbers it, with the latest answer and its time; `None` and `base` if no answer came later.
-fn latest(answers: Option<&[Cycle; MAX_CLIENTS]>, base: Cycle) -> (Option<usize>, Cycle) {
-    let answers = answers.into_iter().flatten().enumerate();
-    answers.fold((None, base), |best, (own, &answer)| if answer > best.1 { (Some(own), answer) } else { best })
+/// Returns the client, as the unit numbers it, whose answer determined the delivery, and the delivery; `None` if no answer did.
+fn latest(answers: Option<&[Cycle; MAX_CLIENTS]>, made: &Delivering) -> (Option<usize>, Cycle) {
+    let answers = answers.into_iter().flatten().enumerate().filter(|(_, answer)| **answer > Cycle::ZERO);
+    answers.fold((None, made.base), |best, (own, &answer)| {
+        let delivered = answer + made.after_data;
+        if delivered > best.1 { (Some(own), delivered) } else { best }
+    })
 }
 
 /// Adds the cycles between two times to the spans in which they lie. Each span ends at one of `ends`. (Found by binary search,

@@ -1,5 +1,6 @@
 //! Times of a stage: its clock, its steps in flight, and its waits.
 
+use super::blocking_wait::BlockingWait;
 use super::in_flight::InFlightSteps;
 use super::port_ids::PortIds;
 use super::{FifoTiming, InputMask, StepTiming};
@@ -29,6 +30,8 @@ pub(crate) struct StageClock {
     /// True if a memory is used by this stage only.
     pub(super) has_private: bool,
     pub(super) flights: InFlightSteps,
+    /// The wait for the answers of its last blocking step.
+    pub(crate) block: BlockingWait,
     /// True if it must be visited even without news.
     pub(crate) again: bool,
     /// Served requests of its clients at the last visit.
@@ -83,6 +86,7 @@ impl StageClock {
             needs: MemoryNeeds::new(clients, credits, memories),
             has_private: memories.has_private(clients),
             flights: InFlightSteps::default(),
+            block: BlockingWait::default(),
             again: true,
             served: 0,
             marks: Vec::new(),
@@ -101,10 +105,25 @@ impl StageClock {
         if self.ideal { (1, latency.saturating_sub(occupancy.saturating_sub(1))) } else { (occupancy, latency) }
     }
 
-    /// Records the known answers that the oldest slot holders wait for, for the engine that asks in every cycle.
-    pub(crate) fn record_awaits(&self, fifos: &[FifoTiming], memories: &MemorySystem) {
+    /// Returns the first cycle in which its last step keeps it no longer; unknown while a blocking step waits for an answer.
+    pub(crate) fn released(&self) -> Cycle {
+        self.free.max(self.block.until)
+    }
+
+    /// Returns a lower bound of the cycle in which a blocking step keeps it no longer.
+    pub(super) fn no_release_before(&self, memories: &mut MemorySystem) -> Cycle {
+        let until = self.block.until;
+        if until.is_known() { until } else { self.flights.no_release_before(&self.clients, memories) }
+    }
+
+    /// Records the known answers that a blocking step and the oldest slot holders wait for, for the engine that asks in every
+    /// cycle.
+    pub(crate) fn record_awaits(&mut self, fifos: &[FifoTiming], memories: &MemorySystem) {
         if self.clients.is_empty() {
             return;
+        }
+        if let Some(flight) = self.flights.blocking() {
+            self.block.note(flight.awaited(&self.clients, memories));
         }
         self.flights.oldest(|flight, to| {
             for (_, fifo) in self.outputs.of(to & self.outputs.all()) {

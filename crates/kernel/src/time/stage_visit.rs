@@ -1,7 +1,8 @@
 //! A stage being advanced: its clock with its FIFOs and memories. The connections do not change during a visit, so they are
 //! looked up once and not in every step.
 
-use super::in_flight::{Delivery, InFlightStep, MARKED};
+use super::blocking_wait::BlockingWait;
+use super::in_flight::{BLOCKING, Delivery, InFlightStep, MARKED};
 use super::port_ids::{ConnectedFifos, PortIds};
 use super::{FifoTiming, InputMask, StageArity, StageClock, StepTiming, charge};
 use crate::step_requests::StepRequestsView;
@@ -71,7 +72,7 @@ impl StageVisit<'_> {
     pub(crate) fn step<K: StageArity>(&mut self, at: Cycle, takes: InputMask, made: &StepTiming) {
         let (occupancy, latency) = self.begin::<K>(at, takes, made);
         if K::HAS_MEMORY && !self.clock.flights.is_empty() {
-            let delivery = delivery(at.after(latency), made);
+            let delivery = Delivery { base: at.after(latency), after_data: 0, outputs: outputs_and_mark(made) };
             self.clock.flights.push(InFlightStep::new(delivery), (&self.clock.clients, self.memories));
             return self.end(at, occupancy);
         }
@@ -112,7 +113,9 @@ impl StageVisit<'_> {
 
     #[inline(always)]
     fn step_asking_on(&mut self, at: Cycle, (occupancy, latency): (u64, u64), made: &StepTiming, asks: StepRequestsView<'_>) {
-        let delivery = delivery(at.after(latency), made);
+        let blocking = if made.blocking { BLOCKING } else { 0 };
+        let outputs = outputs_and_mark(made) | blocking;
+        let delivery = Delivery { base: at.after(latency), after_data: made.after_data, outputs };
         let least = depart(self.clock, self.fifos, self.memories, (at, delivery), asks);
         self.end(at, occupancy.max(least));
     }
@@ -144,6 +147,9 @@ impl StageVisit<'_> {
     pub(crate) fn promise<K: StageArity>(&mut self, takes: InputMask) -> Cycle {
         let Self { clock, memories, inputs, outputs, .. } = self;
         let mut start = if takes == InputMask::NO_STEP { Cycle::UNKNOWN } else { clock.free };
+        if K::HAS_MEMORY && clock.block.until > clock.free {
+            start = start.max(clock.no_release_before(memories));
+        }
         let (taken, room) = (takes.inputs(), outputs.all(K::OUTPUTS));
         inputs.each(taken, K::INPUTS, |_, fifo| start = start.max(fifo.no_front_before()));
         outputs.each(room, K::OUTPUTS, |_, fifo| start = start.max(fifo.no_room_before()));
@@ -166,14 +172,14 @@ impl StageVisit<'_> {
     }
 }
 
-/// Returns the delivery of a step.
+/// Returns the outputs of a step, with the bit [`MARKED`].
 #[inline(always)]
-fn delivery(base: Cycle, made: &StepTiming) -> Delivery {
-    Delivery { base, outputs: made.outputs | if made.marked { MARKED } else { 0 } }
+fn outputs_and_mark(made: &StepTiming) -> u32 {
+    made.outputs | if made.marked { MARKED } else { 0 }
 }
 
 /// Issues the requests of a step that starts at `start`, and delivers the step if all answers are known. Returns the least
-/// occupancy that its look-ups need. (This function and the next are not methods: with a reference to the visit, all of the visit
+/// occupancy that its requests need. (This function and the next are not methods: with a reference to the visit, all of the visit
 /// would have to be in memory.)
 fn depart(
     clock: &mut StageClock,
@@ -182,25 +188,44 @@ fn depart(
     (start, delivery): (Cycle, Delivery),
     asks: StepRequestsView<'_>,
 ) -> u64 {
-    let StageClock { flights, clients, marks, outputs, needs, .. } = clock;
+    let StageClock { flights, clients, needs, .. } = clock;
     let mut flight = InFlightStep::new(delivery);
-    let (least, at_once) = flights.issue(&mut flight, start, (clients, memories), asks);
+    let issued = flights.issue(&mut flight, start, (clients, memories), asks);
     needs.asked = true;
-    if at_once {
-        deliver_answered(marks, *outputs, &flight, delivery.outputs, fifos);
-    } else {
-        flights.push(flight, (clients, memories));
+    if !issued.awaits {
+        flight.delivery.after_data = 0;
+        flight.delivery.outputs &= !BLOCKING;
+    } else if flight.is_blocking() {
+        clock.block.begin(issued.order);
     }
-    least
+    if issued.at_once {
+        let StageClock { marks, outputs, block, .. } = clock;
+        deliver_answered((marks, block), *outputs, &flight, flight.delivery.outputs, fifos);
+    } else {
+        clock.flights.push(flight, (&clock.clients, memories));
+    }
+    issued.least
 }
 
 fn land(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut MemorySystem) -> bool {
-    let StageClock { flights, marks, clients, outputs, .. } = clock;
-    flights.land(outputs.all(), (clients, memories), |flight, to| deliver_answered(marks, *outputs, flight, to, fifos))
+    let StageClock { flights, marks, clients, outputs, block, again, .. } = clock;
+    let is_blocked = !block.until.is_known();
+    let all = outputs.all() | if is_blocked { BLOCKING } else { 0 };
+    let moved = flights.land(all, (clients, memories), |flight, to| {
+        deliver_answered((marks, block), *outputs, flight, to, fifos);
+    });
+    *again |= is_blocked && block.until.is_known();
+    moved
 }
 
 /// Delivers an answered step to these outputs.
-fn deliver_answered(marks: &mut Vec<Cycle>, outputs: PortIds, flight: &InFlightStep, to: u32, fifos: &[FifoTiming]) {
+fn deliver_answered(
+    (marks, block): (&mut Vec<Cycle>, &mut BlockingWait),
+    outputs: PortIds,
+    flight: &InFlightStep,
+    to: u32,
+    fifos: &[FifoTiming],
+) {
     let at = flight.delivered();
     for (_, fifo) in outputs.of(to & outputs.all()) {
         fifos[fifo].set_awaits(flight.answers);
@@ -208,5 +233,8 @@ fn deliver_answered(marks: &mut Vec<Cycle>, outputs: PortIds, flight: &InFlightS
     }
     if to & MARKED != 0 {
         marks.push(at);
+    }
+    if to & BLOCKING != 0 {
+        block.release(flight.answers);
     }
 }

@@ -8,10 +8,14 @@ pub(crate) struct StepTiming {
     pub(crate) occupancy: u64,
     /// Cycles from start to delivery.
     pub(crate) latency: u64,
+    /// Cycles from the last memory answer to delivery, at least.
+    pub(crate) after_data: u32,
     /// Outputs that got a token, one bit each.
     pub(crate) outputs: u32,
     /// True if its delivery passes a mark.
     pub(crate) marked: bool,
+    /// True if it keeps its unit until its last memory answer.
+    pub(crate) blocking: bool,
 }
 
 /// Compile-time knowledge of a stage: its numbers of FIFOs, and whether it uses memory. A step takes some dozens of instructions,

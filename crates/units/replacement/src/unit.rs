@@ -236,7 +236,7 @@ impl Replacement {
             (fragments as u64 * of_fragment, fragments as u64 * of_fragment)
         };
         let out = Some(Flow::Item(NormalIndexes { stamp: std::mem::take(&mut normals.stamp), samples }));
-        Step { out, occupancy: occupancy.max(1), latency: self.latency + cycles, marked: false }
+        Step::after(self.latency + cycles, out).busy(occupancy.max(1))
     }
 }
 

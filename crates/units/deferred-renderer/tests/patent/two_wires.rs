@@ -21,9 +21,10 @@ impl Unit for TwoOutputs {
     }
 
     fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
-        let Step { out: (request, order, round), occupancy, latency, marked } = self.0.step(input, traffic);
-        let orders = (order.is_some() || round.is_some()).then_some((order, round));
-        Step { out: (request, orders), occupancy, latency, marked }
+        self.0.step(input, traffic).map(|(request, order, round)| {
+            let orders = (order.is_some() || round.is_some()).then_some((order, round));
+            (request, orders)
+        })
     }
 
     fn is_empty(&self) -> bool {

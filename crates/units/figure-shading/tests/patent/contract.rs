@@ -116,9 +116,10 @@ impl Unit for OneWire {
     }
 
     fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
-        let Step { out, occupancy, latency, marked } = self.0.step(input, traffic);
-        let is_something = out.0.is_some() || out.1.is_some() || out.2.is_some() || out.3.is_some();
-        Step { out: is_something.then_some(out), occupancy, latency, marked }
+        self.0.step(input, traffic).map(|out| {
+            let is_something = out.0.is_some() || out.1.is_some() || out.2.is_some() || out.3.is_some();
+            is_something.then_some(out)
+        })
     }
 
     fn is_empty(&self) -> bool {

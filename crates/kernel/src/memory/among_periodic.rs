@@ -1,0 +1,114 @@
+//! Service of a memory with periodic clients (law 4).
+//!
+//! Their requests are known in advance, so no horizon waits for them. They are taken in only as far as requests of units need it:
+//! between two requests of units nothing depends on them. [`Memory::finish_periodic`] takes in the rest at the end of a run.
+
+use super::Memory;
+use crate::Cycle;
+use crate::client::Client;
+use crate::periodic::{LateData, PeriodicClient};
+
+impl Memory {
+    /// As [`Memory::serve`], for a memory with periodic clients. Requests and column commands are taken in order of time, as long
+    /// as a request of a unit waits.
+    pub(super) fn serve_among_periodic(&mut self, clients: &mut [Client], horizon: Cycle) -> bool {
+        let waiting = (self.arrived, self.bursts);
+        while !self.is_idle()
+            && let Some(next) = self.next_event(clients)
+            && next <= horizon + 1
+        {
+            // A request that arrives in the cycle before `next` comes into view at `next`, where older bursts go first. So the steps
+            // of this loop do not depend on the horizon.
+            self.serve_up_to(clients, next);
+            if next > horizon || self.is_idle() {
+                break;
+            }
+            self.split_in_order(clients, next);
+            self.serve_up_to(clients, next);
+        }
+        self.count_data(self.data_end);
+        (self.arrived, self.bursts) != waiting
+    }
+
+    /// Takes in the periodic requests that arrive before the end of a run of `total` cycles, and serves the bursts whose column
+    /// command is before it. Does nothing if requests of units wait, because the run was stopped then.
+    pub(crate) fn finish_periodic(&mut self, clients: &mut [Client], total: Cycle) {
+        if self.periodic.is_empty() || !self.is_idle() {
+            return;
+        }
+        while let Some(next) = self.next_event(clients)
+            && next < total
+        {
+            self.serve_up_to(clients, next);
+            self.split_in_order(clients, next);
+            self.serve_up_to(clients, next);
+        }
+        self.split_in_order(clients, total);
+        self.count_data(total);
+        for LateData { channel, from, to } in std::mem::take(&mut self.late_data) {
+            self.channels[channel].overrun += to.since(from.max(total));
+            if from < total {
+                self.bus.moved(from, total);
+            }
+        }
+    }
+
+    /// Counts the data of periodic clients that have moved by `until`, a lower bound of the end of the run.
+    fn count_data(&mut self, until: Cycle) {
+        let bus = &mut self.bus;
+        self.late_data.retain(|&LateData { from, to, .. }| {
+            let is_late = to > until;
+            if !is_late {
+                bus.moved(from, to);
+            }
+            is_late
+        });
+    }
+
+    /// Returns a lower bound of the next column command; `None` if there is nothing to serve.
+    fn next_event(&mut self, clients: &[Client]) -> Option<Cycle> {
+        let columns = self.channels.iter_mut().filter_map(|channel| channel.next_column());
+        let users = self.ports.iter().filter_map(|&port| clients[port].port.next_arrival());
+        let arrivals = users.chain(self.periodic.iter().map(|periodic| periodic.next.0));
+        columns.chain(arrivals.map(|arrival| arrival + 1)).min()
+    }
+
+    /// Serves the bursts whose column command is at `next` or before. `next` is a lower bound of the next column command, so these
+    /// choices are final.
+    fn serve_up_to(&mut self, clients: &mut [Client], next: Cycle) {
+        for channel in 0..self.channels.len() {
+            while self.channels[channel].next_column().is_some_and(|column| column <= next)
+                && let Some(served) = self.channels[channel].serve(Cycle::UNKNOWN)
+            {
+                self.moved(channel, clients, served);
+            }
+        }
+    }
+
+    /// Splits the requests that arrived before `horizon`, in order of (arrival, port number, issue). Periodic clients have the last
+    /// port numbers.
+    fn split_in_order(&mut self, clients: &mut [Client], horizon: Cycle) {
+        loop {
+            let user = self.next_port(clients, horizon);
+            let periodic = self.periodic.iter_mut().min_by_key(|periodic| periodic.next.0);
+            let first = periodic.as_ref().map_or(Cycle::UNKNOWN, |periodic| periodic.next.0);
+            if let Some((client, until)) = user
+                && clients[client].port.next_arrival().is_some_and(|arrival| arrival <= first)
+            {
+                self.split_from(client, &mut clients[client].port, until.min(first + 1));
+            } else if let Some(PeriodicClient { client, reads, next }) = periodic.filter(|_| first < horizon) {
+                let (client, (arrival, number)) = (*client, *next);
+                *next = (arrival + reads.period, number + 1);
+                let port = &mut clients[client].port;
+                port.issue(arrival, reads.address(number), reads.bytes, false);
+                // Only the requests and bursts of units are counted as waiting.
+                let waiting = self.bursts;
+                self.arrived += 1;
+                self.split_from(client, port, arrival + 1);
+                self.bursts = waiting;
+            } else {
+                return;
+            }
+        }
+    }
+}
