@@ -17,7 +17,7 @@
 //!   output](Step). It *starts* in a cycle s and occupies the unit for its **occupancy** >= 1, so the next step may start at
 //!   s + occupancy. It *delivers* at s + its **latency** >= 0, or later if it waits for memory answers. A fully pipelined
 //!   unit has occupancy 1 (initiation interval 1) and any latency.
-//! - **Work after data**: the [part of the latency](Step::after_data) that needs a memory answer, for example the filter behind a texel
+//! - **Work after data**: the [part of the latency](Step::after_data) that needs a memory answer, for example the filter behind a data
 //!   fetch. A **blocking** step [keeps its unit](Step::blocking) until its last answer, for example the load of a table.
 //! - **FIFO**: a [bounded queue](Fifo) between two units, with a *depth* in slots. A token delivered at d is **visible** to the
 //!   consumer at d + f, where f >= 1 is the FIFO's latency. The step that takes the token pops it. Tokens of a [periodic

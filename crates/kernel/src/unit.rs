@@ -87,7 +87,7 @@ impl<O> Step<O> {
     }
 
     /// Sets the cycles of work that need the data: the step delivers no earlier than so many cycles after each of its memory
-    /// answers. An example is the filter behind a texel fetch.
+    /// answers. An example is the filter behind a data fetch.
     #[inline]
     #[must_use]
     pub fn after_data(mut self, cycles: u32) -> Self {
