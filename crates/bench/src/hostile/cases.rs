@@ -1,14 +1,12 @@
 //! Hostile cases: a damaged file, and a command line.
 
 use super::random::RandomChoice as _;
-use super::server::{HostileAnswers, SampleScene};
+use super::samples::{HostileCase, SHORT, SampleInputs, words};
 use super::{mutate, options, scripts, settings};
 use basrelief_dse::SplitMix64;
-use basrelief_sim::{MACHINES, MachineInfo};
+use basrelief_sim::MACHINES;
 use basrelief_trace::{TraceForm, convert};
 use serde_json::Value;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 /// Kinds of inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,94 +40,7 @@ pub enum InputKind {
     Options,
 }
 
-/// A run of the program.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HostileCase {
-    /// Files in its folder.
-    pub files: Vec<(String, Vec<u8>)>,
-    /// Arguments of the program; SERVER is the address of the hostile server.
-    pub arguments: Vec<String>,
-    /// Answers of the hostile server, if the program requests any.
-    pub served: Option<HostileAnswers>,
-}
-
-impl HostileCase {
-    /// Makes a case without a server.
-    pub(super) fn of_files(files: Vec<(String, Vec<u8>)>, arguments: Vec<String>) -> Self {
-        Self { files, arguments, served: None }
-    }
-}
-
-/// Valid inputs, to be damaged.
-#[derive(Clone, Debug)]
-pub struct SampleInputs {
-    traces: Vec<String>,
-    gltf: Vec<Value>,
-    obj: String,
-    mtl: String,
-    pictures: Vec<Vec<u8>>,
-    /// Presets of each machine, in the order of [`MACHINES`].
-    configurations: Vec<Vec<String>>,
-    tape: Vec<u8>,
-    scene: SampleScene,
-}
-
-const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
-/// Options of every run of a file: short, and without analyses that other cases cover.
-pub(super) const SHORT: &str = "--max-cycles 200000 --out out";
 const CAMERA: &str = r#"{"view_projection":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"to_light":[0,0,1],"to_viewer":[0,0.5,1]}"#;
-
-impl SampleInputs {
-    /// Reads the samples of the workspace.
-    ///
-    /// # Errors
-    /// Returns an error if a sample cannot be read.
-    pub fn load() -> Result<Self, String> {
-        let bytes = |name: &str| fs::read(Path::new(WORKSPACE).join(name)).map_err(|e| format!("{name}: {e}"));
-        let text = |name: &str| bytes(name).map(|b| String::from_utf8_lossy(&b).into_owned());
-        let json = |name: &str| text(name).and_then(|t| serde_json::from_str(&t).map_err(|e| format!("{name}: {e}")));
-        Ok(Self {
-            traces: vec![text("crates/sim/src/quad.dl.jsonl")?, text("traces/patch-per-polygon.jsonl")?],
-            gltf: vec![json("tests/models/patch.gltf")?, json("tests/models/alcove.gltf")?],
-            obj: text("tests/models/patch.obj")?,
-            mtl: text("tests/models/patch.mtl")?,
-            pictures: ["tests/models/bumps.png", "tests/models/checks.png", "fuzz/seeds/image/tile.jpg"]
-                .map(bytes)
-                .into_iter()
-                .collect::<Result<_, _>>()?,
-            tape: bytes("fuzz/seeds/tape/corridor")?,
-            scene: SampleScene::load(&Path::new(WORKSPACE).join("tests/models/patch.obj"))?,
-            configurations: MACHINES.iter().map(presets).collect::<Result<_, _>>()?,
-        })
-    }
-
-    /// Returns a small trace.
-    pub(super) fn trace(&self) -> &str {
-        &self.traces[0]
-    }
-
-    /// Returns a scene as a server sends it, without compression.
-    pub(super) fn scene(&self) -> &[u8] {
-        &self.scene.plain
-    }
-
-    /// Returns the sample scene, for the hostile server.
-    pub fn sample_scene(&self) -> &SampleScene {
-        &self.scene
-    }
-}
-
-/// Returns the presets of a machine, `presets/MACHINE-NAME.toml`, in order of name.
-fn presets(machine: &MachineInfo) -> Result<Vec<String>, String> {
-    let folder = Path::new(WORKSPACE).join("presets");
-    let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
-    let paths = fs::read_dir(&folder).map_err(failed)?.map(|entry| entry.map(|e| e.path()));
-    let mut paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(failed)?;
-    paths.sort();
-    let prefix = format!("{}-", machine.name);
-    let own = paths.iter().filter(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&prefix)));
-    own.map(|path| fs::read_to_string(path).map_err(failed)).collect()
-}
 
 impl InputKind {
     /// All kinds.
@@ -189,11 +100,6 @@ impl InputKind {
             Self::Options => command_line(sources, random),
         }
     }
-}
-
-/// Splits a line at spaces.
-pub(super) fn words(line: &str) -> Vec<String> {
-    line.split_whitespace().map(str::to_owned).collect()
 }
 
 fn machine(random: &mut SplitMix64) -> &'static str {

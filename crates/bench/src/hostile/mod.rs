@@ -9,14 +9,16 @@ mod mutate;
 mod options;
 mod program;
 mod random;
+mod samples;
 mod scripts;
 mod server;
 mod settings;
 mod table;
 
-pub use cases::{HostileCase, InputKind, SampleInputs};
+pub use cases::InputKind;
 pub use program::{PATIENCE_S, RunResult, TestedProgram};
 pub use random::random_of;
+pub use samples::{HostileCase, SampleInputs};
 pub use server::{HostileServer, SampleScene};
 pub use table::RunTable;
 

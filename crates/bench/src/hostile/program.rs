@@ -1,6 +1,6 @@
 //! The program, run in a folder of its own, with time and memory measured.
 
-use super::cases::HostileCase;
+use super::samples::HostileCase;
 use super::server::HostileServer;
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -1,8 +1,8 @@
 //! Damaged plans, view files, and scenes of a server.
 
-use super::cases::{HostileCase, SHORT, SampleInputs, words};
 use super::mutate;
 use super::random::RandomChoice as _;
+use super::samples::{HostileCase, SHORT, SampleInputs, words};
 use super::server::{HostileAnswers, TILES};
 use basrelief_dse::SplitMix64;
 

@@ -7,16 +7,12 @@ use crate::protocol::{
 };
 use basrelief_deferred_renderer::{PyramidCut, TileEncoding};
 use basrelief_threads as threads;
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, PoisonError};
 
 /// Maximum number of tile sizes and encodings whose hashes are cached.
 const MOST_FORMATS: usize = 16;
 /// Encoding of the tiles of `/scene` without a format, which is the default of the machine.
 const DEFAULT_ENCODING: (TileEncoding, u8) = (TileEncoding::Raw, 100);
-
-/// Hashes of all pictures with their ETag, by tile size and encoding.
-pub(super) type CachedHashes = Mutex<BTreeMap<String, (Arc<[u8]>, String)>>;
 
 impl SceneService {
     /// Returns the scene with the hashes of its tiles. `format` is `WIDTHxHEIGHT/ENCODING`, or the default of the machine.

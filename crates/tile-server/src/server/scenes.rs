@@ -1,7 +1,6 @@
 //! `basrelief serve`: the server (110) of the patent as a program.
 
 use super::StaticFiles;
-use super::group_hashes::CachedHashes;
 use super::http::{CachePolicy, Response};
 use super::listen::{Limits, ListeningServer, RequestHandler, listen};
 use super::semaphore::Semaphore;
@@ -51,6 +50,9 @@ pub struct SceneService {
     cors: String,
     host_names: Vec<String>,
 }
+
+/// Hashes of all pictures with their ETag, by tile size and encoding.
+pub(super) type CachedHashes = Mutex<BTreeMap<String, (Arc<[u8]>, String)>>;
 
 /// A body that never changes, with its ETag.
 type Fixed = (Arc<[u8]>, String);
