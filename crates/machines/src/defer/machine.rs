@@ -10,9 +10,9 @@ use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_deferred_renderer::tokens::EncodedTile;
 use basrelief_deferred_renderer::{
-    CellFormat, CellUnit, DepthPixel, Expander, FilledBuffer, Identification, NetworkPath, PicturePreview, PyramidCut,
-    Rasterization, ReferenceBuffer, TableSizes, TextureMemory, TexturePage, TileList, TileLists, TileRecord, TileServer,
-    TileSource, ViewpointEnds, brightness_range,
+    CellFormat, Cells, DepthPixel, Expander, FilledBuffer, Identification, Path, PicturePreview, PyramidCut, Rasterization,
+    ReferenceBuffer, Server, TableSizes, TextureMemory, TexturePage, TileList, TileLists, TileRecord, TileSource, ViewpointEnds,
+    brightness_range,
 };
 use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
@@ -30,12 +30,12 @@ pub struct DeferredRenderer<F> {
     fifos: Fifos,
     /// Path to expander. Its depth is the number of tiles in flight, so it has no parameter.
     tiles: Fifo<EncodedTile>,
-    server: Stage<TileServer>,
-    path: Stage<NetworkPath>,
+    server: Stage<Server>,
+    path: Stage<Path>,
     expander: Stage<Expander>,
     rasterizer: Stage<Rasterizer>,
     depth: Stage<DepthTest<Stamp<Fragment>>>,
-    cell_maker: Stage<CellUnit>,
+    cell_maker: Stage<Cells>,
     reference_buffer: Stage<ReferenceBuffer>,
     identification: Stage<Identification>,
     tile_lists: Stage<TileLists>,
@@ -78,7 +78,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let (leaving, onlooker) = (ViewpointEnds::new(&c.defer, source.user()), source.onlooker());
         let shared = (c.defer.depth_pixel == DepthPixel::Shared).then(|| (c.video_out.clone(), c.clock.hz));
         let sizes = TableSizes::new(&c.cell, cut, &engine);
-        let cells = CellUnit::new(engine.clone(), c.operators.clone(), &c.cell, &c.defer, cut);
+        let cells = Cells::new(engine.clone(), c.operators.clone(), &c.cell, &c.defer, cut);
         let tile_bytes = 3 * c.tile.width * c.tile.height;
         let widths = SignalWidths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..SignalWidths::default() };
         wired(
@@ -86,8 +86,8 @@ impl<F: FrontEnd> DeferredRenderer<F> {
                 front,
                 fifos: Fifos::new(&c.fifo, &widths),
                 tiles: fifo("tiles", &slots(c.path.requests * c.path.tiles_per_request), &widths),
-                server: Stage::new("server", TileServer::new(c.path.clone(), c.defer.lighting, source)),
-                path: Stage::new("path", NetworkPath::new(&c.path, c.clock.hz, tile_bytes)),
+                server: Stage::new("server", Server::new(c.path.clone(), c.defer.lighting, source)),
+                path: Stage::new("path", Path::new(&c.path, c.clock.hz, tile_bytes)),
                 expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency, c.fifo.expanded.depth)),
                 depth: Stage::new("z-test", DepthTest::new(c.depth, &c.operators, c.rasterizer.z_bits, c.cache.depth.line_bytes)),
                 rasterizer: Stage::new("rasterizer", Rasterizer::new(c.rasterizer, c.operators)),

@@ -62,7 +62,7 @@ pub struct CellsState {
 /// frame declares (452), one after the other, or for an undeclared picture when a polygon first uses it. Textures with the same
 /// picture under several samplers share a page, because the wrap mode belongs to the cell.
 #[derive(Clone, Debug)]
-pub struct CellUnit {
+pub struct Cells {
     /// Parameters.
     pub config: EngineConfig,
     format: CellFormat,
@@ -81,7 +81,7 @@ pub fn brightness_range(lighting: LightingMode) -> f32 {
     if lighting == LightingMode::Gouraud { 2.0 } else { 1.0 }
 }
 
-impl CellUnit {
+impl Cells {
     /// Creates the unit in its power-on state.
     pub fn new(
         config: EngineConfig,
@@ -213,7 +213,7 @@ impl CellUnit {
     }
 }
 
-impl Unit for CellUnit {
+impl Unit for Cells {
     basrelief_kernel::unit_info!("texture, coordinates, layer depth, brightness of a pixel; sets pages (132) up");
     type In = Option<Flow<Stamp<Fragment>>>;
     type Out = Option<CellFlow>;

@@ -48,7 +48,7 @@ mod widths;
 
 pub use acquisition::{AcquiredTile, TileList, TileOrigin, TileState};
 pub use cell::{CellFormat, ReferenceCell};
-pub use cells::{CellUnit, CellsCounters, CellsState, brightness_range};
+pub use cells::{Cells, CellsCounters, CellsState, brightness_range};
 pub use config::{
     CellConfig, DepthPixel, EngineConfig, LightingMode, NumberFormat, PathConfig, RenderMode, RendererConfig, TileConfig,
     TileOrder, WrapOverride,
@@ -58,13 +58,13 @@ pub use expander::Expander;
 pub use identification::{Identification, IdentificationCounters, IdentificationState};
 pub use leaving::{UpcomingTiles, ViewUser, ViewpointEnds};
 pub use page::{PyramidCut, PyramidLayer, TexelArea, TexelCentre, TexturePage, WrappedCoordinates};
-pub use path::{NetworkPath, PathCounters, PathState};
+pub use path::{Path, PathCounters, PathState};
 pub use preview::PicturePreview;
 pub use pyramid::{LayerTexels, ServedTexture};
 pub use rasterization::{Rasterization, RasterizationCounters, RasterizationState};
 pub use records::TileRecord;
 pub use reference_buffer::{FilledBuffer, PreviewObserver, ReferenceBuffer, ReferenceBufferCounters, ReferenceBufferState};
-pub use server::{ConventionalLoad, ServerCounters, ServerState, TextureMemory, TileServer, TileSource};
+pub use server::{ConventionalLoad, Server, ServerCounters, ServerState, TextureMemory, TileSource};
 pub use sizes::TableSizes;
 pub use texels::{LayerCounts, PageTexels};
 pub use tile_lists::{TileLists, TileListsCounters, TileListsState};

@@ -30,7 +30,7 @@ pub struct PathState {
 /// the FIFO behind the path (law 2): the requests in flight times the tiles of each. The polygons arrive as one answer: only the
 /// first of them waits for the latency.
 #[derive(Clone, Debug)]
-pub struct NetworkPath {
+pub struct Path {
     bits_per_second: u128,
     hz: u128,
     latency: u64,
@@ -40,7 +40,7 @@ pub struct NetworkPath {
     pub state: PathState,
 }
 
-impl NetworkPath {
+impl Path {
     /// Creates a path for a device with a clock of `hz` that accepts tiles of up to `tile_bytes`.
     pub fn new(config: &PathConfig, hz: u64, tile_bytes: u32) -> Self {
         let latency = u64::try_from(u128::from(config.latency_us) * u128::from(hz) / 1_000_000).unwrap_or(u64::MAX);
@@ -63,7 +63,7 @@ impl NetworkPath {
     }
 }
 
-impl Unit for NetworkPath {
+impl Unit for Path {
     basrelief_kernel::unit_info!("network (106), I/O port (104), bus (108): rate, latency");
     type In = Option<TileResponse>;
     type Out = (Option<Control>, Option<EncodedTile>);

@@ -154,7 +154,7 @@ pub struct ServerState {
 ///
 /// After an unavailable tile the server sends nothing. The device finishes its received work, and then stops.
 #[derive(Debug)]
-pub struct TileServer {
+pub struct Server {
     /// Parameters.
     pub config: PathConfig,
     lighting: LightingMode,
@@ -163,7 +163,7 @@ pub struct TileServer {
     pub state: ServerState,
 }
 
-impl TileServer {
+impl Server {
     /// Creates a server that takes its tiles from `source`. Normals travel only if the device lights surfaces.
     pub fn new(config: PathConfig, lighting: LightingMode, source: Box<dyn TileSource>) -> Self {
         Self { config, lighting, source, state: ServerState::default() }
@@ -260,7 +260,7 @@ impl TileServer {
     }
 }
 
-impl Unit for TileServer {
+impl Unit for Server {
     basrelief_kernel::unit_info!("has polygons (112) and textures (114); sends tiles on request");
     type In = (Option<Control>, Option<TileRequest>, Option<()>);
     type Out = Option<TileResponse>;

@@ -8,7 +8,7 @@ use basrelief_deferred_renderer::tokens::{
     TileRequest, TileResponse,
 };
 use basrelief_deferred_renderer::{
-    CellConfig, CellFormat, CellUnit, EngineConfig, Expander, Identification, NetworkPath, PathConfig, PyramidCut, Rasterization,
+    CellConfig, CellFormat, Cells, EngineConfig, Expander, Identification, Path, PathConfig, PyramidCut, Rasterization,
     ReferenceBuffer, ReferenceCell, RenderMode, RendererConfig, TableSizes, TileConfig, TileLists, TileOrder, ViewpointEnds,
 };
 use basrelief_kernel::{Demand, MemoryPorts, Operators, Unit};
@@ -99,9 +99,9 @@ fn engine() -> EngineConfig {
     EngineConfig::default()
 }
 
-fn cells() -> CellUnit {
+fn cells() -> Cells {
     let cut = PyramidCut { tile: [8, 8], ..PyramidCut::default() };
-    CellUnit::new(engine(), Operators::default(), &CellConfig::default(), &RendererConfig::default(), cut)
+    Cells::new(engine(), Operators::default(), &CellConfig::default(), &RendererConfig::default(), cut)
 }
 
 fn reference_buffer(mode: RenderMode) -> ReferenceBuffer {
@@ -116,13 +116,9 @@ fn expander() -> Expander {
     Expander::new(TileConfig::default(), 8, 2)
 }
 
-fn path() -> NetworkPath {
+fn path() -> Path {
     // A fraction of a bit per cycle, and no whole number of cycles per byte.
-    NetworkPath::new(
-        &PathConfig { bits_per_second: 777_777_777, latency_us: 1, ..PathConfig::default() },
-        200_000_000,
-        3 * 64 * 64,
-    )
+    Path::new(&PathConfig { bits_per_second: 777_777_777, latency_us: 1, ..PathConfig::default() }, 200_000_000, 3 * 64 * 64)
 }
 
 fn rasterization(mode: RenderMode) -> TwoInputs {

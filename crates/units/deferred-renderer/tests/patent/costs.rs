@@ -6,8 +6,8 @@ use basrelief_deferred_renderer::cell::CellFormat;
 use basrelief_deferred_renderer::colour::progressive;
 use basrelief_deferred_renderer::tokens::{CellBlock, CellFlow, PassFlow, StoreOrder, TileResponse};
 use basrelief_deferred_renderer::{
-    CellConfig, CellUnit, ConventionalLoad, EngineConfig, LightingMode, PageTexels, PathConfig, PyramidCut, Rasterization,
-    ReferenceCell, RenderMode, RendererConfig, ServedTexture, TableSizes, TextureMemory, TileEncoding, TileServer, ViewpointEnds,
+    CellConfig, Cells, ConventionalLoad, EngineConfig, LightingMode, PageTexels, PathConfig, PyramidCut, Rasterization,
+    ReferenceCell, RenderMode, RendererConfig, ServedTexture, Server, TableSizes, TextureMemory, TileEncoding, ViewpointEnds,
 };
 use basrelief_kernel::{MemoryPorts, Operators, Unit};
 use basrelief_signals::{
@@ -34,14 +34,14 @@ fn triangle(material: Material, normal: [f32; 3], bump: bool) -> Control {
     Control::Polygon(Arc::new(Polygon { vertices, material: Arc::new(material), object: 3, lod: 0, bump, arrival: 0 }))
 }
 
-fn cells(lighting: LightingMode) -> CellUnit {
+fn cells(lighting: LightingMode) -> Cells {
     let renderer = RendererConfig { lighting, ..RendererConfig::default() };
     let (engine, operators) = (EngineConfig::default(), Operators::default());
-    CellUnit::new(engine, operators, &CellConfig::default(), &renderer, PyramidCut::default())
+    Cells::new(engine, operators, &CellConfig::default(), &renderer, PyramidCut::default())
 }
 
 /// Returns the cell of a pixel of the last polygon of these commands, and the number of pages set up.
-fn cell(unit: &mut CellUnit, controls: &[Control]) -> (ReferenceCell, usize) {
+fn cell(unit: &mut Cells, controls: &[Control]) -> (ReferenceCell, usize) {
     let mut step = |token| unit.step(Some(token), &mut MemoryPorts::default()).out;
     let pages = controls.iter().filter(|c| matches!(step(Flow::Control((*c).clone())), Some(CellFlow::Page(_)))).count();
     let fragment = Fragment { x: 1, y: 1, weights: [0.1, 0.1], ..Fragment::default() };
@@ -89,7 +89,7 @@ fn one_picture_under_several_samplers_is_one_page() {
 /// Returns the bytes of the server's tokens for these commands, and the load of all their textures.
 fn sent(config: PathConfig, lighting: LightingMode, controls: &[Control]) -> (Vec<u64>, ConventionalLoad) {
     let source = TextureMemory::new(TileEncoding::Raw, 85);
-    let mut server = TileServer::new(config, lighting, Box::new(source));
+    let mut server = Server::new(config, lighting, Box::new(source));
     let mut send = |control: &Control| {
         // The phase between frames does not matter here.
         let (phase, traffic) = (matches!(control, Control::Frame(_)).then_some(()), &mut MemoryPorts::default());

@@ -1,7 +1,7 @@
 //! Units of three inputs or outputs with two of them on one wire, because the unit contract supports at most two.
 
 use basrelief_deferred_renderer::tokens::{ExpandedTile, MarkFlow, PassFlow, PassRound, StoreOrder, TileRequest, TileResponse};
-use basrelief_deferred_renderer::{LightingMode, PathConfig, Rasterization, TextureMemory, TileEncoding, TileLists, TileServer};
+use basrelief_deferred_renderer::{LightingMode, PathConfig, Rasterization, Server, TextureMemory, TileEncoding, TileLists};
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::Control;
 
@@ -80,11 +80,11 @@ impl Unit for TwoInputs {
 }
 
 /// The server with requests and the news of a picture on one wire. Each server has a tile source of its own.
-pub struct Requested(pub TileServer);
+pub struct Requested(pub Server);
 
 impl Requested {
     pub fn new() -> Self {
-        Self(TileServer::new(PathConfig::default(), LightingMode::None, Box::new(TextureMemory::new(TileEncoding::Raw, 85))))
+        Self(Server::new(PathConfig::default(), LightingMode::None, Box::new(TextureMemory::new(TileEncoding::Raw, 85))))
     }
 }
 
