@@ -58,6 +58,10 @@ fn keep(kind: InputKind, number: u64, case: &HostileCase) -> Result<PathBuf, Str
     let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
     fs::create_dir_all(&folder).map_err(failed)?;
     case.files.iter().try_for_each(|(name, bytes)| fs::write(folder.join(name), bytes)).map_err(failed)?;
+    if let Some(served) = &case.served {
+        fs::write(folder.join("served-scene"), &served.scene).map_err(failed)?;
+        fs::write(folder.join("served-seed"), served.seed.to_string()).map_err(failed)?;
+    }
     fs::write(folder.join("command-line"), case.arguments.join(" ") + "\n").map_err(failed)?;
     Ok(folder)
 }

@@ -118,7 +118,8 @@ fn without_host(bytes: &[u8]) -> Vec<u8> {
     }
     match std::str::from_utf8(bytes) {
         Ok(text) => {
-            let kept = text.lines().filter(|line| !line.starts_with("Simulated in ") && !line.starts_with("host,"));
+            let of_host = |line: &&str| ["Simulated in ", "Real path: ", "host,"].iter().any(|start| line.starts_with(start));
+            let kept = text.lines().filter(|line| !of_host(line));
             kept.flat_map(|line| [line, "\n"]).collect::<String>().into_bytes()
         }
         Err(_) => bytes.to_vec(),
