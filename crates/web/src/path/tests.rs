@@ -113,7 +113,8 @@ fn page_batches_missing_tiles() {
     assert!(server.requests() == 2 && server.asked.borrow()[1].ends_with("/1,2"), "{server:?}");
     assert_eq!(take(&path, &[5, 2]).unwrap(), expected(&[5, 2]));
     let bytes: usize = expected(&[0, 1, 2, 3, 5]).iter().map(|tile| tile.len()).sum();
-    assert_eq!(path.come(), Come { requests: 2, scene_bytes: 0, tiles: 5, tile_bytes: bytes as u64 });
+    // Two requests of tiles, and one of their hashes.
+    assert_eq!(path.come(), Come { requests: 3, scene_bytes: 0, tiles: 5, tile_bytes: bytes as u64 });
 }
 
 // Claim: as page_batches_missing_tiles.
