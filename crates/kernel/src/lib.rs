@@ -167,8 +167,8 @@
 //!    k * `period`, at an address that follows from k. It holds no credit. Periodic clients have the last port numbers of their memory.
 //!
 //!    *Enforced by [`MemorySystem`]; test `laws/law_4_memory`, and `dramsim3` against DRAMsim3's figures.*
-//! 5. **Cache.** The look-ups of a step are its n distinct lines in order of first mention. Its occupancy is
-//!    >= ceil(n / `lookups_per_cycle`). Look-up n is made in cycle s + n div `lookups_per_cycle` if the cache
+//! 5. **Cache.** The look-ups of a step are its n distinct lines in order of first mention. Its occupancy is at
+//!    least ceil(n / `lookups_per_cycle`). Look-up n is made in cycle s + n div `lookups_per_cycle` if the cache
 //!    [spreads look-ups](MemorySystem::spread_look_ups), and at the start s otherwise. Tags change in order of look-up; the least
 //!    recently used line is replaced. Tags run ahead of the data (Igehy 1998), so a line in flight may be replaced, while fills and uses
 //!    stay in order. A miss makes one line request, which arrives at the memory in the cycle of the look-up. The look-up is answered at the
