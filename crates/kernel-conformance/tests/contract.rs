@@ -142,7 +142,7 @@ impl Unit for Triple {
         };
         let latency = if self.hasty { 0 } else { 1 };
         let step = Step::after(latency, Some(out)).busy(1 + token % 2).after_data(1);
-        if token % 3 == 0 { step.blocking() } else { step }
+        if token.is_multiple_of(3) { step.blocking() } else { step }
     }
     fn largest_step(&self, client: usize) -> u32 {
         if client < 2 { 2 } else { 0 }

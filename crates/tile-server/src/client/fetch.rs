@@ -145,7 +145,7 @@ impl Fetcher {
         let url = format!("{}/{address}", self.base);
         let once = || {
             self.meter.begin();
-            self.once(&url, (u64::MAX, check_scene_status), &came)
+            self.once(&url, u64::MAX, check_scene_status, &came)
         };
         match self.patiently((Attempts::default(), &sleep), once) {
             Ok((scene, held)) => {
@@ -178,7 +178,7 @@ impl Fetcher {
     /// Makes one request for several tiles, each of which must pass the check. Returns `None` after any failure; the caller then
     /// requests the tiles one by one.
     pub fn tiles(&self, tiles: &str, count: usize, check: impl Fn(usize, &[u8]) -> Result<(), String>) -> Option<Vec<Vec<u8>>> {
-        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), (MAX_TILE_BYTES, check_status), &|_| ()).ok()?;
+        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), MAX_TILE_BYTES, check_status, &|_| ()).ok()?;
         let tiles = split(&body, count).ok()?;
         tiles.iter().enumerate().try_for_each(|(i, tile)| check(i, tile)).ok()?;
         tiles.iter().for_each(|tile| self.meter.came(Body::Tile, tile.len() as u64));
@@ -208,7 +208,7 @@ impl Fetcher {
         attempts: (Attempts, &dyn Fn(Duration) -> bool),
     ) -> Result<T, String> {
         let url = format!("{}/{address}", self.base);
-        let once = || -> Result<T, FetchError> { Ok(check(self.once(&url, (largest, check_status), &|_| ())?.0)?) };
+        let once = || -> Result<T, FetchError> { Ok(check(self.once(&url, largest, check_status, &|_| ())?.0)?) };
         self.patiently(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
     }
 
@@ -272,7 +272,8 @@ impl Fetcher {
     fn once(
         &self,
         url: &str,
-        (largest, check_status): (u64, fn(u16) -> Result<(), String>),
+        largest: u64,
+        check_status: fn(u16) -> Result<(), String>,
         came: &dyn Fn(u64),
     ) -> Result<FetchedBody, FetchError> {
         let _under_way = self.meter.under_way();
