@@ -22,7 +22,7 @@ impl<'py> Pixels<'py> {
 pub struct Given(u32, u32, PyBackedBytes);
 
 impl Given {
-    /// Decodes bytes from [`Picture::to_rgba`].
+    /// Decodes bytes from [`RgbPicture::to_rgba`].
     pub fn picture(&self) -> Done<RgbPicture> {
         let Self(width, height, rgba) = self;
         let pixels = rgba.as_chunks::<4>().0;

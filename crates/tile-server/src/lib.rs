@@ -11,7 +11,7 @@
 //!
 //! | path | content |
 //! |---|---|
-//! | `/scene/WIDTHxHEIGHT/ENCODING` | the scene ([`basrelief_scene::Subject::to_bytes`]), [compressed](protocol::pack), and the [hashes](protocol::GroupHashes) of its tiles |
+//! | `/scene/WIDTHxHEIGHT/ENCODING` | the scene ([`basrelief_scene::SceneSubject::to_bytes`]), [compressed](protocol::pack), and the [hashes](protocol::GroupHashes) of its tiles |
 //! | `/hashes/PICTURE/WIDTHxHEIGHT/ENCODING/GROUP` | the hashes of the tiles of a group: 16 bytes for each tile |
 //! | `/tile/PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER` | one tile of a picture cut into tiles of this size; ENCODING is `raw`, `png`, or `jpeg-QUALITY` |
 //! | `/tile/PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER,NUMBER,...` | [several tiles](protocol::join): for each its length as 4 bytes, little-endian, then its bytes |
