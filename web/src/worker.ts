@@ -33,7 +33,8 @@ const outside: Outside = {
       waited += performance.now() - began;
     }
     const rest = new Uint8Array(request.response as ArrayBuffer);
-    tell({ id, came: rest.length });
+    // Answers count the bytes of tiles and not those of the lists that check them.
+    if (!address.startsWith("hashes/")) tell({ id, came: rest.length });
     return { json: { status: request.status, tag: request.getResponseHeader("etag") ?? "" }, rest };
   },
   show: ({ json, rest }) => tell({ id, sketch: json, rest }, [rest.buffer]),
