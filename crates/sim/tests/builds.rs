@@ -1,28 +1,20 @@
 //! Recordings of other builds of the simulator stay readable, and say so.
 
+mod common;
+
 use basrelief_input::Budget;
 use basrelief_report::Report;
 use basrelief_sim::{
-    AnalysisPolicy, BUILD, MachineConfig, Observer, RecordedRun, Recording, RecordingError, ResimulateOptions, RunInput,
-    RunOptions, doc_trace, resimulate_to, run, size_fifos,
+    AnalysisPolicy, BUILD, MachineConfig, RecordedRun, Recording, RecordingError, ResimulateOptions, RunInput, RunOptions,
+    doc_trace, resimulate_to, run, size_fifos,
 };
+use common::CollectedRecording;
 use serde_json::{Value, json};
 use std::io::{Cursor, Read};
 
-/// Collects the recording.
-#[derive(Default)]
-struct Kept(Vec<u8>);
-
-impl Observer for Kept {
-    fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
-        self.0.extend_from_slice(bytes);
-        Ok(())
-    }
-}
-
 fn recorded() -> (Report, Vec<u8>) {
     let options = RunOptions { recording: AnalysisPolicy::Always, exact: false, ..RunOptions::default() };
-    let mut kept = Kept::default();
+    let mut kept = CollectedRecording::default();
     let source = RunInput::trace(Cursor::new(doc_trace()), "quad.dl.jsonl");
     (run(source, &options, &mut kept, None).unwrap().report, kept.0)
 }
@@ -49,7 +41,7 @@ fn of_another_build(recording: &[u8]) -> Vec<u8> {
 
 fn resimulated(recording: &[u8]) -> Result<(Report, Vec<u8>), RecordingError> {
     let options = ResimulateOptions { settings: vec![], bottlenecks: AnalysisPolicy::Never, budget: Budget::default() };
-    let mut kept = Kept::default();
+    let mut kept = CollectedRecording::default();
     Ok((resimulate_to(&mut Cursor::new(recording), &options, &mut kept)?, kept.0))
 }
 

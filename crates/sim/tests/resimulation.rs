@@ -1,5 +1,7 @@
 //! Independence of work from timing, on all machines: recordings, resimulation, bottlenecks, and explanations of differences.
 
+mod common;
+
 use basrelief_input::Budget;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::Report;
@@ -11,21 +13,11 @@ use basrelief_sim::{
     ResimulateOptions, RunInput, RunOptions, display_list, explain, input_sha256, resimulate, run, trace_header,
 };
 use basrelief_threads as threads;
+use common::CollectedRecording;
 use proptest::prelude::*;
 use serde_json::Value;
 use std::io::Cursor;
 use std::sync::{Arc, LazyLock};
-
-/// Collects the recording.
-#[derive(Default)]
-struct Taping(Vec<u8>);
-
-impl Observer for Taping {
-    fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
-        self.0.extend_from_slice(bytes);
-        Ok(())
-    }
-}
 
 type Settings = Vec<(String, String)>;
 
@@ -68,7 +60,7 @@ fn recorded_here(
         recording: AnalysisPolicy::Always,
         ..RunOptions::default()
     };
-    let mut taping = Taping::default();
+    let mut taping = CollectedRecording::default();
     let run = run(source, &settings, &mut taping, None).ok()?;
     Some((run.report, taping.0)).filter(|_| run.recording_is_complete)
 }
@@ -159,7 +151,7 @@ fn faults_are_the_same_on_two_threads() {
     let config = MACHINES[0].load("", &settings).unwrap();
     let fault = || {
         let options = RunOptions { config: config.clone(), exact: false, ..RunOptions::default() };
-        let ran = run(of_scene(&MACHINES[0]), &options, &mut Taping::default(), None);
+        let ran = run(of_scene(&MACHINES[0]), &options, &mut CollectedRecording::default(), None);
         ran.map(|run| run.report.outcome).unwrap_err().to_string()
     };
     let alone = threads::alone(fault);
