@@ -10,22 +10,22 @@ const RUN: &str = "demo corridor --size 48x36 --no-exact --quiet";
 #[test]
 fn resimulation_equals_run_with_any_engine() {
     let place = Place::new();
-    place.ok(&format!("{RUN} --recording timed.tape --out a"));
-    place.ok(&format!("{RUN} --recording ticked.tape --engine ticked --out b"));
+    place.ok(&format!("{RUN} --recording timed.recording --out a"));
+    place.ok(&format!("{RUN} --recording ticked.recording --engine ticked --out b"));
     let report = |folder: &str| without_host(place.report(folder));
     assert_eq!(report("a"), report("b"), "limits and all");
-    let again = |tape: &str, set: &str| {
-        place.ok(&format!("resimulate {tape} {set} --out again --quiet"));
+    let again = |recording: &str, set: &str| {
+        place.ok(&format!("resimulate {recording} {set} --out again --quiet"));
         report("again")
     };
-    assert_eq!(again("timed.tape", ""), report("a"));
+    assert_eq!(again("timed.recording", ""), report("a"));
     let set = "--set fifo.pixels.depth=3 --set memory.texture.part=sdr-100 --set cache.texture.ways=1 --set ideal.units=divider";
     place.ok(&format!("{RUN} {set} --out other"));
     assert_ne!(report("other"), report("a"));
-    for tape in ["timed.tape", "ticked.tape"] {
-        assert_eq!(again(tape, set), report("other"), "{tape}");
+    for recording in ["timed.recording", "ticked.recording"] {
+        assert_eq!(again(recording, set), report("other"), "{recording}");
     }
-    let printed = place.ok(&format!("resimulate timed.tape {set} --json")).out;
+    let printed = place.ok(&format!("resimulate timed.recording {set} --json")).out;
     assert_eq!(without_host(serde_json::from_str(&printed).expect("a report")), report("other"));
 }
 
@@ -46,23 +46,23 @@ fn limits_hold_as_full_runs_and_can_be_left_out() {
 #[test]
 fn run_writes_recording_beside_report() {
     let place = Place::new();
-    let has_tape = |folder: &str| place.names(folder).contains(&"run.recording".to_owned());
+    let has_recording = |folder: &str| place.names(folder).contains(&"run.recording".to_owned());
     place.ok(&format!("{RUN} --out a"));
-    assert!(has_tape("a"));
+    assert!(has_recording("a"));
     for without in ["--no-bottlenecks", "--functional", "--max-cycles 500"] {
         place.ok(&format!("{RUN} --out b"));
-        assert!(has_tape("b"));
+        assert!(has_recording("b"));
         place.run(&format!("{RUN} --out b {without}"));
-        assert!(place.names("b").contains(&"report.json".to_owned()) && !has_tape("b"), "{without}: none of an earlier run");
+        assert!(place.names("b").contains(&"report.json".to_owned()) && !has_recording("b"), "{without}: none of an earlier run");
     }
     place.ok("resimulate a --set fifo.pixels.depth=3 --out b --quiet");
     place.ok(&format!("{RUN} --set fifo.pixels.depth=3 --out c"));
-    assert_eq!(without_host(place.report("b")), without_host(place.report("c")), "a folder is its tape");
+    assert_eq!(without_host(place.report("b")), without_host(place.report("c")), "a folder is its recording");
     place.ok("resimulate b --set fifo.pixels.latency=7 --out d --quiet");
     place.ok("resimulate c --set fifo.pixels.latency=7 --out e --quiet");
     assert_eq!(without_host(place.report("d")), without_host(place.report("e")), "resimulate writes the recording of that run");
     place.ok("resimulate a --no-bottlenecks --out d --quiet");
-    assert!(!has_tape("d"));
+    assert!(!has_recording("d"));
     place.ok("size-fifos a --within 1");
     assert!(place.run("size-fifos d").error(1).starts_with("d/run.recording: cannot be read"));
     assert!(place.run("resimulate a --out a").error(2).contains("is an input (RECORDING)"));
@@ -73,13 +73,13 @@ fn run_writes_recording_beside_report() {
 #[test]
 fn sized_fifos_keep_requested_cycles() {
     let place = Place::new();
-    place.ok(&format!("{RUN} --recording a.tape"));
+    place.ok(&format!("{RUN} --recording a.recording"));
     let cycles = place.frame_cycles("out");
-    let text = place.ok("size-fifos a.tape --within 0,1").out;
+    let text = place.ok("size-fifos a.recording --within 0,1").out;
     let sets = text.lines().find_map(|line| line.strip_prefix("within 1 %: ")).expect("a choice");
     place.ok(&format!("{RUN} --no-bottlenecks {sets} --out small"));
     assert!(place.frame_cycles("small") as f64 <= cycles as f64 * 1.01, "{text}");
-    let sizes: serde_json::Value = serde_json::from_str(&place.ok("size-fifos a.tape --within 1 --json").out).expect("JSON");
+    let sizes: serde_json::Value = serde_json::from_str(&place.ok("size-fifos a.recording --within 1 --json").out).expect("JSON");
     let slots = |n: usize| sizes["choices"][n]["slots"].as_u64().expect("slots");
     assert!(slots(1) * 10 < slots(0) * 6, "at least 40 % fewer: {sizes}");
     assert_eq!(sizes["choices"][1]["cycles"][0].as_u64(), Some(place.frame_cycles("small")), "as a full run has it");
@@ -88,32 +88,32 @@ fn sized_fifos_keep_requested_cycles() {
 #[test]
 fn models_and_demos_are_sized_without_recording() {
     let place = Place::new();
-    place.ok(&format!("{RUN} --recording a.tape"));
-    let of_tape = place.ok("size-fifos a.tape --within 1 --json").out;
-    assert_eq!(place.ok("size-fifos demo:corridor --size 48x36 --within 1 --json").out, of_tape);
-    assert!(place.run("size-fifos a.tape --size 8x8").error(2).contains("a recording has its own machine and view"));
+    place.ok(&format!("{RUN} --recording a.recording"));
+    let of_recording = place.ok("size-fifos a.recording --within 1 --json").out;
+    assert_eq!(place.ok("size-fifos demo:corridor --size 48x36 --within 1 --json").out, of_recording);
+    assert!(place.run("size-fifos a.recording --size 8x8").error(2).contains("a recording has its own machine and view"));
 }
 
 #[test]
 fn bad_recordings_and_parameters_are_named() {
     let place = Place::new();
-    place.ok(&format!("{RUN} --recording a.tape"));
-    let tape = place.bytes("a.tape");
-    fs::write(place.path("half.tape"), &tape[..tape.len() / 2]).expect("a file");
-    fs::write(place.path("no.tape"), "no tape").expect("a file");
-    for name in ["half.tape", "no.tape"] {
+    place.ok(&format!("{RUN} --recording a.recording"));
+    let recording = place.bytes("a.recording");
+    fs::write(place.path("half.recording"), &recording[..recording.len() / 2]).expect("a file");
+    fs::write(place.path("no.recording"), "no recording").expect("a file");
+    for name in ["half.recording", "no.recording"] {
         for command in ["resimulate", "size-fifos"] {
             let error = place.run(&format!("{command} {name}"));
             assert!(error.error(1).starts_with(&format!("{name}: not a recording")), "{}", error.err);
         }
     }
-    let error = |line: &str| place.run(&format!("resimulate a.tape {line}"));
+    let error = |line: &str| place.run(&format!("resimulate a.recording {line}"));
     assert!(error("--set operators.divide.latency=9").error(2).contains("changes the work of the units"));
     assert!(error("--set fifo.pixels.depht=9").error(2).contains("did you mean `fifo.pixels.depth`"));
-    assert!(place.run("resimulate gone.tape").error(1).starts_with("gone.tape: cannot be read"));
+    assert!(place.run("resimulate gone.recording").error(1).starts_with("gone.recording: cannot be read"));
     // A run that is cut short writes no recording, and removes an older one of that name.
-    place.run(&format!("{RUN} --max-cycles 500 --recording cut.tape")).error(1);
-    assert!(!place.path("cut.tape").exists());
+    place.run(&format!("{RUN} --max-cycles 500 --recording cut.recording")).error(1);
+    assert!(!place.path("cut.recording").exists());
     assert!(place.run(&format!("{RUN} --recording out/report.json")).error(2).contains("report.json"));
 }
 
@@ -121,10 +121,10 @@ fn bad_recordings_and_parameters_are_named() {
 #[test]
 fn config_from_pipe_is_read_once_and_recorded() {
     let place = Place::new();
-    let mut run = place.command(&format!("{RUN} --config /dev/stdin --recording a.tape --out a"));
+    let mut run = place.command(&format!("{RUN} --config /dev/stdin --recording a.recording --out a"));
     let mut run = run.stdin(Stdio::piped()).spawn().expect("a run");
     run.stdin.take().expect("a pipe").write_all(b"[fifo.pixels]\ndepth = 3\n").expect("a reader");
     assert!(run.wait().expect("an end").success());
-    place.ok("resimulate a.tape --out again --quiet");
+    place.ok("resimulate a.recording --out again --quiet");
     assert_eq!(without_host(place.report("again")), without_host(place.report("a")));
 }

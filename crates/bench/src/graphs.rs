@@ -3,8 +3,8 @@
 use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
 use basrelief_kernel::Source;
 use basrelief_kernel::{
-    CacheConfig, Demand, Engine, Fifo, Limits, Machine, MemoryConfig, MemoryPorts, MemorySystem, NoProbe, Outcome, Probe,
-    Recorder, Stage, Step, Unit, Visitor, run_functional, run_with,
+    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemoryPorts, MemorySystem, NoProbe, Outcome, Probe, Recorder,
+    RunLimits, Stage, Step, Unit, Visitor, run_functional, run_with,
 };
 use std::hint::black_box;
 use std::ops::Range;
@@ -265,7 +265,7 @@ impl<const N: usize> Machine for ClientRows<N> {
 }
 
 fn simulate<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P) {
-    let report = run_with(machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
+    let report = run_with(machine, engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
     assert_eq!(report.outcome, Outcome::Complete);
     black_box(report.total);
 }

@@ -17,7 +17,7 @@ use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measure
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{
-    Engine, Limits, Machine, Netlist, NoProbe, Outcome, Probe, Recording, resimulate, run_functional, run_recorded, run_with,
+    Engine, Machine, Netlist, NoProbe, Outcome, Probe, Recording, RunLimits, resimulate, run_functional, run_recorded, run_with,
 };
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
@@ -138,7 +138,7 @@ impl<P: Probe> MachineJob for SimulateMachine<'_, P> {
         let (complete, time) = measured(|| match engine {
             None => run_functional(machine, &mut |_| true).is_ok(),
             Some(engine) => {
-                let limits = Limits { max_cycles: u64::MAX, progress: &mut |_| true };
+                let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_| true };
                 run_with(machine, engine, probe, limits).outcome == Outcome::Complete
             }
         });
@@ -169,7 +169,7 @@ impl MachineJob for RecordMachine {
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
         let shape = Netlist::of(machine).expect("the machines are wired");
         let mut reels = Vec::new();
-        let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
+        let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
         let report = run_recorded(machine, Engine::Timed, &mut NoProbe, limits, (1 << 20, &mut |reel| reels.push(reel)));
         assert_eq!(report.outcome, Outcome::Complete, "a workload runs to its end");
         (shape, reels)

@@ -4,9 +4,9 @@
 mod common;
 
 use basrelief_kernel::{CriticalPath, Netlist, Outcome, PathSegment, StageGroups, critical_path};
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanRequest};
+use basrelief_kernel_conformance::plan::{Plan, PlanRequest, UnitKind};
 use common::random::recipe;
-use common::{Draw, machine, run_both, small_memory, tape};
+use common::{PlanBuilder, machine, record_plan, run_both, small_memory};
 use proptest::prelude::*;
 use std::borrow::Cow;
 
@@ -15,13 +15,13 @@ fn path_of(plan: &Plan, most_events: usize) -> Option<CriticalPath> {
 }
 
 fn path_by(plan: &Plan, most_events: usize, groups: &[StageGroups]) -> Option<CriticalPath> {
-    let tape = tape(plan, u64::MAX);
-    let mut reels = tape.iter().map(Cow::Borrowed);
-    critical_path(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), most_events, groups).unwrap()
+    let recording = record_plan(plan, u64::MAX);
+    let mut chunks = recording.iter().map(Cow::Borrowed);
+    critical_path(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(chunks.next()), most_events, groups).unwrap()
 }
 
 /// Returns the segments of a path as text.
-fn parts(draw: &Draw) -> Vec<(String, u64)> {
+fn parts(draw: &PlanBuilder) -> Vec<(String, u64)> {
     let word = |stretch: &PathSegment| match stretch {
         PathSegment::Occupancy(unit) => format!("occupancy {unit}"),
         PathSegment::Latency(unit) => format!("latency {unit}"),
@@ -33,7 +33,7 @@ fn parts(draw: &Draw) -> Vec<(String, u64)> {
     path_of(&draw.0, usize::MAX).unwrap().parts.iter().map(|part| (word(&part.stretch), part.cycles)).collect()
 }
 
-fn expect(draw: &Draw, expected: &[(&str, u64)]) {
+fn expect(draw: &PlanBuilder, expected: &[(&str, u64)]) {
     let mut found = parts(draw);
     let mut expected: Vec<(String, u64)> = expected.iter().map(|&(what, cycles)| (what.to_owned(), cycles)).collect();
     found.sort();
@@ -44,7 +44,7 @@ fn expect(draw: &Draw, expected: &[(&str, u64)]) {
 /// The middle unit works without a gap, from the first token to the last.
 #[test]
 fn always_busy_unit_is_the_path() {
-    let draw = Draw::chain();
+    let draw = PlanBuilder::chain();
     expect(&draw, &[("fifo a", 1), ("occupancy work", 9), ("latency work", 2), ("fifo b", 1), ("occupancy sink", 1)]);
 }
 
@@ -52,7 +52,7 @@ fn always_busy_unit_is_the_path() {
 // Claim: analysis: The critical path by polygon adds up to the path. A segment belongs to its first step.
 #[test]
 fn segment_belongs_to_its_first_step() {
-    let draw = Draw::chain();
+    let draw = PlanBuilder::chain();
     let by_group = |groups: &[StageGroups]| path_by(&draw.0, usize::MAX, groups).unwrap().by_group;
     let tokens = vec![groups(0..4); 3];
     // Token 0 passes `a` and one step of `work`. The last token passes `work`, `b` and `sink`.
@@ -75,10 +75,10 @@ fn groups(of: impl IntoIterator<Item = u32>) -> StageGroups {
 /// One slot: source at 0, 2, 4, sink at 1, 3, 5.
 #[test]
 fn single_slot_alternates_on_path() {
-    let mut draw = Draw::default();
-    draw.fifo("a", 1, 1).unit("source", Kind::Source { tokens: 3 }, ["", "a"], &[1], &[0]).unit(
+    let mut draw = PlanBuilder::default();
+    draw.fifo("a", 1, 1).unit("source", UnitKind::Source { tokens: 3 }, ["", "a"], &[1], &[0]).unit(
         "sink",
-        Kind::Sink,
+        UnitKind::Sink,
         ["a", ""],
         &[1],
         &[0],
@@ -91,12 +91,12 @@ fn single_slot_alternates_on_path() {
 #[test]
 fn request_appears_phase_by_phase() {
     let request = |write| PlanRequest { port: "p".into(), write, bytes: 32, stride: 0, offset: 0, span: 64 };
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("a", 2, 1)
         .fifo("b", 2, 1)
-        .unit("source", Kind::Source { tokens: 2 }, ["", "a"], &[1], &[0])
-        .unit("reader", Kind::Access { requests: vec![request(false)] }, ["a", "b"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["b", ""], &[1], &[0])
+        .unit("source", UnitKind::Source { tokens: 2 }, ["", "a"], &[1], &[0])
+        .unit("reader", UnitKind::Access { requests: vec![request(false)] }, ["a", "b"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["b", ""], &[1], &[0])
         .memory(small_memory(), &[("p", 1)]);
     let phases = [("Arrival p", 2), ("Bank p", 2), ("Data p", 10)];
     expect(&draw, &[&[("fifo a", 1), ("fifo b", 1), ("occupancy sink", 1)][..], &phases].concat());
@@ -105,10 +105,10 @@ fn request_appears_phase_by_phase() {
 
 #[test]
 fn too_many_events_give_no_path() {
-    let mut draw = Draw::default();
-    draw.fifo("a", 1, 1).unit("source", Kind::Source { tokens: 30 }, ["", "a"], &[1], &[0]).unit(
+    let mut draw = PlanBuilder::default();
+    draw.fifo("a", 1, 1).unit("source", UnitKind::Source { tokens: 30 }, ["", "a"], &[1], &[0]).unit(
         "sink",
-        Kind::Sink,
+        UnitKind::Sink,
         ["a", ""],
         &[1],
         &[0],

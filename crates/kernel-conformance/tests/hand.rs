@@ -3,8 +3,8 @@
 mod common;
 
 use basrelief_kernel::{CacheCounts, Latencies, PortCounts, RowCounts, RunReport};
-use basrelief_kernel_conformance::plan::{Kind, PlanCache, PlanLookUp, PlanRequest};
-use common::{Draw, account, histogram, report, small_memory, starts};
+use basrelief_kernel_conformance::plan::{PlanCache, PlanLookUp, PlanRequest, UnitKind};
+use common::{PlanBuilder, account, histogram, report, small_memory, starts};
 
 /// Compares the cycle breakdown of some units and the histograms of some FIFOs.
 fn check(report: &RunReport, total: u64, accounts: &[(&str, &str)], histograms: &[(&str, &[u64])]) {
@@ -25,7 +25,7 @@ fn check(report: &RunReport, total: u64, accounts: &[(&str, &str)], histograms: 
 /// b holds  0 1 1 1 2 1 1 2 1 1  2  1  1  1     reserved at work's start, popped 3 later
 #[test]
 fn chain() {
-    let draw = Draw::chain();
+    let draw = PlanBuilder::chain();
     assert_eq!(starts(&draw.0, "source"), [0, 2, 5, 8]);
     assert_eq!(starts(&draw.0, "work"), [1, 4, 7, 10]);
     check(
@@ -47,17 +47,17 @@ fn chain() {
 /// sink     . . . . . . . 0 . .  .  .  1  .  .  .  .  2
 #[test]
 fn fork_and_join() {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("in", 2, 1);
     for fifo in ["l", "r", "l2", "r2", "out"] {
         draw.fifo(fifo, 1, 1);
     }
-    draw.unit("source", Kind::Source { tokens: 3 }, ["", "in"], &[1], &[0])
-        .unit("fork", Kind::Fork, ["in", "l r"], &[1], &[0])
-        .unit("left", Kind::Work, ["l", "l2"], &[1], &[0])
-        .unit("right", Kind::Work, ["r", "r2"], &[2], &[3])
-        .unit("join", Kind::Join, ["l2 r2", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+    draw.unit("source", UnitKind::Source { tokens: 3 }, ["", "in"], &[1], &[0])
+        .unit("fork", UnitKind::Fork, ["in", "l r"], &[1], &[0])
+        .unit("left", UnitKind::Work, ["l", "l2"], &[1], &[0])
+        .unit("right", UnitKind::Work, ["r", "r2"], &[2], &[3])
+        .unit("join", UnitKind::Join, ["l2 r2", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     assert_eq!(starts(&draw.0, "join"), [6, 11, 16]);
     check(
         &report(&draw.0),
@@ -88,18 +88,18 @@ fn fork_and_join() {
 #[test]
 fn two_clients_of_one_memory() {
     let request = |port: &str, write, offset| PlanRequest { port: port.into(), write, bytes: 32, stride: 0, offset, span: 128 };
-    let reads = Kind::Access { requests: vec![request("r", false, 0)] };
-    let writes = Kind::Access { requests: vec![request("w", true, 64)] };
-    let mut draw = Draw::default();
+    let reads = UnitKind::Access { requests: vec![request("r", false, 0)] };
+    let writes = UnitKind::Access { requests: vec![request("w", true, 64)] };
+    let mut draw = PlanBuilder::default();
     draw.memory(small_memory(), &[("r", 1), ("w", 2)])
         .fifo("a", 2, 1)
         .fifo("b", 2, 1)
         .fifo("out", 2, 1)
-        .unit("source_a", Kind::Source { tokens: 2 }, ["", "a"], &[1], &[0])
-        .unit("source_b", Kind::Source { tokens: 2 }, ["", "b"], &[1], &[0])
+        .unit("source_a", UnitKind::Source { tokens: 2 }, ["", "a"], &[1], &[0])
+        .unit("source_b", UnitKind::Source { tokens: 2 }, ["", "b"], &[1], &[0])
         .unit("reader", reads, ["a", "out"], &[1], &[0])
         .unit("writer", writes, ["b", ""], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     assert_eq!(starts(&draw.0, "reader"), [1, 9]);
     assert_eq!(starts(&draw.0, "writer"), [1, 2]);
     let report = report(&draw.0);
@@ -136,14 +136,14 @@ fn two_clients_of_one_memory() {
 fn cache_miss_under_miss() {
     let (name, port) = ("cache".into(), "p".into());
     let lookups = vec![PlanLookUp { stride: 32, offset: 0, span: 64 }];
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.memory(small_memory(), &[("p", 8)])
         .cache(PlanCache { name, port, line_bytes: 32, sets: 4, ways: 1, hit_latency: 2, lookups_per_cycle: 1, at_once: true })
         .fifo("in", 4, 1)
         .fifo("out", 4, 1)
-        .unit("source", Kind::Source { tokens: 4 }, ["", "in"], &[1], &[0])
-        .unit("cached", Kind::Cached { cache: "cache".into(), lookups }, ["in", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens: 4 }, ["", "in"], &[1], &[0])
+        .unit("cached", UnitKind::Cached { cache: "cache".into(), lookups }, ["in", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     assert_eq!(starts(&draw.0, "cached"), [1, 2, 3, 4]);
     assert_eq!(starts(&draw.0, "sink"), [12, 14, 15, 16]);
     let report = report(&draw.0);

@@ -2,29 +2,29 @@
 
 mod common;
 
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMachine, PlanPeriodic, PlanRequest};
-use common::{Draw, small_memory};
+use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, PlanMachine, PlanPeriodic, PlanRequest, UnitKind};
+use common::{PlanBuilder, small_memory};
 
 fn good() -> Plan {
     let request = PlanRequest { port: "p".into(), write: false, bytes: 4, stride: 4, offset: 0, span: 64 };
     let lookups = vec![PlanLookUp { stride: 4, offset: 0, span: 64 }];
     let (name, port) = ("cache".into(), "q".into());
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.memory(small_memory(), &[("p", 2), ("q", 2)])
         .cache(PlanCache { name, port, line_bytes: 32, sets: 4, ways: 1, hit_latency: 2, lookups_per_cycle: 1, at_once: true })
         .fifo("a", 1, 1)
         .fifo("b", 1, 1)
         .fifo("c", 1, 1)
-        .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
-        .unit("access", Kind::Access { requests: vec![request] }, ["a", "b"], &[1], &[0])
-        .unit("cached", Kind::Cached { cache: "cache".into(), lookups }, ["b", "c"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["c", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
+        .unit("access", UnitKind::Access { requests: vec![request] }, ["a", "b"], &[1], &[0])
+        .unit("cached", UnitKind::Cached { cache: "cache".into(), lookups }, ["b", "c"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["c", ""], &[1], &[0]);
     draw.0
 }
 
 fn requests(plan: &mut Plan) -> &mut Vec<PlanRequest> {
     match &mut plan.units[1].kind {
-        Kind::Access { requests } => requests,
+        UnitKind::Access { requests } => requests,
         other => panic!("{other:?}"),
     }
 }
@@ -50,8 +50,8 @@ fn each_fault_is_named() {
             "port `p`: there are two of this name, expected one",
         ),
         (|p| p.units[0].latency.clear(), "unit `source`: `length of latency` is 0, expected 1..=1048576"),
-        (|p| p.units[3].kind = Kind::Gather { size: 0 }, "unit `sink`: `length of out` is 0, expected 1..=1"),
-        (|p| p.units[0].kind = Kind::Join, "unit `source`: `length of in` is 0, expected 1..=8"),
+        (|p| p.units[3].kind = UnitKind::Gather { size: 0 }, "unit `sink`: `length of out` is 0, expected 1..=1"),
+        (|p| p.units[0].kind = UnitKind::Join, "unit `source`: `length of in` is 0, expected 1..=8"),
         (|p| p.units[1].outputs[0] = "x".into(), "unit `access`: there is no FIFO `x` in \"fifos\""),
         (|p| p.units[1].outputs.clear(), "FIFO `b`: is pushed to by [] and popped by [\"cached\"], expected one unit each"),
         (|p| requests(p)[0].port = "x".into(), "unit `access`: there is no port `x` in \"memories\""),

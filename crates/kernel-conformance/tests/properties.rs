@@ -5,7 +5,7 @@ mod common;
 use basrelief_kernel::{CacheCounts, Deadlock, Engine, MemoryEvent, Outcome, Recorder, run};
 use basrelief_kernel_conformance::plan::{Plan, Token, result};
 use common::random::{recipe, tight_recipe};
-use common::{machine, report, run_both, swallowed};
+use common::{machine, report, run_both, sink_tokens};
 use proptest::prelude::*;
 
 /// Returns the blocked units in order of name.
@@ -54,7 +54,7 @@ proptest! {
     #[test]
     fn no_token_is_lost_doubled_or_reordered(recipe in recipe()) {
         let (plan, tokens) = recipe.plan();
-        let [timed, functional] = swallowed(&plan);
+        let [timed, functional] = sink_tokens(&plan);
         let expected: Vec<Token> = (0..tokens).map(|id| Token { id, last: id + 1 == tokens }).collect();
         prop_assert_eq!(&timed, &functional);
         let [(_, seen)] = timed.as_slice() else { panic!("one sink") };
@@ -121,7 +121,7 @@ proptest! {
             let mut histogram = vec![0; fifo.depth + 1];
             let (mut from, mut held) = (0, 0);
             for (at, slots) in fills.into_iter().map(|(at, slots)| (at.0, slots)).chain([(report.total, 0)]) {
-                prop_assert!(at >= from && (slots != held || at == report.total), "told once where it changes");
+                prop_assert!(at >= from && (slots != held || at == report.total), "reported once per change");
                 histogram[held] += at - from;
                 (from, held) = (at, slots);
             }
@@ -160,7 +160,7 @@ proptest! {
                 }
                 let bursts = seen.memories.values().flatten().filter(is_own).count() as u64;
                 prop_assert_eq!(bursts, port.counts.rows.bursts(), "{}", &port.client);
-                let used = port.counts.latencies.used().iter().zip(0..);
+                let used = port.counts.latencies.used_classes().iter().zip(0..);
                 let least: u64 = used.map(|(answers, class)| answers << class).sum();
                 let held = area(&seen, [3, client, 0, 0], report.total);
                 prop_assert!((least..=2 * least).contains(&held), "{held} cycles in flight, {least} at least");
@@ -212,7 +212,7 @@ fn area(seen: &Recorder, source: [usize; 4], total: u64) -> u64 {
         let (MemoryEvent::Queued { at, bursts: new, .. } | MemoryEvent::InFlight { at, requests: new, .. }) = *event else {
             panic!("{event:?}")
         };
-        assert!(new != level && at.0 >= from && at.0 < total, "told once where it changes: {event:?}");
+        assert!(new != level && at.0 >= from && at.0 < total, "reported once per change: {event:?}");
         sum += (at.0 - from) * level as u64;
         (from, level) = (at.0, new);
     }

@@ -4,9 +4,9 @@ mod common;
 
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{Netlist, NoProbe, Outcome, Recording, ResimulateError, RunReport, make_steps, resimulate, time_steps};
-use basrelief_kernel_conformance::plan::{Kind, Plan};
+use basrelief_kernel_conformance::plan::{Plan, UnitKind};
 use common::random::{Recipe, recipe};
-use common::{Draw, machine, run_both, streams, tape};
+use common::{PlanBuilder, machine, record_plan, run_both, streams};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use std::borrow::Cow;
@@ -27,9 +27,9 @@ fn other_times(plan: &Plan, other: &Recipe) -> Plan {
     plan
 }
 
-fn timed_again(tape: &[RecordingChunk], plan: &Plan) -> Result<RunReport, ResimulateError> {
-    let mut reels = tape.iter().map(Cow::Borrowed);
-    resimulate(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX)
+fn timed_again(recording: &[RecordingChunk], plan: &Plan) -> Result<RunReport, ResimulateError> {
+    let mut chunks = recording.iter().map(Cow::Borrowed);
+    resimulate(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(chunks.next()), &mut NoProbe, u64::MAX)
 }
 
 proptest! {
@@ -40,7 +40,7 @@ proptest! {
         let slower = other_times(&plan, &other);
         let [here, there] = [&plan, &slower].map(|plan| run_both(plan, u64::MAX).0.outcome);
         if [here, there] == [Outcome::Complete, Outcome::Complete] {
-            prop_assert_eq!(streams(&tape(&plan, u64::MAX)), streams(&tape(&slower, u64::MAX)));
+            prop_assert_eq!(streams(&record_plan(&plan, u64::MAX)), streams(&record_plan(&slower, u64::MAX)));
         }
     }
 
@@ -49,7 +49,7 @@ proptest! {
         let (plan, _) = recipe.plan();
         let slower = other_times(&plan, &other);
         let (recorded, ran) = (run_both(&plan, u64::MAX).0, run_both(&slower, u64::MAX).0);
-        match timed_again(&tape(&plan, u64::MAX), &slower) {
+        match timed_again(&record_plan(&plan, u64::MAX), &slower) {
             Ok(again) => prop_assert_eq!(again, ran),
             // The recorded run ended in a deadlock, but with the new timing the run would continue.
             Err(error) => prop_assert!(
@@ -62,7 +62,7 @@ proptest! {
     #[test]
     fn shared_recording_gives_same_report_each_time(recipe in recipe(), other in recipe()) {
         let (plan, _) = recipe.plan();
-        let recorded = tape(&plan, u64::MAX);
+        let recorded = record_plan(&plan, u64::MAX);
         let shape = |plan: &Plan| Netlist::of(&mut machine(plan)).unwrap();
         let held = Recording::new(&recorded[..], &shape(&plan), u64::MAX);
         for plan in [&plan, &other_times(&plan, &other)] {
@@ -75,8 +75,8 @@ proptest! {
 
     #[test]
     fn chunks_round_trip_through_bytes(recipe in recipe()) {
-        for reel in tape(&recipe.plan().0, u64::MAX) {
-            prop_assert_eq!(RecordingChunk::from_bytes(&reel.to_bytes()), Ok(reel));
+        for chunk in record_plan(&recipe.plan().0, u64::MAX) {
+            prop_assert_eq!(RecordingChunk::from_bytes(&chunk.to_bytes()), Ok(chunk));
         }
     }
 
@@ -85,8 +85,8 @@ proptest! {
     fn corrupt_recording_causes_no_panic(recipe in recipe(), changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut: bool) {
         let (plan, _) = recipe.plan();
         let mut spoiled = Vec::new();
-        for reel in tape(&plan, u64::MAX) {
-            let mut bytes = reel.to_bytes();
+        for chunk in record_plan(&plan, u64::MAX) {
+            let mut bytes = chunk.to_bytes();
             for (index, byte) in &changes {
                 let at = index.index(bytes.len());
                 bytes[at] = *byte;
@@ -96,22 +96,22 @@ proptest! {
             }
             spoiled.extend(RecordingChunk::from_bytes(&bytes));
         }
-        let mut reels = spoiled.into_iter().map(Cow::Owned);
+        let mut chunks = spoiled.into_iter().map(Cow::Owned);
         let shape = Netlist::of(&mut machine(&plan)).unwrap();
         // A cycle limit, because a corrupt step may occupy its unit for 2^32 cycles. The content of the report does not matter.
-        let _ = resimulate(shape, &mut |_| Ok(reels.next()), &mut NoProbe, 1 << 20);
+        let _ = resimulate(shape, &mut |_| Ok(chunks.next()), &mut NoProbe, 1 << 20);
     }
 }
 
 #[test]
 fn stopped_work_is_timed_up_to_its_end() {
-    let mut plan = Draw::chain().0;
-    plan.units[0].kind = Kind::Source { tokens: 400 };
+    let mut plan = PlanBuilder::chain().0;
+    plan.units[0].kind = UnitKind::Source { tokens: 400 };
     let whole = run_both(&plan, u64::MAX).0;
-    let mut pieces = Vec::new();
-    make_steps(&mut machine(&plan), &mut |_| false, (40, &mut |piece| pieces.push(piece))).unwrap();
-    let mut pieces = pieces.into_iter();
-    let stopped = time_steps(Netlist::of(&mut machine(&plan)).unwrap(), &mut || pieces.next(), None);
+    let mut batches = Vec::new();
+    make_steps(&mut machine(&plan), &mut |_| false, (40, &mut |batch| batches.push(batch))).unwrap();
+    let mut batches = batches.into_iter();
+    let stopped = time_steps(Netlist::of(&mut machine(&plan)).unwrap(), &mut || batches.next(), None);
     assert_eq!(stopped.outcome, Outcome::Stopped);
     let steps = |report: &RunReport| report.units.iter().map(|unit| unit.steps).sum::<u64>();
     assert!(0 < steps(&stopped) && steps(&stopped) < steps(&whole), "{stopped:?}");
@@ -120,20 +120,20 @@ fn stopped_work_is_timed_up_to_its_end() {
 /// Batches stay small even if long FIFOs allow many steps ahead.
 #[test]
 fn step_batches_are_small() {
-    let mut plan = Draw::chain().0;
-    plan.units[0].kind = Kind::Source { tokens: 5_000 };
+    let mut plan = PlanBuilder::chain().0;
+    plan.units[0].kind = UnitKind::Source { tokens: 5_000 };
     plan.fifos.iter_mut().for_each(|fifo| fifo.depth = 10_000);
-    let mut pieces = Vec::new();
-    make_steps(&mut machine(&plan), &mut |_| true, (40, &mut |piece| pieces.push(piece.steps()))).unwrap();
-    assert_eq!(pieces.iter().sum::<usize>(), 3 * 5_000);
-    assert!(pieces.iter().all(|steps| *steps <= 40 + 3 * 10), "{pieces:?}");
+    let mut batches = Vec::new();
+    make_steps(&mut machine(&plan), &mut |_| true, (40, &mut |batch| batches.push(batch.steps()))).unwrap();
+    assert_eq!(batches.iter().sum::<usize>(), 3 * 5_000);
+    assert!(batches.iter().all(|steps| *steps <= 40 + 3 * 10), "{batches:?}");
 }
 
 #[test]
 fn truncated_recording_names_unit_that_could_continue() {
     let plan: Plan = serde_json::from_str(include_str!("laws/merged_late.json")).unwrap();
-    let whole = tape(&plan, u64::MAX);
-    let cut = tape(&plan, run_both(&plan, u64::MAX).0.total / 2);
+    let whole = record_plan(&plan, u64::MAX);
+    let cut = record_plan(&plan, run_both(&plan, u64::MAX).0.total / 2);
     assert!(timed_again(&whole, &plan).is_ok());
     let Err(ResimulateError::EndsEarly(unit)) = timed_again(&cut, &plan) else { panic!("expected an early end") };
     assert!(plan.units.iter().any(|u| u.name == unit), "{unit}");

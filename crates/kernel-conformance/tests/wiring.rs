@@ -57,7 +57,7 @@ enum Drawn {
 ///                         |                   second: a source or sink too many
 ///                 port, cache | memory
 /// ```
-struct Line {
+struct LineMachine {
     source: Stage<Source<std::ops::Range<u64>>>,
     second_source: Stage<Source<std::ops::Range<u64>>>,
     numbers: Fifo<u64>,
@@ -72,7 +72,7 @@ struct Line {
     drawn: Drawn,
 }
 
-impl Machine for Line {
+impl Machine for LineMachine {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let m = &mut self.memories;
         if self.drawn != Drawn::NoSource {
@@ -105,12 +105,12 @@ impl Machine for Line {
 }
 
 /// Makes a machine in which client 0 is a port and client 1 has a cache, with 4 credits each.
-fn line(talker: Talker, clients: Option<&[usize]>) -> Line {
+fn line(talker: Talker, clients: Option<&[usize]>) -> LineMachine {
     let mut memories = MemorySystem::default();
     let memory = memories.add_memory("store", &MemoryConfig::default());
     memories.add_client("port", memory, 4);
     memories.add_cached_client("lines", memory, 4, "cache", &CacheConfig::default());
-    Line {
+    LineMachine {
         source: Stage::new("source", Source::new(0..3)),
         second_source: Stage::new("second source", Source::new(0..3)),
         numbers: Fifo::new("numbers", 2, 1),
@@ -125,12 +125,12 @@ fn line(talker: Talker, clients: Option<&[usize]>) -> Line {
     }
 }
 
-fn drawn(drawn: Drawn) -> Line {
-    Line { drawn, ..line(Talker::default(), None) }
+fn drawn(drawn: Drawn) -> LineMachine {
+    LineMachine { drawn, ..line(Talker::default(), None) }
 }
 
 /// Returns the wiring error, which must be the same with both engines and in the functional model.
-fn error(machine: impl Fn() -> Line) -> WiringError {
+fn error(machine: impl Fn() -> LineMachine) -> WiringError {
     let error = check_wiring(&mut machine()).unwrap_err();
     for engine in [Engine::Timed, Engine::Ticked] {
         assert_eq!(run(&mut machine(), engine).outcome, Outcome::Fault(error.to_string()));
@@ -165,7 +165,7 @@ fn memory_client_exists_and_belongs_to_one_stage() {
     let reads = Talker { largest: [1, 0, 0, 0], ..Talker::default() };
     let shared = error(|| {
         let other = (Stage::new("other", reads), Fifo::new("out", 1, 1), vec![0]);
-        Line { others: Some(other), ..line(reads, Some(&[0])) }
+        LineMachine { others: Some(other), ..line(reads, Some(&[0])) }
     });
     assert_eq!(shared.to_string(), "memory port `port` is used by `talker` and by `other`; add a client for each");
     let twice = error(|| line(Talker::default(), Some(&[1, 1])));

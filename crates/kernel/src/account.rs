@@ -4,7 +4,7 @@ use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 
 /// Cause of a stall of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Cause {
+pub enum StallCause {
     /// Input `i` was the first declared one without a visible token.
     Starved(usize),
     /// Client `i` had too few credits, or the unit waited for an answer on it.
@@ -15,7 +15,7 @@ pub enum Cause {
 
 /// Breakdown of a unit's cycles, by number of input, client and output.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Account {
+pub struct CycleAccount {
     /// Cycles in which a step occupied the unit.
     pub busy: u64,
     /// Cycles after its last step.
@@ -28,14 +28,14 @@ pub struct Account {
     pub blocked: [u64; MAX_LINKS],
 }
 
-impl Account {
+impl CycleAccount {
     /// Charges `cycles` to `cause`.
     #[inline]
-    pub fn charge(&mut self, cause: Cause, cycles: u64) {
+    pub fn charge(&mut self, cause: StallCause, cycles: u64) {
         match cause {
-            Cause::Starved(i) => self.starved[i] += cycles,
-            Cause::Memory(i) => self.memory[i] += cycles,
-            Cause::Blocked(i) => self.blocked[i] += cycles,
+            StallCause::Starved(i) => self.starved[i] += cycles,
+            StallCause::Memory(i) => self.memory[i] += cycles,
+            StallCause::Blocked(i) => self.blocked[i] += cycles,
         }
     }
 

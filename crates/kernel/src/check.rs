@@ -136,8 +136,8 @@ impl std::error::Error for WiringError {}
 /// # Errors
 /// Returns the first error in the order of the wiring.
 pub fn check_wiring(machine: &mut impl Machine) -> Result<(), WiringError> {
-    let mut stages = Stages::default();
-    machine.wire(&mut Forget);
+    let mut stages = ConnectionSurvey::default();
+    machine.wire(&mut ForgetEnds);
     machine.wire(&mut stages);
     let mut loose = LooseEnds(None);
     machine.wire(&mut loose);
@@ -146,8 +146,8 @@ pub fn check_wiring(machine: &mut impl Machine) -> Result<(), WiringError> {
 }
 
 /// Clears the producer and consumer of each FIFO.
-struct Forget;
-impl Visitor for Forget {
+struct ForgetEnds;
+impl Visitor for ForgetEnds {
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (_, connections) = place.open();
         for i in 0..connections.inputs.count() {
@@ -161,14 +161,14 @@ impl Visitor for Forget {
 
 /// Records the producer and consumer of each FIFO, and the users of each client.
 #[derive(Default)]
-struct Stages {
+struct ConnectionSurvey {
     names: Vec<String>,
     /// Per stage: its clients, and the credits that its largest step needs of each possible client.
     clients: Vec<(Vec<usize>, [u32; MAX_CLIENTS])>,
     error: Option<WiringError>,
 }
 
-impl Visitor for Stages {
+impl Visitor for ConnectionSurvey {
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let number = self.names.len();
@@ -186,7 +186,7 @@ impl Visitor for Stages {
         for i in 0..connections.inputs.count() {
             let link = connections.inputs.link_mut(i);
             if let Some(first) = link.consumer() {
-                let (fifo, first, second) = self.clash(link, first, number);
+                let (fifo, first, second) = self.names_at(link, first, number);
                 self.note(WiringError::TwoConsumers { fifo, first, second });
             }
             link.set_consumer(number);
@@ -194,7 +194,7 @@ impl Visitor for Stages {
         for i in 0..connections.outputs.count() {
             let link = connections.outputs.link_mut(i);
             if let Some(first) = link.producer() {
-                let (fifo, first, second) = self.clash(link, first, number);
+                let (fifo, first, second) = self.names_at(link, first, number);
                 self.note(WiringError::TwoProducers { fifo, first, second });
             }
             link.set_producer(number);
@@ -202,12 +202,12 @@ impl Visitor for Stages {
     }
 }
 
-impl Stages {
+impl ConnectionSurvey {
     fn note(&mut self, error: WiringError) {
         self.error.get_or_insert(error);
     }
 
-    fn clash(&self, link: &FifoInfo, first: usize, second: usize) -> (String, String, String) {
+    fn names_at(&self, link: &FifoInfo, first: usize, second: usize) -> (String, String, String) {
         (link.name().into(), self.names[first].clone(), self.names[second].clone())
     }
 

@@ -21,7 +21,7 @@ impl Latencies {
     }
 
     /// Returns the classes up to the last one that is not empty.
-    pub fn used(&self) -> &[u64] {
+    pub fn used_classes(&self) -> &[u64] {
         let used = self.at_least.iter().rposition(|&n| n > 0).map_or(0, |last| last + 1);
         &self.at_least[..used]
     }
@@ -99,7 +99,7 @@ impl PortCounts {
     }
 
     #[inline]
-    pub(crate) fn arrived(&mut self, write: bool, bytes: u32) {
+    pub(crate) fn count_arrival(&mut self, write: bool, bytes: u32) {
         let (requests, total) =
             if write { (&mut self.writes, &mut self.write_bytes) } else { (&mut self.reads, &mut self.read_bytes) };
         *requests += 1;
@@ -107,7 +107,7 @@ impl PortCounts {
     }
 
     #[inline]
-    pub(crate) fn answered(&mut self, arrival: Cycle, answer: Cycle) {
+    pub(crate) fn count_answer(&mut self, arrival: Cycle, answer: Cycle) {
         self.latencies.count(answer.since(arrival));
     }
 }
@@ -173,17 +173,17 @@ impl BusActivity {
 
     /// Counts data that move from cycle `from` to the cycle before `to`; `from` < `to`.
     #[inline(always)]
-    pub(crate) fn moved(&mut self, from: Cycle, to: Cycle) {
+    pub(crate) fn count_transfer(&mut self, from: Cycle, to: Cycle) {
         let [first, last] = [from.0, to.0 - 1].map(|at| at >> self.shift);
         // Usually the data move within one interval.
         match self.busy.get_mut(last as usize) {
             Some(busy) if first == last => *busy += to.0 - from.0,
-            _ => self.moved_across(from, to),
+            _ => self.count_long_transfer(from, to),
         }
     }
 
     #[inline(never)]
-    fn moved_across(&mut self, from: Cycle, to: Cycle) {
+    fn count_long_transfer(&mut self, from: Cycle, to: Cycle) {
         while (to.0 - 1) >> self.shift >= INTERVALS as u64 {
             self.double();
         }
@@ -211,12 +211,12 @@ mod tests {
     #[test]
     fn bus_activity_counts_each_cycle_once_as_intervals_double() {
         let mut bus = BusActivity::default();
-        bus.moved(Cycle(3), Cycle(7));
+        bus.count_transfer(Cycle(3), Cycle(7));
         assert_eq!((bus.interval(), bus.busy()), (1, [0, 0, 0, 1, 1, 1, 1].as_slice()));
-        bus.moved(Cycle(254), Cycle(258));
+        bus.count_transfer(Cycle(254), Cycle(258));
         assert_eq!((bus.interval(), &bus.busy()[..4]), (2, [0, 1, 2, 1].as_slice()));
         assert_eq!(bus.busy()[127..], [2, 2]);
-        bus.moved(Cycle(1 << 20), Cycle((1 << 20) + 10));
+        bus.count_transfer(Cycle(1 << 20), Cycle((1 << 20) + 10));
         assert_eq!((bus.interval(), bus.busy().iter().sum::<u64>()), (8192, 18));
     }
 
@@ -224,7 +224,7 @@ mod tests {
     fn latencies_are_classed_by_power_of_two() {
         let mut latencies = Latencies::default();
         [1, 2, 3, 4, 1023, u64::MAX].into_iter().for_each(|n| latencies.count(n));
-        assert_eq!(latencies.used()[..10], [1, 2, 1, 0, 0, 0, 0, 0, 0, 1]);
-        assert_eq!(latencies.used()[CLASSES - 1], 1);
+        assert_eq!(latencies.used_classes()[..10], [1, 2, 1, 0, 0, 0, 0, 0, 0, 1]);
+        assert_eq!(latencies.used_classes()[CLASSES - 1], 1);
     }
 }

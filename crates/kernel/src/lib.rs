@@ -35,7 +35,7 @@
 //!   the answer.
 //! - **Burst**: the unit of transfer, [`MemoryConfig::burst_bytes`] aligned bytes, served by one **column command** of its
 //!   **channel**. A burst finds its row open (*hit*), its bank closed, or another row open (*conflict*).
-//! - **Starved, memory, blocked**: the causes of a stall: no token, no credit or answer, no slot. See [`Cause`].
+//! - **Starved, memory, blocked**: the causes of a stall: no token, no credit or answer, no slot. See [`StallCause`].
 //! - **Bound stage**: a stage with its input FIFOs, output FIFOs and [memory clients](Stage::between). A [visitor](Visitor) sees
 //!   stages in this form.
 //! - **Mark**: a [marked step](Step::marked) ends a piece of work. Cycles are counted from mark to mark.
@@ -205,7 +205,7 @@
 //!    before its step's last answer (hits and hit latency count, posted writes never). *blocked{first output without a slot}*. The
 //!    causes sum to the total.
 //!
-//!    *Kept in [`Account`], by [`Cause`]; test `laws/law_9_accounting`.*
+//!    *Kept in [`CycleAccount`], by [`StallCause`]; test `laws/law_9_accounting`.*
 //! 10. **Occupancy** of a FIFO in a cycle = slots reserved or filled, from reservation through pop. `histogram[k]`, k = 0..depth, sums to
 //!     the total. (In `timed`, pushes and pops of one FIFO are each monotone, so events up to min(last push, last pop) are settled: O(1) per
 //!     event, exact.)
@@ -246,7 +246,7 @@
 //!   unless it has [finished](Demand::Finished). In a deadlock only finished units are done.
 //! - **Complete.** No FIFO holds a token, every unit is [empty](Unit::is_empty), and no unit would still make a step without
 //!   input.
-//! - **Limit.** With [`Limits::max_cycles`] no step starts in that cycle or later. If some step would start then, the run ends
+//! - **Limit.** With [`RunLimits::max_cycles`] no step starts in that cycle or later. If some step would start then, the run ends
 //!   there as [`Outcome::Limit`]. Otherwise it ends as it would have ended without the limit, possibly a little later. Requests of
 //!   units that have arrived by then run out and count. So do the periodic requests that are served among them.
 //! - **Fault.** A unit that cannot continue ends the run at once. The message names the cycle of its step. The other events up to
@@ -301,7 +301,7 @@ pub mod unit;
 mod unit_info;
 mod wires;
 
-pub use account::{Account, Cause};
+pub use account::{CycleAccount, StallCause};
 pub use bound_stage::{BoundStage, ConnectedStage, ConnectionsOf};
 pub use cached::Cached;
 pub use capacity::{MAX_CLIENTS, MAX_LINKS};
@@ -314,7 +314,7 @@ pub use cycle::Cycle;
 pub use diagram::{ClientTopology, Diagram, FifoTopology, MemoryTopology, StageTopology};
 pub use endpoints::{Sink, Source};
 pub use engine::{
-    ChunkSource, Engine, Limits, Recording, ResimulateError, StepBatch, critical_path, make_steps, resimulate, run,
+    ChunkSource, Engine, Recording, ResimulateError, RunLimits, StepBatch, critical_path, make_steps, resimulate, run,
     run_functional, run_recorded, run_with, time_steps,
 };
 pub use fifo::Fifo;

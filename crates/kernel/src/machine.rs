@@ -14,7 +14,7 @@ pub trait Machine {
     fn wire<V: Visitor>(&mut self, v: &mut V);
     /// The memories that its stages share.
     fn memories(&mut self) -> &mut MemorySystem;
-    /// Returns true if the machine has a finished result that the caller waits for. [`Limits::progress`](crate::Limits::progress)
+    /// Returns true if the machine has a finished result that the caller waits for. [`RunLimits::progress`](crate::RunLimits::progress)
     /// is then called after the current round instead of once in several rounds. A stage may wait for the caller in its next
     /// step.
     fn has_news(&self) -> bool {

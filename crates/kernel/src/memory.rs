@@ -255,7 +255,7 @@ impl Memory {
         } else {
             self.bursts -= 1;
             self.data_end = self.data_end.max(end);
-            self.bus.moved(data, end);
+            self.bus.count_transfer(data, end);
         }
         port.counts.rows.count(row);
         port.counts.queue_wait += column.since(burst.arrival) - 1;

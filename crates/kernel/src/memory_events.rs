@@ -252,32 +252,32 @@ mod tests {
 
     #[test]
     fn gauge_emits_each_settled_change_once() {
-        let (mut level, mut told) = (Gauge::default(), vec![]);
+        let (mut level, mut reported) = (Gauge::default(), vec![]);
         let until = |end| EventBounds { limit: Cycle::UNKNOWN, end };
         [0, 2, 2, 5].into_iter().for_each(|at| level.up(Cycle(at)));
         level.down(Cycle(2));
-        level.emit(until(None), |at, n| told.push((at.0, n)));
-        assert_eq!(told, [(0, 1)], "what comes in cycle 2 may still change");
+        level.emit(until(None), |at, n| reported.push((at.0, n)));
+        assert_eq!(reported, [(0, 1)], "what comes in cycle 2 may still change");
         level.down(Cycle(5));
         level.down(Cycle(9));
-        level.emit(until(None), |at, n| told.push((at.0, n)));
-        assert_eq!(told, [(0, 1), (2, 2)]);
-        level.emit(until(Some(Cycle(9))), |at, n| told.push((at.0, n)));
-        assert_eq!(told, [(0, 1), (2, 2)], "one up and one down in cycle 5; nothing in cycle 9, where the run ends");
-        level.emit(until(Some(Cycle(10))), |at, n| told.push((at.0, n)));
-        assert_eq!(told, [(0, 1), (2, 2), (9, 1)]);
+        level.emit(until(None), |at, n| reported.push((at.0, n)));
+        assert_eq!(reported, [(0, 1), (2, 2)]);
+        level.emit(until(Some(Cycle(9))), |at, n| reported.push((at.0, n)));
+        assert_eq!(reported, [(0, 1), (2, 2)], "one up and one down in cycle 5; nothing in cycle 9, where the run ends");
+        level.emit(until(Some(Cycle(10))), |at, n| reported.push((at.0, n)));
+        assert_eq!(reported, [(0, 1), (2, 2), (9, 1)]);
     }
 
     #[test]
     fn look_ups_of_one_step_are_emitted_together() {
         let counts = |hits, misses, merged| CacheCounts { hits, misses, merged };
-        let (mut watch, mut told) = (CacheEvents::default(), vec![]);
+        let (mut watch, mut reported) = (CacheEvents::default(), vec![]);
         for (at, seen) in [(3, counts(1, 0, 0)), (3, counts(1, 2, 0)), (4, counts(1, 2, 0)), (7, counts(1, 2, 1))] {
             watch.note(Cycle(at), seen);
         }
-        watch.emit(5, false, |event| told.push(event));
-        assert_eq!(told, [MemoryEvent::LookedUp { client: 5, at: Cycle(3), found: counts(1, 2, 0) }]);
-        watch.emit(5, true, |event| told.push(event));
-        assert_eq!(told[1], MemoryEvent::LookedUp { client: 5, at: Cycle(7), found: counts(0, 0, 1) });
+        watch.emit(5, false, |event| reported.push(event));
+        assert_eq!(reported, [MemoryEvent::LookedUp { client: 5, at: Cycle(3), found: counts(1, 2, 0) }]);
+        watch.emit(5, true, |event| reported.push(event));
+        assert_eq!(reported[1], MemoryEvent::LookedUp { client: 5, at: Cycle(7), found: counts(0, 0, 1) });
     }
 }

@@ -1,7 +1,7 @@
 //! The memory ports of a unit: a step issues requests here and receives nothing back.
 
 use crate::request::Request;
-use crate::step_requests::{Cursor, StepRequests, StepRequestsView, objection};
+use crate::step_requests::{RequestCursor, StepRequests, StepRequestsView, request_error};
 use crate::{MAX_CLIENTS, MemorySystem};
 
 /// Requests and look-ups of one step, in order of issue. They arrive at the step's start, or at the issue rate of their port (laws 4
@@ -14,7 +14,7 @@ pub struct MemoryPorts {
     pub(crate) fault: Option<String>,
     /// The requests after tag look-up.
     asked: StepRequests,
-    at: Cursor,
+    at: RequestCursor,
 }
 
 impl MemoryPorts {
@@ -62,7 +62,7 @@ impl MemoryPorts {
 
     /// Adds requests recorded earlier.
     #[inline(always)]
-    pub(crate) fn ask(&mut self, requests: &[Request], look_ups: &[Request]) {
+    pub(crate) fn add_recorded(&mut self, requests: &[Request], look_ups: &[Request]) {
         self.requests.extend_from_slice(requests);
         self.look_ups.extend_from_slice(look_ups);
     }
@@ -95,7 +95,7 @@ impl MemoryPorts {
         self.requests.clear();
         self.look_ups.clear();
         self.asked.clear();
-        self.at = Cursor::default();
+        self.at = RequestCursor::default();
     }
 
     /// Returns the distinct lines that the step looks up, with their clients. Call it after `settle`.
@@ -113,7 +113,7 @@ impl MemoryPorts {
     ) -> Option<StepRequestsView<'_>> {
         let asks = (self.requests.as_slice(), self.look_ups.as_slice());
         if !self.asked.settle(asks, (ids, &mut *memories), largest) {
-            let text = objection(asks, (ids, memories), largest);
+            let text = request_error(asks, (ids, memories), largest);
             self.fault(text);
             return None;
         }

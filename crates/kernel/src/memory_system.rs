@@ -202,7 +202,7 @@ impl MemorySystem {
 
     /// Emits the events since the last call to a probe, as far as they are settled, or up to the end of a run.
     pub(crate) fn emit(&mut self, probe: &mut impl Probe, bounds: EventBounds) {
-        let mut emit = |event| probe.memory(event);
+        let mut emit = |event| probe.on_memory_event(event);
         for (number, memory) in self.memories.iter_mut().enumerate() {
             memory.emit(number, bounds, &mut emit);
         }

@@ -103,18 +103,18 @@ impl Operators {
     /// Cycles for which a piece of work occupies the operators if `have` operators of each kind work in parallel. The scarcest
     /// kind decides; the result is at least 1. For each kind that is needed there is at least one operator.
     pub fn interval(&self, work: OperatorCounts, have: OperatorCounts) -> u64 {
-        self.scarcest(work, have, |times, of, interval| times.div_ceil(of) * interval)
+        self.max_over_kinds(work, have, |times, of, interval| times.div_ceil(of) * interval)
     }
 
     /// Cycles from one piece of work to the next in a stream of equal, independent pieces. Operators of a kind take turns, so
     /// seven dividers of 7 cycles each start a division in every cycle, while [`Operators::interval`] waits for all of them.
-    pub fn pace(&self, work: OperatorCounts, have: OperatorCounts) -> u64 {
-        self.scarcest(work, have, |times, of, interval| (times * interval).div_ceil(of))
+    pub fn stream_interval(&self, work: OperatorCounts, have: OperatorCounts) -> u64 {
+        self.max_over_kinds(work, have, |times, of, interval| (times * interval).div_ceil(of))
     }
 
     /// Returns the maximum, and at least 1, of `kept` over all kinds. Its arguments are operations, operators (>= 1), and
     /// interval.
-    fn scarcest(&self, work: OperatorCounts, have: OperatorCounts, kept: impl Fn(u64, u64, u64) -> u64) -> u64 {
+    fn max_over_kinds(&self, work: OperatorCounts, have: OperatorCounts, kept: impl Fn(u64, u64, u64) -> u64) -> u64 {
         let kept = |times: u32, of: u32, operator: &OperatorConfig| {
             kept(u64::from(times), u64::from(of.max(1)), u64::from(operator.interval))
         };
@@ -165,7 +165,7 @@ mod tests {
         let operators = Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() };
         let divide = |divide| OperatorCounts { divide, ..OperatorCounts::NONE };
         assert_eq!(operators.interval(divide(1), divide(7)), 7, "alone");
-        assert_eq!([1, 4, 7, 14].map(|have| operators.pace(divide(1), divide(have))), [7, 2, 1, 1]);
-        assert_eq!(operators.pace(divide(2), divide(7)), 2);
+        assert_eq!([1, 4, 7, 14].map(|have| operators.stream_interval(divide(1), divide(have))), [7, 2, 1, 1]);
+        assert_eq!(operators.stream_interval(divide(2), divide(7)), 2);
     }
 }

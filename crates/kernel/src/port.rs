@@ -231,7 +231,7 @@ impl Port {
         }
         let (first, last) = burst.touched(arrived.address, arrived.bytes);
         *left = last - first + 1;
-        self.counts.arrived(arrived.write, arrived.bytes);
+        self.counts.count_arrival(arrived.write, arrived.bytes);
         self.split += 1;
         Some((number, *arrived, (first, last)))
     }
@@ -251,7 +251,7 @@ impl Port {
         loop {
             self.last_answer = self.last_answer.max(request.end);
             request.end = self.last_answer;
-            self.counts.answered(request.arrived.arrival, self.last_answer);
+            self.counts.count_answer(request.arrived.arrival, self.last_answer);
             if let Some(notes) = &mut self.notes {
                 notes.answer(self.served, self.last_answer);
             }

@@ -1,6 +1,6 @@
 //! Probes: observers of a run. A probe is a type parameter of the engines, so `NoProbe` costs nothing.
 
-use crate::{Cause, Cycle, Label, MemoryEvent};
+use crate::{Cycle, Label, MemoryEvent, StallCause};
 use std::collections::BTreeMap;
 
 /// Observes a run. Stages are numbered in the order of the wiring. Intervals are half-open. Intervals of one stage come in order
@@ -26,21 +26,21 @@ pub trait Probe {
     /// its tokens by output, and `asked` has a bit for each memory client with a request. Calls come in order of execution, ahead
     /// of the times of the step. A token is given before it is taken; otherwise stages interleave in any order. A
     /// [recording](crate::recording) has no tokens, so its resimulation makes no such calls.
-    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+    fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         _ = (stage, taken, asked, given);
     }
     /// Reports that a step occupied stage `stage`.
-    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle);
+    fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle);
     /// Reports that stage `stage` waited for `cause`.
-    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle);
+    fn on_stall(&mut self, stage: usize, cause: StallCause, from: Cycle, to: Cycle);
     /// Reports that FIFO `fifo`, in the order of the wiring by producer, holds `slots` slots from cycle `at` on (law 10). Called
     /// on change, in order of time, with some delay. Before the first call the FIFO holds none.
-    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+    fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
         _ = (fifo, at, slots);
     }
     /// Reports an event of a memory or of one of its clients, with some delay. Events of one [source](MemoryEvent::source) come
     /// in order of time.
-    fn memory(&mut self, event: MemoryEvent) {
+    fn on_memory_event(&mut self, event: MemoryEvent) {
         _ = event;
     }
 }
@@ -57,8 +57,8 @@ impl Probe for NoProbe {
     fn reads_levels(&self) -> bool {
         false
     }
-    fn worked(&mut self, _: usize, _: Cycle, _: Cycle) {}
-    fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
+    fn on_busy(&mut self, _: usize, _: Cycle, _: Cycle) {}
+    fn on_stall(&mut self, _: usize, _: StallCause, _: Cycle, _: Cycle) {}
 }
 
 impl<P: Probe + ?Sized> Probe for &mut P {
@@ -68,20 +68,20 @@ impl<P: Probe + ?Sized> Probe for &mut P {
     fn reads_levels(&self) -> bool {
         (**self).reads_levels()
     }
-    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
-        (**self).stepped(stage, [taken, asked], given);
+    fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+        (**self).on_step(stage, [taken, asked], given);
     }
-    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
-        (**self).worked(stage, from, to);
+    fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
+        (**self).on_busy(stage, from, to);
     }
-    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
-        (**self).waited(stage, cause, from, to);
+    fn on_stall(&mut self, stage: usize, cause: StallCause, from: Cycle, to: Cycle) {
+        (**self).on_stall(stage, cause, from, to);
     }
-    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
-        (**self).held(fifo, at, slots);
+    fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
+        (**self).on_occupancy(fifo, at, slots);
     }
-    fn memory(&mut self, event: MemoryEvent) {
-        (**self).memory(event);
+    fn on_memory_event(&mut self, event: MemoryEvent) {
+        (**self).on_memory_event(event);
     }
 }
 
@@ -91,7 +91,7 @@ pub struct Interval {
     /// Number of the stage in the wiring.
     pub stage: usize,
     /// The cause of its wait; `None` while a step occupied it.
-    pub cause: Option<Cause>,
+    pub cause: Option<StallCause>,
     /// First cycle.
     pub from: Cycle,
     /// Cycle after the last.
@@ -123,17 +123,17 @@ impl Recorder {
 }
 
 impl Probe for Recorder {
-    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+    fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
         self.add(Interval { stage, cause: None, from, to });
     }
-    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+    fn on_stall(&mut self, stage: usize, cause: StallCause, from: Cycle, to: Cycle) {
         self.add(Interval { stage, cause: Some(cause), from, to });
     }
-    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+    fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
         self.fifos.resize(self.fifos.len().max(fifo + 1), Vec::new());
         self.fifos[fifo].push((at, slots));
     }
-    fn memory(&mut self, event: MemoryEvent) {
+    fn on_memory_event(&mut self, event: MemoryEvent) {
         self.memories.entry(event.source()).or_default().push(event);
     }
 }

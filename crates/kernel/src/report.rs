@@ -1,7 +1,7 @@
 //! The report of a run: accounting, occupancy, memory counts.
 
 use crate::outcome::Outcome;
-use crate::{Account, BusActivity, CacheCounts, ChannelCounts, PortCounts};
+use crate::{BusActivity, CacheCounts, ChannelCounts, CycleAccount, PortCounts};
 
 /// The report of a unit. Inputs, outputs and clients are in the order of the wiring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct UnitReport {
     /// Number of steps.
     pub steps: u64,
     /// Breakdown of its cycles; sums to the total.
-    pub account: Account,
+    pub account: CycleAccount,
     /// Names of its input FIFOs.
     pub inputs: Vec<String>,
     /// Names of its output FIFOs.

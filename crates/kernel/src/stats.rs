@@ -7,9 +7,9 @@ use crate::{FifoInfo, OperatorCounts};
 /// wiring. See [`unit_stats`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UnitStats {
-    figures: Vec<Figure>,
+    figures: Vec<UnitFigure>,
     /// Rates of the reporting unit.
-    rates: Vec<Rate>,
+    rates: Vec<OutputRate>,
     slow_fifos: Vec<SlowFifo>,
     hardware: Vec<Hardware>,
     /// Name of the reporting unit.
@@ -18,7 +18,7 @@ pub struct UnitStats {
 
 /// One figure of the report.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
+pub struct UnitFigure {
     /// Its name in the report.
     pub name: String,
     /// Its value.
@@ -96,7 +96,7 @@ impl From<Vec<f64>> for FigureValue {
 
 /// The rate at which a unit fills an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Rate {
+struct OutputRate {
     output: usize,
     latency: u64,
     interval: u64,
@@ -119,14 +119,14 @@ pub struct SlowFifo {
 
 impl SlowFifo {
     /// Cycles for which a token holds its slot.
-    pub fn held(&self) -> u64 {
+    pub fn slot_cycles(&self) -> u64 {
         self.unit_latency + self.fifo_latency + 1
     }
 
-    fn of(link: &FifoInfo, rate: Rate) -> Option<Self> {
+    fn of(link: &FifoInfo, rate: OutputRate) -> Option<Self> {
         let (depth, unit_latency, fifo_latency) = (link.depth() as u64, rate.latency, link.latency());
         let mut slow = Self { name: link.name().into(), depth, needed: 0, unit_latency, fifo_latency };
-        slow.needed = slow.held().div_ceil(rate.interval.max(1));
+        slow.needed = slow.slot_cycles().div_ceil(rate.interval.max(1));
         (depth < slow.needed).then_some(slow)
     }
 }
@@ -136,24 +136,30 @@ impl UnitStats {
     ///
     /// # Panics
     /// If two units report a figure of this name and one value is not a count.
-    pub fn figure(&mut self, name: &str, value: impl Into<FigureValue>, unit: &'static str, about: &'static str) -> &mut Figure {
+    pub fn figure(
+        &mut self,
+        name: &str,
+        value: impl Into<FigureValue>,
+        unit: &'static str,
+        about: &'static str,
+    ) -> &mut UnitFigure {
         let value = value.into();
         if let Some(at) = self.figures.iter().position(|f| f.name == name) {
             match (&mut self.figures[at].value, value) {
                 (FigureValue::Count(sum), FigureValue::Count(more)) => *sum += more,
-                _ => panic!("figure {name} is told twice, and is no count"),
+                _ => panic!("figure {name} is reported twice, but only counts add up"),
             }
             return &mut self.figures[at];
         }
         let at = self.figures.len();
-        self.figures.push(Figure { name: name.into(), value, unit, about, part: FigureGroup::Alone });
+        self.figures.push(UnitFigure { name: name.into(), value, unit, about, part: FigureGroup::Alone });
         &mut self.figures[at]
     }
 
     /// Reports the rate at which the unit fills its output `output`, numbered from 0 in the wiring: `latency` cycles from the
     /// start of a step to its delivery, and at most one token per `interval` cycles.
     pub fn rate(&mut self, output: usize, latency: impl Into<u64>, interval: impl Into<u64>) {
-        self.rates.push(Rate { output, latency: latency.into(), interval: interval.into() });
+        self.rates.push(OutputRate { output, latency: latency.into(), interval: interval.into() });
     }
 
     /// Reports hardware of the unit: `count` operators or words of `width` bits each. Counts and widths of 0 are skipped.
@@ -185,7 +191,7 @@ impl UnitStats {
     }
 
     /// All figures, in order.
-    pub fn figures(&self) -> impl Iterator<Item = &Figure> {
+    pub fn figures(&self) -> impl Iterator<Item = &UnitFigure> {
         self.figures.iter()
     }
 
@@ -214,7 +220,7 @@ impl UnitStats {
     }
 }
 
-impl Figure {
+impl UnitFigure {
     /// Sets the group.
     pub fn part(&mut self, part: FigureGroup) {
         self.part = part;
@@ -231,24 +237,24 @@ mod tests {
 
     #[test]
     fn counts_of_one_name_add_up() {
-        let mut facts = UnitStats::default();
-        facts.figure("items", 2, "items", "taken early");
-        facts.figure("items", 3, "items", "taken late");
-        assert_eq!((facts.count("items"), facts.figures().count()), (5, 1));
+        let mut stats = UnitStats::default();
+        stats.figure("items", 2, "items", "taken early");
+        stats.figure("items", 3, "items", "taken late");
+        assert_eq!((stats.count("items"), stats.figures().count()), (5, 1));
     }
 
     #[test]
-    #[should_panic(expected = "told twice")]
+    #[should_panic(expected = "reported twice")]
     fn other_figures_of_one_name_panic() {
-        let mut facts = UnitStats::default();
-        facts.figure("mean", 0.5, "", "of one unit");
-        facts.figure("mean", 0.5, "", "of another");
+        let mut stats = UnitStats::default();
+        stats.figure("mean", 0.5, "", "of one unit");
+        stats.figure("mean", 0.5, "", "of another");
     }
 
     #[test]
     fn fifo_below_rate_of_producer_is_slow() {
-        let slow = |depth, interval| SlowFifo::of(&FifoInfo::new("f", depth, 2), Rate { output: 0, latency: 5, interval });
-        assert_eq!(slow(7, 1).map(|s| (s.needed, s.held())), Some((8, 8)));
+        let slow = |depth, interval| SlowFifo::of(&FifoInfo::new("f", depth, 2), OutputRate { output: 0, latency: 5, interval });
+        assert_eq!(slow(7, 1).map(|s| (s.needed, s.slot_cycles())), Some((8, 8)));
         assert!(slow(8, 1).is_none() && slow(3, 3).is_none());
         assert_eq!(slow(2, 3).map(|s| s.needed), Some(3));
     }

@@ -60,13 +60,13 @@ pub(crate) struct CacheLines<'a> {
 #[derive(Debug)]
 pub(crate) struct StepRequestsView<'a> {
     asked: &'a StepRequests,
-    at: &'a mut Cursor,
-    count: Count,
+    at: &'a mut RequestCursor,
+    count: RequestCount,
 }
 
 /// Read position in a [`StepRequests`].
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Cursor {
+pub(crate) struct RequestCursor {
     requests: usize,
     look_ups: usize,
     held: usize,
@@ -76,7 +76,7 @@ pub(crate) struct Cursor {
 
 /// Number of requests of a step, and number of caches with look-ups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Count {
+pub(crate) struct RequestCount {
     pub(crate) requests: usize,
     pub(crate) caches: usize,
 }
@@ -197,14 +197,14 @@ impl StepRequests {
 
     /// Returns everything behind a cursor as one step.
     #[inline]
-    pub(crate) fn all<'a>(&'a self, at: &'a mut Cursor) -> StepRequestsView<'a> {
-        let count = Count { requests: self.requests.len() - at.requests, caches: self.look_ups.len() - at.look_ups };
+    pub(crate) fn all<'a>(&'a self, at: &'a mut RequestCursor) -> StepRequestsView<'a> {
+        let count = RequestCount { requests: self.requests.len() - at.requests, caches: self.look_ups.len() - at.look_ups };
         self.next(at, count)
     }
 
     /// Returns the step at a cursor.
     #[inline(always)]
-    pub(crate) fn next<'a>(&'a self, at: &'a mut Cursor, count: Count) -> StepRequestsView<'a> {
+    pub(crate) fn next<'a>(&'a self, at: &'a mut RequestCursor, count: RequestCount) -> StepRequestsView<'a> {
         StepRequestsView { asked: self, at, count }
     }
 
@@ -243,7 +243,7 @@ impl<'a> StepRequestsView<'a> {
 
 /// Describes how the requests of a step contradict the unit's declaration or the wiring.
 #[cold]
-pub(crate) fn objection(
+pub(crate) fn request_error(
     (requests, look_ups): (&[Request], &[Request]),
     mut caches: impl TagLookup,
     largest: &[u32; MAX_CLIENTS],

@@ -1,8 +1,8 @@
 //! Labels: the steps reported to a probe that requests labels.
 
 use basrelief_kernel::{
-    Cause, Cycle, Demand, Engine, Fifo, Label, Limits, Machine, MemoryPorts, MemorySystem, Probe, Stage, Step, Unit, Visitor,
-    run_with,
+    Cycle, Demand, Engine, Fifo, Label, Machine, MemoryPorts, MemorySystem, Probe, RunLimits, Stage, StallCause, Step, Unit,
+    Visitor, run_with,
 };
 use basrelief_kernel::{Sink, Source};
 
@@ -45,7 +45,7 @@ impl Machine for Sums {
 
 /// Reports per stage, in order.
 #[derive(Default, PartialEq, Debug)]
-struct Told {
+struct ProbedSteps {
     asks: bool,
     steps: [Vec<(u32, Vec<u64>)>; 3],
     worked: [usize; 3],
@@ -53,23 +53,23 @@ struct Told {
     early: usize,
 }
 
-impl Probe for Told {
+impl Probe for ProbedSteps {
     fn reads_labels(&self) -> bool {
         self.asks
     }
-    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+    fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         assert_eq!(asked, 0, "there is no memory");
         assert!(given.iter().all(|(output, label)| *output == 0 && label.0[1..] == [0; 2]));
         self.steps[stage].push((taken, given.iter().map(|(_, label)| label.0[0]).collect()));
     }
-    fn worked(&mut self, stage: usize, _: Cycle, _: Cycle) {
+    fn on_busy(&mut self, stage: usize, _: Cycle, _: Cycle) {
         self.worked[stage] += 1;
         self.early += usize::from(self.asks && self.worked[stage] > self.steps[stage].len());
     }
-    fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
+    fn on_stall(&mut self, _: usize, _: StallCause, _: Cycle, _: Cycle) {}
 }
 
-fn told(engine: Engine, asks: bool) -> Told {
+fn probed_steps(engine: Engine, asks: bool) -> ProbedSteps {
     let numbers = |n: &u64| Label([100 + n, 0, 0]);
     let mut machine = Sums {
         source: Stage::new("source", Source::new(0..4)),
@@ -79,24 +79,24 @@ fn told(engine: Engine, asks: bool) -> Told {
         sink: Stage::new("sink", Sink::new()),
         memories: MemorySystem::default(),
     };
-    let mut told = Told { asks, ..Told::default() };
-    run_with(&mut machine, engine, &mut told, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
-    told
+    let mut reported = ProbedSteps { asks, ..ProbedSteps::default() };
+    run_with(&mut machine, engine, &mut reported, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
+    reported
 }
 
 #[test]
 fn label_probe_receives_each_step_ahead_of_its_time() {
     for engine in [Engine::Timed, Engine::Ticked] {
-        let told = told(engine, true);
-        assert_eq!(told.steps[0], [100, 101, 102, 103].map(|label| (0, vec![label])));
-        assert_eq!(told.steps[1], [(1, vec![]), (1, vec![1]), (1, vec![]), (1, vec![5])]);
-        assert_eq!(told.steps[2], [(1, vec![]), (1, vec![])]);
-        assert_eq!((told.worked, told.early), ([4, 4, 2], 0));
+        let reported = probed_steps(engine, true);
+        assert_eq!(reported.steps[0], [100, 101, 102, 103].map(|label| (0, vec![label])));
+        assert_eq!(reported.steps[1], [(1, vec![]), (1, vec![1]), (1, vec![]), (1, vec![5])]);
+        assert_eq!(reported.steps[2], [(1, vec![]), (1, vec![])]);
+        assert_eq!((reported.worked, reported.early), ([4, 4, 2], 0));
     }
 }
 
 #[test]
 fn probe_without_labels_receives_times_only() {
-    let told = told(Engine::Timed, false);
-    assert_eq!((told.steps, told.worked), (Default::default(), [4, 4, 2]));
+    let reported = probed_steps(Engine::Timed, false);
+    assert_eq!((reported.steps, reported.worked), (Default::default(), [4, 4, 2]));
 }

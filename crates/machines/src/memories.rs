@@ -2,7 +2,7 @@
 
 use crate::problem::{ConfigProblem, problem};
 use basrelief_kernel::{MemoryConfig, MemoryPart};
-use basrelief_parameters::{ConfigError, Given, Parameter, Parameters, Provenance};
+use basrelief_parameters::{ConfigError, Parameter, Parameters, Provenance, UserSettings};
 
 /// Declares the memories of a machine, each with its default configuration and the provenance of the defaults. The clock converts the times
 /// of memory parts to cycles:
@@ -73,10 +73,10 @@ macro_rules! memories_of {
 pub(crate) use memories_of;
 
 /// Fills in the values of memory parts at the machine's clock ([`Parameters::complete`]).
-pub(crate) fn complete<C: HasMemories>(config: &mut C, given: &Given<'_>) -> Result<(), ConfigError> {
+pub(crate) fn complete<C: HasMemories>(config: &mut C, given: &UserSettings<'_>) -> Result<(), ConfigError> {
     let hz = config.hz();
     for (name, memory) in config.memories_mut() {
-        let unfit = memory.take_part(hz, |field| given.has(&format!("memory.{name}.{field}")));
+        let unfit = memory.take_part(hz, |field| given.contains(&format!("memory.{name}.{field}")));
         unfit.map_err(|unfit| ConfigError::Unfit { key: format!("memory.{name}.part"), message: unfit.to_string() })?;
     }
     Ok(())

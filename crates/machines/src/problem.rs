@@ -70,7 +70,7 @@ pub(crate) fn line_is_power_of_two(name: &str, line_bytes: u32) -> Result<(), Co
 pub fn slow_fifos(facts: &UnitStats) -> Vec<String> {
     let sentence = |slow: &SlowFifo| {
         let SlowFifo { name, depth, needed, unit_latency, fifo_latency } = slow;
-        let held = slow.held();
+        let held = slow.slot_cycles();
         format!(
             "fifo.{name}.depth = {depth} allows {depth} tokens in {held} cycles (unit latency {unit_latency} + FIFO latency {fifo_latency} + 1); full throughput needs a depth of {needed}"
         )

@@ -30,14 +30,14 @@
 extern crate self as basrelief_parameters;
 
 mod error;
-mod given;
 mod load;
 mod table;
+mod user_settings;
 
 pub use error::{ConfigError, RangeError};
-pub use given::Given;
 pub use load::{Loader, load, nearest, syntax};
 pub use table::{Effect, Parameter, Parameters, Provenance, as_option, resolved};
+pub use user_settings::UserSettings;
 
 /// Used by the macros; not part of the interface.
 #[doc(hidden)]

@@ -1,6 +1,6 @@
 //! From TOML and `key=value` pairs to a checked configuration.
 
-use crate::{ConfigError, Given, Parameters};
+use crate::{ConfigError, Parameters, UserSettings};
 use serde::de::Unexpected;
 use serde_json::Value as Json;
 use std::marker::PhantomData;
@@ -45,12 +45,12 @@ impl<C: Parameters> Loader<C> {
         let mut tree = self.given.clone();
         for (key, value) in settings {
             check_known(key, &self.known)?;
-            insert(&mut tree, key, parse_value(value))?;
+            insert_setting(&mut tree, key, parse_value(value))?;
         }
         check_tree(&tree, "", &self.known)?;
         let mut config = self.over_defaults(tree.clone()).map_err(|error| self.wrong_type(&tree, &error))?;
         config.check("")?;
-        config.complete(&Given(&tree))?;
+        config.complete(&UserSettings(&tree))?;
         config.check("")?;
         Ok(config)
     }
@@ -72,11 +72,11 @@ impl<C: Parameters> Loader<C> {
     fn wrong_type(&self, given: &Table, whole: &serde_json::Error) -> ConfigError {
         let alone = |(key, value): (String, &Value)| {
             let mut tree = Table::new();
-            insert(&mut tree, &key, value.clone()).ok()?;
+            insert_setting(&mut tree, &key, value.clone()).ok()?;
             self.over_defaults(tree).err().map(|error| (key, error.to_string()))
         };
         let (key, message) =
-            leaves(given, "", &self.known).into_iter().find_map(alone).unwrap_or_else(|| (String::new(), whole.to_string()));
+            settings_in(given, "", &self.known).into_iter().find_map(alone).unwrap_or_else(|| (String::new(), whole.to_string()));
         let first = message.trim().lines().next().unwrap_or_default();
         let known = C::table().into_iter().find(|p| p.key == key && !p.range.is_empty());
         let range = known.map_or_else(String::new, |p| format!("; expected {}", format!("{} {}", p.range, p.unit).trim_end()));
@@ -102,11 +102,11 @@ pub fn syntax(text: &str, error: &toml::de::Error) -> String {
 }
 
 /// Flattens the given values to dotted names.
-fn leaves<'a>(tree: &'a Table, prefix: &str, known: &[String]) -> Vec<(String, &'a Value)> {
+fn settings_in<'a>(tree: &'a Table, prefix: &str, known: &[String]) -> Vec<(String, &'a Value)> {
     let leaf = |(name, value): (&String, &'a Value)| {
         let key = format!("{prefix}{name}");
         match value {
-            Value::Table(inner) if !known.contains(&key) => leaves(inner, &format!("{key}."), known),
+            Value::Table(inner) if !known.contains(&key) => settings_in(inner, &format!("{key}."), known),
             _ => vec![(key, value)],
         }
     };
@@ -136,7 +136,7 @@ fn parse_value(text: &str) -> Value {
         .unwrap_or_else(|| Value::String(text.into()))
 }
 
-fn insert(tree: &mut Table, key: &str, value: Value) -> Result<(), ConfigError> {
+fn insert_setting(tree: &mut Table, key: &str, value: Value) -> Result<(), ConfigError> {
     let (path, leaf) = key.rsplit_once('.').unwrap_or(("", key));
     let mut at = tree;
     for part in path.split('.').filter(|p| !p.is_empty()) {
@@ -247,7 +247,7 @@ mod tests {
 
     crate::parameter_groups! {
         /// Lanes follow from `wide.lanes` where they are not given.
-        pub struct Following completed(follow) explained(why) {
+        pub struct Following completed(follow) explained(note_reason) {
             /// Leads.
             wide: SearchConfig = SearchConfig::default() => [lanes: Stated("claim 1")],
             /// Follows.
@@ -255,14 +255,14 @@ mod tests {
         }
     }
 
-    fn follow(config: &mut Following, given: &Given<'_>) -> Result<(), ConfigError> {
-        if !given.has("narrow.lanes") {
+    fn follow(config: &mut Following, given: &UserSettings<'_>) -> Result<(), ConfigError> {
+        if !given.contains("narrow.lanes") {
             config.narrow.lanes = config.wide.lanes / 2;
         }
         Ok(())
     }
 
-    fn why(_: &Following, table: &mut [crate::Parameter]) {
+    fn note_reason(_: &Following, table: &mut [crate::Parameter]) {
         table[2].provenance = crate::Provenance::Derived("half".into());
     }
 

@@ -1,6 +1,6 @@
 //! The table of parameters and the macros that fill it.
 
-use crate::{ConfigError, Given, RangeError};
+use crate::{ConfigError, RangeError, UserSettings};
 use serde::{Serialize, de::DeserializeOwned};
 use std::borrow::Cow;
 
@@ -95,7 +95,7 @@ pub trait Parameters: Serialize + DeserializeOwned + Default {
     ///
     /// # Errors
     /// [`ConfigError::Unfit`] if no value is possible.
-    fn complete(&mut self, given: &Given<'_>) -> Result<(), ConfigError> {
+    fn complete(&mut self, given: &UserSettings<'_>) -> Result<(), ConfigError> {
         let _ = given;
         Ok(())
     }
@@ -216,7 +216,7 @@ macro_rules! parameter_groups {
                 Ok(())
             }
 
-            $(fn complete(&mut self, given: &$crate::Given<'_>) -> Result<(), $crate::ConfigError> {
+            $(fn complete(&mut self, given: &$crate::UserSettings<'_>) -> Result<(), $crate::ConfigError> {
                 $complete(self, given)
             }
 

@@ -177,7 +177,7 @@ fn client(counts: &kernel::PortCounts) -> Client {
         row_closed: counts.rows.closed,
         row_conflicts: counts.rows.conflicts,
         queue_wait: counts.queue_wait,
-        latency: counts.latencies.used().to_vec(),
+        latency: counts.latencies.used_classes().to_vec(),
     }
 }
 

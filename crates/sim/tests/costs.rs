@@ -1,7 +1,7 @@
 //! Costs: every cycle of every unit is charged exactly once.
 
 use basrelief_input::Budget;
-use basrelief_kernel::{Account, Engine, Recorder, RunReport};
+use basrelief_kernel::{CycleAccount, Engine, Recorder, RunReport};
 use basrelief_report::costs::Spent as Told;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
@@ -54,7 +54,7 @@ fn costs_of(scene: &Arc<Scene>, mut options: RunOptions, change: impl Fn(&mut Ru
 fn check(costs: &Costs, report: &RunReport) {
     assert_eq!((costs.cycles, costs.units.len()), (report.total, report.units.len()));
     for (unit, own) in costs.units.iter().zip(&report.units) {
-        let Account { busy, done, starved, memory, blocked } = &own.account;
+        let CycleAccount { busy, done, starved, memory, blocked } = &own.account;
         for way in &unit.activities {
             let at = |names: &[String]| names.iter().position(|name| *name == way.of).unwrap();
             let cycles = match way.kind {

@@ -24,7 +24,7 @@ use crate::scale::TimeScale;
 use crate::streams::ChangeStreams;
 use crate::wires::{BUSY, DONE, FIRST_WAIT, FRAME, SignalNumbers, SignalTable};
 use basrelief_input::Budget;
-use basrelief_kernel::Cause;
+use basrelief_kernel::StallCause;
 use fst_writer::{FstFileType, FstHeaderWriter, FstInfo, FstWriteError};
 use std::io::{self, Seek, Write};
 
@@ -102,9 +102,9 @@ impl<W: Write + Seek> TraceSink for FstWaves<W> {
         let state = match state {
             UnitState::Busy => BUSY,
             UnitState::Done => DONE,
-            UnitState::Waits(Cause::Starved(i)) => wait(0, i),
-            UnitState::Waits(Cause::Blocked(i)) => wait(1, i),
-            UnitState::Waits(Cause::Memory(i)) => wait(2, i),
+            UnitState::Waits(StallCause::Starved(i)) => wait(0, i),
+            UnitState::Waits(StallCause::Blocked(i)) => wait(1, i),
+            UnitState::Waits(StallCause::Memory(i)) => wait(2, i),
         };
         self.hold(self.numbers.first_stage + stage, state, from, to);
     }

@@ -1,7 +1,7 @@
 use crate::samples;
 use crate::*;
 use basrelief_input::Budget;
-use basrelief_kernel::{Cause, Cycle, Engine, Limits, MemoryEvent, Probe, Recorder, RunReport, run_with};
+use basrelief_kernel::{Cycle, Engine, MemoryEvent, Probe, Recorder, RunLimits, RunReport, StallCause, run_with};
 use basrelief_kernel_conformance::plan::PlanMachine;
 use fst_reader::{FstFilter, FstHierarchyEntry, FstReader, FstSignalValue};
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ fn board() -> TimelineLayout {
 
 fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
     let mut machine = PlanMachine::new(&samples::plan()).unwrap();
-    run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true })
+    run_with(&mut machine, engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
 /// The waves of a run, in sections of so many bytes.
@@ -67,11 +67,11 @@ fn by_cycle(changes: &[(u64, Option<u64>)], end: u64) -> Vec<Option<u64>> {
 
 /// State of a stage in each cycle, from a recorder.
 fn states(recorder: &Recorder, stage: usize, total: u64) -> Vec<&'static str> {
-    let name = |cause: Option<Cause>| match cause {
+    let name = |cause: Option<StallCause>| match cause {
         None => "busy",
-        Some(Cause::Starved(_)) => "starved",
-        Some(Cause::Blocked(_)) => "blocked",
-        Some(Cause::Memory(_)) => "memory",
+        Some(StallCause::Starved(_)) => "starved",
+        Some(StallCause::Blocked(_)) => "blocked",
+        Some(StallCause::Memory(_)) => "memory",
     };
     let at = |cycle| {
         let found = recorder.stages[stage].iter().find(|i| (i.from..i.to).contains(&Cycle(cycle)));

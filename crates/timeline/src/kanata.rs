@@ -10,7 +10,7 @@ use crate::layout::{TimelineLayout, wait_name};
 use crate::levels::CounterValue;
 use crate::probe::{BusTransfer, StepAttribution, TokenLife, TraceSink, UnitState};
 use basrelief_input::{Budget, Held, OverBudget};
-use basrelief_kernel::Cause;
+use basrelief_kernel::StallCause;
 use std::io::{self, Write};
 
 /// Lanes of the location of a token, and of its stalls.
@@ -99,7 +99,7 @@ impl<W: Write> KanataLog<W> {
         events
     }
 
-    fn stall(&self, stage: usize, of: Cause) -> String {
+    fn stall(&self, stage: usize, of: StallCause) -> String {
         wait_name(&self.board.diagram.stages[stage], of)
     }
 
@@ -156,7 +156,7 @@ impl<W: Write> TraceSink for KanataLog<W> {
     fn state(&mut self, stage: usize, state: UnitState, whose: &StepAttribution, from: u64, to: u64) {
         let Some(life) = whose.life.filter(|_| self.over.is_none()) else { return };
         // That a unit waits for the token is nothing that the token does.
-        if matches!(state, UnitState::Waits(Cause::Starved(_)) | UnitState::Done) {
+        if matches!(state, UnitState::Waits(StallCause::Starved(_)) | UnitState::Done) {
             return;
         }
         match self.held.room(&mut self.pieces, 1, "lives of tokens") {

@@ -3,7 +3,7 @@
 use crate::samples;
 use crate::*;
 use basrelief_input::{Budget, OverBudget};
-use basrelief_kernel::{Cause, Cycle, Engine, Interval, Limits, NoProbe, RunReport, run_with};
+use basrelief_kernel::{Cycle, Engine, Interval, NoProbe, RunLimits, RunReport, StallCause, run_with};
 use basrelief_kernel_conformance::plan::PlanMachine;
 use std::collections::BTreeMap;
 
@@ -61,7 +61,7 @@ fn read(text: &str) -> Vec<DecodedToken> {
 
 fn run() -> RunReport {
     let mut machine = PlanMachine::new(&samples::plan()).unwrap();
-    run_with(&mut machine, Engine::Timed, &mut NoProbe, Limits { max_cycles: u64::MAX, progress: &mut |_| true })
+    run_with(&mut machine, Engine::Timed, &mut NoProbe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
 fn written(board: &TimelineLayout, budget: &Budget, tell: impl FnOnce(&mut TimelineProbe<'_>)) -> std::io::Result<String> {
@@ -82,7 +82,13 @@ fn life(number: u64) -> StepAttribution {
     }
 }
 
-fn add(watcher: &mut TimelineProbe<'_>, stage: usize, cause: Option<Cause>, (from, to): (u64, u64), whose: &StepAttribution) {
+fn add(
+    watcher: &mut TimelineProbe<'_>,
+    stage: usize,
+    cause: Option<StallCause>,
+    (from, to): (u64, u64),
+    whose: &StepAttribution,
+) {
     watcher.add(Interval { stage, cause, from: Cycle(from), to: Cycle(to) }, whose);
 }
 
@@ -98,10 +104,10 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
     let board = samples::board();
     let ([before, last], fifo) = pair(&board);
     let text = written(&board, &Budget::default(), |watcher| {
-        add(watcher, before, Some(Cause::Starved(0)), (0, 2), &life(0));
+        add(watcher, before, Some(StallCause::Starved(0)), (0, 2), &life(0));
         add(watcher, before, None, (2, 5), &life(0));
         add(watcher, before, None, (5, 6), &life(64));
-        add(watcher, last, Some(Cause::Memory(0)), (7, 9), &life(0));
+        add(watcher, last, Some(StallCause::Memory(0)), (7, 9), &life(0));
         add(watcher, last, None, (9, 10), &life(0));
         add(watcher, last, None, (10, 11), &StepAttribution::default());
     });

@@ -1,6 +1,6 @@
 //! The machine and the part of its run that a time line shows.
 
-use basrelief_kernel::{Cause, Diagram, StageTopology};
+use basrelief_kernel::{Diagram, StageTopology, StallCause};
 
 /// A machine as its time lines name it, and the part of a run that they show.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,11 +73,11 @@ impl TimelineLayout {
 }
 
 /// Name of a wait, as in the tables of the report: its cause and the FIFO or memory client.
-pub(crate) fn wait_name(stage: &StageTopology, cause: Cause) -> String {
+pub(crate) fn wait_name(stage: &StageTopology, cause: StallCause) -> String {
     let (cause, names, number) = match cause {
-        Cause::Starved(number) => ("starved", &stage.inputs, number),
-        Cause::Blocked(number) => ("blocked", &stage.outputs, number),
-        Cause::Memory(number) => ("memory", &stage.clients, number),
+        StallCause::Starved(number) => ("starved", &stage.inputs, number),
+        StallCause::Blocked(number) => ("blocked", &stage.outputs, number),
+        StallCause::Memory(number) => ("memory", &stage.clients, number),
     };
     format!("{cause}: {}", names.get(number).map_or("", String::as_str))
 }

@@ -25,7 +25,7 @@ use crate::proto::{
     self, CounterDescriptor, DebugAnnotation, InternedData, InternedName, TracePacket, TrackDescriptor, TrackEvent,
 };
 use crate::scale::TimeScale;
-use basrelief_kernel::{Cause, StageTopology};
+use basrelief_kernel::{StageTopology, StallCause};
 use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint, encoded_len_varint, key_len, message, uint64};
 use std::io::{self, Write};
@@ -64,9 +64,9 @@ impl SliceTemplate {
     fn begin(&self, state: UnitState) -> Option<&Vec<u8>> {
         match state {
             UnitState::Busy => Some(&self.busy),
-            UnitState::Waits(Cause::Starved(i)) => self.starved.get(i),
-            UnitState::Waits(Cause::Blocked(i)) => self.blocked.get(i),
-            UnitState::Waits(Cause::Memory(i)) => self.memory.get(i),
+            UnitState::Waits(StallCause::Starved(i)) => self.starved.get(i),
+            UnitState::Waits(StallCause::Blocked(i)) => self.blocked.get(i),
+            UnitState::Waits(StallCause::Memory(i)) => self.memory.get(i),
             UnitState::Done => Some(&self.done),
         }
     }
@@ -324,7 +324,7 @@ fn intern(stages: &[StageTopology]) -> (Vec<SliceTemplate>, Vec<InternedName>) {
     let mut slices = Vec::new();
     for (track, stage) in (FIRST_UNIT..).zip(stages) {
         let begin = |name| TrackEvent { name_iid: Some(name), ..event(proto::SLICE_BEGIN, track) }.encode_to_vec();
-        let mut add = |list: &[String], cause: fn(usize) -> Cause| {
+        let mut add = |list: &[String], cause: fn(usize) -> StallCause| {
             let first = names.len() as u64 + 1;
             names.extend((first..).zip(0..list.len()).map(|(iid, i)| interned(iid, wait_name(stage, cause(i)))));
             (first..).take(list.len()).map(begin).collect()
@@ -332,9 +332,9 @@ fn intern(stages: &[StageTopology]) -> (Vec<SliceTemplate>, Vec<InternedName>) {
         slices.push(SliceTemplate {
             busy: begin(BUSY),
             done: begin(DONE),
-            starved: add(&stage.inputs, Cause::Starved),
-            blocked: add(&stage.outputs, Cause::Blocked),
-            memory: add(&stage.clients, Cause::Memory),
+            starved: add(&stage.inputs, StallCause::Starved),
+            blocked: add(&stage.outputs, StallCause::Blocked),
+            memory: add(&stage.clients, StallCause::Memory),
             end: event(proto::SLICE_END, track).encode_to_vec(),
             clients: stage.clients.clone(),
         });

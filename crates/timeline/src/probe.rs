@@ -2,7 +2,7 @@
 
 use crate::layout::TimelineLayout;
 use crate::levels::{ChannelCounters, CounterList, CounterValue, RATE_CYCLES};
-use basrelief_kernel::{CacheCounts, Cause, Cycle, Interval, MemoryEvent, Outcome, Probe, RunReport};
+use basrelief_kernel::{CacheCounts, Cycle, Interval, MemoryEvent, Outcome, Probe, RunReport, StallCause};
 use std::io;
 
 /// State of a unit.
@@ -11,7 +11,7 @@ pub enum UnitState {
     /// It is kept by a step.
     Busy,
     /// It waits.
-    Waits(Cause),
+    Waits(StallCause),
     /// The unit executes no further step, but other units do.
     Done,
 }
@@ -276,19 +276,19 @@ impl<'a> TimelineProbe<'a> {
 }
 
 impl Probe for TimelineProbe<'_> {
-    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+    fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
         self.add(Interval { stage, cause: None, from, to }, &StepAttribution::default());
     }
 
-    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+    fn on_stall(&mut self, stage: usize, cause: StallCause, from: Cycle, to: Cycle) {
         self.add(Interval { stage, cause: Some(cause), from, to }, &StepAttribution::default());
     }
 
-    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+    fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
         self.hold(fifo, at.0, Some(CounterValue::Count(slots as u64)));
     }
 
-    fn memory(&mut self, event: MemoryEvent) {
+    fn on_memory_event(&mut self, event: MemoryEvent) {
         match event {
             MemoryEvent::Moved { memory, channel, client, write, from, to } => {
                 self.moved(self.numbers.channel(memory, channel), BusTransfer { client, write }, from.0, to.0);

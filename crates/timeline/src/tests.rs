@@ -3,7 +3,7 @@ use crate::proto::{self, TracePacket};
 use crate::samples;
 use crate::*;
 use basrelief_kernel::{
-    CacheCounts, Cause, Cycle, Engine, Interval, Limits, MemoryEvent, Outcome, Probe, Recorder, RunReport, run_with,
+    CacheCounts, Cycle, Engine, Interval, MemoryEvent, Outcome, Probe, Recorder, RunLimits, RunReport, StallCause, run_with,
 };
 use basrelief_kernel_conformance::plan::PlanMachine;
 use prost::Message;
@@ -19,7 +19,7 @@ struct DecodedTrace {
 
 fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
     let mut machine = PlanMachine::new(&samples::plan()).unwrap();
-    run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true })
+    run_with(&mut machine, engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
 /// Report and trace of a run with an engine.
@@ -97,9 +97,9 @@ fn expected(recorder: &Recorder, board: &TimelineLayout, total: u64) -> Vec<(Str
     let names = &board.diagram.stages;
     let name = |i: &Interval| match i.cause {
         None => "busy".into(),
-        Some(Cause::Starved(k)) => format!("starved: {}", names[i.stage].inputs[k]),
-        Some(Cause::Blocked(k)) => format!("blocked: {}", names[i.stage].outputs[k]),
-        Some(Cause::Memory(k)) => format!("memory: {}", names[i.stage].clients[k]),
+        Some(StallCause::Starved(k)) => format!("starved: {}", names[i.stage].inputs[k]),
+        Some(StallCause::Blocked(k)) => format!("blocked: {}", names[i.stage].outputs[k]),
+        Some(StallCause::Memory(k)) => format!("memory: {}", names[i.stage].clients[k]),
     };
     let all = recorder.stages.iter().flatten();
     let mut all: Vec<_> = all.map(|i| (names[i.stage].name.clone(), name(i), i.from.0, i.to.0)).collect();
@@ -239,9 +239,9 @@ fn slices_end_with_an_incomplete_run() {
     let mut run = samples::run();
     (run.total, run.outcome) = (10, Outcome::Limit);
     let bytes = told(&samples::board(), &run, |watcher| {
-        watcher.worked(0, Cycle(4), Cycle(90));
-        watcher.worked(1, Cycle(10), Cycle(11));
-        watcher.worked(99, Cycle(0), Cycle(1));
+        watcher.on_busy(0, Cycle(4), Cycle(90));
+        watcher.on_busy(1, Cycle(10), Cycle(11));
+        watcher.on_busy(99, Cycle(0), Cycle(1));
     });
     assert_eq!(slices(&bytes), [("source".to_owned(), "busy".to_owned(), 4, 10)]);
 }
@@ -288,7 +288,7 @@ fn rates_are_those_of_256_cycles() {
             looked_up(255, 0, 3),
             looked_up(512, 2, 0),
         ] {
-            watcher.memory(event);
+            watcher.on_memory_event(event);
         }
     });
     // Bursts of 32 bytes in 4 cycles; the last interval in which the bus moves anything ends in 1280.

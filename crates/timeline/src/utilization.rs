@@ -1,6 +1,6 @@
 //! Utilization of units over time in about a thousand columns.
 
-use basrelief_kernel::{Cause, Cycle, Probe};
+use basrelief_kernel::{Cycle, Probe, StallCause};
 
 /// Maximum number of columns. A long run has at least half as many.
 const COLUMNS: usize = 2048;
@@ -64,15 +64,15 @@ impl UtilizationTimeline {
 }
 
 impl Probe for UtilizationTimeline {
-    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+    fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
         self.add(stage, 0, from, to);
     }
 
-    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+    fn on_stall(&mut self, stage: usize, cause: StallCause, from: Cycle, to: Cycle) {
         let state = match cause {
-            Cause::Memory(_) => 1,
-            Cause::Starved(_) => 2,
-            Cause::Blocked(_) => 3,
+            StallCause::Memory(_) => 1,
+            StallCause::Starved(_) => 2,
+            StallCause::Blocked(_) => 3,
         };
         self.add(stage, state, from, to);
     }
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn cycles_beyond_all_bounds_are_counted_too() {
         let mut strips = UtilizationTimeline::default();
-        strips.worked(0, Cycle(1 << 40), Cycle((1 << 40) + 5));
+        strips.on_busy(0, Cycle(1 << 40), Cycle((1 << 40) + 5));
         assert_eq!(strips.units()[0].iter().map(|column| column[0]).sum::<u64>(), 5);
     }
 }

@@ -3,7 +3,7 @@
 use super::client_kind::ClientKind;
 use super::ends::{Back, Emitted, Front, Popped};
 use super::environment::TestEnvironment;
-use super::subject::{AfterStep, Subject};
+use super::subject::{AfterStep, ObservedUnit};
 use basrelief_kernel::{Machine, MemorySystem, Stage, Unit, Visitor};
 
 /// Sources, the unit under test, sinks, and one memory. The memory has a port, or a port and a cache, per client of the unit.
@@ -16,7 +16,7 @@ use basrelief_kernel::{Machine, MemorySystem, Stage, Unit, Visitor};
 /// ```
 pub struct Bench<U: Unit<In: Popped, Out: Emitted>> {
     front: <U::In as Popped>::Front,
-    unit: Stage<Subject<U>>,
+    unit: Stage<ObservedUnit<U>>,
     back: <U::Out as Emitted>::Back,
     memories: MemorySystem,
     clients: Vec<usize>,
@@ -64,7 +64,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         }
         let front = U::In::front(tokens, setting);
         let back = U::Out::back(expected, setting);
-        let unit = Stage::new("unit", Subject { unit, after_step });
+        let unit = Stage::new("unit", ObservedUnit { unit, after_step });
         Self { front, unit, back, memories, clients }
     }
 

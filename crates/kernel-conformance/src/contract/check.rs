@@ -52,7 +52,7 @@ pub struct Contract<U: Unit<In: Popped>> {
 }
 
 /// Returns the twelve environments of the test.
-fn settings() -> Vec<TestEnvironment> {
+fn environments() -> Vec<TestEnvironment> {
     let mut all = Vec::new();
     for depth in [1, 2, 16] {
         let plain = TestEnvironment { depth, latency: 1, ..TestEnvironment::default() };
@@ -65,7 +65,7 @@ fn settings() -> Vec<TestEnvironment> {
 }
 
 /// Returns the cheapest environment, in which nothing but the unit limits the run.
-fn plain() -> TestEnvironment {
+fn default_environment() -> TestEnvironment {
     TestEnvironment { depth: 16, latency: 1, ..TestEnvironment::default() }
 }
 
@@ -116,13 +116,13 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// # Errors
     /// Names the first difference.
     pub fn reset_is_idempotent(&self) -> Result<(), ContractViolation> {
-        let setting = plain();
+        let setting = default_environment();
         let (first, used) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
         let mut again = used.unit().clone();
-        let fresh = place("fresh unit", (self.state.write)(&self.fresh))?;
-        place("reset", (self.state.read)(&mut again, &fresh))?;
+        let fresh = at_place("fresh unit", (self.state.write)(&self.fresh))?;
+        at_place("reset", (self.state.read)(&mut again, &fresh))?;
         let (second, _) = self.run(again, Engine::Timed, &setting)?;
-        place("run after reset", same_reports(("before", &first), ("after", &second)))
+        at_place("run after reset", same_reports(("before", &first), ("after", &second)))
     }
 
     /// Checks that two equal runs give equal results: no clock, no randomness, and no state shared between clones.
@@ -130,10 +130,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// # Errors
     /// Names the first difference.
     pub fn runs_are_deterministic(&self) -> Result<(), ContractViolation> {
-        for setting in settings() {
+        for setting in environments() {
             let (first, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
             let (second, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
-            place(&setting, same_reports(("first run", &first), ("second run", &second)))?;
+            at_place(&setting, same_reports(("first run", &first), ("second run", &second)))?;
         }
         Ok(())
     }
@@ -144,7 +144,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// Names the first different token and its cycle.
     pub fn no_token_is_lost_or_doubled(&self) -> Result<(), ContractViolation> {
         for engine in [Engine::Timed, Engine::Ticked] {
-            self.run(self.fresh.clone(), engine, &plain())?;
+            self.run(self.fresh.clone(), engine, &default_environment())?;
         }
         Ok(())
     }
@@ -155,10 +155,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// Names the first different token and its cycle.
     pub fn back_pressure_changes_no_token(&self) -> Result<(), ContractViolation> {
         let expected = self.final_state(self.functional()?.unit())?;
-        for setting in settings() {
+        for setting in environments() {
             let (_, bench) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
             if self.final_state(bench.unit())? != expected {
-                return place(&setting, Err("the unit ends in another state than in the functional model (law 6)".into()));
+                return at_place(&setting, Err("the unit ends in another state than in the functional model (law 6)".into()));
             }
         }
         Ok(())
@@ -170,7 +170,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// # Errors
     /// Names the client, the need and the declaration.
     pub fn steps_keep_within_largest_step(&self) -> Result<(), ContractViolation> {
-        settings().iter().try_for_each(|setting| self.run_without_fault(setting))
+        environments().iter().try_for_each(|setting| self.run_without_fault(setting))
     }
 
     /// Checks that no step works longer after its data than its whole latency, which includes this work.
@@ -178,14 +178,14 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// # Errors
     /// Names both numbers of cycles.
     pub fn work_after_data_is_part_of_latency(&self) -> Result<(), ContractViolation> {
-        self.run_without_fault(&plain())
+        self.run_without_fault(&default_environment())
     }
 
     /// Runs the fresh unit. A fault is an error.
     fn run_without_fault(&self, setting: &TestEnvironment) -> Result<(), ContractViolation> {
         let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, setting);
         match run(&mut bench, Engine::Timed).outcome {
-            Outcome::Fault(text) => place(setting, Err(text)),
+            Outcome::Fault(text) => at_place(setting, Err(text)),
             _ => Ok(()),
         }
     }
@@ -206,10 +206,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
             if after == before { Ok(()) } else { Err(format!("the state was {before}, and is {after} after a round trip")) }
         });
         let unit = (self.fresh.clone(), Some(trip));
-        let setting = TestEnvironment { depth: 2, ..plain() };
+        let setting = TestEnvironment { depth: 2, ..default_environment() };
         let expected = self.functional()?.tokens();
         let mut bench = Bench::with_hook(unit, self.tokens.clone(), Some(expected), &self.clients, &setting);
-        place("state through JSON after every step", completed(&run(&mut bench, Engine::Timed)))
+        at_place("state through JSON after every step", completed(&run(&mut bench, Engine::Timed)))
     }
 
     /// Checks that the cycles of every unit (law 9) and of every FIFO's histogram (law 10) sum to the total.
@@ -217,12 +217,12 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// # Errors
     /// Names the unit or FIFO and both sums.
     pub fn accounting_sums_to_the_total(&self) -> Result<(), ContractViolation> {
-        for setting in settings() {
+        for setting in environments() {
             let (report, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
             let units = report.units.iter().map(|u| (&u.name, u.account.total()));
             let fifos = report.fifos.iter().map(|f| (&f.name, f.histogram.iter().sum()));
             if let Some((name, sum)) = units.chain(fifos).find(|&(_, sum)| sum != report.total) {
-                return place(&setting, Err(format!("the cycles of {name} sum to {sum}, expected {}", report.total)));
+                return at_place(&setting, Err(format!("the cycles of {name} sum to {sum}, expected {}", report.total)));
             }
         }
         Ok(())
@@ -233,10 +233,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// # Errors
     /// Names the first difference.
     pub fn engines_report_the_same(&self) -> Result<(), ContractViolation> {
-        for setting in settings() {
+        for setting in environments() {
             let (timed, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
             let (ticked, _) = self.run(self.fresh.clone(), Engine::Ticked, &setting)?;
-            place(&setting, same_reports(("timed", &timed), ("ticked", &ticked)))?;
+            at_place(&setting, same_reports(("timed", &timed), ("ticked", &ticked)))?;
         }
         Ok(())
     }
@@ -246,12 +246,12 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     /// # Errors
     /// Names the tokens that are left.
     pub fn nothing_is_left_at_the_end(&self) -> Result<(), ContractViolation> {
-        for setting in settings() {
+        for setting in environments() {
             let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &setting);
             let report = run(&mut bench, Engine::Timed);
-            place(&setting, completed(&report))?;
+            at_place(&setting, completed(&report))?;
             if !report.units.iter().any(|u| u.name == "unit" && u.steps > 0) {
-                return place(&setting, Err("the unit made no step: the contract needs at least one token".into()));
+                return at_place(&setting, Err("the unit made no step: the contract needs at least one token".into()));
             }
         }
         Ok(())
@@ -259,8 +259,8 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
 
     /// Runs the fresh unit in the functional model.
     fn functional(&self) -> Result<Bench<U>, ContractViolation> {
-        let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &plain());
-        place("functional model", run_functional(&mut bench, &mut |_| true))?;
+        let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &default_environment());
+        at_place("functional model", run_functional(&mut bench, &mut |_| true))?;
         Ok(bench)
     }
 
@@ -269,18 +269,18 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         let expected = self.functional()?.tokens();
         let mut bench = Bench::new(unit, self.tokens.clone(), Some(expected), &self.clients, setting);
         let report = run(&mut bench, engine);
-        place(format_args!("{engine:?}, {setting}"), completed(&report))?;
+        at_place(format_args!("{engine:?}, {setting}"), completed(&report))?;
         Ok((report, bench))
     }
 
     /// Returns the unit's final state as JSON. The result is empty if the contract has no state.
     fn final_state(&self, unit: &U) -> Result<String, ContractViolation> {
-        place("final state", (self.state.write)(unit))
+        at_place("final state", (self.state.write)(unit))
     }
 }
 
 /// Adds the place to an error.
-fn place<T>(place: impl Display, result: Result<T, String>) -> Result<T, ContractViolation> {
+fn at_place<T>(place: impl Display, result: Result<T, String>) -> Result<T, ContractViolation> {
     result.map_err(|what| ContractViolation { place: place.to_string(), what })
 }
 

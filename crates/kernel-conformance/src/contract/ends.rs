@@ -58,12 +58,12 @@ pub trait Back {
 
 /// A source and its FIFO.
 #[derive(Clone, Debug)]
-pub struct Inlet<T> {
+pub struct SourceEnd<T> {
     stage: Stage<Source<std::vec::IntoIter<T>>>,
     fifo: Fifo<T>,
 }
 
-impl<T> Inlet<T> {
+impl<T> SourceEnd<T> {
     fn new(n: usize, tokens: Vec<T>, setting: &TestEnvironment) -> Self {
         let source = Source::new(tokens).with_gaps(&setting.source_gaps);
         let fifo = Fifo::new(&format!("input_{n}"), setting.depth, setting.latency);
@@ -73,12 +73,12 @@ impl<T> Inlet<T> {
 
 /// A sink and its FIFO.
 #[derive(Clone, Debug)]
-pub struct Outlet<T> {
+pub struct SinkEnd<T> {
     stage: Stage<Sink<T>>,
     fifo: Fifo<T>,
 }
 
-impl<T: Debug + PartialEq> Outlet<T> {
+impl<T: Debug + PartialEq> SinkEnd<T> {
     fn new(n: usize, tokens: Option<Vec<T>>, setting: &TestEnvironment) -> Self {
         let sink = tokens.map_or_else(Sink::new, Sink::expect).with_occupancy(&setting.sink_occupancy);
         let fifo = Fifo::new(&format!("output_{n}"), setting.depth, setting.latency);
@@ -101,13 +101,13 @@ impl Front for () {
 
 impl<A: Clone> Popped for Option<A> {
     type Tokens = Vec<A>;
-    type Front = Inlet<A>;
-    fn front(tokens: Vec<A>, setting: &TestEnvironment) -> Inlet<A> {
-        Inlet::new(0, tokens, setting)
+    type Front = SourceEnd<A>;
+    fn front(tokens: Vec<A>, setting: &TestEnvironment) -> SourceEnd<A> {
+        SourceEnd::new(0, tokens, setting)
     }
 }
 
-impl<A> Front for Inlet<A> {
+impl<A> Front for SourceEnd<A> {
     type Item = Option<A>;
     type Wires<'a>
         = &'a mut Fifo<A>
@@ -123,13 +123,13 @@ impl<A> Front for Inlet<A> {
 
 impl<A: Clone, B: Clone> Popped for (Option<A>, Option<B>) {
     type Tokens = (Vec<A>, Vec<B>);
-    type Front = (Inlet<A>, Inlet<B>);
+    type Front = (SourceEnd<A>, SourceEnd<B>);
     fn front((a, b): (Vec<A>, Vec<B>), setting: &TestEnvironment) -> Self::Front {
-        (Inlet::new(0, a, setting), Inlet::new(1, b, setting))
+        (SourceEnd::new(0, a, setting), SourceEnd::new(1, b, setting))
     }
 }
 
-impl<A, B> Front for (Inlet<A>, Inlet<B>) {
+impl<A, B> Front for (SourceEnd<A>, SourceEnd<B>) {
     type Item = (Option<A>, Option<B>);
     type Wires<'a>
         = (&'a mut Fifo<A>, &'a mut Fifo<B>)
@@ -162,13 +162,13 @@ impl Back for () {
 
 impl<A: Clone + Debug + PartialEq> Emitted for Option<A> {
     type Tokens = Vec<A>;
-    type Back = Outlet<A>;
-    fn back(tokens: Option<Vec<A>>, setting: &TestEnvironment) -> Outlet<A> {
-        Outlet::new(0, tokens, setting)
+    type Back = SinkEnd<A>;
+    fn back(tokens: Option<Vec<A>>, setting: &TestEnvironment) -> SinkEnd<A> {
+        SinkEnd::new(0, tokens, setting)
     }
 }
 
-impl<A: Clone + Debug + PartialEq> Back for Outlet<A> {
+impl<A: Clone + Debug + PartialEq> Back for SinkEnd<A> {
     type Item = Option<A>;
     type Tokens = Vec<A>;
     type Wires<'a>
@@ -188,14 +188,14 @@ impl<A: Clone + Debug + PartialEq> Back for Outlet<A> {
 
 impl<A: Clone + Debug + PartialEq, B: Clone + Debug + PartialEq> Emitted for (Option<A>, Option<B>) {
     type Tokens = (Vec<A>, Vec<B>);
-    type Back = (Outlet<A>, Outlet<B>);
+    type Back = (SinkEnd<A>, SinkEnd<B>);
     fn back(tokens: Option<(Vec<A>, Vec<B>)>, setting: &TestEnvironment) -> Self::Back {
         let (a, b) = tokens.unzip();
-        (Outlet::new(0, a, setting), Outlet::new(1, b, setting))
+        (SinkEnd::new(0, a, setting), SinkEnd::new(1, b, setting))
     }
 }
 
-impl<A: Clone + Debug + PartialEq, B: Clone + Debug + PartialEq> Back for (Outlet<A>, Outlet<B>) {
+impl<A: Clone + Debug + PartialEq, B: Clone + Debug + PartialEq> Back for (SinkEnd<A>, SinkEnd<B>) {
     type Item = (Option<A>, Option<B>);
     type Tokens = (Vec<A>, Vec<B>);
     type Wires<'a>

@@ -67,7 +67,7 @@ pub use basrelief_kernel::Unit;
 pub use bench::Bench;
 pub use check::{Contract, ContractViolation};
 pub use client_kind::ClientKind;
-pub use ends::{Back, Emitted, Front, Inlet, Outlet, Popped};
+pub use ends::{Back, Emitted, Front, Popped, SinkEnd, SourceEnd};
 pub use environment::TestEnvironment;
 
 /// Generates the unit contract as a module of tests, one per promise of [`Contract`](crate::contract::Contract). Requires the

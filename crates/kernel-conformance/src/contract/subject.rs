@@ -8,12 +8,12 @@ pub(super) type AfterStep<U> = Rc<dyn Fn(&mut U) -> Result<(), String>>;
 
 /// Forwards all calls to the unit, and calls a hook after each step.
 #[derive(Clone)]
-pub(super) struct Subject<U> {
+pub(super) struct ObservedUnit<U> {
     pub(super) unit: U,
     pub(super) after_step: Option<AfterStep<U>>,
 }
 
-impl<U: Unit> Unit for Subject<U> {
+impl<U: Unit> Unit for ObservedUnit<U> {
     const INFO: UnitInfo = U::INFO;
     type In = U::In;
     type Out = U::Out;

@@ -1,6 +1,6 @@
 //! Checks of a plan before a machine is built.
 
-use super::format::{Kind, Plan, PlannedUnit};
+use super::format::{Plan, PlannedUnit, UnitKind};
 use basrelief_kernel::{MAX_CLIENTS, MAX_LINKS};
 use basrelief_parameters::Parameters;
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ fn fail<T>(place: &str, what: impl Into<String>) -> Result<T, PlanError> {
     Err(PlanError { place: place.into(), what: what.into() })
 }
 
-fn within(place: &str, field: &str, value: u64, range: RangeInclusive<u64>) -> Result<(), PlanError> {
+fn check_range(place: &str, field: &str, value: u64, range: RangeInclusive<u64>) -> Result<(), PlanError> {
     if range.contains(&value) {
         return Ok(());
     }
@@ -51,14 +51,14 @@ pub(super) fn check(plan: &Plan) -> Result<(), PlanError> {
     distinct("unit", plan.units.iter().map(|u| &u.name))?;
     for f in &plan.fifos {
         let place = format!("FIFO `{}`", f.name);
-        within(&place, "depth", f.depth as u64, 1..=MOST)?;
-        within(&place, "latency", f.latency, 1..=LONGEST)?;
-        within(&place, "period", f.period, 1..=LONGEST)?;
+        check_range(&place, "depth", f.depth as u64, 1..=MOST)?;
+        check_range(&place, "latency", f.latency, 1..=LONGEST)?;
+        check_range(&place, "period", f.period, 1..=LONGEST)?;
     }
     memories(plan)?;
     caches(plan)?;
     plan.units.iter().try_for_each(unit)?;
-    ends(plan)?;
+    check_fifo_ends(plan)?;
     ports(plan)
 }
 
@@ -71,13 +71,13 @@ fn memories(plan: &Plan) -> Result<(), PlanError> {
             return fail(&place, format!("`refi` is {refi}, expected 0 or more than `rfc` and `rcd` together, {rest}"));
         }
         for p in &m.ports {
-            within(&format!("port `{}`", p.name), "outstanding", p.outstanding.into(), 1..=MOST)?;
+            check_range(&format!("port `{}`", p.name), "outstanding", p.outstanding.into(), 1..=MOST)?;
         }
         for p in &m.periodic {
             let place = format!("periodic client `{}`", p.name);
-            within(&place, "period", p.period, 1..=LONGEST)?;
-            within(&place, "bytes", p.bytes.into(), 1..=MOST)?;
-            within(&place, "span", p.span, 1..=LONGEST)?;
+            check_range(&place, "period", p.period, 1..=LONGEST)?;
+            check_range(&place, "bytes", p.bytes.into(), 1..=MOST)?;
+            check_range(&place, "span", p.span, 1..=LONGEST)?;
         }
     }
     Ok(())
@@ -89,10 +89,10 @@ fn caches(plan: &Plan) -> Result<(), PlanError> {
         for (field, value) in
             [("line_bytes", c.line_bytes), ("sets", c.sets), ("ways", c.ways), ("lookups_per_cycle", c.lookups_per_cycle)]
         {
-            within(&place, field, value.into(), 1..=MOST)?;
+            check_range(&place, field, value.into(), 1..=MOST)?;
         }
-        within(&place, "sets times ways", u64::from(c.sets) * u64::from(c.ways), 1..=MOST)?;
-        within(&place, "hit_latency", c.hit_latency.into(), 0..=MOST)?;
+        check_range(&place, "sets times ways", u64::from(c.sets) * u64::from(c.ways), 1..=MOST)?;
+        check_range(&place, "hit_latency", c.hit_latency.into(), 0..=MOST)?;
     }
     Ok(())
 }
@@ -102,37 +102,37 @@ fn unit(unit: &PlannedUnit) -> Result<(), PlanError> {
     let place = format!("unit `{}`", unit.name);
     let most = MAX_LINKS as u64;
     let (ins, outs) = match unit.kind {
-        Kind::Source { .. } => (0..=0, 1..=1),
-        Kind::Work | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (1..=1, 0..=most),
-        Kind::Join | Kind::Merge { .. } => (1..=most, 1..=1),
-        Kind::Route => (1..=1, 1..=most),
-        Kind::Expand { .. } | Kind::Gather { .. } => (1..=1, 1..=1),
-        Kind::Sink => (1..=most, 0..=0),
+        UnitKind::Source { .. } => (0..=0, 1..=1),
+        UnitKind::Work | UnitKind::Fork | UnitKind::Access { .. } | UnitKind::Cached { .. } => (1..=1, 0..=most),
+        UnitKind::Join | UnitKind::Merge { .. } => (1..=most, 1..=1),
+        UnitKind::Route => (1..=1, 1..=most),
+        UnitKind::Expand { .. } | UnitKind::Gather { .. } => (1..=1, 1..=1),
+        UnitKind::Sink => (1..=most, 0..=0),
     };
-    within(&place, "length of in", unit.inputs.len() as u64, ins)?;
-    within(&place, "length of out", unit.outputs.len() as u64, outs)?;
-    within(&place, "length of occupancy", unit.occupancy.len() as u64, 1..=MOST)?;
-    within(&place, "length of latency", unit.latency.len() as u64, 1..=MOST)?;
-    unit.occupancy.iter().try_for_each(|&o| within(&place, "occupancy", o, 1..=LONGEST))?;
-    unit.latency.iter().try_for_each(|&l| within(&place, "latency", l, 0..=LONGEST))?;
-    within(&place, "length of after", unit.after.len() as u64, 0..=MOST)?;
+    check_range(&place, "length of in", unit.inputs.len() as u64, ins)?;
+    check_range(&place, "length of out", unit.outputs.len() as u64, outs)?;
+    check_range(&place, "length of occupancy", unit.occupancy.len() as u64, 1..=MOST)?;
+    check_range(&place, "length of latency", unit.latency.len() as u64, 1..=MOST)?;
+    unit.occupancy.iter().try_for_each(|&o| check_range(&place, "occupancy", o, 1..=LONGEST))?;
+    unit.latency.iter().try_for_each(|&l| check_range(&place, "latency", l, 0..=LONGEST))?;
+    check_range(&place, "length of after", unit.after.len() as u64, 0..=MOST)?;
     match &unit.kind {
-        Kind::Expand { factor } => within(&place, "factor", *factor, 1..=LONGEST),
-        Kind::Gather { size } => within(&place, "size", *size, 1..=LONGEST),
-        Kind::Access { requests } => requests.iter().try_for_each(|r| {
-            within(&place, "bytes", r.bytes.into(), 1..=MOST)?;
-            within(&place, "span", r.span, 1..=LONGEST)
+        UnitKind::Expand { factor } => check_range(&place, "factor", *factor, 1..=LONGEST),
+        UnitKind::Gather { size } => check_range(&place, "size", *size, 1..=LONGEST),
+        UnitKind::Access { requests } => requests.iter().try_for_each(|r| {
+            check_range(&place, "bytes", r.bytes.into(), 1..=MOST)?;
+            check_range(&place, "span", r.span, 1..=LONGEST)
         }),
-        Kind::Cached { lookups, .. } => {
-            within(&place, "length of lookups", lookups.len() as u64, 1..=u16::MAX.into())?;
-            lookups.iter().try_for_each(|l| within(&place, "span", l.span, 1..=LONGEST))
+        UnitKind::Cached { lookups, .. } => {
+            check_range(&place, "length of lookups", lookups.len() as u64, 1..=u16::MAX.into())?;
+            lookups.iter().try_for_each(|l| check_range(&place, "span", l.span, 1..=LONGEST))
         }
         _ => Ok(()),
     }
 }
 
 /// Checks that every FIFO has one unit at each end, and that these units differ.
-fn ends(plan: &Plan) -> Result<(), PlanError> {
+fn check_fifo_ends(plan: &Plan) -> Result<(), PlanError> {
     let mut ends: BTreeMap<&str, [Vec<&str>; 2]> = plan.fifos.iter().map(|f| (f.name.as_str(), Default::default())).collect();
     for u in &plan.units {
         for (end, names) in [&u.inputs, &u.outputs].into_iter().enumerate() {
@@ -163,7 +163,7 @@ fn ports(plan: &Plan) -> Result<(), PlanError> {
     let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
     for u in &plan.units {
         let place = format!("unit `{}`", u.name);
-        for (port, needs) in needs(plan, u)? {
+        for (port, needs) in port_needs(plan, u)? {
             let Some(&credits) = credits.get(port) else {
                 return fail(&place, format!("there is no port `{port}` in \"memories\""));
             };
@@ -178,21 +178,21 @@ fn ports(plan: &Plan) -> Result<(), PlanError> {
     for c in &plan.caches {
         let place = format!("cache `{}`", c.name);
         let shared = plan.caches.iter().filter(|other| other.port == c.port).count();
-        within(&place, "number of caches on its port", shared as u64, 1..=1)?;
+        check_range(&place, "number of caches on its port", shared as u64, 1..=1)?;
     }
     Ok(())
 }
 
 /// Returns the credits for a unit's largest step, by port.
-fn needs<'p>(plan: &'p Plan, unit: &'p PlannedUnit) -> Result<BTreeMap<&'p str, u64>, PlanError> {
+fn port_needs<'p>(plan: &'p Plan, unit: &'p PlannedUnit) -> Result<BTreeMap<&'p str, u64>, PlanError> {
     let place = format!("unit `{}`", unit.name);
     let mut needs: BTreeMap<&str, u64> = BTreeMap::new();
     match &unit.kind {
-        Kind::Access { requests } => {
+        UnitKind::Access { requests } => {
             requests.iter().for_each(|r| *needs.entry(&r.port).or_default() += 1);
-            within(&place, "number of ports", needs.len() as u64, 0..=MAX_CLIENTS as u64)?;
+            check_range(&place, "number of ports", needs.len() as u64, 0..=MAX_CLIENTS as u64)?;
         }
-        Kind::Cached { cache, lookups } => match plan.caches.iter().find(|c| c.name == *cache) {
+        UnitKind::Cached { cache, lookups } => match plan.caches.iter().find(|c| c.name == *cache) {
             Some(c) => {
                 needs.insert(&c.port, lookups.len() as u64);
             }

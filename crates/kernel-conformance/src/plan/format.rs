@@ -94,7 +94,7 @@ pub struct PlannedUnit {
     pub name: String,
     /// Its kind.
     #[serde(flatten)]
-    pub kind: Kind,
+    pub kind: UnitKind,
     /// Names of the FIFOs it pops from.
     #[serde(rename = "in")]
     pub inputs: Vec<String>,
@@ -119,7 +119,7 @@ pub struct PlannedUnit {
 /// Kind of a unit of a plan.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Kind {
+pub enum UnitKind {
     /// Emits tokens 0, 1, .. The final token has `last` set.
     Source {
         /// Number of tokens.

@@ -1,14 +1,14 @@
 //! A machine whose wiring follows a plan.
 
 use super::check::{PlanError, check};
-use super::format::{Kind, Plan, PlanPeriodic, PlannedUnit};
+use super::format::{Plan, PlanPeriodic, PlannedUnit, UnitKind};
 use super::unit::{PlanUnit, Token};
 use basrelief_kernel::{CacheConfig, Fifo, Machine, MemorySystem, PeriodicReads, Stage, Visitor};
 use std::collections::BTreeMap;
 
 /// A stage and the numbers of its FIFOs and clients.
 #[derive(Clone, Debug)]
-struct Placed {
+struct PlannedStage {
     stage: Stage<PlanUnit>,
     inputs: Vec<usize>,
     outputs: Vec<usize>,
@@ -19,7 +19,7 @@ struct Placed {
 #[derive(Clone, Debug)]
 pub struct PlanMachine {
     fifos: Vec<Fifo<Token>>,
-    stages: Vec<Placed>,
+    stages: Vec<PlannedStage>,
     memories: MemorySystem,
 }
 
@@ -39,16 +39,16 @@ impl PlanMachine {
             let (clients, of_request) = clients_of(plan, unit, &ports);
             clients.iter().for_each(|&client| memories.set_issue_rate(client, unit.issue));
             let stage = Stage::new(&unit.name, PlanUnit::new(unit, of_request));
-            Placed { stage, inputs: find(&unit.inputs), outputs: find(&unit.outputs), clients }
+            PlannedStage { stage, inputs: find(&unit.inputs), outputs: find(&unit.outputs), clients }
         };
         let stages = plan.units.iter().map(&mut place).collect();
         Ok(Self { fifos, stages, memories })
     }
 
     /// Returns each sink's name and its consumed tokens in order.
-    pub fn swallowed(&self) -> impl Iterator<Item = (&str, &[Token])> {
+    pub fn sink_tokens(&self) -> impl Iterator<Item = (&str, &[Token])> {
         let sinks = self.stages.iter().filter(|p| p.outputs.is_empty());
-        sinks.map(|p| (p.stage.name(), p.stage.unit.swallowed()))
+        sinks.map(|p| (p.stage.name(), p.stage.unit.consumed_tokens()))
     }
 }
 
@@ -92,7 +92,7 @@ fn clients_of(plan: &Plan, unit: &PlannedUnit, ports: &BTreeMap<&str, usize>) ->
     let mut clients = Vec::new();
     let mut of_request = Vec::new();
     match &unit.kind {
-        Kind::Access { requests } => {
+        UnitKind::Access { requests } => {
             for client in requests.iter().filter_map(|r| find(&r.port)) {
                 let at = clients.iter().position(|&c| c == client).unwrap_or(clients.len());
                 if at == clients.len() {
@@ -101,7 +101,7 @@ fn clients_of(plan: &Plan, unit: &PlannedUnit, ports: &BTreeMap<&str, usize>) ->
                 of_request.push(at as u32);
             }
         }
-        Kind::Cached { cache, .. } => {
+        UnitKind::Cached { cache, .. } => {
             clients.extend(plan.caches.iter().find(|c| c.name == *cache).and_then(|c| find(&c.port)));
         }
         _ => {}

@@ -10,7 +10,7 @@ mod result;
 mod unit;
 
 pub use check::PlanError;
-pub use format::{Kind, Plan, PlanCache, PlanFifo, PlanLookUp, PlanMemory, PlanPeriodic, PlanPort, PlanRequest, PlannedUnit};
+pub use format::{Plan, PlanCache, PlanFifo, PlanLookUp, PlanMemory, PlanPeriodic, PlanPort, PlanRequest, PlannedUnit, UnitKind};
 pub use machine::PlanMachine;
 pub use result::result;
 pub use unit::Token;

@@ -1,6 +1,6 @@
 //! The units of a plan.
 
-use super::format::{Kind, PlannedUnit};
+use super::format::{PlannedUnit, UnitKind};
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 
 /// A token of a plan.
@@ -22,29 +22,29 @@ pub struct PlanUnit {
     /// Token being expanded, and the number of its next child.
     expanding: Option<(Token, u64)>,
     /// Tokens that ended here, for a unit without outputs.
-    swallowed: Vec<Token>,
+    consumed: Vec<Token>,
 }
 
 impl PlanUnit {
     /// Makes the unit. `clients` holds the client number of each request.
     pub fn new(plan: &PlannedUnit, clients: Vec<u32>) -> Self {
-        Self { plan: plan.clone(), clients, steps: 0, expanding: None, swallowed: Vec::new() }
+        Self { plan: plan.clone(), clients, steps: 0, expanding: None, consumed: Vec::new() }
     }
 
     /// Returns the tokens that ended here. The list is empty for a unit with outputs.
-    pub(super) fn swallowed(&self) -> &[Token] {
-        &self.swallowed
+    pub(super) fn consumed_tokens(&self) -> &[Token] {
+        &self.consumed
     }
 
     /// Returns whether a source or merge has passed all its tokens; `None` for other kinds.
     fn exhausted(&self) -> Option<bool> {
         match self.plan.kind {
-            Kind::Source { tokens } | Kind::Merge { tokens } => Some(self.steps >= tokens),
+            UnitKind::Source { tokens } | UnitKind::Merge { tokens } => Some(self.steps >= tokens),
             _ => None,
         }
     }
 
-    fn everywhere(&self, token: Token) -> Vec<Option<Token>> {
+    fn to_every_output(&self, token: Token) -> Vec<Option<Token>> {
         vec![Some(token); self.plan.outputs.len()]
     }
 
@@ -53,39 +53,41 @@ impl PlanUnit {
         let none = || vec![None; self.plan.outputs.len()];
         let first = taken.iter().flatten().next().copied().unwrap_or(Token { id: 0, last: false });
         match self.plan.kind {
-            Kind::Source { tokens } | Kind::Merge { tokens } => {
+            UnitKind::Source { tokens } | UnitKind::Merge { tokens } => {
                 let token = Token { id: self.steps, last: self.steps + 1 == tokens };
-                (self.everywhere(token), token.id)
+                (self.to_every_output(token), token.id)
             }
-            Kind::Work | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (self.everywhere(first), first.id),
-            Kind::Join => {
+            UnitKind::Work | UnitKind::Fork | UnitKind::Access { .. } | UnitKind::Cached { .. } => {
+                (self.to_every_output(first), first.id)
+            }
+            UnitKind::Join => {
                 let token = Token { last: taken.iter().flatten().any(|t| t.last), ..first };
-                (self.everywhere(token), token.id)
+                (self.to_every_output(token), token.id)
             }
-            Kind::Route => {
+            UnitKind::Route => {
                 let mut out = none();
                 let to = first.id as usize % out.len();
                 out[to] = Some(first);
                 (out, first.id)
             }
-            Kind::Expand { factor } => {
+            UnitKind::Expand { factor } => {
                 let (token, child) = self.expanding.unwrap_or((first, 0));
                 self.expanding = (child + 1 < factor).then_some((token, child + 1));
                 let token = Token { id: token.id * factor + child, last: token.last && child + 1 == factor };
-                (self.everywhere(token), token.id)
+                (self.to_every_output(token), token.id)
             }
-            Kind::Gather { size } => {
+            UnitKind::Gather { size } => {
                 let full = first.id % size == size - 1 || first.last;
                 let token = Token { id: first.id / size, ..first };
-                (if full { self.everywhere(token) } else { none() }, first.id)
+                (if full { self.to_every_output(token) } else { none() }, first.id)
             }
-            Kind::Sink => (none(), first.id),
+            UnitKind::Sink => (none(), first.id),
         }
     }
 
     fn issue(&self, id: u64, traffic: &mut MemoryPorts) {
         match &self.plan.kind {
-            Kind::Access { requests } => {
+            UnitKind::Access { requests } => {
                 for (r, &client) in requests.iter().zip(&self.clients) {
                     let address = address(id, r.stride, r.offset, r.span);
                     if r.write {
@@ -95,7 +97,7 @@ impl PlanUnit {
                     }
                 }
             }
-            Kind::Cached { lookups, .. } => {
+            UnitKind::Cached { lookups, .. } => {
                 for l in lookups {
                     traffic.look_up(0, address(id, l.stride, l.offset, l.span), 1);
                 }
@@ -123,8 +125,8 @@ impl Unit for PlanUnit {
     fn demand(&self) -> Demand {
         match (&self.plan.kind, self.exhausted()) {
             (_, Some(true)) => Demand::Finished,
-            (Kind::Source { .. }, _) => Demand::Nothing,
-            (Kind::Merge { .. }, _) => Demand::Only(self.steps as usize % self.plan.inputs.len()),
+            (UnitKind::Source { .. }, _) => Demand::Nothing,
+            (UnitKind::Merge { .. }, _) => Demand::Only(self.steps as usize % self.plan.inputs.len()),
             _ if self.expanding.is_some() => Demand::Nothing,
             _ => Demand::All,
         }
@@ -134,7 +136,7 @@ impl Unit for PlanUnit {
         let (out, id) = self.emit(&input);
         self.issue(id, traffic);
         if self.plan.outputs.is_empty() {
-            self.swallowed.extend(input.first().copied().flatten());
+            self.consumed.extend(input.first().copied().flatten());
         }
         self.steps += 1;
         let after_data = if self.plan.after.is_empty() { 0 } else { pick(&self.plan.after, id) };
@@ -144,8 +146,8 @@ impl Unit for PlanUnit {
 
     fn largest_step(&self, client: usize) -> u32 {
         match &self.plan.kind {
-            Kind::Access { .. } => self.clients.iter().filter(|&&c| c as usize == client).count() as u32,
-            Kind::Cached { lookups, .. } if client == 0 => lookups.len() as u32,
+            UnitKind::Access { .. } => self.clients.iter().filter(|&&c| c as usize == client).count() as u32,
+            UnitKind::Cached { lookups, .. } if client == 0 => lookups.len() as u32,
             _ => 0,
         }
     }

@@ -4,27 +4,28 @@
 pub mod random;
 
 use basrelief_kernel::{
-    Cause, Cycle, Engine, Limits, Machine, MemoryConfig, MemoryPart, Netlist, NoProbe, Outcome, Probe, Recorder, RunReport,
-    UnitReport, make_steps, recording::RecordingChunk, resimulate, run, run_functional, run_recorded, run_with, time_steps,
+    Cycle, Engine, Machine, MemoryConfig, MemoryPart, Netlist, NoProbe, Outcome, Probe, Recorder, RunLimits, RunReport,
+    StallCause, UnitReport, make_steps, recording::RecordingChunk, resimulate, run, run_functional, run_recorded, run_with,
+    time_steps,
 };
 use basrelief_kernel_conformance::plan::{
-    Kind, Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token,
+    Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token, UnitKind,
 };
 use std::borrow::Cow;
 
 /// Builder of a plan, with one line per unit or FIFO.
 #[derive(Clone, Debug, Default)]
-pub struct Draw(pub Plan);
+pub struct PlanBuilder(pub Plan);
 
-impl Draw {
+impl PlanBuilder {
     /// Makes a chain of four tokens through a unit with three cycles per token. `hand::chain` has the cycles computed by hand.
     pub fn chain() -> Self {
         let mut draw = Self::default();
         draw.fifo("a", 1, 1)
             .fifo("b", 2, 1)
-            .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
-            .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
-            .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
+            .unit("source", UnitKind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
+            .unit("work", UnitKind::Work, ["a", "b"], &[3], &[2])
+            .unit("sink", UnitKind::Sink, ["b", ""], &[1], &[0]);
         draw
     }
 
@@ -34,7 +35,7 @@ impl Draw {
     }
 
     /// Adds a unit. FIFO names are separated by spaces. Occupancy and latency are indexed by token.
-    pub fn unit(&mut self, name: &str, kind: Kind, wires: [&str; 2], occupancy: &[u64], latency: &[u64]) -> &mut Self {
+    pub fn unit(&mut self, name: &str, kind: UnitKind, wires: [&str; 2], occupancy: &[u64], latency: &[u64]) -> &mut Self {
         let [inputs, outputs] = wires.map(|names| names.split_whitespace().map(str::to_owned).collect());
         let (occupancy, latency) = (occupancy.to_vec(), latency.to_vec());
         let (name, after, blocking, issue) = (name.into(), vec![], false, 0);
@@ -94,33 +95,43 @@ pub fn machine(plan: &Plan) -> PlanMachine {
 pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
         let mut intervals = Recorder::default();
-        let limits = Limits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
+        let limits = RunLimits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
         (run_with(&mut machine(plan), engine, &mut intervals, limits), intervals)
     });
     assert_eq!(timed, ticked, "timed, left, and ticked, right, of\n{}", serde_json::to_string(plan).unwrap());
-    let again = retimed(&tape(plan, max_cycles), plan, max_cycles);
-    assert_eq!(timed, again, "timed, left, and from its tape, right, of\n{}", serde_json::to_string(plan).unwrap());
+    let again = resimulate_plan(&record_plan(plan, max_cycles), plan, max_cycles);
+    assert_eq!(timed, again, "timed, left, and from its recording, right, of\n{}", serde_json::to_string(plan).unwrap());
     if max_cycles == u64::MAX {
-        let (apart, reels) = apart(|| machine(plan));
-        assert_eq!(timed.0, apart, "timed, left, and work apart from time, right, of\n{}", serde_json::to_string(plan).unwrap());
-        assert_eq!(streams(&tape(plan, max_cycles)), streams(&reels), "tapes of\n{}", serde_json::to_string(plan).unwrap());
+        let (separate, chunks) = run_and_record(|| machine(plan));
+        assert_eq!(
+            timed.0,
+            separate,
+            "timed, left, and work separate from time, right, of\n{}",
+            serde_json::to_string(plan).unwrap()
+        );
+        assert_eq!(
+            streams(&record_plan(plan, max_cycles)),
+            streams(&chunks),
+            "recordings of\n{}",
+            serde_json::to_string(plan).unwrap()
+        );
     }
     timed
 }
 
 /// Executes all steps first and computes the timing afterwards. Returns the report and the recording.
-pub fn apart<M: Machine>(mut machine: impl FnMut() -> M) -> (RunReport, Vec<RecordingChunk>) {
-    let mut pieces = Vec::new();
-    make_steps(&mut machine(), &mut |_| true, (40, &mut |piece| pieces.push(piece))).unwrap();
-    let (mut pieces, mut reels) = (pieces.into_iter(), Vec::new());
+pub fn run_and_record<M: Machine>(mut machine: impl FnMut() -> M) -> (RunReport, Vec<RecordingChunk>) {
+    let mut batches = Vec::new();
+    make_steps(&mut machine(), &mut |_| true, (40, &mut |batch| batches.push(batch))).unwrap();
+    let (mut batches, mut chunks) = (batches.into_iter(), Vec::new());
     let shape = Netlist::of(&mut machine()).unwrap();
-    (time_steps(shape, &mut || pieces.next(), Some((64, &mut |reel| reels.push(reel)))), reels)
+    (time_steps(shape, &mut || batches.next(), Some((64, &mut |chunk| chunks.push(chunk)))), chunks)
 }
 
 /// Concatenates the chunks of each stage's stream.
-pub fn streams(tape: &[RecordingChunk]) -> Vec<Vec<u8>> {
-    let stages = tape[0].streams().count();
-    let whole = |stage| tape.iter().flat_map(|reel| reel.streams().nth(stage).unwrap().iter().copied()).collect();
+pub fn streams(recording: &[RecordingChunk]) -> Vec<Vec<u8>> {
+    let stages = recording[0].streams().count();
+    let whole = |stage| recording.iter().flat_map(|chunk| chunk.streams().nth(stage).unwrap().iter().copied()).collect();
     (0..stages).map(whole).collect()
 }
 
@@ -129,24 +140,24 @@ pub fn fault<M: Machine>(machine: impl Fn() -> M) -> String {
     let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| run(&mut machine(), engine).outcome);
     assert_eq!(timed, ticked);
     let Outcome::Fault(text) = timed else { panic!("{timed:?}") };
-    assert_eq!(apart(machine).0.outcome, Outcome::Fault(text.clone()));
+    assert_eq!(run_and_record(machine).0.outcome, Outcome::Fault(text.clone()));
     text
 }
 
 /// Returns the recording of a run.
-pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<RecordingChunk> {
-    let mut reels = Vec::new();
-    let limits = Limits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
-    run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, (64, &mut |reel| reels.push(reel)));
-    reels
+pub fn record_plan(plan: &Plan, max_cycles: u64) -> Vec<RecordingChunk> {
+    let mut chunks = Vec::new();
+    let limits = RunLimits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
+    run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, (64, &mut |chunk| chunks.push(chunk)));
+    chunks
 }
 
 /// Resimulates a recording on a machine by `plan`. Returns the report and the activity of every unit.
-pub fn retimed(tape: &[RecordingChunk], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
+pub fn resimulate_plan(recording: &[RecordingChunk], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     let mut intervals = Recorder::default();
-    let mut reels = tape.iter().map(Cow::Borrowed);
+    let mut chunks = recording.iter().map(Cow::Borrowed);
     let shape = Netlist::of(&mut machine(plan)).unwrap();
-    let report = resimulate(shape, &mut |_| Ok(reels.next()), &mut intervals, max_cycles);
+    let report = resimulate(shape, &mut |_| Ok(chunks.next()), &mut intervals, max_cycles);
     (report.unwrap_or_else(|error| panic!("{error}: {}", serde_json::to_string(plan).unwrap())), intervals)
 }
 
@@ -182,22 +193,22 @@ pub fn histogram(report: &RunReport, name: &str) -> Vec<u64> {
 
 /// Start of every step, by stage.
 #[derive(Default)]
-struct Starts(Vec<Vec<u64>>);
+struct StepStarts(Vec<Vec<u64>>);
 
-impl Probe for Starts {
-    fn worked(&mut self, stage: usize, from: Cycle, _: Cycle) {
+impl Probe for StepStarts {
+    fn on_busy(&mut self, stage: usize, from: Cycle, _: Cycle) {
         self.0.resize(self.0.len().max(stage + 1), Vec::new());
         self.0[stage].push(from.0);
     }
-    fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
+    fn on_stall(&mut self, _: usize, _: StallCause, _: Cycle, _: Cycle) {}
 }
 
 /// Returns the start cycles of one unit's steps, which must be the same with both engines.
 pub fn starts(plan: &Plan, name: &str) -> Vec<u64> {
     let stage = plan.units.iter().position(|u| u.name == name).unwrap();
     let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
-        let mut starts = Starts::default();
-        let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut PlanMachine| true };
+        let mut starts = StepStarts::default();
+        let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut PlanMachine| true };
         run_with(&mut machine(plan), engine, &mut starts, limits);
         starts.0.get(stage).cloned().unwrap_or_default()
     });
@@ -206,8 +217,8 @@ pub fn starts(plan: &Plan, name: &str) -> Vec<u64> {
 }
 
 /// Returns the tokens consumed by each sink, in a timed run and in the functional model.
-pub fn swallowed(plan: &Plan) -> [Vec<(String, Vec<Token>)>; 2] {
-    let list = |m: &PlanMachine| m.swallowed().map(|(name, tokens)| (name.to_owned(), tokens.to_vec())).collect();
+pub fn sink_tokens(plan: &Plan) -> [Vec<(String, Vec<Token>)>; 2] {
+    let list = |m: &PlanMachine| m.sink_tokens().map(|(name, tokens)| (name.to_owned(), tokens.to_vec())).collect();
     let (mut timed, mut functional) = (machine(plan), machine(plan));
     run(&mut timed, Engine::Timed);
     run_functional(&mut functional, &mut |_| true).unwrap();

@@ -1,8 +1,8 @@
 //! Random plans, generated from recipes that shrink well.
 
-use super::Draw;
+use super::PlanBuilder;
 use basrelief_kernel::MemoryConfig;
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanPeriodic, PlanRequest};
+use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, PlanMemory, PlanPeriodic, PlanRequest, UnitKind};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -182,7 +182,7 @@ const MOST: u64 = 120;
 /// Builds a plan section by section.
 struct Builder<'r> {
     recipe: &'r Recipe,
-    draw: Draw,
+    draw: PlanBuilder,
     /// Number of tokens at the open end.
     tokens: u64,
     end: String,
@@ -198,11 +198,11 @@ impl Builder<'_> {
         name
     }
 
-    fn unit(&mut self, kind: Kind, inputs: &str, outputs: &str) {
+    fn unit(&mut self, kind: UnitKind, inputs: &str, outputs: &str) {
         let n = self.draw.0.units.len();
         let (occupancy, latency) = &self.recipe.times[n % self.recipe.times.len()];
-        let uses_memory = matches!(kind, Kind::Access { .. } | Kind::Cached { .. });
-        let is_cached = matches!(kind, Kind::Cached { .. });
+        let uses_memory = matches!(kind, UnitKind::Access { .. } | UnitKind::Cached { .. });
+        let is_cached = matches!(kind, UnitKind::Cached { .. });
         self.draw.unit(&format!("u{n}"), kind, [inputs, outputs], occupancy, latency);
         if uses_memory {
             let DataUse { after, blocking, issue } = self.recipe.data_uses[n % self.recipe.data_uses.len()].clone();
@@ -212,7 +212,7 @@ impl Builder<'_> {
     }
 
     /// Adds a unit with one input and one output at the open end.
-    fn then(&mut self, kind: Kind) {
+    fn then(&mut self, kind: UnitKind) {
         let (from, to) = (self.end.clone(), self.fifo());
         self.unit(kind, &from, &to);
         self.end = to;
@@ -233,10 +233,10 @@ impl Builder<'_> {
             let offset = 17 * n as u64;
             PlanRequest { port: ports[m].clone(), write, bytes, stride, offset, span: 1024 }
         };
-        self.then(Kind::Access { requests: requests.iter().enumerate().map(place).collect() });
+        self.then(UnitKind::Access { requests: requests.iter().enumerate().map(place).collect() });
     }
 
-    fn branches(&mut self, width: usize, split: Kind, join: Kind, batch: Option<u64>) {
+    fn branches(&mut self, width: usize, split: UnitKind, join: UnitKind, batch: Option<u64>) {
         let (from, to) = (self.end.clone(), self.fifo());
         let starts: Vec<String> = (0..width).map(|_| self.fifo()).collect();
         let ends: Vec<String> = (0..width).map(|_| self.fifo()).collect();
@@ -245,10 +245,10 @@ impl Builder<'_> {
             match batch.filter(|_| n == 0) {
                 Some(size) => {
                     let middle = self.fifo();
-                    self.unit(Kind::Gather { size }, start, &middle);
-                    self.unit(Kind::Expand { factor: size }, &middle, end);
+                    self.unit(UnitKind::Gather { size }, start, &middle);
+                    self.unit(UnitKind::Expand { factor: size }, &middle, end);
                 }
-                None => self.unit(Kind::Work, start, end),
+                None => self.unit(UnitKind::Work, start, end),
             }
         }
         self.unit(join, &ends.join(" "), &to);
@@ -257,24 +257,24 @@ impl Builder<'_> {
 
     fn feedback(&mut self) {
         let (from, round, back, out) = (self.end.clone(), self.fifo(), self.fifo(), self.fifo());
-        self.unit(Kind::Merge { tokens: 2 * self.tokens }, &format!("{from} {back}"), &round);
-        self.unit(Kind::Route, &round, &format!("{back} {out}"));
+        self.unit(UnitKind::Merge { tokens: 2 * self.tokens }, &format!("{from} {back}"), &round);
+        self.unit(UnitKind::Route, &round, &format!("{back} {out}"));
         self.end = out;
         // Renumbers the tokens, because only the odd half has left the loop.
-        self.then(Kind::Merge { tokens: self.tokens });
+        self.then(UnitKind::Merge { tokens: self.tokens });
     }
 
     fn add(&mut self, part: &GraphPart) {
         match part {
-            GraphPart::Work => self.then(Kind::Work),
-            GraphPart::Expand { factor } if self.tokens * factor > MOST => self.then(Kind::Work),
+            GraphPart::Work => self.then(UnitKind::Work),
+            GraphPart::Expand { factor } if self.tokens * factor > MOST => self.then(UnitKind::Work),
             &GraphPart::Expand { factor } => {
                 self.tokens *= factor;
-                self.then(Kind::Expand { factor });
+                self.then(UnitKind::Expand { factor });
             }
             &GraphPart::Gather { size } => {
                 self.tokens = self.tokens.div_ceil(size);
-                self.then(Kind::Gather { size });
+                self.then(UnitKind::Gather { size });
             }
             GraphPart::Access { requests, spare } => self.access(requests, *spare),
             GraphPart::Cached { memory, strides, sets, ways, hit_latency, per_cycle, at_once, spare } => {
@@ -284,16 +284,19 @@ impl Builder<'_> {
                 let (line_bytes, at_once) = (32, *at_once);
                 let cache = PlanCache { name, port, line_bytes, sets, ways, hit_latency, lookups_per_cycle, at_once };
                 let look_up = |(n, &stride): (usize, &u64)| PlanLookUp { stride, offset: 50 * n as u64, span: 512 };
-                let kind = Kind::Cached { cache: cache.name.clone(), lookups: strides.iter().enumerate().map(look_up).collect() };
+                let kind =
+                    UnitKind::Cached { cache: cache.name.clone(), lookups: strides.iter().enumerate().map(look_up).collect() };
                 self.draw.cache(cache);
                 self.then(kind);
             }
             GraphPart::ForkJoin { width, batch } => {
                 // A gathering branch must expand its batches to the same number of tokens.
                 let batch = batch.and_then(|size| [size, 4, 3, 2].into_iter().find(|&size| self.tokens.is_multiple_of(size)));
-                self.branches(*width, Kind::Fork, Kind::Join, batch);
+                self.branches(*width, UnitKind::Fork, UnitKind::Join, batch);
             }
-            GraphPart::RouteMerge { width } => self.branches(*width, Kind::Route, Kind::Merge { tokens: self.tokens }, None),
+            GraphPart::RouteMerge { width } => {
+                self.branches(*width, UnitKind::Route, UnitKind::Merge { tokens: self.tokens }, None)
+            }
             GraphPart::Feedback => self.feedback(),
         }
     }
@@ -319,13 +322,13 @@ impl Recipe {
             memory.periodic.iter_mut().enumerate().for_each(|(k, periodic)| periodic.name = format!("m{n}v{k}"));
             memory
         };
-        let draw = Draw(Plan { memories: vec![memory(0), memory(1)], ..Plan::default() });
+        let draw = PlanBuilder(Plan { memories: vec![memory(0), memory(1)], ..Plan::default() });
         let mut builder = Builder { recipe: self, draw, tokens: self.tokens, end: String::new() };
         builder.end = builder.fifo();
-        builder.unit(Kind::Source { tokens: self.tokens }, "", "f0");
+        builder.unit(UnitKind::Source { tokens: self.tokens }, "", "f0");
         self.parts.iter().for_each(|part| builder.add(part));
         let end = builder.end.clone();
-        builder.unit(Kind::Sink, &end, "");
+        builder.unit(UnitKind::Sink, &end, "");
         (builder.draw.0, builder.tokens)
     }
 

@@ -1,13 +1,13 @@
 //! Law 10: occupancy = slots reserved or filled, from reservation through pop. The histogram sums to the total.
 
-use super::common::{Draw, histogram, report};
-use basrelief_kernel_conformance::plan::{Kind, Plan};
+use super::common::{PlanBuilder, histogram, report};
+use basrelief_kernel_conformance::plan::{Plan, UnitKind};
 
 fn wire(depth: usize, tokens: u64, source: (u64, u64), sink: u64) -> Plan {
-    let mut draw = Draw::default();
-    draw.fifo("f", depth, 1).unit("source", Kind::Source { tokens }, ["", "f"], &[source.0], &[source.1]).unit(
+    let mut draw = PlanBuilder::default();
+    draw.fifo("f", depth, 1).unit("source", UnitKind::Source { tokens }, ["", "f"], &[source.0], &[source.1]).unit(
         "sink",
-        Kind::Sink,
+        UnitKind::Sink,
         ["f", ""],
         &[sink],
         &[0],
@@ -18,7 +18,7 @@ fn wire(depth: usize, tokens: u64, source: (u64, u64), sink: u64) -> Plan {
 // Claim: laws, 10 Occupancy: A slot counts as occupied from reservation through pop.
 #[test]
 fn slot_counts_from_reservation_through_pop() {
-    // Starts 2 x n, latency 3, visible and popped 4 later. Each token occupies a slot for 5 cycles: 0..=4, 2..=6, 4..=8. Occupied
+    // StepStarts 2 x n, latency 3, visible and popped 4 later. Each token occupies a slot for 5 cycles: 0..=4, 2..=6, 4..=8. Occupied
     // slots in cycles 0 .. 8: 1 1 2 2 3 2 2 1 1.
     assert_eq!(histogram(&report(&wire(4, 3, (2, 3), 1)), "f"), [0, 4, 4, 1, 0]);
 }

@@ -1,34 +1,34 @@
 //! Law 1: depth >= 1, latency f >= 1. A token delivered at d is visible from max(d + f, visible time of the token before it + 1).
 //! Tokens never overtake.
 
-use super::common::{Draw, report, starts, swallowed};
+use super::common::{PlanBuilder, report, sink_tokens, starts};
 use basrelief_kernel::Fifo;
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMachine};
+use basrelief_kernel_conformance::plan::{Plan, PlanMachine, UnitKind};
 
 /// A source, one FIFO and a sink. The source delivers token n `latency[n]` cycles after its start.
 fn wire(depth: usize, fifo_latency: u64, latency: &[u64]) -> Plan {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("f", depth, fifo_latency)
-        .unit("source", Kind::Source { tokens: latency.len() as u64 }, ["", "f"], &[1], latency)
-        .unit("sink", Kind::Sink, ["f", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens: latency.len() as u64 }, ["", "f"], &[1], latency)
+        .unit("sink", UnitKind::Sink, ["f", ""], &[1], &[0]);
     draw.0
 }
 
 // Claim: laws, 1 FIFO: A token is visible f cycles after its delivery, and tokens keep their order.
 #[test]
 fn token_is_visible_f_cycles_after_delivery() {
-    // Starts 0, 1, 2; delivered 0, 1, 2; visible 5, 6, 7.
+    // StepStarts 0, 1, 2; delivered 0, 1, 2; visible 5, 6, 7.
     assert_eq!(starts(&wire(8, 5, &[0, 0, 0]), "sink"), [5, 6, 7]);
 }
 
 // Claim: as token_is_visible_f_cycles_after_delivery.
 #[test]
 fn tokens_never_overtake() {
-    // Starts 0, 1, 2, 3; delivered 9, 1, 2, 10; d + f = 11, 3, 4, 12. Token 1 waits for token 0: 11 + 1. Token 2 waits for token
+    // StepStarts 0, 1, 2, 3; delivered 9, 1, 2, 10; d + f = 11, 3, 4, 12. Token 1 waits for token 0: 11 + 1. Token 2 waits for token
     // 1: 12 + 1. Token 3 waits for token 2: 13 + 1.
     let plan = wire(8, 2, &[9, 0, 0, 7]);
     assert_eq!(starts(&plan, "sink"), [11, 12, 13, 14]);
-    let [timed, _] = swallowed(&plan);
+    let [timed, _] = sink_tokens(&plan);
     assert!(timed[0].1.iter().map(|t| t.id).eq(0..4));
 }
 

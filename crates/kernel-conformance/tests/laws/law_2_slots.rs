@@ -1,14 +1,14 @@
 //! Law 2: a slot is reserved at the start of the step that fills it, and is free again the cycle after the pop. Full rate needs
 //! depth >= ceil((latency + f + 1) / occupancy).
 
-use super::common::{Draw, starts};
-use basrelief_kernel_conformance::plan::{Kind, Plan};
+use super::common::{PlanBuilder, starts};
+use basrelief_kernel_conformance::plan::{Plan, UnitKind};
 
 fn wire(depth: usize, f: u64, occupancy: u64, latency: u64, tokens: u64) -> Plan {
-    let mut draw = Draw::default();
-    draw.fifo("f", depth, f).unit("source", Kind::Source { tokens }, ["", "f"], &[occupancy], &[latency]).unit(
+    let mut draw = PlanBuilder::default();
+    draw.fifo("f", depth, f).unit("source", UnitKind::Source { tokens }, ["", "f"], &[occupancy], &[latency]).unit(
         "sink",
-        Kind::Sink,
+        UnitKind::Sink,
         ["f", ""],
         &[1],
         &[0],

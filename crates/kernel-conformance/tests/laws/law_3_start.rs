@@ -1,21 +1,21 @@
 //! Law 3: a step starts at the first cycle at which the unit is free, every declared input has a visible token, every output has
 //! a slot, and every port has credits for the largest step. The slot is needed even if the step then emits nothing there.
 
-use super::common::{Draw, fault, small_memory, starts};
+use super::common::{PlanBuilder, fault, small_memory, starts};
 use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_kernel_conformance::contract::{Bench, TestEnvironment};
-use basrelief_kernel_conformance::plan::{Kind, PlanRequest};
+use basrelief_kernel_conformance::plan::{PlanRequest, UnitKind};
 
 #[test]
 fn join_waits_for_its_last_input() {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("a", 4, 1)
         .fifo("b", 4, 1)
         .fifo("c", 4, 1)
-        .unit("quick", Kind::Source { tokens: 3 }, ["", "a"], &[1], &[0])
-        .unit("slow", Kind::Source { tokens: 3 }, ["", "b"], &[5], &[2])
-        .unit("join", Kind::Join, ["a b", "c"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["c", ""], &[1], &[0]);
+        .unit("quick", UnitKind::Source { tokens: 3 }, ["", "a"], &[1], &[0])
+        .unit("slow", UnitKind::Source { tokens: 3 }, ["", "b"], &[5], &[2])
+        .unit("join", UnitKind::Join, ["a b", "c"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["c", ""], &[1], &[0]);
     // `slow` starts at 0, 5, 10; delivered 2, 7, 12; visible 3, 8, 13.
     assert_eq!(starts(&draw.0, "join"), [3, 8, 13]);
 }
@@ -24,14 +24,14 @@ fn join_waits_for_its_last_input() {
 // parameters are rejected.
 #[test]
 fn exactly_declared_inputs_are_popped() {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("a", 4, 1)
         .fifo("b", 4, 1)
         .fifo("c", 8, 1)
-        .unit("even", Kind::Source { tokens: 3 }, ["", "a"], &[1], &[0])
-        .unit("odd", Kind::Source { tokens: 3 }, ["", "b"], &[10], &[0])
-        .unit("merge", Kind::Merge { tokens: 6 }, ["a b", "c"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["c", ""], &[1], &[0]);
+        .unit("even", UnitKind::Source { tokens: 3 }, ["", "a"], &[1], &[0])
+        .unit("odd", UnitKind::Source { tokens: 3 }, ["", "b"], &[10], &[0])
+        .unit("merge", UnitKind::Merge { tokens: 6 }, ["a b", "c"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["c", ""], &[1], &[0]);
     // `a` is visible at 1, 2, 3 and `b` at 1, 11, 21. The merge alternates: a 1, b 2, a 3, b 11, a 12, b 21. Earlier tokens of
     // `a` do not overtake those of `b`.
     assert_eq!(starts(&draw.0, "merge"), [1, 2, 3, 11, 12, 21]);
@@ -39,12 +39,12 @@ fn exactly_declared_inputs_are_popped() {
 
 #[test]
 fn start_needs_slot_on_every_output() {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("in", 8, 1)
         .fifo("out", 1, 1)
-        .unit("source", Kind::Source { tokens: 6 }, ["", "in"], &[1], &[0])
-        .unit("gather", Kind::Gather { size: 2 }, ["in", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[10], &[0]);
+        .unit("source", UnitKind::Source { tokens: 6 }, ["", "in"], &[1], &[0])
+        .unit("gather", UnitKind::Gather { size: 2 }, ["in", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[10], &[0]);
     // Tokens are visible at 1, 2, .. 6. Step 1 emits nothing. Step 2 emits: visible 3, popped 3, slot free at 4. Step 3 emits
     // nothing and still waits until 4. Step 4, at 5: visible 6, popped when the sink is free at 3 + 10 = 13, slot free at 14.
     // Steps 5 and 6 are therefore at 14 and 15.
@@ -53,14 +53,14 @@ fn start_needs_slot_on_every_output() {
 }
 
 /// A unit with these requests per step on port p of a memory, which answers the first after 8 cycles.
-fn client(tokens: u64, requests: Vec<PlanRequest>) -> Draw {
-    let mut draw = Draw::default();
+fn client(tokens: u64, requests: Vec<PlanRequest>) -> PlanBuilder {
+    let mut draw = PlanBuilder::default();
     draw.fifo("in", 8, 1)
         .fifo("out", 8, 1)
         .memory(small_memory(), &[("p", 8)])
-        .unit("source", Kind::Source { tokens }, ["", "in"], &[1], &[0])
-        .unit("client", Kind::Access { requests }, ["in", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens }, ["", "in"], &[1], &[0])
+        .unit("client", UnitKind::Access { requests }, ["in", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     draw
 }
 
@@ -112,14 +112,14 @@ fn blocking_step_frees_unit_before_delivery() {
 
 #[test]
 fn silent_output_reserves_no_slot() {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("in", 8, 1)
         .fifo("left", 1, 1)
         .fifo("right", 1, 1)
-        .unit("source", Kind::Source { tokens: 4 }, ["", "in"], &[1], &[0])
-        .unit("route", Kind::Route, ["in", "left right"], &[1], &[0])
-        .unit("a", Kind::Sink, ["left", ""], &[1], &[0])
-        .unit("b", Kind::Sink, ["right", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens: 4 }, ["", "in"], &[1], &[0])
+        .unit("route", UnitKind::Route, ["in", "left right"], &[1], &[0])
+        .unit("a", UnitKind::Sink, ["left", ""], &[1], &[0])
+        .unit("b", UnitKind::Sink, ["right", ""], &[1], &[0]);
     // Token 0 goes left at 1: visible 2, popped 2, free at 3. Token 1 could go right at 2, but the left slot is occupied until 3.
     // It goes at 3, and the right slot is free again at 5. If token 1 had also reserved a left slot, that slot would never be
     // free.
@@ -130,14 +130,14 @@ fn silent_output_reserves_no_slot() {
 #[test]
 fn start_needs_credits_for_largest_step() {
     // Two reads of 32 bytes per step, 3 credits. Memory: closed 2, then 3 to the data, with 2 cycles per burst.
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     let read = |offset| PlanRequest { port: "p".into(), write: false, bytes: 32, stride: 0, offset, span: 64 };
     draw.fifo("in", 8, 1)
         .fifo("out", 8, 1)
         .memory(small_memory(), &[("p", 3)])
-        .unit("source", Kind::Source { tokens: 2 }, ["", "in"], &[1], &[0])
-        .unit("reader", Kind::Access { requests: vec![read(0), read(32)] }, ["in", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens: 2 }, ["", "in"], &[1], &[0])
+        .unit("reader", UnitKind::Access { requests: vec![read(0), read(32)] }, ["in", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     // Step 1 at 1: column 4, data 7 .. 9; column 6, a hit, data 9 .. 11. One credit is left, but two are needed. The next step
     // waits for the first answer, at 9.
     assert_eq!(starts(&draw.0, "reader"), [1, 9]);

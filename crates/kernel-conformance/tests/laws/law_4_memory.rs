@@ -4,9 +4,9 @@
 //! The memory has one bank, rows of 64 bytes, and bursts of 32 bytes and 2 cycles. From view to column: hit 0, closed 2, conflict
 //! 4 + 2. From column to data: 3.
 
-use super::common::{Draw, account, machine, report, small_memory, starts, unit};
+use super::common::{PlanBuilder, account, machine, report, small_memory, starts, unit};
 use basrelief_kernel::{Cycle, Engine, Machine, MemoryConfig, MemoryRequest, PortCounts, RunReport, run};
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMemory, PlanPeriodic, PlanPort, PlanRequest};
+use basrelief_kernel_conformance::plan::{Plan, PlanMemory, PlanPeriodic, PlanPort, PlanRequest, UnitKind};
 
 fn request(port: &str, write: bool, bytes: u32, offset: u64) -> PlanRequest {
     PlanRequest { port: port.into(), write, bytes, stride: 0, offset, span: 1 << 20 }
@@ -14,13 +14,13 @@ fn request(port: &str, write: bool, bytes: u32, offset: u64) -> PlanRequest {
 
 /// A unit with these requests on port p per step. The times of its sink show the answers.
 fn client(tokens: u64, outstanding: u32, requests: Vec<PlanRequest>) -> Plan {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("in", 8, 1)
         .fifo("out", 8, 1)
         .memory(small_memory(), &[("p", outstanding)])
-        .unit("source", Kind::Source { tokens }, ["", "in"], &[1], &[0])
-        .unit("client", Kind::Access { requests }, ["in", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens }, ["", "in"], &[1], &[0])
+        .unit("client", UnitKind::Access { requests }, ["in", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     draw.0
 }
 
@@ -48,7 +48,7 @@ fn hit_closed_and_conflict_have_their_latencies() {
     // Waiting beyond the one cycle of each request: 4 - 2, 6 - 2, 12 - 2.
     assert_eq!(counts.queue_wait, 16);
     // Answers arrive 9 - 1, 11 - 1 and 17 - 1 cycles after the requests: two below 16.
-    assert_eq!(counts.latencies.used(), [0, 0, 0, 2, 1]);
+    assert_eq!(counts.latencies.used_classes(), [0, 0, 0, 2, 1]);
     let channel = report.memories[0].channels[0];
     assert_eq!((channel.rows, channel.bus_busy, channel.queued), (counts.rows, 6, 16 + 3));
 }
@@ -160,21 +160,21 @@ fn answers_of_a_port_come_in_order() {
     let report = report(&client(1, 8, requests.into()));
     assert_eq!(counts(&report, "p").rows.hits, 1);
     // Latencies of 8, then 16 and 16 cycles.
-    assert_eq!(counts(&report, "p").latencies.used(), [0, 0, 0, 1, 2]);
+    assert_eq!(counts(&report, "p").latencies.used_classes(), [0, 0, 0, 1, 2]);
 }
 
 /// Two sources, each with its own client of one memory. `order` defines the order of wiring.
 fn two_clients(order: [usize; 2]) -> Plan {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.memory(small_memory(), &[("p0", 8), ("p1", 8)]);
     for n in order {
         let [input, output] = [format!("in{n}"), format!("out{n}")];
-        let read = Kind::Access { requests: vec![request(&format!("p{n}"), false, 32, 64 * n as u64)] };
+        let read = UnitKind::Access { requests: vec![request(&format!("p{n}"), false, 32, 64 * n as u64)] };
         draw.fifo(&input, 8, 1)
             .fifo(&output, 8, 1)
-            .unit(&format!("source{n}"), Kind::Source { tokens: 1 }, ["", &input], &[1], &[0])
+            .unit(&format!("source{n}"), UnitKind::Source { tokens: 1 }, ["", &input], &[1], &[0])
             .unit(&format!("client{n}"), read, [&input, &output], &[1], &[0])
-            .unit(&format!("sink{n}"), Kind::Sink, [&output, ""], &[1], &[0]);
+            .unit(&format!("sink{n}"), UnitKind::Sink, [&output, ""], &[1], &[0]);
     }
     draw.0
 }
@@ -207,17 +207,17 @@ fn step_waits_for_its_last_answer() {
     // long before the quick answers are final, and must not be forgotten until then.
     let slow = MemoryConfig { cl: 90, ..small_memory().config };
     let requests = vec![request("s", false, 4, 0), request("q", false, 4, 0)];
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.memory(PlanMemory { name: "slow".into(), config: slow, ..small_memory() }, &[("s", 1)])
         .memory(PlanMemory { name: "quick".into(), ..small_memory() }, &[("q", 8), ("other", 1)])
         .fifo("in", 8, 1)
         .fifo("out", 8, 1)
         .fifo("in2", 8, 1)
-        .unit("source", Kind::Source { tokens: 4 }, ["", "in"], &[1], &[0])
-        .unit("client", Kind::Access { requests }, ["in", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0])
-        .unit("source2", Kind::Source { tokens: 1 }, ["", "in2"], &[1], &[0])
-        .unit("client2", Kind::Access { requests: vec![request("other", false, 4, 0)] }, ["in2", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens: 4 }, ["", "in"], &[1], &[0])
+        .unit("client", UnitKind::Access { requests }, ["in", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0])
+        .unit("source2", UnitKind::Source { tokens: 1 }, ["", "in2"], &[1], &[0])
+        .unit("client2", UnitKind::Access { requests: vec![request("other", false, 4, 0)] }, ["in2", ""], &[1], &[0]);
     // Slow memory: step 0 at 1, closed, column 4, data 94 .. 96. Then a hit 1 + 90 + 2 after each step.
     assert_eq!(starts(&draw.0, "client"), [1, 96, 189, 282]);
     assert_eq!(starts(&draw.0, "sink"), [97, 190, 283, 376]);

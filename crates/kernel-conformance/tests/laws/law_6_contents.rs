@@ -1,28 +1,28 @@
 //! Law 6: memories determine times, never data. Results do not depend on the cycle. The functional model runs the same steps with
 //! a handle that answers at once.
 
-use super::common::{Draw, report, small_memory, swallowed};
+use super::common::{PlanBuilder, report, sink_tokens, small_memory};
 use basrelief_kernel::Request;
 use basrelief_kernel::{MemoryConfig, MemoryPorts, Outcome};
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
+use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest, UnitKind};
 
 /// A reader and a cached client of one memory, before and after a router and a merge.
 fn plan(memory: PlanMemory, outstanding: u32) -> Plan {
     let read = PlanRequest { port: "p".into(), write: false, bytes: 40, stride: 52, offset: 4, span: 512 };
     let look_up = PlanLookUp { stride: 12, offset: 0, span: 256 };
     let (name, port) = ("cache".into(), "q".into());
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     for fifo in ["a", "b", "left", "right", "c", "d"] {
         draw.fifo(fifo, 2, 1);
     }
     draw.memory(memory, &[("p", outstanding), ("q", outstanding)])
         .cache(PlanCache { name, port, line_bytes: 32, sets: 2, ways: 1, hit_latency: 1, lookups_per_cycle: 1, at_once: true })
-        .unit("source", Kind::Source { tokens: 40 }, ["", "a"], &[1], &[0])
-        .unit("reader", Kind::Access { requests: vec![read] }, ["a", "b"], &[1, 3], &[0, 9])
-        .unit("route", Kind::Route, ["b", "left right"], &[1], &[0])
-        .unit("merge", Kind::Merge { tokens: 40 }, ["left right", "c"], &[1], &[0])
-        .unit("cached", Kind::Cached { cache: "cache".into(), lookups: vec![look_up] }, ["c", "d"], &[1], &[2])
-        .unit("sink", Kind::Sink, ["d", ""], &[1, 7], &[0]);
+        .unit("source", UnitKind::Source { tokens: 40 }, ["", "a"], &[1], &[0])
+        .unit("reader", UnitKind::Access { requests: vec![read] }, ["a", "b"], &[1, 3], &[0, 9])
+        .unit("route", UnitKind::Route, ["b", "left right"], &[1], &[0])
+        .unit("merge", UnitKind::Merge { tokens: 40 }, ["left right", "c"], &[1], &[0])
+        .unit("cached", UnitKind::Cached { cache: "cache".into(), lookups: vec![look_up] }, ["c", "d"], &[1], &[2])
+        .unit("sink", UnitKind::Sink, ["d", ""], &[1, 7], &[0]);
     draw.0
 }
 
@@ -35,10 +35,10 @@ fn tokens_do_not_depend_on_the_memory() {
     let [quick, slow] =
         [(quick, 8), (slow, 1)].map(|(config, outstanding)| plan(PlanMemory { config, ..small_memory() }, outstanding));
     assert_ne!(report(&quick).total, report(&slow).total);
-    let [quick_tokens, functional] = swallowed(&quick);
+    let [quick_tokens, functional] = sink_tokens(&quick);
     assert_eq!(quick_tokens[0].1.len(), 40);
     assert_eq!(quick_tokens, functional);
-    assert_eq!(swallowed(&slow), [functional.clone(), functional]);
+    assert_eq!(sink_tokens(&slow), [functional.clone(), functional]);
     assert_eq!(report(&slow).outcome, Outcome::Complete);
 }
 

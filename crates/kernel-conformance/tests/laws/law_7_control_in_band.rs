@@ -1,38 +1,38 @@
 //! Law 7: control tokens use the same FIFOs as data. A gathering unit flushes on the end token, and never exceeds its memory.
 //! Feedback is an ordinary FIFO.
 
-use super::common::{Draw, apart, fault, report, swallowed};
+use super::common::{PlanBuilder, fault, report, run_and_record, sink_tokens};
 use basrelief_kernel::{Demand, Engine, MemoryPorts, Outcome, Step, Unit, run, run_functional};
 use basrelief_kernel_conformance::contract::{Bench, TestEnvironment};
-use basrelief_kernel_conformance::plan::Kind;
+use basrelief_kernel_conformance::plan::UnitKind;
 
 #[test]
 fn gathering_unit_flushes_on_last_token() {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("in", 2, 1)
         .fifo("out", 2, 1)
-        .unit("source", Kind::Source { tokens: 6 }, ["", "in"], &[1], &[0])
-        .unit("gather", Kind::Gather { size: 4 }, ["in", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens: 6 }, ["", "in"], &[1], &[0])
+        .unit("gather", UnitKind::Gather { size: 4 }, ["in", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     assert_eq!(report(&draw.0).outcome, Outcome::Complete);
-    let [timed, _] = swallowed(&draw.0);
+    let [timed, _] = sink_tokens(&draw.0);
     assert!(timed[0].1.iter().map(|t| (t.id, t.last)).eq([(0, false), (1, true)]));
 }
 
 #[test]
 fn feedback_is_an_ordinary_fifo() {
     // Every token passes the loop once: even numbers return, odd numbers leave.
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("in", 1, 1)
         .fifo("loop", 1, 1)
         .fifo("back", 1, 1)
         .fifo("out", 1, 1)
-        .unit("source", Kind::Source { tokens: 5 }, ["", "in"], &[1], &[0])
-        .unit("merge", Kind::Merge { tokens: 10 }, ["in back", "loop"], &[1], &[0])
-        .unit("route", Kind::Route, ["loop", "back out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens: 5 }, ["", "in"], &[1], &[0])
+        .unit("merge", UnitKind::Merge { tokens: 10 }, ["in back", "loop"], &[1], &[0])
+        .unit("route", UnitKind::Route, ["loop", "back out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     assert_eq!(report(&draw.0).outcome, Outcome::Complete);
-    let [timed, functional] = swallowed(&draw.0);
+    let [timed, functional] = sink_tokens(&draw.0);
     assert!(timed[0].1.iter().map(|t| t.id).eq([1, 3, 5, 7, 9]));
     assert_eq!(timed, functional);
 }
@@ -105,7 +105,7 @@ fn control_token_takes_effect_when_popped() {
 fn gathering_unit_without_end_token_deadlocks() {
     let unended = || bench(3, vec![Flow::Item(1), Flow::Item(2)]);
     let report = run(&mut unended(), Engine::Timed);
-    assert_eq!(apart(unended).0, report, "work apart from time, left");
+    assert_eq!(run_and_record(unended).0, report, "work separate from time, left");
     let Outcome::Deadlock(deadlock) = report.outcome else { panic!("{:?}", report.outcome) };
     assert!(deadlock.circle.is_empty(), "the unit waits for a source that has finished");
     assert_eq!(

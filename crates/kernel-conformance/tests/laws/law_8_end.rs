@@ -2,15 +2,15 @@
 //! deadlock with a fixed text. Total = 1 + the last cycle in which a unit was busy, a token became visible, or a memory moved
 //! data.
 
-use super::common::{Draw, account, report, run_both, small_memory};
-use basrelief_kernel::{BlockedUnit, Engine, FifoLevel, Limits, Outcome, WaitsFor, run_with};
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMemory, PlanPeriodic};
+use super::common::{PlanBuilder, account, report, run_both, small_memory};
+use basrelief_kernel::{BlockedUnit, Engine, FifoLevel, Outcome, RunLimits, WaitsFor, run_with};
+use basrelief_kernel_conformance::plan::{Plan, PlanMemory, PlanPeriodic, UnitKind};
 
 fn wire(tokens: u64, source: (u64, u64), sink: u64) -> Plan {
-    let mut draw = Draw::default();
-    draw.fifo("f", 1, 1).unit("source", Kind::Source { tokens }, ["", "f"], &[source.0], &[source.1]).unit(
+    let mut draw = PlanBuilder::default();
+    draw.fifo("f", 1, 1).unit("source", UnitKind::Source { tokens }, ["", "f"], &[source.0], &[source.1]).unit(
         "sink",
-        Kind::Sink,
+        UnitKind::Sink,
         ["f", ""],
         &[sink],
         &[0],
@@ -20,17 +20,17 @@ fn wire(tokens: u64, source: (u64, u64), sink: u64) -> Plan {
 
 /// A fork and a join with two branches. One branch works in batches of four, the other is a FIFO with `depth` slots.
 fn batch_beside(depth: usize) -> Plan {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     for fifo in ["in", "a", "middle", "a2", "out"] {
         draw.fifo(fifo, 1, 1);
     }
     draw.fifo("b", depth, 1)
-        .unit("source", Kind::Source { tokens: 8 }, ["", "in"], &[1], &[0])
-        .unit("fork", Kind::Fork, ["in", "a b"], &[1], &[0])
-        .unit("gather", Kind::Gather { size: 4 }, ["a", "middle"], &[1], &[0])
-        .unit("expand", Kind::Expand { factor: 4 }, ["middle", "a2"], &[1], &[0])
-        .unit("join", Kind::Join, ["a2 b", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("source", UnitKind::Source { tokens: 8 }, ["", "in"], &[1], &[0])
+        .unit("fork", UnitKind::Fork, ["in", "a b"], &[1], &[0])
+        .unit("gather", UnitKind::Gather { size: 4 }, ["a", "middle"], &[1], &[0])
+        .unit("expand", UnitKind::Expand { factor: 4 }, ["middle", "a2"], &[1], &[0])
+        .unit("join", UnitKind::Join, ["a2 b", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     draw.0
 }
 
@@ -57,7 +57,7 @@ fn idle_stretches_do_not_end_a_run() {
 fn long_idle_stretches_do_not_end_a_run() {
     // As above, with 2^40 instead of 50,000.
     let mut machine = super::common::machine(&wire(3, (1, 1 << 40), 7));
-    let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut _| true };
+    let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut _| true };
     let report = run_with(&mut machine, Engine::Timed, &mut basrelief_kernel::NoProbe, limits);
     assert_eq!((report.outcome, report.total), (Outcome::Complete, 3 * (1 << 40) + 5 + 7));
 }
@@ -117,7 +117,7 @@ fn cycle_limit_ends_run_with_current_state() {
 fn caller_may_stop_a_run() {
     let plan = wire(100_000, (1, 0), 1);
     for engine in [Engine::Timed, Engine::Ticked] {
-        let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut _| false };
+        let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut _| false };
         let report = run_with(&mut super::common::machine(&plan), engine, &mut basrelief_kernel::NoProbe, limits);
         assert_eq!(report.outcome, Outcome::Stopped);
     }

@@ -1,23 +1,23 @@
 //! Law 9: every cycle of every unit is busy, done, or charged to the first cause that applies. The sum is the total.
 
-use super::common::{Draw, account, report, small_memory};
-use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanPort, PlanRequest};
+use super::common::{PlanBuilder, account, report, small_memory};
+use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, PlanPort, PlanRequest, UnitKind};
 
 /// A source, a unit of the given kind with a port and a cache available, and a sink.
-fn around(kind: Kind, tokens: u64, outstanding: u32, depth: usize, sink: u64) -> Plan {
-    let mut draw = Draw::default();
+fn around(kind: UnitKind, tokens: u64, outstanding: u32, depth: usize, sink: u64) -> Plan {
+    let mut draw = PlanBuilder::default();
     draw.fifo("in", 8, 1)
         .fifo("out", depth, 1)
         .memory(small_memory(), &[("p", outstanding)])
-        .unit("source", Kind::Source { tokens }, ["", "in"], &[1], &[0])
+        .unit("source", UnitKind::Source { tokens }, ["", "in"], &[1], &[0])
         .unit("unit", kind, ["in", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[sink], &[0]);
+        .unit("sink", UnitKind::Sink, ["out", ""], &[sink], &[0]);
     draw.0
 }
 
-fn request(write: bool) -> Kind {
+fn request(write: bool) -> UnitKind {
     let request = PlanRequest { port: "p".into(), write, bytes: 32, stride: 0, offset: 0, span: 64 };
-    Kind::Access { requests: vec![request] }
+    UnitKind::Access { requests: vec![request] }
 }
 
 // Claim: laws, 9 Accounting: Each cycle of a unit is busy, starved, blocked, memory wait or done, and causes add up to the total.
@@ -25,7 +25,7 @@ fn request(write: bool) -> Kind {
 fn busy_starved_blocked_done() {
     // Two tokens, one output slot, a sink occupied for 5 cycles. Step 0 at 1, visible and popped 2, slot free 3. Step 1 at 3,
     // visible 4, popped when the sink is free, at 7. The sink ends at 12.
-    let report = report(&around(Kind::Work, 2, 1, 1, 5));
+    let report = report(&around(UnitKind::Work, 2, 1, 1, 5));
     assert_eq!(report.total, 12);
     // 0 starved, 1 busy, 2 blocked, 3 busy, 4 .. 11 done.
     assert_eq!(account(&report, "unit"), "busy 2, done 8, starved in 1, blocked out 1");
@@ -57,7 +57,7 @@ fn blocking_cycles_count_for_first_mentioned_port() {
     // Step at 1. Port p has the lower number: column 4, answer 9. Port q: hit, column 6, answer 11.
     let of = |port: &str| PlanRequest { port: port.into(), write: false, bytes: 32, stride: 0, offset: 0, span: 64 };
     let charged = |ports: [&str; 2]| {
-        let mut plan = around(Kind::Access { requests: ports.map(of).to_vec() }, 1, 8, 8, 1);
+        let mut plan = around(UnitKind::Access { requests: ports.map(of).to_vec() }, 1, 8, 8, 1);
         plan.memories[0].ports.push(PlanPort { name: "q".into(), outstanding: 1 });
         plan.units[1].blocking = true;
         account(&report(&plan), "unit")
@@ -88,7 +88,7 @@ fn posted_write_delays_no_token() {
 fn hit_latency_counts_as_memory() {
     // Line 0 twice, the second time long after the first. A third token follows directly, into one slot.
     let lookups = vec![PlanLookUp { stride: 0, offset: 0, span: 64 }];
-    let mut plan = around(Kind::Cached { cache: "cache".into(), lookups }, 3, 8, 1, 1);
+    let mut plan = around(UnitKind::Cached { cache: "cache".into(), lookups }, 3, 8, 1, 1);
     let (name, port) = ("cache".into(), "p".into());
     plan.caches.push(PlanCache {
         name,
@@ -111,28 +111,28 @@ fn hit_latency_counts_as_memory() {
 
 #[test]
 fn first_starved_input_counts() {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("a", 4, 1)
         .fifo("b", 4, 1)
         .fifo("out", 4, 1)
-        .unit("slow", Kind::Source { tokens: 1 }, ["", "a"], &[1], &[3])
-        .unit("slower", Kind::Source { tokens: 1 }, ["", "b"], &[1], &[7])
-        .unit("join", Kind::Join, ["a b", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("slow", UnitKind::Source { tokens: 1 }, ["", "a"], &[1], &[3])
+        .unit("slower", UnitKind::Source { tokens: 1 }, ["", "b"], &[1], &[7])
+        .unit("join", UnitKind::Join, ["a b", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     // a is visible at 4, b at 8: 0 .. 3 for a, 4 .. 7 for b; popped 9: 10 cycles.
     assert_eq!(account(&report(&draw.0), "join"), "busy 1, done 1, starved a 4, starved b 4");
 }
 
 #[test]
 fn deadlocked_units_keep_their_cause() {
-    let mut draw = Draw::default();
+    let mut draw = PlanBuilder::default();
     draw.fifo("a", 2, 1)
         .fifo("b", 2, 1)
         .fifo("out", 4, 1)
-        .unit("many", Kind::Source { tokens: 9 }, ["", "a"], &[1], &[0])
-        .unit("one", Kind::Source { tokens: 1 }, ["", "b"], &[1], &[0])
-        .unit("join", Kind::Join, ["a b", "out"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+        .unit("many", UnitKind::Source { tokens: 9 }, ["", "a"], &[1], &[0])
+        .unit("one", UnitKind::Source { tokens: 1 }, ["", "b"], &[1], &[0])
+        .unit("join", UnitKind::Join, ["a b", "out"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);
     // `many` steps at 0 and 1. Token 0 is popped at 1, and its slot is free at 2: step at 2, visible 3, the last event: 4 cycles.
     // `many` waits in 3.
     let report = report(&draw.0);

@@ -7,7 +7,7 @@ use crate::time::{FinalUnitState, MachineTiming};
 use crate::{Cycle, MemoryPorts};
 
 /// Limits of a run, and a callback for its progress.
-pub struct Limits<'a, M> {
+pub struct RunLimits<'a, M> {
     /// No step starts in this cycle or later; the run then ends as [`Outcome::Limit`](crate::Outcome::Limit).
     pub max_cycles: u64,
     /// Called every few rounds, and after each round in which the machine has news, to show progress and to take finished
@@ -30,16 +30,16 @@ pub(super) struct ActiveRecording<'a> {
 
 /// Between rounds: passes on a finished chunk of the recording and calls `progress` with the machine. The engine owns the
 /// memories during a run, so they are swapped in for the call.
-pub(super) fn look<M: Machine>(
+pub(super) fn report_progress<M: Machine>(
     machine: &mut M,
     time: &mut MachineTiming,
-    (tape, keep): (&mut Option<&mut RecordingWriter>, &mut Option<&mut dyn FnMut(RecordingChunk)>),
+    (writer, keep): (&mut Option<&mut RecordingWriter>, &mut Option<&mut dyn FnMut(RecordingChunk)>),
     progress: &mut dyn FnMut(&mut M) -> bool,
 ) -> bool {
-    if let (Some(writer), Some(keep)) = (tape, keep)
+    if let (Some(writer), Some(keep)) = (writer, keep)
         && writer.is_full()
     {
-        keep(writer.reel(unit_states(machine), false));
+        keep(writer.finish_chunk(unit_states(machine), false));
     }
     std::mem::swap(machine.memories(), &mut time.memories);
     let goes_on = progress(machine);

@@ -21,19 +21,19 @@ struct FunctionalWalk {
     made: Option<Vec<StageSteps>>,
     /// Steps per batch. A stage between long FIFOs could make any number of steps before the next stage runs, so it makes at most
     /// a part of a batch at once.
-    piece: usize,
+    batch_steps: usize,
 }
 
 /// Parts of a batch that a stage makes at once.
 const PARTS: usize = 4;
 
 impl FunctionalWalk {
-    fn new(traffic: MemoryPorts, made: Option<Vec<StageSteps>>, piece: usize) -> Self {
-        Self { traffic, stage: 0, steps: 0, handed_on: 0, fault: None, made, piece }
+    fn new(traffic: MemoryPorts, made: Option<Vec<StageSteps>>, batch_steps: usize) -> Self {
+        Self { traffic, stage: 0, steps: 0, handed_on: 0, fault: None, made, batch_steps }
     }
 
     /// Returns the steps since the last batch.
-    fn piece(&mut self, machine: &mut impl Machine, stopped: bool) -> StepBatch {
+    fn next_batch(&mut self, machine: &mut impl Machine, stopped: bool) -> StepBatch {
         self.handed_on = self.steps;
         let stages = self.made.iter_mut().flatten().map(StageSteps::take).collect();
         StepBatch { stages, unit_states: unit_states(machine), stopped }
@@ -57,14 +57,14 @@ impl Visitor for FunctionalWalk {
     #[inline]
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
-        let Self { traffic, stage: number, steps, fault, made: all, piece, .. } = self;
+        let Self { traffic, stage: number, steps, fault, made: all, batch_steps, .. } = self;
         let mut own = all.as_mut().map(|all| &mut all[*number]);
         *number += 1;
         // Timing must reach the start of a step with a fault, so all other stages continue as far as they can.
         if own.as_ref().map_or(fault.is_some(), |own| own.is_fault()) {
             return;
         }
-        let (mut count, most) = (0, piece.div_ceil(PARTS));
+        let (mut count, most) = (0, batch_steps.div_ceil(PARTS));
         while count < most
             && let Some(demand) = next(&stage.unit, connections)
         {
@@ -102,11 +102,11 @@ pub(super) fn run_to<M: Machine>(
 ) {
     let mut walk = FunctionalWalk::new(MemoryPorts::default(), Some(nothing), steps);
     let stopped = walk_on(machine, &mut walk, progress, &mut |walk, machine| {
-        if walk.steps - walk.handed_on >= walk.piece {
-            hand_on(walk.piece(machine, false));
+        if walk.steps - walk.handed_on >= walk.batch_steps {
+            hand_on(walk.next_batch(machine, false));
         }
     });
-    hand_on(walk.piece(machine, stopped));
+    hand_on(walk.next_batch(machine, stopped));
 }
 
 /// Executes all steps and calls `look` after each round. Returns true if the run was stopped.

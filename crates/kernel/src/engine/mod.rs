@@ -18,7 +18,7 @@ use crate::report::RunReport;
 use crate::time::{MachineTiming, StopReason};
 use crate::{Cycle, Probe};
 pub use batch::StepBatch;
-pub use context::Limits;
+pub use context::RunLimits;
 use context::{ActiveRecording, unit_states};
 pub use overlapped::{make_steps, time_steps};
 pub use resimulate::{ChunkSource, Recording, ResimulateError, critical_path, resimulate};
@@ -35,11 +35,11 @@ pub enum Engine {
 
 /// Runs `machine` to its end.
 pub fn run<M: Machine>(machine: &mut M, engine: Engine) -> RunReport {
-    run_with(machine, engine, &mut crate::NoProbe, Limits { max_cycles: u64::MAX, progress: &mut |_| true })
+    run_with(machine, engine, &mut crate::NoProbe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
 /// Runs `machine` under a probe, within limits.
-pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P, limits: Limits<'_, M>) -> RunReport {
+pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P, limits: RunLimits<'_, M>) -> RunReport {
     run_on(machine, probe, |machine, time, probe| run_engine(machine, engine, (time, probe), limits, None))
 }
 
@@ -49,7 +49,7 @@ pub fn run_recorded<M: Machine, P: Probe>(
     machine: &mut M,
     engine: Engine,
     probe: &mut P,
-    limits: Limits<'_, M>,
+    limits: RunLimits<'_, M>,
     (reel_bytes, keep): (usize, &mut dyn FnMut(RecordingChunk)),
 ) -> RunReport {
     run_on(machine, probe, |machine, time, probe| {
@@ -57,7 +57,7 @@ pub fn run_recorded<M: Machine, P: Probe>(
         let recording = Some(ActiveRecording { writer: &mut writer, keep: &mut *keep });
         let halt = run_engine(machine, engine, (time, probe), limits, recording);
         if matches!(halt, StopReason::Quiet | StopReason::Limit(_)) {
-            keep(writer.reel(unit_states(machine), true));
+            keep(writer.finish_chunk(unit_states(machine), true));
         }
         halt
     })
@@ -67,7 +67,7 @@ fn run_engine<M: Machine, P: Probe>(
     machine: &mut M,
     engine: Engine,
     (time, probe): (&mut MachineTiming, &mut P),
-    limits: Limits<'_, M>,
+    limits: RunLimits<'_, M>,
     recording: Option<ActiveRecording<'_>>,
 ) -> StopReason {
     match engine {

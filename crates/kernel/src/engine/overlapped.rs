@@ -16,7 +16,7 @@ use crate::time::{FinalUnitState, InputMask, MachineTiming, StepTiming, StopReas
 use crate::{Demand, MemoryPorts, NoProbe};
 
 /// Executes all steps of a machine and passes them on in batches of some `steps` steps. Execution runs ahead of timing, so it
-/// suits runs without a cycle limit. `progress` as in [`Limits`](super::Limits).
+/// suits runs without a cycle limit. `progress` as in [`RunLimits`](super::RunLimits).
 ///
 /// # Errors
 /// If the wiring is invalid.
@@ -35,19 +35,19 @@ pub fn make_steps<M: Machine>(
 /// about so many bytes.
 pub fn time_steps(
     shape: Netlist,
-    pieces: &mut dyn FnMut() -> Option<StepBatch>,
+    batches: &mut dyn FnMut() -> Option<StepBatch>,
     keep: Option<(usize, &mut dyn FnMut(RecordingChunk))>,
 ) -> RunReport {
     let mut time = MachineTiming::new(shape);
     let inputs = time.shape.stages.iter().map(|stage| stage.inputs.len());
     let mut queues: Vec<BatchedSteps> = inputs.map(BatchedSteps::new).collect();
     let mut recording = keep.map(|(bytes, keep)| (RecordingWriter::new(&time.shape, &time.memories, bytes), keep));
-    let tape = recording.as_mut().map(|(writer, keep)| ActiveRecording { writer, keep: &mut **keep });
-    let halt = compute_times(&mut time, &mut queues, pieces, tape);
+    let writer = recording.as_mut().map(|(writer, keep)| ActiveRecording { writer, keep: &mut **keep });
+    let halt = compute_times(&mut time, &mut queues, batches, writer);
     time.land_all();
     let unit_states = queue_states(&queues);
     if let (Some((mut writer, keep)), StopReason::Quiet) = (recording, &halt) {
-        keep(writer.reel(unit_states.clone(), true));
+        keep(writer.finish_chunk(unit_states.clone(), true));
     }
     time.finalize(&unit_states, halt)
 }
@@ -55,26 +55,26 @@ pub fn time_steps(
 fn compute_times(
     time: &mut MachineTiming,
     queues: &mut [BatchedSteps],
-    pieces: &mut dyn FnMut() -> Option<StepBatch>,
-    tape: Option<ActiveRecording<'_>>,
+    batches: &mut dyn FnMut() -> Option<StepBatch>,
+    writer: Option<ActiveRecording<'_>>,
 ) -> StopReason {
-    let mut stopped = feed(queues, pieces).unwrap_or(true);
-    let (writer, mut keep) = tape.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
+    let mut stopped = feed(queues, batches).unwrap_or(true);
+    let (writer, mut keep) = writer.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
     let mut probe = NoProbe;
     let mut walk = RunAhead::new(time, &mut probe, u64::MAX, writer);
     let after_round = |walk: &mut RunAhead<'_, NoProbe>, queues: &mut [BatchedSteps]| {
         if let Some(fault) = walk.fault.take() {
             return Err(StopReason::Fault(fault));
         }
-        if let (Some(writer), Some(keep)) = (&mut walk.tape, &mut keep)
+        if let (Some(writer), Some(keep)) = (&mut walk.writer, &mut keep)
             && writer.is_full()
         {
-            keep(writer.reel(queue_states(queues), false));
+            keep(writer.finish_chunk(queue_states(queues), false));
         }
         Ok(())
     };
     let ended = run_stored_steps(&mut walk, queues, after_round, |_, queues| {
-        stopped = feed(queues, pieces).ok_or(StopReason::Stopped)?;
+        stopped = feed(queues, batches).ok_or(StopReason::Stopped)?;
         Ok(())
     });
     match ended {
@@ -85,8 +85,8 @@ fn compute_times(
 }
 
 /// Takes the next batch, if there is one. Returns whether the run was stopped after it.
-fn feed(queues: &mut [BatchedSteps], pieces: &mut dyn FnMut() -> Option<StepBatch>) -> Option<bool> {
-    let StepBatch { stages, unit_states, stopped } = pieces()?;
+fn feed(queues: &mut [BatchedSteps], batches: &mut dyn FnMut() -> Option<StepBatch>) -> Option<bool> {
+    let StepBatch { stages, unit_states, stopped } = batches()?;
     for (queue, (steps, rest)) in queues.iter_mut().zip(stages.into_iter().zip(unit_states)) {
         queue.feed(steps, rest);
     }
@@ -163,7 +163,7 @@ impl StepSource for BatchedSteps {
         let BatchedStep { made, requests, look_ups, .. } = steps[self.next];
         if requests + look_ups > 0 {
             let (requests, rest) = asked[self.asked..].split_at(requests as usize);
-            traffic.ask(requests, &rest[..look_ups as usize]);
+            traffic.add_recorded(requests, &rest[..look_ups as usize]);
             self.asked += requests.len() + look_ups as usize;
         }
         self.next += 1;
@@ -176,7 +176,7 @@ impl StepSource for BatchedSteps {
     }
 
     #[inline(always)]
-    fn write(&self, tape: &mut RecordingWriter, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts) {
-        tape.step(number, demand, made, traffic);
+    fn write(&self, writer: &mut RecordingWriter, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts) {
+        writer.step(number, demand, made, traffic);
     }
 }

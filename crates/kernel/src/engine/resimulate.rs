@@ -63,7 +63,7 @@ impl StepSource for RecordingReader {
 
     #[inline]
     fn next(&self) -> ((), InputMask) {
-        ((), self.takes())
+        ((), self.next_inputs())
     }
 
     #[inline]
@@ -82,8 +82,8 @@ impl StepSource for RecordingReader {
     }
 
     #[inline]
-    fn asks<'a>(&'a mut self, traffic: &'a mut MemoryPorts, _: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
-        self.asks(traffic)
+    fn requests<'a>(&'a mut self, traffic: &'a mut MemoryPorts, _: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
+        self.next_requests(traffic)
     }
 
     #[inline]
@@ -100,12 +100,12 @@ impl StepSource for RecordingReader {
 /// See [`ResimulateError`].
 pub fn resimulate<P: Probe>(
     shape: Netlist,
-    reels: &mut ChunkSource<'_, '_>,
+    chunks: &mut ChunkSource<'_, '_>,
     probe: &mut P,
     max_cycles: u64,
 ) -> Result<RunReport, ResimulateError> {
     let readers = new_readers(&shape);
-    Ok(timed_again((shape, readers), reels, (probe, ResimulationGoal::Report), max_cycles)?.0)
+    Ok(timed_again((shape, readers), chunks, (probe, ResimulationGoal::Report), max_cycles)?.0)
 }
 
 /// Resimulates a recording and finds its critical path. It keeps up to `most_events` events of 16 bytes each, about three per
@@ -116,12 +116,12 @@ pub fn resimulate<P: Probe>(
 /// See [`ResimulateError`].
 pub fn critical_path(
     shape: Netlist,
-    reels: &mut ChunkSource<'_, '_>,
+    chunks: &mut ChunkSource<'_, '_>,
     most_events: usize,
     groups: &[StageGroups],
 ) -> Result<Option<CriticalPath>, ResimulateError> {
     let readers = new_readers(&shape);
-    Ok(timed_again((shape, readers), reels, (&mut NoProbe, ResimulationGoal::Path(most_events, groups)), u64::MAX)?.1)
+    Ok(timed_again((shape, readers), chunks, (&mut NoProbe, ResimulationGoal::Path(most_events, groups)), u64::MAX)?.1)
 }
 
 fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
@@ -132,7 +132,7 @@ fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
 /// machine and all machines with the same caches.
 #[derive(Clone, Debug)]
 pub struct Recording<'a> {
-    reels: Cow<'a, [RecordingChunk]>,
+    chunks: Cow<'a, [RecordingChunk]>,
     /// By stage; `None` if the recording is too long or invalid.
     readers: Option<Vec<RecordingReader>>,
     /// Maximum memory for the steps of a stage \[bytes\].
@@ -142,17 +142,18 @@ pub struct Recording<'a> {
 impl<'a> Recording<'a> {
     /// Reads a whole recording for a machine with this netlist. Its steps stay in memory if they take no more than about `room`
     /// bytes; otherwise each resimulation reads it again.
-    pub fn new(reels: impl Into<Cow<'a, [RecordingChunk]>>, shape: &Netlist, room: u64) -> Self {
+    pub fn new(chunks: impl Into<Cow<'a, [RecordingChunk]>>, shape: &Netlist, room: u64) -> Self {
         let room = room / shape.stages.len().max(1) as u64;
-        let mut tape = Self { reels: reels.into(), readers: None, room };
-        let is_ours = tape.reels.iter().all(|reel| reel.stages.len() == shape.stages.len());
-        tape.readers = if is_ours { (0..shape.stages.len()).map(|stage| tape.read(stage, shape)).collect() } else { None };
-        tape
+        let mut recording = Self { chunks: chunks.into(), readers: None, room };
+        let is_ours = recording.chunks.iter().all(|chunk| chunk.stages.len() == shape.stages.len());
+        recording.readers =
+            if is_ours { (0..shape.stages.len()).map(|stage| recording.read(stage, shape)).collect() } else { None };
+        recording
     }
 
     fn read(&self, stage: usize, shape: &Netlist) -> Option<RecordingReader> {
-        let pieces = self.reels.iter().filter_map(|reel| reel.piece(stage));
-        RecordingReader::whole(&shape.stages[stage], &shape.memories, pieces, self.room)
+        let parts = self.chunks.iter().filter_map(|chunk| chunk.stage_part(stage));
+        RecordingReader::of_whole_stream(&shape.stages[stage], &shape.memories, parts, self.room)
     }
 
     /// As [`resimulate`].
@@ -197,9 +198,9 @@ impl<'a> Recording<'a> {
         };
         let readers = self.readers.as_ref().filter(|readers| readers.len() == shape.stages.len());
         let readers: Option<Vec<RecordingReader>> = readers.and_then(|readers| readers.iter().enumerate().map(fitting).collect());
-        let mut reels = self.reels.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.reels.len() } else { 0 });
+        let mut chunks = self.chunks.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.chunks.len() } else { 0 });
         let readers = readers.unwrap_or_else(|| new_readers(&shape));
-        timed_again((shape, readers), &mut |_| Ok(reels.next()), (&mut NoProbe, wanted), u64::MAX)
+        timed_again((shape, readers), &mut |_| Ok(chunks.next()), (&mut NoProbe, wanted), u64::MAX)
     }
 }
 
@@ -216,14 +217,14 @@ enum ResimulationGoal<'a> {
 /// Returns the report, and the critical path if it is the goal.
 fn timed_again<P: Probe>(
     (shape, mut readers): (Netlist, Vec<RecordingReader>),
-    reels: &mut ChunkSource<'_, '_>,
+    chunks: &mut ChunkSource<'_, '_>,
     (probe, wanted): (&mut P, ResimulationGoal<'_>),
     max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
     let mut time = MachineTiming::new(shape);
     time.keep_fills(&*probe);
     if readers.iter().any(|reader| reader.demand().is_none()) {
-        feed(&mut readers, reels, &time)?;
+        feed(&mut readers, chunks, &time)?;
     }
     let path = match wanted {
         ResimulationGoal::Path(most, groups) => Some(PathTracer::new(&mut time, most, groups)),
@@ -245,7 +246,7 @@ fn timed_again<P: Probe>(
         walk.time.show_fills(walk.probe, None);
         Ok(())
     };
-    run_stored_steps(&mut walk, &mut readers, after_round, |time, readers| feed(readers, reels, time))?;
+    run_stored_steps(&mut walk, &mut readers, after_round, |time, readers| feed(readers, chunks, time))?;
     let halt = if walk.limited { StopReason::Limit(max_cycles) } else { StopReason::Quiet };
     let path = walk.path;
     time.land_all();
@@ -262,9 +263,9 @@ fn timed_again<P: Probe>(
 }
 
 /// Reads the next chunk, which a stage needs.
-fn feed(readers: &mut [RecordingReader], reels: &mut ChunkSource<'_, '_>, time: &MachineTiming) -> Result<(), ResimulateError> {
-    let waiting = readers.iter().map(RecordingReader::waiting).sum();
-    let Some(reel) = reels(waiting).map_err(ResimulateError::Read)? else {
+fn feed(readers: &mut [RecordingReader], chunks: &mut ChunkSource<'_, '_>, time: &MachineTiming) -> Result<(), ResimulateError> {
+    let waiting = readers.iter().map(RecordingReader::bytes_left).sum();
+    let Some(chunk) = chunks(waiting).map_err(ResimulateError::Read)? else {
         let needs = |&stage: &usize| {
             let demand = readers[stage].demand().unwrap_or(Demand::Finished);
             !readers[stage].has_step() && time.next_start(stage, demand).is_known()
@@ -272,9 +273,9 @@ fn feed(readers: &mut [RecordingReader], reels: &mut ChunkSource<'_, '_>, time: 
         let stage = (0..readers.len()).find(needs).unwrap_or_default();
         return Err(ResimulateError::EndsEarly(time.shape.stages[stage].names.name.clone()));
     };
-    if reel.stages.len() != readers.len() {
-        return Err(ResimulateError::Stages { found: reel.stages.len(), expected: readers.len() });
+    if chunk.stages.len() != readers.len() {
+        return Err(ResimulateError::Stages { found: chunk.stages.len(), expected: readers.len() });
     }
-    reel.feed(readers);
+    chunk.feed(readers);
     Ok(())
 }

@@ -26,7 +26,7 @@ pub(crate) trait StepSource {
     }
     /// Returns the memory requests of the step just made; `None`, with a fault in `traffic`, if they are not allowed.
     #[inline(always)]
-    fn asks<'a>(&'a mut self, traffic: &'a mut MemoryPorts, visit: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
+    fn requests<'a>(&'a mut self, traffic: &'a mut MemoryPorts, visit: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
         visit.settle(traffic)
     }
     /// Moves on to the next step.
@@ -49,12 +49,12 @@ pub(crate) trait StepSource {
     /// Appends the step to a recording, unless it comes from one.
     fn write(
         &self,
-        tape: &mut RecordingWriter,
+        writer: &mut RecordingWriter,
         number: usize,
         (declared, made): (Self::Declared, &StepTiming),
         traffic: &MemoryPorts,
     ) {
-        _ = (tape, number, declared, made, traffic);
+        _ = (writer, number, declared, made, traffic);
     }
 }
 
@@ -113,13 +113,13 @@ where
             let Connections { inputs, outputs, .. } = &self.connections;
             let given = (0..outputs.count()).filter(|i| made.outputs >> i & 1 == 1).map(|i| (i, outputs.last_label(i)));
             let given: Vec<_> = given.collect();
-            probe.stepped(number, [demand.of(inputs.count()), traffic.clients()], &given);
+            probe.on_step(number, [demand.of(inputs.count()), traffic.clients()], &given);
         }
     }
 
     #[inline(always)]
-    fn write(&self, tape: &mut RecordingWriter, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts) {
-        tape.step(number, demand, made, traffic);
+    fn write(&self, writer: &mut RecordingWriter, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts) {
+        writer.step(number, demand, made, traffic);
     }
 }
 

@@ -9,7 +9,7 @@
 //! To compare with another implementation, run it on the `plan` of each line. `examples/plan.rs` runs one plan, or a folder of
 //! such vectors, from the command line.
 
-use super::context::{ActiveRecording, Limits, fault_of, look};
+use super::context::{ActiveRecording, RunLimits, fault_of, report_progress};
 use super::step_source::{StepSource, UnitSteps};
 use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
@@ -18,7 +18,7 @@ use crate::time::{AnyArity, FifoTiming, MachineTiming, StopReason, Wait, charge}
 use crate::{Cycle, Demand, MemoryPorts, Probe, Unit};
 
 /// One cycle of all stages.
-struct Tick<'a, SomeProbe> {
+struct TickedCycle<'a, SomeProbe> {
     time: &'a mut MachineTiming,
     probe: &'a mut SomeProbe,
     traffic: MemoryPorts,
@@ -29,28 +29,28 @@ struct Tick<'a, SomeProbe> {
     /// Waits of each stage since its last step.
     waits: Vec<Vec<Wait>>,
     /// The recording, if one is made.
-    tape: Option<&'a mut RecordingWriter>,
+    recording: Option<&'a mut RecordingWriter>,
 }
 
-impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
+impl<SomeProbe: Probe> TickedCycle<'_, SomeProbe> {
     /// Executes a step that starts now.
-    fn make(&mut self, number: usize, demand: Demand, work: &mut impl StepSource<Declared = Demand>) {
+    fn execute_step(&mut self, number: usize, demand: Demand, work: &mut impl StepSource<Declared = Demand>) {
         for wait in self.waits[number].drain(..) {
             charge(&mut self.time.accounts[number], self.probe, number, wait);
         }
-        let takes = self.time.stages[number].takes(demand);
+        let takes = self.time.stages[number].inputs_of(demand);
         let made = work.step(demand, &mut self.traffic);
         work.report_step(number, (demand, &made), &self.traffic, self.probe);
         let (mut visit, _) = self.time.visit::<AnyArity>(number);
-        let asks = work.asks(&mut self.traffic, &mut visit);
+        let asks = work.requests(&mut self.traffic, &mut visit);
         visit.step_asking::<AnyArity>(self.now, takes, &made, asks);
-        if let Some(tape) = &mut self.tape {
-            work.write(tape, number, (demand, &made), &self.traffic);
+        if let Some(writer) = &mut self.recording {
+            work.write(writer, number, (demand, &made), &self.traffic);
         }
         work.go_on(&mut self.traffic);
         self.fired = true;
         if SomeProbe::is_on() {
-            self.probe.worked(number, self.now, self.time.stages[number].free);
+            self.probe.on_busy(number, self.now, self.time.stages[number].free);
         }
         if self.traffic.fault.is_some() && self.fault.is_none() {
             let name = &self.time.shape.stages[number].names.name;
@@ -59,13 +59,13 @@ impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
     }
 
     /// Counts one cycle of waiting.
-    fn wait(&mut self, number: usize, demand: Demand) {
+    fn record_wait(&mut self, number: usize, demand: Demand) {
         let waits = &mut self.waits[number];
-        self.time.split_wait(number, demand, (self.now, self.now + 1), |wait| join(waits, wait));
+        self.time.split_wait(number, demand, (self.now, self.now + 1), |wait| merge_wait(waits, wait));
     }
 }
 
-impl<SomeProbe: Probe> Visitor for Tick<'_, SomeProbe> {
+impl<SomeProbe: Probe> Visitor for TickedCycle<'_, SomeProbe> {
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let number = self.stage;
@@ -77,14 +77,14 @@ impl<SomeProbe: Probe> Visitor for Tick<'_, SomeProbe> {
         }
         if self.time.next_start(number, demand) <= self.now {
             let work = &mut UnitSteps::new(stage, connections);
-            self.make(number, demand, work);
+            self.execute_step(number, demand, work);
         } else {
-            self.wait(number, demand);
+            self.record_wait(number, demand);
         }
     }
 }
 
-fn join(waits: &mut Vec<Wait>, (cause, from, to): Wait) {
+fn merge_wait(waits: &mut Vec<Wait>, (cause, from, to): Wait) {
     match waits.last_mut() {
         Some(last) if last.0 == cause && last.2 == from => last.2 = to,
         _ => waits.push((cause, from, to)),
@@ -116,14 +116,15 @@ pub(super) fn run<M: Machine, P: Probe>(
     machine: &mut M,
     time: &mut MachineTiming,
     probe: &mut P,
-    limits: Limits<'_, M>,
+    limits: RunLimits<'_, M>,
     recording: Option<ActiveRecording<'_>>,
 ) -> StopReason {
-    let (tape, mut keep) = recording.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
+    let (writer, mut keep) = recording.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
     time.memories.share_all();
     time.limit = Cycle(limits.max_cycles);
     let (traffic, waits) = (MemoryPorts::default(), vec![Vec::new(); time.stages.len()]);
-    let mut tick = Tick { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits, tape };
+    let mut tick =
+        TickedCycle { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits, recording: writer };
     loop {
         if tick.now.0 >= limits.max_cycles {
             // No request is still to come.
@@ -159,7 +160,7 @@ pub(super) fn run<M: Machine, P: Probe>(
             continue;
         }
         tick.time.show_fills(tick.probe, None);
-        if !look(machine, tick.time, (&mut tick.tape, &mut keep), limits.progress) {
+        if !report_progress(machine, tick.time, (&mut tick.recording, &mut keep), limits.progress) {
             return StopReason::Stopped;
         }
     }

@@ -51,7 +51,7 @@
 //! By 1 both engines make the same steps. By 2, 3 and 5 to 7 the steps have the same times, and all requests are served in the order
 //! of law 4. By 8 both engines end in a state in which no step can start. So their reports are equal.
 
-use super::context::{ActiveRecording, Limits, fault_of, look};
+use super::context::{ActiveRecording, RunLimits, fault_of, report_progress};
 use super::step_source::{StepSource, UnitSteps};
 use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
@@ -75,7 +75,7 @@ pub(super) struct RunAhead<'a, SomeProbe> {
     promises: bool,
     accounts_for: bool,
     /// The recording, if one is made.
-    pub(super) tape: Option<&'a mut RecordingWriter>,
+    pub(super) writer: Option<&'a mut RecordingWriter>,
     /// The wait of every step, if the critical path is wanted.
     pub(super) path: Option<PathTracer>,
 }
@@ -85,7 +85,7 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
         time: &'a mut MachineTiming,
         probe: &'a mut SomeProbe,
         max_cycles: u64,
-        tape: Option<&'a mut RecordingWriter>,
+        writer: Option<&'a mut RecordingWriter>,
     ) -> Self {
         time.limit = Cycle(max_cycles);
         let (promises, accounts_for) = (time.memories.has_any(), time.accounts_for);
@@ -103,7 +103,7 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
             needs_more_steps,
             promises,
             accounts_for,
-            tape,
+            writer,
             path: None,
         }
     }
@@ -124,7 +124,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Executes all steps of a stage whose starts are known.
     #[inline(always)]
     fn fire_known<K: StageArity, W: StepSource>(&mut self, number: usize, work: &mut W) -> InputMask {
-        let Self { time, probe, traffic, tape, path, accounts_for, .. } = self;
+        let Self { time, probe, traffic, writer, path, accounts_for, .. } = self;
         let (mut visit, shape) = time.visit::<K>(number);
         loop {
             let (declared, takes) = work.next();
@@ -145,22 +145,22 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             let made = work.step(declared, traffic);
             work.report_step(number, (declared, &made), traffic, probe);
             if let Some(path) = path {
-                path.step(shape, &visit.sight(), (at, takes), &{ made });
+                path.step(shape, &visit.view(), (at, takes), &{ made });
             }
             if work.is_silent(traffic) {
                 visit.step::<K>(at, takes, &made);
             } else {
-                let asks = work.asks(traffic, &mut visit);
+                let asks = work.requests(traffic, &mut visit);
                 visit.step_asking::<K>(at, takes, &made, asks);
             }
-            if let Some(tape) = tape {
-                work.write(tape, number, (declared, &made), traffic);
+            if let Some(writer) = writer {
+                work.write(writer, number, (declared, &made), traffic);
             }
             work.go_on(traffic);
             self.moved = true;
             let free = visit.clock.free;
             if SomeProbe::is_on() {
-                probe.worked(number, at, free);
+                probe.on_busy(number, at, free);
             }
             if traffic.fault.is_some() {
                 self.fault = fault_of(traffic, &shape.stages[number].names.name, Some(at));
@@ -168,7 +168,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 return takes;
             }
             if visit.serve_private::<K>(free) {
-                visit.land_known::<K>();
+                visit.deliver_known_steps::<K>();
             }
         }
     }
@@ -180,11 +180,11 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
         if !visit.has_news::<K>() {
             return;
         }
-        self.moved |= visit.land_known::<K>();
+        self.moved |= visit.deliver_known_steps::<K>();
         loop {
             let takes = self.fire_known::<K, W>(number, work);
             let (mut visit, _) = self.time.visit::<K>(number);
-            self.moved |= visit.land_known::<K>();
+            self.moved |= visit.deliver_known_steps::<K>();
             if !self.promises {
                 break;
             }
@@ -193,9 +193,9 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 break;
             }
             self.moved = true;
-            visit.land_known::<K>();
+            visit.deliver_known_steps::<K>();
         }
-        self.time.visit::<K>(number).0.leave::<K>();
+        self.time.visit::<K>(number).0.end_visit::<K>();
     }
 }
 
@@ -214,11 +214,11 @@ pub(super) fn run<M: Machine, P: Probe>(
     machine: &mut M,
     time: &mut MachineTiming,
     probe: &mut P,
-    limits: Limits<'_, M>,
+    limits: RunLimits<'_, M>,
     recording: Option<ActiveRecording<'_>>,
 ) -> StopReason {
-    let (tape, mut keep) = recording.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
-    let mut walk = RunAhead::new(time, probe, limits.max_cycles, tape);
+    let (writer, mut keep) = recording.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
+    let mut walk = RunAhead::new(time, probe, limits.max_cycles, writer);
     for round in 1_u64.. {
         walk.begin();
         machine.wire(&mut walk);
@@ -230,7 +230,7 @@ pub(super) fn run<M: Machine, P: Probe>(
         }
         walk.time.show_fills(walk.probe, None);
         if (round.is_multiple_of(16) || machine.has_news())
-            && !look(machine, walk.time, (&mut walk.tape, &mut keep), limits.progress)
+            && !report_progress(machine, walk.time, (&mut walk.writer, &mut keep), limits.progress)
         {
             return StopReason::Stopped;
         }

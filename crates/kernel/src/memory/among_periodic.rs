@@ -48,7 +48,7 @@ impl Memory {
         for LateData { channel, from, to } in std::mem::take(&mut self.late_data) {
             self.channels[channel].overrun += to.since(from.max(total));
             if from < total {
-                self.bus.moved(from, total);
+                self.bus.count_transfer(from, total);
             }
         }
     }
@@ -59,7 +59,7 @@ impl Memory {
         self.late_data.retain(|&LateData { from, to, .. }| {
             let is_late = to > until;
             if !is_late {
-                bus.moved(from, to);
+                bus.count_transfer(from, to);
             }
             is_late
         });

@@ -1,6 +1,6 @@
 //! Bursts of a part in whole cycles of a clock.
 
-use super::sheet::{Hertz, Sheet, rounded};
+use super::sheet::{ClockRate, DataSheet, rounded};
 
 /// Largest burst considered \[bytes\]: the default number of consecutive bytes in one channel.
 pub const MOST_BURST_BYTES: u32 = 256;
@@ -30,7 +30,7 @@ impl BytesPerCycle {
     }
 }
 
-impl Sheet {
+impl DataSheet {
     /// Returns bytes and cycles of a burst at a clock of `hz`. If its bytes are given, the cycles follow from them, rounded up if
     /// no whole number is within 5 %.
     pub(super) fn burst(&self, hz: u64, bytes: Option<u32>) -> Result<[u32; 2], String> {
@@ -50,7 +50,7 @@ impl Sheet {
             let gigabytes = rounded(bytes_per_second as f64 / per as f64 / 1e9);
             // The bytes per cycle at 5 % below the rate.
             let least = (20 * bytes_per_second).div_ceil(21 * u128::from(MOST_BURST_BYTES) * per);
-            let least = Hertz(u64::try_from(least).unwrap_or(u64::MAX));
+            let least = ClockRate(u64::try_from(least).unwrap_or(u64::MAX));
             format!("no burst of {MOST_BURST_BYTES} bytes or fewer in whole cycles comes within 5 % of its {gigabytes} GB/s per channel, which takes {least} or more")
         })
     }

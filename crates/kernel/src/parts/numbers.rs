@@ -1,7 +1,7 @@
 //! Memory numbers of a part.
 
 use super::part::MemoryPart;
-use super::sheet::{Hertz, Length, Rate, Sheet, SheetTime, rounded};
+use super::sheet::{ClockRate, DataSheet, SheetLength, SheetRate, SheetTime, rounded};
 use crate::MemoryConfig;
 use basrelief_parameters::{Parameters, Provenance};
 use std::fmt;
@@ -29,7 +29,7 @@ impl fmt::Display for PartError {
 
 impl std::error::Error for PartError {}
 
-impl Sheet {
+impl DataSheet {
     fn times(&self) -> [(&'static str, SheetTime); 12] {
         [
             ("cl", self.cl),
@@ -50,19 +50,19 @@ impl Sheet {
     /// Rate in bytes per second as a ratio, seen from a device with a clock of `hz`.
     pub(super) fn bytes_per_second(&self, hz: u64) -> (u128, u128) {
         match self.rate {
-            Rate::Own { bytes, hz: (clocks, per), .. } => (u128::from(bytes) * u128::from(clocks), u128::from(per)),
-            Rate::Device { bytes, .. } => (u128::from(bytes) * u128::from(hz), 1),
+            SheetRate::Own { bytes, hz: (clocks, per), .. } => (u128::from(bytes) * u128::from(clocks), u128::from(per)),
+            SheetRate::Device { bytes, .. } => (u128::from(bytes) * u128::from(hz), 1),
         }
     }
 
     /// Cycles of a clock of `hz`, as a ratio.
-    fn cycles(&self, length: Length, hz: u64) -> (u128, u128) {
+    fn cycles(&self, length: SheetLength, hz: u64) -> (u128, u128) {
         match (length, &self.rate) {
-            (Length::Picoseconds(ps), _) => (u128::from(ps) * u128::from(hz), 1_000_000_000_000),
-            (Length::Clocks(n), Rate::Own { hz: (clocks, per), .. }) => {
+            (SheetLength::Picoseconds(ps), _) => (u128::from(ps) * u128::from(hz), 1_000_000_000_000),
+            (SheetLength::Clocks(n), SheetRate::Own { hz: (clocks, per), .. }) => {
                 (u128::from(n) * u128::from(hz) * u128::from(*per), u128::from(*clocks))
             }
-            (Length::Clocks(n) | Length::Cycles(n), _) => (n.into(), 1),
+            (SheetLength::Clocks(n) | SheetLength::Cycles(n), _) => (n.into(), 1),
         }
     }
 
@@ -71,15 +71,15 @@ impl Sheet {
         let (whole, rounding) = if name == "refi" { (count / per, "down") } else { (count.div_ceil(per), "up") };
         let burst = if name == "rtp" { burst_cycles } else { 0 };
         let value = u32::try_from(whole).unwrap_or(u32::MAX).saturating_add(burst);
-        let at = Hertz(hz);
+        let at = ClockRate(hz);
         let length = match (time.length, &self.rate) {
-            (Length::Picoseconds(ps), _) => format!("{} ns, rounded {rounding} at {at}", ps as f64 / 1e3),
-            (Length::Clocks(n), Rate::Own { hz: (clocks, per), .. }) => {
+            (SheetLength::Picoseconds(ps), _) => format!("{} ns, rounded {rounding} at {at}", ps as f64 / 1e3),
+            (SheetLength::Clocks(n), SheetRate::Own { hz: (clocks, per), .. }) => {
                 let ns = rounded(f64::from(n) * *per as f64 * 1e9 / *clocks as f64);
                 let plural = if n == 1 { "" } else { "s" };
-                format!("{n} clock{plural} of {}, {ns} ns, rounded {rounding} at {at}", Hertz(clocks / per))
+                format!("{n} clock{plural} of {}, {ns} ns, rounded {rounding} at {at}", ClockRate(clocks / per))
             }
-            (Length::Clocks(n) | Length::Cycles(n), _) => format!("{n} cycles"),
+            (SheetLength::Clocks(n) | SheetLength::Cycles(n), _) => format!("{n} cycles"),
         };
         PartNumber { name, value, provenance: self.from(format!("{}: {length}", time.of), time.assumed) }
     }
@@ -95,8 +95,8 @@ impl Sheet {
 
     fn of_rate(&self) -> String {
         match self.rate {
-            Rate::Own { hz: (clocks, per), of, .. } => format!("{of}, clock of {}", Hertz(clocks / per)),
-            Rate::Device { of, .. } => of.into(),
+            SheetRate::Own { hz: (clocks, per), of, .. } => format!("{of}, clock of {}", ClockRate(clocks / per)),
+            SheetRate::Device { of, .. } => of.into(),
         }
     }
 }
@@ -124,7 +124,7 @@ impl MemoryPart {
             PartError(format!(
                 "{} does not fit a clock of {}: {why}; at this clock fit {fit}, and custom numbers",
                 self.name(),
-                Hertz(hz)
+                ClockRate(hz)
             ))
         })
     }

@@ -1,7 +1,7 @@
 //! Memory parts by name.
 
 #[cfg(feature = "config")]
-use super::{sheet::Sheet, sheets};
+use super::{sheet::DataSheet, sheets};
 
 /// Declares the parts: the enum, its names, and the sheet of each.
 macro_rules! parts {
@@ -31,7 +31,7 @@ macro_rules! parts {
             }
 
             #[cfg(feature = "config")]
-            pub(super) fn sheet(self) -> Option<&'static Sheet> {
+            pub(super) fn sheet(self) -> Option<&'static DataSheet> {
                 match self {
                     Self::Custom => None,
                     $(Self::$part => Some(&sheets::$sheet),)+

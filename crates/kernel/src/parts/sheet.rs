@@ -3,11 +3,11 @@
 use std::fmt;
 
 /// Data sheet of a channel.
-pub(super) struct Sheet {
+pub(super) struct DataSheet {
     /// Chips and their arrangement.
     pub(super) about: &'static str,
     pub(super) source: &'static str,
-    pub(super) rate: Rate,
+    pub(super) rate: SheetRate,
     /// Typical burst of a controller of its time.
     pub(super) burst_bytes: u32,
     pub(super) cl: SheetTime,
@@ -32,7 +32,7 @@ pub(super) struct Sheet {
 }
 
 /// Rate of the data bus of a channel.
-pub(super) enum Rate {
+pub(super) enum SheetRate {
     /// Bytes per clock of the part; the clock is a ratio \[Hz\].
     Own { bytes: u32, hz: (u64, u64), of: &'static str },
     /// Bytes per cycle of the device, for memory on the device's chip.
@@ -40,7 +40,7 @@ pub(super) enum Rate {
 }
 
 #[derive(Clone, Copy)]
-pub(super) enum Length {
+pub(super) enum SheetLength {
     Picoseconds(u64),
     /// Clocks of the part.
     Clocks(u32),
@@ -51,14 +51,14 @@ pub(super) enum Length {
 /// A time of a sheet.
 #[derive(Clone, Copy)]
 pub(super) struct SheetTime {
-    pub(super) length: Length,
+    pub(super) length: SheetLength,
     /// Its name in the sheet.
     pub(super) of: &'static str,
     pub(super) assumed: bool,
 }
 
 pub(super) const fn ps(length: u64, of: &'static str) -> SheetTime {
-    SheetTime { length: Length::Picoseconds(length), of, assumed: false }
+    SheetTime { length: SheetLength::Picoseconds(length), of, assumed: false }
 }
 
 pub(super) const fn ns(length: u64, of: &'static str) -> SheetTime {
@@ -66,11 +66,11 @@ pub(super) const fn ns(length: u64, of: &'static str) -> SheetTime {
 }
 
 pub(super) const fn clocks(length: u32, of: &'static str) -> SheetTime {
-    SheetTime { length: Length::Clocks(length), of, assumed: false }
+    SheetTime { length: SheetLength::Clocks(length), of, assumed: false }
 }
 
 pub(super) const fn cycles(length: u32, of: &'static str) -> SheetTime {
-    SheetTime { length: Length::Cycles(length), of, assumed: false }
+    SheetTime { length: SheetLength::Cycles(length), of, assumed: false }
 }
 
 impl SheetTime {
@@ -81,9 +81,9 @@ impl SheetTime {
 }
 
 /// A clock rate, for display.
-pub(super) struct Hertz(pub(super) u64);
+pub(super) struct ClockRate(pub(super) u64);
 
-impl fmt::Display for Hertz {
+impl fmt::Display for ClockRate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0 < 1_000_000 { write!(f, "{} Hz", self.0) } else { write!(f, "{} MHz", rounded(self.0 as f64 / 1e6)) }
     }

@@ -5,12 +5,12 @@
 //!
 //! An *assumed* number is not in the cited sheet and does not follow from it. It is typical of the class.
 
-use super::sheet::Rate::{Device, Own};
-use super::sheet::{Sheet, SheetTime, clocks, cycles, ns, ps};
+use super::sheet::SheetRate::{Device, Own};
+use super::sheet::{DataSheet, SheetTime, clocks, cycles, ns, ps};
 
 const NONE: SheetTime = cycles(0, "none");
 
-pub(super) const FPM_80: Sheet = Sheet {
+pub(super) const FPM_80: DataSheet = DataSheet {
     about: "fast page mode, 80 ns: two banks of 128 bits on one bus, each of 32 chips of 256K x 4",
     source: "Texas Instruments SMJ44C256-80, data sheet SGMS034, May 1989",
     rate: Own { bytes: 16, hz: (20_000_000, 1), of: "128 bits per page cycle, tPC 50 ns" },
@@ -33,7 +33,7 @@ pub(super) const FPM_80: Sheet = Sheet {
     board: &[],
 };
 
-pub(super) const EDO_60: Sheet = Sheet {
+pub(super) const EDO_60: DataSheet = DataSheet {
     about: "extended data out, 60 ns: two banks of 128 bits on one bus, each of eight chips of 256K x 16",
     source: "Micron EDO DRAM, grade -6 (MT4LC4M16R6 and kin)",
     rate: Own { bytes: 16, hz: (40_000_000, 1), of: "128 bits per page cycle, tPC 25 ns" },
@@ -56,7 +56,7 @@ pub(super) const EDO_60: Sheet = Sheet {
     board: &[],
 };
 
-pub(super) const SDR_100: Sheet = Sheet {
+pub(super) const SDR_100: DataSheet = DataSheet {
     about: "SDR-100 (PC100 3-2-2): a 64-bit channel of four chips of 4M x 16",
     source: "Elpida HB52F649E1, data sheet E0021H10, column PC100; Samsung K4S641632",
     rate: Own { bytes: 8, hz: (100_000_000, 1), of: "64 bits per clock" },
@@ -79,7 +79,7 @@ pub(super) const SDR_100: Sheet = Sheet {
     board: &[],
 };
 
-pub(super) const SDR_133: Sheet = Sheet {
+pub(super) const SDR_133: DataSheet = DataSheet {
     about: "SDR-133 (PC133 3-3-3): a 64-bit channel of four chips of 8M x 16",
     source: "Elpida HB52F649E1, data sheet E0021H10, column PC133; Samsung K4S281632",
     rate: Own { bytes: 8, hz: (400_000_000, 3), of: "64 bits per clock" },
@@ -102,7 +102,7 @@ pub(super) const SDR_133: Sheet = Sheet {
     board: &[],
 };
 
-pub(super) const DDR_400: Sheet = Sheet {
+pub(super) const DDR_400: DataSheet = DataSheet {
     about: "DDR-400 3-3-3: a 64-bit channel of two chips of 4M x 32",
     source: "Samsung K4H560838E and kin, grade CC; JEDEC JESD79, DDR400B",
     rate: Own { bytes: 16, hz: (200_000_000, 1), of: "64 bits twice per clock" },
@@ -125,7 +125,7 @@ pub(super) const DDR_400: Sheet = Sheet {
     board: &[],
 };
 
-pub(super) const DDR2_667: Sheet = Sheet {
+pub(super) const DDR2_667: DataSheet = DataSheet {
     about: "DDR2-667 5-5-5: a 64-bit channel of four chips of 64M x 16",
     source: "Micron MT47H64M16, grade -667; JEDEC JESD79-2, DDR2-667D",
     rate: Own { bytes: 16, hz: (1_000_000_000, 3), of: "64 bits twice per clock" },
@@ -148,7 +148,7 @@ pub(super) const DDR2_667: Sheet = Sheet {
     board: &[],
 };
 
-pub(super) const GDDR3_1400: Sheet = Sheet {
+pub(super) const GDDR3_1400: DataSheet = DataSheet {
     about: "GDDR3-1400: one chip of 16M x 32",
     source: "Qimonda HYB18H512321AF-14, rev. 1.73, August 2005",
     rate: Own { bytes: 8, hz: (700_000_000, 1), of: "32 bits twice per clock" },
@@ -171,7 +171,7 @@ pub(super) const GDDR3_1400: Sheet = Sheet {
     board: &[],
 };
 
-pub(super) const XDR_3200: Sheet = Sheet {
+pub(super) const XDR_3200: DataSheet = DataSheet {
     about: "XDR-3200: one chip of 32M x 16",
     source: "Elpida EDX5116ABSE-3A, data sheet E0643E30: its example of a write",
     rate: Own { bytes: 16, hz: (400_000_000, 1), of: "16 bits eight times per clock, tCC 2 clocks" },
@@ -194,7 +194,7 @@ pub(super) const XDR_3200: Sheet = Sheet {
     board: &[],
 };
 
-pub(super) const EDRAM_PS2: Sheet = Sheet {
+pub(super) const EDRAM_PS2: DataSheet = DataSheet {
     about: "DRAM on the device's own chip, as in the Graphics Synthesizer of the PlayStation 2: a 1,024-bit bus",
     source: "bus of the Graphics Synthesizer: 1,024 bits to read, 1,024 to write; its rows and their times are not published",
     rate: Device { bytes: 128, of: "1,024 bits per cycle of the device" },
@@ -217,7 +217,7 @@ pub(super) const EDRAM_PS2: Sheet = Sheet {
     board: &[],
 };
 
-pub(super) const SRAM: Sheet = Sheet {
+pub(super) const SRAM: DataSheet = DataSheet {
     about: "static RAM on the device's own chip: 128 bits, no rows, no refresh",
     source: "no sheet: a synchronous macro, address in one cycle, data in the next",
     rate: Device { bytes: 16, of: "128 bits per cycle of the device" },
@@ -229,7 +229,7 @@ pub(super) const SRAM: Sheet = Sheet {
     ..NO_TIME
 };
 
-pub(super) const IDEAL: Sheet = Sheet {
+pub(super) const IDEAL: DataSheet = DataSheet {
     about: "no latency, no rows, and as many channels as there can be",
     source: "law 4: one burst per channel and cycle",
     rate: Device { bytes: 64, of: "a line per channel and cycle" },
@@ -241,7 +241,7 @@ pub(super) const IDEAL: Sheet = Sheet {
 };
 
 /// Nothing takes any time.
-const NO_TIME: Sheet = Sheet {
+const NO_TIME: DataSheet = DataSheet {
     about: "",
     source: "",
     rate: Device { bytes: 0, of: "" },

@@ -15,7 +15,7 @@ pub struct RecordingChunk {
 
 impl RecordingChunk {
     /// Returns the part of a stage's stream, with the state of its unit after it.
-    pub(crate) fn piece(&self, stage: usize) -> Option<(&[u8], FinalUnitState)> {
+    pub(crate) fn stage_part(&self, stage: usize) -> Option<(&[u8], FinalUnitState)> {
         Some((self.stages.get(stage)?, *self.unit_states.get(stage)?))
     }
 
@@ -46,20 +46,20 @@ impl RecordingChunk {
         let mut at = 0;
         let last = get_up_to(bytes, &mut at, ("the end flag of a chunk", 1, "0 or 1"))? == 1;
         let count = get_up_to(bytes, &mut at, ("the number of stages", 4096, "at most 4096"))?;
-        let mut reel = Self { stages: Vec::new(), unit_states: Vec::new(), last };
+        let mut chunk = Self { stages: Vec::new(), unit_states: Vec::new(), last };
         for _ in 0..count {
             let rest = get(bytes, &mut at, "the final state of a unit")?;
-            reel.unit_states.push(FinalUnitState { demand: demand_of(rest >> 1, MAX_LINKS)?, empty: rest & 1 != 0 });
+            chunk.unit_states.push(FinalUnitState { demand: demand_of(rest >> 1, MAX_LINKS)?, empty: rest & 1 != 0 });
             let length = get(bytes, &mut at, "the length of a stream")?;
             let end = usize::try_from(length).ok().and_then(|length| at.checked_add(length));
             let stream = end.and_then(|end| bytes.get(at..end)).ok_or(RecordingError::BreaksOff("a stream"))?;
-            reel.stages.push(stream.to_vec());
+            chunk.stages.push(stream.to_vec());
             at += stream.len();
         }
         if at < bytes.len() {
             let value = (bytes.len() - at) as u64;
             return Err(RecordingError::Value { what: "the length of the data after a chunk", value, expected: "0" });
         }
-        Ok(reel)
+        Ok(chunk)
     }
 }

@@ -4,7 +4,7 @@ use super::step_class::StepClass;
 use crate::cache::CacheTagArray;
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::netlist::StageInfo;
-use crate::step_requests::{CacheLookUps, Count, StepRequests, TagLookup};
+use crate::step_requests::{CacheLookUps, RequestCount, StepRequests, TagLookup};
 use crate::time::{InputMask, StepTiming};
 use crate::{MemorySystem, Request};
 
@@ -41,7 +41,7 @@ const _: () = assert!(MAX_CLIENTS < REFUSED as usize && MAX_LINKS <= 8 && size_o
 
 impl RecordedStep {
     /// Converts a class of a stage with this number of inputs. Numbers of decoded classes fit into 32 bits.
-    pub(super) fn of(StepClass { demand, made, count, .. }: &StepClass, inputs: usize) -> Self {
+    pub(super) fn of(StepClass { demand, timing: made, count, .. }: &StepClass, inputs: usize) -> Self {
         let (occupancy, latency) = (made.occupancy as u32, made.latency as u32);
         let flags = if made.marked { MARK } else { 0 } | if made.blocking { BLOCKS } else { 0 };
         let caches = count.caches as u8 | flags;
@@ -51,7 +51,7 @@ impl RecordedStep {
     }
 
     #[inline(always)]
-    pub(super) fn made(&self) -> StepTiming {
+    pub(super) fn timing(&self) -> StepTiming {
         let &Self { after_data, outputs, caches, .. } = self;
         let [occupancy, latency] = [self.occupancy, self.latency].map(u64::from);
         let (marked, blocking) = (caches & MARK != 0, caches & BLOCKS != 0);
@@ -59,7 +59,7 @@ impl RecordedStep {
     }
 
     /// The same step with refused requests.
-    pub(super) fn refused(self) -> Self {
+    pub(super) fn as_refused(self) -> Self {
         Self { caches: REFUSED, ..self }
     }
 
@@ -75,8 +75,8 @@ impl RecordedStep {
     }
 
     #[inline(always)]
-    pub(super) fn count(&self) -> Count {
-        Count { requests: self.requests as usize, caches: usize::from(self.caches & REFUSED) }
+    pub(super) fn count(&self) -> RequestCount {
+        RequestCount { requests: self.requests as usize, caches: usize::from(self.caches & REFUSED) }
     }
 }
 
@@ -115,7 +115,7 @@ impl StageTags {
     }
 
     /// Frees the tags. No look-up may follow.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn free_tags(&mut self) {
         self.tags.iter_mut().flatten().for_each(CacheTagArray::forget);
     }
 

@@ -6,7 +6,7 @@ use super::decoded::{DecodedSteps, RecordedStep, StageTags};
 use super::step_class::{CLASSES, NEW, StepClass};
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::netlist::StageInfo;
-use crate::step_requests::{Count, Cursor, StepRequestsView, objection};
+use crate::step_requests::{RequestCount, RequestCursor, StepRequestsView, request_error};
 use crate::time::{FinalUnitState, InputMask, StepTiming};
 use crate::{Demand, MemoryPorts, MemorySystem, Request};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ pub(crate) struct RecordingReader {
     next: usize,
     /// True if the last step has no requests.
     is_silent: bool,
-    at_asked: Cursor,
+    at_asked: RequestCursor,
     /// State of the unit after the stream, if it is known.
     rest: Option<FinalUnitState>,
     last: [u64; MAX_LINKS],
@@ -57,7 +57,7 @@ impl RecordingReader {
             ahead: Arc::default(),
             next: 0,
             is_silent: true,
-            at_asked: Cursor::default(),
+            at_asked: RequestCursor::default(),
             rest: None,
             last: [0; MAX_LINKS],
             ends: [shape.inputs.len(), shape.outputs.len()],
@@ -70,14 +70,14 @@ impl RecordingReader {
 
     /// Creates a reader of a stage from all parts of its stream. Its clones share the steps. Returns `None` if there are too many
     /// steps for that or for `room` bytes, or the stream is invalid.
-    pub(crate) fn whole<'a>(
+    pub(crate) fn of_whole_stream<'a>(
         shape: &StageInfo,
         memories: &MemorySystem,
-        pieces: impl Iterator<Item = (&'a [u8], FinalUnitState)>,
+        parts: impl Iterator<Item = (&'a [u8], FinalUnitState)>,
         room: u64,
     ) -> Option<Self> {
         let mut reader = Self::new(shape, memories);
-        for (bytes, rest) in pieces {
+        for (bytes, rest) in parts {
             reader.bytes.extend_from_slice(bytes);
             reader.rest = Some(rest);
         }
@@ -87,7 +87,7 @@ impl RecordingReader {
         reader.ahead = Arc::new(ahead);
         // The decoding state is no longer needed.
         (reader.bytes, reader.at, reader.classes) = Default::default();
-        reader.tags.forget();
+        reader.tags.free_tags();
         is_whole.then_some(reader)
     }
 
@@ -108,7 +108,7 @@ impl RecordingReader {
     }
 
     /// Number of bytes that are not decoded yet.
-    pub(crate) fn waiting(&self) -> usize {
+    pub(crate) fn bytes_left(&self) -> usize {
         self.bytes.len() - self.at
     }
 
@@ -120,7 +120,7 @@ impl RecordingReader {
 
     /// Returns the inputs of the next step; `NO_STEP` if they are unknown.
     #[inline(always)]
-    pub(crate) fn takes(&self) -> InputMask {
+    pub(crate) fn next_inputs(&self) -> InputMask {
         match self.ahead.steps.get(self.next) {
             Some(step) => step.takes,
             None => self.takes_behind(),
@@ -150,7 +150,7 @@ impl RecordingReader {
     pub(crate) fn step(&mut self) -> StepTiming {
         let step = &self.ahead.steps[self.next];
         self.is_silent = step.is_silent();
-        step.made()
+        step.timing()
     }
 
     /// Returns true if that step has no memory requests.
@@ -161,7 +161,7 @@ impl RecordingReader {
 
     /// Returns the memory requests of that step. An error in them goes to `traffic`.
     #[inline(always)]
-    pub(crate) fn asks(&mut self, traffic: &mut MemoryPorts) -> Option<StepRequestsView<'_>> {
+    pub(crate) fn next_requests(&mut self, traffic: &mut MemoryPorts) -> Option<StepRequestsView<'_>> {
         let DecodedSteps { steps, refused, asked } = &*self.ahead;
         let step = &steps[self.next];
         if step.is_refused() {
@@ -216,7 +216,7 @@ impl RecordingReader {
             return Err(RecordingError::Value { what, value: place.into(), expected });
         }
         let mut step = *step;
-        if class.count == Count::default() {
+        if class.count == RequestCount::default() {
             ahead.steps.push(step);
             return Ok(());
         }
@@ -232,8 +232,8 @@ impl RecordingReader {
         if ahead.asked.settle(asks, &mut self.tags, &self.largest) {
             self.tags.count(ahead.asked.last(class.count.caches), asks.0);
         } else {
-            ahead.refused = Some(objection(asks, &mut self.tags, &self.largest));
-            step = step.refused();
+            ahead.refused = Some(request_error(asks, &mut self.tags, &self.largest));
+            step = step.as_refused();
         }
         ahead.steps.push(step);
         Ok(())

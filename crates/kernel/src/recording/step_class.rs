@@ -2,7 +2,7 @@
 
 use super::bytes::{RecordingError, get_up_to, put};
 use crate::capacity::MAX_LINKS;
-use crate::step_requests::Count;
+use crate::step_requests::RequestCount;
 use crate::time::StepTiming;
 use crate::{Demand, Request};
 
@@ -25,27 +25,27 @@ const HAS_AFTER_DATA: u64 = BLOCKS << 1;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StepClass {
     pub(super) demand: Demand,
-    pub(super) made: StepTiming,
+    pub(super) timing: StepTiming,
     /// Their addresses are 0.
     pub(super) requests: Vec<Request>,
     pub(super) look_ups: Vec<Request>,
-    pub(super) count: Count,
+    pub(super) count: RequestCount,
 }
 
 impl StepClass {
     /// A class without a definition.
     pub(super) const UNDEFINED: Self = Self {
         demand: Demand::Finished,
-        made: StepTiming { occupancy: 0, latency: 0, after_data: 0, outputs: 0, marked: false, blocking: false },
+        timing: StepTiming { occupancy: 0, latency: 0, after_data: 0, outputs: 0, marked: false, blocking: false },
         requests: vec![],
         look_ups: vec![],
-        count: Count { requests: 0, caches: 0 },
+        count: RequestCount { requests: 0, caches: 0 },
     };
 
     fn new(demand: Demand, made: StepTiming, requests: Vec<Request>, look_ups: Vec<Request>) -> Self {
         let clients = look_ups.iter().fold(0_u32, |clients, r| clients | 1 << (r.client % 32));
-        let count = Count { requests: requests.len(), caches: clients.count_ones() as usize };
-        Self { demand, made, requests, look_ups, count }
+        let count = RequestCount { requests: requests.len(), caches: clients.count_ones() as usize };
+        Self { demand, timing: made, requests, look_ups, count }
     }
 
     pub(super) fn of(demand: Demand, made: StepTiming, (requests, look_ups): (&[Request], &[Request])) -> Self {
@@ -55,12 +55,15 @@ impl StepClass {
 
     /// Returns true if a step belongs to this class.
     #[inline]
-    pub(super) fn has(&self, demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> bool {
-        self.demand == demand && self.made == *made && alike(&self.requests, requests) && alike(&self.look_ups, look_ups)
+    pub(super) fn contains(&self, demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> bool {
+        self.demand == demand
+            && self.timing == *made
+            && differ_in_address_only(&self.requests, requests)
+            && differ_in_address_only(&self.look_ups, look_ups)
     }
 
     pub(super) fn write(&self, bytes: &mut Vec<u8>) {
-        let StepTiming { occupancy, latency, after_data, outputs, marked, blocking } = self.made;
+        let StepTiming { occupancy, latency, after_data, outputs, marked, blocking } = self.timing;
         let extras = if blocking { BLOCKS } else { 0 } | if after_data > 0 { HAS_AFTER_DATA } else { 0 };
         put(bytes, code(self.demand));
         put(bytes, extras | u64::from(outputs) << 1 | u64::from(marked));
@@ -121,14 +124,14 @@ fn request(bytes: &[u8], at: &mut usize) -> Result<Request, RecordingError> {
 
 /// Returns true if requests differ in their addresses only.
 #[inline]
-fn alike(class: &[Request], requests: &[Request]) -> bool {
+fn differ_in_address_only(class: &[Request], requests: &[Request]) -> bool {
     let same = |(a, b): (&Request, &Request)| a.client == b.client && a.write == b.write && a.bytes == b.bytes;
     class.len() == requests.len() && class.iter().zip(requests).all(same)
 }
 
 /// Returns the place of a step's class. Steps of one class always have the same place.
 #[inline]
-pub(super) fn place(demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> u8 {
+pub(super) fn slot_of(demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> u8 {
     let mut hash = code(demand);
     let mut mix = |value: u64| hash = (hash ^ value).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     mix(made.occupancy);
@@ -194,7 +197,7 @@ mod tests {
             let mut at = 0;
             assert_eq!(StepClass::read(&bytes, &mut at, [1, 1]).as_ref(), Ok(&class));
             assert_eq!(at, bytes.len());
-            places.push(place(class.demand, &class.made, (&[], &[])));
+            places.push(slot_of(class.demand, &class.timing, (&[], &[])));
         }
         places.dedup();
         assert_eq!(places.len(), 4, "other classes usually have other places");

@@ -2,7 +2,7 @@
 
 use super::bytes::{put, zigzag};
 use super::chunk::RecordingChunk;
-use super::step_class::{CLASSES, NEW, StepClass, place};
+use super::step_class::{CLASSES, NEW, StepClass, slot_of};
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::netlist::Netlist;
 use crate::time::{FinalUnitState, StepTiming};
@@ -14,7 +14,7 @@ pub(crate) struct RecordingWriter {
     stages: Vec<StageStream>,
     written: usize,
     /// Minimum size of a chunk \[bytes\].
-    reel: usize,
+    chunk_bytes: usize,
 }
 
 /// The stream of one stage.
@@ -31,7 +31,7 @@ struct StageStream {
 }
 
 impl RecordingWriter {
-    pub(crate) fn new(shape: &Netlist, memories: &MemorySystem, reel: usize) -> Self {
+    pub(crate) fn new(shape: &Netlist, memories: &MemorySystem, chunk_bytes: usize) -> Self {
         let lines: Vec<u32> = memories.line_bytes().map(|bytes| bytes.unwrap_or(1)).collect();
         let stream = |clients: &[usize]| StageStream {
             bytes: Vec::new(),
@@ -40,7 +40,7 @@ impl RecordingWriter {
             line_bytes: std::array::from_fn(|i| clients.get(i).map_or(1, |&client| lines[client])),
             look_ups: Vec::new(),
         };
-        Self { stages: shape.stages.iter().map(|stage| stream(&stage.clients)).collect(), written: 0, reel }
+        Self { stages: shape.stages.iter().map(|stage| stream(&stage.clients)).collect(), written: 0, chunk_bytes }
     }
 
     /// Records a step, once its requests are settled.
@@ -54,11 +54,11 @@ impl RecordingWriter {
 
     /// Returns true if there is enough for a chunk.
     pub(crate) fn is_full(&self) -> bool {
-        self.written >= self.reel
+        self.written >= self.chunk_bytes
     }
 
     /// Returns the bytes since the last chunk, with the state of each unit after them. `last`: true for the last chunk.
-    pub(crate) fn reel(&mut self, unit_states: Vec<FinalUnitState>, last: bool) -> RecordingChunk {
+    pub(crate) fn finish_chunk(&mut self, unit_states: Vec<FinalUnitState>, last: bool) -> RecordingChunk {
         self.written = 0;
         let stages = self.stages.iter_mut().map(|stream| std::mem::take(&mut stream.bytes)).collect();
         RecordingChunk { stages, unit_states, last }
@@ -74,9 +74,9 @@ impl StageStream {
             self.look_ups.push(Request { client, write: false, address, bytes: 1 });
         }
         let asks = (traffic.requests(), self.look_ups.as_slice());
-        let place = place(demand, made, asks);
+        let place = slot_of(demand, made, asks);
         let class = &mut self.classes[usize::from(place)];
-        if !class.as_ref().is_some_and(|class| class.has(demand, made, asks)) {
+        if !class.as_ref().is_some_and(|class| class.contains(demand, made, asks)) {
             let new = StepClass::of(demand, *made, asks);
             self.bytes.extend([NEW, place]);
             new.write(&mut self.bytes);

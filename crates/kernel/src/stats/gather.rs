@@ -18,8 +18,8 @@ impl UnitStats {
 
 /// Collects the statistics of every unit of a machine. Call it after a run, not during one, because some statistics take a while.
 pub fn unit_stats(machine: &mut impl Machine) -> UnitStats {
-    struct Gather(UnitStats);
-    impl Visitor for Gather {
+    struct StatsVisitor(UnitStats);
+    impl Visitor for StatsVisitor {
         fn stage<P: BoundStage>(&mut self, mut place: P) {
             let (stage, connections) = place.open();
             self.0.place = stage.name().into();
@@ -32,7 +32,7 @@ pub fn unit_stats(machine: &mut impl Machine) -> UnitStats {
             }
         }
     }
-    let mut gather = Gather(UnitStats::default());
+    let mut gather = StatsVisitor(UnitStats::default());
     machine.wire(&mut gather);
     let caches = machine.memories().clients().iter().filter_map(|client| client.cache.as_ref());
     gather.0.hardware.extend(caches.flat_map(|cache| Hardware::of_cache(&cache.name, &cache.config)));

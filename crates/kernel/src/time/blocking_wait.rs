@@ -1,7 +1,7 @@
 //! The wait of a unit for the answers of its blocking step (laws 3 and 9).
 
 use crate::capacity::MAX_CLIENTS;
-use crate::{Cause, Cycle};
+use crate::{Cycle, StallCause};
 
 /// Clients of a step, in order of first mention.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,11 +55,15 @@ impl BlockingWait {
 
     /// Passes the cycles of an interval in which the unit waits to `charge`, by the first client whose answer is missing. Returns
     /// the rest of the interval.
-    pub(crate) fn split(&self, (mut from, to): (Cycle, Cycle), charge: &mut impl FnMut((Cause, Cycle, Cycle))) -> (Cycle, Cycle) {
+    pub(crate) fn split(
+        &self,
+        (mut from, to): (Cycle, Cycle),
+        charge: &mut impl FnMut((StallCause, Cycle, Cycle)),
+    ) -> (Cycle, Cycle) {
         for client in self.order.iter() {
             let end = self.answers[client].min(to);
             if end > from {
-                charge((Cause::Memory(client), from, end));
+                charge((StallCause::Memory(client), from, end));
                 from = end;
             }
         }

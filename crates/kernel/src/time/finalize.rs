@@ -4,7 +4,7 @@ use super::{FifoTiming, MachineTiming, StageClock};
 use crate::netlist::{FifoSpec, StageInfo};
 use crate::outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor, circle};
 use crate::report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
-use crate::{Cause, Cycle, Demand, MemorySystem};
+use crate::{Cycle, Demand, MemorySystem, StallCause};
 
 /// The reason that an engine stopped.
 pub(crate) enum StopReason {
@@ -61,7 +61,7 @@ impl MachineTiming {
         RunReport {
             outcome,
             total,
-            marks: between(&ends, total),
+            marks: cycles_between(&ends, total),
             units,
             fifos: self.fifos.iter().zip(&self.shape.fifos).map(|(slots, fifo)| fifo_report(slots, fifo, total)).collect(),
             memories: memory_reports(&self.memories, total),
@@ -101,16 +101,16 @@ impl MachineTiming {
         (unit, held_by.map(|cause| self.waits_for(stage, cause)))
     }
 
-    fn waits_for(&self, stage: usize, cause: Cause) -> HeldBy {
+    fn waits_for(&self, stage: usize, cause: StallCause) -> HeldBy {
         let StageInfo { names, inputs, outputs, .. } = &self.shape.stages[stage];
         let fill = |fifo: usize| {
             let FifoSpec { name, depth, .. } = &self.shape.fifos[fifo];
             FifoLevel { fifo: name.clone(), held: self.fifos[fifo].len(), depth: *depth }
         };
         match cause {
-            Cause::Starved(i) => (WaitsFor::Token(fill(inputs[i])), Some(self.shape.fifos[inputs[i]].producer)),
-            Cause::Blocked(i) => (WaitsFor::Slot(fill(outputs[i])), Some(self.shape.fifos[outputs[i]].consumer)),
-            Cause::Memory(i) => (WaitsFor::Memory { port: names.clients[i].clone() }, None),
+            StallCause::Starved(i) => (WaitsFor::Token(fill(inputs[i])), Some(self.shape.fifos[inputs[i]].producer)),
+            StallCause::Blocked(i) => (WaitsFor::Slot(fill(outputs[i])), Some(self.shape.fifos[outputs[i]].consumer)),
+            StallCause::Memory(i) => (WaitsFor::Memory { port: names.clients[i].clone() }, None),
         }
     }
 }
@@ -142,7 +142,7 @@ fn cache_reports(system: &MemorySystem) -> Vec<CacheReport> {
 }
 
 /// Cycles between the marks that lie within the run.
-fn between(ends: &[Cycle], total: u64) -> Vec<u64> {
+fn cycles_between(ends: &[Cycle], total: u64) -> Vec<u64> {
     let mut before = Cycle::ZERO;
     ends.iter().filter(|end| end.0 <= total).map(|&end| end.since(std::mem::replace(&mut before, end))).collect()
 }

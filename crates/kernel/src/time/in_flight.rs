@@ -205,7 +205,7 @@ impl InFlightSteps {
     /// A step does not wait for a step that emits nothing or emits elsewhere. Otherwise its delivery would be unknown although it
     /// does not depend on any answer, and the steps that it starts could issue requests earlier than [`MemorySystem::serve_safe`]
     /// assumes.
-    pub(crate) fn land(
+    pub(crate) fn deliver_known(
         &mut self,
         outputs: u32,
         (ids, system): (&[usize], &mut MemorySystem),

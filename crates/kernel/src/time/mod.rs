@@ -25,14 +25,14 @@ pub(crate) use step_timing::{AnyArity, StageArity, StepTiming};
 
 use crate::memory_events::EventBounds;
 use crate::netlist::Netlist;
-use crate::{Account, Cycle, MemorySystem, Probe};
+use crate::{Cycle, CycleAccount, MemorySystem, Probe};
 
 /// The timing state of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct MachineTiming {
     pub(crate) shape: Netlist,
     pub(crate) stages: Vec<StageClock>,
-    pub(crate) accounts: Vec<Account>,
+    pub(crate) accounts: Vec<CycleAccount>,
     pub(crate) fifos: Vec<FifoTiming>,
     pub(crate) memories: MemorySystem,
     /// True if waits are charged and occupancy is counted.
@@ -49,7 +49,7 @@ impl MachineTiming {
         let stages: Vec<_> = shape.stages.iter().map(|stage| StageClock::new(stage, &memories)).collect();
         let has_clients = |stage: usize| !shape.stages[stage].clients.is_empty();
         let fifos = shape.fifos.iter().map(|f| FifoTiming::new(f, has_clients(f.producer))).collect();
-        let (accounts, limit) = (vec![Account::default(); shape.stages.len()], Cycle::UNKNOWN);
+        let (accounts, limit) = (vec![CycleAccount::default(); shape.stages.len()], Cycle::UNKNOWN);
         Self { accounts, shape, stages, fifos, memories, accounts_for: true, limit }
     }
 
@@ -80,7 +80,7 @@ impl MachineTiming {
     pub(crate) fn show_fills<P: Probe>(&mut self, probe: &mut P, end: Option<Cycle>) {
         if P::is_on() && probe.reads_levels() {
             for (number, fifo) in self.fifos.iter().enumerate() {
-                fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.held(number, at, slots));
+                fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.on_occupancy(number, at, slots));
             }
             self.memories.emit(probe, EventBounds { limit: self.limit, end });
         }
@@ -89,7 +89,7 @@ impl MachineTiming {
     /// Delivers the steps of all stages in flight whose answers are known by now.
     pub(crate) fn land_all(&mut self) {
         for stage in 0..self.stages.len() {
-            self.visit::<AnyArity>(stage).0.land_known::<AnyArity>();
+            self.visit::<AnyArity>(stage).0.deliver_known_steps::<AnyArity>();
         }
     }
 }

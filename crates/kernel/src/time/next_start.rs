@@ -3,21 +3,21 @@
 use super::port_ids::ConnectedFifos;
 use super::stage_clock::{CreditNeed, Wait};
 use super::{AnyArity, InputMask, MachineTiming, StageArity, StageClock};
-use crate::{Cause, Cycle, Demand, MemorySystem};
+use crate::{Cycle, Demand, MemorySystem, StallCause};
 
 impl MachineTiming {
     /// See [`StageClock::next_start`].
     pub(crate) fn next_start(&self, stage: usize, demand: Demand) -> Cycle {
         let clock = &self.stages[stage];
         let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
-        clock.next_start::<AnyArity>((&inputs, &outputs), &self.memories, clock.takes(demand))
+        clock.next_start::<AnyArity>((&inputs, &outputs), &self.memories, clock.inputs_of(demand))
     }
 
     /// Splits the wait of a stage into its causes (law 9), in order, and passes each to `charge`.
     pub(crate) fn split_wait(&self, stage: usize, demand: Demand, between: (Cycle, Cycle), charge: impl FnMut(Wait)) {
         let clock = &self.stages[stage];
         let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
-        clock.split_wait::<AnyArity>((&inputs, &outputs), &self.memories, clock.takes(demand), between, charge);
+        clock.split_wait::<AnyArity>((&inputs, &outputs), &self.memories, clock.inputs_of(demand), between, charge);
     }
 }
 
@@ -65,13 +65,13 @@ impl StageClock {
         let (from, to) =
             if K::HAS_MEMORY && self.block.until > from { self.block.split((from, to), &mut charge) } else { (from, to) };
         let mut wait = WaitSplitter { at: from, to, charge };
-        inputs.each(takes.inputs(), K::INPUTS, |i, fifo| wait.until(Cause::Starved(i), fifo.front_visible()));
+        inputs.each(takes.inputs(), K::INPUTS, |i, fifo| wait.until(StallCause::Starved(i), fifo.front_visible()));
         if wait.is_over() {
             return;
         }
         if K::HAS_MEMORY && self.needs.asked {
             for &CreditNeed { place, client, credits } in &self.needs.of {
-                wait.until(Cause::Memory(place), memories.credits_at(client, credits));
+                wait.until(StallCause::Memory(place), memories.credits_at(client, credits));
             }
         }
         outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |i, fifo| {
@@ -82,10 +82,10 @@ impl StageClock {
             }
             if K::HAS_MEMORY {
                 for &client in self.needs.served_in_order.iter().take(self.clients.len()) {
-                    wait.until(Cause::Memory(client), fifo.oldest_awaits(client).min(room));
+                    wait.until(StallCause::Memory(client), fifo.oldest_awaits(client).min(room));
                 }
             }
-            wait.until(Cause::Blocked(i), room);
+            wait.until(StallCause::Blocked(i), room);
         });
     }
 }
@@ -100,7 +100,7 @@ struct WaitSplitter<F> {
 impl<F: FnMut(Wait)> WaitSplitter<F> {
     /// Charges the rest up to `end` to this cause.
     #[inline(always)]
-    fn until(&mut self, cause: Cause, end: Cycle) {
+    fn until(&mut self, cause: StallCause, end: Cycle) {
         let end = end.min(self.to);
         if end > self.at {
             (self.charge)((cause, self.at, end));

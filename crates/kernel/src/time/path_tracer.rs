@@ -37,7 +37,7 @@ struct PathEvent {
 
 /// A step that delivers later.
 #[derive(Clone, Copy, Debug)]
-struct Delivering {
+struct PendingDelivery {
     /// Its event.
     step: u32,
     /// Its stage.
@@ -52,7 +52,7 @@ struct Delivering {
 #[derive(Clone, Debug)]
 struct FifoTokens {
     /// Tokens inside: the step that made each.
-    inside: VecDeque<Delivering>,
+    inside: VecDeque<PendingDelivery>,
     /// The token that became visible last.
     visible: u32,
     /// Steps that took the last tokens, as many as there are slots.
@@ -62,7 +62,7 @@ struct FifoTokens {
 impl FifoTokens {
     /// Returns the step that freed the slot of the next token. That pop lies as many tokens back as there are slots, less the
     /// tokens inside.
-    fn freed(&self, depth: usize) -> u32 {
+    fn slot_freed_by(&self, depth: usize) -> u32 {
         let ago = depth.saturating_sub(self.inside.len());
         self.pops.len().checked_sub(ago).and_then(|at| self.pops.get(at)).copied().unwrap_or(NONE)
     }
@@ -72,14 +72,14 @@ impl FifoTokens {
 pub(crate) struct PathTracer {
     events: Vec<PathEvent>,
     /// Maximum number of events. Longer runs have no path.
-    most: usize,
+    max_events: usize,
     /// Last step of each stage.
     steps: Vec<u32>,
     fifos: Vec<FifoTokens>,
     /// The step that issued each request, by client.
     issued: Vec<Vec<u32>>,
     /// The last step that passes a mark.
-    mark: Option<Delivering>,
+    mark: Option<PendingDelivery>,
     /// Groups of the steps to come, by stage; and events of grouped steps, with their groups.
     groups: Vec<Box<dyn Iterator<Item = u32>>>,
     of_groups: Vec<(u32, u32)>,
@@ -93,7 +93,7 @@ impl PathTracer {
         let tokens = FifoTokens { inside: VecDeque::new(), visible: NONE, pops: VecDeque::new() };
         Self {
             events: Vec::new(),
-            most: most.min(NONE as usize - 16),
+            max_events: most.min(NONE as usize - 16),
             steps: vec![NONE; time.stages.len()],
             fifos: vec![tokens; time.fifos.len()],
             issued: vec![Vec::new(); time.memories.clients().len()],
@@ -108,7 +108,7 @@ impl PathTracer {
         self.events.len() as u32 - 1
     }
 
-    fn at(&self, event: u32) -> Cycle {
+    fn time_of(&self, event: u32) -> Cycle {
         self.events.get(event as usize).map_or(Cycle::ZERO, |event| event.at)
     }
 
@@ -116,7 +116,7 @@ impl PathTracer {
     #[cold]
     #[inline(never)]
     pub(crate) fn step(&mut self, shape: &Netlist, visit: &StageView<'_>, (at, takes): (Cycle, InputMask), made: &StepTiming) {
-        if self.events.len() > self.most {
+        if self.events.len() > self.max_events {
             return;
         }
         let &StageView { stage, clock, memories, .. } = visit;
@@ -126,10 +126,10 @@ impl PathTracer {
         }
         let inputs = takes.inputs();
         for (_, fifo) in clock.inputs.of(inputs) {
-            let visible = self.token(shape, visit, fifo);
+            let visible = self.push_visibility(shape, visit, fifo);
             self.fifos[fifo].visible = visible;
         }
-        let (after, why) = self.bound(shape, visit, (at, inputs));
+        let (after, why) = self.start_cause(shape, visit, (at, inputs));
         let event = self.push(at, after, why);
         self.steps[stage] = event;
         if let Some(group) = self.groups.get_mut(stage).and_then(Iterator::next) {
@@ -142,8 +142,8 @@ impl PathTracer {
                 tokens.pops.pop_front();
             }
         }
-        let (base, after_data) = (at + clock.kept(made).1, made.after_data.into());
-        let delivering = Delivering { step: event, stage, base, after_data };
+        let (base, after_data) = (at + clock.known_timing(made).1, made.after_data.into());
+        let delivering = PendingDelivery { step: event, stage, base, after_data };
         for (_, fifo) in clock.outputs.of(made.outputs) {
             self.fifos[fifo].inside.push_back(delivering);
         }
@@ -153,7 +153,7 @@ impl PathTracer {
     }
 
     /// Returns the term of law 3 that bound a start, and the event of that term.
-    fn bound(&mut self, shape: &Netlist, visit: &StageView<'_>, (at, inputs): (Cycle, u32)) -> (u32, EventCause) {
+    fn start_cause(&mut self, shape: &Netlist, visit: &StageView<'_>, (at, inputs): (Cycle, u32)) -> (u32, EventCause) {
         let &StageView { stage, clock, fifos, memories } = visit;
         if clock.free == at {
             return (self.steps[stage], EventCause::Occupancy(stage as u16));
@@ -161,7 +161,7 @@ impl PathTracer {
         if clock.block.until == at
             && let Some(client) = clock.block.last(at).map(|own| clock.clients[own])
         {
-            let answered = self.answer(memories, client, (self.steps[stage], at));
+            let answered = self.push_answer(memories, client, (self.steps[stage], at));
             return (answered, EventCause::Memory(client as u16, RequestPhase::Order));
         }
         for (_, fifo) in clock.inputs.of(inputs) {
@@ -173,51 +173,51 @@ impl PathTracer {
             if memories.credits_at(client, credits) == at {
                 let number = memories.credit_of(client, credits);
                 let issued = self.issued[client].get(number as usize).copied().unwrap_or(NONE);
-                let answered = self.answer(memories, client, (issued, at));
+                let answered = self.push_answer(memories, client, (issued, at));
                 return (answered, EventCause::Memory(client as u16, RequestPhase::Order));
             }
         }
         for (_, fifo) in clock.outputs.of(clock.outputs.all()) {
             if fifos[fifo].room_at() == at {
-                return (self.fifos[fifo].freed(shape.fifos[fifo].depth), EventCause::Slot(fifo as u16));
+                return (self.fifos[fifo].slot_freed_by(shape.fifos[fifo].depth), EventCause::Slot(fifo as u16));
             }
         }
         (self.steps[stage], EventCause::Rest)
     }
 
     /// Records that the front token of a FIFO, which is popped now, became visible.
-    fn token(&mut self, shape: &Netlist, visit: &StageView<'_>, fifo: usize) -> u32 {
-        let nothing = Delivering { step: NONE, stage: shape.fifos[fifo].producer, base: Cycle::ZERO, after_data: 0 };
+    fn push_visibility(&mut self, shape: &Netlist, visit: &StageView<'_>, fifo: usize) -> u32 {
+        let nothing = PendingDelivery { step: NONE, stage: shape.fifos[fifo].producer, base: Cycle::ZERO, after_data: 0 };
         let made = self.fifos[fifo].inside.pop_front().unwrap_or(nothing);
         let slots = &visit.fifos[fifo];
         let (visible, why) = (slots.front_visible(), EventCause::Fifo(fifo as u16));
-        let (latest, delivered) = latest(slots.front_answers().as_ref(), &made);
+        let (latest, delivered) = latest_answer(slots.front_answers().as_ref(), &made);
         let before = self.fifos[fifo].visible;
-        if delivered + shape.fifos[fifo].latency <= self.at(before) {
+        if delivered + shape.fifos[fifo].latency <= self.time_of(before) {
             // One token becomes visible per cycle.
             return self.push(visible, before, why);
         }
         let client = latest.map(|own| shape.stages[made.stage].clients[own]);
-        let after = self.delivery(visit.memories, &made, (client, delivered));
+        let after = self.push_delivery(visit.memories, &made, (client, delivered));
         self.push(visible, after, why)
     }
 
     /// Records the delivery of a step at `at`. If it was later than without memory, `client` gave the last answer.
-    fn delivery(&mut self, memories: &MemorySystem, made: &Delivering, (client, at): (Option<usize>, Cycle)) -> u32 {
-        let &Delivering { step, stage, base, after_data } = made;
+    fn push_delivery(&mut self, memories: &MemorySystem, made: &PendingDelivery, (client, at): (Option<usize>, Cycle)) -> u32 {
+        let &PendingDelivery { step, stage, base, after_data } = made;
         let why = EventCause::Latency(stage as u16);
         let latency = |path: &mut Self, until: Cycle, after| {
-            if until > path.at(after) { path.push(until, after, why) } else { after }
+            if until > path.time_of(after) { path.push(until, after, why) } else { after }
         };
         let Some(client) = client else { return latency(self, base, step) };
         let answer = Cycle(at.0 - after_data);
         let ready = latency(self, base.min(answer), step);
-        let answered = self.answer(memories, client, (ready, answer));
+        let answered = self.push_answer(memories, client, (ready, answer));
         latency(self, at, answered)
     }
 
     /// Records the phases of the request that a client got last by `at`, after an event.
-    fn answer(&mut self, memories: &MemorySystem, client: usize, (mut after, at): (u32, Cycle)) -> u32 {
+    fn push_answer(&mut self, memories: &MemorySystem, client: usize, (mut after, at): (u32, Cycle)) -> u32 {
         let Some(request) = memories.last_answered(client, at) else { return after };
         let phases = [
             (request.arrival + 1, RequestPhase::Arrival),
@@ -229,7 +229,7 @@ impl PathTracer {
         ];
         for (until, phase) in phases {
             let until = until.min(at);
-            if until > self.at(after) {
+            if until > self.time_of(after) {
                 after = self.push(until, after, EventCause::Memory(client as u16, phase));
             }
         }
@@ -240,7 +240,7 @@ impl PathTracer {
     /// between marks. Returns `None` if there were too many events.
     pub(crate) fn trace(mut self, time: &MachineTiming, total: u64, marks: &[u64]) -> Option<CriticalPath> {
         let last = self.last(time);
-        if self.events.len() > self.most {
+        if self.events.len() > self.max_events {
             return None;
         }
         let end: u64 = if marks.is_empty() { total } else { marks.iter().sum() };
@@ -254,14 +254,14 @@ impl PathTracer {
         let mut spent: BTreeMap<EventCause, Vec<u64>> = BTreeMap::new();
         let mut by_group = ByGroup::default();
         while let Some(&PathEvent { at, after, why }) = self.events.get(event as usize) {
-            by_group.pass(self.group(event), at.since(self.at(after)));
+            by_group.pass(self.group(event), at.since(self.time_of(after)));
             let by_mark = spent.entry(why).or_insert_with(|| vec![0; ends.len()]);
-            split(&ends, (self.at(after).0, at.0), by_mark);
+            add_by_span(&ends, (self.time_of(after).0, at.0), by_mark);
             event = after;
         }
         let part = |(why, by_mark): (EventCause, Vec<u64>)| {
             let cycles = by_mark.iter().sum();
-            (cycles > 0).then(|| PathPart { stretch: named(why, time), cycles, by_mark })
+            (cycles > 0).then(|| PathPart { stretch: named_segment(why, time), cycles, by_mark })
         };
         let mut parts: Vec<PathPart> = spent.into_iter().filter_map(part).collect();
         // A stable sort keeps ties in the order of the block diagram.
@@ -283,7 +283,7 @@ impl PathTracer {
             let at = clock.marks.iter().copied().max().unwrap_or(made.base);
             let answer = Cycle(at.since(Cycle(made.after_data)));
             let client = clock.clients.iter().copied().find(|&client| time.memories.is_answer(client, answer));
-            return self.delivery(&time.memories, &made, (client.filter(|_| at > made.base), at));
+            return self.push_delivery(&time.memories, &made, (client.filter(|_| at > made.base), at));
         }
         let stage = (0..time.stages.len()).max_by_key(|&stage| time.stages[stage].free);
         let Some(stage) = stage.filter(|&stage| self.steps[stage] != NONE) else { return NONE };
@@ -314,7 +314,7 @@ impl ByGroup {
 }
 
 /// Returns the client, as the unit numbers it, whose answer determined the delivery, and the delivery; `None` if no answer did.
-fn latest(answers: Option<&[Cycle; MAX_CLIENTS]>, made: &Delivering) -> (Option<usize>, Cycle) {
+fn latest_answer(answers: Option<&[Cycle; MAX_CLIENTS]>, made: &PendingDelivery) -> (Option<usize>, Cycle) {
     let answers = answers.into_iter().flatten().enumerate().filter(|(_, answer)| **answer > Cycle::ZERO);
     answers.fold((None, made.base), |best, (own, &answer)| {
         let delivered = answer + made.after_data;
@@ -324,7 +324,7 @@ fn latest(answers: Option<&[Cycle; MAX_CLIENTS]>, made: &Delivering) -> (Option<
 
 /// Adds the cycles between two times to the spans in which they lie. Each span ends at one of `ends`. (Found by binary search,
 /// because there may be thousands of marks and millions of events.)
-fn split(ends: &[u64], (mut from, to): (u64, u64), by_mark: &mut [u64]) {
+fn add_by_span(ends: &[u64], (mut from, to): (u64, u64), by_mark: &mut [u64]) {
     let first = ends.partition_point(|end| *end <= from);
     for (end, sum) in ends.iter().zip(by_mark).skip(first) {
         if from >= to {
@@ -336,7 +336,7 @@ fn split(ends: &[u64], (mut from, to): (u64, u64), by_mark: &mut [u64]) {
     }
 }
 
-fn named(why: EventCause, time: &MachineTiming) -> PathSegment {
+fn named_segment(why: EventCause, time: &MachineTiming) -> PathSegment {
     let unit = |stage: u16| time.shape.stages[usize::from(stage)].names.name.clone();
     let fifo = |fifo: u16| time.shape.fifos[usize::from(fifo)].name.clone();
     match why {

@@ -4,14 +4,14 @@ use super::blocking_wait::BlockingWait;
 use super::in_flight::InFlightSteps;
 use super::port_ids::PortIds;
 use super::{FifoTiming, InputMask, StepTiming};
-use crate::account::{Account, Cause};
+use crate::account::{CycleAccount, StallCause};
 use crate::capacity::MAX_CLIENTS;
 use crate::netlist::StageInfo;
 use crate::probe::Probe;
 use crate::{Cycle, Demand, MemorySystem};
 
 /// A wait: its cause, its first cycle, and the cycle after its last.
-pub(crate) type Wait = (Cause, Cycle, Cycle);
+pub(crate) type Wait = (StallCause, Cycle, Cycle);
 
 /// Times of a stage.
 #[derive(Clone, Debug)]
@@ -95,13 +95,13 @@ impl StageClock {
 
     /// Converts a demand of its unit to a mask.
     #[inline(always)]
-    pub(crate) fn takes(&self, demand: Demand) -> InputMask {
+    pub(crate) fn inputs_of(&self, demand: Demand) -> InputMask {
         InputMask::of(demand, self.inputs.count(None))
     }
 
     /// Returns the occupancy and the latency of a step, as far as they do not depend on memory.
     #[inline(always)]
-    pub(super) fn kept(&self, &StepTiming { occupancy, latency, .. }: &StepTiming) -> (u64, u64) {
+    pub(super) fn known_timing(&self, &StepTiming { occupancy, latency, .. }: &StepTiming) -> (u64, u64) {
         if self.ideal { (1, latency.saturating_sub(occupancy.saturating_sub(1))) } else { (occupancy, latency) }
     }
 
@@ -135,9 +135,9 @@ impl StageClock {
 
 /// Charges a wait of stage `stage` to its account and reports it to the probe.
 #[inline]
-pub(crate) fn charge<P: Probe>(account: &mut Account, probe: &mut P, stage: usize, (cause, from, to): Wait) {
+pub(crate) fn charge<P: Probe>(account: &mut CycleAccount, probe: &mut P, stage: usize, (cause, from, to): Wait) {
     account.charge(cause, to.since(from));
     if P::is_on() {
-        probe.waited(stage, cause, from, to);
+        probe.on_stall(stage, cause, from, to);
     }
 }

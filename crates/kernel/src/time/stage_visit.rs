@@ -6,13 +6,13 @@ use super::in_flight::{BLOCKING, Delivery, InFlightStep, MARKED};
 use super::port_ids::{ConnectedFifos, PortIds};
 use super::{FifoTiming, InputMask, StageArity, StageClock, StepTiming, charge};
 use crate::step_requests::StepRequestsView;
-use crate::{Account, Cycle, MemoryPorts, MemorySystem, Probe};
+use crate::{Cycle, CycleAccount, MemoryPorts, MemorySystem, Probe};
 
 /// A stage with mutable timing state.
 pub(crate) struct StageVisit<'a> {
     pub(super) stage: usize,
     pub(crate) clock: &'a mut StageClock,
-    pub(super) account: &'a mut Account,
+    pub(super) account: &'a mut CycleAccount,
     pub(super) fifos: &'a [FifoTiming],
     pub(super) memories: &'a mut MemorySystem,
     pub(super) inputs: ConnectedFifos<'a>,
@@ -40,7 +40,7 @@ impl StageVisit<'_> {
 
     /// Ends the visit. Requests served by now are not news.
     #[inline(always)]
-    pub(crate) fn leave<K: StageArity>(&mut self) {
+    pub(crate) fn end_visit<K: StageArity>(&mut self) {
         if K::HAS_MEMORY {
             self.clock.served = self.memories.served_of(&self.clock.clients);
         }
@@ -70,17 +70,17 @@ impl StageVisit<'_> {
     /// Makes a step without requests that starts at `at`: updates the times of its FIFOs. Its delivery is known.
     #[inline(always)]
     pub(crate) fn step<K: StageArity>(&mut self, at: Cycle, takes: InputMask, made: &StepTiming) {
-        let (occupancy, latency) = self.begin::<K>(at, takes, made);
+        let (occupancy, latency) = self.take_and_reserve::<K>(at, takes, made);
         if K::HAS_MEMORY && !self.clock.flights.is_empty() {
             let delivery = Delivery { base: at.after(latency), after_data: 0, outputs: outputs_and_mark(made) };
             self.clock.flights.push(InFlightStep::new(delivery), (&self.clock.clients, self.memories));
-            return self.end(at, occupancy);
+            return self.occupy(at, occupancy);
         }
         self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.deliver(at.after(latency)));
         if made.marked {
             self.clock.marks.push(at.after(latency));
         }
-        self.end(at, occupancy);
+        self.occupy(at, occupancy);
     }
 
     /// Makes a step with requests. With `None`, because the requests contradict the declaration or the wiring, it delivers
@@ -93,22 +93,22 @@ impl StageVisit<'_> {
         made: &StepTiming,
         asks: Option<StepRequestsView<'_>>,
     ) {
-        let kept = self.begin::<K>(at, takes, made);
+        let kept = self.take_and_reserve::<K>(at, takes, made);
         match asks {
             Some(asks) => self.step_asking_on(at, kept, made, asks),
-            None => self.end(at, kept.0),
+            None => self.occupy(at, kept.0),
         }
     }
 
     /// Takes tokens and reserves slots. Returns occupancy and latency, as far as no memory decides.
     #[inline(always)]
-    fn begin<K: StageArity>(&mut self, at: Cycle, takes: InputMask, made: &StepTiming) -> (u64, u64) {
+    fn take_and_reserve<K: StageArity>(&mut self, at: Cycle, takes: InputMask, made: &StepTiming) -> (u64, u64) {
         if K::HAS_MEMORY {
             self.clock.needs.asked = false;
         }
         self.inputs.each(takes.inputs(), K::INPUTS, |_, fifo| fifo.pop(at));
         self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.reserve(at));
-        self.clock.kept(made)
+        self.clock.known_timing(made)
     }
 
     #[inline(always)]
@@ -116,12 +116,12 @@ impl StageVisit<'_> {
         let blocking = if made.blocking { BLOCKING } else { 0 };
         let outputs = outputs_and_mark(made) | blocking;
         let delivery = Delivery { base: at.after(latency), after_data: made.after_data, outputs };
-        let least = depart(self.clock, self.fifos, self.memories, (at, delivery), asks);
-        self.end(at, occupancy.max(least));
+        let least = issue_step(self.clock, self.fifos, self.memories, (at, delivery), asks);
+        self.occupy(at, occupancy.max(least));
     }
 
     #[inline(always)]
-    fn end(&mut self, at: Cycle, occupancy: u64) {
+    fn occupy(&mut self, at: Cycle, occupancy: u64) {
         self.clock.busy += occupancy;
         self.clock.free = at.after(occupancy);
         self.clock.steps += 1;
@@ -132,12 +132,12 @@ impl StageVisit<'_> {
     /// A step may overtake earlier steps that deliver nothing on its outputs, such as tokens that a test discards. Its token must
     /// not seem to wait for their answers, or the requests that it causes would be served too late.
     #[inline(always)]
-    pub(crate) fn land_known<K: StageArity>(&mut self) -> bool {
-        K::HAS_MEMORY && !self.clock.flights.is_empty() && land(self.clock, self.fifos, self.memories)
+    pub(crate) fn deliver_known_steps<K: StageArity>(&mut self) -> bool {
+        K::HAS_MEMORY && !self.clock.flights.is_empty() && deliver_known(self.clock, self.fifos, self.memories)
     }
 
     /// Returns the view for a critical path.
-    pub(crate) fn sight(&self) -> StageView<'_> {
+    pub(crate) fn view(&self) -> StageView<'_> {
         StageView { stage: self.stage, clock: self.clock, fifos: self.fifos, memories: self.memories }
     }
 
@@ -181,7 +181,7 @@ fn outputs_and_mark(made: &StepTiming) -> u32 {
 /// Issues the requests of a step that starts at `start`, and delivers the step if all answers are known. Returns the least
 /// occupancy that its requests need. (This function and the next are not methods: with a reference to the visit, all of the visit
 /// would have to be in memory.)
-fn depart(
+fn issue_step(
     clock: &mut StageClock,
     fifos: &[FifoTiming],
     memories: &mut MemorySystem,
@@ -207,11 +207,11 @@ fn depart(
     issued.least
 }
 
-fn land(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut MemorySystem) -> bool {
+fn deliver_known(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut MemorySystem) -> bool {
     let StageClock { flights, marks, clients, outputs, block, again, .. } = clock;
     let is_blocked = !block.until.is_known();
     let all = outputs.all() | if is_blocked { BLOCKING } else { 0 };
-    let moved = flights.land(all, (clients, memories), |flight, to| {
+    let moved = flights.deliver_known(all, (clients, memories), |flight, to| {
         deliver_answered((marks, block), *outputs, flight, to, fifos);
     });
     *again |= is_blocked && block.until.is_known();

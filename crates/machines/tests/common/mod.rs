@@ -7,7 +7,7 @@ pub mod trace;
 
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, Probe, RunReport, run_functional, run_with};
+use basrelief_kernel::{Engine, NoProbe, Outcome, Probe, RunLimits, RunReport, run_functional, run_with};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::{FrontConfig, FrontEnd, PictureMachine, SceneFront, TraceFront, UnitStats};
 use basrelief_parameters::{Parameters, load};
@@ -74,7 +74,7 @@ pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> SceneF
 
 /// Runs a machine with a probe.
 pub fn run_probed<P: Probe>(mut machine: impl PictureMachine, engine: Engine, probe: &mut P) -> Ran {
-    let report = run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
+    let report = run_with(&mut machine, engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
     Ran { report, frames: machine.drain_finished(), facts: machine.facts() }
 }
 

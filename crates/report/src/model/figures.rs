@@ -131,8 +131,8 @@ impl From<&stats::FigureValue> for Figure {
     }
 }
 
-impl From<&stats::Figure> for Legend {
-    fn from(figure: &stats::Figure) -> Self {
+impl From<&stats::UnitFigure> for Legend {
+    fn from(figure: &stats::UnitFigure) -> Self {
         let part = match figure.part.clone() {
             stats::FigureGroup::Alone => None,
             stats::FigureGroup::Work => Some(Part::Work),

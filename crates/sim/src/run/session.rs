@@ -16,7 +16,7 @@ use crate::options::{AnalysisPolicy, RunOptions};
 use crate::recording::{self, CHUNK_BYTES, KeptSteps, WorkHash};
 use basrelief_input::{Held, OverBudget};
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
+use basrelief_kernel::{self as kernel, Machine, Outcome, Probe, RunLimits, RunReport};
 use basrelief_machines::{InputKind, LoggingMachine, PictureRecord, UnitStats};
 use basrelief_reference::{QualityMetrics, RgbPicture, SizeMismatch};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
@@ -219,7 +219,7 @@ impl<'a> Session<'a> {
         let report = match (concurrent.flatten(), engine) {
             (Some(report), _) => Ok(Some(report)),
             (None, Some(engine)) => {
-                let limits = Limits { max_cycles, progress: &mut progress };
+                let limits = RunLimits { max_cycles, progress: &mut progress };
                 Ok(Some(if is_recorded {
                     kernel::run_recorded(machine, engine, probe, limits, (CHUNK_BYTES, &mut |chunk| keep(chunk)))
                 } else {

@@ -10,7 +10,7 @@ use crate::observer::Observer;
 use crate::options::RunOptions;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::stats::FigureValue;
-use basrelief_kernel::{self as kernel, Cause, Cycle, Limits, Netlist, Outcome, Probe};
+use basrelief_kernel::{self as kernel, Cycle, Netlist, Outcome, Probe, RunLimits, StallCause};
 use basrelief_machines::defer::RunAhead;
 use basrelief_machines::{BoxedDraws, LoggingMachine as _, MachineSpec, PictureMachine as _, SceneFront};
 use basrelief_signals::Scene;
@@ -61,7 +61,7 @@ fn run_ahead<S: MachineSpec>(
     let taker = stages.iter().position(|stage| stage.name == S::TAKES_TILES);
     let mut arrivals = TileArrivals { taker, cycles: Vec::new() };
     let mut probe: &mut dyn Probe = &mut arrivals;
-    let limits = Limits { max_cycles: settings.max_cycles, progress: &mut take };
+    let limits = RunLimits { max_cycles: settings.max_cycles, progress: &mut take };
     let report = kernel::run_with(&mut machine, engine, &mut probe, limits);
     take(&mut machine);
     if report.outcome != Outcome::Complete {
@@ -88,11 +88,11 @@ impl Probe for TileArrivals {
         false
     }
 
-    fn worked(&mut self, stage: usize, from: Cycle, _: Cycle) {
+    fn on_busy(&mut self, stage: usize, from: Cycle, _: Cycle) {
         if self.taker == Some(stage) {
             self.cycles.push(from.0);
         }
     }
 
-    fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
+    fn on_stall(&mut self, _: usize, _: StallCause, _: Cycle, _: Cycle) {}
 }

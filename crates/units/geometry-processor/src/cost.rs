@@ -13,7 +13,7 @@ impl GeometryProcessor {
         let GeometryConfig { fetch_bytes_per_cycle, link_bytes, .. } = self.config;
         let link = PolygonLink { bytes_per_cycle: link_bytes, taken: self.taken };
         self.operators
-            .pace(charge.work, self.config.operators())
+            .stream_interval(charge.work, self.config.operators())
             .max(charge.fetched.div_ceil(u64::from(fetch_bytes_per_cycle.max(1))))
             .max(link.cycles(polygon_bytes))
     }

@@ -50,7 +50,7 @@ impl PixelTiming {
 
     /// Returns the cycles from one pixel of this polygon to the next.
     pub(crate) fn pace(&self, polygon: &Polygon, config: &GraphicsConfig) -> u64 {
-        self.operators.pace(pixel(polygon, config.filter), config.operators())
+        self.operators.stream_interval(pixel(polygon, config.filter), config.operators())
     }
 }
 

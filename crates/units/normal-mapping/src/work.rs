@@ -56,7 +56,7 @@ pub(crate) struct MappingTiming {
 
 impl MappingTiming {
     pub(crate) fn new(config: &NormalMappingConfig, operators: &Operators) -> Self {
-        let pace = |work| operators.pace(work, config.operators());
+        let pace = |work| operators.stream_interval(work, config.operators());
         let mapped = std::array::from_fn(|samples| pace(mapped(config, samples as u32)));
         Self { latency: operators.latency(CHAIN), bare: pace(BARE.and(SCALED)), mapped }
     }
@@ -79,9 +79,9 @@ mod tests {
         let config = NormalMappingConfig::default();
         let (have, two) = (config.operators(), mapped(&config, 2));
         assert_eq!((two.multiply, two.add, two.divide), (have.multiply, have.add, 2));
-        assert_eq!(operators.pace(two, have), 1);
+        assert_eq!(operators.stream_interval(two, have), 1);
         let fewer = [OperatorCounts { multiply: have.multiply - 1, ..have }, OperatorCounts { divide: have.divide - 1, ..have }];
-        assert_eq!(fewer.map(|have| operators.pace(two, have)), [2, 2], "and none of them is too many");
-        assert_eq!(operators.pace(mapped(&config, 3), have), 2);
+        assert_eq!(fewer.map(|have| operators.stream_interval(two, have)), [2, 2], "and none of them is too many");
+        assert_eq!(operators.stream_interval(mapped(&config, 3), have), 2);
     }
 }

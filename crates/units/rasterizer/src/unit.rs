@@ -31,7 +31,7 @@ pub struct Rasterizer {
 impl Rasterizer {
     /// Creates a rasterizer in its power-on state.
     pub fn new(config: RasterizerConfig, operators: Operators) -> Self {
-        let (pace, latency) = (operators.pace(FRAGMENT, config.operators()), operators.latency(CHAIN));
+        let (pace, latency) = (operators.stream_interval(FRAGMENT, config.operators()), operators.latency(CHAIN));
         Self { config, operators, pace, latency, state: RasterizerState::default() }
     }
 
@@ -54,7 +54,7 @@ impl Rasterizer {
         self.state.scan = PolygonScan::new(polygon, self.config.raster(self.state.screen));
         self.state.polygon = Some(Arc::clone(polygon));
         self.advance();
-        self.operators.pace(SET_UP.times(triangles.into()), self.config.operators())
+        self.operators.stream_interval(SET_UP.times(triangles.into()), self.config.operators())
     }
 
     /// Advances to the next fragment of the polygon. Past the last, the unit is ready for the next control token.

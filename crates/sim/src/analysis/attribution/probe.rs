@@ -3,7 +3,7 @@
 use super::flow::{Flow, FlowEvents, StepTokens};
 use super::origin::{Origin, TokenSample};
 use basrelief_input::{Budget, OverBudget};
-use basrelief_kernel::{Cause, Cycle, Interval, Label, MemoryEvent, Probe, StageTopology};
+use basrelief_kernel::{Cycle, Interval, Label, MemoryEvent, Probe, StageTopology, StallCause};
 use basrelief_machines::{CostPoints, MachineConfig};
 use basrelief_timeline::{StepAttribution, TimelineProbe, TokenLife};
 use std::collections::VecDeque;
@@ -108,29 +108,29 @@ impl Probe for AttributionProbe<'_, '_> {
         self.over_budget.is_none()
     }
 
-    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+    fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         match self.flow.step(&StepTokens { stage, taken, given }, &mut NoEvents) {
             Ok(origin) => self.untimed[stage].push_back((origin, asked)),
             Err(error) => self.over_budget = Some(error),
         }
     }
 
-    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+    fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
         let (origin, asks) = self.untimed[stage].pop_front().unwrap_or_default();
         let owner = attribution(&origin);
         self.show_waits(stage, &owner);
         self.timeline.add(Interval { stage, cause: None, from, to }, &StepAttribution { asks, ..owner });
     }
 
-    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+    fn on_stall(&mut self, stage: usize, cause: StallCause, from: Cycle, to: Cycle) {
         self.waits[stage].push(Interval { stage, cause: Some(cause), from, to });
     }
 
-    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
-        self.timeline.held(fifo, at, slots);
+    fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
+        self.timeline.on_occupancy(fifo, at, slots);
     }
 
-    fn memory(&mut self, event: MemoryEvent) {
-        self.timeline.memory(event);
+    fn on_memory_event(&mut self, event: MemoryEvent) {
+        self.timeline.on_memory_event(event);
     }
 }

@@ -4,7 +4,7 @@ use super::pixels::PixelRecords;
 use super::spent::CostKind;
 use crate::analysis::attribution::Origin;
 use basrelief_input::{Held, OverBudget};
-use basrelief_kernel::{Account, Cause, MAX_CLIENTS, MAX_LINKS, StageTopology, UnitReport};
+use basrelief_kernel::{CycleAccount, MAX_CLIENTS, MAX_LINKS, StageTopology, StallCause, UnitReport};
 
 /// Parts of a cycle: divisible by all numbers up to 16, the maximum number of pixels in most tokens, so that pixels can share a cycle
 /// without a remainder.
@@ -44,11 +44,11 @@ const BLOCKED: usize = MEMORY + MAX_CLIENTS;
 const SLOTS: usize = BLOCKED + MAX_LINKS;
 
 /// Returns the slot of a wait. Busy cycles have slot 0.
-pub(super) fn slot_of(cause: Cause) -> usize {
+pub(super) fn slot_of(cause: StallCause) -> usize {
     match cause {
-        Cause::Starved(i) => STARVED + i,
-        Cause::Memory(i) => MEMORY + i,
-        Cause::Blocked(i) => BLOCKED + i,
+        StallCause::Starved(i) => STARVED + i,
+        StallCause::Memory(i) => MEMORY + i,
+        StallCause::Blocked(i) => BLOCKED + i,
     }
 }
 
@@ -115,7 +115,7 @@ impl CostAccumulator {
 
     /// Completes the costs with the account of the unit. Cycles that were not charged belong to no token.
     pub(super) fn finish(self, stage: &StageTopology, report: &UnitReport) -> UnitCost {
-        let Account { busy, done, starved, memory, blocked } = &report.account;
+        let CycleAccount { busy, done, starved, memory, blocked } = &report.account;
         let all = std::iter::once(busy).chain(starved).chain(memory).chain(blocked);
         let activity = |(at, (slot, &cycles)): (usize, (ActivitySlot, &u64))| {
             let ActivitySlot { parts, on_pixels, elsewhere } = slot;

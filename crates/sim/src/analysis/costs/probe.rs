@@ -7,7 +7,7 @@ use super::run_costs::Costs;
 use super::step_polygons::StepPolygons;
 use crate::analysis::attribution::{Flow, FlowEvents, Origin, StepTokens};
 use basrelief_input::{Budget, Held, OverBudget};
-use basrelief_kernel::{Cause, Cycle, Label, MemoryEvent, Probe, RunReport, StageTopology};
+use basrelief_kernel::{Cycle, Label, MemoryEvent, Probe, RunReport, StageTopology, StallCause};
 use basrelief_machines::CostPoints;
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -145,9 +145,9 @@ impl Probe for CostProbe<'_> {
         self.next.as_ref().is_some_and(|probe| probe.reads_levels())
     }
 
-    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+    fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         if let Some(next) = self.next.as_mut().filter(|probe| probe.reads_labels()) {
-            next.stepped(stage, [taken, asked], given);
+            next.on_step(stage, [taken, asked], given);
         }
         if self.over_budget.is_some() {
             return;
@@ -158,31 +158,31 @@ impl Probe for CostProbe<'_> {
         }
     }
 
-    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+    fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
         if let Some(next) = &mut self.next {
-            next.worked(stage, from, to);
+            next.on_busy(stage, from, to);
         }
         if self.over_budget.is_none() {
             self.over_budget = self.charge(stage, from, to).err();
         }
     }
 
-    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+    fn on_stall(&mut self, stage: usize, cause: StallCause, from: Cycle, to: Cycle) {
         if let Some(next) = &mut self.next {
-            next.waited(stage, cause, from, to);
+            next.on_stall(stage, cause, from, to);
         }
         self.waits[stage].push(Charge { slot: slot_of(cause), cycles: to.since(from) });
     }
 
-    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+    fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
         if let Some(next) = &mut self.next {
-            next.held(fifo, at, slots);
+            next.on_occupancy(fifo, at, slots);
         }
     }
 
-    fn memory(&mut self, event: MemoryEvent) {
+    fn on_memory_event(&mut self, event: MemoryEvent) {
         if let Some(next) = &mut self.next {
-            next.memory(event);
+            next.on_memory_event(event);
         }
     }
 }
