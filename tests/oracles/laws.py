@@ -10,7 +10,7 @@ cycle by cycle and shares no code with the engines. An engine is right if it pri
 PLAN  {"fifos":    [{"name", "depth", "latency", optional "period"}],
        "memories": [{"name", "burst_bytes", "burst_cycles", "channels", "channel_bytes", "banks", "row_bytes", "window", "cap",
                      "cl", "cwl", "rcd", "rp", "ras", "rtp", "wr", "wtr", "rrd", "faw", "refi", "rfc",
-                     "ports": [{"name", "outstanding"}], optional "periodic": [{"name", "period", "bytes", "stride", "span"}]}],
+                     "ports": [{"name", "outstanding", optional "flips": {"of", "period", "hold"}}], optional "periodic": [{"name", "period", "bytes", "stride", "span"}]}],
        "caches":   [{"name", "port", "line_bytes", "sets", "ways", "hit_latency", "lookups_per_cycle", optional "at_once"}],
        "units":    [{"name", "kind", "in": [fifo], "out": [fifo], "occupancy": [..], "latency": [..], ...,
                      optional "after": [..], optional "blocking", optional "issue"}]}
@@ -49,6 +49,10 @@ time of the token before + 1), where d is its delivery and f the latency of the 
 Periodic client: it reads request k = 0, 1, .. in cycle k * period at address (k * stride) mod span, without credits, as long as the run
 lasts. Periodic clients have the port numbers after the other ports of the memory. They keep no run alive and do not count towards total.
 Their requests count if they arrive before total, their bursts if the column command is before total.
+Flips: a request on a port with "flips" moves no data. If it arrives in cycle c at address A, it takes effect in cycle e, the smallest multiple
+of the flips' "period" that is not before max(c, e of the flip before + max("hold", 1)). The periodic client "of" then has A as its base: its
+requests from e on are at A + (k * stride) mod span. At first the base is 0. With "hold" > 0, it makes no requests before the first flip, nor from
+e + hold until the next flip. The answer comes at max(e + hold, c + 1 + min(cl, cwl) + burst_cycles), and not before the port's answer ahead.
 Caches: the look-ups of a cached step are its distinct lines in order of first mention, and its occupancy is max(occupancy, ceil(distinct
 lines / lookups_per_cycle)). Look-up n is made in cycle start + n div lookups_per_cycle, or at the start if the cache is "at_once". A miss
 arrives at its memory in the cycle of the look-up. A look-up at s of a line in the tags whose memory answer is > s is merged, otherwise a
@@ -99,6 +103,12 @@ class Memory:
         s.d, s.last_data, s.channels = d, -1, [Channel(d) for _ in range(d["channels"])]
         s.ports = [{"name": p["name"], "credits": p["outstanding"], "returns": [], "answer": 0, "open": [], "requests": 0, "bursts": 0, "row_hits": 0, "row_closed": 0, "row_conflicts": 0} for p in d["ports"]]
         s.users = len(s.ports); s.ports += [dict(p, returns=[], answer=0, open=[], credits=0, requests=0, bursts=0, arrivals=[], columns=[], row_hits=0, row_closed=0, row_conflicts=0) for p in d.get("periodic", [])]
+        s.flips = {v: {"base": 0, "changes": [], "next": 0} for v in range(s.users, len(s.ports))}      # by number of the periodic client
+        for p, q in zip(s.ports, d["ports"]):
+            f = p["flips"] = q.get("flips")
+            if f:
+                v = p["shows"] = s.flips[next(i for i in s.flips if s.ports[i]["name"] == f["of"])]
+                if f["hold"]: v["base"] = None
         s.arrived = []                                   # (port number, issue order, address, bytes, write, callback) of this cycle
     def serve(s, c):
         """Column commands of cycle c, then the requests that arrive in it."""
@@ -116,7 +126,19 @@ class Memory:
                 while p["open"] and not p["open"][0]["left"]:
                     r = p["open"].pop(0); p["answer"] = max(p["answer"], r["end"]); p["returns"].append(p["answer"]); r["done"](p["answer"])
         for n, _, address, size, write, done in sorted(s.arrived, key=lambda r: r[:2]):
-            p = s.ports[n]; p["requests"] += 1; bursts = range(address // d["burst_bytes"], (address + size - 1) // d["burst_bytes"] + 1)
+            p = s.ports[n]
+            if n >= s.users:                             # all flips of this cycle have come
+                v = s.flips[n]
+                while v["changes"] and v["changes"][0][0] <= c: v["base"] = v["changes"].pop(0)[1]
+                if v["base"] is None: continue
+                p["arrivals"].append(c); address += v["base"]
+            p["requests"] += 1
+            if p.get("flips"):
+                v, f = p["shows"], p["flips"]; e = -(-max(c, v["next"]) // f["period"]) * f["period"]
+                v["next"] = e + max(f["hold"], 1); v["changes"] += [(e, address)] + ([(e + f["hold"], None)] if f["hold"] else [])
+                p["answer"] = max(p["answer"], e + f["hold"], c + 1 + min(d["cl"], d["cwl"]) + d["burst_cycles"]); p["returns"].append(p["answer"]); done(p["answer"])
+                continue
+            bursts = range(address // d["burst_bytes"], (address + size - 1) // d["burst_bytes"] + 1)
             r = {"left": len(bursts), "end": 0, "done": done}; p["open"].append(r)
             for b in bursts:
                 a = b * d["burst_bytes"]; m = a // d["channel_bytes"]
@@ -126,7 +148,7 @@ class Memory:
     def tick(s, c):
         """Requests of periodic clients in cycle c."""
         for i, p in enumerate(s.ports[s.users:], s.users):
-            if c % p["period"] == 0: p["arrivals"].append(c); s.arrived.append((i, 0, c // p["period"] * p["stride"] % p["span"], p["bytes"], False, lambda a: None))
+            if c % p["period"] == 0: s.arrived.append((i, 0, c // p["period"] * p["stride"] % p["span"], p["bytes"], False, lambda a: None))
     def cut(s, total):
         for p in s.ports[s.users:]:
             p["requests"] = sum(c < total for c in p["arrivals"]); cols = [k for c, k in p["columns"] if c < total]; p["bursts"] = len(cols)
@@ -293,8 +315,10 @@ def make(seed):
                 size = r.choice([32, 64, 96]); least = n * (size // 32 + 1) * (m["burst_cycles"] + m["cl"] + m["rp"] + m["rcd"] + m["ras"] + m["wtr"] + m["wr"])
                 m["periodic"].append({"name": "m%dv%d" % (k, j), "period": least + r.randint(0, 40), "bytes": size, "stride": r.choice([32, 64, 96]), "span": 1024})
     def extra(): return dict(**({"after": few(0, 5)} if r.random() < .5 else {}), **({"blocking": True} if r.random() < .4 else {}))
-    def port(least):
-        m = r.choice(plan["memories"]); m["ports"].append({"name": "%sp%d" % (m["name"], len(m["ports"])), "outstanding": least + r.randint(0, 4)}); return m["ports"][-1]["name"]
+    def port(least, flips=False):
+        m = r.choice(plan["memories"]); m["ports"].append({"name": "%sp%d" % (m["name"], len(m["ports"])), "outstanding": least + r.randint(0, 4)})
+        if flips and m.get("periodic") and r.random() < .5: m["ports"][-1]["flips"] = {"of": r.choice(m["periodic"])["name"], "period": r.randint(1, 60), "hold": r.choice([0, 0, 7, 40])}
+        return m["ports"][-1]["name"]
     n = r.randint(4, 24); a = fifo(); unit("source", [], [a], tokens=n)
     for _ in range(r.randint(1, 6)):
         k = r.choice(["work", "work", "fork", "route", "expand", "gather", "access", "cached"])
@@ -304,7 +328,7 @@ def make(seed):
         elif k == "expand": x = r.randint(2, 3); unit("expand", [a], [b], factor=x); n *= x
         elif k == "gather": x = r.randint(2, 4); unit("gather", [a], [b], size=x); n = -(-n // x)
         elif k == "access":
-            p, q = port(2), r.random() < .4; reqs = [{"port": p, "write": False, "bytes": r.choice([4, 32, 64]), "stride": r.choice([4, 32, 96, 260]), "offset": r.randint(0, 64), "span": 1024}]
+            p, q = port(2, True), r.random() < .4; reqs = [{"port": p, "write": False, "bytes": r.choice([4, 32, 64]), "stride": r.choice([4, 32, 96, 260]), "offset": r.randint(0, 64), "span": 1024}]
             if q: reqs.append({"port": p, "write": True, "bytes": 32, "stride": 64, "offset": 512, "span": 1024})
             if r.random() < .3: reqs += [dict(reqs[0], offset=r.randint(64, 900)) for _ in range(r.randint(1, 2))]; next(x for x in plan["memories"][int(p[1])]["ports"] if x["name"] == p)["outstanding"] += 2
             if r.random() < .3: reqs.insert(r.randint(0, len(reqs)), dict(reqs[0], port=port(1), offset=r.randint(64, 900)))

@@ -3,7 +3,7 @@
 mod common;
 
 use basrelief_kernel::{CacheCounts, Deadlock, Engine, MemoryEvent, Outcome, Recorder, run};
-use basrelief_kernel_conformance::plan::{Plan, Token, result};
+use basrelief_kernel_conformance::plan::{Plan, PlanMemory, Token, result};
 use common::random::{recipe, tight_recipe};
 use common::{machine, report, run_both, sink_tokens};
 use proptest::prelude::*;
@@ -154,7 +154,7 @@ proptest! {
             }
             for port in &memory.ports {
                 let is_own = |e: &&MemoryEvent| matches!(e, MemoryEvent::Moved { client: of, .. } if *of == client);
-                if client_is_periodic(&plan, &port.client) {
+                if moves_no_data_for_units(&plan, &port.client) {
                     client += 1;
                     continue;
                 }
@@ -192,8 +192,10 @@ proptest! {
     }
 }
 
-fn client_is_periodic(plan: &Plan, name: &str) -> bool {
-    plan.memories.iter().flat_map(|memory| &memory.periodic).any(|periodic| periodic.name == name)
+/// Returns true if a client is periodic or makes flips.
+fn moves_no_data_for_units(plan: &Plan, name: &str) -> bool {
+    let is_flips = |memory: &PlanMemory| memory.ports.iter().any(|port| port.name == name && port.flips.is_some());
+    plan.memories.iter().any(|memory| is_flips(memory) || memory.periodic.iter().any(|periodic| periodic.name == name))
 }
 
 /// Returns start and end of each interval reported for a source.

@@ -2,6 +2,7 @@
 
 use crate::cache::Cache;
 use crate::diagram::ClientTopology;
+use crate::periodic::FlipTiming;
 use crate::port::Port;
 
 /// A client: a port, with or without a cache in front of it, of a unit or periodic.
@@ -11,6 +12,8 @@ pub(crate) struct Client {
     pub(crate) cache: Option<Cache>,
     /// True if it belongs to no unit and issues its requests by itself.
     pub(crate) is_periodic: bool,
+    /// Place of the periodic client in its memory that its requests flip, if they are flips.
+    pub(crate) flips: Option<(usize, FlipTiming)>,
 }
 
 impl Client {

@@ -164,7 +164,12 @@
 //!    posted. Reads and writes each hold one of the port's `outstanding` credits, which returns in the cycle of the answer.
 //!
 //!    A memory may have *periodic clients*, which belong to no unit. Request k of such a client is a read that arrives in cycle
-//!    k * `period`, at an address that follows from k. It holds no credit. Periodic clients have the last port numbers of their memory.
+//!    k * `period`, at its base + (k * `stride`) mod `span`. It holds no credit. Periodic clients have the last port numbers of their
+//!    memory. A unit changes the base by a *flip*, a request without data on a port of the same memory. A flip to address A that arrives
+//!    in cycle c takes effect in cycle e, the smallest multiple of its `period` that is not before max(c, effect of the flip before +
+//!    max(`hold`, 1)). Requests of the periodic client that arrive at e or later have base A. With a `hold` > 0 they stop at e + `hold`,
+//!    and there are none before the first flip. The answer of the flip comes at max(e + `hold`, c + 1 + min(`cl`, `cwl`) +
+//!    `burst_cycles`), and not before the answer ahead of it. So a unit waits for a shown buffer as it waits for any credit.
 //!
 //!    *Enforced by [`MemorySystem`]; test `laws/law_4_memory`, and `dramsim3` against DRAMsim3's figures.*
 //! 5. **Cache.** The look-ups of a step are its n distinct lines in order of first mention. Its occupancy is at
@@ -218,7 +223,7 @@
 //!     *Set by [`Step::marked`], kept in [`RunReport::marks`]; test `laws/law_11_marks`.*
 //!
 //! Consequently the order in which units are visited cannot change any result. The tests of the laws stand in
-//! `basrelief-kernel-conformance`: `hand` computes four whole machines by hand, `vectors` compares both engines with 480 results of an
+//! `basrelief-kernel-conformance`: `hand` computes four whole machines by hand, `vectors` compares both engines with 504 results of an
 //! independent implementation of these laws, and `properties` runs random machines.
 //!
 //! # Details that the laws leave open
@@ -330,9 +335,9 @@ pub use netlist::Netlist;
 pub use operators::{OperatorConfig, OperatorCounts, Operators};
 pub use outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor};
 pub use parts::MemoryPart;
-pub use periodic::PeriodicReads;
+pub use periodic::{FlipCounts, FlipTiming, PeriodicReads};
 pub use probe::{Interval, NoProbe, Probe, Recorder};
-pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
+pub use report::{CacheReport, FifoReport, MemoryReport, PeriodicCounts, PortReport, RunReport, UnitReport};
 pub use request::Request;
 pub use stage::Stage;
 pub use topology::topology;

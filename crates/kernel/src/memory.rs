@@ -60,6 +60,8 @@ pub(crate) struct Memory {
     pub(crate) ports: Vec<usize>,
     /// Its periodic clients, in order of number.
     pub(crate) periodic: Vec<PeriodicClient>,
+    /// Number of unserved bursts of periodic clients.
+    periodic_bursts: u64,
     /// Data of periodic clients that may move after the end of the run.
     late_data: Vec<LateData>,
     /// Number of requests of units that are not split into bursts yet.
@@ -95,6 +97,7 @@ impl Memory {
             name: name.into(),
             ports: Vec::new(),
             periodic: Vec::new(),
+            periodic_bursts: 0,
             late_data: Vec::new(),
             arrived: 0,
             burst_bytes: config.burst_bytes,
@@ -251,6 +254,7 @@ impl Memory {
         let Client { port, is_periodic, .. } = &mut clients[burst.client as usize];
         let data = Cycle(end.0 - self.burst_cycles);
         if *is_periodic {
+            self.periodic_bursts -= 1;
             self.late_data.push(LateData { channel, from: data, to: end });
         } else {
             self.bursts -= 1;

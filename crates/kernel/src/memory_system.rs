@@ -4,7 +4,7 @@ use crate::cache::{Cache, CacheTagArray};
 use crate::client::Client;
 use crate::memory::{Memory, MemoryRequest};
 use crate::memory_events::{EventBounds, Gauge};
-use crate::periodic::{PeriodicClient, PeriodicReads};
+use crate::periodic::{FlipTiming, PeriodicClient, PeriodicReads};
 use crate::port::{Completion, Port};
 use crate::step_requests::TagLookup;
 use crate::{CacheConfig, Cycle, MemoryConfig, MemoryEvent, Probe, Request};
@@ -31,7 +31,7 @@ impl MemorySystem {
     pub fn add_client(&mut self, name: &str, memory: usize, outstanding: u32) -> usize {
         let number = self.clients.len();
         self.memories[memory].ports.push(number);
-        self.clients.push(Client { port: Port::new(name, memory, outstanding), cache: None, is_periodic: false });
+        self.clients.push(Client { port: Port::new(name, memory, outstanding), cache: None, is_periodic: false, flips: None });
         number
     }
 
@@ -43,8 +43,29 @@ impl MemorySystem {
     pub fn add_periodic_client(&mut self, name: &str, memory: usize, reads: PeriodicReads) -> usize {
         assert!(reads.period >= 1, "client {name}: period 0, expected at least 1 (law 4)");
         let client = self.clients.len();
-        self.memories[memory].periodic.push(PeriodicClient { client, reads, next: (Cycle::ZERO, 0) });
-        self.clients.push(Client { port: Port::new(name, memory, 0), cache: None, is_periodic: true });
+        let mut port = Port::new(name, memory, 0);
+        port.deadline = reads.period;
+        self.memories[memory].periodic.push(PeriodicClient::new(client, reads));
+        self.clients.push(Client { port, cache: None, is_periodic: true, flips: None });
+        client
+    }
+
+    /// Adds a client on the memory of the periodic client `periodic`, and returns its number. Its requests are *flips*: they move no
+    /// data, and their address becomes the base of the periodic client (law 4).
+    ///
+    /// # Panics
+    /// If `periodic` is not a periodic client, or the period of the flips is 0.
+    pub fn add_flip_client(&mut self, name: &str, periodic: usize, timing: FlipTiming, outstanding: u32) -> usize {
+        assert!(timing.period >= 1, "client {name}: period 0, expected at least 1 (law 4)");
+        let number = self.clients[periodic].port.memory;
+        let memory = &mut self.memories[number];
+        let place = memory.periodic.iter().position(|p| p.client == periodic);
+        let place = place.unwrap_or_else(|| panic!("client {name} flips client {periodic}, which is not periodic"));
+        if timing.hold > 0 {
+            memory.periodic[place].blank();
+        }
+        let client = self.add_client(name, number, outstanding);
+        self.clients[client].flips = Some((place, timing));
         client
     }
 

@@ -1,16 +1,17 @@
 //! Periodic clients of memories (law 4): clients that belong to no unit, for example the scan-out of a display.
 
 use crate::Cycle;
+use std::collections::VecDeque;
 
 /// Requests of a periodic client. Request k = 0, 1, .. is a read that arrives in cycle k * `period` at address
-/// `base` + (k * `stride`) mod `span`.
+/// `base` + (k * `stride`) mod `span`. A [flip](FlipTiming) changes the base.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PeriodicReads {
     /// Cycles from request to request, >= 1.
     pub period: u64,
-    /// Bytes of a request, >= 1.
+    /// Bytes of a request. 0: the client makes no requests.
     pub bytes: u32,
-    /// Lowest byte address.
+    /// Lowest byte address before the first flip.
     pub base: u64,
     /// Bytes from the address of a request to the address of the next.
     pub stride: u64,
@@ -19,11 +20,22 @@ pub struct PeriodicReads {
 }
 
 impl PeriodicReads {
-    /// Returns the address of request `number`.
-    pub(crate) fn address(&self, number: u64) -> u64 {
-        let offset = u128::from(number) * u128::from(self.stride) % u128::from(self.span.max(1));
-        self.base + offset as u64
+    /// Returns the offset of request `number` from the base.
+    fn offset(&self, number: u64) -> u64 {
+        (u128::from(number) * u128::from(self.stride) % u128::from(self.span.max(1))) as u64
     }
+}
+
+/// Times of flips. A flip that arrives in cycle c takes effect in the smallest multiple of `period` that is not before
+/// max(c, effect of the flip before + max(`hold`, 1)). From then on, its periodic client reads from the address of the flip. The
+/// flip is answered `hold` cycles later, and not before an answer of the memory to a request of cycle c could come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FlipTiming {
+    /// Flips take effect in multiples of these cycles, >= 1.
+    pub period: u64,
+    /// Cycles for which the client reads from the address of a flip. It reads nothing afterwards, until the next flip, nor before the
+    /// first flip. 0: it reads until the next flip.
+    pub hold: u64,
 }
 
 /// A periodic client.
@@ -33,6 +45,69 @@ pub(crate) struct PeriodicClient {
     pub(crate) reads: PeriodicReads,
     /// Arrival and number of the next request.
     pub(crate) next: (Cycle, u64),
+    /// Base address of its reads; `None` while it reads nothing.
+    base: Option<u64>,
+    /// Changes of the base that are to come, in order.
+    changes: VecDeque<(Cycle, Option<u64>)>,
+    /// The first cycle in which the next flip may take effect.
+    next_flip: Cycle,
+    pub(crate) flips: FlipCounts,
+}
+
+/// Counters of flips.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FlipCounts {
+    /// Flips that took effect before the end of the run.
+    pub shown: u64,
+    /// Cycles from the arrival of a flip to its effect, summed over all flips.
+    pub wait: u64,
+    /// The most cycles of one flip.
+    pub longest_wait: u64,
+}
+
+impl PeriodicClient {
+    pub(crate) fn new(client: usize, reads: PeriodicReads) -> Self {
+        let next = (if reads.bytes == 0 { Cycle::UNKNOWN } else { Cycle::ZERO }, 0);
+        let (base, changes, flips) = (Some(reads.base), VecDeque::new(), FlipCounts::default());
+        Self { client, reads, next, base, changes, next_flip: Cycle::ZERO, flips }
+    }
+
+    /// Makes the client read nothing before the first flip.
+    pub(crate) fn blank(&mut self) {
+        self.base = None;
+    }
+
+    /// Flips to `base`, for a flip that arrives at `arrival`. Returns the cycle in which its hold is over.
+    pub(crate) fn flip(&mut self, FlipTiming { period, hold }: FlipTiming, arrival: Cycle, base: u64) -> Cycle {
+        let effect = Cycle(arrival.max(self.next_flip).0.div_ceil(period.max(1)).saturating_mul(period.max(1)));
+        self.changes.push_back((effect, Some(base)));
+        if hold > 0 {
+            self.changes.push_back((effect + hold, None));
+        }
+        self.next_flip = effect + hold.max(1);
+        let wait = effect.since(arrival);
+        self.flips.shown += 1;
+        self.flips.wait += wait;
+        self.flips.longest_wait = self.flips.longest_wait.max(wait);
+        effect + hold
+    }
+
+    /// Passes the next request. Returns its arrival, and its address if it is made.
+    pub(crate) fn pass(&mut self) -> (Cycle, Option<u64>) {
+        let (arrival, number) = self.next;
+        while let Some(&(_, base)) = self.changes.front().filter(|(at, _)| *at <= arrival) {
+            self.base = base;
+            self.changes.pop_front();
+        }
+        self.next = (arrival + self.reads.period, number + 1);
+        (arrival, self.base.map(|base| base + self.reads.offset(number)))
+    }
+
+    /// Removes flips that take effect at `total` or later from the counts.
+    pub(crate) fn end(&mut self, total: Cycle) {
+        let late = self.changes.iter().filter(|(at, base)| base.is_some() && *at >= total).count();
+        self.flips.shown -= late as u64;
+    }
 }
 
 /// Data of a periodic client on the bus of a channel.

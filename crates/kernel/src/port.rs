@@ -65,6 +65,10 @@ pub(crate) struct Port {
     /// No later request arrives before this cycle, as promised by its stage.
     pub(crate) none_before: Cycle,
     last_answer: Cycle,
+    /// Cycles from arrival to answer beyond which an answer is late.
+    pub(crate) deadline: u64,
+    /// Number of late answers.
+    pub(crate) late: u64,
     pub(crate) counts: PortCounts,
     /// Record of its requests, if any is kept.
     pub(crate) notes: Option<Box<RequestLog>>,
@@ -109,6 +113,8 @@ impl Port {
             keep_from: u64::MAX,
             none_before: Cycle::ZERO,
             last_answer: Cycle::ZERO,
+            deadline: u64::MAX,
+            late: 0,
             counts: PortCounts::default(),
             notes: None,
         }
@@ -252,6 +258,7 @@ impl Port {
             self.last_answer = self.last_answer.max(request.end);
             request.end = self.last_answer;
             self.counts.count_answer(request.arrived.arrival, self.last_answer);
+            self.late += u64::from(self.last_answer.since(request.arrived.arrival) > self.deadline);
             if let Some(notes) = &mut self.notes {
                 notes.answer(self.served, self.last_answer);
             }

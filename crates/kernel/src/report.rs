@@ -1,7 +1,7 @@
 //! The report of a run: accounting, occupancy, memory counts.
 
 use crate::outcome::Outcome;
-use crate::{BusActivity, CacheCounts, ChannelCounts, CycleAccount, PortCounts};
+use crate::{BusActivity, CacheCounts, ChannelCounts, CycleAccount, FlipCounts, PortCounts};
 
 /// The report of a unit. Inputs, outputs and clients are in the order of the wiring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,6 +60,17 @@ pub struct PortReport {
     pub client: String,
     /// Its counters.
     pub counts: PortCounts,
+    /// Counters of a periodic client; `None` for ports of units.
+    pub periodic: Option<PeriodicCounts>,
+}
+
+/// Counters of a periodic client.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PeriodicCounts {
+    /// Reads answered later than one period after their arrival.
+    pub late: u64,
+    /// Flips of the client.
+    pub flips: FlipCounts,
 }
 
 /// The report of a cache.

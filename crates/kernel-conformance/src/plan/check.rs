@@ -1,6 +1,6 @@
 //! Checks of a plan before a machine is built.
 
-use super::format::{Plan, PlannedUnit, UnitKind};
+use super::format::{Plan, PlanFlips, PlannedUnit, UnitKind};
 use basrelief_kernel::{MAX_CLIENTS, MAX_LINKS};
 use basrelief_parameters::Parameters;
 use std::collections::BTreeMap;
@@ -71,7 +71,15 @@ fn memories(plan: &Plan) -> Result<(), PlanError> {
             return fail(&place, format!("`refi` is {refi}, expected 0 or more than `rfc` and `rcd` together, {rest}"));
         }
         for p in &m.ports {
-            check_range(&format!("port `{}`", p.name), "outstanding", p.outstanding.into(), 1..=MOST)?;
+            let place = format!("port `{}`", p.name);
+            check_range(&place, "outstanding", p.outstanding.into(), 1..=MOST)?;
+            if let Some(PlanFlips { of, period, hold }) = &p.flips {
+                check_range(&place, "period", *period, 1..=LONGEST)?;
+                check_range(&place, "hold", *hold, 0..=LONGEST)?;
+                if !m.periodic.iter().any(|periodic| periodic.name == *of) {
+                    return fail(&place, format!("there is no periodic client `{of}` in memory `{}`", m.name));
+                }
+            }
         }
         for p in &m.periodic {
             let place = format!("periodic client `{}`", p.name);

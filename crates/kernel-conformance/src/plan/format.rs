@@ -69,6 +69,20 @@ pub struct PlanPort {
     pub name: String,
     /// Maximum number of requests in flight.
     pub outstanding: u32,
+    /// Its requests are flips.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flips: Option<PlanFlips>,
+}
+
+/// The flips of a port.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PlanFlips {
+    /// Name of the periodic client of the same memory.
+    pub of: String,
+    /// Flips take effect in multiples of these cycles, at least 1.
+    pub period: u64,
+    /// Cycles for which the client reads from the address of a flip. 0: until the next flip.
+    pub hold: u64,
 }
 
 /// A cache of a plan; fields as in [`CacheConfig`](basrelief_kernel::CacheConfig).

@@ -1,9 +1,9 @@
 //! A machine whose wiring follows a plan.
 
 use super::check::{PlanError, check};
-use super::format::{Plan, PlanPeriodic, PlannedUnit, UnitKind};
+use super::format::{Plan, PlanCache, PlanFlips, PlanPeriodic, PlanPort, PlannedUnit, UnitKind};
 use super::unit::{PlanUnit, Token};
-use basrelief_kernel::{CacheConfig, Fifo, Machine, MemorySystem, PeriodicReads, Stage, Visitor};
+use basrelief_kernel::{CacheConfig, Fifo, FlipTiming, Machine, MemorySystem, PeriodicReads, Stage, Visitor};
 use std::collections::BTreeMap;
 
 /// A stage and the numbers of its FIFOs and clients.
@@ -57,33 +57,42 @@ fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p
     let mut ports = BTreeMap::new();
     for m in &plan.memories {
         let memory = memories.add_memory(&m.name, &m.config);
+        let mut periodic = BTreeMap::new();
+        for p in &m.periodic {
+            let &PlanPeriodic { period, bytes, stride, span, .. } = p;
+            let reads = PeriodicReads { period, bytes, base: 0, stride, span };
+            periodic.insert(p.name.as_str(), memories.add_periodic_client(&p.name, memory, reads));
+        }
         for p in &m.ports {
-            let client = match plan.caches.iter().find(|c| c.port == p.name) {
-                None => memories.add_client(&p.name, memory, p.outstanding),
-                Some(c) => {
-                    let cache = CacheConfig {
-                        line_bytes: c.line_bytes,
-                        sets: c.sets,
-                        ways: c.ways,
-                        hit_latency: c.hit_latency,
-                        lookups_per_cycle: c.lookups_per_cycle,
-                        always_hits: false,
-                    };
-                    let client = memories.add_cached_client(&p.name, memory, p.outstanding, &c.name, &cache);
-                    if !c.at_once {
-                        memories.spread_look_ups(client);
-                    }
-                    client
+            let client = match (plan.caches.iter().find(|c| c.port == p.name), &p.flips) {
+                (None, None) => memories.add_client(&p.name, memory, p.outstanding),
+                (None, Some(PlanFlips { of, period, hold })) => {
+                    let timing = FlipTiming { period: *period, hold: *hold };
+                    memories.add_flip_client(&p.name, periodic[of.as_str()], timing, p.outstanding)
                 }
+                (Some(cache), _) => add_cached(memories, memory, p, cache),
             };
             ports.insert(p.name.as_str(), client);
         }
-        for p in &m.periodic {
-            let &PlanPeriodic { period, bytes, stride, span, .. } = p;
-            memories.add_periodic_client(&p.name, memory, PeriodicReads { period, bytes, base: 0, stride, span });
-        }
     }
     ports
+}
+
+/// Adds a port with a cache in front of it. Returns its client number.
+fn add_cached(memories: &mut MemorySystem, memory: usize, port: &PlanPort, c: &PlanCache) -> usize {
+    let cache = CacheConfig {
+        line_bytes: c.line_bytes,
+        sets: c.sets,
+        ways: c.ways,
+        hit_latency: c.hit_latency,
+        lookups_per_cycle: c.lookups_per_cycle,
+        always_hits: false,
+    };
+    let client = memories.add_cached_client(&port.name, memory, port.outstanding, &c.name, &cache);
+    if !c.at_once {
+        memories.spread_look_ups(client);
+    }
+    client
 }
 
 /// Returns a unit's clients in order of first mention, and the index of the client of each request.

@@ -10,7 +10,9 @@ mod result;
 mod unit;
 
 pub use check::PlanError;
-pub use format::{Plan, PlanCache, PlanFifo, PlanLookUp, PlanMemory, PlanPeriodic, PlanPort, PlanRequest, PlannedUnit, UnitKind};
+pub use format::{
+    Plan, PlanCache, PlanFifo, PlanFlips, PlanLookUp, PlanMemory, PlanPeriodic, PlanPort, PlanRequest, PlannedUnit, UnitKind,
+};
 pub use machine::PlanMachine;
 pub use result::result;
 pub use unit::Token;

@@ -44,7 +44,7 @@ impl PlanBuilder {
     }
 
     pub fn memory(&mut self, memory: PlanMemory, ports: &[(&str, u32)]) -> &mut Self {
-        let ports = ports.iter().map(|&(name, outstanding)| PlanPort { name: name.into(), outstanding }).collect();
+        let ports = ports.iter().map(|&(name, outstanding)| PlanPort { name: name.into(), outstanding, flips: None }).collect();
         self.0.memories.push(PlanMemory { ports, ..memory });
         self
     }

@@ -2,7 +2,9 @@
 
 use super::PlanBuilder;
 use basrelief_kernel::MemoryConfig;
-use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, PlanMemory, PlanPeriodic, PlanRequest, UnitKind};
+use basrelief_kernel_conformance::plan::{
+    Plan, PlanCache, PlanFlips, PlanLookUp, PlanMemory, PlanPeriodic, PlanPort, PlanRequest, UnitKind,
+};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -90,6 +92,8 @@ pub struct Recipe {
     pub periods: Vec<u64>,
     /// Work after data, blocking and issue rate of units with memory ports; used in turn, repeating.
     pub data_uses: Vec<DataUse>,
+    /// Period and hold of flips, if a port of a memory with periodic clients makes flips; used in turn, repeating.
+    pub flips: Vec<Option<(u64, u64)>>,
     pub memories: [PlanMemory; 2],
     /// Sort keys for the order of the units.
     pub order: Vec<u32>,
@@ -161,15 +165,17 @@ pub fn recipe() -> impl Strategy<Value = Recipe> {
     let time = (vec(1..=4_u64, 1..=3), vec(0..=6_u64, 1..=3));
     let order = vec(any::<u32>(), 64);
     let period = prop_oneof![9 => Just(1), 1 => 2..=20_u64];
-    let times = (vec(time, 1..=12), vec(period, 1..=12), vec(data_use(), 1..=4));
+    let flip = proptest::option::of((1..=60_u64, select(vec![0_u64, 0, 7, 40])));
+    let times = (vec(time, 1..=12), vec(period, 1..=12), vec(data_use(), 1..=4), vec(flip, 1..=3));
     (1..=24_u64, vec(part(), 0..=5), vec(fifo, 1..=12), times, [memory(), memory()], order).prop_map(
-        |(tokens, parts, fifos, (times, periods, data_uses), memories, order)| Recipe {
+        |(tokens, parts, fifos, (times, periods, data_uses, flips), memories, order)| Recipe {
             tokens,
             parts,
             fifos,
             times,
             periods,
             data_uses,
+            flips,
             memories,
             order,
         },
@@ -218,17 +224,20 @@ impl Builder<'_> {
         self.end = to;
     }
 
-    fn port(&mut self, memory: usize, outstanding: u32) -> String {
+    fn port(&mut self, memory: usize, outstanding: u32, flips: Option<(u64, u64)>) -> String {
         let memory = &mut self.draw.0.memories[memory];
         let name = format!("{}p{}", memory.name, memory.ports.len());
-        memory.ports.push(basrelief_kernel_conformance::plan::PlanPort { name: name.clone(), outstanding });
+        let of = memory.periodic.first().map(|periodic| periodic.name.clone());
+        let flips = flips.zip(of).map(|((period, hold), of)| PlanFlips { of, period, hold });
+        memory.ports.push(PlanPort { name: name.clone(), outstanding, flips });
         name
     }
 
     fn access(&mut self, requests: &[(usize, bool, u32, u64)], spare: u32) {
+        let flips = self.recipe.flips[self.draw.0.units.len() % self.recipe.flips.len()];
         let needs = |m: usize| requests.iter().filter(|r| r.0 == m).count() as u32;
         let ports: Vec<String> =
-            (0..2).map(|m| if needs(m) > 0 { self.port(m, needs(m) + m as u32 * spare) } else { String::new() }).collect();
+            (0..2).map(|m| if needs(m) > 0 { self.port(m, needs(m) + m as u32 * spare, flips) } else { String::new() }).collect();
         let place = |(n, &(m, write, bytes, stride)): (usize, &(usize, bool, u32, u64))| {
             let offset = 17 * n as u64;
             PlanRequest { port: ports[m].clone(), write, bytes, stride, offset, span: 1024 }
@@ -278,7 +287,7 @@ impl Builder<'_> {
             }
             GraphPart::Access { requests, spare } => self.access(requests, *spare),
             GraphPart::Cached { memory, strides, sets, ways, hit_latency, per_cycle, at_once, spare } => {
-                let port = self.port(*memory, strides.len() as u32 + spare);
+                let port = self.port(*memory, strides.len() as u32 + spare, None);
                 let name = format!("c{}", self.draw.0.caches.len());
                 let [sets, ways, hit_latency, lookups_per_cycle] = [*sets, *ways, *hit_latency, *per_cycle];
                 let (line_bytes, at_once) = (32, *at_once);

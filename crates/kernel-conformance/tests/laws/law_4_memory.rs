@@ -5,8 +5,10 @@
 //! 4 + 2. From column to data: 3.
 
 use super::common::{PlanBuilder, account, machine, report, small_memory, starts, unit};
-use basrelief_kernel::{Cycle, Engine, Machine, MemoryConfig, MemoryRequest, PortCounts, RunReport, run};
-use basrelief_kernel_conformance::plan::{Plan, PlanMemory, PlanPeriodic, PlanPort, PlanRequest, UnitKind};
+use basrelief_kernel::{
+    Cycle, Engine, FlipCounts, Machine, MemoryConfig, MemoryRequest, PeriodicCounts, PortCounts, RunReport, run,
+};
+use basrelief_kernel_conformance::plan::{Plan, PlanFlips, PlanMemory, PlanPeriodic, PlanPort, PlanRequest, UnitKind};
 
 fn request(port: &str, write: bool, bytes: u32, offset: u64) -> PlanRequest {
     PlanRequest { port: port.into(), write, bytes, stride: 0, offset, span: 1 << 20 }
@@ -83,7 +85,7 @@ fn requests_arrive_at_issue_rate() {
 #[test]
 fn each_port_issues_at_its_own_rate() {
     let mut plan = client(1, 3, vec![request("p", false, 4, 0), request("q", true, 4, 0), request("p", false, 4, 0)]);
-    plan.memories[0].ports.push(PlanPort { name: "q".into(), outstanding: 1 });
+    plan.memories[0].ports.push(PlanPort { name: "q".into(), outstanding: 1, flips: None });
     plan.units[1].issue = 1;
     // Requests 0 and 1 of port p, and request 0 of port q.
     assert_eq!(arrivals(&plan), [1, 1, 2]);
@@ -115,6 +117,57 @@ fn periodic_requests_count_up_to_the_end() {
     assert_eq!((counts.reads, counts.rows.bursts()), (12, 4));
     // Data move in 6 .. 11; those of the columns 9 and 11 would move in 12 .. 15.
     assert_eq!(report.memories[0].channels[0].bus_busy, 6);
+}
+
+/// A client of three flips, with one credit, of a periodic client that reads in every tenth cycle.
+fn flips(period: u64, hold: u64) -> Plan {
+    let mut plan = client(3, 1, vec![request("p", true, 4, 256)]);
+    plan.memories[0].periodic = vec![PlanPeriodic { name: "v".into(), period: 10, bytes: 32, stride: 32, span: 64 }];
+    plan.memories[0].ports[0].flips = Some(PlanFlips { of: "v".into(), period, hold });
+    plan
+}
+
+/// Returns arrival and address of the reads of the periodic client.
+fn periodic_reads(plan: &Plan) -> Vec<(u64, u64)> {
+    let mut machine = machine(plan);
+    machine.memories().keep_requests();
+    run(&mut machine, Engine::Timed);
+    let requests: Vec<_> = machine.memories().take_requests().flat_map(|(_, all)| all).collect();
+    requests.iter().map(|request| (request.arrival.0, request.address)).collect()
+}
+
+// Claim: as hit_closed_and_conflict_have_their_latencies.
+#[test]
+fn flip_takes_effect_at_multiple_of_its_period() {
+    let plan = flips(50, 0);
+    // The flips take effect at 50, 100 and 150, and return the only credit.
+    assert_eq!(starts(&plan, "client"), [1, 50, 100]);
+    let report = report(&plan);
+    assert_eq!(report.total, 102, "no flip counts for the end");
+    let [port, periodic] = ["p", "v"].map(|name| report.memories[0].ports.iter().find(|p| p.client == name).unwrap());
+    assert_eq!((port.counts.writes, port.counts.write_bytes, port.counts.rows.bursts()), (3, 0, 0));
+    let flips = FlipCounts { shown: 2, wait: 49 + 50 + 50, longest_wait: 50 };
+    // The first read at another base meets an open row and takes 12 cycles, more than the period.
+    assert_eq!(periodic.periodic, Some(PeriodicCounts { late: 1, flips }));
+    let reads = periodic_reads(&plan);
+    assert_eq!(reads[3..7], [(30, 32), (40, 0), (50, 256 + 32), (60, 256)], "the buffer changes, the place in it does not");
+}
+
+#[test]
+fn held_flip_is_read_for_its_time_only() {
+    let plan = flips(50, 20);
+    assert_eq!(starts(&plan, "client"), [1, 70, 120]);
+    assert_eq!(periodic_reads(&plan), [(50, 256 + 32), (60, 256), (100, 256), (110, 256 + 32)]);
+}
+
+#[test]
+fn late_answers_of_periodic_client_are_counted() {
+    // A row conflict in every read takes longer than the period.
+    let mut plan = beside_periodic(5);
+    plan.memories[0].periodic[0].stride = 64;
+    plan.memories[0].periodic[0].span = 128;
+    let late = |plan: &Plan| report(plan).memories[0].ports[0].periodic.unwrap().late;
+    assert_eq!([late(&plan), late(&beside_periodic(50))], [1, 0]);
 }
 
 #[test]

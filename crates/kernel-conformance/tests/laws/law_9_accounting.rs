@@ -58,7 +58,7 @@ fn blocking_cycles_count_for_first_mentioned_port() {
     let of = |port: &str| PlanRequest { port: port.into(), write: false, bytes: 32, stride: 0, offset: 0, span: 64 };
     let charged = |ports: [&str; 2]| {
         let mut plan = around(UnitKind::Access { requests: ports.map(of).to_vec() }, 1, 8, 8, 1);
-        plan.memories[0].ports.push(PlanPort { name: "q".into(), outstanding: 1 });
+        plan.memories[0].ports.push(PlanPort { name: "q".into(), outstanding: 1, flips: None });
         plan.units[1].blocking = true;
         account(&report(&plan), "unit")
     };

@@ -6,13 +6,17 @@
 use super::Memory;
 use crate::Cycle;
 use crate::client::Client;
-use crate::periodic::{LateData, PeriodicClient};
+use crate::periodic::{FlipTiming, LateData};
+use crate::port::{Completion, Port};
 
 impl Memory {
     /// As [`Memory::serve`], for a memory with periodic clients. Requests and column commands are taken in order of time, as long
     /// as a request of a unit waits.
     pub(super) fn serve_among_periodic(&mut self, clients: &mut [Client], horizon: Cycle) -> bool {
         let waiting = (self.arrived, self.bursts);
+        if self.periodic_bursts == 0 {
+            self.serve_before_periodic(clients, horizon);
+        }
         while !self.is_idle()
             && let Some(next) = self.next_event(clients)
             && next <= horizon + 1
@@ -30,6 +34,18 @@ impl Memory {
         (self.arrived, self.bursts) != waiting
     }
 
+    /// Serves the final choices up to the next request of a periodic client. No burst of such a client may wait.
+    fn serve_before_periodic(&mut self, clients: &mut [Client], horizon: Cycle) {
+        let arrivals = self.periodic.iter().map(|periodic| periodic.next.0);
+        let until = arrivals.min().map_or(horizon, |arrival| arrival.min(horizon));
+        self.split_in_order(clients, until);
+        for channel in 0..self.channels.len() {
+            while let Some(served) = self.channels[channel].serve(until) {
+                self.moved(channel, clients, served);
+            }
+        }
+    }
+
     /// Takes in the periodic requests that arrive before the end of a run of `total` cycles, and serves the bursts whose column
     /// command is before it. Does nothing if requests of units wait, because the run was stopped then.
     pub(crate) fn finish_periodic(&mut self, clients: &mut [Client], total: Cycle) {
@@ -45,6 +61,7 @@ impl Memory {
         }
         self.split_in_order(clients, total);
         self.count_data(total);
+        self.periodic.iter_mut().for_each(|periodic| periodic.end(total));
         for LateData { channel, from, to } in std::mem::take(&mut self.late_data) {
             self.channels[channel].overrun += to.since(from.max(total));
             if from < total {
@@ -69,7 +86,8 @@ impl Memory {
     fn next_event(&mut self, clients: &[Client]) -> Option<Cycle> {
         let columns = self.channels.iter_mut().filter_map(|channel| channel.next_column());
         let users = self.ports.iter().filter_map(|&port| clients[port].port.next_arrival());
-        let arrivals = users.chain(self.periodic.iter().map(|periodic| periodic.next.0));
+        let periodic = self.periodic.iter().map(|periodic| periodic.next.0).filter(|arrival| arrival.is_known());
+        let arrivals = users.chain(periodic);
         columns.chain(arrivals.map(|arrival| arrival + 1)).min()
     }
 
@@ -95,20 +113,48 @@ impl Memory {
             if let Some((client, until)) = user
                 && clients[client].port.next_arrival().is_some_and(|arrival| arrival <= first)
             {
-                self.split_from(client, &mut clients[client].port, until.min(first + 1));
-            } else if let Some(PeriodicClient { client, reads, next }) = periodic.filter(|_| first < horizon) {
-                let (client, (arrival, number)) = (*client, *next);
-                *next = (arrival + reads.period, number + 1);
-                let port = &mut clients[client].port;
-                port.issue(arrival, reads.address(number), reads.bytes, false);
-                // Only the requests and bursts of units are counted as waiting.
-                let waiting = self.bursts;
-                self.arrived += 1;
-                self.split_from(client, port, arrival + 1);
-                self.bursts = waiting;
+                let until = until.min(first + 1);
+                match clients[client].flips {
+                    None => self.split_from(client, &mut clients[client].port, until),
+                    Some(flips) => self.flip(&mut clients[client].port, flips, until),
+                }
+            } else if let Some(periodic) = periodic.filter(|_| first < horizon) {
+                let (client, bytes) = (periodic.client, periodic.reads.bytes);
+                if let (arrival, Some(address)) = periodic.pass() {
+                    self.read(client, &mut clients[client].port, arrival, (address, bytes));
+                }
             } else {
                 return;
             }
+        }
+    }
+
+    /// Takes in a read of a periodic client.
+    fn read(&mut self, client: usize, port: &mut Port, arrival: Cycle, (address, bytes): (u64, u32)) {
+        port.issue(arrival, address, bytes, false);
+        // Only the requests and bursts of units are counted as waiting.
+        let waiting = self.bursts;
+        self.arrived += 1;
+        self.split_from(client, port, arrival + 1);
+        self.periodic_bursts += self.bursts - waiting;
+        self.bursts = waiting;
+    }
+
+    /// Takes in the flips of a port that arrived before `until`. They flip the periodic client at this place.
+    fn flip(&mut self, port: &mut Port, (place, timing): (usize, FlipTiming), until: Cycle) {
+        while let Some((request, r, (first, last))) = port.split(until, self.burst) {
+            self.arrived -= 1;
+            // A flip moves no data.
+            let counts = &mut port.counts;
+            *(if r.write { &mut counts.write_bytes } else { &mut counts.read_bytes }) -= u64::from(r.bytes);
+            let held = self.periodic[place].flip(timing, r.arrival, r.address);
+            let view = r.arrival + 1;
+            let answer = held.max(view + self.least_latency);
+            if let Some(in_flight) = port.notes.as_mut().and_then(|notes| notes.in_flight.as_mut()) {
+                in_flight.up(r.arrival);
+            }
+            port.note(request, Completion { arrival: r.arrival, row: view, column: view, end: answer, answer: Cycle::UNKNOWN });
+            (first..=last).for_each(|_| port.moved(request, answer));
         }
     }
 }

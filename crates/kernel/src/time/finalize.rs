@@ -3,7 +3,8 @@
 use super::{FifoTiming, MachineTiming, StageClock};
 use crate::netlist::{FifoSpec, StageInfo};
 use crate::outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor, circle};
-use crate::report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
+use crate::port::Port;
+use crate::report::{CacheReport, FifoReport, MemoryReport, PeriodicCounts, PortReport, RunReport, UnitReport};
 use crate::{Cycle, Demand, MemorySystem, StallCause};
 
 /// The reason that an engine stopped.
@@ -124,8 +125,14 @@ fn fifo_report(slots: &FifoTiming, FifoSpec { name, depth, .. }: &FifoSpec, tota
 
 fn memory_reports(system: &MemorySystem, total: u64) -> Vec<MemoryReport> {
     let ports_of = |memory: usize| -> Vec<PortReport> {
-        let ports = system.clients().iter().map(|c| &c.port).filter(|p| p.memory == memory);
-        ports.map(|p| PortReport { client: p.name.clone(), counts: p.counts }).collect()
+        let ports = system.clients().iter().map(|c| &c.port).enumerate().filter(|(_, p)| p.memory == memory);
+        let periodic = |client| system.memories()[memory].periodic.iter().find(|periodic| periodic.client == client);
+        let report = |(client, port): (usize, &Port)| PortReport {
+            client: port.name.clone(),
+            counts: port.counts,
+            periodic: periodic(client).map(|periodic| PeriodicCounts { late: port.late, flips: periodic.flips }),
+        };
+        ports.map(report).collect()
     };
     let report = |(m, memory): (usize, &crate::memory::Memory)| MemoryReport {
         name: memory.name.clone(),
