@@ -11,7 +11,7 @@ use crate::tables::table_of;
 use crate::{Folder, Host, SweepError, Tally, Work, execute};
 use crate::{candidates, hypervolume::Space};
 use basrelief_parameters::Effect;
-use basrelief_report::model::Limit;
+use basrelief_report::model::RelaxedCycles;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -89,9 +89,9 @@ fn group(key: &str) -> &str {
 }
 
 /// Numbers of the axes with a parameter of a bottleneck, largest saving first. For a pair, the single savings give the order.
-fn limiting(axes: &[(usize, Vec<String>)], limits: &[Limit]) -> Vec<usize> {
+fn limiting(axes: &[(usize, Vec<String>)], limits: &[RelaxedCycles]) -> Vec<usize> {
     let mut found = Vec::new();
-    for Limit { set, .. } in limits.iter().filter(|limit| !limit.resource.contains(" and ")) {
+    for RelaxedCycles { set, .. } in limits.iter().filter(|limit| !limit.resource.contains(" and ")) {
         let is_of = |of: &String| set.iter().filter_map(|set| set.split_once('=')).any(|(key, _)| group(key) == of);
         let all = axes.iter().filter(|(_, groups)| groups.iter().any(is_of)).map(|(number, _)| *number);
         let new: Vec<usize> = all.filter(|number| !found.contains(number)).collect();
@@ -131,8 +131,8 @@ fn share(plan: &Plan, chosen: &BTreeSet<usize>, folder: &Folder) -> Result<Optio
 mod tests {
     use super::*;
 
-    fn limit(resource: &str, set: &str) -> Limit {
-        Limit { resource: resource.into(), what: "ideal".into(), set: vec![set.into()], cycles: 1, saved: 1 }
+    fn limit(resource: &str, set: &str) -> RelaxedCycles {
+        RelaxedCycles { resource: resource.into(), what: "ideal".into(), set: vec![set.into()], cycles: 1, saved: 1 }
     }
 
     #[test]

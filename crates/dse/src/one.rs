@@ -7,7 +7,7 @@ use crate::{Host, Opened, SweepError};
 use basrelief_input::Held;
 use basrelief_reference::RgbPicture;
 use basrelief_report::Report;
-use basrelief_report::model::{Limit, OutcomeKind};
+use basrelief_report::model::{OutcomeKind, RelaxedCycles};
 use basrelief_signals::{Frame, Scene};
 use basrelief_sim::{
     AnalysisPolicy, MachineConfig, Observer, Pictures, RunError, RunInput, RunOptions, Unobserved, doc_trace, run,
@@ -104,7 +104,7 @@ fn of_error(error: &RunError) -> Failure {
 }
 
 /// Returns the measured bottlenecks of a point, largest saving first. Empty if the run does not finish.
-pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<Limit> {
+pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<RelaxedCycles> {
     let ran = || {
         let config = plan.config(&point.places).ok()?;
         let input = &plan.inputs[point.input];

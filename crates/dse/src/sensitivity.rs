@@ -4,7 +4,7 @@ use crate::folder::{Failure, Store};
 use crate::plan::{Axis, Plan, Point};
 use crate::{Found, Host, SweepError, Work, execute};
 use basrelief_report::Report;
-use basrelief_report::sensitivity::{Change, ComesTo, Measure, Sensitivity};
+use basrelief_report::sensitivity::{ComesTo, Measure, ParameterChange, Sensitivity};
 use basrelief_sim::ParameterInfo;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -68,15 +68,15 @@ pub fn sensitivity(plan: &Plan, threads: usize, host: &dyn Host) -> Result<Sensi
     Ok(Sensitivity::new(base, changes, unchanged))
 }
 
-fn change(axis: &Axis, place: usize, of: &ParameterInfo, measure: Result<Measure, Failure>, base: Measure) -> Change {
-    Change {
+fn change(axis: &Axis, place: usize, of: &ParameterInfo, measure: Result<Measure, Failure>, base: Measure) -> ParameterChange {
+    ParameterChange {
         parameter: of.key.clone(),
         about: of.about.clone(),
         unit: of.unit.into(),
         from: of.value.clone(),
         to: json_of(&axis.values[place][0]),
         comes_to: match measure {
-            Ok(measure) => ComesTo::Run(base.moved(measure)),
+            Ok(measure) => ComesTo::Run(base.change_to(measure)),
             Err(Failure { outcome, message }) => ComesTo::Nothing { reason: format!("{outcome}: {message}") },
         },
     }

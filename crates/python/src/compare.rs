@@ -6,7 +6,7 @@ use crate::pixels;
 use crate::recording::opened;
 use basrelief_input::Budget;
 use basrelief_report::html::{self, compared as page_of};
-use basrelief_report::{Comparison, Report, Style, compare as difference};
+use basrelief_report::{Comparison, Report, TextStyle, compare as difference};
 use basrelief_sim::{RecordedRun, RecordingError, explain, page_assets};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{FromPyObject, Python, pyfunction};
@@ -43,10 +43,10 @@ impl ParsedSide<'_> {
         }
     }
 
-    fn shown(&self) -> Done<html::Side<'_>> {
+    fn shown(&self) -> Done<html::ComparedReport<'_>> {
         let assets = page_assets(&self.report).map_err(Failure::bad)?;
-        let beside = html::Beside { pictures: pictures(self.side.image.as_ref(), None)?, ..assets };
-        Ok(html::Side { name: &self.side.name, report: &self.report, beside })
+        let assets = html::PageAssets { pictures: pictures(self.side.image.as_ref(), None)?, ..assets };
+        Ok(html::ComparedReport { name: &self.side.name, report: &self.report, assets })
     }
 
     fn compared_with(&self, other: &Self) -> Done<Comparison> {
@@ -60,7 +60,7 @@ impl ParsedSide<'_> {
 pub fn compare(py: Python<'_>, a: Side, b: Side) -> Exported<(String, String)> {
     py.detach(|| {
         let comparison = a.parsed()?.compared_with(&b.parsed()?)?;
-        let text = comparison.to_text(Style { width: WIDTH, color: false });
+        let text = comparison.to_text(TextStyle { width: WIDTH, color: false });
         Ok((serde_json::to_string(&comparison).map_err(Failure::bad)?, text))
     })
 }

@@ -2,8 +2,8 @@
 
 use crate::error::{Done, Exported, Failure};
 use crate::pixels::Given;
-use basrelief_report::html::{Beside, PagePicture, STYLE, sections};
-use basrelief_report::{Report, Style, to_html, to_text};
+use basrelief_report::html::{PageAssets, PagePicture, STYLE, sections};
+use basrelief_report::{Report, TextStyle, to_html, to_text};
 use basrelief_sim::{page_assets, page_pictures};
 use pyo3::{Python, pyfunction};
 
@@ -24,8 +24,8 @@ pub fn pictures(image: Option<&Given>, reference: Option<&Given>) -> Done<Vec<Pa
     page_pictures(&image.picture()?, reference.as_ref()).map_err(Failure::bad)
 }
 
-fn with_pictures(report: &Report, given: &(Option<Given>, Option<Given>)) -> Done<Beside> {
-    Ok(Beside { pictures: pictures(given.0.as_ref(), given.1.as_ref())?, ..page_assets(report).map_err(Failure::bad)? })
+fn with_pictures(report: &Report, given: &(Option<Given>, Option<Given>)) -> Done<PageAssets> {
+    Ok(PageAssets { pictures: pictures(given.0.as_ref(), given.1.as_ref())?, ..page_assets(report).map_err(Failure::bad)? })
 }
 
 /// Reads a report from the text of the file `name`, and removes the figures of the host.
@@ -38,7 +38,7 @@ pub fn read_report(name: &str, text: &str) -> Exported<String> {
 /// Returns the report as text, as the command line prints it.
 #[pyfunction]
 pub fn text(report: &str) -> Exported<String> {
-    Ok(to_text(&report_of(report)?, Style { width: WIDTH, color: false }, &[]))
+    Ok(to_text(&report_of(report)?, TextStyle { width: WIDTH, color: false }, &[]))
 }
 
 /// Returns the report as one page with image and reference image, as `--html` writes it.

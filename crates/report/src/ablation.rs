@@ -4,7 +4,7 @@ use crate::csv;
 use crate::model::{Input, Report, Size};
 use crate::number::round6;
 use crate::number::{real, signed, thousands};
-use crate::text::style::Style;
+use crate::text::style::TextStyle;
 use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
@@ -22,12 +22,12 @@ pub struct Ablation {
     /// Size of the pictures.
     pub size: Size,
     /// The machine as configured, without each short cut in turn, and without any.
-    pub variants: Vec<Variant>,
+    pub variants: Vec<AblationVariant>,
 }
 
 /// One run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Variant {
+pub struct AblationVariant {
     /// Optimization that is switched off.
     pub variant: String,
     /// Of the run.
@@ -55,7 +55,7 @@ impl Ablation {
     }
 
     /// The table on a terminal, with a line feed at the end.
-    pub fn to_text(&self, style: Style) -> String {
+    pub fn to_text(&self, style: TextStyle) -> String {
         let mut table = Table::new(&[
             ("Variant", Left, 0),
             ("cycles", Right, 0),
@@ -84,7 +84,7 @@ impl Ablation {
             let [cycles, dots, cycles_per_dot, change_percent] = numbers;
             [v.variant.clone(), cycles, dots, cycles_per_dot, change_percent, v.largest_change.to_string()]
         });
-        csv::written(["variant", "cycles", "dots", "cycles_per_dot", "change_percent", "largest_change"], rows)
+        csv::csv_text(["variant", "cycles", "dots", "cycles_per_dot", "change_percent", "largest_change"], rows)
     }
 
     /// Indented, with a line feed at the end.
@@ -96,7 +96,7 @@ impl Ablation {
     }
 }
 
-impl Variant {
+impl AblationVariant {
     /// Result of a run, relative to the first one.
     pub fn of(variant: String, report: &Report, first: Option<&Self>, largest_change: u8) -> Self {
         let cycles = report.frame_cycles();
@@ -122,8 +122,8 @@ mod tests {
     fn ablation() -> Ablation {
         let (slow, fast) = samples::before_and_after();
         let mut ablation = Ablation::of(&fast);
-        ablation.variants.push(Variant::of("as configured".into(), &fast, None, 0));
-        ablation.variants.push(Variant::of("without flatness".into(), &slow, ablation.variants.first(), 3));
+        ablation.variants.push(AblationVariant::of("as configured".into(), &fast, None, 0));
+        ablation.variants.push(AblationVariant::of("without flatness".into(), &slow, ablation.variants.first(), 3));
         ablation
     }
 
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn as_text_csv_and_json() {
         let ablation = ablation();
-        let text = ablation.to_text(Style::default());
+        let text = ablation.to_text(TextStyle::default());
         assert!(text.contains("without flatness  1,000,000      +150           5               3"), "{text}");
         let csv = ablation.to_csv();
         assert_eq!(csv.lines().nth(2), Some("without flatness,1000000,200000,5,150,3"));

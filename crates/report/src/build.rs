@@ -13,7 +13,7 @@ use indexmap::IndexMap;
 
 /// Parts of a report that the kernel does not know.
 #[derive(Clone, Debug)]
-pub struct Context {
+pub struct ReportContext {
     /// Identity of the build of the simulator.
     pub build: String,
     /// The machine, as `--machine` names it.
@@ -45,7 +45,7 @@ pub struct Context {
 
 impl Report {
     /// Returns the report of a timed run.
-    pub fn timed(context: Context, run: &kernel::RunReport) -> Self {
+    pub fn timed(context: ReportContext, run: &kernel::RunReport) -> Self {
         let numerals = context.numerals.clone();
         let mut report = Self::functional(context, &run.outcome);
         report.cycles = Some(cycles(run));
@@ -58,7 +58,7 @@ impl Report {
     }
 
     /// Returns the report of a functional run: the same steps, without cycles and traffic.
-    pub fn functional(context: Context, outcome: &kernel::Outcome) -> Self {
+    pub fn functional(context: ReportContext, outcome: &kernel::Outcome) -> Self {
         Self {
             schema: SCHEMA.into(),
             version: env!("CARGO_PKG_VERSION").into(),

@@ -29,12 +29,12 @@ use crate::model::{Figure, Report};
 /// The whole report but its host part, header first.
 pub fn to_csv(report: &Report) -> String {
     let rows = long_table::rows(report).into_iter();
-    let cells = rows.map(|row| [row.table.to_owned(), row.name, row.field.to_owned(), row.key, plain(&row.value)]);
-    written(["table", "name", "field", "key", "value"], cells)
+    let cells = rows.map(|row| [row.table.to_owned(), row.name, row.field.to_owned(), row.key, unformatted(&row.value)]);
+    csv_text(["table", "name", "field", "key", "value"], cells)
 }
 
 /// A header and rows as CSV text. Memory takes every write, so the text is complete.
-pub(crate) fn written<const N: usize>(header: [&str; N], rows: impl IntoIterator<Item = [String; N]>) -> String {
+pub(crate) fn csv_text<const N: usize>(header: [&str; N], rows: impl IntoIterator<Item = [String; N]>) -> String {
     let mut writer = csv::Writer::from_writer(vec![]);
     let mut is_written = writer.write_record(header).is_ok();
     for row in rows {
@@ -51,12 +51,12 @@ pub fn no_formula(cell: String) -> String {
     if is_formula { format!("'{cell}") } else { cell }
 }
 
-fn plain(value: &Figure) -> String {
+fn unformatted(value: &Figure) -> String {
     match value {
         Figure::Count(n) => n.to_string(),
         Figure::Real(x) => x.to_string(),
         Figure::Text(text) => text.clone(),
-        Figure::List(list) => list.iter().map(plain).collect::<Vec<_>>().join(" "),
+        Figure::List(list) => list.iter().map(unformatted).collect::<Vec<_>>().join(" "),
     }
 }
 

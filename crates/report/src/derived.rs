@@ -3,13 +3,13 @@
 
 use crate::model::{Bus, Client, Derived, Memory, Report};
 use crate::number::round6;
-use crate::work::{Work, circuits, routes, work};
+use crate::work::{WorkCount, circuits, routes, work};
 use indexmap::IndexMap;
 
 #[derive(Default)]
-struct Figures(IndexMap<String, Derived>);
+struct DerivedFigures(IndexMap<String, Derived>);
 
-impl Figures {
+impl DerivedFigures {
     fn ratio(&mut self, name: impl Into<String>, (above, below): (f64, f64), unit: &str, formula: impl Into<String>) {
         let value = above / below;
         if value.is_finite() {
@@ -20,7 +20,7 @@ impl Figures {
 
 /// Returns all figures derived from a timed report; empty for a functional report.
 pub fn derive(report: &Report) -> IndexMap<String, Derived> {
-    let mut figures = Figures::default();
+    let mut figures = DerivedFigures::default();
     let Some(cycles) = &report.cycles else { return figures.0 };
     let total = cycles.total as f64;
     let hz = report.clock_hz().unwrap_or(0.0);
@@ -49,7 +49,7 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     }
     let formula = format!("{} * config.clock.hz / (cycles.total - cycles.scan_out_tail) / 1e6", work.formula);
     figures.ratio("fill_rate", (fragments * hz / 1e6, drawing), &format!("M {}s/s", work.one), formula);
-    memories(report, &mut figures, hz, &work);
+    add_memories(report, &mut figures, hz, &work);
     for (name, c) in report.caches.iter().flatten() {
         let formula = format!("caches.{name}.hits / caches.{name}.lookups");
         figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
@@ -65,7 +65,7 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     figures.0
 }
 
-fn memories(report: &Report, figures: &mut Figures, hz: f64, work: &Work) {
+fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &WorkCount) {
     for (name, memory) in report.memories.iter().flatten() {
         let sum = |f: fn(&Client) -> u64| memory.clients.values().map(|c| f(c) as f64).sum::<f64>();
         let bytes = sum(Client::bytes);
@@ -80,7 +80,7 @@ fn memories(report: &Report, figures: &mut Figures, hz: f64, work: &Work) {
             "sum(memories.{name}.bus.busy[0..n]) / (n * memories.{name}.bus.interval * count(memories.{name}.channels)), n = sum(cycles.frames) div memories.{name}.bus.interval"
         );
         figures.ratio(format!("{name}.bus_utilization"), (busy, cycles), "1", formula);
-        if let Some([burst_bytes, burst_cycles]) = burst(report, name) {
+        if let Some([burst_bytes, burst_cycles]) = burst_shape(report, name) {
             let seconds = cycles / memory.channels.len() as f64 / hz;
             let formula = format!(
                 "{name}.bus_utilization * count(memories.{name}.channels) * config.memory.{name}.burst_bytes / config.memory.{name}.burst_cycles * config.clock.hz / 1e9"
@@ -91,7 +91,7 @@ fn memories(report: &Report, figures: &mut Figures, hz: f64, work: &Work) {
 }
 
 /// Bytes and cycles of a burst.
-fn burst(report: &Report, memory: &str) -> Option<[f64; 2]> {
+fn burst_shape(report: &Report, memory: &str) -> Option<[f64; 2]> {
     let config = report.config.get("memory")?.get(memory)?;
     Some([config.get("burst_bytes")?.as_f64()?, config.get("burst_cycles")?.as_f64()?])
 }
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn a_device_with_routes_is_told_in_dots_and_polygons() {
+    fn device_with_routes_is_reported_in_dots_and_polygons() {
         let derived = samples::with_routes().derived;
         assert_eq!(derived["cycles_per_dot"].value, 5.0);
         assert_eq!(derived["cycles_per_polygon"].value, 1000.0);

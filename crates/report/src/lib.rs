@@ -36,14 +36,14 @@ pub mod text;
 pub mod work;
 
 pub use ablation::Ablation;
-pub use build::Context;
-pub use compare::{Comparison, Explained, Share, compare};
+pub use build::ReportContext;
+pub use compare::{CauseShare, Comparison, MeasuredCauses, compare};
 pub use csv::{no_formula, to_csv};
 pub use html::to_html;
 pub use json::{ReadError, SCHEMA, schema};
-pub use methods::Methods;
+pub use methods::MethodComparison;
 pub use model::{Report, Sensitivity, costs, sensitivity};
-pub use text::{Style, Tables, hardware, to_text};
+pub use text::{TableGroup, TextStyle, hardware, to_text};
 
 /// Tests the example of the README.
 #[cfg(doctest)]

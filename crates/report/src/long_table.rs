@@ -1,13 +1,13 @@
 //! A report as one long table, one figure per row, for CSV files and comparisons.
 
 use crate::model::{Channel, Client, Figure, Report, Unit};
-use crate::model::{Others, Spent};
+use crate::model::{CycleBreakdown, UnlistedCosts};
 use crate::text::sections::{full_cycles, mean_occupancy};
 use serde_json::Value;
 
 /// One figure of a report.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct FigureRow {
     /// Part of the report: `units`, `fifos` ...
     pub table: &'static str,
     /// Unit, FIFO, memory or parameter in that part.
@@ -21,9 +21,9 @@ pub struct Row {
 }
 
 #[derive(Default)]
-struct Rows(Vec<Row>);
+struct FigureRows(Vec<FigureRow>);
 
-impl Rows {
+impl FigureRows {
     fn add(&mut self, (table, name): (&'static str, &str), field: &'static str, key: impl ToString, value: impl Into<Figure>) {
         match value.into() {
             Figure::List(list) => {
@@ -33,18 +33,18 @@ impl Rows {
                     self.add((table, name), field, key, value);
                 }
             }
-            value => self.0.push(Row { table, name: name.into(), field, key: key.to_string(), value }),
+            value => self.0.push(FigureRow { table, name: name.into(), field, key: key.to_string(), value }),
         }
     }
 }
 
 /// Lists every figure of a report except those of the host, in the report's order.
-pub fn rows(report: &Report) -> Vec<Row> {
-    let mut rows = Rows::default();
-    run(report, &mut rows);
-    config("", &report.config, &mut rows);
+pub fn rows(report: &Report) -> Vec<FigureRow> {
+    let mut rows = FigureRows::default();
+    add_run(report, &mut rows);
+    add_config("", &report.config, &mut rows);
     for (name, u) in report.units.iter().flatten() {
-        unit(("units", name), u, &mut rows);
+        add_unit(("units", name), u, &mut rows);
     }
     for (name, f) in report.fifos.iter().flatten() {
         let at = ("fifos", name.as_str());
@@ -57,10 +57,10 @@ pub fn rows(report: &Report) -> Vec<Row> {
     }
     for (name, memory) in report.memories.iter().flatten() {
         for (key, c) in &memory.clients {
-            client(("memories", name), key, c, &mut rows);
+            add_client(("memories", name), key, c, &mut rows);
         }
         for (number, c) in memory.channels.iter().enumerate() {
-            channel(("channels", name), &number.to_string(), c, &mut rows);
+            add_channel(("channels", name), &number.to_string(), c, &mut rows);
         }
     }
     for (name, c) in report.caches.iter().flatten() {
@@ -68,18 +68,18 @@ pub fn rows(report: &Report) -> Vec<Row> {
             rows.add(("caches", name), field, "", n);
         }
     }
-    costs(report, &mut rows);
+    add_costs(report, &mut rows);
     for (name, value) in &report.figures {
         rows.add(("figures", name), "value", "", value.clone());
     }
-    pictures(report, &mut rows);
+    add_pictures(report, &mut rows);
     for (name, d) in &report.derived {
         rows.add(("derived", name), "value", &d.unit, d.value);
     }
     rows.0
 }
 
-fn run(report: &Report, rows: &mut Rows) {
+fn add_run(report: &Report, rows: &mut FigureRows) {
     let facts = [
         ("version", report.version.as_str()),
         ("machine", &report.machine),
@@ -99,12 +99,12 @@ fn run(report: &Report, rows: &mut Rows) {
     }
 }
 
-fn config(prefix: &str, value: &Value, rows: &mut Rows) {
+fn add_config(prefix: &str, value: &Value, rows: &mut FigureRows) {
     let figure: Figure = match value {
         Value::Object(group) => {
             for (name, value) in group {
                 let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
-                config(&key, value, rows);
+                add_config(&key, value, rows);
             }
             return;
         }
@@ -119,7 +119,7 @@ fn config(prefix: &str, value: &Value, rows: &mut Rows) {
     rows.add(("config", prefix), "value", "", figure);
 }
 
-fn unit(at: (&'static str, &str), unit: &Unit, rows: &mut Rows) {
+fn add_unit(at: (&'static str, &str), unit: &Unit, rows: &mut FigureRows) {
     for (field, n) in [("steps", unit.steps), ("tokens", unit.tokens), ("busy", unit.busy)] {
         rows.add(at, field, "", n);
     }
@@ -131,7 +131,7 @@ fn unit(at: (&'static str, &str), unit: &Unit, rows: &mut Rows) {
     rows.add(at, "done", "", unit.done);
 }
 
-fn client(at: (&'static str, &str), key: &str, client: &Client, rows: &mut Rows) {
+fn add_client(at: (&'static str, &str), key: &str, client: &Client, rows: &mut FigureRows) {
     let counts = [
         ("reads", client.reads),
         ("writes", client.writes),
@@ -149,7 +149,7 @@ fn client(at: (&'static str, &str), key: &str, client: &Client, rows: &mut Rows)
     rows.add(at, "latency", key, client.latency.clone());
 }
 
-fn channel(at: (&'static str, &str), key: &str, channel: &Channel, rows: &mut Rows) {
+fn add_channel(at: (&'static str, &str), key: &str, channel: &Channel, rows: &mut FigureRows) {
     let counts = [
         ("row_hits", channel.row_hits),
         ("row_closed", channel.row_closed),
@@ -164,47 +164,47 @@ fn channel(at: (&'static str, &str), key: &str, channel: &Channel, rows: &mut Ro
     }
 }
 
-fn costs(report: &Report, rows: &mut Rows) {
+fn add_costs(report: &Report, rows: &mut FigureRows) {
     let Some(costs) = &report.costs else { return };
     rows.add(("costs", ""), "unit_cycles", "", costs.unit_cycles);
     rows.add(("costs", ""), "done", "", costs.done);
-    for (name, whole) in [("pixels", &costs.pixels), ("non_pixel", &costs.elsewhere), ("unattributed", &costs.nobody)] {
-        spent(("costs", name), "", whole, rows);
+    for (name, whole) in [("pixels", &costs.pixels), ("non_pixel", &costs.non_pixel), ("unattributed", &costs.unattributed)] {
+        add_breakdown(("costs", name), "", whole, rows);
     }
     for (number, frame) in costs.frames.iter().enumerate() {
-        spent(("costs", "frame"), &number.to_string(), frame, rows);
+        add_breakdown(("costs", "frame"), &number.to_string(), frame, rows);
     }
     for o in &costs.objects {
         let name = o.object.to_string();
         rows.add(("objects", &name), "polygons", "", o.polygons);
         rows.add(("objects", &name), "fragments", "", o.fragments);
-        spent(("objects", &name), "", &o.spent, rows);
+        add_breakdown(("objects", &name), "", &o.breakdown, rows);
     }
-    others("objects", &costs.other_objects, rows);
+    add_unlisted("objects", &costs.other_objects, rows);
     for p in &costs.polygons {
         let name = format!("{}.{}", p.frame, p.polygon);
         if let Some(object) = p.object {
             rows.add(("polygons", &name), "object", "", u64::from(object));
         }
         rows.add(("polygons", &name), "fragments", "", p.fragments);
-        spent(("polygons", &name), "", &p.spent, rows);
+        add_breakdown(("polygons", &name), "", &p.breakdown, rows);
     }
-    others("polygons", &costs.other_polygons, rows);
+    add_unlisted("polygons", &costs.other_polygons, rows);
 }
 
-fn spent(at: (&'static str, &str), key: &str, spent: &Spent, rows: &mut Rows) {
+fn add_breakdown(at: (&'static str, &str), key: &str, spent: &CycleBreakdown, rows: &mut FigureRows) {
     spent.fields().into_iter().for_each(|(field, n)| rows.add(at, field, key, n));
 }
 
-fn others(table: &'static str, others: &Others, rows: &mut Rows) {
+fn add_unlisted(table: &'static str, others: &UnlistedCosts, rows: &mut FigureRows) {
     if others.count > 0 {
         rows.add((table, "others"), "count", "", others.count);
         rows.add((table, "others"), "fragments", "", others.fragments);
-        spent((table, "others"), "", &others.spent, rows);
+        add_breakdown((table, "others"), "", &others.breakdown, rows);
     }
 }
 
-fn pictures(report: &Report, rows: &mut Rows) {
+fn add_pictures(report: &Report, rows: &mut FigureRows) {
     if let Some(quality) = &report.quality {
         let frames = quality.frames.iter().enumerate().map(|(k, q)| (k.to_string(), q));
         for (key, q) in std::iter::once((String::new(), &quality.last)).chain(frames) {

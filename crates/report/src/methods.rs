@@ -4,7 +4,7 @@ use crate::csv;
 use crate::model::{Figure, Input, Report, Size};
 use crate::number::round6;
 use crate::number::{real, thousands};
-use crate::text::style::Style;
+use crate::text::style::TextStyle;
 use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// The same input on the same machine by different methods.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Methods {
+pub struct MethodComparison {
     /// Version of the simulator.
     pub version: String,
     /// The machine, as `--machine` names it.
@@ -24,12 +24,12 @@ pub struct Methods {
     /// Largest displacement that every method was to keep \[pixels\].
     pub error_bound: f64,
     /// One per method.
-    pub methods: Vec<Method>,
+    pub methods: Vec<MethodResult>,
 }
 
 /// One run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Method {
+pub struct MethodResult {
     /// In words.
     pub method: String,
     /// Options that select the method.
@@ -49,7 +49,7 @@ pub struct Method {
     pub psnr_db: Option<f64>,
 }
 
-impl Methods {
+impl MethodComparison {
     /// An empty one, for runs like this.
     pub fn of(report: &Report, error_bound: f64) -> Self {
         Self {
@@ -63,7 +63,7 @@ impl Methods {
     }
 
     /// The table on a terminal, with a line feed at the end.
-    pub fn to_text(&self, style: Style) -> String {
+    pub fn to_text(&self, style: TextStyle) -> String {
         let mut table = Table::new(&[
             ("Method", Left, 0),
             ("divisions/pixel", Right, 0),
@@ -115,7 +115,7 @@ impl Methods {
                 m.psnr_db.map_or_else(String::new, |db| db.to_string()),
             ]
         });
-        csv::written(header, rows)
+        csv::csv_text(header, rows)
     }
 
     /// Indented, with a line feed at the end.
@@ -127,7 +127,7 @@ impl Methods {
     }
 }
 
-impl Method {
+impl MethodResult {
     /// Result of a run.
     pub fn of(method: String, settings: Vec<String>, report: &Report) -> Self {
         let cycles = report.frame_cycles();
@@ -160,29 +160,29 @@ mod tests {
     use super::*;
     use crate::samples;
 
-    fn methods() -> Methods {
+    fn methods() -> MethodComparison {
         let (mut slow, mut fast) = samples::before_and_after();
         for (report, share, largest) in [(&mut fast, 0.0625, 0.498), (&mut slow, 2.0, 0.0)] {
             report.figures.insert("divisions_per_pixel".into(), Figure::Real(share));
             report.figures.insert("displacement_largest".into(), Figure::Real(largest));
         }
-        let mut methods = Methods::of(&fast, 0.5);
-        methods.methods.push(Method::of("adaptive".into(), vec!["texel.method=adaptive".into()], &fast));
-        methods.methods.push(Method::of("exact".into(), vec!["texel.method=exact".into()], &slow));
+        let mut methods = MethodComparison::of(&fast, 0.5);
+        methods.methods.push(MethodResult::of("adaptive".into(), vec!["texel.method=adaptive".into()], &fast));
+        methods.methods.push(MethodResult::of("exact".into(), vec!["texel.method=exact".into()], &slow));
         methods
     }
 
     #[test]
     fn as_text_csv_and_json() {
         let methods = methods();
-        let text = methods.to_text(Style::default());
+        let text = methods.to_text(TextStyle::default());
         assert!(text.contains("farther away than 0.5 pixels"), "{text}");
         let line = |start: &str| text.lines().find(|l| l.starts_with(start)).map(|l| l.split_whitespace().collect::<Vec<_>>());
         assert_eq!(line("adaptive").unwrap()[..5], ["adaptive", "0.0625", "400,000", "2", "0.498"]);
         assert_eq!(line("exact").unwrap()[..5], ["exact", "2", "1,000,000", "5", "0"]);
         let csv = methods.to_csv();
         assert!(csv.lines().nth(1).unwrap().starts_with("adaptive,texel.method=adaptive,0.0625,400000,2,0.498,0,"), "{csv}");
-        assert_eq!(serde_json::from_str::<Methods>(&methods.to_json().unwrap()).unwrap(), methods);
+        assert_eq!(serde_json::from_str::<MethodComparison>(&methods.to_json().unwrap()).unwrap(), methods);
     }
 
     #[test]
@@ -192,6 +192,6 @@ mod tests {
         quality.frames =
             [40.0, 30.0, 50.0].map(|psnr_db| basrelief_reference::QualityMetrics { psnr_db, ..quality.last }).to_vec();
         quality.last.psnr_db = 50.0;
-        assert_eq!(Method::of(String::new(), vec![], &report).psnr_db, Some(30.0));
+        assert_eq!(MethodResult::of(String::new(), vec![], &report).psnr_db, Some(30.0));
     }
 }

@@ -2,7 +2,7 @@
 
 /// With thousands separators: `1,234,567`.
 pub fn thousands(n: u64) -> String {
-    group(&n.to_string())
+    group_digits(&n.to_string())
 }
 
 /// A whole number as [`thousands`], any other with up to six decimals; the same on every host.
@@ -12,7 +12,7 @@ pub fn real(x: f64) -> String {
     let (whole, decimals) = text.split_once('.').unwrap_or((&text, ""));
     let decimals = decimals.trim_end_matches('0');
     let point = if decimals.is_empty() { "" } else { "." };
-    format!("{sign}{}{point}{decimals}", group(whole))
+    format!("{sign}{}{point}{decimals}", group_digits(whole))
 }
 
 /// Formats like [`real`], with a sign for positive numbers too.
@@ -29,7 +29,7 @@ pub fn percent(part: u64, whole: u64) -> String {
 }
 
 /// Percent in a sentence: `97 %`.
-pub fn about(share: f64) -> String {
+pub fn percent_in_words(share: f64) -> String {
     match 100.0 * share {
         p if p <= 0.0 || p.is_nan() => "0 %".into(),
         p if p < 1.0 => "under 1 %".into(),
@@ -44,7 +44,7 @@ pub fn round6(x: f64) -> f64 {
     if scaled.abs() < 9e15 { scaled.round() / 1e6 } else { x }
 }
 
-fn group(digits: &str) -> String {
+fn group_digits(digits: &str) -> String {
     let mut out = String::with_capacity(digits.len() * 4 / 3);
     for (i, digit) in digits.chars().enumerate() {
         if i > 0 && (digits.len() - i).is_multiple_of(3) {
@@ -75,7 +75,13 @@ mod tests {
     #[test]
     fn shares_are_never_rounded_to_nothing_or_to_all() {
         assert_eq!(
-            [about(0.0), about(0.004), about(0.5), about(0.999), about(1.0)],
+            [
+                percent_in_words(0.0),
+                percent_in_words(0.004),
+                percent_in_words(0.5),
+                percent_in_words(0.999),
+                percent_in_words(1.0)
+            ],
             ["0 %", "under 1 %", "50 %", "over 99 %", "100 %"]
         );
         assert_eq!([percent(0, 10), percent(1, 0), percent(1, 8)], ["", "", "12.5"]);

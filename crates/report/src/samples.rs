@@ -1,12 +1,12 @@
 //! Hand-made reports for the tests of this crate, and one that the kernel made.
 
-use crate::build::Context;
+use crate::build::ReportContext;
 use crate::derived::derive;
 use crate::model::{
-    Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, Input, Legend, Memory, OutcomeKind, Part, Picture,
+    Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, FigureGroup, Input, Legend, Memory, OutcomeKind, Picture,
     PictureQuality, Report, Size, Unit,
 };
-use crate::model::{Costs, ObjectCost, Others, PolygonCost, Spent};
+use crate::model::{Costs, CycleBreakdown, ObjectCost, PolygonCost, UnlistedCosts};
 use basrelief_kernel::{Engine, Outcome, RunReport};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine};
 use basrelief_reference::QualityMetrics;
@@ -18,11 +18,11 @@ pub const TOKENS: u64 = 40;
 /// Cycles of the hand-made runs.
 pub const TOTAL: u64 = 1_000_000;
 
-pub fn context() -> Context {
+pub fn context() -> ReportContext {
     let mut view_projection = [0.0; 16];
     [0, 5, 10, 15].into_iter().for_each(|i| view_projection[i] = 1.0);
     let figure = |name: &str, value: Figure| (name.to_owned(), value);
-    Context {
+    ReportContext {
         build: "0.1.0+0123456789abcdef".into(),
         machine: "bump".into(),
         input: Input { kind: "demo".into(), name: "coin".into(), sha256: "ab".repeat(32) },
@@ -44,7 +44,7 @@ pub fn context() -> Context {
         .into_iter()
         .collect(),
         hardware: vec![],
-        legend: [("fragments".to_owned(), legend("fragments", Part::Work))].into_iter().collect(),
+        legend: [("fragments".to_owned(), legend("fragments", FigureGroup::Work))].into_iter().collect(),
         quality: Some(PictureQuality {
             last: QualityMetrics { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 },
             difference: Some(Difference { mean: 0.75, largest: 12 }),
@@ -59,7 +59,7 @@ pub fn context() -> Context {
 }
 
 /// Meaning of a figure.
-pub fn legend(unit: &str, part: Part) -> Legend {
+pub fn legend(unit: &str, part: FigureGroup) -> Legend {
     Legend { unit: unit.into(), about: String::new(), part: Some(part) }
 }
 
@@ -169,16 +169,16 @@ pub fn with_routes() -> Report {
     report.machine = "shade".into();
     let (normal, flat) = (|| "normal".to_owned(), || "flat".to_owned());
     let figures = [
-        ("fragments", 200_000, "dots", Part::Work),
-        ("polygons_normal", 900, "polygons", Part::Route(normal())),
-        ("polygons_flat", 100, "polygons", Part::Route(flat())),
-        ("dots_normal", 150_000, "dots", Part::Route(normal())),
-        ("dots_flat", 50_000, "dots", Part::Route(flat())),
-        ("process_22_runs", 1_000, "runs", Part::Process("process_22".into())),
-        ("process_22_cycles", 36_000, "cycles", Part::Process("process_22".into())),
-        ("circuit_21_started_cycles", 150_000, "cycles", Part::Started("circuit_21".into())),
-        ("circuit_50_started_cycles", 600_000, "cycles", Part::Started("circuit_50".into())),
-        ("circuit_50_needed_cycles", 450_000, "cycles", Part::Needed("circuit_50".into())),
+        ("fragments", 200_000, "dots", FigureGroup::Work),
+        ("polygons_normal", 900, "polygons", FigureGroup::Route(normal())),
+        ("polygons_flat", 100, "polygons", FigureGroup::Route(flat())),
+        ("dots_normal", 150_000, "dots", FigureGroup::Route(normal())),
+        ("dots_flat", 50_000, "dots", FigureGroup::Route(flat())),
+        ("process_22_runs", 1_000, "runs", FigureGroup::Process("process_22".into())),
+        ("process_22_cycles", 36_000, "cycles", FigureGroup::Process("process_22".into())),
+        ("circuit_21_started_cycles", 150_000, "cycles", FigureGroup::Started("circuit_21".into())),
+        ("circuit_50_started_cycles", 600_000, "cycles", FigureGroup::Started("circuit_50".into())),
+        ("circuit_50_needed_cycles", 450_000, "cycles", FigureGroup::Needed("circuit_50".into())),
     ];
     report.figures = figures.iter().map(|(name, n, ..)| ((*name).to_owned(), Figure::Count(*n))).collect();
     report.legend = figures.into_iter().map(|(name, _, unit, part)| (name.to_owned(), legend(unit, part))).collect();
@@ -268,7 +268,7 @@ pub fn before_and_after() -> (Report, Report) {
 /// [`balanced`], with costs.
 pub fn costed() -> Report {
     let mut report = balanced();
-    let spent = |busy, starved| Spent { cycles: busy + starved, busy, starved, ..Spent::default() };
+    let spent = |busy, starved| CycleBreakdown { cycles: busy + starved, busy, starved, ..CycleBreakdown::default() };
     let polygon = |polygon, busy| PolygonCost {
         frame: 1,
         polygon,
@@ -276,13 +276,13 @@ pub fn costed() -> Report {
         fragments: 40,
         from: 100,
         to: 2_100,
-        spent: spent(busy, 2_000),
+        breakdown: spent(busy, 2_000),
     };
     report.costs = Some(Costs {
         unit_cycles: 5 * TOTAL,
         pixels: spent(1_400_000, 900_000),
-        elsewhere: spent(150_000, 50_000),
-        nobody: Spent::default(),
+        non_pixel: spent(150_000, 50_000),
+        unattributed: CycleBreakdown::default(),
         done: 2_500_000,
         frames: vec![spent(800_000, 500_000), spent(750_000, 450_000)],
         objects: vec![ObjectCost {
@@ -290,11 +290,11 @@ pub fn costed() -> Report {
             name: "ring".into(),
             polygons: 700,
             fragments: 199_000,
-            spent: spent(1_500_000, 930_000),
+            breakdown: spent(1_500_000, 930_000),
         }],
         polygons: vec![polygon(17, 66_000), polygon(4, 33_000)],
-        other_objects: Others::default(),
-        other_polygons: Others { count: 698, fragments: 198_920, spent: spent(1_401_000, 926_000) },
+        other_objects: UnlistedCosts::default(),
+        other_polygons: UnlistedCosts { count: 698, fragments: 198_920, breakdown: spent(1_401_000, 926_000) },
     });
     report
 }

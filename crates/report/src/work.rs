@@ -1,9 +1,9 @@
 //! Work, routes, circuits, processes and tables of a machine, grouped by the legend of its figures.
 
-use crate::model::{Figure, Legend, Part, Report};
+use crate::model::{Figure, FigureGroup, Legend, Report};
 
 /// The figures of a machine that belong to a group: name, value, unit of measure, group.
-fn parts(report: &Report) -> impl Iterator<Item = (&str, &Figure, &str, &Part)> {
+fn grouped_figures(report: &Report) -> impl Iterator<Item = (&str, &Figure, &str, &FigureGroup)> {
     report.figures.iter().filter_map(|(name, figure)| {
         let Legend { unit, part, .. } = report.legend.get(name)?;
         Some((name.as_str(), figure, unit.as_str(), part.as_ref()?))
@@ -25,7 +25,7 @@ fn entry<T>(list: &mut Vec<T>, is: impl Fn(&T) -> bool, new: impl FnOnce() -> T)
 
 /// Divisor of cycles and bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Work {
+pub struct WorkCount {
     /// One of them: `fragment` or `dot`.
     pub one: String,
     /// Number of items.
@@ -35,10 +35,10 @@ pub struct Work {
 }
 
 /// Returns the work of a machine; 0 fragments if the machine has no figure of work.
-pub fn work(report: &Report) -> Work {
-    let named = parts(report).find(|(.., part)| **part == Part::Work);
+pub fn work(report: &Report) -> WorkCount {
+    let named = grouped_figures(report).find(|(.., part)| **part == FigureGroup::Work);
     let (name, count, unit) = named.map_or(("fragments", 0, "fragments"), |(name, figure, unit, _)| (name, count(figure), unit));
-    Work { one: unit.strip_suffix('s').unwrap_or(unit).into(), count, formula: format!("figures.{name}") }
+    WorkCount { one: unit.strip_suffix('s').unwrap_or(unit).into(), count, formula: format!("figures.{name}") }
 }
 
 /// A way through a machine on which it counts polygons and dots.
@@ -55,8 +55,8 @@ pub struct Route<'a> {
 /// Returns the routes of a machine in its order; empty if it has only one.
 pub fn routes(report: &Report) -> Vec<Route<'_>> {
     let mut routes = vec![];
-    for (_, figure, unit, part) in parts(report) {
-        let Part::Route(name) = part else { continue };
+    for (_, figure, unit, part) in grouped_figures(report) {
+        let FigureGroup::Route(name) = part else { continue };
         let route = entry(&mut routes, |r: &Route<'_>| r.name == name, || Route { name, polygons: 0, dots: 0 });
         *(if unit == "polygons" { &mut route.polygons } else { &mut route.dots }) = count(figure);
     }
@@ -79,10 +79,10 @@ pub struct Circuit<'a> {
 /// The circuits of a machine, in its order.
 pub fn circuits(report: &Report) -> Vec<Circuit<'_>> {
     let mut circuits = vec![];
-    for (figure, started, _, part) in parts(report) {
-        let Part::Started(name) = part else { continue };
-        let of_it = |other: &Part| matches!(other, Part::Needed(other) if other == name);
-        let needed = parts(report).find(|(.., part)| of_it(part)).map(|(_, figure, ..)| count(figure));
+    for (figure, started, _, part) in grouped_figures(report) {
+        let FigureGroup::Started(name) = part else { continue };
+        let of_it = |other: &FigureGroup| matches!(other, FigureGroup::Needed(other) if other == name);
+        let needed = grouped_figures(report).find(|(.., part)| of_it(part)).map(|(_, figure, ..)| count(figure));
         circuits.push(Circuit { name, needed, started: count(started), figure });
     }
     circuits
@@ -102,8 +102,8 @@ pub struct Process<'a> {
 /// The processes of a machine, in its order.
 pub fn processes(report: &Report) -> Vec<Process<'_>> {
     let mut processes = vec![];
-    for (_, figure, unit, part) in parts(report) {
-        let Part::Process(name) = part else { continue };
+    for (_, figure, unit, part) in grouped_figures(report) {
+        let FigureGroup::Process(name) = part else { continue };
         let process = entry(&mut processes, |p: &Process<'_>| p.name == name, || Process { name, runs: 0, cycles: 0 });
         *(if unit == "runs" { &mut process.runs } else { &mut process.cycles }) = count(figure);
     }
@@ -112,7 +112,7 @@ pub fn processes(report: &Report) -> Vec<Process<'_>> {
 
 /// A table of a machine: titles and values of its columns.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Columns<'a> {
+pub struct ColumnTable<'a> {
     /// Name.
     pub name: &'a str,
     /// In order.
@@ -120,11 +120,11 @@ pub struct Columns<'a> {
 }
 
 /// The tables of a machine, in its order.
-pub fn tables(report: &Report) -> Vec<Columns<'_>> {
+pub fn tables(report: &Report) -> Vec<ColumnTable<'_>> {
     let mut tables = vec![];
-    for (_, figure, _, part) in parts(report) {
-        let (Part::Column { table, title }, Figure::List(list)) = (part, figure) else { continue };
-        let table = entry(&mut tables, |t: &Columns<'_>| t.name == table, || Columns { name: table, columns: vec![] });
+    for (_, figure, _, part) in grouped_figures(report) {
+        let (FigureGroup::Column { table, title }, Figure::List(list)) = (part, figure) else { continue };
+        let table = entry(&mut tables, |t: &ColumnTable<'_>| t.name == table, || ColumnTable { name: table, columns: vec![] });
         table.columns.push((title, list));
     }
     tables

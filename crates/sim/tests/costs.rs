@@ -2,7 +2,7 @@
 
 use basrelief_input::Budget;
 use basrelief_kernel::{CycleAccount, Engine, Recorder, RunReport};
-use basrelief_report::costs::Spent as Told;
+use basrelief_report::costs::CycleBreakdown as Told;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::Scene;
@@ -103,17 +103,17 @@ fn costs_of_all_recipients_sum_to_unit_cycles() {
         check(&costs, timing);
         let told = run.report.costs.as_ref().unwrap();
         assert_eq!(told.unit_cycles, costs.cycles * costs.units.len() as u64);
-        assert_eq!(sum([&told.pixels, &told.elsewhere, &told.nobody]) + told.done, told.unit_cycles);
-        assert_eq!(sum(&told.frames), sum([&told.pixels, &told.elsewhere]), "all is for some frame");
-        let objects = sum(told.objects.iter().map(|o| &o.spent)) + told.other_objects.spent.cycles;
-        let polygons = sum(told.polygons.iter().map(|p| &p.spent)) + told.other_polygons.spent.cycles;
+        assert_eq!(sum([&told.pixels, &told.non_pixel, &told.unattributed]) + told.done, told.unit_cycles);
+        assert_eq!(sum(&told.frames), sum([&told.pixels, &told.non_pixel]), "all is for some frame");
+        let objects = sum(told.objects.iter().map(|o| &o.breakdown)) + told.other_objects.breakdown.cycles;
+        let polygons = sum(told.polygons.iter().map(|p| &p.breakdown)) + told.other_polygons.breakdown.cycles;
         assert!(polygons <= objects && objects <= sum(&told.frames));
         // In a complete run, only an unused unit has waits for no token.
         for unit in &costs.units {
             let unused = unit.activities.iter().all(|way| way.on_pixels + way.elsewhere == 0);
             assert!(unused || unit.activities.iter().all(|way| way.for_nobody == 0), "{}", unit.unit);
         }
-        assert!(told.pixels.busy > 0 && told.elsewhere.busy > 0);
+        assert!(told.pixels.busy > 0 && told.non_pixel.busy > 0);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::values::{Named, angles, direction, finite, key_value, machine, size, socket, tables};
 use crate::commands::dump;
-use basrelief_report::Tables;
+use basrelief_report::TableGroup;
 use basrelief_sim::{MACHINES, MachineInfo};
 use clap::{ArgAction, ArgGroup, Args, ValueEnum};
 use std::net::SocketAddr;
@@ -93,7 +93,7 @@ pub struct TablesArgs {
 
 impl TablesArgs {
     /// Returns the selected tables.
-    pub fn shown(&self) -> Vec<Tables> {
+    pub fn shown(&self) -> Vec<TableGroup> {
         self.tables.iter().flat_map(|named| named.0.clone()).collect()
     }
 }

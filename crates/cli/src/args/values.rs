@@ -1,6 +1,6 @@
 //! Values on the command line, checked where they are given.
 
-use basrelief_report::Tables;
+use basrelief_report::TableGroup;
 pub use basrelief_scene::text::{angles, direction, finite, size};
 use basrelief_sim::{MACHINES, MachineInfo};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -16,21 +16,21 @@ pub fn machine() -> impl TypedValueParser<Value = &'static MachineInfo> {
 
 /// Tables of a report, by one name.
 #[derive(Clone, Debug)]
-pub struct Named(pub Vec<Tables>);
+pub struct Named(pub Vec<TableGroup>);
 
 /// Name of the table of bottlenecks in version 0.1.
 const OLD_BOTTLENECKS: &str = "limits";
 
 /// Names of tables, or of all of them.
 pub fn tables() -> impl TypedValueParser<Value = Named> {
-    let names = Tables::ALL.iter().map(|of| {
+    let names = TableGroup::ALL.iter().map(|of| {
         let value = PossibleValue::new(of.name()).help(of.about());
-        if *of == Tables::Limits { value.alias(OLD_BOTTLENECKS) } else { value }
+        if *of == TableGroup::Bottlenecks { value.alias(OLD_BOTTLENECKS) } else { value }
     });
     let all = PossibleValue::new("all").help("All of them");
     PossibleValuesParser::new(names.chain([all])).map(|name| {
-        let name = if name == OLD_BOTTLENECKS { Tables::Limits.name() } else { name.as_str() };
-        let named = Tables::ALL.iter().copied().filter(|of| name == "all" || name == of.name());
+        let name = if name == OLD_BOTTLENECKS { TableGroup::Bottlenecks.name() } else { name.as_str() };
+        let named = TableGroup::ALL.iter().copied().filter(|of| name == "all" || name == of.name());
         Named(named.collect())
     })
 }

@@ -134,13 +134,13 @@ impl Side {
     }
 
     /// Returns the side for the HTML page.
-    fn shown(&self) -> Done<html::Side<'_>> {
-        let mut beside = page_assets(&self.report).map_err(Failure::within(&self.name))?;
+    fn shown(&self) -> Done<html::ComparedReport<'_>> {
+        let mut assets = page_assets(&self.report).map_err(Failure::within(&self.name))?;
         if let Some(file) = self.image() {
             let png = fs::read(&file).map_err(Failure::file(&file, "be read"))?;
-            beside.pictures = vec![PagePicture { caption: "The machine's picture".into(), png, largest: None }];
+            assets.pictures = vec![PagePicture { caption: "The machine's picture".into(), png, largest: None }];
         }
-        Ok(html::Side { name: &self.name, report: &self.report, beside })
+        Ok(html::ComparedReport { name: &self.name, report: &self.report, assets })
     }
 
     fn against<'a>(&'a self, other: &'a Self) -> Pair<'a> {

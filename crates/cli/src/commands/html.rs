@@ -3,7 +3,7 @@
 use crate::error::{Done, Failure};
 use crate::outputs::PartialFile;
 use basrelief_reference::RgbPicture;
-use basrelief_report::html::Beside;
+use basrelief_report::html::PageAssets;
 use basrelief_report::{Report, to_html};
 use basrelief_sim::{page_assets, page_pictures};
 use std::io::Write;
@@ -38,8 +38,8 @@ impl HtmlFile {
     pub fn finish(mut self, report: &Report) -> Done<PartialFile> {
         let pictures = self.last.as_ref().map(|(machine, exact)| page_pictures(machine, exact.as_ref()));
         let pictures = pictures.transpose().map_err(Failure::Bad)?.unwrap_or_default();
-        let beside = Beside { pictures, ..page_assets(report).map_err(Failure::bad)? };
-        let page = to_html(report, &beside).map_err(Failure::bad)?;
+        let assets = PageAssets { pictures, ..page_assets(report).map_err(Failure::bad)? };
+        let page = to_html(report, &assets).map_err(Failure::bad)?;
         let written = self.file.write_all(page.as_bytes()).and_then(|()| self.file.flush());
         written.map_err(Failure::file(&self.path, "be written"))?;
         Ok(self.file)

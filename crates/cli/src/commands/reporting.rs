@@ -3,7 +3,7 @@
 use crate::args::TablesArgs;
 use crate::error::{Done, print};
 use crate::outputs::{OF_A_RUN, Outputs, REPORT};
-use basrelief_report::{Report, Style, to_csv, to_text};
+use basrelief_report::{Report, TextStyle, to_csv, to_text};
 use std::io::{self, IsTerminal, Write};
 
 /// Writes the report and its tables, and publishes everything.
@@ -23,8 +23,8 @@ pub fn show_report(report: &Report, tables: &TablesArgs) -> Done {
 }
 
 /// Returns the width and colours of this terminal.
-pub fn style() -> Style {
+pub fn style() -> TextStyle {
     let terminal = io::stdout().is_terminal();
     let width = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok()).unwrap_or(120);
-    Style { width, color: terminal && std::env::var_os("NO_COLOR").is_none() }
+    TextStyle { width, color: terminal && std::env::var_os("NO_COLOR").is_none() }
 }

@@ -7,7 +7,7 @@ use crate::rules::Goal;
 use crate::table::{Cell, State};
 use basrelief_report::html::big_numbers;
 use basrelief_report::html::markup::{Html, el, el_text, text};
-use basrelief_report::number::{about, thousands};
+use basrelief_report::number::{percent_in_words, thousands};
 
 /// Title, a sentence, and numbers that can be read from a distance.
 pub(super) fn head(sweep: &Sweep<'_>) -> Html {
@@ -74,7 +74,7 @@ fn volume(sweep: &Sweep<'_>) -> Html {
     let costs: Vec<Vec<f64>> = crate::candidates(sweep.table).into_iter().map(|(_, costs)| costs).collect();
     let share = Space::of(&costs).filter(|_| sweep.front.len() > 1).and_then(|space| space.hypervolume(&costs));
     share.map_or_else(Html::default, |share| {
-        let share = about(share);
+        let share = percent_in_words(share);
         let says = format!(
             "Hypervolume: the Pareto front dominates {share} of the space from the best value of each objective to 10 % beyond its worst."
         );

@@ -3,7 +3,7 @@
 use crate::support::{Program, plan, sweep};
 use basrelief_dse::{Around, Opened, Plan, sensitivity};
 use basrelief_input::Budget;
-use basrelief_report::sensitivity::{Change, ComesTo, Measure, Sensitivity};
+use basrelief_report::sensitivity::{ComesTo, Measure, ParameterChange, Sensitivity};
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_sim::{MACHINES, MachineInfo, Overrides, PreparedScene, RunInput, RunOptions, Unobserved, run};
 use std::collections::BTreeSet;
@@ -34,12 +34,12 @@ fn measured_alone(around: &Around, set: Option<(&str, String)>) -> Measure {
     run(RunInput::Scene(prepared.clone()), &options, &mut Unobserved, None).unwrap().report.measure()
 }
 
-fn set(change: &Change) -> Option<(&str, String)> {
+fn set(change: &ParameterChange) -> Option<(&str, String)> {
     Some((&change.parameter, change.to.as_str().map_or_else(|| change.to.to_string(), str::to_owned)))
 }
 
 /// Percent that a change moves at most, where it is one of cycles or bytes.
-fn size(change: &Change) -> f64 {
+fn size(change: &ParameterChange) -> f64 {
     let ComesTo::Run(moved) = &change.comes_to else { return -1.0 };
     moved.cycles_percent.abs().max(moved.bytes_percent.abs()).max(12.2 * moved.psnr_change_db.unwrap().abs())
 }

@@ -20,7 +20,7 @@
 //! bottleneck it blames the units before and after it for cycles that they cannot save.
 
 use crate::model::{OutcomeKind, Report, Unit};
-use crate::number::{about, thousands};
+use crate::number::{percent_in_words, thousands};
 use indexmap::IndexMap;
 
 /// Busy share of the cycles up to its last step at which a unit counts as the bottleneck.
@@ -32,7 +32,7 @@ const LONG_DRAIN: f64 = 0.05;
 
 /// Bottleneck of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Limit {
+pub enum BottleneckKind {
     /// A functional run has no time.
     NoTime,
     /// Deadlock or fault.
@@ -49,7 +49,7 @@ pub enum Limit {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnosis {
     /// Kind and name.
-    pub limit: Limit,
+    pub limit: BottleneckKind,
     /// One sentence, without line breaks.
     pub sentence: String,
 }
@@ -80,10 +80,10 @@ pub fn largest_stall(unit: &Unit) -> Option<(Stall<'_>, u64)> {
 
 /// Finds the bottleneck of a run.
 pub fn diagnose(report: &Report) -> Diagnosis {
-    let ended = |sentence: String| Diagnosis { limit: Limit::Ended, sentence };
+    let ended = |sentence: String| Diagnosis { limit: BottleneckKind::Ended, sentence };
     let message = report.outcome.message.as_deref().unwrap_or("no message");
     let prefix = match report.outcome.kind {
-        OutcomeKind::Deadlock => return ended(capital(message)),
+        OutcomeKind::Deadlock => return ended(capitalized(message)),
         OutcomeKind::Fault => return ended(format!("The run failed: {message}")),
         OutcomeKind::Complete => String::new(),
         OutcomeKind::Limit => "The run reached its cycle limit. ".into(),
@@ -91,20 +91,20 @@ pub fn diagnose(report: &Report) -> Diagnosis {
     };
     let (Some(units), Some(_)) = (&report.units, &report.cycles) else {
         let sentence = "A functional run has no timing, so it has no bottleneck.".into();
-        return Diagnosis { limit: Limit::NoTime, sentence };
+        return Diagnosis { limit: BottleneckKind::NoTime, sentence };
     };
-    let plan = Plan { report, units, total: report.frame_cycles(), drain: report.drain() };
-    let (limit, sentence) = plan.limit();
+    let plan = StallSearch { report, units, total: report.frame_cycles(), drain: report.drain() };
+    let (limit, sentence) = plan.find_bottleneck();
     Diagnosis { limit, sentence: prefix + &sentence }
 }
 
-fn capital(text: &str) -> String {
+fn capitalized(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
 }
 
 /// The block diagram as the report shows it: a FIFO's producer lists it as an output, its consumer as an input.
-struct Plan<'a> {
+struct StallSearch<'a> {
     report: &'a Report,
     units: &'a IndexMap<String, Unit>,
     /// Cycles of the frames.
@@ -113,79 +113,83 @@ struct Plan<'a> {
     drain: u64,
 }
 
-type Named<'a> = (&'a str, &'a Unit);
+type NamedUnit<'a> = (&'a str, &'a Unit);
 
-impl<'a> Plan<'a> {
-    fn limit(&self) -> (Limit, String) {
-        let by_work =
-            self.named().filter(|(_, u)| u.done >= self.drain).reduce(|best, u| if u.1.busy > best.1.busy { u } else { best });
+impl<'a> StallSearch<'a> {
+    fn find_bottleneck(&self) -> (BottleneckKind, String) {
+        let by_work = self
+            .named_units()
+            .filter(|(_, u)| u.done >= self.drain)
+            .reduce(|best, u| if u.1.busy > best.1.busy { u } else { best });
         let Some(busiest) = by_work.filter(|(_, u)| u.busy > 0) else {
-            return (Limit::Ended, "No unit made a step.".into());
+            return (BottleneckKind::Ended, "No unit made a step.".into());
         };
         if self.busy_share(busiest.1) >= BOTTLENECK {
-            return self.bottleneck(busiest);
+            return self.saturated_unit(busiest);
         }
         let mut path = vec![busiest];
         loop {
-            let Some(&(name, unit)) = path.last() else { return self.most(busiest) };
+            let Some(&(name, unit)) = path.last() else { return self.main_bottleneck(busiest) };
             let next = match largest_stall(unit).filter(|&(_, n)| n > unit.busy) {
-                None => return self.most((name, unit)),
-                Some((Stall::Memory(client), n)) => return self.memory((name, unit), client, n),
+                None => return self.main_bottleneck((name, unit)),
+                Some((Stall::Memory(client), n)) => return self.memory_bottleneck((name, unit), client, n),
                 Some((Stall::Starved(fifo), _)) => self.producer(fifo),
                 Some((Stall::Blocked(fifo), _)) => self.consumer(fifo),
             };
-            let Some(next) = next else { return self.most((name, unit)) };
+            let Some(next) = next else { return self.main_bottleneck((name, unit)) };
             if let Some(first) = path.iter().position(|&(n, _)| n == next.0) {
-                return self.circle(path.get(first..).unwrap_or(&path));
+                return self.waiting_circle(path.get(first..).unwrap_or(&path));
             }
             path.push(next);
         }
     }
 
-    fn named(&self) -> impl Iterator<Item = Named<'a>> + use<'a> {
+    fn named_units(&self) -> impl Iterator<Item = NamedUnit<'a>> + use<'a> {
         self.units.iter().map(|(name, unit)| (name.as_str(), unit))
     }
 
-    fn producer(&self, fifo: &str) -> Option<Named<'a>> {
-        self.named().find(|(_, u)| u.blocked.contains_key(fifo))
+    fn producer(&self, fifo: &str) -> Option<NamedUnit<'a>> {
+        self.named_units().find(|(_, u)| u.blocked.contains_key(fifo))
     }
 
-    fn consumer(&self, fifo: &str) -> Option<Named<'a>> {
-        self.named().find(|(_, u)| u.starved.contains_key(fifo))
+    fn consumer(&self, fifo: &str) -> Option<NamedUnit<'a>> {
+        self.named_units().find(|(_, u)| u.starved.contains_key(fifo))
     }
 
     fn busy_share(&self, unit: &Unit) -> f64 {
-        let active = self.total.saturating_sub(self.done(unit));
+        let active = self.total.saturating_sub(self.cycles_after_last_step(unit));
         if active == 0 { 0.0 } else { unit.busy as f64 / active as f64 }
     }
 
     /// Cycles of the frames after its last step.
-    fn done(&self, unit: &Unit) -> u64 {
+    fn cycles_after_last_step(&self, unit: &Unit) -> u64 {
         unit.done.saturating_sub(self.drain)
     }
 
     fn of_total(&self, cycles: u64) -> String {
-        about(if self.total == 0 { 0.0 } else { cycles as f64 / self.total as f64 })
+        percent_in_words(if self.total == 0 { 0.0 } else { cycles as f64 / self.total as f64 })
     }
 
     /// True if the sentence mentions the cycles after the last step.
-    fn drains(&self, unit: &Unit) -> bool {
-        self.done(unit) as f64 >= LONG_DRAIN * self.total as f64
+    fn ends_early(&self, unit: &Unit) -> bool {
+        self.cycles_after_last_step(unit) as f64 >= LONG_DRAIN * self.total as f64
     }
 
-    fn bottleneck(&self, (name, unit): Named<'a>) -> (Limit, String) {
-        let drains = self.drains(unit);
+    fn saturated_unit(&self, (name, unit): NamedUnit<'a>) -> (BottleneckKind, String) {
+        let drains = self.ends_early(unit);
         let up_to = if drains { " up to its last step" } else { "" };
-        let busy = about(self.busy_share(unit));
-        let mut sentence = format!("Bottleneck: {}, busy {busy} of the cycles{up_to}.{}", label(name, unit), self.victim(name));
+        let busy = percent_in_words(self.busy_share(unit));
+        let mut sentence =
+            format!("Bottleneck: {}, busy {busy} of the cycles{up_to}.{}", label(name, unit), self.waiting_neighbour(name));
         if drains {
-            sentence += &format!(" The last {} of the run drain the units behind it.", self.of_total(self.done(unit)));
+            sentence +=
+                &format!(" The last {} of the run drain the units behind it.", self.of_total(self.cycles_after_last_step(unit)));
         }
-        (Limit::Unit(name.into()), sentence)
+        (BottleneckKind::Unit(name.into()), sentence)
     }
 
-    fn most(&self, (name, unit): Named<'a>) -> (Limit, String) {
-        let busy = about(self.busy_share(unit));
+    fn main_bottleneck(&self, (name, unit): NamedUnit<'a>) -> (BottleneckKind, String) {
+        let busy = percent_in_words(self.busy_share(unit));
         let own = largest_stall(unit).map_or(String::new(), |(wait, n)| {
             let what = match wait {
                 Stall::Starved(fifo) => format!("for a token from `{fifo}`"),
@@ -194,20 +198,20 @@ impl<'a> Plan<'a> {
             };
             format!(" It waits {what} {} of the time.", self.of_total(n))
         });
-        let up_to = if self.drains(unit) { " up to its last step" } else { "" };
+        let up_to = if self.ends_early(unit) { " up to its last step" } else { "" };
         let sentence = format!(
             "Main bottleneck: {}, busy {busy} of the cycles{up_to}, so no unit is saturated.{}{own}",
             label(name, unit),
-            self.victim(name)
+            self.waiting_neighbour(name)
         );
-        (Limit::Unit(name.into()), sentence)
+        (BottleneckKind::Unit(name.into()), sentence)
     }
 
     /// Returns a sentence about the neighbour that waits most for `name`; empty if none waits. Blocked neighbours come first: backpressure
     /// shows that work was ready, starvation only that there was none.
-    fn victim(&self, name: &str) -> String {
+    fn waiting_neighbour(&self, name: &str) -> String {
         let caused = |how: &'static str| {
-            let all = self.named().filter(move |&(n, _)| n != name).flat_map(stalls_of);
+            let all = self.named_units().filter(move |&(n, _)| n != name).flat_map(stalls_of);
             let by = move |wait: Stall<'_>| match wait {
                 Stall::Starved(fifo) if how == "starved" => self.producer(fifo),
                 Stall::Blocked(fifo) if how == "blocked" => self.consumer(fifo),
@@ -220,11 +224,11 @@ impl<'a> Plan<'a> {
         largest.map_or(String::new(), |(victim, how, n)| format!(" `{victim}` is {how} by it {} of the time.", self.of_total(n)))
     }
 
-    fn memory(&self, (name, unit): Named<'a>, client: &str, cycles: u64) -> (Limit, String) {
+    fn memory_bottleneck(&self, (name, unit): NamedUnit<'a>, client: &str, cycles: u64) -> (BottleneckKind, String) {
         let memory = self.report.memories.iter().flatten().find(|(_, m)| m.clients.contains_key(client));
         let memory = memory.map_or("behind it", |(name, _)| name.as_str());
         let bus = self.report.derived.get(&format!("{memory}.bus_utilization")).map_or(String::new(), |bus| {
-            let share = about(bus.value);
+            let share = percent_in_words(bus.value);
             if bus.value >= SATURATED_BUS {
                 format!(" Its data bus is busy {share}: bandwidth is the limit.")
             } else {
@@ -236,10 +240,10 @@ impl<'a> Plan<'a> {
             label(name, unit),
             self.of_total(cycles)
         );
-        (Limit::Memory(client.into()), sentence)
+        (BottleneckKind::Memory(client.into()), sentence)
     }
 
-    fn circle(&self, path: &[Named<'a>]) -> (Limit, String) {
+    fn waiting_circle(&self, path: &[NamedUnit<'a>]) -> (BottleneckKind, String) {
         let waits = path.iter().filter_map(|&(name, unit)| {
             largest_stall(unit).and_then(|(wait, n)| match wait {
                 Stall::Starved(fifo) => Some((fifo, format!("`{name}` waits {} for a token from `{fifo}`", self.of_total(n)))),
@@ -256,7 +260,7 @@ impl<'a> Plan<'a> {
              ({depths}).",
             texts.join(", ")
         );
-        (Limit::Circle(fifos), sentence)
+        (BottleneckKind::Circle(fifos), sentence)
     }
 
     /// Slots of a FIFO, as the parameter that sets them, where it has one of its own.
@@ -267,7 +271,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-fn stalls_of<'a>((name, unit): Named<'a>) -> impl Iterator<Item = (&'a str, Stall<'a>, u64)> {
+fn stalls_of<'a>((name, unit): NamedUnit<'a>) -> impl Iterator<Item = (&'a str, Stall<'a>, u64)> {
     stalls(unit).map(move |(wait, n)| (name, wait, n))
 }
 

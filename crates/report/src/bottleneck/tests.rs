@@ -1,7 +1,7 @@
 use super::*;
 use crate::samples::{self, with_units};
 
-fn check(report: &Report, limit: Limit, sentence: &str) {
+fn check(report: &Report, limit: BottleneckKind, sentence: &str) {
     let diagnosis = diagnose(report);
     assert_eq!(diagnosis.sentence, sentence);
     assert_eq!(diagnosis.limit, limit);
@@ -11,7 +11,7 @@ fn check(report: &Report, limit: Limit, sentence: &str) {
 fn saturated_unit_is_the_bottleneck() {
     check(
         &samples::balanced(),
-        Limit::Unit("replacement".into()),
+        BottleneckKind::Unit("replacement".into()),
         "Bottleneck: `replacement` (110), busy 98 % of the cycles. `normal-mapping` is blocked by it 61 % of the time.",
     );
 }
@@ -20,7 +20,7 @@ fn saturated_unit_is_the_bottleneck() {
 fn slow_source_is_the_bottleneck() {
     check(
         &samples::source_bound(),
-        Limit::Unit("host".into()),
+        BottleneckKind::Unit("host".into()),
         "Bottleneck: `host`, busy 100 % of the cycles. `rasterizer` is starved by it 73 % of the time.",
     );
 }
@@ -30,18 +30,18 @@ fn waits_lead_to_the_memory_that_causes_them() {
     let mut report = samples::memory_bound();
     let latency = "Bottleneck: memory `graphics`. `depth-test` waits for its port `z` 54 % of the cycles. Its data bus is \
                    busy only 24 %: latency is the limit, not bandwidth.";
-    check(&report, Limit::Memory("z".into()), latency);
+    check(&report, BottleneckKind::Memory("z".into()), latency);
     report.derived["graphics.bus_utilization"].value = 0.92;
     let bandwidth = "Bottleneck: memory `graphics`. `depth-test` waits for its port `z` 54 % of the cycles. Its data bus is \
                      busy 92 %: bandwidth is the limit.";
-    check(&report, Limit::Memory("z".into()), bandwidth);
+    check(&report, BottleneckKind::Memory("z".into()), bandwidth);
 }
 
 #[test]
 fn deadlock_message_equals_the_kernels() {
     check(
         &samples::deadlocked(),
-        Limit::Ended,
+        BottleneckKind::Ended,
         "Deadlock after 1000000 cycles: `fork` waits for a slot in `left` (4 of 4 slots); `join` waits for a token from \
          `right` (0 of 4 slots)",
     );
@@ -54,7 +54,7 @@ fn mutual_waits_name_the_fifo_between() {
             ("a", &[("busy", 400_000), (">f", 600_000)]),
             ("b", &[("busy", 300_000), ("<f", 650_000), ("done", 50_000)]),
         ]),
-        Limit::Circle(vec!["f".into()]),
+        BottleneckKind::Circle(vec!["f".into()]),
         "Bottleneck: units that wait for each other. Of the cycles, `a` waits 60 % for a slot in `f`, `b` waits 65 % for a token \
          from `f`. No unit is slow by itself; more FIFO slots may help (fifo.f.depth = 4).",
     );
@@ -77,7 +77,7 @@ fn unsaturated_unit_is_the_main_bottleneck() {
             ("a", &[("busy", 300_000), (">f", 700_000)]),
             ("b", &[("busy", 600_000), ("<f", 100_000), ("@z", 300_000)]),
         ]),
-        Limit::Unit("b".into()),
+        BottleneckKind::Unit("b".into()),
         "Main bottleneck: `b`, busy 60 % of the cycles, so no unit is saturated. `a` is blocked by it 70 % of the time. It waits \
          for port `z` 30 % of the time.",
     );
@@ -90,7 +90,7 @@ fn long_drain_does_not_hide_the_bottleneck() {
             ("a", &[("busy", 700_000), ("<in", 20_000), (">f", 0), ("done", 280_000)]),
             ("b", &[("busy", 300_000), ("<f", 700_000)]),
         ]),
-        Limit::Unit("a".into()),
+        BottleneckKind::Unit("a".into()),
         "Bottleneck: `a`, busy 97 % of the cycles up to its last step. `b` is starved by it 70 % of the time. The last 28 % of the \
          run drain the units behind it.",
     );
@@ -102,16 +102,16 @@ fn incomplete_run_has_a_bottleneck() {
     report.outcome.kind = OutcomeKind::Limit;
     let sentence = diagnose(&report).sentence;
     assert!(sentence.starts_with("The run reached its cycle limit. Bottleneck: `replacement` (110)"), "{sentence}");
-    assert_eq!(diagnose(&samples::functional()).limit, Limit::NoTime);
-    assert_eq!(diagnose(&with_units(&[])).limit, Limit::Ended);
+    assert_eq!(diagnose(&samples::functional()).limit, BottleneckKind::NoTime);
+    assert_eq!(diagnose(&with_units(&[])).limit, BottleneckKind::Ended);
 }
 
 #[test]
 fn kernel_report_has_a_bottleneck() {
     let report = samples::simulated();
     match diagnose(&report).limit {
-        Limit::Unit(name) => assert!(report.units.unwrap().contains_key(&name)),
-        Limit::Memory(client) => assert_eq!(client, "p"),
+        BottleneckKind::Unit(name) => assert!(report.units.unwrap().contains_key(&name)),
+        BottleneckKind::Memory(client) => assert_eq!(client, "p"),
         other => panic!("{other:?}"),
     }
 }

@@ -8,7 +8,7 @@ pub const WORK: &str = "work";
 
 /// One figure that differs. Absent where a report has no such figure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Change {
+pub struct FigureChange {
     /// Unit, FIFO, memory, parameter ...
     pub name: String,
     /// Name of the figure.
@@ -28,16 +28,16 @@ pub struct Change {
 
 /// Differences in one part of the reports, largest change first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Section {
+pub struct SectionChanges {
     /// `run`, `config`, `cycles`, `units`, `fifos`, `memories`, `channels`, `caches`, `figures`, `quality` or `image`.
     pub table: &'static str,
     /// At least one.
-    pub changes: Vec<Change>,
+    pub changes: Vec<FigureChange>,
 }
 
 /// Largest regression.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Worst {
+pub struct LargestRegression {
     /// Size \[%\], finite; 0 if nothing got worse.
     pub percent: f64,
     /// Name of the figure.
@@ -46,7 +46,7 @@ pub struct Worst {
 
 /// A figure that counts and that cannot be judged.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Unjudged {
+pub struct UnjudgedFigure {
     /// Name of the figure.
     pub figure: String,
     /// Reason.
@@ -57,20 +57,20 @@ pub struct Unjudged {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
     /// Largest regression of the judged figures.
-    pub worst: Worst,
+    pub worst: LargestRegression,
     /// Figures that cannot be judged.
-    pub unjudged: Vec<Unjudged>,
+    pub unjudged: Vec<UnjudgedFigure>,
 }
 
 impl Default for Verdict {
     fn default() -> Self {
-        Self { worst: Worst { percent: 0.0, what: "nothing".into() }, unjudged: vec![] }
+        Self { worst: LargestRegression { percent: 0.0, what: "nothing".into() }, unjudged: vec![] }
     }
 }
 
 /// Part of the change of the cycles that one group of parameters causes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Share {
+pub struct CauseShare {
     /// `memory.NAME`, `cache.NAME`, `fifo.NAME`, or the first part of the keys; [`WORK`] for work parameters.
     pub group: String,
     /// `--set` options with which a full run of B takes `cycles`. For work parameters, only if both runs have the same input. Empty if no
@@ -84,10 +84,10 @@ pub struct Share {
 
 /// Measured causes of the change of the cycles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Explained {
+pub struct MeasuredCauses {
     /// Causes, largest first. Causes that cannot be measured are last.
     #[serde(rename = "explained")]
-    pub shares: Vec<Share>,
+    pub shares: Vec<CauseShare>,
     /// Rest of the change: the interaction of causes, and causes that cannot be measured.
     pub together: i64,
 }
@@ -101,9 +101,9 @@ pub struct Comparison {
     pub explanation: String,
     /// The causes as data, if they were measured.
     #[serde(flatten)]
-    pub explained: Option<Explained>,
+    pub explained: Option<MeasuredCauses>,
     /// Parts with differences.
-    pub sections: Vec<Section>,
+    pub sections: Vec<SectionChanges>,
     /// The runs have different inputs, or the input of a run is unknown.
     pub other_input: bool,
     /// Largest regression, and counted figures that cannot be judged.
@@ -116,7 +116,7 @@ impl Comparison {
     /// The input is not considered; see [`Comparison::other_input`].
     pub fn failures(&self, percent: f64) -> Vec<String> {
         let Verdict { worst, unjudged } = &self.verdict;
-        let unjudged = unjudged.iter().map(|Unjudged { figure, reason }| format!("{figure} cannot be judged: {reason}"));
+        let unjudged = unjudged.iter().map(|UnjudgedFigure { figure, reason }| format!("{figure} cannot be judged: {reason}"));
         let is_over = worst.percent > percent;
         let over = is_over.then(|| format!("{} got worse by {} %; the limit is {percent} %", worst.what, worst.percent));
         unjudged.chain(over).collect()

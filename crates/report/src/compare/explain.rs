@@ -1,6 +1,6 @@
 //! The change of the cycles and its causes in words.
 
-use super::comparison::{Explained, Share, WORK};
+use super::comparison::{CauseShare, MeasuredCauses, WORK};
 use crate::model::Report;
 use crate::number::{real, signed, thousands};
 
@@ -10,7 +10,7 @@ const TOLD: u64 = 1;
 const UNMEASURED: &str = "To measure the causes, keep the recording of both runs beside their reports: `--out DIR` keeps it for short \
                           runs, `--recording DIR/run.recording` for any run.";
 
-pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<&Explained>)) -> String {
+pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<&MeasuredCauses>)) -> String {
     if equal {
         return "The reports are equal, host figures aside.".into();
     }
@@ -28,7 +28,7 @@ pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<
     }
     sentences.push(match (&a.cycles, &b.cycles) {
         (Some(_), Some(_)) => {
-            let why = explained.map(|explained| why(explained, a.frame_cycles()));
+            let why = explained.map(|explained| causes_in_words(explained, a.frame_cycles()));
             cycles((a.frame_cycles(), b.frame_cycles()), why, is_one_machine)
         }
         (None, None) => "Both runs are functional: they have no timing.".into(),
@@ -42,7 +42,7 @@ fn cycles((before, after): (u64, u64), why: Option<String>, is_one_machine: bool
     let relative = if before == 0 { String::new() } else { format!(" ({})", percent(delta as f64 / before as f64)) };
     let head = match delta {
         0 => format!("Both runs take {} cycles", thousands(after)),
-        _ => format!("B takes {} {} cycles{relative}", real(delta.abs() as f64), more(delta)),
+        _ => format!("B takes {} {} cycles{relative}", real(delta.abs() as f64), more_or_fewer(delta)),
     };
     match why {
         Some(why) => format!("{head}{why}."),
@@ -51,7 +51,7 @@ fn cycles((before, after): (u64, u64), why: Option<String>, is_one_machine: bool
     }
 }
 
-fn more(delta: i128) -> &'static str {
+fn more_or_fewer(delta: i128) -> &'static str {
     if delta > 0 { "more" } else { "fewer" }
 }
 
@@ -60,14 +60,14 @@ fn percent(share: f64) -> String {
 }
 
 /// The group in words.
-fn named(share: &Share) -> &str {
+fn group_name(share: &CauseShare) -> &str {
     if share.group == WORK { "work parameters" } else { &share.group }
 }
 
 /// The causes, the largest first: the end of the sentence, or a sentence of its own.
-fn why(explained: &Explained, before: u64) -> String {
-    let inseparable: Vec<&str> = explained.shares.iter().filter(|share| share.by.is_none()).map(named).collect();
-    let counts = explained.shares.iter().filter_map(|share| Some((named(share), share.by.filter(|by| *by != 0)?)));
+fn causes_in_words(explained: &MeasuredCauses, before: u64) -> String {
+    let inseparable: Vec<&str> = explained.shares.iter().filter(|share| share.by.is_none()).map(group_name).collect();
+    let counts = explained.shares.iter().filter_map(|share| Some((group_name(share), share.by.filter(|by| *by != 0)?)));
     let counts: Vec<(&str, i64)> = counts.collect();
     if let ([(name, _)], 0, true) = (&*counts, explained.together, inseparable.is_empty()) {
         return format!(", all due to {name}");
@@ -106,10 +106,10 @@ mod tests {
     fn sentence(shares: &[(&str, Option<i64>)], together: i64) -> String {
         let share = |(group, by): &(&str, Option<i64>)| {
             let cycles = by.map(|by| (400_000 - by) as u64);
-            Share { group: (*group).into(), set: vec![], cycles, by: *by }
+            CauseShare { group: (*group).into(), set: vec![], cycles, by: *by }
         };
         let (a, b) = samples::before_and_after();
-        compare(&a, &b, Some(Explained { shares: shares.iter().map(share).collect(), together })).explanation
+        compare(&a, &b, Some(MeasuredCauses { shares: shares.iter().map(share).collect(), together })).explanation
     }
 
     #[test]
@@ -144,8 +144,8 @@ mod tests {
     #[test]
     fn missing_recording_reports_difference_and_cure() {
         let (a, b) = samples::before_and_after();
-        let told = compare(&a, &b, None).explanation;
-        assert!(told.starts_with("B takes 600,000 fewer cycles (-60 %). To measure the causes, "), "{told}");
+        let explanation = compare(&a, &b, None).explanation;
+        assert!(explanation.starts_with("B takes 600,000 fewer cycles (-60 %). To measure the causes, "), "{explanation}");
         assert!(compare(&b, &a, None).explanation.starts_with("B takes 600,000 more cycles (+150 %). "));
     }
 

@@ -23,15 +23,17 @@ mod overview;
 mod text;
 mod verdict;
 
-pub use comparison::{Change, Comparison, Explained, Section, Share, Unjudged, Verdict, WORK, Worst};
+pub use comparison::{
+    CauseShare, Comparison, FigureChange, LargestRegression, MeasuredCauses, SectionChanges, UnjudgedFigure, Verdict, WORK,
+};
 pub use overview::overview;
 
-use crate::long_table::{self, Row};
+use crate::long_table::{self, FigureRow};
 use crate::model::{Figure, Report};
 use indexmap::IndexMap;
 
 /// Compares report `b` with report `a`. `explained` holds the measured causes, if any.
-pub fn compare(a: &Report, b: &Report, explained: Option<Explained>) -> Comparison {
+pub fn compare(a: &Report, b: &Report, explained: Option<MeasuredCauses>) -> Comparison {
     let sections = sections(a, b);
     Comparison {
         equal: sections.is_empty(),
@@ -43,18 +45,18 @@ pub fn compare(a: &Report, b: &Report, explained: Option<Explained>) -> Comparis
     }
 }
 
-type Place = (&'static str, String, &'static str, String);
+type FigureKey = (&'static str, String, &'static str, String);
 
 /// Figures to compare. High-water mark, mean and full cycles stand for the histogram; derived figures follow from the others.
-fn figures(report: &Report) -> IndexMap<Place, Figure> {
-    let told = |r: &Row| r.table != "derived" && r.field != "histogram";
-    long_table::rows(report).into_iter().filter(told).map(|r| ((r.table, r.name, r.field, r.key), r.value)).collect()
+fn figures(report: &Report) -> IndexMap<FigureKey, Figure> {
+    let is_compared = |r: &FigureRow| r.table != "derived" && r.field != "histogram";
+    long_table::rows(report).into_iter().filter(is_compared).map(|r| ((r.table, r.name, r.field, r.key), r.value)).collect()
 }
 
-fn sections(a: &Report, b: &Report) -> Vec<Section> {
+fn sections(a: &Report, b: &Report) -> Vec<SectionChanges> {
     let (in_a, mut in_b) = (figures(a), figures(b));
-    let mut changes: IndexMap<&'static str, Vec<Change>> = IndexMap::new();
-    let mut add = |place: Place, a: Option<Figure>, b: Option<Figure>| {
+    let mut changes: IndexMap<&'static str, Vec<FigureChange>> = IndexMap::new();
+    let mut add = |place: FigureKey, a: Option<Figure>, b: Option<Figure>| {
         if a != b {
             let table = changes.entry(place.0).or_default();
             table.push(change((place.1, place.2, place.3), a, b));
@@ -69,22 +71,22 @@ fn sections(a: &Report, b: &Report) -> Vec<Section> {
     }
     let order = ["run", "config", "cycles", "units", "fifos", "memories", "channels", "caches", "figures", "quality", "image"];
     let parts = order.into_iter().filter_map(|table| changes.swap_remove(table).map(|changes| (table, changes)));
-    parts.map(|(table, changes)| Section { table, changes: sorted(table, changes) }).collect()
+    parts.map(|(table, changes)| SectionChanges { table, changes: sorted(table, changes) }).collect()
 }
 
-fn change((name, field, key): (String, &'static str, String), a: Option<Figure>, b: Option<Figure>) -> Change {
+fn change((name, field, key): (String, &'static str, String), a: Option<Figure>, b: Option<Figure>) -> FigureChange {
     let number = |x: &Option<Figure>| x.as_ref().map_or(Some(0.0), Figure::number);
     let delta = number(&a).zip(number(&b)).map(|(a, b)| b - a);
     let base = a.as_ref().and_then(Figure::number).filter(|&a| a != 0.0);
     let percent = delta.zip(base).map(|(d, base)| crate::number::round6(100.0 * d / base.abs()));
-    Change { name, field, key, a, b, delta: delta.map(crate::number::round6), percent }
+    FigureChange { name, field, key, a, b, delta: delta.map(crate::number::round6), percent }
 }
 
 /// Sorts changes, largest first. In units, cycles come before counts of steps and tokens. Parameters and metadata keep their order.
-fn sorted(table: &str, mut changes: Vec<Change>) -> Vec<Change> {
+fn sorted(table: &str, mut changes: Vec<FigureChange>) -> Vec<FigureChange> {
     if !["run", "config", "image"].contains(&table) {
-        let counts = |c: &Change| table == "units" && ["steps", "tokens"].contains(&c.field);
-        let size = |c: &Change| c.delta.map_or(0.0, f64::abs);
+        let counts = |c: &FigureChange| table == "units" && ["steps", "tokens"].contains(&c.field);
+        let size = |c: &FigureChange| c.delta.map_or(0.0, f64::abs);
         changes.sort_by(|x, y| counts(x).cmp(&counts(y)).then(size(y).total_cmp(&size(x))));
     }
     changes
@@ -147,8 +149,8 @@ mod tests {
     #[test]
     fn a_comparison_is_json() {
         let (a, b) = samples::before_and_after();
-        let share = Share { group: WORK.into(), set: vec![], cycles: Some(1_000_000), by: Some(-600_000) };
-        let explained = Explained { shares: vec![share], together: 0 };
+        let share = CauseShare { group: WORK.into(), set: vec![], cycles: Some(1_000_000), by: Some(-600_000) };
+        let explained = MeasuredCauses { shares: vec![share], together: 0 };
         let json = serde_json::to_value(compare(&a, &b, Some(explained))).unwrap();
         assert_eq!((&json["explained"][0]["by"], &json["together"]), (&(-600_000).into(), &0.into()));
         assert_eq!(json["sections"][0]["table"], "config");

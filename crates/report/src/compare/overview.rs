@@ -2,13 +2,13 @@
 
 use crate::model::Report;
 use crate::number::{real, thousands};
-use crate::text::style::Style;
+use crate::text::style::TextStyle;
 use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
 
 /// Returns render cycles, memory bytes and PSNR of each report, with a line feed at the end.
-pub fn overview(reports: &[(&str, &Report)], style: Style) -> String {
+pub fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
     let mut kinds: Vec<String> = reports.iter().map(|(_, report)| work(report).one).collect();
     kinds.dedup();
     let each = format!("per {}", kinds.join(" or "));
@@ -39,6 +39,6 @@ mod tests {
     fn reports_side_by_side() {
         let (a, b) = samples::before_and_after();
         let reports = [("out/a", &a), ("out/b", &b), ("out/functional", &samples::functional())];
-        insta::assert_snapshot!("overview", overview(&reports, Style::default()));
+        insta::assert_snapshot!("overview", overview(&reports, TextStyle::default()));
     }
 }

@@ -1,10 +1,10 @@
 //! The comparison as people read it.
 
-use super::comparison::{Change, Comparison, Section, Unjudged, Verdict};
+use super::comparison::{Comparison, FigureChange, SectionChanges, UnjudgedFigure, Verdict};
 use crate::model::Figure;
 use crate::number::signed;
 use crate::text::sections::figure;
-use crate::text::style::{Paint, Style};
+use crate::text::style::{Emphasis, TextStyle};
 use crate::text::table::{Align, Table};
 use Align::{Left, Right};
 
@@ -13,11 +13,11 @@ const SHOWN: usize = 12;
 
 impl Comparison {
     /// Returns the causes, the tables and the verdict, with a line feed at the end.
-    pub fn to_text(&self, style: Style) -> String {
-        let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&self.explanation))];
+    pub fn to_text(&self, style: TextStyle) -> String {
+        let mut parts = vec![style.paint(Emphasis::Bold, &style.wrap(&self.explanation))];
         parts.extend(self.sections.iter().map(|section| section.to_text(style)));
         let Verdict { worst, unjudged } = &self.verdict;
-        for Unjudged { figure, reason } in unjudged {
+        for UnjudgedFigure { figure, reason } in unjudged {
             parts.push(style.wrap(&format!("Cannot be judged: {figure}: {reason}.")));
         }
         if worst.percent > 0.0 {
@@ -29,8 +29,8 @@ impl Comparison {
     }
 }
 
-impl Section {
-    fn to_text(&self, style: Style) -> String {
+impl SectionChanges {
+    fn to_text(&self, style: TextStyle) -> String {
         let more = self.changes.len().saturating_sub(SHOWN);
         let rest = if more > 0 { format!("\n.. and {more} more") } else { String::new() };
         self.of(&self.changes[..self.changes.len().min(SHOWN)]).render(style) + &rest
@@ -58,7 +58,7 @@ impl Section {
         }
     }
 
-    fn of(&self, changes: &[Change]) -> Table {
+    fn of(&self, changes: &[FigureChange]) -> Table {
         let mut table =
             Table::new(&[(self.title(), Left, 0), ("A", Right, 0), ("B", Right, 0), ("change", Right, 0), ("%", Right, 1)]);
         for change in changes {
@@ -68,12 +68,12 @@ impl Section {
     }
 }
 
-impl Change {
+impl FigureChange {
     fn cells(&self) -> [String; 5] {
         let field = if self.field == "value" { "" } else { self.field };
         let words = [self.name.as_str(), field, self.key.as_str()];
         let place: Vec<&str> = words.into_iter().filter(|w| !w.is_empty()).collect();
-        let figure = |x: &Option<Figure>| x.as_ref().map_or("-".into(), |x| short(figure(x)));
+        let figure = |x: &Option<Figure>| x.as_ref().map_or("-".into(), |x| shortened(figure(x)));
         let percent = |p: f64| format!("{}{:.1}", if p > 0.0 { "+" } else { "" }, p);
         [
             place.join(" "),
@@ -86,7 +86,7 @@ impl Change {
 }
 
 /// Shortens a hash.
-fn short(text: String) -> String {
+fn shortened(text: String) -> String {
     const SHOWN: usize = 16;
     if text.chars().count() > 2 * SHOWN { text.chars().take(SHOWN).chain("..".chars()).collect() } else { text }
 }
@@ -95,24 +95,24 @@ fn short(text: String) -> String {
 mod tests {
     use crate::compare::compare;
     use crate::samples;
-    use crate::text::Style;
+    use crate::text::TextStyle;
 
     #[test]
     fn a_comparison_as_text() {
         let (a, b) = samples::before_and_after();
-        insta::assert_snapshot!("comparison", compare(&a, &b, None).to_text(Style::default()));
+        insta::assert_snapshot!("comparison", compare(&a, &b, None).to_text(TextStyle::default()));
     }
 
     #[test]
     fn equal_reports_need_one_line() {
         let a = samples::balanced();
-        assert_eq!(compare(&a, &a, None).to_text(Style::default()), "The reports are equal, host figures aside.\n");
+        assert_eq!(compare(&a, &a, None).to_text(TextStyle::default()), "The reports are equal, host figures aside.\n");
     }
 
     #[test]
     fn largest_regression_comes_last() {
         let (a, b) = samples::before_and_after();
-        let text = compare(&b, &a, None).to_text(Style::default());
+        let text = compare(&b, &a, None).to_text(TextStyle::default());
         assert!(text.ends_with("Largest regression: cycles.frames[0], 160.0 %.\n"), "{text}");
     }
 }

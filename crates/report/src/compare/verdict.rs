@@ -1,6 +1,6 @@
 //! The largest regression, and counted figures that cannot be judged. The parent module lists the figures that count.
 
-use super::comparison::{Unjudged, Verdict, Worst};
+use super::comparison::{LargestRegression, UnjudgedFigure, Verdict};
 use crate::model::{Memory, OutcomeKind, PictureQuality, Report};
 use crate::number::{round6, thousands};
 use basrelief_reference::QualityMetrics;
@@ -10,7 +10,7 @@ use indexmap::IndexMap;
 const LACKS: &str = "A has it and B lacks it";
 
 pub(super) fn verdict(a: &Report, b: &Report, equal: bool) -> Verdict {
-    let mut judge = Judge(Verdict::default());
+    let mut judge = VerdictBuilder(Verdict::default());
     for (name, report) in [("A", a), ("B", b)] {
         if report.outcome.kind != OutcomeKind::Complete {
             judge.reject("outcome", format!("run {name} did not finish ({})", report.outcome.kind.name()));
@@ -25,17 +25,17 @@ pub(super) fn verdict(a: &Report, b: &Report, equal: bool) -> Verdict {
     judge.0
 }
 
-struct Judge(Verdict);
+struct VerdictBuilder(Verdict);
 
-impl Judge {
+impl VerdictBuilder {
     fn reject(&mut self, figure: impl Into<String>, reason: impl Into<String>) {
-        self.0.unjudged.push(Unjudged { figure: figure.into(), reason: reason.into() });
+        self.0.unjudged.push(UnjudgedFigure { figure: figure.into(), reason: reason.into() });
     }
 
     fn regression(&mut self, what: String, percent: f64) {
         let percent = round6(percent);
         if percent > self.0.worst.percent {
-            self.0.worst = Worst { percent, what };
+            self.0.worst = LargestRegression { percent, what };
         }
     }
 
@@ -146,7 +146,7 @@ mod tests {
     fn unjudged(change: impl FnOnce(&mut Report)) -> Vec<String> {
         let comparison = changed(change);
         assert!(!comparison.failures(f64::MAX).is_empty(), "no limit lets them pass");
-        assert!(!comparison.to_text(crate::Style::default()).contains("Nothing got worse"));
+        assert!(!comparison.to_text(crate::TextStyle::default()).contains("Nothing got worse"));
         comparison.verdict.unjudged.into_iter().map(|u| format!("{}: {}", u.figure, u.reason)).collect()
     }
 

@@ -1,10 +1,10 @@
 //! The bottleneck: a sentence, bars of the saved cycles, and the critical path.
 
 use super::markup::{Html, details, el, el_text, sentence, text};
-use super::svg::{Part, bar, share};
+use super::svg::{BarPart, bar, percent_of};
 use super::table::with_cells;
 use super::units::legend;
-use crate::model::{CriticalPath, Limit, PathPart, Report};
+use crate::model::{CriticalPath, PathPart, RelaxedCycles, Report};
 use crate::number::thousands;
 use crate::text::bottleneck_sentence;
 use crate::text::bottlenecks::by_polygon;
@@ -16,26 +16,26 @@ const TOLD: usize = 8;
 const REST: &str = "rest";
 
 /// The section. A functional run has only a sentence.
-pub(super) fn limits(report: &Report) -> Html {
+pub(super) fn bottleneck_section(report: &Report) -> Html {
     let lead = el("p", &[("class", "lead")], [sentence(&bottleneck_sentence(report))]);
-    [lead, saved(report), path(report)].into_iter().collect()
+    [lead, savings_table(report), path(report)].into_iter().collect()
 }
 
 /// Table of the cycles that each relaxation saves.
-fn saved(report: &Report) -> Html {
+fn savings_table(report: &Report) -> Html {
     let Some(limits) = report.limits.as_ref().filter(|limits| !limits.is_empty()) else { return Html::default() };
     let total = report.frame_cycles();
     let columns =
         [("resource", Left), ("relaxation", Left), ("cycles saved", Left), ("", Right), ("share", Right), ("cycles left", Right)];
-    let row = |limit: &Limit| {
-        let part: Part = ("amount", "saved".into(), limit.saved);
+    let row = |limit: &RelaxedCycles| {
+        let part: BarPart = ("amount", "saved".into(), limit.saved);
         let (saved, then) = (thousands(limit.saved), thousands(limit.cycles));
         vec![
             text(&limit.resource),
             text(&limit.what),
             bar(&[part], total),
             text(saved),
-            text(share(limit.saved, total)),
+            text(percent_of(limit.saved, total)),
             text(then),
         ]
     };
@@ -52,25 +52,27 @@ fn saved(report: &Report) -> Html {
 /// The critical path as one bar; its longest parts numbered, with their meaning in a table.
 fn path(report: &Report) -> Html {
     let Some(path) = &report.critical_path else { return Html::default() };
-    let mut parts: Vec<(Part, String)> = path.parts.iter().take(TOLD).map(part).collect();
+    let mut parts: Vec<(BarPart, String)> = path.parts.iter().take(TOLD).map(path_part).collect();
     let rest: u64 = path.parts.iter().skip(TOLD).fold(0, |sum, part| sum.saturating_add(part.cycles));
     if rest > 0 {
         let count = path.parts.len() - TOLD;
         parts.push((("done", REST.into(), rest), format!("{count} further parts together")));
     }
-    let bars: Vec<Part> = parts.iter().map(|(part, _)| part.clone()).collect();
+    let bars: Vec<BarPart> = parts.iter().map(|(part, _)| part.clone()).collect();
     let rows = parts.iter().map(|((class, name, n), about)| {
         let swatch = el("span", &[("class", &format!("swatch {class}")), ("aria-hidden", "true")], []);
-        vec![[swatch, text(name)].into_iter().collect(), text(about), text(thousands(*n)), text(share(*n, path.cycles))]
+        vec![[swatch, text(name)].into_iter().collect(), text(about), text(thousands(*n)), text(percent_of(*n, path.cycles))]
     });
     let columns = [("part", Left), ("meaning", Left), ("cycles", Right), ("share", Right)];
     let table = with_cells("Parts, longest first", &columns, rows.collect());
     let colours = [("busy", "a unit at work"), ("fifo", "a FIFO"), ("memory", "a memory"), ("done", "rest")];
     let bar = el("div", &[("class", "thick")], [bar(&bars, path.cycles)]);
-    [el_text("h3", "", "Critical path"), el_text("p", "quiet", about(path)), bar, legend(colours), table].into_iter().collect()
+    [el_text("h3", "", "Critical path"), el_text("p", "quiet", path_caption(path)), bar, legend(colours), table]
+        .into_iter()
+        .collect()
 }
 
-fn about(path: &CriticalPath) -> String {
+fn path_caption(path: &CriticalPath) -> String {
     let by_polygon = path.polygons.as_ref().map_or(String::new(), |polygons| by_polygon(polygons, path.cycles));
     format!(
         "Chain of work and stalls that ends with the last frame: {} cycles without gap or overlap. Other paths may \
@@ -80,7 +82,7 @@ fn about(path: &CriticalPath) -> String {
 }
 
 /// A part of the path: its colour and its meaning.
-fn part(PathPart { resource, what, cycles, .. }: &PathPart) -> (Part, String) {
+fn path_part(PathPart { resource, what, cycles, .. }: &PathPart) -> (BarPart, String) {
     let (class, about) = match what.as_str() {
         "occupancy" => ("busy", "the unit is taken"),
         "latency" => ("busy", "from the start of a step to its result"),

@@ -3,11 +3,11 @@
 use super::diagram::block_diagram;
 use super::markup::{Html, details, el, el_text, text as words};
 use super::page::{POLICY, section, whole_page};
-use super::page_assets::Beside;
-use super::svg::{Part, bar};
+use super::page_assets::PageAssets;
+use super::svg::{BarPart, bar};
 use super::table::{html as table_of, with_cells};
 use super::{head, pictures, units};
-use crate::compare::{Comparison, Share};
+use crate::compare::{CauseShare, Comparison};
 use crate::model::Report;
 use crate::number::{signed, thousands};
 use crate::text::table::Align::{Left, Right};
@@ -15,17 +15,17 @@ use indexmap::IndexSet;
 
 /// A report on the page of a comparison.
 #[derive(Clone, Debug)]
-pub struct Side<'a> {
+pub struct ComparedReport<'a> {
     /// Name given by the user.
     pub name: &'a str,
     /// The report.
     pub report: &'a Report,
     /// Block diagram and pictures, if any.
-    pub beside: Beside,
+    pub assets: PageAssets,
 }
 
 /// Page that compares a report with other reports.
-pub fn compared(a: &Side<'_>, others: &[(Side<'_>, &Comparison)]) -> String {
+pub fn compared(a: &ComparedReport<'_>, others: &[(ComparedReport<'_>, &Comparison)]) -> String {
     let title = format!("{} against {} · Basrelief", a.name, others.iter().map(|(b, _)| b.name).collect::<Vec<_>>().join(", "));
     let several = others.len() > 1;
     let parts = (1..).zip(others).map(|(number, (b, comparison))| {
@@ -37,7 +37,7 @@ pub fn compared(a: &Side<'_>, others: &[(Side<'_>, &Comparison)]) -> String {
     whole_page(&title, POLICY, "", body)
 }
 
-fn pair(a: &Side<'_>, b: &Side<'_>, comparison: &Comparison, id: &dyn Fn(&str) -> String) -> Html {
+fn pair(a: &ComparedReport<'_>, b: &ComparedReport<'_>, comparison: &Comparison, id: &dyn Fn(&str) -> String) -> Html {
     let names = el(
         "p",
         &[],
@@ -46,9 +46,9 @@ fn pair(a: &Side<'_>, b: &Side<'_>, comparison: &Comparison, id: &dyn Fn(&str) -
     let explanation = [names, el_text("p", "lead", &comparison.explanation), numbers(a.report, b.report), shares(comparison)];
     let parts = [
         ("explained", "Causes", explanation.into_iter().collect()),
-        ("pictures", "Pictures", side_by_side(both(a, b, |side| pictures::pictures(side.report, &side.beside.pictures)))),
+        ("pictures", "Pictures", side_by_side(for_both(a, b, |side| pictures::pictures(side.report, &side.assets.pictures)))),
         ("units", "Cycle breakdown", bars(a.report, b.report)),
-        ("diagram", "Block diagrams", both(a, b, |side| block_diagram(side.report, &side.beside.diagram))),
+        ("diagram", "Block diagrams", for_both(a, b, |side| block_diagram(side.report, &side.assets.diagram))),
         ("changes", "All changes", changes(comparison)),
     ];
     let shown = parts.into_iter().filter(|(_, _, content): &(_, _, Html)| !content.is_empty());
@@ -70,18 +70,18 @@ fn shares(comparison: &Comparison) -> Html {
     let Some(explained) = comparison.explained.as_ref() else { return Html::default() };
     let most = explained.shares.iter().filter_map(|share| share.by).chain([explained.together]).map(i64::unsigned_abs).max();
     let row = |name: &str, by: Option<i64>| {
-        let part: Part = ("amount", "cycles".into(), by.map_or(0, i64::unsigned_abs));
-        let told = by.map_or("not measured".into(), |by| signed(by as f64));
-        vec![words(name), bar(&[part], most.unwrap_or(1).max(1)), words(told)]
+        let part: BarPart = ("amount", "cycles".into(), by.map_or(0, i64::unsigned_abs));
+        let label = by.map_or("not measured".into(), |by| signed(by as f64));
+        vec![words(name), bar(&[part], most.unwrap_or(1).max(1)), words(label)]
     };
-    let rows = explained.shares.iter().map(|Share { group, by, .. }| row(group, *by));
+    let rows = explained.shares.iter().map(|CauseShare { group, by, .. }| row(group, *by));
     let rows = rows.chain([row("interaction", Some(explained.together))]).collect();
     let columns = [("cause", Left), ("", Left), ("cycles", Right)];
     el("div", &[("class", "bars")], [with_cells("Measured by resimulation", &columns, rows)])
 }
 
 /// Something of A, then the same of B.
-fn both(a: &Side<'_>, b: &Side<'_>, of: impl Fn(&Side<'_>) -> Html) -> Html {
+fn for_both(a: &ComparedReport<'_>, b: &ComparedReport<'_>, of: impl Fn(&ComparedReport<'_>) -> Html) -> Html {
     let part = |name: &str, side| {
         let content: Html = of(side);
         if content.is_empty() { content } else { el("div", &[], [el_text("h3", "", name), content]) }
@@ -101,7 +101,7 @@ fn bars(a: &Report, b: &Report) -> Html {
     let names: IndexSet<&String> = of_a.keys().chain(of_b.keys()).collect();
     let rows = names.into_iter().flat_map(|name| {
         [("A", a, of_a.get(name)), ("B", b, of_b.get(name))].into_iter().filter_map(move |(which, report, unit)| {
-            let (parts, own) = units::parts(report, unit?);
+            let (parts, own) = units::breakdown_parts(report, unit?);
             let heading = if which == "A" || of_a.get(name).is_none() { words(name) } else { Html::default() };
             Some(vec![heading, words(which), bar(&parts, whole.max(own)), words(thousands(unit?.busy))])
         })

@@ -1,7 +1,7 @@
 //! Occupancy of the FIFOs.
 
 use super::markup::{Html, details, el, el_text, text};
-use super::svg::{Chart, bins, px, share};
+use super::svg::{ColumnChart, bins, percent_of, px};
 use super::table::html;
 use crate::model::{Fifo, Report};
 use crate::number::thousands;
@@ -28,7 +28,7 @@ fn card(name: &str, fifo: &Fifo) -> Html {
     let title = format!("FIFO {name}");
     let per = shares.len().div_ceil(COLUMNS).max(1);
     let upright = if per > 1 { format!("% of cycles, {per} slots per bar") } else { "% of cycles".into() };
-    let chart = Chart {
+    let chart = ColumnChart {
         title: &title,
         axes: ["occupied slots", &upright],
         class: "fifo",
@@ -41,7 +41,7 @@ fn card(name: &str, fifo: &Fifo) -> Html {
         "mean {} of {} slots; full {} of the time; {} tokens",
         mean,
         thousands(fifo.depth),
-        share(full_cycles(fifo), total),
+        percent_of(full_cycles(fifo), total),
         thousands(fifo.tokens)
     );
     el("div", &[("class", "card")], [el("h3", &[], [text(name)]), el_text("p", "quiet", says), chart.draw()])

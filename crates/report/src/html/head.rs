@@ -20,10 +20,10 @@ pub(super) fn head(report: &Report) -> Html {
 
 /// Key figures in large type, with their units.
 pub fn big_numbers(numbers: impl IntoIterator<Item = (String, String)>) -> Html {
-    el("dl", &[("class", "numbers")], numbers.into_iter().map(big))
+    el("dl", &[("class", "numbers")], numbers.into_iter().map(headline_number))
 }
 
-fn big((number, unit): (String, String)) -> Html {
+fn headline_number((number, unit): (String, String)) -> Html {
     // The file has the term first, the page shows the number first.
     el("div", &[], [el_text("dt", "", unit), el_text("dd", "", number)])
 }
@@ -54,14 +54,14 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
 }
 
 /// The report itself, to be saved.
-pub(super) fn save(json: &str) -> Html {
-    let data = data("application/json", json.as_bytes());
+pub(super) fn save_link(json: &str) -> Html {
+    let data = data_url("application/json", json.as_bytes());
     let link = el("a", &[("href", &data), ("download", "report.json")], [text("Save the report as JSON")]);
     let note = text(" (all figures, including those that are not on this page).");
     el("footer", &[], [el("p", &[], [link, note])])
 }
 
 /// A file within the page.
-pub(super) fn data(kind: &str, bytes: &[u8]) -> String {
+pub(super) fn data_url(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", BASE64_STANDARD.encode(bytes))
 }

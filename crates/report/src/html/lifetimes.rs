@@ -1,7 +1,7 @@
 //! Lifetimes of the most expensive polygons.
 
 use super::markup::{Html, el};
-use super::svg::{fill, label, px, svg};
+use super::svg::{label, px, stacked_rects, svg};
 use super::units::{STATES, legend};
 use crate::model::PolygonCost;
 use crate::model::Report;
@@ -36,7 +36,7 @@ pub(super) fn draw(report: &Report) -> Html {
         let (y, from, to) = (row as f64 * ROW, across(p.from), across(p.to));
         let name = format!("frame {}, polygon {}", p.frame, p.polygon);
         let life = [from, y + 1.0, (to - from).max(1.0), FILLED];
-        [label("end", LEFT - 6.0, y + FILLED, &name), fill(&parts(p, &name), p.spent.cycles, life)]
+        [label("end", LEFT - 6.0, y + FILLED, &name), stacked_rects(&breakdown_parts(p, &name), p.breakdown.cycles, life)]
     });
     let numbers = [label("start", LEFT, height + 14.0, "cycle 0"), label("end", WIDTH, height + 14.0, &thousands(cycles.total))];
     let says = format!("Lifetimes of the {} most expensive polygons, over {} cycles", shown.len(), thousands(cycles.total));
@@ -47,16 +47,21 @@ pub(super) fn draw(report: &Report) -> Html {
 }
 
 /// Cycle breakdown of a polygon.
-fn parts(p: &PolygonCost, name: &str) -> Vec<(&'static str, String, u64)> {
-    let told = |what: &str| format!("{name}, cycles {} to {}, {what}", thousands(p.from), thousands(p.to));
-    let spent = [("busy", p.spent.busy), ("memory", p.spent.memory), ("starved", p.spent.starved), ("blocked", p.spent.blocked)];
-    spent.into_iter().map(|(class, cycles)| (class, told(class), cycles)).collect()
+fn breakdown_parts(p: &PolygonCost, name: &str) -> Vec<(&'static str, String, u64)> {
+    let label = |what: &str| format!("{name}, cycles {} to {}, {what}", thousands(p.from), thousands(p.to));
+    let spent = [
+        ("busy", p.breakdown.busy),
+        ("memory", p.breakdown.memory),
+        ("starved", p.breakdown.starved),
+        ("blocked", p.breakdown.blocked),
+    ];
+    spent.into_iter().map(|(class, cycles)| (class, label(class), cycles)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Spent;
+    use crate::model::CycleBreakdown;
     use crate::samples;
 
     #[test]
@@ -65,8 +70,8 @@ mod tests {
         assert_eq!(draw(&report).into_text(), "", "no costs, no drawing");
         report.costs = samples::costed().costs;
         let total = report.cycles.as_ref().unwrap().total;
-        let spent = Spent { cycles: 4, busy: 3, memory: 1, ..Spent::default() };
-        let polygon = |polygon, from, to| PolygonCost { polygon, from, to, spent, ..PolygonCost::default() };
+        let spent = CycleBreakdown { cycles: 4, busy: 3, memory: 1, ..CycleBreakdown::default() };
+        let polygon = |polygon, from, to| PolygonCost { polygon, from, to, breakdown: spent, ..PolygonCost::default() };
         let polygons = vec![polygon(7, total / 2, total), polygon(8, 0, total / 4), polygon(9, 0, 0)];
         report.costs.as_mut().unwrap().polygons = polygons;
         let text = draw(&report).into_text();

@@ -1,7 +1,7 @@
 //! Traffic of the memories over time, and latencies of requests.
 
 use super::markup::{Html, details, el, el_text, text};
-use super::svg::{Chart, Part, bar, bins, mean, px, share};
+use super::svg::{BarPart, ColumnChart, bar, bins, mean, percent_of, px};
 use super::table::{html, with_cells};
 use crate::model::{Client, Memory, Report};
 use crate::number::thousands;
@@ -16,7 +16,7 @@ const SCALES: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 pub(super) fn memories(report: &Report) -> Html {
     let Some(memories) = report.memories.as_ref().filter(|memories| !memories.is_empty()) else { return Html::default() };
     let most = memories.values().flat_map(|memory| memory.clients.values()).map(Client::bytes).max().unwrap_or(0);
-    let each = memories.iter().map(|(name, memory)| one(report, name, memory, most));
+    let each = memories.iter().map(|(name, memory)| memory_card(report, name, memory, most));
     let tables = [
         html("Caches", &sections::caches(report)),
         details("All clients as a table", html("Memories and their clients", &sections::memories(report))),
@@ -25,7 +25,7 @@ pub(super) fn memories(report: &Report) -> Html {
     each.chain(tables).collect()
 }
 
-fn one(report: &Report, name: &str, memory: &Memory, most: u64) -> Html {
+fn memory_card(report: &Report, name: &str, memory: &Memory, most: u64) -> Html {
     let busy = report.derived.get(&format!("{name}.bus_utilization"));
     let busy = busy.map_or(String::new(), |d| format!(": bus utilization {} % of render cycles", px(100.0 * d.value)));
     let latencies = memory.clients.iter().filter(|(_, client)| client.latency.iter().any(|&n| n > 0));
@@ -53,14 +53,14 @@ fn bus(report: &Report, name: &str, memory: &Memory) -> Html {
         _ => format!("cycle; rendering ends at {}", thousands(report.frame_cycles())),
     };
     let axes = [across.as_str(), "% of the bus, all channels"];
-    Chart { title: &title, axes, class: "busy", columns, top: (top, format!("{top} %")), size: (540.0, 150.0) }.draw()
+    ColumnChart { title: &title, axes, class: "busy", columns, top: (top, format!("{top} %")), size: (540.0, 150.0) }.draw()
 }
 
 /// Bytes of each client, on one scale for all memories.
 fn clients(name: &str, memory: &Memory, most: u64) -> Html {
     let row = |(name, client): (&String, &Client)| {
-        let hits = if client.bursts == 0 { String::new() } else { share(client.row_hits, client.bursts) };
-        let part: Part = ("amount", "bytes".into(), client.bytes());
+        let hits = if client.bursts == 0 { String::new() } else { percent_of(client.row_hits, client.bursts) };
+        let part: BarPart = ("amount", "bytes".into(), client.bytes());
         vec![text(name), bar(&[part], most), text(thousands(client.bytes())), text(hits)]
     };
     let columns = [("client", Left), ("bytes requested", Left), ("", Right), ("row hits", Right)];
@@ -75,6 +75,6 @@ fn latency(name: &str, client: &Client) -> Html {
     let title = format!("Latency of {name}");
     let axes = ["cycles: this value to twice it", "requests"];
     let chart =
-        Chart { title: &title, axes, class: "memory", columns, top: (most as f64, thousands(most)), size: (260.0, 130.0) };
+        ColumnChart { title: &title, axes, class: "memory", columns, top: (most as f64, thousands(most)), size: (260.0, 130.0) };
     el("div", &[("class", "card")], [el("h4", &[], [text(format!("Latency: {name}"))]), chart.draw()])
 }

@@ -40,10 +40,10 @@ use markup::{Html, details, el, el_text};
 use page::POLICY;
 
 pub use crate::text::Align;
-pub use compared::{Side, compared};
+pub use compared::{ComparedReport, compared};
 pub use head::big_numbers;
 pub use page::{STYLE, section, whole_page};
-pub use page_assets::Beside;
+pub use page_assets::PageAssets;
 pub use parameters::ParameterRow;
 pub use pictures::PagePicture;
 pub use table::with_cells;
@@ -52,26 +52,26 @@ pub use table::with_cells;
 ///
 /// # Errors
 /// Errors of [`Report::to_json`].
-pub fn to_html(report: &Report, beside: &Beside) -> Result<String, serde_json::Error> {
+pub fn to_html(report: &Report, assets: &PageAssets) -> Result<String, serde_json::Error> {
     let report = &Report { host: None, ..report.clone() };
-    let shown = contents(report, beside);
+    let shown = contents(report, assets);
     let links = shown.iter().map(|(id, title, _)| el("a", &[("href", &format!("#{id}"))], [markup::text(title)]));
     let nav = el("nav", &[("aria-label", "Parts of this page")], links);
     let parts = shown.iter().map(|(id, title, content)| section(id, title, content.clone()));
     let main = el("main", &[], parts);
-    let save = head::save(&report.to_json()?);
+    let save = head::save_link(&report.to_json()?);
     let body = el("body", &[], [head::head(report), nav, main, save]);
     Ok(whole_page(&format!("{} · {} · Basrelief", report.machine, report.input.name), POLICY, "", body))
 }
 
-type Content = (&'static str, &'static str, Html);
+type SectionContent = (&'static str, &'static str, Html);
 
 /// Sections in their order, bottlenecks first. Empty sections are left out.
-fn contents(report: &Report, beside: &Beside) -> Vec<Content> {
+fn contents(report: &Report, assets: &PageAssets) -> Vec<SectionContent> {
     let all = [
-        ("bottlenecks", "Bottlenecks", bottlenecks::limits(report)),
-        ("pictures", "Pictures", pictures::pictures(report, &beside.pictures)),
-        ("diagram", "Block diagram", diagram::block_diagram(report, &beside.diagram)),
+        ("bottlenecks", "Bottlenecks", bottlenecks::bottleneck_section(report)),
+        ("pictures", "Pictures", pictures::pictures(report, &assets.pictures)),
+        ("diagram", "Block diagram", diagram::block_diagram(report, &assets.diagram)),
         ("units", "Cycle breakdown", units::units(report)),
         ("fifos", "FIFOs", fifos::fifos(report)),
         ("memories", "Memories", memories::memories(report)),
@@ -81,7 +81,7 @@ fn contents(report: &Report, beside: &Beside) -> Vec<Content> {
         ("hardware", "Hardware", hardware(report)),
         ("figures", "Figures", figures(report)),
         ("quality", "Quality", table::html("Pictures against the exact ones", &text_sections::quality(report))),
-        ("parameters", "Parameters", parameters::parameters(&beside.parameters)),
+        ("parameters", "Parameters", parameters::parameters(&assets.parameters)),
         ("warnings", "Warnings", el_list(&report.warnings)),
     ];
     all.into_iter().filter(|(_, _, content)| !content.is_empty()).collect()
@@ -89,7 +89,7 @@ fn contents(report: &Report, beside: &Beside) -> Vec<Content> {
 
 /// A part of the page, for pages that are more than a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Section {
+pub struct PageSection {
     /// Name of the section in addresses.
     pub id: &'static str,
     /// Heading of the section.
@@ -99,9 +99,9 @@ pub struct Section {
 }
 
 /// The parts of the page that have something to say, as [`to_html`] shows them.
-pub fn sections(report: &Report, beside: &Beside) -> Vec<Section> {
-    let contents = contents(report, beside).into_iter();
-    contents.map(|(id, title, html)| Section { id, title, html: html.into_text() }).collect()
+pub fn sections(report: &Report, assets: &PageAssets) -> Vec<PageSection> {
+    let contents = contents(report, assets).into_iter();
+    contents.map(|(id, title, html)| PageSection { id, title, html: html.into_text() }).collect()
 }
 
 fn el_list(items: &[String]) -> Html {
@@ -120,14 +120,14 @@ fn sensitivity(report: &Report) -> Html {
 
 /// Cycles per object and polygon.
 fn costs(report: &Report) -> Html {
-    use cost_tables::{objects, polygons, whom};
+    use cost_tables::{attribution, objects, polygons};
     if report.costs.is_none() {
         return Html::default();
     }
     let says = "Every busy or stalled cycle of a unit counts for the object and polygon of the step that ends it. Busy and stall \
                 percentages are of the row.";
     let lists = [
-        table::html("Cycles by purpose", &whom(report)),
+        table::html("Cycles by purpose", &attribution(report)),
         details("The most expensive objects", table::html("Objects", &objects(report, LISTED))),
         details("The most expensive polygons", table::html("Polygons", &polygons(report, LISTED))),
         details("Lifetimes of these polygons", lifetimes::draw(report)),
@@ -136,7 +136,8 @@ fn costs(report: &Report) -> Html {
 }
 
 fn hardware(report: &Report) -> Html {
-    let pieces = details("Every piece", table::html("Hardware, piece by piece", &hardware_tables::pieces(&report.hardware)));
+    let pieces =
+        details("Every piece", table::html("Hardware, piece by piece", &hardware_tables::hardware_table(&report.hardware)));
     [table::html("Totals by kind", &hardware_tables::totals(report)), pieces].into_iter().collect()
 }
 
@@ -149,7 +150,7 @@ fn figures(report: &Report) -> Html {
         ("Processes", processes(report)),
         ("Derived figures", derived(report)),
     ];
-    let tables = std::iter::once(counted(report)).chain(own.iter().map(|(caption, table)| table::html(caption, table)));
+    let tables = std::iter::once(counts_table(report)).chain(own.iter().map(|(caption, table)| table::html(caption, table)));
     let listed = work::tables(report);
     let lists = listed.iter().map(|list| details(&format!("Table: {}", list.name), table::html(list.name, &columns(list))));
     let columns = el("div", &[("class", "columns")], tables);
@@ -157,7 +158,7 @@ fn figures(report: &Report) -> Html {
 }
 
 /// Table of the counts without a table of their own, each with its meaning.
-fn counted(report: &Report) -> Html {
+fn counts_table(report: &Report) -> Html {
     let table = text_sections::figures(report);
     let row = |row: &Vec<String>| {
         let legend = row.first().and_then(|name| report.legend.get(name));

@@ -5,7 +5,7 @@ use super::pictures::PagePicture;
 
 /// Parts of a page that are not in the report.
 #[derive(Clone, Debug, Default)]
-pub struct Beside {
+pub struct PageAssets {
     /// The drawing of the machine, as in its `diagram.txt`; empty for none.
     pub diagram: String,
     /// Pictures of the last frame.

@@ -1,6 +1,6 @@
 //! Pictures of the last frame.
 
-use super::head::data;
+use super::head::data_url;
 use super::markup::{Html, el, el_text, text};
 use crate::model::Report;
 
@@ -28,7 +28,7 @@ pub(super) fn pictures(report: &Report, pictures: &[PagePicture]) -> Html {
 
 fn figure(report: &Report, picture: &PagePicture) -> Html {
     let (width, height) = (report.size.width.to_string(), report.size.height.to_string());
-    let source = data("image/png", &picture.png);
+    let source = data_url("image/png", &picture.png);
     let attributes = [("src", source.as_str()), ("alt", &picture.caption), ("width", &width), ("height", &height)];
     let scale = picture.largest.map_or(Html::default(), scale);
     el("figure", &[], [el("img", &attributes, []), el("figcaption", &[], [text(&picture.caption), scale])])

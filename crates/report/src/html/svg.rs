@@ -40,10 +40,10 @@ pub fn svg_sized(class: &str, (width, height): (f64, f64), times: f64, says: &st
 }
 
 /// A part of a bar: class of its colour, name, size.
-pub(super) type Part = (&'static str, String, u64);
+pub(super) type BarPart = (&'static str, String, u64);
 
 /// Share of a whole, as people read it.
-pub(super) fn share(part: u64, whole: u64) -> String {
+pub(super) fn percent_of(part: u64, whole: u64) -> String {
     match (part, whole) {
         (0, _) | (_, 0) => "0 %".into(),
         _ => format!("{:.1} %", 100.0 * part as f64 / whole as f64),
@@ -51,12 +51,12 @@ pub(super) fn share(part: u64, whole: u64) -> String {
 }
 
 /// Rectangles side by side that fill a space as their parts do a whole.
-pub(super) fn fill(parts: &[Part], whole: u64, [x, y, width, height]: [f64; 4]) -> Html {
+pub(super) fn stacked_rects(parts: &[BarPart], whole: u64, [x, y, width, height]: [f64; 4]) -> Html {
     let scale = width / whole.max(1) as f64;
     let mut at = x;
     let shapes = parts.iter().filter(|(.., n)| *n > 0).map(|(class, name, n)| {
         let wide = *n as f64 * scale;
-        let shape = rect(class, [at, y, wide, height], &format!("{name}: {}", share(*n, whole)));
+        let shape = rect(class, [at, y, wide, height], &format!("{name}: {}", percent_of(*n, whole)));
         at += wide;
         shape
     });
@@ -64,14 +64,14 @@ pub(super) fn fill(parts: &[Part], whole: u64, [x, y, width, height]: [f64; 4]) 
 }
 
 /// A bar as wide as its place, its parts side by side.
-pub(super) fn bar(parts: &[Part], whole: u64) -> Html {
-    let told: Vec<String> =
-        parts.iter().filter(|(.., n)| *n > 0).map(|(_, name, n)| format!("{name} {}", share(*n, whole))).collect();
-    svg("bar", (1000.0, 10.0), &told.join(", "), "none", fill(parts, whole, [0.0, 0.0, 1000.0, 10.0]))
+pub(super) fn bar(parts: &[BarPart], whole: u64) -> Html {
+    let parts_text: Vec<String> =
+        parts.iter().filter(|(.., n)| *n > 0).map(|(_, name, n)| format!("{name} {}", percent_of(*n, whole))).collect();
+    svg("bar", (1000.0, 10.0), &parts_text.join(", "), "none", stacked_rects(parts, whole, [0.0, 0.0, 1000.0, 10.0]))
 }
 
 /// Columns over an axis.
-pub(super) struct Chart<'a> {
+pub(super) struct ColumnChart<'a> {
     /// Title.
     pub(super) title: &'a str,
     /// Labels of the x and y axis.
@@ -93,7 +93,7 @@ const BELOW: f64 = 34.0;
 /// Room that a number under a column takes, per character, and between two.
 const DIGIT: f64 = 6.6;
 
-impl Chart<'_> {
+impl ColumnChart<'_> {
     /// The chart, with its axes.
     pub(super) fn draw(&self) -> Html {
         let (width, height) = (self.size.0 - LEFT - 4.0, self.size.1 - ABOVE - BELOW);
@@ -105,8 +105,8 @@ impl Chart<'_> {
             let at = [LEFT + i as f64 * each, ABOVE + height - tall, each - gap, tall];
             rect(self.class, at, &format!("{label}: {}", number(*n)))
         });
-        let shapes: Html = columns.chain([self.frame(width, height), self.under(each, height)]).collect();
-        svg("chart", self.size, &self.says(), "xMinYMid meet", shapes)
+        let shapes: Html = columns.chain([self.frame(width, height), self.column_labels(each, height)]).collect();
+        svg("chart", self.size, &self.description(), "xMinYMid meet", shapes)
     }
 
     fn frame(&self, width: f64, height: f64) -> Html {
@@ -122,7 +122,7 @@ impl Chart<'_> {
     }
 
     /// Numbers under the columns, as many as there is room for.
-    fn under(&self, each: f64, height: f64) -> Html {
+    fn column_labels(&self, each: f64, height: f64) -> Html {
         let longest = self.columns.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(1);
         let every = ((longest as f64 + 1.5) * DIGIT / each).ceil().max(1.0) as usize;
         let placed = self.columns.iter().enumerate().map(|(i, (text, _))| (LEFT + (i as f64 + 0.5) * each, text));
@@ -131,7 +131,7 @@ impl Chart<'_> {
         shown.map(|(x, text)| label("middle", x, ABOVE + height + 14.0, text)).collect()
     }
 
-    fn says(&self) -> String {
+    fn description(&self) -> String {
         let highest = self.columns.iter().reduce(|best, c| if c.1 > best.1 { c } else { best });
         let highest = highest.filter(|c| c.1 > 0.0).map_or("all zero".to_owned(), |(label, n)| {
             let [across, upright] = self.axes;
@@ -169,11 +169,11 @@ mod tests {
     #[test]
     fn lengths_are_short_and_shares_never_vanish() {
         assert_eq!([px(1.0), px(0.125), px(-2.5), px(10.0)], ["1", "0.12", "-2.5", "10"]);
-        assert_eq!([share(0, 3), share(1, 0), share(1, 8)], ["0 %", "0 %", "12.5 %"]);
+        assert_eq!([percent_of(0, 3), percent_of(1, 0), percent_of(1, 8)], ["0 %", "0 %", "12.5 %"]);
     }
 
     #[test]
-    fn parts_fill_the_bar_and_are_told() {
+    fn parts_fill_the_bar_and_its_description() {
         let parts = [("busy", "busy".to_owned(), 30), ("done", "done".to_owned(), 0), ("starved", "starved: in".to_owned(), 70)];
         let text = bar(&parts, 100).into_text();
         assert!(text.contains("aria-label=\"busy 30.0 %, starved: in 70.0 %\""), "{text}");

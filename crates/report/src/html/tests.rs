@@ -1,7 +1,7 @@
 //! The page as a whole.
 
 use super::*;
-use crate::model::{CriticalPath, Limit, PathPart};
+use crate::model::{CriticalPath, PathPart, RelaxedCycles};
 use crate::samples;
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
@@ -13,7 +13,7 @@ fn full(name: &str) -> Report {
     let mut report = samples::costed();
     report.input.name = name.into();
     report.warnings.push(name.into());
-    let limit = |saved| Limit {
+    let limit = |saved| RelaxedCycles {
         resource: "replacement".into(),
         what: crate::model::FULLY_PIPELINED.into(),
         set: vec!["ideal.units=replacement".into()],
@@ -27,15 +27,15 @@ fn full(name: &str) -> Report {
     report
 }
 
-fn beside(name: &str) -> Beside {
+fn assets(name: &str) -> PageAssets {
     let picture = PagePicture { caption: name.into(), png: vec![1, 2, 3], largest: Some(12) };
     let row =
         |value: &str| ParameterRow { key: name.into(), value: value.into(), default: "8".into(), ..ParameterRow::default() };
-    Beside { diagram: DIAGRAM.into(), pictures: vec![picture], parameters: vec![row("8"), row("4")] }
+    PageAssets { diagram: DIAGRAM.into(), pictures: vec![picture], parameters: vec![row("8"), row("4")] }
 }
 
 fn page(report: &Report) -> String {
-    to_html(report, &beside("lanes")).unwrap()
+    to_html(report, &assets("lanes")).unwrap()
 }
 
 /// Every tag is closed, in order; every attribute is quoted; no sign of markup stands in a text.
@@ -65,7 +65,7 @@ fn pages_are_well_formed_whatever_the_report_has() {
     let all = [full("coin"), functional, samples::deadlocked(), samples::with_routes(), samples::simulated()];
     for report in &all {
         check_well_formed(&page(report));
-        check_well_formed(&to_html(report, &Beside::default()).unwrap());
+        check_well_formed(&to_html(report, &PageAssets::default()).unwrap());
     }
 }
 
@@ -77,9 +77,9 @@ fn names_are_escaped() {
     report.units.as_mut().unwrap().insert(bad.into(), unit);
     report.outcome.message = Some(bad.into());
     report.outcome.kind = crate::model::OutcomeKind::Fault;
-    let mut beside = beside(bad);
-    beside.diagram = format!(" [{bad}] --<script>--> [<script>] note<script>");
-    let page = to_html(&report, &beside).unwrap();
+    let mut assets = assets(bad);
+    assets.diagram = format!(" [{bad}] --<script>--> [<script>] note<script>");
+    let page = to_html(&report, &assets).unwrap();
     check_well_formed(&page);
     assert!(!page.contains("<script") && page.contains("&lt;script&gt;"));
 }
@@ -145,10 +145,11 @@ fn the_page_is_the_same_to_the_byte() {
 fn a_comparison_shows_both_and_what_explains_it() {
     let (a, mut b) = (full("before & after"), full("before & after"));
     b.units.as_mut().unwrap()[1].busy += 7;
-    let share = |group: &str, by| crate::Share { group: group.into(), set: vec![], cycles: None, by };
-    let explained = crate::Explained { shares: vec![share("fifo.<x>", Some(-12_345)), share("memory.z", None)], together: 67 };
+    let share = |group: &str, by| crate::CauseShare { group: group.into(), set: vec![], cycles: None, by };
+    let explained =
+        crate::MeasuredCauses { shares: vec![share("fifo.<x>", Some(-12_345)), share("memory.z", None)], together: 67 };
     let comparison = crate::compare(&a, &b, Some(explained));
-    let side = |name, report| Side { name, report, beside: beside("lanes") };
+    let side = |name, report| ComparedReport { name, report, assets: assets("lanes") };
     let one = compared(&side("out/<a>", &a), &[(side("out/b", &b), &comparison)]);
     check_well_formed(&one);
     assert!(one.contains("-12,345") && one.contains("not measured") && one.contains("fifo.&lt;x&gt;"), "{one}");

@@ -1,7 +1,7 @@
 //! Cycle breakdown of each unit.
 
 use super::markup::{Html, el, el_text, text};
-use super::svg::{Part, bar, share};
+use super::svg::{BarPart, bar, percent_of};
 use super::table::with_cells;
 use crate::bottleneck::{Stall, largest_stall, stalls};
 use crate::model::{Report, Unit};
@@ -27,7 +27,7 @@ pub(super) fn legend<'a>(entries: impl IntoIterator<Item = (&'a str, &'a str)>) 
 }
 
 /// Parts of the cycle breakdown of a unit, and their sum.
-pub(super) fn parts(report: &Report, unit: &Unit) -> (Vec<Part>, u64) {
+pub(super) fn breakdown_parts(report: &Report, unit: &Unit) -> (Vec<BarPart>, u64) {
     let drain = report.drain_of(unit);
     let whole = report.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(drain));
     let waited = |class| {
@@ -57,14 +57,14 @@ pub(super) fn units(report: &Report) -> Html {
 }
 
 fn row(report: &Report, name: &str, unit: &Unit) -> Vec<Html> {
-    let (parts, whole) = parts(report, unit);
+    let (parts, whole) = breakdown_parts(report, unit);
     let wait = largest_stall(unit);
     let numeral = unit.numeral.map_or(Html::default(), |n| el_text("span", "quiet", format!(" ({n})")));
     vec![
         [text(name), numeral].into_iter().collect(),
         bar(&parts, whole),
-        text(share(unit.busy, whole)),
+        text(percent_of(unit.busy, whole)),
         text(wait.map_or(String::new(), |(wait, _)| cause(wait))),
-        text(wait.map_or(String::new(), |(_, n)| share(n, whole))),
+        text(wait.map_or(String::new(), |(_, n)| percent_of(n, whole))),
     ]
 }

@@ -12,30 +12,31 @@ pub struct Costs {
     /// Number of units times cycles of the run.
     pub unit_cycles: u64,
     /// Cycles for pixels of the pictures.
-    pub pixels: Spent,
+    pub pixels: CycleBreakdown,
     /// Cycles for polygons, objects and frames, without their pixels.
-    #[serde(rename = "non_pixel", alias = "elsewhere")]
-    pub elsewhere: Spent,
+    #[serde(alias = "elsewhere")]
+    pub non_pixel: CycleBreakdown,
     /// Unattributed cycles: stalls after the last step of a unit.
-    #[serde(rename = "unattributed", alias = "nobody")]
-    pub nobody: Spent,
+    #[serde(alias = "nobody")]
+    pub unattributed: CycleBreakdown,
     /// Cycles after the last step of a unit in a complete run.
     pub done: u64,
     /// Cycles for each frame.
-    pub frames: Vec<Spent>,
+    pub frames: Vec<CycleBreakdown>,
     /// Objects with most cycles, largest first.
     pub objects: Vec<ObjectCost>,
     /// Polygons with most cycles, largest first.
     pub polygons: Vec<PolygonCost>,
     /// Sum over all other objects.
-    pub other_objects: Others,
+    pub other_objects: UnlistedCosts,
     /// Sum over all other polygons.
-    pub other_polygons: Others,
+    pub other_polygons: UnlistedCosts,
 }
 
 /// Cycle breakdown, added up over units. `busy` + `starved` + `memory` + `blocked` = `cycles`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct Spent {
+#[schemars(rename = "Spent")]
+pub struct CycleBreakdown {
     /// All cycles.
     pub cycles: u64,
     /// Busy cycles.
@@ -48,7 +49,7 @@ pub struct Spent {
     pub blocked: u64,
 }
 
-impl Spent {
+impl CycleBreakdown {
     /// Returns the figures with their names.
     pub(crate) fn fields(&self) -> [(&'static str, u64); 5] {
         let &Self { cycles, busy, starved, memory, blocked } = self;
@@ -69,8 +70,8 @@ pub struct ObjectCost {
     /// Fragments of the polygons, including hidden fragments.
     pub fragments: u64,
     /// Cycles for the object, including its polygons.
-    #[serde(rename = "breakdown", alias = "spent")]
-    pub spent: Spent,
+    #[serde(alias = "spent")]
+    pub breakdown: CycleBreakdown,
 }
 
 /// Cycles of a polygon.
@@ -92,18 +93,19 @@ pub struct PolygonCost {
     #[serde(default)]
     pub to: u64,
     /// Cycles for the polygon, including its pixels.
-    #[serde(rename = "breakdown", alias = "spent")]
-    pub spent: Spent,
+    #[serde(alias = "spent")]
+    pub breakdown: CycleBreakdown,
 }
 
 /// Sum over the objects or polygons that are not listed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct Others {
+#[schemars(rename = "Others")]
+pub struct UnlistedCosts {
     /// Number of objects or polygons.
     pub count: u64,
     /// Fragments.
     pub fragments: u64,
     /// Cycles.
-    #[serde(rename = "breakdown", alias = "spent")]
-    pub spent: Spent,
+    #[serde(alias = "spent")]
+    pub breakdown: CycleBreakdown,
 }

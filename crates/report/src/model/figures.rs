@@ -94,13 +94,14 @@ pub struct Legend {
     pub about: String,
     /// Group of figures that it belongs to, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub part: Option<Part>,
+    pub part: Option<FigureGroup>,
 }
 
 /// Group of figures that belong together.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "Part")]
 #[serde(rename_all = "snake_case")]
-pub enum Part {
+pub enum FigureGroup {
     /// The work of the machine, such as fragments. Other figures are divided by it.
     Work,
     /// Counts of the route with this name.
@@ -135,12 +136,12 @@ impl From<&stats::UnitFigure> for Legend {
     fn from(figure: &stats::UnitFigure) -> Self {
         let part = match figure.part.clone() {
             stats::FigureGroup::Alone => None,
-            stats::FigureGroup::Work => Some(Part::Work),
-            stats::FigureGroup::Route(name) => Some(Part::Route(name)),
-            stats::FigureGroup::Started(name) => Some(Part::Started(name)),
-            stats::FigureGroup::Needed(name) => Some(Part::Needed(name)),
-            stats::FigureGroup::Process(name) => Some(Part::Process(name)),
-            stats::FigureGroup::Column { table, title } => Some(Part::Column { table: table.into(), title: title.into() }),
+            stats::FigureGroup::Work => Some(FigureGroup::Work),
+            stats::FigureGroup::Route(name) => Some(FigureGroup::Route(name)),
+            stats::FigureGroup::Started(name) => Some(FigureGroup::Started(name)),
+            stats::FigureGroup::Needed(name) => Some(FigureGroup::Needed(name)),
+            stats::FigureGroup::Process(name) => Some(FigureGroup::Process(name)),
+            stats::FigureGroup::Column { table, title } => Some(FigureGroup::Column { table: table.into(), title: title.into() }),
         };
         Self { unit: figure.unit.into(), about: figure.about.into(), part }
     }

@@ -1,4 +1,6 @@
 //! The report as it stands in `report.json`: plain data. Fields have a fixed order; maps have the order of the block diagram.
+//!
+//! The schema is public. A `schemars(rename)` keeps the name that a type has there.
 
 pub mod costs;
 mod figures;
@@ -9,11 +11,11 @@ mod run;
 pub mod sensitivity;
 mod timing;
 
-pub use costs::{Costs, ObjectCost, Others, PolygonCost, Spent};
-pub use figures::{Derived, Figure, Hardware, Legend, Part};
+pub use costs::{Costs, CycleBreakdown, ObjectCost, PolygonCost, UnlistedCosts};
+pub use figures::{Derived, Figure, FigureGroup, Hardware, Legend};
 pub use host::{Host, RealPath};
 pub use memory::{Bus, Cache, Channel, Client, Memory};
 pub use pictures::{Difference, Picture, PictureQuality};
 pub use run::{Cycles, Input, Outcome, OutcomeKind, Report, Size};
-pub use sensitivity::{Change, ComesTo, Measure, Moved, Sensitivity};
-pub use timing::{CriticalPath, FULLY_PIPELINED, Fifo, Limit, PathPart, PathPolygon, PathPolygons, UNBOUNDED_FIFO, Unit};
+pub use sensitivity::{ComesTo, Measure, MeasureChange, ParameterChange, Sensitivity};
+pub use timing::{CriticalPath, FULLY_PIPELINED, Fifo, PathPart, PathPolygon, PathPolygons, RelaxedCycles, UNBOUNDED_FIFO, Unit};

@@ -6,7 +6,7 @@ use super::host::Host;
 use super::memory::{Cache, Client, Memory};
 use super::pictures::{Picture, PictureQuality};
 use super::sensitivity::{Measure, Sensitivity};
-use super::timing::{CriticalPath, Fifo, Limit, Unit};
+use super::timing::{CriticalPath, Fifo, RelaxedCycles, Unit};
 use basrelief_signals::Camera;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -51,7 +51,7 @@ pub struct Report {
     pub caches: Option<IndexMap<String, Cache>>,
     /// Cycles saved when one resource is relaxed, largest saving first. Measured by resimulation; absent if it was not.
     #[serde(rename = "bottlenecks", alias = "limits", default, skip_serializing_if = "Option::is_none")]
-    pub limits: Option<Vec<Limit>>,
+    pub limits: Option<Vec<RelaxedCycles>>,
     /// Critical path that ends with the last frame. Present if `bottlenecks` is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub critical_path: Option<CriticalPath>,

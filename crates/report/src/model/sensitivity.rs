@@ -15,7 +15,7 @@ pub struct Sensitivity {
     pub base: Measure,
     /// Changes, largest effect first. The effect is the largest of the changes of cycles, bytes and picture; a decibel counts as
     /// 12.2 %. Equal effects keep the order of the parameters. Runs that did not finish are last.
-    pub changes: Vec<Change>,
+    pub changes: Vec<ParameterChange>,
     /// Assumed parameters without neighbouring values: texts, and empty lists.
     #[serde(rename = "not_varied", alias = "unchanged")]
     pub unchanged: Vec<String>,
@@ -35,7 +35,8 @@ pub struct Measure {
 
 /// Result of one changed parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Change {
+#[schemars(rename = "Change")]
+pub struct ParameterChange {
     /// Parameter, as in `--set`.
     pub parameter: String,
     /// Meaning.
@@ -57,7 +58,7 @@ pub struct Change {
 #[serde(untagged, expecting = "expected the measures of a run, or the reason why there are none")]
 pub enum ComesTo {
     /// A complete run.
-    Run(Moved),
+    Run(MeasureChange),
     /// No complete run.
     Nothing {
         /// `unfit`, `deadlock`, `limit`, `fault` or `error`, and the reason.
@@ -67,7 +68,8 @@ pub enum ComesTo {
 
 /// Difference of a run from the base run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Moved {
+#[schemars(rename = "Moved")]
+pub struct MeasureChange {
     /// Measures of the run.
     #[serde(flatten)]
     pub measure: Measure,
@@ -82,9 +84,9 @@ pub struct Moved {
 
 impl Measure {
     /// Returns the difference of a run from this one.
-    pub fn moved(&self, to: Self) -> Moved {
+    pub fn change_to(&self, to: Self) -> MeasureChange {
         let percent = |from: u64, to: u64| if from == 0 { 0.0 } else { round6(100.0 * (to as f64 - from as f64) / from as f64) };
-        Moved {
+        MeasureChange {
             measure: to,
             cycles_percent: percent(self.cycles, to.cycles),
             bytes_percent: percent(self.bytes, to.bytes),
@@ -93,19 +95,19 @@ impl Measure {
     }
 }
 
-impl Moved {
+impl MeasureChange {
     /// Returns the largest change \[%\].
-    pub(crate) fn size(&self) -> f64 {
+    pub(crate) fn largest_change(&self) -> f64 {
         let decibels = self.psnr_change_db.unwrap_or(0.0) * PERCENT_PER_DB;
         self.cycles_percent.abs().max(self.bytes_percent.abs()).max(decibels.abs())
     }
 }
 
-impl Change {
+impl ParameterChange {
     /// Returns the largest change \[%\], or `None` if the run did not finish.
-    pub(crate) fn size(&self) -> Option<f64> {
+    pub(crate) fn largest_change(&self) -> Option<f64> {
         match &self.comes_to {
-            ComesTo::Run(moved) => Some(moved.size()),
+            ComesTo::Run(moved) => Some(moved.largest_change()),
             ComesTo::Nothing { .. } => None,
         }
     }
@@ -113,9 +115,9 @@ impl Change {
 
 impl Sensitivity {
     /// Sorts changes by their effect. `changes` are in the order of the parameters.
-    pub fn new(base: Measure, mut changes: Vec<Change>, unchanged: Vec<String>) -> Self {
+    pub fn new(base: Measure, mut changes: Vec<ParameterChange>, unchanged: Vec<String>) -> Self {
         // The sort is stable, and `None` is less than any number.
-        changes.sort_by(|a, b| b.size().partial_cmp(&a.size()).unwrap_or(std::cmp::Ordering::Equal));
+        changes.sort_by(|a, b| b.largest_change().partial_cmp(&a.largest_change()).unwrap_or(std::cmp::Ordering::Equal));
         Self { base, changes, unchanged }
     }
 }

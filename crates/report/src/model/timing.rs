@@ -101,7 +101,8 @@ pub const UNBOUNDED_FIFO: &str = "unbounded FIFO";
 
 /// Render cycles with one resource relaxed. A full run with the options of `set` takes exactly these cycles.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct Limit {
+#[schemars(rename = "Limit")]
+pub struct RelaxedCycles {
     /// Relaxed unit, FIFO, memory or cache; or two of them.
     pub resource: String,
     /// Relaxation, such as `fully pipelined (II = 1)`.

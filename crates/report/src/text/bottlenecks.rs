@@ -1,8 +1,8 @@
 //! Measured bottlenecks: a sentence and a table.
 
 use super::table::{Align, Table};
-use crate::model::{FULLY_PIPELINED, Limit, PathPart, PathPolygon, PathPolygons, Report, UNBOUNDED_FIFO};
-use crate::number::{about, percent, thousands};
+use crate::model::{FULLY_PIPELINED, PathPart, PathPolygon, PathPolygons, RelaxedCycles, Report, UNBOUNDED_FIFO};
+use crate::number::{percent, percent_in_words, thousands};
 use Align::{Left, Right};
 
 /// Maximum number of rows of the table.
@@ -16,21 +16,29 @@ const WORTH: f64 = 0.01;
 pub(super) fn sentence(report: &Report) -> Option<String> {
     let limits = report.limits.as_ref()?;
     let total = report.frame_cycles();
-    let share = |limit: &Limit| limit.saved as f64 / total.max(1) as f64;
-    let (pairs, singles): (Vec<&Limit>, Vec<&Limit>) = limits.iter().partition(|limit| is_pair(limit));
+    let share = |limit: &RelaxedCycles| limit.saved as f64 / total.max(1) as f64;
+    let (pairs, singles): (Vec<&RelaxedCycles>, Vec<&RelaxedCycles>) = limits.iter().partition(|limit| is_pair(limit));
     let Some(first) = singles.first().or(pairs.first()) else {
         return Some("No single bottleneck: relaxing any one unit, FIFO, memory or cache saves no cycles.".into());
     };
     // A second relaxation of the same resource adds no information.
     let second = singles.iter().skip(1).find(|l| l.resource != first.resource && share(l) >= WORTH);
     let pair = pairs.first().filter(|pair| share(pair) >= share(first) + WORTH);
-    let more: String =
-        second.into_iter().chain(pair).map(|limit| format!(" {} {}.", relaxed(limit), about(share(limit)))).collect();
-    Some(format!("Bottleneck: {}. {} {} of the cycles.{more}", quoted(&first.resource), relaxed_it(first), about(share(first))))
+    let more: String = second
+        .into_iter()
+        .chain(pair)
+        .map(|limit| format!(" {} {}.", relaxation_in_words(limit), percent_in_words(share(limit))))
+        .collect();
+    Some(format!(
+        "Bottleneck: {}. {} {} of the cycles.{more}",
+        quoted(&first.resource),
+        relaxed_it(first),
+        percent_in_words(share(first))
+    ))
 }
 
 /// Start of the sentence about the saving of a resource that the sentence before names.
-fn relaxed_it(limit: &Limit) -> String {
+fn relaxed_it(limit: &RelaxedCycles) -> String {
     let subject = if is_pair(limit) { "both" } else { "it" };
     match limit.what.as_str() {
         FULLY_PIPELINED => format!("Fully pipelined (II = 1) {subject} would save"),
@@ -40,7 +48,7 @@ fn relaxed_it(limit: &Limit) -> String {
 }
 
 /// Start of the sentence about the saving of a resource.
-fn relaxed(limit: &Limit) -> String {
+fn relaxation_in_words(limit: &RelaxedCycles) -> String {
     let name = quoted(&limit.resource);
     match limit.what.as_str() {
         what if is_pair(limit) => format!("{name} together ({what}) would save"),
@@ -66,18 +74,18 @@ pub(super) fn path(report: &Report) -> Option<String> {
 /// The polygons with most of the path, in a sentence.
 pub(crate) fn by_polygon(polygons: &PathPolygons, total: u64) -> String {
     let part = |PathPolygon { frame, polygon, cycles, .. }: &PathPolygon| {
-        format!("polygon {polygon} of frame {frame} ({})", about(*cycles as f64 / total.max(1) as f64))
+        format!("polygon {polygon} of frame {frame} ({})", percent_in_words(*cycles as f64 / total.max(1) as f64))
     };
     let parts: Vec<String> = polygons.listed.iter().take(PARTS).map(part).collect();
     if parts.is_empty() { String::new() } else { format!(" Most of it is for {}.", parts.join(", ")) }
 }
 
 fn part_text(PathPart { resource, what, cycles, .. }: &PathPart, total: u64) -> String {
-    let share = about(*cycles as f64 / total.max(1) as f64);
+    let share = percent_in_words(*cycles as f64 / total.max(1) as f64);
     format!("{share} {resource} {what}").replace("  ", " ")
 }
 
-fn is_pair(limit: &Limit) -> bool {
+fn is_pair(limit: &RelaxedCycles) -> bool {
     limit.resource.contains(" and ")
 }
 
@@ -87,7 +95,7 @@ pub(super) fn table(report: &Report) -> Table {
         Table::new(&[("Relaxed resource", Left, 0), ("relaxation", Left, 0), ("cycles", Right, 0), ("saved %", Right, 0)]);
     let total = report.frame_cycles();
     for limit in report.limits.iter().flatten().take(ROWS) {
-        let Limit { resource, what, cycles, saved, .. } = limit;
+        let RelaxedCycles { resource, what, cycles, saved, .. } = limit;
         table.row([resource.clone(), what.clone(), thousands(*cycles), percent(*saved, total)]);
     }
     table
@@ -97,11 +105,11 @@ pub(super) fn table(report: &Report) -> Table {
 mod tests {
     use super::*;
     use crate::samples;
-    use crate::text::Style;
+    use crate::text::TextStyle;
 
-    fn limit(resource: &str, what: &str, saved: u64, total: u64) -> Limit {
+    fn limit(resource: &str, what: &str, saved: u64, total: u64) -> RelaxedCycles {
         let set = vec![format!("ideal.units={resource}")];
-        Limit { resource: resource.into(), what: what.into(), set, cycles: total - saved, saved }
+        RelaxedCycles { resource: resource.into(), what: what.into(), set, cycles: total - saved, saved }
     }
 
     #[test]
@@ -119,6 +127,6 @@ mod tests {
         let expected = "Bottleneck: `search`. Fully pipelined (II = 1) it would save 50 % of the cycles. An unbounded `texels` FIFO \
                         would save 25 %. `search` and `reader` together (fully pipelined (II = 1)) would save 75 %.";
         assert_eq!(sentence(&report).unwrap(), expected);
-        assert_eq!(table(&report).render(Style::default()).lines().count(), 5);
+        assert_eq!(table(&report).render(TextStyle::default()).lines().count(), 5);
     }
 }

@@ -1,7 +1,7 @@
 //! Tables of the cycles per object and polygon.
 
 use super::table::{Align, Table};
-use crate::model::{Report, Spent};
+use crate::model::{CycleBreakdown, Report};
 use crate::number::{percent, thousands};
 use Align::{Left, Right};
 
@@ -9,8 +9,8 @@ use Align::{Left, Right};
 const SHOWN: usize = 5;
 
 /// Cells of a row.
-fn cells(spent: &Spent, all: u64) -> [String; 6] {
-    let &Spent { cycles, busy, starved, memory, blocked } = spent;
+fn breakdown_cells(spent: &CycleBreakdown, all: u64) -> [String; 6] {
+    let &CycleBreakdown { cycles, busy, starved, memory, blocked } = spent;
     let [busy, starved, memory, blocked] = [busy, starved, memory, blocked].map(|n| percent(n, cycles));
     [thousands(cycles), percent(cycles, all), busy, starved, memory, blocked]
 }
@@ -30,25 +30,25 @@ fn table(titles: &[(&'static str, Align, u8)]) -> Table {
     Table::new(&columns)
 }
 
-fn row(table: &mut Table, cells: impl IntoIterator<Item = String>, (spent, all): (&Spent, u64)) {
-    table.row(cells.into_iter().chain(self::cells(spent, all)));
+fn add_row(table: &mut Table, cells: impl IntoIterator<Item = String>, (spent, all): (&CycleBreakdown, u64)) {
+    table.row(cells.into_iter().chain(self::breakdown_cells(spent, all)));
 }
 
 /// Cycles per object and polygon.
-pub(crate) fn whom(report: &Report) -> Table {
-    let mut whom = table(&[("Cycles spent on", Left, 0)]);
-    let Some(costs) = &report.costs else { return whom };
-    let done = Spent { cycles: costs.done, ..Spent::default() };
+pub(crate) fn attribution(report: &Report) -> Table {
+    let mut table = table(&[("Cycles spent on", Left, 0)]);
+    let Some(costs) = &report.costs else { return table };
+    let done = CycleBreakdown { cycles: costs.done, ..CycleBreakdown::default() };
     let rows = [
         ("pixels", &costs.pixels),
-        ("polygons, objects, frames", &costs.elsewhere),
-        ("unattributed: stalls at the end", &costs.nobody),
+        ("polygons, objects, frames", &costs.non_pixel),
+        ("unattributed: stalls at the end", &costs.unattributed),
         ("idle after the last step", &done),
     ];
     for (name, spent) in rows.into_iter().filter(|(_, spent)| spent.cycles > 0) {
-        row(&mut whom, [name.to_owned()], (spent, costs.unit_cycles));
+        add_row(&mut table, [name.to_owned()], (spent, costs.unit_cycles));
     }
-    whom
+    table
 }
 
 /// The most expensive objects; `most` of them.
@@ -57,7 +57,7 @@ pub(crate) fn objects(report: &Report, most: usize) -> Table {
     let Some(costs) = &report.costs else { return objects };
     for o in costs.objects.iter().take(most) {
         let cells = [o.object.to_string(), o.name.clone(), thousands(o.polygons), thousands(o.fragments)];
-        row(&mut objects, cells, (&o.spent, costs.unit_cycles));
+        add_row(&mut objects, cells, (&o.breakdown, costs.unit_cycles));
     }
     objects
 }
@@ -77,12 +77,12 @@ pub(crate) fn polygons(report: &Report, most: usize) -> Table {
         let object = p.object.map_or(String::new(), |object| object.to_string());
         let [from, to] = [p.from, p.to].map(thousands);
         let cells = [p.polygon.to_string(), p.frame.to_string(), object, thousands(p.fragments), from, to];
-        row(&mut polygons, cells, (&p.spent, costs.unit_cycles));
+        add_row(&mut polygons, cells, (&p.breakdown, costs.unit_cycles));
     }
     polygons
 }
 
 /// Tables for the terminal.
 pub(crate) fn tables(report: &Report) -> [Table; 3] {
-    [whom(report), objects(report, SHOWN), polygons(report, SHOWN)]
+    [attribution(report), objects(report, SHOWN), polygons(report, SHOWN)]
 }

@@ -1,6 +1,6 @@
 //! Tables of the hardware.
 
-use super::style::Style;
+use super::style::TextStyle;
 use super::table::{Align, Table};
 use crate::model::{Hardware, Report};
 use crate::number::thousands;
@@ -22,12 +22,12 @@ pub(crate) fn totals(report: &Report) -> Table {
 }
 
 /// Everything, piece by piece.
-pub fn hardware(all: &[Hardware], style: Style) -> String {
-    pieces(all).render(style)
+pub fn hardware(all: &[Hardware], style: TextStyle) -> String {
+    hardware_table(all).render(style)
 }
 
 /// A row for each piece.
-pub(crate) fn pieces(all: &[Hardware]) -> Table {
+pub(crate) fn hardware_table(all: &[Hardware]) -> Table {
     let columns =
         [("Where", Left, 0), ("", Left, 0), ("for", Left, 1), ("pieces", Right, 0), ("wide", Right, 0), ("bits", Right, 0)];
     let mut table = Table::new(&columns);
@@ -59,13 +59,13 @@ mod tests {
             piece("filter", HardwareKind::Multiplier, 32, 8),
             piece("wire", HardwareKind::Fifo, 4, 100),
         ];
-        let text = totals(&report).render(Style::default());
+        let text = totals(&report).render(TextStyle::default());
         let lines: Vec<Vec<&str>> = text.lines().skip(2).map(|l| l.split_whitespace().collect()).collect();
         assert_eq!(
             lines,
             [vec!["multipliers", "44", "filter"], vec!["tables", "12,288", "search"], vec!["FIFOs", "400", "wire"]]
         );
-        let text = hardware(&report.hardware, Style::default());
+        let text = hardware(&report.hardware, TextStyle::default());
         assert!(text.contains("256    48  12,288"), "{text}");
     }
 }

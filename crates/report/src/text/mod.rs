@@ -18,36 +18,36 @@ pub use hardware::hardware;
 use crate::bottleneck::diagnose;
 use crate::model::{Cycles, OutcomeKind, Report};
 use crate::number;
-pub(crate) use style::Paint;
-pub use style::Style;
+pub(crate) use style::Emphasis;
+pub use style::TextStyle;
 pub use table::Align;
-pub use tables::Tables;
+pub use tables::TableGroup;
 
 /// Returns the report: heading, summary, bottleneck, then these tables. Empty lines separate the parts; a line feed ends the text.
-pub fn to_text(report: &Report, style: Style, tables: &[Tables]) -> String {
-    let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report)))];
+pub fn to_text(report: &Report, style: TextStyle, tables: &[TableGroup]) -> String {
+    let mut parts = vec![style.paint(Emphasis::Bold, &style.wrap(&title(report)))];
     parts.push(summary::lines(report).iter().map(|line| style.wrap(line)).collect::<Vec<_>>().join("\n"));
     parts.push(style.wrap(&bottleneck_sentence(report)));
     parts.extend(bottlenecks::path(report).map(|path| style.wrap(&path)));
     // A run with one of these options shows its table.
-    let asked = [(Tables::Costs, report.costs.is_some()), (Tables::Sensitivity, report.sensitivity.is_some())];
+    let asked = [(TableGroup::Costs, report.costs.is_some()), (TableGroup::Sensitivity, report.sensitivity.is_some())];
     let asked = asked.into_iter().filter(|(_, is_there)| *is_there).map(|(table, _)| table);
-    let tables: Vec<Tables> = tables.iter().copied().chain(asked).collect();
-    for (caption, table) in Tables::ALL.iter().filter(|of| tables.contains(of)).flat_map(|of| of.of(report)) {
-        let caption = if caption.is_empty() { caption } else { style.paint(Paint::Dim, &style.wrap(&caption)) + "\n" };
+    let tables: Vec<TableGroup> = tables.iter().copied().chain(asked).collect();
+    for (caption, table) in TableGroup::ALL.iter().filter(|of| tables.contains(of)).flat_map(|of| of.of(report)) {
+        let caption = if caption.is_empty() { caption } else { style.paint(Emphasis::Dim, &style.wrap(&caption)) + "\n" };
         parts.push(caption + &table.render(style));
     }
     parts.extend(sections::host(report));
     parts.extend(warnings(report, style));
-    parts.extend(more(report, &tables).map(|more| style.wrap(&more)));
+    parts.extend(unshown_tables(report, &tables).map(|more| style.wrap(&more)));
     parts.retain(|part| !part.is_empty());
     parts.join("\n\n") + "\n"
 }
 
 /// Sentence that lists the tables that are not shown.
-fn more(report: &Report, shown: &[Tables]) -> Option<String> {
+fn unshown_tables(report: &Report, shown: &[TableGroup]) -> Option<String> {
     let rest: Vec<&str> =
-        Tables::ALL.iter().filter(|of| !shown.contains(of) && !of.of(report).is_empty()).map(|of| of.name()).collect();
+        TableGroup::ALL.iter().filter(|of| !shown.contains(of) && !of.of(report).is_empty()).map(|of| of.name()).collect();
     (!rest.is_empty()).then(|| format!("More tables: --tables all, or any of {}.", rest.join(",")))
 }
 
@@ -88,8 +88,8 @@ fn frames(report: &Report, cycles: &Cycles) -> Vec<String> {
     std::iter::once(total).chain(frames).collect()
 }
 
-fn warnings(report: &Report, style: Style) -> Option<String> {
-    let mark = style.paint(Paint::Yellow, "warning:");
+fn warnings(report: &Report, style: TextStyle) -> Option<String> {
+    let mark = style.paint(Emphasis::Yellow, "warning:");
     let lines: Vec<String> = report.warnings.iter().map(|w| format!("{mark} {w}")).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
@@ -97,44 +97,47 @@ fn warnings(report: &Report, style: Style) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Part;
+    use crate::model::FigureGroup;
     use crate::samples;
 
     #[test]
     fn tables_of_a_run() {
         let report = samples::balanced().with_host(4.0, 2.0);
-        insta::assert_snapshot!("tables", to_text(&report, Style::default(), &Tables::ALL));
+        insta::assert_snapshot!("tables", to_text(&report, TextStyle::default(), &TableGroup::ALL));
     }
 
     #[test]
     fn first_screen_lists_further_tables() {
         let report = samples::balanced();
-        let text = to_text(&report, Style::default(), &[]);
+        let text = to_text(&report, TextStyle::default(), &[]);
         assert!(text.contains("cycles per frame") && text.contains("bytes of memory traffic per frame"), "{text}");
         assert!(text.lines().count() < 20, "{text}");
         assert!(text.contains("More tables: --tables all, or any of units,fifos,memories,"), "{text}");
-        let units = to_text(&report, Style::default(), &[Tables::Units]);
+        let units = to_text(&report, TextStyle::default(), &[TableGroup::Units]);
         assert!(units.contains("% of render cycles") && !units.contains("--tables all, or any of units"), "{units}");
-        assert!(!to_text(&report, Style::default(), &Tables::ALL).contains("--tables"));
+        assert!(!to_text(&report, TextStyle::default(), &TableGroup::ALL).contains("--tables"));
     }
 
     #[test]
     fn tables_of_a_functional_run_and_of_a_deadlock() {
-        insta::assert_snapshot!("functional", to_text(&samples::functional(), Style::default(), &Tables::ALL));
-        insta::assert_snapshot!("deadlock", to_text(&samples::deadlocked(), Style { width: 72, color: false }, &Tables::ALL));
+        insta::assert_snapshot!("functional", to_text(&samples::functional(), TextStyle::default(), &TableGroup::ALL));
+        insta::assert_snapshot!(
+            "deadlock",
+            to_text(&samples::deadlocked(), TextStyle { width: 72, color: false }, &TableGroup::ALL)
+        );
     }
 
     #[test]
     fn cost_tables_show_attribution() {
         insta::assert_snapshot!(
             "costs",
-            costs::tables(&samples::costed()).map(|table| table.render(Style::default())).join("\n\n")
+            costs::tables(&samples::costed()).map(|table| table.render(TextStyle::default())).join("\n\n")
         );
     }
 
     #[test]
     fn routes_circuits_and_processes_have_tables_of_their_own() {
-        let text = to_text(&samples::with_routes(), Style::default(), &Tables::ALL);
+        let text = to_text(&samples::with_routes(), TextStyle::default(), &TableGroup::ALL);
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
         has("Route polygons % dots %");
         has("normal 900 90.0 150,000 75.0");
@@ -154,10 +157,10 @@ mod tests {
         for column in ["texture", "layer", "loaded"] {
             let name = format!("layers_{column}");
             report.figures.insert(name.clone(), list(43));
-            let part = Part::Column { table: "layers".into(), title: column.into() };
+            let part = FigureGroup::Column { table: "layers".into(), title: column.into() };
             report.legend.insert(name, samples::legend("", part));
         }
-        let text = to_text(&report, Style::default(), &Tables::ALL);
+        let text = to_text(&report, TextStyle::default(), &TableGroup::ALL);
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
         has("texture layer loaded");
         has("39 39 39");
@@ -168,7 +171,7 @@ mod tests {
     #[test]
     fn no_line_is_wider_than_the_terminal() {
         for width in [60, 72, 80, 100, 120] {
-            let text = to_text(&samples::balanced(), Style { width, color: false }, &Tables::ALL);
+            let text = to_text(&samples::balanced(), TextStyle { width, color: false }, &TableGroup::ALL);
             for line in text.lines() {
                 assert!(line.chars().count() <= width || line.starts_with("warning"), "{width}: {line}");
             }
@@ -178,12 +181,12 @@ mod tests {
     #[test]
     fn colour_changes_nothing_but_colour() {
         let report = samples::balanced();
-        let mut text = to_text(&report, Style { width: 100, color: true }, &Tables::ALL);
+        let mut text = to_text(&report, TextStyle { width: 100, color: true }, &TableGroup::ALL);
         assert!(text.contains('\x1b'));
         for code in ["\x1b[0m", "\x1b[1m", "\x1b[2m", "\x1b[33m"] {
             text = text.replace(code, "");
         }
-        assert_eq!(text, to_text(&report, Style::default(), &Tables::ALL));
+        assert_eq!(text, to_text(&report, TextStyle::default(), &TableGroup::ALL));
         assert!(!text.contains('\x1b'));
     }
 }

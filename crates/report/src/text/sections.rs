@@ -2,7 +2,7 @@
 
 use super::table::{Align, Table};
 use crate::bottleneck::{Stall, largest_stall};
-use crate::model::{Difference, Fifo, Figure, Part, RealPath, Report};
+use crate::model::{Difference, Fifo, Figure, FigureGroup, RealPath, Report};
 use crate::number::{percent, real, thousands};
 use crate::work;
 use Align::{Left, Right};
@@ -136,7 +136,7 @@ pub(crate) fn memories(report: &Report) -> Table {
                 thousands(c.bytes()),
                 percent(c.row_hits, c.bursts),
                 percent(c.row_conflicts, c.bursts),
-                per(c.queue_wait, c.bursts),
+                ratio_text(c.queue_wait, c.bursts),
             ]);
         }
     }
@@ -144,7 +144,7 @@ pub(crate) fn memories(report: &Report) -> Table {
 }
 
 /// With one decimal; nothing where there is nothing to divide by.
-fn per(above: u64, below: u64) -> String {
+fn ratio_text(above: u64, below: u64) -> String {
     if below == 0 { String::new() } else { format!("{:.1}", above as f64 / below as f64) }
 }
 
@@ -178,7 +178,7 @@ pub(crate) fn channels(report: &Report) -> Table {
                 percent(c.row_conflicts, bursts),
                 thousands(c.turn_arounds),
                 thousands(c.refreshes),
-                per(c.queued, total),
+                ratio_text(c.queued, total),
             ]);
         }
     }
@@ -236,7 +236,7 @@ pub(crate) fn processes(report: &Report) -> Table {
 const ROWS: usize = 40;
 
 /// A table of figures; a long one is cut short.
-pub(crate) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Table {
+pub(crate) fn columns(work::ColumnTable { columns, .. }: &work::ColumnTable<'_>) -> Table {
     let titles: Vec<_> = columns.iter().map(|(title, _)| (*title, Right, 0)).collect();
     let mut rows = Table::new(&titles);
     let count = columns.iter().map(|(_, list)| list.len()).max().unwrap_or(0);
@@ -253,9 +253,9 @@ pub(crate) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Tabl
 pub(crate) fn figures(report: &Report) -> Table {
     let mut table = Table::new(&[("Figure", Left, 0), ("", Right, 0), ("", Left, 1)]);
     let elsewhere = |name: &str| match report.legend.get(name).and_then(|legend| legend.part.as_ref()) {
-        None | Some(Part::Work) => false,
-        Some(Part::Started(_) | Part::Needed(_)) => report.cycles.is_some(),
-        Some(Part::Route(_) | Part::Process(_) | Part::Column { .. }) => true,
+        None | Some(FigureGroup::Work) => false,
+        Some(FigureGroup::Started(_) | FigureGroup::Needed(_)) => report.cycles.is_some(),
+        Some(FigureGroup::Route(_) | FigureGroup::Process(_) | FigureGroup::Column { .. }) => true,
     };
     let counted_to = |name: &str| report.figures.get(&format!("{name}{COUNTED_TO}"));
     let is_bound = |name: &str| name.strip_suffix(COUNTED_TO).is_some_and(|of| report.figures.contains_key(of));
@@ -309,8 +309,8 @@ pub(crate) fn quality(report: &Report) -> Table {
 /// Returns derived figures, except the utilization of units, idle circuits and hit rates, which other tables have.
 pub(crate) fn derived(report: &Report) -> Table {
     let mut table = Table::new(&[("Derived", Left, 0), ("", Right, 0), ("", Left, 1)]);
-    let told = |name: &str| [".utilization", ".hit_rate", ".idle"].iter().any(|end| name.ends_with(end));
-    for (name, d) in report.derived.iter().filter(|(name, _)| !told(name)) {
+    let has_own_table = |name: &str| [".utilization", ".hit_rate", ".idle"].iter().any(|end| name.ends_with(end));
+    for (name, d) in report.derived.iter().filter(|(name, _)| !has_own_table(name)) {
         let (value, unit) = if d.unit == "1" { (100.0 * d.value, "%") } else { (d.value, d.unit.as_str()) };
         table.row([name.clone(), rounded(value), unit.into()]);
     }

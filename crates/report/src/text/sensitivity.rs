@@ -15,9 +15,10 @@ const ABOUT: usize = 32;
 /// Caption of the table of changes.
 pub(crate) fn caption(sensitivity: &Sensitivity) -> String {
     let Measure { cycles, bytes, psnr_db } = sensitivity.base;
-    let count = |is: &dyn Fn(Option<f64>) -> bool| sensitivity.changes.iter().filter(|change| is(change.size())).count();
+    let count =
+        |is: &dyn Fn(Option<f64>) -> bool| sensitivity.changes.iter().filter(|change| is(change.largest_change())).count();
     let (still, failed) = (count(&|size| size == Some(0.0)), count(&|size| size.is_none()));
-    let picture = psnr_db.map_or_else(String::new, |db| format!(", {} dB", two(db)));
+    let picture = psnr_db.map_or_else(String::new, |db| format!(", {} dB", two_decimals(db)));
     format!(
         "one assumed parameter changed at a time, against {} cycles, {} bytes{picture}. {} changes, largest first; {still} have no \
          effect, {failed} did not finish; report.json lists all",
@@ -28,27 +29,27 @@ pub(crate) fn caption(sensitivity: &Sensitivity) -> String {
 }
 
 /// With two decimals at most.
-fn two(x: f64) -> String {
+fn two_decimals(x: f64) -> String {
     real((x * 100.0).round() / 100.0)
 }
 
 /// Formats a change with a sign and at most two decimals. Empty for 0, so that other changes stand out.
-fn moved(x: f64) -> String {
+fn signed_change(x: f64) -> String {
     match x {
         0.0 => String::new(),
         x if x.abs() < 0.005 => if x > 0.0 { "+0.00" } else { "-0.00" }.into(),
-        x if x > 0.0 => format!("+{}", two(x)),
-        x => two(x),
+        x if x > 0.0 => format!("+{}", two_decimals(x)),
+        x => two_decimals(x),
     }
 }
 
 /// A value as `--set` takes it.
-fn plain(value: &Value) -> String {
+fn setting_text(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 /// The first words about a parameter.
-fn brief(about: &str) -> String {
+fn short_description(about: &str) -> String {
     let first = about.split_once(". ").map_or(about, |(first, _)| first).trim_end_matches('.');
     if first.chars().count() <= ABOUT {
         return first.into();
@@ -69,18 +70,18 @@ pub(crate) fn changes(sensitivity: &Sensitivity) -> Table {
         ("description", Left, 1),
     ]);
     let moving = sensitivity.changes.iter().filter_map(|change| match &change.comes_to {
-        ComesTo::Run(moved) if moved.size() > 0.0 => Some((change, moved)),
+        ComesTo::Run(moved) if moved.largest_change() > 0.0 => Some((change, moved)),
         ComesTo::Run(_) | ComesTo::Nothing { .. } => None,
     });
     for (change, to) in moving.take(SHOWN) {
         table.row([
             change.parameter.clone(),
-            plain(&change.from),
-            plain(&change.to),
-            moved(to.cycles_percent),
-            moved(to.bytes_percent),
-            to.psnr_change_db.map_or_else(String::new, moved),
-            brief(&change.about),
+            setting_text(&change.from),
+            setting_text(&change.to),
+            signed_change(to.cycles_percent),
+            signed_change(to.bytes_percent),
+            to.psnr_change_db.map_or_else(String::new, signed_change),
+            short_description(&change.about),
         ]);
     }
     table
@@ -91,7 +92,7 @@ pub(crate) fn failed(sensitivity: &Sensitivity) -> Table {
     let mut table = Table::new(&[("Parameter", Left, 0), ("from", Right, 0), ("to", Right, 0), ("reason", Left, 0)]);
     for change in &sensitivity.changes {
         if let ComesTo::Nothing { reason } = &change.comes_to {
-            table.row([change.parameter.clone(), plain(&change.from), plain(&change.to), reason.clone()]);
+            table.row([change.parameter.clone(), setting_text(&change.from), setting_text(&change.to), reason.clone()]);
         }
     }
     table
@@ -100,17 +101,17 @@ pub(crate) fn failed(sensitivity: &Sensitivity) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Change, Report};
+    use crate::model::{ParameterChange, Report};
     use crate::samples;
-    use crate::text::{Style, Tables, to_text};
+    use crate::text::{TableGroup, TextStyle, to_text};
     use serde_json::json;
 
     const BASE: Measure = Measure { cycles: 1000, bytes: 400, psnr_db: Some(30.0) };
 
-    fn change(parameter: &str, to: Option<(u64, u64, f64)>) -> Change {
-        let moved = |(cycles, bytes, db)| ComesTo::Run(BASE.moved(Measure { cycles, bytes, psnr_db: Some(db) }));
+    fn change(parameter: &str, to: Option<(u64, u64, f64)>) -> ParameterChange {
+        let moved = |(cycles, bytes, db)| ComesTo::Run(BASE.change_to(Measure { cycles, bytes, psnr_db: Some(db) }));
         let none = || ComesTo::Nothing { reason: "deadlock: a waits for b".into() };
-        Change {
+        ParameterChange {
             parameter: parameter.into(),
             about: "Slots. More is faster.".into(),
             unit: "tokens".into(),
@@ -141,16 +142,16 @@ mod tests {
 
     #[test]
     fn changes_are_relative_to_the_base_run() {
-        let moved = BASE.moved(Measure { cycles: 1333, bytes: 0, psnr_db: None });
+        let moved = BASE.change_to(Measure { cycles: 1333, bytes: 0, psnr_db: None });
         assert_eq!((moved.cycles_percent, moved.bytes_percent, moved.psnr_change_db), (33.3, -100.0, None));
         let nothing = Measure { cycles: 0, bytes: 0, psnr_db: None };
-        assert_eq!(nothing.moved(BASE).cycles_percent, 0.0);
+        assert_eq!(nothing.change_to(BASE).cycles_percent, 0.0);
     }
 
     #[test]
     fn sensitivity_tables_list_changes_and_failures() {
         let report = Report { sensitivity: Some(sensitivity()), ..samples::balanced() };
-        let text = to_text(&report, Style { width: 120, color: false }, &[]);
+        let text = to_text(&report, TextStyle { width: 120, color: false }, &[]);
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
         has("picture 64 32 -2 Slots");
         has("bytes 64 32 +20 Slots");
@@ -158,7 +159,7 @@ mod tests {
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains("6 changes, largest first; 1 have no effect, 1 did not finish"), "{text}");
         assert!(!text.contains("still  "), "{text}");
-        assert!(!to_text(&samples::balanced(), Style::default(), &Tables::ALL).contains("assumed parameters"));
+        assert!(!to_text(&samples::balanced(), TextStyle::default(), &TableGroup::ALL).contains("assumed parameters"));
     }
 
     #[test]

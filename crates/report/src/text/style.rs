@@ -2,14 +2,14 @@
 
 /// Style of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Style {
+pub struct TextStyle {
     /// Columns of the terminal.
     pub width: usize,
     /// Emphasis by ANSI escape sequences.
     pub color: bool,
 }
 
-impl Default for Style {
+impl Default for TextStyle {
     fn default() -> Self {
         Self { width: 100, color: false }
     }
@@ -17,14 +17,14 @@ impl Default for Style {
 
 /// Emphasis, as ANSI "select graphic rendition" codes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Paint {
+pub(crate) enum Emphasis {
     Bold = 1,
     Dim = 2,
     Yellow = 33,
 }
 
-impl Style {
-    pub(crate) fn paint(&self, paint: Paint, text: &str) -> String {
+impl TextStyle {
+    pub(crate) fn paint(&self, paint: Emphasis, text: &str) -> String {
         if self.color { format!("\x1b[{}m{text}\x1b[0m", paint as u8) } else { text.into() }
     }
 

@@ -11,7 +11,7 @@ pub(super) fn lines(report: &Report) -> Vec<String> {
 }
 
 /// `n` of something, and by `per` how much of it for each fragment.
-fn each(n: u64, per: &str, report: &Report) -> String {
+fn per_work_item(n: u64, per: &str, report: &Report) -> String {
     let work = work(report);
     let Some(each) = (work.count > 0).then(|| n as f64 / work.count as f64) else { return String::new() };
     format!(", {each:.2} {per} {}", work.one)
@@ -31,7 +31,7 @@ fn cycles(report: &Report) -> Option<String> {
     let time = hz.map_or(String::new(), |hz| {
         format!("; {:.3} ms per frame at {} MHz", 1000.0 * all as f64 / frames(cycles) as f64 / hz, real(hz / 1e6))
     });
-    Some(format!("{} cycles per frame{range}{}{time}", thousands(mean), each(all, "per", report)))
+    Some(format!("{} cycles per frame{range}{}{time}", thousands(mean), per_work_item(all, "per", report)))
 }
 
 fn quality(report: &Report) -> Option<String> {
@@ -43,7 +43,7 @@ fn quality(report: &Report) -> Option<String> {
 fn traffic(report: &Report) -> Option<String> {
     let bytes = report.memory_bytes()?;
     let frames = report.cycles.as_ref().map_or(1, frames);
-    Some(format!("{} bytes of memory traffic per frame{}", thousands(bytes / frames), each(bytes, "per", report)))
+    Some(format!("{} bytes of memory traffic per frame{}", thousands(bytes / frames), per_work_item(bytes, "per", report)))
 }
 
 fn hardware(report: &Report) -> Option<String> {

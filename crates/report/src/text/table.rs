@@ -1,6 +1,6 @@
 //! A quiet table: a header, a thin line, rows. No boxes.
 
-use super::style::{Paint, Style};
+use super::style::{Emphasis, TextStyle};
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, TableStyle};
 
 /// Alignment of a column.
@@ -56,11 +56,11 @@ impl Table {
     }
 
     /// The table's lines, joined, without a line feed at the end.
-    pub(crate) fn render(&self, style: Style) -> String {
-        let kept = self.kept(style.width);
+    pub(crate) fn render(&self, style: TextStyle) -> String {
+        let kept = self.fitting_columns(style.width);
         let mut table = comfy_table::Table::new();
         table.load_style(LINES);
-        if self.width(&kept) > style.width {
+        if self.width_of(&kept) > style.width {
             let width = u16::try_from(style.width.max(1)).unwrap_or(u16::MAX);
             table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
         }
@@ -75,8 +75,8 @@ impl Table {
             }
         }
         let emphasis = |line: (usize, &str)| match line {
-            (0, text) => style.paint(Paint::Bold, text),
-            (1, text) => style.paint(Paint::Dim, text),
+            (0, text) => style.paint(Emphasis::Bold, text),
+            (1, text) => style.paint(Emphasis::Dim, text),
             (_, text) => text.into(),
         };
         let text = table.trim_fmt();
@@ -84,13 +84,13 @@ impl Table {
     }
 
     /// Numbers of the columns that must stay, and of the others, lowest rank first, all that fit beside them.
-    fn kept(&self, width: usize) -> Vec<usize> {
+    fn fitting_columns(&self, width: usize) -> Vec<usize> {
         let mut by_rank: Vec<(u8, usize)> = self.columns.iter().enumerate().map(|(i, c)| (c.rank, i)).collect();
         by_rank.sort_unstable();
         let mut kept: Vec<usize> = vec![];
         for (rank, i) in by_rank {
             kept.push(i);
-            if rank > 0 && self.width(&kept) > width {
+            if rank > 0 && self.width_of(&kept) > width {
                 kept.pop();
             }
         }
@@ -98,7 +98,7 @@ impl Table {
         kept
     }
 
-    fn width(&self, kept: &[usize]) -> usize {
+    fn width_of(&self, kept: &[usize]) -> usize {
         let cells = |i: usize| self.rows.iter().filter_map(move |r| r.get(i)).map(|c| c.chars().count()).max().unwrap_or(0);
         let column = |&i: &usize| cells(i).max(self.columns.get(i).map_or(0, |c| c.title.chars().count()));
         kept.iter().map(column).sum::<usize>() + GAP * kept.len().saturating_sub(1)
@@ -114,7 +114,7 @@ mod tests {
         let mut table = Table::new(&[("name", Align::Left, 0), ("n", Align::Right, 1), ("remark", Align::Left, 2)]);
         table.row(["alpha".into(), "7".into(), "long".into()]);
         table.row(["b".into(), "1,000".into(), String::new()]);
-        let text = |width| table.render(Style { width, color: false });
+        let text = |width| table.render(TextStyle { width, color: false });
         assert_eq!(text(20), "name       n  remark\n────────────────────\nalpha      7  long\nb      1,000");
         assert_eq!(text(19), "name       n\n────────────\nalpha      7\nb      1,000");
         assert_eq!(text(11), "name\n─────\nalpha\nb");

@@ -8,9 +8,9 @@ use crate::work;
 
 /// Tables that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tables {
+pub enum TableGroup {
     /// Cycles saved when one resource is relaxed.
-    Limits,
+    Bottlenecks,
     /// Cycle breakdown of each unit.
     Units,
     /// Occupancy of each FIFO.
@@ -35,10 +35,10 @@ pub enum Tables {
     Derived,
 }
 
-impl Tables {
+impl TableGroup {
     /// All, in the order in which they are shown.
     pub const ALL: [Self; 12] = [
-        Self::Limits,
+        Self::Bottlenecks,
         Self::Units,
         Self::Fifos,
         Self::Memories,
@@ -55,7 +55,7 @@ impl Tables {
     /// Name in `--tables`.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Limits => "bottlenecks",
+            Self::Bottlenecks => "bottlenecks",
             Self::Units => "units",
             Self::Fifos => "fifos",
             Self::Memories => "memories",
@@ -73,7 +73,7 @@ impl Tables {
     /// Description for `--help`.
     pub fn about(self) -> &'static str {
         match self {
-            Self::Limits => "Cycles saved when one resource is relaxed",
+            Self::Bottlenecks => "Cycles saved when one resource is relaxed",
             Self::Units => "Cycle breakdown of each unit",
             Self::Fifos => "Occupancy of each FIFO",
             Self::Memories => "Traffic of memory clients and utilization of channels",
@@ -93,7 +93,7 @@ impl Tables {
         let captioned = |caption: String, table: Table| if table.is_empty() { vec![] } else { vec![(caption, table)] };
         let plain = |table| captioned(String::new(), table);
         match self {
-            Self::Limits => {
+            Self::Bottlenecks => {
                 captioned(in_frames(report, "measured by resimulation; % of render cycles", &[]), bottlenecks::table(report))
             }
             Self::Units => captioned(in_frames(report, "% of render cycles", &working_on(report)), sections::units(report)),

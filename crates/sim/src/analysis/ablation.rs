@@ -6,7 +6,7 @@ use crate::run::result::{Run, RunError};
 use basrelief_input::Held;
 use basrelief_kernel::Outcome;
 use basrelief_report::Report;
-use basrelief_report::ablation::{Ablation, Variant};
+use basrelief_report::ablation::{Ablation, AblationVariant};
 
 /// Runs the machine as configured, without each shortcut in turn, and without all shortcuts. `run` performs one run of the same input
 /// with the given options and observer, without the exact picture. That observer forwards only the progress to `observer`.
@@ -32,7 +32,7 @@ pub fn ablate<E: From<RunError>>(
         };
         let report = complete(&variant, run(&settings, &mut comparison)?)?;
         let ablation = ablation.get_or_insert_with(|| Ablation::of(&report));
-        ablation.variants.push(Variant::of(variant, &report, ablation.variants.first(), comparison.largest));
+        ablation.variants.push(AblationVariant::of(variant, &report, ablation.variants.first(), comparison.largest));
         (comparison.first, comparison.largest) = (false, 0);
     }
     ablation.ok_or_else(|| no_shortcuts().into())

@@ -6,7 +6,7 @@ use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{self as kernel, Netlist, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
 use basrelief_machines::{InputKind, MachineSpec};
 use basrelief_report::Report;
-use basrelief_report::model::{CriticalPath, Limit, PathPart};
+use basrelief_report::model::{CriticalPath, PathPart, RelaxedCycles};
 use basrelief_threads as threads;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -63,7 +63,7 @@ pub(crate) struct CompletedRun<'a, S> {
 /// BottleneckList and critical path of a run.
 #[derive(Debug)]
 pub(crate) struct BottleneckList {
-    list: Vec<Limit>,
+    list: Vec<RelaxedCycles>,
     path: Option<kernel::CriticalPath>,
 }
 
@@ -135,7 +135,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         timed.sort_by_key(|(_, cycles)| *cycles);
         let pairs = self.pairs(&recorded, &timed);
         let all = timed.into_iter().chain(pairs);
-        let mut list: Vec<Limit> = all.filter_map(|(relaxation, cycles)| self.bottleneck(relaxation, cycles)).collect();
+        let mut list: Vec<RelaxedCycles> = all.filter_map(|(relaxation, cycles)| self.bottleneck(relaxation, cycles)).collect();
         list.sort_by_key(|limit| limit.cycles);
         Some(BottleneckList { list, path })
     }
@@ -180,11 +180,11 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         total.saturating_sub(cycles) > total / PART
     }
 
-    fn bottleneck(&self, relaxation: Relaxation, cycles: u64) -> Option<Limit> {
+    fn bottleneck(&self, relaxation: Relaxation, cycles: u64) -> Option<RelaxedCycles> {
         let saved = self.run.marked_cycles().checked_sub(cycles).filter(|saved| *saved > 0)?;
         let Relaxation { resource, what, set, .. } = relaxation;
         let set = set.into_iter().map(|(key, value)| format!("{key}={value}")).collect();
-        Some(Limit { resource, what: what.into(), set, cycles, saved })
+        Some(RelaxedCycles { resource, what: what.into(), set, cycles, saved })
     }
 
     /// Resimulates pairs of the best relaxations, and returns those with an interaction.

@@ -9,7 +9,7 @@ use basrelief_input::Budget;
 use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::compare::WORK;
-use basrelief_report::{Explained, Report, Share};
+use basrelief_report::{CauseShare, MeasuredCauses, Report};
 use basrelief_threads as threads;
 use std::io::Read;
 
@@ -48,7 +48,7 @@ impl RecordedRun {
 }
 
 /// Explains the difference in cycles of `b` against `a`. Returns `None` if the machines are different.
-pub fn explain(a: &RecordedRun, b: &RecordedRun) -> Option<Explained> {
+pub fn explain(a: &RecordedRun, b: &RecordedRun) -> Option<MeasuredCauses> {
     if a.config.machine().name != b.config.machine().name {
         return None;
     }
@@ -66,15 +66,15 @@ pub fn explain(a: &RecordedRun, b: &RecordedRun) -> Option<Explained> {
     }
     shares.sort_by_key(|share| std::cmp::Reverse(share.by.map(i64::unsigned_abs)));
     let counted: i64 = shares.iter().filter_map(|share| share.by).sum();
-    Some(Explained { shares, together: b.cycles as i64 - a.cycles as i64 - counted })
+    Some(MeasuredCauses { shares, together: b.cycles as i64 - a.cycles as i64 - counted })
 }
 
 /// Settings, and the resulting configuration.
 type NewConfig = (Vec<(String, String)>, MachineConfig);
 
-fn share(group: &str, set: Option<NewConfig>, cycles: Option<u64>, b: &RecordedRun) -> Share {
+fn share(group: &str, set: Option<NewConfig>, cycles: Option<u64>, b: &RecordedRun) -> CauseShare {
     let set = set.map(|(set, _)| set).unwrap_or_default();
-    Share {
+    CauseShare {
         group: group.to_owned(),
         set: set.into_iter().map(|(key, value)| format!("{key}={value}")).collect(),
         cycles,

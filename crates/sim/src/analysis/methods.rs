@@ -6,7 +6,7 @@ use crate::options::{AnalysisPolicy, RunOptions};
 use crate::run::result::{Run, RunError};
 use basrelief_machines::{MACHINES, MachineConfig, MachineSpec, MethodNumber, MethodSpec, MethodSpecs, for_machine};
 use basrelief_report::Report;
-use basrelief_report::methods::{Method, Methods, figure};
+use basrelief_report::methods::{MethodComparison, MethodResult, figure};
 
 /// MethodRuns the machine with each of its methods. If a method has a number, bisection over functional runs finds the number with the least
 /// work whose measured error is within the configured bound. A later number that happens to be within the bound again is not found.
@@ -18,7 +18,7 @@ pub fn compare_methods<E: From<RunError>>(
     settings: &RunOptions,
     observer: &mut dyn Observer,
     run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>,
-) -> Result<Methods, E> {
+) -> Result<MethodComparison, E> {
     for_machine!(&settings.config, config => MethodRuns { settings, config, observer, run }.compare())
 }
 
@@ -33,19 +33,19 @@ impl<S: MachineSpec, E: From<RunError>, R: FnMut(&RunOptions, &mut dyn Observer)
 where
     MachineConfig: From<S>,
 {
-    fn compare(mut self) -> Result<Methods, E> {
+    fn compare(mut self) -> Result<MethodComparison, E> {
         let no_methods = || {
             let others: Vec<&str> = MACHINES.iter().filter(|m| m.has_methods).map(|m| m.name).collect();
             RunError::NoMethods(S::NAME, others.join(" or "))
         };
         let specs = S::METHODS.ok_or_else(no_methods)?;
-        let mut table: Option<Methods> = None;
+        let mut table: Option<MethodComparison> = None;
         for method in specs.methods {
             // Two pixels of a line are at most as far apart as the picture is wide.
             let limit = table.as_ref().map_or(1, |table| table.size.width).clamp(1, 16_384);
             let number = self.number(&specs, method, limit)?;
             let (report, method) = self.timed(method, number)?;
-            table.get_or_insert_with(|| Methods::of(&report, (specs.bound)(self.config))).methods.push(method);
+            table.get_or_insert_with(|| MethodComparison::of(&report, (specs.bound)(self.config))).methods.push(method);
         }
         table.ok_or_else(|| no_methods().into())
     }
@@ -62,11 +62,11 @@ where
         }
     }
 
-    fn timed(&mut self, method: &MethodSpec<S>, number: u32) -> Result<(Report, Method), E> {
+    fn timed(&mut self, method: &MethodSpec<S>, number: u32) -> Result<(Report, MethodResult), E> {
         let name = (method.name)(number);
         let settings = self.configured(method, number);
         let report = complete(&name, (self.run)(&settings, self.observer)?)?;
-        let method = Method::of(name, (method.settings)(number), &report);
+        let method = MethodResult::of(name, (method.settings)(number), &report);
         Ok((report, method))
     }
 

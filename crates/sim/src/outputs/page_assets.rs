@@ -5,17 +5,17 @@ use basrelief_machines::MachineInfo;
 use basrelief_parameters::{Parameter, as_option};
 use basrelief_reference::{RgbPicture, metrics};
 use basrelief_report::Report;
-use basrelief_report::html::{Beside, PagePicture, ParameterRow};
+use basrelief_report::html::{PageAssets, PagePicture, ParameterRow};
 use serde_json::Value;
 
 /// Returns the block diagram of the report's machine, and its parameters with their values in this run. Contains no pictures.
 ///
 /// # Errors
 /// An unknown machine.
-pub fn page_assets(report: &Report) -> Result<Beside, String> {
+pub fn page_assets(report: &Report) -> Result<PageAssets, String> {
     let machine = MachineInfo::named(&report.machine)?;
     let parameters = machine.parameters().iter().map(|parameter| row(parameter, &report.config)).collect();
-    Ok(Beside { diagram: machine.diagram.into(), pictures: vec![], parameters })
+    Ok(PageAssets { diagram: machine.diagram.into(), pictures: vec![], parameters })
 }
 
 /// Returns the pictures of a page: the machine's picture and, if given, the exact picture and the difference.

@@ -4,7 +4,7 @@ use crate::build::BUILD;
 use basrelief_kernel::{Outcome, RunReport};
 use basrelief_machines::{MachineSpec, PictureRecord, RunSummary, UnitStats, drawn_units};
 use basrelief_report::model::{Input, Picture, PictureQuality, Size};
-use basrelief_report::{Context, Report};
+use basrelief_report::{Report, ReportContext};
 use basrelief_signals::Camera;
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ impl UntimedResult {
     pub(crate) fn report<S: MachineSpec>(self, spec: &S, mut facts: UnitStats, run: Option<&RunReport>) -> Report {
         spec.figures(&RunSummary { run, pictures: &self.shown }, &mut facts);
         let drawn = drawn_units(S::DIAGRAM).into_iter();
-        let context = Context {
+        let context = ReportContext {
             build: BUILD.into(),
             machine: S::NAME.into(),
             input: self.input,

@@ -60,9 +60,9 @@ fn unit_drawn_twice_is_filled_once() {
 #[test]
 fn wires_reach_their_boxes() {
     let sheet = BlockDiagram::read(" [a] --x--> [b]");
-    let ends: Vec<f64> = sheet.wires.iter().map(|wire| end(&sheet, wire, CellSide::Right).0).collect();
-    let box_b = left(sheet.units[1].column);
+    let ends: Vec<f64> = sheet.wires.iter().map(|wire| wire_end(&sheet, wire, CellSide::Right).0).collect();
+    let box_b = column_x(sheet.units[1].column);
     assert_eq!(ends.last(), Some(&box_b));
     let first = sheet.wires.first().unwrap();
-    assert_eq!(end(&sheet, first, CellSide::Left).0, left(sheet.units[0].column + sheet.units[0].width));
+    assert_eq!(wire_end(&sheet, first, CellSide::Left).0, column_x(sheet.units[0].column + sheet.units[0].width));
 }

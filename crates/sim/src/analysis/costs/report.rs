@@ -4,12 +4,12 @@ use super::accumulator::ActivityCost;
 use super::run_costs::Costs;
 use super::spent::CycleBreakdown;
 use super::step_polygons::by_polygon;
-use basrelief_report::costs::{self as model, LISTED, ObjectCost, Others};
+use basrelief_report::costs::{self as model, LISTED, ObjectCost, UnlistedCosts};
 use basrelief_report::model::PathPolygons;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-impl From<CycleBreakdown> for model::Spent {
+impl From<CycleBreakdown> for model::CycleBreakdown {
     fn from(spent: CycleBreakdown) -> Self {
         let CycleBreakdown { busy, starved, memory, blocked } = spent;
         Self { cycles: spent.total(), busy, starved, memory, blocked }
@@ -19,7 +19,7 @@ impl From<CycleBreakdown> for model::Spent {
 impl Costs {
     /// Returns the costs for the report, with these names of objects.
     pub fn report(&self, names: &BTreeMap<u32, String>) -> model::Costs {
-        let (objects, other_objects) = listed(self.objects(names), |o| (o.fragments, o.spent));
+        let (objects, other_objects) = listed(self.objects(names), |o| (o.fragments, o.breakdown));
         let polygons = self.polygons.iter().map(|p| model::PolygonCost {
             frame: p.frame,
             polygon: p.number,
@@ -27,14 +27,14 @@ impl Costs {
             fragments: p.fragments,
             from: p.life[0],
             to: p.life[1],
-            spent: p.spent.into(),
+            breakdown: p.spent.into(),
         });
-        let (polygons, other_polygons) = listed(polygons.collect(), |p| (p.fragments, p.spent));
+        let (polygons, other_polygons) = listed(polygons.collect(), |p| (p.fragments, p.breakdown));
         model::Costs {
             unit_cycles: self.cycles * self.units.len() as u64,
             pixels: self.all(|activity| activity.on_pixels),
-            elsewhere: self.all(|activity| activity.elsewhere),
-            nobody: self.all(|activity| activity.for_nobody),
+            non_pixel: self.all(|activity| activity.elsewhere),
+            unattributed: self.all(|activity| activity.for_nobody),
             done: self.units.iter().map(|unit| unit.done).sum(),
             frames: self.frame_costs().into_iter().map(Into::into).collect(),
             objects,
@@ -50,7 +50,7 @@ impl Costs {
     }
 
     /// Sums the cycles that `of` returns, over all units.
-    fn all(&self, of: fn(&ActivityCost) -> u64) -> model::Spent {
+    fn all(&self, of: fn(&ActivityCost) -> u64) -> model::CycleBreakdown {
         let mut sum = CycleBreakdown::default();
         self.units.iter().flat_map(|unit| &unit.activities).for_each(|activity| sum.charge(activity.kind, of(activity)));
         sum.into()
@@ -84,18 +84,18 @@ impl Costs {
         }
         let object = |(object, (polygons, fragments, spent)): (u32, (u64, u64, CycleBreakdown))| {
             let name = names.get(&object).cloned().unwrap_or_default();
-            ObjectCost { object, name, polygons, fragments, spent: spent.into() }
+            ObjectCost { object, name, polygons, fragments, breakdown: spent.into() }
         };
         objects.into_iter().map(object).collect()
     }
 }
 
 /// Returns the most expensive elements, in descending order, and the sum of the others. Ties keep their order.
-fn listed<T>(mut all: Vec<T>, of: fn(&T) -> (u64, model::Spent)) -> (Vec<T>, Others) {
+fn listed<T>(mut all: Vec<T>, of: fn(&T) -> (u64, model::CycleBreakdown)) -> (Vec<T>, UnlistedCosts) {
     all.sort_by_key(|one| Reverse(of(one).1.cycles));
-    let mut others = Others::default();
+    let mut others = UnlistedCosts::default();
     for (fragments, spent) in all.split_off(all.len().min(LISTED)).iter().map(of) {
-        let Others { count, fragments: sum, spent: all } = &mut others;
+        let UnlistedCosts { count, fragments: sum, breakdown: all } = &mut others;
         (*count, *sum) = (*count + 1, *sum + fragments);
         all.cycles += spent.cycles;
         all.busy += spent.busy;
