@@ -2,12 +2,12 @@
 
 #![no_main]
 
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_sim::{ResimulateOptions, AnalysisPolicy, resimulate};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let options = ResimulateOptions { settings: vec![], bottlenecks: AnalysisPolicy::Never, budget: Budget::new(64 << 20) };
+    let options = ResimulateOptions { settings: vec![], bottlenecks: AnalysisPolicy::Never, budget: MemoryPool::new(64 << 20) };
     if let Ok(report) = resimulate(&mut &bytes[..], &options) {
         assert!(report.cycles.is_some());
     }

@@ -2,12 +2,12 @@
 
 #![no_main]
 
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_scene::{SceneSubject, ViewOptions};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok((subject, _held)) = SceneSubject::from_bytes(bytes, "scene", &Budget::new(64 << 20)) {
+    if let Ok((subject, _held)) = SceneSubject::from_bytes(bytes, "scene", &MemoryPool::new(64 << 20)) {
         // A view of it may be rejected.
         let _ = subject.seen(&ViewOptions { size: [16, 12], ..ViewOptions::default() });
     }

@@ -83,7 +83,7 @@ fn bless() -> Result<(), String> {
 
 /// Runs a workload for callgrind. It uses one thread, because the division of work between several threads varies.
 fn run(name: &str) -> Result<(), String> {
-    basrelief_threads::work_alone();
+    basrelief_threads::disable_threads();
     let found = workloads(WorkloadSize::Small).into_iter().find(|w| w.name == name);
     found.ok_or_else(|| format!("no workload is called `{name}`"))?.prepare()();
     Ok(())

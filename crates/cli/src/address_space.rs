@@ -1,23 +1,23 @@
 //! Address space limit of the process (`ulimit -v`). A process that exceeds it dies by a signal without naming the input. Therefore the
 //! memory limit for inputs stays below it.
 
-use basrelief_input::{Budget, Size};
+use basrelief_input::{ByteSize, MemoryPool};
 use std::fs;
 
 /// Memory that the limit does not count: the machine, reserves of the allocator, and stack and heap of the signal thread \[bytes\].
 const RESERVE: u64 = 128 << 20;
 
 /// Returns the memory limit. With an address space limit no threads are started, because each would reserve more than most models need.
-pub fn budget(limit: Size) -> Budget {
+pub fn budget(limit: ByteSize) -> MemoryPool {
     let left = left();
     if left.is_some() {
-        basrelief_threads::work_alone();
+        basrelief_threads::disable_threads();
     }
     match left {
         Some(left) if left < limit.0 => {
-            Budget::with_advice(left, "the system grants no more (`ulimit -v`): raise that, if this input is to be trusted")
+            MemoryPool::with_advice(left, "the system grants no more (`ulimit -v`): raise that, if this input is to be trusted")
         }
-        _ => Budget::new(limit.0),
+        _ => MemoryPool::new(limit.0),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::address_space;
 use crate::args::Cli;
 use crate::inputs_read;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_scene::ImportOptions;
 
 /// Options of every command, as the commands use them.
@@ -12,7 +12,7 @@ pub struct GlobalOptions {
     /// True if only errors are printed.
     pub quiet: bool,
     /// Memory limit for input data and the structures built from it.
-    pub budget: Budget,
+    pub budget: MemoryPool,
     /// True if models may name files outside their folders.
     pub allow_outside: bool,
 }

@@ -5,7 +5,7 @@ use crate::error::{Done, Failure};
 use crate::global::GlobalOptions;
 use crate::inputs_read;
 use crate::views::Script;
-use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_scene::{SceneError, SceneSubject, ViewOptions, load_path_with, read_camera};
 use basrelief_signals::Scene;
 use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput};
@@ -27,7 +27,7 @@ pub enum Input {
 
 impl Input {
     /// Prepares the input for several runs: work that does not depend on parameters is done once.
-    pub fn for_several_runs(self, budget: &Budget) -> Self {
+    pub fn for_several_runs(self, budget: &MemoryPool) -> Self {
         match self {
             Self::Scene(scene) => Self::Scene(PreparedScene::cached(Arc::clone(scene.scene()), budget)),
             trace => trace,
@@ -86,7 +86,7 @@ impl TraceFile {
 
     /// Converts the trace into the input of a run.
     pub fn into_source(self) -> RunInput {
-        let (mut open, folder) = (beside(&self.folder), self.folder.clone());
+        let (mut open, folder) = (open_in_folder(&self.folder), self.folder.clone());
         let files = Box::new(move |name: &str| {
             inputs_read::add(&folder.join(name));
             open(name)
@@ -136,7 +136,7 @@ pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> Don
     }
     let (scene, held) = load_path_with(path, view, &global.import_options()).map_err(failed_within(path))?;
     // The memory stays reserved until the end of the program.
-    held.keep();
+    held.keep_forever();
     Ok(Input::Scene(Arc::new(scene).into()))
 }
 
@@ -150,7 +150,7 @@ pub fn open_subject(path: &Path, global: &GlobalOptions) -> Done<Option<SceneSub
     }
     let (subject, held) = SceneSubject::load_path_with(path, &global.import_options()).map_err(failed_within(path))?;
     // The memory stays reserved until the end of the program.
-    held.keep();
+    held.keep_forever();
     Ok(Some(subject))
 }
 
@@ -161,17 +161,17 @@ fn failed_within(path: &Path) -> impl Fn(SceneError) -> Failure {
 }
 
 /// Returns a demo scene.
-pub fn demo_scene(name: &str, view: &ViewOptions, budget: &Budget) -> Done<Arc<Scene>> {
+pub fn demo_scene(name: &str, view: &ViewOptions, budget: &MemoryPool) -> Done<Arc<Scene>> {
     let usage = |e: SceneError| if e.over_budget { Failure::bad(e) } else { Failure::Usage(e.to_string()) };
     let (scene, held) = SceneSubject::demo(name).and_then(|demo| demo.seen_within(view, budget)).map_err(usage)?;
     // The memory stays reserved until the end of the program.
-    held.keep();
+    held.keep_forever();
     Ok(Arc::new(scene))
 }
 
 /// Reads a text file. Returns the text and its memory.
-pub fn read_text(path: &Path, budget: &Budget) -> Done<(String, Held)> {
-    basrelief_input::read_text(path, budget).map_err(|e| match OverBudget::within(&e) {
+pub fn read_text(path: &Path, budget: &MemoryPool) -> Done<(String, MemoryReservation)> {
+    basrelief_input::read_text(path, budget).map_err(|e| match OverBudget::in_io_error(&e) {
         Some(error) => Failure::within(&path.display().to_string())(error),
         None => Failure::file(path, "be read")(e),
     })
@@ -219,13 +219,13 @@ impl Look {
 }
 
 /// Resolves the options of a view.
-pub fn look(view: &ViewArgs, budget: &Budget) -> Done<Look> {
+pub fn look(view: &ViewArgs, budget: &MemoryPool) -> Done<Look> {
     let camera = match &view.camera {
         None => None,
         Some(path) => {
             let name = path.display().to_string();
             let (text, _held) = read_text(path, budget)?;
-            let _held = budget.take(json_weight(text.as_bytes()), "what a camera says").map_err(Failure::within(&name))?;
+            let _held = budget.try_reserve(json_weight(text.as_bytes()), "what a camera says").map_err(Failure::within(&name))?;
             Some(read_camera(&text, &name).map_err(Failure::bad)?)
         }
     };
@@ -253,7 +253,7 @@ pub fn demo_of(path: &Path) -> Option<&str> {
 }
 
 /// Returns the parameters of the machine: the defaults, overridden by the file, overridden by single settings. A demo selects its machine.
-pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &Budget) -> Done<(MachineConfig, Overrides)> {
+pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &MemoryPool) -> Done<(MachineConfig, Overrides)> {
     let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
     config_of(machine, args.config.as_deref(), &args.settings, budget)
 }
@@ -263,9 +263,9 @@ pub fn config_of(
     machine: &MachineInfo,
     file: Option<&Path>,
     settings: &[(String, String)],
-    budget: &Budget,
+    budget: &MemoryPool,
 ) -> Done<(MachineConfig, Overrides)> {
-    let (toml, _held) = file.map_or_else(|| Ok((String::new(), budget.nothing())), |path| read_text(path, budget))?;
+    let (toml, _held) = file.map_or_else(|| Ok((String::new(), budget.empty_reservation())), |path| read_text(path, budget))?;
     let name = file.map(|path| path.display().to_string()).unwrap_or_default();
     let given = Overrides { toml, settings: settings.to_vec() };
     let config = given.checked(machine, budget).map_err(|wrong| match wrong {

@@ -1,6 +1,6 @@
 //! `--views`: a sequence of views, optionally with times.
 
-use basrelief_input::{Budget, JsonFault, from_str, json_weight};
+use basrelief_input::{JsonFault, MemoryPool, from_str, json_weight};
 use basrelief_parameters::syntax;
 use basrelief_scene::OwnView;
 use basrelief_signals::Camera;
@@ -68,10 +68,10 @@ impl Script {
     ///
     /// # Errors
     /// A sentence with the place of the error.
-    pub fn read(text: &str, budget: &Budget) -> Result<Self, String> {
+    pub fn read(text: &str, budget: &MemoryPool) -> Result<Self, String> {
         let is_json = text.trim_start().starts_with('{');
         let weight = if is_json { json_weight(text.as_bytes()) } else { TOML_GROWTH * text.len() as u64 };
-        let _held = budget.take(weight, "what a script of views says").map_err(|e| e.to_string())?;
+        let _held = budget.try_reserve(weight, "what a script of views says").map_err(|e| e.to_string())?;
         let written: Written = if is_json {
             from_str(text).map_err(|fault| json(&fault))?
         } else {
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Script, String> {
-        Script::read(text, &Budget::default())
+        Script::read(text, &MemoryPool::default())
     }
 
     #[test]
@@ -183,6 +183,6 @@ mod tests {
             let error = read(text).unwrap_err();
             assert!(error.contains(says), "{text}: {error}");
         }
-        assert!(Script::read(&"[[views]]\n".repeat(1000), &Budget::new(1000)).unwrap_err().contains("a script of views"));
+        assert!(Script::read(&"[[views]]\n".repeat(1000), &MemoryPool::new(1000)).unwrap_err().contains("a script of views"));
     }
 }

@@ -37,7 +37,7 @@ pub struct Work<'a> {
 /// # Errors
 /// The first file that cannot be written, or an input that can no longer be opened. A failed point is no error: its failure is stored.
 pub fn execute(plan: &Plan, work: &Work<'_>, store: &dyn Store, host: &dyn Host) -> Result<Tally, SweepError> {
-    let found = threads::map(work.points.to_vec(), |point| (point, store.find(&point.id)));
+    let found = threads::par_map(work.points.to_vec(), |point| (point, store.find(&point.id)));
     let outdated = found.iter().filter(|(_, found)| *found == Found::Outdated).count();
     let missing: Vec<&Point> = found.into_iter().filter(|(_, found)| must_run(*found, work)).map(|(point, _)| point).collect();
     let (points, there) = (work.points.len(), work.points.len() - missing.len());
@@ -46,7 +46,7 @@ pub fn execute(plan: &Plan, work: &Work<'_>, store: &dyn Store, host: &dyn Host)
     let queue = Queue { groups: groups(missing), tally, ..Queue::default() };
     let crew = Crew { plan, work, store, host, queue: Mutex::new(queue), changed: Condvar::new() };
     host.progress(&tally);
-    threads::crew(work.threads.min(tasks), || crew.work());
+    threads::run_on_workers(work.threads.min(tasks), || crew.work());
     let queue = crew.queue.into_inner().unwrap_or_else(PoisonError::into_inner);
     queue.failed.map_or(Ok(queue.tally), Err)
 }

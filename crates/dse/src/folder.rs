@@ -137,7 +137,7 @@ impl Folder {
 
     /// States of several points, in their order.
     pub fn find_all(&self, points: &[&Point]) -> Vec<Found> {
-        threads::map(points.to_vec(), |point| self.find(&point.id))
+        threads::par_map(points.to_vec(), |point| self.find(&point.id))
     }
 
     /// Removes a report that does not count, so that it never lies beside a new picture.

@@ -1,6 +1,6 @@
 //! Services that the program provides to a sweep.
 
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_reference::RgbPicture;
 use basrelief_sim::{PreparedScene, RunInput};
 use std::io;
@@ -95,5 +95,5 @@ pub trait Host: Sync {
     fn progress(&self, tally: &Tally);
 
     /// Memory limit for inputs and recordings.
-    fn budget(&self) -> &Budget;
+    fn budget(&self) -> &MemoryPool;
 }

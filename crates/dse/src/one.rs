@@ -4,7 +4,7 @@ use crate::figures::{Figure, figures};
 use crate::folder::Failure;
 use crate::plan::{Plan, Point};
 use crate::{Host, Opened, SweepError};
-use basrelief_input::Held;
+use basrelief_input::MemoryReservation;
 use basrelief_reference::RgbPicture;
 use basrelief_report::Report;
 use basrelief_report::model::{OutcomeKind, RelaxedCycles};
@@ -29,7 +29,7 @@ struct Watch<'a> {
     host: &'a dyn Host,
     pictures: bool,
     picture: Option<RgbPicture>,
-    tape: Option<(Vec<u8>, Held)>,
+    tape: Option<(Vec<u8>, MemoryReservation)>,
 }
 
 impl Observer for Watch<'_> {
@@ -41,7 +41,7 @@ impl Observer for Watch<'_> {
     fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
         // Without memory for the recording, the other points run instead.
         self.tape = self.tape.take().and_then(|(mut tape, mut held)| {
-            held.grow(bytes.len() as u64, "a tape").ok()?;
+            held.try_grow(bytes.len() as u64, "a tape").ok()?;
             tape.extend_from_slice(bytes);
             Some((tape, held))
         });
@@ -63,7 +63,7 @@ pub(crate) fn run_point(plan: &Plan, point: &Point, (pictures, tape): (bool, boo
         exact: plan.exact,
         ..options(config, plan.max_cycles, host)
     };
-    let mut watch = Watch { host, pictures, picture: None, tape: tape.then(|| (vec![], host.budget().nothing())) };
+    let mut watch = Watch { host, pictures, picture: None, tape: tape.then(|| (vec![], host.budget().empty_reservation())) };
     let ran = run(source, &options, &mut watch, None);
     let Watch { host, picture, tape, .. } = watch;
     let png = picture.map(|picture| host.png(&picture)).transpose().map_err(SweepError)?;

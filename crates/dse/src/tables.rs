@@ -72,7 +72,7 @@ pub(crate) fn table_of(plan: &Plan, points: &[&Point], folder: &Folder) -> Resul
         }),
         Found::Outdated | Found::Missing => Ok((State::Pending, vec![])),
     };
-    let read = threads::map(points.iter().collect(), read).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let read = threads::par_map(points.iter().collect(), read).into_iter().collect::<Result<Vec<_>, _>>()?;
     let columns = columns(plan, &read);
     let numbers: BTreeMap<&str, usize> = columns.iter().enumerate().map(|(n, column)| (column.name.as_str(), n)).collect();
     let row = |(point, (state, figures)): (&&Point, &(State, Vec<Figure>))| {

@@ -21,7 +21,7 @@ pub fn verify(
     there.sort_by(|a, b| a.id.cmp(&b.id));
     there.truncate((there.len() as f64 * percent / 100.0).ceil() as usize);
     let count = there.len();
-    let compared = threads::map(there, |point| {
+    let compared = threads::par_map(there, |point| {
         let Ran { report, .. } = run_point(plan, point, (false, false), host)?;
         let again = report.ok().and_then(|report| report.to_json().ok());
         let same = again.as_deref() == Some(folder.report_text(&point.id)?.as_str());

@@ -1,6 +1,6 @@
 //! Files that a user or a display list names.
 
-use crate::budget::{Budget, Held, read_to_end};
+use crate::memory_pool::{MemoryPool, MemoryReservation, read_to_end};
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
 use std::path::{Component, Path};
@@ -9,13 +9,13 @@ use std::path::{Component, Path};
 ///
 /// # Errors
 /// A failed read, [`OverBudget`](crate::OverBudget), or `InvalidData` if the file is not UTF-8.
-pub fn read_text(path: &Path, budget: &Budget) -> io::Result<(String, Held)> {
+pub fn read_text(path: &Path, budget: &MemoryPool) -> io::Result<(String, MemoryReservation)> {
     let (bytes, held) = read_to_end(&mut File::open(path)?, 0, budget, "a text")?;
     String::from_utf8(bytes).map(|text| (text, held)).map_err(|_| io::ErrorKind::InvalidData.into())
 }
 
 /// Opens files in a folder; names with `..` or an absolute path are refused.
-pub fn beside(folder: &Path) -> impl FnMut(&str) -> io::Result<Box<dyn Read>> + 'static {
+pub fn open_in_folder(folder: &Path) -> impl FnMut(&str) -> io::Result<Box<dyn Read>> + 'static {
     let folder = folder.to_path_buf();
     move |name| {
         let plain = Path::new(name).components().all(|c| matches!(c, Component::Normal(_)));

@@ -1,7 +1,7 @@
 //! Parser of JSON with errors that name their place in plain words.
 
-use crate::strict::Strict;
-use crate::words::plain;
+use crate::error_text::error_text;
+use crate::reject_seq::RejectSeqForStruct;
 use serde::de::DeserializeOwned;
 use serde_json::Deserializer;
 use serde_json::de::Read;
@@ -27,7 +27,7 @@ pub struct JsonFault {
 /// # Errors
 /// Not JSON, or not the JSON that was expected.
 pub fn from_str<T: DeserializeOwned>(text: &str) -> Result<T, JsonFault> {
-    read(|| Deserializer::from_str(text))
+    read_located(|| Deserializer::from_str(text))
 }
 
 /// Parses like [`from_str`], from bytes that should be UTF-8.
@@ -35,28 +35,28 @@ pub fn from_str<T: DeserializeOwned>(text: &str) -> Result<T, JsonFault> {
 /// # Errors
 /// Errors of [`from_str`].
 pub fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, JsonFault> {
-    read(|| Deserializer::from_slice(bytes))
+    read_located(|| Deserializer::from_slice(bytes))
 }
 
 /// Tracking places takes time, so a faulty text is read a second time for its place. The page for browsers reads once, because it would
 /// have to load a second reader for every type.
-fn read<'a, R: Read<'a>, T: DeserializeOwned>(open: impl Fn() -> Deserializer<R>) -> Result<T, JsonFault> {
+fn read_located<'a, R: Read<'a>, T: DeserializeOwned>(open: impl Fn() -> Deserializer<R>) -> Result<T, JsonFault> {
     let unplaced = |error| fault(Track::new().path(), &error);
     #[cfg(not(target_family = "wasm"))]
     {
         let mut json = open();
-        if let Ok(value) = T::deserialize(Strict(&mut json)) {
+        if let Ok(value) = T::deserialize(RejectSeqForStruct(&mut json)) {
             return json.end().map(|()| value).map_err(unplaced);
         }
     }
     let (mut json, mut track) = (open(), Track::new());
-    let read = T::deserialize(serde_path_to_error::Deserializer::new(Strict(&mut json), &mut track));
+    let read = T::deserialize(serde_path_to_error::Deserializer::new(RejectSeqForStruct(&mut json), &mut track));
     let value = read.map_err(|error| fault(track.path(), &error))?;
     json.end().map(|()| value).map_err(unplaced)
 }
 
 fn fault(path: Path, error: &serde_json::Error) -> JsonFault {
-    JsonFault { path, line: error.line(), column: error.column(), is_data: error.is_data(), message: plain(error) }
+    JsonFault { path, line: error.line(), column: error.column(), is_data: error.is_data(), message: error_text(error) }
 }
 
 #[cfg(test)]

@@ -1,16 +1,16 @@
 //! Reading of untrusted input: a limit of memory, and JSON with errors in
 //! plain words that does not accept lists as objects.
 
-mod budget;
+mod error_text;
 mod file;
 mod json;
-mod strict;
+mod memory_pool;
+mod reject_seq;
 mod weight;
-mod words;
 
-pub use budget::{Budget, Growing, Held, OverBudget, Size, read_to_end};
-pub use file::{beside, read_text};
+pub use file::{open_in_folder, read_text};
 pub use json::{JsonFault, from_slice, from_str};
+pub use memory_pool::{ByteSize, CountedBuffer, MemoryPool, MemoryReservation, OverBudget, read_to_end};
 pub use weight::json_weight;
 
 /// Tests the example of the README.

@@ -4,7 +4,7 @@ use crate::error::{Done, Exported, Failure, budget, of_tape};
 use crate::page::{WIDTH, pictures, report_of};
 use crate::pixels;
 use crate::recording::opened;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_report::html::{self, compared as page_of};
 use basrelief_report::{Comparison, Report, TextStyle, compare as difference};
 use basrelief_sim::{RecordedRun, RecordingError, explain, page_assets};
@@ -37,7 +37,7 @@ impl ParsedSide<'_> {
     /// Returns `None` for the recording of another build that this build cannot use. Then causes are not measured.
     fn recorded_run(&self) -> Done<Option<RecordedRun>> {
         let Some(recording) = &self.side.recording else { return Ok(None) };
-        match RecordedRun::read(&self.report, &mut opened(recording)?, &budget(Budget::DEFAULT)) {
+        match RecordedRun::read(&self.report, &mut opened(recording)?, &budget(MemoryPool::DEFAULT)) {
             Err(RecordingError::OtherBuild { .. }) => Ok(None),
             read => read.map(Some).map_err(of_tape),
         }

@@ -1,7 +1,7 @@
 //! A machine with its parameters.
 
 use crate::error::{Exported, Failure, budget};
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_sim::{MachineConfig, MachineInfo, Overrides, OverridesError};
 use pyo3::{pyclass, pymethods};
 
@@ -20,7 +20,7 @@ impl Config {
         let (file, toml) = file;
         let machine = MachineInfo::named(machine).map_err(Failure::usage)?;
         let given = Overrides { toml, settings };
-        let config = given.checked(machine, &budget(Budget::DEFAULT)).map_err(|wrong| match wrong {
+        let config = given.checked(machine, &budget(MemoryPool::DEFAULT)).map_err(|wrong| match wrong {
             OverridesError::File(error) => Failure::within(&file)(error),
             OverridesError::Settings(error) => Failure::usage(error),
         })?;

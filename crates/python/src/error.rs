@@ -2,7 +2,7 @@
 
 pub use basrelief_sim::{Done, Failure};
 
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_sim::RecordingError;
 use pyo3::exceptions::PyException;
 use pyo3::{PyErr, create_exception};
@@ -54,6 +54,6 @@ pub fn not_a_tape() -> Failure {
 }
 
 /// Makes a memory limit for input data.
-pub fn budget(limit: u64) -> Budget {
-    Budget::with_advice(limit, "give more with memory_limit, if this input is to be trusted")
+pub fn budget(limit: u64) -> MemoryPool {
+    MemoryPool::with_advice(limit, "give more with memory_limit, if this input is to be trusted")
 }

@@ -3,7 +3,7 @@
 use crate::error::{Done, Exported, Failure, budget, not_a_tape, of_tape};
 use crate::run::{Ran, limits_tape, when};
 use crate::watch::Watch;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_sim::{AnalysisPolicy, ResimulateOptions, resimulate_to};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{Python, pyfunction};
@@ -30,7 +30,8 @@ pub fn resimulate(
     let (limits, keep) = keep;
     let limits = when(limits);
     let kept = if keep { AnalysisPolicy::Always } else { limits_tape(limits) };
-    let options = ResimulateOptions { settings, bottlenecks: limits, budget: budget(memory_limit.unwrap_or(Budget::DEFAULT)) };
+    let options =
+        ResimulateOptions { settings, bottlenecks: limits, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
     let (report, watch) = py.detach(|| watched(&mut opened(&recording)?, &options, kept))?;
     Ran::new(py, (report, watch), true)
 }

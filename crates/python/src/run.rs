@@ -5,7 +5,7 @@ use crate::error::{Done, Exported, Failure, budget};
 use crate::pixels::Pixels;
 use crate::scene::{Drawn, Source};
 use crate::watch::Watch;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_kernel::Engine;
 use basrelief_sim::{AnalysisPolicy, RunOptions, run as sim_run};
 use pyo3::types::PyBytes;
@@ -51,7 +51,7 @@ impl Options {
             bottlenecks: limits,
             recording: if self.recording { AnalysisPolicy::Always } else { limits_tape(limits) },
             costs: self.costs,
-            budget: budget(self.memory_limit.unwrap_or(Budget::DEFAULT)),
+            budget: budget(self.memory_limit.unwrap_or(MemoryPool::DEFAULT)),
             ..RunOptions::default()
         })
     }

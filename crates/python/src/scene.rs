@@ -1,7 +1,7 @@
 //! Inputs of a run: scenes with a choice of view, and display lists with a fixed view.
 
 use crate::error::{Done, Exported, Failure, budget};
-use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_parameters::nearest;
 use basrelief_scene::{FolderFiles, MemoryFiles, ModelFiles, SceneError, ViewOptions, demo, load_within, read_camera, text};
 use basrelief_sim::{PreparedScene, RunInput};
@@ -66,13 +66,13 @@ impl View {
         *self == Self::default()
     }
 
-    pub fn options(&self, budget: &Budget) -> Done<ViewOptions> {
+    pub fn options(&self, budget: &MemoryPool) -> Done<ViewOptions> {
         let whole = |name: &str, n: i64| {
             u32::try_from(n)
                 .map_err(|_| Failure::usage(format_args!("{name}: {n}; expected a whole number from 1 on, of at most 32 bits")))
         };
         let camera = |(name, text): &(String, String)| {
-            let weight = budget.take(json_weight(text.as_bytes()), "what a camera says");
+            let weight = budget.try_reserve(json_weight(text.as_bytes()), "what a camera says");
             let _held = weight.map_err(Failure::within(name))?;
             read_camera(text, name).map_err(Failure::bad)
         };
@@ -109,7 +109,7 @@ pub struct Scene {
     view: View,
     memory_limit: Option<u64>,
     prepared: PreparedScene,
-    _held: Held,
+    _held: MemoryReservation,
 }
 
 #[pymethods]
@@ -118,10 +118,10 @@ impl Scene {
     #[staticmethod]
     fn demo(py: Python<'_>, name: String, view: View, memory_limit: Option<u64>) -> Exported<Self> {
         py.detach(|| {
-            let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
+            let budget = budget(memory_limit.unwrap_or(MemoryPool::DEFAULT));
             let scene = demo(&name, &view.options(&budget)?).map_err(Failure::usage)?;
             let prepared = PreparedScene::cached(Arc::new(scene), &budget);
-            Ok(Self { name, made: Made::Demo, view, memory_limit, prepared, _held: budget.nothing() })
+            Ok(Self { name, made: Made::Demo, view, memory_limit, prepared, _held: budget.empty_reservation() })
         })
     }
 
@@ -129,7 +129,7 @@ impl Scene {
     #[staticmethod]
     fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>, allow_outside: bool) -> Exported<Self> {
         py.detach(|| {
-            let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
+            let budget = budget(memory_limit.unwrap_or(MemoryPool::DEFAULT));
             let name = path.display().to_string();
             let folder = Folder::of(&path, allow_outside, &budget);
             let (bytes, held) = folder.main(&path, &budget).map_err(cannot_be_read(&name))?;
@@ -160,7 +160,7 @@ impl Scene {
         memory_limit: Option<u64>,
     ) -> Exported<Self> {
         py.detach(|| {
-            let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
+            let budget = budget(memory_limit.unwrap_or(MemoryPool::DEFAULT));
             let (name, main) = main;
             let files: BTreeMap<String, Vec<u8>> = files.into_iter().map(|(name, bytes)| (name, bytes.to_vec())).collect();
             let memory = files.iter().fold(MemoryFiles::default(), |memory, (name, bytes)| memory.with(name, bytes.as_slice()));
@@ -228,7 +228,7 @@ impl Scene {
         files: &dyn ModelFiles,
         view: View,
         memory_limit: Option<u64>,
-        budget: &Budget,
+        budget: &MemoryPool,
     ) -> Done<Self> {
         // The error may be in a file that the model refers to. The message then names the model as well.
         let failed = |e: SceneError| if e.file == name { Failure::bad(e) } else { Failure::within(&name)(e) };
@@ -251,32 +251,32 @@ pub enum Reduced<'py> {
 /// The folder of a model. Keeps the files read from it, to rebuild the scene elsewhere.
 struct Folder {
     folder: FolderFiles,
-    read: RefCell<(BTreeMap<String, Vec<u8>>, Held)>,
+    read: RefCell<(BTreeMap<String, Vec<u8>>, MemoryReservation)>,
 }
 
 impl Folder {
-    fn of(path: &Path, allow_outside: bool, budget: &Budget) -> Self {
+    fn of(path: &Path, allow_outside: bool, budget: &MemoryPool) -> Self {
         let folder = path.parent().unwrap_or(Path::new(""));
         let folder = FolderFiles::new(folder).allow_outside(allow_outside);
-        Self { folder, read: RefCell::new((BTreeMap::new(), budget.nothing())) }
+        Self { folder, read: RefCell::new((BTreeMap::new(), budget.empty_reservation())) }
     }
 
     /// Reads the model itself.
-    fn main(&self, path: &Path, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+    fn main(&self, path: &Path, budget: &MemoryPool) -> io::Result<(Vec<u8>, MemoryReservation)> {
         let name = path.file_name().and_then(|name| name.to_str());
         self.folder.read(name.ok_or_else(|| io::Error::other("expected a file with a name in UTF-8"))?, budget)
     }
 
-    fn into_read(self) -> (BTreeMap<String, Vec<u8>>, Held) {
+    fn into_read(self) -> (BTreeMap<String, Vec<u8>>, MemoryReservation) {
         self.read.into_inner()
     }
 }
 
 impl ModelFiles for Folder {
-    fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+    fn read(&self, relative: &str, budget: &MemoryPool) -> io::Result<(Vec<u8>, MemoryReservation)> {
         let (bytes, held) = self.folder.read(relative, budget)?;
         let (files, kept) = &mut *self.read.borrow_mut();
-        kept.grow(bytes.len() as u64, "files of a model")?;
+        kept.try_grow(bytes.len() as u64, "files of a model")?;
         files.insert(relative.into(), bytes.clone());
         Ok((bytes, held))
     }
@@ -343,7 +343,7 @@ impl DisplayList {
 }
 
 fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> Failure {
-    move |error| match OverBudget::within(&error) {
+    move |error| match OverBudget::in_io_error(&error) {
         Some(error) => Failure::within(name)(error),
         None => Failure::bad(format_args!("{name}: cannot be read: {error}")),
     }
@@ -352,11 +352,11 @@ fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> Failure {
 /// Reads a text file, such as a configuration or a camera.
 #[pyfunction]
 pub fn read_text(py: Python<'_>, path: PathBuf) -> Exported<String> {
-    Ok(py.detach(|| text_of(&path, &budget(Budget::DEFAULT)))?)
+    Ok(py.detach(|| text_of(&path, &budget(MemoryPool::DEFAULT)))?)
 }
 
 /// Reads a text file within a memory limit.
-pub fn text_of(path: &Path, budget: &Budget) -> Done<String> {
+pub fn text_of(path: &Path, budget: &MemoryPool) -> Done<String> {
     let read = basrelief_input::read_text(path, budget);
     read.map(|(text, _)| text).map_err(cannot_be_read(&path.display().to_string()))
 }
@@ -392,7 +392,7 @@ impl Source {
             Self::DisplayList(list) => {
                 let reader = Box::new(BufReader::new(list.opened()?));
                 let folder = list.path.parent().unwrap_or(Path::new(""));
-                Ok(RunInput::Trace { reader, files: Box::new(beside(folder)), name: list.name })
+                Ok(RunInput::Trace { reader, files: Box::new(open_in_folder(folder)), name: list.name })
             }
         }
     }

@@ -3,7 +3,7 @@
 use crate::error::{Done, Exported, Failure, budget};
 use crate::scene::{DisplayList, Source, View, text_of};
 use basrelief_dse::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::{ImportOptions, demo, load_path_with};
 use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, to_png};
@@ -28,8 +28,8 @@ impl Plan {
     fn new(py: Python<'_>, name: PathBuf, text: &str, memory_limit: Option<u64>) -> Exported<Self> {
         py.detach(|| {
             let shown = name.display().to_string();
-            let files = Files { plan: name, budget: budget(memory_limit.unwrap_or(Budget::DEFAULT)) };
-            let growth = files.budget.take(TOML_GROWTH * text.len() as u64, "what a plan says");
+            let files = Files { plan: name, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
+            let growth = files.budget.try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says");
             let _growth = growth.map_err(Failure::within(&shown))?;
             let host = Program { files: &files, stopped: Mutex::default() };
             let plan = SweepPlan::read(text, &host).map_err(Failure::within(&shown))?;
@@ -105,13 +105,13 @@ impl Plan {
 /// Limits every later run of this process to one core, because the other cores belong to other tasks.
 #[pyfunction]
 pub fn work_alone() {
-    threads::work_alone();
+    threads::disable_threads();
 }
 
 /// Access to the files that a plan names.
 struct Files {
     plan: PathBuf,
-    budget: Budget,
+    budget: MemoryPool,
 }
 
 impl Files {
@@ -135,7 +135,7 @@ impl Files {
         let (scene, held) =
             loaded.map_err(|error| if error.file == shown { Failure::bad(error) } else { Failure::within(&shown)(error) })?;
         // Released with the memory limit of the plan.
-        held.keep();
+        held.keep_forever();
         Ok(kept(scene))
     }
 }
@@ -178,7 +178,7 @@ impl Host for Program<'_> {
 
     fn progress(&self, _: &Tally) {}
 
-    fn budget(&self) -> &Budget {
+    fn budget(&self) -> &MemoryPool {
         &self.files.budget
     }
 }

@@ -1,6 +1,6 @@
 //! Observer of a run or of a resimulation: collects pictures and the recording, and checks for Ctrl-C.
 
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_reference::RgbPicture;
 use basrelief_sim::{AnalysisPolicy, Observer, Pictures};
 use pyo3::{PyErr, Python};
@@ -20,7 +20,7 @@ pub struct Watch {
 
 impl Watch {
     /// Makes an observer. The policy `tape` selects the recordings to keep, within the memory limit.
-    pub fn new(tape: AnalysisPolicy, budget: &Budget) -> io::Result<Self> {
+    pub fn new(tape: AnalysisPolicy, budget: &MemoryPool) -> io::Result<Self> {
         Ok(Self { last: None, tape: Kept::new(tape, budget)?, looked: Instant::now(), stopped: None })
     }
 
@@ -67,14 +67,14 @@ struct Kept {
     always: bool,
     /// `None` if no recording is requested, or once the recording is too long.
     encoder: Option<zstd::Encoder<'static, Vec<u8>>>,
-    held: Held,
+    held: MemoryReservation,
 }
 
 impl Kept {
-    fn new(which: AnalysisPolicy, budget: &Budget) -> io::Result<Self> {
+    fn new(which: AnalysisPolicy, budget: &MemoryPool) -> io::Result<Self> {
         let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
         let encoder = (which != AnalysisPolicy::Never).then(encoder).transpose()?;
-        Ok(Self { always: which == AnalysisPolicy::Always, encoder, held: budget.nothing() })
+        Ok(Self { always: which == AnalysisPolicy::Always, encoder, held: budget.empty_reservation() })
     }
 
     fn keep(&mut self, bytes: &[u8], is_short: bool) -> io::Result<()> {
@@ -82,6 +82,6 @@ impl Kept {
         let Some(encoder) = &mut self.encoder else { return Ok(()) };
         encoder.write_all(bytes)?;
         let more = (encoder.get_ref().len() as u64).saturating_sub(self.held.bytes());
-        Ok(self.held.grow(more, "the tape, compressed")?)
+        Ok(self.held.try_grow(more, "the tape, compressed")?)
     }
 }

@@ -95,7 +95,7 @@ impl BatchRenderer {
                 RowBand { width, rows: i * rows..i * rows + height, rgb, covered, depth, visible }
             });
         let (pending, surfaces) = (&self.pending, &self.surfaces);
-        threads::map(bands.collect(), |mut band| band.draw(pending, surfaces));
+        threads::par_map(bands.collect(), |mut band| band.draw(pending, surfaces));
         self.pending.clear();
         self.surfaces.drain(..self.surfaces.len().saturating_sub(1));
     }

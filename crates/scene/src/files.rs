@@ -1,6 +1,6 @@
 //! Access to the files that a model refers to.
 
-use basrelief_input::{Budget, Held, read_to_end};
+use basrelief_input::{MemoryPool, MemoryReservation, read_to_end};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ pub trait ModelFiles {
     /// # Errors
     /// A failed read, `NotFound` if there is no such file, or [`OverBudget`](basrelief_input::OverBudget) if it exceeds the
     /// memory limit.
-    fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)>;
+    fn read(&self, relative: &str, budget: &MemoryPool) -> io::Result<(Vec<u8>, MemoryReservation)>;
 }
 
 /// The files of a folder, read with `std::fs`.
@@ -64,7 +64,7 @@ fn leads_outside(relative: &str) -> bool {
 }
 
 impl ModelFiles for FolderFiles {
-    fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+    fn read(&self, relative: &str, budget: &MemoryPool) -> io::Result<(Vec<u8>, MemoryReservation)> {
         if !self.allow_outside && leads_outside(relative) {
             return Err(io::Error::new(io::ErrorKind::PermissionDenied, OutsideFolder));
         }
@@ -90,9 +90,9 @@ impl MemoryFiles {
 }
 
 impl ModelFiles for MemoryFiles {
-    fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+    fn read(&self, relative: &str, budget: &MemoryPool) -> io::Result<(Vec<u8>, MemoryReservation)> {
         let bytes = self.files.get(relative).ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
-        let held = budget.take(bytes.len() as u64, FILE)?;
+        let held = budget.try_reserve(bytes.len() as u64, FILE)?;
         Ok((bytes.clone(), held))
     }
 }
@@ -101,7 +101,7 @@ impl ModelFiles for MemoryFiles {
 const FILE: &str = "a file";
 
 /// Reads a regular file; pipes and devices are refused, since reading them may never end.
-pub(crate) fn read_regular(path: &Path, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+pub(crate) fn read_regular(path: &Path, budget: &MemoryPool) -> io::Result<(Vec<u8>, MemoryReservation)> {
     // Checked before the file is opened, because opening a pipe waits for its writer.
     let facts = std::fs::metadata(path)?;
     if !facts.is_file() {
@@ -158,7 +158,7 @@ mod tests {
         std::fs::create_dir(folder.path().join("model")).unwrap();
         std::fs::write(folder.path().join("a"), b"xyz").unwrap();
         std::fs::write(folder.path().join("model/b"), b"b").unwrap();
-        let budget = Budget::default();
+        let budget = MemoryPool::default();
         let files = FolderFiles::new(folder.path().join("model"));
         assert_eq!(files.read("../model/../a", &budget).unwrap_err().kind(), io::ErrorKind::PermissionDenied);
         assert_eq!(
@@ -175,7 +175,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a"), b"xyz").unwrap();
         let files = FolderFiles::new(folder.path());
-        let budget = Budget::default();
+        let budget = MemoryPool::default();
         assert_eq!(files.read("a", &budget).unwrap().0, b"xyz");
         assert!(files.read(".", &budget).is_err());
         assert_eq!(files.read("b", &budget).unwrap_err().kind(), io::ErrorKind::NotFound);
@@ -187,14 +187,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
         assert!(made.unwrap().success());
-        let error = FolderFiles::new(folder.path()).read("pipe", &Budget::default()).unwrap_err();
+        let error = FolderFiles::new(folder.path()).read("pipe", &MemoryPool::default()).unwrap_err();
         assert_eq!(error.to_string(), "not a regular file");
     }
 
     #[test]
     fn missing_file_is_named_with_its_place() {
         let files = MemoryFiles::default();
-        let outside = ImportContext::new(&files, &Budget::default());
+        let outside = ImportContext::new(&files, &MemoryPool::default());
         let e = outside.read("a.bin", "/buffers/0/uri").unwrap_err().in_file("m.gltf");
         let text = e.to_string();
         assert!(text.starts_with("m.gltf: /buffers/0/uri: cannot read `a.bin`"), "{text}");

@@ -28,7 +28,7 @@ pub use files::{FolderFiles, MemoryFiles, ModelFiles, OnRead};
 pub use subject::SceneSubject;
 pub use view::{OwnView, ViewOptions};
 
-use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_signals::Scene;
 use error::ImportWarnings;
 use model::ImportedModel;
@@ -44,7 +44,7 @@ use view::ViewHints;
 /// # Errors
 /// Neither of the formats, corrupt, a required extension that is not supported, over a limit, or nothing to draw.
 pub fn load(bytes: &[u8], name: &str, files: &dyn ModelFiles, options: &ViewOptions) -> Result<Scene, SceneError> {
-    load_within(bytes, name, files, options, &Budget::default()).map(|(scene, _)| scene)
+    load_within(bytes, name, files, options, &MemoryPool::default()).map(|(scene, _)| scene)
 }
 
 /// Like [`load`], with a memory limit: the scene and its reservation.
@@ -56,8 +56,8 @@ pub fn load_within(
     name: &str,
     files: &dyn ModelFiles,
     options: &ViewOptions,
-    budget: &Budget,
-) -> Result<(Scene, Held), SceneError> {
+    budget: &MemoryPool,
+) -> Result<(Scene, MemoryReservation), SceneError> {
     let (subject, mut held) = SceneSubject::load_within(bytes, name, files, budget)?;
     let (scene, frames) = subject.seen_within(options, budget)?;
     held.join(frames);
@@ -69,7 +69,12 @@ impl SceneSubject {
     ///
     /// # Errors
     /// Errors of [`load`], and input over the memory limit.
-    pub fn load_within(bytes: &[u8], name: &str, files: &dyn ModelFiles, budget: &Budget) -> Result<(Self, Held), SceneError> {
+    pub fn load_within(
+        bytes: &[u8],
+        name: &str,
+        files: &dyn ModelFiles,
+        budget: &MemoryPool,
+    ) -> Result<(Self, MemoryReservation), SceneError> {
         let mut warnings = ImportWarnings::default();
         let outside = ImportContext::new(files, budget);
         let model = import(bytes, name, &outside, &mut warnings).map_err(|e| e.in_file(name))?;
@@ -82,10 +87,10 @@ impl SceneSubject {
     ///
     /// # Errors
     /// Errors of [`load_path_with`](crate::load_path_with).
-    pub fn load_path_with(path: &Path, options: &ImportOptions) -> Result<(Self, Held), SceneError> {
+    pub fn load_path_with(path: &Path, options: &ImportOptions) -> Result<(Self, MemoryReservation), SceneError> {
         let ImportOptions { budget, allow_outside, on_read } = options;
         let shown = path.display().to_string();
-        let cannot = |e: io::Error| match OverBudget::within(&e) {
+        let cannot = |e: io::Error| match OverBudget::in_io_error(&e) {
             Some(error) => over_budget("", error),
             None => SceneError::at("", format!("cannot be read: {e}")).expected("a .glb, .gltf or .obj file"),
         };
@@ -108,7 +113,11 @@ pub fn load_path(path: &Path, options: &ViewOptions) -> Result<Scene, SceneError
 ///
 /// # Errors
 /// Errors of [`load_path`], and input over the memory limit.
-pub fn load_path_with(path: &Path, view: &ViewOptions, options: &ImportOptions) -> Result<(Scene, Held), SceneError> {
+pub fn load_path_with(
+    path: &Path,
+    view: &ViewOptions,
+    options: &ImportOptions,
+) -> Result<(Scene, MemoryReservation), SceneError> {
     let (subject, mut held) = SceneSubject::load_path_with(path, options)?;
     let (scene, frames) = subject.seen_within(view, &options.budget)?;
     held.join(frames);
@@ -119,7 +128,7 @@ pub fn load_path_with(path: &Path, view: &ViewOptions, options: &ImportOptions) 
 #[derive(Clone, Debug, Default)]
 pub struct ImportOptions {
     /// Memory that the model may take.
-    pub budget: Budget,
+    pub budget: MemoryPool,
     /// The model may name files outside its folder, with `..`.
     pub allow_outside: bool,
     /// Receives the path of each further file of the model.

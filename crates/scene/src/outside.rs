@@ -2,7 +2,7 @@
 
 use crate::SceneError;
 use crate::files::{ModelFiles, OutsideFolder, relative_name, shorten};
-use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_signals::Mesh;
 use std::cell::RefCell;
 use std::fmt::Display;
@@ -10,19 +10,19 @@ use std::fmt::Display;
 /// The other files of a model, and the memory limit of its import. All parts of an importer share it.
 pub(crate) struct ImportContext<'a> {
     files: &'a dyn ModelFiles,
-    budget: Budget,
+    budget: MemoryPool,
     /// Memory that stays in the scene.
-    kept: RefCell<Held>,
+    kept: RefCell<MemoryReservation>,
 }
 
 impl<'a> ImportContext<'a> {
-    pub(crate) fn new(files: &'a dyn ModelFiles, budget: &Budget) -> Self {
-        Self { files, budget: budget.clone(), kept: RefCell::new(budget.nothing()) }
+    pub(crate) fn new(files: &'a dyn ModelFiles, budget: &MemoryPool) -> Self {
+        Self { files, budget: budget.clone(), kept: RefCell::new(budget.empty_reservation()) }
     }
 
     /// Takes memory that is given back before the import ends.
-    pub(crate) fn take(&self, bytes: u64, place: impl Into<String>, what: impl Display) -> Result<Held, SceneError> {
-        self.budget.take(bytes, what).map_err(|error| over_budget(place, &error))
+    pub(crate) fn take(&self, bytes: u64, place: impl Into<String>, what: impl Display) -> Result<MemoryReservation, SceneError> {
+        self.budget.try_reserve(bytes, what).map_err(|error| over_budget(place, &error))
     }
 
     /// Returns the bytes that are left.
@@ -31,33 +31,33 @@ impl<'a> ImportContext<'a> {
     }
 
     /// Returns a reservation of 0 bytes, which can grow.
-    pub(crate) fn nothing(&self) -> Held {
-        self.budget.nothing()
+    pub(crate) fn nothing(&self) -> MemoryReservation {
+        self.budget.empty_reservation()
     }
 
     /// Takes memory that stays in the scene.
     pub(crate) fn hold(&self, bytes: u64, place: impl Into<String>, what: impl Display) -> Result<(), SceneError> {
-        self.kept.borrow_mut().grow(bytes, what).map_err(|error| over_budget(place, &error))
+        self.kept.borrow_mut().try_grow(bytes, what).map_err(|error| over_budget(place, &error))
     }
 
     /// Keeps a reservation with the scene.
-    pub(crate) fn keep(&self, held: Held) {
+    pub(crate) fn keep(&self, held: MemoryReservation) {
         self.kept.borrow_mut().join(held);
     }
 
     /// Returns the reservation of the complete scene.
-    pub(crate) fn into_kept(self) -> Held {
+    pub(crate) fn into_kept(self) -> MemoryReservation {
         self.kept.into_inner()
     }
 
     /// Reads a referenced file, with an error that names it and the place that refers to it.
-    pub(crate) fn read(&self, reference: &str, place: &str) -> Result<(Vec<u8>, Held), SceneError> {
+    pub(crate) fn read(&self, reference: &str, place: &str) -> Result<(Vec<u8>, MemoryReservation), SceneError> {
         let name = relative_name(reference).map_err(|why| {
             SceneError::at(place, format!("`{}` {why}", shorten(reference)))
                 .expected("a path relative to the model")
                 .cure("copy the file next to the model and refer to it by its name")
         })?;
-        self.files.read(name, &self.budget).map_err(|e| match OverBudget::within(&e) {
+        self.files.read(name, &self.budget).map_err(|e| match OverBudget::in_io_error(&e) {
             Some(error) => over_budget(place, error).in_file(&shorten(name)),
             None if e.get_ref().is_some_and(|inner| inner.is::<OutsideFolder>()) => {
                 SceneError::at(place, format!("`{}` {OutsideFolder}", shorten(name)))

@@ -122,7 +122,7 @@ impl SideCover {
 
 /// A value for every box of the next level, row by row.
 fn boxes<T: Clone + Default + Send>(width: u32, height: u32, mean: impl Fn(TexelCover) -> T + Sync) -> Vec<T> {
-    threads::plane(half(width) as usize, half(height) as usize, |row, texels| {
+    threads::par_fill_rows(half(width) as usize, half(height) as usize, |row, texels| {
         let rows = SideCover::of(row as u32, height);
         for (column, texel) in (0..).zip(texels) {
             *texel = mean([SideCover::of(column, width), rows]);
@@ -179,7 +179,7 @@ fn differentiate(map: &HeightMap, scale: f64, wrap: [WrapMode; 2]) -> Image {
         let slope_down = scale * (at(column, row + 1) - at(column, row - 1)) / 2.0;
         encode_normal(normalize([-slope_right, slope_down, 1.0]))
     };
-    let texels = threads::plane(map.width as usize, map.height as usize, |row, texels| {
+    let texels = threads::par_fill_rows(map.width as usize, map.height as usize, |row, texels| {
         for (column, texel) in (0..).zip(texels) {
             *texel = normal(column, row as i64);
         }

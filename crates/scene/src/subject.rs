@@ -3,7 +3,7 @@
 use crate::outside::over_budget;
 use crate::view::{MAX_FRAMES, ViewHints};
 use crate::{SceneError, ViewOptions};
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_signals::{Frame, Light, Object, Scene};
 use std::sync::Arc;
 
@@ -31,10 +31,10 @@ impl SceneSubject {
     ///
     /// # Errors
     /// Errors of [`seen`](Self::seen), and input over the memory limit.
-    pub fn seen_within(&self, options: &ViewOptions, budget: &Budget) -> Result<(Scene, Held), SceneError> {
+    pub fn seen_within(&self, options: &ViewOptions, budget: &MemoryPool) -> Result<(Scene, MemoryReservation), SceneError> {
         let frame = (size_of::<Frame>() + 64 + self.hints.lamps.len() * size_of::<Light>()) as u64;
         let frames = self.hints.count(options).min(MAX_FRAMES as usize) as u64;
-        let held = budget.take(frame.saturating_mul(frames), "frames and their lights");
+        let held = budget.try_reserve(frame.saturating_mul(frames), "frames and their lights");
         let held = held.map_err(|error| over_budget("", &error).in_file(&self.name))?;
         Ok((self.seen(options)?, held))
     }

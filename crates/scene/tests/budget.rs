@@ -1,6 +1,6 @@
 //! A small model can expand into large data, which are counted and refused above the limit.
 
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_scene::{MemoryFiles, SceneError, ViewOptions, load_within};
 use image::{DynamicImage, ImageFormat};
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ const LIMIT: u64 = 1 << 20;
 
 /// The error of a model that must not be held.
 fn error_of(bytes: &[u8], name: &str, files: &MemoryFiles, view: &ViewOptions) -> SceneError {
-    let budget = Budget::new(LIMIT);
+    let budget = MemoryPool::new(LIMIT);
     let error = load_within(bytes, name, files, view, &budget)
         .map(|_| ())
         .expect_err(&String::from_utf8_lossy(&bytes[..bytes.len().min(60)]));
@@ -228,7 +228,7 @@ fn obj_statement_over_budget_is_refused() {
 /// A scene keeps the memory of its data. Memory for the import is given back.
 #[test]
 fn memory_of_the_import_is_given_back() {
-    let budget = Budget::new(64 << 20);
+    let budget = MemoryPool::new(64 << 20);
     let document = with(&[
         ("/accessors/0", zeros(3_000, "VEC3")),
         ("/images", json!([{"uri": "large.png"}])),

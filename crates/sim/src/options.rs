@@ -3,7 +3,7 @@
 use crate::outputs::aux_output::AuxOutputInfo;
 use crate::prepared::PreparedScene;
 use basrelief_deferred_renderer::TileSource;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_kernel::Engine;
 use basrelief_machines::{InputKind, MachineConfig, MachineInfo};
 use basrelief_parameters::{ConfigError, Parameters};
@@ -108,8 +108,8 @@ impl Overrides {
     ///
     /// # Errors
     /// Unknown parameters, values out of range, and parameters that do not fit together, with the place of the error.
-    pub fn checked(&self, machine: &MachineInfo, budget: &Budget) -> Result<MachineConfig, OverridesError> {
-        let growth = budget.take(TOML_GROWTH * self.toml.len() as u64, "what a configuration says");
+    pub fn checked(&self, machine: &MachineInfo, budget: &MemoryPool) -> Result<MachineConfig, OverridesError> {
+        let growth = budget.try_reserve(TOML_GROWTH * self.toml.len() as u64, "what a configuration says");
         let _growth = growth.map_err(|error| OverridesError::File(error.to_string()))?;
         // Single settings may repair a file whose parameters do not fit together, and vice versa.
         let file_fits = match machine.load(&self.toml, &[]) {
@@ -167,7 +167,7 @@ pub struct RunOptions {
     /// Monotonic clock \[s\] for the host figures. It influences nothing else.
     pub clock: fn() -> f64,
     /// Memory pool for data whose size depends on the input.
-    pub budget: Budget,
+    pub budget: MemoryPool,
 }
 
 impl Default for RunOptions {
@@ -185,7 +185,7 @@ impl Default for RunOptions {
             costs: false,
             requests: false,
             clock: || 0.0,
-            budget: Budget::default(),
+            budget: MemoryPool::default(),
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Scene that is run more than once, with a cache of results that do not depend on the settings.
 
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_machines::FrontConfig;
 use basrelief_reference::{QualityMetrics, RenderStyle, RgbPicture, SizeMismatch, draw_scene};
 use basrelief_report::model::Difference;
 use basrelief_signals::Scene;
-use basrelief_threads::Later;
+use basrelief_threads::Deferred;
 use basrelief_trace::Digest;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -35,7 +35,7 @@ struct SceneCache {
     hashes: Vec<(FrontConfig, Digest)>,
     pictures: Vec<ExactEntry>,
     /// Memory of the pictures.
-    held: Held,
+    held: MemoryReservation,
 }
 
 /// An exact picture, and the last comparison with it.
@@ -49,8 +49,8 @@ struct ExactEntry {
 
 impl PreparedScene {
     /// Creates a scene with a cache. When the memory limit is reached, nothing more is cached.
-    pub fn cached(scene: Arc<Scene>, budget: &Budget) -> Self {
-        let cache = SceneCache { hashes: vec![], pictures: vec![], held: budget.nothing() };
+    pub fn cached(scene: Arc<Scene>, budget: &MemoryPool) -> Self {
+        let cache = SceneCache { hashes: vec![], pictures: vec![], held: budget.empty_reservation() };
         Self { scene, cache: Some(Arc::new(Mutex::new(cache))) }
     }
 
@@ -76,13 +76,13 @@ impl PreparedScene {
     }
 
     /// Starts to draw the exact picture of a frame. Returns `None` if there is no such frame.
-    pub(crate) fn exact(&self, style: RenderStyle, frame: usize) -> Option<Later<Arc<RgbPicture>>> {
+    pub(crate) fn exact(&self, style: RenderStyle, frame: usize) -> Option<Deferred<Arc<RgbPicture>>> {
         if let Some(exact) = self.cache().and_then(|cache| Some(Arc::clone(&cache.entry(style, frame)?.exact))) {
-            return Some(Later::on_demand(move || exact));
+            return Some(Deferred::on_demand(move || exact));
         }
         let wanted = Arc::clone(self.scene.frames.get(frame)?);
         let prepared = self.clone();
-        Some(Later::start(move || {
+        Some(Deferred::start(move || {
             let exact = Arc::new(draw_scene(&prepared.scene, &wanted, &style));
             prepared.keep_exact(style, frame, &exact);
             exact
@@ -92,7 +92,7 @@ impl PreparedScene {
     fn keep_exact(&self, style: RenderStyle, frame: usize, exact: &Arc<RgbPicture>) {
         let Some(mut cache) = self.cache() else { return };
         let bytes = PIXEL * exact.rgb.len() as u64;
-        if cache.pictures.len() < MAX_ENTRIES && cache.held.grow(bytes, "exact pictures").is_ok() {
+        if cache.pictures.len() < MAX_ENTRIES && cache.held.try_grow(bytes, "exact pictures").is_ok() {
             cache.pictures.push(ExactEntry { style, frame, exact: Arc::clone(exact), compared: None });
         }
     }
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn exact_picture_is_drawn_once() {
-        let prepared = PreparedScene::cached(scene(), &Budget::default());
+        let prepared = PreparedScene::cached(scene(), &MemoryPool::default());
         let [first, second] = [0, 1].map(|_| prepared.exact(RenderStyle::default(), 0).unwrap().get());
         assert!(Arc::ptr_eq(&first, &second));
         assert!(prepared.exact(RenderStyle::default(), 1).is_none(), "there is one frame");
@@ -154,14 +154,14 @@ mod tests {
 
     #[test]
     fn cache_respects_the_memory_limit() {
-        let prepared = PreparedScene::cached(scene(), &Budget::new(100));
+        let prepared = PreparedScene::cached(scene(), &MemoryPool::new(100));
         let [first, second] = [0, 1].map(|_| prepared.exact(RenderStyle::default(), 0).unwrap().get());
         assert!(!Arc::ptr_eq(&first, &second) && first == second);
     }
 
     #[test]
     fn changed_picture_is_compared_again() {
-        let prepared = PreparedScene::cached(scene(), &Budget::default());
+        let prepared = PreparedScene::cached(scene(), &MemoryPool::default());
         let style = RenderStyle::default();
         let exact = prepared.exact(style, 0).unwrap().get();
         let mut machine = (*exact).clone();

@@ -2,7 +2,7 @@
 
 mod common;
 
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_report::Report;
 use basrelief_sim::{
     AnalysisPolicy, BUILD, MachineConfig, RecordedRun, Recording, RecordingError, ResimulateOptions, RunInput, RunOptions,
@@ -40,7 +40,7 @@ fn of_another_build(recording: &[u8]) -> Vec<u8> {
 }
 
 fn resimulated(recording: &[u8]) -> Result<(Report, Vec<u8>), RecordingError> {
-    let options = ResimulateOptions { settings: vec![], bottlenecks: AnalysisPolicy::Never, budget: Budget::default() };
+    let options = ResimulateOptions { settings: vec![], bottlenecks: AnalysisPolicy::Never, budget: MemoryPool::default() };
     let mut kept = CollectedRecording::default();
     Ok((resimulate_to(&mut Cursor::new(recording), &options, &mut kept)?, kept.0))
 }
@@ -62,11 +62,11 @@ fn recording_of_another_build_gives_report_with_warning() {
     report.warnings.insert(0, warning.clone());
     assert_eq!(again, report);
     assert_eq!(parts(&kept).0["version"], "0.1.0", "a resimulation does not change who executed the steps");
-    let in_memory = Recording::read(&mut Cursor::new(&old), &Budget::default()).unwrap();
+    let in_memory = Recording::read(&mut Cursor::new(&old), &MemoryPool::default()).unwrap();
     assert_eq!(in_memory.resimulate(&MachineConfig::default()).unwrap(), report);
     let sizes = |recording: &[u8]| {
         let mut cursor = Cursor::new(recording.to_vec());
-        size_fifos(vec![&mut cursor as &mut dyn Read], &[0.0], &Budget::default()).unwrap().warnings
+        size_fifos(vec![&mut cursor as &mut dyn Read], &[0.0], &MemoryPool::default()).unwrap().warnings
     };
     assert_eq!((sizes(&old), sizes(&recording)), (vec![warning], vec![]));
 }
@@ -75,7 +75,7 @@ fn recording_of_another_build_gives_report_with_warning() {
 fn other_timing_is_an_error_of_the_other_build() {
     let (mut report, recording) = recorded();
     let read =
-        |report: &Report, recording: &[u8]| RecordedRun::read(report, &mut Cursor::new(recording), &Budget::default()).err();
+        |report: &Report, recording: &[u8]| RecordedRun::read(report, &mut Cursor::new(recording), &MemoryPool::default()).err();
     assert!(read(&report, &recording).is_none() && read(&report, &of_another_build(&recording)).is_none());
     report.cycles.as_mut().unwrap().total += 1;
     assert!(matches!(read(&report, &recording), Some(RecordingError::OtherRun)));

@@ -1,6 +1,6 @@
 //! Costs: every cycle of every unit is charged exactly once.
 
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_kernel::{CycleAccount, Engine, Recorder, RunReport};
 use basrelief_report::costs::CycleBreakdown as Told;
 use basrelief_report::model::Figure;
@@ -247,7 +247,7 @@ fn chained_probe_receives_the_same_events() {
 #[test]
 fn costs_respect_the_memory_limit() {
     let take = |bytes: u64| {
-        let options = RunOptions { budget: Budget::new(bytes), ..options("mixed", &[]) };
+        let options = RunOptions { budget: MemoryPool::new(bytes), ..options("mixed", &[]) };
         run(RunInput::scene(scene("mixed", 1)), &options, &mut Unobserved, None).map(|_| ()).map_err(|e| e.to_string())
     };
     let whole = 64 << 20;

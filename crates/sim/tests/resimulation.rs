@@ -2,7 +2,7 @@
 
 mod common;
 
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::Report;
 use basrelief_report::model::OutcomeKind;
@@ -41,7 +41,7 @@ fn of_trace(machine: &MachineInfo) -> RunInput {
 /// Returns report and recording of a run on one thread. On two threads, the run would be timed like a recording. Returns `None` if the
 /// parameters do not fit together.
 fn recorded(machine: &MachineInfo, source: RunInput, settings: &Settings, limits: AnalysisPolicy) -> Option<(Report, Vec<u8>)> {
-    threads::alone(|| recorded_here(machine, source, settings, limits))
+    threads::sequential(|| recorded_here(machine, source, settings, limits))
 }
 
 fn recorded_here(
@@ -66,7 +66,7 @@ fn recorded_here(
 }
 
 fn timed_again(tape: &[u8], settings: &Settings, limits: AnalysisPolicy) -> Result<Report, RecordingError> {
-    let options = ResimulateOptions { settings: settings.clone(), bottlenecks: limits, budget: Budget::default() };
+    let options = ResimulateOptions { settings: settings.clone(), bottlenecks: limits, budget: MemoryPool::default() };
     resimulate(&mut Cursor::new(tape), &options)
 }
 
@@ -154,7 +154,7 @@ fn faults_are_the_same_on_two_threads() {
         let ran = run(of_scene(&MACHINES[0]), &options, &mut CollectedRecording::default(), None);
         ran.map(|run| run.report.outcome).unwrap_err().to_string()
     };
-    let alone = threads::alone(fault);
+    let alone = threads::sequential(fault);
     assert!(alone.starts_with("replacement, cycle ") && alone.contains("`replacement.gather_bytes` is 4096"), "{alone}");
     assert_eq!(fault(), alone);
 }
@@ -173,7 +173,7 @@ fn stopped_run_has_a_partial_report() {
     for machine in MACHINES {
         let options = RunOptions { config: machine.load("", &[]).unwrap(), exact: false, ..RunOptions::default() };
         let stopped = |source| run(source, &options, &mut Stopping, None).unwrap().report.outcome.kind;
-        let kinds = [threads::alone(|| stopped(of_scene(machine))), stopped(of_scene(machine))];
+        let kinds = [threads::sequential(|| stopped(of_scene(machine))), stopped(of_scene(machine))];
         assert_eq!(kinds, [OutcomeKind::Stopped; 2], "{}", machine.name);
     }
 }
@@ -191,7 +191,7 @@ proptest! {
     #[test]
     fn recording_in_memory_can_be_resimulated_repeatedly(which in 0..8_usize, choices in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
         let (machine, trace, tape) = &TAPES[which];
-        let recording = Recording::read(&mut Cursor::new(tape), &Budget::default()).unwrap();
+        let recording = Recording::read(&mut Cursor::new(tape), &MemoryPool::default()).unwrap();
         for settings in [some_settings(machine, &choices), vec![]] {
             let Some(config) = config(machine, &settings) else { return Ok(()) };
             let Some((ran, _)) = recorded(machine, source(machine, *trace), &settings, AnalysisPolicy::Never) else { return Ok(()) };
@@ -206,7 +206,7 @@ proptest! {
 #[test]
 fn recording_rejects_other_work() {
     let (machine, _, tape) = &TAPES[0];
-    let recording = Recording::read(&mut Cursor::new(tape), &Budget::default()).unwrap();
+    let recording = Recording::read(&mut Cursor::new(tape), &MemoryPool::default()).unwrap();
     let error = |machine: &MachineInfo, settings: &[(&str, &str)]| {
         let settings = settings.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
         recording.resimulate(&config(machine, &settings).unwrap()).unwrap_err().to_string()
@@ -221,7 +221,7 @@ fn input_hash_matches_the_report() {
     for (machine, trace, _) in TAPES.iter() {
         let config = machine.load("", &[]).unwrap();
         let (report, _) = recorded(machine, source(machine, *trace), &vec![], AnalysisPolicy::Never).unwrap();
-        assert_eq!(input_sha256(source(machine, *trace), &config, &Budget::default()).unwrap(), report.input.sha256);
+        assert_eq!(input_sha256(source(machine, *trace), &config, &MemoryPool::default()).unwrap(), report.input.sha256);
     }
 }
 
@@ -274,8 +274,11 @@ fn kept_steps_count_against_the_memory_limit() {
     let machine = &MACHINES[0];
     let (_, tape) = recorded(machine, of_scene(machine), &vec![], AnalysisPolicy::Never).unwrap();
     // A block and its decoded steps are in memory at the same time. Bottleneck analysis keeps the steps as well.
-    let options =
-        |limits| ResimulateOptions { settings: vec![], bottlenecks: limits, budget: Budget::new(tape.len() as u64 * 22 / 10) };
+    let options = |limits| ResimulateOptions {
+        settings: vec![],
+        bottlenecks: limits,
+        budget: MemoryPool::new(tape.len() as u64 * 22 / 10),
+    };
     resimulate(&mut Cursor::new(&tape), &options(AnalysisPolicy::Never)).unwrap();
     let error = resimulate(&mut Cursor::new(&tape), &options(AnalysisPolicy::Always)).unwrap_err();
     assert!(matches!(error, RecordingError::OverBudget(_)), "{error}");
@@ -332,7 +335,7 @@ fn changes(machine: &MachineInfo) -> Vec<(&'static str, Settings)> {
 }
 
 fn taped((report, tape): &(Report, Vec<u8>)) -> RecordedRun {
-    RecordedRun::read(report, &mut Cursor::new(tape), &Budget::default()).unwrap()
+    RecordedRun::read(report, &mut Cursor::new(tape), &MemoryPool::default()).unwrap()
 }
 
 fn recorded_with(machine: &MachineInfo, settings: &Settings) -> (Report, Vec<u8>) {
@@ -400,7 +403,7 @@ fn inseparable_changes_have_no_share() {
 fn recording_of_another_run_is_rejected() {
     let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &changes(&MACHINES[0])[2].1));
     for (report, tape) in [(&a.0, &b.1), (&b.0, &a.1), (&recorded_with(&MACHINES[1], &vec![]).0, &a.1)] {
-        let error = RecordedRun::read(report, &mut Cursor::new(tape), &Budget::default()).err().unwrap();
+        let error = RecordedRun::read(report, &mut Cursor::new(tape), &MemoryPool::default()).err().unwrap();
         assert!(matches!(error, RecordingError::OtherRun), "{error}");
     }
     let other = recorded_with(&MACHINES[1], &vec![]);

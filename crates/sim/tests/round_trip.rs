@@ -185,7 +185,7 @@ fn run_does_not_depend_on_the_number_of_threads() {
         [shown(RunInput::scene(Arc::clone(&coin)), u64::MAX), shown(RunInput::scene(Arc::clone(&coin)), 60_000), replayed]
     };
     let threaded = all();
-    basrelief_threads::work_alone();
+    basrelief_threads::disable_threads();
     assert_eq!(basrelief_threads::workers(), 1);
     let alone = all();
     assert!(threaded == alone, "the same pictures, in the same order, and the same reports");

@@ -3,11 +3,11 @@
 //! Without threads (one core, WebAssembly, a limit of the process) the calling thread does all work. A panic in a task panics in the thread
 //! that uses its result.
 
-mod later;
+mod deferred;
 mod tasks;
 
-pub use later::Later;
-pub use tasks::{Tasks, tasks};
+pub use deferred::Deferred;
+pub use tasks::{TaskList, run_tasks};
 
 use std::cell::Cell;
 use std::io;
@@ -16,29 +16,29 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::{self, Builder};
 
 /// True if the calling thread must do all work.
-static ALONE: AtomicBool = AtomicBool::new(false);
+static THREADS_DISABLED: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
     /// True in a thread of `run_on_workers`.
-    static IN_CREW: Cell<bool> = const { Cell::new(false) };
+    static ON_WORKER: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Starts no more threads. For a process with little address space, because each thread reserves a stack and a heap.
-pub fn work_alone() {
-    ALONE.store(true, Ordering::Relaxed);
+pub fn disable_threads() {
+    THREADS_DISABLED.store(true, Ordering::Relaxed);
 }
 
 /// Returns the number of parallel workers.
 pub fn workers() -> usize {
     static CORES: OnceLock<usize> = OnceLock::new();
-    if ALONE.load(Ordering::Relaxed) || IN_CREW.get() {
+    if THREADS_DISABLED.load(Ordering::Relaxed) || ON_WORKER.get() {
         return 1;
     }
     *CORES.get_or_init(|| thread::available_parallelism().map_or(1, usize::from))
 }
 
 /// Runs two closures in parallel. Without a second thread the second closure, which is in the foreground, runs first.
-pub fn both<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
+pub fn join<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
     if workers() == 1 {
         let second = here();
         return (aside(), second);
@@ -49,25 +49,25 @@ pub fn both<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() ->
     thread::scope(|scope| {
         let thread = Builder::new().spawn_scoped(scope, || take().map(|work| work()));
         let second = here();
-        let first = take().map(|work| work()).or_else(|| thread.ok().and_then(|thread| joined(thread.join())));
+        let first = take().map(|work| work()).or_else(|| thread.ok().and_then(|thread| value_or_panic(thread.join())));
         (first.expect("it was there to be taken once, and is done"), second)
     })
 }
 
 /// Runs two closures concurrently. They may wait for each other. Returns `None` and runs nothing if no thread is available.
-pub fn apart<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> Option<(A, B)> {
+pub fn join_concurrent<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> Option<(A, B)> {
     if workers() == 1 {
         return None;
     }
     thread::scope(|scope| {
         let thread = Builder::new().spawn_scoped(scope, aside).ok()?;
         let second = here();
-        Some((joined(thread.join()), second))
+        Some((value_or_panic(thread.join()), second))
     })
 }
 
 /// Maps the items in parallel; the results keep their order.
-pub fn map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec<T> {
+pub fn par_map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec<T> {
     let workers = workers().min(items.len());
     if workers <= 1 {
         return items.into_iter().map(work).collect();
@@ -84,7 +84,7 @@ pub fn map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec
     let mut done = thread::scope(|scope| {
         let others: Vec<_> = (1..workers).filter_map(|_| Builder::new().spawn_scoped(scope, run).ok()).collect();
         let mut done = run();
-        done.extend(others.into_iter().flat_map(|thread| joined(thread.join())));
+        done.extend(others.into_iter().flat_map(|thread| value_or_panic(thread.join())));
         done
     });
     done.sort_by_key(|(number, _)| *number);
@@ -92,24 +92,24 @@ pub fn map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec
 }
 
 /// Runs a closure without parallelism.
-pub fn alone<T>(work: impl FnOnce() -> T) -> T {
-    let before = IN_CREW.replace(true);
+pub fn sequential<T>(work: impl FnOnce() -> T) -> T {
+    let before = ON_WORKER.replace(true);
     let made = work();
-    IN_CREW.set(before);
+    ON_WORKER.set(before);
     made
 }
 
 /// Runs the same closure on this number of threads, including the caller. The closure typically takes tasks from a common list. With
 /// several threads, each works without further parallelism. Fewer threads run it if no more are available.
-pub fn crew(members: usize, work: impl Fn() + Sync) {
+pub fn run_on_workers(members: usize, work: impl Fn() + Sync) {
     if members <= 1 {
         return work();
     }
-    let work = || alone(&work);
+    let work = || sequential(&work);
     thread::scope(|scope| {
         let others: Vec<_> = (1..members).filter_map(|_| Builder::new().spawn_scoped(scope, work).ok()).collect();
         work();
-        others.into_iter().for_each(|thread| joined(thread.join()));
+        others.into_iter().for_each(|thread| value_or_panic(thread.join()));
     });
 }
 
@@ -117,10 +117,10 @@ pub fn crew(members: usize, work: impl Fn() + Sync) {
 const ROWS: usize = 16;
 
 /// Fills a plane of this width and height; `fill` receives the number of a row and its elements.
-pub fn plane<T: Clone + Default + Send>(width: usize, height: usize, fill: impl Fn(usize, &mut [T]) + Sync) -> Vec<T> {
+pub fn par_fill_rows<T: Clone + Default + Send>(width: usize, height: usize, fill: impl Fn(usize, &mut [T]) + Sync) -> Vec<T> {
     let mut plane = vec![T::default(); width * height];
     if width > 0 {
-        map(plane.chunks_mut(ROWS * width).enumerate().collect(), |(band, rows): (usize, &mut [T])| {
+        par_map(plane.chunks_mut(ROWS * width).enumerate().collect(), |(band, rows): (usize, &mut [T])| {
             for (row, elements) in rows.chunks_mut(width).enumerate() {
                 fill(ROWS * band + row, elements);
             }
@@ -130,12 +130,12 @@ pub fn plane<T: Clone + Default + Send>(width: usize, height: usize, fill: impl 
 }
 
 /// Returns the result of a thread, or continues its panic.
-fn joined<T>(result: thread::Result<T>) -> T {
+fn value_or_panic<T>(result: thread::Result<T>) -> T {
     result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// Starts a thread, if one is available.
-fn spawned<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> io::Result<thread::JoinHandle<T>> {
+fn spawn<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> io::Result<thread::JoinHandle<T>> {
     if workers() == 1 {
         return Err(io::ErrorKind::Unsupported.into());
     }
@@ -161,15 +161,15 @@ mod tests {
     #[test]
     fn map_keeps_order_of_items() {
         let squares: Vec<u64> = (0..20).map(|i| i * i).collect();
-        assert_eq!(map((0..20).collect(), slow_square), squares);
-        assert_eq!(map(Vec::new(), slow_square), []);
-        assert_eq!(both(|| slow_square(1), || slow_square(9)), (1, 81));
+        assert_eq!(par_map((0..20).collect(), slow_square), squares);
+        assert_eq!(par_map(Vec::new(), slow_square), []);
+        assert_eq!(join(|| slow_square(1), || slow_square(9)), (1, 81));
     }
 
     #[test]
     fn a_plane_has_every_row_once() {
         for (width, height) in [(3, 100), (1, 1), (7, 16), (5, 0), (0, 5)] {
-            let made = plane(width, height, |row, elements: &mut [usize]| {
+            let made = par_fill_rows(width, height, |row, elements: &mut [usize]| {
                 elements.iter_mut().enumerate().for_each(|(column, element)| *element += 1000 * row + column);
             });
             let expected: Vec<usize> = (0..height).flat_map(|row| (0..width).map(move |column| 1000 * row + column)).collect();
@@ -180,36 +180,36 @@ mod tests {
     #[test]
     fn concurrent_closures_may_wait_for_each_other() {
         let (send, receive) = std::sync::mpsc::sync_channel(1);
-        let sum = apart(move || receive.iter().sum::<u64>(), move || (1..=100).try_for_each(|n| send.send(n)));
+        let sum = join_concurrent(move || receive.iter().sum::<u64>(), move || (1..=100).try_for_each(|n| send.send(n)));
         assert_eq!(sum, (workers() > 1).then_some((5050, Ok(()))));
-        alone(|| assert_eq!(apart(|| (), || panic!("there is no thread for it")), None::<((), ())>));
+        sequential(|| assert_eq!(join_concurrent(|| (), || panic!("there is no thread for it")), None::<((), ())>));
     }
 
     #[test]
     fn foreground_runs_first_on_one_thread() {
         let order = Mutex::new(Vec::new());
         let done = |what| order.lock().unwrap().push(what);
-        alone(|| both(|| done("aside"), || done("here")));
+        sequential(|| join(|| done("aside"), || done("here")));
         assert_eq!(order.into_inner().unwrap(), ["here", "aside"]);
     }
 
     #[test]
     fn a_crew_works_at_once_and_each_member_alone() {
         let (barrier, alone) = (std::sync::Barrier::new(3), Mutex::new(Vec::new()));
-        crew(3, || {
+        run_on_workers(3, || {
             barrier.wait();
             alone.lock().unwrap().push(workers());
         });
         assert_eq!(alone.into_inner().unwrap(), [1; 3]);
         let cores = thread::available_parallelism().map_or(1, usize::from);
-        crew(1, || assert_eq!(workers(), cores));
+        run_on_workers(1, || assert_eq!(workers(), cores));
         assert_eq!(workers(), cores, "afterwards, too");
     }
 
     #[test]
     fn a_panic_is_not_lost() {
-        assert!(catch_unwind(|| both(|| panic!("aside"), || 1)).is_err());
-        assert!(catch_unwind(|| map(vec![1, 2, 3], |i| assert_ne!(i, 2))).is_err());
-        assert!(catch_unwind(|| Later::start(|| panic!("later")).get()).is_err());
+        assert!(catch_unwind(|| join(|| panic!("aside"), || 1)).is_err());
+        assert!(catch_unwind(|| par_map(vec![1, 2, 3], |i| assert_ne!(i, 2))).is_err());
+        assert!(catch_unwind(|| Deferred::start(|| panic!("later")).get()).is_err());
     }
 }

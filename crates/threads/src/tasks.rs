@@ -1,49 +1,49 @@
 //! Work that leads to more work.
 
-use crate::{crew, workers};
+use crate::{run_on_workers, workers};
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 /// A list of tasks, in order.
 #[derive(Debug)]
-pub struct Tasks<T> {
-    list: Mutex<List<T>>,
+pub struct TaskList<T> {
+    list: Mutex<TaskQueue<T>>,
     changed: Condvar,
 }
 
 #[derive(Debug)]
-struct List<T> {
+struct TaskQueue<T> {
     waiting: VecDeque<T>,
     /// Number of running tasks, each of which may add tasks.
     under_way: usize,
 }
 
 /// Executes tasks and those added meanwhile, on all workers.
-pub fn tasks<T: Send>(first: impl IntoIterator<Item = T>, work: impl Fn(T, &Tasks<T>) + Sync) {
-    let list = List { waiting: first.into_iter().collect(), under_way: 0 };
-    let tasks = Tasks { list: Mutex::new(list), changed: Condvar::new() };
-    crew(workers(), || {
+pub fn run_tasks<T: Send>(first: impl IntoIterator<Item = T>, work: impl Fn(T, &TaskList<T>) + Sync) {
+    let list = TaskQueue { waiting: first.into_iter().collect(), under_way: 0 };
+    let tasks = TaskList { list: Mutex::new(list), changed: Condvar::new() };
+    run_on_workers(workers(), || {
         while let Some(task) = tasks.next() {
-            let _end = UnderWay(&tasks);
+            let _end = RunningTask(&tasks);
             work(task, &tasks);
         }
     });
 }
 
-impl<T> Tasks<T> {
+impl<T> TaskList<T> {
     /// Adds tasks at the end of the list.
     pub fn add(&self, more: impl IntoIterator<Item = T>) {
         self.lock().waiting.extend(more);
         self.changed.notify_all();
     }
 
-    fn lock(&self) -> MutexGuard<'_, List<T>> {
+    fn lock(&self) -> MutexGuard<'_, TaskQueue<T>> {
         self.list.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The next, waited for as long as there may be one.
     fn next(&self) -> Option<T> {
-        let idle = |list: &mut List<T>| list.waiting.is_empty() && list.under_way > 0;
+        let idle = |list: &mut TaskQueue<T>| list.waiting.is_empty() && list.under_way > 0;
         let mut list = self.changed.wait_while(self.lock(), idle).unwrap_or_else(PoisonError::into_inner);
         let task = list.waiting.pop_front()?;
         list.under_way += 1;
@@ -52,9 +52,9 @@ impl<T> Tasks<T> {
 }
 
 /// A task that is being done: it is over, too, where it panics, or the others would wait for ever.
-struct UnderWay<'a, T>(&'a Tasks<T>);
+struct RunningTask<'a, T>(&'a TaskList<T>);
 
-impl<T> Drop for UnderWay<'_, T> {
+impl<T> Drop for RunningTask<'_, T> {
     fn drop(&mut self) {
         self.0.lock().under_way -= 1;
         self.0.changed.notify_all();
@@ -73,7 +73,7 @@ mod tests {
         for alone in [false, true] {
             let done = Mutex::new(Vec::new());
             let halve = || {
-                tasks([64_u32], |n, tasks| {
+                run_tasks([64_u32], |n, tasks| {
                     // An idle worker must not stop while another may add tasks.
                     sleep(Duration::from_millis(1));
                     done.lock().unwrap().push(n);
@@ -81,7 +81,7 @@ mod tests {
                 });
             };
             if alone {
-                crate::alone(halve)
+                crate::sequential(halve)
             } else {
                 halve()
             }
@@ -90,11 +90,11 @@ mod tests {
             assert_eq!(done.len(), 127);
             assert_eq!(done.iter().sum::<u32>(), 7 * 64);
         }
-        tasks([], |(): (), _| unreachable!());
+        run_tasks([], |(): (), _| unreachable!());
     }
 
     #[test]
     fn a_panic_is_not_lost_and_nobody_waits_for_it() {
-        assert!(catch_unwind(|| tasks([1, 2, 3, 4], |n, _| assert_ne!(n, 3))).is_err());
+        assert!(catch_unwind(|| run_tasks([1, 2, 3, 4], |n, _| assert_ne!(n, 3))).is_err());
     }
 }

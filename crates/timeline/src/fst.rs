@@ -23,7 +23,7 @@ use crate::probe::{BusTransfer, StepAttribution, TraceSink, UnitState};
 use crate::scale::TimeScale;
 use crate::streams::ChangeStreams;
 use crate::wires::{BUSY, DONE, FIRST_WAIT, FRAME, SignalNumbers, SignalTable};
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_kernel::StallCause;
 use fst_writer::{FstFileType, FstHeaderWriter, FstInfo, FstWriteError};
 use std::io::{self, Seek, Write};
@@ -45,7 +45,7 @@ pub struct FstWaves<W> {
 
 impl<W: Write + Seek> FstWaves<W> {
     /// Creates an empty file. Kept changes count towards the memory limit.
-    pub fn new(out: W, board: &TimelineLayout, budget: &Budget) -> Self {
+    pub fn new(out: W, board: &TimelineLayout, budget: &MemoryPool) -> Self {
         let numbers = SignalNumbers::new(board);
         let changes = ChangeStreams::new(numbers.count, budget);
         Self { out, board: board.clone(), changes, ends: vec![board.from; numbers.count], numbers, section: SECTION }

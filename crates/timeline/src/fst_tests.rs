@@ -1,6 +1,6 @@
 use crate::samples;
 use crate::*;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_kernel::{Cycle, Engine, MemoryEvent, Probe, Recorder, RunLimits, RunReport, StallCause, run_with};
 use basrelief_kernel_conformance::plan::PlanMachine;
 use fst_reader::{FstFilter, FstHierarchyEntry, FstReader, FstSignalValue};
@@ -23,7 +23,7 @@ fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
 /// The waves of a run, in sections of so many bytes.
 fn waves(board: &TimelineLayout, engine: Engine, section: usize) -> (RunReport, Vec<u8>) {
     let mut file = Cursor::new(vec![]);
-    let mut waves = FstWaves::new(&mut file, board, &Budget::default());
+    let mut waves = FstWaves::new(&mut file, board, &MemoryPool::default());
     waves.section = section;
     let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(waves)]);
     let run = record(&mut watcher, engine);
@@ -187,7 +187,7 @@ fn frames_are_numbered_and_names_have_numerals() {
     board.numerals[0] = "110".into();
     board.show_only(&["source".into()]).unwrap();
     let mut file = Cursor::new(vec![]);
-    let watcher = TimelineProbe::new(board.clone(), vec![Box::new(FstWaves::new(&mut file, &board, &Budget::default()))]);
+    let watcher = TimelineProbe::new(board.clone(), vec![Box::new(FstWaves::new(&mut file, &board, &MemoryPool::default()))]);
     let mut run = samples::run();
     run.marks = vec![30, 12];
     assert!(watcher.finish(&run).into_iter().all(|finished| finished.is_ok()));
@@ -203,7 +203,7 @@ fn frames_are_numbered_and_names_have_numerals() {
 fn waves_beyond_the_memory_limit_are_an_error() {
     let board = board();
     let mut file = Cursor::new(vec![]);
-    let waves = FstWaves::new(&mut file, &board, &Budget::new(200));
+    let waves = FstWaves::new(&mut file, &board, &MemoryPool::new(200));
     let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(waves)]);
     let run = record(&mut watcher, Engine::Timed);
     let error = watcher.finish(&run).remove(0).unwrap_err().to_string();
@@ -231,6 +231,6 @@ impl std::io::Seek for UnseekableWriter {
 
 #[test]
 fn a_pipe_is_refused() {
-    let waves = Box::new(FstWaves::new(UnseekableWriter, &board(), &Budget::default()));
+    let waves = Box::new(FstWaves::new(UnseekableWriter, &board(), &MemoryPool::default()));
     assert!(waves.finish(1).unwrap_err().to_string().contains("no pipe"));
 }

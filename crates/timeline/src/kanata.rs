@@ -9,7 +9,7 @@
 use crate::layout::{TimelineLayout, wait_name};
 use crate::levels::CounterValue;
 use crate::probe::{BusTransfer, StepAttribution, TokenLife, TraceSink, UnitState};
-use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_kernel::StallCause;
 use std::io::{self, Write};
 
@@ -45,15 +45,15 @@ pub struct KanataLog<W> {
     /// Number of the stage where pixels end.
     last: Option<usize>,
     pieces: Vec<TokenSpan>,
-    held: Held,
+    held: MemoryReservation,
     over: Option<OverBudget>,
 }
 
 impl<W: Write> KanataLog<W> {
     /// Creates a log for a machine that retires tokens in its `last` stage. Events that are kept until the end count towards the memory
     /// limit.
-    pub fn new(out: W, board: &TimelineLayout, last: Option<usize>, budget: &Budget) -> Self {
-        Self { out, board: board.clone(), last, pieces: vec![], held: budget.nothing(), over: None }
+    pub fn new(out: W, board: &TimelineLayout, last: Option<usize>, budget: &MemoryPool) -> Self {
+        Self { out, board: board.clone(), last, pieces: vec![], held: budget.empty_reservation(), over: None }
     }
 
     /// The FIFO between two stages.
@@ -110,7 +110,7 @@ impl<W: Write> KanataLog<W> {
         let mut events: Vec<(u64, u64, usize, TokenEvent)> = vec![];
         for life in lives {
             let of_life = self.events(life);
-            self.held.grow(of_life.len() as u64 * size_of::<(u64, u64, usize, TokenEvent)>() as u64, "lives of tokens")?;
+            self.held.try_grow(of_life.len() as u64 * size_of::<(u64, u64, usize, TokenEvent)>() as u64, "lives of tokens")?;
             events.extend((0..).zip(of_life).map(|(k, (at, event))| (at, life[0].life.number, k, event)));
         }
         // The order within a token stays, and the file runs forwards in time.
@@ -159,7 +159,7 @@ impl<W: Write> TraceSink for KanataLog<W> {
         if matches!(state, UnitState::Waits(StallCause::Starved(_)) | UnitState::Done) {
             return;
         }
-        match self.held.room(&mut self.pieces, 1, "lives of tokens") {
+        match self.held.make_room(&mut self.pieces, 1, "lives of tokens") {
             Ok(()) => self.pieces.push(TokenSpan { life, whose: *whose, stage, state, from, to }),
             Err(over) => {
                 self.over = Some(over);

@@ -2,7 +2,7 @@
 
 use crate::samples;
 use crate::*;
-use basrelief_input::{Budget, OverBudget};
+use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::{Cycle, Engine, Interval, NoProbe, RunLimits, RunReport, StallCause, run_with};
 use basrelief_kernel_conformance::plan::PlanMachine;
 use std::collections::BTreeMap;
@@ -64,7 +64,7 @@ fn run() -> RunReport {
     run_with(&mut machine, Engine::Timed, &mut NoProbe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
-fn written(board: &TimelineLayout, budget: &Budget, tell: impl FnOnce(&mut TimelineProbe<'_>)) -> std::io::Result<String> {
+fn written(board: &TimelineLayout, budget: &MemoryPool, tell: impl FnOnce(&mut TimelineProbe<'_>)) -> std::io::Result<String> {
     let mut bytes = vec![];
     let last = board.diagram.stages.len() - 1;
     let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(KanataLog::new(&mut bytes, board, Some(last), budget))]);
@@ -103,7 +103,7 @@ fn pair(board: &TimelineLayout) -> ([usize; 2], String) {
 fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
     let board = samples::board();
     let ([before, last], fifo) = pair(&board);
-    let text = written(&board, &Budget::default(), |watcher| {
+    let text = written(&board, &MemoryPool::default(), |watcher| {
         add(watcher, before, Some(StallCause::Starved(0)), (0, 2), &life(0));
         add(watcher, before, None, (2, 5), &life(0));
         add(watcher, before, None, (5, 6), &life(64));
@@ -128,7 +128,7 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
 fn overlapping_unit_ends_when_the_next_begins() {
     let board = samples::board();
     let ([before, last], _) = pair(&board);
-    let text = written(&board, &Budget::default(), |watcher| {
+    let text = written(&board, &MemoryPool::default(), |watcher| {
         add(watcher, before, None, (2, 8), &life(0));
         add(watcher, last, None, (4, 6), &life(0));
     });
@@ -143,7 +143,11 @@ fn memory_limit_is_kept() {
     let few = |watcher: &mut TimelineProbe<'_>| {
         (0..1000).for_each(|k| add(watcher, 0, None, (2 * k, 2 * k + 1), &life(k)));
     };
-    let error = written(&board, &Budget::new(10_000), few).unwrap_err();
-    assert!(OverBudget::within(&error).is_some(), "{error}");
-    assert_eq!(read(&written(&board, &Budget::default(), few).unwrap()).len(), 999, "the last begins behind the end of the run");
+    let error = written(&board, &MemoryPool::new(10_000), few).unwrap_err();
+    assert!(OverBudget::in_io_error(&error).is_some(), "{error}");
+    assert_eq!(
+        read(&written(&board, &MemoryPool::default(), few).unwrap()).len(),
+        999,
+        "the last begins behind the end of the run"
+    );
 }

@@ -1,6 +1,6 @@
 //! Changes of many values, each value's in order of time, kept until all are put in order.
 
-use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -18,14 +18,14 @@ struct ChangeStream {
 #[derive(Debug)]
 pub(crate) struct ChangeStreams {
     streams: Vec<ChangeStream>,
-    held: Held,
+    held: MemoryReservation,
     /// Set once the memory limit is reached; later changes are dropped.
     over: Option<OverBudget>,
 }
 
 impl ChangeStreams {
-    pub(crate) fn new(count: usize, budget: &Budget) -> Self {
-        Self { streams: vec![ChangeStream::default(); count], held: budget.nothing(), over: None }
+    pub(crate) fn new(count: usize, budget: &MemoryPool) -> Self {
+        Self { streams: vec![ChangeStream::default(); count], held: budget.empty_reservation(), over: None }
     }
 
     /// A value changes; no earlier than at its last change.
@@ -34,7 +34,7 @@ impl ChangeStreams {
             return;
         }
         let stream = &mut self.streams[value];
-        if let Err(over) = self.held.room(&mut stream.bytes, LONGEST, "waves") {
+        if let Err(over) = self.held.make_room(&mut stream.bytes, LONGEST, "waves") {
             self.over = Some(over);
             self.streams.clear();
             self.held.shrink_to(0);
@@ -96,7 +96,7 @@ mod tests {
     proptest! {
         #[test]
         fn changes_come_in_order_of_time_and_as_they_were(changes in prop::collection::vec((0..4_usize, 0..1_u64 << 40, any::<u64>()), 0..200)) {
-            let mut streams = ChangeStreams::new(4, &Budget::default());
+            let mut streams = ChangeStreams::new(4, &MemoryPool::default());
             let mut sorted = changes.clone();
             sorted.sort_by_key(|&(number, at, _)| (number, at));
             sorted.iter().for_each(|&(number, at, new)| streams.change(number, at, new));
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn memory_limit_is_kept() {
-        let budget = Budget::new(1000);
+        let budget = MemoryPool::new(1000);
         let mut streams = ChangeStreams::new(2, &budget);
         (0..1000).for_each(|at| streams.change(at as usize % 2, at, 1));
         assert!(streams.in_order().err().unwrap().to_string().contains("of waves"));

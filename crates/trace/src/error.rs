@@ -85,7 +85,7 @@ impl TraceError {
         if error.kind() == io::ErrorKind::UnexpectedEof {
             return Self::truncated(place, &format!("the input ends early ({error})"));
         }
-        if let Some(error) = OverBudget::within(error) {
+        if let Some(error) = OverBudget::in_io_error(error) {
             return Self::over_budget(place, error);
         }
         Self::new(place, ErrorKind::Io, "", format!("cannot read: {error}"))

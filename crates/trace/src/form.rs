@@ -1,6 +1,6 @@
 //! The four forms of a trace, and the layer that compresses and decompresses.
 
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use std::io::{self, BufRead, BufReader, BufWriter, Chain, Cursor, Read, Write};
 
 /// First bytes of the binary form. As in PNG, a first byte above 127 and both kinds of line end show up a transfer
@@ -80,27 +80,27 @@ pub(crate) enum TraceBytes<R: Read> {
 
 impl<R: Read> TraceBytes<R> {
     /// Returns the first uncompressed bytes, the source, and the reservation of the decompressor.
-    pub(crate) fn open(reader: R, budget: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+    pub(crate) fn open(reader: R, budget: &MemoryPool) -> io::Result<(Vec<u8>, Self, MemoryReservation)> {
         let (mut head, reader) = peek(reader, ZSTD_HEAD)?;
         if head.starts_with(&ZSTD_MAGIC) {
             return Self::decompress(&head, reader, budget);
         }
         head.truncate(BINARY_MAGIC.len());
-        Ok((head, Self::Plain(BufReader::new(reader)), budget.nothing()))
+        Ok((head, Self::Plain(BufReader::new(reader)), budget.empty_reservation()))
     }
 
     #[cfg(feature = "zstd")]
-    fn decompress(head: &[u8], reader: PeekedReader<R>, budget: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+    fn decompress(head: &[u8], reader: PeekedReader<R>, budget: &MemoryPool) -> io::Result<(Vec<u8>, Self, MemoryReservation)> {
         let mut decoder = zstd::Decoder::new(reader)?;
         let bits = window_bits(head);
         decoder.window_log_max(bits.max(COMMON_WINDOW))?;
-        let window = budget.take(1 << bits, "the window that its compression looks back into")?;
+        let window = budget.try_reserve(1 << bits, "the window that its compression looks back into")?;
         let (head, reader) = peek(decoder, BINARY_MAGIC.len() as u64)?;
         Ok((head, Self::Zstd(Box::new(BufReader::with_capacity(1 << 16, reader))), window))
     }
 
     #[cfg(not(feature = "zstd"))]
-    fn decompress(_: &[u8], _: PeekedReader<R>, _: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+    fn decompress(_: &[u8], _: PeekedReader<R>, _: &MemoryPool) -> io::Result<(Vec<u8>, Self, MemoryReservation)> {
         Err(no_compression())
     }
 }

@@ -1,7 +1,7 @@
 //! Tokens whose memory is counted until the last clone is dropped.
 
 use crate::error::CommandFault;
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_signals::{Control, Frame, ObjectInfo, Polygon};
 use std::collections::VecDeque;
 use std::sync::{Arc, Weak};
@@ -17,7 +17,7 @@ pub(crate) struct LentTokens {
 }
 
 impl LentTokens {
-    pub(crate) fn new(budget: &Budget) -> Self {
+    pub(crate) fn new(budget: &MemoryPool) -> Self {
         Self { frames: LentKind::new(budget), objects: LentKind::new(budget), polygons: LentKind::new(budget) }
     }
 
@@ -37,12 +37,12 @@ impl LentTokens {
 /// Tokens of one kind, in order.
 struct LentKind<T> {
     out: VecDeque<(Weak<T>, u64)>,
-    held: Held,
+    held: MemoryReservation,
 }
 
 impl<T> LentKind<T> {
-    fn new(budget: &Budget) -> Self {
-        Self { out: VecDeque::new(), held: budget.nothing() }
+    fn new(budget: &MemoryPool) -> Self {
+        Self { out: VecDeque::new(), held: budget.empty_reservation() }
     }
 
     fn lend(&mut self, token: &Arc<T>, bytes: usize, what: &str, field: &'static str) -> Result<(), CommandFault> {
@@ -54,7 +54,7 @@ impl<T> LentKind<T> {
             self.out.pop_front();
         }
         let bytes = (TOKEN + size_of::<T>() + bytes) as u64;
-        self.held.grow(bytes, what).map_err(CommandFault::over_budget(field))?;
+        self.held.try_grow(bytes, what).map_err(CommandFault::over_budget(field))?;
         self.out.push_back((Arc::downgrade(token), bytes));
         Ok(())
     }

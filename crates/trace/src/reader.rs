@@ -5,7 +5,7 @@ use crate::command::{BeginCommand, TraceCommand};
 use crate::error::{CommandFault, ErrorKind, TraceError, TracePlace};
 use crate::form::{BINARY_MAGIC, TraceBytes, TraceEncoding};
 use crate::sequence::CommandOrder;
-use basrelief_input::{Budget, Held, JsonFault, OverBudget, json_weight};
+use basrelief_input::{JsonFault, MemoryPool, MemoryReservation, OverBudget, json_weight};
 use serde::Deserialize;
 use std::io::{self, BufRead, Read};
 
@@ -33,9 +33,9 @@ pub struct TraceReader<R: Read> {
     failed: bool,
     buffer: Vec<u8>,
     /// Reservation of the buffer and the last command.
-    held: Held,
+    held: MemoryReservation,
     /// Reservation of the decompressor.
-    _window: Held,
+    _window: MemoryReservation,
 }
 
 /// Opens a trace of any form, recognised by its first bytes, and reads its `begin`.
@@ -43,14 +43,14 @@ pub struct TraceReader<R: Read> {
 /// # Errors
 /// If the input cannot be read, is no display list, or has another version.
 pub fn open<R: Read>(reader: R) -> Result<TraceReader<R>, TraceError> {
-    open_within(reader, &Budget::default())
+    open_within(reader, &MemoryPool::default())
 }
 
 /// Like [`open`], with a memory limit.
 ///
 /// # Errors
 /// Errors of [`open`], and input over the memory limit.
-pub fn open_within<R: Read>(reader: R, budget: &Budget) -> Result<TraceReader<R>, TraceError> {
+pub fn open_within<R: Read>(reader: R, budget: &MemoryPool) -> Result<TraceReader<R>, TraceError> {
     let (head, source, window) = TraceBytes::open(reader, budget).map_err(|e| open_error(&e))?;
     let encoding = if head.starts_with(&BINARY_MAGIC) { TraceEncoding::Binary } else { TraceEncoding::JsonLines };
     if encoding == TraceEncoding::JsonLines && !head.is_empty() && !head.starts_with(b"{") {
@@ -65,7 +65,7 @@ pub fn open_within<R: Read>(reader: R, budget: &Budget) -> Result<TraceReader<R>
         given_begin: false,
         failed: false,
         buffer: Vec::new(),
-        held: budget.nothing(),
+        held: budget.empty_reservation(),
         _window: window,
     };
     if encoding == TraceEncoding::Binary {
@@ -185,7 +185,7 @@ impl<R: Read> TraceReader<R> {
 
     fn hold(&mut self, bytes: u64, what: &str) -> Result<(), TraceError> {
         let place = self.next_place();
-        self.held.grow(bytes, what).map_err(|error| TraceError::over_budget(place, &error))
+        self.held.try_grow(bytes, what).map_err(|error| TraceError::over_budget(place, &error))
     }
 
     fn unfinished_line(&self) -> TraceError {

@@ -7,7 +7,7 @@ use crate::error::{CommandFault, ErrorKind, TraceError};
 use crate::lent::LentTokens;
 use crate::reader::{TraceReader, open_within};
 use crate::sequence::FrameNesting;
-use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_signals::{Control, Frame, Image, Light, Material, ObjectInfo, Polygon, ShadingSettings, Texture, Vertex};
 use std::collections::BTreeMap;
 use std::io::{self, Read};
@@ -62,11 +62,11 @@ pub struct TraceResolver<R: Read, F> {
     bias: Option<u8>,
     expectations: Vec<ExpectedResults>,
     failed: bool,
-    budget: Budget,
+    budget: MemoryPool,
     /// Reservation of the kept data.
-    held: Held,
+    held: MemoryReservation,
     /// Texels of the largest texture. Hashing and recording copy them.
-    copied: Held,
+    copied: MemoryReservation,
     texture_copies: u64,
     lent: LentTokens,
 }
@@ -77,18 +77,18 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
     /// # Errors
     /// Errors of [`crate::open`].
     pub fn new(reader: R, files: F) -> Result<Self, TraceError> {
-        Self::within(reader, files, &Budget::default())
+        Self::within(reader, files, &MemoryPool::default())
     }
 
     /// Like [`TraceResolver::new`], with a memory limit.
     ///
     /// # Errors
     /// Errors of [`open`](crate::open), and input over the memory limit.
-    pub fn within(reader: R, files: F, budget: &Budget) -> Result<Self, TraceError> {
+    pub fn within(reader: R, files: F, budget: &MemoryPool) -> Result<Self, TraceError> {
         let reader = open_within(reader, budget)?;
         let begin = reader.begin();
         // Hashing the trace copies it.
-        let generator = budget.take(4 * begin.generator.len() as u64, "the name of what made the trace");
+        let generator = budget.try_reserve(4 * begin.generator.len() as u64, "the name of what made the trace");
         let held = generator.map_err(|e| CommandFault::over_budget("generator")(e).at(reader.place(), "begin"))?;
         Ok(Self {
             reader,
@@ -103,7 +103,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
             failed: false,
             budget: budget.clone(),
             held,
-            copied: budget.nothing(),
+            copied: budget.empty_reservation(),
             texture_copies: 0,
             lent: LentTokens::new(budget),
         })
@@ -132,7 +132,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
     }
 
     /// Returns all expectations with their reservation.
-    pub fn into_expectations(self) -> (Vec<ExpectedResults>, Held) {
+    pub fn into_expectations(self) -> (Vec<ExpectedResults>, MemoryReservation) {
         let bytes = self.expectations.iter().map(|expectation| 2 * expectation.bytes()).sum();
         let Self { mut held, expectations, .. } = self;
         // Counted when they were read.
@@ -171,7 +171,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
                     return Err(CommandFault::new("", message));
                 }
                 // Twice, because the caller receives a copy.
-                self.held.grow(2 * expectation.bytes(), "expectations").map_err(CommandFault::over_budget(""))?;
+                self.held.try_grow(2 * expectation.bytes(), "expectations").map_err(CommandFault::over_budget(""))?;
                 self.expectations.push(*expectation);
             }
             _ => {}
@@ -196,7 +196,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
         if self.materials.contains_key(&definition.id) {
             return Err(twice(definition.id));
         }
-        self.held.grow(DEFINITION + definition.name.len() as u64, "materials").map_err(CommandFault::over_budget("name"))?;
+        self.held.try_grow(DEFINITION + definition.name.len() as u64, "materials").map_err(CommandFault::over_budget("name"))?;
         let color_texture = self.texture("color_texture", definition.color_texture, TextureKind::Color)?;
         let normal_map = self.texture("normal_map", definition.normal_map, TextureKind::Normal)?;
         let MaterialDefinition { id, name, base_color, normal_scale, lighting, double_sided, .. } = definition;
@@ -220,10 +220,10 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
         if self.textures.contains_key(&definition.id) {
             return Err(twice(definition.id));
         }
-        self.held.grow(DEFINITION + definition.name.len() as u64, "textures").map_err(CommandFault::over_budget("name"))?;
+        self.held.try_grow(DEFINITION + definition.name.len() as u64, "textures").map_err(CommandFault::over_budget("name"))?;
         let texels = TEXEL * definition.texel_count();
         let copies = (texels + DEFINITION) * self.texture_copies;
-        self.held.grow(texels + copies, "texels").map_err(CommandFault::over_budget("width"))?;
+        self.held.try_grow(texels + copies, "texels").map_err(CommandFault::over_budget("width"))?;
         let (bytes, _held) = self.texels(&mut definition)?;
         if Digest::of(&bytes) != definition.sha256 {
             let message = format!(
@@ -236,7 +236,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
         let levels = levels(&definition, &bytes);
         drop((bytes, _held));
         let more = texels.saturating_sub(self.copied.bytes());
-        self.copied.grow(more, "a copy of texels").map_err(CommandFault::over_budget("width"))?;
+        self.copied.try_grow(more, "a copy of texels").map_err(CommandFault::over_budget("width"))?;
         let TextureDefinition { id, name, kind, sampler, offset, .. } = definition;
         let texture = Arc::new(Texture { id, name, sampler, levels, offset, elsewhere: None });
         if kind == TextureKind::Color && !self.nesting.in_frame() {
@@ -247,13 +247,13 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
     }
 
     /// Returns the texels, as many bytes as the levels need, with their reservation. The reader counts texels inside a command.
-    fn texels(&mut self, definition: &mut TextureDefinition) -> Result<(Vec<u8>, Held), CommandFault> {
+    fn texels(&mut self, definition: &mut TextureDefinition) -> Result<(Vec<u8>, MemoryReservation), CommandFault> {
         if let Some(data) = definition.data.take() {
-            return Ok((data.0, self.budget.nothing()));
+            return Ok((data.0, self.budget.empty_reservation()));
         }
         let name = definition.file.as_deref().unwrap_or_default();
         let expected = definition.texel_count() * definition.kind.texel_bytes();
-        let held = self.budget.take(expected + 1, "a file of texels").map_err(CommandFault::over_budget("file"))?;
+        let held = self.budget.try_reserve(expected + 1, "a file of texels").map_err(CommandFault::over_budget("file"))?;
         let mut bytes = Vec::with_capacity(expected as usize + 1);
         let read = self.files.open(name).and_then(|file| file.take(expected + 1).read_to_end(&mut bytes));
         read.map_err(|e| CommandFault::new("file", format!("cannot read {name:?}: {e}")).of_kind(ErrorKind::Io))?;

@@ -6,7 +6,7 @@ use crate::error::{ErrorKind, TraceError, TracePlace};
 use crate::form::{BINARY_MAGIC, ByteSink, TraceEncoding, TraceForm};
 use crate::reader::{limit, open_within, too_long};
 use crate::sequence::CommandOrder;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use std::io::{self, Read, Write};
 
 /// Writes commands. Each command passes the checks of the reader, so that the output can be read.
@@ -96,21 +96,21 @@ pub(crate) fn write_line(command: &TraceCommand, mut line: impl Write) -> io::Re
 /// # Errors
 /// If the trace is malformed or truncated, or reading or writing fails.
 pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: TraceForm) -> Result<u64, TraceError> {
-    convert_within(reader, writer, form, &Budget::default())
+    convert_within(reader, writer, form, &MemoryPool::default())
 }
 
 /// Like [`convert`], with a memory limit.
 ///
 /// # Errors
 /// Errors of [`convert`], and input over the memory limit.
-pub fn convert_within<R: Read, W: Write>(reader: R, writer: W, form: TraceForm, budget: &Budget) -> Result<u64, TraceError> {
+pub fn convert_within<R: Read, W: Write>(reader: R, writer: W, form: TraceForm, budget: &MemoryPool) -> Result<u64, TraceError> {
     let mut out = TraceWriter::new(writer, form)?;
     let mut commands = open_within(reader, budget)?;
     // The line or record of a command counts twice, because it is written from memory.
-    let mut written = budget.nothing();
+    let mut written = budget.empty_reservation();
     while let Some(command) = commands.next().transpose()? {
         written.shrink_to(0);
-        written.grow(commands.held(), "a command to be written").map_err(|e| commands.over_budget(&e))?;
+        written.try_grow(commands.held(), "a command to be written").map_err(|e| commands.over_budget(&e))?;
         out.write(&command)?;
     }
     let count = out.count();

@@ -7,7 +7,7 @@ use crate::parcel::Parcel;
 use crate::path::{Come, Path, PathTiles};
 use crate::shown::{Rounds, Shown, catalogue};
 use basrelief_deferred_renderer::TileEncoding;
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_scene::{MemoryFiles, SceneSubject};
 use basrelief_sim::{
     AnalysisPolicy, AuxForm, AuxOutputInfo, Costs, MACHINES, MachineConfig, MachineInfo, Overrides, PreparedScene, RunInput,
@@ -42,16 +42,16 @@ struct Lying {
 enum Kind {
     Subject(Box<Looked>),
     /// A display list and its neighbouring files.
-    Trace(BTreeMap<String, Arc<[u8]>>, Budget),
+    Trace(BTreeMap<String, Arc<[u8]>>, MemoryPool),
 }
 
 /// A model, a demo or a server's scene, with its last prepared view.
 struct Looked {
     subject: SceneSubject,
     seen: Option<(View, PreparedScene)>,
-    budget: Budget,
+    budget: MemoryPool,
     #[expect(dead_code, reason = "held as long as the subject")]
-    held: Held,
+    held: MemoryReservation,
     /// Connection to the server with the texels; `None` if the texels are local.
     remote: Option<Remote>,
 }
@@ -67,12 +67,12 @@ struct Remote {
 }
 
 impl Looked {
-    fn local(subject: SceneSubject, held: Held, budget: Budget) -> Box<Self> {
+    fn local(subject: SceneSubject, held: MemoryReservation, budget: MemoryPool) -> Box<Self> {
         Box::new(Self { subject, seen: None, budget, held, remote: None })
     }
 
     /// Fetches the scene of a server with the hashes of tiles in a format.
-    fn fetched(path: Rc<Path>, format: TileFormat, budget: Budget) -> Result<Self, String> {
+    fn fetched(path: Rc<Path>, format: TileFormat, budget: MemoryPool) -> Result<Self, String> {
         let body = path.scene(format.0, format.1)?;
         let ReceivedScene { subject, hashes, held } = unpack(&body, &format!("{}scene", path.server()), &budget)?;
         let remote = Some(Remote { path, format, hashes: Rc::new(hashes) });
@@ -87,8 +87,8 @@ fn tile_format(config: &MachineConfig) -> Result<TileFormat, String> {
 }
 
 /// Returns the memory limit for untrusted input. The page has 4 GiB of address space in total.
-fn budget() -> Budget {
-    Budget::with_advice(Budget::DEFAULT, "the page holds no more: take less, or the command line with --memory-limit")
+fn budget() -> MemoryPool {
+    MemoryPool::with_advice(MemoryPool::DEFAULT, "the page holds no more: take less, or the command line with --memory-limit")
 }
 
 impl Desk {
@@ -110,7 +110,7 @@ impl Desk {
                 let subject = SceneSubject::demo(&name).map_err(|e| e.to_string())?;
                 let machine = MachineInfo::of_demo(&name).name;
                 let budget = budget();
-                let held = budget.nothing();
+                let held = budget.empty_reservation();
                 self.take(Drawn::Demo(name), Kind::Subject(Looked::local(subject, held, budget)), machine)
             }
             Ask::From { server } => {
@@ -218,7 +218,7 @@ fn come(path: &Path) -> Value {
 
 /// Returns the options of a run. `is_here` is true if the texels for an exact picture are local. Otherwise intermediate pictures
 /// are shown.
-fn options(config: MachineConfig, given: Overrides, ask: &RunAsk, budget: Budget, is_here: bool) -> RunOptions {
+fn options(config: MachineConfig, given: Overrides, ask: &RunAsk, budget: MemoryPool, is_here: bool) -> RunOptions {
     let exact = ask.exact && is_here;
     let wanted = |info: &AuxOutputInfo| match info.form {
         AuxForm::PicturePerRound => !is_here,
@@ -238,7 +238,7 @@ impl Lying {
         }
     }
 
-    fn input(&mut self, view: &View, config: &MachineConfig) -> Result<(RunInput, Budget), String> {
+    fn input(&mut self, view: &View, config: &MachineConfig) -> Result<(RunInput, MemoryPool), String> {
         match &mut self.kind {
             Kind::Subject(looked) => {
                 if let Some(Remote { path, format, .. }) = &looked.remote {

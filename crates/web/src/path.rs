@@ -3,7 +3,7 @@
 use crate::outside::Outside;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding, TileSource};
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_signals::Texture;
 use basrelief_tile_server::protocol::{
     GroupHashes, MAX_LIST_BYTES, MAX_TILE_BYTES, TileCatalog, check_hash, check_scene_status, check_status, group_of,
@@ -38,12 +38,12 @@ pub(crate) struct Path {
     /// Received data except the scene, by address.
     kept: RefCell<BTreeMap<String, Arc<[u8]>>>,
     /// Memory reservation for `kept`.
-    held: RefCell<Held>,
+    held: RefCell<MemoryReservation>,
 }
 
 impl Path {
-    pub(crate) fn new(outside: Rc<dyn Outside>, server: &str, budget: &Budget) -> Self {
-        let held = RefCell::new(budget.nothing());
+    pub(crate) fn new(outside: Rc<dyn Outside>, server: &str, budget: &MemoryPool) -> Self {
+        let held = RefCell::new(budget.empty_reservation());
         Self { outside, server: server.into(), come: Cell::default(), kept: RefCell::default(), held }
     }
 
@@ -127,7 +127,7 @@ impl Path {
     /// Caches data if memory is left.
     fn keep(&self, address: String, body: &Arc<[u8]>) {
         let bytes = (address.len() + body.len()) as u64 + ENTRY;
-        if self.held.borrow_mut().grow(bytes, "what has come").is_ok() {
+        if self.held.borrow_mut().try_grow(bytes, "what has come").is_ok() {
             self.kept.borrow_mut().insert(address, Arc::clone(body));
         }
     }

@@ -2,7 +2,7 @@
 
 use super::mutate;
 use super::random::random_of;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_scene::SceneSubject;
 use basrelief_tile_server::protocol::{GroupHashes, ReceivedScene, etag_of, hash_of_picture, pack, unpack};
 use basrelief_tile_server::server::{Limits, SceneService};
@@ -43,14 +43,14 @@ impl SampleScene {
     /// The model cannot be read, or no server can be started.
     pub fn load(model: &Path) -> Result<Self, String> {
         let (subject, held) = SceneSubject::load_path_with(model, &Default::default()).map_err(|e| e.to_string())?;
-        held.keep();
+        held.keep_forever();
         let textures: BTreeMap<u32, _> =
             subject.objects().iter().filter_map(|o| o.material.color_texture.clone()).map(|t| (t.id, t)).collect();
         let plain = subject.to_bytes(&mut hash_of_picture).map_err(|e| e.to_string())?;
         let service = SceneService::new(pack(&plain), String::new(), textures.into_values());
         let (honest, _server) = service.listen(([127, 0, 0, 1], 0).into(), Limits::default())?;
         let scene = asked(honest, SCENE).map_err(|e| e.to_string())?;
-        let ReceivedScene { hashes, .. } = unpack(&scene, "the sample", &Budget::default())?;
+        let ReceivedScene { hashes, .. } = unpack(&scene, "the sample", &MemoryPool::default())?;
         Ok(Self { plain, hashes, honest })
     }
 

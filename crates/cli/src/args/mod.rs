@@ -13,7 +13,7 @@ pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use run::{DemoArgs, PageArgs, ResimulateArgs, RunArgs, ServeArgs, SizeFifosArgs};
 pub use sweep::{ExploreArgs, PlanArgs, SweepArgs};
 
-use basrelief_input::{Budget, Size};
+use basrelief_input::{ByteSize, MemoryPool};
 use clap::{Parser, Subcommand};
 
 /// Cycle-level simulator of four patented shading devices: cycles, bottlenecks, memory traffic and image quality.
@@ -28,8 +28,8 @@ pub struct Cli {
     pub quiet: bool,
     /// Memory limit for input data and the structures built from it [bytes; suffixes KiB, MiB, GiB]. A run that needs more ends
     /// with an error.
-    #[arg(long, global = true, value_name = "BYTES", default_value_t = Size(Budget::DEFAULT))]
-    pub memory_limit: Size,
+    #[arg(long, global = true, value_name = "BYTES", default_value_t = ByteSize(MemoryPool::DEFAULT))]
+    pub memory_limit: ByteSize,
     /// Let models name files outside their folders, with `../`. Without it such a name is an error.
     #[arg(long, global = true)]
     pub allow_outside: bool,

@@ -7,7 +7,7 @@ use crate::error::{Done, Failure, print};
 use crate::input::read_text;
 use crate::outputs::{PartialFile, REPORT, check_outputs_keep_inputs, recording_in};
 use crate::terminal;
-use basrelief_input::{Budget, json_weight};
+use basrelief_input::{MemoryPool, json_weight};
 use basrelief_report::compare::overview;
 use basrelief_report::html::{self, PagePicture, compared};
 use basrelief_report::{Comparison, Report, compare as difference};
@@ -33,7 +33,7 @@ struct Pair<'a> {
 }
 
 /// Compares the first report with each of the others; fails over a limit.
-pub fn compare(args: &CompareArgs, budget: &Budget) -> Done {
+pub fn compare(args: &CompareArgs, budget: &MemoryPool) -> Done {
     let first = Side::read(&args.a, budget)?;
     let others = args.others.iter().map(|path| Side::read(path, budget)).collect::<Done<Vec<_>>>()?;
     if let Some(page) = &args.html {
@@ -105,12 +105,12 @@ impl Pair<'_> {
 }
 
 impl Side {
-    fn read(path: &Path, budget: &Budget) -> Done<Self> {
+    fn read(path: &Path, budget: &MemoryPool) -> Done<Self> {
         let file = if path.is_dir() { path.join(REPORT) } else { path.to_path_buf() };
         let (text, _held) = read_text(&file, budget)?;
         let name = file.display().to_string();
         // The memory stays reserved until the end of the program.
-        budget.take(json_weight(text.as_bytes()), "what a report says").map_err(Failure::within(&name))?.keep();
+        budget.try_reserve(json_weight(text.as_bytes()), "what a report says").map_err(Failure::within(&name))?.keep_forever();
         let report = Report::from_json(&text).map_err(Failure::within(&name))?;
         // A recording belongs only to a report with its original name.
         let tape = recording_in(file.parent().unwrap_or(Path::new("")));
@@ -150,7 +150,7 @@ impl Side {
 }
 
 /// Reads a recording. Without the recording of another build, the comparison has less to say and is still right.
-fn read_tape(report: &Report, path: &Path, budget: &Budget) -> Done<Option<RecordedRun>> {
+fn read_tape(report: &Report, path: &Path, budget: &MemoryPool) -> Done<Option<RecordedRun>> {
     let name = path.display();
     match RecordedRun::read(report, &mut open(path)?, budget) {
         Err(error @ RecordingError::OtherBuild { .. }) => {

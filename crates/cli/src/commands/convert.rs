@@ -4,13 +4,13 @@ use crate::args::ConvertArgs;
 use crate::error::{Done, Failure};
 use crate::input::TraceFile;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_trace::{self as display_list, TraceForm};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 /// Converts a trace.
-pub fn convert(args: &ConvertArgs, budget: &Budget) -> Done {
+pub fn convert(args: &ConvertArgs, budget: &MemoryPool) -> Done {
     let (input, output) = ([("INPUT", &*args.input)], [("OUTPUT", &*args.output)]);
     check_outputs_keep_inputs(None, &output, &input).map_err(Failure::Usage)?;
     let input = TraceFile::open(&args.input)?;

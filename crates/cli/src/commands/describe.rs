@@ -4,7 +4,7 @@ use super::reporting::style;
 use crate::args::DescribeArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::config_of;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::model::Hardware;
 use basrelief_scene::DEMOS;
@@ -12,7 +12,7 @@ use basrelief_sim::{MachineConfig, MachineInfo};
 use std::fmt::Write;
 
 /// Prints the description of a machine.
-pub fn describe(args: &DescribeArgs, budget: &Budget) -> Done {
+pub fn describe(args: &DescribeArgs, budget: &MemoryPool) -> Done {
     let machine = args.machine;
     let (config, _) = config_of(machine, args.config.as_deref(), &args.settings, budget)?;
     if args.hardware {

@@ -11,7 +11,7 @@ use crate::outputs::{PartialFile, remove_remains};
 use crate::progress::{InputProgress, Progress, TileProgress};
 use crate::terminal;
 use basrelief_deferred_renderer::TileSource;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_scene::ViewOptions;
 use basrelief_sim::{MACHINES, MachineConfig, Overrides, PreparedScene, RunInput, TileFetch};
 use basrelief_tile_server::client::{Fetcher, RemoteTiles, RetryPolicy, TileCache, TileStore};
@@ -23,7 +23,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 /// Returns the parameters of the machine; only some machines can render from a server.
-fn config_of(args: &RunArgs, look: &Look, budget: &Budget) -> Done<(MachineConfig, Overrides)> {
+fn config_of(args: &RunArgs, look: &Look, budget: &MemoryPool) -> Done<(MachineConfig, Overrides)> {
     let fetching = || MACHINES.iter().filter(|m| m.fetches_tiles);
     let Some(machine) = args.machine.machine.or_else(|| fetching().next()).filter(|m| m.fetches_tiles) else {
         let names: Vec<String> = fetching().map(|m| format!("`{}`", m.name)).collect();
@@ -39,14 +39,14 @@ fn scene_of(
     fetcher: &Fetcher,
     (fetch, view): (&TileFetch, &ViewOptions),
     shown: &TileProgress,
-    budget: &Budget,
+    budget: &MemoryPool,
 ) -> Done<(PreparedScene, GroupHashes)> {
     let address = scene_path(fetch.tile, (fetch.encoding, fetch.jpeg_quality));
     let (url, body, _held) = fetcher.scene(&address, |bytes| shown.scene(bytes)).map_err(Failure::Bad)?;
     let ReceivedScene { subject, hashes, held } = unpack(&body, &url, budget).map_err(Failure::Bad)?;
-    held.keep();
+    held.keep_forever();
     let (scene, held) = subject.seen_within(view, budget).map_err(Failure::bad)?;
-    held.keep();
+    held.keep_forever();
     Ok((Arc::new(scene).into(), hashes))
 }
 

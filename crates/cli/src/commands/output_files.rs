@@ -67,7 +67,7 @@ impl Observer for OutputFiles {
             exact.map(|exact| metrics::difference(exact, pictures.machine)).transpose().map_err(|e| e.to_string())?;
         let drawn = [("image", Some(pictures.machine)), ("reference", exact), ("difference", difference.as_ref())];
         let drawn = drawn.into_iter().filter_map(|(kind, picture)| Some((kind, picture?))).collect();
-        for (kind, png) in threads::map(drawn, |(kind, picture)| (kind, to_png(picture))) {
+        for (kind, png) in threads::par_map(drawn, |(kind, picture)| (kind, to_png(picture))) {
             if let (Some(watched), "image", Ok(png)) = (&self.watched, kind, &png) {
                 watched.show(&picture_name(kind, index, true), png);
             }

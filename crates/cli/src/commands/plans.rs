@@ -8,7 +8,7 @@ use crate::interrupt;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use crate::progress::PointProgress;
 use basrelief_dse::{Folder, Host, Opened, Plan, Point, SweepError, Tally, Work, tables};
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_parameters::nearest;
 use basrelief_reference::RgbPicture;
 use basrelief_sim::{RunInput, TOML_GROWTH, to_png};
@@ -27,7 +27,7 @@ pub struct Planned<'a> {
     /// Parallel runs.
     pub threads: usize,
     /// Memory of the plan.
-    pub _held: [Held; 2],
+    pub _held: [MemoryReservation; 2],
 }
 
 impl<'a> Planned<'a> {
@@ -38,7 +38,7 @@ impl<'a> Planned<'a> {
     pub fn read(args: &PlanArgs, global: &'a GlobalOptions) -> Done<Self> {
         interrupt::say("interrupted; finished points are kept; run the command again to continue");
         if args.threads == Some(1) {
-            threads::work_alone();
+            threads::disable_threads();
         }
         let host = Program {
             plan: args.plan.clone(),
@@ -48,7 +48,8 @@ impl<'a> Planned<'a> {
         };
         let name = args.plan.display().to_string();
         let (text, held) = read_text(&args.plan, &global.budget)?;
-        let growth = global.budget.take(TOML_GROWTH * text.len() as u64, "what a plan says").map_err(Failure::within(&name))?;
+        let growth =
+            global.budget.try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says").map_err(Failure::within(&name))?;
         let plan = Plan::read(&text, &host).map_err(Failure::within(&name))?;
         let tables = basrelief_dse::tables::FILES.iter().map(|(file, _)| args.out.join(file));
         let tables: Vec<PathBuf> = tables.collect();
@@ -182,7 +183,7 @@ impl Host for Program<'_> {
         self.progress.at((tally.done() as u64 - before, tally.points as u64 - before), tally.failed);
     }
 
-    fn budget(&self) -> &Budget {
+    fn budget(&self) -> &MemoryPool {
         &self.global.budget
     }
 }

@@ -8,7 +8,7 @@ use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
 use crate::outputs::check_outputs_keep_inputs;
 use crate::progress::Progress;
-use basrelief_input::{Budget, Growing};
+use basrelief_input::{CountedBuffer, MemoryPool};
 use basrelief_signals::Scene;
 use basrelief_sim::{MachineConfig, RunInput, display_list, expectation_of, reserve_textures, trace_header};
 use basrelief_trace::{BeginCommand, ExpectedResults, ParameterValue, TraceEncoding, TraceForm, TraceRecorder};
@@ -43,7 +43,7 @@ pub fn write_list(
     writer: impl Write,
     (form, begin): (TraceForm, BeginCommand),
     expectations: Vec<ExpectedResults>,
-    (mut progress, budget): (Progress, &Budget),
+    (mut progress, budget): (Progress, &MemoryPool),
 ) -> Done {
     // Copies of texels during recording: base64 and a line buffer that doubles.
     let copies = || (0..4).map(|_| reserve_textures(scene, 0, budget)).collect::<Result<Vec<_>, _>>();
@@ -59,8 +59,8 @@ pub fn write_list(
 
 /// Returns the results of a replay of the trace. They differ from a run of the scene, where the geometry processor can be blocked: in a
 /// replay, polygons arrive as if nothing had stalled.
-fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budget: &Budget) -> Done<ExpectedResults> {
-    let mut list = Growing::new(budget, "a display list");
+fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budget: &MemoryPool) -> Done<ExpectedResults> {
+    let mut list = CountedBuffer::new(budget, "a display list");
     let form = TraceForm { encoding: TraceEncoding::Binary, compressed: true };
     let progress = Progress::new(None, "commands", true);
     write_list(scene, config, &mut list, (form, trace_header(scene)), vec![], (progress, budget))?;

@@ -6,7 +6,7 @@ use crate::error::{Done, Failure, print};
 use crate::global::GlobalOptions;
 use crate::input;
 use crate::interrupt;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_scene::{SceneSubject, ViewOptions};
 use basrelief_signals::Texture;
 use basrelief_sim::reserve_textures;
@@ -30,7 +30,7 @@ pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> Done {
     let path = subject.name().to_owned();
     // The MIP levels stay in memory until the end of the program.
     let unseen = subject.seen(&ViewOptions::default()).map_err(Failure::bad)?;
-    reserve_textures(&unseen, 1, &global.budget).map_err(&within)?.keep();
+    reserve_textures(&unseen, 1, &global.budget).map_err(&within)?.keep_forever();
     let textures = textures(&subject);
     let subject = subject.without_path();
     let scene = packed(&subject, &global.budget)?;
@@ -48,12 +48,12 @@ pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> Done {
 }
 
 /// Returns the compressed scene; its memory stays reserved until the end of the program.
-fn packed(subject: &SceneSubject, budget: &Budget) -> Done<Vec<u8>> {
+fn packed(subject: &SceneSubject, budget: &MemoryPool) -> Done<Vec<u8>> {
     let within = Failure::within(subject.name());
     let scene = subject.to_bytes(&mut hash_of_picture).map_err(|e| within(e.to_string()))?;
-    let _whole = budget.take(scene.len() as u64, "a scene to be served").map_err(|e| within(e.to_string()))?;
+    let _whole = budget.try_reserve(scene.len() as u64, "a scene to be served").map_err(|e| within(e.to_string()))?;
     let packed = pack(&scene);
-    budget.take(packed.len() as u64, "a scene to be served").map_err(|e| within(e.to_string()))?.keep();
+    budget.try_reserve(packed.len() as u64, "a scene to be served").map_err(|e| within(e.to_string()))?.keep_forever();
     Ok(packed)
 }
 

@@ -13,7 +13,7 @@ use crate::outputs::{Outputs, check_distinct, check_outputs_keep_inputs};
 use crate::progress::InputProgress;
 use crate::terminal;
 use basrelief_dse::Around;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_kernel::{Engine, Probe};
 use basrelief_report::Report;
 use basrelief_report::model::OutcomeKind;
@@ -224,7 +224,7 @@ pub fn run_named(
 }
 
 /// Runs to the end without images, reference image and progress.
-pub fn simulate_quietly(source: RunInput, config: &MachineConfig, engine: Option<Engine>, budget: &Budget) -> Done<Run> {
+pub fn simulate_quietly(source: RunInput, config: &MachineConfig, engine: Option<Engine>, budget: &MemoryPool) -> Done<Run> {
     let settings = RunOptions {
         config: config.clone(),
         engine: engine.or(Some(Engine::Timed)),

@@ -8,7 +8,7 @@ use crate::error::{Done, Failure, print};
 use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
 use crate::terminal;
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_report::number::{real, thousands};
 use basrelief_sim::{
     AnalysisPolicy, DepthChoice, FifoSizing, MachineConfig, Observer, Overrides, RunOptions, Unobserved, size_fifos as sized,
@@ -65,7 +65,7 @@ impl Sized {
         let (config, given) = input::config(&args.machine, demo_of(path), budget)?;
         let input = input::open(path, &args.view, global)?.for_several_runs(budget);
         let options = options(config, given, budget);
-        let mut kept = Kept { bytes: Vec::new(), held: budget.nothing() };
+        let mut kept = Kept { bytes: Vec::new(), held: budget.empty_reservation() };
         let run =
             run_named(input.again()?, &RunOptions { recording: AnalysisPolicy::Always, ..options.clone() }, &mut kept, None)?;
         let name = path.display().to_string();
@@ -96,19 +96,19 @@ impl Sized {
 }
 
 /// Returns run options for timing only.
-fn options(config: MachineConfig, given: Overrides, budget: &Budget) -> RunOptions {
+fn options(config: MachineConfig, given: Overrides, budget: &MemoryPool) -> RunOptions {
     RunOptions { config, overrides: given, exact: false, clock: seconds, budget: budget.clone(), ..RunOptions::default() }
 }
 
 /// Keeps a recording in memory.
 struct Kept {
     bytes: Vec<u8>,
-    held: Held,
+    held: MemoryReservation,
 }
 
 impl Observer for Kept {
     fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
-        self.held.grow(bytes.len() as u64, "a tape").map_err(|error| error.to_string())?;
+        self.held.try_grow(bytes.len() as u64, "a tape").map_err(|error| error.to_string())?;
         self.bytes.extend_from_slice(bytes);
         Ok(())
     }

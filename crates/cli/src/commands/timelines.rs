@@ -3,7 +3,7 @@
 use crate::args::{SimulationArgs, TokenKind};
 use crate::error::{Done, Failure};
 use crate::outputs::PartialFile;
-use basrelief_input::{Budget, OverBudget};
+use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::Probe;
 use basrelief_parameters::nearest;
 use basrelief_sim::{self as sim, AttributionProbe, MachineConfig, Run, RunInput, RunOptions, TokenSample};
@@ -22,7 +22,7 @@ pub struct TimelineFiles {
     waves: Option<Output>,
     tokens: Option<Output>,
     sample: Option<TokenSample>,
-    budget: Budget,
+    budget: MemoryPool,
 }
 
 impl TimelineFiles {
@@ -110,7 +110,7 @@ impl Write for Packed<'_> {
 
 /// Converts a write error. Charts stay in memory until the end of the run, so the message names options for smaller charts.
 fn unwritten(path: &Path, error: io::Error) -> Failure {
-    match OverBudget::within(&error) {
+    match OverBudget::in_io_error(&error) {
         Some(over) => Failure::Bad(format!("{}: {}", path.display(), less(over))),
         None => Failure::file(path, "be written")(error),
     }

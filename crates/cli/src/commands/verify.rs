@@ -6,7 +6,7 @@ use crate::args::VerifyArgs;
 use crate::error::{Done, Failure, print};
 use crate::global::GlobalOptions;
 use crate::input::TraceFile;
-use basrelief_input::{Budget, Held, beside};
+use basrelief_input::{MemoryPool, MemoryReservation, open_in_folder};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
 use basrelief_sim::{MACHINES, MachineInfo, check_expectation, expectation_of};
@@ -112,14 +112,14 @@ fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure + use<E> {
 }
 
 /// Reads the expectations of a whole trace. Returns them with their memory.
-fn expectations(path: &Path, budget: &Budget) -> Done<(Vec<ExpectedResults>, Held)> {
+fn expectations(path: &Path, budget: &MemoryPool) -> Done<(Vec<ExpectedResults>, MemoryReservation)> {
     let file = TraceFile::open(path)?;
-    let mut resolver = TraceResolver::within(file.reader, beside(&file.folder), budget).map_err(within(path))?;
+    let mut resolver = TraceResolver::within(file.reader, open_in_folder(&file.folder), budget).map_err(within(path))?;
     resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(within(path))?;
     Ok(resolver.into_expectations())
 }
 
-fn replay(path: &Path, expected: &ExpectedResults, engine: Engine, budget: &Budget) -> Done<Report> {
+fn replay(path: &Path, expected: &ExpectedResults, engine: Engine, budget: &MemoryPool) -> Done<Report> {
     let settings: Vec<(String, String)> = expected.config.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
     let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named).map_err(within(path))?;
@@ -128,7 +128,7 @@ fn replay(path: &Path, expected: &ExpectedResults, engine: Engine, budget: &Budg
     simulate_quietly(file.into_source(), &config, Some(engine), budget).map(|run| run.report)
 }
 
-fn check(path: &Path, engines: &[Engine], budget: &Budget) -> Done<Vec<String>> {
+fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> Done<Vec<String>> {
     let (expectations, _held) = expectations(path, budget)?;
     if expectations.is_empty() {
         return Ok(vec!["has no expectations; `basrelief record --expect` or `basrelief verify --bless` adds them".into()]);
@@ -144,7 +144,7 @@ fn check(path: &Path, engines: &[Engine], budget: &Budget) -> Done<Vec<String>> 
 }
 
 /// Replaces the expectations by the current results.
-fn bless(path: &Path, budget: &Budget) -> Done {
+fn bless(path: &Path, budget: &MemoryPool) -> Done {
     let (mut old, _held) = expectations(path, budget)?;
     if old.is_empty() {
         old.push(ExpectedResults::default());

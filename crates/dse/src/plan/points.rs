@@ -91,7 +91,7 @@ pub(super) fn points(plan: &Plan, places: &[Vec<usize>]) -> Vec<Point> {
         let (id, work) = identity.hashes(plan, input, places);
         Point { id, work, input, places: places.clone() }
     };
-    let points = threads::map(pieces, |piece: &[(usize, &Vec<usize>)]| piece.iter().map(point).collect::<Vec<_>>());
+    let points = threads::par_map(pieces, |piece: &[(usize, &Vec<usize>)]| piece.iter().map(point).collect::<Vec<_>>());
     let mut seen = BTreeSet::new();
     points.into_iter().flatten().filter(|point| seen.insert(point.id.clone())).collect()
 }

@@ -2,7 +2,7 @@
 
 use crate::support::{Program, plan, sweep};
 use basrelief_dse::{Around, Opened, Plan, sensitivity};
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_report::sensitivity::{ComesTo, Measure, ParameterChange, Sensitivity};
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_sim::{MACHINES, MachineInfo, Overrides, PreparedScene, RunInput, RunOptions, Unobserved, run};
@@ -15,7 +15,7 @@ use tempfile::tempdir;
 fn around(machine: &'static MachineInfo, given: Overrides, frames: u32) -> Around {
     let options = ViewOptions { size: [32, 24], frames: Some(frames), ..ViewOptions::default() };
     let scene = Arc::new(demo(machine.demos[0], &options).unwrap());
-    let opened = Opened::Scene(PreparedScene::cached(scene, &Budget::default()));
+    let opened = Opened::Scene(PreparedScene::cached(scene, &MemoryPool::default()));
     Around { name: machine.demos[0].into(), opened, machine, given, max_cycles: u64::MAX, exact: true }
 }
 

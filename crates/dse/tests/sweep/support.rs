@@ -1,7 +1,7 @@
 //! A program around a sweep, for tests: demos, display lists in memory, a disk that can fill up.
 
 use basrelief_dse::{Folder, Host, Opened, Plan, Tally, Work, execute, tables};
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_sim::{PreparedScene, RunInput, doc_trace};
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The program.
 pub struct Program {
-    budget: Budget,
+    budget: MemoryPool,
     /// Files that may still be written.
     room: AtomicUsize,
 }
@@ -24,7 +24,7 @@ impl Program {
     }
 
     pub fn with_room(files: usize) -> Self {
-        Self { budget: Budget::default(), room: AtomicUsize::new(files) }
+        Self { budget: MemoryPool::default(), room: AtomicUsize::new(files) }
     }
 }
 
@@ -62,7 +62,7 @@ impl Host for Program {
 
     fn progress(&self, _: &Tally) {}
 
-    fn budget(&self) -> &Budget {
+    fn budget(&self) -> &MemoryPool {
         &self.budget
     }
 }

@@ -54,7 +54,7 @@ pub(super) fn mean(strips: &[RowStrip], empty: f64, values: impl Fn(&RowStrip) -
     let (mut sum, mut count) = (0.0, 0);
     // One strip per worker at a time, so that the planes of other strips are not in memory.
     for together in strips.chunks(threads::workers()) {
-        for value in threads::map(together.iter().collect(), &values).into_iter().flatten() {
+        for value in threads::par_map(together.iter().collect(), &values).into_iter().flatten() {
             sum += value;
             count += 1;
         }

@@ -316,7 +316,7 @@ fn sampler(wrap: [WrapMode; 2]) -> Sampler {
 
 /// A value for each texel, by column and row; row by row.
 fn by_texel<T: Clone + Default + Send>([width, height]: [u32; 2], at: impl Fn([u32; 2]) -> T + Sync) -> Vec<T> {
-    threads::plane(width as usize, height as usize, |row, texels| {
+    threads::par_fill_rows(width as usize, height as usize, |row, texels| {
         for (column, texel) in (0..).zip(texels) {
             *texel = at([column, row as u32]);
         }

@@ -11,7 +11,7 @@ use super::json::{GltfAccessor, GltfDocument, GltfInteger, SparseAccessor};
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::outside::{ImportContext, over_budget};
-use basrelief_input::Held;
+use basrelief_input::MemoryReservation;
 use std::cell::RefCell;
 
 /// Function that returns the smaller or the larger of two numbers.
@@ -26,14 +26,14 @@ pub(crate) struct AccessorReader<'a> {
     buffers: &'a GltfBuffers<'a>,
     outside: &'a ImportContext<'a>,
     /// Memory of the mesh that is being built.
-    building: RefCell<Held>,
+    building: RefCell<MemoryReservation>,
 }
 
 /// Elements of an accessor without gaps, sparse replacements done.
 struct DenseElements {
     format: ElementFormat,
     bytes: Vec<u8>,
-    _held: Held,
+    _held: MemoryReservation,
 }
 
 impl DenseElements {
@@ -149,7 +149,7 @@ impl<'a> AccessorReader<'a> {
 
     /// Counts bytes that are about to be allocated for the mesh that is being built.
     pub(crate) fn charge(&self, bytes: u64, place: &str) -> Result<(), SceneError> {
-        self.building.borrow_mut().grow(bytes, "vertices and triangles").map_err(|error| over_budget(place, &error))
+        self.building.borrow_mut().try_grow(bytes, "vertices and triangles").map_err(|error| over_budget(place, &error))
     }
 
     /// Ends a mesh. This many bytes stay, and the rest is given back.

@@ -8,13 +8,13 @@ use crate::outside::ImportContext;
 use base64::Engine;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
-use basrelief_input::Held;
+use basrelief_input::MemoryReservation;
 use std::borrow::Cow;
 
 /// All buffers of a document. One without data is legal as long as nothing reads it: some exporters leave such
 /// placeholders for extensions.
 pub(crate) struct GltfBuffers<'a> {
-    data: Vec<Option<(Cow<'a, [u8]>, Held)>>,
+    data: Vec<Option<(Cow<'a, [u8]>, MemoryReservation)>>,
 }
 
 impl<'a> GltfBuffers<'a> {
@@ -78,7 +78,7 @@ fn check_view(document: &GltfDocument, i: usize, view: &BufferView) -> Result<()
 }
 
 /// Bytes of a buffer with their reservation.
-type HeldBytes<'a> = (Cow<'a, [u8]>, Held);
+type HeldBytes<'a> = (Cow<'a, [u8]>, MemoryReservation);
 
 fn load_buffer<'a>(
     i: usize,
@@ -113,7 +113,7 @@ fn load_buffer<'a>(
 }
 
 /// Reads the bytes of a data URI or of a file relative to the model, with their reservation.
-pub(crate) fn read_uri(uri: &str, outside: &ImportContext<'_>, place: &str) -> Result<(Vec<u8>, Held), SceneError> {
+pub(crate) fn read_uri(uri: &str, outside: &ImportContext<'_>, place: &str) -> Result<(Vec<u8>, MemoryReservation), SceneError> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         let held = outside.take(uri.len() as u64, place, "a data URI")?;
         return decode_data_uri(uri).map(|bytes| (bytes, held)).ok_or_else(|| {
@@ -161,12 +161,12 @@ fn percent_bytes(text: &str) -> Option<Vec<u8>> {
 mod tests {
     use super::*;
     use crate::files::MemoryFiles;
-    use basrelief_input::Budget;
+    use basrelief_input::MemoryPool;
 
     #[test]
     fn uris_are_decoded() {
         let files = MemoryFiles::default().with("a b.bin", *b"xyz");
-        let outside = ImportContext::new(&files, &Budget::default());
+        let outside = ImportContext::new(&files, &MemoryPool::default());
         let read = |uri: &str| read_uri(uri, &outside, "").map(|(bytes, _)| bytes);
         assert_eq!(read("a%20b.bin").unwrap(), b"xyz");
         assert_eq!(read("data:application/octet-stream;base64,AAEC").unwrap(), [0, 1, 2]);

@@ -10,7 +10,7 @@ use crate::files::shorten;
 use crate::outside::ImportContext;
 use crate::picture;
 use crate::textures::{TextureContent, TextureStore};
-use basrelief_input::Held;
+use basrelief_input::MemoryReservation;
 use basrelief_signals::{Lighting, Material, Sampler, TexelFilter, Texture, WrapMode};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -166,7 +166,7 @@ impl<'a> MaterialBuilder<'a> {
     }
 
     /// Returns the bytes and the name of a picture file, with their reservation.
-    fn image(&self, index: GltfInteger) -> Result<(Cow<'a, [u8]>, String, Held), SceneError> {
+    fn image(&self, index: GltfInteger) -> Result<(Cow<'a, [u8]>, String, MemoryReservation), SceneError> {
         let place = format!("/images/{}", index.0);
         let image = resolve(&self.document.images, "images", index, || place.clone())?;
         let buffers: &'a GltfBuffers<'a> = self.buffers;

@@ -3,11 +3,11 @@
 use super::json::GltfDocument;
 use crate::SceneError;
 use crate::outside::ImportContext;
-use basrelief_input::{Held, JsonFault, json_weight};
+use basrelief_input::{JsonFault, MemoryReservation, json_weight};
 use serde_path_to_error::{Path, Segment};
 
 /// Parses the JSON of a glTF file, with its reservation.
-pub(crate) fn parse(bytes: &[u8], outside: &ImportContext<'_>) -> Result<(GltfDocument, Held), SceneError> {
+pub(crate) fn parse(bytes: &[u8], outside: &ImportContext<'_>) -> Result<(GltfDocument, MemoryReservation), SceneError> {
     if bytes.starts_with(b"\xef\xbb\xbf") {
         return Err(SceneError::at("byte 0", "begins with a byte order mark")
             .expected("JSON text in UTF-8 without one, as glTF demands")
@@ -57,7 +57,7 @@ pub(crate) fn escape(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::MemoryFiles;
-    use basrelief_input::Budget;
+    use basrelief_input::MemoryPool;
 
     fn says(text: &str) -> String {
         parsed(text.as_bytes(), 1 << 20).err().map(|e| e.to_string()).unwrap_or_default()
@@ -65,7 +65,7 @@ mod tests {
 
     fn parsed(bytes: &[u8], limit: u64) -> Result<GltfDocument, SceneError> {
         let files = MemoryFiles::default();
-        parse(bytes, &ImportContext::new(&files, &Budget::new(limit))).map(|(document, _)| document)
+        parse(bytes, &ImportContext::new(&files, &MemoryPool::new(limit))).map(|(document, _)| document)
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::outside::{ImportContext, over_budget};
 use crate::{normals, tangents};
-use basrelief_input::{Held, OverBudget};
+use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_signals::Mesh;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -90,7 +90,7 @@ impl SmoothNormals {
         positions: &OffsetPositions,
         outside: &ImportContext<'_>,
         warnings: &mut ImportWarnings,
-    ) -> Result<(Self, Held), SceneError> {
+    ) -> Result<(Self, MemoryReservation), SceneError> {
         let faces = || obj.groups.iter().flat_map(ObjGroup::faces);
         let mut held = outside.nothing();
         if !faces().any(|(face, corners)| face.smoothing > 0 && corners.iter().any(|corner| corner[2] == NONE)) {
@@ -102,12 +102,12 @@ impl SmoothNormals {
                 if face.smoothing == 0 {
                     return Ok(());
                 }
-                held.grow(3 * CORNER * triangles.len() as u64, "normals of vertices")?;
+                held.try_grow(3 * CORNER * triangles.len() as u64, "normals of vertices")?;
                 for corner in triangles.iter().flatten().filter_map(|i| corners.get(*i as usize)) {
                     let next = places.len() as u32;
                     let number = *numbers.entry((corner[0], face.smoothing)).or_insert(next);
                     if number == next {
-                        held.grow(SMOOTHED, "normals of vertices")?;
+                        held.try_grow(SMOOTHED, "normals of vertices")?;
                         places.push(positions.local.get(corner[0] as usize).copied().unwrap_or_default());
                     }
                     indices.push(number);
@@ -148,7 +148,7 @@ impl MeshParts<'_> {
         &self,
         group: &ObjGroup,
         surface: &PlacedMaterial,
-        held: &mut Held,
+        held: &mut MemoryReservation,
         warnings: &mut ImportWarnings,
     ) -> Result<Mesh, SceneError> {
         let mut builder =
@@ -187,7 +187,13 @@ struct MeshBuilder<'a> {
 }
 
 impl MeshBuilder<'_> {
-    fn push(&mut self, corner: CornerIndices, sharing: u32, flat: Option<[f32; 3]>, held: &mut Held) -> Result<(), OverBudget> {
+    fn push(
+        &mut self,
+        corner: CornerIndices,
+        sharing: u32,
+        flat: Option<[f32; 3]>,
+        held: &mut MemoryReservation,
+    ) -> Result<(), OverBudget> {
         let MeshParts { obj, positions, smooth } = self.shape;
         let [position, uv, normal] = corner.map(|i| i as usize);
         let own = obj.normals.get(normal).and_then(|n| DVec3::from_array(n.map(f64::from)).try_normalize());
@@ -199,7 +205,7 @@ impl MeshBuilder<'_> {
             return Ok(());
         }
         if next.is_multiple_of(VERTICES) {
-            held.grow(VERTEX * u64::from(VERTICES), TRIANGLES)?;
+            held.try_grow(VERTEX * u64::from(VERTICES), TRIANGLES)?;
         }
         self.mesh.positions.push(positions.local.get(position).copied().unwrap_or_default());
         let computed = || flat.or_else(|| smooth.get(corner[0], sharing)).unwrap_or([0.0, 0.0, 1.0]);

@@ -137,12 +137,12 @@ fn clamped(component: f32, name: &str, warnings: &mut ImportWarnings) -> f32 {
 mod tests {
     use super::*;
     use crate::MemoryFiles;
-    use basrelief_input::Budget;
+    use basrelief_input::MemoryPool;
 
     fn read(text: &str) -> (Vec<MtlMaterial>, Vec<String>) {
         let files = MemoryFiles::default();
         let mut warnings = ImportWarnings::default();
-        let outside = ImportContext::new(&files, &Budget::default());
+        let outside = ImportContext::new(&files, &MemoryPool::default());
         let materials = parse(text.as_bytes(), "m.mtl", &outside, &mut warnings).unwrap();
         (materials, warnings.into_vec())
     }

@@ -4,7 +4,7 @@ use super::text::{Line, escaped, keyword_and_rest, lines, number, numbers, shown
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::outside::{ImportContext, over_budget};
-use basrelief_input::{Held, OverBudget};
+use basrelief_input::{MemoryReservation, OverBudget};
 use std::collections::BTreeMap;
 
 /// Memory of a group beside its names and faces \[bytes\].
@@ -78,7 +78,7 @@ pub(super) fn parse(
     bytes: &[u8],
     outside: &ImportContext<'_>,
     warnings: &mut ImportWarnings,
-) -> Result<(ObjFile, Held), SceneError> {
+) -> Result<(ObjFile, MemoryReservation), SceneError> {
     if let Some(at) = bytes.iter().position(|b| *b == 0) {
         let what = if matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) { "UTF-16 text" } else { "binary data" };
         return Err(SceneError::at(format!("byte {at}"), what).expected("OBJ text").cure("save the file as UTF-8 or ASCII text"));
@@ -106,7 +106,7 @@ struct ObjParser<'a> {
     warnings: &'a mut ImportWarnings,
     obj: ObjFile,
     /// Memory of all of it.
-    held: Held,
+    held: MemoryReservation,
     /// Groups by object and material.
     groups: BTreeMap<[Vec<u8>; 2], usize>,
     /// Group that faces go to; `None` after a change of object or material.
@@ -131,11 +131,11 @@ impl ObjParser<'_> {
             b"v" => self.vertex(rest)?,
             b"vt" => {
                 let [u, v] = numbers(rest, 1)?.1.map(|c: f64| c as f32);
-                self.held.room(&mut self.obj.uv, 1, "texture coordinates").map_err(over)?;
+                self.held.make_room(&mut self.obj.uv, 1, "texture coordinates").map_err(over)?;
                 self.obj.uv.push([u, v]);
             }
             b"vn" => {
-                self.held.room(&mut self.obj.normals, 1, "normals").map_err(over)?;
+                self.held.make_room(&mut self.obj.normals, 1, "normals").map_err(over)?;
                 self.obj.normals.push(numbers(rest, 3)?.1.map(|c: f64| c as f32));
             }
             b"f" => self.face(rest, line.number)?,
@@ -143,7 +143,7 @@ impl ObjParser<'_> {
             b"o" => self.rename(0, rest),
             b"usemtl" => self.rename(1, rest),
             b"mtllib" => {
-                self.held.grow(64 + rest.len() as u64, "names of material libraries").map_err(over)?;
+                self.held.try_grow(64 + rest.len() as u64, "names of material libraries").map_err(over)?;
                 self.obj.libraries.push(rest.trim_ascii().into());
             }
             b"l" | b"p" => self.warnings.add("lines and points are skipped"),
@@ -154,7 +154,7 @@ impl ObjParser<'_> {
 
     fn vertex(&mut self, rest: &[u8]) -> Result<(), SceneError> {
         let (count, [x, y, z, r, g, b, ..]) = numbers::<8>(rest, 3)?;
-        self.held.room(&mut self.obj.positions, 1, "positions").map_err(over)?;
+        self.held.make_room(&mut self.obj.positions, 1, "positions").map_err(over)?;
         self.obj.positions.push([x, y, z]);
         match count {
             3 | 6 => {}
@@ -173,7 +173,7 @@ impl ObjParser<'_> {
             self.warnings.add("vertex colours beyond 0..=1 are clamped");
         }
         let missing = self.obj.positions.len() - self.obj.colors.len();
-        self.held.room(&mut self.obj.colors, missing, "colours").map_err(over)?;
+        self.held.make_room(&mut self.obj.colors, missing, "colours").map_err(over)?;
         // Vertices before the first coloured one are white.
         self.obj.colors.resize(self.obj.positions.len() - 1, [1.0; 4]);
         let [r, g, b] = color.map(|c| c.clamp(0.0, 1.0));
@@ -204,14 +204,14 @@ impl ObjParser<'_> {
         let Some(mut group) = self.obj.groups.get_mut(index).map(std::mem::take) else { return Ok(()) };
         let begin = group.corners.len();
         for word in words(rest) {
-            self.held.room(&mut group.corners, 1, "corners of faces").map_err(over)?;
+            self.held.make_room(&mut group.corners, 1, "corners of faces").map_err(over)?;
             group.corners.push(self.corner(word, line)?);
         }
         let end = group.corners.len();
         if end < begin + 3 {
             return Err(SceneError::at("", format!("face of {} vertices", end - begin)).expected("at least 3"));
         }
-        self.held.room(&mut group.faces, 1, "faces").map_err(over)?;
+        self.held.make_room(&mut group.faces, 1, "faces").map_err(over)?;
         group.faces.push(ObjFace { end, smoothing: self.smoothing });
         if let Some(slot) = self.obj.groups.get_mut(index) {
             *slot = group;
@@ -228,7 +228,7 @@ impl ObjParser<'_> {
         let [object, material] = &self.names;
         // The group and the table of groups both hold the names.
         let names = 2 * (object.len() + material.len()) as u64;
-        self.held.grow(GROUP + names, "groups and their names").map_err(over)?;
+        self.held.try_grow(GROUP + names, "groups and their names").map_err(over)?;
         let index = self.obj.groups.len();
         self.obj.groups.push(ObjGroup { object: object.clone(), material: material.clone(), ..ObjGroup::default() });
         self.groups.insert(self.names.clone(), index);
@@ -260,7 +260,7 @@ impl ObjParser<'_> {
         if parts.next().is_some() { Err(wrong()) } else { Ok(corner) }
     }
 
-    fn finish(mut self) -> Result<(ObjFile, Held), SceneError> {
+    fn finish(mut self) -> Result<(ObjFile, MemoryReservation), SceneError> {
         let lists =
             [("vertex", self.obj.positions.len()), ("texture coordinate", self.obj.uv.len()), ("normal", self.obj.normals.len())];
         for ((name, count), (index, line)) in lists.into_iter().zip(self.largest) {
@@ -272,7 +272,7 @@ impl ObjParser<'_> {
         }
         if !self.obj.colors.is_empty() {
             let missing = self.obj.positions.len() - self.obj.colors.len();
-            self.held.room(&mut self.obj.colors, missing, "colours").map_err(over)?;
+            self.held.make_room(&mut self.obj.colors, missing, "colours").map_err(over)?;
             self.obj.colors.resize(self.obj.positions.len(), [1.0; 4]);
         }
         self.set_initial_smoothing();
@@ -298,11 +298,11 @@ fn over(error: OverBudget) -> SceneError {
 mod tests {
     use super::*;
     use crate::MemoryFiles;
-    use basrelief_input::Budget;
+    use basrelief_input::MemoryPool;
 
     fn read(text: &str) -> Result<ObjFile, SceneError> {
         let files = MemoryFiles::default();
-        let outside = ImportContext::new(&files, &Budget::default());
+        let outside = ImportContext::new(&files, &MemoryPool::default());
         parse(text.as_bytes(), &outside, &mut ImportWarnings::default()).map(|(obj, _)| obj)
     }
 

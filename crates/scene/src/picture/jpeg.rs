@@ -11,7 +11,7 @@ mod tests;
 use super::size::{TEXEL, check_size, texels_of};
 use crate::SceneError;
 use crate::outside::ImportContext;
-use basrelief_input::Held;
+use basrelief_input::MemoryReservation;
 use basrelief_signals::Image;
 use header::JpegHeader;
 use jpeg_decoder::{Decoder, Error};
@@ -34,7 +34,7 @@ const GUARD: [u8; 2048] = {
 };
 
 /// Decodes a JPEG file into RGBA, with the memory that its texels take.
-pub(super) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, Held), SceneError> {
+pub(super) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, MemoryReservation), SceneError> {
     let header = JpegHeader::read(bytes)?;
     let [width, height] = header.size;
     check_size([width, height])?;

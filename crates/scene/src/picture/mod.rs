@@ -7,7 +7,7 @@ pub(crate) use size::MAX_SIDE;
 
 use crate::SceneError;
 use crate::outside::ImportContext;
-use basrelief_input::Held;
+use basrelief_input::MemoryReservation;
 use basrelief_signals::Image;
 use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder, ImageError, Limits};
@@ -22,7 +22,7 @@ const SCRATCH: u64 = 1 << 26;
 ///
 /// # Errors
 /// Neither PNG nor JPEG, corrupt, over [`MAX_SIDE`], or over the budget.
-pub(crate) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, Held), SceneError> {
+pub(crate) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, MemoryReservation), SceneError> {
     let decoded = match sniff(bytes) {
         Some(PictureFormat::Png) => decode_png(bytes, name, outside),
         Some(PictureFormat::Jpeg) => jpeg::decode(bytes, name, outside),
@@ -33,7 +33,7 @@ pub(crate) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> R
     decoded.map_err(|e| e.in_file(name))
 }
 
-fn decode_png(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, Held), SceneError> {
+fn decode_png(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, MemoryReservation), SceneError> {
     // Texts and colour profiles are expanded ahead of the dimensions: a file of a known length, by a thousand times.
     let most = SCRATCH.min(1024 * bytes.len() as u64).min(outside.left() / 4);
     let scratch = outside.take(most, "", "scratch memory of the PNG decoder")?;
@@ -104,12 +104,12 @@ fn png_fault(error: &ImageError) -> SceneError {
 pub(crate) mod tests {
     use super::*;
     use crate::MemoryFiles;
-    use basrelief_input::Budget;
+    use basrelief_input::MemoryPool;
     use image::{ImageBuffer, ImageFormat, Luma, Rgba};
 
     fn decoded(bytes: &[u8], name: &str, limit: u64) -> Result<Image, SceneError> {
         let files = MemoryFiles::default();
-        decode(bytes, name, &ImportContext::new(&files, &Budget::new(limit))).map(|(image, _)| image)
+        decode(bytes, name, &ImportContext::new(&files, &MemoryPool::new(limit))).map(|(image, _)| image)
     }
 
     /// A PNG file of this picture.

@@ -5,7 +5,7 @@
 use super::head::{MeshHead, NormalUv, place};
 use crate::SceneError;
 use crate::outside::over_budget;
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_signals::Mesh;
 
 /// Maximum number of vertices that an index of two bytes tells apart.
@@ -31,13 +31,13 @@ pub(super) fn write(mesh: &Mesh, bytes: &mut Vec<u8>) {
 /// Arrays that are read one after the other.
 pub(super) struct ArrayReader<'a> {
     rest: &'a [u8],
-    budget: Budget,
-    held: Held,
+    budget: MemoryPool,
+    held: MemoryReservation,
 }
 
 impl<'a> ArrayReader<'a> {
     /// Creates a reader of these bytes, whose memory is added to a reservation.
-    pub(super) fn new(rest: &'a [u8], budget: &Budget, held: Held) -> Self {
+    pub(super) fn new(rest: &'a [u8], budget: &MemoryPool, held: MemoryReservation) -> Self {
         Self { rest, budget: budget.clone(), held }
     }
 
@@ -102,14 +102,16 @@ impl<'a> ArrayReader<'a> {
     }
 
     fn hold(&mut self, bytes: usize, index: usize, field: &str) -> Result<(), SceneError> {
-        let held =
-            self.budget.take(bytes as u64, "meshes of a scene").map_err(|e| over_budget(place("meshes", index, field), &e))?;
+        let held = self
+            .budget
+            .try_reserve(bytes as u64, "meshes of a scene")
+            .map_err(|e| over_budget(place("meshes", index, field), &e))?;
         self.held.join(held);
         Ok(())
     }
 
     /// Returns the reservation. Bytes that are left are an error.
-    pub(super) fn finish(self) -> Result<Held, SceneError> {
+    pub(super) fn finish(self) -> Result<MemoryReservation, SceneError> {
         match self.rest.len() {
             0 => Ok(self.held),
             more => Err(SceneError::at("meshes", format!("{more} bytes behind the last mesh")).expected("none")),

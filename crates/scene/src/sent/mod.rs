@@ -19,7 +19,7 @@ mod tests;
 use crate::outside::over_budget;
 use crate::{SceneError, SceneSubject};
 use arrays::ArrayReader;
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_signals::{Mesh, Texture};
 use head::SceneManifest;
 
@@ -48,12 +48,12 @@ impl SceneSubject {
     ///
     /// # Errors
     /// Bytes that are not a valid scene, with their place, or over the memory limit.
-    pub fn from_bytes(bytes: &[u8], name: &str, budget: &Budget) -> Result<(Self, Held), SceneError> {
+    pub fn from_bytes(bytes: &[u8], name: &str, budget: &MemoryPool) -> Result<(Self, MemoryReservation), SceneError> {
         read(bytes, budget).map_err(|e| e.in_file(name))
     }
 }
 
-fn read(bytes: &[u8], budget: &Budget) -> Result<(SceneSubject, Held), SceneError> {
+fn read(bytes: &[u8], budget: &MemoryPool) -> Result<(SceneSubject, MemoryReservation), SceneError> {
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
         SceneError::at("byte 0", "no scene").expected("`basrelief-scene/2`").cure("ask a `basrelief serve` of the same version")
     })?;
@@ -61,7 +61,7 @@ fn read(bytes: &[u8], budget: &Budget) -> Result<(SceneSubject, Held), SceneErro
     let (length, rest) = rest.split_first_chunk::<4>().ok_or_else(cut)?;
     let length = u32::from_le_bytes(*length);
     let (head, rest) = rest.split_at_checked(length as usize).ok_or_else(cut)?;
-    let held = budget.take(HEAD_WEIGHT * u64::from(length), "the head of a scene").map_err(|e| over_budget("head", &e))?;
+    let held = budget.try_reserve(HEAD_WEIGHT * u64::from(length), "the head of a scene").map_err(|e| over_budget("head", &e))?;
     let (head, left): (SceneManifest, _) =
         postcard::take_from_bytes(head).map_err(|e| SceneError::at("head", format!("corrupt: {e}")))?;
     if !left.is_empty() {

@@ -15,7 +15,7 @@ fn sent(subject: &SceneSubject) -> Vec<u8> {
 }
 
 fn received(bytes: &[u8]) -> Result<SceneSubject, String> {
-    SceneSubject::from_bytes(bytes, "there", &Budget::default()).map(|(subject, _)| subject).map_err(|e| e.to_string())
+    SceneSubject::from_bytes(bytes, "there", &MemoryPool::default()).map(|(subject, _)| subject).map_err(|e| e.to_string())
 }
 
 /// The scene as the other side should see it.
@@ -63,7 +63,7 @@ const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 fn triangle() -> SceneSubject {
     let files = MemoryFiles::default();
-    SceneSubject::load_within(TRIANGLE.as_bytes(), "t.obj", &files, &Budget::default()).unwrap().0
+    SceneSubject::load_within(TRIANGLE.as_bytes(), "t.obj", &files, &MemoryPool::default()).unwrap().0
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn values_out_of_range_are_refused_with_their_place() {
 #[test]
 fn declared_sizes_are_counted_before_allocation() {
     let bytes = sent(&SceneSubject::demo("sphere").unwrap());
-    let budget = Budget::new(bytes.len() as u64);
+    let budget = MemoryPool::new(bytes.len() as u64);
     let error = SceneSubject::from_bytes(&bytes, "there", &budget).map(|_| ()).unwrap_err();
     assert!(error.over_budget && error.to_string().contains("/meshes/0/"), "{error}");
     assert_eq!(budget.left(), bytes.len() as u64, "what was refused is not held");

@@ -3,7 +3,7 @@
 use crate::observer::{Observer, Pictures};
 use crate::options::{AnalysisPolicy, RunOptions};
 use crate::run::result::{Run, RunError};
-use basrelief_input::Held;
+use basrelief_input::MemoryReservation;
 use basrelief_kernel::Outcome;
 use basrelief_report::Report;
 use basrelief_report::ablation::{Ablation, AblationVariant};
@@ -20,7 +20,7 @@ pub fn ablate<E: From<RunError>>(
 ) -> Result<Ablation, E> {
     let no_shortcuts = || RunError::NoShortcuts(settings.config.machine().name);
     let mut comparison =
-        PictureComparison { observer, kept: Vec::new(), held: settings.budget.nothing(), first: true, largest: 0 };
+        PictureComparison { observer, kept: Vec::new(), held: settings.budget.empty_reservation(), first: true, largest: 0 };
     let mut ablation: Option<Ablation> = None;
     for (variant, config) in settings.config.ablations() {
         let settings = RunOptions {
@@ -53,7 +53,7 @@ pub(crate) fn complete(variant: &str, run: Run) -> Result<Report, RunError> {
 struct PictureComparison<'a> {
     observer: &'a mut dyn Observer,
     kept: Vec<Vec<[u8; 3]>>,
-    held: Held,
+    held: MemoryReservation,
     first: bool,
     largest: u8,
 }
@@ -66,7 +66,7 @@ impl Observer for PictureComparison<'_> {
     fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
         let rgb = &pictures.machine.rgb;
         if self.first {
-            let held = self.held.grow(size_of_val(rgb.as_slice()) as u64, "the pictures of the first run of an ablation");
+            let held = self.held.try_grow(size_of_val(rgb.as_slice()) as u64, "the pictures of the first run of an ablation");
             held.map_err(|error| format!("{error}, or reduce the number of frames or the picture size"))?;
             self.kept.push(rgb.clone());
             return Ok(());
@@ -82,7 +82,7 @@ impl Observer for PictureComparison<'_> {
 mod tests {
     use super::*;
     use crate::observer::Unobserved;
-    use basrelief_input::Budget;
+    use basrelief_input::MemoryPool;
     use basrelief_reference::RgbPicture;
 
     fn picture(grey: u8) -> RgbPicture {
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn largest_change_of_any_picture_counts() {
-        let held = Budget::default().nothing();
+        let held = MemoryPool::default().empty_reservation();
         let mut comparison = PictureComparison { observer: &mut Unobserved, kept: vec![], held, first: true, largest: 0 };
         show(&mut comparison, 0, &picture(100)).unwrap();
         show(&mut comparison, 1, &picture(50)).unwrap();
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn pictures_beyond_memory_limit_are_an_error_with_a_hint() {
-        let held = Budget::new(6).nothing();
+        let held = MemoryPool::new(6).empty_reservation();
         let mut comparison = PictureComparison { observer: &mut Unobserved, kept: vec![], held, first: true, largest: 0 };
         show(&mut comparison, 0, &picture(0)).unwrap();
         assert!(show(&mut comparison, 1, &picture(0)).unwrap_err().contains("reduce the number of frames"));

@@ -148,7 +148,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         let mut progress = AnalysisProgress::default();
         let first: Vec<AnalysisTask> = [AnalysisTask::Path].into_iter().chain(progress.claim(&busiest)).collect();
         let progress = Mutex::new(progress);
-        threads::tasks(first, |task, tasks| match task {
+        threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
                 let path = self.critical_path(&recorded.tape);
                 let candidates =
@@ -192,10 +192,11 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         let best = &timed[..timed.len().min(PAIRED)];
         let all = best.iter().enumerate().flat_map(|(n, a)| best[n + 1..].iter().map(move |b| (a, b)));
         let pairs: Vec<_> = all.filter(|((a, _), (b, _))| a.resource != b.resource).collect();
-        let resimulated = threads::map(pairs.iter().collect(), |((a, _), (b, _)): &(&(Relaxation, u64), &(Relaxation, u64))| {
-            let both = combined(a, b);
-            self.cycles(recorded, &both.set).map(|cycles| (both, cycles))
-        });
+        let resimulated =
+            threads::par_map(pairs.iter().collect(), |((a, _), (b, _)): &(&(Relaxation, u64), &(Relaxation, u64))| {
+                let both = combined(a, b);
+                self.cycles(recorded, &both.set).map(|cycles| (both, cycles))
+            });
         let total = self.run.marked_cycles();
         let interacts = |cycles: u64, singles: [u64; 2]| {
             let sum: u64 = singles.into_iter().map(|cycles| total.saturating_sub(cycles)).sum();

@@ -5,7 +5,7 @@
 //! with all timing parameters of B, is B with the work of A. The remainder of the difference is the interaction of the groups.
 
 use crate::recording::{LoadedRecording, RecordingError, netlist_of_same_work, of_build};
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::compare::WORK;
@@ -30,7 +30,7 @@ impl RecordedRun {
     ///
     /// # Errors
     /// An invalid recording, the recording of another run, or a recording of another build whose timing this build does not reproduce.
-    pub fn read(report: &Report, reader: &mut dyn Read, budget: &Budget) -> Result<Self, RecordingError> {
+    pub fn read(report: &Report, reader: &mut dyn Read, budget: &MemoryPool) -> Result<Self, RecordingError> {
         let recording = LoadedRecording::read(reader, budget)?;
         let config = recording.config(&[])?;
         let cycles = report.frame_cycles();
@@ -54,7 +54,7 @@ pub fn explain(a: &RecordedRun, b: &RecordedRun) -> Option<MeasuredCauses> {
     }
     let (of_a, of_b) = (a.config.parameters(), b.config.parameters());
     let (timing, work): (Vec<_>, Vec<_>) = differing(&of_b, &of_a).into_iter().partition(|p| p.effect == Effect::Timing);
-    let mut shares = threads::map(groups(&timing), |(group, of_group)| {
+    let mut shares = threads::par_map(groups(&timing), |(group, of_group)| {
         let set = options(b, &with(&of_b, &of_group));
         let cycles = set.as_ref().and_then(|(_, config)| resimulated_cycles(&b.recording, config));
         share(group, set, cycles, b)

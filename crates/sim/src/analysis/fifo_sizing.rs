@@ -54,7 +54,7 @@ struct SizedFifo {
 pub fn size_fifos(
     recordings: Vec<&mut dyn Read>,
     within_percent: &[f64],
-    budget: &basrelief_input::Budget,
+    budget: &basrelief_input::MemoryPool,
 ) -> Result<FifoSizing, RecordingError> {
     let loaded =
         recordings.into_iter().map(|recording| LoadedRecording::read(recording, budget)).collect::<Result<Vec<_>, _>>()?;
@@ -151,7 +151,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
     /// True if all runs finish within the tolerance.
     fn keeps(&self, depths: &[u32], percent: f64) -> Result<bool, RecordingError> {
         let both: Vec<_> = self.recordings.iter().zip(&self.recorded).collect();
-        let kept = threads::map(both, |(recording, recorded)| {
+        let kept = threads::par_map(both, |(recording, recorded)| {
             let most = recorded.marked_cycles() as f64 * (1.0 + percent / 100.0);
             let cycles = self.cycles(recording, depths);
             cycles.map(|cycles| cycles.is_some_and(|cycles| cycles as f64 <= most))

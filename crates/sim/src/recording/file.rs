@@ -4,7 +4,7 @@ use super::error::RecordingError;
 use super::loaded::{LoadedRecording, config_error};
 use super::resimulation::{TimedRun, ensure_complete, netlist_of_same_work};
 use crate::build::build_warning;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
 use basrelief_parameters::Effect;
 use basrelief_report::Report;
@@ -21,7 +21,7 @@ impl Recording {
     ///
     /// # Errors
     /// See [`RecordingError`].
-    pub fn read(reader: &mut dyn Read, budget: &Budget) -> Result<Self, RecordingError> {
+    pub fn read(reader: &mut dyn Read, budget: &MemoryPool) -> Result<Self, RecordingError> {
         let loaded = LoadedRecording::read(reader, budget)?;
         let config = loaded.config(&[])?;
         Ok(Self { loaded, config })

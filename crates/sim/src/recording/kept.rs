@@ -2,7 +2,7 @@
 
 use super::format::{SHORT_BYTES, work_bytes};
 use crate::options::AnalysisPolicy;
-use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_kernel::recording::RecordingChunk;
 
 /// Recorded steps of a run that is analysed when it is over.
@@ -11,17 +11,17 @@ pub(crate) struct KeptSteps {
     chunks: Vec<RecordingChunk>,
     /// Bytes that may still be kept; `None` once the run was too long.
     left: Option<usize>,
-    held: Held,
+    held: MemoryReservation,
 }
 
 impl KeptSteps {
-    pub(crate) fn new(policy: AnalysisPolicy, budget: &Budget) -> Option<Self> {
+    pub(crate) fn new(policy: AnalysisPolicy, budget: &MemoryPool) -> Option<Self> {
         let left = match policy {
             AnalysisPolicy::Never => return None,
             AnalysisPolicy::IfShort => SHORT_BYTES,
             AnalysisPolicy::Always => usize::MAX,
         };
-        Some(Self { chunks: vec![], left: Some(left), held: budget.nothing() })
+        Some(Self { chunks: vec![], left: Some(left), held: budget.empty_reservation() })
     }
 
     /// Keeps a chunk. Drops all chunks if the run is too long for its policy.
@@ -32,7 +32,7 @@ impl KeptSteps {
         let bytes = work_bytes(&chunk);
         self.left = self.left.and_then(|left| left.checked_sub(bytes));
         if self.left.is_some() {
-            self.held.grow(bytes as u64, "the recorded steps, to find bottlenecks")?;
+            self.held.try_grow(bytes as u64, "the recorded steps, to find bottlenecks")?;
             self.chunks.push(chunk);
         } else {
             self.chunks = vec![];

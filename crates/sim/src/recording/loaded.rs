@@ -5,7 +5,7 @@ use super::reader::{Blocks, ChunkReader, checked_end};
 use crate::build::BUILD;
 use crate::options::Overrides;
 use crate::run::untimed::UntimedResult;
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_kernel::Recording;
 use basrelief_kernel::stats::FigureValue;
 use basrelief_machines::{InputKind, MachineConfig, MachineInfo, for_machine};
@@ -24,12 +24,12 @@ pub(crate) struct LoadedRecording {
     pub(super) figures: Vec<(String, FigureValue)>,
     /// SHA-256 of the work.
     pub(crate) work: String,
-    _held: Held,
+    _held: MemoryReservation,
 }
 
 impl LoadedRecording {
     /// Reads a recording to its end.
-    pub(crate) fn read(reader: &mut dyn Read, budget: &Budget) -> Result<Self, RecordingError> {
+    pub(crate) fn read(reader: &mut dyn Read, budget: &MemoryPool) -> Result<Self, RecordingError> {
         let mut blocks = Blocks { reader, budget };
         let (header, machine) = blocks.header()?;
         let mut chunks = ChunkReader::new(blocks, None, None);

@@ -4,7 +4,7 @@ use super::error::RecordingError;
 use super::format::{End, FIRST_LINE, Header, MAX_BLOCK_BYTES, WorkHash, block, work_bytes};
 use super::kept::KeptSteps;
 use crate::observer::Observer;
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_kernel::ResimulateError;
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_machines::MachineInfo;
@@ -15,7 +15,7 @@ use std::io::{self, Read};
 /// Blocks of a recording.
 pub(super) struct Blocks<'a> {
     pub(super) reader: &'a mut dyn Read,
-    pub(super) budget: &'a Budget,
+    pub(super) budget: &'a MemoryPool,
 }
 
 impl Blocks<'_> {
@@ -33,7 +33,7 @@ impl Blocks<'_> {
     }
 
     /// Reads the letter and the content of the next block.
-    fn next(&mut self) -> Result<(u8, Vec<u8>, Held), RecordingError> {
+    fn next(&mut self) -> Result<(u8, Vec<u8>, MemoryReservation), RecordingError> {
         let mut start = [0; 5];
         self.fill(&mut start)?;
         let [letter, length @ ..] = start;
@@ -42,7 +42,7 @@ impl Blocks<'_> {
             return Err(RecordingError::Format(format!("a block of {length} bytes, expected at most {MAX_BLOCK_BYTES}")));
         }
         // The vector grows with the bytes read, so that a wrong length alone allocates no memory.
-        let held = self.budget.take(length.into(), "a block of a recording")?;
+        let held = self.budget.try_reserve(length.into(), "a block of a recording")?;
         let mut content = Vec::new();
         self.reader.take(length.into()).read_to_end(&mut content)?;
         if content.len() < length as usize {
@@ -75,12 +75,12 @@ pub(super) struct ChunkReader<'a> {
     pub(super) end: Option<End>,
     pub(super) error: Option<RecordingError>,
     /// Memory of steps that are read but not yet timed.
-    pub(super) waiting: Held,
+    pub(super) waiting: MemoryReservation,
 }
 
 impl<'a> ChunkReader<'a> {
     pub(super) fn new(blocks: Blocks<'a>, observer: Option<&'a mut dyn Observer>, kept: Option<KeptSteps>) -> Self {
-        let waiting = blocks.budget.nothing();
+        let waiting = blocks.budget.empty_reservation();
         Self { blocks, observer, work: WorkHash::default(), kept, end: None, error: None, waiting }
     }
 
@@ -116,7 +116,7 @@ impl<'a> ChunkReader<'a> {
                 if let Some(kept) = &mut self.kept {
                     kept.keep(chunk.clone())?;
                 }
-                self.waiting.grow(work_bytes(&chunk) as u64, "the steps of a recording")?;
+                self.waiting.try_grow(work_bytes(&chunk) as u64, "the steps of a recording")?;
                 Ok(Some(chunk))
             }
             b'E' => {

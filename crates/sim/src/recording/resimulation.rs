@@ -10,7 +10,7 @@ use crate::build::build_warning;
 use crate::observer::{Observer, Unobserved};
 use crate::options::{AnalysisPolicy, Overrides};
 use crate::run::untimed::UntimedResult;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_kernel::stats::FigureValue;
 use basrelief_kernel::{self as kernel, Netlist, NoProbe, Outcome, RunReport};
 use basrelief_machines::{InputKind, MachineConfig, MachineSpec, for_machine};
@@ -26,7 +26,7 @@ pub struct ResimulateOptions {
     /// As in [`RunOptions`](crate::RunOptions::bottlenecks).
     pub bottlenecks: AnalysisPolicy,
     /// Memory pool for the recorded steps.
-    pub budget: Budget,
+    pub budget: MemoryPool,
 }
 
 /// Returns the report of a run with the recorded work and the given timing parameters. Needs neither the scene nor the units.

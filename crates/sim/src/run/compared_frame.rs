@@ -3,7 +3,7 @@
 use super::exact::ExactPicture;
 use basrelief_reference::{QualityMetrics, RgbPicture, SizeMismatch};
 use basrelief_report::model::Difference;
-use basrelief_threads::Later;
+use basrelief_threads::Deferred;
 use sha2::{Digest as _, Sha256};
 use std::sync::Arc;
 
@@ -21,8 +21,8 @@ pub(crate) fn compare_frame(
     index: usize,
     machine: RgbPicture,
     exact: Option<ExactPicture>,
-) -> Later<Result<ComparedFrame, SizeMismatch>> {
-    Later::start(move || {
+) -> Deferred<Result<ComparedFrame, SizeMismatch>> {
+    Deferred::start(move || {
         let exact = exact.map(|exact| exact.compare(&machine)).transpose()?;
         Ok(ComparedFrame { index, digest: digest(&machine), machine, exact })
     })

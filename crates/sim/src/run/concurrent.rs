@@ -43,6 +43,6 @@ pub fn run_concurrent<M: Machine>(
         let mut progress = |machine: &mut M| !is_over.get() && progress(machine);
         make_steps(machine, &mut progress, (BATCH_STEPS, &mut |batch| is_over.set(send.send(batch).is_err())))
     };
-    let (report, worked) = threads::apart(time, work)?;
+    let (report, worked) = threads::join_concurrent(time, work)?;
     worked.ok().map(|()| report)
 }

@@ -5,11 +5,11 @@ use super::result::RunError;
 use crate::options::RunInput;
 use crate::prepared::PreparedScene;
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_kernel::{Demand, MemoryPorts, Unit};
 use basrelief_machines::{BoxedDraws, FrontConfig, MachineConfig};
 use basrelief_signals::{Control, Scene};
-use basrelief_threads::Later;
+use basrelief_threads::Deferred;
 use basrelief_trace::{BeginCommand, CanonicalHash, Digest, TextureFiles, TraceError, TraceResolver};
 use std::cell::Cell;
 use std::io::Read;
@@ -36,7 +36,7 @@ fn controls(scene: &Arc<Scene>, front: FrontConfig) -> impl Iterator<Item = Cont
 ///
 /// # Errors
 /// A trace that cannot be read or hashed, and an exceeded memory limit.
-pub fn input_sha256(source: RunInput, config: &MachineConfig, budget: &Budget) -> Result<String, RunError> {
+pub fn input_sha256(source: RunInput, config: &MachineConfig, budget: &MemoryPool) -> Result<String, RunError> {
     let digest = match source {
         RunInput::Scene(prepared) | RunInput::Remote { scene: prepared, .. } => {
             let _textures = memory_estimates::reserve_textures(prepared.scene(), 0, budget)?;
@@ -47,7 +47,7 @@ pub fn input_sha256(source: RunInput, config: &MachineConfig, budget: &Budget) -
     Ok(digest.map(|digest| digest.to_string()).unwrap_or_default())
 }
 
-fn trace_hash(reader: Box<dyn Read>, files: impl TextureFiles, budget: &Budget) -> Result<Digest, TraceError> {
+fn trace_hash(reader: Box<dyn Read>, files: impl TextureFiles, budget: &MemoryPool) -> Result<Digest, TraceError> {
     let mut resolver = TraceResolver::within(reader, files, budget)?;
     let mut hash = CanonicalHash::new(resolver.begin());
     for command in &mut resolver {
@@ -84,7 +84,7 @@ pub(crate) fn counted_draws(scene: &Arc<Scene>, progress: &Rc<Cell<DrawProgress>
 /// because the output of the machine's own one depends on backpressure. Dropping this value cancels the computation, so that a run with
 /// `max_cycles` does not wait for frames that it never reaches.
 pub(crate) struct SceneHash {
-    hash: Later<Result<Option<Digest>, TraceError>>,
+    hash: Deferred<Result<Option<Digest>, TraceError>>,
     cancel: CancelOnDrop,
 }
 
@@ -92,10 +92,10 @@ impl SceneHash {
     pub(crate) fn start(prepared: &PreparedScene, front: FrontConfig) -> Self {
         let cancel = CancelOnDrop(Arc::default());
         if let Some(known) = prepared.hash(&front) {
-            return Self { hash: Later::on_demand(move || Ok(Some(known))), cancel };
+            return Self { hash: Deferred::on_demand(move || Ok(Some(known))), cancel };
         }
         let (prepared, flag) = (prepared.clone(), Arc::clone(&cancel.0));
-        let hash = Later::start(move || {
+        let hash = Deferred::start(move || {
             let scene = prepared.scene();
             let mut hash = CanonicalHash::new(&trace_header(scene));
             for control in controls(scene, front.clone()) {

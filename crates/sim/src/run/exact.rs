@@ -4,7 +4,7 @@ use super::trace_tap::TraceNotes;
 use crate::prepared::{self, PreparedScene};
 use basrelief_reference::{QualityMetrics, RenderStyle, RgbPicture, SizeMismatch};
 use basrelief_report::model::Difference;
-use basrelief_threads::Later;
+use basrelief_threads::Deferred;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ pub(crate) enum ExactSource {
 pub(crate) struct SceneExact {
     prepared: PreparedScene,
     style: RenderStyle,
-    next: Option<Later<Arc<RgbPicture>>>,
+    next: Option<Deferred<Arc<RgbPicture>>>,
 }
 
 impl SceneExact {
@@ -34,7 +34,7 @@ impl SceneExact {
 
 /// ExactSource picture of a frame.
 pub(crate) struct ExactPicture {
-    picture: Later<Arc<RgbPicture>>,
+    picture: Deferred<Arc<RgbPicture>>,
     /// Scene, style and frame, if the scene may have cached the comparison.
     cached: Option<(PreparedScene, RenderStyle, usize)>,
 }
@@ -50,7 +50,7 @@ impl ExactSource {
             }
             Self::Trace(seen) => {
                 let (picture, _) = seen.borrow_mut().exact.pop_front()?;
-                Some(ExactPicture { picture: Later::on_demand(move || Arc::new(picture)), cached: None })
+                Some(ExactPicture { picture: Deferred::on_demand(move || Arc::new(picture)), cached: None })
             }
         }
     }

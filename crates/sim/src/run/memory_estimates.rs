@@ -1,7 +1,7 @@
 //! Memory of a run that depends on its input, in addition to the memory that the readers count.
 
 use crate::options::RunOptions;
-use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_signals::{Scene, Texture};
 use basrelief_trace::BeginCommand;
 use std::collections::BTreeMap;
@@ -24,25 +24,25 @@ pub(crate) const WAITING_PIXEL: u64 = 4;
 pub(crate) const FRAME: u64 = 1 << 10;
 
 /// Reserves memory for pictures of the size that a trace states.
-pub(crate) fn reserve_pictures(settings: &RunOptions, begin: &BeginCommand) -> Result<Held, OverBudget> {
+pub(crate) fn reserve_pictures(settings: &RunOptions, begin: &BeginCommand) -> Result<MemoryReservation, OverBudget> {
     let &BeginCommand { width, height, .. } = begin;
     let pixels = u64::from(width) * u64::from(height);
     let bytes = match settings.exact {
         true => PIXEL_WITH_EXACT * pixels + METRICS_PIXEL * pixels.min(METRICS_PIXELS).max(METRICS_ROWS * u64::from(width)),
         false => PIXEL * pixels,
     };
-    settings.budget.take(bytes, format!("pictures of {width} x {height} pixels"))
+    settings.budget.try_reserve(bytes, format!("pictures of {width} x {height} pixels"))
 }
 
 /// Reserves memory for copies of a scene's textures: `copies` of all textures, and one copy of the largest texture for hashing or recording.
 ///
 /// # Errors
 /// The memory limit is exceeded.
-pub fn reserve_textures(scene: &Scene, copies: u64, budget: &Budget) -> Result<Held, OverBudget> {
+pub fn reserve_textures(scene: &Scene, copies: u64, budget: &MemoryPool) -> Result<MemoryReservation, OverBudget> {
     let sizes: BTreeMap<u32, u64> = textures_of(scene).map(|t| (t.id, texel_bytes(t))).collect();
     let (all, largest) = (sizes.values().fold(0, |sum: u64, bytes| sum.saturating_add(*bytes)), sizes.values().max().copied());
     let bytes = u64::saturating_mul(copies, all).saturating_add(largest.unwrap_or_default());
-    budget.take(bytes, "copies of textures")
+    budget.try_reserve(bytes, "copies of textures")
 }
 
 fn textures_of(scene: &Scene) -> impl Iterator<Item = &Arc<Texture>> {

@@ -14,14 +14,14 @@ use crate::machine::SimulatedMachine;
 use crate::observer::{MemoryRequests, Observer, picture_name};
 use crate::options::{AnalysisPolicy, RunOptions};
 use crate::recording::{self, CHUNK_BYTES, KeptSteps, WorkHash};
-use basrelief_input::{Held, OverBudget};
+use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{self as kernel, Machine, Outcome, Probe, RunLimits, RunReport};
 use basrelief_machines::{InputKind, LoggingMachine, PictureRecord, UnitStats};
 use basrelief_reference::{QualityMetrics, RgbPicture, SizeMismatch};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_signals::{Camera, Frame};
-use basrelief_threads::{self as threads, Later};
+use basrelief_threads::{self as threads, Deferred};
 use basrelief_trace::ExpectedResults;
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -65,7 +65,7 @@ pub(crate) struct Session<'a> {
     /// Number of finished frames.
     frames: usize,
     /// Frames that are being compared, or whose comparison has not been collected.
-    comparing: VecDeque<Later<Result<ComparedFrame, SizeMismatch>>>,
+    comparing: VecDeque<Deferred<Result<ComparedFrame, SizeMismatch>>>,
     images: Vec<String>,
     quality: Vec<QualityMetrics>,
     difference: Option<Difference>,
@@ -76,9 +76,9 @@ pub(crate) struct Session<'a> {
     shown: Vec<PictureRecord>,
     failed: Option<String>,
     /// Memory of finished frames.
-    frames_held: Held,
+    frames_held: MemoryReservation,
     /// Memory of `rounds`.
-    rounds_held: Held,
+    rounds_held: MemoryReservation,
     over_budget: Option<OverBudget>,
     /// Names of the memory clients, by number, if memory requests are observed.
     clients: Vec<String>,
@@ -111,8 +111,8 @@ impl<'a> Session<'a> {
             rounds: vec![],
             shown: vec![],
             failed: None,
-            frames_held: options.budget.nothing(),
-            rounds_held: options.budget.nothing(),
+            frames_held: options.budget.empty_reservation(),
+            rounds_held: options.budget.empty_reservation(),
             over_budget: None,
             clients: vec![],
             work: WorkHash::default(),
@@ -194,7 +194,7 @@ impl<'a> Session<'a> {
         let groups = polygons.as_ref().map_or(&[][..], |polygons| &polygons.stages);
         let (overrides, room) = (&options.overrides, options.budget.left());
         let analyse = || CompletedRun { spec, overrides, input, chunks, room, run, groups }.bottlenecks();
-        threads::both(analyse, || self.collect_frames(0)).0
+        threads::join(analyse, || self.collect_frames(0)).0
     }
 
     /// Runs the engine.

@@ -90,7 +90,7 @@ fn run_with_costs(
     probe: Option<&mut dyn Probe>,
 ) -> Result<Run, RunError> {
     let stages = timeline_layout(&source, options)?.diagram.stages;
-    let polygons = StepPolygons::new(stages.len(), options.budget.nothing());
+    let polygons = StepPolygons::new(stages.len(), options.budget.empty_reservation());
     let polygons = (options.bottlenecks != AnalysisPolicy::Never).then(|| Rc::new(RefCell::new(polygons)));
     let (points, end, budget) = (options.config.cost_points(), options.max_cycles, &options.budget);
     let mut costs = CostProbe::new(stages, CostOptions { points, end, budget }, polygons.clone(), probe);

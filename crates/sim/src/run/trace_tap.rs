@@ -3,7 +3,7 @@
 
 use super::memory_estimates;
 use crate::options::RunOptions;
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_reference::{PolygonRenderer, RenderStyle, RgbPicture};
 use basrelief_signals::{Control, Frame};
 use basrelief_trace::{BeginCommand, CanonicalHash, Digest, ExpectedResults, TextureFiles, TraceError, TraceResolver};
@@ -19,7 +19,7 @@ pub(crate) struct TraceNotes {
     /// Number of commands so far.
     pub(crate) commands: u64,
     /// Exact pictures of passed frames that have not been fetched yet.
-    pub(crate) exact: VecDeque<(RgbPicture, Held)>,
+    pub(crate) exact: VecDeque<(RgbPicture, MemoryReservation)>,
     /// The last frame so far.
     pub(crate) frame: Option<Arc<Frame>>,
     /// Hash of all commands; `None` until the end.
@@ -38,7 +38,7 @@ pub(crate) struct TraceTap<R: Read, F> {
     renderer: Option<PolygonRenderer>,
     seen: Rc<RefCell<TraceNotes>>,
     clock: fn() -> f64,
-    budget: Budget,
+    budget: MemoryPool,
 }
 
 impl<R: Read, F: TextureFiles> TraceTap<R, F> {
@@ -92,7 +92,7 @@ impl<R: Read, F: TextureFiles> TraceTap<R, F> {
             Control::FrameEnd => {
                 let &BeginCommand { width, height, .. } = self.resolver.begin();
                 let bytes = memory_estimates::WAITING_PIXEL * u64::from(width) * u64::from(height);
-                let held = self.budget.take(bytes, "exact pictures that wait for the machine");
+                let held = self.budget.try_reserve(bytes, "exact pictures that wait for the machine");
                 let held = held.map_err(|error| self.resolver.over_budget(&error))?;
                 seen.exact.push_back((renderer.finish(), held));
             }

@@ -5,7 +5,7 @@ use super::transport::CountingConnector;
 use crate::protocol::{
     MAX_TILE_BYTES, MIN_BYTES_PER_SECOND, check_hash, check_scene_status, check_status, hash_from_etag, split,
 };
-use basrelief_input::{Budget, Growing, Held, OverBudget};
+use basrelief_input::{CountedBuffer, MemoryPool, MemoryReservation, OverBudget};
 use std::io::{self, Read, Write};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -62,12 +62,12 @@ pub struct Fetcher {
     agent: Agent,
     base: String,
     patience: RetryPolicy,
-    budget: Budget,
+    budget: MemoryPool,
     meter: TransferMetrics,
 }
 
 /// A received body and its memory.
-type FetchedBody = (Vec<u8>, Held);
+type FetchedBody = (Vec<u8>, MemoryReservation);
 
 /// Earlier attempts for the same content.
 #[derive(Clone, Copy, Debug)]
@@ -111,11 +111,11 @@ impl Fetcher {
     /// Makes a client of the server at `base` with a memory limit of its own.
     #[cfg(test)]
     pub fn new(base: &str, patience: RetryPolicy) -> Self {
-        Self::within(base, patience, &Budget::default())
+        Self::within(base, patience, &MemoryPool::default())
     }
 
     /// Makes a client of the server at `base`.
-    pub fn within(base: &str, patience: RetryPolicy, budget: &Budget) -> Self {
+    pub fn within(base: &str, patience: RetryPolicy, budget: &MemoryPool) -> Self {
         let stall = Some(patience.stall);
         let config = Agent::config_builder()
             .timeout_resolve(stall)
@@ -141,7 +141,7 @@ impl Fetcher {
     ///
     /// # Errors
     /// All attempts have failed.
-    pub fn scene(&self, address: &str, came: impl Fn(u64)) -> Result<(String, Vec<u8>, Held), String> {
+    pub fn scene(&self, address: &str, came: impl Fn(u64)) -> Result<(String, Vec<u8>, MemoryReservation), String> {
         let url = format!("{}/{address}", self.base);
         let once = || {
             self.meter.begin();
@@ -218,7 +218,7 @@ impl Fetcher {
     }
 
     /// Returns the memory limit for received data.
-    pub fn budget(&self) -> &Budget {
+    pub fn budget(&self) -> &MemoryPool {
         &self.budget
     }
 
@@ -291,7 +291,7 @@ impl Fetcher {
         let tag = response.headers().get("etag").and_then(|tag| tag.to_str().ok()).unwrap_or_default();
         let hash = hash_from_etag(tag)?.to_owned();
         let read = self.read(response.body_mut().as_reader(), largest, came);
-        let (body, held) = read.map_err(|e| match OverBudget::within(&e) {
+        let (body, held) = read.map_err(|e| match OverBudget::in_io_error(&e) {
             Some(error) => FetchError { sentence: error.to_string(), then: RetryAdvice::GiveUp },
             None => e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.told(&e)).into(),
         })?;
@@ -313,10 +313,10 @@ impl Fetcher {
         }
     }
 
-    fn read(&self, mut reader: impl Read, largest: u64, came: &dyn Fn(u64)) -> io::Result<(Vec<u8>, Held)> {
+    fn read(&self, mut reader: impl Read, largest: u64, came: &dyn Fn(u64)) -> io::Result<(Vec<u8>, MemoryReservation)> {
         let RetryPolicy { stall, slowest, .. } = self.patience;
         let began = Instant::now();
-        let (mut body, mut chunk) = (Growing::new(&self.budget, "what a server sends"), vec![0; 1 << 14]);
+        let (mut body, mut chunk) = (CountedBuffer::new(&self.budget, "what a server sends"), vec![0; 1 << 14]);
         loop {
             let n = reader.read(&mut chunk)?;
             body.write_all(&chunk[..n])?;

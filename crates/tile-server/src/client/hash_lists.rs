@@ -88,7 +88,7 @@ impl HashLists {
             let address = hashes_path(tile.picture, tile.size, tile.encoding, group);
             let check = |body: &[u8]| self.hashes.check_list(tile.picture, group, body);
             let body = fetcher.body(&address, (MAX_LIST_BYTES, Body::Other), check, (Attempts::default(), pause))?;
-            fetcher.budget().take(body.len() as u64, "hashes of tiles").map_err(|e| e.to_string())?.keep();
+            fetcher.budget().try_reserve(body.len() as u64, "hashes of tiles").map_err(|e| e.to_string())?.keep_forever();
             Ok(Arc::from(body))
         };
         slot.get_or_insert_with(fetch).clone()

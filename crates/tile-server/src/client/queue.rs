@@ -4,7 +4,7 @@ use super::FetchProgress;
 use super::metrics::TransferMetrics;
 use crate::protocol::TileCatalog;
 use basrelief_deferred_renderer::TexturePage;
-use basrelief_input::Held;
+use basrelief_input::MemoryReservation;
 use basrelief_signals::Texture;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::mem;
@@ -18,7 +18,7 @@ pub(crate) const MAX_AHEAD: usize = 256;
 pub(super) type TileKey = (u32, u32);
 
 /// Encoded tile and its memory.
-pub(super) type CountedTile = (Arc<[u8]>, Held);
+pub(super) type CountedTile = (Arc<[u8]>, MemoryReservation);
 
 /// A tile to fetch.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@
 
 use super::{cut_name, hash_of, hex};
 use basrelief_deferred_renderer::{TexturePage, TileEncoding};
-use basrelief_input::{Budget, Held};
+use basrelief_input::{MemoryPool, MemoryReservation};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -133,11 +133,11 @@ impl GroupHashes {
     ///
     /// # Errors
     /// The body is cut short, the hashes do not have their length, or they exceed the memory limit.
-    pub fn split<'a>(body: &'a [u8], budget: &Budget) -> Result<(&'a [u8], Self, Held), String> {
+    pub fn split<'a>(body: &'a [u8], budget: &MemoryPool) -> Result<(&'a [u8], Self, MemoryReservation), String> {
         let (before, length) = body.split_last_chunk::<LENGTH>().ok_or("it is cut short")?;
         let scene = before.len().checked_sub(u32::from_le_bytes(*length) as usize).ok_or("it is cut short")?;
         let (scene, mut rest) = before.split_at(scene);
-        let held = budget.take(WEIGHT * rest.len() as u64, "hashes of tiles").map_err(|e| e.to_string())?;
+        let held = budget.try_reserve(WEIGHT * rest.len() as u64, "hashes of tiles").map_err(|e| e.to_string())?;
         let mut hashes = Self::default();
         while !rest.is_empty() {
             let ((picture, groups), behind) = next_picture(rest).ok_or("its hashes of tiles are cut short")?;
@@ -170,7 +170,8 @@ mod tests {
     #[test]
     fn truncated_hashes_are_refused() {
         let body = [&b"scene"[..], &hashes().to_bytes()].concat();
-        let split = |body: &[u8]| GroupHashes::split(body, &Budget::default()).map(|(scene, hashes, _)| (scene.to_vec(), hashes));
+        let split =
+            |body: &[u8]| GroupHashes::split(body, &MemoryPool::default()).map(|(scene, hashes, _)| (scene.to_vec(), hashes));
         assert_eq!(split(&body), Ok((b"scene".to_vec(), hashes())));
         for length in 0..body.len() {
             // The count of the last picture may read as a length of 0.
@@ -179,7 +180,7 @@ mod tests {
         let (mut shorter, length) = (body.clone(), body.len());
         shorter[length - 4] -= 1;
         assert!(split(&shorter).is_err());
-        assert!(GroupHashes::split(&body, &Budget::new(100)).unwrap_err().contains("over the limit of 100 bytes"));
+        assert!(GroupHashes::split(&body, &MemoryPool::new(100)).unwrap_err().contains("over the limit of 100 bytes"));
     }
 
     #[test]

@@ -43,7 +43,7 @@ impl SceneService {
         for (name, offered) in &self.pictures {
             let Some(cut) = self.cut(&format!("{name}/{format}"))? else { return Ok(None) };
             let groups = (0..=group_of(cut.page.tiles() - 1)).collect();
-            let groups = threads::map(groups, |group| self.list(&cut, group).map(|list| hash_of_list(&list)));
+            let groups = threads::par_map(groups, |group| self.list(&cut, group).map(|list| hash_of_list(&list)));
             hashes.insert(hash_of_picture(&offered.texture), groups.into_iter().collect::<Result<_, _>>()?);
         }
         Ok(Some(hashes))

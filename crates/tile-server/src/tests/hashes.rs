@@ -3,7 +3,7 @@
 use super::*;
 use crate::protocol::{ReceivedScene, pack, scene_path, unpack};
 use crate::server::Limits;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_scene::SceneSubject;
 use std::path::Path;
 
@@ -48,7 +48,7 @@ fn lying(lists: bool) -> String {
 fn stated() -> GroupHashes {
     let url = honest();
     let (_, body, _) = Fetcher::new(&url, PATIENT).scene(&scene_path([64, 64], (TileEncoding::Png, 85)), |_| ()).unwrap();
-    let ReceivedScene { hashes, .. } = unpack(&body, &url, &Budget::default()).unwrap();
+    let ReceivedScene { hashes, .. } = unpack(&body, &url, &MemoryPool::default()).unwrap();
     hashes
 }
 
@@ -132,7 +132,7 @@ fn every_group_of_a_large_picture_has_its_list() {
     let groups = group_of(page.tiles() - 1) + 1;
     assert!(groups > 10, "{groups}");
     let scene = service.scene(Some("4x4/raw")).unwrap();
-    let (_, hashes, _) = GroupHashes::split(&[&scene.body[..], &scene.tail].concat(), &Budget::default())
+    let (_, hashes, _) = GroupHashes::split(&[&scene.body[..], &scene.tail].concat(), &MemoryPool::default())
         .map(|(scene, hashes, held)| (scene.to_vec(), hashes, held))
         .unwrap();
     for group in 0..groups {

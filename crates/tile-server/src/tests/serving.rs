@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::server::Limits;
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use std::io::Read;
 use std::net::SocketAddr;
 use std::time::Instant;
@@ -25,7 +25,7 @@ fn scene(address: SocketAddr) -> Vec<u8> {
 
 /// Returns the compressed scene of a body, without the hashes behind it.
 fn packed(body: &[u8]) -> Vec<u8> {
-    GroupHashes::split(body, &Budget::default()).unwrap().0.to_vec()
+    GroupHashes::split(body, &MemoryPool::default()).unwrap().0.to_vec()
 }
 
 /// Sends a request and reads until the server closes.

@@ -78,7 +78,7 @@ impl Outside for Server {
     fn show(&self, _: Vec<u8>) {}
 }
 
-fn path(server: &Rc<Server>, budget: &Budget) -> Rc<Path> {
+fn path(server: &Rc<Server>, budget: &MemoryPool) -> Rc<Path> {
     Rc::new(Path::new(Rc::<Server>::clone(server), "http://a/", budget))
 }
 
@@ -105,7 +105,7 @@ fn expected(tiles: &[u32]) -> Vec<Arc<[u8]>> {
 #[test]
 fn page_batches_missing_tiles() {
     let server = Server::new(|_, _| ());
-    let path = path(&server, &Budget::default());
+    let path = path(&server, &MemoryPool::default());
     assert_eq!(take(&path, &[3, 0, 5]).unwrap(), expected(&[3, 0, 5]));
     assert_eq!(server.requests(), 1, "{server:?}");
     assert!(server.asked.borrow()[0].ends_with("/3,0,5"));
@@ -121,7 +121,7 @@ fn page_batches_missing_tiles() {
 #[test]
 fn full_memory_refetches_tiles() {
     let server = Server::new(|_, _| ());
-    let path = path(&server, &Budget::new(0));
+    let path = path(&server, &MemoryPool::new(0));
     for _ in 0..2 {
         assert_eq!(take(&path, &[3, 0, 5]).unwrap(), expected(&[3, 0, 5]));
     }
@@ -147,7 +147,7 @@ fn wrong_response_is_retried_and_not_cached() {
     ];
     for (n, spoil) in spoils.into_iter().enumerate() {
         let server = Server::new(spoil);
-        let error = take(&path(&server, &Budget::default()), &[3, 0, 5]).unwrap_err();
+        let error = take(&path(&server, &MemoryPool::default()), &[3, 0, 5]).unwrap_err();
         assert_eq!(server.requests(), 3, "{n}: {error}");
         assert!(error.starts_with("texture 4 (plane), layer 2, tile 3: http://a/tile/"), "{n}: {error}");
         assert!(error.ends_with("(attempt 3, and no more are made)"), "{n}: {error}");
@@ -157,7 +157,7 @@ fn wrong_response_is_retried_and_not_cached() {
             got.body[0] ^= 1
         }
     });
-    assert_eq!(take(&path(&server, &Budget::default()), &[3, 0, 5]).unwrap(), expected(&[3, 0, 5]));
+    assert_eq!(take(&path(&server, &MemoryPool::default()), &[3, 0, 5]).unwrap(), expected(&[3, 0, 5]));
 }
 
 #[test]
@@ -167,10 +167,10 @@ fn lying_tile_is_an_error_that_names_it() {
         got.body[9] ^= 1;
         got.tag = etag_of(&got.body);
     });
-    let error = take(&path(&server, &Budget::default()), &[3]).unwrap_err();
+    let error = take(&path(&server, &MemoryPool::default()), &[3]).unwrap_err();
     assert!(error.starts_with("texture 4 (plane), layer 2, tile 3: http://a/tile/"), "{error}");
     assert!(error.contains("not the tile that the scene states"), "{error}");
     let server = Server::new(|_, _| ());
-    let error = take_with(&path(&server, &Budget::default()), hashes(b"other"), &[3]).unwrap_err();
+    let error = take_with(&path(&server, &MemoryPool::default()), hashes(b"other"), &[3]).unwrap_err();
     assert!(error.contains("/hashes/") && error.contains("not the list that the scene states"), "{error}");
 }

@@ -3,7 +3,7 @@
 use super::super::decode;
 use crate::outside::ImportContext;
 use crate::{MemoryFiles, SceneError};
-use basrelief_input::Budget;
+use basrelief_input::MemoryPool;
 use basrelief_signals::Image;
 
 /// A JPEG file and the RGB pixels that libjpeg decodes from it.
@@ -43,7 +43,7 @@ fn matrix() -> Vec<JpegCase> {
 
 fn decoded(bytes: &[u8]) -> Result<Image, SceneError> {
     let files = MemoryFiles::default();
-    decode(bytes, "t.jpg", &ImportContext::new(&files, &Budget::default())).map(|(image, _)| image)
+    decode(bytes, "t.jpg", &ImportContext::new(&files, &MemoryPool::default())).map(|(image, _)| image)
 }
 
 fn case(name: &str) -> JpegCase {

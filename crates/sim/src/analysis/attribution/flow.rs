@@ -7,7 +7,7 @@
 
 use super::origin::{Origin, TokenSample};
 use super::polygon_index::PolygonIndex;
-use basrelief_input::{Budget, OverBudget};
+use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::{Label, StageTopology};
 use basrelief_machines::CostPoints;
 use basrelief_signals::Attribution;
@@ -67,7 +67,7 @@ pub(crate) struct Flow {
 }
 
 impl Flow {
-    pub(crate) fn new(stages: &[StageTopology], points: CostPoints, sample: Option<TokenSample>, budget: &Budget) -> Self {
+    pub(crate) fn new(stages: &[StageTopology], points: CostPoints, sample: Option<TokenSample>, budget: &MemoryPool) -> Self {
         let mut names: Vec<&str> = stages.iter().flat_map(|s| &s.outputs).map(String::as_str).collect();
         names.sort_unstable();
         let number = |name: &str| names.binary_search(&name).ok();

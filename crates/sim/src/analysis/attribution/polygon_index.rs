@@ -1,7 +1,7 @@
 //! Index of the polygons of a run by their addresses.
 
 use super::origin::{Origin, Polygon};
-use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use std::collections::BTreeMap;
 
 /// Size of an entry \[bytes\].
@@ -14,12 +14,12 @@ pub(super) struct PolygonIndex {
     count: usize,
     /// Frame of the last polygon, and its number within the frame.
     last: Option<(u32, u32)>,
-    held: Held,
+    held: MemoryReservation,
 }
 
 impl PolygonIndex {
-    pub(super) fn new(budget: &Budget) -> Self {
-        Self { by_address: BTreeMap::new(), count: 0, last: None, held: budget.nothing() }
+    pub(super) fn new(budget: &MemoryPool) -> Self {
+        Self { by_address: BTreeMap::new(), count: 0, last: None, held: budget.empty_reservation() }
     }
 
     /// Adds a polygon of an object.
@@ -34,7 +34,7 @@ impl PolygonIndex {
         self.count += 1;
         let origin = Origin { object: object.object, polygon: Some(polygon), ..Origin::whole(object.frame) };
         if self.by_address.insert(address, origin).is_none() {
-            self.held.grow(ENTRY_BYTES, "polygons in flight")?;
+            self.held.try_grow(ENTRY_BYTES, "polygons in flight")?;
         }
         Ok(origin)
     }

@@ -2,7 +2,7 @@
 
 use super::flow::{Flow, FlowEvents, StepTokens};
 use super::origin::{Origin, TokenSample};
-use basrelief_input::{Budget, OverBudget};
+use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::{Cycle, Interval, Label, MemoryEvent, Probe, StageTopology, StallCause};
 use basrelief_machines::{CostPoints, MachineConfig};
 use basrelief_timeline::{StepAttribution, TimelineProbe, TokenLife};
@@ -33,7 +33,7 @@ impl<'a, 'b> AttributionProbe<'a, 'b> {
         config: &MachineConfig,
         stages: &[StageTopology],
         sample: Option<TokenSample>,
-        budget: &Budget,
+        budget: &MemoryPool,
         timeline: &'a mut TimelineProbe<'b>,
     ) -> Self {
         let count = stages.len();

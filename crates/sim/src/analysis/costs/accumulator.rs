@@ -3,7 +3,7 @@
 use super::pixels::PixelRecords;
 use super::spent::CostKind;
 use crate::analysis::attribution::Origin;
-use basrelief_input::{Held, OverBudget};
+use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::{CycleAccount, MAX_CLIENTS, MAX_LINKS, StageTopology, StallCause, UnitReport};
 
 /// Parts of a cycle: divisible by all numbers up to 16, the maximum number of pixels in most tokens, so that pixels can share a cycle
@@ -92,7 +92,7 @@ impl CostAccumulator {
         Charge { slot, cycles }: Charge,
         origin: &Origin,
         pixels: &PixelRecords,
-        held: &mut Held,
+        held: &mut MemoryReservation,
     ) -> Result<(), OverBudget> {
         let slot = &mut self.0[slot];
         let count = pixels.places(origin).count() as u64;
@@ -102,7 +102,7 @@ impl CostAccumulator {
         }
         if slot.parts.is_empty() {
             let [width, height] = pixels.size.map(u64::from);
-            held.grow(size_of::<u64>() as u64 * width * height, "what each pixel costs")?;
+            held.try_grow(size_of::<u64>() as u64 * width * height, "what each pixel costs")?;
             slot.parts = vec![0; (width * height) as usize];
         }
         slot.on_pixels += cycles;

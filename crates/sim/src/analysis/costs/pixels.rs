@@ -1,7 +1,7 @@
 //! Properties of each pixel other than its cycles.
 
 use crate::analysis::attribution::Origin;
-use basrelief_input::{Held, OverBudget};
+use basrelief_input::{MemoryReservation, OverBudget};
 
 /// Marks an unknown polygon or table entry.
 const NONE: u32 = u32::MAX;
@@ -25,12 +25,12 @@ impl PixelRecords {
     ///
     /// # Errors
     /// The memory limit is exceeded.
-    pub(super) fn begin(&mut self, size: [u32; 2], held: &mut Held) -> Result<(), OverBudget> {
+    pub(super) fn begin(&mut self, size: [u32; 2], held: &mut MemoryReservation) -> Result<(), OverBudget> {
         if !self.overdraw.is_empty() {
             return Ok(());
         }
         let pixels = u64::from(size[0]) * u64::from(size[1]);
-        held.grow(PIXEL_BYTES * pixels, "the records of each pixel")?;
+        held.try_grow(PIXEL_BYTES * pixels, "the records of each pixel")?;
         let pixels = pixels as usize;
         self.size = size;
         (self.overdraw, self.polygons) = (vec![0; pixels], vec![NONE; pixels]);

@@ -2,7 +2,7 @@
 
 use super::spent::CycleBreakdown;
 use crate::analysis::attribution::{Origin, Polygon};
-use basrelief_input::{Held, OverBudget};
+use basrelief_input::{MemoryReservation, OverBudget};
 use std::collections::BTreeMap;
 
 /// Costs of a polygon.
@@ -39,9 +39,9 @@ impl Polygons {
     ///
     /// # Errors
     /// The memory limit is exceeded.
-    pub(super) fn enter(&mut self, origin: &Origin, held: &mut Held) -> Result<(), OverBudget> {
+    pub(super) fn enter(&mut self, origin: &Origin, held: &mut MemoryReservation) -> Result<(), OverBudget> {
         let Origin { frame, object, polygon: Some(Polygon { frame: number, .. }), .. } = *origin else { return Ok(()) };
-        held.room(&mut self.list, 1, "costs of polygons")?;
+        held.make_room(&mut self.list, 1, "costs of polygons")?;
         self.list.push(PolygonCost { frame: frame.unwrap_or_default(), number, object, ..PolygonCost::default() });
         Ok(())
     }

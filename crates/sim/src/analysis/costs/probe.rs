@@ -6,7 +6,7 @@ use super::polygons::Polygons;
 use super::run_costs::Costs;
 use super::step_polygons::StepPolygons;
 use crate::analysis::attribution::{Flow, FlowEvents, Origin, StepTokens};
-use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_kernel::{Cycle, Label, MemoryEvent, Probe, RunReport, StageTopology, StallCause};
 use basrelief_machines::CostPoints;
 use std::cell::RefCell;
@@ -39,14 +39,14 @@ pub(crate) struct CostOptions<'a> {
     pub(crate) points: CostPoints,
     /// First cycle in which no step may start.
     pub(crate) end: u64,
-    pub(crate) budget: &'a Budget,
+    pub(crate) budget: &'a MemoryPool,
 }
 
 /// Recipients of costs.
 struct Tally {
     pixels: PixelRecords,
     polygons: Polygons,
-    held: Held,
+    held: MemoryReservation,
 }
 
 impl FlowEvents for Tally {
@@ -84,7 +84,7 @@ impl<'a> CostProbe<'a> {
             flow: Flow::new(&stages, points, None, budget),
             stages,
             end,
-            tally: Tally { pixels: PixelRecords::default(), polygons: Polygons::default(), held: budget.nothing() },
+            tally: Tally { pixels: PixelRecords::default(), polygons: Polygons::default(), held: budget.empty_reservation() },
             accumulators: vec![CostAccumulator::default(); count],
             untimed: vec![VecDeque::new(); count],
             waits: vec![Vec::new(); count],

@@ -4,7 +4,7 @@ use super::accumulator::{PARTS, UnitCost};
 use super::pixels::PixelRecords;
 use super::polygons::PolygonCost;
 use super::spent::{CostKind, CycleBreakdown};
-use basrelief_input::Held;
+use basrelief_input::MemoryReservation;
 use std::collections::BTreeMap;
 
 /// Costs of a run by pixel, polygon, object and frame. A pixel sums its costs over all frames.
@@ -23,7 +23,7 @@ pub struct Costs {
     pub(super) objects: BTreeMap<(u32, u32), CycleBreakdown>,
     /// Costs of frames, without those of their objects.
     pub(super) whole_frames: BTreeMap<u32, CycleBreakdown>,
-    pub(super) _held: Held,
+    pub(super) _held: MemoryReservation,
 }
 
 /// Cycles that one unit spent on a pixel, in one activity.

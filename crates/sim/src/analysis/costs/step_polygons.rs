@@ -3,7 +3,7 @@
 use super::polygons::PolygonCost;
 use crate::analysis::attribution::Origin;
 use crate::analysis::bottleneck::EVENTS;
-use basrelief_input::{Held, OverBudget};
+use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::StageGroups;
 use basrelief_report::costs::LISTED;
 use basrelief_report::model::{PathPolygon, PathPolygons};
@@ -16,11 +16,11 @@ const RUN_BYTES: u64 = 8;
 pub(crate) struct StepPolygons {
     pub(crate) stages: Vec<StageGroups>,
     steps: usize,
-    held: Held,
+    held: MemoryReservation,
 }
 
 impl StepPolygons {
-    pub(crate) fn new(stages: usize, held: Held) -> Self {
+    pub(crate) fn new(stages: usize, held: MemoryReservation) -> Self {
         Self { stages: vec![StageGroups::default(); stages], steps: 0, held }
     }
 
@@ -32,7 +32,7 @@ impl StepPolygons {
         let Some(groups) = self.stages.get_mut(stage) else { return Ok(()) };
         let group = origin.polygon.and_then(|polygon| u32::try_from(polygon.run).ok()).unwrap_or(StageGroups::NONE);
         if groups.push(group) {
-            self.held.grow(RUN_BYTES, "polygons of steps, for the critical path")?;
+            self.held.try_grow(RUN_BYTES, "polygons of steps, for the critical path")?;
         }
         self.steps += 1;
         if self.steps > EVENTS {

@@ -10,7 +10,7 @@ use crate::run::memory_estimates;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::{LoggingMachine, PictureRecord};
 use basrelief_reference::{RgbPicture, SizeMismatch, metrics};
-use basrelief_threads::Later;
+use basrelief_threads::Deferred;
 
 impl Session<'_> {
     /// Returns the auxiliary output of pictures in increasing quality, if it is selected.
@@ -29,7 +29,7 @@ impl Session<'_> {
             let picture = picture(shown);
             self.attempt(|session| output.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer)));
             let bytes = memory_estimates::WAITING_PIXEL * picture.rgb.len() as u64;
-            let held = self.rounds_held.grow(bytes, "pictures that better pictures follow");
+            let held = self.rounds_held.try_grow(bytes, "pictures that better pictures follow");
             if self.check_memory(held) {
                 self.rounds.push((frame, picture));
             }
@@ -64,7 +64,7 @@ impl Session<'_> {
     }
 
     fn take_frame(&mut self, frame: FinishedFrame, rounds: Option<AuxOutputInfo>) -> Result<(), String> {
-        let held = self.frames_held.grow(memory_estimates::FRAME, "figures of frames");
+        let held = self.frames_held.try_grow(memory_estimates::FRAME, "figures of frames");
         if !self.check_memory(held) {
             return Ok(());
         }
@@ -90,7 +90,7 @@ impl Session<'_> {
         }
     }
 
-    fn pass_on(&mut self, compared: Later<Result<ComparedFrame, SizeMismatch>>) -> Result<(), String> {
+    fn pass_on(&mut self, compared: Deferred<Result<ComparedFrame, SizeMismatch>>) -> Result<(), String> {
         let ComparedFrame { index, machine, digest, exact } = compared.get().map_err(|e| e.to_string())?;
         self.images.push(digest);
         if let Some((_, quality, difference)) = exact {

@@ -1,20 +1,20 @@
 //! Errors of serde and `serde_json` in terms of JSON: lists, objects and numbers.
 
 /// Text of an error, without line and column.
-pub(crate) fn plain(error: &serde_json::Error) -> String {
+pub(crate) fn error_text(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let text = text.strip_suffix(&format!(" at line {} column {}", error.line(), error.column())).unwrap_or(&text);
     if !error.is_data() {
-        return syntax(text);
+        return syntax_text(text);
     }
     let found = ["invalid type: ", "invalid value: ", "invalid length "].into_iter().find_map(|start| {
         let (found, expected) = text.strip_prefix(start)?.rsplit_once(", expected ")?;
-        Some((if start.ends_with("length ") { format!("a list of {found}") } else { unexpected(found) }, expected))
+        Some((if start.ends_with("length ") { format!("a list of {found}") } else { found_text(found) }, expected))
     });
-    found.map_or_else(|| shorten(text), |(found, expected)| format!("{found} stands here, expected {}", wanted(expected)))
+    found.map_or_else(|| shorten(text), |(found, expected)| format!("{found} stands here, expected {}", expected_text(expected)))
 }
 
-fn syntax(text: &str) -> String {
+fn syntax_text(text: &str) -> String {
     match text {
         "EOF while parsing a value"
         | "EOF while parsing an object"
@@ -31,7 +31,7 @@ fn syntax(text: &str) -> String {
 }
 
 /// Name of the value found.
-fn unexpected(found: &str) -> String {
+fn found_text(found: &str) -> String {
     let number = found.strip_prefix("integer ").or_else(|| found.strip_prefix("floating point "));
     match found {
         "map" => "an object".into(),
@@ -48,7 +48,7 @@ fn unexpected(found: &str) -> String {
 }
 
 /// Name of the value expected.
-fn wanted(expected: &str) -> String {
+fn expected_text(expected: &str) -> String {
     match expected {
         "a sequence" => "a list".into(),
         "a map" => "an object".into(),

@@ -7,13 +7,13 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Pool of memory for untrusted input. Clones share one pool.
 ///
-/// A reader takes memory from the pool with [`Budget::take`] before it allocates. The count covers data structures and not
+/// A reader takes memory from the pool with [`MemoryPool::try_reserve`] before it allocates. The count covers data structures and not
 /// file sizes, so that a small file that expands into large structures is refused. Memory of the program itself is not counted.
 #[derive(Clone, Debug)]
-pub struct Budget(Arc<Account>);
+pub struct MemoryPool(Arc<PoolState>);
 
 #[derive(Debug)]
-struct Account {
+struct PoolState {
     limit: u64,
     /// Advice for errors.
     advice: &'static str,
@@ -21,13 +21,13 @@ struct Account {
     held: AtomicU64,
 }
 
-impl Default for Budget {
+impl Default for MemoryPool {
     fn default() -> Self {
         Self::new(Self::DEFAULT)
     }
 }
 
-impl Budget {
+impl MemoryPool {
     /// Default limit \[bytes\].
     pub const DEFAULT: u64 = 1 << 30;
 
@@ -38,7 +38,7 @@ impl Budget {
 
     /// Creates a pool of this many bytes, with advice for its errors.
     pub fn with_advice(limit: u64, advice: &'static str) -> Self {
-        Self(Arc::new(Account { limit, advice, held: AtomicU64::new(0) }))
+        Self(Arc::new(PoolState { limit, advice, held: AtomicU64::new(0) }))
     }
 
     /// Returns the bytes that are left.
@@ -50,32 +50,32 @@ impl Budget {
     ///
     /// # Errors
     /// `bytes` exceeds the bytes that are left. Nothing is taken then.
-    pub fn take(&self, bytes: u64, what: impl Display) -> Result<Held, OverBudget> {
-        let mut held = self.nothing();
-        held.grow(bytes, what)?;
+    pub fn try_reserve(&self, bytes: u64, what: impl Display) -> Result<MemoryReservation, OverBudget> {
+        let mut held = self.empty_reservation();
+        held.try_grow(bytes, what)?;
         Ok(held)
     }
 
     /// Returns a reservation of 0 bytes, which can grow.
-    pub fn nothing(&self) -> Held {
-        Held { budget: self.clone(), bytes: 0 }
+    pub fn empty_reservation(&self) -> MemoryReservation {
+        MemoryReservation { budget: self.clone(), bytes: 0 }
     }
 }
 
-/// Reservation of bytes of a [`Budget`]. Dropping it gives the bytes back.
+/// Reservation of bytes of a [`MemoryPool`]. Dropping it gives the bytes back.
 #[derive(Debug)]
-pub struct Held {
-    budget: Budget,
+pub struct MemoryReservation {
+    budget: MemoryPool,
     bytes: u64,
 }
 
-impl Held {
+impl MemoryReservation {
     /// Takes more bytes.
     ///
     /// # Errors
     /// `bytes` exceeds the bytes that are left. Nothing is taken then.
-    pub fn grow(&mut self, bytes: u64, what: impl Display) -> Result<(), OverBudget> {
-        let Account { limit, advice, held } = &*self.budget.0;
+    pub fn try_grow(&mut self, bytes: u64, what: impl Display) -> Result<(), OverBudget> {
+        let PoolState { limit, advice, held } = &*self.budget.0;
         let more = |before: u64| before.checked_add(bytes).filter(|sum| sum <= limit);
         let taken = held.fetch_update(Relaxed, Relaxed, more);
         taken.map_err(|held| OverBudget { what: what.to_string(), bytes, held, limit: *limit, advice })?;
@@ -86,11 +86,11 @@ impl Held {
     /// Makes room in a list for `more` items. A full list doubles its capacity.
     ///
     /// # Errors
-    /// Errors of [`Held::grow`].
-    pub fn room<T>(&mut self, list: &mut Vec<T>, more: usize, what: impl Display) -> Result<(), OverBudget> {
+    /// Errors of [`MemoryReservation::try_grow`].
+    pub fn make_room<T>(&mut self, list: &mut Vec<T>, more: usize, what: impl Display) -> Result<(), OverBudget> {
         if list.capacity() - list.len() < more {
             let larger = list.capacity().max(more).max(16);
-            self.grow(size_of::<T>() as u64 * larger as u64, what)?;
+            self.try_grow(size_of::<T>() as u64 * larger as u64, what)?;
             list.reserve_exact(larger + list.capacity() - list.len());
         }
         Ok(())
@@ -119,12 +119,12 @@ impl Held {
     }
 
     /// Keeps the bytes until the program ends.
-    pub fn keep(mut self) {
+    pub fn keep_forever(mut self) {
         self.bytes = 0;
     }
 }
 
-impl Drop for Held {
+impl Drop for MemoryReservation {
     fn drop(&mut self) {
         self.shrink_to(0);
     }
@@ -144,7 +144,7 @@ pub struct OverBudget {
 
 impl Display for OverBudget {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let [bytes, held, limit] = [self.bytes, self.held, self.limit].map(Size);
+        let [bytes, held, limit] = [self.bytes, self.held, self.limit].map(ByteSize);
         let (what, advice) = (&self.what, self.advice);
         write!(f, "would hold {bytes} of {what}, with {held} held already: over the limit of {limit}; {advice}")
     }
@@ -160,16 +160,16 @@ impl From<OverBudget> for io::Error {
 
 impl OverBudget {
     /// Returns the limit error inside an I/O error, or `None` for another I/O error.
-    pub fn within(error: &io::Error) -> Option<&Self> {
+    pub fn in_io_error(error: &io::Error) -> Option<&Self> {
         error.get_ref()?.downcast_ref()
     }
 }
 
 /// Number of bytes that is shown as `1 GiB` or `1.5 MiB`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size(pub u64);
+pub struct ByteSize(pub u64);
 
-impl Display for Size {
+impl Display for ByteSize {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let unit = [("GiB", 30), ("MiB", 20), ("KiB", 10)].into_iter().find(|(_, bits)| self.0 >> bits > 0);
         let Some((unit, bits)) = unit else { return write!(f, "{} bytes", self.0) };
@@ -181,7 +181,7 @@ impl Display for Size {
     }
 }
 
-impl std::str::FromStr for Size {
+impl std::str::FromStr for ByteSize {
     type Err = String;
 
     /// Parses a whole number of bytes, `KiB`, `MiB` or `GiB`.
@@ -196,20 +196,20 @@ impl std::str::FromStr for Size {
 
 /// Writer into memory that counts bytes as they arrive.
 #[derive(Debug)]
-pub struct Growing {
+pub struct CountedBuffer {
     bytes: Vec<u8>,
-    held: Held,
+    held: MemoryReservation,
     what: &'static str,
 }
 
-impl Growing {
+impl CountedBuffer {
     /// Creates an empty buffer.
-    pub fn new(budget: &Budget, what: &'static str) -> Self {
-        Self { bytes: Vec::new(), held: budget.nothing(), what }
+    pub fn new(budget: &MemoryPool, what: &'static str) -> Self {
+        Self { bytes: Vec::new(), held: budget.empty_reservation(), what }
     }
 
     /// Returns the bytes written and their reservation.
-    pub fn into_parts(self) -> (Vec<u8>, Held) {
+    pub fn into_parts(self) -> (Vec<u8>, MemoryReservation) {
         (self.bytes, self.held)
     }
 
@@ -224,9 +224,9 @@ impl Growing {
     }
 }
 
-impl Write for Growing {
+impl Write for CountedBuffer {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.held.room(&mut self.bytes, bytes.len(), self.what)?;
+        self.held.make_room(&mut self.bytes, bytes.len(), self.what)?;
         self.bytes.extend_from_slice(bytes);
         Ok(bytes.len())
     }
@@ -240,9 +240,14 @@ impl Write for Growing {
 ///
 /// # Errors
 /// A failed read, or [`OverBudget`].
-pub fn read_to_end(reader: &mut dyn Read, expected: u64, budget: &Budget, what: &'static str) -> io::Result<(Vec<u8>, Held)> {
-    let mut all = Growing::new(budget, what);
-    all.held.room(&mut all.bytes, usize::try_from(expected).unwrap_or(usize::MAX), what)?;
+pub fn read_to_end(
+    reader: &mut dyn Read,
+    expected: u64,
+    budget: &MemoryPool,
+    what: &'static str,
+) -> io::Result<(Vec<u8>, MemoryReservation)> {
+    let mut all = CountedBuffer::new(budget, what);
+    all.held.make_room(&mut all.bytes, usize::try_from(expected).unwrap_or(usize::MAX), what)?;
     io::copy(reader, &mut all)?;
     Ok(all.into_parts())
 }
@@ -253,40 +258,40 @@ mod tests {
 
     #[test]
     fn dropped_reservation_is_given_back() {
-        let budget = Budget::new(100);
-        let mut a = budget.take(60, "texels").unwrap();
+        let budget = MemoryPool::new(100);
+        let mut a = budget.try_reserve(60, "texels").unwrap();
         assert_eq!(budget.clone().left(), 40);
-        assert!(budget.take(41, "names").is_err());
-        assert!(a.grow(u64::MAX, "names").is_err(), "no overflow");
+        assert!(budget.try_reserve(41, "names").is_err());
+        assert!(a.try_grow(u64::MAX, "names").is_err(), "no overflow");
         assert_eq!(budget.left(), 40, "what is refused is not taken");
-        a.join(budget.take(40, "names").unwrap());
+        a.join(budget.try_reserve(40, "names").unwrap());
         a.give_back(30);
         assert_eq!((a.bytes(), budget.left()), (70, 30));
         drop(a);
         assert_eq!(budget.left(), 100);
-        budget.take(7, "a scene").unwrap().keep();
+        budget.try_reserve(7, "a scene").unwrap().keep_forever();
         assert_eq!(budget.left(), 93);
     }
 
     #[test]
     fn the_error_says_what_of_how_much_and_what_to_do() {
-        let budget = Budget::new(1 << 20);
-        let _held = budget.take(1 << 19, "texels").unwrap();
+        let budget = MemoryPool::new(1 << 20);
+        let _held = budget.try_reserve(1 << 19, "texels").unwrap();
         assert_eq!(
-            budget.take(3 << 19, "names").unwrap_err().to_string(),
+            budget.try_reserve(3 << 19, "names").unwrap_err().to_string(),
             "would hold 1.5 MiB of names, with 512 KiB held already: over the limit of 1 MiB; give more with --memory-limit, if \
              this input is to be trusted"
         );
-        let other = Budget::with_advice(5, "buy more").take(6, "names").unwrap_err().to_string();
+        let other = MemoryPool::with_advice(5, "buy more").try_reserve(6, "names").unwrap_err().to_string();
         assert_eq!(other, "would hold 6 bytes of names, with 0 bytes held already: over the limit of 5 bytes; buy more");
     }
 
     #[test]
     fn a_list_grows_within_the_budget() {
-        let budget = Budget::new(1000);
-        let (mut held, mut list) = (budget.nothing(), Vec::<u32>::new());
+        let budget = MemoryPool::new(1000);
+        let (mut held, mut list) = (budget.empty_reservation(), Vec::<u32>::new());
         for i in 0.. {
-            if held.room(&mut list, 1, "numbers").is_err() {
+            if held.make_room(&mut list, 1, "numbers").is_err() {
                 break;
             }
             list.push(i);
@@ -297,26 +302,26 @@ mod tests {
 
     #[test]
     fn a_reader_is_read_no_further_than_the_budget_goes() {
-        let budget = Budget::new(1 << 16);
+        let budget = MemoryPool::new(1 << 16);
         let error = read_to_end(&mut io::repeat(0), 0, &budget, "a file").unwrap_err();
-        assert!(OverBudget::within(&error).is_some(), "{error}");
+        assert!(OverBudget::in_io_error(&error).is_some(), "{error}");
         assert_eq!(budget.left(), 1 << 16);
         assert!(read_to_end(&mut io::empty(), u64::MAX, &budget, "a file").is_err(), "nor is what is announced believed");
         assert_eq!(read_to_end(&mut &b"abc"[..], 3, &budget, "a file").unwrap().0, b"abc");
     }
 
     #[test]
-    fn sizes_are_told_and_read_in_words() {
-        let told = [(7, "7 bytes"), (1024, "1 KiB"), (1025, "1.1 KiB"), (3 << 29, "1.5 GiB"), (u64::MAX, "17179869184 GiB")];
-        for (bytes, text) in told {
-            assert_eq!(Size(bytes).to_string(), text);
+    fn sizes_are_shown_and_parsed() {
+        let shown = [(7, "7 bytes"), (1024, "1 KiB"), (1025, "1.1 KiB"), (3 << 29, "1.5 GiB"), (u64::MAX, "17179869184 GiB")];
+        for (bytes, text) in shown {
+            assert_eq!(ByteSize(bytes).to_string(), text);
         }
         let read = [("7", 7), ("2KiB", 2048), ("3 MiB", 3 << 20), ("4GiB", 1 << 32)];
         for (text, bytes) in read {
-            assert_eq!(text.parse(), Ok(Size(bytes)), "{text}");
+            assert_eq!(text.parse(), Ok(ByteSize(bytes)), "{text}");
         }
         for wrong in ["", "0", "-1", "1.5GiB", "1GB", "99999999999GiB", "GiB"] {
-            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+            assert!(wrong.parse::<ByteSize>().is_err(), "{wrong}");
         }
     }
 }
