@@ -1,6 +1,6 @@
 //! A wall and a floor to the horizon.
 
-use super::pattern::{BrickPattern, noise};
+use super::pattern::{BrickPattern, Noise};
 use super::stage::{DemoBuilder, DemoScene, SurfaceGrid, SurfacePoint};
 use crate::camera::{Projection, Viewpoint};
 use basrelief_signals::Mesh;
@@ -19,12 +19,12 @@ const WALL_HEIGHT: f64 = 3.2;
 /// with the distance, each about one LOD deep: every LOD 0..=63 occurs in the picture.
 pub(super) fn build() -> DemoScene {
     let mut shop = DemoBuilder::default();
-    let bricks = BrickPattern { bricks: 6, courses: 12, seed: 11 };
-    let slabs = BrickPattern { bricks: 4, courses: 4, seed: 23 };
-    let wall_map = shop.heights("bricks", 512, 9.0, move |u, v| bricks.height(u, v));
-    let floor_map = shop.heights("slabs", 512, 10.0, move |u, v| slabs.height(u, v));
-    let wall_color = shop.colors("brick colours", [512, 512], move |u, v| brick_color(bricks, u, v));
-    let floor_color = shop.colors("slab colours", [512, 512], move |u, v| slab_color(slabs, u, v));
+    let (bricks, slabs) = (BrickPattern::new(6, 12, 11), BrickPattern::new(4, 4, 23));
+    let mortar = Noise::new(48, 3);
+    let wall_map = shop.heights("bricks", 512, 9.0, |u, v| bricks.height(u, v));
+    let floor_map = shop.heights("slabs", 512, 10.0, |u, v| slabs.height(u, v));
+    let wall_color = shop.colors("brick colours", [512, 512], |u, v| brick_color(&bricks, &mortar, u, v));
+    let floor_color = shop.colors("slab colours", [512, 512], |u, v| slab_color(&slabs, u, v));
     let wall_material = shop.material("brick", [1.0; 3], Some(wall_color), Some(wall_map));
     let floor_material = shop.material("slabs", [1.0; 3], Some(floor_color), Some(floor_map));
     shop.place("wall", wall(), DMat4::IDENTITY, &wall_material);
@@ -61,14 +61,14 @@ fn floor() -> Mesh {
     })
 }
 
-fn brick_color(masonry: BrickPattern, u: f64, v: f64) -> DVec3 {
+fn brick_color(masonry: &BrickPattern, mortar: &Noise, u: f64, v: f64) -> DVec3 {
     let (stone, shade) = masonry.stone(u, v);
     let brick = DVec3::new(0.50, 0.19, 0.13).lerp(DVec3::new(0.83, 0.45, 0.30), shade);
-    let mortar = DVec3::splat(0.62 + 0.15 * noise(u, v, 48, 3));
+    let mortar = DVec3::splat(0.62 + 0.15 * mortar.at(u, v));
     mortar.lerp(brick, stone)
 }
 
-fn slab_color(masonry: BrickPattern, u: f64, v: f64) -> DVec3 {
+fn slab_color(masonry: &BrickPattern, u: f64, v: f64) -> DVec3 {
     let (stone, shade) = masonry.stone(u, v);
     let slab = DVec3::new(0.50, 0.51, 0.54).lerp(DVec3::new(0.84, 0.80, 0.72), shade);
     DVec3::new(0.36, 0.34, 0.30).lerp(slab, stone)

@@ -1,7 +1,7 @@
 //! A coin in relief under a circling light.
 
 use super::lettering::{distance, width};
-use super::pattern::{noise, smoothstep};
+use super::pattern::{Noise, smoothstep};
 use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, framing};
 use crate::view::LightOrbit;
 use basrelief_signals::Mesh;
@@ -15,7 +15,8 @@ const THICKNESS: f64 = 0.16;
 /// while the indices on the surface stay the same.
 pub(super) fn build() -> DemoScene {
     let mut shop = DemoBuilder::default();
-    let relief = shop.heights("relief", 512, 11.0, |u, v| height(DVec2::new(2.0 * u - 1.0, 1.0 - 2.0 * v) * 1.01));
+    let grain = Noise::new(24, 5);
+    let relief = shop.heights("relief", 512, 11.0, |u, v| height(&grain, DVec2::new(2.0 * u - 1.0, 1.0 - 2.0 * v) * 1.01));
     let reeds = shop.heights("reeds", 64, 5.0, |u, _| 0.5 + 0.5 * libm::cos(2.0 * PI * u));
     let gold = [1.0, 0.80, 0.38];
     let face = shop.material("gold, struck", gold, None, Some(relief));
@@ -53,10 +54,10 @@ fn rim() -> Mesh {
 }
 
 /// Height at a point of the unit disc, x to the right, y up.
-fn height(p: DVec2) -> f64 {
+fn height(grain: &Noise, p: DVec2) -> f64 {
     let r = p.length();
     let border = smoothstep(0.915, 0.94, r);
-    let field = 0.10 + 0.02 * noise(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.y, 24, 5);
+    let field = 0.10 + 0.02 * grain.at(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.y);
     let angle = libm::atan2(p.x, p.y);
     let parts = [beads(r, angle), inscription(r, angle), garland(r, angle), sun(r, angle)];
     let relief = parts.into_iter().fold(border, f64::max);

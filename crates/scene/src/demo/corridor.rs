@@ -1,6 +1,6 @@
 //! A corridor to the vanishing point.
 
-use super::pattern::noise;
+use super::pattern::Noise;
 use super::stage::{DemoBuilder, DemoScene, WHOLE, rectangle};
 use crate::camera::{Projection, Viewpoint};
 use basrelief_signals::Mesh;
@@ -22,12 +22,12 @@ const BOARD: [f64; 2] = [0.16, 0.03];
 /// lines of the walls w runs through the ratio of 1:1000, along those of floor and ceiling it stays the same.
 pub(super) fn build() -> DemoScene {
     let mut shop = DemoBuilder::default();
-    let dark = DVec3::new(0.13, 0.15, 0.20);
-    let floor_colors = shop.colors("floor checks", [256, 256], move |u, v| checks(u, v, 4, dark, DVec3::new(0.92, 0.90, 0.84)));
-    let wall_colors = shop
-        .colors("wall checks", [256, 128], |u, v| checks(u, v, 2, DVec3::new(0.55, 0.20, 0.16), DVec3::new(0.88, 0.72, 0.48)));
-    let ceiling_colors = shop
-        .colors("ceiling checks", [128, 128], |u, v| checks(u, v, 2, DVec3::new(0.30, 0.44, 0.60), DVec3::new(0.78, 0.88, 0.95)));
+    let (veins, dark) = (Noise::new(8, 57), DVec3::new(0.13, 0.15, 0.20));
+    let floor_colors = shop.colors("floor checks", [256, 256], checks(&veins, 4, dark, DVec3::new(0.92, 0.90, 0.84)));
+    let wall_colors =
+        shop.colors("wall checks", [256, 128], checks(&veins, 2, DVec3::new(0.55, 0.20, 0.16), DVec3::new(0.88, 0.72, 0.48)));
+    let ceiling_colors =
+        shop.colors("ceiling checks", [128, 128], checks(&veins, 2, DVec3::new(0.30, 0.44, 0.60), DVec3::new(0.78, 0.88, 0.95)));
     let floor = shop.dull("floor", [1.0; 3], Some(floor_colors));
     let walls = shop.dull("walls", [1.0; 3], Some(wall_colors));
     let ceiling = shop.dull("ceiling", [1.0; 3], Some(ceiling_colors));
@@ -77,9 +77,11 @@ fn wall(side: f64, x: f64, [low, high]: [f64; 2]) -> Mesh {
     rectangle(DVec3::new(side * x, high, z), right, DVec3::NEG_Y * (high - low), uv)
 }
 
-/// Checks of two colours, this many per side (even), each with its own shade and veins.
-fn checks(u: f64, v: f64, count: i64, dark: DVec3, light: DVec3) -> DVec3 {
-    let cell = |c: f64| (c * count as f64).floor() as i64;
-    let base = if (cell(u) + cell(v)) % 2 == 0 { dark } else { light };
-    base * (0.86 + 0.14 * noise(u, v, 8, 57))
+/// Returns checks of two colours, this many per side (even), each with its own shade and veins.
+fn checks(veins: &Noise, count: i64, dark: DVec3, light: DVec3) -> impl Fn(f64, f64) -> DVec3 + Sync {
+    let cell = move |c: f64| (c * count as f64).floor() as i64;
+    move |u, v| {
+        let base = if (cell(u) + cell(v)) % 2 == 0 { dark } else { light };
+        base * (0.86 + 0.14 * veins.at(u, v))
+    }
 }

@@ -1,7 +1,7 @@
 //! A hall with many large pictures.
 
 use super::paintings::painting;
-use super::pattern::{noise, scatter};
+use super::pattern::{Noise, scatter};
 use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, WHOLE, append, rectangle};
 use crate::camera::{Projection, Viewpoint};
 use basrelief_signals::Mesh;
@@ -24,7 +24,8 @@ pub(super) fn build() -> DemoScene {
         let size = SIZES[number as usize % SIZES.len()];
         hang(&mut shop, &mut frames, number, size, place);
     }
-    let parquet = shop.colors("parquet", [256, 256], parquet_color);
+    let grain = Noise::new(16, 62);
+    let parquet = shop.colors("parquet", [256, 256], |u, v| parquet_color(&grain, u, v));
     let floor = shop.dull("parquet", [1.0; 3], Some(parquet));
     let gold = shop.dull("gold", [0.72, 0.55, 0.22], None);
     let plaster = shop.dull("plaster", [0.80, 0.79, 0.74], None);
@@ -184,11 +185,11 @@ fn pillars() -> Mesh {
 }
 
 /// Staves of wood in a plain pattern, eight by two to a tile.
-fn parquet_color(u: f64, v: f64) -> DVec3 {
+fn parquet_color(grain: &Noise, u: f64, v: f64) -> DVec3 {
     let (x, y) = (u * 8.0, v * 2.0);
     let row = x.floor() as i64;
     let stave = (y + 0.5 * (row % 2) as f64).floor() as i64 % 2;
     let edge = (x - x.floor()).min(x.ceil() - x);
     let wood = DVec3::new(0.44, 0.27, 0.14).lerp(DVec3::new(0.72, 0.50, 0.29), scatter(row, stave, 61));
-    wood * (0.85 + 0.15 * noise(u, v, 16, 62)) * if edge < 0.04 { 0.6 } else { 1.0 }
+    wood * (0.85 + 0.15 * grain.at(u, v)) * if edge < 0.04 { 0.6 } else { 1.0 }
 }

@@ -1,6 +1,6 @@
 //! Everything at once.
 
-use super::pattern::{BrickPattern, noise, weave};
+use super::pattern::{BrickPattern, Noise, weave};
 use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, append, framing, sphere};
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec3};
@@ -13,14 +13,15 @@ const BALL: DVec3 = DVec3::new(-0.35, 0.0, 0.3);
 /// model forbids to use, a ring of plain coloured polygons through it all, and a textured floor without normal map.
 pub(super) fn build() -> DemoScene {
     let mut shop = DemoBuilder::default();
-    let masonry = BrickPattern { bricks: 3, courses: 6, seed: 31 };
+    let masonry = BrickPattern::new(3, 6, 31);
     let woven = shop.heights("weave", 256, 11.0, |u, v| weave(u, v, 8.0));
-    let bricks = shop.heights("bricks", 256, 6.0, move |u, v| masonry.height(u, v));
-    let brick_colors = shop.colors("brick colours", [256, 256], move |u, v| {
+    let bricks = shop.heights("bricks", 256, 6.0, |u, v| masonry.height(u, v));
+    let brick_colors = shop.colors("brick colours", [256, 256], |u, v| {
         let (stone, shade) = masonry.stone(u, v);
         DVec3::splat(0.7).lerp(DVec3::new(0.55, 0.22, 0.15).lerp(DVec3::new(0.85, 0.5, 0.33), shade), stone)
     });
-    let checks = shop.colors("checks", [128, 128], check_color);
+    let stains = Noise::new(8, 41);
+    let checks = shop.colors("checks", [128, 128], |u, v| check_color(&stains, u, v));
 
     let floor = shop.material("checks", [1.0; 3], Some(checks), None);
     let wicker = shop.material("wicker", [0.90, 0.72, 0.45], None, Some(woven));
@@ -92,8 +93,8 @@ fn rainbow(s: f64) -> [f32; 4] {
     [wave(0.0), wave(1.0 / 3.0), wave(2.0 / 3.0), 1.0]
 }
 
-fn check_color(u: f64, v: f64) -> DVec3 {
+fn check_color(stains: &Noise, u: f64, v: f64) -> DVec3 {
     let dark = (u < 0.5) == (v < 0.5);
     let base = if dark { DVec3::new(0.16, 0.24, 0.30) } else { DVec3::new(0.80, 0.82, 0.78) };
-    base * (0.9 + 0.1 * noise(u, v, 8, 41))
+    base * (0.9 + 0.1 * stains.at(u, v))
 }

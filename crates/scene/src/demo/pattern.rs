@@ -20,34 +20,65 @@ pub(super) fn scatter(x: i64, y: i64, seed: u32) -> f64 {
     f64::from(h) / 4_294_967_296.0
 }
 
-/// Smooth noise in 0..1 on a lattice of `cells` per side.
-fn lattice_noise(u: f64, v: f64, cells: i64, seed: u32) -> f64 {
-    let (x, y) = (u * cells as f64, v * cells as f64);
-    let (i, j) = (x.floor(), y.floor());
-    let (fx, fy) = (smoothstep(0.0, 1.0, x - i), smoothstep(0.0, 1.0, y - j));
-    let at = |di: i64, dj: i64| scatter((i as i64 + di).rem_euclid(cells), (j as i64 + dj).rem_euclid(cells), seed);
-    let row = |dj: i64| at(0, dj) + (at(1, dj) - at(0, dj)) * fx;
-    row(0) + (row(1) - row(0)) * fy
+/// Smooth noise of several scales, 0..1. It holds the numbers at the points of its lattices, because hashing them for every texel took most
+/// of the time of a texture.
+pub(super) struct Noise {
+    /// Side of each lattice, and its numbers row by row; the coarsest first.
+    lattices: [(usize, Vec<f64>); 4],
 }
 
-/// Noise of several scales, 0..1, the coarsest with `cells` per side.
-pub(super) fn noise(u: f64, v: f64, cells: i64, seed: u32) -> f64 {
-    (0..4).map(|k| lattice_noise(u, v, cells << k, seed + k) / f64::from(2u32 << k)).sum::<f64>() / 0.9375
+impl Noise {
+    /// Noise with `cells` cells per side of the coarsest lattice.
+    pub(super) fn new(cells: usize, seed: u32) -> Self {
+        let lattice = |k: u32| {
+            let side = cells << k;
+            let row = |y: usize| (0..side).map(move |x| scatter(x as i64, y as i64, seed + k));
+            (side, (0..side).flat_map(row).collect())
+        };
+        Self { lattices: std::array::from_fn(|k| lattice(k as u32)) }
+    }
+
+    /// Returns the noise at a point.
+    pub(super) fn at(&self, u: f64, v: f64) -> f64 {
+        let scaled =
+            |(k, (side, numbers)): (usize, &(usize, Vec<f64>))| interpolated(*side, numbers, u, v) / f64::from(2u32 << k);
+        self.lattices.iter().enumerate().map(scaled).sum::<f64>() / 0.9375
+    }
+}
+
+/// Interpolates the numbers of a lattice that repeats.
+fn interpolated(side: usize, numbers: &[f64], u: f64, v: f64) -> f64 {
+    let (x, y) = (u * side as f64, v * side as f64);
+    let (i, j) = (x.floor(), y.floor());
+    let (fx, fy) = (smoothstep(0.0, 1.0, x - i), smoothstep(0.0, 1.0, y - j));
+    let wrapped = |place: f64| (place as i64).rem_euclid(side as i64) as usize;
+    let next = |place: usize| if place + 1 < side { place + 1 } else { 0 };
+    let (i, j) = (wrapped(i), wrapped(j));
+    let row = |j: usize| numbers[j * side + i] + (numbers[j * side + next(i)] - numbers[j * side + i]) * fx;
+    row(j) + (row(next(j)) - row(j)) * fy
 }
 
 /// Courses of stones: how many bricks and courses per tile, every other course shifted by half a brick.
-#[derive(Clone, Copy)]
 pub(super) struct BrickPattern {
-    pub bricks: i64,
-    pub courses: i64,
-    pub seed: u32,
+    bricks: i64,
+    courses: i64,
+    seed: u32,
+    waver: Noise,
+    face: Noise,
+    mortar: Noise,
+    shade: Noise,
 }
 
 impl BrickPattern {
+    pub(super) fn new(bricks: i64, courses: i64, seed: u32) -> Self {
+        let noise = |cells: usize, offset: u32| Noise::new(cells, seed + offset);
+        Self { bricks, courses, seed, waver: noise(16, 9), face: noise(32, 1), mortar: noise(64, 2), shade: noise(24, 4) }
+    }
+
     /// The brick at a point, and how far inside it the point is \[courses\]: negative in the mortar.
     fn locate(&self, u: f64, v: f64) -> ((i64, i64), f64) {
         // Weathered edges are not straight.
-        let waver = 0.05 * (noise(u, v, 16, self.seed + 9) - 0.5);
+        let waver = 0.05 * (self.waver.at(u, v) - 0.5);
         let y = v * self.courses as f64;
         let course = (y.floor() as i64).rem_euclid(self.courses);
         let x = u * self.bricks as f64 + 0.5 * (course % 2) as f64;
@@ -61,15 +92,15 @@ impl BrickPattern {
     /// Height, 0..1.
     pub(super) fn height(&self, u: f64, v: f64) -> f64 {
         let ((i, j), edge) = self.locate(u, v);
-        let face = 0.7 + 0.15 * scatter(i, j, self.seed) + 0.15 * noise(u, v, 32, self.seed + 1);
-        let mortar = 0.15 + 0.12 * noise(u, v, 64, self.seed + 2);
+        let face = 0.7 + 0.15 * scatter(i, j, self.seed) + 0.15 * self.face.at(u, v);
+        let mortar = 0.15 + 0.12 * self.mortar.at(u, v);
         mortar + (face - mortar) * smoothstep(-0.01, 0.09, edge)
     }
 
     /// Share of stone (1) against mortar (0), and the stone's own shade, 0..1.
     pub(super) fn stone(&self, u: f64, v: f64) -> (f64, f64) {
         let ((i, j), edge) = self.locate(u, v);
-        let shade = 0.65 * scatter(i, j, self.seed + 3) + 0.35 * noise(u, v, 24, self.seed + 4);
+        let shade = 0.65 * scatter(i, j, self.seed + 3) + 0.35 * self.shade.at(u, v);
         (smoothstep(-0.01, 0.03, edge), shade)
     }
 }
@@ -95,10 +126,10 @@ mod tests {
 
     #[test]
     fn patterns_repeat_without_seams() {
-        let wall = BrickPattern { bricks: 6, courses: 12, seed: 1 };
+        let (wall, noise) = (BrickPattern::new(6, 12, 1), Noise::new(4, 7));
         for k in 0..50 {
             let t = f64::from(k) / 50.0;
-            for f in [|u, v| noise(u, v, 4, 7), |u, v| weave(u, v, 8.0)] as [fn(f64, f64) -> f64; 2] {
+            for f in [&|u, v| noise.at(u, v), &|u, v| weave(u, v, 8.0)] as [&dyn Fn(f64, f64) -> f64; 2] {
                 assert!((f(t, 0.0) - f(t, 1.0)).abs() < 1e-9 && (f(0.0, t) - f(1.0, t)).abs() < 1e-9);
             }
             assert!((wall.height(t, 0.0) - wall.height(t, 1.0)).abs() < 1e-9);
@@ -108,11 +139,11 @@ mod tests {
 
     #[test]
     fn heights_stay_between_zero_and_one() {
-        let wall = BrickPattern { bricks: 6, courses: 12, seed: 1 };
+        let (wall, noise) = (BrickPattern::new(6, 12, 1), Noise::new(4, 1));
         for i in 0..100 {
             for j in 0..100 {
                 let (u, v) = (f64::from(i) / 100.0, f64::from(j) / 100.0);
-                for h in [wall.height(u, v), wall.stone(u, v).0, wall.stone(u, v).1, noise(u, v, 4, 1), weave(u, v, 6.0)] {
+                for h in [wall.height(u, v), wall.stone(u, v).0, wall.stone(u, v).1, noise.at(u, v), weave(u, v, 6.0)] {
                     assert!((0.0..=1.0).contains(&h), "{h}");
                 }
             }
