@@ -8,7 +8,7 @@
 use basrelief_trace::*;
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
-use basrelief_sim::{MACHINES, MachineInfo, RunInput, RunOptions, RunError, Unobserved, run};
+use basrelief_sim::{MACHINES, MachineInfo, RunInput, RunOptions, RunError, NoObserver, run};
 use basrelief_signals::{Camera, TexelFilter, Lighting, Sampler, WrapMode};
 use libfuzzer_sys::fuzz_target;
 use std::io::Cursor;
@@ -150,7 +150,7 @@ fn recorded(trace: &[u8]) -> Vec<u8> {
 fn report(machine: &MachineInfo, trace: Vec<u8>, engine: Engine) -> Result<Report, String> {
     let config = machine.load("", &[]).expect("defaults");
     let options = RunOptions { config, engine: Some(engine), max_cycles: MOST_CYCLES, exact: false, ..RunOptions::default() };
-    match run(RunInput::trace(Cursor::new(trace), "fuzz"), &options, &mut Unobserved, None) {
+    match run(RunInput::trace(Cursor::new(trace), "fuzz"), &options, &mut NoObserver, None) {
         Ok(run) => Ok(run.report),
         Err(RunError::Fault(fault)) => Err(fault),
         Err(error) => panic!("{error}"),

@@ -1,30 +1,32 @@
 //! Output of a command: its text, its error and its exit code.
 
-pub use basrelief_sim::{Done, Failure};
+pub use basrelief_sim::{CommandError, CommandResult};
 
 use crate::terminal;
 use std::io::{self, IsTerminal as _, Write};
 use std::process::ExitCode;
 
 /// Prints to standard output. A closed pipe (`| head`) is no error: the command continues to its own exit code.
-pub fn print(text: &str) -> Done {
+pub fn print(text: &str) -> CommandResult {
     let mut out = io::stdout();
     let text = terminal::safe(text, out.is_terminal());
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Bad(format!("standard output: cannot be written: {e}"))),
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CommandError::BadInput(format!("standard output: cannot be written: {e}")))
+        }
         _ => Ok(()),
     }
 }
 
 /// Prints the error of a command, if there is one. Returns the exit code.
-pub fn conclude(done: Done) -> ExitCode {
+pub fn conclude(done: CommandResult) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Bad(text)) => {
+        Err(CommandError::BadInput(text)) => {
             terminal::note(&format!("error: {text}"));
             ExitCode::from(1)
         }
-        Err(Failure::Usage(text)) => {
+        Err(CommandError::Usage(text)) => {
             terminal::note(&format!("error: {text}\nFor help, try --help."));
             ExitCode::from(2)
         }

@@ -1,7 +1,7 @@
 //! Opens the inputs of a command: models, demos, traces and parameter files.
 
 use crate::args::{MachineArgs, ViewArgs};
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
 use crate::inputs_read;
 use crate::views::Script;
@@ -38,7 +38,7 @@ impl Input {
     ///
     /// # Errors
     /// The input can be read only once.
-    pub fn again(&self) -> Done<RunInput> {
+    pub fn again(&self) -> CommandResult<RunInput> {
         match self {
             Self::Scene(scene) => Ok(RunInput::Scene(scene.clone())),
             Self::Trace(trace) => trace.again().map(TraceFile::into_source),
@@ -64,13 +64,13 @@ pub struct TraceFile {
 
 impl TraceFile {
     /// Opens a trace; `-` is standard input.
-    pub fn open(path: &Path) -> Done<Self> {
+    pub fn open(path: &Path) -> CommandResult<Self> {
         let read = Rc::new(Cell::new(0));
         if path == Path::new("-") {
             let reader = Box::new(Counting(io::stdin(), Rc::clone(&read)));
             return Ok(Self { reader, bytes: None, read, name: "standard input".into(), file: None, folder: PathBuf::new() });
         }
-        let file = File::open(path).map_err(Failure::file(path, "be read"))?;
+        let file = File::open(path).map_err(CommandError::at_file(path, "be read"))?;
         let bytes = file.metadata().ok().filter(fs::Metadata::is_file).map(|m| m.len());
         let reader = Box::new(Counting(BufReader::new(file), Rc::clone(&read)));
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
@@ -79,8 +79,9 @@ impl TraceFile {
     }
 
     /// Opens the trace again from its beginning.
-    pub fn again(&self) -> Done<Self> {
-        let once = || Failure::Usage(format!("{}: can be read only once, but several runs need it; expected a file", self.name));
+    pub fn again(&self) -> CommandResult<Self> {
+        let once =
+            || CommandError::Usage(format!("{}: can be read only once, but several runs need it; expected a file", self.name));
         Self::open(self.file.as_deref().ok_or_else(once)?)
     }
 
@@ -96,9 +97,9 @@ impl TraceFile {
 
     /// Returns true if the file is a trace: by its first bytes, or if they do not decide, as in a truncated file, by its name. The bytes
     /// are put back, because a pipe can be opened only once.
-    fn is_one(&mut self) -> Done<bool> {
+    fn is_one(&mut self) -> CommandResult<bool> {
         let mut start = Vec::new();
-        self.reader.by_ref().take(64).read_to_end(&mut start).map_err(Failure::file(Path::new(&self.name), "be read"))?;
+        self.reader.by_ref().take(64).read_to_end(&mut start).map_err(CommandError::at_file(Path::new(&self.name), "be read"))?;
         let is_one = looks_like_trace(&start) || TraceForm::for_file_name(&self.name).is_some();
         let rest = std::mem::replace(&mut self.reader, Box::new(io::empty()));
         self.reader = Box::new(Cursor::new(start).chain(rest));
@@ -118,19 +119,19 @@ impl<R: Read> Read for Counting<R> {
 }
 
 /// Opens a model, a demo (`demo:NAME`) or a trace.
-pub fn open(path: &Path, view: &ViewArgs, global: &GlobalOptions) -> Done<Input> {
+pub fn open(path: &Path, view: &ViewArgs, global: &GlobalOptions) -> CommandResult<Input> {
     open_seen(path, &look(view, &global.budget)?.without_times()?, global)
 }
 
 /// Opens an input with a resolved view.
-pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> Done<Input> {
+pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> CommandResult<Input> {
     if let Some(name) = demo_of(path) {
         return demo_scene(name, view, &global.budget).map(|scene| Input::Scene(scene.into()));
     }
     let mut trace = TraceFile::open(path)?;
     if path == Path::new("-") || trace.is_one()? {
         if *view != ViewOptions::default() {
-            return Err(Failure::Usage("a trace has its own view; --size, --camera, --turn, --zoom, --frames, --orbit, --light, --light-orbit and --views apply to scenes only".into()));
+            return Err(CommandError::Usage("a trace has its own view; --size, --camera, --turn, --zoom, --frames, --orbit, --light, --light-orbit and --views apply to scenes only".into()));
         }
         return Ok(Input::Trace(trace));
     }
@@ -141,9 +142,9 @@ pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> Don
 }
 
 /// Opens a model or a demo (`demo:NAME`) without a view; `None` for a trace.
-pub fn open_subject(path: &Path, global: &GlobalOptions) -> Done<Option<SceneSubject>> {
+pub fn open_subject(path: &Path, global: &GlobalOptions) -> CommandResult<Option<SceneSubject>> {
     if let Some(name) = demo_of(path) {
-        return SceneSubject::demo(name).map(Some).map_err(|e| Failure::Usage(e.to_string()));
+        return SceneSubject::demo(name).map(Some).map_err(|e| CommandError::Usage(e.to_string()));
     }
     if path == Path::new("-") || TraceFile::open(path)?.is_one()? {
         return Ok(None);
@@ -155,14 +156,14 @@ pub fn open_subject(path: &Path, global: &GlobalOptions) -> Done<Option<SceneSub
 }
 
 /// Converts an error of a model. The error may be in a file that the model references, but the message names the model too.
-fn failed_within(path: &Path) -> impl Fn(SceneError) -> Failure {
+fn failed_within(path: &Path) -> impl Fn(SceneError) -> CommandError {
     let shown = path.display().to_string();
-    move |e| if e.file == shown { Failure::bad(e) } else { Failure::within(&shown)(e) }
+    move |e| if e.file == shown { CommandError::bad_input(e) } else { CommandError::in_input(&shown)(e) }
 }
 
 /// Returns a demo scene.
-pub fn demo_scene(name: &str, view: &ViewOptions, budget: &MemoryPool) -> Done<Arc<Scene>> {
-    let usage = |e: SceneError| if e.over_budget { Failure::bad(e) } else { Failure::Usage(e.to_string()) };
+pub fn demo_scene(name: &str, view: &ViewOptions, budget: &MemoryPool) -> CommandResult<Arc<Scene>> {
+    let usage = |e: SceneError| if e.over_budget { CommandError::bad_input(e) } else { CommandError::Usage(e.to_string()) };
     let (scene, held) = SceneSubject::demo(name).and_then(|demo| demo.seen_within(view, budget)).map_err(usage)?;
     // The memory stays reserved until the end of the program.
     held.keep_forever();
@@ -170,10 +171,10 @@ pub fn demo_scene(name: &str, view: &ViewOptions, budget: &MemoryPool) -> Done<A
 }
 
 /// Reads a text file. Returns the text and its memory.
-pub fn read_text(path: &Path, budget: &MemoryPool) -> Done<(String, MemoryReservation)> {
+pub fn read_text(path: &Path, budget: &MemoryPool) -> CommandResult<(String, MemoryReservation)> {
     basrelief_input::read_text(path, budget).map_err(|e| match OverBudget::in_io_error(&e) {
-        Some(error) => Failure::within(&path.display().to_string())(error),
-        None => Failure::file(path, "be read")(e),
+        Some(error) => CommandError::in_input(&path.display().to_string())(error),
+        None => CommandError::at_file(path, "be read")(e),
     })
 }
 
@@ -191,10 +192,10 @@ impl Look {
     ///
     /// # Errors
     /// The view has times.
-    pub fn without_times(self) -> Done<ViewOptions> {
+    pub fn without_times(self) -> CommandResult<ViewOptions> {
         match self.left_at_ms {
             None => Ok(self.view),
-            Some(_) => Err(Failure::Usage("--views: only `run` and `demo` support times; remove `at_ms`".into())),
+            Some(_) => Err(CommandError::Usage("--views: only `run` and `demo` support times; remove `at_ms`".into())),
         }
     }
 
@@ -202,14 +203,14 @@ impl Look {
     ///
     /// # Errors
     /// The machine does not support times.
-    pub fn tell(&self, args: &MachineArgs, demo: Option<&str>) -> Done<MachineArgs> {
+    pub fn tell(&self, args: &MachineArgs, demo: Option<&str>) -> CommandResult<MachineArgs> {
         let mut told = args.clone();
         let Some(times) = &self.left_at_ms else { return Ok(told) };
         let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
         let parameter = machine.left_at.ok_or_else(|| {
             let knows = MACHINES.iter().filter(|m| m.left_at.is_some()).map(|m| format!("`{}`", m.name)).collect::<Vec<_>>();
             let (name, others) = (machine.name, knows.join(", "));
-            Failure::Usage(format!(
+            CommandError::Usage(format!(
                 "--views: gives times, but machine `{name}` cannot leave a view; use {others}, or remove `at_ms`"
             ))
         })?;
@@ -219,18 +220,20 @@ impl Look {
 }
 
 /// Resolves the options of a view.
-pub fn look(view: &ViewArgs, budget: &MemoryPool) -> Done<Look> {
+pub fn look(view: &ViewArgs, budget: &MemoryPool) -> CommandResult<Look> {
     let camera = match &view.camera {
         None => None,
         Some(path) => {
             let name = path.display().to_string();
             let (text, _held) = read_text(path, budget)?;
-            let _held = budget.try_reserve(json_weight(text.as_bytes()), "what a camera says").map_err(Failure::within(&name))?;
-            Some(read_camera(&text, &name).map_err(Failure::bad)?)
+            let _held =
+                budget.try_reserve(json_weight(text.as_bytes()), "what a camera says").map_err(CommandError::in_input(&name))?;
+            Some(read_camera(&text, &name).map_err(CommandError::bad_input)?)
         }
     };
-    let script =
-        |path: &PathBuf| Script::read(&read_text(path, budget)?.0, budget).map_err(Failure::within(&path.display().to_string()));
+    let script = |path: &PathBuf| {
+        Script::read(&read_text(path, budget)?.0, budget).map_err(CommandError::in_input(&path.display().to_string()))
+    };
     let Script { views, left_at_ms } = view.views.as_ref().map(script).transpose()?.unwrap_or_default();
     let default = ViewOptions::default();
     let view = ViewOptions {
@@ -253,7 +256,7 @@ pub fn demo_of(path: &Path) -> Option<&str> {
 }
 
 /// Returns the parameters of the machine: the defaults, overridden by the file, overridden by single settings. A demo selects its machine.
-pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &MemoryPool) -> Done<(MachineConfig, Overrides)> {
+pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &MemoryPool) -> CommandResult<(MachineConfig, Overrides)> {
     let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
     config_of(machine, args.config.as_deref(), &args.settings, budget)
 }
@@ -264,13 +267,13 @@ pub fn config_of(
     file: Option<&Path>,
     settings: &[(String, String)],
     budget: &MemoryPool,
-) -> Done<(MachineConfig, Overrides)> {
+) -> CommandResult<(MachineConfig, Overrides)> {
     let (toml, _held) = file.map_or_else(|| Ok((String::new(), budget.empty_reservation())), |path| read_text(path, budget))?;
     let name = file.map(|path| path.display().to_string()).unwrap_or_default();
     let given = Overrides { toml, settings: settings.to_vec() };
-    let config = given.checked(machine, budget).map_err(|wrong| match wrong {
-        OverridesError::File(error) => Failure::Bad(format!("{name}: {error}")),
-        OverridesError::Settings(error) => Failure::Usage(format!("--set: {error}")),
+    let config = given.load_checked(machine, budget).map_err(|wrong| match wrong {
+        OverridesError::File(error) => CommandError::BadInput(format!("{name}: {error}")),
+        OverridesError::Settings(error) => CommandError::Usage(format!("--set: {error}")),
     })?;
     Ok((config, given))
 }

@@ -10,7 +10,7 @@ use basrelief_report::Report;
 use basrelief_report::model::{OutcomeKind, RelaxedCycles};
 use basrelief_signals::{Frame, Scene};
 use basrelief_sim::{
-    AnalysisPolicy, MachineConfig, Observer, Pictures, RunError, RunInput, RunOptions, Unobserved, doc_trace, run,
+    AnalysisPolicy, FramePictures, MachineConfig, NoObserver, Observer, RunError, RunInput, RunOptions, doc_trace, run,
 };
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ struct Watch<'a> {
 }
 
 impl Observer for Watch<'_> {
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+    fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         self.picture = self.pictures.then(|| pictures.machine.clone());
         Ok(())
     }
@@ -116,7 +116,7 @@ pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<Relaxed
             ..options(config, plan.max_cycles, host)
         };
         let source = input.opened.input(&input.name, host).ok()?;
-        run(source, &options, &mut Unobserved, None).ok()?.report.limits
+        run(source, &options, &mut NoObserver, None).ok()?.report.limits
     };
     ran().unwrap_or_default()
 }
@@ -137,7 +137,7 @@ pub(crate) fn rehearse(plan: &Plan, host: &dyn Host) -> Option<Vec<Figure>> {
             Opened::Scene(prepared) => RunInput::scene(Arc::new(small(prepared.scene())?)),
             Opened::Trace => RunInput::trace(std::io::Cursor::new(doc_trace()), "quad.dl.jsonl"),
         };
-        let run = run(source, &options(config, REHEARSAL, host), &mut Unobserved, None).ok()?;
+        let run = run(source, &options(config, REHEARSAL, host), &mut NoObserver, None).ok()?;
         serde_json::to_value(&run.report).ok().map(|report| figures(&report))
     })
 }
@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn incomplete_run_has_outcome_and_message() {
         let source = RunInput::trace(std::io::Cursor::new(doc_trace()), "quad.dl.jsonl");
-        let mut report = run(source, &RunOptions::default(), &mut Unobserved, None).unwrap().report;
+        let mut report = run(source, &RunOptions::default(), &mut NoObserver, None).unwrap().report;
         let mut ended = |kind, message: Option<&str>| {
             (report.outcome.kind, report.outcome.message) = (kind, message.map(str::to_owned));
             incomplete(&report)

@@ -1,6 +1,6 @@
 //! Comparison of two runs.
 
-use crate::error::{Done, Exported, Failure, budget, of_tape};
+use crate::error::{CommandError, CommandResult, Exported, budget, of_tape};
 use crate::page::{WIDTH, pictures, report_of};
 use crate::pixels;
 use crate::recording::opened;
@@ -28,14 +28,14 @@ struct ParsedSide<'a> {
 }
 
 impl Side {
-    fn parsed(&self) -> Done<ParsedSide<'_>> {
+    fn parsed(&self) -> CommandResult<ParsedSide<'_>> {
         Ok(ParsedSide { side: self, report: report_of(&self.report)? })
     }
 }
 
 impl ParsedSide<'_> {
     /// Returns `None` for the recording of another build that this build cannot use. Then causes are not measured.
-    fn recorded_run(&self) -> Done<Option<RecordedRun>> {
+    fn recorded_run(&self) -> CommandResult<Option<RecordedRun>> {
         let Some(recording) = &self.side.recording else { return Ok(None) };
         match RecordedRun::read(&self.report, &mut opened(recording)?, &budget(MemoryPool::DEFAULT)) {
             Err(RecordingError::OtherBuild { .. }) => Ok(None),
@@ -43,13 +43,13 @@ impl ParsedSide<'_> {
         }
     }
 
-    fn shown(&self) -> Done<html::ComparedReport<'_>> {
-        let assets = page_assets(&self.report).map_err(Failure::bad)?;
+    fn shown(&self) -> CommandResult<html::ComparedReport<'_>> {
+        let assets = page_assets(&self.report).map_err(CommandError::bad_input)?;
         let assets = html::PageAssets { pictures: pictures(self.side.image.as_ref(), None)?, ..assets };
         Ok(html::ComparedReport { name: &self.side.name, report: &self.report, assets })
     }
 
-    fn compared_with(&self, other: &Self) -> Done<Comparison> {
+    fn compared_with(&self, other: &Self) -> CommandResult<Comparison> {
         let explained = self.recorded_run()?.zip(other.recorded_run()?).and_then(|(a, b)| explain(&a, &b));
         Ok(difference(&self.report, &other.report, explained))
     }
@@ -61,7 +61,7 @@ pub fn compare(py: Python<'_>, a: Side, b: Side) -> Exported<(String, String)> {
     py.detach(|| {
         let comparison = a.parsed()?.compared_with(&b.parsed()?)?;
         let text = comparison.to_text(TextStyle { width: WIDTH, color: false });
-        Ok((serde_json::to_string(&comparison).map_err(Failure::bad)?, text))
+        Ok((serde_json::to_string(&comparison).map_err(CommandError::bad_input)?, text))
     })
 }
 

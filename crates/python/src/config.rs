@@ -1,6 +1,6 @@
 //! A machine with its parameters.
 
-use crate::error::{Exported, Failure, budget};
+use crate::error::{CommandError, Exported, budget};
 use basrelief_input::MemoryPool;
 use basrelief_sim::{MachineConfig, MachineInfo, Overrides, OverridesError};
 use pyo3::{pyclass, pymethods};
@@ -18,17 +18,17 @@ impl Config {
     #[new]
     fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> Exported<Self> {
         let (file, toml) = file;
-        let machine = MachineInfo::named(machine).map_err(Failure::usage)?;
+        let machine = MachineInfo::named(machine).map_err(CommandError::usage)?;
         let given = Overrides { toml, settings };
-        let config = given.checked(machine, &budget(MemoryPool::DEFAULT)).map_err(|wrong| match wrong {
-            OverridesError::File(error) => Failure::within(&file)(error),
-            OverridesError::Settings(error) => Failure::usage(error),
+        let config = given.load_checked(machine, &budget(MemoryPool::DEFAULT)).map_err(|wrong| match wrong {
+            OverridesError::File(error) => CommandError::in_input(&file)(error),
+            OverridesError::Settings(error) => CommandError::usage(error),
         })?;
         Ok(Self { config, given })
     }
 
     /// Returns all parameters with every fact about them, as `basrelief describe --json` prints them.
     fn described(&self) -> Exported<String> {
-        Ok(serde_json::to_string(&self.config.described()).map_err(Failure::bad)?)
+        Ok(serde_json::to_string(&self.config.described()).map_err(CommandError::bad_input)?)
     }
 }

@@ -1,6 +1,6 @@
 //! Errors as Python exceptions, with the messages of the command line.
 
-pub use basrelief_sim::{Done, Failure};
+pub use basrelief_sim::{CommandError, CommandResult};
 
 use basrelief_input::MemoryPool;
 use basrelief_sim::RecordingError;
@@ -17,11 +17,11 @@ pub struct Raised(PyErr);
 /// Result of a function that Python calls.
 pub type Exported<T> = Result<T, Raised>;
 
-impl From<Failure> for Raised {
-    fn from(failure: Failure) -> Self {
+impl From<CommandError> for Raised {
+    fn from(failure: CommandError) -> Self {
         Self(match failure {
-            Failure::Usage(text) => UsageError::new_err(text),
-            Failure::Bad(text) => InputError::new_err(text),
+            CommandError::Usage(text) => UsageError::new_err(text),
+            CommandError::BadInput(text) => InputError::new_err(text),
         })
     }
 }
@@ -39,18 +39,18 @@ impl From<Raised> for PyErr {
 }
 
 /// Converts an error of a recording or of the new parameters.
-pub fn of_tape(error: RecordingError) -> Failure {
+pub fn of_tape(error: RecordingError) -> CommandError {
     let unreadable = |error| match error {
         // The decoder reports damage in its own words.
         RecordingError::Read(_) => not_a_tape(),
-        _ => Failure::bad(error),
+        _ => CommandError::bad_input(error),
     };
-    Failure::of_resimulation(unreadable)(error)
+    CommandError::of_resimulation(unreadable)(error)
 }
 
 /// Makes the error of an invalid recording.
-pub fn not_a_tape() -> Failure {
-    Failure::bad("not a recording, or truncated; Result.recording is one")
+pub fn not_a_tape() -> CommandError {
+    CommandError::bad_input("not a recording, or truncated; Result.recording is one")
 }
 
 /// Makes a memory limit for input data.

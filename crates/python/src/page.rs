@@ -1,6 +1,6 @@
 //! Reports as HTML pages, and as fragments for a notebook.
 
-use crate::error::{Done, Exported, Failure};
+use crate::error::{CommandError, CommandResult, Exported};
 use crate::pixels::Given;
 use basrelief_report::html::{PageAssets, PagePicture, STYLE, sections};
 use basrelief_report::{Report, TextStyle, to_html, to_text};
@@ -13,26 +13,29 @@ pub const WIDTH: usize = 120;
 /// Sections shown in a notebook.
 const SHOWN: [&str; 4] = ["bottlenecks", "pictures", "diagram", "units"];
 
-pub fn report_of(text: &str) -> Done<Report> {
-    Report::from_json(text).map_err(Failure::bad)
+pub fn report_of(text: &str) -> CommandResult<Report> {
+    Report::from_json(text).map_err(CommandError::bad_input)
 }
 
 /// Returns the available pictures of a page.
-pub fn pictures(image: Option<&Given>, reference: Option<&Given>) -> Done<Vec<PagePicture>> {
+pub fn pictures(image: Option<&Given>, reference: Option<&Given>) -> CommandResult<Vec<PagePicture>> {
     let Some(image) = image else { return Ok(vec![]) };
     let reference = reference.map(Given::picture).transpose()?;
-    page_pictures(&image.picture()?, reference.as_ref()).map_err(Failure::bad)
+    page_pictures(&image.picture()?, reference.as_ref()).map_err(CommandError::bad_input)
 }
 
-fn with_pictures(report: &Report, given: &(Option<Given>, Option<Given>)) -> Done<PageAssets> {
-    Ok(PageAssets { pictures: pictures(given.0.as_ref(), given.1.as_ref())?, ..page_assets(report).map_err(Failure::bad)? })
+fn with_pictures(report: &Report, given: &(Option<Given>, Option<Given>)) -> CommandResult<PageAssets> {
+    Ok(PageAssets {
+        pictures: pictures(given.0.as_ref(), given.1.as_ref())?,
+        ..page_assets(report).map_err(CommandError::bad_input)?
+    })
 }
 
 /// Reads a report from the text of the file `name`, and removes the figures of the host.
 #[pyfunction]
 pub fn read_report(name: &str, text: &str) -> Exported<String> {
-    let report = Report::from_json(text).map_err(Failure::within(name))?;
-    Ok(Report { host: None, ..report }.to_json().map_err(Failure::bad)?)
+    let report = Report::from_json(text).map_err(CommandError::in_input(name))?;
+    Ok(Report { host: None, ..report }.to_json().map_err(CommandError::bad_input)?)
 }
 
 /// Returns the report as text, as the command line prints it.
@@ -46,7 +49,7 @@ pub fn text(report: &str) -> Exported<String> {
 pub fn page(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Exported<String> {
     py.detach(|| {
         let report = report_of(&report)?;
-        Ok(to_html(&report, &with_pictures(&report, &pictures)?).map_err(Failure::bad)?)
+        Ok(to_html(&report, &with_pictures(&report, &pictures)?).map_err(CommandError::bad_input)?)
     })
 }
 

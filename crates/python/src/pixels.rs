@@ -1,6 +1,6 @@
 //! Conversion of pictures from and to Python.
 
-use crate::error::{Done, Exported, Failure};
+use crate::error::{CommandError, CommandResult, Exported};
 use basrelief_reference::{RgbPicture, metrics};
 use basrelief_sim::to_png;
 use pyo3::pybacked::PyBackedBytes;
@@ -23,11 +23,11 @@ pub struct Given(u32, u32, PyBackedBytes);
 
 impl Given {
     /// Decodes bytes from [`RgbPicture::to_rgba`].
-    pub fn picture(&self) -> Done<RgbPicture> {
+    pub fn picture(&self) -> CommandResult<RgbPicture> {
         let Self(width, height, rgba) = self;
         let pixels = rgba.as_chunks::<4>().0;
         if u64::from(*width) * u64::from(*height) * 4 != rgba.len() as u64 {
-            return Err(Failure::bad(format_args!(
+            return Err(CommandError::bad_input(format_args!(
                 "a picture of {width} x {height} pixels has {} bytes, expected 4 for each",
                 rgba.len()
             )));
@@ -41,13 +41,14 @@ impl Given {
 /// Returns the picture as a PNG file.
 #[pyfunction]
 pub fn png<'py>(py: Python<'py>, pixels: Given) -> Exported<Bound<'py, PyBytes>> {
-    let png = py.detach(|| to_png(&pixels.picture()?).map_err(Failure::bad))?;
+    let png = py.detach(|| to_png(&pixels.picture()?).map_err(CommandError::bad_input))?;
     Ok(PyBytes::new(py, &png))
 }
 
 /// Returns the difference image of a picture and the exact one.
 #[pyfunction]
 pub fn difference<'py>(py: Python<'py>, exact: Given, machine: Given) -> Exported<Pixels<'py>> {
-    let difference = py.detach(|| metrics::difference(&exact.picture()?, &machine.picture()?).map_err(Failure::bad))?;
+    let difference =
+        py.detach(|| metrics::difference(&exact.picture()?, &machine.picture()?).map_err(CommandError::bad_input))?;
     Ok(Pixels::of(py, &difference))
 }

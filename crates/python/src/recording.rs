@@ -1,6 +1,6 @@
 //! Resimulation of recordings.
 
-use crate::error::{Done, Exported, Failure, budget, not_a_tape, of_tape};
+use crate::error::{CommandError, CommandResult, Exported, budget, not_a_tape, of_tape};
 use crate::run::{Ran, limits_tape, when};
 use crate::watch::Watch;
 use basrelief_input::MemoryPool;
@@ -13,7 +13,7 @@ use std::io::Read;
 pub type Opened<'a> = zstd::Decoder<'static, std::io::BufReader<&'a [u8]>>;
 
 /// Opens a recording.
-pub fn opened(recording: &[u8]) -> Done<Opened<'_>> {
+pub fn opened(recording: &[u8]) -> CommandResult<Opened<'_>> {
     zstd::Decoder::new(recording).map_err(|_| not_a_tape())
 }
 
@@ -37,11 +37,11 @@ pub fn resimulate(
 }
 
 fn watched(reader: &mut dyn Read, options: &ResimulateOptions, kept: AnalysisPolicy) -> Exported<(String, Watch)> {
-    let mut watch = Watch::new(kept, &options.budget).map_err(Failure::bad)?;
+    let mut watch = Watch::new(kept, &options.budget).map_err(CommandError::bad_input)?;
     let report = resimulate_to(reader, options, &mut watch);
     if let Some(stopped) = watch.stopped() {
         return Err(stopped.into());
     }
     let report = report.map_err(of_tape)?;
-    Ok((report.to_json().map_err(Failure::bad)?, watch))
+    Ok((report.to_json().map_err(CommandError::bad_input)?, watch))
 }

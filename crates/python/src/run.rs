@@ -1,7 +1,7 @@
 //! Runs.
 
 use crate::config::Config;
-use crate::error::{Done, Exported, Failure, budget};
+use crate::error::{CommandError, CommandResult, Exported, budget};
 use crate::pixels::Pixels;
 use crate::scene::{Drawn, Source};
 use crate::watch::Watch;
@@ -28,19 +28,19 @@ pub struct Options {
 }
 
 impl Options {
-    fn run_options(&self, config: &Config) -> Done<RunOptions> {
+    fn run_options(&self, config: &Config) -> CommandResult<RunOptions> {
         let engine = match self.engine.as_str() {
             "timed" => Some(Engine::Timed),
             "ticked" => Some(Engine::Ticked),
             "functional" => None,
-            other => return Err(Failure::usage(format_args!("engine: `{other}`; expected timed, ticked or functional"))),
+            other => return Err(CommandError::usage(format_args!("engine: `{other}`; expected timed, ticked or functional"))),
         };
         let limits = when(self.bottlenecks);
         if engine.is_none() && (self.costs || self.recording || self.max_cycles.is_some()) {
-            return Err(Failure::usage("engine: functional mode has no timing; remove costs, recording and max_cycles"));
+            return Err(CommandError::usage("engine: functional mode has no timing; remove costs, recording and max_cycles"));
         }
         if self.max_cycles == Some(0) {
-            return Err(Failure::usage("max_cycles: 0; expected 1 or more"));
+            return Err(CommandError::usage("max_cycles: 0; expected 1 or more"));
         }
         Ok(RunOptions {
             config: config.config.clone(),
@@ -86,7 +86,7 @@ pub struct Ran<'py> {
 impl<'py> Ran<'py> {
     pub fn new(py: Python<'py>, (report, mut watch): (String, Watch), has_tape: bool) -> Exported<Self> {
         let (image, reference) = watch.last.take().map_or((None, None), |(image, reference)| (Some(image), reference));
-        let tape = watch.into_tape().map_err(Failure::bad)?.filter(|_| has_tape);
+        let tape = watch.into_tape().map_err(CommandError::bad_input)?.filter(|_| has_tape);
         Ok(Self {
             report,
             image: image.map(|picture| Pixels::of(py, &picture)),
@@ -108,13 +108,13 @@ pub fn run<'py>(py: Python<'py>, config: &Bound<'py, Config>, drawn: Drawn<'py>,
 fn watched(source: Source, settings: &RunOptions) -> Exported<(String, Watch, bool)> {
     let input = source.into_input()?;
     let name = input.name().to_owned();
-    let mut watch = Watch::new(settings.recording, &settings.budget).map_err(Failure::bad)?;
+    let mut watch = Watch::new(settings.recording, &settings.budget).map_err(CommandError::bad_input)?;
     let ran = sim_run(input, settings, &mut watch, None);
     if let Some(stopped) = watch.stopped() {
         return Err(stopped.into());
     }
-    let ran = ran.map_err(Failure::of_run(&name))?;
+    let ran = ran.map_err(CommandError::of_run(&name))?;
     // If the analysis was requested but failed, the recording cannot be resimulated either.
     let has_tape = ran.recording_is_complete && (settings.recording == AnalysisPolicy::Always || ran.report.limits.is_some());
-    Ok((ran.report.to_json().map_err(Failure::bad)?, watch, has_tape))
+    Ok((ran.report.to_json().map_err(CommandError::bad_input)?, watch, has_tape))
 }

@@ -1,6 +1,6 @@
 //! Inputs of a run: scenes with a choice of view, and display lists with a fixed view.
 
-use crate::error::{Done, Exported, Failure, budget};
+use crate::error::{CommandError, CommandResult, Exported, budget};
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_parameters::nearest;
 use basrelief_scene::{FolderFiles, MemoryFiles, ModelFiles, SceneError, ViewOptions, demo, load_within, read_camera, text};
@@ -36,7 +36,10 @@ const OPTIONS: [&str; 8] = ["size", "camera", "turn", "zoom", "frames", "orbit",
 
 impl View {
     /// Reads the view of a plan. `camera` opens the camera file of the given name.
-    pub fn of_plan(options: &[(String, String)], camera: impl Fn(&str) -> Done<(String, String)>) -> Result<Self, String> {
+    pub fn of_plan(
+        options: &[(String, String)],
+        camera: impl Fn(&str) -> CommandResult<(String, String)>,
+    ) -> Result<Self, String> {
         let mut view = Self::default();
         for (name, value) in options {
             let failed = |error: String| format!("view: {name}: {error}");
@@ -66,21 +69,22 @@ impl View {
         *self == Self::default()
     }
 
-    pub fn options(&self, budget: &MemoryPool) -> Done<ViewOptions> {
+    pub fn options(&self, budget: &MemoryPool) -> CommandResult<ViewOptions> {
         let whole = |name: &str, n: i64| {
-            u32::try_from(n)
-                .map_err(|_| Failure::usage(format_args!("{name}: {n}; expected a whole number from 1 on, of at most 32 bits")))
+            u32::try_from(n).map_err(|_| {
+                CommandError::usage(format_args!("{name}: {n}; expected a whole number from 1 on, of at most 32 bits"))
+            })
         };
         let camera = |(name, text): &(String, String)| {
             let weight = budget.try_reserve(json_weight(text.as_bytes()), "what a camera says");
-            let _held = weight.map_err(Failure::within(name))?;
-            read_camera(text, name).map_err(Failure::bad)
+            let _held = weight.map_err(CommandError::in_input(name))?;
+            read_camera(text, name).map_err(CommandError::bad_input)
         };
         let default = ViewOptions::default();
         Ok(ViewOptions {
-            size: self
-                .size
-                .map_or(Ok(default.size), |(width, height)| Ok::<_, Failure>([whole("size", width)?, whole("size", height)?]))?,
+            size: self.size.map_or(Ok(default.size), |(width, height)| {
+                Ok::<_, CommandError>([whole("size", width)?, whole("size", height)?])
+            })?,
             camera: self.camera.as_ref().map(camera).transpose()?,
             turn: self.turn,
             zoom: self.zoom,
@@ -119,7 +123,7 @@ impl Scene {
     fn demo(py: Python<'_>, name: String, view: View, memory_limit: Option<u64>) -> Exported<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(MemoryPool::DEFAULT));
-            let scene = demo(&name, &view.options(&budget)?).map_err(Failure::usage)?;
+            let scene = demo(&name, &view.options(&budget)?).map_err(CommandError::usage)?;
             let prepared = PreparedScene::cached(Arc::new(scene), &budget);
             Ok(Self { name, made: Made::Demo, view, memory_limit, prepared, _held: budget.empty_reservation() })
         })
@@ -134,7 +138,7 @@ impl Scene {
             let folder = Folder::of(&path, allow_outside, &budget);
             let (bytes, held) = folder.main(&path, &budget).map_err(cannot_be_read(&name))?;
             if looks_like_trace(&bytes) || TraceForm::for_file_name(&name).is_some() {
-                return Err(Failure::usage(format_args!(
+                return Err(CommandError::usage(format_args!(
                     "{name}: a display list, which carries its own view: basrelief.display_list opens it"
                 ))
                 .into());
@@ -229,9 +233,9 @@ impl Scene {
         view: View,
         memory_limit: Option<u64>,
         budget: &MemoryPool,
-    ) -> Done<Self> {
+    ) -> CommandResult<Self> {
         // The error may be in a file that the model refers to. The message then names the model as well.
-        let failed = |e: SceneError| if e.file == name { Failure::bad(e) } else { Failure::within(&name)(e) };
+        let failed = |e: SceneError| if e.file == name { CommandError::bad_input(e) } else { CommandError::in_input(&name)(e) };
         let (scene, held) = load_within(&main, &name, files, &view.options(budget)?, budget).map_err(failed)?;
         let prepared = PreparedScene::cached(Arc::new(scene), budget);
         Ok(Self { name, made: Made::Model(main, BTreeMap::new()), view, memory_limit, prepared, _held: held })
@@ -301,7 +305,7 @@ impl DisplayList {
         if list.is_one()? {
             return Ok(list);
         }
-        Err(Failure::usage(format_args!("{}: not a display list: basrelief.scene opens a model", list.name)).into())
+        Err(CommandError::usage(format_args!("{}: not a display list: basrelief.scene opens a model", list.name)).into())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyType>, (PathBuf,)) {
@@ -326,14 +330,14 @@ impl DisplayList {
     }
 
     /// Returns true for a display list, recognized by its first bytes or by its name.
-    pub fn is_one(&self) -> Done<bool> {
+    pub fn is_one(&self) -> CommandResult<bool> {
         let mut start = Vec::new();
         self.opened()?.take(64).read_to_end(&mut start).map_err(cannot_be_read(&self.name))?;
         Ok(looks_like_trace(&start) || TraceForm::for_file_name(&self.name).is_some())
     }
 
     /// Opens the file. Rejects pipes, because each run reads the file from its beginning.
-    fn opened(&self) -> Done<File> {
+    fn opened(&self) -> CommandResult<File> {
         let cannot = cannot_be_read(&self.name);
         if !fs::metadata(&self.path).map_err(&cannot)?.is_file() {
             return Err(cannot(io::Error::other("not a regular file")));
@@ -342,10 +346,10 @@ impl DisplayList {
     }
 }
 
-fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> Failure {
+fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> CommandError {
     move |error| match OverBudget::in_io_error(&error) {
-        Some(error) => Failure::within(name)(error),
-        None => Failure::bad(format_args!("{name}: cannot be read: {error}")),
+        Some(error) => CommandError::in_input(name)(error),
+        None => CommandError::bad_input(format_args!("{name}: cannot be read: {error}")),
     }
 }
 
@@ -356,7 +360,7 @@ pub fn read_text(py: Python<'_>, path: PathBuf) -> Exported<String> {
 }
 
 /// Reads a text file within a memory limit.
-pub fn text_of(path: &Path, budget: &MemoryPool) -> Done<String> {
+pub fn text_of(path: &Path, budget: &MemoryPool) -> CommandResult<String> {
     let read = basrelief_input::read_text(path, budget);
     read.map(|(text, _)| text).map_err(cannot_be_read(&path.display().to_string()))
 }
@@ -386,7 +390,7 @@ impl Drawn<'_> {
 }
 
 impl Source {
-    pub fn into_input(self) -> Done<RunInput> {
+    pub fn into_input(self) -> CommandResult<RunInput> {
         match self {
             Self::Scene(prepared) => Ok(RunInput::Scene(prepared)),
             Self::DisplayList(list) => {

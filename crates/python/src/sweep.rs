@@ -1,6 +1,6 @@
 //! Sweeps: the points of a plan.
 
-use crate::error::{Done, Exported, Failure, budget};
+use crate::error::{CommandError, CommandResult, Exported, budget};
 use crate::scene::{DisplayList, Source, View, text_of};
 use basrelief_dse::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
 use basrelief_input::MemoryPool;
@@ -30,9 +30,9 @@ impl Plan {
             let shown = name.display().to_string();
             let files = Files { plan: name, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
             let growth = files.budget.try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says");
-            let _growth = growth.map_err(Failure::within(&shown))?;
+            let _growth = growth.map_err(CommandError::in_input(&shown))?;
             let host = Program { files: &files, stopped: Mutex::default() };
-            let plan = SweepPlan::read(text, &host).map_err(Failure::within(&shown))?;
+            let plan = SweepPlan::read(text, &host).map_err(CommandError::in_input(&shown))?;
             Ok(Self { plan, files })
         })
     }
@@ -79,7 +79,7 @@ impl Plan {
             if let Some(stopped) = host.stopped.into_inner().unwrap_or_else(PoisonError::into_inner) {
                 return Err(stopped.into());
             }
-            let Tally { there, run, retimed, failed, .. } = done.map_err(Failure::bad)?;
+            let Tally { there, run, retimed, failed, .. } = done.map_err(CommandError::bad_input)?;
             Ok((there, run, retimed, failed))
         })
     }
@@ -87,7 +87,7 @@ impl Plan {
     /// Writes the tables of all points, and returns the Pareto front as text.
     fn tables(&self, py: Python<'_>, folder: PathBuf) -> Exported<String> {
         let host = Program { files: &self.files, stopped: Mutex::default() };
-        Ok(py.detach(|| tables(&self.plan, &Folder::new(&folder), &host)).map_err(Failure::bad)?)
+        Ok(py.detach(|| tables(&self.plan, &Folder::new(&folder), &host)).map_err(CommandError::bad_input)?)
     }
 
     /// Number of points.
@@ -119,21 +119,22 @@ impl Files {
         self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name))
     }
 
-    fn opened(&self, name: &str, view: &View) -> Done<Opened> {
+    fn opened(&self, name: &str, view: &View) -> CommandResult<Opened> {
         let budget = &self.budget;
         let kept = |scene| Opened::Scene(PreparedScene::cached(Arc::new(scene), budget));
         if let Some(name) = name.strip_prefix("demo:") {
-            return demo(name, &view.options(budget)?).map(kept).map_err(Failure::bad);
+            return demo(name, &view.options(budget)?).map(kept).map_err(CommandError::bad_input);
         }
         let path = self.place(name);
         if DisplayList::of_plan(&path).is_one()? {
-            return if view.is_default() { Ok(Opened::Trace) } else { Err(Failure::bad(VIEW_OF_A_DISPLAY_LIST)) };
+            return if view.is_default() { Ok(Opened::Trace) } else { Err(CommandError::bad_input(VIEW_OF_A_DISPLAY_LIST)) };
         }
         let shown = path.display().to_string();
         let options = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
         let loaded = load_path_with(&path, &view.options(budget)?, &options);
-        let (scene, held) =
-            loaded.map_err(|error| if error.file == shown { Failure::bad(error) } else { Failure::within(&shown)(error) })?;
+        let (scene, held) = loaded.map_err(|error| {
+            if error.file == shown { CommandError::bad_input(error) } else { CommandError::in_input(&shown)(error) }
+        })?;
         // Released with the memory limit of the plan.
         held.keep_forever();
         Ok(kept(scene))

@@ -2,7 +2,7 @@
 
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_reference::RgbPicture;
-use basrelief_sim::{AnalysisPolicy, Observer, Pictures};
+use basrelief_sim::{AnalysisPolicy, FramePictures, Observer};
 use pyo3::{PyErr, Python};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -49,7 +49,7 @@ impl Observer for Watch {
         self.look()
     }
 
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+    fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         self.last = Some((pictures.machine.clone(), pictures.exact.map(|(exact, _)| exact.clone())));
         Ok(())
     }

@@ -3,7 +3,7 @@
 
 mod analysis;
 mod build;
-mod failure;
+mod command_error;
 mod machine;
 mod observer;
 mod options;
@@ -16,7 +16,7 @@ pub use analysis::ablation::ablate;
 pub use analysis::attribution::{AttributionProbe, TokenSample, last_stage};
 pub use analysis::comparison::{RecordedRun, explain};
 pub use analysis::costs::{
-    ActivityCost, CostKind, Costs, CycleBreakdown, PARTS, PixelActivity, PixelCost, PolygonCost, UnitCost,
+    ActivityCost, CostKind, CycleBreakdown, PARTS, PixelActivity, PixelCost, PolygonCost, RunCosts, UnitCost,
 };
 pub use analysis::fifo_sizing::{DepthChoice, FifoSizing, size_fifos};
 pub use analysis::methods::compare_methods;
@@ -25,9 +25,9 @@ pub use basrelief_machines::{
     ValueSource,
 };
 pub use build::BUILD;
-pub use failure::{Done, Failure};
+pub use command_error::{CommandError, CommandResult};
 pub use machine::aux_outputs;
-pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};
+pub use observer::{FramePictures, MemoryRequests, NoObserver, Observer, picture_name};
 pub use options::{AnalysisPolicy, Overrides, OverridesError, RunInput, RunOptions, TOML_GROWTH};
 pub use outputs::aux_output::{AuxContent, AuxForm, AuxOutput, AuxOutputInfo};
 pub use outputs::cost_maps::COST_PICTURES;
@@ -39,7 +39,7 @@ pub use recording::{Recording, RecordingError, ResimulateOptions, resimulate, re
 pub use run::concurrent::run_concurrent;
 pub use run::display_list::{display_list, input_sha256, trace_header};
 pub use run::memory_estimates::reserve_textures;
-pub use run::result::{Run, RunError};
+pub use run::result::{RunError, RunResult};
 pub use run::{run, timeline_layout};
 
 /// A trace of one grey quad, for the example above.

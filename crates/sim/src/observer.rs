@@ -6,7 +6,7 @@ use basrelief_reference::{QualityMetrics, RgbPicture};
 
 /// Pictures of a finished frame.
 #[derive(Debug)]
-pub struct Pictures<'a> {
+pub struct FramePictures<'a> {
     /// Frame number, from 0.
     pub index: usize,
     /// The machine's picture.
@@ -44,7 +44,7 @@ pub trait Observer {
     ///
     /// # Errors
     /// An error stops the run.
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+    fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         let _ = pictures;
         Ok(())
     }
@@ -83,8 +83,8 @@ pub trait Observer {
 
 /// Observer that ignores everything.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Unobserved;
-impl Observer for Unobserved {}
+pub struct NoObserver;
+impl Observer for NoObserver {}
 
 /// Returns the file name of a picture: `image.png`, or `image-0001.png` and so on if there are several.
 pub fn picture_name(kind: &str, index: usize, several: bool) -> String {

@@ -92,15 +92,15 @@ impl Overrides {
     /// # Errors
     /// Unknown parameters, and values out of range.
     pub fn config(&self, machine: &MachineInfo, more: &[(String, String)]) -> Result<MachineConfig, ConfigError> {
-        machine.load(&self.toml, &self.with(more))
+        machine.load(&self.toml, &self.with_overrides(more))
     }
 
     /// Returns a configuration of type `C` with these overrides, then with `more` settings.
     pub(crate) fn load<C: Parameters>(&self, more: &[(String, String)]) -> Result<C, ConfigError> {
-        basrelief_parameters::load(&self.toml, &self.with(more))
+        basrelief_parameters::load(&self.toml, &self.with_overrides(more))
     }
 
-    fn with<'a>(&'a self, more: &'a [(String, String)]) -> Vec<(&'a str, &'a str)> {
+    fn with_overrides<'a>(&'a self, more: &'a [(String, String)]) -> Vec<(&'a str, &'a str)> {
         self.settings.iter().chain(more).map(|(key, value)| (key.as_str(), value.as_str())).collect()
     }
 
@@ -108,7 +108,7 @@ impl Overrides {
     ///
     /// # Errors
     /// Unknown parameters, values out of range, and parameters that do not fit together, with the place of the error.
-    pub fn checked(&self, machine: &MachineInfo, budget: &MemoryPool) -> Result<MachineConfig, OverridesError> {
+    pub fn load_checked(&self, machine: &MachineInfo, budget: &MemoryPool) -> Result<MachineConfig, OverridesError> {
         let growth = budget.try_reserve(TOML_GROWTH * self.toml.len() as u64, "what a configuration says");
         let _growth = growth.map_err(|error| OverridesError::File(error.to_string()))?;
         // Single settings may repair a file whose parameters do not fit together, and vice versa.

@@ -7,8 +7,8 @@ use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::Scene;
 use basrelief_sim::{
-    AnalysisPolicy, AuxOutput, CostKind, Costs, CycleBreakdown, MachineInfo, Observer, PARTS, Run, RunInput, RunOptions,
-    Unobserved, display_list, run, trace_header,
+    AnalysisPolicy, AuxOutput, CostKind, CycleBreakdown, MachineInfo, NoObserver, Observer, PARTS, RunCosts, RunInput,
+    RunOptions, RunResult, display_list, run, trace_header,
 };
 use std::cmp::Reverse;
 use std::sync::Arc;
@@ -40,18 +40,18 @@ fn options(demo: &str, settings: &[(&str, &str)]) -> RunOptions {
     RunOptions { config, exact: false, costs: true, ..RunOptions::default() }
 }
 
-fn costs(name: &str, settings: &[(&str, &str)], change: impl Fn(&mut RunOptions)) -> (Costs, Run) {
+fn costs(name: &str, settings: &[(&str, &str)], change: impl Fn(&mut RunOptions)) -> (RunCosts, RunResult) {
     costs_of(&scene(name, 2), options(name, settings), change)
 }
 
-fn costs_of(scene: &Arc<Scene>, mut options: RunOptions, change: impl Fn(&mut RunOptions)) -> (Costs, Run) {
+fn costs_of(scene: &Arc<Scene>, mut options: RunOptions, change: impl Fn(&mut RunOptions)) -> (RunCosts, RunResult) {
     change(&mut options);
-    let mut ran = run(RunInput::scene(Arc::clone(scene)), &options, &mut Unobserved, None).unwrap();
+    let mut ran = run(RunInput::scene(Arc::clone(scene)), &options, &mut NoObserver, None).unwrap();
     (ran.costs.take().unwrap(), ran)
 }
 
 /// Compares costs with the accounts of the units.
-fn check(costs: &Costs, report: &RunReport) {
+fn check(costs: &RunCosts, report: &RunReport) {
     assert_eq!((costs.cycles, costs.units.len()), (report.total, report.units.len()));
     for (unit, own) in costs.units.iter().zip(&report.units) {
         let CycleAccount { busy, done, starved, memory, blocked } = &own.account;
@@ -64,10 +64,10 @@ fn check(costs: &Costs, report: &RunReport) {
                 CostKind::Blocked => blocked[at(&own.outputs)],
             };
             let name = format!("{} {:?} {}", unit.unit, way.kind, way.of);
-            assert_eq!(way.on_pixels + way.elsewhere + way.for_nobody, cycles, "{name}");
+            assert_eq!(way.on_pixels + way.non_pixel + way.unattributed, cycles, "{name}");
             assert_eq!(way.parts.iter().sum::<u64>(), way.on_pixels * PARTS, "{name}: to the part of a cycle");
         }
-        let ways: u64 = unit.activities.iter().map(|way| way.on_pixels + way.elsewhere + way.for_nobody).sum();
+        let ways: u64 = unit.activities.iter().map(|way| way.on_pixels + way.non_pixel + way.unattributed).sum();
         assert_eq!((unit.done, ways + unit.done), (*done, report.total), "{}", unit.unit);
     }
 }
@@ -110,8 +110,8 @@ fn costs_of_all_recipients_sum_to_unit_cycles() {
         assert!(polygons <= objects && objects <= sum(&told.frames));
         // In a complete run, only an unused unit has waits for no token.
         for unit in &costs.units {
-            let unused = unit.activities.iter().all(|way| way.on_pixels + way.elsewhere == 0);
-            assert!(unused || unit.activities.iter().all(|way| way.for_nobody == 0), "{}", unit.unit);
+            let unused = unit.activities.iter().all(|way| way.on_pixels + way.non_pixel == 0);
+            assert!(unused || unit.activities.iter().all(|way| way.unattributed == 0), "{}", unit.unit);
         }
         assert!(told.pixels.busy > 0 && told.non_pixel.busy > 0);
     }
@@ -161,7 +161,7 @@ fn pixel_costs_have_a_breakdown_within_the_picture() {
     assert!((sum - of_units as f64).abs() < 1e-3, "{sum} {of_units}");
 }
 
-fn count(run: &Run, name: &str) -> u64 {
+fn count(run: &RunResult, name: &str) -> u64 {
     match run.report.figures.get(name) {
         Some(Figure::Count(n)) => *n,
         other => panic!("{name}: {other:?}"),
@@ -188,23 +188,23 @@ fn trace_has_the_costs_of_its_scene() {
     let mut recorder = basrelief_trace::TraceRecorder::new(Vec::new(), Default::default(), trace_header(&scene)).unwrap();
     display_list(&scene, &options.config).for_each(|control| recorder.record(&control).unwrap());
     let trace = RunInput::trace(std::io::Cursor::new(recorder.finish(Vec::new()).unwrap()), "recorded");
-    let from_list = run(trace, &options, &mut Unobserved, None).unwrap().costs.unwrap();
-    let from_scene = run(RunInput::scene(scene), &options, &mut Unobserved, None).unwrap().costs.unwrap();
+    let from_list = run(trace, &options, &mut NoObserver, None).unwrap().costs.unwrap();
+    let from_scene = run(RunInput::scene(scene), &options, &mut NoObserver, None).unwrap().costs.unwrap();
     assert_eq!(from_list.polygons.len(), from_scene.polygons.len());
     for (a, b) in from_list.polygons.iter().zip(&from_scene.polygons) {
         assert_eq!((a.frame, a.number, a.object, a.fragments), (b.frame, b.number, b.object, b.fragments));
     }
-    let bits = |costs: &Costs| costs.overdraw().iter().map(|n| n.to_bits()).collect::<Vec<_>>();
+    let bits = |costs: &RunCosts| costs.overdraw().iter().map(|n| n.to_bits()).collect::<Vec<_>>();
     assert!(bits(&from_list) == bits(&from_scene));
     check_sums(&from_list);
 }
 
 /// The sums over polygons are those over units.
-fn check_sums(costs: &Costs) {
+fn check_sums(costs: &RunCosts) {
     let busy = |spent: &CycleBreakdown| spent.busy;
     let of_polygons: u64 = costs.polygons.iter().map(|p| busy(&p.spent)).sum();
     let ways = costs.units.iter().flat_map(|unit| &unit.activities).filter(|way| way.kind == CostKind::Busy);
-    assert!(of_polygons <= ways.map(|way| way.on_pixels + way.elsewhere).sum());
+    assert!(of_polygons <= ways.map(|way| way.on_pixels + way.non_pixel).sum());
 }
 
 #[derive(Default)]
@@ -238,7 +238,7 @@ fn chained_probe_receives_the_same_events() {
     let told = |costs: bool| {
         let mut recorder = Recorder::default();
         let options = RunOptions { costs, ..options("mixed", &[]) };
-        run(RunInput::scene(scene("mixed", 1)), &options, &mut Unobserved, Some(&mut recorder)).unwrap();
+        run(RunInput::scene(scene("mixed", 1)), &options, &mut NoObserver, Some(&mut recorder)).unwrap();
         recorder
     };
     assert!(told(true) == told(false));
@@ -248,7 +248,7 @@ fn chained_probe_receives_the_same_events() {
 fn costs_respect_the_memory_limit() {
     let take = |bytes: u64| {
         let options = RunOptions { budget: MemoryPool::new(bytes), ..options("mixed", &[]) };
-        run(RunInput::scene(scene("mixed", 1)), &options, &mut Unobserved, None).map(|_| ()).map_err(|e| e.to_string())
+        run(RunInput::scene(scene("mixed", 1)), &options, &mut NoObserver, None).map(|_| ()).map_err(|e| e.to_string())
     };
     let whole = 64 << 20;
     assert_eq!(take(whole), Ok(()));

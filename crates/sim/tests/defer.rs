@@ -4,7 +4,7 @@ use basrelief_machines::defer::DeferConfig;
 use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, load_path};
 use basrelief_signals::{Control, Material, Object, Scene, Texture, WrapMode};
-use basrelief_sim::{RunInput, RunOptions, Unobserved, display_list, run, trace_header};
+use basrelief_sim::{NoObserver, RunInput, RunOptions, display_list, run, trace_header};
 use basrelief_trace::{TraceForm, TraceRecorder};
 use std::io::Cursor;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn recorded(scene: &Arc<Scene>, config: &DeferConfig, form: TraceForm) -> Vec<u8
 
 fn report(source: RunInput, config: &DeferConfig) -> Report {
     let settings = RunOptions { config: config.clone().into(), exact: false, ..RunOptions::default() };
-    run(source, &settings, &mut Unobserved, None).unwrap().report
+    run(source, &settings, &mut NoObserver, None).unwrap().report
 }
 
 /// Returns the machine's counts of tiles, bytes and pixels.
@@ -101,7 +101,7 @@ fn section_3_exact_picture_wraps_odd_textures_like_the_device() {
             let settings = [("tile.width", "4"), ("tile.height", "4"), ("defer.texel_centre", centre)];
             let config: DeferConfig = basrelief_parameters::load("", &settings).unwrap();
             let settings = RunOptions { config: config.into(), engine: None, ..RunOptions::default() };
-            let report = run(RunInput::scene(wrapped(wrap)), &settings, &mut Unobserved, None).unwrap().report;
+            let report = run(RunInput::scene(wrapped(wrap)), &settings, &mut NoObserver, None).unwrap().report;
             let db = report.quality.map_or(0.0, |quality| quality.last.psnr_db);
             assert!(db >= 50.0, "{wrap:?}, {centre}: {db:.2} dB");
         }
@@ -116,7 +116,7 @@ fn gouraud_with_normal_maps_matches_the_exact_picture() {
     assert!(scene.objects.iter().any(|o| o.material.normal_map.is_some()), "its polygons are bump targets");
     let config: DeferConfig = basrelief_parameters::load("", &[("defer.lighting", "gouraud")]).unwrap();
     let settings = RunOptions { config: config.into(), engine: None, ..RunOptions::default() };
-    let report = run(RunInput::scene(Arc::new(scene)), &settings, &mut Unobserved, None).unwrap().report;
+    let report = run(RunInput::scene(Arc::new(scene)), &settings, &mut NoObserver, None).unwrap().report;
     let db = report.quality.map_or(0.0, |quality| quality.last.psnr_db);
     assert!(db >= 40.0, "{db:.2} dB");
 }

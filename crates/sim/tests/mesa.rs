@@ -5,7 +5,7 @@ mod tool;
 
 use basrelief_reference::{RenderOptions, RenderStyle, RgbPicture, ShadingModel, TextureFilter};
 use basrelief_signals::Scene;
-use basrelief_sim::{MachineInfo, Observer, Pictures, RunInput, RunOptions, run};
+use basrelief_sim::{FramePictures, MachineInfo, Observer, RunInput, RunOptions, run};
 use std::path::Path;
 use std::sync::Arc;
 use tool::{Mesa, agreement, double_sided, foreign_models, load, models, name_of};
@@ -15,7 +15,7 @@ use tool::{Mesa, agreement, double_sided, foreign_models, load, models, name_of}
 struct Kept(Option<RgbPicture>);
 
 impl Observer for Kept {
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+    fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         self.0 = Some(pictures.machine.clone());
         Ok(())
     }

@@ -65,13 +65,13 @@ fn recorded_here(
     Some((run.report, taping.0)).filter(|_| run.recording_is_complete)
 }
 
-fn timed_again(tape: &[u8], settings: &Settings, limits: AnalysisPolicy) -> Result<Report, RecordingError> {
+fn timed_again(recording: &[u8], settings: &Settings, limits: AnalysisPolicy) -> Result<Report, RecordingError> {
     let options = ResimulateOptions { settings: settings.clone(), bottlenecks: limits, budget: MemoryPool::default() };
-    resimulate(&mut Cursor::new(tape), &options)
+    resimulate(&mut Cursor::new(recording), &options)
 }
 
 /// Recordings of all machines, of scenes and of traces.
-static TAPES: LazyLock<Vec<(&MachineInfo, bool, Vec<u8>)>> = LazyLock::new(|| {
+static RECORDINGS: LazyLock<Vec<(&MachineInfo, bool, Vec<u8>)>> = LazyLock::new(|| {
     let both = MACHINES.iter().flat_map(|machine| [(machine, false), (machine, true)]);
     both.map(|(machine, trace)| {
         (machine, trace, recorded(machine, source(machine, trace), &vec![], AnalysisPolicy::Never).unwrap().1)
@@ -116,13 +116,13 @@ proptest! {
     /// that change the work are rejected.
     #[test]
     fn resimulation_gives_the_report_of_a_run(which in 0..8_usize, choices in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6)) {
-        let (machine, trace, tape) = &TAPES[which];
+        let (machine, trace, recording) = &RECORDINGS[which];
         let settings = some_settings(machine, &choices);
         let Some((ran, other)) = recorded(machine, source(machine, *trace), &settings, AnalysisPolicy::Never) else { return Ok(()) };
-        match timed_again(tape, &settings, AnalysisPolicy::Never) {
+        match timed_again(recording, &settings, AnalysisPolicy::Never) {
             Ok(again) => {
                 prop_assert_eq!(again.to_json().unwrap(), ran.to_json().unwrap(), "{:?}", &settings);
-                prop_assert_eq!(work(&other), work(tape), "{:?}", &settings);
+                prop_assert_eq!(work(&other), work(recording), "{:?}", &settings);
             }
             Err(error) => prop_assert!(matches!(error, RecordingError::OtherWork(_)), "{}: {:?}", error, &settings),
         }
@@ -135,9 +135,9 @@ proptest! {
     /// Execution and timing on two threads give the same report, pictures and recording as one thread.
     #[test]
     fn two_threads_give_the_results_of_one(which in 0..8_usize, choices in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6)) {
-        let (machine, trace, _) = &TAPES[which];
+        let (machine, trace, _) = &RECORDINGS[which];
         let settings = some_settings(machine, &choices);
-        let bytes = |(report, tape): (Report, Vec<u8>)| (report.to_json().unwrap(), tape);
+        let bytes = |(report, recording): (Report, Vec<u8>)| (report.to_json().unwrap(), recording);
         let apart = recorded_here(machine, source(machine, *trace), &settings, AnalysisPolicy::Never).map(bytes);
         let alone = recorded(machine, source(machine, *trace), &settings, AnalysisPolicy::Never).map(bytes);
         prop_assert_eq!(apart, alone, "{:?}", &settings);
@@ -190,8 +190,8 @@ proptest! {
     /// Two resimulations of a recording in memory.
     #[test]
     fn recording_in_memory_can_be_resimulated_repeatedly(which in 0..8_usize, choices in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
-        let (machine, trace, tape) = &TAPES[which];
-        let recording = Recording::read(&mut Cursor::new(tape), &MemoryPool::default()).unwrap();
+        let (machine, trace, recording) = &RECORDINGS[which];
+        let recording = Recording::read(&mut Cursor::new(recording), &MemoryPool::default()).unwrap();
         for settings in [some_settings(machine, &choices), vec![]] {
             let Some(config) = config(machine, &settings) else { return Ok(()) };
             let Some((ran, _)) = recorded(machine, source(machine, *trace), &settings, AnalysisPolicy::Never) else { return Ok(()) };
@@ -205,8 +205,8 @@ proptest! {
 
 #[test]
 fn recording_rejects_other_work() {
-    let (machine, _, tape) = &TAPES[0];
-    let recording = Recording::read(&mut Cursor::new(tape), &MemoryPool::default()).unwrap();
+    let (machine, _, recording) = &RECORDINGS[0];
+    let recording = Recording::read(&mut Cursor::new(recording), &MemoryPool::default()).unwrap();
     let error = |machine: &MachineInfo, settings: &[(&str, &str)]| {
         let settings = settings.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
         recording.resimulate(&config(machine, &settings).unwrap()).unwrap_err().to_string()
@@ -218,7 +218,7 @@ fn recording_rejects_other_work() {
 
 #[test]
 fn input_hash_matches_the_report() {
-    for (machine, trace, _) in TAPES.iter() {
+    for (machine, trace, _) in RECORDINGS.iter() {
         let config = machine.load("", &[]).unwrap();
         let (report, _) = recorded(machine, source(machine, *trace), &vec![], AnalysisPolicy::Never).unwrap();
         assert_eq!(input_sha256(source(machine, *trace), &config, &MemoryPool::default()).unwrap(), report.input.sha256);
@@ -226,8 +226,8 @@ fn input_hash_matches_the_report() {
 }
 
 /// Returns the SHA-256 of the work that a recording states.
-fn work(tape: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&tape[tape.len() - 80..]).into_owned();
+fn work(recording: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&recording[recording.len() - 80..]).into_owned();
     text[text.find("\"work\":").unwrap()..].to_owned()
 }
 
@@ -272,42 +272,42 @@ fn critical_path_is_as_long_as_the_frames() {
 #[test]
 fn kept_steps_count_against_the_memory_limit() {
     let machine = &MACHINES[0];
-    let (_, tape) = recorded(machine, of_scene(machine), &vec![], AnalysisPolicy::Never).unwrap();
+    let (_, recording) = recorded(machine, of_scene(machine), &vec![], AnalysisPolicy::Never).unwrap();
     // A block and its decoded steps are in memory at the same time. Bottleneck analysis keeps the steps as well.
     let options = |limits| ResimulateOptions {
         settings: vec![],
         bottlenecks: limits,
-        budget: MemoryPool::new(tape.len() as u64 * 22 / 10),
+        budget: MemoryPool::new(recording.len() as u64 * 22 / 10),
     };
-    resimulate(&mut Cursor::new(&tape), &options(AnalysisPolicy::Never)).unwrap();
-    let error = resimulate(&mut Cursor::new(&tape), &options(AnalysisPolicy::Always)).unwrap_err();
+    resimulate(&mut Cursor::new(&recording), &options(AnalysisPolicy::Never)).unwrap();
+    let error = resimulate(&mut Cursor::new(&recording), &options(AnalysisPolicy::Always)).unwrap_err();
     assert!(matches!(error, RecordingError::OverBudget(_)), "{error}");
 }
 
 #[test]
 fn bottlenecks_of_recording_and_run_are_equal() {
     for machine in MACHINES {
-        let (report, tape) = recorded(machine, of_scene(machine), &vec![], AnalysisPolicy::Always).unwrap();
-        assert_eq!(timed_again(&tape, &vec![], AnalysisPolicy::Always).unwrap(), report);
+        let (report, recording) = recorded(machine, of_scene(machine), &vec![], AnalysisPolicy::Always).unwrap();
+        assert_eq!(timed_again(&recording, &vec![], AnalysisPolicy::Always).unwrap(), report);
     }
 }
 
 #[test]
 fn invalid_resimulations_are_rejected() {
-    let (_, _, tape) = &TAPES[0];
-    let error = |settings: &[(&str, &str)], tape: &[u8]| {
+    let (_, _, recording) = &RECORDINGS[0];
+    let error = |settings: &[(&str, &str)], recording: &[u8]| {
         let settings = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-        timed_again(tape, &settings, AnalysisPolicy::Never).unwrap_err().to_string()
+        timed_again(recording, &settings, AnalysisPolicy::Never).unwrap_err().to_string()
     };
-    assert!(error(&[("replacement.lanes", "8")], tape).contains("`replacement.lanes` changes the work of the units"));
-    assert!(error(&[("cache.clut.line_bytes", "32")], tape).contains("changes the work of the units"));
+    assert!(error(&[("replacement.lanes", "8")], recording).contains("`replacement.lanes` changes the work of the units"));
+    assert!(error(&[("cache.clut.line_bytes", "32")], recording).contains("changes the work of the units"));
     // With fewer credits than a step needs, stamps have fewer fragments, which changes the work.
-    assert!(error(&[("memory.normal_map.outstanding", "16")], tape).contains("other work"));
-    assert!(error(&[("fifo.shadde.depth", "8")], tape).contains("unknown parameter"));
+    assert!(error(&[("memory.normal_map.outstanding", "16")], recording).contains("other work"));
+    assert!(error(&[("fifo.shadde.depth", "8")], recording).contains("unknown parameter"));
     assert!(error(&[], b"something else altogether").contains("not a recording"));
-    assert!(error(&[], &tape[..tape.len() / 2]).contains("truncated"));
-    assert!(error(&[], &tape[..tape.len() - 9]).contains("truncated"));
-    let mut spoiled = tape.clone();
+    assert!(error(&[], &recording[..recording.len() / 2]).contains("truncated"));
+    assert!(error(&[], &recording[..recording.len() - 9]).contains("truncated"));
+    let mut spoiled = recording.clone();
     let middle = spoiled.len() / 2;
     spoiled[middle] ^= 1;
     // The changed byte is a different or an invalid step; either way, the recorded work has changed.
@@ -334,8 +334,8 @@ fn changes(machine: &MachineInfo) -> Vec<(&'static str, Settings)> {
     ]
 }
 
-fn taped((report, tape): &(Report, Vec<u8>)) -> RecordedRun {
-    RecordedRun::read(report, &mut Cursor::new(tape), &MemoryPool::default()).unwrap()
+fn recorded_run((report, recording): &(Report, Vec<u8>)) -> RecordedRun {
+    RecordedRun::read(report, &mut Cursor::new(recording), &MemoryPool::default()).unwrap()
 }
 
 fn recorded_with(machine: &MachineInfo, settings: &Settings) -> (Report, Vec<u8>) {
@@ -347,7 +347,7 @@ fn explanation_matches_full_runs_and_sums_to_difference() {
     for machine in MACHINES {
         let all: Settings = changes(machine).into_iter().flat_map(|(_, settings)| settings).collect();
         let (a, b) = (recorded_with(machine, &vec![]), recorded_with(machine, &all));
-        let explained = explain(&taped(&a), &taped(&b)).unwrap();
+        let explained = explain(&recorded_run(&a), &recorded_run(&b)).unwrap();
         assert_eq!(explained.shares.len(), 5, "{explained:?}");
         for share in &explained.shares {
             let mut settings = all.clone();
@@ -369,12 +369,12 @@ fn single_change_explains_the_whole_difference() {
         let a = recorded_with(machine, &vec![]);
         for (group, settings) in changes(machine) {
             let b = recorded_with(machine, &settings);
-            let explained = explain(&taped(&a), &taped(&b)).unwrap();
+            let explained = explain(&recorded_run(&a), &recorded_run(&b)).unwrap();
             assert_eq!((explained.shares.len(), explained.together), (1, 0), "{}: {group}: {explained:?}", machine.name);
             assert_eq!(explained.shares[0].group.split('.').next(), Some(group));
             assert_eq!(explained.shares[0].cycles, Some(a.0.frame_cycles()));
         }
-        assert_eq!(explain(&taped(&a), &taped(&a)).unwrap().shares, []);
+        assert_eq!(explain(&recorded_run(&a), &recorded_run(&a)).unwrap().shares, []);
     }
 }
 
@@ -383,7 +383,7 @@ fn single_change_explains_the_whole_difference() {
 fn derived_values_are_not_counted_twice() {
     let hz = vec![("clock.hz".to_owned(), "100000000".to_owned())];
     let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &hz));
-    let explained = explain(&taped(&a), &taped(&b)).unwrap();
+    let explained = explain(&recorded_run(&a), &recorded_run(&b)).unwrap();
     let work = explained.shares.iter().find(|share| share.group == "work").unwrap();
     assert_eq!(work.by, Some(0), "{explained:?}");
     assert!(work.set.contains(&"memory.graphics.rcd=2".to_owned()), "as in run B: {work:?}");
@@ -394,7 +394,7 @@ fn inseparable_changes_have_no_share() {
     // With fewer credits than a step needs, stamps have fewer fragments. Here no stamp is larger, but the simulator cannot know that.
     let settings = vec![("memory.normal_map.outstanding".into(), "16".into()), ("fifo.shaded.depth".into(), "2".into())];
     let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &settings));
-    let explained = explain(&taped(&a), &taped(&b)).unwrap();
+    let explained = explain(&recorded_run(&a), &recorded_run(&b)).unwrap();
     let apart: Vec<(&str, bool)> = explained.shares.iter().map(|share| (share.group.as_str(), share.cycles.is_none())).collect();
     assert_eq!(apart, [("fifo.shaded", false), ("memory.normal_map", true)], "{explained:?}");
 }
@@ -402,10 +402,10 @@ fn inseparable_changes_have_no_share() {
 #[test]
 fn recording_of_another_run_is_rejected() {
     let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &changes(&MACHINES[0])[2].1));
-    for (report, tape) in [(&a.0, &b.1), (&b.0, &a.1), (&recorded_with(&MACHINES[1], &vec![]).0, &a.1)] {
-        let error = RecordedRun::read(report, &mut Cursor::new(tape), &MemoryPool::default()).err().unwrap();
+    for (report, recording) in [(&a.0, &b.1), (&b.0, &a.1), (&recorded_with(&MACHINES[1], &vec![]).0, &a.1)] {
+        let error = RecordedRun::read(report, &mut Cursor::new(recording), &MemoryPool::default()).err().unwrap();
         assert!(matches!(error, RecordingError::OtherRun), "{error}");
     }
     let other = recorded_with(&MACHINES[1], &vec![]);
-    assert!(explain(&taped(&a), &taped(&other)).is_none(), "two machines");
+    assert!(explain(&recorded_run(&a), &recorded_run(&other)).is_none(), "two machines");
 }

@@ -10,7 +10,7 @@ use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Control, Scene};
-use basrelief_sim::{Observer, Pictures, RunInput, RunOptions, Unobserved, display_list, run, trace_header};
+use basrelief_sim::{FramePictures, NoObserver, Observer, RunInput, RunOptions, display_list, run, trace_header};
 use basrelief_trace::{BeginCommand, TraceEncoding, TraceForm, TraceRecorder};
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ fn recorded(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: TraceEnc
 
 fn report(source: RunInput, config: &BumpProcessorConfig) -> Report {
     let settings = RunOptions { config: config.clone().into(), exact: false, ..RunOptions::default() };
-    run(source, &settings, &mut Unobserved, None).unwrap().report
+    run(source, &settings, &mut NoObserver, None).unwrap().report
 }
 
 /// Runs the scene and its trace.
@@ -148,7 +148,7 @@ fn reading_a_trace_is_not_simulation_time() {
     let trace = SlowTrace(Cursor::new(recorded(&scene("mixed", 1), &config, TraceEncoding::Binary)));
     let clock = || f64::from(READING.load(Ordering::Relaxed));
     let settings = RunOptions { config: config.into(), exact: false, clock, ..RunOptions::default() };
-    let run = run(RunInput::trace(trace, "slow"), &settings, &mut Unobserved, None).unwrap();
+    let run = run(RunInput::trace(trace, "slow"), &settings, &mut NoObserver, None).unwrap();
     assert!(clock() > 10.0, "{} readings", clock());
     assert_eq!(run.simulate_s, 0.0);
 }
@@ -161,7 +161,7 @@ type ShownFrame = (usize, RgbPicture, Option<(RgbPicture, QualityMetrics)>);
 struct Shown(Vec<ShownFrame>);
 
 impl Observer for Shown {
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+    fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         let exact = pictures.exact.map(|(picture, quality)| (picture.clone(), quality));
         self.0.push((pictures.index, pictures.machine.clone(), exact));
         Ok(())

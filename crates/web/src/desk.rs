@@ -10,7 +10,7 @@ use basrelief_deferred_renderer::TileEncoding;
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_scene::{MemoryFiles, SceneSubject};
 use basrelief_sim::{
-    AnalysisPolicy, AuxForm, AuxOutputInfo, Costs, MACHINES, MachineConfig, MachineInfo, Overrides, PreparedScene, RunInput,
+    AnalysisPolicy, AuxForm, AuxOutputInfo, MACHINES, MachineConfig, MachineInfo, Overrides, PreparedScene, RunCosts, RunInput,
     RunOptions, run, timeline_layout,
 };
 use basrelief_tile_server::protocol::{GroupHashes, ReceivedScene, unpack};
@@ -30,7 +30,7 @@ pub struct Desk {
     outside: Option<Rc<dyn Outside>>,
     lying: Option<Lying>,
     /// Pixel costs of the last `costs` question.
-    costs: Option<Costs>,
+    costs: Option<RunCosts>,
 }
 
 /// The current input.
@@ -190,7 +190,7 @@ impl Desk {
 }
 
 /// Returns the cost of a pixel; null if unknown.
-fn pixel(costs: Option<&Costs>, x: u32, y: u32) -> Value {
+fn pixel(costs: Option<&RunCosts>, x: u32, y: u32) -> Value {
     let Some(pixel) = costs.and_then(|costs| costs.pixel(x, y)) else { return Value::Null };
     let ways: Vec<Value> = pixel
         .activities

@@ -7,7 +7,7 @@ use basrelief_reference::{RgbPicture, metrics};
 use basrelief_report::Report;
 use basrelief_report::html::sections;
 use basrelief_scene::DEMOS;
-use basrelief_sim::{AuxContent, AuxForm, AuxOutput, AuxOutputInfo, MACHINES, MachineInfo, Observer, Pictures, page_assets};
+use basrelief_sim::{AuxContent, AuxForm, AuxOutput, AuxOutputInfo, FramePictures, MACHINES, MachineInfo, Observer, page_assets};
 use basrelief_timeline::UtilizationTimeline;
 use serde_json::{Value, json};
 use std::rc::Rc;
@@ -83,7 +83,7 @@ impl Rounds {
 }
 
 impl Observer for Shown {
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+    fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         self.machine = Some(pictures.machine.clone());
         self.exact = pictures.exact.map(|(exact, _)| exact.clone());
         Ok(())

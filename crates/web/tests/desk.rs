@@ -1,7 +1,7 @@
 //! Tests the service with the questions of the page.
 
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, Overrides, RunInput, RunOptions, Unobserved, run};
+use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, NoObserver, Overrides, RunInput, RunOptions, run};
 use basrelief_web::{Desk, Parcel};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ fn report(machine: &str, name: &str, set: &[(&str, &str)]) -> Value {
     let config = given.config(MachineInfo::named(machine).unwrap(), &[]).unwrap();
     let options = RunOptions { config, overrides: given, bottlenecks: AnalysisPolicy::IfShort, ..RunOptions::default() };
     let scene = demo(name, &ViewOptions { size: SIZE, turn: Some([20.0, 5.0]), ..ViewOptions::default() }).unwrap();
-    let report = run(RunInput::scene(Arc::new(scene)), &options, &mut Unobserved, None).unwrap().report;
+    let report = run(RunInput::scene(Arc::new(scene)), &options, &mut NoObserver, None).unwrap().report;
     serde_json::to_value(report).unwrap()
 }
 

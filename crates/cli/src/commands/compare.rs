@@ -3,7 +3,7 @@
 use super::recording::{open, unreadable};
 use super::reporting::style;
 use crate::args::CompareArgs;
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::input::read_text;
 use crate::outputs::{PartialFile, REPORT, check_outputs_keep_inputs, recording_in};
 use crate::terminal;
@@ -33,18 +33,18 @@ struct Pair<'a> {
 }
 
 /// Compares the first report with each of the others; fails over a limit.
-pub fn compare(args: &CompareArgs, budget: &MemoryPool) -> Done {
+pub fn compare(args: &CompareArgs, budget: &MemoryPool) -> CommandResult {
     let first = Side::read(&args.a, budget)?;
-    let others = args.others.iter().map(|path| Side::read(path, budget)).collect::<Done<Vec<_>>>()?;
+    let others = args.others.iter().map(|path| Side::read(path, budget)).collect::<CommandResult<Vec<_>>>()?;
     if let Some(page) = &args.html {
         let sides = std::iter::once(("A", &first)).chain(others.iter().map(|other| ("B", other)));
         let files: Vec<(&str, PathBuf)> = sides.flat_map(|(name, side)| side.files().map(move |file| (name, file))).collect();
         let files: Vec<(&str, &Path)> = files.iter().map(|(name, file)| (*name, &**file)).collect();
-        check_outputs_keep_inputs(None, &[("--html", page)], &files).map_err(Failure::Usage)?;
+        check_outputs_keep_inputs(None, &[("--html", page)], &files).map_err(CommandError::Usage)?;
     }
     let pairs: Vec<Pair<'_>> = others.iter().map(|other| first.against(other)).collect();
     if args.json {
-        let mut list = pairs.iter().map(Pair::to_json).collect::<Done<Vec<Value>>>()?;
+        let mut list = pairs.iter().map(Pair::to_json).collect::<CommandResult<Vec<Value>>>()?;
         let json = if pairs.len() == 1 { list.swap_remove(0) } else { list.into() };
         print(&format!("{json:#}\n"))?;
     } else {
@@ -63,7 +63,7 @@ pub fn compare(args: &CompareArgs, budget: &MemoryPool) -> Done {
 const MOST_REASONS: usize = 8;
 
 /// Fails if a report fails the limit.
-fn judge(pairs: &[Pair<'_>], limit: f64, allow_other_input: bool) -> Done {
+fn judge(pairs: &[Pair<'_>], limit: f64, allow_other_input: bool) -> CommandResult {
     let failures = pairs.iter().flat_map(|Pair { b, comparison, .. }| {
         let has_other_input = comparison.other_input && !allow_other_input;
         let input = has_other_input.then(|| format!("{b}: {OTHER_INPUT}"));
@@ -73,17 +73,17 @@ fn judge(pairs: &[Pair<'_>], limit: f64, allow_other_input: bool) -> Done {
     let more = failures.len().saturating_sub(MOST_REASONS);
     failures.truncate(MOST_REASONS);
     failures.extend((more > 0).then(|| format!("and {more} more")));
-    if failures.is_empty() { Ok(()) } else { Err(Failure::Bad(failures.join("\n"))) }
+    if failures.is_empty() { Ok(()) } else { Err(CommandError::BadInput(failures.join("\n"))) }
 }
 
 const OTHER_INPUT: &str =
     "input.sha256 differs from A or is unknown, so the runs cannot be judged; --allow-other-input judges them";
 
 /// Writes the comparison as an HTML page, with the images beside the reports.
-fn page(path: &Path, (first, others): (&Side, &[Side]), pairs: &[Pair<'_>]) -> Done {
+fn page(path: &Path, (first, others): (&Side, &[Side]), pairs: &[Pair<'_>]) -> CommandResult {
     let pairs = others.iter().zip(pairs).map(|(other, pair)| Ok((other.shown()?, &pair.comparison)));
-    let page = compared(&first.shown()?, &pairs.collect::<Done<Vec<_>>>()?);
-    PartialFile::write_whole(path, page.as_bytes()).map_err(Failure::file(path, "be written"))
+    let page = compared(&first.shown()?, &pairs.collect::<CommandResult<Vec<_>>>()?);
+    PartialFile::write_whole(path, page.as_bytes()).map_err(CommandError::at_file(path, "be written"))
 }
 
 fn text(first: &Side, others: &[Side], pairs: &[Pair<'_>]) -> String {
@@ -96,8 +96,8 @@ fn text(first: &Side, others: &[Side], pairs: &[Pair<'_>]) -> String {
 }
 
 impl Pair<'_> {
-    fn to_json(&self) -> Done<Value> {
-        let mut json = serde_json::to_value(&self.comparison).map_err(Failure::bad)?;
+    fn to_json(&self) -> CommandResult<Value> {
+        let mut json = serde_json::to_value(&self.comparison).map_err(CommandError::bad_input)?;
         json["a"] = self.a.into();
         json["b"] = self.b.into();
         Ok(json)
@@ -105,13 +105,16 @@ impl Pair<'_> {
 }
 
 impl Side {
-    fn read(path: &Path, budget: &MemoryPool) -> Done<Self> {
+    fn read(path: &Path, budget: &MemoryPool) -> CommandResult<Self> {
         let file = if path.is_dir() { path.join(REPORT) } else { path.to_path_buf() };
         let (text, _held) = read_text(&file, budget)?;
         let name = file.display().to_string();
         // The memory stays reserved until the end of the program.
-        budget.try_reserve(json_weight(text.as_bytes()), "what a report says").map_err(Failure::within(&name))?.keep_forever();
-        let report = Report::from_json(&text).map_err(Failure::within(&name))?;
+        budget
+            .try_reserve(json_weight(text.as_bytes()), "what a report says")
+            .map_err(CommandError::in_input(&name))?
+            .keep_forever();
+        let report = Report::from_json(&text).map_err(CommandError::in_input(&name))?;
         // A recording belongs only to a report with its original name.
         let tape = recording_in(file.parent().unwrap_or(Path::new("")));
         let has_tape = file.ends_with(REPORT) && tape.exists();
@@ -134,10 +137,10 @@ impl Side {
     }
 
     /// Returns the side for the HTML page.
-    fn shown(&self) -> Done<html::ComparedReport<'_>> {
-        let mut assets = page_assets(&self.report).map_err(Failure::within(&self.name))?;
+    fn shown(&self) -> CommandResult<html::ComparedReport<'_>> {
+        let mut assets = page_assets(&self.report).map_err(CommandError::in_input(&self.name))?;
         if let Some(file) = self.image() {
-            let png = fs::read(&file).map_err(Failure::file(&file, "be read"))?;
+            let png = fs::read(&file).map_err(CommandError::at_file(&file, "be read"))?;
             assets.pictures = vec![PagePicture { caption: "The machine's picture".into(), png, largest: None }];
         }
         Ok(html::ComparedReport { name: &self.name, report: &self.report, assets })
@@ -150,7 +153,7 @@ impl Side {
 }
 
 /// Reads a recording. Without the recording of another build, the comparison has less to say and is still right.
-fn read_tape(report: &Report, path: &Path, budget: &MemoryPool) -> Done<Option<RecordedRun>> {
+fn read_tape(report: &Report, path: &Path, budget: &MemoryPool) -> CommandResult<Option<RecordedRun>> {
     let name = path.display();
     match RecordedRun::read(report, &mut open(path)?, budget) {
         Err(error @ RecordingError::OtherBuild { .. }) => {

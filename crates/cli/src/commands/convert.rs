@@ -1,7 +1,7 @@
 //! `basrelief convert`: converts a trace between its forms.
 
 use crate::args::ConvertArgs;
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::input::TraceFile;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use basrelief_input::MemoryPool;
@@ -10,48 +10,48 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 /// Converts a trace.
-pub fn convert(args: &ConvertArgs, budget: &MemoryPool) -> Done {
+pub fn convert(args: &ConvertArgs, budget: &MemoryPool) -> CommandResult {
     let (input, output) = ([("INPUT", &*args.input)], [("OUTPUT", &*args.output)]);
-    check_outputs_keep_inputs(None, &output, &input).map_err(Failure::Usage)?;
+    check_outputs_keep_inputs(None, &output, &input).map_err(CommandError::Usage)?;
     let input = TraceFile::open(&args.input)?;
-    let failed = Failure::within(&input.name);
+    let failed = CommandError::in_input(&input.name);
     to_trace_file(&args.output, |writer, form| {
         display_list::convert_within(input.reader, writer, form, budget).map(|_| ()).map_err(failed)
     })
 }
 
 /// Returns the form that a file name selects.
-pub fn form_of(path: &Path) -> Done<TraceForm> {
+pub fn form_of(path: &Path) -> CommandResult<TraceForm> {
     let name = path.to_string_lossy();
     if name == "-" {
         return Ok(TraceForm::default());
     }
     TraceForm::for_file_name(&name).ok_or_else(|| {
-        Failure::Usage(format!(
+        CommandError::Usage(format!(
             "{name}: the file name selects the form of a trace; expected .jsonl or .bdl, or either with .zst appended"
         ))
     })
 }
 
 /// Writes a trace atomically to a file, or to standard output.
-pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, TraceForm) -> Done) -> Done {
+pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, TraceForm) -> CommandResult) -> CommandResult {
     let form = form_of(path)?;
     if path == Path::new("-") {
         let mut out = Remembering { to: BufWriter::new(io::stdout().lock()), failed: None };
-        let done = write(&mut out, form).and_then(|()| out.flush().map_err(Failure::within("standard output")));
+        let done = write(&mut out, form).and_then(|()| out.flush().map_err(CommandError::in_input("standard output")));
         return match out.failed {
             // A closed pipe is no error.
             Some(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
-            Some(e) => Err(Failure::Bad(format!("standard output: cannot be written: {e}"))),
+            Some(e) => Err(CommandError::BadInput(format!("standard output: cannot be written: {e}"))),
             None => done,
         };
     }
-    let file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
+    let file = PartialFile::create(path).map_err(CommandError::at_file(path, "be written"))?;
     let mut file = Remembering { to: file, failed: None };
     let done = write(&mut file, form);
     match file.failed {
-        Some(e) => Err(Failure::file(path, "be written")(e)),
-        None => done.and_then(|()| file.to.publish().map_err(Failure::file(path, "be written"))),
+        Some(e) => Err(CommandError::at_file(path, "be written")(e)),
+        None => done.and_then(|()| file.to.publish().map_err(CommandError::at_file(path, "be written"))),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::reporting::style;
 use crate::args::DescribeArgs;
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::input::config_of;
 use basrelief_input::MemoryPool;
 use basrelief_parameters::{Effect, Parameter};
@@ -12,7 +12,7 @@ use basrelief_sim::{MachineConfig, MachineInfo};
 use std::fmt::Write;
 
 /// Prints the description of a machine.
-pub fn describe(args: &DescribeArgs, budget: &MemoryPool) -> Done {
+pub fn describe(args: &DescribeArgs, budget: &MemoryPool) -> CommandResult {
     let machine = args.machine;
     let (config, _) = config_of(machine, args.config.as_deref(), &args.settings, budget)?;
     if args.hardware {
@@ -20,7 +20,7 @@ pub fn describe(args: &DescribeArgs, budget: &MemoryPool) -> Done {
     }
     let table = config.parameters();
     if args.json {
-        return print(&format!("{}\n", serde_json::to_string_pretty(&config.described()).map_err(Failure::bad)?));
+        return print(&format!("{}\n", serde_json::to_string_pretty(&config.described()).map_err(CommandError::bad_input)?));
     }
     let mut text = format!("{} - {}\n\n{}\nUnits\n", machine.name, machine.about, machine.diagram);
     let units = machine.units();
@@ -40,10 +40,10 @@ pub fn describe(args: &DescribeArgs, budget: &MemoryPool) -> Done {
 }
 
 /// Prints the hardware cost of a machine.
-fn hardware(config: &MachineConfig, json: bool) -> Done {
-    let all: Vec<Hardware> = config.hardware().map_err(Failure::bad)?.iter().map(Into::into).collect();
+fn hardware(config: &MachineConfig, json: bool) -> CommandResult {
+    let all: Vec<Hardware> = config.hardware().map_err(CommandError::bad_input)?.iter().map(Into::into).collect();
     if json {
-        return print(&format!("{}\n", serde_json::to_string_pretty(&all).map_err(Failure::bad)?));
+        return print(&format!("{}\n", serde_json::to_string_pretty(&all).map_err(CommandError::bad_input)?));
     }
     print(&format!("{}\n", basrelief_report::hardware(&all, style())))
 }

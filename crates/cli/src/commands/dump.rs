@@ -1,6 +1,6 @@
 //! `--dump`: auxiliary outputs as JSON Lines.
 
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::outputs::PartialFile;
 use basrelief_sim::{AuxForm, AuxOutputInfo, MACHINES, MachineConfig, MachineInfo};
 use std::io::{self, Write};
@@ -23,15 +23,15 @@ impl DumpFiles {
     ///
     /// # Errors
     /// An unknown output, an output of another machine, or a file that cannot be written.
-    pub fn open(asked: &[PathBuf], config: &MachineConfig) -> Done<Self> {
+    pub fn open(asked: &[PathBuf], config: &MachineConfig) -> CommandResult<Self> {
         let open = |[what, path]: &[PathBuf; 2]| {
-            let what = known(what, config.machine()).map_err(Failure::Usage)?;
-            let file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
+            let what = known(what, config.machine()).map_err(CommandError::Usage)?;
+            let file = PartialFile::create(path).map_err(CommandError::at_file(path, "be written"))?;
             Ok(Dump { what, path: path.clone(), file })
         };
         let pairs = asked.as_chunks::<2>().0;
-        pairs.iter().try_for_each(|[_, path]| is_file("--dump", path)).map_err(Failure::Usage)?;
-        pairs.iter().map(open).collect::<Done<_>>().map(Self)
+        pairs.iter().try_for_each(|[_, path]| is_file("--dump", path)).map_err(CommandError::Usage)?;
+        pairs.iter().map(open).collect::<CommandResult<_>>().map(Self)
     }
 
     /// Returns the auxiliary outputs of the files.
@@ -49,13 +49,13 @@ impl DumpFiles {
     }
 
     /// Flushes all files, so that write errors occur before anything is published.
-    pub fn flush(&mut self) -> Done {
-        self.0.iter_mut().try_for_each(|d| d.file.flush().map_err(Failure::file(&d.path, "be written")))
+    pub fn flush(&mut self) -> CommandResult {
+        self.0.iter_mut().try_for_each(|d| d.file.flush().map_err(CommandError::at_file(&d.path, "be written")))
     }
 
     /// Publishes the files.
-    pub fn publish(self) -> Done {
-        self.0.into_iter().try_for_each(|d| d.file.publish().map_err(Failure::file(&d.path, "be written")))
+    pub fn publish(self) -> CommandResult {
+        self.0.into_iter().try_for_each(|d| d.file.publish().map_err(CommandError::at_file(&d.path, "be written")))
     }
 }
 

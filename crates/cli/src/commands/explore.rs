@@ -2,17 +2,17 @@
 
 use super::plans::{Planned, counts, work, written};
 use crate::args::ExploreArgs;
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use basrelief_dse::{Explored, Found, Point, explore as find};
 
 /// Runs an exploration.
-pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> Done {
+pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
     let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, global)?;
     let all = plan.points.len();
     let work = work(&args.plan, &[], threads);
     let name = args.plan.plan.display().to_string();
-    let found = find(plan, args.budget.into(), &work, (&folder, &host)).map_err(Failure::within(&name))?;
+    let found = find(plan, args.budget.into(), &work, (&folder, &host)).map_err(CommandError::in_input(&name))?;
     let Explored { plan, tally, share } = found;
     let points: Vec<&Point> = plan.points.iter().collect();
     let failed = folder.find_all(&points).into_iter().filter(|found| *found == Found::Failed).count();

@@ -3,7 +3,7 @@
 use super::real_times::RealTimes;
 use super::simulate::{Simulation, Source};
 use crate::args::{MachineArgs, RunArgs};
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
 use crate::input::{self, Look};
 use crate::interrupt;
@@ -23,11 +23,11 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 /// Returns the parameters of the machine; only some machines can render from a server.
-fn config_of(args: &RunArgs, look: &Look, budget: &MemoryPool) -> Done<(MachineConfig, Overrides)> {
+fn config_of(args: &RunArgs, look: &Look, budget: &MemoryPool) -> CommandResult<(MachineConfig, Overrides)> {
     let fetching = || MACHINES.iter().filter(|m| m.fetches_tiles);
     let Some(machine) = args.machine.machine.or_else(|| fetching().next()).filter(|m| m.fetches_tiles) else {
         let names: Vec<String> = fetching().map(|m| format!("`{}`", m.name)).collect();
-        return Err(Failure::Usage(format!("--from: only machine {} can render from a server", names.join(", "))));
+        return Err(CommandError::Usage(format!("--from: only machine {} can render from a server", names.join(", "))));
     };
     let machine = MachineArgs { machine: Some(machine), ..args.machine.clone() };
     input::config(&look.tell(&machine, None)?, None, budget)
@@ -40,19 +40,19 @@ fn scene_of(
     (fetch, view): (&TileFetch, &ViewOptions),
     shown: &TileProgress,
     budget: &MemoryPool,
-) -> Done<(PreparedScene, GroupHashes)> {
+) -> CommandResult<(PreparedScene, GroupHashes)> {
     let address = scene_path(fetch.tile, (fetch.encoding, fetch.jpeg_quality));
-    let (url, body, _held) = fetcher.scene(&address, |bytes| shown.scene(bytes)).map_err(Failure::Bad)?;
-    let ReceivedScene { subject, hashes, held } = unpack(&body, &url, budget).map_err(Failure::Bad)?;
+    let (url, body, _held) = fetcher.scene(&address, |bytes| shown.scene(bytes)).map_err(CommandError::BadInput)?;
+    let ReceivedScene { subject, hashes, held } = unpack(&body, &url, budget).map_err(CommandError::BadInput)?;
     held.keep_forever();
-    let (scene, held) = subject.seen_within(view, budget).map_err(Failure::bad)?;
+    let (scene, held) = subject.seen_within(view, budget).map_err(CommandError::bad_input)?;
     held.keep_forever();
     Ok((Arc::new(scene).into(), hashes))
 }
 
 /// Opens the folder of `--tile-cache` for a server.
-fn open_cache(folder: &Path, url: &str) -> Done<TileCache> {
-    let cache = TileCache::open(folder, url, write_tile).map_err(Failure::file(folder, "be written"))?;
+fn open_cache(folder: &Path, url: &str) -> CommandResult<TileCache> {
+    let cache = TileCache::open(folder, url, write_tile).map_err(CommandError::at_file(folder, "be written"))?;
     remove_remains(folder);
     Ok(cache)
 }
@@ -64,13 +64,13 @@ fn write_tile(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 /// Renders from the server at `url`.
-pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> Done {
+pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> CommandResult {
     let budget = &global.budget;
     let look = input::look(&args.view, budget)?;
     let mut simulation = Simulation::new(&args.simulation, config_of(args, &look, budget)?, global);
     simulation.options.exact = false;
     let config = &simulation.options.config;
-    let fetch = config.tile_fetch().ok_or_else(|| Failure::Usage("--from: this machine does not fetch tiles".into()))?;
+    let fetch = config.tile_fetch().ok_or_else(|| CommandError::Usage("--from: this machine does not fetch tiles".into()))?;
     let shown = TileProgress::new(simulation.is_quiet());
     let retry = args
         .wait

@@ -1,6 +1,6 @@
 //! `--html`: the report as an HTML page.
 
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::outputs::PartialFile;
 use basrelief_reference::RgbPicture;
 use basrelief_report::html::PageAssets;
@@ -21,8 +21,8 @@ impl HtmlFile {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn open(path: &Path) -> Done<Self> {
-        let file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
+    pub fn open(path: &Path) -> CommandResult<Self> {
+        let file = PartialFile::create(path).map_err(CommandError::at_file(path, "be written"))?;
         Ok(Self { path: path.into(), file, last: None })
     }
 
@@ -35,13 +35,13 @@ impl HtmlFile {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn finish(mut self, report: &Report) -> Done<PartialFile> {
+    pub fn finish(mut self, report: &Report) -> CommandResult<PartialFile> {
         let pictures = self.last.as_ref().map(|(machine, exact)| page_pictures(machine, exact.as_ref()));
-        let pictures = pictures.transpose().map_err(Failure::Bad)?.unwrap_or_default();
-        let assets = PageAssets { pictures, ..page_assets(report).map_err(Failure::bad)? };
-        let page = to_html(report, &assets).map_err(Failure::bad)?;
+        let pictures = pictures.transpose().map_err(CommandError::BadInput)?.unwrap_or_default();
+        let assets = PageAssets { pictures, ..page_assets(report).map_err(CommandError::bad_input)? };
+        let page = to_html(report, &assets).map_err(CommandError::bad_input)?;
         let written = self.file.write_all(page.as_bytes()).and_then(|()| self.file.flush());
-        written.map_err(Failure::file(&self.path, "be written"))?;
+        written.map_err(CommandError::at_file(&self.path, "be written"))?;
         Ok(self.file)
     }
 }

@@ -28,11 +28,11 @@ mod timelines;
 mod verify;
 
 use crate::args::Command;
-use crate::error::Done;
+use crate::error::CommandResult;
 use crate::global::GlobalOptions;
 
 /// Runs the command.
-pub fn dispatch(command: Command, global: &GlobalOptions) -> Done {
+pub fn dispatch(command: Command, global: &GlobalOptions) -> CommandResult {
     match command {
         Command::Demo(args) => run::demo(&args, global),
         Command::Run(args) => run::run(&args, global),

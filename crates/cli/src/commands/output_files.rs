@@ -7,12 +7,12 @@ use super::recording::{RecordingFile, ShortRecording};
 use super::reporting::publish_report;
 use super::requests::RequestsFile;
 use crate::args::SimulationArgs;
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::outputs::{OF_A_RUN, Outputs, PartialFile, REPORT, RUN_RECORDING};
 use crate::progress::InputProgress;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
-use basrelief_sim::{AuxContent, AuxForm, AuxOutput, MemoryRequests, Observer, Pictures, RunOptions, picture_name, to_png};
+use basrelief_sim::{AuxContent, AuxForm, AuxOutput, FramePictures, MemoryRequests, Observer, RunOptions, picture_name, to_png};
 use basrelief_threads as threads;
 use basrelief_tile_server::preview::LivePreview;
 use std::fs::File;
@@ -56,7 +56,7 @@ impl Observer for OutputFiles {
         }
     }
 
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+    fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         let index = pictures.index;
         self.frames = index + 1;
         let exact = pictures.exact.map(|(exact, _)| exact);
@@ -133,8 +133,8 @@ const MOST_NAMED: usize = 8;
 impl FinishedFiles {
     /// Renames the images of a single frame, adds report and recording, and publishes everything. Returns the names of the
     /// written files.
-    pub fn publish(self, report: &Report, args: &SimulationArgs) -> Done<String> {
-        let failed = || Failure::file(&args.out, "be written");
+    pub fn publish(self, report: &Report, args: &SimulationArgs) -> CommandResult<String> {
+        let failed = || CommandError::at_file(&args.out, "be written");
         if self.frames == 1 {
             for kind in &self.kinds {
                 self.outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
@@ -148,7 +148,7 @@ impl FinishedFiles {
         publish_report(self.outputs, report, args.csv).map_err(failed())?;
         self.dumps.publish()?;
         for (file, path) in self.beside {
-            file.publish().map_err(Failure::file(&path, "be written"))?;
+            file.publish().map_err(CommandError::at_file(&path, "be written"))?;
         }
         Ok(names.join(", "))
     }
@@ -162,7 +162,12 @@ impl FinishedFiles {
 
 impl OutputFiles {
     /// Opens all outputs of the command line.
-    pub fn open(simulation: &SimulationArgs, settings: &RunOptions, outputs: Outputs, progress: InputProgress) -> Done<Self> {
+    pub fn open(
+        simulation: &SimulationArgs,
+        settings: &RunOptions,
+        outputs: Outputs,
+        progress: InputProgress,
+    ) -> CommandResult<Self> {
         Ok(Self {
             dumps: DumpFiles::open(&simulation.dump, &settings.config)?,
             requests: RequestsFile::open(simulation, &settings.config, &outputs)?,
@@ -181,7 +186,12 @@ impl OutputFiles {
     }
 
     /// Completes all files.
-    pub fn finish(self, report: &Report, recording_is_complete: bool, simulation: &SimulationArgs) -> Done<FinishedFiles> {
+    pub fn finish(
+        self,
+        report: &Report,
+        recording_is_complete: bool,
+        simulation: &SimulationArgs,
+    ) -> CommandResult<FinishedFiles> {
         let Self { mut dumps, requests, tape, run_tape, page, outputs, progress, frames, kinds, extra, .. } = self;
         drop(progress);
         dumps.flush()?;
@@ -197,11 +207,11 @@ impl OutputFiles {
     }
 
     /// Keeps the best image of the unfinished frame of a failed run.
-    pub fn rescue(self, error: Failure) -> Failure {
+    pub fn rescue(self, error: CommandError) -> CommandError {
         let Some((_, best)) = self.shown.filter(|(frame, _)| *frame as usize >= self.frames) else { return error };
         match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", &OF_A_RUN)) {
             Ok(()) => error,
-            Err(e) => Failure::Bad(format!("{error}\nThe best image so far cannot be written: {e}")),
+            Err(e) => CommandError::BadInput(format!("{error}\nThe best image so far cannot be written: {e}")),
         }
     }
 

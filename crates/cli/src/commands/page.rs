@@ -1,7 +1,7 @@
 //! `basrelief page`: the simulator in a browser.
 
 use crate::args::PageArgs;
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::interrupt;
 use crate::outputs::PartialFile;
 use basrelief_tile_server::server::StaticFiles;
@@ -18,36 +18,38 @@ const VIEWER: &str = "viewer.html";
 const STANDALONE: &str = "standalone.html";
 
 /// Serves the page until interrupted, or writes it as one file.
-pub fn page(args: &PageArgs, quiet: bool) -> Done {
+pub fn page(args: &PageArgs, quiet: bool) -> CommandResult {
     let folder = folder(args.folder.as_deref(), PAGE)?.ok_or_else(|| {
-        Failure::Bad("the page is not built; run `web/build` in the source folder, or name its output with --folder".into())
+        CommandError::BadInput(
+            "the page is not built; run `web/build` in the source folder, or name its output with --folder".into(),
+        )
     })?;
     if let Some(path) = &args.export {
         let page = read(&folder, STANDALONE)?;
-        return PartialFile::write_whole(path, &page).map_err(Failure::file(path, "be written"));
+        return PartialFile::write_whole(path, &page).map_err(CommandError::at_file(path, "be written"));
     }
     if !args.listen.ip().is_loopback() && !args.public {
-        return Err(Failure::Usage(format!(
+        return Err(CommandError::Usage(format!(
             "--listen {}: other computers could use the page; add --public to allow this",
             args.listen
         )));
     }
     let (address, server) =
-        site(&folder, PAGE)?.with_host_names(args.allow_host.clone()).listen(args.listen).map_err(Failure::Bad)?;
+        site(&folder, PAGE)?.with_host_names(args.allow_host.clone()).listen(args.listen).map_err(CommandError::BadInput)?;
     interrupt::say("server stopped");
     if !quiet {
         print(&format!("Page: http://{address}/ (stop with Ctrl-C)\n"))?;
     }
-    server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))
+    server.join().map_err(|e| CommandError::BadInput(format!("{address}: {e}")))
 }
 
 /// Returns the viewer from the given folder or the default one; `None` if it is not built.
-pub fn viewer(named: Option<&Path>) -> Done<Option<StaticFiles>> {
+pub fn viewer(named: Option<&Path>) -> CommandResult<Option<StaticFiles>> {
     folder(named, VIEWER)?.map(|folder| site(&folder, VIEWER)).transpose()
 }
 
 /// Returns the files of this page.
-fn site(folder: &Path, page: &str) -> Done<StaticFiles> {
+fn site(folder: &Path, page: &str) -> CommandResult<StaticFiles> {
     let mut site = StaticFiles::default();
     for (offered, name) in std::iter::once((PAGE, page)).chain(FILES.map(|name| (name, name))) {
         site.offer(offered, &read(folder, name)?, packed(folder, name)?);
@@ -56,22 +58,22 @@ fn site(folder: &Path, page: &str) -> Done<StaticFiles> {
 }
 
 /// Returns the existing compressed forms of a file.
-fn packed(folder: &Path, name: &str) -> Done<Vec<(&'static str, Vec<u8>)>> {
+fn packed(folder: &Path, name: &str) -> CommandResult<Vec<(&'static str, Vec<u8>)>> {
     let forms = PACKED.map(|(encoding, end)| (encoding, format!("{name}.{end}")));
     let there = forms.into_iter().filter(|(_, name)| folder.join(name).is_file());
     there.map(|(encoding, name)| Ok((encoding, read(folder, &name)?))).collect()
 }
 
-fn read(folder: &Path, name: &str) -> Done<Vec<u8>> {
+fn read(folder: &Path, name: &str) -> CommandResult<Vec<u8>> {
     let path = folder.join(name);
-    fs::read(&path).map_err(Failure::file(&path, "be read"))
+    fs::read(&path).map_err(CommandError::at_file(&path, "be read"))
 }
 
 /// Returns the folder with this page: the given one, or `page` beside this program or one folder up; `None` if absent.
-fn folder(named: Option<&Path>, page: &str) -> Done<Option<PathBuf>> {
+fn folder(named: Option<&Path>, page: &str) -> CommandResult<Option<PathBuf>> {
     if let Some(folder) = named {
         return Ok(Some(folder.into()));
     }
-    let program = std::env::current_exe().map_err(Failure::bad)?;
+    let program = std::env::current_exe().map_err(CommandError::bad_input)?;
     Ok(program.ancestors().skip(1).take(2).map(|folder| folder.join("page")).find(|folder| folder.join(page).is_file()))
 }

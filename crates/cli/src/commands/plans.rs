@@ -1,7 +1,7 @@
 //! Code shared by `sweep` and `explore`.
 
 use crate::args::{PlanArgs, ViewArgs};
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
 use crate::input::{self, Input, TraceFile, demo_of, read_text};
 use crate::interrupt;
@@ -35,7 +35,7 @@ impl<'a> Planned<'a> {
     ///
     /// # Errors
     /// An unreadable file or an invalid plan.
-    pub fn read(args: &PlanArgs, global: &'a GlobalOptions) -> Done<Self> {
+    pub fn read(args: &PlanArgs, global: &'a GlobalOptions) -> CommandResult<Self> {
         interrupt::say("interrupted; finished points are kept; run the command again to continue");
         if args.threads == Some(1) {
             threads::disable_threads();
@@ -48,13 +48,15 @@ impl<'a> Planned<'a> {
         };
         let name = args.plan.display().to_string();
         let (text, held) = read_text(&args.plan, &global.budget)?;
-        let growth =
-            global.budget.try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says").map_err(Failure::within(&name))?;
-        let plan = Plan::read(&text, &host).map_err(Failure::within(&name))?;
+        let growth = global
+            .budget
+            .try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says")
+            .map_err(CommandError::in_input(&name))?;
+        let plan = Plan::read(&text, &host).map_err(CommandError::in_input(&name))?;
         let tables = basrelief_dse::tables::FILES.iter().map(|(file, _)| args.out.join(file));
         let tables: Vec<PathBuf> = tables.collect();
         let tables: Vec<(&str, &Path)> = tables.iter().map(|table| ("--out", &**table)).collect();
-        host.check_outputs(&tables).map_err(Failure::Usage)?;
+        host.check_outputs(&tables).map_err(CommandError::Usage)?;
         let threads = args.threads.map_or_else(threads::workers, usize::from);
         Ok(Self { host, plan, folder: Folder::new(&args.out), threads, _held: [held, growth] })
     }
@@ -75,14 +77,14 @@ pub fn counts(Tally { points, there, run, retimed, outdated, .. }: &Tally, faile
 ///
 /// # Errors
 /// A file that cannot be read or written.
-pub fn written(plan: &Plan, folder: &Folder, args: &PlanArgs, host: &Program<'_>) -> Done<String> {
+pub fn written(plan: &Plan, folder: &Folder, args: &PlanArgs, host: &Program<'_>) -> CommandResult<String> {
     let front = tables(plan, folder, host).map_err(bad)?;
     let files: Vec<&str> = basrelief_dse::tables::FILES.iter().map(|(file, _)| *file).collect();
     Ok(format!("\n{front}\nWritten to {}/: {}\n", args.out.display(), files.join(", ")))
 }
 
-pub fn bad(error: SweepError) -> Failure {
-    Failure::Bad(error.to_string())
+pub fn bad(error: SweepError) -> CommandError {
+    CommandError::BadInput(error.to_string())
 }
 
 /// Services of this program for a sweep.

@@ -3,7 +3,7 @@
 use super::convert::to_trace_file;
 use super::simulate::{read_files, simulate_quietly};
 use crate::args::RecordArgs;
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
 use crate::outputs::check_outputs_keep_inputs;
@@ -17,17 +17,17 @@ use std::io::{Cursor, Write};
 use std::sync::Arc;
 
 /// Records a scene.
-pub fn record(args: &RecordArgs, global: &GlobalOptions) -> Done {
+pub fn record(args: &RecordArgs, global: &GlobalOptions) -> CommandResult {
     let inputs = read_files(Some(&args.input), &args.machine, &args.view);
-    check_outputs_keep_inputs(None, &[("--out", &args.out)], &inputs).map_err(Failure::Usage)?;
+    check_outputs_keep_inputs(None, &[("--out", &args.out)], &inputs).map_err(CommandError::Usage)?;
     let (config, _) = input::config(&args.machine, demo_of(&args.input), &global.budget)?;
     let Input::Scene(scene) = input::open(&args.input, &args.view, global)? else {
-        return Err(Failure::Usage(format!(
+        return Err(CommandError::Usage(format!(
             "{}: is already a trace; `basrelief convert` changes its form",
             args.input.display()
         )));
     };
-    check_outputs_keep_inputs(None, &[("--out", &args.out)], &[]).map_err(Failure::Usage)?;
+    check_outputs_keep_inputs(None, &[("--out", &args.out)], &[]).map_err(CommandError::Usage)?;
     let (scene, budget) = (scene.scene(), &global.budget);
     let expectations = if args.expect { vec![expected(scene, &config, args, budget)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
@@ -44,11 +44,11 @@ pub fn write_list(
     (form, begin): (TraceForm, BeginCommand),
     expectations: Vec<ExpectedResults>,
     (mut progress, budget): (Progress, &MemoryPool),
-) -> Done {
+) -> CommandResult {
     // Copies of texels during recording: base64 and a line buffer that doubles.
     let copies = || (0..4).map(|_| reserve_textures(scene, 0, budget)).collect::<Result<Vec<_>, _>>();
-    let _copies = copies().map_err(Failure::within(&scene.name))?;
-    let failed = Failure::within(&scene.name);
+    let _copies = copies().map_err(CommandError::in_input(&scene.name))?;
+    let failed = CommandError::in_input(&scene.name);
     let mut recorder = TraceRecorder::new(writer, form, begin).map_err(&failed)?;
     for (n, control) in (1..).zip(display_list(scene, config)) {
         recorder.record(&control).map_err(&failed)?;
@@ -59,7 +59,12 @@ pub fn write_list(
 
 /// Returns the results of a replay of the trace. They differ from a run of the scene, where the geometry processor can be blocked: in a
 /// replay, polygons arrive as if nothing had stalled.
-fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budget: &MemoryPool) -> Done<ExpectedResults> {
+fn expected(
+    scene: &Arc<Scene>,
+    config: &MachineConfig,
+    args: &RecordArgs,
+    budget: &MemoryPool,
+) -> CommandResult<ExpectedResults> {
     let mut list = CountedBuffer::new(budget, "a display list");
     let form = TraceForm { encoding: TraceEncoding::Binary, compressed: true };
     let progress = Progress::new(None, "commands", true);
@@ -71,7 +76,7 @@ fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budge
 
 /// Returns the parameters that a replay needs: those that differ from their default, and those that the user set. If one belongs to a
 /// memory, or is the clock, all parameters of that memory are needed, because the others would follow from its part.
-fn settings_of(config: &MachineConfig, named: &[(String, String)]) -> Done<BTreeMap<String, ParameterValue>> {
+fn settings_of(config: &MachineConfig, named: &[(String, String)]) -> CommandResult<BTreeMap<String, ParameterValue>> {
     let pairs = config.parameters().into_iter().zip(config.machine().parameters());
     let (told, other): (Vec<_>, Vec<_>) =
         pairs.partition(|(here, default)| here.default != default.default || named.iter().any(|(key, _)| *key == here.key));
@@ -80,7 +85,7 @@ fn settings_of(config: &MachineConfig, named: &[(String, String)]) -> Done<BTree
         memory.is_some() && told.iter().any(|(p, _)| p.key == "clock.hz" || memory_of(&p.key) == memory)
     };
     let followers: Vec<_> = other.into_iter().filter(|(p, _)| follows(&p.key)).collect();
-    let value = |value| serde_json::from_value(value).map_err(Failure::bad);
+    let value = |value| serde_json::from_value(value).map_err(CommandError::bad_input);
     told.into_iter().chain(followers).map(|(here, _)| Ok((here.key, value(here.default)?))).collect()
 }
 

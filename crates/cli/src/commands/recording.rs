@@ -1,6 +1,6 @@
 //! Files of recordings: `--recording`, the recording beside a report, and recordings to read.
 
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::outputs::{Outputs, PartialFile, RUN_RECORDING, recording_in};
 use basrelief_sim::{AnalysisPolicy, Observer, RecordingError};
 use std::fs::File;
@@ -18,8 +18,8 @@ impl RecordingFile {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn open(path: &Path) -> Done<Self> {
-        let failed = || Failure::file(path, "be written");
+    pub fn open(path: &Path) -> CommandResult<Self> {
+        let failed = || CommandError::at_file(path, "be written");
         let file = PartialFile::create(path).map_err(failed())?;
         let mut encoder = zstd::Encoder::new(file, zstd::DEFAULT_COMPRESSION_LEVEL).map_err(failed())?;
         encoder.include_checksum(true).map_err(failed())?;
@@ -38,9 +38,9 @@ impl RecordingFile {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn finish(self) -> Done<PartialFile> {
-        let mut file = self.encoder.finish().map_err(Failure::file(&self.path, "be written"))?;
-        file.flush().map_err(Failure::file(&self.path, "be written"))?;
+    pub fn finish(self) -> CommandResult<PartialFile> {
+        let mut file = self.encoder.finish().map_err(CommandError::at_file(&self.path, "be written"))?;
+        file.flush().map_err(CommandError::at_file(&self.path, "be written"))?;
         Ok(file)
     }
 }
@@ -53,9 +53,9 @@ pub struct ShortRecording {
 
 impl ShortRecording {
     /// Makes an empty recording of a run with this analysis policy.
-    pub fn new(limits: AnalysisPolicy) -> Done<Self> {
+    pub fn new(limits: AnalysisPolicy) -> CommandResult<Self> {
         let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
-        let encoder = (limits != AnalysisPolicy::Never).then(encoder).transpose().map_err(Failure::bad)?;
+        let encoder = (limits != AnalysisPolicy::Never).then(encoder).transpose().map_err(CommandError::bad_input)?;
         Ok(Self { encoder })
     }
 
@@ -86,29 +86,29 @@ pub fn place_of(path: &Path) -> PathBuf {
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn open(path: &Path) -> Done<zstd::Decoder<'static, BufReader<File>>> {
-    let file = File::open(path).map_err(Failure::file(path, "be read"))?;
-    zstd::Decoder::new(file).map_err(Failure::file(path, "be read"))
+pub fn open(path: &Path) -> CommandResult<zstd::Decoder<'static, BufReader<File>>> {
+    let file = File::open(path).map_err(CommandError::at_file(path, "be read"))?;
+    zstd::Decoder::new(file).map_err(CommandError::at_file(path, "be read"))
 }
 
 /// Converts an error of a recording of this name or of the new parameters.
-pub fn failure(name: &str) -> impl Fn(RecordingError) -> Failure {
-    let convert = Failure::of_resimulation(unreadable(name));
+pub fn failure(name: &str) -> impl Fn(RecordingError) -> CommandError {
+    let convert = CommandError::of_resimulation(unreadable(name));
     move |error| match convert(error) {
-        Failure::Usage(text) => Failure::Usage(format!("--set: {text}")),
+        CommandError::Usage(text) => CommandError::Usage(format!("--set: {text}")),
         bad => bad,
     }
 }
 
 /// Converts an error of a recording of this name.
-pub fn unreadable(name: &str) -> impl Fn(RecordingError) -> Failure {
+pub fn unreadable(name: &str) -> impl Fn(RecordingError) -> CommandError {
     let name = name.to_owned();
     move |error| match error {
         // The decoder reports damage in its own words.
         RecordingError::Read(e) if e.raw_os_error().is_none() => {
-            Failure::within(&name)("not a recording, or truncated; `basrelief run --recording FILE` writes one")
+            CommandError::in_input(&name)("not a recording, or truncated; `basrelief run --recording FILE` writes one")
         }
-        _ => Failure::within(&name)(error),
+        _ => CommandError::in_input(&name)(error),
     }
 }
 

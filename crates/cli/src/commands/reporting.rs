@@ -1,7 +1,7 @@
 //! Reports on the terminal and in files.
 
 use crate::args::TablesArgs;
-use crate::error::{Done, print};
+use crate::error::{CommandResult, print};
 use crate::outputs::{OF_A_RUN, Outputs, REPORT};
 use basrelief_report::{Report, TextStyle, to_csv, to_text};
 use std::io::{self, IsTerminal, Write};
@@ -18,7 +18,7 @@ pub fn publish_report(outputs: Outputs, report: &Report, csv: bool) -> io::Resul
 }
 
 /// Prints the report.
-pub fn show_report(report: &Report, tables: &TablesArgs) -> Done {
+pub fn show_report(report: &Report, tables: &TablesArgs) -> CommandResult {
     print(&to_text(report, style(), &tables.shown()))
 }
 

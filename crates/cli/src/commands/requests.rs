@@ -6,7 +6,7 @@
 
 use super::dump::is_file;
 use crate::args::{RequestsFormat, SimulationArgs};
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::outputs::{Outputs, PartialFile};
 use basrelief_kernel::MemoryRequest;
 use basrelief_sim::{MachineConfig, MemoryRequests};
@@ -39,13 +39,13 @@ impl RequestsFile {
     ///
     /// # Errors
     /// An unknown memory, several memories in a format for one, or a file that cannot be written.
-    pub fn open(simulation: &SimulationArgs, config: &MachineConfig, outputs: &Outputs) -> Done<Option<Self>> {
+    pub fn open(simulation: &SimulationArgs, config: &MachineConfig, outputs: &Outputs) -> CommandResult<Option<Self>> {
         let Some(path) = &simulation.requests else { return Ok(None) };
-        is_file("--requests", path).map_err(Failure::Usage)?;
+        is_file("--requests", path).map_err(CommandError::Usage)?;
         let (format, asked) = (simulation.requests_format, simulation.requests_memory.as_deref());
-        let memories = config.memories().map_err(Failure::bad)?;
-        let memories = choose(memories, asked, format, config.machine().name).map_err(Failure::Usage)?;
-        let failed = || Failure::file(path, "be written");
+        let memories = config.memories().map_err(CommandError::bad_input)?;
+        let memories = choose(memories, asked, format, config.machine().name).map_err(CommandError::Usage)?;
+        let failed = || CommandError::at_file(path, "be written");
         let mut file = PartialFile::create(path).map_err(failed())?;
         file.write_all(head(format).as_bytes()).map_err(failed())?;
         let section = |(number, (memory, burst_bytes)): (usize, (String, u32))| {
@@ -75,7 +75,7 @@ impl RequestsFile {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn finish(self) -> Done<PartialFile> {
+    pub fn finish(self) -> CommandResult<PartialFile> {
         let Self { path, mut file, sections, .. } = self;
         let append = |waits_in: BufWriter<File>| {
             let mut waited = waits_in.into_inner()?;
@@ -83,7 +83,7 @@ impl RequestsFile {
             io::copy(&mut waited, &mut file)
         };
         let appended = sections.into_iter().filter_map(|s| s.waits_in).map(append).try_for_each(|n| n.map(|_| ()));
-        appended.and_then(|()| file.flush()).map_err(Failure::file(&path, "be written"))?;
+        appended.and_then(|()| file.flush()).map_err(CommandError::at_file(&path, "be written"))?;
         Ok(file)
     }
 }

@@ -5,7 +5,7 @@ use super::sensitivity::around;
 use super::simulate::{Simulation, Source, spare_inputs};
 use super::tables::{ablate, compare_methods};
 use crate::args::{DemoArgs, RunArgs};
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
 use crate::progress::{InputProgress, Progress};
@@ -15,7 +15,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 /// Draws a demo scene.
-pub fn demo(args: &DemoArgs, global: &GlobalOptions) -> Done {
+pub fn demo(args: &DemoArgs, global: &GlobalOptions) -> CommandResult {
     spare_inputs(&args.simulation, None, &args.machine, &args.view)?;
     let machine = args.machine.machine.unwrap_or(&MACHINES[0]);
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
@@ -27,7 +27,7 @@ pub fn demo(args: &DemoArgs, global: &GlobalOptions) -> Done {
 }
 
 /// Draws a model or replays a trace.
-pub fn run(args: &RunArgs, global: &GlobalOptions) -> Done {
+pub fn run(args: &RunArgs, global: &GlobalOptions) -> CommandResult {
     spare_inputs(&args.simulation, args.input.as_deref(), &args.machine, &args.view)?;
     if let Some(url) = &args.from {
         return run_from(url, args, global);
@@ -35,7 +35,7 @@ pub fn run(args: &RunArgs, global: &GlobalOptions) -> Done {
     // The parser does not require --from here, because INPUT excludes it.
     for (option, given) in [("--tile-cache", args.tile_cache.is_some()), ("--wait", args.wait.is_some())] {
         if given {
-            return Err(Failure::Usage(format!("{option}: applies to the scene of a server only; add --from URL")));
+            return Err(CommandError::Usage(format!("{option}: applies to the scene of a server only; add --from URL")));
         }
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
@@ -45,7 +45,7 @@ pub fn run(args: &RunArgs, global: &GlobalOptions) -> Done {
     simulate(input, Simulation::new(&args.simulation, machine, global))
 }
 
-fn simulate(input: Input, simulation: Simulation<'_>) -> Done {
+fn simulate(input: Input, simulation: Simulation<'_>) -> CommandResult {
     let budget = &simulation.global.budget;
     if simulation.args.ablate {
         return ablate(&input.for_several_runs(budget), &simulation);

@@ -1,11 +1,11 @@
 //! `basrelief schema`: JSON schemas.
 
 use crate::args::{SchemaArgs, SchemaName};
-use crate::error::{Done, print};
+use crate::error::{CommandResult, print};
 use basrelief_signals::{Camera, schema_of};
 
 /// Prints a schema.
-pub fn schema(args: &SchemaArgs) -> Done {
+pub fn schema(args: &SchemaArgs) -> CommandResult {
     let schema = match args.of {
         SchemaName::Trace => basrelief_trace::schema(),
         SchemaName::Report => basrelief_report::schema(),

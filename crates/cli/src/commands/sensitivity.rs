@@ -1,7 +1,7 @@
 //! `--sensitivity`: effect of each assumed parameter.
 
 use super::plans::{Program, bad};
-use crate::error::Done;
+use crate::error::CommandResult;
 use crate::global::GlobalOptions;
 use crate::input::Input;
 use basrelief_dse::{Around, Opened, Plan, sensitivity};
@@ -13,7 +13,7 @@ use basrelief_threads as threads;
 ///
 /// # Errors
 /// The input can be read only once.
-pub fn around(input: &Input, settings: &RunOptions) -> Done<Around> {
+pub fn around(input: &Input, settings: &RunOptions) -> CommandResult<Around> {
     let (name, opened) = match input {
         Input::Scene(prepared) => (prepared.scene().name.clone(), Opened::Scene(prepared.clone())),
         Input::Trace(trace) => (trace.again()?.name, Opened::Trace),
@@ -32,7 +32,7 @@ pub fn around(input: &Input, settings: &RunOptions) -> Done<Around> {
 ///
 /// # Errors
 /// The input cannot be read any more.
-pub fn measured(around: Around, global: &GlobalOptions, quiet: bool) -> Done<Sensitivity> {
+pub fn measured(around: Around, global: &GlobalOptions, quiet: bool) -> CommandResult<Sensitivity> {
     let host = Program::around_run(global, quiet);
     let plan = Plan::around(around, &host).map_err(bad)?;
     sensitivity(&plan, threads::workers(), &host).map_err(bad)

@@ -2,7 +2,7 @@
 
 use super::page::viewer;
 use crate::args::ServeArgs;
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::input;
 use crate::interrupt;
@@ -16,20 +16,20 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Serves until interrupted.
-pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> Done {
+pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> CommandResult {
     if !args.listen.ip().is_loopback() && !args.public {
-        return Err(Failure::Usage(format!(
+        return Err(CommandError::Usage(format!(
             "--listen {}: other computers could read the scene; add --public to allow this",
             args.listen
         )));
     }
     let Some(subject) = input::open_subject(&args.input, global)? else {
-        return Err(Failure::Usage(format!("{}: is a trace; expected a model or demo:NAME", args.input.display())));
+        return Err(CommandError::Usage(format!("{}: is a trace; expected a model or demo:NAME", args.input.display())));
     };
-    let within = Failure::within(subject.name());
+    let within = CommandError::in_input(subject.name());
     let path = subject.name().to_owned();
     // The MIP levels stay in memory until the end of the program.
-    let unseen = subject.seen(&ViewOptions::default()).map_err(Failure::bad)?;
+    let unseen = subject.seen(&ViewOptions::default()).map_err(CommandError::bad_input)?;
     reserve_textures(&unseen, 1, &global.budget).map_err(&within)?.keep_forever();
     let textures = textures(&subject);
     let subject = subject.without_path();
@@ -39,17 +39,17 @@ pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> Done {
     let served = SceneService::new(scene, page, textures).with_viewer(viewer.unwrap_or_default());
     let served = served.with_host_names(args.allow_host.clone());
     let served = args.allow_origin.iter().fold(served, |served, origin| served.with_allowed_origin(origin));
-    let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
+    let (address, server) = served.listen(args.listen, Limits::default()).map_err(CommandError::BadInput)?;
     interrupt::say("server stopped");
     if !global.quiet {
         print(&format!("Serving {path} at http://{address}/\n"))?;
     }
-    server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))
+    server.join().map_err(|e| CommandError::BadInput(format!("{address}: {e}")))
 }
 
 /// Returns the compressed scene; its memory stays reserved until the end of the program.
-fn packed(subject: &SceneSubject, budget: &MemoryPool) -> Done<Vec<u8>> {
-    let within = Failure::within(subject.name());
+fn packed(subject: &SceneSubject, budget: &MemoryPool) -> CommandResult<Vec<u8>> {
+    let within = CommandError::in_input(subject.name());
     let scene = subject.to_bytes(&mut hash_of_picture).map_err(|e| within(e.to_string()))?;
     let _whole = budget.try_reserve(scene.len() as u64, "a scene to be served").map_err(|e| within(e.to_string()))?;
     let packed = pack(&scene);

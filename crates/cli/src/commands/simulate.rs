@@ -7,7 +7,7 @@ use super::sensitivity::measured;
 use super::timelines::TimelineFiles;
 use crate::args::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
 use crate::clock::seconds;
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::outputs::{Outputs, check_distinct, check_outputs_keep_inputs};
 use crate::progress::InputProgress;
@@ -18,8 +18,8 @@ use basrelief_kernel::{Engine, Probe};
 use basrelief_report::Report;
 use basrelief_report::model::OutcomeKind;
 use basrelief_sim::{
-    self as sim, AnalysisPolicy, AuxForm, AuxOutputInfo, MachineConfig, Observer, Overrides, Run, RunInput, RunOptions,
-    Unobserved, picture_name,
+    self as sim, AnalysisPolicy, AuxForm, AuxOutputInfo, MachineConfig, NoObserver, Observer, Overrides, RunInput, RunOptions,
+    RunResult, picture_name,
 };
 use basrelief_tile_server::preview::LivePreview;
 use std::net::SocketAddr;
@@ -92,12 +92,12 @@ impl<'a> Simulation<'a> {
     }
 
     /// Runs an input and writes its outputs. With `around`, the report has a sensitivity analysis.
-    pub fn run(mut self, source: Source, around: Option<Around>) -> Done {
+    pub fn run(mut self, source: Source, around: Option<Around>) -> CommandResult {
         let Source { input, progress, real, watched } = source;
         self.check_outputs_keep_named_files()?;
         // Created before the dumps, which may be in this folder.
-        let outputs = Outputs::begin(&self.args.out).map_err(Failure::file(&self.args.out, "be written"))?;
-        check_distinct(&self.args.out, &named_outputs(self.args)).map_err(Failure::Usage)?;
+        let outputs = Outputs::begin(&self.args.out).map_err(CommandError::at_file(&self.args.out, "be written"))?;
+        check_distinct(&self.args.out, &named_outputs(self.args)).map_err(CommandError::Usage)?;
         let mut timelines = TimelineFiles::open(self.args, &input, &self.options)?;
         let mut files = OutputFiles::open(self.args, &self.options, outputs, progress)?;
         files.real = real;
@@ -119,7 +119,7 @@ impl<'a> Simulation<'a> {
         let files = files.finish(&report, recording_is_complete, self.args)?;
         if self.args.json {
             // Printed before publication: if printing fails, nothing is written.
-            print(&report.to_json().map_err(Failure::bad)?)?;
+            print(&report.to_json().map_err(CommandError::bad_input)?)?;
         }
         let frames = files.frames;
         let names = files.publish(&report, self.args)?;
@@ -134,12 +134,12 @@ impl<'a> Simulation<'a> {
     }
 
     /// Refuses outputs that would overwrite a file that the input names.
-    fn check_outputs_keep_named_files(&self) -> Done {
-        check_outputs_keep_inputs(Some(&self.args.out), &named_outputs(self.args), &[]).map_err(Failure::Usage)
+    fn check_outputs_keep_named_files(&self) -> CommandResult {
+        check_outputs_keep_inputs(Some(&self.args.out), &named_outputs(self.args), &[]).map_err(CommandError::Usage)
     }
 
     /// Returns the report of a run with the sensitivity analysis and the figures of the host.
-    fn completed(&self, mut run: Run, around: Option<Around>, files: &OutputFiles) -> Done<Report> {
+    fn completed(&self, mut run: RunResult, around: Option<Around>, files: &OutputFiles) -> CommandResult<Report> {
         if let Some(around) = around.filter(|_| run.report.outcome.kind == OutcomeKind::Complete) {
             run.report.sensitivity = Some(measured(around, self.global, self.is_quiet())?);
         }
@@ -151,7 +151,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Prints the report and decides the outcome of the command.
-    fn show(&self, report: &Report, names: &str) -> Done {
+    fn show(&self, report: &Report, names: &str) -> CommandResult {
         if !self.is_quiet() {
             show_report(report, &self.args.tables)?;
             print(&format!("\nWritten to {}/: {names}\n", self.args.out.display()))?;
@@ -159,18 +159,20 @@ impl<'a> Simulation<'a> {
         let message = report.outcome.message.clone().unwrap_or_default();
         match report.outcome.kind {
             OutcomeKind::Complete => Ok(()),
-            OutcomeKind::Limit => Err(Failure::Bad("stopped at --max-cycles; the report holds the state so far".into())),
-            OutcomeKind::Deadlock | OutcomeKind::Stopped | OutcomeKind::Fault => Err(Failure::Bad(message)),
+            OutcomeKind::Limit => {
+                Err(CommandError::BadInput("stopped at --max-cycles; the report holds the state so far".into()))
+            }
+            OutcomeKind::Deadlock | OutcomeKind::Stopped | OutcomeKind::Fault => Err(CommandError::BadInput(message)),
         }
     }
 }
 
 /// Starts the live preview.
-fn listen(watched: LivePreview, at: SocketAddr, quiet: bool) -> Done<LivePreview> {
+fn listen(watched: LivePreview, at: SocketAddr, quiet: bool) -> CommandResult<LivePreview> {
     if !at.ip().is_loopback() {
-        return Err(Failure::Usage(format!("--watch={at}: expected a loopback address, for example 127.0.0.1:8018")));
+        return Err(CommandError::Usage(format!("--watch={at}: expected a loopback address, for example 127.0.0.1:8018")));
     }
-    let address = watched.listen(at).map_err(Failure::Bad)?;
+    let address = watched.listen(at).map_err(CommandError::BadInput)?;
     if !quiet {
         // Standard output is reserved for the report.
         terminal::note(&format!("Preview: http://{address}/"));
@@ -188,9 +190,9 @@ fn exhibits(settings: &RunOptions, files: &OutputFiles) -> Vec<AuxOutputInfo> {
 ///
 /// # Errors
 /// Wrong usage.
-pub fn spare_inputs(simulation: &SimulationArgs, input: Option<&Path>, machine: &MachineArgs, view: &ViewArgs) -> Done {
+pub fn spare_inputs(simulation: &SimulationArgs, input: Option<&Path>, machine: &MachineArgs, view: &ViewArgs) -> CommandResult {
     let read = read_files(input, machine, view);
-    check_outputs_keep_inputs(Some(&simulation.out), &named_outputs(simulation), &read).map_err(Failure::Usage)
+    check_outputs_keep_inputs(Some(&simulation.out), &named_outputs(simulation), &read).map_err(CommandError::Usage)
 }
 
 /// Returns the files that a command reads, with their options.
@@ -218,13 +220,18 @@ pub fn run_named(
     settings: &RunOptions,
     observer: &mut dyn Observer,
     probe: Option<&mut dyn Probe>,
-) -> Done<Run> {
+) -> CommandResult<RunResult> {
     let name = source.name().to_owned();
-    sim::run(source, settings, observer, probe).map_err(Failure::of_run(&name))
+    sim::run(source, settings, observer, probe).map_err(CommandError::of_run(&name))
 }
 
 /// Runs to the end without images, reference image and progress.
-pub fn simulate_quietly(source: RunInput, config: &MachineConfig, engine: Option<Engine>, budget: &MemoryPool) -> Done<Run> {
+pub fn simulate_quietly(
+    source: RunInput,
+    config: &MachineConfig,
+    engine: Option<Engine>,
+    budget: &MemoryPool,
+) -> CommandResult<RunResult> {
     let settings = RunOptions {
         config: config.clone(),
         engine: engine.or(Some(Engine::Timed)),
@@ -233,9 +240,9 @@ pub fn simulate_quietly(source: RunInput, config: &MachineConfig, engine: Option
         ..RunOptions::default()
     };
     let name = source.name().to_owned();
-    let run = run_named(source, &settings, &mut Unobserved, None)?;
+    let run = run_named(source, &settings, &mut NoObserver, None)?;
     match run.report.outcome.kind {
         OutcomeKind::Complete => Ok(run),
-        _ => Err(Failure::within(&name)(run.report.outcome.message.as_deref().unwrap_or("incomplete"))),
+        _ => Err(CommandError::in_input(&name)(run.report.outcome.message.as_deref().unwrap_or("incomplete"))),
     }
 }

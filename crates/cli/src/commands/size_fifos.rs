@@ -4,14 +4,14 @@ use super::recording::{failure, open as open_tape, place_of};
 use super::simulate::run_named;
 use crate::args::{MachineArgs, SizeFifosArgs, ViewArgs};
 use crate::clock::seconds;
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
 use crate::terminal;
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_report::number::{real, thousands};
 use basrelief_sim::{
-    AnalysisPolicy, DepthChoice, FifoSizing, MachineConfig, Observer, Overrides, RunOptions, Unobserved, size_fifos as sized,
+    AnalysisPolicy, DepthChoice, FifoSizing, MachineConfig, NoObserver, Observer, Overrides, RunOptions, size_fifos as sized,
 };
 use basrelief_trace::TraceForm;
 use std::fmt::Write;
@@ -19,15 +19,15 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 /// Finds the depths, checks them with full runs where possible, and prints them.
-pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> Done {
+pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> CommandResult {
     let MachineArgs { machine, config, settings } = &args.machine;
     let is_told_how = machine.is_some() || config.is_some() || !settings.is_empty() || args.view != ViewArgs::default();
     if is_told_how && !args.inputs.iter().any(|input| is_drawn(input)) {
-        return Err(Failure::Usage(
+        return Err(CommandError::Usage(
             "a recording has its own machine and view; options for these apply to models and traces only".into(),
         ));
     }
-    let mut inputs = args.inputs.iter().map(|input| Sized::open(input, args, global)).collect::<Done<Vec<_>>>()?;
+    let mut inputs = args.inputs.iter().map(|input| Sized::open(input, args, global)).collect::<CommandResult<Vec<_>>>()?;
     let names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
     let readers = inputs.iter_mut().map(|input| &mut *input.tape as &mut dyn Read).collect();
     let sizes = sized(readers, &args.within, &global.budget).map_err(failure(&names.join(", ")))?;
@@ -36,7 +36,7 @@ pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> Done {
     }
     sizes.warnings.iter().for_each(|warning| terminal::note(warning));
     if args.json {
-        return print(&format!("{}\n", serde_json::to_string_pretty(&sizes).map_err(Failure::bad)?));
+        return print(&format!("{}\n", serde_json::to_string_pretty(&sizes).map_err(CommandError::bad_input)?));
     }
     print(&text(&sizes))
 }
@@ -56,7 +56,7 @@ struct Sized {
 }
 
 impl Sized {
-    fn open(path: &Path, args: &SizeFifosArgs, global: &GlobalOptions) -> Done<Self> {
+    fn open(path: &Path, args: &SizeFifosArgs, global: &GlobalOptions) -> CommandResult<Self> {
         if !is_drawn(path) {
             let path = place_of(path);
             return Ok(Self { name: path.display().to_string(), tape: Box::new(open_tape(&path)?), drawn: None });
@@ -70,25 +70,25 @@ impl Sized {
             run_named(input.again()?, &RunOptions { recording: AnalysisPolicy::Always, ..options.clone() }, &mut kept, None)?;
         let name = path.display().to_string();
         if !run.recording_is_complete {
-            return Err(Failure::within(&name)("the run does not end, or its views have times; so it has no recording"));
+            return Err(CommandError::in_input(&name)("the run does not end, or its views have times; so it has no recording"));
         }
         Ok(Self { name, tape: Box::new(Cursor::new(kept.bytes)), drawn: Some((input, options)) })
     }
 
     /// Runs the input with the depths found; the run must take the computed cycles.
-    fn check(&self, number: usize, sizes: &FifoSizing) -> Done {
+    fn check(&self, number: usize, sizes: &FifoSizing) -> CommandResult {
         let Some((input, options)) = &self.drawn else { return Ok(()) };
         for choice in &sizes.choices {
             let mut given = options.overrides.clone();
             given.settings.extend(choice.depths.iter().map(|(name, depth)| (format!("fifo.{name}.depth"), depth.to_string())));
-            let config = given.config(options.config.machine(), &[]).map_err(Failure::bad)?;
+            let config = given.config(options.config.machine(), &[]).map_err(CommandError::bad_input)?;
             let run =
-                run_named(input.again()?, &RunOptions { config, overrides: given, ..options.clone() }, &mut Unobserved, None)?;
+                run_named(input.again()?, &RunOptions { config, overrides: given, ..options.clone() }, &mut NoObserver, None)?;
             let cycles = run.report.frame_cycles();
             if cycles != choice.cycles[number] {
                 let promised = choice.cycles[number];
                 let text = format!("a full run takes {cycles} cycles, the resimulation {promised}; please report this as a bug");
-                return Err(Failure::within(&self.name)(text));
+                return Err(CommandError::in_input(&self.name)(text));
             }
         }
         Ok(())

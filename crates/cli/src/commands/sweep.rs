@@ -2,14 +2,14 @@
 
 use super::plans::{Planned, Program, bad, counts, work, written};
 use crate::args::{PlanArgs, SweepArgs};
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use basrelief_dse::{Folder, Found, Plan, Point, Tally, execute, verify};
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// Runs a sweep.
-pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> Done {
+pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> CommandResult {
     let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, global)?;
     if args.list {
         return list(&plan, &folder, args);
@@ -25,10 +25,10 @@ pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> Done {
 }
 
 /// Returns the points that the command line selects.
-fn chosen<'a>(plan: &'a Plan, args: &SweepArgs) -> Done<Vec<&'a Point>> {
+fn chosen<'a>(plan: &'a Plan, args: &SweepArgs) -> CommandResult<Vec<&'a Point>> {
     if let Some(id) = &args.point {
         let point = plan.points.iter().find(|point| point.id == *id);
-        let none = || Failure::Usage(format!("--point: the plan has no point {id}; --list prints the missing points"));
+        let none = || CommandError::Usage(format!("--point: the plan has no point {id}; --list prints the missing points"));
         return Ok(vec![point.ok_or_else(none)?]);
     }
     Ok(match args.shard {
@@ -44,14 +44,16 @@ fn results(
     tally: &Tally,
     (folder, args): (&Folder, &SweepArgs),
     host: &Program<'_>,
-) -> Done<String> {
+) -> CommandResult<String> {
     let failed = folder.find_all(points).into_iter().filter(|found| *found == Found::Failed).count();
     let mut said = counts(tally, failed);
     if let Some(percent) = args.verify {
         let (count, others) = verify(plan, points, percent, folder, host).map_err(bad)?;
         if !others.is_empty() {
             let others = others.join(", ");
-            return Err(Failure::Bad(format!("these points differ when run again; please report this as a bug: {others}")));
+            return Err(CommandError::BadInput(format!(
+                "these points differ when run again; please report this as a bug: {others}"
+            )));
         }
         let _ = writeln!(said, "{count} points repeated: reports are identical");
     }
@@ -74,7 +76,7 @@ fn missing<'a>(plan: &'a Plan, folder: &Folder) -> Vec<&'a Point> {
 }
 
 /// Prints a command for each missing point.
-fn list(plan: &Plan, folder: &Folder, args: &SweepArgs) -> Done {
+fn list(plan: &Plan, folder: &Folder, args: &SweepArgs) -> CommandResult {
     let command = command(args)?;
     print(&missing(plan, folder).iter().map(|point| format!("{command} --point {}\n", point.id)).collect::<String>())
 }
@@ -83,7 +85,7 @@ fn list(plan: &Plan, folder: &Folder, args: &SweepArgs) -> Done {
 const MOST_TASKS: usize = 1000;
 
 /// Prints a job script.
-fn slurm(plan: &Plan, folder: &Folder, args: &SweepArgs) -> Done {
+fn slurm(plan: &Plan, folder: &Folder, args: &SweepArgs) -> CommandResult {
     let missing = missing(plan, folder).len();
     let tasks = plan.works().min(missing).clamp(1, MOST_TASKS);
     let command = command(args)?;
@@ -99,17 +101,17 @@ fn slurm(plan: &Plan, folder: &Folder, args: &SweepArgs) -> Done {
 }
 
 /// Returns this sweep as a shell command.
-fn command(args: &SweepArgs) -> Done<String> {
+fn command(args: &SweepArgs) -> CommandResult<String> {
     let PlanArgs { plan, out, no_pictures, .. } = &args.plan;
     let pictures = if *no_pictures { " --no-pictures" } else { "" };
     Ok(format!("basrelief sweep {} --out {}{pictures}", quoted(plan)?, quoted(out)?))
 }
 
 /// Quotes a path as one word of a shell. A line end would end the comment of a job script, so control characters are refused.
-fn quoted(path: &Path) -> Done<String> {
+fn quoted(path: &Path) -> CommandResult<String> {
     let text = path.to_str().filter(|text| !text.is_empty() && !text.contains(char::is_control));
     let wrong =
-        || Failure::Usage(format!("{}: a shell command needs a name in UTF-8 without control characters", path.display()));
+        || CommandError::Usage(format!("{}: a shell command needs a name in UTF-8 without control characters", path.display()));
     let text = text.ok_or_else(wrong)?;
     // A word that begins with a hyphen would be an option.
     let text = if text.starts_with('-') { format!("./{text}") } else { text.to_owned() };
@@ -128,7 +130,7 @@ mod tests {
         assert_eq!(quoted("it's here; $(rm x) `y`").unwrap(), "'it'\\''s here; $(rm x) `y`'");
         assert_eq!(quoted("-rf").unwrap(), "./-rf");
         for refused in ["a\nrm x", "a\rb", "a\x1b]0;b", ""] {
-            assert!(matches!(quoted(refused), Err(Failure::Usage(_))), "{refused:?}");
+            assert!(matches!(quoted(refused), Err(CommandError::Usage(_))), "{refused:?}");
         }
     }
 }

@@ -4,11 +4,11 @@
 use super::reporting::style;
 use super::simulate::{Simulation, run_named};
 use crate::args::SimulationArgs;
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::input::Input;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
-use basrelief_sim::{self as sim, Observer, Run, RunOptions};
+use basrelief_sim::{self as sim, Observer, RunOptions, RunResult};
 use std::io::Write;
 
 /// A finished table.
@@ -21,22 +21,22 @@ struct Table {
 }
 
 /// Runs with the given options and observer.
-type RunOnce<'a> = &'a mut dyn FnMut(&RunOptions, &mut dyn Observer) -> Done<Run>;
+type RunOnce<'a> = &'a mut dyn FnMut(&RunOptions, &mut dyn Observer) -> CommandResult<RunResult>;
 
 /// Runs the input once per ablation and writes the table.
-pub fn ablate(input: &Input, simulation: &Simulation<'_>) -> Done {
+pub fn ablate(input: &Input, simulation: &Simulation<'_>) -> CommandResult {
     write_table(input, simulation, |observer, run| {
         let table = sim::ablate(&simulation.options, observer, run)?;
-        let json = table.to_json().map_err(Failure::bad)?;
+        let json = table.to_json().map_err(CommandError::bad_input)?;
         Ok(Table { name: "ablation", text: table.to_text(style()), csv: table.to_csv(), json })
     })
 }
 
 /// Runs the input with each method and writes the table.
-pub fn compare_methods(input: &Input, simulation: &Simulation<'_>) -> Done {
+pub fn compare_methods(input: &Input, simulation: &Simulation<'_>) -> CommandResult {
     write_table(input, simulation, |observer, run| {
         let table = sim::compare_methods(&simulation.options, observer, run)?;
-        let json = table.to_json().map_err(Failure::bad)?;
+        let json = table.to_json().map_err(CommandError::bad_input)?;
         Ok(Table { name: "methods", text: table.to_text(style()), csv: table.to_csv(), json })
     })
 }
@@ -44,10 +44,10 @@ pub fn compare_methods(input: &Input, simulation: &Simulation<'_>) -> Done {
 fn write_table(
     input: &Input,
     simulation: &Simulation<'_>,
-    make: impl FnOnce(&mut dyn Observer, RunOnce<'_>) -> Done<Table>,
-) -> Done {
+    make: impl FnOnce(&mut dyn Observer, RunOnce<'_>) -> CommandResult<Table>,
+) -> CommandResult {
     let args = simulation.args;
-    let outputs = Outputs::begin(&args.out).map_err(Failure::file(&args.out, "be written"))?;
+    let outputs = Outputs::begin(&args.out).map_err(CommandError::at_file(&args.out, "be written"))?;
     let mut observer = ProgressObserver(Progress::new(None, "commands", simulation.is_quiet()));
     let mut run = |settings: &RunOptions, observer: &mut dyn Observer| run_named(input.again()?, settings, observer, None);
     let table = make(&mut observer, &mut run)?;
@@ -74,8 +74,8 @@ impl Observer for ProgressObserver {
     }
 }
 
-fn publish(outputs: Outputs, table: &Table, args: &SimulationArgs) -> Done {
-    let failed = || Failure::file(&args.out, "be written");
+fn publish(outputs: Outputs, table: &Table, args: &SimulationArgs) -> CommandResult {
+    let failed = || CommandError::at_file(&args.out, "be written");
     let [csv, json] = ["csv", "json"].map(|ending| format!("{}.{ending}", table.name));
     for (name, text) in [(&csv, &table.csv), (&json, &table.json)] {
         let mut file = outputs.create(name).map_err(failed())?;

@@ -1,12 +1,12 @@
 //! Timeline, waveforms and token file of a run.
 
 use crate::args::{SimulationArgs, TokenKind};
-use crate::error::{Done, Failure};
+use crate::error::{CommandError, CommandResult};
 use crate::outputs::PartialFile;
 use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::Probe;
 use basrelief_parameters::nearest;
-use basrelief_sim::{self as sim, AttributionProbe, MachineConfig, Run, RunInput, RunOptions, TokenSample};
+use basrelief_sim::{self as sim, AttributionProbe, MachineConfig, RunInput, RunOptions, RunResult, TokenSample};
 use basrelief_timeline::{FstWaves, KanataLog, PerfettoTrace, TimelineLayout, TimelineProbe, TraceSink};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -27,12 +27,12 @@ pub struct TimelineFiles {
 
 impl TimelineFiles {
     /// Creates the requested files; `None` if there are none.
-    pub fn open(simulation: &SimulationArgs, source: &RunInput, settings: &RunOptions) -> Done<Option<Self>> {
+    pub fn open(simulation: &SimulationArgs, source: &RunInput, settings: &RunOptions) -> CommandResult<Option<Self>> {
         let SimulationArgs { timeline, waves, tokens, tokens_every, tokens_of, .. } = simulation;
         if timeline.is_none() && waves.is_none() && tokens.is_none() {
             return Ok(None);
         }
-        let board = sim::timeline_layout(source, settings).map_err(Failure::bad)?;
+        let board = sim::timeline_layout(source, settings).map_err(CommandError::bad_input)?;
         let board = cut(board, simulation)?;
         let sample = TokenSample { every: *tokens_every, polygons: *tokens_of == TokenKind::Polygons };
         let sample = tokens.as_ref().map(|_| sample);
@@ -42,7 +42,7 @@ impl TimelineFiles {
     }
 
     /// Writes the files during a run.
-    pub fn watch(&mut self, run: impl FnOnce(&mut dyn Probe) -> Done<Run>) -> Done<Run> {
+    pub fn watch(&mut self, run: impl FnOnce(&mut dyn Probe) -> CommandResult<RunResult>) -> CommandResult<RunResult> {
         let Self { board, config, timeline, waves, tokens, sample, budget } = self;
         let stages = &board.diagram.stages;
         // Waveforms need no attribution.
@@ -63,7 +63,7 @@ impl TimelineFiles {
         let run = if follows {
             let mut following = AttributionProbe::new(config, stages, *sample, budget, &mut watcher);
             let run = run(&mut following)?;
-            following.finish().map_err(|over| Failure::Bad(less(&over)))?;
+            following.finish().map_err(|over| CommandError::BadInput(less(&over)))?;
             run
         } else {
             run(&mut watcher)?
@@ -77,20 +77,20 @@ impl TimelineFiles {
     }
 
     /// Publishes the files.
-    pub fn publish(self) -> Done {
+    pub fn publish(self) -> CommandResult {
         for (file, path) in self.timeline.into_iter().chain(self.waves).chain(self.tokens) {
-            file.publish().map_err(Failure::file(&path, "be written"))?;
+            file.publish().map_err(CommandError::at_file(&path, "be written"))?;
         }
         Ok(())
     }
 }
 
 /// Opens a writer that compresses if the file name ends in .zst.
-fn packed<'a>(file: &'a mut PartialFile, path: &Path) -> Done<Box<dyn Write + 'a>> {
+fn packed<'a>(file: &'a mut PartialFile, path: &Path) -> CommandResult<Box<dyn Write + 'a>> {
     if path.extension().is_none_or(|extension| extension != "zst") {
         return Ok(Box::new(BufWriter::new(file)));
     }
-    let encoder = zstd::Encoder::new(file, zstd::DEFAULT_COMPRESSION_LEVEL).map_err(Failure::file(path, "be written"))?;
+    let encoder = zstd::Encoder::new(file, zstd::DEFAULT_COMPRESSION_LEVEL).map_err(CommandError::at_file(path, "be written"))?;
     Ok(Box::new(BufWriter::new(Packed(encoder))))
 }
 
@@ -109,10 +109,10 @@ impl Write for Packed<'_> {
 }
 
 /// Converts a write error. Charts stay in memory until the end of the run, so the message names options for smaller charts.
-fn unwritten(path: &Path, error: io::Error) -> Failure {
+fn unwritten(path: &Path, error: io::Error) -> CommandError {
     match OverBudget::in_io_error(&error) {
-        Some(over) => Failure::Bad(format!("{}: {}", path.display(), less(over))),
-        None => Failure::file(path, "be written")(error),
+        Some(over) => CommandError::BadInput(format!("{}: {}", path.display(), less(over))),
+        None => CommandError::at_file(path, "be written")(error),
     }
 }
 
@@ -120,23 +120,25 @@ fn less(over: &OverBudget) -> String {
     format!("{over}; or write less, with --from-cycle, --to-cycle, --units or --tokens-every")
 }
 
-fn create(path: PathBuf) -> Done<Output> {
-    let file = PartialFile::create(&path).map_err(Failure::file(&path, "be written"))?;
+fn create(path: PathBuf) -> CommandResult<Output> {
+    let file = PartialFile::create(&path).map_err(CommandError::at_file(&path, "be written"))?;
     Ok((file, path))
 }
 
 /// Selects units and cycles by `--units`, `--from-cycle` and `--to-cycle`.
-fn cut(mut board: TimelineLayout, simulation: &SimulationArgs) -> Done<TimelineLayout> {
+fn cut(mut board: TimelineLayout, simulation: &SimulationArgs) -> CommandResult<TimelineLayout> {
     board.from = simulation.from_cycle.unwrap_or(0);
     board.to = simulation.to_cycle.unwrap_or(u64::MAX);
     if board.from >= board.to {
         let (from, to) = (board.from, board.to);
-        return Err(Failure::Usage(format!("--from-cycle {from} is not before --to-cycle {to}; the timeline would be empty")));
+        return Err(CommandError::Usage(format!(
+            "--from-cycle {from} is not before --to-cycle {to}; the timeline would be empty"
+        )));
     }
     if !simulation.units.is_empty()
         && let Err(unknown) = board.show_only(&simulation.units)
     {
-        return Err(Failure::Usage(no_unit(unknown, &board)));
+        return Err(CommandError::Usage(no_unit(unknown, &board)));
     }
     Ok(board)
 }

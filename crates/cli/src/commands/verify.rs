@@ -3,7 +3,7 @@
 use super::convert::to_trace_file;
 use super::simulate::simulate_quietly;
 use crate::args::VerifyArgs;
-use crate::error::{Done, Failure, print};
+use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::input::TraceFile;
 use basrelief_input::{MemoryPool, MemoryReservation, open_in_folder};
@@ -16,12 +16,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Checks or blesses every trace.
-pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> Done {
+pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> CommandResult {
     let mut traces = Traces::default();
     args.paths.iter().try_for_each(|path| traces.add(path))?;
     let traces = traces.found;
     if traces.is_empty() {
-        return Err(Failure::Bad("found no traces; expected .jsonl or .bdl files, or either with .zst appended".into()));
+        return Err(CommandError::BadInput(
+            "found no traces; expected .jsonl or .bdl files, or either with .zst appended".into(),
+        ));
     }
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
     let (mut wrong, mut failed) = (0, 0);
@@ -48,13 +50,13 @@ pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> Done {
 }
 
 /// Reports failures. New expectations help only for traces that run.
-fn conclude(wrong: usize, failed: usize, of: usize) -> Done {
+fn conclude(wrong: usize, failed: usize, of: usize) -> CommandResult {
     let wrong = (wrong > 0).then(|| {
         format!("{wrong} of {of} traces differ from their expectations; after review, `basrelief verify --bless` updates them")
     });
     let failed = (failed > 0).then(|| format!("{failed} of {of} traces cannot be read, run or written (see above)"));
     let sentences: Vec<String> = wrong.into_iter().chain(failed).collect();
-    if sentences.is_empty() { Ok(()) } else { Err(Failure::Bad(sentences.join("\n"))) }
+    if sentences.is_empty() { Ok(()) } else { Err(CommandError::BadInput(sentences.join("\n"))) }
 }
 
 /// The traces of the given paths.
@@ -67,9 +69,9 @@ struct Traces {
 
 impl Traces {
     /// Adds a trace, or the traces of a folder in order of name.
-    fn add(&mut self, path: &Path) -> Done {
+    fn add(&mut self, path: &Path) -> CommandResult {
         if path == Path::new("-") {
-            return Err(Failure::Usage(
+            return Err(CommandError::Usage(
                 "verify reads each trace several times; expected files or folders, not standard input".into(),
             ));
         }
@@ -86,8 +88,8 @@ impl Traces {
         }
     }
 
-    fn add_folder(&mut self, folder: &Path) -> Done {
-        let failed = || Failure::file(folder, "be read");
+    fn add_folder(&mut self, folder: &Path) -> CommandResult {
+        let failed = || CommandError::at_file(folder, "be read");
         if !self.seen.insert(folder.canonicalize().map_err(failed())?) {
             return Ok(());
         }
@@ -107,19 +109,19 @@ impl Traces {
     }
 }
 
-fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure + use<E> {
-    Failure::within(&path.display().to_string())
+fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> CommandError + use<E> {
+    CommandError::in_input(&path.display().to_string())
 }
 
 /// Reads the expectations of a whole trace. Returns them with their memory.
-fn expectations(path: &Path, budget: &MemoryPool) -> Done<(Vec<ExpectedResults>, MemoryReservation)> {
+fn expectations(path: &Path, budget: &MemoryPool) -> CommandResult<(Vec<ExpectedResults>, MemoryReservation)> {
     let file = TraceFile::open(path)?;
     let mut resolver = TraceResolver::within(file.reader, open_in_folder(&file.folder), budget).map_err(within(path))?;
     resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(within(path))?;
     Ok(resolver.into_expectations())
 }
 
-fn replay(path: &Path, expected: &ExpectedResults, engine: Engine, budget: &MemoryPool) -> Done<Report> {
+fn replay(path: &Path, expected: &ExpectedResults, engine: Engine, budget: &MemoryPool) -> CommandResult<Report> {
     let settings: Vec<(String, String)> = expected.config.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
     let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named).map_err(within(path))?;
@@ -128,7 +130,7 @@ fn replay(path: &Path, expected: &ExpectedResults, engine: Engine, budget: &Memo
     simulate_quietly(file.into_source(), &config, Some(engine), budget).map(|run| run.report)
 }
 
-fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> Done<Vec<String>> {
+fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> CommandResult<Vec<String>> {
     let (expectations, _held) = expectations(path, budget)?;
     if expectations.is_empty() {
         return Ok(vec!["has no expectations; `basrelief record --expect` or `basrelief verify --bless` adds them".into()]);
@@ -144,7 +146,7 @@ fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> Done<Vec<Strin
 }
 
 /// Replaces the expectations by the current results.
-fn bless(path: &Path, budget: &MemoryPool) -> Done {
+fn bless(path: &Path, budget: &MemoryPool) -> CommandResult {
     let (mut old, _held) = expectations(path, budget)?;
     if old.is_empty() {
         old.push(ExpectedResults::default());

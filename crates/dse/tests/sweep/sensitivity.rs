@@ -5,7 +5,7 @@ use basrelief_dse::{Around, Opened, Plan, sensitivity};
 use basrelief_input::MemoryPool;
 use basrelief_report::sensitivity::{ComesTo, Measure, ParameterChange, Sensitivity};
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_sim::{MACHINES, MachineInfo, Overrides, PreparedScene, RunInput, RunOptions, Unobserved, run};
+use basrelief_sim::{MACHINES, MachineInfo, NoObserver, Overrides, PreparedScene, RunInput, RunOptions, run};
 use std::collections::BTreeSet;
 use std::fs;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ fn measured_alone(around: &Around, set: Option<(&str, String)>) -> Measure {
     let given = Overrides { settings, ..around.given.clone() };
     let config = given.config(around.machine, &[]).unwrap();
     let options = RunOptions { config, overrides: given, ..RunOptions::default() };
-    run(RunInput::Scene(prepared.clone()), &options, &mut Unobserved, None).unwrap().report.measure()
+    run(RunInput::Scene(prepared.clone()), &options, &mut NoObserver, None).unwrap().report.measure()
 }
 
 fn set(change: &ParameterChange) -> Option<(&str, String)> {
@@ -129,7 +129,7 @@ fn cycle_limit_is_a_row_and_no_pictures_no_psnr() {
         run(
             RunInput::Scene(prepared.clone()),
             &RunOptions { config: MACHINES[1].load("", &[]).unwrap(), ..RunOptions::default() },
-            &mut Unobserved,
+            &mut NoObserver,
             None,
         )
         .unwrap()

@@ -3,7 +3,7 @@
 
 use crate::support::{Inputs, Set, Table, cycles, grouped, report, settings};
 use basrelief_signals::Scene;
-use basrelief_sim::{RunInput, Unobserved, ablate, run};
+use basrelief_sim::{NoObserver, RunInput, ablate, run};
 use std::error::Error;
 use std::sync::Arc;
 
@@ -83,7 +83,7 @@ pub fn short_cuts(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>
         let scene = inputs.open(name, 1)?;
         for multiply in MULTIPLY_CYCLES {
             let settings = settings("shade", &[(MULTIPLY, multiply)], true)?;
-            let of_short_cuts = ablate(&settings, &mut Unobserved, |settings, observer| {
+            let of_short_cuts = ablate(&settings, &mut NoObserver, |settings, observer| {
                 run(RunInput::scene(Arc::clone(&scene)), settings, observer, None)
             })?;
             let variants = &of_short_cuts.variants;

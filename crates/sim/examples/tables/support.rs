@@ -4,7 +4,7 @@ use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{DEMOS, ViewOptions, demo, load_path};
 use basrelief_signals::Scene;
-use basrelief_sim::{MachineInfo, RunInput, RunOptions, Unobserved, run};
+use basrelief_sim::{MachineInfo, NoObserver, RunInput, RunOptions, run};
 use std::error::Error;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -61,7 +61,7 @@ pub fn settings(machine: &str, set: Set<'_>, exact: bool) -> Result<RunOptions, 
 /// # Errors
 /// Errors of the run.
 pub fn report(scene: &Arc<Scene>, settings: &RunOptions) -> Result<Report, Box<dyn Error>> {
-    Ok(run(RunInput::scene(Arc::clone(scene)), settings, &mut Unobserved, None)?.report)
+    Ok(run(RunInput::scene(Arc::clone(scene)), settings, &mut NoObserver, None)?.report)
 }
 
 /// Returns the render cycles of all frames.

@@ -1,8 +1,8 @@
 //! Ablation: runs the same input with each shortcut of the machine disabled in turn.
 
-use crate::observer::{Observer, Pictures};
+use crate::observer::{FramePictures, Observer};
 use crate::options::{AnalysisPolicy, RunOptions};
-use crate::run::result::{Run, RunError};
+use crate::run::result::{RunError, RunResult};
 use basrelief_input::MemoryReservation;
 use basrelief_kernel::Outcome;
 use basrelief_report::Report;
@@ -16,7 +16,7 @@ use basrelief_report::ablation::{Ablation, AblationVariant};
 pub fn ablate<E: From<RunError>>(
     settings: &RunOptions,
     observer: &mut dyn Observer,
-    mut run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>,
+    mut run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<RunResult, E>,
 ) -> Result<Ablation, E> {
     let no_shortcuts = || RunError::NoShortcuts(settings.config.machine().name);
     let mut comparison =
@@ -39,7 +39,7 @@ pub fn ablate<E: From<RunError>>(
 }
 
 /// Returns the report of a run that finished and has time.
-pub(crate) fn complete(variant: &str, run: Run) -> Result<Report, RunError> {
+pub(crate) fn complete(variant: &str, run: RunResult) -> Result<Report, RunError> {
     let why = match run.timing.as_ref().map(|t| &t.outcome) {
         Some(Outcome::Complete) => return Ok(run.report),
         Some(Outcome::Limit) => "reached the cycle limit",
@@ -63,7 +63,7 @@ impl Observer for PictureComparison<'_> {
         self.observer.progress(commands, total)
     }
 
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+    fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         let rgb = &pictures.machine.rgb;
         if self.first {
             let held = self.held.try_grow(size_of_val(rgb.as_slice()) as u64, "the pictures of the first run of an ablation");
@@ -81,7 +81,7 @@ impl Observer for PictureComparison<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::observer::Unobserved;
+    use crate::observer::NoObserver;
     use basrelief_input::MemoryPool;
     use basrelief_reference::RgbPicture;
 
@@ -92,13 +92,13 @@ mod tests {
     }
 
     fn show(comparison: &mut PictureComparison<'_>, index: usize, machine: &RgbPicture) -> Result<(), String> {
-        comparison.frame(&Pictures { index, machine, exact: None })
+        comparison.frame(&FramePictures { index, machine, exact: None })
     }
 
     #[test]
     fn largest_change_of_any_picture_counts() {
         let held = MemoryPool::default().empty_reservation();
-        let mut comparison = PictureComparison { observer: &mut Unobserved, kept: vec![], held, first: true, largest: 0 };
+        let mut comparison = PictureComparison { observer: &mut NoObserver, kept: vec![], held, first: true, largest: 0 };
         show(&mut comparison, 0, &picture(100)).unwrap();
         show(&mut comparison, 1, &picture(50)).unwrap();
         comparison.first = false;
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn pictures_beyond_memory_limit_are_an_error_with_a_hint() {
         let held = MemoryPool::new(6).empty_reservation();
-        let mut comparison = PictureComparison { observer: &mut Unobserved, kept: vec![], held, first: true, largest: 0 };
+        let mut comparison = PictureComparison { observer: &mut NoObserver, kept: vec![], held, first: true, largest: 0 };
         show(&mut comparison, 0, &picture(0)).unwrap();
         assert!(show(&mut comparison, 1, &picture(0)).unwrap_err().contains("reduce the number of frames"));
     }

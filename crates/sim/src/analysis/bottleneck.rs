@@ -1,6 +1,6 @@
 //! Bottleneck analysis: each candidate is relaxed in turn, and the recorded steps are resimulated.
 
-use super::relaxations::{Candidates, PART, Relaxation, combined};
+use super::relaxations::{PART, Relaxation, RelaxationCandidates, combined};
 use crate::options::Overrides;
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{self as kernel, Netlist, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
@@ -96,7 +96,7 @@ struct AnalysisProgress {
 
 impl AnalysisProgress {
     /// Returns tasks for the relaxations that no thread resimulates yet.
-    fn claim(&mut self, relaxations: &[Relaxation]) -> Vec<AnalysisTask> {
+    fn claim_tasks(&mut self, relaxations: &[Relaxation]) -> Vec<AnalysisTask> {
         let mut claimed = vec![];
         for relaxation in relaxations {
             if let Entry::Vacant(place) = self.cycles.entry(relaxation.set.clone()) {
@@ -109,7 +109,7 @@ impl AnalysisProgress {
 
     /// Returns the critical path, and all relaxations with their cycles: the candidates, then the parts of candidates for which
     /// `saves_much` is true. The order does not depend on the order of execution.
-    fn timed(self, saves_much: impl Fn(u64) -> bool) -> (Option<kernel::CriticalPath>, Vec<(Relaxation, u64)>) {
+    fn into_results(self, saves_much: impl Fn(u64) -> bool) -> (Option<kernel::CriticalPath>, Vec<(Relaxation, u64)>) {
         let known =
             |relaxation: Relaxation| self.cycles.get(&relaxation.set).copied().flatten().map(|cycles| (relaxation, cycles));
         let mut timed: Vec<_> = self.candidates.into_iter().filter_map(known).collect();
@@ -121,7 +121,7 @@ impl AnalysisProgress {
 
 /// The recorded steps, ready for repeated resimulation, and the netlist that they were recorded on.
 struct RecordedSteps<'a> {
-    tape: Recording<'a>,
+    recording: Recording<'a>,
     netlist: Netlist,
 }
 
@@ -129,11 +129,11 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
     /// Returns the bottlenecks and the critical path; `None` if the machine has no netlist.
     pub(crate) fn bottlenecks(&self) -> Option<BottleneckList> {
         let netlist = self.input.shape(self.spec).ok()?;
-        let recorded = RecordedSteps { tape: Recording::new(self.chunks, &netlist, self.room), netlist };
-        let (path, mut timed) = self.singles(&recorded).timed(|cycles| self.saves_much(cycles));
+        let recorded = RecordedSteps { recording: Recording::new(self.chunks, &netlist, self.room), netlist };
+        let (path, mut timed) = self.resimulate_all(&recorded).into_results(|cycles| self.saves_much(cycles));
         // The sort is stable: ties keep the order of the block diagram.
         timed.sort_by_key(|(_, cycles)| *cycles);
-        let pairs = self.pairs(&recorded, &timed);
+        let pairs = self.resimulate_pairs(&recorded, &timed);
         let all = timed.into_iter().chain(pairs);
         let mut list: Vec<RelaxedCycles> = all.filter_map(|(relaxation, cycles)| self.bottleneck(relaxation, cycles)).collect();
         list.sort_by_key(|limit| limit.cycles);
@@ -142,26 +142,26 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
 
     /// Finds the critical path, and resimulates each candidate on it. Meanwhile, other threads resimulate the busiest units, which are
     /// usually candidates, because the path takes as long as some resimulations.
-    fn singles(&self, recorded: &RecordedSteps<'_>) -> AnalysisProgress {
+    fn resimulate_all(&self, recorded: &RecordedSteps<'_>) -> AnalysisProgress {
         let early = if threads::workers() > 1 { EARLY } else { 0 };
-        let busiest = Candidates { run: self.run, netlist: &recorded.netlist, path: None }.busiest_units(early);
+        let busiest = RelaxationCandidates { run: self.run, netlist: &recorded.netlist, path: None }.busiest_units(early);
         let mut progress = AnalysisProgress::default();
-        let first: Vec<AnalysisTask> = [AnalysisTask::Path].into_iter().chain(progress.claim(&busiest)).collect();
+        let first: Vec<AnalysisTask> = [AnalysisTask::Path].into_iter().chain(progress.claim_tasks(&busiest)).collect();
         let progress = Mutex::new(progress);
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
-                let path = self.critical_path(&recorded.tape);
-                let candidates =
-                    Candidates { run: self.run, netlist: &recorded.netlist, path: path.as_ref() }.relaxations(self.spec);
+                let path = self.critical_path(&recorded.recording);
+                let candidates = RelaxationCandidates { run: self.run, netlist: &recorded.netlist, path: path.as_ref() }
+                    .relaxations(self.spec);
                 let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
-                tasks.add(progress.claim(&candidates));
+                tasks.add(progress.claim_tasks(&candidates));
                 (progress.path, progress.candidates) = (path, candidates);
             }
             AnalysisTask::Resimulate(relaxation) => {
                 let cycles = self.cycles(recorded, &relaxation.set);
                 let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
                 if cycles.is_some_and(|cycles| self.saves_much(cycles)) {
-                    tasks.add(progress.claim(&relaxation.parts));
+                    tasks.add(progress.claim_tasks(&relaxation.parts));
                 }
                 progress.cycles.insert(relaxation.set, cycles);
             }
@@ -169,8 +169,8 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         progress.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn critical_path(&self, tape: &Recording<'_>) -> Option<kernel::CriticalPath> {
-        tape.critical_path(self.input.shape(self.spec).ok()?, EVENTS, self.groups).ok()?
+    fn critical_path(&self, recording: &Recording<'_>) -> Option<kernel::CriticalPath> {
+        recording.critical_path(self.input.shape(self.spec).ok()?, EVENTS, self.groups).ok()?
     }
 
     /// True if the parts of a relaxation are worth a resimulation each. The parts of memories that save next to nothing were as many
@@ -188,7 +188,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
     }
 
     /// Resimulates pairs of the best relaxations, and returns those with an interaction.
-    fn pairs(&self, recorded: &RecordedSteps<'_>, timed: &[(Relaxation, u64)]) -> Vec<(Relaxation, u64)> {
+    fn resimulate_pairs(&self, recorded: &RecordedSteps<'_>, timed: &[(Relaxation, u64)]) -> Vec<(Relaxation, u64)> {
         let best = &timed[..timed.len().min(PAIRED)];
         let all = best.iter().enumerate().flat_map(|(n, a)| best[n + 1..].iter().map(move |b| (a, b)));
         let pairs: Vec<_> = all.filter(|((a, _), (b, _))| a.resource != b.resource).collect();
@@ -210,6 +210,6 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
     fn cycles(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<u64> {
         let netlist = self.input.shape(&self.overrides.load::<S>(set).ok()?).ok()?;
         recorded.netlist.same_work(&netlist).ok()?;
-        recorded.tape.cycles(netlist).ok()?
+        recorded.recording.cycles(netlist).ok()?
     }
 }

@@ -55,14 +55,15 @@ pub fn explain(a: &RecordedRun, b: &RecordedRun) -> Option<MeasuredCauses> {
     let (of_a, of_b) = (a.config.parameters(), b.config.parameters());
     let (timing, work): (Vec<_>, Vec<_>) = differing(&of_b, &of_a).into_iter().partition(|p| p.effect == Effect::Timing);
     let mut shares = threads::par_map(groups(&timing), |(group, of_group)| {
-        let set = options(b, &with(&of_b, &of_group));
+        let set = options_for(b, &with_values(&of_b, &of_group));
         let cycles = set.as_ref().and_then(|(_, config)| resimulated_cycles(&b.recording, config));
-        share(group, set, cycles, b)
+        cause_share(group, set, cycles, b)
     });
     if !work.is_empty() || a.recording.work != b.recording.work {
         let timing: Vec<&Parameter> = of_b.iter().filter(|p| p.effect == Effect::Timing).collect();
-        let cycles = options(a, &with(&of_a, &timing)).and_then(|(_, config)| resimulated_cycles(&a.recording, &config));
-        shares.push(share(WORK, options(b, &with(&of_b, &work)), cycles, b));
+        let cycles =
+            options_for(a, &with_values(&of_a, &timing)).and_then(|(_, config)| resimulated_cycles(&a.recording, &config));
+        shares.push(cause_share(WORK, options_for(b, &with_values(&of_b, &work)), cycles, b));
     }
     shares.sort_by_key(|share| std::cmp::Reverse(share.by.map(i64::unsigned_abs)));
     let counted: i64 = shares.iter().filter_map(|share| share.by).sum();
@@ -72,7 +73,7 @@ pub fn explain(a: &RecordedRun, b: &RecordedRun) -> Option<MeasuredCauses> {
 /// Settings, and the resulting configuration.
 type NewConfig = (Vec<(String, String)>, MachineConfig);
 
-fn share(group: &str, set: Option<NewConfig>, cycles: Option<u64>, b: &RecordedRun) -> CauseShare {
+fn cause_share(group: &str, set: Option<NewConfig>, cycles: Option<u64>, b: &RecordedRun) -> CauseShare {
     let set = set.map(|(set, _)| set).unwrap_or_default();
     CauseShare {
         group: group.to_owned(),
@@ -88,7 +89,7 @@ fn differing<'a>(here: &[Parameter], target: &'a [Parameter]) -> Vec<&'a Paramet
 }
 
 /// Returns `these` with the values of `those`.
-fn with(these: &[Parameter], those: &[&Parameter]) -> Vec<Parameter> {
+fn with_values(these: &[Parameter], those: &[&Parameter]) -> Vec<Parameter> {
     let over = |p: &Parameter| those.iter().find(|other| other.key == p.key).map_or_else(|| p.clone(), |p| (*p).clone());
     these.iter().map(over).collect()
 }
@@ -120,7 +121,7 @@ fn group_of(key: &str) -> &str {
 
 /// Returns the settings that give the parameters of a run these values. Derived values that would change, such as the cycles of a
 /// memory that follow from its part, are set explicitly.
-fn options(of: &RecordedRun, target: &[Parameter]) -> Option<NewConfig> {
+fn options_for(of: &RecordedRun, target: &[Parameter]) -> Option<NewConfig> {
     let (mut set, mut config) = (Vec::<(String, String)>::new(), of.config.clone());
     for _ in 0..PASSES {
         let here = config.parameters();
@@ -144,7 +145,7 @@ fn resimulated_cycles(recording: &LoadedRecording, config: &MachineConfig) -> Op
 fn cycles_as<S: MachineSpec>(recording: &LoadedRecording, spec: &S) -> Option<u64> {
     let recorded: S = recording.overrides.load(&[]).ok()?;
     let netlist = netlist_of_same_work(&recorded, spec, recording.input).ok()?;
-    recording.tape.cycles(netlist).ok()?
+    recording.recording.cycles(netlist).ok()?
 }
 
 #[cfg(test)]

@@ -65,7 +65,7 @@ pub fn size_fifos(
             return Err(RecordingError::Config("the recordings have different machines or different parameters".into()));
         }
     }
-    let mut sizing = for_machine!(&config, spec => SizingSearch::new(spec, &loaded)?.all(within_percent))?;
+    let mut sizing = for_machine!(&config, spec => SizingSearch::new(spec, &loaded)?.all_choices(within_percent))?;
     sizing.warnings = loaded.iter().filter_map(|recording| build_warning(&recording.build)).collect();
     sizing.warnings.dedup();
     Ok(sizing)
@@ -81,7 +81,7 @@ struct SizingSearch<'a, S> {
 impl<'a, S: MachineSpec> SizingSearch<'a, S> {
     fn new(spec: &'a S, recordings: &'a [LoadedRecording]) -> Result<Self, RecordingError> {
         let mut sizing = Self { spec, recordings, fifos: vec![], recorded: vec![] };
-        sizing.recorded = recordings.iter().map(|recording| sizing.timed(recording, &[])).collect::<Result<_, _>>()?;
+        sizing.recorded = recordings.iter().map(|recording| sizing.resimulated(recording, &[])).collect::<Result<_, _>>()?;
         if let Some(run) = sizing.recorded.iter().find(|run| run.outcome != Outcome::Complete) {
             return Err(RecordingError::Incomplete(format!("{:?}", run.outcome)));
         }
@@ -99,7 +99,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
         Ok(sizing)
     }
 
-    fn all(&self, within_percent: &[f64]) -> Result<FifoSizing, RecordingError> {
+    fn all_choices(&self, within_percent: &[f64]) -> Result<FifoSizing, RecordingError> {
         let as_recorded: Vec<u32> = self.fifos.iter().map(|fifo| fifo.depth).collect();
         let mut choices = vec![self.choice(None, &as_recorded)?];
         for &percent in within_percent {
@@ -110,7 +110,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
     }
 
     fn choice(&self, within_percent: Option<f64>, depths: &[u32]) -> Result<DepthChoice, RecordingError> {
-        let cycles = self.recordings.iter().map(|recording| self.timed(recording, depths).map(|run| run.marked_cycles()));
+        let cycles = self.recordings.iter().map(|recording| self.resimulated(recording, depths).map(|run| run.marked_cycles()));
         let slots = depths.iter().map(|depth| u64::from(*depth)).sum();
         let bits = depths.iter().zip(&self.fifos).map(|(depth, fifo)| u64::from(*depth) * fifo.bits).sum();
         let depths = self.fifos.iter().zip(depths).map(|(fifo, depth)| (fifo.name.clone(), *depth)).collect();
@@ -143,13 +143,13 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
             let middle = too_small + (enough - too_small) / 2;
             let mut tried = depths.to_vec();
             tried[n] = middle;
-            if self.keeps(&tried, percent)? { enough = middle } else { too_small = middle }
+            if self.keeps_cycles(&tried, percent)? { enough = middle } else { too_small = middle }
         }
         Ok(enough)
     }
 
     /// True if all runs finish within the tolerance.
-    fn keeps(&self, depths: &[u32], percent: f64) -> Result<bool, RecordingError> {
+    fn keeps_cycles(&self, depths: &[u32], percent: f64) -> Result<bool, RecordingError> {
         let both: Vec<_> = self.recordings.iter().zip(&self.recorded).collect();
         let kept = threads::par_map(both, |(recording, recorded)| {
             let most = recorded.marked_cycles() as f64 * (1.0 + percent / 100.0);
@@ -160,13 +160,13 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
     }
 
     /// Resimulates a recording with these depths; with the recorded depths if the list is empty.
-    fn timed(&self, recording: &LoadedRecording, depths: &[u32]) -> Result<RunReport, RecordingError> {
-        Ok(recording.tape.resimulate(self.netlist(recording, depths)?)?)
+    fn resimulated(&self, recording: &LoadedRecording, depths: &[u32]) -> Result<RunReport, RecordingError> {
+        Ok(recording.recording.resimulate(self.netlist(recording, depths)?)?)
     }
 
     /// Returns the render cycles with these depths; `None` if the run does not finish.
     fn cycles(&self, recording: &LoadedRecording, depths: &[u32]) -> Result<Option<u64>, RecordingError> {
-        Ok(recording.tape.cycles(self.netlist(recording, depths)?)?)
+        Ok(recording.recording.cycles(self.netlist(recording, depths)?)?)
     }
 
     /// Returns the netlist of a recording's machine with these depths.

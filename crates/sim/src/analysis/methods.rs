@@ -3,7 +3,7 @@
 use crate::analysis::ablation::complete;
 use crate::observer::Observer;
 use crate::options::{AnalysisPolicy, RunOptions};
-use crate::run::result::{Run, RunError};
+use crate::run::result::{RunError, RunResult};
 use basrelief_machines::{MACHINES, MachineConfig, MachineSpec, MethodNumber, MethodSpec, MethodSpecs, for_machine};
 use basrelief_report::Report;
 use basrelief_report::methods::{MethodComparison, MethodResult, figure};
@@ -17,7 +17,7 @@ use basrelief_report::methods::{MethodComparison, MethodResult, figure};
 pub fn compare_methods<E: From<RunError>>(
     settings: &RunOptions,
     observer: &mut dyn Observer,
-    run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>,
+    run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<RunResult, E>,
 ) -> Result<MethodComparison, E> {
     for_machine!(&settings.config, config => MethodRuns { settings, config, observer, run }.compare())
 }
@@ -29,7 +29,7 @@ struct MethodRuns<'a, S, R> {
     run: R,
 }
 
-impl<S: MachineSpec, E: From<RunError>, R: FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>> MethodRuns<'_, S, R>
+impl<S: MachineSpec, E: From<RunError>, R: FnMut(&RunOptions, &mut dyn Observer) -> Result<RunResult, E>> MethodRuns<'_, S, R>
 where
     MachineConfig: From<S>,
 {
@@ -43,8 +43,8 @@ where
         for method in specs.methods {
             // Two pixels of a line are at most as far apart as the picture is wide.
             let limit = table.as_ref().map_or(1, |table| table.size.width).clamp(1, 16_384);
-            let number = self.number(&specs, method, limit)?;
-            let (report, method) = self.timed(method, number)?;
+            let number = self.largest_number(&specs, method, limit)?;
+            let (report, method) = self.run_method(method, number)?;
             table.get_or_insert_with(|| MethodComparison::of(&report, (specs.bound)(self.config))).methods.push(method);
         }
         table.ok_or_else(|| no_methods().into())
@@ -62,7 +62,7 @@ where
         }
     }
 
-    fn timed(&mut self, method: &MethodSpec<S>, number: u32) -> Result<(Report, MethodResult), E> {
+    fn run_method(&mut self, method: &MethodSpec<S>, number: u32) -> Result<(Report, MethodResult), E> {
         let name = (method.name)(number);
         let settings = self.configured(method, number);
         let report = complete(&name, (self.run)(&settings, self.observer)?)?;
@@ -71,7 +71,7 @@ where
     }
 
     /// Finds the number of a method, 1 to `limit`; 0 if it has none.
-    fn number(&mut self, specs: &MethodSpecs<S>, method: &MethodSpec<S>, limit: u32) -> Result<u32, E> {
+    fn largest_number(&mut self, specs: &MethodSpecs<S>, method: &MethodSpec<S>, limit: u32) -> Result<u32, E> {
         let bound = (specs.bound)(self.config);
         let mut keeps = |number: u32| {
             let settings = RunOptions { engine: None, exact: false, ..self.configured(method, number) };
@@ -80,14 +80,16 @@ where
         };
         match method.number {
             MethodNumber::Absent => Ok(0),
-            MethodNumber::Largest => last(1, limit, keeps),
-            MethodNumber::Smallest => last(0, limit - 1, |number| keeps(number).map(|keeps| !keeps)).map(|number| number + 1),
+            MethodNumber::Largest => last_true(1, limit, keeps),
+            MethodNumber::Smallest => {
+                last_true(0, limit - 1, |number| keeps(number).map(|keeps| !keeps)).map(|number| number + 1)
+            }
         }
     }
 }
 
 /// Returns the last number up to `limit` with a property, by doubling and then bisection. Assumes that `first` has the property.
-fn last<E>(first: u32, limit: u32, mut has: impl FnMut(u32) -> Result<bool, E>) -> Result<u32, E> {
+fn last_true<E>(first: u32, limit: u32, mut has: impl FnMut(u32) -> Result<bool, E>) -> Result<u32, E> {
     let mut low = first;
     let mut high = loop {
         let next = (2 * low).max(low + 1).min(limit);
@@ -115,7 +117,7 @@ mod tests {
         for (first, limit) in [(0, 700), (1, 700), (1, 1), (0, 0)] {
             for end in first..=limit {
                 let mut asked = 0;
-                let found = last(first, limit, |n| {
+                let found = last_true(first, limit, |n| {
                     asked += 1;
                     assert!(n > first && n <= limit);
                     Ok::<_, ()>(n <= end)
@@ -124,6 +126,6 @@ mod tests {
                 assert!(asked <= 20);
             }
         }
-        assert_eq!(last(1, 9, |_| Err("no")), Err("no"));
+        assert_eq!(last_true(1, 9, |_| Err("no")), Err("no"));
     }
 }

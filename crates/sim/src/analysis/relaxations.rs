@@ -37,13 +37,13 @@ impl Relaxation {
 /// The critical path is a lower bound of the time. A relaxation shortens only the segments of its resource, except that a memory may
 /// serve other requests sooner. Therefore a resource that is not on the path saves nothing, or little.
 /// `path` is `None` while the path is not known.
-pub(crate) struct Candidates<'a> {
+pub(crate) struct RelaxationCandidates<'a> {
     pub(crate) run: &'a RunReport,
     pub(crate) netlist: &'a Netlist,
     pub(crate) path: Option<&'a CriticalPath>,
 }
 
-impl Candidates<'_> {
+impl RelaxationCandidates<'_> {
     /// Returns all relaxations that could save more than a little, in the order of the block diagram.
     pub(crate) fn relaxations(&self, spec: &impl Serialize) -> Vec<Relaxation> {
         let config = serde_json::to_value(spec).unwrap_or_default();

@@ -41,7 +41,7 @@ impl<S, L> AuxOutputSpec<S, L> {
         Self { info: AuxOutputInfo { name, about, form: AuxForm::Lines, judges: false }, make: OutputMaker::Lines(make) }
     }
 
-    pub(super) const fn judging(mut self) -> Self {
+    pub(super) const fn with_judgement(mut self) -> Self {
         self.info.judges = true;
         self
     }

@@ -27,10 +27,10 @@ pub fn check_expectation(expected: &ExpectedResults, report: &Report) -> Vec<Str
         wrong.push(format!("machine {}, expected {}", report.machine, expected.machine.as_deref().unwrap_or("")));
     }
     if expected.cycles.is_some() && expected.cycles != found.cycles {
-        wrong.push(format!("cycles {}, expected {}", shown(found.cycles), shown(expected.cycles)));
+        wrong.push(format!("cycles {}, expected {}", cycles_text(found.cycles), cycles_text(expected.cycles)));
     }
-    differ("frames", &expected.frames, &found.frames, &mut wrong);
-    differ("images", &expected.images, &found.images, &mut wrong);
+    compare_lists("frames", &expected.frames, &found.frames, &mut wrong);
+    compare_lists("images", &expected.images, &found.images, &mut wrong);
     for (memory, clients) in &expected.memories {
         for (client, e) in clients {
             let f = found.memories.get(memory).and_then(|m| m.get(client));
@@ -43,12 +43,12 @@ pub fn check_expectation(expected: &ExpectedResults, report: &Report) -> Vec<Str
     wrong
 }
 
-fn shown(cycles: Option<u64>) -> String {
+fn cycles_text(cycles: Option<u64>) -> String {
     cycles.map_or("none".into(), |c| c.to_string())
 }
 
 /// Compares lists, unless the expected list is empty.
-fn differ<T: PartialEq + std::fmt::Display>(what: &str, expected: &[T], found: &[T], wrong: &mut Vec<String>) {
+fn compare_lists<T: PartialEq + std::fmt::Display>(what: &str, expected: &[T], found: &[T], wrong: &mut Vec<String>) {
     if expected.is_empty() || expected == found {
         return;
     }

@@ -11,16 +11,16 @@ const MARGIN: u32 = 6;
 const GROUND: [u8; 3] = [32; 3];
 
 /// Colours of a scale, from 0 to the top.
-pub(super) type Ramp = [[u8; 3]; 7];
+pub(super) type ColourRamp = [[u8; 3]; 7];
 
 /// Colours from black over violet and orange to light yellow. The lightness grows with the value, so that the scale is readable in print
 /// and for colour-blind readers.
-pub(super) const HEAT: Ramp =
+pub(super) const HEAT: ColourRamp =
     [[8, 6, 30], [60, 15, 98], [125, 30, 108], [190, 55, 82], [236, 105, 37], [251, 173, 20], [252, 250, 180]];
 
 /// Scale below a picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scale<'a> {
+pub(super) struct ColourScale<'a> {
     /// Quantity and unit of measure.
     pub(super) title: &'a str,
     /// Value of the last colour. The first colour is 0.
@@ -29,10 +29,10 @@ pub(super) struct Scale<'a> {
     pub(super) and_more: bool,
     /// Labelled values between 0 and the top.
     pub(super) marks: &'a [f64],
-    pub(super) colors: &'a Ramp,
+    pub(super) colors: &'a ColourRamp,
 }
 
-impl<'a> Scale<'a> {
+impl<'a> ColourScale<'a> {
     /// Creates a scale from 0 to `top`.
     pub(super) fn new(title: &'a str, top: f64) -> Self {
         Self { title, top, and_more: false, marks: &[], colors: &HEAT }
@@ -45,12 +45,12 @@ impl<'a> Scale<'a> {
 }
 
 /// Draws values, row by row, and a scale below. NaN is background.
-pub(super) fn heat_map(width: u32, values: &[f32], scale: &Scale<'_>) -> RgbPicture {
+pub(super) fn heat_map(width: u32, values: &[f32], scale: &ColourScale<'_>) -> RgbPicture {
     heat_maps(width, values, |_| 0, &[*scale])
 }
 
 /// Draws values, row by row, and several scales below. `which` returns the scale of a pixel by its index. NaN is background.
-pub(super) fn heat_maps(width: u32, values: &[f32], which: impl Fn(usize) -> usize, scales: &[Scale<'_>]) -> RgbPicture {
+pub(super) fn heat_maps(width: u32, values: &[f32], which: impl Fn(usize) -> usize, scales: &[ColourScale<'_>]) -> RgbPicture {
     let height = values.len() as u32 / width.max(1);
     let mut picture = RgbPicture::new(width, height + scales.iter().map(|scale| scale.height(width)).sum::<u32>());
     for (place, value) in values.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
@@ -67,7 +67,7 @@ pub(super) fn heat_maps(width: u32, values: &[f32], which: impl Fn(usize) -> usi
 }
 
 /// Returns the colour at a fraction of the scale, clamped to 0..=1.
-fn color(colors: &Ramp, share: f64) -> [u8; 3] {
+fn color(colors: &ColourRamp, share: f64) -> [u8; 3] {
     let at = share.clamp(0.0, 1.0) * (colors.len() - 1) as f64;
     let first = (at as usize).min(colors.len() - 2);
     let part = at - first as f64;
@@ -78,7 +78,7 @@ fn color(colors: &Ramp, share: f64) -> [u8; 3] {
     std::array::from_fn(mix)
 }
 
-fn draw_scale(picture: &mut RgbPicture, row: u32, scale: &Scale<'_>) {
+fn draw_scale(picture: &mut RgbPicture, row: u32, scale: &ColourScale<'_>) {
     let span = picture.width.saturating_sub(2 * MARGIN).max(1);
     for y in row..row + scale.height(picture.width) {
         (0..picture.width).for_each(|x| set(picture, x, y, GROUND));
@@ -117,8 +117,8 @@ fn label(value: f64) -> String {
 mod tests {
     use super::*;
 
-    fn bare(top: f64) -> Scale<'static> {
-        Scale::new("", top)
+    fn bare(top: f64) -> ColourScale<'static> {
+        ColourScale::new("", top)
     }
 
     #[test]
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn title_wraps_above_its_bar() {
-        let titled = |width: u32, title| heat_map(width, &vec![1.0; width as usize], &Scale { title, ..bare(1.0) });
+        let titled = |width: u32, title| heat_map(width, &vec![1.0; width as usize], &ColourScale { title, ..bare(1.0) });
         assert_eq!(titled(120, "CYCLES").height, 1 + BAR_HEIGHT + LINE);
         assert_eq!(titled(120, "CYCLES OF ALL UNITS").height, 1 + BAR_HEIGHT + 2 * LINE);
         let row_of_bar = |picture: &RgbPicture| (1..picture.height).find(|y| picture.rgb[(y * 120 + 6) as usize] == HEAT[0]);
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn two_scales_are_stacked_and_colour_their_own_values() {
-        let other = Scale { colors: &[[1, 2, 3]; 7], ..bare(2.0) };
+        let other = ColourScale { colors: &[[1, 2, 3]; 7], ..bare(2.0) };
         let picture = heat_maps(40, &[1.0; 40], |place| place % 2, &[bare(1.0), other]);
         assert_eq!((picture.rgb[0], picture.rgb[1]), (HEAT[6], [1, 2, 3]));
         assert_eq!(picture.height, 1 + 2 * BAR_HEIGHT);
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn overlapping_numbers_are_omitted() {
         for width in [1, 5, 13, 40, 200] {
-            let scale = Scale { title: "CYCLES", marks: &[0.01, 0.5, 0.99], ..bare(1.0) };
+            let scale = ColourScale { title: "CYCLES", marks: &[0.01, 0.5, 0.99], ..bare(1.0) };
             let picture = heat_map(width, &vec![1.0; width as usize], &scale);
             assert_eq!(picture.rgb.len(), width as usize * picture.height as usize);
         }

@@ -2,7 +2,7 @@
 
 use super::aux_output::AuxForm;
 use super::aux_spec::AuxOutputSpec;
-use super::heat_map::{Scale, heat_map};
+use super::heat_map::{ColourScale, heat_map};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::texel::{DisplacementMap, SpanRecord, TexelLog, TexelMachineConfig};
 use basrelief_reference::RgbPicture;
@@ -18,14 +18,14 @@ pub(crate) const AUX_OUTPUTS: &[AuxOutputSpec<TexelMachineConfig, TexelLog>] = &
         "displacement of each pixel's texel",
         |config: &TexelMachineConfig, log: &TexelLog| Some(displacement_picture(&log.frame.map, config.texel.error_bound)),
     )
-    .judging(),
+    .with_judgement(),
     AuxOutputSpec::picture(
         "divisions",
         AuxForm::PicturePerFrame,
         "pixels whose coordinates were divided",
         |_, log: &TexelLog| Some(divisions_picture(&log.picture, &log.frame.map)),
     )
-    .judging(),
+    .with_judgement(),
 ];
 
 /// Writes one line per span, in drawing order: `{"y", "x", "w", "divisions"}`, with x and w at both ends and the division points from
@@ -50,7 +50,7 @@ fn displacement_picture(map: &DisplacementMap, error_bound: f64) -> RgbPicture {
     let top = f64::from(largest).max(error_bound);
     let marks: &[f64] = if top > error_bound { &[error_bound] } else { &[] };
     let title = "displacement of the texel in pixels";
-    heat_map(map.width, &map.displacement, &Scale { marks, ..Scale::new(title, top) })
+    heat_map(map.width, &map.displacement, &ColourScale { marks, ..ColourScale::new(title, top) })
 }
 
 /// Draws the machine's picture in dark grey, and every visible pixel with divided coordinates in yellow: ends of spans, and division

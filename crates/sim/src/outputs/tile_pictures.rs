@@ -1,6 +1,6 @@
 //! Pictures of machine `defer`: layer depth and tile load lists.
 
-use super::heat_map::{Scale, heat_map};
+use super::heat_map::{ColourScale, heat_map};
 use super::lettering::{ADVANCE, LINE, set, write};
 use basrelief_deferred_renderer::{FilledBuffer, PyramidLayer, ReferenceCell, TexturePage, TileList, TileState};
 use basrelief_reference::RgbPicture;
@@ -16,7 +16,7 @@ pub(super) fn layer_depth_picture(filled: &FilledBuffer) -> RgbPicture {
     let depths: Vec<f32> = filled.cells.iter().map(depth).collect();
     let between: Vec<f64> = (1..deepest).map(f64::from).collect();
     let title = "layer of the pyramid, 0 is the coarsest, grey: no texture";
-    let scale = Scale { marks: &between, ..Scale::new(title, deepest.into()) };
+    let scale = ColourScale { marks: &between, ..ColourScale::new(title, deepest.into()) };
     let mut picture = heat_map(filled.width, &depths, &scale);
     for (at, _) in filled.cells.iter().enumerate().filter(|(_, cell)| cell.is_drawn() && cell.page().is_none()) {
         picture.rgb[at] = DIRECT;
@@ -63,7 +63,7 @@ fn size_of(page: &TexturePage) -> [u32; 2] {
 
 /// Places textures of these sizes in rows, and returns their places and the size of the map. Without gaps, a row is twice as long as the
 /// map is high, so that the map fits on a screen.
-fn places(sizes: &[[u32; 2]]) -> (Vec<[u32; 2]>, [u32; 2]) {
+fn arrange(sizes: &[[u32; 2]]) -> (Vec<[u32; 2]>, [u32; 2]) {
     let area: f64 = sizes.iter().map(|[w, h]| f64::from(*w) * f64::from(*h)).sum();
     let widest = sizes.iter().map(|s| s[0]).max().unwrap_or(1);
     let line = ((area * 2.0).sqrt() as u32).max(widest);
@@ -85,7 +85,7 @@ fn places(sizes: &[[u32; 2]]) -> (Vec<[u32; 2]>, [u32; 2]) {
 /// the coarsest on the left to the finest. Grey is N, yellow is L, green is E. Tiles beyond the maximum size are omitted.
 pub(super) fn tile_map_picture(lists: &[(Arc<TexturePage>, TileList)]) -> RgbPicture {
     let sizes: Vec<_> = lists.iter().map(|(page, _)| size_of(page)).collect();
-    let (places, [width, height]) = places(&sizes);
+    let (places, [width, height]) = arrange(&sizes);
     // Legend below the map.
     let least = 3 * (TILE_SIDE + 3 * ADVANCE) + GAP;
     let size = [width.max(least).saturating_add(GAP), height.saturating_add(GAP + LINE)].map(|n| n.min(MAX_SIDE));
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn textures_are_placed_in_rows_without_overlap() {
         let sizes = [[300, 200], [300, 200], [200, 40], [600, 10], [10, 10], [300, 200]];
-        let (places, [width, height]) = places(&sizes);
+        let (places, [width, height]) = arrange(&sizes);
         assert_eq!(places, [[0, 0], [300, 0], [0, 200], [0, 240], [600, 240], [0, 250]]);
         assert_eq!((width, height), (610, 450));
     }

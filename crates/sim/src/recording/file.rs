@@ -44,9 +44,9 @@ impl Recording {
     }
 
     fn resimulate_as<S: MachineSpec>(&self, spec: &S) -> Result<Report, RecordingError> {
-        let LoadedRecording { overrides, input, tape, result, figures, .. } = &self.loaded;
+        let LoadedRecording { overrides, input, recording, result, figures, .. } = &self.loaded;
         let recorded: S = overrides.load(&[]).map_err(config_error)?;
-        let run = tape.resimulate(netlist_of_same_work(&recorded, spec, *input)?)?;
+        let run = recording.resimulate(netlist_of_same_work(&recorded, spec, *input)?)?;
         ensure_complete(&run)?;
         let mut result = result.clone();
         result.warnings.extend(build_warning(&self.loaded.build));

@@ -25,7 +25,7 @@ pub(super) const SHORT_BYTES: usize = 4 << 20;
 /// Content of block `H`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Header {
+pub(super) struct RecordingHeader {
     /// Build of the simulator that executed the steps; in version 0.1, the version alone.
     #[serde(rename = "version")]
     pub(super) build: String,
@@ -39,7 +39,7 @@ pub(super) struct Header {
 /// Content of block `E`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct End {
+pub(super) struct RecordingEnd {
     #[serde(rename = "ended")]
     pub(super) result: UntimedResult,
     pub(super) figures: Vec<(String, FigureValue)>,
@@ -87,7 +87,7 @@ pub(super) fn block(letter: u8, content: &[u8]) -> Vec<u8> {
 
 /// Encodes the first line and the header of a recording whose steps `build` of the simulator executed.
 pub(crate) fn header<S: MachineSpec>(build: &str, input: InputKind, overrides: &Overrides) -> Vec<u8> {
-    let header = Header { build: build.into(), machine: S::NAME.into(), input, overrides: overrides.clone() };
+    let header = RecordingHeader { build: build.into(), machine: S::NAME.into(), input, overrides: overrides.clone() };
     [FIRST_LINE, &block(b'H', &serde_json::to_vec(&header).unwrap_or_default())].concat()
 }
 
@@ -98,6 +98,6 @@ pub(crate) fn steps(chunk: &RecordingChunk) -> Vec<u8> {
 
 /// Encodes the end of a recording.
 pub(crate) fn end(result: &UntimedResult, figures: Vec<(String, FigureValue)>, work: WorkHash) -> Vec<u8> {
-    let end = End { result: result.clone(), figures, work: work.finish() };
+    let end = RecordingEnd { result: result.clone(), figures, work: work.finish() };
     block(b'E', &serde_json::to_vec(&end).unwrap_or_default())
 }

@@ -1,7 +1,7 @@
 //! A whole recording in memory.
 
 use super::error::RecordingError;
-use super::reader::{Blocks, ChunkReader, checked_end};
+use super::reader::{BlockReader, ChunkReader, checked_end};
 use crate::build::BUILD;
 use crate::options::Overrides;
 use crate::run::untimed::UntimedResult;
@@ -18,7 +18,7 @@ pub(crate) struct LoadedRecording {
     pub(super) machine: &'static MachineInfo,
     pub(crate) overrides: Overrides,
     pub(crate) input: InputKind,
-    pub(crate) tape: Recording<'static>,
+    pub(crate) recording: Recording<'static>,
     pub(crate) result: UntimedResult,
     /// Statistics of the units.
     pub(super) figures: Vec<(String, FigureValue)>,
@@ -30,7 +30,7 @@ pub(crate) struct LoadedRecording {
 impl LoadedRecording {
     /// Reads a recording to its end.
     pub(crate) fn read(reader: &mut dyn Read, budget: &MemoryPool) -> Result<Self, RecordingError> {
-        let mut blocks = Blocks { reader, budget };
+        let mut blocks = BlockReader { reader, budget };
         let (header, machine) = blocks.header()?;
         let mut chunks = ChunkReader::new(blocks, None, None);
         let mut all = Vec::new();
@@ -42,9 +42,9 @@ impl LoadedRecording {
         let config = overrides.config(machine, &[]).map_err(|error| of_build(&build, config_error(error)))?;
         let netlist = for_machine!(&config, spec => input.shape(spec));
         let netlist = netlist.map_err(|problem| of_build(&build, RecordingError::Format(problem.to_string())))?;
-        let tape = Recording::new(all, &netlist, budget.left());
+        let recording = Recording::new(all, &netlist, budget.left());
         let (result, figures, work) = (end.result, end.figures, end.work);
-        Ok(Self { build, machine, overrides, input, tape, result, figures, work, _held: chunks.waiting })
+        Ok(Self { build, machine, overrides, input, recording, result, figures, work, _held: chunks.waiting })
     }
 
     /// Returns the configuration of the recorded run with `more` settings.

@@ -1,7 +1,7 @@
 //! Reader of recordings, block by block.
 
 use super::error::RecordingError;
-use super::format::{End, FIRST_LINE, Header, MAX_BLOCK_BYTES, WorkHash, block, work_bytes};
+use super::format::{FIRST_LINE, MAX_BLOCK_BYTES, RecordingEnd, RecordingHeader, WorkHash, block, work_bytes};
 use super::kept::KeptSteps;
 use crate::observer::Observer;
 use basrelief_input::{MemoryPool, MemoryReservation};
@@ -13,21 +13,21 @@ use std::borrow::Cow;
 use std::io::{self, Read};
 
 /// Blocks of a recording.
-pub(super) struct Blocks<'a> {
+pub(super) struct BlockReader<'a> {
     pub(super) reader: &'a mut dyn Read,
     pub(super) budget: &'a MemoryPool,
 }
 
-impl Blocks<'_> {
+impl BlockReader<'_> {
     /// Reads the header, and finds its machine.
-    pub(super) fn header(&mut self) -> Result<(Header, &'static MachineInfo), RecordingError> {
+    pub(super) fn header(&mut self) -> Result<(RecordingHeader, &'static MachineInfo), RecordingError> {
         let mut first = [0; FIRST_LINE.len()];
         self.fill(&mut first)?;
         if first != FIRST_LINE {
             return Err(RecordingError::Format("it does not begin with `basrelief-tape/1`".into()));
         }
         let (b'H', content, _held) = self.next()? else { return Err(RecordingError::Format("it has no header".into())) };
-        let header: Header = parse(&content, "header")?;
+        let header: RecordingHeader = parse(&content, "header")?;
         let machine = MachineInfo::named(&header.machine).map_err(RecordingError::Format)?;
         Ok((header, machine))
     }
@@ -66,20 +66,20 @@ fn parse<T: for<'de> Deserialize<'de>>(content: &[u8], name: &str) -> Result<T, 
 
 /// Chunks of steps of a recording, read on demand.
 pub(super) struct ChunkReader<'a> {
-    blocks: Blocks<'a>,
+    blocks: BlockReader<'a>,
     /// Observer that receives a copy of the recording.
     observer: Option<&'a mut dyn Observer>,
     pub(super) work: WorkHash,
     /// Steps kept for bottleneck analysis.
     pub(super) kept: Option<KeptSteps>,
-    pub(super) end: Option<End>,
+    pub(super) end: Option<RecordingEnd>,
     pub(super) error: Option<RecordingError>,
     /// Memory of steps that are read but not yet timed.
     pub(super) waiting: MemoryReservation,
 }
 
 impl<'a> ChunkReader<'a> {
-    pub(super) fn new(blocks: Blocks<'a>, observer: Option<&'a mut dyn Observer>, kept: Option<KeptSteps>) -> Self {
+    pub(super) fn new(blocks: BlockReader<'a>, observer: Option<&'a mut dyn Observer>, kept: Option<KeptSteps>) -> Self {
         let waiting = blocks.budget.empty_reservation();
         Self { blocks, observer, work: WorkHash::default(), kept, end: None, error: None, waiting }
     }
@@ -99,7 +99,7 @@ impl<'a> ChunkReader<'a> {
     }
 
     /// Passes bytes of the recording to the observer.
-    pub(super) fn show(&mut self, bytes: &[u8]) -> Result<(), RecordingError> {
+    pub(super) fn pass_on_to_observer(&mut self, bytes: &[u8]) -> Result<(), RecordingError> {
         let is_short = self.work.is_short();
         let shown = self.observer.as_mut().map_or(Ok(()), |observer| observer.recording(bytes, is_short));
         shown.map_err(|error| io::Error::other(error).into())
@@ -112,7 +112,7 @@ impl<'a> ChunkReader<'a> {
             b'R' => {
                 let chunk = RecordingChunk::from_bytes(&content).map_err(ResimulateError::from)?;
                 self.work.add(&chunk);
-                self.show(&block(letter, &content))?;
+                self.pass_on_to_observer(&block(letter, &content))?;
                 if let Some(kept) = &mut self.kept {
                     kept.keep(chunk.clone())?;
                 }
@@ -121,7 +121,7 @@ impl<'a> ChunkReader<'a> {
             }
             b'E' => {
                 self.end = Some(parse(&content, "end")?);
-                self.show(&block(letter, &content))?;
+                self.pass_on_to_observer(&block(letter, &content))?;
                 Ok(None)
             }
             other => Err(RecordingError::Format(format!("a block `{}`, expected R or E", other.escape_ascii()))),
@@ -130,7 +130,7 @@ impl<'a> ChunkReader<'a> {
 }
 
 /// Returns the end of a recording if its SHA-256 is that of the work that was read.
-pub(super) fn checked_end(end: Option<End>, work: WorkHash) -> Result<End, RecordingError> {
+pub(super) fn checked_end(end: Option<RecordingEnd>, work: WorkHash) -> Result<RecordingEnd, RecordingError> {
     match end {
         None => Err(RecordingError::Format("it has no end".into())),
         Some(end) if work.finish() == end.work => Ok(end),

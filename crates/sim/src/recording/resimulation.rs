@@ -4,10 +4,10 @@ use super::error::RecordingError;
 use super::format::header;
 use super::kept::KeptSteps;
 use super::loaded::{config_error, of_build};
-use super::reader::{Blocks, ChunkReader, checked_end};
+use super::reader::{BlockReader, ChunkReader, checked_end};
 use crate::analysis::bottleneck::CompletedRun;
 use crate::build::build_warning;
-use crate::observer::{Observer, Unobserved};
+use crate::observer::{NoObserver, Observer};
 use crate::options::{AnalysisPolicy, Overrides};
 use crate::run::untimed::UntimedResult;
 use basrelief_input::MemoryPool;
@@ -34,7 +34,7 @@ pub struct ResimulateOptions {
 /// # Errors
 /// See [`RecordingError`].
 pub fn resimulate(reader: &mut dyn Read, options: &ResimulateOptions) -> Result<Report, RecordingError> {
-    resimulate_to(reader, options, &mut Unobserved)
+    resimulate_to(reader, options, &mut NoObserver)
 }
 
 /// Like [`resimulate`]. Also passes the recording of the resimulated run to the observer.
@@ -46,7 +46,7 @@ pub fn resimulate_to(
     options: &ResimulateOptions,
     observer: &mut dyn Observer,
 ) -> Result<Report, RecordingError> {
-    let mut blocks = Blocks { reader, budget: &options.budget };
+    let mut blocks = BlockReader { reader, budget: &options.budget };
     let (header, machine) = blocks.header()?;
     let table = machine.parameters();
     let changes_work = |key: &str| table.iter().any(|p| p.key == key && p.effect == Effect::Work);
@@ -68,7 +68,7 @@ struct Resimulation<'a> {
     recorded: MachineConfig,
     overrides: Overrides,
     input: InputKind,
-    blocks: Blocks<'a>,
+    blocks: BlockReader<'a>,
     options: &'a ResimulateOptions,
     observer: &'a mut dyn Observer,
 }
@@ -80,7 +80,7 @@ impl Resimulation<'_> {
             serde_json::from_value(recorded.to_value()).map_err(|error| RecordingError::Format(error.to_string()))?;
         let netlist = netlist_of_same_work(&recorded, spec, input)?;
         let mut chunks = ChunkReader::new(blocks, Some(observer), KeptSteps::new(options.bottlenecks, &options.budget));
-        chunks.show(&header::<S>(&build, input, &overrides))?;
+        chunks.pass_on_to_observer(&header::<S>(&build, input, &overrides))?;
         let timed = kernel::resimulate(netlist, &mut |waiting| chunks.next(waiting), &mut NoProbe, u64::MAX);
         // Reads to the end, which contains the untimed result.
         while timed.is_ok() && chunks.next(0).is_ok_and(|chunk| chunk.is_some()) {}

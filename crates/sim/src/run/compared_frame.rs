@@ -24,11 +24,11 @@ pub(crate) fn compare_frame(
 ) -> Deferred<Result<ComparedFrame, SizeMismatch>> {
     Deferred::start(move || {
         let exact = exact.map(|exact| exact.compare(&machine)).transpose()?;
-        Ok(ComparedFrame { index, digest: digest(&machine), machine, exact })
+        Ok(ComparedFrame { index, digest: picture_hash(&machine), machine, exact })
     })
 }
 
-fn digest(picture: &RgbPicture) -> String {
+fn picture_hash(picture: &RgbPicture) -> String {
     let mut hash = Sha256::new();
     hash.update(picture.rgb.as_flattened());
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()

@@ -1,6 +1,6 @@
 //! Result and errors of a run.
 
-use crate::analysis::costs::Costs;
+use crate::analysis::costs::RunCosts;
 use basrelief_input::OverBudget;
 use basrelief_kernel::RunReport;
 use basrelief_machines::ConfigProblem;
@@ -43,13 +43,13 @@ pub enum RunError {
 
 /// Result of a run.
 #[derive(Debug)]
-pub struct Run {
+pub struct RunResult {
     /// The report, without host figures.
     pub report: Report,
     /// Report of the engine; `None` for the functional model.
     pub timing: Option<RunReport>,
     /// Costs, if selected by [`RunOptions::costs`](crate::RunOptions::costs).
-    pub costs: Option<Costs>,
+    pub costs: Option<RunCosts>,
     /// Cycles of the critical path by group of steps.
     pub(crate) path_groups: Vec<(u32, u64)>,
     /// True if the observer received a complete recording.
@@ -60,7 +60,7 @@ pub struct Run {
     pub simulate_s: f64,
 }
 
-impl Run {
+impl RunResult {
     /// Returns the report with the host figures. `wall_s` is the total time \[s\].
     pub fn with_host(self, wall_s: f64) -> Report {
         self.report.with_host(wall_s, self.simulate_s)

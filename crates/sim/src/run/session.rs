@@ -5,7 +5,7 @@ mod frames;
 use super::compared_frame::ComparedFrame;
 use super::concurrent::{may_run_concurrently, run_concurrent};
 use super::exact::ExactSource;
-use super::result::{Run, RunError};
+use super::result::{RunError, RunResult};
 use super::untimed::UntimedResult;
 use crate::analysis::bottleneck::{BottleneckList, CompletedRun};
 use crate::analysis::costs::StepPolygons;
@@ -36,8 +36,8 @@ pub(crate) struct EngineResult {
     bottlenecks: Option<BottleneckList>,
 }
 
-/// Result of [`Session::simulate`].
-struct Simulated {
+/// Result of [`ActiveRun::simulate`].
+struct SimulatedRun {
     /// `None` for a functional run.
     report: Result<Option<RunReport>, String>,
     /// Recorded steps that are not yet passed on.
@@ -57,7 +57,7 @@ pub(crate) struct InputInfo<'a> {
 pub(crate) type CommandCount = Box<dyn Fn() -> (u64, Option<u64>)>;
 
 /// A run in progress.
-pub(crate) struct Session<'a> {
+pub(crate) struct ActiveRun<'a> {
     options: &'a RunOptions,
     observer: &'a mut dyn Observer,
     exact: ExactSource,
@@ -90,7 +90,7 @@ pub(crate) struct Session<'a> {
     pub(crate) simulate_s: f64,
 }
 
-impl<'a> Session<'a> {
+impl<'a> ActiveRun<'a> {
     pub(crate) fn new(
         options: &'a RunOptions,
         observer: &'a mut dyn Observer,
@@ -122,7 +122,7 @@ impl<'a> Session<'a> {
     }
 
     /// Simulates to the end.
-    pub(crate) fn drive<S: SimulatedMachine, M: LoggingMachine<S::Log>, P: Probe>(
+    pub(crate) fn run_machine<S: SimulatedMachine, M: LoggingMachine<S::Log>, P: Probe>(
         &mut self,
         spec: &S,
         input: InputKind,
@@ -132,14 +132,14 @@ impl<'a> Session<'a> {
         if !self.options.aux_outputs.is_empty() {
             machine.keep_log();
         }
-        if self.records() {
+        if self.needs_steps() {
             let header = recording::header::<S>(BUILD, input, &self.options.overrides);
-            self.attempt(|session| session.observer.recording(&header, true));
+            self.run_unless_failed(|session| session.observer.recording(&header, true));
         }
         self.keep_requests(&mut machine);
         // With a user who acts at times, the work depends on timing.
         let mut kept = KeptSteps::new(self.options.bottlenecks, &self.options.budget).filter(|_| !spec.acts_at_times());
-        let Simulated { report, chunks } = self.simulate(spec, &mut machine, probe, &mut kept);
+        let SimulatedRun { report, chunks } = self.simulate(spec, &mut machine, probe, &mut kept);
         let report = match report {
             Ok(report) => report,
             Err(fault) => {
@@ -204,13 +204,13 @@ impl<'a> Session<'a> {
         machine: &mut M,
         probe: &mut P,
         kept: &mut Option<KeptSteps>,
-    ) -> Simulated {
+    ) -> SimulatedRun {
         let &RunOptions { clock, engine, max_cycles, .. } = self.options;
         let (began, mut aside) = (clock(), 0.0);
         let chunks = Mutex::new(Vec::new());
         let new_chunks = || std::mem::take(&mut *chunks.lock().unwrap_or_else(PoisonError::into_inner));
         let keep = |chunk| chunks.lock().unwrap_or_else(PoisonError::into_inner).push(chunk);
-        let (is_recorded, is_concurrent) = (kept.is_some() || self.records(), may_run_concurrently::<P>(self.options));
+        let (is_recorded, is_concurrent) = (kept.is_some() || self.needs_steps(), may_run_concurrently::<P>(self.options));
         let mut progress = |machine: &mut M| {
             self.take_steps(new_chunks(), kept);
             self.take_outputs(spec, machine, &mut aside)
@@ -229,7 +229,7 @@ impl<'a> Session<'a> {
             (None, None) => kernel::run_functional(machine, &mut progress).map(|()| None),
         };
         self.simulate_s = clock() - began - aside;
-        Simulated { report, chunks: new_chunks() }
+        SimulatedRun { report, chunks: new_chunks() }
     }
 
     fn fault(&mut self, fault: String) -> RunError {
@@ -259,7 +259,7 @@ impl<'a> Session<'a> {
     }
 
     /// True if the observer receives the recording so far.
-    fn records(&self) -> bool {
+    fn needs_steps(&self) -> bool {
         match self.options.recording {
             AnalysisPolicy::Never => false,
             AnalysisPolicy::IfShort => self.work.is_short(),
@@ -270,9 +270,9 @@ impl<'a> Session<'a> {
     /// Keeps new recorded steps, and passes them to the observer.
     fn take_steps(&mut self, chunks: Vec<RecordingChunk>, kept: &mut Option<KeptSteps>) {
         for chunk in chunks {
-            if self.records() {
+            if self.needs_steps() {
                 self.work.add(&chunk);
-                self.attempt(|session| session.observer.recording(&recording::steps(&chunk), session.work.is_short()));
+                self.run_unless_failed(|session| session.observer.recording(&recording::steps(&chunk), session.work.is_short()));
             }
             if let Some(Err(over_budget)) = kept.as_mut().map(|kept| kept.keep(chunk)) {
                 self.over_budget.get_or_insert(over_budget);
@@ -290,23 +290,23 @@ impl<'a> Session<'a> {
     /// Passes new memory requests to the observer.
     fn take_requests(&mut self, machine: &mut impl Machine) {
         for (memory, requests) in machine.memories().take_requests().filter(|(_, requests)| !requests.is_empty()) {
-            self.attempt(|session| {
+            self.run_unless_failed(|session| {
                 session.observer.requests(&MemoryRequests { memory, requests: &requests, clients: &session.clients })
             });
         }
     }
 
     /// Performs an action, unless an action has failed before.
-    fn attempt(&mut self, action: impl FnOnce(&mut Self) -> Result<(), String>) {
+    fn run_unless_failed(&mut self, action: impl FnOnce(&mut Self) -> Result<(), String>) {
         if self.failed.is_none() {
             self.failed = action(self).err();
         }
     }
 
     /// Assembles the report, and ends the recording.
-    pub(crate) fn finish<S: SimulatedMachine>(mut self, spec: &S, info: InputInfo<'_>, result: EngineResult) -> Run {
-        let records = self.records();
-        let untimed = self.untimed(&info);
+    pub(crate) fn finish<S: SimulatedMachine>(mut self, spec: &S, info: InputInfo<'_>, result: EngineResult) -> RunResult {
+        let records = self.needs_steps();
+        let untimed = self.untimed_result(&info);
         let EngineResult { facts, report: run, bottlenecks } = result;
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
         let mut recording_is_complete = false;
@@ -317,7 +317,7 @@ impl<'a> Session<'a> {
         }
         let mut report = untimed.report(spec, facts, run.as_ref());
         let path_groups = bottlenecks.map(|bottlenecks| bottlenecks.add_to(&mut report)).unwrap_or_default();
-        Run {
+        RunResult {
             report,
             timing: run,
             costs: None,
@@ -328,7 +328,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn untimed(&mut self, info: &InputInfo<'_>) -> UntimedResult {
+    fn untimed_result(&mut self, info: &InputInfo<'_>) -> UntimedResult {
         let several = self.images.len() > 1;
         let images = std::mem::take(&mut self.images).into_iter().enumerate();
         let no_view = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };

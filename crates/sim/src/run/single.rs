@@ -3,15 +3,15 @@
 use super::display_list::{DrawProgress, SceneHash, counted_draws};
 use super::exact::{ExactSource, SceneExact};
 use super::memory_estimates;
-use super::result::{Run, RunError};
-use super::session::{InputInfo, Session};
+use super::result::{RunError, RunResult};
+use super::session::{ActiveRun, InputInfo};
 use super::trace_tap::{TraceNotes, TraceTap};
 use super::view_schedule_solver::solve_view_schedule;
 use crate::analysis::costs::{CostOptions, CostProbe, StepPolygons};
 use crate::machine::SimulatedMachine;
 use crate::observer::Observer;
 use crate::options::{AnalysisPolicy, RunInput, RunOptions};
-use crate::outputs::cost_maps::show as show_cost_maps;
+use crate::outputs::cost_maps::send_maps as show_cost_maps;
 use crate::prepared::PreparedScene;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_kernel::{NoProbe, Probe};
@@ -52,7 +52,7 @@ pub fn run(
     options: &RunOptions,
     observer: &mut dyn Observer,
     probe: Option<&mut dyn Probe>,
-) -> Result<Run, RunError> {
+) -> Result<RunResult, RunError> {
     if options.costs {
         return run_with_costs(source, options, observer, probe);
     }
@@ -88,7 +88,7 @@ fn run_with_costs(
     options: &RunOptions,
     observer: &mut dyn Observer,
     probe: Option<&mut dyn Probe>,
-) -> Result<Run, RunError> {
+) -> Result<RunResult, RunError> {
     let stages = timeline_layout(&source, options)?.diagram.stages;
     let polygons = StepPolygons::new(stages.len(), options.budget.empty_reservation());
     let polygons = (options.bottlenecks != AnalysisPolicy::Never).then(|| Rc::new(RefCell::new(polygons)));
@@ -115,7 +115,7 @@ fn run_with_costs(
 }
 
 impl RunJob<'_> {
-    fn run(self, source: RunInput, probe: Option<&mut dyn Probe>) -> Result<Run, RunError> {
+    fn run(self, source: RunInput, probe: Option<&mut dyn Probe>) -> Result<RunResult, RunError> {
         match probe {
             // The probe is a trait object, so that the machines are compiled only in this crate and not in every program that runs them.
             // Those copies took a fifth of the time of a test build.
@@ -127,7 +127,7 @@ impl RunJob<'_> {
         }
     }
 
-    fn run_probed<P: Probe>(self, source: RunInput, probe: &mut P) -> Result<Run, RunError> {
+    fn run_probed<P: Probe>(self, source: RunInput, probe: &mut P) -> Result<RunResult, RunError> {
         let options = self.options;
         for_machine!(&options.config, spec => match source {
             RunInput::Scene(prepared) => self.run_scene(SceneInput { prepared, tiles: None }, spec, probe),
@@ -136,7 +136,12 @@ impl RunJob<'_> {
         })
     }
 
-    fn run_scene<S: SimulatedMachine, P: Probe>(self, source: SceneInput, spec: &S, probe: &mut P) -> Result<Run, RunError> {
+    fn run_scene<S: SimulatedMachine, P: Probe>(
+        self,
+        source: SceneInput,
+        spec: &S,
+        probe: &mut P,
+    ) -> Result<RunResult, RunError> {
         let Self { options, observer, step_polygons } = self;
         let SceneInput { prepared, tiles } = source;
         let scene = prepared.scene();
@@ -159,11 +164,11 @@ impl RunJob<'_> {
         };
         let total = Some((per_frame * scene.frames.len()) as u64);
         let commands = Rc::clone(&progress);
-        let mut session = Session::new(options, observer, exact, Box::new(move || (commands.get().commands, total)));
+        let mut session = ActiveRun::new(options, observer, exact, Box::new(move || (commands.get().commands, total)));
         session.step_polygons = step_polygons;
         // With a real server, the machine waits for the path. A frame is passed on before the next one begins.
         session.max_comparing = usize::from(is_local);
-        let result = session.drive(spec, InputKind::Scene, machine, probe)?;
+        let result = session.run_machine(spec, InputKind::Scene, machine, probe)?;
         let digest = if progress.get().all { hash.get()? } else { None };
         let sha256 = digest.map(|d| d.to_string()).unwrap_or_default();
         let input = Input { kind: "scene".into(), name: file_name(&scene.name), sha256 };
@@ -171,7 +176,12 @@ impl RunJob<'_> {
         Ok(session.finish(spec, InputInfo { input, frame, warnings: &scene.warnings, expectations: vec![] }, result))
     }
 
-    fn run_trace<S: SimulatedMachine, P: Probe>(self, source: TraceInput, spec: &S, probe: &mut P) -> Result<Run, RunError> {
+    fn run_trace<S: SimulatedMachine, P: Probe>(
+        self,
+        source: TraceInput,
+        spec: &S,
+        probe: &mut P,
+    ) -> Result<RunResult, RunError> {
         let Self { options, observer, step_polygons } = self;
         let TraceInput { reader, mut files, name } = source;
         if spec.acts_at_times() {
@@ -190,9 +200,9 @@ impl RunJob<'_> {
         let ahead = seen.borrow().seconds;
         let exact = if options.exact { ExactSource::Trace(Rc::clone(&seen)) } else { ExactSource::None };
         let commands = Rc::clone(&seen);
-        let mut session = Session::new(options, observer, exact, Box::new(move || (commands.borrow().commands, None)));
+        let mut session = ActiveRun::new(options, observer, exact, Box::new(move || (commands.borrow().commands, None)));
         session.step_polygons = step_polygons;
-        let result = session.drive(spec, InputKind::Trace, machine, probe);
+        let result = session.run_machine(spec, InputKind::Trace, machine, probe);
         if let Some(error) = seen.borrow_mut().error.take() {
             return Err(error.into());
         }

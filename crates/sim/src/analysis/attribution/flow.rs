@@ -5,7 +5,7 @@
 //! addresses that a divider passes on belong to the pixels of its input point, although a quotient has no pixels. A step without an
 //! input, for example of a rasterizer that continues a polygon, takes its origin from its outputs.
 
-use super::origin::{Origin, TokenSample};
+use super::origin::{TokenOrigin, TokenSample};
 use super::polygon_index::PolygonIndex;
 use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::{Label, StageTopology};
@@ -19,18 +19,18 @@ pub(crate) trait FlowEvents {
     ///
     /// # Errors
     /// The memory limit is exceeded.
-    fn frame(&mut self, size: [u32; 2]) -> Result<(), OverBudget>;
+    fn on_frame(&mut self, size: [u32; 2]) -> Result<(), OverBudget>;
     /// A polygon enters the machine.
     ///
     /// # Errors
     /// The memory limit is exceeded.
-    fn entered(&mut self, origin: &Origin) -> Result<(), OverBudget>;
+    fn on_polygon(&mut self, origin: &TokenOrigin) -> Result<(), OverBudget>;
     /// Fragments are created.
-    fn drawn(&mut self, origin: &Origin);
+    fn on_fragments(&mut self, origin: &TokenOrigin);
     /// Visible pixels are finished.
-    fn shown(&mut self, origin: &Origin);
+    fn on_visible_pixels(&mut self, origin: &TokenOrigin);
     /// A unit takes a token.
-    fn taken(&mut self, origin: &Origin);
+    fn on_token_taken(&mut self, origin: &TokenOrigin);
 }
 
 /// Numbers of the FIFOs of a stage.
@@ -47,11 +47,11 @@ pub(crate) struct StepTokens<'a> {
 }
 
 /// Origins of the tokens in all FIFOs.
-pub(crate) struct Flow {
+pub(crate) struct TokenFlow {
     stages: Vec<StageFifos>,
-    fifos: Vec<VecDeque<Origin>>,
+    fifos: Vec<VecDeque<TokenOrigin>>,
     /// Origin of each stage's last step that took a token or emitted a control token.
-    current: Vec<Origin>,
+    current: Vec<TokenOrigin>,
     /// FIFO by which polygons enter.
     enter: Option<usize>,
     /// FIFO that fragments enter first.
@@ -66,7 +66,7 @@ pub(crate) struct Flow {
     frames: u32,
 }
 
-impl Flow {
+impl TokenFlow {
     pub(crate) fn new(stages: &[StageTopology], points: CostPoints, sample: Option<TokenSample>, budget: &MemoryPool) -> Self {
         let mut names: Vec<&str> = stages.iter().flat_map(|s| &s.outputs).map(String::as_str).collect();
         names.sort_unstable();
@@ -74,7 +74,7 @@ impl Flow {
         let numbers = |list: &[String]| list.iter().filter_map(|name| number(name)).collect();
         Self {
             stages: stages.iter().map(|s| StageFifos { inputs: numbers(&s.inputs), outputs: numbers(&s.outputs) }).collect(),
-            current: vec![Origin::default(); stages.len()],
+            current: vec![TokenOrigin::default(); stages.len()],
             enter: number("polygons"),
             drawn: number(points.drawn),
             shown: points.shown.iter().find_map(|name| number(name)),
@@ -90,7 +90,7 @@ impl Flow {
     ///
     /// # Errors
     /// The memory limit is exceeded.
-    pub(crate) fn step(&mut self, step: &StepTokens<'_>, events: &mut impl FlowEvents) -> Result<Origin, OverBudget> {
+    pub(crate) fn step(&mut self, step: &StepTokens<'_>, events: &mut impl FlowEvents) -> Result<TokenOrigin, OverBudget> {
         let stage = step.stage;
         let taken = self.take(step, events);
         let mut owner = taken;
@@ -98,14 +98,14 @@ impl Flow {
             let Some(&fifo) = self.stages[stage].outputs.get(output) else { continue };
             let about = Attribution::from(label.0);
             if let Attribution::Frame { index, size } = about {
-                events.frame(size)?;
+                events.on_frame(size)?;
                 self.frames = self.frames.max(index.saturating_add(1));
             }
             let current = self.current[stage];
             let mut origin = match about {
                 Attribution::Polygon(address) if self.enter == Some(fifo) => {
                     let entered = self.polygons.enter(address, &current)?;
-                    events.entered(&entered)?;
+                    events.on_polygon(&entered)?;
                     // The polygon is created here; the input was a triangle of the object.
                     owner = Some(entered);
                     entered
@@ -119,7 +119,7 @@ impl Flow {
                 }
             }
             if self.drawn == Some(fifo) {
-                events.drawn(&origin);
+                events.on_fragments(&origin);
             }
             self.sample(fifo, &mut origin);
             self.fifos[fifo].push_back(origin);
@@ -133,7 +133,7 @@ impl Flow {
     }
 
     /// Starts to trace a token that enters a FIFO if it belongs to the sample.
-    fn sample(&mut self, fifo: usize, origin: &mut Origin) {
+    fn sample(&mut self, fifo: usize, origin: &mut TokenOrigin) {
         let Some(sample) = self.sample else { return };
         let begins = if sample.polygons { self.enter } else { self.drawn };
         if begins == Some(fifo) && origin.is_candidate(sample) {
@@ -146,19 +146,19 @@ impl Flow {
     }
 
     /// Removes the input tokens of a step, and returns their origin; `None` if there are none.
-    fn take(&mut self, step: &StepTokens<'_>, events: &mut impl FlowEvents) -> Option<Origin> {
+    fn take(&mut self, step: &StepTokens<'_>, events: &mut impl FlowEvents) -> Option<TokenOrigin> {
         let Self { stages, fifos, current, shown, .. } = self;
         let inputs = stages[step.stage].inputs.iter().enumerate().filter(|(i, _)| step.taken >> i & 1 == 1);
-        let mut owner: Option<Origin> = None;
+        let mut owner: Option<TokenOrigin> = None;
         for (_, &fifo) in inputs {
             let origin = fifos[fifo].pop_front().unwrap_or_default();
             if *shown == Some(fifo) {
-                events.shown(&origin);
+                events.on_visible_pixels(&origin);
             }
             owner = Some(owner.map_or(origin, |owner| owner.or_finer(origin)));
         }
         if let Some(owner) = &owner {
-            events.taken(owner);
+            events.on_token_taken(owner);
             current[step.stage] = *owner;
         }
         owner
@@ -166,18 +166,18 @@ impl Flow {
 }
 
 /// Returns the origin of a token with this label, made by a step of `owner`.
-fn labelled_origin(label: Attribution, owner: Origin, polygons: &PolygonIndex) -> Origin {
+fn labelled_origin(label: Attribution, owner: TokenOrigin, polygons: &PolygonIndex) -> TokenOrigin {
     match label {
         Attribution::Inherited => owner,
-        Attribution::Levels(levels) => Origin { levels: Some(levels), ..owner },
+        Attribution::Levels(levels) => TokenOrigin { levels: Some(levels), ..owner },
         Attribution::Pixels(pixels) => owner.at(pixels),
-        Attribution::Frame { index, .. } => Origin::whole(Some(index)),
-        Attribution::Whole => Origin::whole(owner.frame),
-        Attribution::Object(object) => Origin { object: Some(object), ..Origin::whole(owner.frame) },
+        Attribution::Frame { index, .. } => TokenOrigin::whole(Some(index)),
+        Attribution::Whole => TokenOrigin::whole(owner.frame),
+        Attribution::Object(object) => TokenOrigin { object: Some(object), ..TokenOrigin::whole(owner.frame) },
         // A polygon that is not in the list, for example a part of one, belongs to the origin that it was made from.
         Attribution::Polygon(address) => {
-            let polygon = polygons.origin(address).unwrap_or(Origin { pixels: None, levels: None, ..owner });
-            Origin { life: owner.life, ..polygon }
+            let polygon = polygons.origin(address).unwrap_or(TokenOrigin { pixels: None, levels: None, ..owner });
+            TokenOrigin { life: owner.life, ..polygon }
         }
     }
 }

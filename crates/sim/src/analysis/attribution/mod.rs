@@ -5,7 +5,7 @@ mod origin;
 mod polygon_index;
 mod probe;
 
-pub(crate) use flow::{Flow, FlowEvents, StepTokens};
+pub(crate) use flow::{FlowEvents, StepTokens, TokenFlow};
 pub use origin::TokenSample;
-pub(crate) use origin::{Origin, Polygon};
+pub(crate) use origin::{PolygonNumbers, TokenOrigin};
 pub use probe::{AttributionProbe, last_stage};

@@ -15,7 +15,7 @@ pub struct TokenSample {
 
 /// Numbers of a polygon, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Polygon {
+pub(crate) struct PolygonNumbers {
     /// In the run.
     pub(crate) run: usize,
     /// In its frame.
@@ -24,12 +24,12 @@ pub(crate) struct Polygon {
 
 /// Frame, object, polygon and pixels of a token, as far as known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Origin {
+pub(crate) struct TokenOrigin {
     /// Frame number.
     pub(crate) frame: Option<u32>,
     /// Object number.
     pub(crate) object: Option<u32>,
-    pub(crate) polygon: Option<Polygon>,
+    pub(crate) polygon: Option<PolygonNumbers>,
     pub(crate) pixels: Option<PixelSet>,
     /// MIP level of each pixel, 4 bits each, by position in the token.
     pub(crate) levels: Option<u64>,
@@ -37,7 +37,7 @@ pub(crate) struct Origin {
     pub(crate) life: Option<u64>,
 }
 
-impl Origin {
+impl TokenOrigin {
     /// Returns the origin of a token of a whole frame.
     pub(crate) fn whole(frame: Option<u32>) -> Self {
         Self { frame, ..Self::default() }
@@ -81,12 +81,12 @@ mod tests {
 
     #[test]
     fn finer_origin_of_two_wins() {
-        let frame = Origin::whole(Some(3));
-        let polygon = Origin { object: Some(1), polygon: Some(Polygon { run: 7, frame: 2 }), ..frame };
+        let frame = TokenOrigin::whole(Some(3));
+        let polygon = TokenOrigin { object: Some(1), polygon: Some(PolygonNumbers { run: 7, frame: 2 }), ..frame };
         let pixel = polygon.at(PixelSet::one(4, 5));
         assert_eq!(frame.or_finer(polygon), polygon);
         assert_eq!(pixel.or_finer(polygon), pixel);
-        let other = Origin { levels: Some(9), ..polygon.at(PixelSet::one(6, 5)) };
-        assert_eq!(pixel.or_finer(other), Origin { levels: Some(9), ..pixel }, "the first, with the levels of the second");
+        let other = TokenOrigin { levels: Some(9), ..polygon.at(PixelSet::one(6, 5)) };
+        assert_eq!(pixel.or_finer(other), TokenOrigin { levels: Some(9), ..pixel }, "the first, with the levels of the second");
     }
 }

@@ -1,7 +1,7 @@
 //! Timelines with the origin of each step.
 
-use super::flow::{Flow, FlowEvents, StepTokens};
-use super::origin::{Origin, TokenSample};
+use super::flow::{FlowEvents, StepTokens, TokenFlow};
+use super::origin::{TokenOrigin, TokenSample};
 use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::{Cycle, Interval, Label, MemoryEvent, Probe, StageTopology, StallCause};
 use basrelief_machines::{CostPoints, MachineConfig};
@@ -12,9 +12,9 @@ use std::collections::VecDeque;
 ///
 /// The origin comes from execution, the timestamps from timing; the two streams may be offset. A wait belongs to the step that ended it.
 pub struct AttributionProbe<'a, 'b> {
-    flow: Flow,
+    flow: TokenFlow,
     /// Origins of each stage's steps that are executed but not yet timed, with the memory clients that they used.
-    untimed: Vec<VecDeque<(Origin, u32)>>,
+    untimed: Vec<VecDeque<(TokenOrigin, u32)>>,
     /// Waits of each stage since its last step.
     waits: Vec<Vec<Interval>>,
     over_budget: Option<OverBudget>,
@@ -38,7 +38,7 @@ impl<'a, 'b> AttributionProbe<'a, 'b> {
     ) -> Self {
         let count = stages.len();
         Self {
-            flow: Flow::new(stages, config.cost_points(), sample, budget),
+            flow: TokenFlow::new(stages, config.cost_points(), sample, budget),
             untimed: vec![VecDeque::new(); count],
             waits: vec![Vec::new(); count],
             over_budget: None,
@@ -75,7 +75,7 @@ pub fn last_stage(sample: TokenSample, config: &MachineConfig, stages: &[StageTo
 }
 
 /// Converts an origin for the timelines.
-fn attribution(origin: &Origin) -> StepAttribution {
+fn attribution(origin: &TokenOrigin) -> StepAttribution {
     let pixel = origin.pixels.map(|pixels| pixels.first());
     let pixels = origin.pixels.map_or(0, |pixels| pixels.count());
     StepAttribution {
@@ -92,15 +92,15 @@ fn attribution(origin: &Origin) -> StepAttribution {
 struct NoEvents;
 
 impl FlowEvents for NoEvents {
-    fn frame(&mut self, _: [u32; 2]) -> Result<(), OverBudget> {
+    fn on_frame(&mut self, _: [u32; 2]) -> Result<(), OverBudget> {
         Ok(())
     }
-    fn entered(&mut self, _: &Origin) -> Result<(), OverBudget> {
+    fn on_polygon(&mut self, _: &TokenOrigin) -> Result<(), OverBudget> {
         Ok(())
     }
-    fn drawn(&mut self, _: &Origin) {}
-    fn shown(&mut self, _: &Origin) {}
-    fn taken(&mut self, _: &Origin) {}
+    fn on_fragments(&mut self, _: &TokenOrigin) {}
+    fn on_visible_pixels(&mut self, _: &TokenOrigin) {}
+    fn on_token_taken(&mut self, _: &TokenOrigin) {}
 }
 
 impl Probe for AttributionProbe<'_, '_> {

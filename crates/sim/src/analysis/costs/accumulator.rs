@@ -1,8 +1,8 @@
 //! Accumulation of a unit's cycles by activity and pixel.
 
+use super::cycle_breakdown::CostKind;
 use super::pixels::PixelRecords;
-use super::spent::CostKind;
-use crate::analysis::attribution::Origin;
+use crate::analysis::attribution::TokenOrigin;
 use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::{CycleAccount, MAX_CLIENTS, MAX_LINKS, StageTopology, StallCause, UnitReport};
 
@@ -20,9 +20,9 @@ pub struct ActivityCost {
     /// Cycles for pixels.
     pub on_pixels: u64,
     /// Cycles for polygons, objects and frames without pixels.
-    pub elsewhere: u64,
+    pub non_pixel: u64,
     /// Cycles for no token: waits after the last step.
-    pub for_nobody: u64,
+    pub unattributed: u64,
     /// [`PARTS`] of a cycle of each pixel, row by row; empty if no pixel has any.
     pub parts: Vec<u64>,
 }
@@ -71,7 +71,7 @@ struct ActivitySlot {
 
 /// Cycles to charge.
 #[derive(Clone, Copy)]
-pub(super) struct Charge {
+pub(super) struct CycleCharge {
     pub(super) slot: usize,
     pub(super) cycles: u64,
 }
@@ -89,13 +89,13 @@ impl CostAccumulator {
     /// The memory limit is exceeded.
     pub(super) fn charge(
         &mut self,
-        Charge { slot, cycles }: Charge,
-        origin: &Origin,
+        CycleCharge { slot, cycles }: CycleCharge,
+        origin: &TokenOrigin,
         pixels: &PixelRecords,
         held: &mut MemoryReservation,
     ) -> Result<(), OverBudget> {
         let slot = &mut self.0[slot];
-        let count = pixels.places(origin).count() as u64;
+        let count = pixels.indices(origin).count() as u64;
         if count == 0 {
             slot.elsewhere += cycles;
             return Ok(());
@@ -107,7 +107,7 @@ impl CostAccumulator {
         }
         slot.on_pixels += cycles;
         let (each, rest) = (cycles * PARTS / count, cycles * PARTS % count);
-        for (i, place) in (0..).zip(pixels.places(origin)) {
+        for (i, place) in (0..).zip(pixels.indices(origin)) {
             slot.parts[place] += each + u64::from(i < rest);
         }
         Ok(())
@@ -127,11 +127,18 @@ impl CostAccumulator {
                 CostKind::Blocked => stage.outputs.get(at - BLOCKED),
             };
             let for_nobody = cycles.saturating_sub(on_pixels + elsewhere);
-            ActivityCost { kind, of: of.cloned().unwrap_or_default(), on_pixels, elsewhere, for_nobody, parts }
+            ActivityCost {
+                kind,
+                of: of.cloned().unwrap_or_default(),
+                on_pixels,
+                non_pixel: elsewhere,
+                unattributed: for_nobody,
+                parts,
+            }
         };
         let activities = self.0.into_iter().zip(all).enumerate().map(activity);
         let any = |activity: &ActivityCost| {
-            activity.kind == CostKind::Busy || activity.on_pixels + activity.elsewhere + activity.for_nobody > 0
+            activity.kind == CostKind::Busy || activity.on_pixels + activity.non_pixel + activity.unattributed > 0
         };
         UnitCost { unit: stage.name.clone(), activities: activities.filter(any).collect(), done: *done }
     }

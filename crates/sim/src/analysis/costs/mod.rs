@@ -4,17 +4,17 @@
 //! estimated: the cycles of pixels, of everything else, and of no token sum exactly to the accounts of the units (law 9).
 
 mod accumulator;
+mod cycle_breakdown;
 mod pixels;
 mod polygons;
 mod probe;
 mod report;
 mod run_costs;
-mod spent;
 mod step_polygons;
 
 pub use accumulator::{ActivityCost, PARTS, UnitCost};
+pub use cycle_breakdown::{CostKind, CycleBreakdown};
 pub use polygons::PolygonCost;
 pub(crate) use probe::{CostOptions, CostProbe};
-pub use run_costs::{Costs, PixelActivity, PixelCost};
-pub use spent::{CostKind, CycleBreakdown};
+pub use run_costs::{PixelActivity, PixelCost, RunCosts};
 pub(crate) use step_polygons::StepPolygons;

@@ -1,6 +1,6 @@
 //! Properties of each pixel other than its cycles.
 
-use crate::analysis::attribution::Origin;
+use crate::analysis::attribution::TokenOrigin;
 use basrelief_input::{MemoryReservation, OverBudget};
 
 /// Marks an unknown polygon or table entry.
@@ -25,7 +25,7 @@ impl PixelRecords {
     ///
     /// # Errors
     /// The memory limit is exceeded.
-    pub(super) fn begin(&mut self, size: [u32; 2], held: &mut MemoryReservation) -> Result<(), OverBudget> {
+    pub(super) fn set_size(&mut self, size: [u32; 2], held: &mut MemoryReservation) -> Result<(), OverBudget> {
         if !self.overdraw.is_empty() {
             return Ok(());
         }
@@ -40,41 +40,41 @@ impl PixelRecords {
 
     /// Returns the index of a pixel; `None` outside of the picture.
     #[inline]
-    pub(super) fn place(&self, [x, y]: [u16; 2]) -> Option<usize> {
+    pub(super) fn index_of(&self, [x, y]: [u16; 2]) -> Option<usize> {
         let [width, height] = self.size;
         let (x, y) = (u32::from(x), u32::from(y));
         (x < width && y < height).then(|| y as usize * width as usize + x as usize)
     }
 
     /// Returns the indices of an origin's pixels within the picture.
-    pub(super) fn places(&self, origin: &Origin) -> impl Iterator<Item = usize> {
-        origin.pixels.into_iter().flat_map(|pixels| pixels.places()).filter_map(|(_, at)| self.place(at))
+    pub(super) fn indices(&self, origin: &TokenOrigin) -> impl Iterator<Item = usize> {
+        origin.pixels.into_iter().flat_map(|pixels| pixels.places()).filter_map(|(_, at)| self.index_of(at))
     }
 
     /// Counts fragments.
-    pub(super) fn draw(&mut self, origin: &Origin) {
-        self.each(origin, |drawing, _, place| drawing.overdraw[place] += 1);
+    pub(super) fn count_fragments(&mut self, origin: &TokenOrigin) {
+        self.for_each_pixel(origin, |drawing, _, place| drawing.overdraw[place] += 1);
     }
 
     /// Records the polygon of finished pixels. Later pixels replace earlier ones.
-    pub(super) fn show(&mut self, origin: &Origin) {
+    pub(super) fn record_polygon(&mut self, origin: &TokenOrigin) {
         let polygon = origin.polygon.map_or(NONE, |polygon| polygon.run as u32);
-        self.each(origin, |drawing, _, place| drawing.polygons[place] = polygon);
+        self.for_each_pixel(origin, |drawing, _, place| drawing.polygons[place] = polygon);
     }
 
     /// Records the level and the table entry of pixels.
-    pub(super) fn note(&mut self, origin: &Origin) {
+    pub(super) fn record_level_and_entry(&mut self, origin: &TokenOrigin) {
         if let Some(levels) = origin.levels {
-            self.each(origin, |drawing, at, place| drawing.levels[place] = (levels >> (4 * at) & 15) as u8);
+            self.for_each_pixel(origin, |drawing, at, place| drawing.levels[place] = (levels >> (4 * at) & 15) as u8);
         }
         if let Some(entries) = origin.pixels.and_then(|pixels| pixels.entries) {
-            self.each(origin, |drawing, at, place| drawing.entries[place] = entries[at % entries.len()].into());
+            self.for_each_pixel(origin, |drawing, at, place| drawing.entries[place] = entries[at % entries.len()].into());
         }
     }
 
-    fn each(&mut self, origin: &Origin, note: impl Fn(&mut Self, usize, usize)) {
+    fn for_each_pixel(&mut self, origin: &TokenOrigin, note: impl Fn(&mut Self, usize, usize)) {
         for (at, pixel) in origin.pixels.iter().flat_map(|pixels| pixels.places()) {
-            if let Some(place) = self.place(pixel) {
+            if let Some(place) = self.index_of(pixel) {
                 note(self, at, place);
             }
         }

@@ -1,7 +1,7 @@
 //! Costs of polygons.
 
-use super::spent::CycleBreakdown;
-use crate::analysis::attribution::{Origin, Polygon};
+use super::cycle_breakdown::CycleBreakdown;
+use crate::analysis::attribution::{PolygonNumbers, TokenOrigin};
 use basrelief_input::{MemoryReservation, OverBudget};
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ pub struct PolygonCost {
 
 /// Costs of polygons so far, and costs without a polygon.
 #[derive(Default)]
-pub(super) struct Polygons {
+pub(super) struct PolygonCosts {
     pub(super) list: Vec<PolygonCost>,
     /// Costs by frame and object, without polygons.
     pub(super) objects: BTreeMap<(u32, u32), CycleBreakdown>,
@@ -34,19 +34,21 @@ pub(super) struct Polygons {
     unframed: CycleBreakdown,
 }
 
-impl Polygons {
+impl PolygonCosts {
     /// Adds a polygon.
     ///
     /// # Errors
     /// The memory limit is exceeded.
-    pub(super) fn enter(&mut self, origin: &Origin, held: &mut MemoryReservation) -> Result<(), OverBudget> {
-        let Origin { frame, object, polygon: Some(Polygon { frame: number, .. }), .. } = *origin else { return Ok(()) };
+    pub(super) fn enter(&mut self, origin: &TokenOrigin, held: &mut MemoryReservation) -> Result<(), OverBudget> {
+        let TokenOrigin { frame, object, polygon: Some(PolygonNumbers { frame: number, .. }), .. } = *origin else {
+            return Ok(());
+        };
         held.make_room(&mut self.list, 1, "costs of polygons")?;
         self.list.push(PolygonCost { frame: frame.unwrap_or_default(), number, object, ..PolygonCost::default() });
         Ok(())
     }
 
-    pub(super) fn draw(&mut self, origin: &Origin) {
+    pub(super) fn draw(&mut self, origin: &TokenOrigin) {
         let fragments = origin.pixels.map_or(0, |pixels| pixels.count() as u64);
         if let Some(polygon) = origin.polygon.and_then(|polygon| self.list.get_mut(polygon.run)) {
             polygon.fragments += fragments;
@@ -54,7 +56,7 @@ impl Polygons {
     }
 
     /// Extends the life of a polygon by a step. An end of 0 means that there was no step yet, because a step takes at least one cycle.
-    pub(super) fn live(&mut self, origin: &Origin, from: u64, to: u64) {
+    pub(super) fn extend_lifetime(&mut self, origin: &TokenOrigin, from: u64, to: u64) {
         if let Some(polygon) = origin.polygon.and_then(|polygon| self.list.get_mut(polygon.run)) {
             let [first, last] = polygon.life;
             polygon.life = [if last == 0 { from } else { first.min(from) }, last.max(to)];
@@ -62,12 +64,12 @@ impl Polygons {
     }
 
     /// Returns the breakdown that cycles of this origin are charged to.
-    pub(super) fn spent(&mut self, origin: &Origin) -> &mut CycleBreakdown {
+    pub(super) fn breakdown_of(&mut self, origin: &TokenOrigin) -> &mut CycleBreakdown {
         match *origin {
-            Origin { polygon: Some(polygon), .. } => &mut self.list[polygon.run].spent,
-            Origin { frame: Some(frame), object: Some(object), .. } => self.objects.entry((frame, object)).or_default(),
-            Origin { frame: Some(frame), .. } => self.frames.entry(frame).or_default(),
-            Origin { .. } => &mut self.unframed,
+            TokenOrigin { polygon: Some(polygon), .. } => &mut self.list[polygon.run].spent,
+            TokenOrigin { frame: Some(frame), object: Some(object), .. } => self.objects.entry((frame, object)).or_default(),
+            TokenOrigin { frame: Some(frame), .. } => self.frames.entry(frame).or_default(),
+            TokenOrigin { .. } => &mut self.unframed,
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Probe that accumulates costs.
 
-use super::accumulator::{Charge, CostAccumulator, kind_of, slot_of};
+use super::accumulator::{CostAccumulator, CycleCharge, kind_of, slot_of};
 use super::pixels::PixelRecords;
-use super::polygons::Polygons;
-use super::run_costs::Costs;
+use super::polygons::PolygonCosts;
+use super::run_costs::RunCosts;
 use super::step_polygons::StepPolygons;
-use crate::analysis::attribution::{Flow, FlowEvents, Origin, StepTokens};
+use crate::analysis::attribution::{FlowEvents, StepTokens, TokenFlow, TokenOrigin};
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_kernel::{Cycle, Label, MemoryEvent, Probe, RunReport, StageTopology, StallCause};
 use basrelief_machines::CostPoints;
@@ -21,13 +21,13 @@ pub(crate) struct CostProbe<'a> {
     stages: Vec<StageTopology>,
     /// First cycle in which no step may start. Later cycles do not count.
     end: u64,
-    flow: Flow,
-    tally: Tally,
+    flow: TokenFlow,
+    tally: CostRecipients,
     accumulators: Vec<CostAccumulator>,
     /// Origins of each stage's steps that are executed but not yet timed.
-    untimed: Vec<VecDeque<Origin>>,
+    untimed: Vec<VecDeque<TokenOrigin>>,
     /// Waits of each stage since its last step.
-    waits: Vec<Vec<Charge>>,
+    waits: Vec<Vec<CycleCharge>>,
     /// Polygon of each step, for the critical path.
     step_polygons: Option<Rc<RefCell<StepPolygons>>>,
     over_budget: Option<OverBudget>,
@@ -43,32 +43,32 @@ pub(crate) struct CostOptions<'a> {
 }
 
 /// Recipients of costs.
-struct Tally {
+struct CostRecipients {
     pixels: PixelRecords,
-    polygons: Polygons,
+    polygons: PolygonCosts,
     held: MemoryReservation,
 }
 
-impl FlowEvents for Tally {
-    fn frame(&mut self, size: [u32; 2]) -> Result<(), OverBudget> {
-        self.pixels.begin(size, &mut self.held)
+impl FlowEvents for CostRecipients {
+    fn on_frame(&mut self, size: [u32; 2]) -> Result<(), OverBudget> {
+        self.pixels.set_size(size, &mut self.held)
     }
 
-    fn entered(&mut self, origin: &Origin) -> Result<(), OverBudget> {
+    fn on_polygon(&mut self, origin: &TokenOrigin) -> Result<(), OverBudget> {
         self.polygons.enter(origin, &mut self.held)
     }
 
-    fn drawn(&mut self, origin: &Origin) {
-        self.pixels.draw(origin);
+    fn on_fragments(&mut self, origin: &TokenOrigin) {
+        self.pixels.count_fragments(origin);
         self.polygons.draw(origin);
     }
 
-    fn shown(&mut self, origin: &Origin) {
-        self.pixels.show(origin);
+    fn on_visible_pixels(&mut self, origin: &TokenOrigin) {
+        self.pixels.record_polygon(origin);
     }
 
-    fn taken(&mut self, origin: &Origin) {
-        self.pixels.note(origin);
+    fn on_token_taken(&mut self, origin: &TokenOrigin) {
+        self.pixels.record_level_and_entry(origin);
     }
 }
 
@@ -81,10 +81,14 @@ impl<'a> CostProbe<'a> {
     ) -> Self {
         let count = stages.len();
         Self {
-            flow: Flow::new(&stages, points, None, budget),
+            flow: TokenFlow::new(&stages, points, None, budget),
             stages,
             end,
-            tally: Tally { pixels: PixelRecords::default(), polygons: Polygons::default(), held: budget.empty_reservation() },
+            tally: CostRecipients {
+                pixels: PixelRecords::default(),
+                polygons: PolygonCosts::default(),
+                held: budget.empty_reservation(),
+            },
             accumulators: vec![CostAccumulator::default(); count],
             untimed: vec![VecDeque::new(); count],
             waits: vec![Vec::new(); count],
@@ -100,11 +104,11 @@ impl<'a> CostProbe<'a> {
         if let Some(polygons) = &self.step_polygons {
             polygons.borrow_mut().step(stage, &origin)?;
         }
-        let Self { accumulators, tally: Tally { pixels, polygons, held }, waits, .. } = self;
+        let Self { accumulators, tally: CostRecipients { pixels, polygons, held }, waits, .. } = self;
         let (to, busy) = (to.0.min(self.end), Cycle(to.0.min(self.end)).since(from));
-        polygons.live(&origin, from.0, to);
-        let spent = polygons.spent(&origin);
-        for charge in waits[stage].drain(..).chain([Charge { slot: 0, cycles: busy }]) {
+        polygons.extend_lifetime(&origin, from.0, to);
+        let spent = polygons.breakdown_of(&origin);
+        for charge in waits[stage].drain(..).chain([CycleCharge { slot: 0, cycles: busy }]) {
             spent.charge(kind_of(charge.slot), charge.cycles);
             accumulators[stage].charge(charge, &origin, pixels, held)?;
         }
@@ -120,10 +124,10 @@ impl<'a> CostProbe<'a> {
     }
 
     /// Returns the costs of the run with this report.
-    pub(crate) fn finish(self, report: &RunReport) -> Costs {
-        let Tally { pixels, polygons: Polygons { list, objects, frames, .. }, held } = self.tally;
+    pub(crate) fn finish(self, report: &RunReport) -> RunCosts {
+        let CostRecipients { pixels, polygons: PolygonCosts { list, objects, frames, .. }, held } = self.tally;
         let units = self.accumulators.into_iter().zip(&self.stages).zip(&report.units);
-        Costs {
+        RunCosts {
             cycles: report.total,
             frames: self.flow.frames(),
             units: units.map(|((accumulator, stage), unit)| accumulator.finish(stage, unit)).collect(),
@@ -171,7 +175,7 @@ impl Probe for CostProbe<'_> {
         if let Some(next) = &mut self.next {
             next.on_stall(stage, cause, from, to);
         }
-        self.waits[stage].push(Charge { slot: slot_of(cause), cycles: to.since(from) });
+        self.waits[stage].push(CycleCharge { slot: slot_of(cause), cycles: to.since(from) });
     }
 
     fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {

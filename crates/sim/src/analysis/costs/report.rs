@@ -1,8 +1,8 @@
 //! Costs for the report.
 
 use super::accumulator::ActivityCost;
-use super::run_costs::Costs;
-use super::spent::CycleBreakdown;
+use super::cycle_breakdown::CycleBreakdown;
+use super::run_costs::RunCosts;
 use super::step_polygons::by_polygon;
 use basrelief_report::costs::{self as model, LISTED, ObjectCost, UnlistedCosts};
 use basrelief_report::model::PathPolygons;
@@ -16,10 +16,10 @@ impl From<CycleBreakdown> for model::CycleBreakdown {
     }
 }
 
-impl Costs {
+impl RunCosts {
     /// Returns the costs for the report, with these names of objects.
     pub fn report(&self, names: &BTreeMap<u32, String>) -> model::Costs {
-        let (objects, other_objects) = listed(self.objects(names), |o| (o.fragments, o.breakdown));
+        let (objects, other_objects) = split_listed(self.objects(names), |o| (o.fragments, o.breakdown));
         let polygons = self.polygons.iter().map(|p| model::PolygonCost {
             frame: p.frame,
             polygon: p.number,
@@ -29,12 +29,12 @@ impl Costs {
             to: p.life[1],
             breakdown: p.spent.into(),
         });
-        let (polygons, other_polygons) = listed(polygons.collect(), |p| (p.fragments, p.breakdown));
+        let (polygons, other_polygons) = split_listed(polygons.collect(), |p| (p.fragments, p.breakdown));
         model::Costs {
             unit_cycles: self.cycles * self.units.len() as u64,
-            pixels: self.all(|activity| activity.on_pixels),
-            non_pixel: self.all(|activity| activity.elsewhere),
-            unattributed: self.all(|activity| activity.for_nobody),
+            pixels: self.sum_over_units(|activity| activity.on_pixels),
+            non_pixel: self.sum_over_units(|activity| activity.non_pixel),
+            unattributed: self.sum_over_units(|activity| activity.unattributed),
             done: self.units.iter().map(|unit| unit.done).sum(),
             frames: self.frame_costs().into_iter().map(Into::into).collect(),
             objects,
@@ -50,7 +50,7 @@ impl Costs {
     }
 
     /// Sums the cycles that `of` returns, over all units.
-    fn all(&self, of: fn(&ActivityCost) -> u64) -> model::CycleBreakdown {
+    fn sum_over_units(&self, of: fn(&ActivityCost) -> u64) -> model::CycleBreakdown {
         let mut sum = CycleBreakdown::default();
         self.units.iter().flat_map(|unit| &unit.activities).for_each(|activity| sum.charge(activity.kind, of(activity)));
         sum.into()
@@ -91,7 +91,7 @@ impl Costs {
 }
 
 /// Returns the most expensive elements, in descending order, and the sum of the others. Ties keep their order.
-fn listed<T>(mut all: Vec<T>, of: fn(&T) -> (u64, model::CycleBreakdown)) -> (Vec<T>, UnlistedCosts) {
+fn split_listed<T>(mut all: Vec<T>, of: fn(&T) -> (u64, model::CycleBreakdown)) -> (Vec<T>, UnlistedCosts) {
     all.sort_by_key(|one| Reverse(of(one).1.cycles));
     let mut others = UnlistedCosts::default();
     for (fragments, spent) in all.split_off(all.len().min(LISTED)).iter().map(of) {

@@ -1,15 +1,15 @@
 //! Costs of a run by pixel, polygon, object and frame.
 
 use super::accumulator::{PARTS, UnitCost};
+use super::cycle_breakdown::{CostKind, CycleBreakdown};
 use super::pixels::PixelRecords;
 use super::polygons::PolygonCost;
-use super::spent::{CostKind, CycleBreakdown};
 use basrelief_input::MemoryReservation;
 use std::collections::BTreeMap;
 
 /// Costs of a run by pixel, polygon, object and frame. A pixel sums its costs over all frames.
 #[derive(Debug)]
-pub struct Costs {
+pub struct RunCosts {
     /// Cycles of the run.
     pub cycles: u64,
     /// Number of frames.
@@ -56,7 +56,7 @@ pub struct PixelCost<'a> {
     pub polygon: Option<PolygonCost>,
 }
 
-impl Costs {
+impl RunCosts {
     /// Returns width and height \[pixels\]; 0 if there was no frame.
     pub fn size(&self) -> [u32; 2] {
         self.pixels.size
@@ -65,7 +65,7 @@ impl Costs {
     /// Returns the costs of a pixel; `None` outside of the picture.
     pub fn pixel(&self, x: u32, y: u32) -> Option<PixelCost<'_>> {
         let at = [u16::try_from(x).ok()?, u16::try_from(y).ok()?];
-        let place = self.pixels.place(at)?;
+        let place = self.pixels.index_of(at)?;
         let mut activities: Vec<PixelActivity<'_>> = self.activities_at(place).collect();
         activities.sort_by(|a, b| b.cycles.total_cmp(&a.cycles));
         Some(PixelCost {

@@ -1,7 +1,7 @@
 //! Polygon of each step, so that the critical path can be broken down by polygon.
 
 use super::polygons::PolygonCost;
-use crate::analysis::attribution::Origin;
+use crate::analysis::attribution::TokenOrigin;
 use crate::analysis::bottleneck::EVENTS;
 use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::StageGroups;
@@ -28,7 +28,7 @@ impl StepPolygons {
     ///
     /// # Errors
     /// The memory limit is exceeded.
-    pub(super) fn step(&mut self, stage: usize, origin: &Origin) -> Result<(), OverBudget> {
+    pub(super) fn step(&mut self, stage: usize, origin: &TokenOrigin) -> Result<(), OverBudget> {
         let Some(groups) = self.stages.get_mut(stage) else { return Ok(()) };
         let group = origin.polygon.and_then(|polygon| u32::try_from(polygon.run).ok()).unwrap_or(StageGroups::NONE);
         if groups.push(group) {

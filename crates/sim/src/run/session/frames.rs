@@ -1,8 +1,8 @@
 //! Finished frames of a run: comparison with the exact picture, and auxiliary outputs.
 
-use super::Session;
+use super::ActiveRun;
 use crate::machine::SimulatedMachine;
-use crate::observer::Pictures;
+use crate::observer::FramePictures;
 use crate::outputs::aux_output::{AuxForm, AuxOutputInfo};
 use crate::outputs::aux_spec::show_round;
 use crate::run::compared_frame::{ComparedFrame, compare_frame};
@@ -12,7 +12,7 @@ use basrelief_machines::{LoggingMachine, PictureRecord};
 use basrelief_reference::{RgbPicture, SizeMismatch, metrics};
 use basrelief_threads::Deferred;
 
-impl Session<'_> {
+impl ActiveRun<'_> {
     /// Returns the auxiliary output of pictures in increasing quality, if it is selected.
     fn rounds_output<S: SimulatedMachine>(&self, spec: &S) -> Option<AuxOutputInfo> {
         let outputs = S::AUX_OUTPUTS.iter().map(|output| output.info);
@@ -27,7 +27,9 @@ impl Session<'_> {
             let (frame, number) = (shown.index, shown.round);
             self.observer.picture_shown(frame, number);
             let picture = picture(shown);
-            self.attempt(|session| output.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer)));
+            self.run_unless_failed(|session| {
+                output.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer))
+            });
             let bytes = memory_estimates::WAITING_PIXEL * picture.rgb.len() as u64;
             let held = self.rounds_held.try_grow(bytes, "pictures that better pictures follow");
             if self.check_memory(held) {
@@ -43,7 +45,7 @@ impl Session<'_> {
         let frames = machine.drain_finished();
         self.make_aux_outputs(spec, &machine.drain_log(&frames));
         for frame in frames {
-            self.attempt(|session| session.take_frame(frame, rounds));
+            self.run_unless_failed(|session| session.take_frame(frame, rounds));
             self.collect_frames(self.max_comparing);
         }
     }
@@ -58,7 +60,7 @@ impl Session<'_> {
     pub(super) fn make_aux_outputs<S: SimulatedMachine>(&mut self, spec: &S, log: &[(u32, S::Log)]) {
         for entry in log {
             for output in S::AUX_OUTPUTS.iter().filter(|output| self.options.aux_outputs.contains(&output.info)) {
-                self.attempt(|session| output.show(spec, entry, session.observer));
+                self.run_unless_failed(|session| output.show(spec, entry, session.observer));
             }
         }
     }
@@ -86,7 +88,7 @@ impl Session<'_> {
     pub(super) fn collect_frames(&mut self, left: usize) {
         while self.comparing.len() > left {
             let compared = self.comparing.pop_front();
-            self.attempt(|session| compared.map_or(Ok(()), |compared| session.pass_on(compared)));
+            self.run_unless_failed(|session| compared.map_or(Ok(()), |compared| session.pass_on(compared)));
         }
     }
 
@@ -98,7 +100,7 @@ impl Session<'_> {
             self.difference = Some(difference);
         }
         let exact = exact.as_ref().map(|(picture, quality, _)| (&**picture, *quality));
-        self.observer.frame(&Pictures { index, machine: &machine, exact })
+        self.observer.frame(&FramePictures { index, machine: &machine, exact })
     }
 
     /// Compares the earlier pictures of a frame with the last one, and returns the number of the last one.
