@@ -9,7 +9,7 @@ use std::process::ExitCode;
 /// Prints to standard output. A closed pipe (`| head`) is no error: the command continues to its own exit code.
 pub fn print(text: &str) -> CommandResult {
     let mut out = io::stdout();
-    let text = terminal::safe(text, out.is_terminal());
+    let text = terminal::without_control_characters(text, out.is_terminal());
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             Err(CommandError::BadInput(format!("standard output: cannot be written: {e}")))
@@ -19,15 +19,15 @@ pub fn print(text: &str) -> CommandResult {
 }
 
 /// Prints the error of a command, if there is one. Returns the exit code.
-pub fn conclude(done: CommandResult) -> ExitCode {
+pub fn exit_code(done: CommandResult) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(CommandError::BadInput(text)) => {
-            terminal::note(&format!("error: {text}"));
+            terminal::print_note(&format!("error: {text}"));
             ExitCode::from(1)
         }
         Err(CommandError::Usage(text)) => {
-            terminal::note(&format!("error: {text}\nFor help, try --help."));
+            terminal::print_note(&format!("error: {text}\nFor help, try --help."));
             ExitCode::from(2)
         }
     }

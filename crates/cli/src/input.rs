@@ -4,7 +4,7 @@ use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
 use crate::inputs_read;
-use crate::views::Script;
+use crate::views::ViewScript;
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_scene::{SceneError, SceneSubject, ViewOptions, load_path_with, read_camera};
 use basrelief_signals::Scene;
@@ -38,10 +38,10 @@ impl Input {
     ///
     /// # Errors
     /// The input can be read only once.
-    pub fn again(&self) -> CommandResult<RunInput> {
+    pub fn reopen(&self) -> CommandResult<RunInput> {
         match self {
             Self::Scene(scene) => Ok(RunInput::Scene(scene.clone())),
-            Self::Trace(trace) => trace.again().map(TraceFile::into_source),
+            Self::Trace(trace) => trace.reopen().map(TraceFile::into_source),
         }
     }
 }
@@ -67,19 +67,19 @@ impl TraceFile {
     pub fn open(path: &Path) -> CommandResult<Self> {
         let read = Rc::new(Cell::new(0));
         if path == Path::new("-") {
-            let reader = Box::new(Counting(io::stdin(), Rc::clone(&read)));
+            let reader = Box::new(CountingReader(io::stdin(), Rc::clone(&read)));
             return Ok(Self { reader, bytes: None, read, name: "standard input".into(), file: None, folder: PathBuf::new() });
         }
         let file = File::open(path).map_err(CommandError::at_file(path, "be read"))?;
         let bytes = file.metadata().ok().filter(fs::Metadata::is_file).map(|m| m.len());
-        let reader = Box::new(Counting(BufReader::new(file), Rc::clone(&read)));
+        let reader = Box::new(CountingReader(BufReader::new(file), Rc::clone(&read)));
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         let again = bytes.map(|_| path.to_path_buf());
         Ok(Self { reader, bytes, read, name: path.display().to_string(), file: again, folder })
     }
 
     /// Opens the trace again from its beginning.
-    pub fn again(&self) -> CommandResult<Self> {
+    pub fn reopen(&self) -> CommandResult<Self> {
         let once =
             || CommandError::Usage(format!("{}: can be read only once, but several runs need it; expected a file", self.name));
         Self::open(self.file.as_deref().ok_or_else(once)?)
@@ -108,9 +108,9 @@ impl TraceFile {
 }
 
 /// Counts bytes read.
-struct Counting<R>(R, Rc<Cell<u64>>);
+struct CountingReader<R>(R, Rc<Cell<u64>>);
 
-impl<R: Read> Read for Counting<R> {
+impl<R: Read> Read for CountingReader<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let n = self.0.read(buffer)?;
         self.1.set(self.1.get() + n as u64);
@@ -120,7 +120,7 @@ impl<R: Read> Read for Counting<R> {
 
 /// Opens a model, a demo (`demo:NAME`) or a trace.
 pub fn open(path: &Path, view: &ViewArgs, global: &GlobalOptions) -> CommandResult<Input> {
-    open_seen(path, &look(view, &global.budget)?.without_times()?, global)
+    open_seen(path, &resolve_view(view, &global.budget)?.without_times()?, global)
 }
 
 /// Opens an input with a resolved view.
@@ -180,14 +180,14 @@ pub fn read_text(path: &Path, budget: &MemoryPool) -> CommandResult<(String, Mem
 
 /// The view and its times.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Look {
+pub struct ResolvedView {
     /// View options of the importer.
     pub view: ViewOptions,
     /// Time at which each view is left \[ms from the start\]; `None` without times.
     left_at_ms: Option<Vec<f64>>,
 }
 
-impl Look {
+impl ResolvedView {
     /// Returns the view for commands without times.
     ///
     /// # Errors
@@ -203,7 +203,7 @@ impl Look {
     ///
     /// # Errors
     /// The machine does not support times.
-    pub fn tell(&self, args: &MachineArgs, demo: Option<&str>) -> CommandResult<MachineArgs> {
+    pub fn with_view_times(&self, args: &MachineArgs, demo: Option<&str>) -> CommandResult<MachineArgs> {
         let mut told = args.clone();
         let Some(times) = &self.left_at_ms else { return Ok(told) };
         let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
@@ -220,7 +220,7 @@ impl Look {
 }
 
 /// Resolves the options of a view.
-pub fn look(view: &ViewArgs, budget: &MemoryPool) -> CommandResult<Look> {
+pub fn resolve_view(view: &ViewArgs, budget: &MemoryPool) -> CommandResult<ResolvedView> {
     let camera = match &view.camera {
         None => None,
         Some(path) => {
@@ -232,9 +232,9 @@ pub fn look(view: &ViewArgs, budget: &MemoryPool) -> CommandResult<Look> {
         }
     };
     let script = |path: &PathBuf| {
-        Script::read(&read_text(path, budget)?.0, budget).map_err(CommandError::in_input(&path.display().to_string()))
+        ViewScript::read(&read_text(path, budget)?.0, budget).map_err(CommandError::in_input(&path.display().to_string()))
     };
-    let Script { views, left_at_ms } = view.views.as_ref().map(script).transpose()?.unwrap_or_default();
+    let ViewScript { views, left_at_ms } = view.views.as_ref().map(script).transpose()?.unwrap_or_default();
     let default = ViewOptions::default();
     let view = ViewOptions {
         size: view.size.unwrap_or(default.size),
@@ -247,7 +247,7 @@ pub fn look(view: &ViewArgs, budget: &MemoryPool) -> CommandResult<Look> {
         light_orbit_degrees: view.light_orbit,
         views,
     };
-    Ok(Look { view, left_at_ms })
+    Ok(ResolvedView { view, left_at_ms })
 }
 
 /// Returns the name of the demo that an input names.

@@ -16,6 +16,6 @@ pub fn add(path: &Path) {
 }
 
 /// Returns all files read so far.
-pub fn all() -> Vec<PathBuf> {
+pub fn files_read() -> Vec<PathBuf> {
     lock().iter().cloned().collect()
 }

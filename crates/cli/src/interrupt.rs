@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 static MESSAGE: OnceLock<&str> = OnceLock::new();
 
 /// Sets the message for a signal. The first call counts; a process runs one command.
-pub fn say(message: &'static str) {
+pub fn set_message(message: &'static str) {
     let _ = MESSAGE.set(message);
 }
 
@@ -29,7 +29,7 @@ pub fn listen() {
     };
     // Without a thread the handlers would only swallow the signals.
     if let Err(error) = std::thread::Builder::new().spawn(wait) {
-        terminal::note(&format!("warning: signals cannot be handled: {error}"));
+        terminal::print_note(&format!("warning: signals cannot be handled: {error}"));
     }
 }
 
@@ -48,8 +48,8 @@ pub fn listen() {
 }
 
 fn stop(code: i32) -> ! {
-    let _no_new_files = outputs::abandon();
+    let _no_new_files = outputs::remove_all();
     terminal::clear_progress();
-    terminal::note(MESSAGE.get().unwrap_or(&"interrupted; nothing was written"));
+    terminal::print_note(MESSAGE.get().unwrap_or(&"interrupted; nothing was written"));
     process::exit(code);
 }

@@ -13,7 +13,7 @@ pub fn current_names(args: impl IntoIterator<Item = OsString>) -> (Vec<OsString>
     for arg in args {
         are_options &= arg != "--";
         let table = if is_before_command && !is_option(&arg) { COMMANDS } else { OPTIONS };
-        let new = arg.to_str().filter(|_| are_options).and_then(|text| replaced(text, table));
+        let new = arg.to_str().filter(|_| are_options).and_then(|text| replacement_for(text, table));
         is_before_command &= is_option(&arg) || renamed.is_empty() || !is_command(new.as_deref().unwrap_or(&arg));
         if let Some(new) = &new {
             notes.insert(format!("note: `{}` is now `{}`; the old name will be removed", name(&arg), name(new)));
@@ -37,7 +37,7 @@ fn name(arg: &OsStr) -> String {
     text.split('=').next().unwrap_or_default().to_owned()
 }
 
-fn replaced(arg: &str, table: &[(&str, &str)]) -> Option<OsString> {
+fn replacement_for(arg: &str, table: &[(&str, &str)]) -> Option<OsString> {
     let (name, value) = arg.find('=').map_or((arg, ""), |at| arg.split_at(at));
     let (_, new) = table.iter().find(|(old, _)| *old == name)?;
     Some(format!("{new}{value}").into())

@@ -27,8 +27,8 @@ fn main() -> ExitCode {
     let _start = clock::seconds();
     let (arguments, notes) = legacy::current_names(std::env::args_os());
     let cli = args::Cli::parse_from(arguments);
-    notes.iter().for_each(|note| terminal::note(note));
+    notes.iter().for_each(|note| terminal::print_note(note));
     let global = global::GlobalOptions::new(&cli);
     interrupt::listen();
-    error::conclude(commands::dispatch(cli.command, &global))
+    error::exit_code(commands::dispatch(cli.command, &global))
 }

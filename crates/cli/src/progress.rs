@@ -42,7 +42,7 @@ impl Progress {
     }
 
     /// Sets the position.
-    pub fn at(&mut self, position: u64) {
+    pub fn set_position(&mut self, position: u64) {
         if self.drawn.elapsed() > Duration::from_millis(100) {
             self.drawn = Instant::now();
             self.bar.set_position(position);
@@ -66,8 +66,8 @@ pub struct InputProgress {
 
 impl InputProgress {
     /// Sets the position after this number of commands.
-    pub fn at(&mut self, commands: u64) {
-        self.bar.at(self.read.as_ref().map_or(commands, |read| read.get()));
+    pub fn set_position(&mut self, commands: u64) {
+        self.bar.set_position(self.read.as_ref().map_or(commands, |read| read.get()));
     }
 }
 
@@ -84,7 +84,7 @@ impl PointProgress {
     }
 
     /// Sets the number of finished points, the number of points to run, and the number of failures.
-    pub fn at(&self, (done, of): (u64, u64), failed: usize) {
+    pub fn set_position(&self, (done, of): (u64, u64), failed: usize) {
         self.0.set_length(of);
         self.0.set_position(done);
         if failed > 0 {
@@ -101,7 +101,7 @@ impl Drop for PointProgress {
 
 /// Received tiles and bytes.
 #[derive(Clone, Copy, Debug, Default)]
-struct Come {
+struct ReceivedTiles {
     acquisitions: u64,
     tiles: u64,
     bytes: u64,
@@ -111,7 +111,7 @@ struct Come {
 #[derive(Clone, Debug)]
 pub struct TileProgress {
     bar: ProgressBar,
-    come: Arc<Mutex<Come>>,
+    come: Arc<Mutex<ReceivedTiles>>,
 }
 
 impl TileProgress {
@@ -130,12 +130,12 @@ impl TileProgress {
     }
 
     /// Reports a finished image.
-    pub fn shown(&self, frame: u32, round: u32, milliseconds: f64) {
+    pub fn print_image(&self, frame: u32, round: u32, milliseconds: f64) {
         let line = format!("frame {}, image {round}: complete after {:.2} s", frame + 1, milliseconds / 1e3);
         self.bar.println(line);
     }
 
-    fn change(&self, change: impl FnOnce(&mut Come)) -> Come {
+    fn update(&self, change: impl FnOnce(&mut ReceivedTiles)) -> ReceivedTiles {
         let mut come = self.come.lock().unwrap_or_else(PoisonError::into_inner);
         change(&mut come);
         self.bar.set_message(format!("{} tiles, {}", come.tiles, HumanBytes(come.bytes)));
@@ -144,16 +144,16 @@ impl TileProgress {
 }
 
 impl FetchProgress for TileProgress {
-    fn listed(&self, tiles: u64) {
-        let acquisitions = self.change(|come| come.acquisitions += 1).acquisitions;
+    fn add_acquisition(&self, tiles: u64) {
+        let acquisitions = self.update(|come| come.acquisitions += 1).acquisitions;
         set_style(&self.bar, "acquisition {prefix} {wide_bar} {pos} of {len} tiles; total {msg}");
         self.bar.set_prefix(acquisitions.to_string());
         self.bar.set_length(tiles);
         self.bar.set_position(0);
     }
 
-    fn arrived(&self, bytes: u64) {
-        self.change(|come| {
+    fn add_bytes(&self, bytes: u64) {
+        self.update(|come| {
             come.tiles += 1;
             come.bytes += bytes;
         });
@@ -172,14 +172,14 @@ mod tests {
     #[test]
     fn tile_progress_counts_by_acquisition_and_total() {
         let progress = TileProgress::new(true);
-        progress.listed(3);
-        progress.arrived(1000);
-        progress.clone().arrived(1048);
-        progress.arrived(0);
+        progress.add_acquisition(3);
+        progress.add_bytes(1000);
+        progress.clone().add_bytes(1048);
+        progress.add_bytes(0);
         let shown = || (progress.bar.prefix(), progress.bar.position(), progress.bar.length(), progress.bar.message());
         assert_eq!(shown(), ("1".into(), 3, Some(3), "3 tiles, 2.00 KiB".into()));
-        progress.listed(5);
-        progress.arrived(2048);
+        progress.add_acquisition(5);
+        progress.add_bytes(2048);
         assert_eq!(shown(), ("2".into(), 1, Some(5), "4 tiles, 4.00 KiB".into()));
     }
 }

@@ -10,7 +10,7 @@ const OWN_STYLES: [&str; 4] = ["\x1b[0m", "\x1b[1m", "\x1b[2m", "\x1b[33m"];
 
 /// Returns the text with control characters and bidirectional overrides as `\u001b`, except line ends, tabs and, if `styled`, the colours
 /// of the program's own tables. JSON stays valid and means the same.
-pub fn safe(text: &str, styled: bool) -> Cow<'_, str> {
+pub fn without_control_characters(text: &str, styled: bool) -> Cow<'_, str> {
     if text.chars().all(is_harmless) {
         return text.into();
     }
@@ -44,8 +44,8 @@ pub fn clear_progress() {
 }
 
 /// Prints a line to standard error. A closed standard error is no reason to fail.
-pub fn note(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", safe(line, false));
+pub fn print_note(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", without_control_characters(line, false));
 }
 
 #[cfg(test)]
@@ -60,9 +60,9 @@ mod tests {
             ("\u{9b}2J\r\x7f", "\\u009b2J\\u000d\\u007f"),
             ("\u{202e}txt.exe", "\\u202etxt.exe"),
         ] {
-            assert_eq!(safe(text, false), shown);
+            assert_eq!(without_control_characters(text, false), shown);
         }
-        assert_eq!(safe("\x1b[1mbold\x1b[0m\x1b[8m", true), "\x1b[1mbold\x1b[0m\\u001b[8m");
-        assert_eq!(safe("\x1b[1mbold", false), "\\u001b[1mbold");
+        assert_eq!(without_control_characters("\x1b[1mbold\x1b[0m\x1b[8m", true), "\x1b[1mbold\x1b[0m\\u001b[8m");
+        assert_eq!(without_control_characters("\x1b[1mbold", false), "\\u001b[1mbold");
     }
 }

@@ -10,7 +10,7 @@ use serde::Deserialize;
 /// The file format.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Written {
+struct ViewFile {
     views: Vec<WrittenView>,
 }
 
@@ -19,10 +19,10 @@ struct Written {
 struct WrittenView {
     at_ms: Option<f64>,
     camera: Option<WrittenCamera>,
-    turn: Option<Numbers<2>>,
+    turn: Option<ExactList<2>>,
     zoom: Option<f64>,
     orbit: Option<f64>,
-    light: Option<Numbers<3>>,
+    light: Option<ExactList<3>>,
     light_orbit: Option<f64>,
 }
 
@@ -30,17 +30,17 @@ struct WrittenView {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "view_projection, to_light and to_viewer, as a file of --camera holds them")]
 struct WrittenCamera {
-    view_projection: Numbers<16>,
-    to_light: Numbers<3>,
-    to_viewer: Numbers<3>,
+    view_projection: ExactList<16>,
+    to_light: ExactList<3>,
+    to_viewer: ExactList<3>,
 }
 
 /// A list of exactly N numbers. (The TOML reader of serde would ignore further numbers.)
 #[derive(Debug, Deserialize)]
 #[serde(try_from = "Vec<f64>")]
-struct Numbers<const N: usize>([f64; N]);
+struct ExactList<const N: usize>([f64; N]);
 
-impl<const N: usize> TryFrom<Vec<f64>> for Numbers<N> {
+impl<const N: usize> TryFrom<Vec<f64>> for ExactList<N> {
     type Error = String;
 
     fn try_from(given: Vec<f64>) -> Result<Self, String> {
@@ -56,14 +56,14 @@ const LATEST_MS: f64 = 8e9;
 
 /// A sequence of views.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Script {
+pub struct ViewScript {
     /// The views.
     pub views: Vec<OwnView>,
     /// Time at which the user leaves each view for the next \[ms from the start\]. Empty if the views have no times.
     pub left_at_ms: Option<Vec<f64>>,
 }
 
-impl Script {
+impl ViewScript {
     /// Reads TOML, or JSON if the text starts with a brace.
     ///
     /// # Errors
@@ -72,22 +72,22 @@ impl Script {
         let is_json = text.trim_start().starts_with('{');
         let weight = if is_json { json_weight(text.as_bytes()) } else { TOML_GROWTH * text.len() as u64 };
         let _held = budget.try_reserve(weight, "what a script of views says").map_err(|e| e.to_string())?;
-        let written: Written = if is_json {
+        let written: ViewFile = if is_json {
             from_str(text).map_err(|fault| json(&fault))?
         } else {
-            toml::from_str(text).map_err(|error| plain(&syntax(text, &error)))?
+            toml::from_str(text).map_err(|error| plain_message(&syntax(text, &error)))?
         };
         if written.views.is_empty() {
             return Err("/views: is empty; expected a view at least".into());
         }
         let left_at_ms = times(&written.views)?;
-        let views: Vec<OwnView> = written.views.into_iter().map(own).collect();
+        let views: Vec<OwnView> = written.views.into_iter().map(to_own_view).collect();
         OwnView::check(&views).map_err(|e| e.to_string())?;
         Ok(Self { views, left_at_ms })
     }
 }
 
-fn own(view: WrittenView) -> OwnView {
+fn to_own_view(view: WrittenView) -> OwnView {
     let WrittenView { camera, turn, zoom, orbit, light, light_orbit, .. } = view;
     let camera = camera.map(|WrittenCamera { view_projection, to_light, to_viewer }| Camera {
         view_projection: view_projection.0,
@@ -99,7 +99,7 @@ fn own(view: WrittenView) -> OwnView {
 }
 
 /// Replaces the types in a message of the TOML reader by plain words.
-fn plain(sentence: &str) -> String {
+fn plain_message(sentence: &str) -> String {
     sentence.replace(", expected f64", ", expected a number").replace(", expected a sequence", ", expected a list")
 }
 
@@ -132,8 +132,8 @@ fn json(fault: &JsonFault) -> String {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Script, String> {
-        Script::read(text, &MemoryPool::default())
+    fn read(text: &str) -> Result<ViewScript, String> {
+        ViewScript::read(text, &MemoryPool::default())
     }
 
     #[test]
@@ -183,6 +183,6 @@ mod tests {
             let error = read(text).unwrap_err();
             assert!(error.contains(says), "{text}: {error}");
         }
-        assert!(Script::read(&"[[views]]\n".repeat(1000), &MemoryPool::new(1000)).unwrap_err().contains("a script of views"));
+        assert!(ViewScript::read(&"[[views]]\n".repeat(1000), &MemoryPool::new(1000)).unwrap_err().contains("a script of views"));
     }
 }

@@ -1,6 +1,6 @@
 //! Arguments that several commands share.
 
-use super::values::{Named, angles, direction, finite, key_value, machine, size, socket, tables};
+use super::values::{TableSelection, angles, direction, finite, key_value, machine, size, socket, tables};
 use crate::commands::dump;
 use basrelief_report::TableGroup;
 use basrelief_sim::{MACHINES, MachineInfo};
@@ -88,12 +88,12 @@ pub struct ViewArgs {
 pub struct TablesArgs {
     /// Also print these tables (comma-separated list).
     #[arg(long, value_name = "TABLES", value_delimiter = ',', value_parser = tables())]
-    tables: Vec<Named>,
+    tables: Vec<TableSelection>,
 }
 
 impl TablesArgs {
     /// Returns the selected tables.
-    pub fn shown(&self) -> Vec<TableGroup> {
+    pub fn selected_tables(&self) -> Vec<TableGroup> {
         self.tables.iter().flat_map(|named| named.0.clone()).collect()
     }
 }

@@ -16,13 +16,13 @@ pub fn machine() -> impl TypedValueParser<Value = &'static MachineInfo> {
 
 /// Tables of a report, by one name.
 #[derive(Clone, Debug)]
-pub struct Named(pub Vec<TableGroup>);
+pub struct TableSelection(pub Vec<TableGroup>);
 
 /// Name of the table of bottlenecks in version 0.1.
 const OLD_BOTTLENECKS: &str = "limits";
 
 /// Names of tables, or of all of them.
-pub fn tables() -> impl TypedValueParser<Value = Named> {
+pub fn tables() -> impl TypedValueParser<Value = TableSelection> {
     let names = TableGroup::ALL.iter().map(|of| {
         let value = PossibleValue::new(of.name()).help(of.about());
         if *of == TableGroup::Bottlenecks { value.alias(OLD_BOTTLENECKS) } else { value }
@@ -31,7 +31,7 @@ pub fn tables() -> impl TypedValueParser<Value = Named> {
     PossibleValuesParser::new(names.chain([all])).map(|name| {
         let name = if name == OLD_BOTTLENECKS { TableGroup::Bottlenecks.name() } else { name.as_str() };
         let named = TableGroup::ALL.iter().copied().filter(|of| name == "all" || name == of.name());
-        Named(named.collect())
+        TableSelection(named.collect())
     })
 }
 

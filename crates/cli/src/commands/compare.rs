@@ -17,7 +17,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A report and the recording beside it.
-struct Side {
+struct ReportSide {
     name: String,
     report: Report,
     file: PathBuf,
@@ -26,7 +26,7 @@ struct Side {
 }
 
 /// Comparison of two reports.
-struct Pair<'a> {
+struct ReportPair<'a> {
     a: &'a str,
     b: &'a str,
     comparison: Comparison,
@@ -34,17 +34,17 @@ struct Pair<'a> {
 
 /// Compares the first report with each of the others; fails over a limit.
 pub fn compare(args: &CompareArgs, budget: &MemoryPool) -> CommandResult {
-    let first = Side::read(&args.a, budget)?;
-    let others = args.others.iter().map(|path| Side::read(path, budget)).collect::<CommandResult<Vec<_>>>()?;
+    let first = ReportSide::read(&args.a, budget)?;
+    let others = args.others.iter().map(|path| ReportSide::read(path, budget)).collect::<CommandResult<Vec<_>>>()?;
     if let Some(page) = &args.html {
         let sides = std::iter::once(("A", &first)).chain(others.iter().map(|other| ("B", other)));
         let files: Vec<(&str, PathBuf)> = sides.flat_map(|(name, side)| side.files().map(move |file| (name, file))).collect();
         let files: Vec<(&str, &Path)> = files.iter().map(|(name, file)| (*name, &**file)).collect();
         check_outputs_keep_inputs(None, &[("--html", page)], &files).map_err(CommandError::Usage)?;
     }
-    let pairs: Vec<Pair<'_>> = others.iter().map(|other| first.against(other)).collect();
+    let pairs: Vec<ReportPair<'_>> = others.iter().map(|other| first.compare_with(other)).collect();
     if args.json {
-        let mut list = pairs.iter().map(Pair::to_json).collect::<CommandResult<Vec<Value>>>()?;
+        let mut list = pairs.iter().map(ReportPair::to_json).collect::<CommandResult<Vec<Value>>>()?;
         let json = if pairs.len() == 1 { list.swap_remove(0) } else { list.into() };
         print(&format!("{json:#}\n"))?;
     } else {
@@ -54,7 +54,7 @@ pub fn compare(args: &CompareArgs, budget: &MemoryPool) -> CommandResult {
         page(path, (&first, &others), &pairs)?;
     }
     match args.fail_over {
-        Some(limit) => judge(&pairs, limit, args.allow_other_input),
+        Some(limit) => check_limit(&pairs, limit, args.allow_other_input),
         None => Ok(()),
     }
 }
@@ -63,8 +63,8 @@ pub fn compare(args: &CompareArgs, budget: &MemoryPool) -> CommandResult {
 const MOST_REASONS: usize = 8;
 
 /// Fails if a report fails the limit.
-fn judge(pairs: &[Pair<'_>], limit: f64, allow_other_input: bool) -> CommandResult {
-    let failures = pairs.iter().flat_map(|Pair { b, comparison, .. }| {
+fn check_limit(pairs: &[ReportPair<'_>], limit: f64, allow_other_input: bool) -> CommandResult {
+    let failures = pairs.iter().flat_map(|ReportPair { b, comparison, .. }| {
         let has_other_input = comparison.other_input && !allow_other_input;
         let input = has_other_input.then(|| format!("{b}: {OTHER_INPUT}"));
         input.into_iter().chain(comparison.failures(limit).into_iter().map(move |reason| format!("{b}: {reason}")))
@@ -80,13 +80,13 @@ const OTHER_INPUT: &str =
     "input.sha256 differs from A or is unknown, so the runs cannot be judged; --allow-other-input judges them";
 
 /// Writes the comparison as an HTML page, with the images beside the reports.
-fn page(path: &Path, (first, others): (&Side, &[Side]), pairs: &[Pair<'_>]) -> CommandResult {
-    let pairs = others.iter().zip(pairs).map(|(other, pair)| Ok((other.shown()?, &pair.comparison)));
-    let page = compared(&first.shown()?, &pairs.collect::<CommandResult<Vec<_>>>()?);
+fn page(path: &Path, (first, others): (&ReportSide, &[ReportSide]), pairs: &[ReportPair<'_>]) -> CommandResult {
+    let pairs = others.iter().zip(pairs).map(|(other, pair)| Ok((other.html_side()?, &pair.comparison)));
+    let page = compared(&first.html_side()?, &pairs.collect::<CommandResult<Vec<_>>>()?);
     PartialFile::write_whole(path, page.as_bytes()).map_err(CommandError::at_file(path, "be written"))
 }
 
-fn text(first: &Side, others: &[Side], pairs: &[Pair<'_>]) -> String {
+fn text(first: &ReportSide, others: &[ReportSide], pairs: &[ReportPair<'_>]) -> String {
     if let [pair] = pairs {
         return pair.comparison.to_text(style());
     }
@@ -95,7 +95,7 @@ fn text(first: &Side, others: &[Side], pairs: &[Pair<'_>]) -> String {
     std::iter::once(overview(&reports, style())).chain(pairs).collect()
 }
 
-impl Pair<'_> {
+impl ReportPair<'_> {
     fn to_json(&self) -> CommandResult<Value> {
         let mut json = serde_json::to_value(&self.comparison).map_err(CommandError::bad_input)?;
         json["a"] = self.a.into();
@@ -104,7 +104,7 @@ impl Pair<'_> {
     }
 }
 
-impl Side {
+impl ReportSide {
     fn read(path: &Path, budget: &MemoryPool) -> CommandResult<Self> {
         let file = if path.is_dir() { path.join(REPORT) } else { path.to_path_buf() };
         let (text, _held) = read_text(&file, budget)?;
@@ -137,7 +137,7 @@ impl Side {
     }
 
     /// Returns the side for the HTML page.
-    fn shown(&self) -> CommandResult<html::ComparedReport<'_>> {
+    fn html_side(&self) -> CommandResult<html::ComparedReport<'_>> {
         let mut assets = page_assets(&self.report).map_err(CommandError::in_input(&self.name))?;
         if let Some(file) = self.image() {
             let png = fs::read(&file).map_err(CommandError::at_file(&file, "be read"))?;
@@ -146,9 +146,9 @@ impl Side {
         Ok(html::ComparedReport { name: &self.name, report: &self.report, assets })
     }
 
-    fn against<'a>(&'a self, other: &'a Self) -> Pair<'a> {
+    fn compare_with<'a>(&'a self, other: &'a Self) -> ReportPair<'a> {
         let explained = self.taped.as_ref().zip(other.taped.as_ref()).and_then(|(a, b)| explain(a, b));
-        Pair { a: &self.name, b: &other.name, comparison: difference(&self.report, &other.report, explained) }
+        ReportPair { a: &self.name, b: &other.name, comparison: difference(&self.report, &other.report, explained) }
     }
 }
 
@@ -157,7 +157,7 @@ fn read_tape(report: &Report, path: &Path, budget: &MemoryPool) -> CommandResult
     let name = path.display();
     match RecordedRun::read(report, &mut open(path)?, budget) {
         Err(error @ RecordingError::OtherBuild { .. }) => {
-            terminal::note(&format!("{name}: {error}; causes are not measured"));
+            terminal::print_note(&format!("{name}: {error}; causes are not measured"));
             Ok(None)
         }
         read => read.map(Some).map_err(unreadable(&name.to_string())),

@@ -37,7 +37,7 @@ pub fn form_of(path: &Path) -> CommandResult<TraceForm> {
 pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, TraceForm) -> CommandResult) -> CommandResult {
     let form = form_of(path)?;
     if path == Path::new("-") {
-        let mut out = Remembering { to: BufWriter::new(io::stdout().lock()), failed: None };
+        let mut out = ErrorKeepingWriter { to: BufWriter::new(io::stdout().lock()), failed: None };
         let done = write(&mut out, form).and_then(|()| out.flush().map_err(CommandError::in_input("standard output")));
         return match out.failed {
             // A closed pipe is no error.
@@ -47,7 +47,7 @@ pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, TraceForm) 
         };
     }
     let file = PartialFile::create(path).map_err(CommandError::at_file(path, "be written"))?;
-    let mut file = Remembering { to: file, failed: None };
+    let mut file = ErrorKeepingWriter { to: file, failed: None };
     let done = write(&mut file, form);
     match file.failed {
         Some(e) => Err(CommandError::at_file(path, "be written")(e)),
@@ -56,13 +56,13 @@ pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, TraceForm) 
 }
 
 /// Remembers write errors, which the trace writer would report as errors of its input.
-struct Remembering<W> {
+struct ErrorKeepingWriter<W> {
     to: W,
     failed: Option<io::Error>,
 }
 
-impl<W> Remembering<W> {
-    fn kept<T>(&mut self, done: io::Result<T>) -> io::Result<T> {
+impl<W> ErrorKeepingWriter<W> {
+    fn keep_error<T>(&mut self, done: io::Result<T>) -> io::Result<T> {
         done.inspect_err(|e| {
             if e.kind() != ErrorKind::Interrupted {
                 self.failed.get_or_insert_with(|| copy_of(e));
@@ -76,13 +76,13 @@ fn copy_of(error: &io::Error) -> io::Error {
     error.raw_os_error().map_or_else(|| io::Error::new(error.kind(), error.to_string()), io::Error::from_raw_os_error)
 }
 
-impl<W: Write> Write for Remembering<W> {
+impl<W: Write> Write for ErrorKeepingWriter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let done = self.to.write(bytes);
-        self.kept(done)
+        self.keep_error(done)
     }
     fn flush(&mut self) -> io::Result<()> {
         let done = self.to.flush();
-        self.kept(done)
+        self.keep_error(done)
     }
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// An output file.
 #[derive(Debug)]
-struct Dump {
+struct DumpFile {
     what: AuxOutputInfo,
     path: PathBuf,
     file: PartialFile,
@@ -16,7 +16,7 @@ struct Dump {
 
 /// The files of `--dump`.
 #[derive(Debug, Default)]
-pub struct DumpFiles(Vec<Dump>);
+pub struct DumpFiles(Vec<DumpFile>);
 
 impl DumpFiles {
     /// Opens the files of pairs of output name and path.
@@ -25,9 +25,9 @@ impl DumpFiles {
     /// An unknown output, an output of another machine, or a file that cannot be written.
     pub fn open(asked: &[PathBuf], config: &MachineConfig) -> CommandResult<Self> {
         let open = |[what, path]: &[PathBuf; 2]| {
-            let what = known(what, config.machine()).map_err(CommandError::Usage)?;
+            let what = known_output(what, config.machine()).map_err(CommandError::Usage)?;
             let file = PartialFile::create(path).map_err(CommandError::at_file(path, "be written"))?;
-            Ok(Dump { what, path: path.clone(), file })
+            Ok(DumpFile { what, path: path.clone(), file })
         };
         let pairs = asked.as_chunks::<2>().0;
         pairs.iter().try_for_each(|[_, path]| is_file("--dump", path)).map_err(CommandError::Usage)?;
@@ -35,7 +35,7 @@ impl DumpFiles {
     }
 
     /// Returns the auxiliary outputs of the files.
-    pub fn exhibits(&self) -> impl Iterator<Item = AuxOutputInfo> {
+    pub fn aux_outputs(&self) -> impl Iterator<Item = AuxOutputInfo> {
         self.0.iter().map(|dump| dump.what)
     }
 
@@ -73,7 +73,7 @@ pub fn is_file(option: &str, path: &Path) -> Result<(), String> {
 }
 
 /// Returns the auxiliary output of this name that has lines.
-fn known(what: &Path, machine: &MachineInfo) -> Result<AuxOutputInfo, String> {
+fn known_output(what: &Path, machine: &MachineInfo) -> Result<AuxOutputInfo, String> {
     let of = |m: &MachineInfo| lines_of(m).find(|e| Path::new(e.name) == what);
     if let Some(exhibit) = of(machine) {
         return Ok(exhibit);
@@ -107,7 +107,8 @@ mod tests {
 
     #[test]
     fn unknown_dump_names_machine_that_has_it() {
-        let known = |what: &str, machine: &str| known(Path::new(what), MachineInfo::named(machine).unwrap()).map(|e| e.name);
+        let known =
+            |what: &str, machine: &str| known_output(Path::new(what), MachineInfo::named(machine).unwrap()).map(|e| e.name);
         assert_eq!(known("tiles", "defer"), Ok("tiles"));
         assert_eq!(known("tiles", "bump"), Err("--dump: machine `bump` has no tiles, but machine `defer` has".into()));
         assert!(known("tile", "defer").unwrap_err().ends_with("expected spans, reference-buffer, tiles"));

@@ -1,6 +1,6 @@
 //! `basrelief explore`: finds the Pareto front of a plan with few runs.
 
-use super::plans::{Planned, counts, work, written};
+use super::plans::{OpenedPlan, counts, work, write_tables};
 use crate::args::ExploreArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
@@ -8,7 +8,7 @@ use basrelief_dse::{Explored, Found, Point, explore as find};
 
 /// Runs an exploration.
 pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
-    let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, global)?;
+    let OpenedPlan { host, plan, folder, threads, _held } = OpenedPlan::read(&args.plan, global)?;
     let all = plan.points.len();
     let work = work(&args.plan, &[], threads);
     let name = args.plan.plan.display().to_string();
@@ -23,7 +23,7 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
         }
         None => format!("of {all} in the grid\n"),
     };
-    said += &written(&plan, &folder, &args.plan, &host)?;
+    said += &write_tables(&plan, &folder, &args.plan, &host)?;
     drop(host);
     if global.quiet { Ok(()) } else { print(&said) }
 }

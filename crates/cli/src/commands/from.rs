@@ -1,11 +1,11 @@
 //! `basrelief run --from`: renders the scene of a server.
 
 use super::real_times::RealTimes;
-use super::simulate::{Simulation, Source};
+use super::simulate::{RunSource, Simulation};
 use crate::args::{MachineArgs, RunArgs};
 use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
-use crate::input::{self, Look};
+use crate::input::{self, ResolvedView};
 use crate::interrupt;
 use crate::outputs::{PartialFile, remove_remains};
 use crate::progress::{InputProgress, Progress, TileProgress};
@@ -23,14 +23,14 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 /// Returns the parameters of the machine; only some machines can render from a server.
-fn config_of(args: &RunArgs, look: &Look, budget: &MemoryPool) -> CommandResult<(MachineConfig, Overrides)> {
+fn config_of(args: &RunArgs, look: &ResolvedView, budget: &MemoryPool) -> CommandResult<(MachineConfig, Overrides)> {
     let fetching = || MACHINES.iter().filter(|m| m.fetches_tiles);
     let Some(machine) = args.machine.machine.or_else(|| fetching().next()).filter(|m| m.fetches_tiles) else {
         let names: Vec<String> = fetching().map(|m| format!("`{}`", m.name)).collect();
         return Err(CommandError::Usage(format!("--from: only machine {} can render from a server", names.join(", "))));
     };
     let machine = MachineArgs { machine: Some(machine), ..args.machine.clone() };
-    input::config(&look.tell(&machine, None)?, None, budget)
+    input::config(&look.with_view_times(&machine, None)?, None, budget)
 }
 
 /// Fetches the scene of a server and applies the view. Returns it with the hashes of its tiles. Their memory stays reserved until the
@@ -58,7 +58,7 @@ fn open_cache(folder: &Path, url: &str) -> CommandResult<TileCache> {
 }
 
 fn write_tile(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = PartialFile::beside(path)?;
+    let mut file = PartialFile::create_in_folder(path)?;
     file.write_all(bytes)?;
     file.publish()
 }
@@ -66,7 +66,7 @@ fn write_tile(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Renders from the server at `url`.
 pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> CommandResult {
     let budget = &global.budget;
-    let look = input::look(&args.view, budget)?;
+    let look = input::resolve_view(&args.view, budget)?;
     let mut simulation = Simulation::new(&args.simulation, config_of(args, &look, budget)?, global);
     simulation.options.exact = false;
     let config = &simulation.options.config;
@@ -78,7 +78,7 @@ pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> CommandRes
     let fetcher = Fetcher::within(url, retry, budget);
     let (scene, hashes) = scene_of(&fetcher, (&fetch, &look.view), &shown, budget)?;
     let cache = args.tile_cache.as_deref().map(|folder| open_cache(folder, url)).transpose()?;
-    interrupt::say(match cache {
+    interrupt::set_message(match cache {
         Some(_) => "interrupted; only the images shown so far and the tiles in --tile-cache were written",
         None => "interrupted; only the images shown so far were written",
     });
@@ -92,9 +92,9 @@ pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> CommandRes
     };
     let input = RunInput::Remote { scene, tiles, name: url.into() };
     let progress = InputProgress { bar: Progress::new(None, "commands", true), read: None };
-    let done = simulation.run(Source { input, progress, real, watched }, None);
+    let done = simulation.run(RunSource { input, progress, real, watched }, None);
     if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, global.quiet) {
-        terminal::note(&format!(
+        terminal::print_note(&format!(
             "warning: --tile-cache {}: cannot be written: {why}; some tiles are not cached",
             folder.display()
         ));

@@ -8,7 +8,7 @@ use super::reporting::publish_report;
 use super::requests::RequestsFile;
 use crate::args::SimulationArgs;
 use crate::error::{CommandError, CommandResult};
-use crate::outputs::{OF_A_RUN, Outputs, PartialFile, REPORT, RUN_RECORDING};
+use crate::outputs::{OF_A_RUN, OutputFolder, PartialFile, REPORT, RUN_RECORDING};
 use crate::progress::InputProgress;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
@@ -29,7 +29,7 @@ pub struct OutputFiles {
     pub tape: Option<RecordingFile>,
     pub run_tape: ShortRecording,
     pub page: Option<HtmlFile>,
-    pub outputs: Outputs,
+    pub outputs: OutputFolder,
     pub progress: InputProgress,
     pub frames: usize,
     /// Kinds of images written per frame: image, reference and difference, then auxiliary outputs.
@@ -46,13 +46,13 @@ pub struct OutputFiles {
 
 impl Observer for OutputFiles {
     fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
-        self.progress.at(commands);
+        self.progress.set_position(commands);
         true
     }
 
     fn picture_shown(&mut self, frame: u32, round: u32) {
         if let Some(real) = &mut self.real {
-            real.shown(frame, round);
+            real.record_image(frame, round);
         }
     }
 
@@ -110,16 +110,16 @@ impl Observer for OutputFiles {
 }
 
 /// A finished file and its final path.
-type Beside = (PartialFile, PathBuf);
+type FinishedFile = (PartialFile, PathBuf);
 
 /// Finished outputs, to be published together.
 pub struct FinishedFiles {
     /// Files beside the folder. Dropped before `outputs`, as in [`OutputFiles`].
-    beside: Vec<Beside>,
+    beside: Vec<FinishedFile>,
     dumps: DumpFiles,
     /// `None` if the recording cannot be resimulated.
     run_tape: Option<ShortRecording>,
-    outputs: Outputs,
+    outputs: OutputFolder,
     pub frames: usize,
     /// Kinds of images written for each frame.
     kinds: Vec<&'static str>,
@@ -165,7 +165,7 @@ impl OutputFiles {
     pub fn open(
         simulation: &SimulationArgs,
         settings: &RunOptions,
-        outputs: Outputs,
+        outputs: OutputFolder,
         progress: InputProgress,
     ) -> CommandResult<Self> {
         Ok(Self {
@@ -207,7 +207,7 @@ impl OutputFiles {
     }
 
     /// Keeps the best image of the unfinished frame of a failed run.
-    pub fn rescue(self, error: CommandError) -> CommandError {
+    pub fn keep_best_image(self, error: CommandError) -> CommandError {
         let Some((_, best)) = self.shown.filter(|(frame, _)| *frame as usize >= self.frames) else { return error };
         match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", &OF_A_RUN)) {
             Ok(()) => error,

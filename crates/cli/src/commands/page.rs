@@ -36,7 +36,7 @@ pub fn page(args: &PageArgs, quiet: bool) -> CommandResult {
     }
     let (address, server) =
         site(&folder, PAGE)?.with_host_names(args.allow_host.clone()).listen(args.listen).map_err(CommandError::BadInput)?;
-    interrupt::say("server stopped");
+    interrupt::set_message("server stopped");
     if !quiet {
         print(&format!("Page: http://{address}/ (stop with Ctrl-C)\n"))?;
     }
@@ -52,13 +52,13 @@ pub fn viewer(named: Option<&Path>) -> CommandResult<Option<StaticFiles>> {
 fn site(folder: &Path, page: &str) -> CommandResult<StaticFiles> {
     let mut site = StaticFiles::default();
     for (offered, name) in std::iter::once((PAGE, page)).chain(FILES.map(|name| (name, name))) {
-        site.offer(offered, &read(folder, name)?, packed(folder, name)?);
+        site.offer(offered, &read(folder, name)?, compressed_forms(folder, name)?);
     }
     Ok(site)
 }
 
 /// Returns the existing compressed forms of a file.
-fn packed(folder: &Path, name: &str) -> CommandResult<Vec<(&'static str, Vec<u8>)>> {
+fn compressed_forms(folder: &Path, name: &str) -> CommandResult<Vec<(&'static str, Vec<u8>)>> {
     let forms = PACKED.map(|(encoding, end)| (encoding, format!("{name}.{end}")));
     let there = forms.into_iter().filter(|(_, name)| folder.join(name).is_file());
     there.map(|(encoding, name)| Ok((encoding, read(folder, &name)?))).collect()

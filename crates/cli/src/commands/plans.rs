@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 /// A plan and the folder of its points.
-pub struct Planned<'a> {
-    pub host: Program<'a>,
+pub struct OpenedPlan<'a> {
+    pub host: SweepProgram<'a>,
     pub plan: Plan,
     pub folder: Folder,
     /// Parallel runs.
@@ -30,17 +30,17 @@ pub struct Planned<'a> {
     pub _held: [MemoryReservation; 2],
 }
 
-impl<'a> Planned<'a> {
+impl<'a> OpenedPlan<'a> {
     /// Reads a plan.
     ///
     /// # Errors
     /// An unreadable file or an invalid plan.
     pub fn read(args: &PlanArgs, global: &'a GlobalOptions) -> CommandResult<Self> {
-        interrupt::say("interrupted; finished points are kept; run the command again to continue");
+        interrupt::set_message("interrupted; finished points are kept; run the command again to continue");
         if args.threads == Some(1) {
             threads::disable_threads();
         }
-        let host = Program {
+        let host = SweepProgram {
             plan: args.plan.clone(),
             read: Mutex::new([args.plan.clone()].into()),
             global,
@@ -77,18 +77,18 @@ pub fn counts(Tally { points, there, run, retimed, outdated, .. }: &Tally, faile
 ///
 /// # Errors
 /// A file that cannot be read or written.
-pub fn written(plan: &Plan, folder: &Folder, args: &PlanArgs, host: &Program<'_>) -> CommandResult<String> {
-    let front = tables(plan, folder, host).map_err(bad)?;
+pub fn write_tables(plan: &Plan, folder: &Folder, args: &PlanArgs, host: &SweepProgram<'_>) -> CommandResult<String> {
+    let front = tables(plan, folder, host).map_err(sweep_error)?;
     let files: Vec<&str> = basrelief_dse::tables::FILES.iter().map(|(file, _)| *file).collect();
     Ok(format!("\n{front}\nWritten to {}/: {}\n", args.out.display(), files.join(", ")))
 }
 
-pub fn bad(error: SweepError) -> CommandError {
+pub fn sweep_error(error: SweepError) -> CommandError {
     CommandError::BadInput(error.to_string())
 }
 
 /// Services of this program for a sweep.
-pub struct Program<'a> {
+pub struct SweepProgram<'a> {
     plan: PathBuf,
     /// Files read so far.
     read: Mutex<BTreeSet<PathBuf>>,
@@ -96,7 +96,7 @@ pub struct Program<'a> {
     progress: PointProgress,
 }
 
-impl<'a> Program<'a> {
+impl<'a> SweepProgram<'a> {
     /// Makes the services for a sensitivity analysis, whose paths are those of the command line.
     pub fn around_run(global: &'a GlobalOptions, quiet: bool) -> Self {
         Self { plan: PathBuf::new(), read: Mutex::default(), global, progress: PointProgress::new(quiet) }
@@ -106,14 +106,14 @@ impl<'a> Program<'a> {
 /// The view options alone.
 #[derive(Parser)]
 #[command(no_binary_name = true, disable_help_flag = true)]
-struct View {
+struct ViewCommand {
     #[command(flatten)]
     view: ViewArgs,
 }
 
-impl Program<'_> {
+impl SweepProgram<'_> {
     /// Returns the path of a file that the plan names.
-    fn place(&self, name: &str) -> PathBuf {
+    fn path_of(&self, name: &str) -> PathBuf {
         let path = self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name));
         self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(path.clone());
         path
@@ -128,28 +128,28 @@ impl Program<'_> {
 
     /// Converts the view of the plan into options.
     fn view(&self, view: &[(String, String)]) -> Result<ViewArgs, String> {
-        let command = View::command();
+        let command = ViewCommand::command();
         let known: Vec<&str> = command.get_arguments().map(|argument| argument.get_id().as_str()).collect();
         if let Some((name, _)) = view.iter().find(|(name, _)| !known.contains(&name.as_str())) {
             let hint = nearest(name, known.iter().copied()).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
             return Err(format!("view: no option is called `{name}`{hint} (`basrelief run --help` lists all under View)"));
         }
         let option = |(name, value): &(String, String)| {
-            let value = if name == "camera" { self.place(value).display().to_string() } else { value.clone() };
+            let value = if name == "camera" { self.path_of(value).display().to_string() } else { value.clone() };
             format!("--{}={value}", name.replace('_', "-"))
         };
-        let parsed = View::try_parse_from(view.iter().map(option)).map_err(|error| {
+        let parsed = ViewCommand::try_parse_from(view.iter().map(option)).map_err(|error| {
             let text = error.to_string();
             format!("view: {}", text.lines().next().unwrap_or_default().trim_start_matches("error: "))
         });
-        parsed.map(|View { view }| view)
+        parsed.map(|ViewCommand { view }| view)
     }
 }
 
-impl Host for Program<'_> {
+impl Host for SweepProgram<'_> {
     fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
         let view = self.view(view)?;
-        let path = if demo_of(Path::new(name)).is_some() { name.into() } else { self.place(name) };
+        let path = if demo_of(Path::new(name)).is_some() { name.into() } else { self.path_of(name) };
         let once = || format!("input: {name}: can be read only once, but every run of a sweep reads it; expected a file");
         if path == Path::new("-") {
             return Err(once());
@@ -163,11 +163,11 @@ impl Host for Program<'_> {
     }
 
     fn trace(&self, name: &str) -> Result<RunInput, String> {
-        TraceFile::open(&self.place(name)).map(TraceFile::into_source).map_err(|failure| failure.to_string())
+        TraceFile::open(&self.path_of(name)).map(TraceFile::into_source).map_err(|failure| failure.to_string())
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        read_text(&self.place(name), &self.global.budget).map(|(text, _)| text).map_err(|failure| failure.to_string())
+        read_text(&self.path_of(name), &self.global.budget).map(|(text, _)| text).map_err(|failure| failure.to_string())
     }
 
     fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {
@@ -182,7 +182,7 @@ impl Host for Program<'_> {
 
     fn progress(&self, tally: &Tally) {
         let before = tally.there as u64;
-        self.progress.at((tally.done() as u64 - before, tally.points as u64 - before), tally.failed);
+        self.progress.set_position((tally.done() as u64 - before, tally.points as u64 - before), tally.failed);
     }
 
     fn budget(&self) -> &MemoryPool {

@@ -20,10 +20,10 @@ impl RealTimes {
     }
 
     /// Records an image.
-    pub fn shown(&mut self, frame: u32, round: u32) {
+    pub fn record_image(&mut self, frame: u32, round: u32) {
         let now = self.meter.now();
         self.shown.push((frame, now));
-        self.progress.shown(frame, round, now.milliseconds);
+        self.progress.print_image(frame, round, now.milliseconds);
     }
 
     /// Returns the part of the report.

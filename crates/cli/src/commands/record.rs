@@ -29,7 +29,7 @@ pub fn record(args: &RecordArgs, global: &GlobalOptions) -> CommandResult {
     };
     check_outputs_keep_inputs(None, &[("--out", &args.out)], &[]).map_err(CommandError::Usage)?;
     let (scene, budget) = (scene.scene(), &global.budget);
-    let expectations = if args.expect { vec![expected(scene, &config, args, budget)?] } else { vec![] };
+    let expectations = if args.expect { vec![replay_results(scene, &config, args, budget)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
         let progress = Progress::new(None, "commands", global.quiet);
         write_list(scene, &config, writer, (form, trace_header(scene)), expectations, (progress, budget))
@@ -52,14 +52,14 @@ pub fn write_list(
     let mut recorder = TraceRecorder::new(writer, form, begin).map_err(&failed)?;
     for (n, control) in (1..).zip(display_list(scene, config)) {
         recorder.record(&control).map_err(&failed)?;
-        progress.at(n);
+        progress.set_position(n);
     }
     recorder.finish(expectations).map(|_| ()).map_err(failed)
 }
 
 /// Returns the results of a replay of the trace. They differ from a run of the scene, where the geometry processor can be blocked: in a
 /// replay, polygons arrive as if nothing had stalled.
-fn expected(
+fn replay_results(
     scene: &Arc<Scene>,
     config: &MachineConfig,
     args: &RecordArgs,

@@ -1,7 +1,7 @@
 //! Files of recordings: `--recording`, the recording beside a report, and recordings to read.
 
 use crate::error::{CommandError, CommandResult};
-use crate::outputs::{Outputs, PartialFile, RUN_RECORDING, recording_in};
+use crate::outputs::{OutputFolder, PartialFile, RUN_RECORDING, recording_in};
 use basrelief_sim::{AnalysisPolicy, Observer, RecordingError};
 use std::fs::File;
 use std::io::{self, BufReader, Write};
@@ -63,7 +63,7 @@ impl ShortRecording {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write_to(self, outputs: &Outputs) -> io::Result<bool> {
+    pub fn write_to(self, outputs: &OutputFolder) -> io::Result<bool> {
         let Some(encoder) = self.encoder else { return Ok(false) };
         let mut file = outputs.create(RUN_RECORDING)?;
         file.write_all(&encoder.finish()?).and_then(|()| file.flush()).map(|()| true)
@@ -122,7 +122,7 @@ mod tests {
         let left = |limits: AnalysisPolicy, pieces: &[bool]| {
             let mut tape = ShortRecording::new(limits).unwrap();
             pieces.iter().for_each(|is_short| tape.recording(b"piece", *is_short).unwrap());
-            let outputs = Outputs::begin(folder.path()).unwrap();
+            let outputs = OutputFolder::begin(folder.path()).unwrap();
             tape.write_to(&outputs).unwrap()
         };
         assert!(left(AnalysisPolicy::IfShort, &[true, true]));

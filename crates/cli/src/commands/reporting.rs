@@ -2,12 +2,12 @@
 
 use crate::args::TablesArgs;
 use crate::error::{CommandResult, print};
-use crate::outputs::{OF_A_RUN, Outputs, REPORT};
+use crate::outputs::{OF_A_RUN, OutputFolder, REPORT};
 use basrelief_report::{Report, TextStyle, to_csv, to_text};
 use std::io::{self, IsTerminal, Write};
 
 /// Writes the report and its tables, and publishes everything.
-pub fn publish_report(outputs: Outputs, report: &Report, csv: bool) -> io::Result<()> {
+pub fn publish_report(outputs: OutputFolder, report: &Report, csv: bool) -> io::Result<()> {
     let mut file = outputs.create(REPORT)?;
     report.write_json(&mut file).and_then(|()| file.flush())?;
     if csv {
@@ -19,7 +19,7 @@ pub fn publish_report(outputs: Outputs, report: &Report, csv: bool) -> io::Resul
 
 /// Prints the report.
 pub fn show_report(report: &Report, tables: &TablesArgs) -> CommandResult {
-    print(&to_text(report, style(), &tables.shown()))
+    print(&to_text(report, style(), &tables.selected_tables()))
 }
 
 /// Returns the width and colours of this terminal.

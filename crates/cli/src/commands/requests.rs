@@ -7,7 +7,7 @@
 use super::dump::is_file;
 use crate::args::{RequestsFormat, SimulationArgs};
 use crate::error::{CommandError, CommandResult};
-use crate::outputs::{Outputs, PartialFile};
+use crate::outputs::{OutputFolder, PartialFile};
 use basrelief_kernel::MemoryRequest;
 use basrelief_sim::{MachineConfig, MemoryRequests};
 use clap::ValueEnum;
@@ -22,12 +22,12 @@ pub struct RequestsFile {
     format: RequestsFormat,
     file: PartialFile,
     /// Memories to write, in order.
-    sections: Vec<Section>,
+    sections: Vec<MemorySection>,
 }
 
 /// Part of a memory.
 #[derive(Debug)]
-struct Section {
+struct MemorySection {
     memory: String,
     burst_bytes: u32,
     /// Unnamed file; `None` for the first memory, which is written directly.
@@ -39,7 +39,7 @@ impl RequestsFile {
     ///
     /// # Errors
     /// An unknown memory, several memories in a format for one, or a file that cannot be written.
-    pub fn open(simulation: &SimulationArgs, config: &MachineConfig, outputs: &Outputs) -> CommandResult<Option<Self>> {
+    pub fn open(simulation: &SimulationArgs, config: &MachineConfig, outputs: &OutputFolder) -> CommandResult<Option<Self>> {
         let Some(path) = &simulation.requests else { return Ok(None) };
         is_file("--requests", path).map_err(CommandError::Usage)?;
         let (format, asked) = (simulation.requests_format, simulation.requests_memory.as_deref());
@@ -47,10 +47,10 @@ impl RequestsFile {
         let memories = choose(memories, asked, format, config.machine().name).map_err(CommandError::Usage)?;
         let failed = || CommandError::at_file(path, "be written");
         let mut file = PartialFile::create(path).map_err(failed())?;
-        file.write_all(head(format).as_bytes()).map_err(failed())?;
+        file.write_all(header_line(format).as_bytes()).map_err(failed())?;
         let section = |(number, (memory, burst_bytes)): (usize, (String, u32))| {
             let waits_in = (number > 0).then(|| outputs.scratch().map(BufWriter::new)).transpose()?;
-            Ok(Section { memory, burst_bytes, waits_in })
+            Ok(MemorySection { memory, burst_bytes, waits_in })
         };
         let sections = memories.into_iter().enumerate().map(section).collect::<io::Result<_>>().map_err(failed())?;
         Ok(Some(Self { path: path.clone(), format, file, sections }))
@@ -113,7 +113,7 @@ fn choose(
 }
 
 /// Returns the header line.
-fn head(format: RequestsFormat) -> &'static str {
+fn header_line(format: RequestsFormat) -> &'static str {
     if format == RequestsFormat::Csv { "cycle,memory,client,operation,address,bytes\n" } else { "" }
 }
 

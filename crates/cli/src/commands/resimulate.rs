@@ -8,7 +8,7 @@ use crate::args::ResimulateArgs;
 use crate::clock::seconds;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
-use crate::outputs::{Outputs, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs};
+use crate::outputs::{OutputFolder, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs};
 use basrelief_sim::{ResimulateOptions, resimulate_to};
 use std::path::Path;
 
@@ -37,7 +37,7 @@ pub fn resimulate(args: &ResimulateArgs, global: &GlobalOptions) -> CommandResul
         print(&report.to_json().map_err(CommandError::bad_input)?)?;
     }
     if let Some(folder) = &args.out {
-        let outputs = Outputs::begin(folder).map_err(CommandError::at_file(folder, "be written"))?;
+        let outputs = OutputFolder::begin(folder).map_err(CommandError::at_file(folder, "be written"))?;
         tape.write_to(&outputs).map_err(CommandError::at_file(folder, "be written"))?;
         publish_report(outputs, &report, args.csv).map_err(CommandError::at_file(folder, "be written"))?;
     }

@@ -1,8 +1,8 @@
 //! `basrelief run` and `basrelief demo`.
 
 use super::from::run_from;
-use super::sensitivity::around;
-use super::simulate::{Simulation, Source, spare_inputs};
+use super::sensitivity::prepare_analysis;
+use super::simulate::{RunSource, Simulation, spare_inputs};
 use super::tables::{ablate, compare_methods};
 use crate::args::{DemoArgs, RunArgs};
 use crate::error::{CommandError, CommandResult};
@@ -19,9 +19,9 @@ pub fn demo(args: &DemoArgs, global: &GlobalOptions) -> CommandResult {
     spare_inputs(&args.simulation, None, &args.machine, &args.view)?;
     let machine = args.machine.machine.unwrap_or(&MACHINES[0]);
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
-    let look = input::look(&args.view, &global.budget)?;
+    let look = input::resolve_view(&args.view, &global.budget)?;
     // Settings are checked first, because a large scene takes seconds.
-    let machine = input::config(&look.tell(&args.machine, Some(name))?, Some(name), &global.budget)?;
+    let machine = input::config(&look.with_view_times(&args.machine, Some(name))?, Some(name), &global.budget)?;
     let scene = input::demo_scene(name, &look.view, &global.budget)?;
     simulate(Input::Scene(scene.into()), Simulation::new(&args.simulation, machine, global))
 }
@@ -39,8 +39,8 @@ pub fn run(args: &RunArgs, global: &GlobalOptions) -> CommandResult {
         }
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
-    let look = input::look(&args.view, &global.budget)?;
-    let machine = input::config(&look.tell(&args.machine, demo_of(path))?, demo_of(path), &global.budget)?;
+    let look = input::resolve_view(&args.view, &global.budget)?;
+    let machine = input::config(&look.with_view_times(&args.machine, demo_of(path))?, demo_of(path), &global.budget)?;
     let input = input::open_seen(path, &look.view, global)?;
     simulate(input, Simulation::new(&args.simulation, machine, global))
 }
@@ -56,13 +56,13 @@ fn simulate(input: Input, simulation: Simulation<'_>) -> CommandResult {
     let quiet = simulation.is_quiet();
     if simulation.args.sensitivity {
         let input = input.for_several_runs(budget);
-        let around = around(&input, &simulation.options)?;
+        let around = prepare_analysis(&input, &simulation.options)?;
         return simulation.run(source_of(input, quiet), Some(around));
     }
     simulation.run(source_of(input, quiet), None)
 }
 
-fn source_of(input: Input, quiet: bool) -> Source {
+fn source_of(input: Input, quiet: bool) -> RunSource {
     let (input, progress) = match input {
         Input::Scene(prepared) => {
             let scene = prepared.scene();
@@ -75,5 +75,5 @@ fn source_of(input: Input, quiet: bool) -> Source {
             (trace.into_source(), InputProgress { bar, read })
         }
     };
-    Source { input, progress, real: None, watched: LivePreview::default() }
+    RunSource { input, progress, real: None, watched: LivePreview::default() }
 }

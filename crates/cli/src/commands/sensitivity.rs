@@ -1,6 +1,6 @@
 //! `--sensitivity`: effect of each assumed parameter.
 
-use super::plans::{Program, bad};
+use super::plans::{SweepProgram, sweep_error};
 use crate::error::CommandResult;
 use crate::global::GlobalOptions;
 use crate::input::Input;
@@ -13,10 +13,10 @@ use basrelief_threads as threads;
 ///
 /// # Errors
 /// The input can be read only once.
-pub fn around(input: &Input, settings: &RunOptions) -> CommandResult<Around> {
+pub fn prepare_analysis(input: &Input, settings: &RunOptions) -> CommandResult<Around> {
     let (name, opened) = match input {
         Input::Scene(prepared) => (prepared.scene().name.clone(), Opened::Scene(prepared.clone())),
-        Input::Trace(trace) => (trace.again()?.name, Opened::Trace),
+        Input::Trace(trace) => (trace.reopen()?.name, Opened::Trace),
     };
     Ok(Around {
         name,
@@ -32,8 +32,8 @@ pub fn around(input: &Input, settings: &RunOptions) -> CommandResult<Around> {
 ///
 /// # Errors
 /// The input cannot be read any more.
-pub fn measured(around: Around, global: &GlobalOptions, quiet: bool) -> CommandResult<Sensitivity> {
-    let host = Program::around_run(global, quiet);
-    let plan = Plan::around(around, &host).map_err(bad)?;
-    sensitivity(&plan, threads::workers(), &host).map_err(bad)
+pub fn run_analysis(around: Around, global: &GlobalOptions, quiet: bool) -> CommandResult<Sensitivity> {
+    let host = SweepProgram::around_run(global, quiet);
+    let plan = Plan::around(around, &host).map_err(sweep_error)?;
+    sensitivity(&plan, threads::workers(), &host).map_err(sweep_error)
 }

@@ -33,14 +33,14 @@ pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> CommandResult {
     reserve_textures(&unseen, 1, &global.budget).map_err(&within)?.keep_forever();
     let textures = textures(&subject);
     let subject = subject.without_path();
-    let scene = packed(&subject, &global.budget)?;
+    let scene = compressed_scene(&subject, &global.budget)?;
     let viewer = viewer(args.folder.as_deref())?;
     let page = index_page(&subject, &textures, viewer.is_some());
     let served = SceneService::new(scene, page, textures).with_viewer(viewer.unwrap_or_default());
     let served = served.with_host_names(args.allow_host.clone());
     let served = args.allow_origin.iter().fold(served, |served, origin| served.with_allowed_origin(origin));
     let (address, server) = served.listen(args.listen, Limits::default()).map_err(CommandError::BadInput)?;
-    interrupt::say("server stopped");
+    interrupt::set_message("server stopped");
     if !global.quiet {
         print(&format!("Serving {path} at http://{address}/\n"))?;
     }
@@ -48,7 +48,7 @@ pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> CommandResult {
 }
 
 /// Returns the compressed scene; its memory stays reserved until the end of the program.
-fn packed(subject: &SceneSubject, budget: &MemoryPool) -> CommandResult<Vec<u8>> {
+fn compressed_scene(subject: &SceneSubject, budget: &MemoryPool) -> CommandResult<Vec<u8>> {
     let within = CommandError::in_input(subject.name());
     let scene = subject.to_bytes(&mut hash_of_picture).map_err(|e| within(e.to_string()))?;
     let _whole = budget.try_reserve(scene.len() as u64, "a scene to be served").map_err(|e| within(e.to_string()))?;

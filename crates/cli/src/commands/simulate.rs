@@ -3,13 +3,13 @@
 use super::output_files::OutputFiles;
 use super::real_times::RealTimes;
 use super::reporting::show_report;
-use super::sensitivity::measured;
+use super::sensitivity::run_analysis;
 use super::timelines::TimelineFiles;
 use crate::args::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
 use crate::clock::seconds;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
-use crate::outputs::{Outputs, check_distinct, check_outputs_keep_inputs};
+use crate::outputs::{OutputFolder, check_distinct, check_outputs_keep_inputs};
 use crate::progress::InputProgress;
 use crate::terminal;
 use basrelief_dse::Around;
@@ -44,7 +44,7 @@ pub fn limits_of(always: bool, never: bool) -> AnalysisPolicy {
 }
 
 /// The input of a run, and its progress.
-pub struct Source {
+pub struct RunSource {
     pub input: RunInput,
     pub progress: InputProgress,
     /// Image times of a scene from a server.
@@ -92,28 +92,28 @@ impl<'a> Simulation<'a> {
     }
 
     /// Runs an input and writes its outputs. With `around`, the report has a sensitivity analysis.
-    pub fn run(mut self, source: Source, around: Option<Around>) -> CommandResult {
-        let Source { input, progress, real, watched } = source;
+    pub fn run(mut self, source: RunSource, around: Option<Around>) -> CommandResult {
+        let RunSource { input, progress, real, watched } = source;
         self.check_outputs_keep_named_files()?;
         // Created before the dumps, which may be in this folder.
-        let outputs = Outputs::begin(&self.args.out).map_err(CommandError::at_file(&self.args.out, "be written"))?;
+        let outputs = OutputFolder::begin(&self.args.out).map_err(CommandError::at_file(&self.args.out, "be written"))?;
         check_distinct(&self.args.out, &named_outputs(self.args)).map_err(CommandError::Usage)?;
         let mut timelines = TimelineFiles::open(self.args, &input, &self.options)?;
         let mut files = OutputFiles::open(self.args, &self.options, outputs, progress)?;
         files.real = real;
-        files.watched = self.args.watch.map(|at| listen(watched, at, self.global.quiet)).transpose()?;
+        files.watched = self.args.watch.map(|at| start_preview(watched, at, self.global.quiet)).transpose()?;
         let watched = files.watched.clone();
-        self.options.aux_outputs = exhibits(&self.options, &files);
+        self.options.aux_outputs = aux_outputs(&self.options, &files);
         let ran = match &mut timelines {
             None => run_named(input, &self.options, &mut files, None),
-            Some(timelines) => timelines.watch(|probe| run_named(input, &self.options, &mut files, Some(probe))),
+            Some(timelines) => timelines.record_run(|probe| run_named(input, &self.options, &mut files, Some(probe))),
         };
         let run = match ran {
             Ok(ran) => ran,
-            Err(error) => return Err(files.rescue(error)),
+            Err(error) => return Err(files.keep_best_image(error)),
         };
         let recording_is_complete = run.recording_is_complete;
-        let report = self.completed(run, around, &files)?;
+        let report = self.finish_report(run, around, &files)?;
         // A trace names its files while it is read.
         self.check_outputs_keep_named_files()?;
         let files = files.finish(&report, recording_is_complete, self.args)?;
@@ -130,7 +130,7 @@ impl<'a> Simulation<'a> {
             }
             watched.finish();
         }
-        self.show(&report, &names)
+        self.print_report(&report, &names)
     }
 
     /// Refuses outputs that would overwrite a file that the input names.
@@ -139,9 +139,9 @@ impl<'a> Simulation<'a> {
     }
 
     /// Returns the report of a run with the sensitivity analysis and the figures of the host.
-    fn completed(&self, mut run: RunResult, around: Option<Around>, files: &OutputFiles) -> CommandResult<Report> {
+    fn finish_report(&self, mut run: RunResult, around: Option<Around>, files: &OutputFiles) -> CommandResult<Report> {
         if let Some(around) = around.filter(|_| run.report.outcome.kind == OutcomeKind::Complete) {
-            run.report.sensitivity = Some(measured(around, self.global, self.is_quiet())?);
+            run.report.sensitivity = Some(run_analysis(around, self.global, self.is_quiet())?);
         }
         let mut report = run.with_host(seconds());
         if let (Some(host), Some(real)) = (&mut report.host, &files.real) {
@@ -151,7 +151,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Prints the report and decides the outcome of the command.
-    fn show(&self, report: &Report, names: &str) -> CommandResult {
+    fn print_report(&self, report: &Report, names: &str) -> CommandResult {
         if !self.is_quiet() {
             show_report(report, &self.args.tables)?;
             print(&format!("\nWritten to {}/: {names}\n", self.args.out.display()))?;
@@ -168,22 +168,22 @@ impl<'a> Simulation<'a> {
 }
 
 /// Starts the live preview.
-fn listen(watched: LivePreview, at: SocketAddr, quiet: bool) -> CommandResult<LivePreview> {
+fn start_preview(watched: LivePreview, at: SocketAddr, quiet: bool) -> CommandResult<LivePreview> {
     if !at.ip().is_loopback() {
         return Err(CommandError::Usage(format!("--watch={at}: expected a loopback address, for example 127.0.0.1:8018")));
     }
     let address = watched.listen(at).map_err(CommandError::BadInput)?;
     if !quiet {
         // Standard output is reserved for the report.
-        terminal::note(&format!("Preview: http://{address}/"));
+        terminal::print_note(&format!("Preview: http://{address}/"));
     }
     Ok(watched)
 }
 
 /// Returns the auxiliary outputs to compute: images and dumps.
-fn exhibits(settings: &RunOptions, files: &OutputFiles) -> Vec<AuxOutputInfo> {
+fn aux_outputs(settings: &RunOptions, files: &OutputFiles) -> Vec<AuxOutputInfo> {
     let pictures = basrelief_sim::aux_outputs(settings.config.machine()).into_iter().filter(|e| e.form != AuxForm::Lines);
-    pictures.filter(|e| settings.exact || !e.judges).chain(files.dumps.exhibits()).collect()
+    pictures.filter(|e| settings.exact || !e.judges).chain(files.dumps.aux_outputs()).collect()
 }
 
 /// Refuses outputs that would overwrite an input of the run.

@@ -27,14 +27,15 @@ pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> CommandResult
             "a recording has its own machine and view; options for these apply to models and traces only".into(),
         ));
     }
-    let mut inputs = args.inputs.iter().map(|input| Sized::open(input, args, global)).collect::<CommandResult<Vec<_>>>()?;
+    let mut inputs =
+        args.inputs.iter().map(|input| RecordedInput::open(input, args, global)).collect::<CommandResult<Vec<_>>>()?;
     let names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
     let readers = inputs.iter_mut().map(|input| &mut *input.tape as &mut dyn Read).collect();
     let sizes = sized(readers, &args.within, &global.budget).map_err(failure(&names.join(", ")))?;
     for (number, input) in inputs.iter().enumerate() {
         input.check(number, &sizes)?;
     }
-    sizes.warnings.iter().for_each(|warning| terminal::note(warning));
+    sizes.warnings.iter().for_each(|warning| terminal::print_note(warning));
     if args.json {
         return print(&format!("{}\n", serde_json::to_string_pretty(&sizes).map_err(CommandError::bad_input)?));
     }
@@ -48,14 +49,14 @@ fn is_drawn(path: &Path) -> bool {
 }
 
 /// An input and the recording of its run.
-struct Sized {
+struct RecordedInput {
     name: String,
     tape: Box<dyn Read>,
     /// Input and options; `None` for a recording.
     drawn: Option<(Input, RunOptions)>,
 }
 
-impl Sized {
+impl RecordedInput {
     fn open(path: &Path, args: &SizeFifosArgs, global: &GlobalOptions) -> CommandResult<Self> {
         if !is_drawn(path) {
             let path = place_of(path);
@@ -65,9 +66,9 @@ impl Sized {
         let (config, given) = input::config(&args.machine, demo_of(path), budget)?;
         let input = input::open(path, &args.view, global)?.for_several_runs(budget);
         let options = options(config, given, budget);
-        let mut kept = Kept { bytes: Vec::new(), held: budget.empty_reservation() };
+        let mut kept = RecordingKeeper { bytes: Vec::new(), held: budget.empty_reservation() };
         let run =
-            run_named(input.again()?, &RunOptions { recording: AnalysisPolicy::Always, ..options.clone() }, &mut kept, None)?;
+            run_named(input.reopen()?, &RunOptions { recording: AnalysisPolicy::Always, ..options.clone() }, &mut kept, None)?;
         let name = path.display().to_string();
         if !run.recording_is_complete {
             return Err(CommandError::in_input(&name)("the run does not end, or its views have times; so it has no recording"));
@@ -83,7 +84,7 @@ impl Sized {
             given.settings.extend(choice.depths.iter().map(|(name, depth)| (format!("fifo.{name}.depth"), depth.to_string())));
             let config = given.config(options.config.machine(), &[]).map_err(CommandError::bad_input)?;
             let run =
-                run_named(input.again()?, &RunOptions { config, overrides: given, ..options.clone() }, &mut NoObserver, None)?;
+                run_named(input.reopen()?, &RunOptions { config, overrides: given, ..options.clone() }, &mut NoObserver, None)?;
             let cycles = run.report.frame_cycles();
             if cycles != choice.cycles[number] {
                 let promised = choice.cycles[number];
@@ -101,12 +102,12 @@ fn options(config: MachineConfig, given: Overrides, budget: &MemoryPool) -> RunO
 }
 
 /// Keeps a recording in memory.
-struct Kept {
+struct RecordingKeeper {
     bytes: Vec<u8>,
     held: MemoryReservation,
 }
 
-impl Observer for Kept {
+impl Observer for RecordingKeeper {
     fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
         self.held.try_grow(bytes.len() as u64, "a tape").map_err(|error| error.to_string())?;
         self.bytes.extend_from_slice(bytes);
@@ -119,7 +120,7 @@ fn text(sizes: &FifoSizing) -> String {
     let Some((recorded, found)) = sizes.choices.split_first() else { return text };
     for choice in &sizes.choices {
         let within = choice.within_percent.map_or("as recorded".into(), |percent| format!("within {} %", real(percent)));
-        let fewer = fewer(choice, recorded);
+        let fewer = slots_saved(choice, recorded);
         let cycles: Vec<String> = choice.cycles.iter().map(|cycles| thousands(*cycles)).collect();
         let (slots, bits) = (thousands(choice.slots), thousands(choice.bits));
         let _ =
@@ -133,7 +134,7 @@ fn text(sizes: &FifoSizing) -> String {
     text
 }
 
-fn fewer(choice: &DepthChoice, recorded: &DepthChoice) -> String {
+fn slots_saved(choice: &DepthChoice, recorded: &DepthChoice) -> String {
     if choice.within_percent.is_none() {
         return String::new();
     }

@@ -1,6 +1,6 @@
 //! `basrelief sweep`: runs the missing points of a plan.
 
-use super::plans::{Planned, Program, bad, counts, work, written};
+use super::plans::{OpenedPlan, SweepProgram, counts, sweep_error, work, write_tables};
 use crate::args::{PlanArgs, SweepArgs};
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
@@ -10,22 +10,22 @@ use std::path::Path;
 
 /// Runs a sweep.
 pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> CommandResult {
-    let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, global)?;
+    let OpenedPlan { host, plan, folder, threads, _held } = OpenedPlan::read(&args.plan, global)?;
     if args.list {
-        return list(&plan, &folder, args);
+        return print_commands(&plan, &folder, args);
     }
     if args.slurm {
-        return slurm(&plan, &folder, args);
+        return print_job_script(&plan, &folder, args);
     }
-    let points = chosen(&plan, args)?;
-    let tally = execute(&plan, &work(&args.plan, &points, threads), &folder, &host).map_err(bad)?;
-    let said = results(&plan, &points, &tally, (&folder, args), &host)?;
+    let points = selected_points(&plan, args)?;
+    let tally = execute(&plan, &work(&args.plan, &points, threads), &folder, &host).map_err(sweep_error)?;
+    let said = finish_sweep(&plan, &points, &tally, (&folder, args), &host)?;
     drop(host);
     if global.quiet { Ok(()) } else { print(&said) }
 }
 
 /// Returns the points that the command line selects.
-fn chosen<'a>(plan: &'a Plan, args: &SweepArgs) -> CommandResult<Vec<&'a Point>> {
+fn selected_points<'a>(plan: &'a Plan, args: &SweepArgs) -> CommandResult<Vec<&'a Point>> {
     if let Some(id) = &args.point {
         let point = plan.points.iter().find(|point| point.id == *id);
         let none = || CommandError::Usage(format!("--point: the plan has no point {id}; --list prints the missing points"));
@@ -38,17 +38,17 @@ fn chosen<'a>(plan: &'a Plan, args: &SweepArgs) -> CommandResult<Vec<&'a Point>>
 }
 
 /// Verifies points, writes the tables, and returns a summary.
-fn results(
+fn finish_sweep(
     plan: &Plan,
     points: &[&Point],
     tally: &Tally,
     (folder, args): (&Folder, &SweepArgs),
-    host: &Program<'_>,
+    host: &SweepProgram<'_>,
 ) -> CommandResult<String> {
     let failed = folder.find_all(points).into_iter().filter(|found| *found == Found::Failed).count();
     let mut said = counts(tally, failed);
     if let Some(percent) = args.verify {
-        let (count, others) = verify(plan, points, percent, folder, host).map_err(bad)?;
+        let (count, others) = verify(plan, points, percent, folder, host).map_err(sweep_error)?;
         if !others.is_empty() {
             let others = others.join(", ");
             return Err(CommandError::BadInput(format!(
@@ -60,33 +60,33 @@ fn results(
     if args.point.is_some() {
         return Ok(said);
     }
-    let missing = missing(plan, folder).len();
+    let missing = missing_points(plan, folder).len();
     if missing > 0 {
         let _ = writeln!(said, "{missing} points of other shards are missing; the tables are written once they exist");
         return Ok(said);
     }
-    said += &written(plan, folder, &args.plan, host)?;
+    said += &write_tables(plan, folder, &args.plan, host)?;
     Ok(said)
 }
 
-fn missing<'a>(plan: &'a Plan, folder: &Folder) -> Vec<&'a Point> {
+fn missing_points<'a>(plan: &'a Plan, folder: &Folder) -> Vec<&'a Point> {
     let points: Vec<&Point> = plan.points.iter().collect();
     let found = folder.find_all(&points);
     points.into_iter().zip(found).filter(|(_, found)| found.is_missing()).map(|(point, _)| point).collect()
 }
 
 /// Prints a command for each missing point.
-fn list(plan: &Plan, folder: &Folder, args: &SweepArgs) -> CommandResult {
+fn print_commands(plan: &Plan, folder: &Folder, args: &SweepArgs) -> CommandResult {
     let command = command(args)?;
-    print(&missing(plan, folder).iter().map(|point| format!("{command} --point {}\n", point.id)).collect::<String>())
+    print(&missing_points(plan, folder).iter().map(|point| format!("{command} --point {}\n", point.id)).collect::<String>())
 }
 
 /// Maximum array size in the default configuration of Slurm.
 const MOST_TASKS: usize = 1000;
 
 /// Prints a job script.
-fn slurm(plan: &Plan, folder: &Folder, args: &SweepArgs) -> CommandResult {
-    let missing = missing(plan, folder).len();
+fn print_job_script(plan: &Plan, folder: &Folder, args: &SweepArgs) -> CommandResult {
+    let missing = missing_points(plan, folder).len();
     let tasks = plan.works().min(missing).clamp(1, MOST_TASKS);
     let command = command(args)?;
     print(&format!(

@@ -6,13 +6,13 @@ use super::simulate::{Simulation, run_named};
 use crate::args::SimulationArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::input::Input;
-use crate::outputs::Outputs;
+use crate::outputs::OutputFolder;
 use crate::progress::Progress;
 use basrelief_sim::{self as sim, Observer, RunOptions, RunResult};
 use std::io::Write;
 
 /// A finished table.
-struct Table {
+struct FinishedTable {
     /// Name of its files.
     name: &'static str,
     text: String,
@@ -28,7 +28,7 @@ pub fn ablate(input: &Input, simulation: &Simulation<'_>) -> CommandResult {
     write_table(input, simulation, |observer, run| {
         let table = sim::ablate(&simulation.options, observer, run)?;
         let json = table.to_json().map_err(CommandError::bad_input)?;
-        Ok(Table { name: "ablation", text: table.to_text(style()), csv: table.to_csv(), json })
+        Ok(FinishedTable { name: "ablation", text: table.to_text(style()), csv: table.to_csv(), json })
     })
 }
 
@@ -37,19 +37,19 @@ pub fn compare_methods(input: &Input, simulation: &Simulation<'_>) -> CommandRes
     write_table(input, simulation, |observer, run| {
         let table = sim::compare_methods(&simulation.options, observer, run)?;
         let json = table.to_json().map_err(CommandError::bad_input)?;
-        Ok(Table { name: "methods", text: table.to_text(style()), csv: table.to_csv(), json })
+        Ok(FinishedTable { name: "methods", text: table.to_text(style()), csv: table.to_csv(), json })
     })
 }
 
 fn write_table(
     input: &Input,
     simulation: &Simulation<'_>,
-    make: impl FnOnce(&mut dyn Observer, RunOnce<'_>) -> CommandResult<Table>,
+    make: impl FnOnce(&mut dyn Observer, RunOnce<'_>) -> CommandResult<FinishedTable>,
 ) -> CommandResult {
     let args = simulation.args;
-    let outputs = Outputs::begin(&args.out).map_err(CommandError::at_file(&args.out, "be written"))?;
+    let outputs = OutputFolder::begin(&args.out).map_err(CommandError::at_file(&args.out, "be written"))?;
     let mut observer = ProgressObserver(Progress::new(None, "commands", simulation.is_quiet()));
-    let mut run = |settings: &RunOptions, observer: &mut dyn Observer| run_named(input.again()?, settings, observer, None);
+    let mut run = |settings: &RunOptions, observer: &mut dyn Observer| run_named(input.reopen()?, settings, observer, None);
     let table = make(&mut observer, &mut run)?;
     drop(observer);
     if args.json {
@@ -69,12 +69,12 @@ struct ProgressObserver(Progress);
 
 impl Observer for ProgressObserver {
     fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
-        self.0.at(commands);
+        self.0.set_position(commands);
         true
     }
 }
 
-fn publish(outputs: Outputs, table: &Table, args: &SimulationArgs) -> CommandResult {
+fn publish(outputs: OutputFolder, table: &FinishedTable, args: &SimulationArgs) -> CommandResult {
     let failed = || CommandError::at_file(&args.out, "be written");
     let [csv, json] = ["csv", "json"].map(|ending| format!("{}.{ending}", table.name));
     for (name, text) in [(&csv, &table.csv), (&json, &table.json)] {

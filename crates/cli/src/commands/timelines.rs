@@ -12,15 +12,15 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// A file and its final path.
-type Output = (PartialFile, PathBuf);
+type OutputFile = (PartialFile, PathBuf);
 
 /// Timeline files of a run.
 pub struct TimelineFiles {
     board: TimelineLayout,
     config: MachineConfig,
-    timeline: Option<Output>,
-    waves: Option<Output>,
-    tokens: Option<Output>,
+    timeline: Option<OutputFile>,
+    waves: Option<OutputFile>,
+    tokens: Option<OutputFile>,
     sample: Option<TokenSample>,
     budget: MemoryPool,
 }
@@ -33,7 +33,7 @@ impl TimelineFiles {
             return Ok(None);
         }
         let board = sim::timeline_layout(source, settings).map_err(CommandError::bad_input)?;
-        let board = cut(board, simulation)?;
+        let board = select_range(board, simulation)?;
         let sample = TokenSample { every: *tokens_every, polygons: *tokens_of == TokenKind::Polygons };
         let sample = tokens.as_ref().map(|_| sample);
         let [timeline, waves, tokens] = [timeline, waves, tokens].map(|path| path.clone().map(create).transpose());
@@ -42,7 +42,7 @@ impl TimelineFiles {
     }
 
     /// Writes the files during a run.
-    pub fn watch(&mut self, run: impl FnOnce(&mut dyn Probe) -> CommandResult<RunResult>) -> CommandResult<RunResult> {
+    pub fn record_run(&mut self, run: impl FnOnce(&mut dyn Probe) -> CommandResult<RunResult>) -> CommandResult<RunResult> {
         let Self { board, config, timeline, waves, tokens, sample, budget } = self;
         let stages = &board.diagram.stages;
         // Waveforms need no attribution.
@@ -56,21 +56,21 @@ impl TimelineFiles {
         }
         if let (Some((file, path)), Some(sample)) = (tokens, *sample) {
             let last = sim::last_stage(sample, config, stages);
-            charts.push((Box::new(KanataLog::new(packed(file, path)?, board, last, budget)), path));
+            charts.push((Box::new(KanataLog::new(open_writer(file, path)?, board, last, budget)), path));
         }
         let (charts, paths): (Vec<_>, Vec<_>) = charts.into_iter().unzip();
         let mut watcher = TimelineProbe::new(board.clone(), charts);
         let run = if follows {
             let mut following = AttributionProbe::new(config, stages, *sample, budget, &mut watcher);
             let run = run(&mut following)?;
-            following.finish().map_err(|over| CommandError::BadInput(less(&over)))?;
+            following.finish().map_err(|over| CommandError::BadInput(with_advice(&over)))?;
             run
         } else {
             run(&mut watcher)?
         };
         if let Some(timing) = &run.timing {
             for (finished, path) in watcher.finish(timing).into_iter().zip(paths) {
-                finished.map_err(|error| unwritten(path, error))?;
+                finished.map_err(|error| write_error(path, error))?;
             }
         }
         Ok(run)
@@ -86,18 +86,18 @@ impl TimelineFiles {
 }
 
 /// Opens a writer that compresses if the file name ends in .zst.
-fn packed<'a>(file: &'a mut PartialFile, path: &Path) -> CommandResult<Box<dyn Write + 'a>> {
+fn open_writer<'a>(file: &'a mut PartialFile, path: &Path) -> CommandResult<Box<dyn Write + 'a>> {
     if path.extension().is_none_or(|extension| extension != "zst") {
         return Ok(Box::new(BufWriter::new(file)));
     }
     let encoder = zstd::Encoder::new(file, zstd::DEFAULT_COMPRESSION_LEVEL).map_err(CommandError::at_file(path, "be written"))?;
-    Ok(Box::new(BufWriter::new(Packed(encoder))))
+    Ok(Box::new(BufWriter::new(CompressedFile(encoder))))
 }
 
 /// A compressed file that ends when flushed. Charts flush once, and report errors.
-struct Packed<'a>(zstd::Encoder<'static, &'a mut PartialFile>);
+struct CompressedFile<'a>(zstd::Encoder<'static, &'a mut PartialFile>);
 
-impl Write for Packed<'_> {
+impl Write for CompressedFile<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.write(bytes)
     }
@@ -109,24 +109,24 @@ impl Write for Packed<'_> {
 }
 
 /// Converts a write error. Charts stay in memory until the end of the run, so the message names options for smaller charts.
-fn unwritten(path: &Path, error: io::Error) -> CommandError {
+fn write_error(path: &Path, error: io::Error) -> CommandError {
     match OverBudget::in_io_error(&error) {
-        Some(over) => CommandError::BadInput(format!("{}: {}", path.display(), less(over))),
+        Some(over) => CommandError::BadInput(format!("{}: {}", path.display(), with_advice(over))),
         None => CommandError::at_file(path, "be written")(error),
     }
 }
 
-fn less(over: &OverBudget) -> String {
+fn with_advice(over: &OverBudget) -> String {
     format!("{over}; or write less, with --from-cycle, --to-cycle, --units or --tokens-every")
 }
 
-fn create(path: PathBuf) -> CommandResult<Output> {
+fn create(path: PathBuf) -> CommandResult<OutputFile> {
     let file = PartialFile::create(&path).map_err(CommandError::at_file(&path, "be written"))?;
     Ok((file, path))
 }
 
 /// Selects units and cycles by `--units`, `--from-cycle` and `--to-cycle`.
-fn cut(mut board: TimelineLayout, simulation: &SimulationArgs) -> CommandResult<TimelineLayout> {
+fn select_range(mut board: TimelineLayout, simulation: &SimulationArgs) -> CommandResult<TimelineLayout> {
     board.from = simulation.from_cycle.unwrap_or(0);
     board.to = simulation.to_cycle.unwrap_or(u64::MAX);
     if board.from >= board.to {

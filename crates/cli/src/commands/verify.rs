@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 /// Checks or blesses every trace.
 pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> CommandResult {
-    let mut traces = Traces::default();
+    let mut traces = TraceFiles::default();
     args.paths.iter().try_for_each(|path| traces.add(path))?;
     let traces = traces.found;
     if traces.is_empty() {
@@ -46,11 +46,11 @@ pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> CommandResult {
             why.iter().try_for_each(|w| print(&format!("        {w}\n")))?;
         }
     }
-    conclude(wrong, failed, traces.len())
+    report_failures(wrong, failed, traces.len())
 }
 
 /// Reports failures. New expectations help only for traces that run.
-fn conclude(wrong: usize, failed: usize, of: usize) -> CommandResult {
+fn report_failures(wrong: usize, failed: usize, of: usize) -> CommandResult {
     let wrong = (wrong > 0).then(|| {
         format!("{wrong} of {of} traces differ from their expectations; after review, `basrelief verify --bless` updates them")
     });
@@ -61,13 +61,13 @@ fn conclude(wrong: usize, failed: usize, of: usize) -> CommandResult {
 
 /// The traces of the given paths.
 #[derive(Default)]
-struct Traces {
+struct TraceFiles {
     found: Vec<PathBuf>,
     /// Visited folders, because a link can lead back to one.
     seen: BTreeSet<PathBuf>,
 }
 
-impl Traces {
+impl TraceFiles {
     /// Adds a trace, or the traces of a folder in order of name.
     fn add(&mut self, path: &Path) -> CommandResult {
         if path == Path::new("-") {
@@ -78,7 +78,7 @@ impl Traces {
         match fs::metadata(path) {
             Ok(found) if found.is_dir() => self.add_folder(path),
             Ok(found) if !found.is_file() => {
-                Err(within(path)("neither a file nor a folder; verify reads each trace several times, so copy it into a file"))
+                Err(in_trace(path)("neither a file nor a folder; verify reads each trace several times, so copy it into a file"))
             }
             // A missing file is reported when it is read.
             _ => {
@@ -109,29 +109,29 @@ impl Traces {
     }
 }
 
-fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> CommandError + use<E> {
+fn in_trace<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> CommandError + use<E> {
     CommandError::in_input(&path.display().to_string())
 }
 
 /// Reads the expectations of a whole trace. Returns them with their memory.
-fn expectations(path: &Path, budget: &MemoryPool) -> CommandResult<(Vec<ExpectedResults>, MemoryReservation)> {
+fn read_expectations(path: &Path, budget: &MemoryPool) -> CommandResult<(Vec<ExpectedResults>, MemoryReservation)> {
     let file = TraceFile::open(path)?;
-    let mut resolver = TraceResolver::within(file.reader, open_in_folder(&file.folder), budget).map_err(within(path))?;
-    resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(within(path))?;
+    let mut resolver = TraceResolver::within(file.reader, open_in_folder(&file.folder), budget).map_err(in_trace(path))?;
+    resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(in_trace(path))?;
     Ok(resolver.into_expectations())
 }
 
 fn replay(path: &Path, expected: &ExpectedResults, engine: Engine, budget: &MemoryPool) -> CommandResult<Report> {
     let settings: Vec<(String, String)> = expected.config.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
     let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-    let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named).map_err(within(path))?;
-    let config = machine.load("", &borrowed).map_err(within(path))?;
+    let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named).map_err(in_trace(path))?;
+    let config = machine.load("", &borrowed).map_err(in_trace(path))?;
     let file = TraceFile::open(path)?;
     simulate_quietly(file.into_source(), &config, Some(engine), budget).map(|run| run.report)
 }
 
 fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> CommandResult<Vec<String>> {
-    let (expectations, _held) = expectations(path, budget)?;
+    let (expectations, _held) = read_expectations(path, budget)?;
     if expectations.is_empty() {
         return Ok(vec!["has no expectations; `basrelief record --expect` or `basrelief verify --bless` adds them".into()]);
     }
@@ -147,7 +147,7 @@ fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> CommandResult<
 
 /// Replaces the expectations by the current results.
 fn bless(path: &Path, budget: &MemoryPool) -> CommandResult {
-    let (mut old, _held) = expectations(path, budget)?;
+    let (mut old, _held) = read_expectations(path, budget)?;
     if old.is_empty() {
         old.push(ExpectedResults::default());
     }
@@ -158,17 +158,17 @@ fn bless(path: &Path, budget: &MemoryPool) -> CommandResult {
     }
     let input = TraceFile::open(path)?;
     to_trace_file(path, |file, form| {
-        let mut writer = TraceWriter::new(file, form).map_err(within(path))?;
-        for command in open_within(input.reader, budget).map_err(within(path))? {
-            match command.map_err(within(path))? {
+        let mut writer = TraceWriter::new(file, form).map_err(in_trace(path))?;
+        for command in open_within(input.reader, budget).map_err(in_trace(path))? {
+            match command.map_err(in_trace(path))? {
                 TraceCommand::Expect(_) => {}
                 TraceCommand::End(_) => break,
-                other => writer.write(&other).map_err(within(path))?,
+                other => writer.write(&other).map_err(in_trace(path))?,
             }
         }
         for expectation in new {
-            writer.write(&TraceCommand::Expect(Box::new(expectation))).map_err(within(path))?;
+            writer.write(&TraceCommand::Expect(Box::new(expectation))).map_err(in_trace(path))?;
         }
-        writer.finish().map(|_| ()).map_err(within(path))
+        writer.finish().map(|_| ()).map_err(in_trace(path))
     })
 }

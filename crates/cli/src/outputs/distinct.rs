@@ -31,9 +31,9 @@ pub fn check_distinct(out: &Path, named: &[(&str, &Path)]) -> Result<(), String>
     let out_folder = out.canonicalize().ok();
     let mut seen: Vec<(PathBuf, &str, &Path)> = Vec::new();
     for &(option, path) in named {
-        let place = place(path);
+        let place = canonical_path(path);
         // A link in `out` with the name of a report would be replaced; one elsewhere leads to the report.
-        let named = beside(path);
+        let named = resolve_folder(path);
         let own = [&place, &named].into_iter().filter(|at| at.parent() == out_folder.as_deref());
         if let Some(name) = own.filter_map(|at| at.file_name()).find(|name| is_own(name) && !is_its_recording(option, name)) {
             let name = name.display();
@@ -81,12 +81,12 @@ fn is_written(name: &OsStr) -> bool {
 /// A sentence with the option to change.
 pub fn check_outputs_keep_inputs(folder: Option<&Path>, named: &[(&str, &Path)], inputs: &[(&str, &Path)]) -> Result<(), String> {
     let folder = folder.and_then(|folder| folder.canonicalize().ok());
-    let named_by_inputs = inputs_read::all();
+    let named_by_inputs = inputs_read::files_read();
     let further = named_by_inputs.iter().map(|path| ("a file that INPUT names", &**path));
     for (what, input) in inputs.iter().copied().chain(further).filter(|(_, input)| input.is_file()) {
-        let taken = place(input);
+        let taken = canonical_path(input);
         let own = taken.parent() == folder.as_deref() && taken.file_name().is_some_and(is_written);
-        let named = named.iter().find(|(_, output)| place(output) == taken);
+        let named = named.iter().find(|(_, output)| canonical_path(output) == taken);
         if let Some(option) = named.map(|(option, _)| *option).or(own.then_some("--out")) {
             let input = input.display();
             return Err(format!("{option}: {input} is an input ({what}) and would be overwritten; choose another name"));
@@ -96,12 +96,12 @@ pub fn check_outputs_keep_inputs(folder: Option<&Path>, named: &[(&str, &Path)],
 }
 
 /// Returns the canonical path of a file, links followed, as in [`PartialFile`](super::PartialFile).
-fn place(path: &Path) -> PathBuf {
-    path.canonicalize().unwrap_or_else(|_| beside(path))
+fn canonical_path(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| resolve_folder(path))
 }
 
 /// Returns the path of a file with the links of its folder followed.
-fn beside(path: &Path) -> PathBuf {
+fn resolve_folder(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {
         (Some(Ok(folder)), Some(name)) => folder.join(name),

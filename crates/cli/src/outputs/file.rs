@@ -1,7 +1,7 @@
 //! A file written under a temporary name and renamed.
 
 use super::partial::{make_file, remove_remains};
-use super::unfinished::{Leftover, Unfinished};
+use super::unfinished::{Leftover, UnfinishedFiles};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -25,15 +25,15 @@ impl PartialFile {
         }
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.into());
         target.parent().into_iter().for_each(remove_remains);
-        Self::beside(&target)
+        Self::create_in_folder(&target)
     }
 
     /// Creates a file in a folder whose remains are removed elsewhere.
-    pub fn beside(path: &Path) -> io::Result<Self> {
+    pub fn create_in_folder(path: &Path) -> io::Result<Self> {
         let (Some(folder), Some(_)) = (path.parent(), path.file_name()) else {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a file name"));
         };
-        let mut unfinished = Unfinished::lock();
+        let mut unfinished = UnfinishedFiles::lock();
         let (partial, file) = make_file(folder)?;
         unfinished.add(Leftover::File(partial.clone()));
         Ok(Self { path: path.into(), partial: Some(partial), file: BufWriter::new(file) })
@@ -51,9 +51,9 @@ impl PartialFile {
         self.file.flush()?;
         let Some(partial) = &self.partial else { return Ok(()) };
         self.file.get_ref().sync_all()?;
-        let mut unfinished = Unfinished::lock();
+        let mut unfinished = UnfinishedFiles::lock();
         fs::rename(partial, &self.path)?;
-        unfinished.settle(&[Leftover::File(partial.clone())]);
+        unfinished.forget(&[Leftover::File(partial.clone())]);
         self.partial = None;
         Ok(())
     }
@@ -78,8 +78,8 @@ impl Drop for PartialFile {
     fn drop(&mut self) {
         let Some(partial) = self.partial.take() else { return };
         let leftover = Leftover::File(partial);
-        let mut unfinished = Unfinished::lock();
+        let mut unfinished = UnfinishedFiles::lock();
         leftover.remove();
-        unfinished.settle(&[leftover]);
+        unfinished.forget(&[leftover]);
     }
 }

@@ -1,7 +1,7 @@
 //! The output files of one run, in a folder.
 
 use super::partial::{LOCK, make_folder, remove_remains};
-use super::unfinished::{Leftover, Unfinished};
+use super::unfinished::{Leftover, UnfinishedFiles};
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
@@ -19,7 +19,7 @@ const SCRATCH: &str = "scratch";
 /// The output files of one run. Until [`Outputs::publish`] they are in a hidden folder. If dropped earlier, they are removed, with the
 /// folders created for them.
 #[derive(Debug)]
-pub struct Outputs {
+pub struct OutputFolder {
     folder: PathBuf,
     partial: PathBuf,
     /// Locked while the run lives.
@@ -27,11 +27,11 @@ pub struct Outputs {
     leftovers: Vec<Leftover>,
 }
 
-impl Outputs {
+impl OutputFolder {
     /// Opens `folder`, and creates it if absent.
     pub fn begin(folder: &Path) -> io::Result<Self> {
         remove_remains(folder);
-        let mut unfinished = Unfinished::lock();
+        let mut unfinished = UnfinishedFiles::lock();
         let absent: Vec<&Path> = folder.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).collect();
         let mut leftovers: Vec<Leftover> = absent.into_iter().rev().map(|p| Leftover::Made(p.into())).collect();
         let (partial, lock) = make_folder(folder).inspect_err(|_| leftovers.iter().rev().for_each(Leftover::remove))?;
@@ -42,13 +42,13 @@ impl Outputs {
 
     /// Creates a file with this final name.
     pub fn create(&self, name: &str) -> io::Result<BufWriter<File>> {
-        let _lock = Unfinished::lock();
+        let _lock = UnfinishedFiles::lock();
         File::create(self.partial.join(name)).map(BufWriter::new)
     }
 
     /// Creates an unnamed file to write and read; it disappears when closed.
     pub fn scratch(&self) -> io::Result<File> {
-        let _lock = Unfinished::lock();
+        let _lock = UnfinishedFiles::lock();
         let path = self.partial.join(SCRATCH);
         let file = File::options().read(true).write(true).create_new(true).open(&path)?;
         fs::remove_file(&path).map(|()| file)
@@ -61,13 +61,13 @@ impl Outputs {
 
     /// Renames a file.
     pub fn rename(&self, name: &str, new_name: &str) -> io::Result<()> {
-        let _lock = Unfinished::lock();
+        let _lock = UnfinishedFiles::lock();
         fs::rename(self.partial.join(name), self.partial.join(new_name))
     }
 
     /// Copies a file.
     pub fn copy(&self, name: &str, second: &str) -> io::Result<()> {
-        let _lock = Unfinished::lock();
+        let _lock = UnfinishedFiles::lock();
         // The file may be published already.
         let unfinished = self.partial.join(name);
         let from = if unfinished.exists() { unfinished } else { self.folder.join(name) };
@@ -77,7 +77,7 @@ impl Outputs {
     /// Publishes one file before the others; it stays even if the run fails. Removes the files named in `belong`, which are of an
     /// older run.
     pub fn show(&self, name: &str, belong: &[&str]) -> io::Result<()> {
-        let _lock = Unfinished::lock();
+        let _lock = UnfinishedFiles::lock();
         let file = self.partial.join(name);
         sync(&file)?;
         belong.iter().try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
@@ -89,7 +89,7 @@ impl Outputs {
     /// beside new files.
     pub fn publish(mut self, last: &str, belong: &[&str]) -> io::Result<()> {
         let _turn = turn(&self.folder)?;
-        let mut unfinished = Unfinished::lock();
+        let mut unfinished = UnfinishedFiles::lock();
         let others = self.others(last)?;
         let names: Vec<&Path> = others.iter().map(AsRef::as_ref).chain([Path::new(last)]).collect();
         // A file that is renamed before its content is on disk can be empty after a power cut.
@@ -97,7 +97,7 @@ impl Outputs {
         belong.iter().chain([&last]).try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
         names.iter().try_for_each(|name| fs::rename(self.partial.join(name), self.folder.join(name)))?;
         fs::remove_dir_all(&self.partial)?;
-        unfinished.settle(&self.leftovers);
+        unfinished.forget(&self.leftovers);
         self.leftovers.clear();
         Ok(())
     }
@@ -145,10 +145,10 @@ fn turn(folder: &Path) -> io::Result<Option<File>> {
     Err(io::Error::other("another program keeps the folder locked"))
 }
 
-impl Drop for Outputs {
+impl Drop for OutputFolder {
     fn drop(&mut self) {
-        let mut unfinished = Unfinished::lock();
-        unfinished.settle(&self.leftovers);
+        let mut unfinished = UnfinishedFiles::lock();
+        unfinished.forget(&self.leftovers);
         self.leftovers.iter().rev().for_each(Leftover::remove);
     }
 }

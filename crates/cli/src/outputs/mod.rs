@@ -13,6 +13,6 @@ mod unfinished;
 
 pub use distinct::{OF_A_RUN, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs, recording_in};
 pub use file::PartialFile;
-pub use folder::Outputs;
+pub use folder::OutputFolder;
 pub use partial::remove_remains;
-pub use unfinished::abandon;
+pub use unfinished::remove_all;

@@ -20,11 +20,11 @@ const NAMES: u32 = 16;
 
 /// Creates a hidden folder in `folder`, which is created if absent. Returns its path and lock.
 pub(super) fn make_folder(folder: &Path) -> io::Result<(PathBuf, File)> {
-    make(folder, |path| {
+    create_locked(folder, |path| {
         fs::create_dir_all(folder)?;
         fs::create_dir(path)?;
         let lock = path.join(LOCK);
-        File::create_new(&lock).and_then(|file| hold(file, &lock)).inspect_err(|_| {
+        File::create_new(&lock).and_then(|file| lock_file(file, &lock)).inspect_err(|_| {
             // Removed if empty.
             let _ = fs::remove_dir(path);
         })
@@ -33,10 +33,10 @@ pub(super) fn make_folder(folder: &Path) -> io::Result<(PathBuf, File)> {
 
 /// Creates and locks a hidden file in `folder`.
 pub(super) fn make_file(folder: &Path) -> io::Result<(PathBuf, File)> {
-    make(folder, |path| File::create_new(path).and_then(|file| hold(file, path)))
+    create_locked(folder, |path| File::create_new(path).and_then(|file| lock_file(file, path)))
 }
 
-fn make(folder: &Path, make: impl Fn(&Path) -> io::Result<File>) -> io::Result<(PathBuf, File)> {
+fn create_locked(folder: &Path, make: impl Fn(&Path) -> io::Result<File>) -> io::Result<(PathBuf, File)> {
     let once = || {
         // The only source of randomness in the standard library.
         let chance = RandomState::new().build_hasher().finish();
@@ -49,7 +49,7 @@ fn make(folder: &Path, make: impl Fn(&Path) -> io::Result<File>) -> io::Result<(
 }
 
 /// Locks a new file. Fails if another run has removed it meanwhile.
-fn hold(file: File, path: &Path) -> io::Result<File> {
+fn lock_file(file: File, path: &Path) -> io::Result<File> {
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(ErrorKind::NotFound.into()),
         // Without locks in the file system, the files of a killed run stay.

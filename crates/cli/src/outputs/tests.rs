@@ -15,7 +15,7 @@ fn names(folder: &Path) -> Vec<String> {
 #[test]
 fn dropped_outputs_leave_no_files_or_folders() {
     let base = tempfile::tempdir().unwrap();
-    let outputs = Outputs::begin(&base.path().join("new/out")).unwrap();
+    let outputs = OutputFolder::begin(&base.path().join("new/out")).unwrap();
     outputs.create("a.txt").unwrap().write_all(b"a").unwrap();
     drop(outputs);
     PartialFile::create(&base.path().join("b.txt")).unwrap().write_all(b"b").unwrap();
@@ -27,7 +27,7 @@ fn publish_replaces_own_files_only() {
     let base = tempfile::tempdir().unwrap();
     fs::write(base.path().join("mine.txt"), "kept").unwrap();
     fs::write(base.path().join("a.txt"), "old").unwrap();
-    let outputs = Outputs::begin(base.path()).unwrap();
+    let outputs = OutputFolder::begin(base.path()).unwrap();
     outputs.create("first").unwrap().write_all(b"new").unwrap();
     outputs.create("report").unwrap();
     outputs.rename("first", "a.txt").unwrap();
@@ -40,7 +40,7 @@ fn publish_replaces_own_files_only() {
 fn stale_recording_is_removed_with_its_report() {
     let base = tempfile::tempdir().unwrap();
     let publish = |names: &[&str]| {
-        let outputs = Outputs::begin(base.path()).unwrap();
+        let outputs = OutputFolder::begin(base.path()).unwrap();
         names.iter().for_each(|name| drop(outputs.create(name).unwrap()));
         outputs.publish(REPORT, &[RUN_RECORDING]).unwrap();
     };
@@ -61,7 +61,7 @@ fn old_report_never_lies_beside_new_images() {
     };
     old();
     // An image of a run that is killed later.
-    let outputs = Outputs::begin(base.path()).unwrap();
+    let outputs = OutputFolder::begin(base.path()).unwrap();
     write_all(&outputs, &["image.png".into()], "new");
     assert_eq!(names(base.path()).len(), 1 + OF_A_RUN.len() + 1);
     outputs.show("image.png", &OF_A_RUN).unwrap();
@@ -69,7 +69,7 @@ fn old_report_never_lies_beside_new_images() {
     assert_eq!(names(base.path()), ["image.png"]);
     // The best image of a failed run.
     old();
-    let outputs = Outputs::begin(base.path()).unwrap();
+    let outputs = OutputFolder::begin(base.path()).unwrap();
     write_all(&outputs, &["image.png".into()], "best");
     outputs.publish("image.png", &OF_A_RUN).unwrap();
     assert_eq!(names(base.path()), ["image.png"]);
@@ -79,7 +79,7 @@ fn old_report_never_lies_beside_new_images() {
 fn failed_placement_leaves_no_file() {
     let base = tempfile::tempdir().unwrap();
     fs::create_dir(base.path().join("report")).unwrap();
-    let outputs = Outputs::begin(base.path()).unwrap();
+    let outputs = OutputFolder::begin(base.path()).unwrap();
     outputs.create("a").unwrap();
     outputs.create("report").unwrap();
     assert!(outputs.publish("report", &[]).unwrap_err().to_string().contains("report is a folder"));
@@ -99,7 +99,7 @@ fn device_output_stays_a_device() {
 }
 
 /// Writes files of these names with the same content.
-fn write_all(outputs: &Outputs, names: &[String], says: &str) {
+fn write_all(outputs: &OutputFolder, names: &[String], says: &str) {
     for name in names {
         outputs.create(name).unwrap().write_all(says.as_bytes()).unwrap();
     }
@@ -110,7 +110,7 @@ fn runs_into_one_folder_do_not_mix_files() {
     let base = tempfile::tempdir().unwrap();
     let all = ["image.png", "report.json"].map(str::to_owned);
     let says = || all.each_ref().map(|name| fs::read_to_string(base.path().join(name)).unwrap());
-    let (first, second) = (Outputs::begin(base.path()).unwrap(), Outputs::begin(base.path()).unwrap());
+    let (first, second) = (OutputFolder::begin(base.path()).unwrap(), OutputFolder::begin(base.path()).unwrap());
     write_all(&first, &all, "first");
     write_all(&second, &all[..1], "second");
     first.publish("report.json", &[]).unwrap();
@@ -125,7 +125,7 @@ fn runs_into_one_folder_do_not_mix_files() {
 #[test]
 fn simultaneous_runs_publish_in_turn() {
     let base = tempfile::tempdir().unwrap();
-    let outputs = Outputs::begin(base.path()).unwrap();
+    let outputs = OutputFolder::begin(base.path()).unwrap();
     write_all(&outputs, &["image.png".into()], "mine");
     // Another process holds this lock while it publishes.
     let other = fs::File::open(base.path()).unwrap();
@@ -139,7 +139,7 @@ fn simultaneous_runs_publish_in_turn() {
 }
 
 /// Makes the remains of a killed run: a folder with an image, an empty folder, and a file.
-fn remains(folder: &Path) {
+fn make_remains(folder: &Path) {
     fs::create_dir(folder.join(".partial-0123456789abcdef")).unwrap();
     fs::write(folder.join(".partial-0123456789abcdef/lock"), "").unwrap();
     fs::write(folder.join(".partial-0123456789abcdef/image-0001.png"), "dead").unwrap();
@@ -151,14 +151,14 @@ fn remains(folder: &Path) {
 fn remains_of_dead_runs_only_are_removed() {
     let base = tempfile::tempdir().unwrap();
     let place = base.path().join("t.bdl");
-    remains(base.path());
-    let (living, mut file) = (Outputs::begin(base.path()).unwrap(), PartialFile::create(&place).unwrap());
+    make_remains(base.path());
+    let (living, mut file) = (OutputFolder::begin(base.path()).unwrap(), PartialFile::create(&place).unwrap());
     file.write_all(b"mine").unwrap();
     write_all(&living, &["image.png".into()], "mine");
     assert_eq!(names(base.path()).len(), 2, "{:?}", names(base.path()));
-    remains(base.path());
+    make_remains(base.path());
     drop(PartialFile::create(&place).unwrap());
-    drop(Outputs::begin(base.path()).unwrap());
+    drop(OutputFolder::begin(base.path()).unwrap());
     assert_eq!(names(base.path()).len(), 2, "{:?}", names(base.path()));
     living.publish("image.png", &[]).unwrap();
     file.publish().unwrap();

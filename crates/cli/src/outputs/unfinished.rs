@@ -28,9 +28,9 @@ impl Leftover {
 }
 
 /// The locked list.
-pub struct Unfinished(MutexGuard<'static, Vec<Leftover>>);
+pub struct UnfinishedFiles(MutexGuard<'static, Vec<Leftover>>);
 
-impl Unfinished {
+impl UnfinishedFiles {
     pub(super) fn lock() -> Self {
         Self(UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -41,14 +41,14 @@ impl Unfinished {
     }
 
     /// Removes entries.
-    pub(super) fn settle(&mut self, leftovers: &[Leftover]) {
+    pub(super) fn forget(&mut self, leftovers: &[Leftover]) {
         self.0.retain(|l| !leftovers.contains(l));
     }
 }
 
 /// Removes all unfinished files. While the returned lock is held, no file is created.
-pub fn abandon() -> Unfinished {
-    let mut unfinished = Unfinished::lock();
+pub fn remove_all() -> UnfinishedFiles {
+    let mut unfinished = UnfinishedFiles::lock();
     unfinished.0.drain(..).rev().for_each(|l| l.remove());
     unfinished
 }

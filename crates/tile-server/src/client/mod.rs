@@ -21,9 +21,9 @@ use std::fmt::Debug;
 /// Receives the progress of a download, for a progress bar.
 pub trait FetchProgress: Debug + Send + Sync {
     /// Another acquisition needs this many tiles.
-    fn listed(&self, tiles: u64);
+    fn add_acquisition(&self, tiles: u64);
     /// A tile of this many bytes has arrived; 0 bytes if it came from the cache.
-    fn arrived(&self, bytes: u64);
+    fn add_bytes(&self, bytes: u64);
     /// No more tiles follow.
     fn finish(&self);
 }
@@ -33,7 +33,7 @@ pub trait FetchProgress: Debug + Send + Sync {
 pub struct NoProgress;
 
 impl FetchProgress for NoProgress {
-    fn listed(&self, _tiles: u64) {}
-    fn arrived(&self, _bytes: u64) {}
+    fn add_acquisition(&self, _tiles: u64) {}
+    fn add_bytes(&self, _bytes: u64) {}
     fn finish(&self) {}
 }

@@ -140,7 +140,7 @@ impl TileFetchQueue {
         let mut new = 0;
         self.change(|shared| new = tiles.into_iter().filter(|(page, tile)| shared.announce(Arc::clone(page), *tile)).count());
         if new > 0 {
-            self.progress.listed(new as u64);
+            self.progress.add_acquisition(new as u64);
         }
     }
 

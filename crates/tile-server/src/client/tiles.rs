@@ -46,7 +46,7 @@ impl FetchWorker {
         let kept = self.kept.as_ref().filter(|_| can_check());
         let cached = kept.and_then(|kept| kept.cache.get(&address, MAX_TILE_BYTES, |body| self.check(&wanted, body)));
         let Some(tile) = cached else { return Some(wanted) };
-        self.progress.arrived(0);
+        self.progress.add_bytes(0);
         self.done(&wanted, Ok(tile));
         None
     }
@@ -97,7 +97,7 @@ impl FetchWorker {
     fn came(&self, request: &TileRequest, tile: Result<Vec<u8>, String>) {
         if let Ok(tile) = &tile {
             self.kept.iter().for_each(|kept| kept.put(&self.address(&[request]), tile));
-            self.progress.arrived(tile.len() as u64);
+            self.progress.add_bytes(tile.len() as u64);
         }
         self.done(request, tile);
     }
