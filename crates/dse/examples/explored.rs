@@ -7,9 +7,9 @@
 //! Objectives come before the second `--`, axes after it. For each budget it prints the smallest and the mean share over eight
 //! seeds, and the same of a Sobol sequence of as many points.
 
-use basrelief_dse::explorer::{Explorer, Known};
-use basrelief_dse::sample::{Point, sobol};
-use basrelief_dse::{Objective, Space};
+use basrelief_dse::explorer::{Explorer, KnownCosts};
+use basrelief_dse::sample::{GridPoint, sobol};
+use basrelief_dse::{Objective, ObjectiveSpace};
 use std::collections::BTreeMap;
 use std::error::Error;
 
@@ -21,7 +21,7 @@ const BATCH: usize = 8;
 /// A grid that is known as a whole.
 struct Grid {
     lengths: Vec<usize>,
-    costs: BTreeMap<Point, Option<Vec<f64>>>,
+    costs: BTreeMap<GridPoint, Option<Vec<f64>>>,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let objectives = parts.next().ok_or(usage)?.iter().map(|word| word.parse()).collect::<Result<Vec<Objective>, _>>()?;
     let grid = read(file, &objectives, parts.next().ok_or(usage)?)?;
     let all: Vec<Vec<f64>> = grid.costs.values().flatten().cloned().collect();
-    let space = Space::of(&all).ok_or("no point has all objectives")?;
+    let space = ObjectiveSpace::of(&all).ok_or("no point has all objectives")?;
     let whole = space.hypervolume(&all).ok_or("too many points on the front")?;
     println!("{} points, {} run; hypervolume {whole:.6}", grid.lengths.iter().product::<usize>(), grid.costs.len());
     println!("percent  points  explored: least, mean  sampled: least, mean");
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 impl Grid {
-    fn at(&self, point: &Point) -> Option<Vec<f64>> {
+    fn at(&self, point: &GridPoint) -> Option<Vec<f64>> {
         self.costs.get(point).cloned().flatten()
     }
 }
@@ -62,7 +62,7 @@ fn told(shares: &[f64]) -> String {
 /// Costs of all that an exploration runs.
 fn explore(grid: &Grid, budget: usize, seed: u32) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
     let explorer = Explorer::new(&grid.lengths, budget, seed)?;
-    let mut known = Known::new();
+    let mut known = KnownCosts::new();
     loop {
         let points = explorer.next(&known, BATCH, &|_| vec![]);
         if points.is_empty() {
@@ -93,7 +93,7 @@ fn read(file: &str, objectives: &[Objective], axes: &[String]) -> Result<Grid, B
                 values.len() - 1
             })
         };
-        let point: Point = values.iter_mut().zip(&axes).map(place).collect();
+        let point: GridPoint = values.iter_mut().zip(&axes).map(place).collect();
         let cost = objectives.iter().map(|&(at, goal)| row[at].parse().ok().map(|x| goal.cost(x))).collect();
         costs.insert(point, cost);
     }

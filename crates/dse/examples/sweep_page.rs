@@ -7,7 +7,7 @@
 //! Beside the page come its table as CSV and the Vega-Lite specification. Pages of runs are what `basrelief sweep` writes.
 
 // Some for the samples, which name them as in their own crate.
-use basrelief_dse::{Cell, Column, Goal, PageOptions, Role, Row, State, Table, page, vega, write};
+use basrelief_dse::{Cell, Column, ColumnRole, ObjectiveDirection, PageOptions, PointState, Row, Table, page, vega, write};
 use std::error::Error;
 use std::path::Path;
 

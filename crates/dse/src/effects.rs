@@ -8,9 +8,9 @@
 //! If every point differs from the first point in at most one axis, points that differ in another axis are left out: the effect of an
 //! axis is then relative to the first point only.
 
-use crate::levels::Levels;
-use crate::rules::Goal;
-use crate::table::{Row, State, Table};
+use crate::levels::ColumnLevels;
+use crate::rules::ObjectiveDirection;
+use crate::table::{PointState, Row, Table};
 
 /// Effect of an axis on an objective.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,12 +20,12 @@ pub struct Effect {
     /// Number of the objective's column.
     pub objective: usize,
     /// Means by level of the axis, in order. An axis of more than twelve values has several values per level.
-    pub levels: Vec<Level>,
+    pub levels: Vec<ValueEffect>,
 }
 
 /// Points of one value of an axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub struct ValueEffect {
     /// The value; `first to last` of several.
     pub label: String,
     /// Points with it, one at least.
@@ -38,14 +38,14 @@ pub struct Level {
 
 impl Effect {
     /// The levels of lowest and highest mean.
-    pub fn ends(&self) -> Option<(&Level, &Level)> {
-        let by_mean = |a: &&Level, b: &&Level| a.mean.total_cmp(&b.mean);
+    pub fn extreme_levels(&self) -> Option<(&ValueEffect, &ValueEffect)> {
+        let by_mean = |a: &&ValueEffect, b: &&ValueEffect| a.mean.total_cmp(&b.mean);
         Some((self.levels.iter().min_by(by_mean)?, self.levels.iter().max_by(by_mean)?))
     }
 
     /// Returns the difference between the highest and the lowest mean, in the unit of the objective.
-    pub fn moved(&self) -> f64 {
-        self.ends().map_or(0.0, |(low, high)| high.mean - low.mean)
+    pub fn mean_range(&self) -> f64 {
+        self.extreme_levels().map_or(0.0, |(low, high)| high.mean - low.mean)
     }
 
     /// Returns the difference between the highest and the lowest best value.
@@ -58,11 +58,11 @@ impl Effect {
 /// Effects of all axes on all objectives: by objective in the order of the table, of each the largest first, equal ones in the
 /// order of the table. Counted are all points that have run, whether they keep the constraints or not.
 pub fn effects(table: &Table) -> Vec<Effect> {
-    let axes: Vec<(usize, Levels)> = table.axes().map(|axis| (axis, Levels::of(table, axis))).collect();
+    let axes: Vec<(usize, ColumnLevels)> = table.axes().map(|axis| (axis, ColumnLevels::of(table, axis))).collect();
     let star = is_star(table);
     let counts = |axis: usize, row: &usize| !star || *row == 0 || table.rows[*row].cells[axis] != table.rows[0].cells[axis];
     let of = |(objective, goal)| {
-        let effect = |(axis, levels): &(usize, Levels)| Effect {
+        let effect = |(axis, levels): &(usize, ColumnLevels)| Effect {
             axis: *axis,
             objective,
             levels: levels
@@ -76,7 +76,7 @@ pub fn effects(table: &Table) -> Vec<Effect> {
                 .collect(),
         };
         let mut effects: Vec<Effect> = axes.iter().map(effect).collect();
-        effects.sort_by(|a, b| b.moved().total_cmp(&a.moved()));
+        effects.sort_by(|a, b| b.mean_range().total_cmp(&a.mean_range()));
         effects
     };
     table.objectives().flat_map(of).collect()
@@ -90,28 +90,38 @@ fn is_star(table: &Table) -> bool {
 }
 
 /// Returns `None` if no point of these rows has run.
-pub(crate) fn level(table: &Table, (objective, goal): (usize, Goal), label: &str, rows: &[usize]) -> Option<Level> {
-    let run = rows.iter().map(|&row| &table.rows[row]).filter(|row| row.state == State::Ok);
+pub(crate) fn level(
+    table: &Table,
+    (objective, goal): (usize, ObjectiveDirection),
+    label: &str,
+    rows: &[usize],
+) -> Option<ValueEffect> {
+    let run = rows.iter().map(|&row| &table.rows[row]).filter(|row| row.state == PointState::Ok);
     let mut values: Vec<f64> = run.filter_map(|row| row.cells.get(objective)?.number()).collect();
     let best = values.iter().copied().reduce(|a, b| if goal.better(b, a) { b } else { a })?;
     // Equal values have an equal mean in any order, so an axis without effect has an effect of exactly 0.
     values.sort_by(f64::total_cmp);
     // Each divided first: a sum of large values must not overflow.
     let mean = values.iter().map(|value| value / values.len() as f64).sum();
-    Some(Level { label: label.into(), points: values.len(), mean, best })
+    Some(ValueEffect { label: label.into(), points: values.len(), mean, best })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cell, Column, Role};
+    use crate::{Cell, Column, ColumnRole};
 
     /// cycles = 100 a + 10 b, dB = b, over a 3 x 4 grid.
     fn grid() -> Table {
-        let column = |(name, role): (&str, Role)| Column { name: name.into(), unit: "".into(), role, what: "".into() };
-        let roles = [Role::Objective(Goal::Min), Role::Objective(Goal::Max), Role::Axis, Role::Axis];
+        let column = |(name, role): (&str, ColumnRole)| Column { name: name.into(), unit: "".into(), role, what: "".into() };
+        let roles = [
+            ColumnRole::Objective(ObjectiveDirection::Min),
+            ColumnRole::Objective(ObjectiveDirection::Max),
+            ColumnRole::Axis,
+            ColumnRole::Axis,
+        ];
         let cells = |a: u64, b: u64| vec![Cell::Whole(100 * a + 10 * b), Cell::Number(b as f64), Cell::Whole(a), Cell::Whole(b)];
-        let row = |(a, b)| Row { id: format!("{a}{b}"), state: State::Ok, cells: cells(a, b), picture: None };
+        let row = |(a, b)| Row { id: format!("{a}{b}"), state: PointState::Ok, cells: cells(a, b), picture: None };
         Table {
             columns: ["cycles", "dB", "a", "b"].into_iter().zip(roles).map(column).collect(),
             rows: (0..3).flat_map(|a| (0..4).map(move |b| (a, b))).map(row).collect(),
@@ -122,10 +132,10 @@ mod tests {
     #[test]
     fn the_axis_that_moves_most_comes_first() {
         let effects = effects(&grid());
-        let told: Vec<_> = effects.iter().map(|e| (e.objective, e.axis, e.moved(), e.best_moved())).collect();
+        let told: Vec<_> = effects.iter().map(|e| (e.objective, e.axis, e.mean_range(), e.best_moved())).collect();
         assert_eq!(told, [(0, 2, 200.0, 200.0), (0, 3, 30.0, 30.0), (1, 3, 3.0, 3.0), (1, 2, 0.0, 0.0)]);
-        let (low, high) = effects[0].ends().unwrap();
-        assert_eq!((low, high.label.as_str()), (&Level { label: "0".into(), points: 4, mean: 15.0, best: 0.0 }, "2"));
+        let (low, high) = effects[0].extreme_levels().unwrap();
+        assert_eq!((low, high.label.as_str()), (&ValueEffect { label: "0".into(), points: 4, mean: 15.0, best: 0.0 }, "2"));
         assert_eq!(effects[3].levels[0].best, 3.0);
     }
 
@@ -138,7 +148,7 @@ mod tests {
             row.cells[0] = Cell::Number(if (a + b) % 4 == 0 { 1e16 } else { 1.0 });
         }
         let moved: Vec<f64> =
-            effects(&table).iter().filter(|effect| effect.axis == 2 && effect.objective == 0).map(Effect::moved).collect();
+            effects(&table).iter().filter(|effect| effect.axis == 2 && effect.objective == 0).map(Effect::mean_range).collect();
         assert_eq!(moved, [0.0]);
     }
 
@@ -147,7 +157,7 @@ mod tests {
         let mut table = grid();
         // (0, 0), (0, 1) ... (0, 3), (1, 0), (2, 0): along `a` from 0 to 200, along `b` from 0 to 30.
         table.rows.retain(|row| row.id.contains('0'));
-        let told: Vec<_> = effects(&table).iter().take(2).map(|e| (e.axis, e.moved(), e.levels[0].points)).collect();
+        let told: Vec<_> = effects(&table).iter().take(2).map(|e| (e.axis, e.mean_range(), e.levels[0].points)).collect();
         assert_eq!(told, [(2, 200.0, 1), (3, 30.0, 1)]);
         // With one more point it is no such plan, so means are over all points with a value.
         table.rows.push(grid().rows[5].clone());
@@ -157,10 +167,10 @@ mod tests {
     #[test]
     fn failed_points_move_nothing() {
         let mut table = grid();
-        table.rows.iter_mut().take(4).for_each(|row| row.state = State::Failed("deadlock".into()));
+        table.rows.iter_mut().take(4).for_each(|row| row.state = PointState::Failed("deadlock".into()));
         let effects = effects(&table);
-        assert_eq!((effects[0].moved(), effects[0].levels.len()), (100.0, 2));
+        assert_eq!((effects[0].mean_range(), effects[0].levels.len()), (100.0, 2));
         table.rows.clear();
-        assert!(super::effects(&table).iter().all(|effect| effect.moved() == 0.0 && effect.ends().is_none()));
+        assert!(super::effects(&table).iter().all(|effect| effect.mean_range() == 0.0 && effect.extreme_levels().is_none()));
     }
 }

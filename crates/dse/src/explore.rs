@@ -4,12 +4,12 @@
 //! same folder. The measured bottleneck of a Pareto-optimal point selects the axis to raise; the extra run that measures it does not
 //! count as a point. A killed exploration resumes, and reuses the points of a sweep.
 
-use crate::explorer::{Explorer, Known};
+use crate::explorer::{Explorer, KnownCosts};
 use crate::one::limits;
-use crate::plan::{Plan, Point};
+use crate::plan::{Plan, PlanPoint};
 use crate::tables::table_of;
-use crate::{Folder, Host, SweepError, Tally, Work, execute};
-use crate::{candidates, hypervolume::Space};
+use crate::{SweepError, SweepFolder, SweepHost, SweepJob, SweepProgress, execute};
+use crate::{candidates, hypervolume::ObjectiveSpace};
 use basrelief_parameters::Effect;
 use basrelief_report::model::RelaxedCycles;
 use std::cell::RefCell;
@@ -22,11 +22,11 @@ const SEED: u32 = 1;
 
 /// Result of an exploration.
 #[derive(Debug)]
-pub struct Explored {
+pub struct ExplorationResult {
     /// The plan with the points alone that were chosen.
     pub plan: Plan,
     /// Numbers of points by the way in which their results were obtained.
-    pub tally: Tally,
+    pub tally: SweepProgress,
     /// Share of the hypervolume of the whole grid. `None` unless all points of the grid have results and the volume is positive.
     pub share: Option<f64>,
 }
@@ -35,7 +35,12 @@ pub struct Explored {
 ///
 /// # Errors
 /// A plan of several inputs, or with samples of its own; and those of [`execute()`].
-pub fn explore(plan: Plan, budget: usize, work: &Work<'_>, (folder, host): (&Folder, &dyn Host)) -> Result<Explored, SweepError> {
+pub fn explore(
+    plan: Plan,
+    budget: usize,
+    work: &SweepJob<'_>,
+    (folder, host): (&SweepFolder, &dyn SweepHost),
+) -> Result<ExplorationResult, SweepError> {
     if plan.inputs.len() != 1 {
         let count = plan.inputs.len();
         return Err(SweepError(format!(
@@ -50,29 +55,29 @@ pub fn explore(plan: Plan, budget: usize, work: &Work<'_>, (folder, host): (&Fol
     let hints = RefCell::new(BTreeMap::new());
     let hint = |place: &[usize]| {
         let Some(&number) = places.get(place).filter(|_| !timing.is_empty()) else { return vec![] };
-        let found = || limiting(&timing, &limits(&plan, &plan.points[number], host));
+        let found = || limiting_axes(&timing, &limits(&plan, &plan.points[number], host));
         hints.borrow_mut().entry(number).or_insert_with(found).clone()
     };
-    let mut known = Known::new();
-    let (mut chosen, mut tally) = (BTreeSet::new(), Tally::default());
+    let mut known = KnownCosts::new();
+    let (mut chosen, mut tally) = (BTreeSet::new(), SweepProgress::default());
     loop {
         let next = explorer.next(&known, ROUND, &hint);
         if next.is_empty() {
             break;
         }
         let numbers: Vec<usize> = next.iter().filter_map(|place| places.get(place.as_slice()).copied()).collect();
-        let points: Vec<&Point> = numbers.iter().map(|&number| &plan.points[number]).collect();
+        let points: Vec<&PlanPoint> = numbers.iter().map(|&number| &plan.points[number]).collect();
         let costs = costs(&plan, &points, work, (folder, host), &mut tally)?;
         // An excluded point is chosen once, and never again.
         known.extend(next.iter().map(|place| (place.clone(), None)));
         known.extend(points.iter().zip(costs).map(|(point, costs)| (point.places.clone(), costs)));
         chosen.extend(numbers);
     }
-    let share = share(&plan, &chosen, folder)?;
+    let share = hypervolume_share(&plan, &chosen, folder)?;
     let mut number = 0..;
     let mut plan = plan;
     plan.points.retain(|_| number.next().is_some_and(|number| chosen.contains(&number)));
-    Ok(Explored { plan, tally, share })
+    Ok(ExplorationResult { plan, tally, share })
 }
 
 /// Axes of timing parameters, which relaxations set: their numbers, and the groups of their parameters.
@@ -89,7 +94,7 @@ fn group(key: &str) -> &str {
 }
 
 /// Numbers of the axes with a parameter of a bottleneck, largest saving first. For a pair, the single savings give the order.
-fn limiting(axes: &[(usize, Vec<String>)], limits: &[RelaxedCycles]) -> Vec<usize> {
+fn limiting_axes(axes: &[(usize, Vec<String>)], limits: &[RelaxedCycles]) -> Vec<usize> {
     let mut found = Vec::new();
     for RelaxedCycles { set, .. } in limits.iter().filter(|limit| !limit.resource.contains(" and ")) {
         let is_of = |of: &String| set.iter().filter_map(|set| set.split_once('=')).any(|(key, _)| group(key) == of);
@@ -103,27 +108,28 @@ fn limiting(axes: &[(usize, Vec<String>)], limits: &[RelaxedCycles]) -> Vec<usiz
 /// Runs points. Returns the costs of each point that has a result and meets the constraints.
 fn costs(
     plan: &Plan,
-    points: &[&Point],
-    work: &Work<'_>,
-    (folder, host): (&Folder, &dyn Host),
-    tally: &mut Tally,
+    points: &[&PlanPoint],
+    work: &SweepJob<'_>,
+    (folder, host): (&SweepFolder, &dyn SweepHost),
+    tally: &mut SweepProgress,
 ) -> Result<Vec<Option<Vec<f64>>>, SweepError> {
-    let ran = execute(plan, &Work { points, ..*work }, folder, host)?;
+    let ran = execute(plan, &SweepJob { points, ..*work }, folder, host)?;
     tally.add(&ran);
     let of_rows: BTreeMap<usize, Vec<f64>> = candidates(&table_of(plan, points, folder)?).into_iter().collect();
     Ok((0..points.len()).map(|row| of_rows.get(&row).cloned()).collect())
 }
 
 /// The share of the whole grid's hypervolume that the chosen points have.
-fn share(plan: &Plan, chosen: &BTreeSet<usize>, folder: &Folder) -> Result<Option<f64>, SweepError> {
+fn hypervolume_share(plan: &Plan, chosen: &BTreeSet<usize>, folder: &SweepFolder) -> Result<Option<f64>, SweepError> {
     if plan.points.iter().any(|point| folder.find(&point.id).is_missing()) {
         return Ok(None);
     }
-    let all: Vec<&Point> = plan.points.iter().collect();
+    let all: Vec<&PlanPoint> = plan.points.iter().collect();
     let costs = candidates(&table_of(plan, &all, folder)?);
     let of_all: Vec<Vec<f64>> = costs.iter().map(|(_, costs)| costs.clone()).collect();
     let of_chosen: Vec<Vec<f64>> = costs.into_iter().filter(|(row, _)| chosen.contains(row)).map(|(_, costs)| costs).collect();
-    let volumes = Space::of(&of_all).and_then(|space| Some((space.hypervolume(&of_chosen)?, space.hypervolume(&of_all)?)));
+    let volumes =
+        ObjectiveSpace::of(&of_all).and_then(|space| Some((space.hypervolume(&of_chosen)?, space.hypervolume(&of_all)?)));
     Ok(volumes.filter(|(_, all)| *all > 0.0).map(|(chosen, all)| chosen / all))
 }
 
@@ -145,7 +151,7 @@ mod tests {
             limit("b", "fifo.b.depth=65536"),
             limit("m", "memory.m.part=ideal"),
         ];
-        assert_eq!(limiting(&axes, &limits), [3, 2]);
-        assert_eq!(limiting(&axes, &[]), [0; 0]);
+        assert_eq!(limiting_axes(&axes, &limits), [3, 2]);
+        assert_eq!(limiting_axes(&axes, &[]), [0; 0]);
     }
 }

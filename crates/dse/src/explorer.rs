@@ -17,12 +17,12 @@
 //! Points beside wide gaps of the front come first. Proposals depend on the known points only, so a killed exploration resumes.
 
 use crate::front::{lexicographic, nondominated};
-use crate::sample::{MOST_SOBOL, Point, SampleError, sobol};
+use crate::sample::{GridPoint, MOST_SOBOL, SampleError, sobol};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Known points with their costs, as of [`candidates`](crate::candidates); smaller is better. `None` for a point that failed or
 /// violates a constraint. All costs are finite, and every point has the same number of costs.
-pub type Known = BTreeMap<Point, Option<Vec<f64>>>;
+pub type KnownCosts = BTreeMap<GridPoint, Option<Vec<f64>>>;
 
 /// Points of the coarse sample for each axis, where the budget is small.
 const PER_AXIS: usize = 6;
@@ -36,7 +36,7 @@ pub struct Explorer {
 }
 
 /// Returns the axes that limit a point, the strongest first, as measured by resimulation. May be empty.
-pub type Hint<'a> = dyn Fn(&[usize]) -> Vec<usize> + 'a;
+pub type BottleneckHint<'a> = dyn Fn(&[usize]) -> Vec<usize> + 'a;
 
 impl Explorer {
     /// For a grid with axes of these lengths, and at most `budget` runs.
@@ -69,7 +69,7 @@ impl Explorer {
     /// }
     /// assert_eq!(known.len(), 20);
     /// ```
-    pub fn next(&self, known: &Known, most: usize, hint: &Hint<'_>) -> Vec<Point> {
+    pub fn next(&self, known: &KnownCosts, most: usize, hint: &BottleneckHint<'_>) -> Vec<GridPoint> {
         let most = most.min(self.budget.saturating_sub(known.len()));
         // The constructor has checked the bounds.
         let coarse = sobol(self.budget, &self.axes, self.seed).unwrap_or_default();
@@ -86,18 +86,18 @@ impl Explorer {
     }
 
     /// Returns candidates around the known Pareto front.
-    fn refined(&self, known: &Known, hint: &Hint<'_>) -> Vec<Point> {
-        let front = Front::of(known);
+    fn refined(&self, known: &KnownCosts, hint: &BottleneckHint<'_>) -> Vec<GridPoint> {
+        let front = ParetoFront::of(known);
         let longest = self.axes.iter().copied().max().unwrap_or(1);
         let steps = std::iter::successors(Some(1), |step| Some(2 * step)).take_while(|step| *step < longest);
         let order = front.widest_first();
         let hints: Vec<Vec<usize>> = order.iter().map(|point| hint(point)).collect();
         let beside =
-            steps.flat_map(|step| order.iter().zip(&hints).flat_map(move |(point, hint)| self.beside(point, step, hint)));
-        let mut raised = order.iter().zip(&hints).filter_map(|(point, hint)| self.raised(point, hint));
+            steps.flat_map(|step| order.iter().zip(&hints).flat_map(move |(point, hint)| self.neighbours(point, step, hint)));
+        let mut raised = order.iter().zip(&hints).filter_map(|(point, hint)| self.one_step_up(point, hint));
         let mut refined = Vec::new();
         for (a, b, _) in &front.gaps {
-            refined.extend(halfway(front.points[*a], front.points[*b]));
+            refined.extend(midpoints(front.points[*a], front.points[*b]));
             refined.extend(raised.next());
         }
         refined.extend(raised.chain(beside));
@@ -105,7 +105,7 @@ impl Explorer {
     }
 
     /// Returns the point one step up the first hinted axis that has a higher value.
-    fn raised(&self, point: &[usize], hint: &[usize]) -> Option<Point> {
+    fn one_step_up(&self, point: &[usize], hint: &[usize]) -> Option<GridPoint> {
         let axis = *hint.iter().find(|&&axis| self.axes.get(axis).is_some_and(|length| point[axis] + 1 < *length))?;
         let mut raised = point.to_vec();
         raised[axis] += 1;
@@ -113,7 +113,7 @@ impl Explorer {
     }
 
     /// Returns the points `step` steps up and down each axis, hinted axes first.
-    fn beside(&self, point: &[usize], step: usize, hint: &[usize]) -> Vec<Point> {
+    fn neighbours(&self, point: &[usize], step: usize, hint: &[usize]) -> Vec<GridPoint> {
         let others = (0..self.axes.len()).filter(|axis| !hint.contains(axis));
         let axes = hint.iter().copied().filter(|&axis| axis < self.axes.len()).chain(others);
         let moved = |axis: usize| {
@@ -129,19 +129,19 @@ impl Explorer {
 }
 
 /// The points between two, where the halves are rounded down and up.
-fn halfway(a: &[usize], b: &[usize]) -> [Point; 2] {
+fn midpoints(a: &[usize], b: &[usize]) -> [GridPoint; 2] {
     [0, 1].map(|up| a.iter().zip(b).map(|(a, b)| a.min(b) + (a.abs_diff(*b) + up) / 2).collect())
 }
 
 /// Pareto front of the known points. Of points with equal costs it has the first.
-struct Front<'a> {
+struct ParetoFront<'a> {
     points: Vec<&'a [usize]>,
     /// Two neighbours by any cost, and how far they are from each other; the farthest first.
     gaps: Vec<(usize, usize, f64)>,
 }
 
-impl<'a> Front<'a> {
-    fn of(known: &'a Known) -> Self {
+impl<'a> ParetoFront<'a> {
+    fn of(known: &'a KnownCosts) -> Self {
         let known: Vec<(&[usize], &[f64])> =
             known.iter().filter_map(|(point, costs)| Some((point.as_slice(), costs.as_deref()?))).collect();
         let costs: Vec<&[f64]> = known.iter().map(|(_, costs)| *costs).collect();
@@ -186,7 +186,7 @@ fn gaps(costs: &[&[f64]]) -> Vec<(usize, usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypervolume::Space;
+    use crate::hypervolume::ObjectiveSpace;
 
     type Model = fn(&[usize]) -> Option<Vec<f64>>;
 
@@ -208,8 +208,8 @@ mod tests {
             .then(|| vec![100.0 + stall + 6.0 * libm::sin(1.3 * a), a + 2.0 * b + 4.0 * c + if c > 6.0 { 20.0 } else { 0.0 }])
     }
 
-    fn grid(axes: &[usize]) -> Vec<Point> {
-        let more = |points: Vec<Point>, &length: &usize| {
+    fn grid(axes: &[usize]) -> Vec<GridPoint> {
+        let more = |points: Vec<GridPoint>, &length: &usize| {
             points.iter().flat_map(|point| (0..length).map(move |at| [point.as_slice(), &[at]].concat())).collect()
         };
         axes.iter().fold(vec![vec![]], more)
@@ -218,15 +218,15 @@ mod tests {
     /// Returns the share of the full grid's hypervolume that `budget` runs find.
     fn found(model: Model, axes: &[usize], budget: usize, batch: usize, seed: u32) -> f64 {
         let all: Vec<Vec<f64>> = grid(axes).iter().filter_map(|point| model(point)).collect();
-        let space = Space::of(&all).unwrap();
+        let space = ObjectiveSpace::of(&all).unwrap();
         let known = explored(model, axes, budget, batch, seed);
         let front: Vec<Vec<f64>> = known.into_values().flatten().collect();
         space.hypervolume(&front).unwrap() / space.hypervolume(&all).unwrap()
     }
 
-    fn explored(model: Model, axes: &[usize], budget: usize, batch: usize, seed: u32) -> Known {
+    fn explored(model: Model, axes: &[usize], budget: usize, batch: usize, seed: u32) -> KnownCosts {
         let explorer = Explorer::new(axes, budget, seed).unwrap();
-        let mut known = Known::new();
+        let mut known = KnownCosts::new();
         loop {
             let points = explorer.next(&known, batch, &|_| vec![]);
             if points.is_empty() {
@@ -258,7 +258,7 @@ mod tests {
         for (model, axes) in PROBLEMS {
             let budget = axes.iter().product::<usize>() / 10;
             let all: Vec<Vec<f64>> = grid(axes).iter().filter_map(|point| model(point)).collect();
-            let space = Space::of(&all).unwrap();
+            let space = ObjectiveSpace::of(&all).unwrap();
             let sampled: Vec<Vec<f64>> = sobol(budget, axes, 1).unwrap().iter().filter_map(|point| model(point)).collect();
             let missed = |costs: &[Vec<f64>]| space.hypervolume(&all).unwrap() - space.hypervolume(costs).unwrap();
             let refined: Vec<Vec<f64>> = explored(model, axes, budget, 8, 1).into_values().flatten().collect();
@@ -273,7 +273,7 @@ mod tests {
         assert_eq!(known.len(), 50);
         assert_eq!(explored(model, axes, 50, 7, 3), known);
         let explorer = Explorer::new(axes, 50, 3).unwrap();
-        let some: Known = known.into_iter().take(30).collect();
+        let some: KnownCosts = known.into_iter().take(30).collect();
         let next = |most| explorer.next(&some, most, &|_| vec![]);
         assert_eq!(next(7), next(20)[..7]);
         assert_eq!((next(20).len(), next(100).len()), (20, 20));
@@ -282,7 +282,8 @@ mod tests {
     #[test]
     fn axes_that_limit_come_first() {
         let explorer = Explorer::new(&[9, 9, 9], 11, 0).unwrap();
-        let mut known: Known = explorer.next(&Known::new(), 7, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
+        let mut known: KnownCosts =
+            explorer.next(&KnownCosts::new(), 7, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
         known.insert(vec![4, 4, 4], Some(vec![1.0]));
         let next = |hint: &[usize]| explorer.next(&known, 3, &|_| hint.to_vec());
         assert_eq!(next(&[2, 7]), [[4, 4, 5], [4, 4, 3], [5, 4, 4]]);
@@ -292,7 +293,8 @@ mod tests {
     #[test]
     fn bottleneck_axes_rise_in_turns_with_midpoints() {
         let explorer = Explorer::new(&[9, 9, 9], 13, 0).unwrap();
-        let mut known: Known = explorer.next(&Known::new(), 8, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
+        let mut known: KnownCosts =
+            explorer.next(&KnownCosts::new(), 8, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
         known.insert(vec![0, 4, 4], Some(vec![1.0, 9.0]));
         known.insert(vec![6, 4, 8], Some(vec![9.0, 1.0]));
         let next = |hint: &[usize]| explorer.next(&known, 3, &|_| hint.to_vec());

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// A number of a report.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
+pub struct ReportFigure {
     /// Path of the figure in the report.
     pub name: String,
     /// Unit of measure, in the plural; empty for a ratio.
@@ -41,24 +41,24 @@ const PLAIN: [&str; 6] = ["cycles", "quality", "units", "fifos", "memories", "ca
 
 /// Returns the figures of a report, part by part, sorted by name. The order of JSON's keys depends on features that other crates may
 /// enable.
-pub fn figures(report: &Value) -> Vec<Figure> {
+pub fn figures(report: &Value) -> Vec<ReportFigure> {
     let mut figures = Vec::new();
     for part in PLAIN {
         numbers(&report[part], &mut vec![part], &mut |path, cell| {
-            figures.push(Figure { name: path.join("."), unit: unit(path).into(), what: String::new(), cell });
+            figures.push(ReportFigure { name: path.join("."), unit: unit(path).into(), what: String::new(), cell });
         });
     }
     figures.extend(sums(report));
     for (name, value) in sorted(&report["figures"]) {
         let legend = |key: &str| report["legend"][name][key].as_str().unwrap_or_default().to_owned();
-        let figure = |name, cell| Figure { name, unit: legend("unit"), what: legend("description"), cell };
+        let figure = |name, cell| ReportFigure { name, unit: legend("unit"), what: legend("description"), cell };
         figures.extend(number(value).map(|cell| figure(format!("figures.{name}"), cell)));
         figures.extend(sum(value).map(|cell| figure(format!("figures.{name}.sum"), cell)));
     }
     for (name, derived) in sorted(&report["derived"]) {
         let text = |key: &str| derived[key].as_str().unwrap_or_default().to_owned();
         let unit = Some(text("unit")).filter(|unit| unit != "1").unwrap_or_default();
-        let figure = |cell| Figure { name: format!("derived.{name}"), unit, what: text("formula"), cell };
+        let figure = |cell| ReportFigure { name: format!("derived.{name}"), unit, what: text("formula"), cell };
         figures.extend(number(&derived["value"]).map(figure));
     }
     figures
@@ -101,14 +101,14 @@ fn numbers<'a>(value: &'a Value, path: &mut Vec<&'a str>, found: &mut impl FnMut
     }
 }
 
-fn sums(report: &Value) -> Vec<Figure> {
+fn sums(report: &Value) -> Vec<ReportFigure> {
     let frames = report["cycles"]["frames"].as_array().map(|frames| frames.iter().filter_map(Value::as_u64).sum());
     let memories = report["memories"].as_object();
     let clients = memories.into_iter().flatten().filter_map(|(_, memory)| memory["clients"].as_object()).flatten();
     let bytes =
         clients.map(|(_, client)| ["read_bytes", "write_bytes"].iter().filter_map(|key| client[key].as_u64()).sum::<u64>());
     let hardware = Vec::<Hardware>::deserialize(&report["hardware"]).unwrap_or_default();
-    let sum = |name: &str, unit: &str, what: &str, n: u64| Figure {
+    let sum = |name: &str, unit: &str, what: &str, n: u64| ReportFigure {
         name: name.into(),
         unit: unit.into(),
         what: what.into(),

@@ -3,8 +3,8 @@
 //! Files appear as a whole, and every writer writes the same bytes. So nothing is locked, and any number of processes and machines can
 //! work on one folder. Both files state the build of the simulator that wrote them, because another build may give other results.
 
-use crate::plan::Point;
-use crate::{Host, SweepError};
+use crate::plan::PlanPoint;
+use crate::{SweepError, SweepHost};
 use basrelief_report::Report;
 use basrelief_sim::BUILD;
 use basrelief_threads as threads;
@@ -20,11 +20,11 @@ const PICTURE: &str = "image.png";
 
 /// A folder of points.
 #[derive(Clone, Debug)]
-pub struct Folder(PathBuf);
+pub struct SweepFolder(PathBuf);
 
 /// State of a point in the folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Found {
+pub enum PointStatus {
     /// The point has a report.
     Report,
     /// The point failed with a stored reason.
@@ -35,7 +35,7 @@ pub enum Found {
     Missing,
 }
 
-impl Found {
+impl PointStatus {
     /// Returns true if the point must run.
     pub fn is_missing(self) -> bool {
         matches!(self, Self::Outdated | Self::Missing)
@@ -43,35 +43,35 @@ impl Found {
 }
 
 /// Storage of points: a [`Folder`], or a store that keeps only some figures.
-pub trait Store: Sync {
+pub trait PointStore: Sync {
     /// State of a point in the folder.
-    fn find(&self, id: &str) -> Found;
+    fn find(&self, id: &str) -> PointStatus;
 
     /// Stores the report of a point after its picture, and removes an earlier failure.
     ///
     /// # Errors
     /// A file that cannot be written.
-    fn put(&self, id: &str, of: (&Report, Option<&[u8]>), host: &dyn Host) -> Result<(), SweepError>;
+    fn put(&self, id: &str, of: (&Report, Option<&[u8]>), host: &dyn SweepHost) -> Result<(), SweepError>;
 
     /// Stores the reason why a point has no report.
     ///
     /// # Errors
     /// A file that cannot be written.
-    fn put_failure(&self, id: &str, failure: &Failure, host: &dyn Host) -> Result<(), SweepError>;
+    fn put_failure(&self, id: &str, failure: &PointFailure, host: &dyn SweepHost) -> Result<(), SweepError>;
 }
 
-impl Store for Folder {
-    fn find(&self, id: &str) -> Found {
+impl PointStore for SweepFolder {
+    fn find(&self, id: &str) -> PointStatus {
         Self::find(self, id)
     }
 
-    fn put(&self, id: &str, (report, picture): (&Report, Option<&[u8]>), host: &dyn Host) -> Result<(), SweepError> {
+    fn put(&self, id: &str, (report, picture): (&Report, Option<&[u8]>), host: &dyn SweepHost) -> Result<(), SweepError> {
         let text = report.to_json().map_err(|error| SweepError(error.to_string()))?;
         Self::put(self, id, (&text, picture), host)
     }
 
-    fn put_failure(&self, id: &str, failure: &Failure, host: &dyn Host) -> Result<(), SweepError> {
-        let Failure { outcome, message } = failure.clone();
+    fn put_failure(&self, id: &str, failure: &PointFailure, host: &dyn SweepHost) -> Result<(), SweepError> {
+        let PointFailure { outcome, message } = failure.clone();
         let failed = FailedPoint { build: BUILD.into(), outcome, message };
         let text = serde_json::to_string_pretty(&failed).map_err(|e| SweepError(e.to_string()))?;
         self.remove_outdated(id)?;
@@ -99,21 +99,21 @@ struct WrittenBy {
 
 /// Why a point has no report.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Failure {
+pub struct PointFailure {
     /// In one word: `deadlock`, `limit`, `fault`, `unfit` of parameters, or `error`.
     pub outcome: String,
     /// In a sentence.
     pub message: String,
 }
 
-impl Folder {
+impl SweepFolder {
     /// Creates a handle of the folder at this path, which need not exist.
     pub fn new(path: &Path) -> Self {
         Self(path.into())
     }
 
     /// Returns the path of a file of the whole sweep.
-    pub fn place(&self, name: &str) -> PathBuf {
+    pub fn path_of(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
 
@@ -122,21 +122,21 @@ impl Folder {
     }
 
     /// State of a point in the folder. Reads its files to their ends, because a power cut can leave empty or torn files.
-    pub fn find(&self, id: &str) -> Found {
+    pub fn find(&self, id: &str) -> PointStatus {
         let builds = [REPORT, FAILED].map(|name| {
             let bytes = fs::read(self.of_point(id, name)).ok()?;
             serde_json::from_slice(&bytes).ok().map(|WrittenBy { build }| build)
         });
         match builds.each_ref().map(Option::as_deref) {
-            [Some(BUILD), _] => Found::Report,
-            [_, Some(BUILD)] => Found::Failed,
-            [None, None] => Found::Missing,
-            _ => Found::Outdated,
+            [Some(BUILD), _] => PointStatus::Report,
+            [_, Some(BUILD)] => PointStatus::Failed,
+            [None, None] => PointStatus::Missing,
+            _ => PointStatus::Outdated,
         }
     }
 
     /// States of several points, in their order.
-    pub fn find_all(&self, points: &[&Point]) -> Vec<Found> {
+    pub fn find_all(&self, points: &[&PlanPoint]) -> Vec<PointStatus> {
         threads::par_map(points.to_vec(), |point| self.find(&point.id))
     }
 
@@ -166,11 +166,11 @@ impl Folder {
     ///
     /// # Errors
     /// A file that cannot be read, or has other content.
-    pub fn failure(&self, id: &str) -> Result<Failure, SweepError> {
+    pub fn failure(&self, id: &str) -> Result<PointFailure, SweepError> {
         let path = self.of_point(id, FAILED);
         let text = fs::read_to_string(&path).map_err(|e| SweepError(format!("{}: cannot be read: {e}", path.display())))?;
         let FailedPoint { outcome, message, .. } = parse(&text, &path)?;
-        Ok(Failure { outcome, message })
+        Ok(PointFailure { outcome, message })
     }
 
     /// The picture of a point, relative to the folder, where it has one.
@@ -182,7 +182,7 @@ impl Folder {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn put(&self, id: &str, (report, picture): (&str, Option<&[u8]>), host: &dyn Host) -> Result<(), SweepError> {
+    pub fn put(&self, id: &str, (report, picture): (&str, Option<&[u8]>), host: &dyn SweepHost) -> Result<(), SweepError> {
         self.remove_outdated(id)?;
         if let Some(picture) = picture {
             publish(&self.of_point(id, PICTURE), picture, host)?;
@@ -205,6 +205,6 @@ fn parse<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, S
 }
 
 /// Puts a file in its place.
-pub(crate) fn publish(path: &Path, bytes: &[u8], host: &dyn Host) -> Result<(), SweepError> {
+pub(crate) fn publish(path: &Path, bytes: &[u8], host: &dyn SweepHost) -> Result<(), SweepError> {
     host.publish(path, bytes).map_err(|e| SweepError(format!("{}: cannot be written: {e}", path.display())))
 }

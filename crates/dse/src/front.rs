@@ -4,18 +4,18 @@
 //! Pareto-optimal; together they are the Pareto front. Only [`candidates`] count: rows that have run, keep every constraint and have a finite number for every
 //! objective. Points that are equal by every objective do not dominate each other: all of them are on the front, or none.
 
-use crate::rules::Goal;
+use crate::rules::ObjectiveDirection;
 use crate::table::{Cell, Table};
 use std::cmp::Ordering;
 
 /// Rows that may be chosen, by number, each with its costs: a value per objective, of which the smaller is better. None if the
 /// table has no objective.
 pub fn candidates(table: &Table) -> Vec<(usize, Vec<f64>)> {
-    by(table, &table.objectives().collect::<Vec<_>>())
+    candidates_by(table, &table.objectives().collect::<Vec<_>>())
 }
 
 /// Returns [`candidates`] by these objectives only.
-fn by(table: &Table, objectives: &[(usize, Goal)]) -> Vec<(usize, Vec<f64>)> {
+fn candidates_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]) -> Vec<(usize, Vec<f64>)> {
     let costs = |cells: &[Cell]| -> Option<Vec<f64>> {
         objectives.iter().map(|&(at, goal)| Some(goal.cost(cells.get(at)?.number()?))).collect()
     };
@@ -51,8 +51,8 @@ pub fn front(table: &Table) -> Vec<usize> {
 }
 
 /// Returns [`front`] by these objectives only.
-pub(crate) fn front_by(table: &Table, objectives: &[(usize, Goal)]) -> Vec<usize> {
-    let (rows, costs): (Vec<usize>, Vec<Vec<f64>>) = by(table, objectives).into_iter().unzip();
+pub(crate) fn front_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]) -> Vec<usize> {
+    let (rows, costs): (Vec<usize>, Vec<Vec<f64>>) = candidates_by(table, objectives).into_iter().unzip();
     nondominated(&costs).into_iter().map(|at| rows[at]).collect()
 }
 
@@ -68,7 +68,7 @@ pub fn nondominated(costs: &[impl AsRef<[f64]>]) -> Vec<usize> {
     let of = |at: usize| costs[at].as_ref();
     let mut order: Vec<usize> = (0..costs.len()).collect();
     order.sort_by(|&a, &b| lexicographic(of(a), of(b)));
-    let (mut seen, mut front) = (Seen::default(), vec![]);
+    let (mut seen, mut front) = (FrontIndex::default(), vec![]);
     // In this order, dominating points precede a point, and equal points are adjacent.
     for equal in order.chunk_by(|&a, &b| of(a) == of(b)) {
         if seen.add(of(equal[0])) {
@@ -81,14 +81,14 @@ pub fn nondominated(costs: &[impl AsRef<[f64]>]) -> Vec<usize> {
 
 /// Points of a front, in lexicographic order.
 #[derive(Default)]
-struct Seen<'a> {
+struct FrontIndex<'a> {
     /// With up to three costs: the second and third costs of points that no other point dominates in both, sorted by the second.
     stair: Vec<[f64; 2]>,
     /// With more costs: all points.
     points: Vec<&'a [f64]>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> FrontIndex<'a> {
     /// Adds a point unless one of those before dominates it; whether it has.
     fn add(&mut self, costs: &'a [f64]) -> bool {
         if costs.len() > 3 {
@@ -118,7 +118,7 @@ pub(crate) fn lexicographic(a: &[f64], b: &[f64]) -> Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Column, Role, Row, State};
+    use crate::{Column, ColumnRole, PointState, Row};
     use proptest::prelude::*;
 
     /// Generates costs with few different values, so that ties occur.
@@ -138,9 +138,10 @@ mod tests {
 
     #[test]
     fn only_candidates_are_on_the_front() {
-        let columns = [Role::Objective(Goal::Min), Role::Objective(Goal::Max), Role::Figure];
+        let columns =
+            [ColumnRole::Objective(ObjectiveDirection::Min), ColumnRole::Objective(ObjectiveDirection::Max), ColumnRole::Figure];
         let column = |(at, role)| Column { name: format!("c{at}"), unit: "".into(), role, what: "".into() };
-        let row = |cells: [Cell; 3]| Row { id: "".into(), state: State::Ok, cells: cells.into(), picture: None };
+        let row = |cells: [Cell; 3]| Row { id: "".into(), state: PointState::Ok, cells: cells.into(), picture: None };
         let figure = |cycles, db, bits| row([Cell::Whole(cycles), Cell::Number(db), Cell::Whole(bits)]);
         let mut table = Table {
             columns: columns.into_iter().enumerate().map(column).collect(),
@@ -156,12 +157,12 @@ mod tests {
             ],
             ..Table::default()
         };
-        table.rows[5].state = State::Failed("deadlock".into());
+        table.rows[5].state = PointState::Failed("deadlock".into());
         assert_eq!(front(&table), [4]);
         assert_eq!(candidates(&table), [(4, vec![2.0, -8.0]), (6, vec![3.0, -8.0])]);
         table.constraints.clear();
         assert_eq!(front(&table), [0]);
-        table.columns.iter_mut().for_each(|column| column.role = Role::Figure);
+        table.columns.iter_mut().for_each(|column| column.role = ColumnRole::Figure);
         assert!(front(&table).is_empty());
     }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// An input that a plan names.
 #[derive(Clone, Debug)]
-pub enum Opened {
+pub enum OpenedInput {
     /// A scene, kept for many runs.
     Scene(PreparedScene),
     /// A display list, which is [opened](Host::trace) for each run.
@@ -17,41 +17,41 @@ pub enum Opened {
 
 /// Progress of a sweep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct SweepProgress {
     /// Points of the sweep.
     pub points: usize,
     /// Points that existed, or that another process added meanwhile.
-    pub there: usize,
+    pub existing: usize,
     /// Run points.
     pub run: usize,
     /// Resimulated points.
-    pub retimed: usize,
+    pub resimulated: usize,
     /// Failed points of those run here.
     pub failed: usize,
     /// Points of another build of the simulator, which are run again.
     pub outdated: usize,
 }
 
-impl Tally {
+impl SweepProgress {
     /// Adds the numbers of another tally.
     pub(crate) fn add(&mut self, other: &Self) {
         self.points += other.points;
-        self.there += other.there;
+        self.existing += other.existing;
         self.run += other.run;
-        self.retimed += other.retimed;
+        self.resimulated += other.resimulated;
         self.failed += other.failed;
         self.outdated += other.outdated;
     }
 
     /// Returns the number of points with results.
     pub fn done(&self) -> usize {
-        self.there + self.run + self.retimed
+        self.existing + self.run + self.resimulated
     }
 }
 
-impl Opened {
+impl OpenedInput {
     /// The input of one run, from its beginning.
-    pub(crate) fn input(&self, name: &str, host: &dyn Host) -> Result<RunInput, String> {
+    pub(crate) fn input(&self, name: &str, host: &dyn SweepHost) -> Result<RunInput, String> {
         match self {
             Self::Scene(prepared) => Ok(RunInput::Scene(prepared.clone())),
             Self::Trace => host.trace(name),
@@ -60,12 +60,12 @@ impl Opened {
 }
 
 /// The program around a sweep: it opens files, and writes them so that nothing half-written is ever seen.
-pub trait Host: Sync {
+pub trait SweepHost: Sync {
     /// Opens a model, `demo:NAME` or a display list, seen with these options: name and value, as the command line takes them.
     ///
     /// # Errors
     /// A sentence that names the input, or the option.
-    fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String>;
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String>;
 
     /// Opens a display list from its beginning.
     ///
@@ -92,7 +92,7 @@ pub trait Host: Sync {
     fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
 
     /// Reports the progress.
-    fn progress(&self, tally: &Tally);
+    fn progress(&self, tally: &SweepProgress);
 
     /// Memory limit for inputs and recordings.
     fn budget(&self) -> &MemoryPool;

@@ -12,14 +12,14 @@ const MOST_WORK: f64 = 2e7;
 
 /// The space that a front is measured in.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Space {
+pub struct ObjectiveSpace {
     /// Least cost by each objective.
     pub best: Vec<f64>,
     /// The corner up to which volume counts.
     pub reference: Vec<f64>,
 }
 
-impl Space {
+impl ObjectiveSpace {
     /// Room beyond the worst point, as a share of the distance from best to worst, so that the ends of a front count, too.
     pub const MARGIN: f64 = 0.1;
 
@@ -155,7 +155,7 @@ mod tests {
             let scaled = |factor: f64| -> Vec<Vec<f64>> {
                 costs.iter().map(|cost| cost.map(|c| f64::from(c) * factor).into()).collect()
             };
-            let share = |costs: Vec<Vec<f64>>| Space::of(&costs).unwrap().hypervolume(&costs).unwrap();
+            let share = |costs: Vec<Vec<f64>>| ObjectiveSpace::of(&costs).unwrap().hypervolume(&costs).unwrap();
             let (one, other) = (share(scaled(1.0)), share(scaled(1000.0)));
             prop_assert!((0.0..=1.0).contains(&one) && (one - other).abs() < 1e-12, "{} {}", one, other);
         }
@@ -164,14 +164,14 @@ mod tests {
     #[test]
     fn the_ends_of_a_front_count_and_equal_costs_do_not() {
         let costs = [[0.0, 10.0, 5.0], [10.0, 0.0, 5.0]].map(Vec::from);
-        let space = Space::of(&costs).unwrap();
-        assert_eq!(space, Space { best: vec![0.0, 0.0, 5.0], reference: vec![11.0, 11.0, 5.0] });
+        let space = ObjectiveSpace::of(&costs).unwrap();
+        assert_eq!(space, ObjectiveSpace { best: vec![0.0, 0.0, 5.0], reference: vec![11.0, 11.0, 5.0] });
         // Two strips of 11 x 1 that share a square, of 11 x 11.
         let share = space.hypervolume(&costs).unwrap();
         assert!((share - 21.0 / 121.0).abs() < 1e-12, "{share}");
         // All equal by every objective: nothing is left to be gained.
-        assert_eq!(Space::of(&costs[..1]).unwrap().hypervolume(&costs[..1]), Some(1.0));
-        assert_eq!(Space::of(&[]), None);
+        assert_eq!(ObjectiveSpace::of(&costs[..1]).unwrap().hypervolume(&costs[..1]), Some(1.0));
+        assert_eq!(ObjectiveSpace::of(&[]), None);
     }
 
     #[test]

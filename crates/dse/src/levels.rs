@@ -21,7 +21,7 @@ pub(crate) fn logarithmic((low, high): (f64, f64)) -> bool {
 
 /// Values of a column: numbers in ascending order, then words in the order of their first row.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Levels {
+pub(crate) struct ColumnLevels {
     /// Each in words; of several values the first and the last.
     pub(crate) labels: Vec<String>,
     /// Level of each row; `None` if its value is unknown.
@@ -30,7 +30,7 @@ pub(crate) struct Levels {
     pub(crate) single: bool,
 }
 
-impl Levels {
+impl ColumnLevels {
     pub(crate) fn of(table: &Table, column: usize) -> Self {
         let mut words = BTreeMap::new();
         let mut keyed: Vec<((u8, f64), usize)> = vec![];
@@ -78,11 +78,11 @@ fn key<'a>(cell: &'a Cell, words: &mut BTreeMap<&'a str, usize>) -> Option<(u8, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Row, State};
+    use crate::{PointState, Row};
 
-    fn levels(cells: impl IntoIterator<Item = Cell>) -> Levels {
-        let row = |cell| Row { id: String::new(), state: State::Ok, cells: vec![cell], picture: None };
-        Levels::of(&Table { rows: cells.into_iter().map(row).collect(), ..Table::default() }, 0)
+    fn levels(cells: impl IntoIterator<Item = Cell>) -> ColumnLevels {
+        let row = |cell| Row { id: String::new(), state: PointState::Ok, cells: vec![cell], picture: None };
+        ColumnLevels::of(&Table { rows: cells.into_iter().map(row).collect(), ..Table::default() }, 0)
     }
 
     #[test]

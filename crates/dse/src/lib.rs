@@ -61,22 +61,22 @@ pub mod verify;
 pub mod write;
 
 pub use effects::{Effect, effects};
-pub use execute::{Work, execute};
-pub use explore::{Explored, explore};
-pub use folder::{Folder, Found, Store};
+pub use execute::{SweepJob, execute};
+pub use explore::{ExplorationResult, explore};
+pub use folder::{PointStatus, PointStore, SweepFolder};
 pub use front::{candidates, front};
-pub use host::{Host, Opened, Tally};
-pub use hypervolume::Space;
+pub use host::{OpenedInput, SweepHost, SweepProgress};
+pub use hypervolume::ObjectiveSpace;
 pub use page::{PageOptions, page};
 #[cfg(feature = "parquet")]
 pub use parquet::parquet;
-pub use plan::{Around, Plan, Point};
-pub use rules::{Comparison, Constraint, Goal, Objective};
+pub use plan::{OneAtATimeBase, Plan, PlanPoint};
+pub use rules::{Constraint, ConstraintRelation, Objective, ObjectiveDirection};
 pub use sensitivity::sensitivity;
 pub use split_mix_64::SplitMix64;
 #[cfg(feature = "sqlite")]
 pub use sqlite::sqlite;
-pub use table::{Cell, Column, Role, Row, State, Table};
+pub use table::{Cell, Column, ColumnRole, PointState, Row, Table};
 pub use tables::tables;
 pub use vega::vega;
 pub use verify::verify;

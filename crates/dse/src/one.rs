@@ -1,9 +1,9 @@
 //! Run of one point.
 
-use crate::figures::{Figure, figures};
-use crate::folder::Failure;
-use crate::plan::{Plan, Point};
-use crate::{Host, Opened, SweepError};
+use crate::figures::{ReportFigure, figures};
+use crate::folder::PointFailure;
+use crate::plan::{Plan, PlanPoint};
+use crate::{OpenedInput, SweepError, SweepHost};
 use basrelief_input::MemoryReservation;
 use basrelief_reference::RgbPicture;
 use basrelief_report::Report;
@@ -15,9 +15,9 @@ use basrelief_sim::{
 use std::sync::Arc;
 
 /// Result of the run of a point.
-pub(crate) struct Ran {
+pub(crate) struct PointResult {
     /// Report, or the reason for its absence.
-    pub(crate) report: Result<Report, Failure>,
+    pub(crate) report: Result<Report, PointFailure>,
     /// The last picture, as a file.
     pub(crate) png: Option<Vec<u8>>,
     /// Recording of a completed run, if requested.
@@ -25,14 +25,14 @@ pub(crate) struct Ran {
 }
 
 /// Observer that keeps the last picture, and the recording if memory suffices.
-struct Watch<'a> {
-    host: &'a dyn Host,
+struct PointObserver<'a> {
+    host: &'a dyn SweepHost,
     pictures: bool,
     picture: Option<RgbPicture>,
     tape: Option<(Vec<u8>, MemoryReservation)>,
 }
 
-impl Observer for Watch<'_> {
+impl Observer for PointObserver<'_> {
     fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         self.picture = self.pictures.then(|| pictures.machine.clone());
         Ok(())
@@ -50,42 +50,48 @@ impl Observer for Watch<'_> {
 }
 
 /// Runs a point.
-pub(crate) fn run_point(plan: &Plan, point: &Point, (pictures, tape): (bool, bool), host: &dyn Host) -> Result<Ran, SweepError> {
+pub(crate) fn run_point(
+    plan: &Plan,
+    point: &PlanPoint,
+    (pictures, tape): (bool, bool),
+    host: &dyn SweepHost,
+) -> Result<PointResult, SweepError> {
     let config = match plan.config(&point.places) {
         Ok(config) => config,
-        Err(message) => return Ok(Ran { report: Err(failure("unfit", message)), png: None, tape: None }),
+        Err(message) => return Ok(PointResult { report: Err(failure("unfit", message)), png: None, tape: None }),
     };
     let input = &plan.inputs[point.input];
     let source = input.opened.input(&input.name, host).map_err(SweepError)?;
     let options = RunOptions {
         recording: if tape { AnalysisPolicy::Always } else { AnalysisPolicy::Never },
-        overrides: plan.given(&point.places),
+        overrides: plan.overrides_of(&point.places),
         exact: plan.exact,
         ..options(config, plan.max_cycles, host)
     };
-    let mut watch = Watch { host, pictures, picture: None, tape: tape.then(|| (vec![], host.budget().empty_reservation())) };
+    let mut watch =
+        PointObserver { host, pictures, picture: None, tape: tape.then(|| (vec![], host.budget().empty_reservation())) };
     let ran = run(source, &options, &mut watch, None);
-    let Watch { host, picture, tape, .. } = watch;
+    let PointObserver { host, picture, tape, .. } = watch;
     let png = picture.map(|picture| host.png(&picture)).transpose().map_err(SweepError)?;
     Ok(match ran {
         Ok(run) if run.report.outcome.kind == OutcomeKind::Complete => {
             let tape = tape.filter(|_| run.recording_is_complete).map(|(tape, _)| tape);
-            Ran { report: Ok(run.report), png, tape }
+            PointResult { report: Ok(run.report), png, tape }
         }
-        Ok(run) => Ran { report: Err(incomplete(&run.report)), png: None, tape: None },
-        Err(error) => Ran { report: Err(of_error(&error)), png: None, tape: None },
+        Ok(run) => PointResult { report: Err(incomplete(&run.report)), png: None, tape: None },
+        Err(error) => PointResult { report: Err(of_error(&error)), png: None, tape: None },
     })
 }
 
-fn options(config: MachineConfig, max_cycles: u64, host: &dyn Host) -> RunOptions {
+fn options(config: MachineConfig, max_cycles: u64, host: &dyn SweepHost) -> RunOptions {
     RunOptions { config, max_cycles, budget: host.budget().clone(), ..RunOptions::default() }
 }
 
-fn failure(outcome: &str, message: String) -> Failure {
-    Failure { outcome: outcome.into(), message }
+fn failure(outcome: &str, message: String) -> PointFailure {
+    PointFailure { outcome: outcome.into(), message }
 }
 
-fn incomplete(report: &Report) -> Failure {
+fn incomplete(report: &Report) -> PointFailure {
     let message = report.outcome.message.clone().unwrap_or_default();
     match report.outcome.kind {
         OutcomeKind::Deadlock => failure("deadlock", message),
@@ -94,7 +100,7 @@ fn incomplete(report: &Report) -> Failure {
     }
 }
 
-fn of_error(error: &RunError) -> Failure {
+fn of_error(error: &RunError) -> PointFailure {
     let outcome = match error {
         RunError::Config(_) => "unfit",
         RunError::Fault(_) => "fault",
@@ -104,11 +110,11 @@ fn of_error(error: &RunError) -> Failure {
 }
 
 /// Returns the measured bottlenecks of a point, largest saving first. Empty if the run does not finish.
-pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<RelaxedCycles> {
+pub(crate) fn limits(plan: &Plan, point: &PlanPoint, host: &dyn SweepHost) -> Vec<RelaxedCycles> {
     let ran = || {
         let config = plan.config(&point.places).ok()?;
         let input = &plan.inputs[point.input];
-        let given = plan.given(&point.places);
+        let given = plan.overrides_of(&point.places);
         let options = RunOptions {
             bottlenecks: AnalysisPolicy::Always,
             overrides: given,
@@ -128,14 +134,14 @@ const SMALL: (u32, u32) = (16, 12);
 
 /// Returns the figures of the plan's reports, from a run of its first valid point with a small picture. Returns `None` if no such run
 /// gives a report.
-pub(crate) fn rehearse(plan: &Plan, host: &dyn Host) -> Option<Vec<Figure>> {
-    let fits = |point: &&Point| plan.config(&point.places).is_ok_and(|config| config.check().is_ok());
+pub(crate) fn run_small(plan: &Plan, host: &dyn SweepHost) -> Option<Vec<ReportFigure>> {
+    let fits = |point: &&PlanPoint| plan.config(&point.places).is_ok_and(|config| config.check().is_ok());
     let config = plan.points.iter().find(fits).and_then(|point| plan.config(&point.places).ok());
     let default = plan.machine.load("", &[]).ok();
     config.into_iter().chain(default).find_map(|config| {
         let source = match &plan.inputs.first()?.opened {
-            Opened::Scene(prepared) => RunInput::scene(Arc::new(small(prepared.scene())?)),
-            Opened::Trace => RunInput::trace(std::io::Cursor::new(doc_trace()), "quad.dl.jsonl"),
+            OpenedInput::Scene(prepared) => RunInput::scene(Arc::new(small_scene(prepared.scene())?)),
+            OpenedInput::Trace => RunInput::trace(std::io::Cursor::new(doc_trace()), "quad.dl.jsonl"),
         };
         let run = run(source, &options(config, REHEARSAL, host), &mut NoObserver, None).ok()?;
         serde_json::to_value(&run.report).ok().map(|report| figures(&report))
@@ -143,7 +149,7 @@ pub(crate) fn rehearse(plan: &Plan, host: &dyn Host) -> Option<Vec<Figure>> {
 }
 
 /// The first frame of a scene as a small picture.
-fn small(scene: &Scene) -> Option<Scene> {
+fn small_scene(scene: &Scene) -> Option<Scene> {
     let frame = Frame { width: SMALL.0, height: SMALL.1, ..(**scene.frames.first()?).clone() };
     Some(Scene { frames: vec![Arc::new(frame)], ..scene.clone() })
 }

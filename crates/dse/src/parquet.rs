@@ -2,7 +2,7 @@
 //! metadata `columns` has the unit, role and meaning of each column, as JSON.
 
 use crate::table::Table;
-use crate::typed::{Values, columns};
+use crate::typed::{ColumnValues, columns};
 use crate::write::about_columns;
 use ::parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use ::parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
@@ -38,9 +38,9 @@ fn file(table: &Table) -> Result<Vec<u8>> {
     for (_, values) in &columns {
         let Some(column) = rows.next_column()? else { break };
         match values {
-            Values::Whole(values) => write::<Int64Type, _>(column, values, |n| *n)?,
-            Values::Number(values) => write::<DoubleType, _>(column, values, |x| *x)?,
-            Values::Text(values) => write::<ByteArrayType, _>(column, values, |text| ByteArray::from(text.as_str()))?,
+            ColumnValues::Whole(values) => write::<Int64Type, _>(column, values, |n| *n)?,
+            ColumnValues::Number(values) => write::<DoubleType, _>(column, values, |x| *x)?,
+            ColumnValues::Text(values) => write::<ByteArrayType, _>(column, values, |text| ByteArray::from(text.as_str()))?,
         }
     }
     rows.close()?;
@@ -48,11 +48,11 @@ fn file(table: &Table) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn field(name: &str, values: &Values) -> Result<TypePtr> {
+fn field(name: &str, values: &ColumnValues) -> Result<TypePtr> {
     let (physical, logical) = match values {
-        Values::Whole(_) => (Physical::INT64, None),
-        Values::Number(_) => (Physical::DOUBLE, None),
-        Values::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+        ColumnValues::Whole(_) => (Physical::INT64, None),
+        ColumnValues::Number(_) => (Physical::DOUBLE, None),
+        ColumnValues::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
     };
     let field = Type::primitive_type_builder(name, physical).with_repetition(Repetition::OPTIONAL);
     Ok(Arc::new(field.with_logical_type(logical).build()?))
@@ -85,9 +85,9 @@ mod tests {
             assert_eq!(row.len(), expected.len());
             for ((name, field), (expected_name, values)) in row.get_column_iter().zip(&expected) {
                 let expected = match values {
-                    Values::Whole(values) => values[at].map_or(Field::Null, Field::Long),
-                    Values::Number(values) => values[at].map_or(Field::Null, Field::Double),
-                    Values::Text(values) => values[at].clone().map_or(Field::Null, Field::Str),
+                    ColumnValues::Whole(values) => values[at].map_or(Field::Null, Field::Long),
+                    ColumnValues::Number(values) => values[at].map_or(Field::Null, Field::Double),
+                    ColumnValues::Text(values) => values[at].clone().map_or(Field::Null, Field::Str),
                 };
                 assert_eq!((name, field), (expected_name, &expected), "row {at}");
             }

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 /// Direction in which values are better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Goal {
+pub enum ObjectiveDirection {
     /// The smaller.
     Min,
     /// The larger.
@@ -18,7 +18,7 @@ pub struct Objective {
     /// Name of the column.
     pub column: String,
     /// Direction in which values are better.
-    pub goal: Goal,
+    pub goal: ObjectiveDirection,
 }
 
 /// Constraint on a point: `quality.psnr_db >= 36`.
@@ -27,14 +27,14 @@ pub struct Constraint {
     /// Name of the column.
     pub column: String,
     /// Required relation of the value to the bound.
-    pub comparison: Comparison,
+    pub comparison: ConstraintRelation,
     /// The bound, in the unit of the column; finite.
     pub bound: f64,
 }
 
 /// Relation of a value to a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Comparison {
+pub enum ConstraintRelation {
     /// `>=`
     AtLeast,
     /// `<=`
@@ -61,7 +61,7 @@ pub enum RuleError {
     Constraint(String),
 }
 
-impl Goal {
+impl ObjectiveDirection {
     /// Returns true if `a` is better than `b`.
     pub fn better(self, a: f64, b: f64) -> bool {
         match self {
@@ -79,7 +79,7 @@ impl Goal {
     }
 }
 
-impl fmt::Display for Goal {
+impl fmt::Display for ObjectiveDirection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Min => "min",
@@ -88,7 +88,7 @@ impl fmt::Display for Goal {
     }
 }
 
-impl Comparison {
+impl ConstraintRelation {
     /// All, two characters before one, so that the first that is found in a text is the right one.
     const ALL: [(&'static str, Self); 6] = [
         (">=", Self::AtLeast),
@@ -100,7 +100,7 @@ impl Comparison {
     ];
 }
 
-impl fmt::Display for Comparison {
+impl fmt::Display for ConstraintRelation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::AtLeast => ">=",
@@ -116,11 +116,11 @@ impl Constraint {
     /// Returns true if a value meets the constraint.
     pub fn keeps(&self, value: f64) -> bool {
         match self.comparison {
-            Comparison::AtLeast => value >= self.bound,
-            Comparison::AtMost => value <= self.bound,
-            Comparison::Above => value > self.bound,
-            Comparison::Below => value < self.bound,
-            Comparison::Equal => value == self.bound,
+            ConstraintRelation::AtLeast => value >= self.bound,
+            ConstraintRelation::AtMost => value <= self.bound,
+            ConstraintRelation::Above => value > self.bound,
+            ConstraintRelation::Below => value < self.bound,
+            ConstraintRelation::Equal => value == self.bound,
         }
     }
 }
@@ -146,8 +146,8 @@ impl FromStr for Objective {
         let mut words = text.split_whitespace();
         let (Some(column), Some(goal), None) = (words.next(), words.next(), words.next()) else { return Err(wrong()) };
         let goal = match goal {
-            "min" => Goal::Min,
-            "max" => Goal::Max,
+            "min" => ObjectiveDirection::Min,
+            "max" => ObjectiveDirection::Max,
             _ => return Err(wrong()),
         };
         Ok(Self { column: column.into(), goal })
@@ -162,7 +162,7 @@ impl FromStr for Constraint {
         let wrong = || RuleError::Constraint(text.into());
         let at = text.find(['<', '>', '=']).ok_or_else(wrong)?;
         let (column, rest) = (text[..at].trim(), &text[at..]);
-        let found = Comparison::ALL.iter().find_map(|(sign, comparison)| Some((*comparison, rest.strip_prefix(sign)?)));
+        let found = ConstraintRelation::ALL.iter().find_map(|(sign, comparison)| Some((*comparison, rest.strip_prefix(sign)?)));
         let (comparison, bound) = found.ok_or_else(wrong)?;
         let bound: f64 = bound.trim().parse().map_err(|_| wrong())?;
         if column.is_empty() || column.contains(char::is_whitespace) || !bound.is_finite() {
@@ -185,7 +185,7 @@ mod tests {
             assert_eq!(text.parse::<Constraint>().unwrap().to_string(), text);
         }
         let tight: Constraint = "a==1e3".parse().unwrap();
-        assert_eq!(tight, Constraint { column: "a".into(), comparison: Comparison::Equal, bound: 1000.0 });
+        assert_eq!(tight, Constraint { column: "a".into(), comparison: ConstraintRelation::Equal, bound: 1000.0 });
     }
 
     #[test]

@@ -11,7 +11,7 @@
 use crate::split_mix_64::SplitMix64;
 
 /// A place on each axis, from 0.
-pub type Point = Vec<usize>;
+pub type GridPoint = Vec<usize>;
 
 /// Largest number of points of [`sobol`], a limit of its generator.
 pub const MOST_SOBOL: usize = 1 << 16;
@@ -53,7 +53,7 @@ pub enum SampleError {
 /// second.sort();
 /// assert_eq!(second, [0, 1, 2, 3]);
 /// ```
-pub fn latin_hypercube(points: usize, axes: &[usize], seed: u32) -> Result<Vec<Point>, SampleError> {
+pub fn latin_hypercube(points: usize, axes: &[usize], seed: u32) -> Result<Vec<GridPoint>, SampleError> {
     check("latin_hypercube", points, axes, MOST_LATIN)?;
     let mut random_numbers = SplitMix64::new(seed);
     let mut sample = vec![Vec::with_capacity(axes.len()); points];
@@ -72,7 +72,7 @@ pub fn latin_hypercube(points: usize, axes: &[usize], seed: u32) -> Result<Vec<P
 ///
 /// # Errors
 /// Too many points or axes, or an axis without value.
-pub fn sobol(points: usize, axes: &[usize], seed: u32) -> Result<Vec<Point>, SampleError> {
+pub fn sobol(points: usize, axes: &[usize], seed: u32) -> Result<Vec<GridPoint>, SampleError> {
     check("sobol", points, axes, MOST_SOBOL)?;
     let at = |number: u32, axis: u32, length: usize| {
         // 24 bits, exact in double precision for any length.
@@ -99,7 +99,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// Returns the number of points per value of an axis.
-    fn taken(points: &[Point], axis: usize, length: usize) -> Vec<usize> {
+    fn taken(points: &[GridPoint], axis: usize, length: usize) -> Vec<usize> {
         (0..length).map(|value| points.iter().filter(|point| point[axis] == value).count()).collect()
     }
 
@@ -123,7 +123,7 @@ mod tests {
             let points = 1usize << power;
             for first in 0..=power {
                 let axes = [1usize << first, 1usize << (power - first)];
-                let mut boxes: Vec<Point> = sobol(points, &axes, seed).unwrap();
+                let mut boxes: Vec<GridPoint> = sobol(points, &axes, seed).unwrap();
                 boxes.sort();
                 boxes.dedup();
                 prop_assert_eq!(boxes.len(), points, "{:?}", axes);
@@ -132,7 +132,7 @@ mod tests {
     }
 
     /// Largest difference between the share of points in a box at the origin and the box's volume, over the boxes of a grid.
-    fn discrepancy(points: &[Point], side: usize) -> f64 {
+    fn discrepancy(points: &[GridPoint], side: usize) -> f64 {
         let corners = (1..=side).flat_map(|x| (1..=side).flat_map(move |y| (1..=side).map(move |z| [x, y, z])));
         let difference = |corner: [usize; 3]| {
             let inside = points.iter().filter(|point| point.iter().zip(corner).all(|(&at, end)| at < end)).count();
@@ -146,7 +146,8 @@ mod tests {
     fn samples_are_more_even_than_chance() {
         let axes = [16; 3];
         let mut random_numbers = SplitMix64::new(5_u64);
-        let random: Vec<Point> = (0..256).map(|_| axes.iter().map(|&length| random_numbers.below(length)).collect()).collect();
+        let random: Vec<GridPoint> =
+            (0..256).map(|_| axes.iter().map(|&length| random_numbers.below(length)).collect()).collect();
         let by_chance = discrepancy(&random, 16);
         let latin = discrepancy(&latin_hypercube(256, &axes, 5).unwrap(), 16);
         let sobol = discrepancy(&sobol(256, &axes, 5).unwrap(), 16);
@@ -167,7 +168,7 @@ mod tests {
 
     #[test]
     fn impossible_sample_is_refused() {
-        let says = |error: Result<Vec<Point>, SampleError>, text: &str| assert_eq!(error.unwrap_err().to_string(), text);
+        let says = |error: Result<Vec<GridPoint>, SampleError>, text: &str| assert_eq!(error.unwrap_err().to_string(), text);
         says(sobol(4, &[2, 0], 0), "axis 1 has no value; expected one at least");
         says(sobol(MOST_SOBOL + 1, &[2], 0), "65537 points of a sobol sample; expected at most 65536");
         says(latin_hypercube(4, &[1; 257], 0), "257 axes; expected at most 256: vary fewer, or several together");

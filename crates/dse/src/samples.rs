@@ -1,21 +1,21 @@
 //! Tables for tests, and for pages to look at.
 
-use crate::{Cell, Column, Goal, Role, Row, State, Table};
+use crate::{Cell, Column, ColumnRole, ObjectiveDirection, PointState, Row, Table};
 
-pub(crate) fn column(name: &str, unit: &str, role: Role) -> Column {
+pub(crate) fn column(name: &str, unit: &str, role: ColumnRole) -> Column {
     Column { name: name.into(), unit: unit.into(), role, what: String::new() }
 }
 
 /// A made-up device: entries, lanes, levels and a method; cycles, decibels and bytes as they might be. Every 97th point fails.
 pub(crate) fn device(count: usize) -> Table {
     let columns = vec![
-        column("cycles.total", "cycles", Role::Objective(Goal::Min)),
-        column("quality.psnr_db", "dB", Role::Objective(Goal::Max)),
-        column("memories.bytes", "bytes", Role::Objective(Goal::Min)),
-        column("replacement.entries", "entries", Role::Axis),
-        column("search.lanes", "inner products/cycle", Role::Axis),
-        column("levels", "", Role::Axis),
-        column("texture.layout", "", Role::Axis),
+        column("cycles.total", "cycles", ColumnRole::Objective(ObjectiveDirection::Min)),
+        column("quality.psnr_db", "dB", ColumnRole::Objective(ObjectiveDirection::Max)),
+        column("memories.bytes", "bytes", ColumnRole::Objective(ObjectiveDirection::Min)),
+        column("replacement.entries", "entries", ColumnRole::Axis),
+        column("search.lanes", "inner products/cycle", ColumnRole::Axis),
+        column("levels", "", ColumnRole::Axis),
+        column("texture.layout", "", ColumnRole::Axis),
     ];
     let constraints = vec!["quality.psnr_db >= 18".parse().unwrap()];
     Table { title: format!("a made-up device, {count} points"), columns, constraints, rows: (0..count).map(row).collect() }
@@ -35,7 +35,7 @@ fn row(number: usize) -> Row {
     let id = format!("{:016x}", (number as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let failed = number % 97 == 5;
     Row {
-        state: if failed { State::Failed("deadlock: `shaded` is full, `replacement` waits".into()) } else { State::Ok },
+        state: if failed { PointState::Failed("deadlock: `shaded` is full, `replacement` waits".into()) } else { PointState::Ok },
         picture: (!failed).then(|| format!("points/{id}/image.png")),
         cells: figures.into_iter().chain(axes).collect(),
         id,

@@ -1,8 +1,8 @@
 //! Sensitivity of a run to assumed parameters: a plan that changes one value at a time. Its store keeps only the measures of each point.
 
-use crate::folder::{Failure, Store};
-use crate::plan::{Axis, Plan, Point};
-use crate::{Found, Host, SweepError, Work, execute};
+use crate::folder::{PointFailure, PointStore};
+use crate::plan::{Axis, Plan, PlanPoint};
+use crate::{PointStatus, SweepError, SweepHost, SweepJob, execute};
 use basrelief_report::Report;
 use basrelief_report::sensitivity::{ComesTo, Measure, ParameterChange, Sensitivity};
 use basrelief_sim::ParameterInfo;
@@ -12,29 +12,29 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Figures of points, by their hashes.
 #[derive(Default)]
-struct Measures(Mutex<BTreeMap<String, Result<Measure, Failure>>>);
+struct PointMeasures(Mutex<BTreeMap<String, Result<Measure, PointFailure>>>);
 
-impl Measures {
-    fn all(&self) -> MutexGuard<'_, BTreeMap<String, Result<Measure, Failure>>> {
+impl PointMeasures {
+    fn all(&self) -> MutexGuard<'_, BTreeMap<String, Result<Measure, PointFailure>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Store for Measures {
-    fn find(&self, id: &str) -> Found {
+impl PointStore for PointMeasures {
+    fn find(&self, id: &str) -> PointStatus {
         match self.all().get(id) {
-            Some(Ok(_)) => Found::Report,
-            Some(Err(_)) => Found::Failed,
-            None => Found::Missing,
+            Some(Ok(_)) => PointStatus::Report,
+            Some(Err(_)) => PointStatus::Failed,
+            None => PointStatus::Missing,
         }
     }
 
-    fn put(&self, id: &str, (report, _): (&Report, Option<&[u8]>), _: &dyn Host) -> Result<(), SweepError> {
+    fn put(&self, id: &str, (report, _): (&Report, Option<&[u8]>), _: &dyn SweepHost) -> Result<(), SweepError> {
         self.all().insert(id.into(), Ok(report.measure()));
         Ok(())
     }
 
-    fn put_failure(&self, id: &str, failure: &Failure, _: &dyn Host) -> Result<(), SweepError> {
+    fn put_failure(&self, id: &str, failure: &PointFailure, _: &dyn SweepHost) -> Result<(), SweepError> {
         self.all().insert(id.into(), Err(failure.clone()));
         Ok(())
     }
@@ -45,21 +45,21 @@ impl Store for Measures {
 ///
 /// # Errors
 /// An input that can no longer be opened, or a base run that does not finish.
-pub fn sensitivity(plan: &Plan, threads: usize, host: &dyn Host) -> Result<Sensitivity, SweepError> {
-    let measures = Measures::default();
-    let points: Vec<&Point> = plan.points.iter().collect();
-    execute(plan, &Work { points: &points, retry_failed: false, pictures: false, threads }, &measures, host)?;
+pub fn sensitivity(plan: &Plan, threads: usize, host: &dyn SweepHost) -> Result<Sensitivity, SweepError> {
+    let measures = PointMeasures::default();
+    let points: Vec<&PlanPoint> = plan.points.iter().collect();
+    execute(plan, &SweepJob { points: &points, retry_failed: false, pictures: false, threads }, &measures, host)?;
     let measures = measures.all();
-    let measure = |point: &Point| measures.get(&point.id).cloned();
-    let is_base = |point: &&Point| point.places.iter().all(|place| *place == 0);
+    let measure = |point: &PlanPoint| measures.get(&point.id).cloned();
+    let is_base = |point: &&PlanPoint| point.places.iter().all(|place| *place == 0);
     let base = match plan.points.iter().find(is_base).and_then(measure) {
         Some(Ok(base)) => base,
-        Some(Err(Failure { outcome, message })) => return Err(SweepError(format!("as configured: {outcome}: {message}"))),
+        Some(Err(PointFailure { outcome, message })) => return Err(SweepError(format!("as configured: {outcome}: {message}"))),
         None => return Err(SweepError("as configured: was not run".into())),
     };
     let described = plan.config(&vec![0; plan.axes.len()]).map_err(SweepError)?.described();
     let described: BTreeMap<&str, &ParameterInfo> = described.iter().map(|p| (p.key.as_str(), p)).collect();
-    let change = |point: &Point| {
+    let change = |point: &PlanPoint| {
         let (axis, place) = plan.axes.iter().zip(&point.places).find(|(_, place)| **place > 0)?;
         Some(change(axis, *place, described.get(axis.keys[0].as_str())?, measure(point)?, base))
     };
@@ -68,7 +68,13 @@ pub fn sensitivity(plan: &Plan, threads: usize, host: &dyn Host) -> Result<Sensi
     Ok(Sensitivity::new(base, changes, unchanged))
 }
 
-fn change(axis: &Axis, place: usize, of: &ParameterInfo, measure: Result<Measure, Failure>, base: Measure) -> ParameterChange {
+fn change(
+    axis: &Axis,
+    place: usize,
+    of: &ParameterInfo,
+    measure: Result<Measure, PointFailure>,
+    base: Measure,
+) -> ParameterChange {
     ParameterChange {
         parameter: of.key.clone(),
         about: of.about.clone(),
@@ -77,7 +83,7 @@ fn change(axis: &Axis, place: usize, of: &ParameterInfo, measure: Result<Measure
         to: json_of(&axis.values[place][0]),
         comes_to: match measure {
             Ok(measure) => ComesTo::Run(base.change_to(measure)),
-            Err(Failure { outcome, message }) => ComesTo::Nothing { reason: format!("{outcome}: {message}") },
+            Err(PointFailure { outcome, message }) => ComesTo::Nothing { reason: format!("{outcome}: {message}") },
         },
     }
 }

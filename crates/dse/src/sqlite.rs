@@ -2,7 +2,7 @@
 //! of each column.
 
 use crate::table::Table;
-use crate::typed::{Values, columns};
+use crate::typed::{ColumnValues, columns};
 use crate::write::about_columns;
 use rusqlite::types::Value;
 use rusqlite::{Connection, Result, params_from_iter};
@@ -43,20 +43,20 @@ fn quoted(name: &str) -> String {
     format!("\"{}\"", name.replace('"', "\"\""))
 }
 
-fn type_of(values: &Values) -> &'static str {
+fn type_of(values: &ColumnValues) -> &'static str {
     match values {
-        Values::Whole(_) => "INTEGER",
-        Values::Number(_) => "REAL",
-        Values::Text(_) => "TEXT",
+        ColumnValues::Whole(_) => "INTEGER",
+        ColumnValues::Number(_) => "REAL",
+        ColumnValues::Text(_) => "TEXT",
     }
 }
 
 /// The value of a row. (SQLite has no "not a number": it becomes NULL.)
-fn value(values: &Values, row: usize) -> Value {
+fn value(values: &ColumnValues, row: usize) -> Value {
     match values {
-        Values::Whole(values) => values[row].into(),
-        Values::Number(values) => values[row].into(),
-        Values::Text(values) => values[row].clone().into(),
+        ColumnValues::Whole(values) => values[row].into(),
+        ColumnValues::Number(values) => values[row].into(),
+        ColumnValues::Text(values) => values[row].clone().into(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! A table of points: one row for each, one column for each axis, objective and figure.
 
-use crate::rules::{Constraint, Goal};
+use crate::rules::{Constraint, ObjectiveDirection};
 use std::fmt;
 
 /// Columns ahead of those of the table.
@@ -34,18 +34,18 @@ pub struct Column {
     /// Unit of measure; empty for a pure number or a word.
     pub unit: String,
     /// Role of the column.
-    pub role: Role,
+    pub role: ColumnRole,
     /// Description; may be empty.
     pub what: String,
 }
 
 /// Role of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum ColumnRole {
     /// Was chosen by the plan.
     Axis,
     /// Column to minimize or maximize.
-    Objective(Goal),
+    Objective(ObjectiveDirection),
     /// Was measured.
     Figure,
 }
@@ -56,7 +56,7 @@ pub struct Row {
     /// Hash of the point.
     pub id: String,
     /// State of the point.
-    pub state: State,
+    pub state: PointState,
     /// A value for each column.
     pub cells: Vec<Cell>,
     /// Path of the picture relative to the folder of the table, with `/` as separator.
@@ -65,7 +65,7 @@ pub struct Row {
 
 /// State of a point.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum PointState {
     /// The point has a report.
     Ok,
     /// The point failed for this reason. Its axes have values; other cells may have values.
@@ -118,14 +118,14 @@ impl Table {
 
     /// Columns that the plan chose values for, by number.
     pub fn axes(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.columns.len()).filter(|&at| self.columns[at].role == Role::Axis)
+        (0..self.columns.len()).filter(|&at| self.columns[at].role == ColumnRole::Axis)
     }
 
     /// Objectives, with the number of their column.
-    pub fn objectives(&self) -> impl Iterator<Item = (usize, Goal)> + '_ {
+    pub fn objectives(&self) -> impl Iterator<Item = (usize, ObjectiveDirection)> + '_ {
         self.columns.iter().enumerate().filter_map(|(at, column)| match column.role {
-            Role::Objective(goal) => Some((at, goal)),
-            Role::Axis | Role::Figure => None,
+            ColumnRole::Objective(goal) => Some((at, goal)),
+            ColumnRole::Axis | ColumnRole::Figure => None,
         })
     }
 
@@ -135,7 +135,7 @@ impl Table {
             let cell = self.column(&constraint.column).and_then(|at| row.cells.get(at));
             cell.and_then(Cell::number).is_some_and(|value| constraint.keeps(value))
         };
-        row.state == State::Ok && self.constraints.iter().all(kept)
+        row.state == PointState::Ok && self.constraints.iter().all(kept)
     }
 
     /// That rows have a cell for each column, names of columns are different, and constraints are on columns.
@@ -189,7 +189,7 @@ impl fmt::Display for Cell {
     }
 }
 
-impl State {
+impl PointState {
     /// Returns `ok`, `failed` or `pending`.
     pub fn word(&self) -> &'static str {
         match self {
@@ -213,30 +213,35 @@ mod tests {
         let column = |name: &str, role| Column { name: name.into(), unit: "".into(), role, what: "".into() };
         Table {
             title: "t".into(),
-            columns: vec![column("cycles", Role::Objective(Goal::Min)), column("lanes", Role::Axis)],
+            columns: vec![column("cycles", ColumnRole::Objective(ObjectiveDirection::Min)), column("lanes", ColumnRole::Axis)],
             constraints: vec!["cycles < 10".parse().unwrap()],
-            rows: vec![Row { id: "a".into(), state: State::Ok, cells, picture: None }],
+            rows: vec![Row { id: "a".into(), state: PointState::Ok, cells, picture: None }],
         }
     }
 
     #[test]
     fn feasible_points_ran_and_meet_constraints() {
-        let feasible = |cell: Cell, state: State| {
+        let feasible = |cell: Cell, state: PointState| {
             let mut table = table(vec![cell, Cell::Text("x".into())]);
             table.rows[0].state = state;
             table.feasible(&table.rows[0])
         };
-        assert!(feasible(Cell::Whole(9), State::Ok) && feasible(Cell::Number(9.5), State::Ok));
-        assert!(!feasible(Cell::Whole(10), State::Ok) && !feasible(Cell::Missing, State::Ok));
-        assert!(!feasible(Cell::Number(f64::NEG_INFINITY), State::Ok) && !feasible(Cell::Text("9".into()), State::Ok));
-        assert!(!feasible(Cell::Whole(9), State::Failed("deadlock".into())) && !feasible(Cell::Whole(9), State::Pending));
+        assert!(feasible(Cell::Whole(9), PointState::Ok) && feasible(Cell::Number(9.5), PointState::Ok));
+        assert!(!feasible(Cell::Whole(10), PointState::Ok) && !feasible(Cell::Missing, PointState::Ok));
+        assert!(!feasible(Cell::Number(f64::NEG_INFINITY), PointState::Ok) && !feasible(Cell::Text("9".into()), PointState::Ok));
+        assert!(
+            !feasible(Cell::Whole(9), PointState::Failed("deadlock".into())) && !feasible(Cell::Whole(9), PointState::Pending)
+        );
     }
 
     #[test]
     fn a_table_says_where_it_is_wrong() {
         let good = table(vec![Cell::Missing, Cell::Missing]);
         assert_eq!(good.check(), Ok(()));
-        assert_eq!((good.axes().collect::<Vec<_>>(), good.objectives().collect::<Vec<_>>()), (vec![1], vec![(0, Goal::Min)]));
+        assert_eq!(
+            (good.axes().collect::<Vec<_>>(), good.objectives().collect::<Vec<_>>()),
+            (vec![1], vec![(0, ObjectiveDirection::Min)])
+        );
         let error = table(vec![]).check().unwrap_err().to_string();
         assert_eq!(error, "row 0 (`a`) has 0 cells, expected 2: one for each column");
         let mut twice = good.clone();

@@ -1,10 +1,10 @@
 //! The table of all points, and the files made from it.
 
-use crate::figures::{Figure, figures};
+use crate::figures::{ReportFigure, figures};
 use crate::folder::publish;
-use crate::plan::{Plan, Point};
-use crate::{Cell, Column, Goal, PageOptions, Role, Row, State, Table, front, page, vega, write};
-use crate::{Folder, Found, Host, SweepError};
+use crate::plan::{Plan, PlanPoint};
+use crate::{Cell, Column, ColumnRole, ObjectiveDirection, PageOptions, PointState, Row, Table, front, page, vega, write};
+use crate::{PointStatus, SweepError, SweepFolder, SweepHost};
 use basrelief_threads as threads;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -27,8 +27,8 @@ const FRONT: &str = "front.txt";
 ///
 /// # Errors
 /// A report that cannot be read, a file that cannot be written.
-pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, SweepError> {
-    let all: Vec<&Point> = plan.points.iter().collect();
+pub fn tables(plan: &Plan, folder: &SweepFolder, host: &dyn SweepHost) -> Result<String, SweepError> {
+    let all: Vec<&PlanPoint> = plan.points.iter().collect();
     let table = table_of(plan, &all, folder)?;
     let failed = |error: std::io::Error| SweepError(format!("the table: {error}"));
     let (mut lines, mut csv) = (Vec::new(), Vec::new());
@@ -54,7 +54,7 @@ pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, S
         chart.as_bytes(),
         front.as_bytes(),
     ];
-    FILES.iter().zip(all).try_for_each(|((file, _), bytes)| publish(&folder.place(file), bytes, host))?;
+    FILES.iter().zip(all).try_for_each(|((file, _), bytes)| publish(&folder.path_of(file), bytes, host))?;
     Ok(front)
 }
 
@@ -63,24 +63,24 @@ pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, S
 ///
 /// # Errors
 /// A report that cannot be read.
-pub(crate) fn table_of(plan: &Plan, points: &[&Point], folder: &Folder) -> Result<Table, SweepError> {
-    let read = |point: &&Point| match folder.find(&point.id) {
-        Found::Report => folder.report(&point.id).map(|report| (State::Ok, figures(&report))),
-        Found::Failed => folder.failure(&point.id).map(|failure| {
-            let crate::folder::Failure { outcome, message } = failure;
-            (State::Failed(format!("{outcome}: {message}")), vec![])
+pub(crate) fn table_of(plan: &Plan, points: &[&PlanPoint], folder: &SweepFolder) -> Result<Table, SweepError> {
+    let read = |point: &&PlanPoint| match folder.find(&point.id) {
+        PointStatus::Report => folder.report(&point.id).map(|report| (PointState::Ok, figures(&report))),
+        PointStatus::Failed => folder.failure(&point.id).map(|failure| {
+            let crate::folder::PointFailure { outcome, message } = failure;
+            (PointState::Failed(format!("{outcome}: {message}")), vec![])
         }),
-        Found::Outdated | Found::Missing => Ok((State::Pending, vec![])),
+        PointStatus::Outdated | PointStatus::Missing => Ok((PointState::Pending, vec![])),
     };
     let read = threads::par_map(points.iter().collect(), read).into_iter().collect::<Result<Vec<_>, _>>()?;
     let columns = columns(plan, &read);
     let numbers: BTreeMap<&str, usize> = columns.iter().enumerate().map(|(n, column)| (column.name.as_str(), n)).collect();
-    let row = |(point, (state, figures)): (&&Point, &(State, Vec<Figure>))| {
+    let row = |(point, (state, figures)): (&&PlanPoint, &(PointState, Vec<ReportFigure>))| {
         let mut cells = vec![Cell::Missing; columns.len()];
         for (name, cell) in axis_cells(plan, point).chain(figures.iter().map(|figure| (&*figure.name, figure.cell.clone()))) {
             cells[numbers[name]] = cell;
         }
-        let picture = folder.picture(&point.id).filter(|_| *state == State::Ok);
+        let picture = folder.picture(&point.id).filter(|_| *state == PointState::Ok);
         Row { id: point.id.clone(), state: state.clone(), cells, picture }
     };
     let rows = points.iter().zip(&read).map(row).collect();
@@ -93,33 +93,33 @@ pub(crate) fn table_of(plan: &Plan, points: &[&Point], folder: &Folder) -> Resul
 const INPUT: &str = "input";
 
 /// Names and values of a point's input and axes.
-fn axis_cells<'a>(plan: &'a Plan, point: &'a Point) -> impl Iterator<Item = (&'a str, Cell)> {
+fn axis_cells<'a>(plan: &'a Plan, point: &'a PlanPoint) -> impl Iterator<Item = (&'a str, Cell)> {
     let input = (plan.inputs.len() > 1).then(|| (INPUT, Cell::Text(plan.inputs[point.input].name.clone())));
     let axes = plan.axes.iter().zip(&point.places);
     let cells = axes.flat_map(|(axis, &place)| axis.keys.iter().map(String::as_str).zip(axis.cells[place].iter().cloned()));
     input.into_iter().chain(cells)
 }
 
-fn columns(plan: &Plan, points: &[(State, Vec<Figure>)]) -> Vec<Column> {
+fn columns(plan: &Plan, points: &[(PointState, Vec<ReportFigure>)]) -> Vec<Column> {
     let mut columns: Vec<Column> = Vec::new();
     let column = |name: &str, role| Column { name: name.into(), unit: String::new(), role, what: String::new() };
-    columns.extend(plan.objectives.iter().map(|o| column(&o.column, Role::Objective(o.goal))));
+    columns.extend(plan.objectives.iter().map(|o| column(&o.column, ColumnRole::Objective(o.goal))));
     let mut named: BTreeSet<String> = columns.iter().map(|column| column.name.clone()).collect();
     let constrained = plan.constraints.iter().filter(|constraint| named.insert(constraint.column.clone()));
-    columns.extend(constrained.map(|constraint| column(&constraint.column, Role::Figure)));
-    columns.extend((plan.inputs.len() > 1).then(|| column(INPUT, Role::Axis)));
+    columns.extend(constrained.map(|constraint| column(&constraint.column, ColumnRole::Figure)));
+    columns.extend((plan.inputs.len() > 1).then(|| column(INPUT, ColumnRole::Axis)));
     let parameters = plan.machine.parameters();
     for key in plan.axes.iter().flat_map(|axis| &axis.keys) {
         let parameter = parameters.iter().find(|parameter| parameter.key == *key);
         let (unit, what) = parameter.map_or(("", ""), |parameter| (parameter.unit, &parameter.doc));
-        columns.push(Column { unit: unit.into(), what: what.into(), ..column(key, Role::Axis) });
+        columns.push(Column { unit: unit.into(), what: what.into(), ..column(key, ColumnRole::Axis) });
     }
     for figure in points.iter().flat_map(|(_, figures)| figures) {
         if named.insert(figure.name.clone()) {
-            columns.push(column(&figure.name, Role::Figure));
+            columns.push(column(&figure.name, ColumnRole::Figure));
         }
     }
-    let about: BTreeMap<&str, &Figure> =
+    let about: BTreeMap<&str, &ReportFigure> =
         points.iter().flat_map(|(_, figures)| figures).map(|figure| (figure.name.as_str(), figure)).collect();
     for column in &mut columns {
         if let Some(figure) = about.get(column.name.as_str()) {
@@ -141,9 +141,9 @@ fn front_text(table: &Table) -> String {
     let mut text = format!("{}\n{points} of {of} points{keep} are Pareto-optimal\n", table.title);
     let shown: Vec<usize> = table.objectives().map(|(at, _)| at).chain(table.axes()).collect();
     let title = |&at: &usize| match table.columns[at].role {
-        Role::Objective(Goal::Min) => format!("{} min", table.columns[at].header()),
-        Role::Objective(Goal::Max) => format!("{} max", table.columns[at].header()),
-        Role::Axis | Role::Figure => table.columns[at].header(),
+        ColumnRole::Objective(ObjectiveDirection::Min) => format!("{} min", table.columns[at].header()),
+        ColumnRole::Objective(ObjectiveDirection::Max) => format!("{} max", table.columns[at].header()),
+        ColumnRole::Axis | ColumnRole::Figure => table.columns[at].header(),
     };
     let mut order = front;
     let cost = |row: usize| shown.first().and_then(|&at| table.rows[row].cells[at].number()).unwrap_or(f64::NAN);

@@ -2,8 +2,8 @@
 
 use crate::front::front_by;
 use crate::levels::{logarithmic, range};
-use crate::rules::Goal;
-use crate::table::{Column, Role, State, Table};
+use crate::rules::ObjectiveDirection;
+use crate::table::{Column, ColumnRole, PointState, Table};
 use crate::write::value;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
@@ -59,7 +59,7 @@ pub fn vega(table: &Table) -> Value {
 /// Returns true if a column is an axis, an objective or a constrained figure.
 fn is_told(table: &Table, at: usize) -> bool {
     let column = &table.columns[at];
-    column.role != Role::Figure || table.constraints.iter().any(|rule| rule.column == column.name)
+    column.role != ColumnRole::Figure || table.constraints.iter().any(|rule| rule.column == column.name)
 }
 
 fn encoding(across: Option<Value>, upright: Option<Value>) -> Value {
@@ -75,7 +75,7 @@ fn named(column: &Column) -> Value {
 /// A column by position or colour.
 fn channel(table: &Table, at: usize) -> Value {
     let mut channel = named(&table.columns[at]);
-    if table.columns[at].role == Role::Axis {
+    if table.columns[at].role == ColumnRole::Axis {
         // A parameter may be a word.
         channel["type"] = "ordinal".into();
         return channel;
@@ -102,17 +102,17 @@ fn field(name: &str) -> String {
 /// Path of the Pareto front, in steps.
 fn stair(table: &Table) -> &'static str {
     match table.objectives().next() {
-        Some((_, Goal::Max)) => "step-before",
+        Some((_, ObjectiveDirection::Max)) => "step-before",
         _ => "step-after",
     }
 }
 
 fn points(table: &Table, told: &[usize]) -> Vec<Value> {
     let front: BTreeSet<usize> = crate::front(table).into_iter().collect();
-    let shown: Vec<(usize, Goal)> = table.objectives().take(2).collect();
+    let shown: Vec<(usize, ObjectiveDirection)> = table.objectives().take(2).collect();
     // Fewer than two make no line.
     let line: BTreeSet<usize> = if shown.len() == 2 { front_by(table, &shown).into_iter().collect() } else { BTreeSet::new() };
-    let run = table.rows.iter().enumerate().filter(|(_, row)| row.state == State::Ok);
+    let run = table.rows.iter().enumerate().filter(|(_, row)| row.state == PointState::Ok);
     let point = |(number, row): (usize, &crate::Row)| {
         let own: [(&str, Value); 4] = [
             ("id", row.id.as_str().into()),
@@ -156,11 +156,11 @@ mod tests {
         let table = samples::device(30);
         let spec = vega(&table);
         let values = spec["data"]["values"].as_array().unwrap();
-        let run: Vec<&crate::Row> = table.rows.iter().filter(|row| row.state == State::Ok).collect();
+        let run: Vec<&crate::Row> = table.rows.iter().filter(|row| row.state == PointState::Ok).collect();
         assert_eq!((values.len(), run.len()), (29, 29));
         assert_eq!(values[0]["cycles.total"], value(&run[0].cells[0]));
         let count = |name: &str| values.iter().filter(|point| point[name] == true).count();
-        let shown: Vec<(usize, Goal)> = table.objectives().take(2).collect();
+        let shown: Vec<(usize, ObjectiveDirection)> = table.objectives().take(2).collect();
         assert_eq!((count("front"), count("line")), (crate::front(&table).len(), front_by(&table, &shown).len()));
     }
 

@@ -6,7 +6,7 @@
 
 use crate::table::{Cell, OWN, PICTURE, Row, Table};
 #[cfg(any(feature = "parquet", feature = "sqlite"))]
-use crate::{Column, Goal, Role};
+use crate::{Column, ColumnRole, ObjectiveDirection};
 use basrelief_report::no_formula;
 use serde::Serializer;
 use serde_json::Value;
@@ -67,11 +67,11 @@ pub(crate) struct AboutColumn {
 /// The columns of a table, but for those that every written table has.
 #[cfg(any(feature = "parquet", feature = "sqlite"))]
 pub(crate) fn about_columns(table: &Table) -> Vec<AboutColumn> {
-    let role = |role: Role| match role {
-        Role::Objective(Goal::Min) => "min",
-        Role::Objective(Goal::Max) => "max",
-        Role::Axis => "axis",
-        Role::Figure => "figure",
+    let role = |role: ColumnRole| match role {
+        ColumnRole::Objective(ObjectiveDirection::Min) => "min",
+        ColumnRole::Objective(ObjectiveDirection::Max) => "max",
+        ColumnRole::Axis => "axis",
+        ColumnRole::Figure => "figure",
     };
     let about = |c: &Column| AboutColumn { name: c.header(), unit: c.unit.clone(), role: role(c.role), what: c.what.clone() };
     table.columns.iter().map(about).collect()
@@ -90,17 +90,17 @@ pub(crate) fn value(cell: &Cell) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::State;
+    use crate::table::PointState;
     #[cfg(not(any(feature = "parquet", feature = "sqlite")))]
-    use crate::{Column, Goal, Role};
+    use crate::{Column, ColumnRole, ObjectiveDirection};
     use proptest::prelude::*;
 
     fn column(name: &str, unit: &str) -> Column {
-        Column { name: name.into(), unit: unit.into(), role: Role::Objective(Goal::Min), what: String::new() }
+        Column { name: name.into(), unit: unit.into(), role: ColumnRole::Objective(ObjectiveDirection::Min), what: String::new() }
     }
 
     fn table(cells: Vec<Vec<Cell>>) -> Table {
-        let row = |cells| Row { id: "f00".into(), state: State::Ok, cells, picture: Some("points/f00/image.png".into()) };
+        let row = |cells| Row { id: "f00".into(), state: PointState::Ok, cells, picture: Some("points/f00/image.png".into()) };
         let columns = vec![column("cycles", "cycles"), column("mode", "")];
         Table { columns, rows: cells.into_iter().map(row).collect(), ..Table::default() }
     }
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn columns_have_units_and_failures_their_reason() {
         let mut table = table(vec![vec![Cell::Whole(7), Cell::Text("a, \"b\"\n".into())], vec![Cell::Missing, Cell::Missing]]);
-        table.rows[1].state = State::Failed("deadlock".into());
+        table.rows[1].state = PointState::Failed("deadlock".into());
         table.rows[1].picture = None;
         let expected = "id,state,reason,cycles [cycles],mode\nf00,ok,,7,\"a, \"\"b\"\"\n\"\nf00,failed,deadlock,,\n";
         assert_eq!(text(|t, o| csv(t, o), &table), expected);

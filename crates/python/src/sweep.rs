@@ -2,7 +2,9 @@
 
 use crate::error::{CommandError, CommandResult, Exported, budget};
 use crate::scene::{DisplayList, Source, View, text_of};
-use basrelief_dse::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
+use basrelief_dse::{
+    OpenedInput, Plan as SweepPlan, PlanPoint, PointStatus, SweepFolder, SweepHost, SweepJob, SweepProgress, execute, tables,
+};
 use basrelief_input::MemoryPool;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::{ImportOptions, demo, load_path_with};
@@ -42,13 +44,13 @@ impl Plan {
     /// failed points.
     fn missing(&self, py: Python<'_>, folder: PathBuf, retry_failed: bool) -> Vec<(String, String)> {
         py.detach(|| {
-            let folder = Folder::new(&folder);
-            let is_missing = |point: &&Point| match folder.find(&point.id) {
-                Found::Outdated | Found::Missing => true,
-                Found::Failed => retry_failed,
-                Found::Report => false,
+            let folder = SweepFolder::new(&folder);
+            let is_missing = |point: &&PlanPoint| match folder.find(&point.id) {
+                PointStatus::Outdated | PointStatus::Missing => true,
+                PointStatus::Failed => retry_failed,
+                PointStatus::Report => false,
             };
-            let mut missing: Vec<&Point> = self.plan.points.iter().filter(is_missing).collect();
+            let mut missing: Vec<&PlanPoint> = self.plan.points.iter().filter(is_missing).collect();
             let mut first = BTreeMap::new();
             for (number, &point) in missing.iter().enumerate() {
                 first.entry(&point.work).or_insert(number);
@@ -71,15 +73,16 @@ impl Plan {
         let (retry_failed, pictures) = options;
         py.detach(|| {
             let wanted: BTreeSet<String> = points.into_iter().collect();
-            let points: Vec<&Point> = self.plan.points.iter().filter(|point| wanted.contains(&point.id)).collect();
+            let points: Vec<&PlanPoint> = self.plan.points.iter().filter(|point| wanted.contains(&point.id)).collect();
             let threads = at_once.unwrap_or_else(threads::workers);
-            let work = Work { points: &points, retry_failed, pictures, threads };
+            let work = SweepJob { points: &points, retry_failed, pictures, threads };
             let host = Program { files: &self.files, stopped: Mutex::default() };
-            let done = execute(&self.plan, &work, &Folder::new(&folder), &host);
+            let done = execute(&self.plan, &work, &SweepFolder::new(&folder), &host);
             if let Some(stopped) = host.stopped.into_inner().unwrap_or_else(PoisonError::into_inner) {
                 return Err(stopped.into());
             }
-            let Tally { there, run, retimed, failed, .. } = done.map_err(CommandError::bad_input)?;
+            let SweepProgress { existing: there, run, resimulated: retimed, failed, .. } =
+                done.map_err(CommandError::bad_input)?;
             Ok((there, run, retimed, failed))
         })
     }
@@ -87,7 +90,7 @@ impl Plan {
     /// Writes the tables of all points, and returns the Pareto front as text.
     fn tables(&self, py: Python<'_>, folder: PathBuf) -> Exported<String> {
         let host = Program { files: &self.files, stopped: Mutex::default() };
-        Ok(py.detach(|| tables(&self.plan, &Folder::new(&folder), &host)).map_err(CommandError::bad_input)?)
+        Ok(py.detach(|| tables(&self.plan, &SweepFolder::new(&folder), &host)).map_err(CommandError::bad_input)?)
     }
 
     /// Number of points.
@@ -119,15 +122,15 @@ impl Files {
         self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name))
     }
 
-    fn opened(&self, name: &str, view: &View) -> CommandResult<Opened> {
+    fn opened(&self, name: &str, view: &View) -> CommandResult<OpenedInput> {
         let budget = &self.budget;
-        let kept = |scene| Opened::Scene(PreparedScene::cached(Arc::new(scene), budget));
+        let kept = |scene| OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), budget));
         if let Some(name) = name.strip_prefix("demo:") {
             return demo(name, &view.options(budget)?).map(kept).map_err(CommandError::bad_input);
         }
         let path = self.place(name);
         if DisplayList::of_plan(&path).is_one()? {
-            return if view.is_default() { Ok(Opened::Trace) } else { Err(CommandError::bad_input(VIEW_OF_A_DISPLAY_LIST)) };
+            return if view.is_default() { Ok(OpenedInput::Trace) } else { Err(CommandError::bad_input(VIEW_OF_A_DISPLAY_LIST)) };
         }
         let shown = path.display().to_string();
         let options = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
@@ -150,8 +153,8 @@ struct Program<'a> {
     stopped: Mutex<Option<PyErr>>,
 }
 
-impl Host for Program<'_> {
-    fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
+impl SweepHost for Program<'_> {
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String> {
         let camera = |name: &str| {
             let path = self.files.place(name);
             Ok((path.display().to_string(), text_of(&path, &self.files.budget)?))
@@ -177,7 +180,7 @@ impl Host for Program<'_> {
         publish(path, bytes)
     }
 
-    fn progress(&self, _: &Tally) {}
+    fn progress(&self, _: &SweepProgress) {}
 
     fn budget(&self) -> &MemoryPool {
         &self.files.budget

@@ -4,7 +4,7 @@ use super::plans::{OpenedPlan, counts, work, write_tables};
 use crate::args::ExploreArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
-use basrelief_dse::{Explored, Found, Point, explore as find};
+use basrelief_dse::{ExplorationResult, PlanPoint, PointStatus, explore as find};
 
 /// Runs an exploration.
 pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
@@ -13,9 +13,9 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
     let work = work(&args.plan, &[], threads);
     let name = args.plan.plan.display().to_string();
     let found = find(plan, args.budget.into(), &work, (&folder, &host)).map_err(CommandError::in_input(&name))?;
-    let Explored { plan, tally, share } = found;
-    let points: Vec<&Point> = plan.points.iter().collect();
-    let failed = folder.find_all(&points).into_iter().filter(|found| *found == Found::Failed).count();
+    let ExplorationResult { plan, tally, share } = found;
+    let points: Vec<&PlanPoint> = plan.points.iter().collect();
+    let failed = folder.find_all(&points).into_iter().filter(|found| *found == PointStatus::Failed).count();
     let mut said = counts(&tally, failed);
     said += &match share {
         Some(share) => {

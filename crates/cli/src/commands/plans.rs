@@ -7,7 +7,7 @@ use crate::input::{self, Input, TraceFile, demo_of, read_text};
 use crate::interrupt;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use crate::progress::PointProgress;
-use basrelief_dse::{Folder, Host, Opened, Plan, Point, SweepError, Tally, Work, tables};
+use basrelief_dse::{OpenedInput, Plan, PlanPoint, SweepError, SweepFolder, SweepHost, SweepJob, SweepProgress, tables};
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_parameters::nearest;
 use basrelief_reference::RgbPicture;
@@ -23,7 +23,7 @@ use std::sync::{Mutex, PoisonError};
 pub struct OpenedPlan<'a> {
     pub host: SweepProgram<'a>,
     pub plan: Plan,
-    pub folder: Folder,
+    pub folder: SweepFolder,
     /// Parallel runs.
     pub threads: usize,
     /// Memory of the plan.
@@ -58,17 +58,20 @@ impl<'a> OpenedPlan<'a> {
         let tables: Vec<(&str, &Path)> = tables.iter().map(|table| ("--out", &**table)).collect();
         host.check_outputs(&tables).map_err(CommandError::Usage)?;
         let threads = args.threads.map_or_else(threads::workers, usize::from);
-        Ok(Self { host, plan, folder: Folder::new(&args.out), threads, _held: [held, growth] })
+        Ok(Self { host, plan, folder: SweepFolder::new(&args.out), threads, _held: [held, growth] })
     }
 }
 
 /// Describes the work of these points.
-pub fn work<'a>(args: &PlanArgs, points: &'a [&'a Point], threads: usize) -> Work<'a> {
-    Work { points, retry_failed: args.retry_failed, pictures: !args.no_pictures, threads }
+pub fn work<'a>(args: &PlanArgs, points: &'a [&'a PlanPoint], threads: usize) -> SweepJob<'a> {
+    SweepJob { points, retry_failed: args.retry_failed, pictures: !args.no_pictures, threads }
 }
 
 /// Returns the counts of points as text.
-pub fn counts(Tally { points, there, run, retimed, outdated, .. }: &Tally, failed: usize) -> String {
+pub fn counts(
+    SweepProgress { points, existing: there, run, resimulated: retimed, outdated, .. }: &SweepProgress,
+    failed: usize,
+) -> String {
     let again = if *outdated > 0 { format!("{outdated} of another build of basrelief are run again\n") } else { String::new() };
     format!("{points} points: {there} reused, {run} run, {retimed} resimulated; {failed} failed\n{again}")
 }
@@ -77,7 +80,7 @@ pub fn counts(Tally { points, there, run, retimed, outdated, .. }: &Tally, faile
 ///
 /// # Errors
 /// A file that cannot be read or written.
-pub fn write_tables(plan: &Plan, folder: &Folder, args: &PlanArgs, host: &SweepProgram<'_>) -> CommandResult<String> {
+pub fn write_tables(plan: &Plan, folder: &SweepFolder, args: &PlanArgs, host: &SweepProgram<'_>) -> CommandResult<String> {
     let front = tables(plan, folder, host).map_err(sweep_error)?;
     let files: Vec<&str> = basrelief_dse::tables::FILES.iter().map(|(file, _)| *file).collect();
     Ok(format!("\n{front}\nWritten to {}/: {}\n", args.out.display(), files.join(", ")))
@@ -146,8 +149,8 @@ impl SweepProgram<'_> {
     }
 }
 
-impl Host for SweepProgram<'_> {
-    fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
+impl SweepHost for SweepProgram<'_> {
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String> {
         let view = self.view(view)?;
         let path = if demo_of(Path::new(name)).is_some() { name.into() } else { self.path_of(name) };
         let once = || format!("input: {name}: can be read only once, but every run of a sweep reads it; expected a file");
@@ -156,9 +159,9 @@ impl Host for SweepProgram<'_> {
         }
         let opened = input::open(&path, &view, self.global).map_err(|failure| format!("input: {failure}"))?;
         Ok(match opened.for_several_runs(&self.global.budget) {
-            Input::Scene(prepared) => Opened::Scene(prepared),
+            Input::Scene(prepared) => OpenedInput::Scene(prepared),
             Input::Trace(TraceFile { bytes: None, .. }) => return Err(once()),
-            Input::Trace(_) => Opened::Trace,
+            Input::Trace(_) => OpenedInput::Trace,
         })
     }
 
@@ -180,8 +183,8 @@ impl Host for SweepProgram<'_> {
         PartialFile::write_whole(path, bytes)
     }
 
-    fn progress(&self, tally: &Tally) {
-        let before = tally.there as u64;
+    fn progress(&self, tally: &SweepProgress) {
+        let before = tally.existing as u64;
         self.progress.set_position((tally.done() as u64 - before, tally.points as u64 - before), tally.failed);
     }
 

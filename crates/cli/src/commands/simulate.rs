@@ -12,7 +12,7 @@ use crate::global::GlobalOptions;
 use crate::outputs::{OutputFolder, check_distinct, check_outputs_keep_inputs};
 use crate::progress::InputProgress;
 use crate::terminal;
-use basrelief_dse::Around;
+use basrelief_dse::OneAtATimeBase;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::{Engine, Probe};
 use basrelief_report::Report;
@@ -92,7 +92,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Runs an input and writes its outputs. With `around`, the report has a sensitivity analysis.
-    pub fn run(mut self, source: RunSource, around: Option<Around>) -> CommandResult {
+    pub fn run(mut self, source: RunSource, around: Option<OneAtATimeBase>) -> CommandResult {
         let RunSource { input, progress, real, watched } = source;
         self.check_outputs_keep_named_files()?;
         // Created before the dumps, which may be in this folder.
@@ -139,7 +139,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Returns the report of a run with the sensitivity analysis and the figures of the host.
-    fn finish_report(&self, mut run: RunResult, around: Option<Around>, files: &OutputFiles) -> CommandResult<Report> {
+    fn finish_report(&self, mut run: RunResult, around: Option<OneAtATimeBase>, files: &OutputFiles) -> CommandResult<Report> {
         if let Some(around) = around.filter(|_| run.report.outcome.kind == OutcomeKind::Complete) {
             run.report.sensitivity = Some(run_analysis(around, self.global, self.is_quiet())?);
         }

@@ -4,7 +4,7 @@ use super::plans::{OpenedPlan, SweepProgram, counts, sweep_error, work, write_ta
 use crate::args::{PlanArgs, SweepArgs};
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
-use basrelief_dse::{Folder, Found, Plan, Point, Tally, execute, verify};
+use basrelief_dse::{Plan, PlanPoint, PointStatus, SweepFolder, SweepProgress, execute, verify};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> CommandResult {
 }
 
 /// Returns the points that the command line selects.
-fn selected_points<'a>(plan: &'a Plan, args: &SweepArgs) -> CommandResult<Vec<&'a Point>> {
+fn selected_points<'a>(plan: &'a Plan, args: &SweepArgs) -> CommandResult<Vec<&'a PlanPoint>> {
     if let Some(id) = &args.point {
         let point = plan.points.iter().find(|point| point.id == *id);
         let none = || CommandError::Usage(format!("--point: the plan has no point {id}; --list prints the missing points"));
@@ -40,12 +40,12 @@ fn selected_points<'a>(plan: &'a Plan, args: &SweepArgs) -> CommandResult<Vec<&'
 /// Verifies points, writes the tables, and returns a summary.
 fn finish_sweep(
     plan: &Plan,
-    points: &[&Point],
-    tally: &Tally,
-    (folder, args): (&Folder, &SweepArgs),
+    points: &[&PlanPoint],
+    tally: &SweepProgress,
+    (folder, args): (&SweepFolder, &SweepArgs),
     host: &SweepProgram<'_>,
 ) -> CommandResult<String> {
-    let failed = folder.find_all(points).into_iter().filter(|found| *found == Found::Failed).count();
+    let failed = folder.find_all(points).into_iter().filter(|found| *found == PointStatus::Failed).count();
     let mut said = counts(tally, failed);
     if let Some(percent) = args.verify {
         let (count, others) = verify(plan, points, percent, folder, host).map_err(sweep_error)?;
@@ -69,14 +69,14 @@ fn finish_sweep(
     Ok(said)
 }
 
-fn missing_points<'a>(plan: &'a Plan, folder: &Folder) -> Vec<&'a Point> {
-    let points: Vec<&Point> = plan.points.iter().collect();
+fn missing_points<'a>(plan: &'a Plan, folder: &SweepFolder) -> Vec<&'a PlanPoint> {
+    let points: Vec<&PlanPoint> = plan.points.iter().collect();
     let found = folder.find_all(&points);
     points.into_iter().zip(found).filter(|(_, found)| found.is_missing()).map(|(point, _)| point).collect()
 }
 
 /// Prints a command for each missing point.
-fn print_commands(plan: &Plan, folder: &Folder, args: &SweepArgs) -> CommandResult {
+fn print_commands(plan: &Plan, folder: &SweepFolder, args: &SweepArgs) -> CommandResult {
     let command = command(args)?;
     print(&missing_points(plan, folder).iter().map(|point| format!("{command} --point {}\n", point.id)).collect::<String>())
 }
@@ -85,9 +85,9 @@ fn print_commands(plan: &Plan, folder: &Folder, args: &SweepArgs) -> CommandResu
 const MOST_TASKS: usize = 1000;
 
 /// Prints a job script.
-fn print_job_script(plan: &Plan, folder: &Folder, args: &SweepArgs) -> CommandResult {
+fn print_job_script(plan: &Plan, folder: &SweepFolder, args: &SweepArgs) -> CommandResult {
     let missing = missing_points(plan, folder).len();
-    let tasks = plan.works().min(missing).clamp(1, MOST_TASKS);
+    let tasks = plan.min_runs().min(missing).clamp(1, MOST_TASKS);
     let command = command(args)?;
     print(&format!(
         "#!/bin/sh\n\

@@ -1,7 +1,7 @@
 //! Rows and columns of the page, and their positions.
 
-use super::scale::{Scale, WHOLE};
-use crate::table::{Role, State, Table};
+use super::scale::{ColumnScale, WHOLE};
+use crate::table::{ColumnRole, PointState, Table};
 use std::collections::BTreeSet;
 
 /// Maximum number of drawn rows.
@@ -23,33 +23,33 @@ pub struct PageOptions {
 }
 
 /// A column that can be drawn.
-pub(super) struct Shown {
+pub(super) struct DrawnColumn {
     /// Number of the column in the table.
     pub(super) column: usize,
-    pub(super) scale: Scale,
+    pub(super) scale: ColumnScale,
 }
 
 /// A sweep, ready to be drawn.
-pub(super) struct Sweep<'a> {
+pub(super) struct SweepView<'a> {
     pub(super) table: &'a Table,
     /// Rows on the front, in the order of the table.
     pub(super) front: Vec<usize>,
     /// Rows that are drawn: those on the front last, so that nothing hides them.
     pub(super) drawn: Vec<usize>,
     /// Columns that can be drawn: objectives, axes, constrained figures, requested columns, then others.
-    pub(super) shown: Vec<Shown>,
+    pub(super) shown: Vec<DrawnColumn>,
     on_front: BTreeSet<usize>,
 }
 
-impl<'a> Sweep<'a> {
+impl<'a> SweepView<'a> {
     pub(super) fn new(table: &'a Table, options: &'a PageOptions) -> Self {
         let front = crate::front(table);
         let on_front: BTreeSet<usize> = front.iter().copied().collect();
         let best = thinned(&front, MOST_FRONT);
-        let run = |row: &usize| table.rows[*row].state == State::Ok && !on_front.contains(row);
+        let run = |row: &usize| table.rows[*row].state == PointState::Ok && !on_front.contains(row);
         let others: Vec<usize> = (0..table.rows.len()).filter(run).collect();
         let drawn = thinned(&others, MOST_ROWS - best.len()).into_iter().chain(best).collect();
-        Self { table, drawn, shown: shown(table, options), on_front, front }
+        Self { table, drawn, shown: drawn_columns(table, options), on_front, front }
     }
 
     /// Returns true if a row is on the front.
@@ -58,8 +58,8 @@ impl<'a> Sweep<'a> {
     }
 
     /// Columns that say which point it is and how good: objectives, axes, constrained figures.
-    pub(super) fn told(&self) -> Vec<usize> {
-        told(self.table).collect()
+    pub(super) fn summary_columns(&self) -> Vec<usize> {
+        summary_columns(self.table).collect()
     }
 
     /// Name and unit of a column.
@@ -68,13 +68,13 @@ impl<'a> Sweep<'a> {
     }
 
     /// The place of a column among those shown.
-    pub(super) fn place(&self, column: usize) -> Option<usize> {
+    pub(super) fn drawn_index(&self, column: usize) -> Option<usize> {
         self.shown.iter().position(|shown| shown.column == column)
     }
 
     /// Returns the number of rows that have run.
     pub(super) fn run(&self) -> usize {
-        self.table.rows.iter().filter(|row| row.state == State::Ok).count()
+        self.table.rows.iter().filter(|row| row.state == PointState::Ok).count()
     }
 }
 
@@ -84,17 +84,17 @@ pub(super) fn thinned(rows: &[usize], most: usize) -> Vec<usize> {
     (0..count).map(|at| rows[at * rows.len() / count]).collect()
 }
 
-fn told(table: &Table) -> impl Iterator<Item = usize> + '_ {
+fn summary_columns(table: &Table) -> impl Iterator<Item = usize> + '_ {
     let constrained = |at: &usize| table.constraints.iter().any(|rule| rule.column == table.columns[*at].name);
-    let figures = (0..table.columns.len()).filter(|at| table.columns[*at].role == Role::Figure);
+    let figures = (0..table.columns.len()).filter(|at| table.columns[*at].role == ColumnRole::Figure);
     table.objectives().map(|(at, _)| at).chain(table.axes()).chain(figures.filter(constrained))
 }
 
-fn shown(table: &Table, options: &PageOptions) -> Vec<Shown> {
+fn drawn_columns(table: &Table, options: &PageOptions) -> Vec<DrawnColumn> {
     let asked = options.figures.iter().filter_map(|name| table.column(name));
     let mut before = BTreeSet::new();
-    let columns = told(table).chain(asked).chain(0..table.columns.len()).filter(|column| before.insert(*column));
-    columns.filter_map(|column| Some(Shown { column, scale: Scale::of(table, column)? })).take(MOST_COLUMNS).collect()
+    let columns = summary_columns(table).chain(asked).chain(0..table.columns.len()).filter(|column| before.insert(*column));
+    columns.filter_map(|column| Some(DrawnColumn { column, scale: ColumnScale::of(table, column)? })).take(MOST_COLUMNS).collect()
 }
 
 /// The colour of a position.

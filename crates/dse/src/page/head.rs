@@ -1,16 +1,16 @@
 //! Summary of the sweep in words.
 
-use super::data::Sweep;
+use super::data::SweepView;
 use super::labels;
-use crate::Space;
-use crate::rules::Goal;
-use crate::table::{Cell, State};
+use crate::ObjectiveSpace;
+use crate::rules::ObjectiveDirection;
+use crate::table::{Cell, PointState};
 use basrelief_report::html::big_numbers;
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::number::{percent_in_words, thousands};
 
 /// Title, a sentence, and numbers that can be read from a distance.
-pub(super) fn head(sweep: &Sweep<'_>) -> Html {
+pub(super) fn head(sweep: &SweepView<'_>) -> Html {
     let title = el("h1", &[], [text("Basrelief "), el_text("span", "quiet", &sweep.table.title)]);
     let best = sweep.table.objectives().filter_map(|objective| best(sweep, objective));
     let counts = [
@@ -18,10 +18,10 @@ pub(super) fn head(sweep: &Sweep<'_>) -> Html {
         (thousands(sweep.front.len() as u64), "Pareto-optimal".to_owned()),
     ];
     let best = best.map(|(row, at, goal)| {
-        let least = if goal == Goal::Min { "lowest" } else { "highest" };
+        let least = if goal == ObjectiveDirection::Min { "lowest" } else { "highest" };
         (value(&sweep.table.rows[row].cells[at]), format!("{least} {}", sweep.header(at)))
     });
-    el("header", &[], [title, big_numbers(counts.into_iter().chain(best)), el_text("p", "lead", found(sweep)), volume(sweep)])
+    el("header", &[], [title, big_numbers(counts.into_iter().chain(best)), el_text("p", "lead", summary(sweep)), volume(sweep)])
 }
 
 /// Counts whole, measures to four digits.
@@ -33,7 +33,7 @@ fn value(cell: &Cell) -> String {
 }
 
 /// The first row that is best by an objective, among those that may be chosen.
-fn best(sweep: &Sweep<'_>, (at, goal): (usize, Goal)) -> Option<(usize, usize, Goal)> {
+fn best(sweep: &SweepView<'_>, (at, goal): (usize, ObjectiveDirection)) -> Option<(usize, usize, ObjectiveDirection)> {
     let value = |row: &usize| sweep.table.rows[*row].cells.get(at)?.number();
     let better = |a: usize, b: usize| match (value(&a), value(&b)) {
         (Some(x), Some(y)) if goal.better(y, x) => b,
@@ -43,10 +43,10 @@ fn best(sweep: &Sweep<'_>, (at, goal): (usize, Goal)) -> Option<(usize, usize, G
 }
 
 /// Returns a paragraph with the number of points and the best ones.
-fn found(sweep: &Sweep<'_>) -> String {
+fn summary(sweep: &SweepView<'_>) -> String {
     let table = sweep.table;
-    let count = |state: fn(&State) -> bool| table.rows.iter().filter(|row| state(&row.state)).count() as u64;
-    let (failed, pending) = (count(|state| matches!(state, State::Failed(_))), count(|state| *state == State::Pending));
+    let count = |state: fn(&PointState) -> bool| table.rows.iter().filter(|row| state(&row.state)).count() as u64;
+    let (failed, pending) = (count(|state| matches!(state, PointState::Failed(_))), count(|state| *state == PointState::Pending));
     let mut says = format!("{} {}", thousands(table.rows.len() as u64), if table.rows.len() == 1 { "point" } else { "points" });
     for (count, what) in [(failed, "failed"), (pending, "not run yet")] {
         if count > 0 {
@@ -70,9 +70,9 @@ fn found(sweep: &Sweep<'_>) -> String {
 }
 
 /// Returns the hypervolume with its space. It is empty for a front of one point, or if the computation would take too long.
-fn volume(sweep: &Sweep<'_>) -> Html {
+fn volume(sweep: &SweepView<'_>) -> Html {
     let costs: Vec<Vec<f64>> = crate::candidates(sweep.table).into_iter().map(|(_, costs)| costs).collect();
-    let share = Space::of(&costs).filter(|_| sweep.front.len() > 1).and_then(|space| space.hypervolume(&costs));
+    let share = ObjectiveSpace::of(&costs).filter(|_| sweep.front.len() > 1).and_then(|space| space.hypervolume(&costs));
     share.map_or_else(Html::default, |share| {
         let share = percent_in_words(share);
         let says = format!(

@@ -41,7 +41,7 @@ pub(super) fn unit(largest: f64) -> (f64, &'static str) {
 }
 
 /// A label that fits into so much room.
-pub(super) fn cut(text: &str, room: f64) -> String {
+pub(super) fn shortened(text: &str, room: f64) -> String {
     let most = ((room / 6.8) as usize).max(3);
     if text.chars().count() <= most { text.into() } else { text.chars().take(most - 1).chain(['…']).collect() }
 }

@@ -30,7 +30,7 @@ use base64::prelude::{BASE64_STANDARD, Engine};
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::html::{section, whole_page};
 pub use data::PageOptions;
-use data::Sweep;
+use data::SweepView;
 use sha2::{Digest, Sha256};
 
 const STYLE: &str = include_str!("sweep.css");
@@ -40,7 +40,7 @@ const SCRIPT: &str = include_str!("sweep.js");
 ///
 /// The table must pass [`Table::check`]. Missing cells of a row are not shown.
 pub fn page(table: &Table, options: &PageOptions) -> String {
-    let sweep = Sweep::new(table, options);
+    let sweep = SweepView::new(table, options);
     let parts = contents(&sweep);
     let links = parts.iter().map(|(id, title, _)| el("a", &[("href", &format!("#{id}"))], [text(title)]));
     let nav = el("nav", &[("aria-label", "Parts of this page")], links);
@@ -59,7 +59,7 @@ fn policy() -> String {
 }
 
 /// Parts that have something to say: name in addresses, heading, markup.
-fn contents(sweep: &Sweep<'_>) -> Vec<(&'static str, &'static str, Html)> {
+fn contents(sweep: &SweepView<'_>) -> Vec<(&'static str, &'static str, Html)> {
     let all = [
         ("scatter", "Scatter plot", scatter::scatter(sweep)),
         ("front", "Pareto-optimal points", points::front(sweep)),

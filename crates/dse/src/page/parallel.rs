@@ -1,7 +1,7 @@
 //! A line per point, across an upright axis per column.
 
-use super::data::{Sweep, thinned};
-use super::labels::cut;
+use super::data::{SweepView, thinned};
+use super::labels::shortened;
 use super::scale::WHOLE;
 use basrelief_report::html::markup::{Html, el, el_text};
 use basrelief_report::html::svg::{label, px, svg_sized};
@@ -21,19 +21,19 @@ const TOP: f64 = 48.0;
 const HEIGHT: f64 = 300.0;
 
 /// The axes of the drawing.
-struct Threads {
+struct ParallelCoordinates {
     /// Numbers of the columns: axes of the plan first, then objectives.
     columns: Vec<usize>,
     /// Distance of two.
     apart: f64,
 }
 
-impl Threads {
-    fn of(sweep: &Sweep<'_>) -> Self {
+impl ParallelCoordinates {
+    fn of(sweep: &SweepView<'_>) -> Self {
         let objectives = sweep.table.objectives().map(|(at, _)| at);
-        let all = sweep.table.axes().chain(objectives).chain(sweep.told());
+        let all = sweep.table.axes().chain(objectives).chain(sweep.summary_columns());
         let mut columns: Vec<usize> = vec![];
-        for place in all.filter_map(|at| sweep.place(at)) {
+        for place in all.filter_map(|at| sweep.drawn_index(at)) {
             if !columns.contains(&place) {
                 columns.push(place);
             }
@@ -49,7 +49,7 @@ impl Threads {
     }
 
     /// Returns the line of a row, with a gap at an unknown value.
-    fn path(&self, sweep: &Sweep<'_>, row: usize) -> String {
+    fn path(&self, sweep: &SweepView<'_>, row: usize) -> String {
         let mut path = String::new();
         let mut pen = 'M';
         for (number, &place) in self.columns.iter().enumerate() {
@@ -60,18 +60,18 @@ impl Threads {
         path
     }
 
-    fn axis(&self, sweep: &Sweep<'_>, number: usize) -> Html {
+    fn axis(&self, sweep: &SweepView<'_>, number: usize) -> Html {
         let shown = &sweep.shown[self.columns[number]];
         let column = &sweep.table.columns[shown.column];
         let x = self.x(number);
         let line = format!("M{} {} V{}", px(x), px(TOP), px(TOP + HEIGHT));
         let unit = if column.unit.is_empty() { String::new() } else { format!("[{}]", column.unit) };
         let titles = [
-            label("middle", x, 14.0, &end(&column.name, self.apart)),
-            label("middle", x, 28.0, &cut(&unit, self.apart)),
+            label("middle", x, 14.0, &end_of_name(&column.name, self.apart)),
+            label("middle", x, 28.0, &shortened(&unit, self.apart)),
             el("path", &[("class", "axis"), ("d", &line)], []),
         ];
-        let mark = |(at, name): &(u32, String)| label("end", x - 5.0, y(*at) + 4.0, &cut(name, self.apart / 2.0));
+        let mark = |(at, name): &(u32, String)| label("end", x - 5.0, y(*at) + 4.0, &shortened(name, self.apart / 2.0));
         el("g", &[], titles.into_iter().chain(shown.scale.ticks.iter().map(mark)))
     }
 }
@@ -81,15 +81,15 @@ fn y(at: u32) -> f64 {
 }
 
 /// Returns the end of a name, because its last part is the most specific.
-fn end(name: &str, room: f64) -> String {
+fn end_of_name(name: &str, room: f64) -> String {
     let most = (room / 6.8) as usize;
     let count = name.chars().count();
     if count <= most { name.into() } else { std::iter::once('…').chain(name.chars().skip(count + 1 - most)).collect() }
 }
 
 /// The drawing; nothing of fewer than three columns, which the scatter shows.
-pub(super) fn parallel(sweep: &Sweep<'_>) -> Html {
-    let threads = Threads::of(sweep);
+pub(super) fn parallel(sweep: &SweepView<'_>) -> Html {
+    let threads = ParallelCoordinates::of(sweep);
     if threads.columns.len() < 3 || sweep.drawn.is_empty() {
         return Html::default();
     }
@@ -115,8 +115,8 @@ pub(super) fn parallel(sweep: &Sweep<'_>) -> Html {
 }
 
 /// Returns the positions of the axes for the script: number of the column and x coordinate.
-pub(super) fn places(sweep: &Sweep<'_>) -> Value {
-    let threads = Threads::of(sweep);
+pub(super) fn axis_positions(sweep: &SweepView<'_>) -> Value {
+    let threads = ParallelCoordinates::of(sweep);
     let axes: Vec<(usize, f64)> = threads.columns.iter().enumerate().map(|(number, &place)| (place, threads.x(number))).collect();
     json!({ "axes": axes, "top": TOP, "height": HEIGHT })
 }

@@ -1,8 +1,8 @@
 //! Points on the front, one by one; and those that failed.
 
-use super::data::Sweep;
+use super::data::SweepView;
 use super::labels;
-use crate::table::State;
+use crate::table::PointState;
 use basrelief_report::html::markup::{Html, details, el, el_text, text};
 use basrelief_report::html::{Align, with_cells};
 use basrelief_report::number::thousands;
@@ -17,8 +17,8 @@ const MOST_REASONS: usize = 20;
 const SHORT: usize = 10;
 
 /// The front as a table, best by the first objective first.
-pub(super) fn front(sweep: &Sweep<'_>) -> Html {
-    let told = sweep.told();
+pub(super) fn front(sweep: &SweepView<'_>) -> Html {
+    let told = sweep.summary_columns();
     let Some((first, goal)) = sweep.table.objectives().next() else { return Html::default() };
     let cost = |row: usize| sweep.table.rows[row].cells.get(first).and_then(|cell| Some(goal.cost(cell.number()?)));
     let mut rows = sweep.front.clone();
@@ -49,7 +49,7 @@ pub(super) fn front(sweep: &Sweep<'_>) -> Html {
     if rows.is_empty() { Html::default() } else { el("div", &[("id", "chosen")], tables) }
 }
 
-fn cells(sweep: &Sweep<'_>, row: usize, told: &[usize], pictures: bool) -> Vec<Html> {
+fn cells(sweep: &SweepView<'_>, row: usize, told: &[usize], pictures: bool) -> Vec<Html> {
     let of = &sweep.table.rows[row];
     let short: String = of.id.chars().take(SHORT).collect();
     // The script shows the point that is named.
@@ -62,10 +62,10 @@ fn cells(sweep: &Sweep<'_>, row: usize, told: &[usize], pictures: bool) -> Vec<H
 }
 
 /// Returns the reasons of failed points, the most frequent one first.
-pub(super) fn failures(sweep: &Sweep<'_>) -> Html {
+pub(super) fn failures(sweep: &SweepView<'_>) -> Html {
     let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for row in &sweep.table.rows {
-        if let State::Failed(reason) = &row.state {
+        if let PointState::Failed(reason) = &row.state {
             reasons.entry(reason).or_default().push(&row.id);
         }
     }

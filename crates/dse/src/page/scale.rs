@@ -1,8 +1,8 @@
 //! Positions of the values of a column along an axis, and their tick labels.
 
 use super::labels::{rounded, unit};
-use crate::levels::{Levels, logarithmic, range};
-use crate::table::{Cell, Role, Table};
+use crate::levels::{ColumnLevels, logarithmic, range};
+use crate::table::{Cell, ColumnRole, Table};
 
 /// Positions are whole numbers from 0 to this: finer than a pixel, short in a file.
 pub(super) const WHOLE: u32 = 10_000;
@@ -15,7 +15,7 @@ const MARKS: i32 = 8;
 
 /// The scale of a column.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Scale {
+pub(super) struct ColumnScale {
     /// Ticks: position and label.
     pub(super) ticks: Vec<(u32, String)>,
     /// Position of each row, up to [`WHOLE`]; `None` without a value.
@@ -26,20 +26,20 @@ pub(super) struct Scale {
     pub(super) logarithmic: bool,
 }
 
-impl Scale {
+impl ColumnScale {
     /// Returns the scale of a column, or `None` if all rows have the same value. Words, and few values of an axis, have equal distances.
     pub(super) fn of(table: &Table, column: usize) -> Option<Self> {
         let cells: Vec<&Cell> = table.rows.iter().filter_map(|row| row.cells.get(column)).collect();
-        let levels = || Some(Levels::of(table, column));
+        let levels = || Some(ColumnLevels::of(table, column));
         let words = cells.iter().any(|cell| matches!(cell, Cell::Text(_)));
-        let few = levels().filter(|levels| levels.single && table.columns[column].role == Role::Axis || words);
+        let few = levels().filter(|levels| levels.single && table.columns[column].role == ColumnRole::Axis || words);
         match few {
             Some(levels) => Self::equal(&levels),
             None => Self::numeric(&cells.iter().map(|cell| cell.number()).collect::<Vec<_>>()),
         }
     }
 
-    fn equal(levels: &Levels) -> Option<Self> {
+    fn equal(levels: &ColumnLevels) -> Option<Self> {
         let count = levels.labels.len();
         let position = |level: usize| part((level as f64 + 0.5) / count as f64);
         let [first, .., last] = levels.labels.as_slice() else { return None };
@@ -91,10 +91,10 @@ fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let decimals = (f64::from(-exponent) + libm::log10(unit)).clamp(0.0, 17.0) as usize;
     let first = libm::ceil(low / step);
     let values = (0..=2 * PARTS as u32).map(|k| first + f64::from(k)).map(|k| k * step).take_while(|x| *x <= high);
-    values.map(|x| (x, written(x / unit, decimals, suffix))).collect()
+    values.map(|x| (x, format_number(x / unit, decimals, suffix))).collect()
 }
 
-fn written(x: f64, decimals: usize, suffix: &str) -> String {
+fn format_number(x: f64, decimals: usize, suffix: &str) -> String {
     // Zero has no sign.
     let x = if x == 0.0 { 0.0 } else { x };
     let long = x.abs() >= 1e6 || decimals > 6;
@@ -124,7 +124,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn labels(values: &[f64]) -> Vec<String> {
-        let scale = Scale::numeric(&values.iter().map(|x| Some(*x)).collect::<Vec<_>>()).unwrap();
+        let scale = ColumnScale::numeric(&values.iter().map(|x| Some(*x)).collect::<Vec<_>>()).unwrap();
         scale.ticks.into_iter().map(|(_, label)| label).collect()
     }
 
@@ -145,7 +145,7 @@ mod tests {
         #[test]
         fn any_numbers_have_a_scale(values in prop::collection::vec(prop::num::f64::ANY, 2..6)) {
             let known: Vec<Option<f64>> = values.iter().map(|x| Some(*x).filter(|x| x.is_finite())).collect();
-            if let Some(scale) = Scale::numeric(&known) {
+            if let Some(scale) = ColumnScale::numeric(&known) {
                 prop_assert!(scale.at.iter().flatten().all(|at| *at <= WHOLE), "{:?}", scale);
                 prop_assert!(scale.ticks.iter().all(|(at, label)| *at <= WHOLE && label.len() <= 12), "{:?}", scale);
                 prop_assert!(scale.ticks.len() <= 13 && scale.ticks.is_sorted_by(|a, b| a.0 <= b.0), "{:?}", scale);
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn constant_column_has_no_scale() {
-        assert_eq!(Scale::numeric(&[Some(1.0), None, Some(1.0)]), None);
-        assert_eq!(Scale::numeric(&[]), None);
+        assert_eq!(ColumnScale::numeric(&[Some(1.0), None, Some(1.0)]), None);
+        assert_eq!(ColumnScale::numeric(&[]), None);
     }
 }

@@ -1,11 +1,11 @@
 //! Points by any two or three figures.
 
-use super::data::{COLOURS, Sweep, colour};
-use super::labels::{self, cut};
-use super::scale::{Scale, WHOLE};
+use super::data::{COLOURS, SweepView, colour};
+use super::labels::{self, shortened};
+use super::scale::{ColumnScale, WHOLE};
 use crate::front::front_by;
-use crate::rules::Goal;
-use crate::table::Role;
+use crate::rules::ObjectiveDirection;
+use crate::table::ColumnRole;
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::html::svg::{label, px, svg};
 use basrelief_report::number::thousands;
@@ -16,8 +16,8 @@ const SIZE: (f64, f64) = (860.0, 520.0);
 const BOX: [f64; 4] = [76.0, 26.0, 768.0, 440.0];
 
 /// The drawing, the selection of its figures, and the selected point.
-pub(super) fn scatter(sweep: &Sweep<'_>) -> Html {
-    let Some((across, upright)) = chosen(sweep) else { return Html::default() };
+pub(super) fn scatter(sweep: &SweepView<'_>) -> Html {
+    let Some((across, upright)) = first_pair(sweep) else { return Html::default() };
     let shapes = [axes(sweep, across, upright), lines(sweep, across, upright), points(sweep, across, upright)];
     let says = format!("Scatter plot of {} points. Arrow keys move between points.", sweep.drawn.len());
     let plot = svg("plot", SIZE, &says, "xMidYMid meet", shapes.into_iter().collect());
@@ -28,13 +28,13 @@ pub(super) fn scatter(sweep: &Sweep<'_>) -> Html {
 }
 
 /// The two figures at first: the first two objectives, otherwise the first columns.
-fn chosen(sweep: &Sweep<'_>) -> Option<(usize, usize)> {
-    let mut places = sweep.table.objectives().filter_map(|(at, _)| sweep.place(at)).chain(0..sweep.shown.len());
+fn first_pair(sweep: &SweepView<'_>) -> Option<(usize, usize)> {
+    let mut places = sweep.table.objectives().filter_map(|(at, _)| sweep.drawn_index(at)).chain(0..sweep.shown.len());
     let across = places.next()?;
     Some((across, places.find(|place| *place != across)?))
 }
 
-fn about(sweep: &Sweep<'_>) -> String {
+fn about(sweep: &SweepView<'_>) -> String {
     let (run, drawn) = (sweep.run(), sweep.drawn.len());
     let best = sweep.drawn.iter().filter(|row| sweep.is_best(**row)).count();
     let [of_front, of_others, front, others] =
@@ -51,7 +51,7 @@ fn about(sweep: &Sweep<'_>) -> String {
 }
 
 /// Places of each pair of figures in the drawing: titles, marks, both directions; only those of two are seen.
-fn axes(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
+fn axes(sweep: &SweepView<'_>, across: usize, upright: usize) -> Html {
     let [left, top, width, height] = BOX;
     let frame = format!("M{} {} V{} H{}", px(left), px(top), px(top + height), px(left + width));
     let each = sweep.shown.iter().enumerate().flat_map(|(place, shown)| {
@@ -67,11 +67,11 @@ fn group(id: &str, seen: bool, shapes: Html) -> Html {
     el("g", &[("id", id), ("class", if seen { "" } else { "off" })], [shapes])
 }
 
-fn axis_title(sweep: &Sweep<'_>, column: usize, scale: &Scale) -> String {
+fn axis_title(sweep: &SweepView<'_>, column: usize, scale: &ColumnScale) -> String {
     let goal = match sweep.table.columns[column].role {
-        Role::Objective(Goal::Min) => " (lower is better)",
-        Role::Objective(Goal::Max) => " (higher is better)",
-        Role::Axis | Role::Figure => "",
+        ColumnRole::Objective(ObjectiveDirection::Min) => " (lower is better)",
+        ColumnRole::Objective(ObjectiveDirection::Max) => " (higher is better)",
+        ColumnRole::Axis | ColumnRole::Figure => "",
     };
     format!("{}{goal}{}", sweep.header(column), if scale.logarithmic { ", logarithmic" } else { "" })
 }
@@ -84,31 +84,31 @@ fn y(at: u32) -> f64 {
     BOX[1] + (1.0 - f64::from(at) / f64::from(WHOLE)) * BOX[3]
 }
 
-fn across_marks(scale: &Scale, title: &str) -> Html {
+fn across_marks(scale: &ColumnScale, title: &str) -> Html {
     let [left, top, width, height] = BOX;
     let room = width / scale.ticks.len().max(1) as f64;
     let marks = scale.ticks.iter().flat_map(|(at, name)| {
         let line = format!("M{} {} V{}", px(x(*at)), px(top), px(top + height));
-        [el("path", &[("class", "mark"), ("d", &line)], []), label("middle", x(*at), top + height + 17.0, &cut(name, room))]
+        [el("path", &[("class", "mark"), ("d", &line)], []), label("middle", x(*at), top + height + 17.0, &shortened(name, room))]
     });
     marks.chain([label("end", left + width, top + height + 40.0, title)]).collect()
 }
 
-fn upright_marks(scale: &Scale, title: &str) -> Html {
+fn upright_marks(scale: &ColumnScale, title: &str) -> Html {
     let [left, _, width, _] = BOX;
     let marks = scale.ticks.iter().flat_map(|(at, name)| {
         let line = format!("M{} {} H{}", px(left), px(y(*at)), px(left + width));
-        [el("path", &[("class", "mark"), ("d", &line)], []), label("end", left - 6.0, y(*at) + 4.0, &cut(name, left - 8.0))]
+        [el("path", &[("class", "mark"), ("d", &line)], []), label("end", left - 6.0, y(*at) + 4.0, &shortened(name, left - 8.0))]
     });
     marks.chain([label("start", 4.0, 14.0, title)]).collect()
 }
 
 /// Fronts of each two objectives, as stairs.
-fn lines(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
-    let objectives: Vec<(usize, usize, Goal)> =
-        sweep.table.objectives().filter_map(|(at, goal)| Some((sweep.place(at)?, at, goal))).collect();
+fn lines(sweep: &SweepView<'_>, across: usize, upright: usize) -> Html {
+    let objectives: Vec<(usize, usize, ObjectiveDirection)> =
+        sweep.table.objectives().filter_map(|(at, goal)| Some((sweep.drawn_index(at)?, at, goal))).collect();
     let pairs = objectives.iter().flat_map(|a| objectives.iter().filter(move |b| a.0 != b.0).map(move |b| (a, b)));
-    let line = |(a, b): (&(usize, usize, Goal), &(usize, usize, Goal))| {
+    let line = |(a, b): (&(usize, usize, ObjectiveDirection), &(usize, usize, ObjectiveDirection))| {
         let seen = (a.0, b.0) == (across, upright);
         let path = stairs(sweep, (a.1, a.2), (b.1, b.2), [&sweep.shown[a.0].scale, &sweep.shown[b.0].scale]);
         let class = if seen { "line" } else { "line off" };
@@ -118,12 +118,17 @@ fn lines(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
 }
 
 /// Path of the Pareto front of two objectives: a point of the front dominates all points beyond the line.
-fn stairs(sweep: &Sweep<'_>, a: (usize, Goal), b: (usize, Goal), [across, upright]: [&Scale; 2]) -> String {
+fn stairs(
+    sweep: &SweepView<'_>,
+    a: (usize, ObjectiveDirection),
+    b: (usize, ObjectiveDirection),
+    [across, upright]: [&ColumnScale; 2],
+) -> String {
     let front = front_by(sweep.table, &[a, b]).into_iter();
     let mut steps: Vec<(u32, u32)> = front.filter_map(|row| Some((across.at[row]?, upright.at[row]?))).collect();
     steps.sort_unstable();
     steps.dedup();
-    let better_right = a.1 == Goal::Max;
+    let better_right = a.1 == ObjectiveDirection::Max;
     let mut path = String::new();
     for (number, (at_x, at_y)) in steps.into_iter().enumerate() {
         let (x, y) = (px(x(at_x)), px(y(at_y)));
@@ -136,7 +141,7 @@ fn stairs(sweep: &Sweep<'_>, a: (usize, Goal), b: (usize, Goal), [across, uprigh
     path
 }
 
-fn points(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
+fn points(sweep: &SweepView<'_>, across: usize, upright: usize) -> Html {
     let [horizontal, vertical] = [across, upright].map(|place| &sweep.shown[place].scale.at);
     let point = |&row: &usize| {
         let (at_x, at_y) = (horizontal[row], vertical[row]);
@@ -150,7 +155,7 @@ fn points(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
 }
 
 /// Class of a point.
-fn class(sweep: &Sweep<'_>, row: usize) -> &'static str {
+fn class(sweep: &SweepView<'_>, row: usize) -> &'static str {
     match row {
         _ if sweep.is_best(row) => "point best",
         _ if sweep.table.feasible(&sweep.table.rows[row]) => "point",
@@ -158,7 +163,7 @@ fn class(sweep: &Sweep<'_>, row: usize) -> &'static str {
     }
 }
 
-fn legend(sweep: &Sweep<'_>) -> Html {
+fn legend(sweep: &SweepView<'_>) -> Html {
     let item = |class: &str, radius: &str, meaning: &str| {
         let dot = el("circle", &[("class", class), ("cx", "7"), ("cy", "7"), ("r", radius)], []);
         let dot = el("svg", &[("class", "dot"), ("viewBox", "0 0 14 14"), ("aria-hidden", "true")], [dot]);
@@ -177,7 +182,7 @@ fn legend(sweep: &Sweep<'_>) -> Html {
     el("div", &[], [el("ul", &[("class", "legend")], items), scales.collect()])
 }
 
-fn choices(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
+fn choices(sweep: &SweepView<'_>, across: usize, upright: usize) -> Html {
     let option = |value: &str, name: &str, chosen: bool| {
         let attributes = [("value", value), ("selected", "selected")];
         el("option", &attributes[..if chosen { 2 } else { 1 }], [text(name)])
@@ -200,23 +205,23 @@ fn choices(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
 }
 
 /// Data for the script: positions and colours of all points, and their texts.
-pub(super) fn data(sweep: &Sweep<'_>) -> Html {
-    let told = sweep.told();
+pub(super) fn data(sweep: &SweepView<'_>) -> Html {
+    let told = sweep.summary_columns();
     let columns: Vec<Value> = sweep.shown.iter().map(|shown| column(sweep, &shown.scale)).collect();
     let rows: Vec<Value> = sweep.drawn.iter().map(|&row| point(sweep, &told, row)).collect();
     let names: Vec<String> = told.iter().map(|&at| sweep.header(at)).collect();
-    let parallel = super::parallel::places(sweep);
+    let parallel = super::parallel::axis_positions(sweep);
     let value = json!({ "box": BOX, "whole": WHOLE, "columns": columns, "names": names, "rows": rows, "parallel": parallel });
     Html::data("sweep", &value)
 }
 
-fn column(sweep: &Sweep<'_>, scale: &Scale) -> Value {
+fn column(sweep: &SweepView<'_>, scale: &ColumnScale) -> Value {
     let at: Vec<Option<u32>> = sweep.drawn.iter().map(|&row| scale.at[row]).collect();
     let colours: String = at.iter().map(|at| at.and_then(|at| char::from_digit(colour(at), 10)).unwrap_or('-')).collect();
     json!({ "at": at, "colours": colours })
 }
 
-fn point(sweep: &Sweep<'_>, told: &[usize], row: usize) -> Value {
+fn point(sweep: &SweepView<'_>, told: &[usize], row: usize) -> Value {
     let cells = &sweep.table.rows[row].cells;
     let values: Vec<String> = told.iter().map(|&at| cells.get(at).map_or(String::new(), labels::cell)).collect();
     let of = &sweep.table.rows[row];

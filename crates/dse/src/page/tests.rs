@@ -1,7 +1,7 @@
 use super::*;
-use crate::rules::{Constraint, Goal};
+use crate::rules::{Constraint, ObjectiveDirection};
 use crate::samples;
-use crate::table::{Cell, Column, Role, Row, State};
+use crate::table::{Cell, Column, ColumnRole, PointState, Row};
 use proptest::prelude::*;
 
 /// The page without styles, data and script, which are no markup; panics where the rest is not well-formed.
@@ -63,7 +63,7 @@ fn names_are_escaped_wherever_they_stand() {
         row.id += bad;
         row.picture = Some(bad.into());
         row.cells[6] = Cell::Text(bad.into());
-        row.state = if row.state == State::Ok { State::Ok } else { State::Failed(bad.into()) };
+        row.state = if row.state == PointState::Ok { PointState::Ok } else { PointState::Failed(bad.into()) };
     });
     let page = page(&table, &PageOptions { figures: vec![], files: vec![(bad.into(), bad.into())] });
     parsed(&page);
@@ -102,7 +102,7 @@ fn drawn_points_are_bounded() {
     // Every point on the front, by a stair of 10,000 steps.
     table.constraints.clear();
     for (at, row) in table.rows.iter_mut().enumerate() {
-        row.state = State::Ok;
+        row.state = PointState::Ok;
         row.cells[0] = Cell::Whole(at as u64);
         row.cells[1] = Cell::Whole(at as u64);
     }
@@ -136,14 +136,14 @@ fn tables_with_little_in_them_have_a_page() {
     let rows =
         |keep: fn(&Row) -> bool| Table { rows: full.rows.iter().filter(|row| keep(row)).cloned().collect(), ..full.clone() };
     let mut pending = full.clone();
-    pending.rows.iter_mut().for_each(|row| (row.state, row.cells) = (State::Pending, vec![Cell::Missing; 7]));
+    pending.rows.iter_mut().for_each(|row| (row.state, row.cells) = (PointState::Pending, vec![Cell::Missing; 7]));
     let mut aimless = full.clone();
-    aimless.columns.iter_mut().for_each(|column| column.role = Role::Figure);
+    aimless.columns.iter_mut().for_each(|column| column.role = ColumnRole::Figure);
     assert!(shown(&Table::default()).contains("0 points. No objective is named"));
-    assert!(shown(&rows(|row| row.state != State::Ok)).contains("1 point, 1 failed."));
+    assert!(shown(&rows(|row| row.state != PointState::Ok)).contains("1 point, 1 failed."));
     assert!(shown(&pending).contains("30 points, 30 not run yet."));
     assert!(shown(&aimless).contains("No objective is named"));
-    for table in [Table::default(), rows(|_| false), rows(|row| row.state != State::Ok), pending, aimless] {
+    for table in [Table::default(), rows(|_| false), rows(|row| row.state != PointState::Ok), pending, aimless] {
         parsed(&shown(&table));
     }
 }
@@ -159,9 +159,14 @@ fn cell() -> impl Strategy<Value = Cell> {
 }
 
 fn table() -> impl Strategy<Value = Table> {
-    let role =
-        prop_oneof![Just(Role::Axis), Just(Role::Objective(Goal::Min)), Just(Role::Objective(Goal::Max)), Just(Role::Figure)];
-    let state = prop_oneof![4 => Just(State::Ok), 1 => Just(State::Failed("fault".into())), 1 => Just(State::Pending)];
+    let role = prop_oneof![
+        Just(ColumnRole::Axis),
+        Just(ColumnRole::Objective(ObjectiveDirection::Min)),
+        Just(ColumnRole::Objective(ObjectiveDirection::Max)),
+        Just(ColumnRole::Figure)
+    ];
+    let state =
+        prop_oneof![4 => Just(PointState::Ok), 1 => Just(PointState::Failed("fault".into())), 1 => Just(PointState::Pending)];
     let tables = prop::collection::vec(role, 1..6).prop_flat_map(move |roles| {
         let row = (state.clone(), prop::collection::vec(cell(), roles.len()));
         (Just(roles), prop::collection::vec(row, 0..30))
@@ -173,7 +178,7 @@ fn table() -> impl Strategy<Value = Table> {
             .enumerate()
             .map(|(at, &role)| Column { name: format!("c{at}"), unit: "u".into(), role, what: "".into() })
             .collect(),
-        constraints: vec![Constraint { column: "c0".into(), comparison: crate::Comparison::AtMost, bound: 3.0 }],
+        constraints: vec![Constraint { column: "c0".into(), comparison: crate::ConstraintRelation::AtMost, bound: 3.0 }],
         rows: rows
             .into_iter()
             .enumerate()

@@ -1,6 +1,6 @@
 //! Effect of each axis, largest first.
 
-use super::data::Sweep;
+use super::data::SweepView;
 use super::labels::rounded;
 use crate::effects::{Effect, effects};
 use basrelief_report::html::markup::{Html, el, el_text, text};
@@ -8,7 +8,7 @@ use basrelief_report::html::svg::{rect, svg};
 use basrelief_report::html::{Align, with_cells};
 
 /// A table of bars per objective.
-pub(super) fn tornado(sweep: &Sweep<'_>) -> Html {
+pub(super) fn tornado(sweep: &SweepView<'_>) -> Html {
     let effects = effects(sweep.table);
     let told: Vec<&[Effect]> = effects.chunk_by(|a, b| a.objective == b.objective).collect();
     let tables: Html = told.into_iter().map(|effects| table(sweep, effects)).collect();
@@ -20,14 +20,14 @@ pub(super) fn tornado(sweep: &Sweep<'_>) -> Html {
     [el_text("p", "quiet", about), tables].into_iter().collect()
 }
 
-fn table(sweep: &Sweep<'_>, effects: &[Effect]) -> Html {
+fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
     let varied = effects.iter().filter(|effect| effect.levels.len() > 1);
-    let ends: Vec<_> = varied.filter_map(|effect| Some((effect, effect.ends()?))).collect();
+    let ends: Vec<_> = varied.filter_map(|effect| Some((effect, effect.extreme_levels()?))).collect();
     let low = ends.iter().map(|(_, (low, _))| low.mean).reduce(f64::min);
     let high = ends.iter().map(|(_, (_, high))| high.mean).reduce(f64::max);
     let Some((low, high)) = low.zip(high) else { return Html::default() };
     let objective = effects[0].objective;
-    if sweep.place(objective).is_none() {
+    if sweep.drawn_index(objective).is_none() {
         let says = format!("{} is {} for all values of the axes.", sweep.header(objective), rounded(low));
         return el_text("p", "", says);
     }
@@ -39,7 +39,7 @@ fn table(sweep: &Sweep<'_>, effects: &[Effect]) -> Html {
         vec![
             text(&sweep.table.columns[effect.axis].name),
             svg("bar", (1000.0, 10.0), &says, "none", shape),
-            text(rounded(effect.moved())),
+            text(rounded(effect.mean_range())),
             text(rounded(least.mean)),
             text(&least.label),
             text(rounded(most.mean)),

@@ -24,7 +24,7 @@ pub struct Axis {
 /// A range as it is written.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Steps {
+struct RangeSteps {
     from: f64,
     to: f64,
     step: Option<f64>,
@@ -32,12 +32,12 @@ struct Steps {
 }
 
 /// Values of parameters, by place: the order in the file is that of the axes.
-type Parsed = Vec<(Option<usize>, String, Vec<Value>)>;
+type ParsedValues = Vec<(Option<usize>, String, Vec<Value>)>;
 
 /// Positions of the parts of a plan in its text.
-pub(super) struct Places<'a>(Option<Spanned<DeTable<'a>>>);
+pub(super) struct KeyPositions<'a>(Option<Spanned<DeTable<'a>>>);
 
-impl<'a> Places<'a> {
+impl<'a> KeyPositions<'a> {
     pub(super) fn of(text: &'a str) -> Self {
         Self(DeTable::parse(text).ok())
     }
@@ -60,7 +60,7 @@ impl<'a> Places<'a> {
 }
 
 /// The axes of `[axes]`, in the order in which they are written, then those of each `[[zip]]`.
-pub(super) fn axes(axes: &Table, zips: &[Table], places: &Places<'_>) -> Result<Vec<Axis>, String> {
+pub(super) fn axes(axes: &Table, zips: &[Table], places: &KeyPositions<'_>) -> Result<Vec<Axis>, String> {
     let mut parsed = Vec::new();
     parameters(axes, &["axes".to_owned()], places, &mut parsed)?;
     parsed.sort_by_key(|(place, ..)| *place);
@@ -88,7 +88,7 @@ fn axis(parameters: Vec<(String, Vec<Value>)>) -> Result<Axis, String> {
 }
 
 /// Parameters of a table and the groups in it, each with its values.
-fn parameters(table: &Table, path: &[String], places: &Places<'_>, found: &mut Parsed) -> Result<(), String> {
+fn parameters(table: &Table, path: &[String], places: &KeyPositions<'_>, found: &mut ParsedValues) -> Result<(), String> {
     for (name, value) in table {
         let path = [path, std::slice::from_ref(name)].concat();
         let (place, key) = (path.join("."), path[1..].join("."));
@@ -120,8 +120,8 @@ const RANGE: &str = "a range such as { from = 8, to = 64, step = 8 } or { from =
 
 fn range_values(range: &Table, place: &str) -> Result<Vec<Value>, String> {
     let wrong = |what: String| format!("{place}: {what}; expected {RANGE}");
-    let Steps { from, to, step, factor } =
-        Steps::deserialize(range.clone()).map_err(|error| wrong(error.message().trim().to_owned()))?;
+    let RangeSteps { from, to, step, factor } =
+        RangeSteps::deserialize(range.clone()).map_err(|error| wrong(error.message().trim().to_owned()))?;
     let is_whole = range.values().all(|value| !value.is_float());
     let grows = |x: f64| match (step, factor) {
         (Some(step), None) => Ok(x + step),
@@ -174,7 +174,7 @@ impl Exclusion {
     /// Parses a block of the plan.
     pub(super) fn of(table: &Table, axes: &[Axis]) -> Result<Self, String> {
         let mut wanted = Vec::new();
-        leaves(table, "", &mut wanted);
+        values_in(table, "", &mut wanted);
         let part = |(key, value): (String, &Value)| {
             let place = axes.iter().enumerate().find_map(|(n, axis)| Some((n, axis.keys.iter().position(|k| *k == key)?)));
             let (axis, at) = place.ok_or_else(|| {
@@ -185,12 +185,12 @@ impl Exclusion {
             })?;
             let values: Vec<String> = match value {
                 // A list is several values, unless the axis has lists for values.
-                Value::Array(values) if !has(axes, (axis, at), &value.to_string()) => {
+                Value::Array(values) if !is_value(axes, (axis, at), &value.to_string()) => {
                     values.iter().map(Value::to_string).collect()
                 }
                 value => vec![value.to_string()],
             };
-            match values.iter().find(|value| !has(axes, (axis, at), value)) {
+            match values.iter().find(|value| !is_value(axes, (axis, at), value)) {
                 Some(none) => Err(format!("exclude: `{key}` never is {none}: nothing would be left out")),
                 None => Ok((axis, at, values)),
             }
@@ -208,16 +208,16 @@ impl Exclusion {
     }
 }
 
-fn has(axes: &[Axis], (axis, at): (usize, usize), value: &str) -> bool {
+fn is_value(axes: &[Axis], (axis, at): (usize, usize), value: &str) -> bool {
     axes[axis].values.iter().any(|row| row.get(at).is_some_and(|given| given == value))
 }
 
 /// Dotted names and values, groups opened.
-fn leaves<'a>(table: &'a Table, prefix: &str, found: &mut Vec<(String, &'a Value)>) {
+fn values_in<'a>(table: &'a Table, prefix: &str, found: &mut Vec<(String, &'a Value)>) {
     for (name, value) in table {
         let key = format!("{prefix}{name}");
         match value {
-            Value::Table(group) => leaves(group, &format!("{key}."), found),
+            Value::Table(group) => values_in(group, &format!("{key}."), found),
             _ => found.push((key, value)),
         }
     }
@@ -232,7 +232,7 @@ mod tests {
         let group = |name: &str| table.get(name).and_then(Value::as_table).cloned().unwrap_or_default();
         let zips = table.get("zip").and_then(Value::as_array).cloned().unwrap_or_default();
         let zips: Vec<Table> = zips.into_iter().map(|zip| zip.as_table().cloned().unwrap()).collect();
-        axes(&group("axes"), &zips, &Places::of(text))
+        axes(&group("axes"), &zips, &KeyPositions::of(text))
     }
 
     fn values(text: &str) -> Vec<String> {

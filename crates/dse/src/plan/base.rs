@@ -9,7 +9,7 @@ use toml::Value;
 
 /// Puts the base first on each axis. Without axes, it makes one for each assumed parameter, with its neighbours. `with`
 /// returns the configuration with one parameter changed to a value in TOML.
-pub(super) fn around(
+pub(super) fn with_base_first(
     axes: Vec<Axis>,
     base: &MachineConfig,
     with: &dyn Fn(&str, &str) -> Option<MachineConfig>,

@@ -1,7 +1,7 @@
 //! A plan and its points.
 
 use super::axes::Axis;
-use crate::{Constraint, Objective, Opened};
+use crate::{Constraint, Objective, OpenedInput};
 use basrelief_parameters::ConfigError;
 use basrelief_sim::{ConfigLoader, MachineConfig, MachineInfo, Overrides};
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,7 +12,7 @@ pub struct Plan {
     /// A heading.
     pub title: String,
     /// Inputs.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<PlanInput>,
     /// Machine.
     pub machine: &'static MachineInfo,
     /// In the order in which they are written; the first changes slowest.
@@ -26,7 +26,7 @@ pub struct Plan {
     /// True if reference images are drawn and compared. It is the same for all points of a folder.
     pub(crate) exact: bool,
     /// Points to run, each once.
-    pub points: Vec<Point>,
+    pub points: Vec<PlanPoint>,
     /// Parameters that all points share.
     pub(super) base: Overrides,
     /// Their TOML, read.
@@ -35,18 +35,18 @@ pub struct Plan {
 
 /// An input of a plan.
 #[derive(Clone, Debug)]
-pub struct Input {
+pub struct PlanInput {
     /// Name of the axis in the plan.
     pub name: String,
     /// The open input.
-    pub opened: Opened,
+    pub opened: OpenedInput,
     /// Everything in the plan that a report depends on.
     pub(super) identity: String,
 }
 
 /// One point of the plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Point {
+pub struct PlanPoint {
     /// SHA-256, in hexadecimal, over all that its report depends on.
     pub id: String,
     /// The same over all that its work depends on: points that share it differ in times only.
@@ -59,9 +59,9 @@ pub struct Point {
 
 impl Plan {
     /// The part of the points that is shard `number` of `count`, from 1. Points that share their work stay together.
-    pub fn shard(&self, number: usize, count: usize) -> Vec<&Point> {
+    pub fn shard(&self, number: usize, count: usize) -> Vec<&PlanPoint> {
         let mut groups = BTreeMap::new();
-        let of_shard = |point: &&Point| {
+        let of_shard = |point: &&PlanPoint| {
             let next = groups.len();
             *groups.entry(point.work.clone()).or_insert(next) % count == number - 1
         };
@@ -69,7 +69,7 @@ impl Plan {
     }
 
     /// Returns the minimum number of runs. Points that share their work need one run.
-    pub fn works(&self) -> usize {
+    pub fn min_runs(&self) -> usize {
         self.points.iter().map(|point| &point.work).collect::<BTreeSet<_>>().len()
     }
 
@@ -82,7 +82,7 @@ impl Plan {
     }
 
     /// The parameters of a point, as they are given.
-    pub fn given(&self, places: &[usize]) -> Overrides {
+    pub fn overrides_of(&self, places: &[usize]) -> Overrides {
         let settings = self.base.settings.iter().cloned().chain(self.settings(places)).collect();
         Overrides { toml: self.base.toml.clone(), settings }
     }

@@ -2,7 +2,7 @@
 //! from build to build; its [folder](crate::folder) states the build.
 
 use super::definition::Plan;
-use crate::Opened;
+use crate::OpenedInput;
 use basrelief_parameters::Effect;
 use basrelief_report::SCHEMA;
 use serde_json::Value;
@@ -14,10 +14,10 @@ use std::path::Path;
 const KIND: &str = "basrelief-point/2";
 
 /// All of an input that a report depends on.
-pub(super) fn of_input(name: &str, opened: &Opened, sha256: &str) -> String {
+pub(super) fn of_input(name: &str, opened: &OpenedInput, sha256: &str) -> String {
     let (kind, name, warnings) = match opened {
-        Opened::Scene(prepared) => ("scene", prepared.scene().name.clone(), prepared.scene().warnings.clone()),
-        Opened::Trace => ("trace", name.to_owned(), vec![]),
+        OpenedInput::Scene(prepared) => ("scene", prepared.scene().name.clone(), prepared.scene().warnings.clone()),
+        OpenedInput::Trace => ("trace", name.to_owned(), vec![]),
     };
     // Reports name a file without its folder.
     let file = Path::new(&name).file_name().map_or_else(|| name.clone(), |file| file.to_string_lossy().into_owned());
@@ -25,13 +25,13 @@ pub(super) fn of_input(name: &str, opened: &Opened, sha256: &str) -> String {
 }
 
 /// Common part of the hashes of all points of a plan.
-pub(super) struct Identity {
+pub(super) struct PlanIdentity {
     /// Parameters that change times only.
     timing: BTreeSet<String>,
     head: String,
 }
 
-impl Identity {
+impl PlanIdentity {
     pub(super) fn of(plan: &Plan) -> Self {
         let timing = plan.machine.parameters().into_iter().filter(|p| p.effect == Effect::Timing).map(|p| p.key).collect();
         let limit = Some(plan.max_cycles).filter(|most| *most < u64::MAX);

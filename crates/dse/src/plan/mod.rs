@@ -8,24 +8,24 @@ mod points;
 mod written;
 
 pub use axes::Axis;
-pub use definition::{Input, Plan, Point};
+pub use definition::{Plan, PlanInput, PlanPoint};
 
-use crate::figures::{Figure, path_of};
+use crate::figures::{ReportFigure, path_of};
 use crate::one;
-use crate::{Host, Opened, SweepError};
-use axes::{Exclusion, Places};
+use crate::{OpenedInput, SweepError, SweepHost};
+use axes::{Exclusion, KeyPositions};
 use basrelief_parameters::{ConfigError, nearest};
 use basrelief_sim::{MachineInfo, Overrides, input_sha256};
 use std::collections::BTreeSet;
-use written::{Config, Method, Samples, Written};
+use written::{BaseConfig, PlanFile, SampleMethod, SampleOptions};
 
 /// A run, to make a plan [around](Plan::around).
 #[derive(Clone, Debug)]
-pub struct Around {
+pub struct OneAtATimeBase {
     /// Name given by the user; a trace is opened by this name.
     pub name: String,
     /// Input of the plan.
-    pub opened: Opened,
+    pub opened: OpenedInput,
     /// Machine.
     pub machine: &'static MachineInfo,
     /// Parameters as they were given.
@@ -41,9 +41,9 @@ impl Plan {
     ///
     /// # Errors
     /// The first wrong field, the expected value and the cure, without the name of the file.
-    pub fn read(text: &str, host: &dyn Host) -> Result<Self, SweepError> {
+    pub fn read(text: &str, host: &dyn SweepHost) -> Result<Self, SweepError> {
         let mut plan = Self::parse(text, host).map_err(SweepError)?;
-        let known = one::rehearse(&plan, host);
+        let known = one::run_small(&plan, host);
         plan.check_figures(known.as_deref()).map_err(SweepError)?;
         Ok(plan)
     }
@@ -53,8 +53,8 @@ impl Plan {
     ///
     /// # Errors
     /// An input that cannot be read, parameters that do not fit together.
-    pub fn around(run: Around, host: &dyn Host) -> Result<Self, SweepError> {
-        let Around { name, opened, machine, given, max_cycles, exact } = run;
+    pub fn one_at_a_time(run: OneAtATimeBase, host: &dyn SweepHost) -> Result<Self, SweepError> {
+        let OneAtATimeBase { name, opened, machine, given, max_cycles, exact } = run;
         let of_run = || {
             let loader = machine.loader(&given.toml).map_err(|error| error.to_string())?;
             let title = format!("{}, {name}", machine.name);
@@ -63,8 +63,8 @@ impl Plan {
             let mut plan =
                 Self { title, inputs, machine, axes, objectives, constraints, max_cycles, exact, points, base: given, loader };
             plan.axes = plan.around_base()?;
-            let samples = Samples { method: Method::OneAtATime, points: None, seed: 0 };
-            let places = points::places(&plan.axes, &[], Some(&samples), 1)?;
+            let samples = SampleOptions { method: SampleMethod::OneAtATime, points: None, seed: 0 };
+            let places = points::axis_values(&plan.axes, &[], Some(&samples), 1)?;
             plan.inputs = vec![plan.input(&name, opened, host)?];
             plan.points = points::points(&plan, &places);
             Ok(plan)
@@ -72,8 +72,8 @@ impl Plan {
         of_run().map_err(SweepError)
     }
 
-    fn parse(text: &str, host: &dyn Host) -> Result<Self, String> {
-        let written = Written::parse(text)?;
+    fn parse(text: &str, host: &dyn SweepHost) -> Result<Self, String> {
+        let written = PlanFile::parse(text)?;
         let names = written.inputs();
         let Some(first) = names.first() else { return Err("input: names nothing; expected one input at least".into()) };
         let machine = match &written.machine {
@@ -82,15 +82,15 @@ impl Plan {
         };
         let base = match &written.config {
             None => String::new(),
-            Some(Config::Inline(table)) => toml::to_string(table).map_err(|error| format!("config: {error}"))?,
-            Some(Config::File(name)) => host.text(name).map_err(|error| format!("config: {error}"))?,
+            Some(BaseConfig::Inline(table)) => toml::to_string(table).map_err(|error| format!("config: {error}"))?,
+            Some(BaseConfig::File(name)) => host.text(name).map_err(|error| format!("config: {error}"))?,
         };
         let loader = machine.loader(&base).map_err(|error| format!("config: {error}"))?;
         let mut plan = Self {
             title: written.title.clone().unwrap_or_else(|| format!("{}, {}", machine.name, names.join(", "))),
             inputs: vec![],
             machine,
-            axes: axes::axes(&written.axes, &written.zip, &Places::of(text))?,
+            axes: axes::axes(&written.axes, &written.zip, &KeyPositions::of(text))?,
             objectives: written.objectives()?,
             constraints: written.constraints()?,
             max_cycles: written.max_cycles.unwrap_or(u64::MAX),
@@ -100,33 +100,33 @@ impl Plan {
             loader,
         };
         plan.check_parameters()?;
-        if written.samples.as_ref().is_some_and(|samples| samples.method == Method::OneAtATime) {
+        if written.samples.as_ref().is_some_and(|samples| samples.method == SampleMethod::OneAtATime) {
             plan.axes = plan.around_base()?;
         }
         let exclusions = written.exclude.iter().map(|table| Exclusion::of(table, &plan.axes)).collect::<Result<Vec<_>, _>>()?;
-        let places = points::places(&plan.axes, &exclusions, written.samples.as_ref(), names.len())?;
-        let view: Vec<(String, String)> = written.view.iter().map(|(name, value)| (name.clone(), plain(value))).collect();
+        let places = points::axis_values(&plan.axes, &exclusions, written.samples.as_ref(), names.len())?;
+        let view: Vec<(String, String)> = written.view.iter().map(|(name, value)| (name.clone(), setting_text(value))).collect();
         plan.inputs = names.iter().map(|name| plan.open(name, &view, host)).collect::<Result<_, _>>()?;
         plan.points = points::points(&plan, &places);
         Ok(plan)
     }
 
-    fn open(&self, name: &str, view: &[(String, String)], host: &dyn Host) -> Result<Input, String> {
+    fn open(&self, name: &str, view: &[(String, String)], host: &dyn SweepHost) -> Result<PlanInput, String> {
         self.input(name, host.open(name, view)?, host)
     }
 
-    fn input(&self, name: &str, opened: Opened, host: &dyn Host) -> Result<Input, String> {
+    fn input(&self, name: &str, opened: OpenedInput, host: &dyn SweepHost) -> Result<PlanInput, String> {
         let source = opened.input(name, host)?;
         let default = self.machine.load("", &[]).map_err(|error| error.to_string())?;
         let sha256 = input_sha256(source, &default, host.budget()).map_err(|error| format!("{name}: {error}"))?;
         let identity = identity::of_input(name, &opened, &sha256);
-        Ok(Input { name: name.into(), opened, identity })
+        Ok(PlanInput { name: name.into(), opened, identity })
     }
 
     /// Axes around the base configuration of the plan.
     fn around_base(&self) -> Result<Vec<Axis>, String> {
         let base = self.load(&[]).map_err(|error| format!("config: {error}"))?;
-        base::around(self.axes.clone(), &base, &|key, value| self.load(&[(key.into(), value.into())]).ok())
+        base::with_base_first(self.axes.clone(), &base, &|key, value| self.load(&[(key.into(), value.into())]).ok())
     }
 
     /// Checks that each parameter occurs once, and that each value is valid by itself.
@@ -159,7 +159,7 @@ impl Plan {
     }
 
     /// Replaces figures by their paths and checks that each exists. Without a trial run nothing is checked.
-    fn check_figures(&mut self, known: Option<&[Figure]>) -> Result<(), String> {
+    fn check_figures(&mut self, known: Option<&[ReportFigure]>) -> Result<(), String> {
         let columns = self.objectives.iter_mut().map(|o| ("objectives", &mut o.column));
         for (place, column) in columns.chain(self.constraints.iter_mut().map(|c| ("constraints", &mut c.column))) {
             *column = path_of(column);
@@ -181,10 +181,10 @@ impl Plan {
 }
 
 /// A value as the command line takes it.
-fn plain(value: &toml::Value) -> String {
+fn setting_text(value: &toml::Value) -> String {
     match value {
         toml::Value::String(text) => text.clone(),
-        toml::Value::Array(values) => values.iter().map(plain).collect::<Vec<_>>().join(","),
+        toml::Value::Array(values) => values.iter().map(setting_text).collect::<Vec<_>>().join(","),
         other => other.to_string(),
     }
 }

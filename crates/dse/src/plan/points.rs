@@ -1,9 +1,9 @@
 //! The points of a plan.
 
 use super::axes::{Axis, Exclusion};
-use super::definition::{Plan, Point};
-use super::identity::Identity;
-use super::written::{Method, Samples};
+use super::definition::{Plan, PlanPoint};
+use super::identity::PlanIdentity;
+use super::written::{SampleMethod, SampleOptions};
 use crate::sample::{latin_hypercube, sobol};
 use basrelief_threads as threads;
 use std::collections::BTreeSet;
@@ -12,24 +12,24 @@ use std::collections::BTreeSet;
 pub(super) const MOST_POINTS: usize = 1 << 15;
 
 /// Places on all axes: the grid or a sample of it, without excluded points.
-pub(super) fn places(
+pub(super) fn axis_values(
     axes: &[Axis],
     exclusions: &[Exclusion],
-    samples: Option<&Samples>,
+    samples: Option<&SampleOptions>,
     inputs: usize,
 ) -> Result<Vec<Vec<usize>>, String> {
     let lengths: Vec<usize> = axes.iter().map(|axis| axis.values.len()).collect();
     let places = match samples {
-        Some(Samples { method: method @ (Method::LatinHypercube | Method::Sobol), points, seed }) => {
+        Some(SampleOptions { method: method @ (SampleMethod::LatinHypercube | SampleMethod::Sobol), points, seed }) => {
             let points = points.ok_or("samples: `points` says how many; expected a number such as points = 64")?;
             bounded(Some(points), inputs)?;
-            let sample = if *method == Method::Sobol { sobol } else { latin_hypercube };
+            let sample = if *method == SampleMethod::Sobol { sobol } else { latin_hypercube };
             sample(points, &lengths, *seed).map_err(|error| format!("samples: {error}"))?
         }
-        Some(Samples { points: Some(_), .. }) => {
+        Some(SampleOptions { points: Some(_), .. }) => {
             return Err("samples: a grid, or one value at a time, has all its points; leave `points` out".into());
         }
-        Some(Samples { method: Method::OneAtATime, .. }) => {
+        Some(SampleOptions { method: SampleMethod::OneAtATime, .. }) => {
             bounded(Some(lengths.iter().map(|length| length - 1).sum::<usize>() + 1), inputs)?;
             one_at_a_time(&lengths)
         }
@@ -82,14 +82,14 @@ fn one_at_a_time(lengths: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// Returns the points of a plan, input by input, without repetitions.
-pub(super) fn points(plan: &Plan, places: &[Vec<usize>]) -> Vec<Point> {
-    let identity = Identity::of(plan);
+pub(super) fn points(plan: &Plan, places: &[Vec<usize>]) -> Vec<PlanPoint> {
+    let identity = PlanIdentity::of(plan);
     let all: Vec<(usize, &Vec<usize>)> =
         (0..plan.inputs.len()).flat_map(|input| places.iter().map(move |p| (input, p))).collect();
     let pieces = all.chunks(64).collect();
     let point = |&(input, places): &(usize, &Vec<usize>)| {
         let (id, work) = identity.hashes(plan, input, places);
-        Point { id, work, input, places: places.clone() }
+        PlanPoint { id, work, input, places: places.clone() }
     };
     let points = threads::par_map(pieces, |piece: &[(usize, &Vec<usize>)]| piece.iter().map(point).collect::<Vec<_>>());
     let mut seen = BTreeSet::new();

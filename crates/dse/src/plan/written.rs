@@ -1,6 +1,6 @@
 //! A plan as it is written.
 
-use crate::{Constraint, Goal, Objective};
+use crate::{Constraint, Objective, ObjectiveDirection};
 use basrelief_parameters::{nearest, syntax};
 use serde::Deserialize;
 use toml::Table;
@@ -8,11 +8,11 @@ use toml::Table;
 /// The plan file. docs/guide/sweep-and-explore.md describes its fields.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Written {
+pub(super) struct PlanFile {
     pub(super) title: Option<String>,
-    pub(super) input: Inputs,
+    pub(super) input: InputList,
     pub(super) machine: Option<String>,
-    pub(super) config: Option<Config>,
+    pub(super) config: Option<BaseConfig>,
     #[serde(default)]
     pub(super) view: Table,
     pub(super) max_cycles: Option<u64>,
@@ -22,7 +22,7 @@ pub(super) struct Written {
     pub(super) zip: Vec<Table>,
     #[serde(default)]
     pub(super) exclude: Vec<Table>,
-    pub(super) samples: Option<Samples>,
+    pub(super) samples: Option<SampleOptions>,
     pub(super) objectives: Vec<WrittenObjective>,
     #[serde(default)]
     pub(super) constraints: Vec<String>,
@@ -30,22 +30,22 @@ pub(super) struct Written {
 
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "expected the name of an input, such as \"demo:golf-ball\", or a list of them")]
-pub(super) enum Inputs {
+pub(super) enum InputList {
     One(String),
     Several(Vec<String>),
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "expected parameters, as in a file of --config, or the name of such a file")]
-pub(super) enum Config {
+pub(super) enum BaseConfig {
     File(String),
     Inline(Table),
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Samples {
-    pub(super) method: Method,
+pub(super) struct SampleOptions {
+    pub(super) method: SampleMethod,
     pub(super) points: Option<usize>,
     #[serde(default)]
     pub(super) seed: u32,
@@ -53,7 +53,7 @@ pub(super) struct Samples {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Method {
+pub(super) enum SampleMethod {
     Grid,
     LatinHypercube,
     Sobol,
@@ -81,7 +81,7 @@ enum WrittenGoal {
     Max,
 }
 
-impl Written {
+impl PlanFile {
     pub(super) fn parse(text: &str) -> Result<Self, String> {
         toml::from_str(text).map_err(|error| {
             let names: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
@@ -94,8 +94,8 @@ impl Written {
 
     pub(super) fn inputs(&self) -> Vec<String> {
         match &self.input {
-            Inputs::One(input) => vec![input.clone()],
-            Inputs::Several(inputs) => inputs.clone(),
+            InputList::One(input) => vec![input.clone()],
+            InputList::Several(inputs) => inputs.clone(),
         }
     }
 
@@ -105,8 +105,8 @@ impl Written {
             WrittenObjective::Fields(ObjectiveFields { figure, goal }) => Ok(Objective {
                 column: figure.clone(),
                 goal: match goal {
-                    WrittenGoal::Min => Goal::Min,
-                    WrittenGoal::Max => Goal::Max,
+                    WrittenGoal::Min => ObjectiveDirection::Min,
+                    WrittenGoal::Max => ObjectiveDirection::Max,
                 },
             }),
         };

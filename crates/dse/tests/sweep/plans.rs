@@ -122,7 +122,7 @@ fn grid_order_is_inputs_then_axes() {
     let places: Vec<(usize, Vec<usize>)> = plan.points.iter().map(|p| (p.input, p.places.clone())).collect();
     let of_input = |n| [vec![0, 1], vec![1, 0], vec![1, 1], vec![1, 2]].map(|places| (n, places));
     assert_eq!(places, [of_input(0), of_input(1)].concat());
-    assert_eq!(plan.works(), 4, "a mode of each input");
+    assert_eq!(plan.min_runs(), 4, "a mode of each input");
 }
 
 /// A FIFO of a machine.

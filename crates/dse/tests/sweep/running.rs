@@ -1,8 +1,8 @@
 //! Sweeps: resimulation equals a run, threads change nothing, failures are rows, existing points stay.
 
 use crate::support::{Program, files, plan, sweep};
-use basrelief_dse::folder::{Failure, Store};
-use basrelief_dse::{Folder, Found, Work, execute, tables, verify};
+use basrelief_dse::folder::{PointFailure, PointStore};
+use basrelief_dse::{PointStatus, SweepFolder, SweepJob, execute, tables, verify};
 use basrelief_sim::BUILD;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,9 +19,9 @@ fn resimulated_point_equals_a_run() {
     for text in [PLAN.to_owned(), PLAN.replace("demo:ellipsoid@1", "quad.dl.jsonl")] {
         let folder = tempdir().unwrap();
         let (plan, tally) = sweep(&text, folder.path(), 2);
-        assert_eq!((tally.points, tally.run, tally.retimed, tally.failed), (12, 2, 10, 0));
+        assert_eq!((tally.points, tally.run, tally.resimulated, tally.failed), (12, 2, 10, 0));
         let points: Vec<_> = plan.points.iter().collect();
-        let (count, others) = verify(&plan, &points, 100.0, &Folder::new(folder.path()), &Program::new()).unwrap();
+        let (count, others) = verify(&plan, &points, 100.0, &SweepFolder::new(folder.path()), &Program::new()).unwrap();
         assert_eq!((count, others), (12, vec![]));
     }
 }
@@ -34,9 +34,9 @@ fn a_point_that_was_tampered_with_is_found() {
     let path = folder.path().join("points").join(id).join("report.json");
     fs::write(&path, fs::read_to_string(&path).unwrap().replacen("\"total\": ", "\"total\": 1", 1)).unwrap();
     let points: Vec<_> = plan.points.iter().collect();
-    let (_, others) = verify(&plan, &points, 100.0, &Folder::new(folder.path()), &Program::new()).unwrap();
+    let (_, others) = verify(&plan, &points, 100.0, &SweepFolder::new(folder.path()), &Program::new()).unwrap();
     assert_eq!(others, std::slice::from_ref(id));
-    let (count, _) = verify(&plan, &points, 10.0, &Folder::new(folder.path()), &Program::new()).unwrap();
+    let (count, _) = verify(&plan, &points, 10.0, &SweepFolder::new(folder.path()), &Program::new()).unwrap();
     assert_eq!(count, 2, "a tenth of twelve, and what is left");
 }
 
@@ -55,7 +55,7 @@ fn every_file_is_the_same_to_the_byte_whatever_the_threads() {
 fn limited() -> String {
     let folder = tempdir().unwrap();
     let (plan, _) = sweep(PLAN, folder.path(), 2);
-    let total = |id: &str| Folder::new(folder.path()).report(id).unwrap()["cycles"]["total"].as_u64().unwrap();
+    let total = |id: &str| SweepFolder::new(folder.path()).report(id).unwrap()["cycles"]["total"].as_u64().unwrap();
     let mut totals: Vec<u64> = plan.points.iter().map(|point| total(&point.id)).collect();
     totals.sort_unstable();
     format!("max_cycles = {}\n{PLAN}", totals[5])
@@ -65,8 +65,8 @@ fn limited() -> String {
 fn incomplete_points_are_rows_with_reason() {
     let folder = tempdir().unwrap();
     let (plan, tally) = sweep(&limited(), folder.path(), 2);
-    let store = Folder::new(folder.path());
-    let failed: Vec<_> = plan.points.iter().filter(|p| store.find(&p.id) == Found::Failed).collect();
+    let store = SweepFolder::new(folder.path());
+    let failed: Vec<_> = plan.points.iter().filter(|p| store.find(&p.id) == PointStatus::Failed).collect();
     assert!(!failed.is_empty() && failed.len() < 12, "{} of 12", failed.len());
     assert_eq!(tally.failed, failed.len());
     let failure = store.failure(&failed[0].id).unwrap();
@@ -79,8 +79,8 @@ fn incomplete_points_are_rows_with_reason() {
     // A run within the limit has the report of a run without limit.
     let whole = tempdir().unwrap();
     let (free, _) = sweep(PLAN, whole.path(), 2);
-    for (point, free) in plan.points.iter().zip(&free.points).filter(|(point, _)| store.find(&point.id) == Found::Report) {
-        assert_eq!(store.report_text(&point.id).unwrap(), Folder::new(whole.path()).report_text(&free.id).unwrap());
+    for (point, free) in plan.points.iter().zip(&free.points).filter(|(point, _)| store.find(&point.id) == PointStatus::Report) {
+        assert_eq!(store.report_text(&point.id).unwrap(), SweepFolder::new(whole.path()).report_text(&free.id).unwrap());
     }
 }
 
@@ -103,19 +103,19 @@ fn invalid_parameters_are_rows_with_reason() {
 fn deadlocked_point_stays_off_the_front() {
     let folder = tempdir().unwrap();
     let host = Program::new();
-    let (plan, store) = (plan(PLAN, &host), Folder::new(folder.path()));
+    let (plan, store) = (plan(PLAN, &host), SweepFolder::new(folder.path()));
     let message = "nothing can start: a waits for b".to_owned();
-    store.put_failure(&plan.points[3].id, &Failure { outcome: "deadlock".into(), message }, &host).unwrap();
+    store.put_failure(&plan.points[3].id, &PointFailure { outcome: "deadlock".into(), message }, &host).unwrap();
     let (_, tally) = sweep(PLAN, folder.path(), 2);
-    assert_eq!((tally.there, tally.run + tally.retimed, tally.failed), (1, 11, 0));
+    assert_eq!((tally.existing, tally.run + tally.resimulated, tally.failed), (1, 11, 0));
     let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
     let row = format!("{},failed,deadlock: nothing can start: a waits for b,,,", plan.points[3].id);
     assert!(table.lines().nth(4).unwrap().starts_with(&row), "{table:.2000}");
     assert!(fs::read_to_string(folder.path().join("front.txt")).unwrap().contains("of 11 points are Pareto-optimal"));
     let points: Vec<_> = plan.points.iter().collect();
-    let work = Work { points: &points, retry_failed: true, pictures: true, threads: 2 };
+    let work = SweepJob { points: &points, retry_failed: true, pictures: true, threads: 2 };
     assert_eq!(execute(&plan, &work, &store, &host).unwrap().run, 1);
-    assert_eq!(store.find(&plan.points[3].id), Found::Report);
+    assert_eq!(store.find(&plan.points[3].id), PointStatus::Report);
 }
 
 #[test]
@@ -126,14 +126,14 @@ fn existing_points_are_reused_failed_on_demand() {
     assert!(first.failed > 0);
     let before = files(folder.path());
     let (_, second) = sweep(&text, folder.path(), 2);
-    assert_eq!((second.there, second.run, second.retimed), (12, 0, 0));
+    assert_eq!((second.existing, second.run, second.resimulated), (12, 0, 0));
     assert!(before == files(folder.path()));
     let host = Program::new();
     let plan = plan(&text, &host);
     let points: Vec<_> = plan.points.iter().collect();
-    let work = Work { points: &points, retry_failed: true, pictures: true, threads: 2 };
-    let tally = execute(&plan, &work, &Folder::new(folder.path()), &host).unwrap();
-    assert_eq!((tally.there, tally.run, tally.failed), (12 - first.failed, first.failed, first.failed));
+    let work = SweepJob { points: &points, retry_failed: true, pictures: true, threads: 2 };
+    let tally = execute(&plan, &work, &SweepFolder::new(folder.path()), &host).unwrap();
+    assert_eq!((tally.existing, tally.run, tally.failed), (12 - first.failed, first.failed, first.failed));
 }
 
 fn report_of(folder: &Path, id: &str) -> PathBuf {
@@ -149,10 +149,10 @@ fn damaged_point_runs_again() {
     let damages = [vec![], report[..report.len() / 2].to_vec(), vec![0; report.len()], [&report[..], b"}"].concat()];
     for (point, damaged) in plan.points.iter().zip(damages) {
         fs::write(report_of(folder.path(), &point.id), damaged).unwrap();
-        assert_eq!(Folder::new(folder.path()).find(&point.id), Found::Missing);
+        assert_eq!(SweepFolder::new(folder.path()).find(&point.id), PointStatus::Missing);
     }
     let (_, tally) = sweep(PLAN, folder.path(), 2);
-    assert_eq!((tally.there, tally.run + tally.retimed, tally.outdated), (8, 4, 0));
+    assert_eq!((tally.existing, tally.run + tally.resimulated, tally.outdated), (8, 4, 0));
     assert!(before == files(folder.path()));
 }
 
@@ -161,29 +161,29 @@ fn points_of_another_build_run_again() {
     let folder = tempdir().unwrap();
     let (plan, _) = sweep(PLAN, folder.path(), 2);
     let before = files(folder.path());
-    let store = Folder::new(folder.path());
+    let store = SweepFolder::new(folder.path());
     for point in &plan.points[..3] {
         let text = store.report_text(&point.id).unwrap();
         fs::write(report_of(folder.path(), &point.id), text.replacen(BUILD, "0.1.0+another", 1)).unwrap();
-        assert_eq!(store.find(&point.id), Found::Outdated);
+        assert_eq!(store.find(&point.id), PointStatus::Outdated);
     }
     // A failure of another build may be mended now.
     let failed = folder.path().join("points").join(&plan.points[3].id).join("failed.json");
     fs::remove_file(failed.with_file_name("report.json")).unwrap();
     fs::write(failed, r#"{"outcome": "deadlock", "message": "of version 0.1"}"#).unwrap();
     let (_, tally) = sweep(PLAN, folder.path(), 2);
-    assert_eq!((tally.there, tally.run + tally.retimed, tally.outdated), (8, 4, 4));
+    assert_eq!((tally.existing, tally.run + tally.resimulated, tally.outdated), (8, 4, 4));
     assert!(before == files(folder.path()));
 }
 
 #[test]
 fn failure_replaces_report_of_another_build() {
     let folder = tempdir().unwrap();
-    let (host, store) = (Program::new(), Folder::new(folder.path()));
+    let (host, store) = (Program::new(), SweepFolder::new(folder.path()));
     store.put("a", ("{\"build\": \"0.1.0+another\"}", None), &host).unwrap();
-    let failure = Failure { outcome: "limit".into(), message: "stopped".into() };
+    let failure = PointFailure { outcome: "limit".into(), message: "stopped".into() };
     store.put_failure("a", &failure, &host).unwrap();
-    assert_eq!((store.find("a"), store.failure("a").unwrap()), (Found::Failed, failure));
+    assert_eq!((store.find("a"), store.failure("a").unwrap()), (PointStatus::Failed, failure));
     assert!(!report_of(folder.path(), "a").exists());
 }
 
@@ -207,7 +207,7 @@ fn a_second_plan_finds_the_points_of_the_first() {
     let folder = tempdir().unwrap();
     sweep(PLAN, folder.path(), 2);
     let (plan, tally) = sweep(&PLAN.replace("[1, 2, 64]", "[2, 8]").replace("cycles min", "cycles max"), folder.path(), 2);
-    assert_eq!((plan.points.len(), tally.there, tally.run + tally.retimed), (8, 4, 4));
+    assert_eq!((plan.points.len(), tally.existing, tally.run + tally.resimulated), (8, 4, 4));
 }
 
 #[test]
@@ -217,8 +217,8 @@ fn full_disk_ends_sweep_and_keeps_whole_files() {
         let host = Program::with_room(room);
         let plan = plan(PLAN, &host);
         let points: Vec<_> = plan.points.iter().collect();
-        let work = Work { points: &points, retry_failed: false, pictures: true, threads: 2 };
-        let store = Folder::new(folder.path());
+        let work = SweepJob { points: &points, retry_failed: false, pictures: true, threads: 2 };
+        let store = SweepFolder::new(folder.path());
         let ended = execute(&plan, &work, &store, &host).and_then(|_| tables(&plan, &store, &host));
         let error = ended.unwrap_err().to_string();
         assert!(error.contains(&folder.path().display().to_string()) && error.contains(": cannot be written: "), "{error}");
@@ -248,7 +248,7 @@ fn ten_thousand_points_are_checked_found_and_resumed_at_once() {
     let text = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"cycles min\"]\n[axes]\nshade.mode = [\"normal\", \"brightness\"]\n\
                 fifo.pixels.depth = { from = 1, to = 50, step = 1 }\nfifo.interpolated.depth = { from = 1, to = 100, step = 1 }\n";
     let (folder, host) = (tempdir().unwrap(), Program::new());
-    let store = Folder::new(folder.path());
+    let store = SweepFolder::new(folder.path());
     for point in &plan(text, &host).points {
         let report = format!("{{ \"build\": \"{BUILD}\", \"cycles\": {{ \"frames\": [7] }} }}");
         store.put(&point.id, (&report, None), &host).unwrap();
@@ -258,7 +258,7 @@ fn ten_thousand_points_are_checked_found_and_resumed_at_once() {
     let (plan, tally) = sweep(text, folder.path(), 2);
     let seconds = began.elapsed().as_secs_f64();
     println!("{} points checked, found and resumed in {seconds:.2} s", plan.points.len());
-    assert_eq!((plan.points.len(), tally.there, tally.run), (10_000, 10_000, 0));
+    assert_eq!((plan.points.len(), tally.existing, tally.run), (10_000, 10_000, 0));
     // Less than 1 s when built for release; here, for debugging and beside other tests, ten times that is no mistake.
     assert!(seconds < 20.0, "{seconds} s");
 }

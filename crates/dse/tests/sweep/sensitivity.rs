@@ -1,7 +1,7 @@
 //! Sensitivity: every assumed parameter, each equal to a run with that value, for any number of threads.
 
 use crate::support::{Program, plan, sweep};
-use basrelief_dse::{Around, Opened, Plan, sensitivity};
+use basrelief_dse::{OneAtATimeBase, OpenedInput, Plan, sensitivity};
 use basrelief_input::MemoryPool;
 use basrelief_report::sensitivity::{ComesTo, Measure, ParameterChange, Sensitivity};
 use basrelief_scene::{ViewOptions, demo};
@@ -12,21 +12,21 @@ use std::sync::Arc;
 use tempfile::tempdir;
 
 /// The first demo of a machine, small.
-fn around(machine: &'static MachineInfo, given: Overrides, frames: u32) -> Around {
+fn around(machine: &'static MachineInfo, given: Overrides, frames: u32) -> OneAtATimeBase {
     let options = ViewOptions { size: [32, 24], frames: Some(frames), ..ViewOptions::default() };
     let scene = Arc::new(demo(machine.demos[0], &options).unwrap());
-    let opened = Opened::Scene(PreparedScene::cached(scene, &MemoryPool::default()));
-    Around { name: machine.demos[0].into(), opened, machine, given, max_cycles: u64::MAX, exact: true }
+    let opened = OpenedInput::Scene(PreparedScene::cached(scene, &MemoryPool::default()));
+    OneAtATimeBase { name: machine.demos[0].into(), opened, machine, given, max_cycles: u64::MAX, exact: true }
 }
 
-fn measured(around: &Around, threads: usize) -> Sensitivity {
+fn measured(around: &OneAtATimeBase, threads: usize) -> Sensitivity {
     let host = Program::new();
-    sensitivity(&Plan::around(around.clone(), &host).unwrap(), threads, &host).unwrap()
+    sensitivity(&Plan::one_at_a_time(around.clone(), &host).unwrap(), threads, &host).unwrap()
 }
 
 /// Measures of a run with one more setting.
-fn measured_alone(around: &Around, set: Option<(&str, String)>) -> Measure {
-    let Opened::Scene(prepared) = &around.opened else { panic!("a scene") };
+fn measured_alone(around: &OneAtATimeBase, set: Option<(&str, String)>) -> Measure {
+    let OpenedInput::Scene(prepared) = &around.opened else { panic!("a scene") };
     let settings = around.given.settings.iter().cloned().chain(set.map(|(key, value)| (key.to_owned(), value))).collect();
     let given = Overrides { settings, ..around.given.clone() };
     let config = given.config(around.machine, &[]).unwrap();
@@ -125,7 +125,7 @@ fn sensitivity_does_not_depend_on_threads() {
 fn cycle_limit_is_a_row_and_no_pictures_no_psnr() {
     let around = around(&MACHINES[1], Overrides::default(), 1);
     let total = {
-        let Opened::Scene(prepared) = &around.opened else { panic!("a scene") };
+        let OpenedInput::Scene(prepared) = &around.opened else { panic!("a scene") };
         run(
             RunInput::Scene(prepared.clone()),
             &RunOptions { config: MACHINES[1].load("", &[]).unwrap(), ..RunOptions::default() },
@@ -138,14 +138,14 @@ fn cycle_limit_is_a_row_and_no_pictures_no_psnr() {
         .unwrap()
         .total
     };
-    let told = measured(&Around { max_cycles: total, exact: false, ..around.clone() }, 2);
+    let told = measured(&OneAtATimeBase { max_cycles: total, exact: false, ..around.clone() }, 2);
     assert_eq!(told.base.psnr_db, None);
     let limit = ComesTo::Nothing { reason: "limit: stopped at the limit of max_cycles".into() };
     let (beyond, within): (Vec<_>, Vec<_>) = told.changes.iter().partition(|change| change.comes_to == limit);
     assert!(!beyond.is_empty() && within.len() > beyond.len());
-    let short = Around { max_cycles: total / 2, ..around };
+    let short = OneAtATimeBase { max_cycles: total / 2, ..around };
     let host = Program::new();
-    let error = sensitivity(&Plan::around(short, &host).unwrap(), 2, &host).unwrap_err().to_string();
+    let error = sensitivity(&Plan::one_at_a_time(short, &host).unwrap(), 2, &host).unwrap_err().to_string();
     assert_eq!(error, "as configured: limit: stopped at the limit of max_cycles");
 }
 
@@ -180,9 +180,9 @@ fn a_plan_without_axes_changes_every_assumption() {
     let host = Program::new();
     let text = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"cycles min\"]\nsamples = { method = \"one_at_a_time\" }\n";
     let of_file = plan(text, &host);
-    let Opened::Scene(prepared) = &of_file.inputs[0].opened else { panic!("a scene") };
-    let around = Around { opened: Opened::Scene(prepared.clone()), ..around(&MACHINES[1], Overrides::default(), 1) };
-    let of_run = Plan::around(around, &host).unwrap();
+    let OpenedInput::Scene(prepared) = &of_file.inputs[0].opened else { panic!("a scene") };
+    let around = OneAtATimeBase { opened: OpenedInput::Scene(prepared.clone()), ..around(&MACHINES[1], Overrides::default(), 1) };
+    let of_run = Plan::one_at_a_time(around, &host).unwrap();
     assert_eq!(of_run.points.iter().map(|p| &p.id).collect::<Vec<_>>(), of_file.points.iter().map(|p| &p.id).collect::<Vec<_>>());
     let error = Plan::read(&text.replace("time\" }", "time\", points = 4 }"), &host).unwrap_err().to_string();
     assert!(error.contains("has all its points; leave `points` out"), "{error}");

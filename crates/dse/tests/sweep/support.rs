@@ -1,6 +1,6 @@
 //! A program around a sweep, for tests: demos, display lists in memory, a disk that can fill up.
 
-use basrelief_dse::{Folder, Host, Opened, Plan, Tally, Work, execute, tables};
+use basrelief_dse::{OpenedInput, Plan, SweepFolder, SweepHost, SweepJob, SweepProgress, execute, tables};
 use basrelief_input::MemoryPool;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::{ViewOptions, demo};
@@ -28,17 +28,17 @@ impl Program {
     }
 }
 
-impl Host for Program {
-    fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
+impl SweepHost for Program {
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String> {
         if name == "quad.dl.jsonl" {
-            return Ok(Opened::Trace);
+            return Ok(OpenedInput::Trace);
         }
         let Some(name) = name.strip_prefix("demo:") else { return Err(format!("input: {name}: cannot be read")) };
         assert!(view.iter().all(|(name, _)| name == "frames"), "the only option that this program knows");
         let frames = view.iter().map(|(_, value)| value.parse().unwrap()).next_back();
         let options = ViewOptions { size: [40, 30], frames, ..ViewOptions::default() };
         let scene = demo(name, &options).map_err(|error| format!("input: {error}"))?;
-        Ok(Opened::Scene(PreparedScene::cached(Arc::new(scene), &self.budget)))
+        Ok(OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), &self.budget)))
     }
 
     fn trace(&self, name: &str) -> Result<RunInput, String> {
@@ -60,7 +60,7 @@ impl Host for Program {
         fs::write(path, bytes)
     }
 
-    fn progress(&self, _: &Tally) {}
+    fn progress(&self, _: &SweepProgress) {}
 
     fn budget(&self) -> &MemoryPool {
         &self.budget
@@ -73,12 +73,12 @@ pub fn plan(text: &str, host: &Program) -> Plan {
 }
 
 /// Runs a plan on so many threads, and writes its tables.
-pub fn sweep(text: &str, folder: &Path, threads: usize) -> (Plan, Tally) {
+pub fn sweep(text: &str, folder: &Path, threads: usize) -> (Plan, SweepProgress) {
     let host = Program::new();
     let plan = plan(text, &host);
-    let folder = Folder::new(folder);
+    let folder = SweepFolder::new(folder);
     let points: Vec<_> = plan.points.iter().collect();
-    let work = Work { points: &points, retry_failed: false, pictures: true, threads };
+    let work = SweepJob { points: &points, retry_failed: false, pictures: true, threads };
     let tally = execute(&plan, &work, &folder, &host).unwrap();
     tables(&plan, &folder, &host).unwrap();
     (plan, tally)
