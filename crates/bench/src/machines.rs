@@ -168,11 +168,11 @@ impl MachineJob for RecordMachine {
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
         let shape = Netlist::of(machine).expect("the machines are wired");
-        let mut reels = Vec::new();
+        let mut chunks = Vec::new();
         let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
-        let report = run_recorded(machine, Engine::Timed, &mut NoProbe, limits, (1 << 20, &mut |reel| reels.push(reel)));
+        let report = run_recorded(machine, Engine::Timed, &mut NoProbe, limits, (1 << 20, &mut |reel| chunks.push(reel)));
         assert_eq!(report.outcome, Outcome::Complete, "a workload runs to its end");
-        (shape, reels)
+        (shape, chunks)
     }
 }
 
@@ -274,13 +274,16 @@ pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
 fn retimed(size: WorkloadSize, again: bool) -> Workload {
     let name = if again { "machine/w1/retimed-again" } else { "machine/w1/retimed" };
     Workload::new(name, ThroughputUnit::Fragments, move || {
-        let ((shape, reels), count) = MachineScene::w1(size, &[]).work(RecordMachine);
-        let tape = Recording::new(reels.clone(), &shape, u64::MAX);
+        let ((shape, chunks), count) = MachineScene::w1(size, &[]).work(RecordMachine);
+        let recording = Recording::new(chunks.clone(), &shape, u64::MAX);
         let time_again = move |shape: Netlist| {
-            let mut reels = reels.iter().map(Cow::Borrowed);
-            let timed =
-                if again { tape.resimulate(shape) } else { resimulate(shape, &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX) };
-            assert!(timed.is_ok_and(|report| report.outcome == Outcome::Complete), "a tape comes to its end");
+            let mut chunks = chunks.iter().map(Cow::Borrowed);
+            let timed = if again {
+                recording.resimulate(shape)
+            } else {
+                resimulate(shape, &mut |_| Ok(chunks.next()), &mut NoProbe, u64::MAX)
+            };
+            assert!(timed.is_ok_and(|report| report.outcome == Outcome::Complete), "a recording is complete");
         };
         time_again(shape.clone());
         move || {

@@ -103,7 +103,7 @@ pub fn ratios(size: WorkloadSize, rounds: usize, mut each: impl FnMut(&TimeRatio
         }
     }
     let machines = machines::workloads(size);
-    compare("W1: timed again from its tape / timed", prepared(&machines, "machine/w1/retimed-again"), engine(w1, timed));
+    compare("W1: timed again from its recording / timed", prepared(&machines, "machine/w1/retimed-again"), engine(w1, timed));
     compare("W1: search of 256 cycles / of 1", engine(&search[0], timed), engine(&search[1], timed));
     for (name, drawing) in [("W1", w1), ("W4", w4)] {
         compare(&format!("{name}: time line of every unit / none"), probed(drawing), engine(drawing, timed));

@@ -77,7 +77,7 @@ fn groups(points: Vec<&PlanPoint>) -> VecDeque<Vec<&PlanPoint>> {
     groups
 }
 
-/// A tape, and the picture of all points that are timed from it.
+/// A recording, and the picture of all points that are timed from it.
 struct RecordedGroup {
     recording: Recording,
     png: Option<Vec<u8>>,
@@ -111,7 +111,7 @@ enum ResultSource {
 struct StoredPoint {
     way: ResultSource,
     png: Option<Vec<u8>>,
-    tape: Option<Vec<u8>>,
+    recording: Option<Vec<u8>>,
 }
 
 struct SweepWorkers<'a> {
@@ -192,10 +192,10 @@ impl<'a> SweepWorkers<'a> {
 
     /// Runs a point and stores its result. Returns its recording if other points are resimulated from it.
     fn run_and_put(&self, point: &PlanPoint, is_recorded: bool) -> Result<Option<RecordedGroup>, SweepError> {
-        let StoredPoint { way, png, tape } = self.run_one(point, is_recorded)?;
+        let StoredPoint { way, png, recording } = self.run_one(point, is_recorded)?;
         self.count(way);
         // If the recording does not fit into memory, the points run instead.
-        let recording = tape.and_then(|tape| Recording::read(&mut Cursor::new(tape), self.host.budget()).ok());
+        let recording = recording.and_then(|recording| Recording::read(&mut Cursor::new(recording), self.host.budget()).ok());
         Ok(recording.map(|recording| RecordedGroup { recording, png }))
     }
 
@@ -216,13 +216,13 @@ impl<'a> SweepWorkers<'a> {
 
     /// Runs a point and puts it in its place.
     fn run_one(&self, point: &PlanPoint, is_recorded: bool) -> Result<StoredPoint, SweepError> {
-        let PointResult { report, png, tape } = run_point(self.plan, point, (self.work.pictures, is_recorded), self.host)?;
+        let PointResult { report, png, recording } = run_point(self.plan, point, (self.work.pictures, is_recorded), self.host)?;
         let failed = report.is_err();
         match report {
             Ok(report) => self.store.put(&point.id, (&report, png.as_deref()), self.host)?,
             Err(failure) => self.store.put_failure(&point.id, &failure, self.host)?,
         }
-        Ok(StoredPoint { way: ResultSource::Run { failed }, png, tape })
+        Ok(StoredPoint { way: ResultSource::Run { failed }, png, recording })
     }
 
     fn count(&self, way: ResultSource) {

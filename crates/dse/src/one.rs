@@ -21,7 +21,7 @@ pub(crate) struct PointResult {
     /// The last picture, as a file.
     pub(crate) png: Option<Vec<u8>>,
     /// Recording of a completed run, if requested.
-    pub(crate) tape: Option<Vec<u8>>,
+    pub(crate) recording: Option<Vec<u8>>,
 }
 
 /// Observer that keeps the last picture, and the recording if memory suffices.
@@ -29,7 +29,7 @@ struct PointObserver<'a> {
     host: &'a dyn SweepHost,
     pictures: bool,
     picture: Option<RgbPicture>,
-    tape: Option<(Vec<u8>, MemoryReservation)>,
+    recording: Option<(Vec<u8>, MemoryReservation)>,
 }
 
 impl Observer for PointObserver<'_> {
@@ -40,10 +40,10 @@ impl Observer for PointObserver<'_> {
 
     fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
         // Without memory for the recording, the other points run instead.
-        self.tape = self.tape.take().and_then(|(mut tape, mut held)| {
-            held.try_grow(bytes.len() as u64, "a tape").ok()?;
-            tape.extend_from_slice(bytes);
-            Some((tape, held))
+        self.recording = self.recording.take().and_then(|(mut recording, mut held)| {
+            held.try_grow(bytes.len() as u64, "a recording").ok()?;
+            recording.extend_from_slice(bytes);
+            Some((recording, held))
         });
         Ok(())
     }
@@ -53,33 +53,37 @@ impl Observer for PointObserver<'_> {
 pub(crate) fn run_point(
     plan: &Plan,
     point: &PlanPoint,
-    (pictures, tape): (bool, bool),
+    (pictures, recording): (bool, bool),
     host: &dyn SweepHost,
 ) -> Result<PointResult, SweepError> {
     let config = match plan.config(&point.places) {
         Ok(config) => config,
-        Err(message) => return Ok(PointResult { report: Err(failure("unfit", message)), png: None, tape: None }),
+        Err(message) => return Ok(PointResult { report: Err(failure("unfit", message)), png: None, recording: None }),
     };
     let input = &plan.inputs[point.input];
     let source = input.opened.input(&input.name, host).map_err(SweepError)?;
     let options = RunOptions {
-        recording: if tape { AnalysisPolicy::Always } else { AnalysisPolicy::Never },
+        recording: if recording { AnalysisPolicy::Always } else { AnalysisPolicy::Never },
         overrides: plan.overrides_of(&point.places),
         exact: plan.exact,
         ..options(config, plan.max_cycles, host)
     };
-    let mut watch =
-        PointObserver { host, pictures, picture: None, tape: tape.then(|| (vec![], host.budget().empty_reservation())) };
+    let mut watch = PointObserver {
+        host,
+        pictures,
+        picture: None,
+        recording: recording.then(|| (vec![], host.budget().empty_reservation())),
+    };
     let ran = run(source, &options, &mut watch, None);
-    let PointObserver { host, picture, tape, .. } = watch;
+    let PointObserver { host, picture, recording, .. } = watch;
     let png = picture.map(|picture| host.png(&picture)).transpose().map_err(SweepError)?;
     Ok(match ran {
         Ok(run) if run.report.outcome.kind == OutcomeKind::Complete => {
-            let tape = tape.filter(|_| run.recording_is_complete).map(|(tape, _)| tape);
-            PointResult { report: Ok(run.report), png, tape }
+            let recording = recording.filter(|_| run.recording_is_complete).map(|(recording, _)| recording);
+            PointResult { report: Ok(run.report), png, recording }
         }
-        Ok(run) => PointResult { report: Err(incomplete(&run.report)), png: None, tape: None },
-        Err(error) => PointResult { report: Err(of_error(&error)), png: None, tape: None },
+        Ok(run) => PointResult { report: Err(incomplete(&run.report)), png: None, recording: None },
+        Err(error) => PointResult { report: Err(of_error(&error)), png: None, recording: None },
     })
 }
 

@@ -1,6 +1,6 @@
 //! Comparison of two runs.
 
-use crate::error::{CommandError, CommandResult, Exported, budget, of_tape};
+use crate::error::{CommandError, CommandResult, Exported, budget, of_recording};
 use crate::page::{WIDTH, pictures, report_of};
 use crate::pixels;
 use crate::recording::opened;
@@ -39,7 +39,7 @@ impl ParsedSide<'_> {
         let Some(recording) = &self.side.recording else { return Ok(None) };
         match RecordedRun::read(&self.report, &mut opened(recording)?, &budget(MemoryPool::DEFAULT)) {
             Err(RecordingError::OtherBuild { .. }) => Ok(None),
-            read => read.map(Some).map_err(of_tape),
+            read => read.map(Some).map_err(of_recording),
         }
     }
 

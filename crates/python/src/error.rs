@@ -39,17 +39,17 @@ impl From<Raised> for PyErr {
 }
 
 /// Converts an error of a recording or of the new parameters.
-pub fn of_tape(error: RecordingError) -> CommandError {
+pub fn of_recording(error: RecordingError) -> CommandError {
     let unreadable = |error| match error {
         // The decoder reports damage in its own words.
-        RecordingError::Read(_) => not_a_tape(),
+        RecordingError::Read(_) => not_a_recording(),
         _ => CommandError::bad_input(error),
     };
     CommandError::of_resimulation(unreadable)(error)
 }
 
 /// Makes the error of an invalid recording.
-pub fn not_a_tape() -> CommandError {
+pub fn not_a_recording() -> CommandError {
     CommandError::bad_input("not a recording, or truncated; Result.recording is one")
 }
 

@@ -1,7 +1,7 @@
 //! Resimulation of recordings.
 
-use crate::error::{CommandError, CommandResult, Exported, budget, not_a_tape, of_tape};
-use crate::run::{Ran, limits_tape, when};
+use crate::error::{CommandError, CommandResult, Exported, budget, not_a_recording, of_recording};
+use crate::run::{Ran, recording_policy, when};
 use crate::watch::Watch;
 use basrelief_input::MemoryPool;
 use basrelief_sim::{AnalysisPolicy, ResimulateOptions, resimulate_to};
@@ -14,7 +14,7 @@ pub type Opened<'a> = zstd::Decoder<'static, std::io::BufReader<&'a [u8]>>;
 
 /// Opens a recording.
 pub fn opened(recording: &[u8]) -> CommandResult<Opened<'_>> {
-    zstd::Decoder::new(recording).map_err(|_| not_a_tape())
+    zstd::Decoder::new(recording).map_err(|_| not_a_recording())
 }
 
 /// Computes the timing of a recording anew with these parameters changed. `keep` has two parts: whether bottlenecks are analysed, and
@@ -29,7 +29,7 @@ pub fn resimulate(
 ) -> Exported<Ran<'_>> {
     let (limits, keep) = keep;
     let limits = when(limits);
-    let kept = if keep { AnalysisPolicy::Always } else { limits_tape(limits) };
+    let kept = if keep { AnalysisPolicy::Always } else { recording_policy(limits) };
     let options =
         ResimulateOptions { settings, bottlenecks: limits, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
     let (report, watch) = py.detach(|| watched(&mut opened(&recording)?, &options, kept))?;
@@ -42,6 +42,6 @@ fn watched(reader: &mut dyn Read, options: &ResimulateOptions, kept: AnalysisPol
     if let Some(stopped) = watch.stopped() {
         return Err(stopped.into());
     }
-    let report = report.map_err(of_tape)?;
+    let report = report.map_err(of_recording)?;
     Ok((report.to_json().map_err(CommandError::bad_input)?, watch))
 }

@@ -49,7 +49,7 @@ impl Options {
             max_cycles: self.max_cycles.unwrap_or(u64::MAX),
             exact: self.exact,
             bottlenecks: limits,
-            recording: if self.recording { AnalysisPolicy::Always } else { limits_tape(limits) },
+            recording: if self.recording { AnalysisPolicy::Always } else { recording_policy(limits) },
             costs: self.costs,
             budget: budget(self.memory_limit.unwrap_or(MemoryPool::DEFAULT)),
             ..RunOptions::default()
@@ -67,7 +67,7 @@ pub fn when(limits: Option<bool>) -> AnalysisPolicy {
 }
 
 /// Returns which recordings are kept by default.
-pub fn limits_tape(limits: AnalysisPolicy) -> AnalysisPolicy {
+pub fn recording_policy(limits: AnalysisPolicy) -> AnalysisPolicy {
     if limits == AnalysisPolicy::Never { AnalysisPolicy::Never } else { AnalysisPolicy::IfShort }
 }
 
@@ -84,14 +84,14 @@ pub struct Ran<'py> {
 }
 
 impl<'py> Ran<'py> {
-    pub fn new(py: Python<'py>, (report, mut watch): (String, Watch), has_tape: bool) -> Exported<Self> {
+    pub fn new(py: Python<'py>, (report, mut watch): (String, Watch), has_recording: bool) -> Exported<Self> {
         let (image, reference) = watch.last.take().map_or((None, None), |(image, reference)| (Some(image), reference));
-        let tape = watch.into_tape().map_err(CommandError::bad_input)?.filter(|_| has_tape);
+        let recording = watch.into_recording().map_err(CommandError::bad_input)?.filter(|_| has_recording);
         Ok(Self {
             report,
             image: image.map(|picture| Pixels::of(py, &picture)),
             reference: reference.map(|picture| Pixels::of(py, &picture)),
-            recording: tape.map(|bytes| PyBytes::new(py, &bytes)),
+            recording: recording.map(|bytes| PyBytes::new(py, &bytes)),
         })
     }
 }
@@ -100,8 +100,8 @@ impl<'py> Ran<'py> {
 #[pyfunction]
 pub fn run<'py>(py: Python<'py>, config: &Bound<'py, Config>, drawn: Drawn<'py>, options: Options) -> Exported<Ran<'py>> {
     let (source, settings) = (drawn.source(), options.run_options(config.get())?);
-    let (report, watch, has_tape) = py.detach(|| watched(source, &settings))?;
-    Ran::new(py, (report, watch), has_tape)
+    let (report, watch, has_recording) = py.detach(|| watched(source, &settings))?;
+    Ran::new(py, (report, watch), has_recording)
 }
 
 /// Returns the report, its observer, and whether the recording can be resimulated.
@@ -115,6 +115,7 @@ fn watched(source: Source, settings: &RunOptions) -> Exported<(String, Watch, bo
     }
     let ran = ran.map_err(CommandError::of_run(&name))?;
     // If the analysis was requested but failed, the recording cannot be resimulated either.
-    let has_tape = ran.recording_is_complete && (settings.recording == AnalysisPolicy::Always || ran.report.limits.is_some());
-    Ok((ran.report.to_json().map_err(CommandError::bad_input)?, watch, has_tape))
+    let has_recording =
+        ran.recording_is_complete && (settings.recording == AnalysisPolicy::Always || ran.report.limits.is_some());
+    Ok((ran.report.to_json().map_err(CommandError::bad_input)?, watch, has_recording))
 }

@@ -13,15 +13,15 @@ const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 /// Collects the pictures of the last frame, the recording, and the exception that stopped the run.
 pub struct Watch {
     pub last: Option<(RgbPicture, Option<RgbPicture>)>,
-    tape: Kept,
+    recording: Kept,
     looked: Instant,
     stopped: Option<PyErr>,
 }
 
 impl Watch {
-    /// Makes an observer. The policy `tape` selects the recordings to keep, within the memory limit.
-    pub fn new(tape: AnalysisPolicy, budget: &MemoryPool) -> io::Result<Self> {
-        Ok(Self { last: None, tape: Kept::new(tape, budget)?, looked: Instant::now(), stopped: None })
+    /// Makes an observer. The policy `recording` selects the recordings to keep, within the memory limit.
+    pub fn new(recording: AnalysisPolicy, budget: &MemoryPool) -> io::Result<Self> {
+        Ok(Self { last: None, recording: Kept::new(recording, budget)?, looked: Instant::now(), stopped: None })
     }
 
     /// Checks for Ctrl-C. Returns false once the user has pressed it.
@@ -39,8 +39,8 @@ impl Watch {
     }
 
     /// Returns the compressed recording; `None` if it was not kept.
-    pub fn into_tape(self) -> io::Result<Option<Vec<u8>>> {
-        self.tape.encoder.map(zstd::Encoder::finish).transpose()
+    pub fn into_recording(self) -> io::Result<Option<Vec<u8>>> {
+        self.recording.encoder.map(zstd::Encoder::finish).transpose()
     }
 }
 
@@ -58,7 +58,7 @@ impl Observer for Watch {
         if !self.look() {
             return Err("stopped".into());
         }
-        self.tape.keep(bytes, is_short).map_err(|error| error.to_string())
+        self.recording.keep(bytes, is_short).map_err(|error| error.to_string())
     }
 }
 
@@ -82,6 +82,6 @@ impl Kept {
         let Some(encoder) = &mut self.encoder else { return Ok(()) };
         encoder.write_all(bytes)?;
         let more = (encoder.get_ref().len() as u64).saturating_sub(self.held.bytes());
-        Ok(self.held.try_grow(more, "the tape, compressed")?)
+        Ok(self.held.try_grow(more, "the recording, compressed")?)
     }
 }

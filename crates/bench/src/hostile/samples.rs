@@ -60,7 +60,7 @@ impl SampleInputs {
                 .map(bytes)
                 .into_iter()
                 .collect::<Result<_, _>>()?,
-            tape: bytes("fuzz/seeds/tape/corridor")?,
+            tape: bytes("fuzz/seeds/recording/corridor")?,
             scene: SampleScene::load(&Path::new(WORKSPACE).join("tests/models/patch.obj"))?,
             configurations: MACHINES.iter().map(presets).collect::<Result<_, _>>()?,
         })

@@ -22,7 +22,7 @@ struct ReportSide {
     report: Report,
     file: PathBuf,
     folder: PathBuf,
-    taped: Option<RecordedRun>,
+    recorded: Option<RecordedRun>,
 }
 
 /// Comparison of two reports.
@@ -116,11 +116,11 @@ impl ReportSide {
             .keep_forever();
         let report = Report::from_json(&text).map_err(CommandError::in_input(&name))?;
         // A recording belongs only to a report with its original name.
-        let tape = recording_in(file.parent().unwrap_or(Path::new("")));
-        let has_tape = file.ends_with(REPORT) && tape.exists();
-        let taped = if has_tape { read_tape(&report, &tape, budget)? } else { None };
+        let recording = recording_in(file.parent().unwrap_or(Path::new("")));
+        let has_recording = file.ends_with(REPORT) && recording.exists();
+        let recorded = if has_recording { read_recording(&report, &recording, budget)? } else { None };
         let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
-        Ok(Self { name: path.display().to_string(), report, file, folder, taped })
+        Ok(Self { name: path.display().to_string(), report, file, folder, recorded })
     }
 
     /// Returns the files of this side: report, recording and image.
@@ -147,13 +147,13 @@ impl ReportSide {
     }
 
     fn compare_with<'a>(&'a self, other: &'a Self) -> ReportPair<'a> {
-        let explained = self.taped.as_ref().zip(other.taped.as_ref()).and_then(|(a, b)| explain(a, b));
+        let explained = self.recorded.as_ref().zip(other.recorded.as_ref()).and_then(|(a, b)| explain(a, b));
         ReportPair { a: &self.name, b: &other.name, comparison: difference(&self.report, &other.report, explained) }
     }
 }
 
 /// Reads a recording. Without the recording of another build, the comparison has less to say and is still right.
-fn read_tape(report: &Report, path: &Path, budget: &MemoryPool) -> CommandResult<Option<RecordedRun>> {
+fn read_recording(report: &Report, path: &Path, budget: &MemoryPool) -> CommandResult<Option<RecordedRun>> {
     let name = path.display();
     match RecordedRun::read(report, &mut open(path)?, budget) {
         Err(error @ RecordingError::OtherBuild { .. }) => {

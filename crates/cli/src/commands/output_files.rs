@@ -26,8 +26,8 @@ pub struct OutputFiles {
     /// Dropped before `outputs` likewise.
     pub requests: Option<RequestsFile>,
     /// Dropped before `outputs` likewise.
-    pub tape: Option<RecordingFile>,
-    pub run_tape: ShortRecording,
+    pub recording: Option<RecordingFile>,
+    pub run_recording: ShortRecording,
     pub page: Option<HtmlFile>,
     pub outputs: OutputFolder,
     pub progress: InputProgress,
@@ -104,8 +104,8 @@ impl Observer for OutputFiles {
     }
 
     fn recording(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
-        self.run_tape.recording(bytes, is_short)?;
-        self.tape.as_mut().map_or(Ok(()), |file| file.write(bytes))
+        self.run_recording.recording(bytes, is_short)?;
+        self.recording.as_mut().map_or(Ok(()), |file| file.write(bytes))
     }
 }
 
@@ -118,7 +118,7 @@ pub struct FinishedFiles {
     beside: Vec<FinishedFile>,
     dumps: DumpFiles,
     /// `None` if the recording cannot be resimulated.
-    run_tape: Option<ShortRecording>,
+    run_recording: Option<ShortRecording>,
     outputs: OutputFolder,
     pub frames: usize,
     /// Kinds of images written for each frame.
@@ -142,7 +142,7 @@ impl FinishedFiles {
         }
         let mut names = self.image_names(report.image.len() > 1);
         names.push(REPORT.to_owned());
-        if self.run_tape.map_or(Ok(false), |tape| tape.write_to(&self.outputs)).map_err(failed())? {
+        if self.run_recording.map_or(Ok(false), |recording| recording.write_to(&self.outputs)).map_err(failed())? {
             names.push(RUN_RECORDING.to_owned());
         }
         publish_report(self.outputs, report, args.csv).map_err(failed())?;
@@ -171,8 +171,8 @@ impl OutputFiles {
         Ok(Self {
             dumps: DumpFiles::open(&simulation.dump, &settings.config)?,
             requests: RequestsFile::open(simulation, &settings.config, &outputs)?,
-            tape: simulation.recording.as_deref().map(RecordingFile::open).transpose()?,
-            run_tape: ShortRecording::new(settings.bottlenecks)?,
+            recording: simulation.recording.as_deref().map(RecordingFile::open).transpose()?,
+            run_recording: ShortRecording::new(settings.bottlenecks)?,
             page: simulation.html.as_deref().map(HtmlFile::open).transpose()?,
             outputs,
             progress,
@@ -192,18 +192,18 @@ impl OutputFiles {
         recording_is_complete: bool,
         simulation: &SimulationArgs,
     ) -> CommandResult<FinishedFiles> {
-        let Self { mut dumps, requests, tape, run_tape, page, outputs, progress, frames, kinds, extra, .. } = self;
+        let Self { mut dumps, requests, recording, run_recording, page, outputs, progress, frames, kinds, extra, .. } = self;
         drop(progress);
         dumps.flush()?;
         let requests = requests.map(RequestsFile::finish).transpose()?;
         // An incomplete run has no recording.
-        let tape = tape.filter(|_| recording_is_complete).map(RecordingFile::finish).transpose()?;
+        let recording = recording.filter(|_| recording_is_complete).map(RecordingFile::finish).transpose()?;
         let page = page.map(|page| page.finish(report)).transpose()?;
-        let beside = [(requests, &simulation.requests), (tape, &simulation.recording), (page, &simulation.html)];
+        let beside = [(requests, &simulation.requests), (recording, &simulation.recording), (page, &simulation.html)];
         let beside = beside.into_iter().filter_map(|(file, path)| Some((file?, path.clone()?))).collect();
         // Without a bottleneck analysis the recording cannot be resimulated either.
-        let run_tape = (recording_is_complete && report.limits.is_some()).then_some(run_tape);
-        Ok(FinishedFiles { beside, dumps, run_tape, outputs, frames, kinds: kinds.concat(), extra })
+        let run_recording = (recording_is_complete && report.limits.is_some()).then_some(run_recording);
+        Ok(FinishedFiles { beside, dumps, run_recording, outputs, frames, kinds: kinds.concat(), extra })
     }
 
     /// Keeps the best image of the unfinished frame of a failed run.

@@ -120,10 +120,10 @@ mod tests {
     fn long_recording_is_not_written() {
         let folder = tempfile::tempdir().unwrap();
         let left = |limits: AnalysisPolicy, pieces: &[bool]| {
-            let mut tape = ShortRecording::new(limits).unwrap();
-            pieces.iter().for_each(|is_short| tape.recording(b"piece", *is_short).unwrap());
+            let mut recording = ShortRecording::new(limits).unwrap();
+            pieces.iter().for_each(|is_short| recording.recording(b"chunk", *is_short).unwrap());
             let outputs = OutputFolder::begin(folder.path()).unwrap();
-            tape.write_to(&outputs).unwrap()
+            recording.write_to(&outputs).unwrap()
         };
         assert!(left(AnalysisPolicy::IfShort, &[true, true]));
         assert!(!left(AnalysisPolicy::IfShort, &[true, false, true]) && !left(AnalysisPolicy::Always, &[true, false]));

@@ -28,8 +28,8 @@ pub fn resimulate(args: &ResimulateArgs, global: &GlobalOptions) -> CommandResul
     let mut reader = open(&path)?;
     let limits = limits_of(args.bottlenecks, args.no_bottlenecks);
     let options = ResimulateOptions { settings: args.settings.clone(), bottlenecks: limits, budget: global.budget.clone() };
-    let mut tape = ShortRecording::new(limits)?;
-    let report = resimulate_to(&mut reader, &options, &mut tape).map_err(failure(&name))?;
+    let mut recording = ShortRecording::new(limits)?;
+    let report = resimulate_to(&mut reader, &options, &mut recording).map_err(failure(&name))?;
     let took = seconds();
     let report = report.with_host(took, took);
     let page = args.html.as_deref().map(|path| HtmlFile::open(path)?.finish(&report)).transpose()?;
@@ -38,7 +38,7 @@ pub fn resimulate(args: &ResimulateArgs, global: &GlobalOptions) -> CommandResul
     }
     if let Some(folder) = &args.out {
         let outputs = OutputFolder::begin(folder).map_err(CommandError::at_file(folder, "be written"))?;
-        tape.write_to(&outputs).map_err(CommandError::at_file(folder, "be written"))?;
+        recording.write_to(&outputs).map_err(CommandError::at_file(folder, "be written"))?;
         publish_report(outputs, &report, args.csv).map_err(CommandError::at_file(folder, "be written"))?;
     }
     if let (Some(page), Some(path)) = (page, &args.html) {

@@ -1,6 +1,6 @@
 //! `basrelief size-fifos`: finds the smallest FIFO depths that keep the cycles of runs.
 
-use super::recording::{failure, open as open_tape, place_of};
+use super::recording::{failure, open as open_recording, place_of};
 use super::simulate::run_named;
 use crate::args::{MachineArgs, SizeFifosArgs, ViewArgs};
 use crate::clock::seconds;
@@ -30,7 +30,7 @@ pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> CommandResult
     let mut inputs =
         args.inputs.iter().map(|input| RecordedInput::open(input, args, global)).collect::<CommandResult<Vec<_>>>()?;
     let names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
-    let readers = inputs.iter_mut().map(|input| &mut *input.tape as &mut dyn Read).collect();
+    let readers = inputs.iter_mut().map(|input| &mut *input.recording as &mut dyn Read).collect();
     let sizes = sized(readers, &args.within, &global.budget).map_err(failure(&names.join(", ")))?;
     for (number, input) in inputs.iter().enumerate() {
         input.check(number, &sizes)?;
@@ -51,7 +51,7 @@ fn is_drawn(path: &Path) -> bool {
 /// An input and the recording of its run.
 struct RecordedInput {
     name: String,
-    tape: Box<dyn Read>,
+    recording: Box<dyn Read>,
     /// Input and options; `None` for a recording.
     drawn: Option<(Input, RunOptions)>,
 }
@@ -60,7 +60,7 @@ impl RecordedInput {
     fn open(path: &Path, args: &SizeFifosArgs, global: &GlobalOptions) -> CommandResult<Self> {
         if !is_drawn(path) {
             let path = place_of(path);
-            return Ok(Self { name: path.display().to_string(), tape: Box::new(open_tape(&path)?), drawn: None });
+            return Ok(Self { name: path.display().to_string(), recording: Box::new(open_recording(&path)?), drawn: None });
         }
         let budget = &global.budget;
         let (config, given) = input::config(&args.machine, demo_of(path), budget)?;
@@ -73,7 +73,7 @@ impl RecordedInput {
         if !run.recording_is_complete {
             return Err(CommandError::in_input(&name)("the run does not end, or its views have times; so it has no recording"));
         }
-        Ok(Self { name, tape: Box::new(Cursor::new(kept.bytes)), drawn: Some((input, options)) })
+        Ok(Self { name, recording: Box::new(Cursor::new(kept.bytes)), drawn: Some((input, options)) })
     }
 
     /// Runs the input with the depths found; the run must take the computed cycles.
@@ -109,7 +109,7 @@ struct RecordingKeeper {
 
 impl Observer for RecordingKeeper {
     fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
-        self.held.try_grow(bytes.len() as u64, "a tape").map_err(|error| error.to_string())?;
+        self.held.try_grow(bytes.len() as u64, "a recording").map_err(|error| error.to_string())?;
         self.bytes.extend_from_slice(bytes);
         Ok(())
     }
