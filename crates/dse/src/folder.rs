@@ -42,7 +42,7 @@ impl PointStatus {
     }
 }
 
-/// Storage of points: a [`Folder`], or a store that keeps only some figures.
+/// Storage of points: a [`SweepFolder`], or a store that keeps only some figures.
 pub trait PointStore: Sync {
     /// State of a point in the folder.
     fn find(&self, id: &str) -> PointStatus;

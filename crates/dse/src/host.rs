@@ -11,7 +11,7 @@ use std::path::Path;
 pub enum OpenedInput {
     /// A scene, kept for many runs.
     Scene(PreparedScene),
-    /// A display list, which is [opened](Host::trace) for each run.
+    /// A display list, which is [opened](SweepHost::trace) for each run.
     Trace,
 }
 

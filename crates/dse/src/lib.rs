@@ -1,7 +1,7 @@
 //! Design-space exploration: many runs from one plan, and the mathematics and pictures of their results.
 //!
 //! A [`Plan`] lists inputs, a machine, axes of parameters, objectives and constraints. It is checked as a whole before the first run.
-//! A hash over everything that the report of a point depends on identifies the point. A [`Folder`] stores each point under its hash, so
+//! A hash over everything that the report of a point depends on identifies the point. A [`SweepFolder`] stores each point under its hash, so
 //! any plan, process or machine reuses the points of any other. [`execute()`] runs the missing points. Points that differ only in timing
 //! parameters share one run, whose recording is resimulated. [`tables()`] puts all points into one table.
 //!
@@ -27,7 +27,7 @@
 //! | [`mod@write`] | the table as CSV and as JSON lines |
 //! | `parquet`, `sqlite` | the table as such files, with these features |
 //!
-//! The caller provides files and progress: see [`Host`]. Equal tables give equal bytes on every machine.
+//! The caller provides files and progress: see [`SweepHost`]. Equal tables give equal bytes on every machine.
 
 pub mod effects;
 pub mod execute;

@@ -40,7 +40,7 @@ impl PointStore for PointMeasures {
     }
 }
 
-/// Runs the points of a plan [around a run](Plan::around) on several threads and returns the effect of each. The result does not depend
+/// Runs the points of a plan [around a run](Plan::one_at_a_time) on several threads and returns the effect of each. The result does not depend
 /// on the number of threads.
 ///
 /// # Errors

@@ -152,7 +152,7 @@ pub struct RunOptions {
     pub exact: bool,
     /// Auxiliary outputs to pass to the observer, from [`aux_outputs`](crate::aux_outputs). They cost nothing if this is empty.
     pub aux_outputs: Vec<AuxOutputInfo>,
-    /// Runs whose [bottlenecks](basrelief_report::model::Limit) are measured. Only completed runs of the timed and the ticked engine have
+    /// Runs whose [bottlenecks](basrelief_report::model::RelaxedCycles) are measured. Only completed runs of the timed and the ticked engine have
     /// bottlenecks.
     pub bottlenecks: AnalysisPolicy,
     /// Parameters that the user gave, from which `config` was loaded. Bottleneck analysis and recordings need them.

@@ -5,7 +5,7 @@ use super::random::random_of;
 use basrelief_input::MemoryPool;
 use basrelief_scene::SceneSubject;
 use basrelief_tile_server::protocol::{GroupHashes, ReceivedScene, etag_of, hash_of_picture, pack, unpack};
-use basrelief_tile_server::server::{Limits, SceneService};
+use basrelief_tile_server::server::{SceneService, ServerLimits};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -48,7 +48,7 @@ impl SampleScene {
             subject.objects().iter().filter_map(|o| o.material.color_texture.clone()).map(|t| (t.id, t)).collect();
         let plain = subject.to_bytes(&mut hash_of_picture).map_err(|e| e.to_string())?;
         let service = SceneService::new(pack(&plain), String::new(), textures.into_values());
-        let (honest, _server) = service.listen(([127, 0, 0, 1], 0).into(), Limits::default())?;
+        let (honest, _server) = service.listen(([127, 0, 0, 1], 0).into(), ServerLimits::default())?;
         let scene = asked(honest, SCENE).map_err(|e| e.to_string())?;
         let ReceivedScene { hashes, .. } = unpack(&scene, "the sample", &MemoryPool::default())?;
         Ok(Self { plain, hashes, honest })

@@ -21,7 +21,7 @@ impl RealTimes {
 
     /// Records an image.
     pub fn record_image(&mut self, frame: u32, round: u32) {
-        let now = self.meter.now();
+        let now = self.meter.elapsed();
         self.shown.push((frame, now));
         self.progress.print_image(frame, round, now.milliseconds);
     }

@@ -11,7 +11,7 @@ use basrelief_scene::{SceneSubject, ViewOptions};
 use basrelief_signals::Texture;
 use basrelief_sim::reserve_textures;
 use basrelief_tile_server::protocol::{hash_of_picture, pack};
-use basrelief_tile_server::server::{Limits, SceneService, index_page};
+use basrelief_tile_server::server::{SceneService, ServerLimits, index_page};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> CommandResult {
     let served = SceneService::new(scene, page, textures).with_viewer(viewer.unwrap_or_default());
     let served = served.with_host_names(args.allow_host.clone());
     let served = args.allow_origin.iter().fold(served, |served, origin| served.with_allowed_origin(origin));
-    let (address, server) = served.listen(args.listen, Limits::default()).map_err(CommandError::BadInput)?;
+    let (address, server) = served.listen(args.listen, ServerLimits::default()).map_err(CommandError::BadInput)?;
     interrupt::set_message("server stopped");
     if !global.quiet {
         print(&format!("Serving {path} at http://{address}/\n"))?;

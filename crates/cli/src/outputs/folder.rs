@@ -16,7 +16,7 @@ const PAUSE: Duration = Duration::from_millis(10);
 /// Temporary name of an unnamed file.
 const SCRATCH: &str = "scratch";
 
-/// The output files of one run. Until [`Outputs::publish`] they are in a hidden folder. If dropped earlier, they are removed, with the
+/// The output files of one run. Until [`OutputFolder::publish`] they are in a hidden folder. If dropped earlier, they are removed, with the
 /// folders created for them.
 #[derive(Debug)]
 pub struct OutputFolder {

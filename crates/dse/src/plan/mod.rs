@@ -19,7 +19,7 @@ use basrelief_sim::{MachineInfo, Overrides, input_sha256};
 use std::collections::BTreeSet;
 use written::{BaseConfig, PlanFile, SampleMethod, SampleOptions};
 
-/// A run, to make a plan [around](Plan::around).
+/// A run, to make a plan [around](Plan::one_at_a_time).
 #[derive(Clone, Debug)]
 pub struct OneAtATimeBase {
     /// Name given by the user; a trace is opened by this name.

@@ -1,7 +1,7 @@
 //! The test machine. It is built from a plan instead of a block diagram, so that tests can run random graphs.
 //!
 //! A plan is JSON. Plans and results have the formats of the project's executable reading of the laws of time. A token is (id,
-//! last). [`Kind`] documents the tokens popped and emitted by each kind of unit.
+//! last). [`UnitKind`] documents the tokens popped and emitted by each kind of unit.
 
 mod check;
 mod format;

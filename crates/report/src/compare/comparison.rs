@@ -3,7 +3,7 @@
 use crate::model::Figure;
 use serde::Serialize;
 
-/// [`Share::group`] of the work parameters, which belong to no other group.
+/// [`CauseShare::group`] of the work parameters, which belong to no other group.
 pub const WORK: &str = "work";
 
 /// One figure that differs. Absent where a report has no such figure.

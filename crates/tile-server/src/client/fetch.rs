@@ -1,6 +1,6 @@
 //! Requests, repeated if they fail.
 
-use super::metrics::{Body, TransferMetrics};
+use super::metrics::{BodyKind, TransferMetrics};
 use super::transport::CountingConnector;
 use crate::protocol::{
     MAX_TILE_BYTES, MIN_BYTES_PER_SECOND, check_hash, check_scene_status, check_status, hash_from_etag, split,
@@ -61,7 +61,7 @@ const LONGEST_NUMBER: u64 = 20;
 pub struct Fetcher {
     agent: Agent,
     base: String,
-    patience: RetryPolicy,
+    retry_policy: RetryPolicy,
     budget: MemoryPool,
     meter: TransferMetrics,
 }
@@ -71,16 +71,16 @@ type FetchedBody = (Vec<u8>, MemoryReservation);
 
 /// Earlier attempts for the same content.
 #[derive(Clone, Copy, Debug)]
-pub struct Attempts {
+pub struct EarlierAttempts {
     /// Start of the first attempt.
     pub began: Instant,
     /// Number of failed attempts.
-    pub made: u32,
+    pub failed: u32,
 }
 
-impl Default for Attempts {
+impl Default for EarlierAttempts {
     fn default() -> Self {
-        Self { began: Instant::now(), made: 0 }
+        Self { began: Instant::now(), failed: 0 }
     }
 }
 
@@ -133,7 +133,7 @@ impl Fetcher {
         let meter = TransferMetrics::default();
         let connector = ().chain(TcpConnector::default()).chain(CountingConnector(meter.clone(), patience.stall));
         let agent = Agent::with_parts(config, connector, DefaultResolver::default());
-        Self { agent, base: base.trim_end_matches('/').to_owned(), patience, budget: budget.clone(), meter }
+        Self { agent, base: base.trim_end_matches('/').to_owned(), retry_policy: patience, budget: budget.clone(), meter }
     }
 
     /// Fetches the compressed scene at an address. Returns its URL, its bytes and their memory. Waits for a server that does not listen
@@ -145,11 +145,11 @@ impl Fetcher {
         let url = format!("{}/{address}", self.base);
         let once = || {
             self.meter.begin();
-            self.once(&url, u64::MAX, check_scene_status, &came)
+            self.try_once(&url, u64::MAX, check_scene_status, &came)
         };
-        match self.patiently((Attempts::default(), &sleep), once) {
+        match self.with_retries((EarlierAttempts::default(), &sleep), once) {
             Ok((scene, held)) => {
-                self.meter.came(Body::Scene, scene.len() as u64);
+                self.meter.count_body(BodyKind::Scene, scene.len() as u64);
                 Ok((url, scene, held))
             }
             Err(FetchError { sentence, then }) => {
@@ -166,22 +166,22 @@ impl Fetcher {
     pub fn body(
         &self,
         address: &str,
-        (largest, kind): (u64, Body),
+        (largest, kind): (u64, BodyKind),
         check: impl Fn(&[u8]) -> Result<(), String>,
-        (attempts, pause): (Attempts, &dyn Fn(Duration) -> bool),
+        (attempts, pause): (EarlierAttempts, &dyn Fn(Duration) -> bool),
     ) -> Result<Vec<u8>, String> {
         let body = self.checked(address, largest, |body| check(&body).map(|()| body), (attempts, pause))?;
-        self.meter.came(kind, body.len() as u64);
+        self.meter.count_body(kind, body.len() as u64);
         Ok(body)
     }
 
     /// Makes one request for several tiles, each of which must pass the check. Returns `None` after any failure; the caller then
     /// requests the tiles one by one.
     pub fn tiles(&self, tiles: &str, count: usize, check: impl Fn(usize, &[u8]) -> Result<(), String>) -> Option<Vec<Vec<u8>>> {
-        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), MAX_TILE_BYTES, check_status, &|_| ()).ok()?;
+        let (body, _held) = self.try_once(&format!("{}/{tiles}", self.base), MAX_TILE_BYTES, check_status, &|_| ()).ok()?;
         let tiles = split(&body, count).ok()?;
         tiles.iter().enumerate().try_for_each(|(i, tile)| check(i, tile)).ok()?;
-        tiles.iter().for_each(|tile| self.meter.came(Body::Tile, tile.len() as u64));
+        tiles.iter().for_each(|tile| self.meter.count_body(BodyKind::Tile, tile.len() as u64));
         Some(tiles.into_iter().map(<[u8]>::to_vec).collect())
     }
 
@@ -194,8 +194,8 @@ impl Fetcher {
             let text = std::str::from_utf8(&body).map_err(|e| e.to_string())?;
             text.parse::<u64>().map(|number| (number, body.len())).map_err(|e| format!("no number: {e}"))
         };
-        let (number, bytes) = self.checked(address, LONGEST_NUMBER, number, (Attempts::default(), &sleep))?;
-        self.meter.came(Body::Other, bytes as u64);
+        let (number, bytes) = self.checked(address, LONGEST_NUMBER, number, (EarlierAttempts::default(), &sleep))?;
+        self.meter.count_body(BodyKind::Other, bytes as u64);
         Ok(number)
     }
 
@@ -205,15 +205,15 @@ impl Fetcher {
         address: &str,
         largest: u64,
         check: impl Fn(Vec<u8>) -> Result<T, String>,
-        attempts: (Attempts, &dyn Fn(Duration) -> bool),
+        attempts: (EarlierAttempts, &dyn Fn(Duration) -> bool),
     ) -> Result<T, String> {
         let url = format!("{}/{address}", self.base);
-        let once = || -> Result<T, FetchError> { Ok(check(self.once(&url, largest, check_status, &|_| ())?.0)?) };
-        self.patiently(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
+        let once = || -> Result<T, FetchError> { Ok(check(self.try_once(&url, largest, check_status, &|_| ())?.0)?) };
+        self.with_retries(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
     }
 
     /// Returns the transfer metrics.
-    pub fn meter(&self) -> &TransferMetrics {
+    pub fn metrics(&self) -> &TransferMetrics {
         &self.meter
     }
 
@@ -228,12 +228,12 @@ impl Fetcher {
     }
 
     /// Repeats a failed request, and waits for a server that does not listen.
-    fn patiently<T>(
+    fn with_retries<T>(
         &self,
-        (attempts, wait): (Attempts, &dyn Fn(Duration) -> bool),
+        (attempts, wait): (EarlierAttempts, &dyn Fn(Duration) -> bool),
         once: impl Fn() -> Result<T, FetchError>,
     ) -> Result<T, FetchError> {
-        let (began, starting) = (Instant::now(), self.patience.starting);
+        let (began, starting) = (Instant::now(), self.retry_policy.starting);
         loop {
             match self.retry((attempts, wait), &once) {
                 Err(FetchError { then: RetryAdvice::WaitForServer, .. }) if began.elapsed() < starting && wait(LOOK) => {}
@@ -248,10 +248,10 @@ impl Fetcher {
 
     fn retry<T>(
         &self,
-        (Attempts { began, made }, wait): (Attempts, &dyn Fn(Duration) -> bool),
+        (EarlierAttempts { began, failed: made }, wait): (EarlierAttempts, &dyn Fn(Duration) -> bool),
         once: impl Fn() -> Result<T, FetchError>,
     ) -> Result<T, FetchError> {
-        let RetryPolicy { attempts, whole, mut pause, .. } = self.patience;
+        let RetryPolicy { attempts, whole, mut pause, .. } = self.retry_policy;
         let mut attempt = made + 1;
         loop {
             let error = match once() {
@@ -269,7 +269,7 @@ impl Fetcher {
         }
     }
 
-    fn once(
+    fn try_once(
         &self,
         url: &str,
         largest: u64,
@@ -280,7 +280,7 @@ impl Fetcher {
         let called = self.agent.get(url).call().map_err(|e| self.fault(&e));
         // A refused connection is no request.
         if !matches!(called, Err(FetchError { then: RetryAdvice::WaitForServer, .. })) {
-            self.meter.asked();
+            self.meter.count_request();
         }
         let mut response = called?;
         let status = response.status().as_u16();
@@ -293,7 +293,7 @@ impl Fetcher {
         let read = self.read(response.body_mut().as_reader(), largest, came);
         let (body, held) = read.map_err(|e| match OverBudget::in_io_error(&e) {
             Some(error) => FetchError { sentence: error.to_string(), then: RetryAdvice::GiveUp },
-            None => e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.told(&e)).into(),
+            None => e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.error_text(&e)).into(),
         })?;
         check_hash(&body, &hash)?;
         Ok((body, held))
@@ -302,19 +302,22 @@ impl Fetcher {
     /// Converts an error before the response.
     fn fault(&self, error: &ureq::Error) -> FetchError {
         let refused = matches!(error, ureq::Error::Io(e) if e.kind() == io::ErrorKind::ConnectionRefused);
-        FetchError { sentence: self.told(error), then: if refused { RetryAdvice::WaitForServer } else { RetryAdvice::Retry } }
+        FetchError {
+            sentence: self.error_text(error),
+            then: if refused { RetryAdvice::WaitForServer } else { RetryAdvice::Retry },
+        }
     }
 
-    fn told(&self, error: &ureq::Error) -> String {
+    fn error_text(&self, error: &ureq::Error) -> String {
         match error {
-            ureq::Error::Timeout(_) => format!("nothing has come for {} s", self.patience.stall.as_secs_f64()),
+            ureq::Error::Timeout(_) => format!("nothing has come for {} s", self.retry_policy.stall.as_secs_f64()),
             ureq::Error::Io(e) if e.get_ref().is_some() => e.to_string(),
             e => e.to_string(),
         }
     }
 
     fn read(&self, mut reader: impl Read, largest: u64, came: &dyn Fn(u64)) -> io::Result<(Vec<u8>, MemoryReservation)> {
-        let RetryPolicy { stall, slowest, .. } = self.patience;
+        let RetryPolicy { stall, slowest, .. } = self.retry_policy;
         let began = Instant::now();
         let (mut body, mut chunk) = (CountedBuffer::new(&self.budget, "what a server sends"), vec![0; 1 << 14]);
         loop {

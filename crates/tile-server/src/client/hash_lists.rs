@@ -1,8 +1,8 @@
 //! Lists of the hashes of tiles, fetched once per group of tiles and checked against the scene.
 
 use super::Fetcher;
-use super::fetch::Attempts;
-use super::metrics::Body;
+use super::fetch::EarlierAttempts;
+use super::metrics::BodyKind;
 use crate::protocol::{GroupHashes, MAX_LIST_BYTES, TileHash, group_of, hashes_path};
 use basrelief_deferred_renderer::TileEncoding;
 use std::collections::BTreeMap;
@@ -33,7 +33,7 @@ pub(super) struct HashedTile<'a> {
 }
 
 /// Waits, and returns false if the tile is no longer needed.
-type Pause<'a> = &'a dyn Fn(Duration) -> bool;
+type PauseFn<'a> = &'a dyn Fn(Duration) -> bool;
 
 impl HashLists {
     pub(super) fn new(hashes: GroupHashes) -> Self {
@@ -46,7 +46,7 @@ impl HashLists {
     }
 
     /// Fetches the list of a tile, unless it is there or another thread fetches it.
-    pub(super) fn prefetch(&self, tile: HashedTile<'_>, fetcher: &Fetcher, pause: Pause<'_>) {
+    pub(super) fn prefetch(&self, tile: HashedTile<'_>, fetcher: &Fetcher, pause: PauseFn<'_>) {
         if tile.tile == 0 {
             return;
         }
@@ -60,16 +60,22 @@ impl HashLists {
     ///
     /// # Errors
     /// The tile has another hash, the server does not send the list that the scene states, or the memory limit is reached.
-    pub(super) fn check(&self, tile: HashedTile<'_>, hash: TileHash, fetcher: &Fetcher, pause: Pause<'_>) -> Result<(), String> {
+    pub(super) fn check(
+        &self,
+        tile: HashedTile<'_>,
+        hash: TileHash,
+        fetcher: &Fetcher,
+        pause: PauseFn<'_>,
+    ) -> Result<(), String> {
         self.hashes.check_tile(tile.picture, (tile.tile, hash), || self.list(tile, fetcher, pause))
     }
 
     /// Returns true if a tile can be checked. Fetches the list of its group if it is not there.
-    pub(super) fn can_check(&self, tile: HashedTile<'_>, fetcher: &Fetcher, pause: Pause<'_>) -> bool {
+    pub(super) fn can_check(&self, tile: HashedTile<'_>, fetcher: &Fetcher, pause: PauseFn<'_>) -> bool {
         tile.tile == 0 || self.list(tile, fetcher, pause).is_ok()
     }
 
-    fn list(&self, tile: HashedTile<'_>, fetcher: &Fetcher, pause: Pause<'_>) -> FetchedList {
+    fn list(&self, tile: HashedTile<'_>, fetcher: &Fetcher, pause: PauseFn<'_>) -> FetchedList {
         let slot = self.slot(tile);
         let list = slot.lock().unwrap_or_else(PoisonError::into_inner);
         self.filled(list, tile, fetcher, pause)
@@ -81,13 +87,13 @@ impl HashLists {
         mut slot: MutexGuard<'_, Option<FetchedList>>,
         tile: HashedTile<'_>,
         fetcher: &Fetcher,
-        pause: Pause<'_>,
+        pause: PauseFn<'_>,
     ) -> FetchedList {
         let fetch = || {
             let group = group_of(tile.tile);
             let address = hashes_path(tile.picture, tile.size, tile.encoding, group);
             let check = |body: &[u8]| self.hashes.check_list(tile.picture, group, body);
-            let body = fetcher.body(&address, (MAX_LIST_BYTES, Body::Other), check, (Attempts::default(), pause))?;
+            let body = fetcher.body(&address, (MAX_LIST_BYTES, BodyKind::Other), check, (EarlierAttempts::default(), pause))?;
             fetcher.budget().try_reserve(body.len() as u64, "hashes of tiles").map_err(|e| e.to_string())?.keep_forever();
             Ok(Arc::from(body))
         };

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 /// Counts bytes and requests. Clones count together.
 #[derive(Clone, Debug, Default)]
-pub struct TransferMetrics(Arc<Counts>);
+pub struct TransferMetrics(Arc<SharedCounts>);
 
 #[derive(Debug, Default)]
-struct Counts {
-    clock: Mutex<Clock>,
+struct SharedCounts {
+    clock: Mutex<PathActivity>,
     connections: AtomicU64,
     requests: AtomicU64,
     sent: AtomicU64,
@@ -24,7 +24,7 @@ struct Counts {
 
 /// Activity of the path.
 #[derive(Clone, Copy, Debug, Default)]
-struct Clock {
+struct PathActivity {
     /// Time of the request for the scene.
     began: Option<Instant>,
     /// Requests in flight.
@@ -60,7 +60,7 @@ impl Drop for RequestGuard {
 
 /// Kind of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Body {
+pub enum BodyKind {
     /// The scene.
     Scene,
     /// A tile.
@@ -96,16 +96,16 @@ impl TransferMetrics {
     /// Starts the clock at the request for the scene; the last call counts.
     pub fn begin(&self) {
         let mut clock = self.clock();
-        *clock = Clock { began: Some(Instant::now()), under_way: clock.under_way, ..Clock::default() };
+        *clock = PathActivity { began: Some(Instant::now()), under_way: clock.under_way, ..PathActivity::default() };
     }
 
     /// Returns the time of the request for the scene, or the present.
-    pub(super) fn began(&self) -> Instant {
+    pub(super) fn start_time(&self) -> Instant {
         self.clock().began.unwrap_or_else(Instant::now)
     }
 
     /// Returns the time since the request for the scene.
-    pub fn now(&self) -> Elapsed {
+    pub fn elapsed(&self) -> Elapsed {
         let clock = *self.clock();
         let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
         let idle = clock.idle + clock.idle_since.map_or(Duration::ZERO, |since| since.elapsed());
@@ -122,17 +122,17 @@ impl TransferMetrics {
     }
 
     /// Counts an opened connection.
-    pub(super) fn connected(&self) {
+    pub(super) fn count_connection(&self) {
         add(&self.0.connections, 1);
     }
 
     /// Counts sent bytes.
-    pub(super) fn sent(&self, bytes: usize) {
+    pub(super) fn count_sent(&self, bytes: usize) {
         add(&self.0.sent, bytes as u64);
     }
 
     /// Counts received bytes.
-    pub(super) fn received(&self, bytes: usize) {
+    pub(super) fn count_received(&self, bytes: usize) {
         add(&self.0.received, bytes as u64);
         if bytes > 0 {
             self.clock().came = Some(Instant::now());
@@ -144,29 +144,29 @@ impl TransferMetrics {
         self.clock().came.is_some_and(|came| came.elapsed() < time)
     }
 
-    fn clock(&self) -> MutexGuard<'_, Clock> {
+    fn clock(&self) -> MutexGuard<'_, PathActivity> {
         self.0.clock.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Counts a request.
-    pub(super) fn asked(&self) {
+    pub(super) fn count_request(&self) {
         add(&self.0.requests, 1);
     }
 
     /// Counts abandoned tiles.
-    pub(super) fn abandoned(&self, tiles: u64) {
+    pub(super) fn count_abandoned(&self, tiles: u64) {
         add(&self.0.abandoned, tiles);
     }
 
     /// Counts a valid body.
-    pub(super) fn came(&self, body: Body, bytes: u64) {
+    pub(super) fn count_body(&self, body: BodyKind, bytes: u64) {
         match body {
-            Body::Scene => add(&self.0.scene, bytes),
-            Body::Tile => {
+            BodyKind::Scene => add(&self.0.scene, bytes),
+            BodyKind::Tile => {
                 add(&self.0.tiles, 1);
                 add(&self.0.tile_bytes, bytes);
             }
-            Body::Other => add(&self.0.other, bytes),
+            BodyKind::Other => add(&self.0.other, bytes),
         }
     }
 
@@ -205,15 +205,15 @@ mod tests {
         sleep(pause);
         drop(first);
         sleep(pause);
-        assert_eq!(meter.now().idle, 0.0, "one is under way");
+        assert_eq!(meter.elapsed().idle, 0.0, "one is under way");
         drop(second);
         sleep(pause);
         let third = meter.under_way();
-        let idle = meter.now().idle;
+        let idle = meter.elapsed().idle;
         sleep(pause);
-        assert_eq!(meter.now().idle, idle, "another is under way");
+        assert_eq!(meter.elapsed().idle, idle, "another is under way");
         drop(third);
-        let now = meter.now();
+        let now = meter.elapsed();
         assert!(idle >= 40.0 && now.idle >= idle && now.milliseconds >= now.idle + 120.0, "{idle} {now:?}");
     }
 }

@@ -111,7 +111,7 @@ impl TileFetchQueue {
         Self { shared: QueueState { offered, ..QueueState::default() }.into(), changed: Condvar::new(), meter, progress }
     }
 
-    pub(super) fn meter(&self) -> &TransferMetrics {
+    pub(super) fn metrics(&self) -> &TransferMetrics {
         &self.meter
     }
 
@@ -120,7 +120,7 @@ impl TileFetchQueue {
     }
 
     /// Changes the state and wakes all threads.
-    fn change(&self, change: impl FnOnce(&mut QueueState)) {
+    fn update(&self, change: impl FnOnce(&mut QueueState)) {
         change(&mut self.lock());
         self.changed.notify_all();
     }
@@ -131,14 +131,14 @@ impl TileFetchQueue {
     }
 
     /// Known textures.
-    pub(super) fn offered(&self) -> TileCatalog {
+    pub(super) fn catalog(&self) -> TileCatalog {
         self.lock().offered.clone()
     }
 
     /// Announces tiles in the order of their use.
     pub(super) fn announce(&self, tiles: impl IntoIterator<Item = (Arc<TexturePage>, u32)>) {
         let mut new = 0;
-        self.change(|shared| new = tiles.into_iter().filter(|(page, tile)| shared.announce(Arc::clone(page), *tile)).count());
+        self.update(|shared| new = tiles.into_iter().filter(|(page, tile)| shared.announce(Arc::clone(page), *tile)).count());
         if new > 0 {
             self.progress.add_acquisition(new as u64);
         }
@@ -162,8 +162,8 @@ impl TileFetchQueue {
     }
 
     /// Stores a received tile or its final error.
-    pub(super) fn done(&self, tile: TileKey, done: Result<CountedTile, String>) {
-        self.change(|shared| {
+    pub(super) fn store_result(&self, tile: TileKey, done: Result<CountedTile, String>) {
+        self.update(|shared| {
             shared.under_way.remove(&tile);
             shared.done.insert(tile, (done, Instant::now()));
         });
@@ -186,7 +186,7 @@ impl TileFetchQueue {
 
     /// Sets the time after which no tile is requested.
     pub(super) fn ask_until(&self, until: Option<Instant>) {
-        self.change(|shared| shared.until = until);
+        self.update(|shared| shared.until = until);
     }
 
     /// Waits for the first of these tiles. Returns true if it arrives before the view is left. Announces the tiles if they are new.
@@ -218,14 +218,14 @@ impl TileFetchQueue {
     /// Abandons the announced tiles. Requests in flight still complete; the next view can use their tiles and those received before.
     pub(super) fn abandon(&self) {
         let mut abandoned = 0;
-        self.change(|shared| {
+        self.update(|shared| {
             abandoned = shared.queue.len() as u64;
             shared.queue.clear();
             shared.announced.clear();
             shared.spare =
                 mem::take(&mut shared.done).into_iter().filter_map(|(key, (done, _))| Some((key, done.ok()?))).collect();
         });
-        self.meter.abandoned(abandoned);
+        self.meter.count_abandoned(abandoned);
     }
 
     /// Waits; returns false if the queue is closed meanwhile.
@@ -237,6 +237,6 @@ impl TileFetchQueue {
 
     /// Ends all threads.
     pub(super) fn close(&self) {
-        self.change(|shared| shared.closed = true);
+        self.update(|shared| shared.closed = true);
     }
 }

@@ -20,7 +20,7 @@ impl ViewSchedule {
     /// Returns the time at which a view is left.
     fn left_at(&self, view: Option<u64>) -> Option<Instant> {
         let ms = *self.left_at_ms.get(usize::try_from(view?).ok()?)?;
-        Some(self.queue.meter().began() + Duration::from_secs_f64(ms / 1e3))
+        Some(self.queue.metrics().start_time() + Duration::from_secs_f64(ms / 1e3))
     }
 }
 

@@ -1,8 +1,8 @@
 //! The tile source of the device: fetches tiles ahead with several concurrent requests.
 
-use super::fetch::{Attempts, MAX_IN_FLIGHT};
+use super::fetch::{EarlierAttempts, MAX_IN_FLIGHT};
 use super::hash_lists::{HashLists, HashedTile};
-use super::metrics::Body;
+use super::metrics::BodyKind;
 use super::queue::{TileFetchQueue, TileRequest};
 use super::schedule::ViewSchedule;
 use super::{FetchProgress, Fetcher, TileStore};
@@ -30,10 +30,10 @@ struct FetchWorker {
 
 impl FetchWorker {
     /// Fetches tiles until the queue is closed.
-    fn work(&self) {
-        while let Some(wanted) = self.queue.take(|page| self.most(page)) {
+    fn fetch_until_closed(&self) {
+        while let Some(wanted) = self.queue.take(|page| self.max_tiles(page)) {
             let rest: Vec<TileRequest> = wanted.into_iter().filter_map(|wanted| self.take_kept(wanted)).collect();
-            rest.iter().for_each(|wanted| self.hashes.prefetch(self.hashed(wanted), &self.fetcher, &self.pause()));
+            rest.iter().for_each(|wanted| self.hashes.prefetch(self.with_format(wanted), &self.fetcher, &self.pause()));
             self.fetch(&rest);
         }
     }
@@ -42,17 +42,17 @@ impl FetchWorker {
     fn take_kept(&self, wanted: TileRequest) -> Option<TileRequest> {
         let address = self.address(&[&wanted]);
         // The cache removes a tile that fails its check, so the list must be there first.
-        let can_check = || self.hashes.can_check(self.hashed(&wanted), &self.fetcher, &self.pause());
+        let can_check = || self.hashes.can_check(self.with_format(&wanted), &self.fetcher, &self.pause());
         let kept = self.kept.as_ref().filter(|_| can_check());
         let cached = kept.and_then(|kept| kept.cache.get(&address, MAX_TILE_BYTES, |body| self.check(&wanted, body)));
         let Some(tile) = cached else { return Some(wanted) };
         self.progress.add_bytes(0);
-        self.done(&wanted, Ok(tile));
+        self.deliver_tile(&wanted, Ok(tile));
         None
     }
 
     /// Returns a tile with its format.
-    fn hashed<'a>(&self, wanted: &'a TileRequest) -> HashedTile<'a> {
+    fn with_format<'a>(&self, wanted: &'a TileRequest) -> HashedTile<'a> {
         HashedTile { picture: &wanted.picture, tile: wanted.tile, size: wanted.page.cut.tile, encoding: self.encoding }
     }
 
@@ -62,23 +62,23 @@ impl FetchWorker {
     }
 
     /// Returns the maximum number of tiles of a page per request.
-    fn most(&self, page: &TexturePage) -> usize {
+    fn max_tiles(&self, page: &TexturePage) -> usize {
         max_tiles_per_request(page).min(self.tiles_per_request)
     }
 
     /// Fetches tiles of one picture with one request; if that fails, with one request each.
     fn fetch(&self, requests: &[TileRequest]) {
-        let mut attempts = Attempts::default();
+        let mut attempts = EarlierAttempts::default();
         if requests.len() > 1 {
             match self.fetch_together(requests) {
-                Some(tiles) => return requests.iter().zip(tiles).for_each(|(request, tile)| self.came(request, Ok(tile))),
-                None => attempts.made += 1,
+                Some(tiles) => return requests.iter().zip(tiles).for_each(|(request, tile)| self.handle_tile(request, Ok(tile))),
+                None => attempts.failed += 1,
             }
         }
         for request in requests {
             let (address, check) = (self.address(&[request]), |body: &[u8]| self.check(request, body));
-            let body = self.fetcher.body(&address, (MAX_TILE_BYTES, Body::Tile), check, (attempts, &self.pause()));
-            self.came(request, body);
+            let body = self.fetcher.body(&address, (MAX_TILE_BYTES, BodyKind::Tile), check, (attempts, &self.pause()));
+            self.handle_tile(request, body);
         }
     }
 
@@ -90,25 +90,25 @@ impl FetchWorker {
     /// Checks a tile.
     fn check(&self, wanted: &TileRequest, body: &[u8]) -> Result<(), String> {
         let hash = hash_of_received(self.encoding.0, &wanted.page, wanted.tile, body)?;
-        self.hashes.check(self.hashed(wanted), hash, &self.fetcher, &self.pause())
+        self.hashes.check(self.with_format(wanted), hash, &self.fetcher, &self.pause())
     }
 
     /// Handles a received tile or its final error.
-    fn came(&self, request: &TileRequest, tile: Result<Vec<u8>, String>) {
+    fn handle_tile(&self, request: &TileRequest, tile: Result<Vec<u8>, String>) {
         if let Ok(tile) = &tile {
             self.kept.iter().for_each(|kept| kept.put(&self.address(&[request]), tile));
             self.progress.add_bytes(tile.len() as u64);
         }
-        self.done(request, tile);
+        self.deliver_tile(request, tile);
     }
 
     /// Hands a tile to the device.
-    fn done(&self, wanted: &TileRequest, tile: Result<Vec<u8>, String>) {
+    fn deliver_tile(&self, wanted: &TileRequest, tile: Result<Vec<u8>, String>) {
         let counted = |tile: Vec<u8>| {
             let held = self.fetcher.budget().try_reserve(tile.len() as u64, "tiles that nobody has taken yet");
             held.map(|held| (Arc::from(tile), held)).map_err(|e| e.to_string())
         };
-        self.queue.done(wanted.key(), tile.and_then(counted));
+        self.queue.store_result(wanted.key(), tile.and_then(counted));
     }
 
     /// Returns the address of tiles of one picture.
@@ -138,13 +138,13 @@ impl RemoteTiles {
     ) -> Self {
         let TileFetch { tile: _, encoding, jpeg_quality, requests, tiles_per_request, left_at_ms } = fetch;
         let encoding = (encoding, jpeg_quality);
-        let queue = Arc::new(TileFetchQueue::new(TileCatalog::new(encoding), fetcher.meter().clone(), progress.clone()));
+        let queue = Arc::new(TileFetchQueue::new(TileCatalog::new(encoding), fetcher.metrics().clone(), progress.clone()));
         let user = (!left_at_ms.is_empty()).then(|| Arc::new(ViewSchedule::new(Arc::clone(&queue), left_at_ms)));
         let (hashes, tiles_per_request) = (Arc::new(HashLists::new(hashes)), tiles_per_request as usize);
         let worker = FetchWorker { queue, fetcher, hashes, encoding, tiles_per_request, kept, progress };
         let start = |_| {
             let worker = worker.clone();
-            thread::spawn(move || worker.work())
+            thread::spawn(move || worker.fetch_until_closed())
         };
         let threads = (0..requests.clamp(1, MAX_IN_FLIGHT)).map(start).collect();
         Self { worker, user, threads }
@@ -180,7 +180,7 @@ impl TileSource for RemoteTiles {
     }
 
     fn finest_bytes(&self, texture: &Arc<Texture>, cut: PyramidCut) -> Option<u64> {
-        self.worker.queue.offered().finest_bytes(texture, cut, |address| self.worker.fetcher.number(address))
+        self.worker.queue.catalog().finest_bytes(texture, cut, |address| self.worker.fetcher.number(address))
     }
 }
 

@@ -15,7 +15,7 @@ impl<In: Transport> Connector<In> for CountingConnector {
 
     fn connect(&self, _: &ConnectionDetails<'_>, chained: Option<In>) -> Result<Option<Self::Out>, ureq::Error> {
         Ok(chained.map(|inner| {
-            self.0.connected();
+            self.0.count_connection();
             CountingTransport { inner, meter: self.0.clone(), stall: self.1, head: HeadProgress::default() }
         }))
     }
@@ -76,7 +76,7 @@ impl<In: Transport> Transport for CountingTransport<In> {
     }
 
     fn transmit_output(&mut self, amount: usize, timeout: NextTimeout) -> Result<(), ureq::Error> {
-        self.meter.sent(amount);
+        self.meter.count_sent(amount);
         self.head = HeadProgress::Awaited;
         self.inner.transmit_output(amount, timeout)
     }
@@ -89,7 +89,7 @@ impl<In: Transport> Transport for CountingTransport<In> {
                 came => break came?,
             }
         };
-        self.meter.received(self.inner.buffers().input().len().saturating_sub(before));
+        self.meter.count_received(self.inner.buffers().input().len().saturating_sub(before));
         self.follow_head();
         self.check_head()?;
         Ok(came)

@@ -3,7 +3,7 @@
 use super::partial::{PartialFrame, TileCount};
 use crate::protocol::etag_of;
 use crate::server::http::{CachePolicy, Response};
-use crate::server::listen::{Limits, RequestHandler, listen};
+use crate::server::listen::{RequestHandler, ServerLimits, listen};
 use serde_json::json;
 use std::net::SocketAddr;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -55,7 +55,7 @@ impl PreviewState {
     }
 
     /// Returns the JSON of the next image.
-    fn told(&self, over: bool) -> Vec<u8> {
+    fn state_json(&self, over: bool) -> Vec<u8> {
         json!({ "picture": self.number, "name": self.name, "tiles": self.tiles, "over": over }).to_string().into_bytes()
     }
 }
@@ -66,7 +66,7 @@ impl LivePreview {
     /// # Errors
     /// The address cannot be used.
     pub fn listen(&self, address: SocketAddr) -> Result<SocketAddr, String> {
-        let listening = listen(self.clone(), address, Limits::default());
+        let listening = listen(self.clone(), address, ServerLimits::default());
         listening.map(|(address, _)| address).map_err(|e| format!("{address}: cannot be listened at: {e}"))
     }
 
@@ -88,13 +88,13 @@ impl LivePreview {
     }
 
     /// Updates the partial image.
-    pub(crate) fn grow(&self, grow: impl FnOnce(&mut PartialFrame)) {
+    pub(crate) fn update_partial(&self, grow: impl FnOnce(&mut PartialFrame)) {
         grow(&mut self.lock().growing);
         self.0.changed.notify_all();
     }
 
     /// Computes the partial image, and shows it unless the device has shown another meanwhile.
-    fn colour<'a>(&'a self, mut shown: MutexGuard<'a, PreviewState>) -> MutexGuard<'a, PreviewState> {
+    fn compute_partial<'a>(&'a self, mut shown: MutexGuard<'a, PreviewState>) -> MutexGuard<'a, PreviewState> {
         let Some(mut colouring) = shown.growing.take() else { return shown };
         let name = shown.name.clone();
         drop(shown);
@@ -104,7 +104,7 @@ impl LivePreview {
         if let (Ok(png), true) = (png, shown.name == name) {
             shown.show(colouring.come.name(), Some(colouring.come), &png);
         }
-        shown.growing.rest(colouring);
+        shown.growing.return_preview(colouring);
         self.0.changed.notify_all();
         shown
     }
@@ -121,18 +121,18 @@ impl LivePreview {
     }
 
     /// Waits up to some seconds for the image after this number.
-    fn after(&self, number: u64) -> Response {
+    fn wait_for_image(&self, number: u64) -> Response {
         let mut shown = self.lock();
         shown.asked = Some(Instant::now());
         let end = Instant::now() + OPEN;
         while shown.number <= number && !shown.over {
             let now = Instant::now();
-            let due = shown.growing.due(now);
+            let due = shown.growing.due_time(now);
             if now >= end {
                 break;
             }
             if due.is_some_and(|due| due <= now) {
-                shown = self.colour(shown);
+                shown = self.compute_partial(shown);
                 continue;
             }
             let next = due.map_or(end, |due| due.min(end));
@@ -141,7 +141,7 @@ impl LivePreview {
         }
         let over = shown.over && shown.number <= number;
         shown.asked = Some(Instant::now());
-        let told = shown.told(over);
+        let told = shown.state_json(over);
         Response::found((told.clone().into(), etag_of(&told)), "application/json", CachePolicy::NoStore)
     }
 }
@@ -154,7 +154,7 @@ impl RequestHandler for LivePreview {
             return Response::found((page.into(), etag_of(page)), "text/html; charset=utf-8", CachePolicy::Revalidate);
         }
         if let Some(number) = number("/after/") {
-            return self.after(number);
+            return self.wait_for_image(number);
         }
         let shown = self.lock();
         match number("/picture/") {
@@ -173,7 +173,7 @@ impl RequestHandler for LivePreview {
     /// The process ends after this, so only a response that is sent completely counts.
     fn sent(&self, answer: &Response) {
         let mut shown = self.lock();
-        if shown.over && *answer.body == *shown.told(true) {
+        if shown.over && *answer.body == *shown.state_json(true) {
             shown.taken = true;
             self.0.changed.notify_all();
         }

@@ -30,7 +30,7 @@ impl TileCount {
 }
 
 /// A received tile: page, number and encoded bytes.
-type Tile = (Arc<TexturePage>, u32, Arc<[u8]>);
+type ReceivedTile = (Arc<TexturePage>, u32, Arc<[u8]>);
 
 /// State of the partial image. A request of the browser computes it; without a browser it costs nothing.
 #[derive(Debug, Default)]
@@ -39,7 +39,7 @@ pub(crate) struct PartialFrame {
     preview: Option<PicturePreview>,
     filled: Option<Arc<FilledBuffer>>,
     /// Tiles that the preview has not stored yet.
-    tiles: Vec<Tile>,
+    tiles: Vec<ReceivedTile>,
     come: TileCount,
     /// True if tiles have arrived since the last image.
     has_grown: bool,
@@ -52,7 +52,7 @@ impl PartialFrame {
         self.preview = Some(preview);
     }
 
-    pub(crate) fn listed(&mut self, tiles: u64) {
+    pub(crate) fn begin_acquisition(&mut self, tiles: u64) {
         self.come = TileCount { acquisition: self.come.acquisition + 1, come: 0, needed: tiles };
     }
 
@@ -61,7 +61,7 @@ impl PartialFrame {
         self.filled = Some(Arc::new(filled));
     }
 
-    pub(crate) fn came(&mut self, tile: Tile) {
+    pub(crate) fn add_tile(&mut self, tile: ReceivedTile) {
         self.tiles.push(tile);
         self.come.come += 1;
         self.has_grown = true;
@@ -73,7 +73,7 @@ impl PartialFrame {
     }
 
     /// Returns the earliest time of the next partial image; `None` without new tiles.
-    pub(crate) fn due(&self, now: Instant) -> Option<Instant> {
+    pub(crate) fn due_time(&self, now: Instant) -> Option<Instant> {
         let is_ready = self.has_grown && self.preview.is_some() && self.filled.is_some();
         is_ready.then(|| self.rests_until.unwrap_or(now))
     }
@@ -87,7 +87,7 @@ impl PartialFrame {
     }
 
     /// Returns the preview after an image.
-    pub(crate) fn rest(&mut self, PreviewRender { preview, began, .. }: PreviewRender) {
+    pub(crate) fn return_preview(&mut self, PreviewRender { preview, began, .. }: PreviewRender) {
         self.preview = Some(preview);
         self.rests_until = Some(Instant::now() + (REST * began.elapsed()).max(PAUSE));
     }
@@ -98,7 +98,7 @@ impl PartialFrame {
 pub(crate) struct PreviewRender {
     preview: PicturePreview,
     filled: Arc<FilledBuffer>,
-    tiles: Vec<Tile>,
+    tiles: Vec<ReceivedTile>,
     pub(crate) come: TileCount,
     began: Instant,
 }

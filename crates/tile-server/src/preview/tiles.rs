@@ -15,7 +15,7 @@ pub struct PreviewedTiles {
 impl PreviewedTiles {
     /// Wraps a tile source.
     pub fn new(source: Box<dyn TileSource>, watched: LivePreview, preview: PicturePreview) -> Self {
-        watched.grow(|growing| growing.begin(preview));
+        watched.update_partial(|growing| growing.begin(preview));
         Self { source, watched }
     }
 }
@@ -26,13 +26,13 @@ impl TileSource for PreviewedTiles {
     }
 
     fn announce(&mut self, tiles: &[(Arc<TexturePage>, u32)]) {
-        self.watched.grow(|growing| growing.listed(tiles.len() as u64));
+        self.watched.update_partial(|growing| growing.begin_acquisition(tiles.len() as u64));
         self.source.announce(tiles);
     }
 
     fn tile(&mut self, page: &Arc<TexturePage>, tile: u32) -> Result<Arc<[u8]>, String> {
         let bytes = self.source.tile(page, tile)?;
-        self.watched.grow(|growing| growing.came((Arc::clone(page), tile, Arc::clone(&bytes))));
+        self.watched.update_partial(|growing| growing.add_tile((Arc::clone(page), tile, Arc::clone(&bytes))));
         Ok(bytes)
     }
 
@@ -51,6 +51,6 @@ impl TileSource for PreviewedTiles {
 
 impl PreviewObserver for LivePreview {
     fn filled(&self, filled: FilledBuffer) {
-        self.grow(|growing| growing.set_filled(filled));
+        self.update_partial(|growing| growing.set_filled(filled));
     }
 }

@@ -114,7 +114,7 @@ impl Connections {
     }
 
     /// Waits for room for a body of at most this size, which is limited to all the room that there is.
-    pub(super) fn room(&self, bytes: u64) -> BodyRoom<'_> {
+    pub(super) fn wait_for_room(&self, bytes: u64) -> BodyRoom<'_> {
         let bytes = bytes.min(self.most);
         let mut left = self.room.lock().unwrap_or_else(PoisonError::into_inner);
         while *left < bytes {
@@ -125,7 +125,7 @@ impl Connections {
         BodyRoom(self, bytes)
     }
 
-    pub(super) fn now(&self, number: u64, state: ConnectionState) {
+    pub(super) fn set_state(&self, number: u64, state: ConnectionState) {
         if let Some(connection) = self.lock().get_mut(&number) {
             (connection.state, connection.since, connection.sent) = (state, Instant::now(), 0);
             // A client evicted while idle may still have a response to receive, and may be evicted again.
@@ -134,7 +134,7 @@ impl Connections {
     }
 
     /// Stores the progress of a response.
-    pub(super) fn sent(&self, number: u64, bytes: u64) {
+    pub(super) fn set_progress(&self, number: u64, bytes: u64) {
         if let Some(connection) = self.lock().get_mut(&number) {
             connection.sent = bytes;
         }

@@ -1,7 +1,7 @@
 //! Static files over HTTP: the page in a browser.
 
-use super::http::{CachePolicy, Packed, Response};
-use super::listen::{Limits, ListeningServer, RequestHandler, listen};
+use super::http::{CachePolicy, CompressedForm, Response};
+use super::listen::{ListeningServer, RequestHandler, ServerLimits, listen};
 use crate::protocol::etag_of;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -22,7 +22,7 @@ struct StaticFile {
     /// Media type.
     kind: &'static str,
     /// Compressed forms, best first.
-    packed: Vec<Packed>,
+    packed: Vec<CompressedForm>,
 }
 
 impl StaticFiles {
@@ -51,7 +51,7 @@ impl StaticFiles {
     /// # Errors
     /// The address cannot be used.
     pub fn listen(self, address: SocketAddr) -> Result<(SocketAddr, ListeningServer), String> {
-        listen(self, address, Limits::default()).map_err(|e| format!("{address}: cannot be listened at: {e}"))
+        listen(self, address, ServerLimits::default()).map_err(|e| format!("{address}: cannot be listened at: {e}"))
     }
 }
 

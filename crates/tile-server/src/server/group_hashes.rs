@@ -1,7 +1,7 @@
 //! The scene with the hashes of its tiles, and the lists behind these hashes.
 
 use super::http::{CachePolicy, Response};
-use super::scenes::{BYTES, Found, SceneService, TiledPicture, parse_format};
+use super::scenes::{BYTES, BodyResult, SceneService, TiledPicture, parse_format};
 use crate::protocol::{
     GroupHashes, encoding_name, etag_of_parts, group_of, hash_of_list, hash_of_picture, hash_of_tile, tiles_in_group,
 };
@@ -41,7 +41,7 @@ impl SceneService {
         }
         let mut hashes = GroupHashes::default();
         for (name, offered) in &self.pictures {
-            let Some(cut) = self.cut(&format!("{name}/{format}"))? else { return Ok(None) };
+            let Some(cut) = self.parse_picture(&format!("{name}/{format}"))? else { return Ok(None) };
             let groups = (0..=group_of(cut.page.tiles() - 1)).collect();
             let groups = threads::par_map(groups, |group| self.list(&cut, group).map(|list| hash_of_list(&list)));
             hashes.insert(hash_of_picture(&offered.texture), groups.into_iter().collect::<Result<_, _>>()?);
@@ -50,10 +50,10 @@ impl SceneService {
     }
 
     /// Returns the list of the hashes of a group of tiles.
-    pub(crate) fn hash_list(&self, asked: &str) -> Found {
+    pub(crate) fn hash_list(&self, asked: &str) -> BodyResult {
         let wrong = || (400, "expected /hashes/PICTURE/WIDTHxHEIGHT/ENCODING/GROUP\n".to_owned());
         let (cut, group) = asked.rsplit_once('/').ok_or_else(wrong)?;
-        let cut = self.cut(cut)?.ok_or_else(wrong)?;
+        let cut = self.parse_picture(cut)?.ok_or_else(wrong)?;
         let group = group.parse::<u32>().map_err(|_| wrong())?;
         let groups = group_of(cut.page.tiles() - 1) + 1;
         if group >= groups {

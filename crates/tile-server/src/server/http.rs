@@ -111,7 +111,7 @@ impl CachePolicy {
 }
 
 /// A compressed form: content coding, body and ETag.
-pub(crate) type Packed = (&'static str, Arc<[u8]>, String);
+pub(crate) type CompressedForm = (&'static str, Arc<[u8]>, String);
 
 /// A response.
 #[derive(Debug)]
@@ -126,7 +126,7 @@ pub(crate) struct Response {
     kind: &'static str,
     keep: CachePolicy,
     /// Compressed forms, best first.
-    packed: Vec<Packed>,
+    packed: Vec<CompressedForm>,
     /// Content coding of the body.
     encoding: Option<&'static str>,
 }
@@ -143,7 +143,7 @@ impl Response {
     }
 
     /// Adds compressed forms.
-    pub(crate) fn or_packed(self, packed: Vec<Packed>) -> Self {
+    pub(crate) fn or_packed(self, packed: Vec<CompressedForm>) -> Self {
         Self { packed, ..self }
     }
 

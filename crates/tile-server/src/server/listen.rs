@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 /// Limits of a server.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct ServerLimits {
     /// Longest time for a request to arrive, and for a client to read nothing of a response.
     pub idle: Duration,
     /// Minimum average rate of a response that lasts longer than `idle` \[bytes/s\].
@@ -23,7 +23,7 @@ pub struct Limits {
     pub bodies: u64,
 }
 
-impl Default for Limits {
+impl Default for ServerLimits {
     fn default() -> Self {
         Self { idle: Duration::from_secs(10), slowest: MIN_BYTES_PER_SECOND, connections: 256, bodies: 32 << 20 }
     }
@@ -70,7 +70,7 @@ impl ListeningServer {
 pub(crate) fn listen(
     answers: impl RequestHandler,
     address: SocketAddr,
-    limits: Limits,
+    limits: ServerLimits,
 ) -> io::Result<(SocketAddr, ListeningServer)> {
     let listener = TcpListener::bind(address)?;
     let address = listener.local_addr()?;
@@ -79,7 +79,7 @@ pub(crate) fn listen(
     Ok((address, ListeningServer(thread::spawn(move || accept(&listener, &answers, &hosts, limits)))))
 }
 
-fn accept(listener: &TcpListener, answers: &Arc<dyn RequestHandler>, hosts: &Arc<AllowedHosts>, limits: Limits) {
+fn accept(listener: &TcpListener, answers: &Arc<dyn RequestHandler>, hosts: &Arc<AllowedHosts>, limits: ServerLimits) {
     let connections = Arc::new(Connections::new(limits.bodies));
     for number in 0.. {
         let Ok((stream, _)) = listener.accept() else {
@@ -109,7 +109,7 @@ struct ServedClient<'a> {
     number: u64,
     connections: &'a Connections,
     hosts: &'a AllowedHosts,
-    limits: Limits,
+    limits: ServerLimits,
 }
 
 impl ServedClient<'_> {
@@ -119,22 +119,22 @@ impl ServedClient<'_> {
         self.stream.set_nodelay(true)?;
         let mut received = Vec::new();
         loop {
-            self.connections.now(self.number, ConnectionState::Idle);
+            self.connections.set_state(self.number, ConnectionState::Idle);
             let head = self.read_request(&mut received)?;
-            self.connections.now(self.number, ConnectionState::Computing);
-            let mut room = self.connections.room(0);
+            self.connections.set_state(self.number, ConnectionState::Computing);
+            let mut room = self.connections.wait_for_room(0);
             let (answer, last, only_head) = match head {
                 HeaderParse::Incomplete => return Ok(()),
                 HeaderParse::Complete(asked, length) => {
                     received.drain(..length);
-                    room = self.connections.room(answers.body_bytes(&asked.path));
+                    room = self.connections.wait_for_room(answers.body_bytes(&asked.path));
                     let answer = self.answer(answers, &asked);
                     (answer, asked.last || self.others_wait(), asked.head)
                 }
                 HeaderParse::Rejected(status, why) => (Response::refused(status, why), true, false),
             };
             room.shrink_to(answer.body.len() as u64);
-            self.connections.now(self.number, ConnectionState::Sending);
+            self.connections.set_state(self.number, ConnectionState::Sending);
             let body: [&[u8]; 2] = if only_head { [&[]; 2] } else { [&answer.body, &answer.tail] };
             self.send(body, answer.head(answers.headers(), last).as_bytes())?;
             if !only_head {
@@ -196,7 +196,7 @@ impl ServedClient<'_> {
         for part in std::iter::once(&*[head, first].concat()).chain(rest.chunks(PART)).chain(tail.chunks(PART)) {
             stream.write_all(part)?;
             sent += part.len() as u64;
-            self.connections.sent(self.number, sent);
+            self.connections.set_progress(self.number, sent);
             if began.elapsed() > self.limits.idle + Duration::from_secs(sent / self.limits.slowest) {
                 return Err(io::ErrorKind::TimedOut.into());
             }
@@ -208,7 +208,7 @@ impl ServedClient<'_> {
     /// response lost.
     fn linger_close(&self) -> io::Result<()> {
         self.stream.shutdown(Shutdown::Write)?;
-        self.connections.now(self.number, ConnectionState::Lingering);
+        self.connections.set_state(self.number, ConnectionState::Lingering);
         let end = Instant::now() + self.limits.idle;
         let mut bytes = [0; PART];
         while self.read(&mut bytes, end)? > 0 && !self.connections.is_evicted(self.number) {}

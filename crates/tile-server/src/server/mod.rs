@@ -12,5 +12,5 @@ mod semaphore;
 
 pub use files::StaticFiles;
 pub use index::index_page;
-pub use listen::{Limits, ListeningServer};
+pub use listen::{ListeningServer, ServerLimits};
 pub use scenes::SceneService;

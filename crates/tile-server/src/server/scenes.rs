@@ -2,7 +2,7 @@
 
 use super::StaticFiles;
 use super::http::{CachePolicy, Response};
-use super::listen::{Limits, ListeningServer, RequestHandler, listen};
+use super::listen::{ListeningServer, RequestHandler, ServerLimits, listen};
 use super::semaphore::Semaphore;
 use crate::protocol::{MAX_TILES_PER_REQUEST, etag_of, hash_of_picture, hex, join, parse_encoding};
 use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TexturePage, TileEncoding};
@@ -39,7 +39,7 @@ pub struct SceneService {
     /// The compressed scene; the hashes of its tiles follow it in a response.
     pub(super) scene: Arc<[u8]>,
     pub(super) hashes: CachedHashes,
-    index: Fixed,
+    index: FixedBody,
     /// The viewer, empty if it is not built.
     viewer: StaticFiles,
     /// Pictures by the hexadecimal hash of their texels.
@@ -55,15 +55,15 @@ pub struct SceneService {
 pub(super) type CachedHashes = Mutex<BTreeMap<String, (Arc<[u8]>, String)>>;
 
 /// A body that never changes, with its ETag.
-type Fixed = (Arc<[u8]>, String);
+type FixedBody = (Arc<[u8]>, String);
 
-fn fixed(body: Vec<u8>) -> Fixed {
+fn fixed(body: Vec<u8>) -> FixedBody {
     let tag = etag_of(&body);
     (body.into(), tag)
 }
 
 /// Body and media type, or status and reason of the error.
-pub(crate) type Found = Result<(Vec<u8>, &'static str), (u16, String)>;
+pub(crate) type BodyResult = Result<(Vec<u8>, &'static str), (u16, String)>;
 
 impl SceneService {
     /// Serves this compressed scene, this page for people, and the pictures of these textures.
@@ -103,11 +103,11 @@ impl SceneService {
     }
 
     /// Returns the tile or tiles at an address.
-    pub fn tiles(&self, asked: &str) -> Found {
+    pub fn tiles(&self, asked: &str) -> BodyResult {
         let what = "PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER, or several numbers with commas between";
         let wrong = || (400, format!("expected /tile/{what}\n"));
         let (cut, numbers) = asked.rsplit_once('/').ok_or_else(wrong)?;
-        let cut = self.cut(cut)?.ok_or_else(wrong)?;
+        let cut = self.parse_picture(cut)?.ok_or_else(wrong)?;
         let numbers: Vec<u32> = numbers.split(',').map(str::parse).collect::<Result<_, _>>().map_err(|_| wrong())?;
         if let [number] = numbers[..] {
             return cut.tile(number).map(|tile| (tile, cut.kind()));
@@ -125,17 +125,17 @@ impl SceneService {
     }
 
     /// Returns the size of all tiles of a layer.
-    pub(crate) fn bytes(&self, asked: &str) -> Found {
+    pub(crate) fn bytes(&self, asked: &str) -> BodyResult {
         let wrong = || (400, "expected /bytes/PICTURE/WIDTHxHEIGHT/ENCODING/LAYER\n".to_owned());
         let (cut, layer) = asked.rsplit_once('/').ok_or_else(wrong)?;
-        let cut = self.cut(cut)?.ok_or_else(wrong)?;
+        let cut = self.parse_picture(cut)?.ok_or_else(wrong)?;
         let layer = layer.parse::<usize>().map_err(|_| wrong())?;
-        let bytes = self.sum(&cut, layer)?;
+        let bytes = self.total_bytes(&cut, layer)?;
         Ok((bytes.to_string().into_bytes(), "text/plain; charset=utf-8"))
     }
 
     /// Returns the size as a number. Concurrent requests for the same layer wait for one computation.
-    fn sum(&self, cut: &TiledPicture<'_>, layer: usize) -> Result<u64, (u16, String)> {
+    fn total_bytes(&self, cut: &TiledPicture<'_>, layer: usize) -> Result<u64, (u16, String)> {
         let layers = &cut.page.layers;
         let found = layers.get(layer).ok_or_else(|| (404, format!("this picture has {} layers\n", layers.len())))?;
         let mut sums = cut.offered.sums.lock().unwrap_or_else(PoisonError::into_inner);
@@ -155,7 +155,7 @@ impl SceneService {
     }
 
     /// Parses picture, tile size and encoding; `None` if the address has another form.
-    pub(super) fn cut(&self, asked: &str) -> Result<Option<TiledPicture<'_>>, (u16, String)> {
+    pub(super) fn parse_picture(&self, asked: &str) -> Result<Option<TiledPicture<'_>>, (u16, String)> {
         let Some((picture, format)) = asked.split_once('/') else { return Ok(None) };
         let Some((tile, encoding)) = parse_format(format) else { return Ok(None) };
         let Some(offered) = self.pictures.get(picture) else {
@@ -166,7 +166,7 @@ impl SceneService {
     }
 
     /// Returns the response to a path that is no file of the viewer.
-    pub(crate) fn found(&self, path: &str) -> Result<Response, (u16, String)> {
+    pub(crate) fn respond_to(&self, path: &str) -> Result<Response, (u16, String)> {
         let immutable = |(body, kind)| Response::found(fixed(body), kind, CachePolicy::Immutable);
         match path.split_once('/').and_then(|(_, path)| path.split_once('/')) {
             Some(("tile", asked)) => self.tiles(asked).map(immutable),
@@ -185,7 +185,7 @@ impl SceneService {
     ///
     /// # Errors
     /// The address cannot be used.
-    pub fn listen(self, address: SocketAddr, limits: Limits) -> Result<(SocketAddr, ListeningServer), String> {
+    pub fn listen(self, address: SocketAddr, limits: ServerLimits) -> Result<(SocketAddr, ListeningServer), String> {
         listen(self, address, limits).map_err(|e| format!("{address}: cannot be listened at: {e}"))
     }
 }
@@ -206,7 +206,7 @@ impl RequestHandler for SceneService {
         }
         // Held until the end, because the body is also hashed.
         let _permit = path.starts_with("/tile/").then(|| self.encoders.acquire());
-        self.found(path).unwrap_or_else(|(status, why)| Response::refused(status, why))
+        self.respond_to(path).unwrap_or_else(|(status, why)| Response::refused(status, why))
     }
 
     fn body_bytes(&self, path: &str) -> u64 {

@@ -1,7 +1,7 @@
 //! Many simultaneous clients.
 
 use super::*;
-use crate::server::Limits;
+use crate::server::ServerLimits;
 use std::io::Read as _;
 use std::sync::mpsc::channel;
 use std::time::Instant;
@@ -16,7 +16,7 @@ const CONNECTIONS: usize = 16;
 // grow with clients. A killed client, a restarted server and a full disk lose no received tile.
 #[test]
 fn crowded_clients_get_every_tile() {
-    let limits = Limits { connections: CONNECTIONS, ..Limits::default() };
+    let limits = ServerLimits { connections: CONNECTIONS, ..ServerLimits::default() };
     let (address, _server) = served().listen(([127, 0, 0, 1], 0).into(), limits).unwrap();
     let page = Arc::new(TexturePage::new(0, &texture(), PyramidCut { tile: [16, 16], ..PyramidCut::default() }, 0));
     let tiles: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
@@ -25,10 +25,10 @@ fn crowded_clients_get_every_tile() {
     let expected: Vec<_> = (0..page.tiles()).map(|tile| model.tile(&page, tile).unwrap()).collect();
     let look_around = &|client: usize| {
         let fetcher = Fetcher::new(&format!("http://{address}"), RetryPolicy::default());
-        let meter = fetcher.meter().clone();
+        let meter = fetcher.metrics().clone();
         let fetch = TileFetch { tile: [16, 16], encoding: TileEncoding::Raw, jpeg_quality: 100, ..fetch(IN_FLIGHT, 1) };
-        let mut source = unkept(fetcher, fetch);
-        source.offer(&elsewhere());
+        let mut source = source_without_cache(fetcher, fetch);
+        source.offer(&texture_without_texels());
         source.announce(&tiles);
         for (number, expected) in expected.iter().enumerate() {
             assert_eq!(source.tile(&page, number as u32).as_ref(), Ok(expected), "client {client}, tile {number}");
@@ -66,7 +66,7 @@ fn slow_readers_delay_no_honest_client() {
     let last = TexturePage::new(0, &large, PyramidCut { tile: [512, 512], ..PyramidCut::default() }, 0).tiles() - 1;
     let service = SceneService::new(b"scene".to_vec(), String::new(), [texture(), large]);
     // Room for four large bodies.
-    let limits = Limits { connections: 64, bodies: 4 << 20, ..Limits::default() };
+    let limits = ServerLimits { connections: 64, bodies: 4 << 20, ..ServerLimits::default() };
     let (at, _server) = service.listen(([127, 0, 0, 1], 0).into(), limits).unwrap();
     let request = format!("GET {asked}{last} HTTP/1.1\r\nHost: localhost\r\n\r\n");
     for _ in 0..40 {

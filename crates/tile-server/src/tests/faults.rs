@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::client::MAX_AHEAD;
-use crate::server::Limits;
+use crate::server::ServerLimits;
 use std::time::Instant;
 
 #[test]
 fn tiles_are_equal_for_any_requests_in_flight() {
     for in_flight in [1, 4, 100] {
-        let (url, count) = faulty(u32::MAX, |_| Fault::None);
+        let (url, count) = faulty(u32::MAX, |_| ResponseFault::None);
         assert_eq!(all(&mut tiles(&url, in_flight, None)).unwrap(), expected());
         assert_eq!(count.load(Ordering::SeqCst), page().tiles());
     }
@@ -16,11 +16,11 @@ fn tiles_are_equal_for_any_requests_in_flight() {
 
 #[test]
 fn prefetch_is_bounded() {
-    let (url, count) = faulty(u32::MAX, |_| Fault::None);
-    let mut tiles = unkept(Fetcher::new(&url, PATIENT), TileFetch { tile: [4, 4], ..fetch(4, 1) });
+    let (url, count) = faulty(u32::MAX, |_| ResponseFault::None);
+    let mut tiles = source_without_cache(Fetcher::new(&url, PATIENT), TileFetch { tile: [4, 4], ..fetch(4, 1) });
     let page = Arc::new(TexturePage::new(0, &texture(), PyramidCut { tile: [4, 4], ..PyramidCut::default() }, 0));
     let all: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
-    tiles.offer(&elsewhere());
+    tiles.offer(&texture_without_texels());
     tiles.announce(&all);
     let fetched = || count.load(Ordering::SeqCst) as usize;
     while fetched() < MAX_AHEAD {
@@ -37,9 +37,13 @@ fn prefetch_is_bounded() {
 // Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn passing_fault_is_retried_without_loss() {
-    for fault in PASSING.into_iter().chain([Fault::Status(404)]) {
-        let (url, count) = faulty(u32::MAX, move |n| if n == 2 { fault } else { Fault::None });
-        assert_eq!(all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(2, 1))).unwrap(), expected(), "{fault:?}");
+    for fault in PASSING.into_iter().chain([ResponseFault::Status(404)]) {
+        let (url, count) = faulty(u32::MAX, move |n| if n == 2 { fault } else { ResponseFault::None });
+        assert_eq!(
+            all(&mut source_without_cache(Fetcher::new(&url, retry_policy(fault)), fetch(2, 1))).unwrap(),
+            expected(),
+            "{fault:?}"
+        );
         assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 1, "{fault:?}");
     }
 }
@@ -58,11 +62,11 @@ fn slow_path_is_no_timeout() {
             thread::spawn(move || {
                 let _turn = path.lock();
                 thread::sleep(HASTY.stall / 4);
-                respond(&served, stream, Fault::None);
+                respond(&served, stream, ResponseFault::None);
             });
         }
     });
-    let mut tiles = unkept(Fetcher::new(&url, HASTY), fetch(8, 1));
+    let mut tiles = source_without_cache(Fetcher::new(&url, HASTY), fetch(8, 1));
     assert_eq!(all(&mut tiles).unwrap(), expected());
     assert_eq!(count.load(Ordering::SeqCst), page().tiles(), "none is asked for again");
 }
@@ -71,22 +75,22 @@ fn slow_path_is_no_timeout() {
 #[test]
 fn lasting_fault_names_texture_layer_and_tile() {
     for (fault, says) in [
-        (Fault::Status(500), "status: 500"),
-        (Fault::Status(404), "status: 404"),
-        (Fault::Status(302), "status: 302"),
-        (Fault::Endless, "too long"),
-        (Fault::Corrupt, "hash"),
-        (Fault::Truncated, "disconnected"),
-        (Fault::Cut, "disconnected"),
-        (Fault::Silent, "nothing has come for 1 s"),
-        (Fault::Stalled, "nothing has come for 1 s"),
-        (Fault::Dripping, "less than 1000 bytes/s"),
-        (Fault::DrippingHead, "too slow: the head of the answer takes more than 1 s"),
-        (Fault::Undecodable, "corrupt: "),
-        (Fault::OtherSize, "picture of 3 x 2, expected RGB of 50 x 23"),
+        (ResponseFault::Status(500), "status: 500"),
+        (ResponseFault::Status(404), "status: 404"),
+        (ResponseFault::Status(302), "status: 302"),
+        (ResponseFault::Endless, "too long"),
+        (ResponseFault::Corrupt, "hash"),
+        (ResponseFault::Truncated, "disconnected"),
+        (ResponseFault::Cut, "disconnected"),
+        (ResponseFault::Silent, "nothing has come for 1 s"),
+        (ResponseFault::Stalled, "nothing has come for 1 s"),
+        (ResponseFault::Dripping, "less than 1000 bytes/s"),
+        (ResponseFault::DrippingHead, "too slow: the head of the answer takes more than 1 s"),
+        (ResponseFault::Undecodable, "corrupt: "),
+        (ResponseFault::OtherSize, "picture of 3 x 2, expected RGB of 50 x 23"),
     ] {
         let (url, _) = faulty(u32::MAX, move |_| fault);
-        let (tile, error) = all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(1, 1))).unwrap_err();
+        let (tile, error) = all(&mut source_without_cache(Fetcher::new(&url, retry_policy(fault)), fetch(1, 1))).unwrap_err();
         assert_eq!(tile, 0);
         assert!(error.starts_with("texture 4 (plane), layer 0, tile 0: http://"), "{error}");
         assert!(error.contains(says), "{fault:?}: {error}");
@@ -99,7 +103,7 @@ fn server_with_other_scene_is_detected() {
     let other =
         Arc::new(Texture { levels: vec![Image { width: 1, height: 1, texels: vec![[1; 4]] }], ..Texture::clone(&texture()) });
     let (address, _server) =
-        SceneService::new(vec![], String::new(), [other]).listen(([127, 0, 0, 1], 0).into(), Limits::default()).unwrap();
+        SceneService::new(vec![], String::new(), [other]).listen(([127, 0, 0, 1], 0).into(), ServerLimits::default()).unwrap();
     let (tile, error) = all(&mut tiles(&format!("http://{address}"), 1, None)).unwrap_err();
     assert_eq!(tile, 0);
     assert!(error.contains("http status: 404; the server may have another scene by now"), "{error}");
@@ -121,7 +125,7 @@ fn late_server_is_awaited_within_limit() {
     let late = Duration::from_millis(500);
     thread::spawn(move || {
         thread::sleep(late);
-        served().listen(address, Limits::default()).unwrap().1.join()
+        served().listen(address, ServerLimits::default()).unwrap().1.join()
     });
     assert_eq!(Fetcher::new(&url, waiting(Duration::from_secs(20))).scene("scene", |_| ()).unwrap().1[..5], *b"scene");
     assert!(began.elapsed() >= late);
@@ -131,10 +135,10 @@ fn late_server_is_awaited_within_limit() {
 #[test]
 fn restarting_server_is_awaited_within_limit() {
     for (starting, comes_back) in [(Duration::from_secs(20), true), (Duration::ZERO, false)] {
-        let (url, count) = faulty(5, |_| Fault::None);
+        let (url, count) = faulty(5, |_| ResponseFault::None);
         let address = url.trim_start_matches("http://").trim_end_matches('/').parse::<std::net::SocketAddr>().unwrap();
         let fetcher = Fetcher::new(&url, waiting(starting));
-        let mut tiles = unkept(fetcher, fetch(2, 1));
+        let mut tiles = source_without_cache(fetcher, fetch(2, 1));
         if comes_back {
             thread::spawn(move || {
                 while count.load(Ordering::SeqCst) < 5 {
@@ -142,7 +146,7 @@ fn restarting_server_is_awaited_within_limit() {
                 }
                 // The pause is longer than the retries last.
                 thread::sleep(Duration::from_millis(500));
-                served().listen(address, Limits::default()).unwrap().1.join()
+                served().listen(address, ServerLimits::default()).unwrap().1.join()
             });
             assert_eq!(all(&mut tiles).unwrap(), expected());
         } else {
@@ -157,12 +161,12 @@ fn restarting_server_is_awaited_within_limit() {
 fn server_behind_proxy_is_awaited() {
     for status in [502, 503, 504] {
         // The proxy answers with an error more often than the client has attempts.
-        let (url, count) = faulty(u32::MAX, move |n| if n < 8 { Fault::Status(status) } else { Fault::None });
-        let mut tiles = unkept(Fetcher::new(&url, waiting(Duration::from_secs(20))), fetch(1, 1));
+        let (url, count) = faulty(u32::MAX, move |n| if n < 8 { ResponseFault::Status(status) } else { ResponseFault::None });
+        let mut tiles = source_without_cache(Fetcher::new(&url, waiting(Duration::from_secs(20))), fetch(1, 1));
         assert_eq!(all(&mut tiles).unwrap(), expected(), "{status}");
         assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 8, "{status}");
     }
-    let (url, _count) = faulty(u32::MAX, |_| Fault::Status(502));
+    let (url, _count) = faulty(u32::MAX, |_| ResponseFault::Status(502));
     let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene("scene", |_| ()).unwrap_err();
     assert!(error.ends_with("scene: http status: 502, for 0 s; is `basrelief serve` running there?"), "{error}");
 }
@@ -170,7 +174,7 @@ fn server_behind_proxy_is_awaited() {
 // Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn retries_end_at_their_time_limit() {
-    let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
+    let (url, count) = faulty(u32::MAX, |_| ResponseFault::Stalled);
     let began = Instant::now();
     let patience = RetryPolicy { attempts: 100, whole: 19 * HASTY.stall / 10, ..HASTY };
     let error = Fetcher::new(&url, patience).scene("scene", |_| ()).unwrap_err();
@@ -182,10 +186,10 @@ fn retries_end_at_their_time_limit() {
 
 #[test]
 fn dropped_client_does_not_wait() {
-    let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
+    let (url, count) = faulty(u32::MAX, |_| ResponseFault::Stalled);
     let patience = RetryPolicy { stall: Duration::from_secs(100), ..PATIENT };
     let fetcher = Fetcher::new(&url, patience);
-    let mut tiles = unkept(fetcher, fetch(4, 1));
+    let mut tiles = source_without_cache(fetcher, fetch(4, 1));
     announce_all(&mut tiles);
     while count.load(Ordering::SeqCst) < 4 {
         thread::sleep(Duration::from_millis(1));
@@ -198,7 +202,7 @@ fn dropped_client_does_not_wait() {
 
 #[test]
 fn dripping_head_ends_at_its_deadline() {
-    for fault in [Fault::DrippingHead, Fault::Informing] {
+    for fault in [ResponseFault::DrippingHead, ResponseFault::Informing] {
         let (url, _count) = faulty(u32::MAX, move |_| fault);
         let began = Instant::now();
         let error = Fetcher::new(&url, RetryPolicy { attempts: 1, ..HASTY }).scene("scene", |_| ()).unwrap_err();

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::protocol::{ReceivedScene, pack, scene_path, unpack};
-use crate::server::Limits;
+use crate::server::ServerLimits;
 use basrelief_input::MemoryPool;
 use basrelief_scene::SceneSubject;
 use std::path::Path;
@@ -14,15 +14,15 @@ fn other_texture() -> Arc<Texture> {
 }
 
 /// Starts a server that listens to nobody else.
-fn honest() -> String {
+fn honest_server() -> String {
     let scene = SceneSubject::demo("cut-plane@1").unwrap().to_bytes(&mut hash_of_picture).unwrap();
-    let (address, _) = serving_scene(pack(&scene)).listen(([127, 0, 0, 1], 0).into(), Limits::default()).unwrap();
+    let (address, _) = serving_scene(pack(&scene)).listen(([127, 0, 0, 1], 0).into(), ServerLimits::default()).unwrap();
     format!("http://{address}")
 }
 
 /// Starts a server that sends the scene and, if `lists` is false, the lists of the honest one, and tiles of another picture with valid
 /// ETags under the honest addresses.
-fn lying(lists: bool) -> String {
+fn lying_server(lists: bool) -> String {
     let (listener, url, _) = listening();
     let served = [served(), SceneService::new(b"scene".to_vec(), String::new(), [other_texture()])];
     let pictures = [texture(), other_texture()].map(|texture| hex(&hash_of_picture(&texture)));
@@ -33,7 +33,7 @@ fn lying(lists: bool) -> String {
             while lines.next().is_some_and(|line| !line.is_empty()) {}
             let path = first.split(' ').nth(1).unwrap_or("/");
             let lies = path.starts_with("/tile/") || lists;
-            let response = served[usize::from(lies)].found(&path.replace(&pictures[0], &pictures[usize::from(lies)]));
+            let response = served[usize::from(lies)].respond_to(&path.replace(&pictures[0], &pictures[usize::from(lies)]));
             let body = response.map(|response| [&response.body[..], &response.tail].concat()).unwrap_or_default();
             let (length, hash) = (body.len(), hash_of(&body));
             let head = format!("HTTP/1.1 200 x\r\nContent-Length: {length}\r\nETag: \"{hash}\"\r\nConnection: close\r\n\r\n");
@@ -45,33 +45,33 @@ fn lying(lists: bool) -> String {
 }
 
 /// Returns the hashes in the scene of the honest server.
-fn stated() -> GroupHashes {
-    let url = honest();
+fn scene_hashes() -> GroupHashes {
+    let url = honest_server();
     let (_, body, _) = Fetcher::new(&url, PATIENT).scene(&scene_path([64, 64], (TileEncoding::Png, 85)), |_| ()).unwrap();
     let ReceivedScene { hashes, .. } = unpack(&body, &url, &MemoryPool::default()).unwrap();
     hashes
 }
 
-fn checked(url: &str, hashes: GroupHashes, tiles_per_request: u32, kept: Option<TileStore>) -> RemoteTiles {
+fn checked_tiles(url: &str, hashes: GroupHashes, tiles_per_request: u32, kept: Option<TileStore>) -> RemoteTiles {
     RemoteTiles::new(Fetcher::new(url, PATIENT), (fetch(2, tiles_per_request), hashes), kept, Arc::new(NoProgress))
 }
 
 fn cache(folder: &Path, url: &str) -> Option<TileStore> {
     let write = |path: &Path, bytes: &[u8]| std::fs::write(path, bytes);
-    Some(kept(TileCache::open(folder, url, write).unwrap()))
+    Some(store_in(TileCache::open(folder, url, write).unwrap()))
 }
 
 #[test]
 fn tiles_of_honest_server_pass_hash_check() {
     for tiles_per_request in [1, 64] {
-        assert_eq!(all(&mut checked(&honest(), stated(), tiles_per_request, None)).unwrap(), expected());
+        assert_eq!(all(&mut checked_tiles(&honest_server(), scene_hashes(), tiles_per_request, None)).unwrap(), expected());
     }
 }
 
 #[test]
 fn lying_tile_is_an_error_that_names_it() {
     for (lists, tiles_per_request, names) in [(false, 1, "/tile/"), (false, 64, "/tile/"), (true, 1, "/tile/")] {
-        let (tile, error) = all(&mut checked(&lying(lists), stated(), tiles_per_request, None)).unwrap_err();
+        let (tile, error) = all(&mut checked_tiles(&lying_server(lists), scene_hashes(), tiles_per_request, None)).unwrap_err();
         assert_eq!(tile, 0);
         assert!(error.starts_with("texture 4 (plane), layer 0, tile 0: http://") && error.contains(names), "{error}");
         assert!(error.contains("that the scene states"), "{error}");
@@ -80,7 +80,7 @@ fn lying_tile_is_an_error_that_names_it() {
 
 #[test]
 fn lying_list_is_an_error_that_names_it() {
-    let mut tiles = checked(&lying(true), stated(), 1, None);
+    let mut tiles = checked_tiles(&lying_server(true), scene_hashes(), 1, None);
     announce_all(&mut tiles);
     // The top tile needs no list.
     let error = tiles.tile(&page(), 1).unwrap_err();
@@ -89,21 +89,21 @@ fn lying_list_is_an_error_that_names_it() {
 
 #[test]
 fn poisoned_cache_does_not_change_a_later_run() {
-    let (folder, honest, liar) = (tempfile::tempdir().unwrap(), honest(), lying(true));
+    let (folder, honest, liar) = (tempfile::tempdir().unwrap(), honest_server(), lying_server(true));
     // The liar states the hashes of its own tiles, so its run succeeds and fills the cache.
     let (mut hashes, lists) = (GroupHashes::default(), lists(&other_texture(), &fetch(2, 1)));
     hashes.insert(hash_of_picture(&texture()), lists.iter().map(|list| hash_of_list(list)).collect());
-    assert_ne!(all(&mut checked(&liar, hashes, 1, cache(folder.path(), &liar))).unwrap(), expected());
+    assert_ne!(all(&mut checked_tiles(&liar, hashes, 1, cache(folder.path(), &liar))).unwrap(), expected());
     // The second cache has the origin of the liar, so only the hashes protect it.
     for origin in [&honest, &liar] {
         let kept = cache(folder.path(), origin);
-        assert_eq!(all(&mut checked(&honest, stated(), 1, kept)).unwrap(), expected(), "{origin}");
+        assert_eq!(all(&mut checked_tiles(&honest, scene_hashes(), 1, kept)).unwrap(), expected(), "{origin}");
     }
 }
 
 #[test]
 fn scene_without_hash_of_a_tile_is_refused() {
-    let (_, error) = all(&mut checked(&honest(), GroupHashes::default(), 1, None)).unwrap_err();
+    let (_, error) = all(&mut checked_tiles(&honest_server(), GroupHashes::default(), 1, None)).unwrap_err();
     assert!(error.contains("/tile/") && error.contains("not the tile that the scene states"), "{error}");
 }
 

@@ -27,15 +27,15 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 #[test]
 fn cache_keeps_tiles_of_lost_server() {
     let folder = tempfile::tempdir().unwrap();
-    let kept = || Some(kept(cache(folder.path())));
-    let (url, _) = faulty(3, |_| Fault::None);
+    let kept = || Some(store_in(cache(folder.path())));
+    let (url, _) = faulty(3, |_| ResponseFault::None);
     let (tile, error) = all(&mut tiles(&url, 1, kept())).unwrap_err();
     assert_eq!(tile, 3);
     assert!(error.contains("tile 3"), "{error}");
-    let (url, count) = faulty(u32::MAX, |_| Fault::None);
+    let (url, count) = faulty(u32::MAX, |_| ResponseFault::None);
     assert_eq!(all(&mut tiles(&url, 2, kept())).unwrap(), expected());
     assert_eq!(count.load(Ordering::SeqCst), page().tiles() - 3, "only the rest");
-    let (url, count) = faulty(u32::MAX, |_| Fault::None);
+    let (url, count) = faulty(u32::MAX, |_| ResponseFault::None);
     assert_eq!(all(&mut tiles(&url, 2, kept())).unwrap(), expected());
     assert_eq!(count.load(Ordering::SeqCst), 0, "all there");
 }
@@ -43,10 +43,10 @@ fn cache_keeps_tiles_of_lost_server() {
 // Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn undecodable_tile_is_not_cached() {
-    for fault in [Fault::Undecodable, Fault::OtherSize, Fault::Corrupt] {
+    for fault in [ResponseFault::Undecodable, ResponseFault::OtherSize, ResponseFault::Corrupt] {
         let folder = tempfile::tempdir().unwrap();
         let (url, _) = faulty(u32::MAX, move |_| fault);
-        all(&mut tiles(&url, 1, Some(kept(cache(folder.path()))))).unwrap_err();
+        all(&mut tiles(&url, 1, Some(store_in(cache(folder.path()))))).unwrap_err();
         assert_eq!(files(folder.path()), Vec::<PathBuf>::new(), "{fault:?}");
     }
 }
@@ -55,8 +55,8 @@ fn undecodable_tile_is_not_cached() {
 #[test]
 fn damaged_cache_file_is_removed_and_fetched_again() {
     let folder = tempfile::tempdir().unwrap();
-    let (url, _) = faulty(u32::MAX, |_| Fault::None);
-    all(&mut tiles(&url, 2, Some(kept(cache(folder.path()))))).unwrap();
+    let (url, _) = faulty(u32::MAX, |_| ResponseFault::None);
+    all(&mut tiles(&url, 2, Some(store_in(cache(folder.path()))))).unwrap();
     let kept_files = files(folder.path());
     let (damaged, wrong, cut) = (&kept_files[0], &kept_files[1], &kept_files[2]);
     let mut bytes = fs::read(damaged).unwrap();
@@ -70,8 +70,8 @@ fn damaged_cache_file_is_removed_and_fetched_again() {
         assert_eq!(cache(folder.path()).get(&tile, 1 << 20, |_| Err("no tile".into())), None);
         assert!(!file.exists(), "{tile}");
     }
-    let (url, count) = faulty(u32::MAX, |_| Fault::None);
-    assert_eq!(all(&mut tiles(&url, 2, Some(kept(cache(folder.path()))))).unwrap(), expected());
+    let (url, count) = faulty(u32::MAX, |_| ResponseFault::None);
+    assert_eq!(all(&mut tiles(&url, 2, Some(store_in(cache(folder.path()))))).unwrap(), expected());
     assert_eq!(count.load(Ordering::SeqCst), 3, "those three");
     assert_eq!(files(folder.path()).len(), kept_files.len());
 }
@@ -81,9 +81,9 @@ fn two_runs_can_share_a_cache() {
     let folder = tempfile::tempdir().unwrap();
     let runs: Vec<_> = (0..2)
         .map(|_| {
-            let kept = kept(cache(folder.path()));
+            let kept = store_in(cache(folder.path()));
             thread::spawn(move || {
-                let (url, _) = faulty(u32::MAX, |_| Fault::None);
+                let (url, _) = faulty(u32::MAX, |_| ResponseFault::None);
                 all(&mut tiles(&url, 4, Some(kept))).unwrap()
             })
         })
@@ -99,8 +99,8 @@ fn unwritable_cache_is_reported_and_costs_no_tile() {
     let folder = tempfile::tempdir().unwrap();
     let cache = cache(folder.path());
     fs::remove_dir_all(folder.path()).unwrap();
-    let kept = kept(cache);
-    let (url, _) = faulty(u32::MAX, |_| Fault::None);
+    let kept = store_in(cache);
+    let (url, _) = faulty(u32::MAX, |_| ResponseFault::None);
     assert_eq!(all(&mut tiles(&url, 2, Some(kept.clone()))).unwrap(), expected());
     assert!(kept.failed.get().is_some_and(|why| !why.is_empty()));
 }

@@ -30,21 +30,21 @@ fn listener_of_its_own() -> TcpListener {
 }
 
 /// Faults that another attempt does not meet.
-const PASSING: [Fault; 9] = [
-    Fault::Status(500),
-    Fault::Corrupt,
-    Fault::Truncated,
-    Fault::Cut,
-    Fault::Silent,
-    Fault::Stalled,
-    Fault::Dripping,
-    Fault::Undecodable,
-    Fault::OtherSize,
+const PASSING: [ResponseFault; 9] = [
+    ResponseFault::Status(500),
+    ResponseFault::Corrupt,
+    ResponseFault::Truncated,
+    ResponseFault::Cut,
+    ResponseFault::Silent,
+    ResponseFault::Stalled,
+    ResponseFault::Dripping,
+    ResponseFault::Undecodable,
+    ResponseFault::OtherSize,
 ];
 
 /// Fault of a response.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Fault {
+enum ResponseFault {
     None,
     Status(u16),
     Corrupt,
@@ -87,8 +87,15 @@ const PATIENT: RetryPolicy = RetryPolicy {
 const HASTY: RetryPolicy = RetryPolicy { stall: Duration::from_secs(1), ..PATIENT };
 
 /// Returns the retry policy for a fault: a short timeout if only a timeout detects the fault.
-fn patience(fault: Fault) -> RetryPolicy {
-    if matches!(fault, Fault::Silent | Fault::Stalled | Fault::Dripping | Fault::DrippingHead | Fault::Informing) {
+fn retry_policy(fault: ResponseFault) -> RetryPolicy {
+    if matches!(
+        fault,
+        ResponseFault::Silent
+            | ResponseFault::Stalled
+            | ResponseFault::Dripping
+            | ResponseFault::DrippingHead
+            | ResponseFault::Informing
+    ) {
         HASTY
     } else {
         PATIENT
@@ -102,7 +109,7 @@ fn texture() -> Arc<Texture> {
 }
 
 /// Returns the texture as it is in a client: without texels.
-fn elsewhere() -> Arc<Texture> {
+fn texture_without_texels() -> Arc<Texture> {
     let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
     Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
 }
@@ -126,7 +133,7 @@ fn page() -> Arc<TexturePage> {
 }
 
 /// Answers a request with a fault.
-fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
+fn respond(served: &SceneService, mut stream: TcpStream, fault: ResponseFault) {
     let mut lines = BufReader::new(stream.try_clone().unwrap()).lines().map_while(Result::ok);
     let Some(first) = lines.next() else { return };
     while lines.next().is_some_and(|line| !line.is_empty()) {}
@@ -135,36 +142,36 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
         tile => served.tiles(tile.trim_start_matches("/tile/")).unwrap_or_default().0,
     };
     match fault {
-        Fault::Endless => body.resize(8 << 20, 0),
-        Fault::Undecodable => body.reverse(),
-        Fault::OtherSize => body = TileEncoding::Png.encode(&[[1; 4]; 6], [3, 2], 85).unwrap(),
+        ResponseFault::Endless => body.resize(8 << 20, 0),
+        ResponseFault::Undecodable => body.reverse(),
+        ResponseFault::OtherSize => body = TileEncoding::Png.encode(&[[1; 4]; 6], [3, 2], 85).unwrap(),
         _ => {}
     }
     let (hash, length) = (hash_of(&body), body.len());
-    let status = if let Fault::Status(status) = fault { status } else { 200 };
+    let status = if let ResponseFault::Status(status) = fault { status } else { 200 };
     match fault {
-        Fault::Cut => return,
-        Fault::Silent => thread::sleep(3 * HASTY.stall),
-        Fault::Late => thread::sleep(LATE),
-        Fault::Corrupt => body[0] ^= 1,
-        Fault::Truncated | Fault::Stalled => body.truncate(length / 2),
+        ResponseFault::Cut => return,
+        ResponseFault::Silent => thread::sleep(3 * HASTY.stall),
+        ResponseFault::Late => thread::sleep(LATE),
+        ResponseFault::Corrupt => body[0] ^= 1,
+        ResponseFault::Truncated | ResponseFault::Stalled => body.truncate(length / 2),
         _ => {}
     }
     let head = format!("HTTP/1.1 {status} x\r\nContent-Length: {length}\r\nETag: \"{hash}\"\r\nConnection: close\r\n\r\n");
-    let parts = body.chunks(if fault == Fault::Dripping { 1 } else { body.len().max(1) });
+    let parts = body.chunks(if fault == ResponseFault::Dripping { 1 } else { body.len().max(1) });
     // The client may have given up and closed the connection.
     let mut sent = match fault {
-        Fault::DrippingHead => drip(&stream, head.as_bytes().chunks(1)),
-        Fault::Informing => drip(&stream, std::iter::repeat_n(&b"HTTP/1.1 103 Early Hints\r\n\r\n"[..], 1000)),
+        ResponseFault::DrippingHead => drip(&stream, head.as_bytes().chunks(1)),
+        ResponseFault::Informing => drip(&stream, std::iter::repeat_n(&b"HTTP/1.1 103 Early Hints\r\n\r\n"[..], 1000)),
         _ => stream.write_all(head.as_bytes()),
     };
     for part in parts {
         sent = sent.and_then(|()| stream.write_all(part));
-        if fault == Fault::Dripping && sent.is_ok() {
+        if fault == ResponseFault::Dripping && sent.is_ok() {
             thread::sleep(Duration::from_millis(10));
         }
     }
-    if fault == Fault::Stalled {
+    if fault == ResponseFault::Stalled {
         thread::sleep(3 * HASTY.stall);
     }
 }
@@ -187,7 +194,7 @@ fn listening() -> (TcpListener, String, Arc<AtomicU32>) {
 
 /// Starts a server whose response number n has this fault. Returns its address and its request counter. It stops listening after `answers`
 /// responses.
-fn faulty(answers: u32, fault: impl Fn(u32) -> Fault + Send + 'static) -> (String, Arc<AtomicU32>) {
+fn faulty(answers: u32, fault: impl Fn(u32) -> ResponseFault + Send + 'static) -> (String, Arc<AtomicU32>) {
     let (listener, url, count) = listening();
     let counted = Arc::clone(&count);
     thread::spawn(move || {
@@ -201,7 +208,7 @@ fn faulty(answers: u32, fault: impl Fn(u32) -> Fault + Send + 'static) -> (Strin
     (url, count)
 }
 
-fn kept(cache: TileCache) -> TileStore {
+fn store_in(cache: TileCache) -> TileStore {
     TileStore { cache, failed: Arc::default() }
 }
 
@@ -231,7 +238,7 @@ fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
 }
 
 /// Makes a tile source without a cache.
-fn unkept(fetcher: Fetcher, fetch: TileFetch) -> RemoteTiles {
+fn source_without_cache(fetcher: Fetcher, fetch: TileFetch) -> RemoteTiles {
     source(fetcher, fetch, None)
 }
 
@@ -242,7 +249,7 @@ fn fetch(requests: u32, tiles_per_request: u32) -> TileFetch {
 
 fn announce_all(source: &mut dyn TileSource) {
     let page = page();
-    source.offer(&elsewhere());
+    source.offer(&texture_without_texels());
     source.announce(&(0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect::<Vec<_>>());
 }
 

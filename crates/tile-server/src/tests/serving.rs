@@ -1,21 +1,21 @@
 //! The server with slow, idle, wrong and many clients.
 
 use super::*;
-use crate::server::Limits;
+use crate::server::ServerLimits;
 use basrelief_input::MemoryPool;
 use std::io::Read;
 use std::net::SocketAddr;
 use std::time::Instant;
 
 /// Starts a server with these limits.
-fn serving(at: impl Into<SocketAddr>, limits: Limits) -> SocketAddr {
+fn serving(at: impl Into<SocketAddr>, limits: ServerLimits) -> SocketAddr {
     let (address, server) = served().listen(at.into(), limits).unwrap();
     // The server runs until the end of the tests.
     drop(server);
     address
 }
 
-const LITTLE: Limits = Limits { idle: Duration::from_secs(1), slowest: 100, connections: 4, bodies: 1 << 21 };
+const LITTLE: ServerLimits = ServerLimits { idle: Duration::from_secs(1), slowest: 100, connections: 4, bodies: 1 << 21 };
 const LOOPBACK: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
 
 fn scene(address: SocketAddr) -> Vec<u8> {
@@ -173,7 +173,7 @@ fn silent_clients_are_evicted() {
 fn stalled_readers_are_evicted() {
     // The scene is larger than the buffers of the connection.
     let large = serving_scene(vec![0; 32 << 20]);
-    let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 1, ..LITTLE }).unwrap();
+    let (address, _server) = large.listen(LOOPBACK.into(), ServerLimits { connections: 1, ..LITTLE }).unwrap();
     let mut stalled = TcpStream::connect(address).unwrap();
     stalled.write_all(b"GET /scene HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
     assert!(exchange(address, a_tile().as_bytes()).starts_with("HTTP/1.1 200"));
@@ -193,7 +193,7 @@ fn evicted_connection_is_no_error_for_client() {
 
 #[test]
 fn request_with_body_is_refused_at_once() {
-    let address = serving(LOOPBACK, Limits { idle: Duration::from_secs(100), ..LITTLE });
+    let address = serving(LOOPBACK, ServerLimits { idle: Duration::from_secs(100), ..LITTLE });
     for announced in ["Content-Length: 99999999999999", "Transfer-Encoding: chunked"] {
         let request = format!("GET /scene HTTP/1.1\r\nHost: localhost\r\n{announced}\r\n\r\n");
         assert!(exchange(address, request.as_bytes()).starts_with("HTTP/1.1 400"), "{announced}");
@@ -244,7 +244,7 @@ const SOON: Duration = Duration::from_secs(3);
 // Claim: as image_from_server_equals_image_from_file.
 #[test]
 fn idle_and_dripping_clients_block_no_request() {
-    let address = serving(LOOPBACK, Limits { connections: 32, ..Limits::default() });
+    let address = serving(LOOPBACK, ServerLimits { connections: 32, ..ServerLimits::default() });
     let connect = |n: usize| -> Vec<TcpStream> { (0..n).map(|_| TcpStream::connect(address).unwrap()).collect() };
     // Both ends together stay below the 1,024 files that a process may open by default.
     let idle = connect(500);
@@ -265,7 +265,7 @@ fn idle_and_dripping_clients_block_no_request() {
 #[test]
 fn stalled_readers_do_not_block_others() {
     let large = serving_scene(vec![0; 32 << 20]);
-    let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 4, ..Limits::default() }).unwrap();
+    let (address, _server) = large.listen(LOOPBACK.into(), ServerLimits { connections: 4, ..ServerLimits::default() }).unwrap();
     let stalled = [(); 4].map(|()| {
         let mut stream = TcpStream::connect(address).unwrap();
         stream.write_all(b"GET /scene HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
@@ -279,7 +279,7 @@ fn stalled_readers_do_not_block_others() {
 
 #[test]
 fn tls_handshake_is_refused_at_once() {
-    let address = serving(LOOPBACK, Limits::default());
+    let address = serving(LOOPBACK, ServerLimits::default());
     let began = Instant::now();
     let answer = exchange(address, b"\x16\x03\x01\x02\0\x01\0\x01\xfc\x03\x03");
     assert!(answer.starts_with("HTTP/1.1 400") && answer.contains("not https://"), "{answer}");

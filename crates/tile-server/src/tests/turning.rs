@@ -10,7 +10,7 @@ fn from(page: &Arc<TexturePage>, first: u32) -> impl Iterator<Item = (Arc<Textur
 }
 
 /// State of a client that has left a view.
-struct Left {
+struct LeftView {
     tiles: RemoteTiles,
     taken: Vec<Arc<[u8]>>,
     meter: TransferMetrics,
@@ -21,7 +21,7 @@ struct Left {
 const LEFT_AT_MS: f64 = 1500.0;
 
 /// A server whose response number `late` waits until the sender is dropped, and then closes its connection.
-fn holding(late: u32) -> (String, Arc<AtomicU32>, Sender<()>) {
+fn delaying_server(late: u32) -> (String, Arc<AtomicU32>, Sender<()>) {
     let (listener, url, count) = listening();
     let (release, held) = channel();
     let counted = Arc::clone(&count);
@@ -33,7 +33,7 @@ fn holding(late: u32) -> (String, Arc<AtomicU32>, Sender<()>) {
             thread::spawn(move || match held {
                 // `recv` fails once the sender is dropped.
                 Some(held) => drop((held.recv(), stream)),
-                None => respond(&served, stream, Fault::None),
+                None => respond(&served, stream, ResponseFault::None),
             });
         }
     });
@@ -41,14 +41,14 @@ fn holding(late: u32) -> (String, Arc<AtomicU32>, Sender<()>) {
 }
 
 /// Fetches tiles until the client leaves the first view. Answer number `late` does not arrive before that.
-fn left_at(late: u32, in_flight: u32) -> Left {
-    let (url, count, release) = holding(late);
+fn left_at(late: u32, in_flight: u32) -> LeftView {
+    let (url, count, release) = delaying_server(late);
     let fetcher = Fetcher::new(&url, PATIENT);
-    let meter = fetcher.meter().clone();
+    let meter = fetcher.metrics().clone();
     fetcher.scene("scene", |_| ()).unwrap();
     let fetch = TileFetch { left_at_ms: vec![LEFT_AT_MS], ..fetch(in_flight, 1) };
-    let mut tiles = unkept(fetcher, fetch);
-    tiles.offer(&elsewhere());
+    let mut tiles = source_without_cache(fetcher, fetch);
+    tiles.offer(&texture_without_texels());
     let (user, page) = (tiles.user().unwrap(), page());
     user.turn_to(0);
     let mut taken = Vec::new();
@@ -56,17 +56,17 @@ fn left_at(late: u32, in_flight: u32) -> Left {
         taken.push(tiles.tile(&page, taken.len() as u32).unwrap());
     }
     drop(release);
-    Left { tiles, taken, meter, count }
+    LeftView { tiles, taken, meter, count }
 }
 
 // Claim: as slow_path_does_not_delay_view_changes.
 #[test]
 fn abandoned_view_leaves_tiles_to_next() {
     // The answers are the scene, two tiles, and a tile that is held back.
-    let Left { mut tiles, mut taken, meter, count } = left_at(3, 1);
+    let LeftView { mut tiles, mut taken, meter, count } = left_at(3, 1);
     let (user, page) = (tiles.user().unwrap(), page());
     assert_eq!(taken.len(), 2, "those that have come in time");
-    assert!(meter.now().milliseconds >= LEFT_AT_MS, "{:?}", meter.now());
+    assert!(meter.elapsed().milliseconds >= LEFT_AT_MS, "{:?}", meter.elapsed());
     assert_eq!(meter.read().abandoned, u64::from(page.tiles()) - 3, "all but those, and what is under way");
     user.turn_to(1);
     while (taken.len() as u32) < page.tiles() {
@@ -80,7 +80,7 @@ fn abandoned_view_leaves_tiles_to_next() {
 #[test]
 fn received_tiles_serve_the_next_view() {
     // One of the two requests in flight waits, and the other fetches all remaining tiles.
-    let Left { mut tiles, mut taken, count, .. } = left_at(2, 2);
+    let LeftView { mut tiles, mut taken, count, .. } = left_at(2, 2);
     let (user, page) = (tiles.user().unwrap(), page());
     user.turn_to(1);
     assert!((taken.len() as u32) < page.tiles() - 1, "{}", taken.len());
@@ -94,7 +94,7 @@ fn received_tiles_serve_the_next_view() {
 
 #[test]
 fn next_view_skips_unrequested_tiles() {
-    let Left { mut tiles, taken, count, .. } = left_at(3, 1);
+    let LeftView { mut tiles, taken, count, .. } = left_at(3, 1);
     tiles.user().unwrap().turn_to(1);
     let (page, last) = (page(), page().tiles() - 1);
     assert_eq!(taken.len(), 2);
@@ -105,12 +105,12 @@ fn next_view_skips_unrequested_tiles() {
 
 #[test]
 fn expired_view_requests_no_more_tiles() {
-    let (url, count) = faulty(u32::MAX, |_| Fault::Late);
+    let (url, count) = faulty(u32::MAX, |_| ResponseFault::Late);
     let fetcher = Fetcher::new(&url, PATIENT);
     fetcher.scene("scene", |_| ()).unwrap();
     let fetch = TileFetch { left_at_ms: vec![2.5 * LATE.as_secs_f64() * 1e3], ..fetch(1, 1) };
-    let mut tiles = unkept(fetcher, fetch);
-    tiles.offer(&elsewhere());
+    let mut tiles = source_without_cache(fetcher, fetch);
+    tiles.offer(&texture_without_texels());
     let (user, page) = (tiles.user().unwrap(), page());
     user.turn_to(0);
     user.leaves(&mut from(&page, 0));
@@ -123,15 +123,15 @@ fn expired_view_requests_no_more_tiles() {
 // Claim: as slow_path_does_not_delay_view_changes.
 #[test]
 fn view_starts_at_its_time() {
-    let (url, count) = faulty(u32::MAX, |_| Fault::None);
+    let (url, count) = faulty(u32::MAX, |_| ResponseFault::None);
     let fetcher = Fetcher::new(&url, PATIENT);
-    let meter = fetcher.meter().clone();
+    let meter = fetcher.metrics().clone();
     fetcher.scene("scene", |_| ()).unwrap();
-    let mut tiles = unkept(fetcher, TileFetch { left_at_ms: vec![120.0], ..fetch(4, 1) });
+    let mut tiles = source_without_cache(fetcher, TileFetch { left_at_ms: vec![120.0], ..fetch(4, 1) });
     announce_all(&mut tiles);
     let user = tiles.user().unwrap();
     user.turn_to(0);
     user.turn_to(1);
-    assert!(meter.now().milliseconds >= 120.0, "{:?}", meter.now());
+    assert!(meter.elapsed().milliseconds >= 120.0, "{:?}", meter.elapsed());
     assert_eq!(count.load(Ordering::SeqCst), 1, "who looks says what is asked for");
 }
