@@ -1,4 +1,4 @@
-// Messages between the page and the simulator: JSON followed by bytes (crates/web/src/parcel.rs).
+// Messages between the page and the simulator: JSON followed by bytes (crates/web/src/message.rs).
 
 /** Offset and length of bytes after the JSON. */
 export type Place = [number, number];

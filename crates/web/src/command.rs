@@ -1,18 +1,18 @@
 //! The command that repeats a run.
 
-use crate::ask::View;
+use crate::request::ViewRequest;
 use std::fmt::Write;
 
 /// The input, as the command line names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Drawn {
+pub(crate) enum InputName {
     Demo(String),
     File(String),
     /// Address of a server.
     From(String),
 }
 
-impl Drawn {
+impl InputName {
     pub(crate) fn name(&self) -> &str {
         match self {
             Self::Demo(name) | Self::File(name) | Self::From(name) => name,
@@ -21,11 +21,11 @@ impl Drawn {
 }
 
 /// Returns the command line that gives the same report. `machine` is `None` for the input's default machine.
-pub(crate) fn command(drawn: &Drawn, machine: Option<&str>, view: Option<&View>, set: &[(String, String)]) -> String {
+pub(crate) fn command(drawn: &InputName, machine: Option<&str>, view: Option<&ViewRequest>, set: &[(String, String)]) -> String {
     let mut line = match drawn {
-        Drawn::Demo(name) => format!("basrelief demo {}", quoted(name)),
-        Drawn::File(name) => format!("basrelief run {}", quoted(name)),
-        Drawn::From(server) => format!("basrelief run --from {}", quoted(server)),
+        InputName::Demo(name) => format!("basrelief demo {}", quoted(name)),
+        InputName::File(name) => format!("basrelief run {}", quoted(name)),
+        InputName::From(server) => format!("basrelief run --from {}", quoted(server)),
     };
     if let Some(machine) = machine {
         let _ = write!(line, " --machine {machine}");
@@ -39,7 +39,7 @@ pub(crate) fn command(drawn: &Drawn, machine: Option<&str>, view: Option<&View>,
     line
 }
 
-fn options(line: &mut String, View { size, turn, zoom, light, frames, orbit }: &View) {
+fn options(line: &mut String, ViewRequest { size, turn, zoom, light, frames, orbit }: &ViewRequest) {
     if let Some([width, height]) = size {
         let _ = write!(line, " --size {width}x{height}");
     }
@@ -72,18 +72,18 @@ mod tests {
 
     #[test]
     fn command_lists_non_default_settings() {
-        let view = View { size: Some([320, 240]), turn: Some([-30.0, 10.5]), ..View::default() };
+        let view = ViewRequest { size: Some([320, 240]), turn: Some([-30.0, 10.5]), ..ViewRequest::default() };
         let set = [("replacement.entries".into(), "[256, 64]".into())];
-        let line = command(&Drawn::Demo("coin".into()), Some("shade"), Some(&view), &set);
+        let line = command(&InputName::Demo("coin".into()), Some("shade"), Some(&view), &set);
         let expected = "basrelief demo coin --machine shade --size 320x240 --turn -30,10.5 --set 'replacement.entries=[256, 64]'";
         assert_eq!(line, expected);
-        let line = command(&Drawn::From("http://127.0.0.1:8080/".into()), None, Some(&view), &[]);
+        let line = command(&InputName::From("http://127.0.0.1:8080/".into()), None, Some(&view), &[]);
         assert_eq!(line, "basrelief run --from http://127.0.0.1:8080/ --size 320x240 --turn -30,10.5");
     }
 
     #[test]
     fn names_are_quoted_for_a_shell() {
-        let line = |name: &str| command(&Drawn::File(name.into()), None, None, &[]);
+        let line = |name: &str| command(&InputName::File(name.into()), None, None, &[]);
         assert_eq!(line("a/b.glb"), "basrelief run a/b.glb");
         assert_eq!(line("it's; rm"), "basrelief run 'it'\\''s; rm'");
     }

@@ -1,32 +1,32 @@
 //! The simulator of the web page: it maps questions to answers without file system, clock or threads. During an answer it fetches
-//! data of a server through the page ([`Outside`]).
+//! data of a server through the page ([`HostPage`]).
 //!
 //! The page ([web/](../../../web)) runs this crate in a worker, as WebAssembly. A question is JSON followed by its files. An
-//! answer is JSON followed by its pictures ([`Parcel`]). The caller owns a [`Desk`], which caches data for the next question: the
+//! answer is JSON followed by its pictures ([`Message`]). The caller owns a [`SimulationService`], which caches data for the next question: the
 //! model, its exact pictures, and the measured differences from them.
 //!
 //! ```
-//! use basrelief_web::{Desk, Parcel};
+//! use basrelief_web::{SimulationService, Message};
 //! use serde_json::json;
 //!
-//! let mut desk = Desk::default();
-//! let ask = |desk: &mut Desk, question| desk.answer(&Parcel::of(question).into_bytes());
-//! ask(&mut desk, json!({"ask": "demo", "name": "cut-plane@1"}));
+//! let mut service = SimulationService::default();
+//! let ask = |service: &mut SimulationService, question| service.answer(&Message::from_json(question).into_bytes());
+//! ask(&mut service, json!({"ask": "demo", "name": "cut-plane@1"}));
 //! let run = json!({"ask": "run", "machine": "shade", "set": [["lanes", "4"]], "view": {"size": [32, 24]}});
-//! let answer = Parcel::read(&ask(&mut desk, run)).unwrap();
+//! let answer = Message::read(&ask(&mut service, run)).unwrap();
 //! assert!(answer.json["error"].as_str().unwrap().contains("unknown parameter `lanes`"));
 //! ```
 
 #[cfg(target_arch = "wasm32")]
 mod abi;
-mod ask;
 mod command;
-mod desk;
-mod outside;
-mod parcel;
-mod path;
-mod shown;
+mod connection;
+mod host_page;
+mod message;
+mod render_result;
+mod request;
+mod service;
 
-pub use desk::Desk;
-pub use outside::{Got, Outside};
-pub use parcel::Parcel;
+pub use host_page::{HostPage, PageResponse};
+pub use message::Message;
+pub use service::SimulationService;

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 /// Response of the page's server.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Got {
+pub struct PageResponse {
     /// HTTP status.
     pub status: u16,
     /// ETag header.
@@ -14,13 +14,13 @@ pub struct Got {
 }
 
 /// The page around the simulator.
-pub trait Outside: Debug {
+pub trait HostPage: Debug {
     /// Fetches an address relative to the page. `fresh` bypasses the browser cache.
     ///
     /// # Errors
     /// If no response arrives.
-    fn get(&self, address: &str, fresh: bool) -> Result<Got, String>;
+    fn get(&self, address: &str, fresh: bool) -> Result<PageResponse, String>;
 
-    /// Shows an intermediate picture, as a [`Parcel`](crate::Parcel).
+    /// Shows an intermediate picture, as a [`Message`](crate::Message).
     fn show(&self, picture: Vec<u8>);
 }

@@ -2,23 +2,23 @@
 
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, NoObserver, Overrides, RunInput, RunOptions, run};
-use basrelief_web::{Desk, Parcel};
+use basrelief_web::{Message, SimulationService};
 use serde_json::{Value, json};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [48, 36];
 
-fn ask(desk: &mut Desk, question: Value) -> Parcel {
-    Parcel::read(&desk.answer(&Parcel::of(question).into_bytes())).expect("an answer")
+fn send(service: &mut SimulationService, question: Value) -> Message {
+    Message::read(&service.answer(&Message::from_json(question).into_bytes())).expect("an answer")
 }
 
-fn ask_with(desk: &mut Desk, json: Value, rest: &[u8]) -> Value {
-    let question = Parcel { json, rest: rest.to_vec() };
-    Parcel::read(&desk.answer(&question.into_bytes())).expect("an answer").json
+fn ask_with(service: &mut SimulationService, json: Value, rest: &[u8]) -> Value {
+    let question = Message { json, rest: rest.to_vec() };
+    Message::read(&service.answer(&question.into_bytes())).expect("an answer").json
 }
 
 /// Decodes the report of an answer.
-fn reported(answer: &Parcel) -> Value {
+fn reported(answer: &Message) -> Value {
     let place = serde_json::from_value(answer.json["report"].clone()).unwrap_or_else(|_| panic!("no report: {}", answer.json));
     serde_json::from_slice(answer.bytes(place).expect("a report")).expect("JSON")
 }
@@ -42,8 +42,8 @@ fn report(machine: &str, name: &str, set: &[(&str, &str)]) -> Value {
 fn every_machine_returns_the_report_of_a_run() {
     let demos = [("bump", "cut-plane@1"), ("shade", "goblet@1"), ("texel", "corridor"), ("defer", "turntable")];
     for (machine, name) in demos {
-        let mut desk = Desk::default();
-        assert_eq!(ask(&mut desk, json!({"ask": "demo", "name": name})).json["scene"], true);
+        let mut service = SimulationService::default();
+        assert_eq!(send(&mut service, json!({"ask": "demo", "name": name})).json["scene"], true);
         let view = json!({"size": SIZE, "turn": [20.0, 5.0]});
         let question = |depth: &str, exact: bool| {
             let set = json!([["fifo.polygons.depth", depth]]);
@@ -51,8 +51,8 @@ fn every_machine_returns_the_report_of_a_run() {
         };
         // Earlier questions do not change the answer.
         for depth in ["8", "64"] {
-            let quick = ask(&mut desk, question(depth, false));
-            let whole = ask(&mut desk, question(depth, true));
+            let quick = send(&mut service, question(depth, false));
+            let whole = send(&mut service, question(depth, true));
             let expected = report(machine, name, &[("fifo.polygons.depth", depth)]);
             assert_eq!(reported(&quick)["cycles"], expected["cycles"], "{machine}");
             assert_eq!(reported(&whole), expected, "{machine}");
@@ -66,19 +66,19 @@ fn every_machine_returns_the_report_of_a_run() {
 
 #[test]
 fn shown_command_repeats_the_run() {
-    let mut desk = Desk::default();
-    ask(&mut desk, json!({"ask": "demo", "name": "goblet@1"}));
+    let mut service = SimulationService::default();
+    send(&mut service, json!({"ask": "demo", "name": "goblet@1"}));
     let view = json!({"size": SIZE, "zoom": 1.5});
     let run = json!({"ask": "run", "machine": "shade", "set": [["shade.mode", "polyhedron"]], "view": view});
     let expected = "basrelief demo goblet@1 --size 48x36 --zoom 1.5 --set shade.mode=polyhedron";
-    assert_eq!(ask(&mut desk, run).json["command"], expected);
+    assert_eq!(send(&mut service, run).json["command"], expected);
     let other = json!({"ask": "run", "machine": "bump", "set": [], "view": {}});
-    assert_eq!(ask(&mut desk, other).json["command"], "basrelief demo goblet@1 --machine bump");
+    assert_eq!(send(&mut service, other).json["command"], "basrelief demo goblet@1 --machine bump");
 }
 
 #[test]
 fn featured_parameters_exist() {
-    let catalogue = ask(&mut Desk::default(), json!({"ask": "catalogue"})).json;
+    let catalogue = send(&mut SimulationService::default(), json!({"ask": "catalogue"})).json;
     let machines = catalogue["machines"].as_array().unwrap();
     assert_eq!(machines.len(), MACHINES.len());
     for machine in machines {
@@ -92,42 +92,43 @@ fn featured_parameters_exist() {
 #[test]
 fn content_identifies_models_and_display_lists() {
     let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    let mut desk = Desk::default();
+    let mut service = SimulationService::default();
     let files = json!([{"name": "a.obj", "at": [0, obj.len()]}]);
-    let taken = ask_with(&mut desk, json!({"ask": "files", "name": "a.obj", "files": files}), obj);
+    let taken = ask_with(&mut service, json!({"ask": "files", "name": "a.obj", "files": files}), obj);
     assert_eq!(taken["triangles"], 1);
     let run = json!({"ask": "run", "machine": "shade", "set": [], "view": {"size": SIZE}});
-    assert_eq!(ask(&mut desk, run.clone()).json["command"], "basrelief run a.obj --machine shade --size 48x36");
+    assert_eq!(send(&mut service, run.clone()).json["command"], "basrelief run a.obj --machine shade --size 48x36");
 
     let list = basrelief_sim::doc_trace();
     let files = json!([{"name": "quad.dl.jsonl", "at": [0, list.len()]}]);
-    let taken = ask_with(&mut desk, json!({"ask": "files", "name": "quad.dl.jsonl", "files": files}), &list);
+    let taken = ask_with(&mut service, json!({"ask": "files", "name": "quad.dl.jsonl", "files": files}), &list);
     assert_eq!(taken["scene"], false);
     // A display list has its own view.
-    let answer = ask(&mut desk, run);
+    let answer = send(&mut service, run);
     assert_eq!(answer.json["command"], "basrelief run quad.dl.jsonl --machine shade");
     assert!(reported(&answer)["cycles"]["total"].as_u64().unwrap() > 0);
 }
 
 #[test]
 fn errors_are_responses() {
-    let mut desk = Desk::default();
+    let mut service = SimulationService::default();
     let run = |set: Value| json!({"ask": "run", "machine": "bump", "set": set, "view": {"size": SIZE}});
-    assert!(error(&ask(&mut desk, run(json!([]))).json).contains("nothing to draw yet"));
-    assert!(error(&ask(&mut desk, json!({"ask": "demo", "name": "teapot"})).json).contains("no demo is called `teapot`"));
-    ask(&mut desk, json!({"ask": "demo", "name": "cut-plane@1"}));
-    assert!(error(&ask(&mut desk, run(json!([["replacement.lanes", "0"]]))).json).contains("expected 1..=65536"));
-    assert!(error(&ask(&mut desk, run(json!([["lanes", "1"]]))).json).contains("unknown parameter"));
+    assert!(error(&send(&mut service, run(json!([]))).json).contains("nothing to draw yet"));
+    assert!(error(&send(&mut service, json!({"ask": "demo", "name": "teapot"})).json).contains("no demo is called `teapot`"));
+    send(&mut service, json!({"ask": "demo", "name": "cut-plane@1"}));
+    assert!(error(&send(&mut service, run(json!([["replacement.lanes", "0"]]))).json).contains("expected 1..=65536"));
+    assert!(error(&send(&mut service, run(json!([["lanes", "1"]]))).json).contains("unknown parameter"));
     let lathe = json!({"ask": "run", "machine": "lathe", "set": [], "view": {}});
-    assert!(error(&ask(&mut desk, lathe).json).contains("no machine is called `lathe`"));
-    assert!(error(&ask(&mut desk, json!({"ask": "dance"})).json).contains("no question"));
+    assert!(error(&send(&mut service, lathe).json).contains("no machine is called `lathe`"));
+    assert!(error(&send(&mut service, json!({"ask": "dance"})).json).contains("no question"));
     let files = json!([{"name": "a.glb", "at": [0, 9]}]);
-    assert!(error(&ask_with(&mut desk, json!({"ask": "files", "name": "a.glb", "files": files}), b"short")).contains("a.glb"));
+    assert!(error(&ask_with(&mut service, json!({"ask": "files", "name": "a.glb", "files": files}), b"short")).contains("a.glb"));
     let broken = json!([{"name": "a.glb", "at": [0, 5]}]);
     assert!(
-        error(&ask_with(&mut desk, json!({"ask": "files", "name": "a.glb", "files": broken}), b"short")).starts_with("a.glb: ")
+        error(&ask_with(&mut service, json!({"ask": "files", "name": "a.glb", "files": broken}), b"short"))
+            .starts_with("a.glb: ")
     );
-    assert_eq!(desk.answer(b"no"), desk.answer(b"\xff\xff\xff\xff"));
+    assert_eq!(service.answer(b"no"), service.answer(b"\xff\xff\xff\xff"));
     // The previous input is still drawn.
-    assert!(reported(&ask(&mut desk, run(json!([]))))["cycles"]["total"].is_u64());
+    assert!(reported(&send(&mut service, run(json!([]))))["cycles"]["total"].is_u64());
 }

@@ -1,7 +1,7 @@
 //! Tests of requests over the connection, and of requests avoided by its cache.
 
 use super::*;
-use crate::outside::Got;
+use crate::host_page::PageResponse;
 use basrelief_deferred_renderer::TextureMemory;
 use basrelief_signals::{Image, Sampler};
 use basrelief_tile_server::protocol::{etag_of, hash_of_list, hash_of_picture, hash_of_received, hex, join};
@@ -13,7 +13,7 @@ fn texture() -> Arc<Texture> {
 }
 
 /// The same texture as a client sees it: without texels, but with the hash of its picture.
-fn elsewhere() -> Arc<Texture> {
+fn texture_without_texels() -> Arc<Texture> {
     let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
     Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
 }
@@ -41,11 +41,11 @@ fn page() -> Arc<TexturePage> {
 #[derive(Debug)]
 struct Server {
     asked: RefCell<Vec<String>>,
-    spoil: fn(usize, &mut Got),
+    spoil: fn(usize, &mut PageResponse),
 }
 
 impl Server {
-    fn new(spoil: fn(usize, &mut Got)) -> Rc<Self> {
+    fn new(spoil: fn(usize, &mut PageResponse)) -> Rc<Self> {
         Rc::new(Self { asked: RefCell::default(), spoil })
     }
 
@@ -54,12 +54,12 @@ impl Server {
     }
 }
 
-impl Outside for Server {
-    fn get(&self, address: &str, _: bool) -> Result<Got, String> {
+impl HostPage for Server {
+    fn get(&self, address: &str, _: bool) -> Result<PageResponse, String> {
         // Lists of hashes are answered without faults, and not counted.
         if address.starts_with("hashes/") {
             let body = hash_list();
-            return Ok(Got { status: 200, tag: etag_of(&body), body });
+            return Ok(PageResponse { status: 200, tag: etag_of(&body), body });
         }
         self.asked.borrow_mut().push(address.into());
         let numbers = address.strip_prefix(&format!("tile/{}/64x64/raw/", hex(&hash_of_picture(&texture()))));
@@ -70,7 +70,7 @@ impl Outside for Server {
         let mut several = vec![];
         tiles.iter().for_each(|tile| join(tile, &mut several));
         let body = if let [one] = &tiles[..] { one.to_vec() } else { several };
-        let mut got = Got { status: 200, tag: etag_of(&body), body };
+        let mut got = PageResponse { status: 200, tag: etag_of(&body), body };
         (self.spoil)(self.requests(), &mut got);
         Ok(got)
     }
@@ -78,18 +78,18 @@ impl Outside for Server {
     fn show(&self, _: Vec<u8>) {}
 }
 
-fn path(server: &Rc<Server>, budget: &MemoryPool) -> Rc<Path> {
-    Rc::new(Path::new(Rc::<Server>::clone(server), "http://a/", budget))
+fn path(server: &Rc<Server>, budget: &MemoryPool) -> Rc<ServerConnection> {
+    Rc::new(ServerConnection::new(Rc::<Server>::clone(server), "http://a/", budget))
 }
 
 /// Announces tiles and takes them in order.
-fn take(path: &Rc<Path>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
+fn take(path: &Rc<ServerConnection>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
     take_with(path, hashes(&hash_list()), tiles)
 }
 
-fn take_with(path: &Rc<Path>, hashes: Rc<GroupHashes>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
+fn take_with(path: &Rc<ServerConnection>, hashes: Rc<GroupHashes>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
     let mut source = PathTiles::new(Rc::clone(path), hashes, (TileEncoding::Raw, 100));
-    source.offer(&elsewhere());
+    source.offer(&texture_without_texels());
     source.announce(&tiles.iter().map(|tile| (page(), *tile)).collect::<Vec<_>>());
     tiles.iter().map(|tile| source.tile(&page(), *tile)).collect()
 }
@@ -114,7 +114,7 @@ fn page_batches_missing_tiles() {
     assert_eq!(take(&path, &[5, 2]).unwrap(), expected(&[5, 2]));
     let bytes: usize = expected(&[0, 1, 2, 3, 5]).iter().map(|tile| tile.len()).sum();
     // Two requests of tiles, and one of their hashes.
-    assert_eq!(path.come(), Come { requests: 3, scene_bytes: 0, tiles: 5, tile_bytes: bytes as u64 });
+    assert_eq!(path.totals(), TransferTotals { requests: 3, scene_bytes: 0, tiles: 5, tile_bytes: bytes as u64 });
 }
 
 // Claim: as page_batches_missing_tiles.
@@ -131,7 +131,7 @@ fn full_memory_refetches_tiles() {
 // Claim: as page_batches_missing_tiles.
 #[test]
 fn wrong_response_is_retried_and_not_cached() {
-    let spoils: [fn(usize, &mut Got); 6] = [
+    let spoils: [fn(usize, &mut PageResponse); 6] = [
         |_, got| got.status = 500,
         |_, got| got.tag.clear(),
         |_, got| got.body[9] ^= 1,

@@ -1,6 +1,6 @@
 //! Connection to the server of the page. Received data is cached as long as the page is open.
 
-use crate::outside::Outside;
+use crate::host_page::HostPage;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding, TileSource};
 use basrelief_input::{MemoryPool, MemoryReservation};
@@ -21,7 +21,7 @@ const ENTRY: u64 = 128;
 
 /// Totals received so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Come {
+pub(crate) struct TransferTotals {
     pub(crate) requests: u64,
     pub(crate) scene_bytes: u64,
     pub(crate) tiles: u64,
@@ -30,21 +30,21 @@ pub(crate) struct Come {
 
 /// Connection with its cache and its totals.
 #[derive(Debug)]
-pub(crate) struct Path {
-    outside: Rc<dyn Outside>,
+pub(crate) struct ServerConnection {
+    page: Rc<dyn HostPage>,
     /// Address of the server, for messages.
     server: String,
-    come: Cell<Come>,
+    come: Cell<TransferTotals>,
     /// Received data except the scene, by address.
     kept: RefCell<BTreeMap<String, Arc<[u8]>>>,
     /// Memory reservation for `kept`.
     held: RefCell<MemoryReservation>,
 }
 
-impl Path {
-    pub(crate) fn new(outside: Rc<dyn Outside>, server: &str, budget: &MemoryPool) -> Self {
+impl ServerConnection {
+    pub(crate) fn new(page: Rc<dyn HostPage>, server: &str, budget: &MemoryPool) -> Self {
         let held = RefCell::new(budget.empty_reservation());
-        Self { outside, server: server.into(), come: Cell::default(), kept: RefCell::default(), held }
+        Self { page, server: server.into(), come: Cell::default(), kept: RefCell::default(), held }
     }
 
     /// Returns the address of the server, for messages.
@@ -52,11 +52,11 @@ impl Path {
         &self.server
     }
 
-    pub(crate) fn come(&self) -> Come {
+    pub(crate) fn totals(&self) -> TransferTotals {
         self.come.get()
     }
 
-    fn count(&self, change: impl FnOnce(&mut Come)) {
+    fn count(&self, change: impl FnOnce(&mut TransferTotals)) {
         let mut come = self.come.get();
         change(&mut come);
         self.come.set(come);
@@ -83,7 +83,7 @@ impl Path {
     ) -> Result<T, String> {
         let once = |attempt| -> Result<T, String> {
             self.count(|come| come.requests += 1);
-            let got = self.outside.get(address, attempt > 1)?;
+            let got = self.page.get(address, attempt > 1)?;
             check_status(got.status)?;
             check_hash(&got.body, hash_from_etag(&got.tag)?)?;
             made(got.body)
@@ -97,17 +97,17 @@ impl Path {
 
     /// Fetches a number once and caches it.
     fn number(&self, address: &str) -> Result<u64, String> {
-        if let Some(number) = self.kept(address).and_then(|body| number(&body).ok()) {
+        if let Some(number) = self.cached(address).and_then(|body| number(&body).ok()) {
             return Ok(number);
         }
         let (number, body) = self.get(address, |body| Ok((number(&body)?, Arc::from(body))))?;
-        self.keep(address.into(), &body);
+        self.cache(address.into(), &body);
         Ok(number)
     }
 
     /// Fetches a list of hashes of tiles once and caches it.
     fn hash_list(&self, address: &str, check: impl Fn(&[u8]) -> Result<(), String>) -> Result<Arc<[u8]>, String> {
-        if let Some(list) = self.kept(address) {
+        if let Some(list) = self.cached(address) {
             return Ok(list);
         }
         let checked = |body: Vec<u8>| match body.len() as u64 {
@@ -115,17 +115,17 @@ impl Path {
             _ => Err(format!("too long: more than {MAX_LIST_BYTES} bytes")),
         };
         let list = Arc::from(self.get(address, checked)?);
-        self.keep(address.into(), &list);
+        self.cache(address.into(), &list);
         Ok(list)
     }
 
     /// Returns cached data.
-    fn kept(&self, address: &str) -> Option<Arc<[u8]>> {
+    fn cached(&self, address: &str) -> Option<Arc<[u8]>> {
         self.kept.borrow().get(address).cloned()
     }
 
     /// Caches data if memory is left.
-    fn keep(&self, address: String, body: &Arc<[u8]>) {
+    fn cache(&self, address: String, body: &Arc<[u8]>) {
         let bytes = (address.len() + body.len()) as u64 + ENTRY;
         if self.held.borrow_mut().try_grow(bytes, "what has come").is_ok() {
             self.kept.borrow_mut().insert(address, Arc::clone(body));
@@ -141,7 +141,7 @@ fn number(body: &[u8]) -> Result<u64, String> {
 /// Tile source for one run. Missing tiles are fetched, several of a texture per request.
 #[derive(Debug)]
 pub(crate) struct PathTiles {
-    path: Rc<Path>,
+    path: Rc<ServerConnection>,
     /// Hashes of the tiles, as the scene states them.
     hashes: Rc<GroupHashes>,
     offered: TileCatalog,
@@ -152,7 +152,7 @@ pub(crate) struct PathTiles {
 }
 
 impl PathTiles {
-    pub(crate) fn new(path: Rc<Path>, hashes: Rc<GroupHashes>, encoding: (TileEncoding, u8)) -> Self {
+    pub(crate) fn new(path: Rc<ServerConnection>, hashes: Rc<GroupHashes>, encoding: (TileEncoding, u8)) -> Self {
         Self { path, hashes, offered: TileCatalog::new(encoding), announced: VecDeque::new(), ahead: Vec::new() }
     }
 
@@ -161,11 +161,11 @@ impl PathTiles {
     }
 
     fn is_there(&self, address: &str) -> bool {
-        self.ahead.iter().any(|(of, _)| of == address) || self.path.kept(address).is_some()
+        self.ahead.iter().any(|(of, _)| of == address) || self.path.cached(address).is_some()
     }
 
     /// Returns this tile and the next missing tiles of its texture.
-    fn together(&self, page: &TexturePage, tile: u32) -> Vec<u32> {
+    fn next_missing(&self, page: &TexturePage, tile: u32) -> Vec<u32> {
         let next =
             self.announced.iter().filter(|(texture, next)| *texture == page.texture && *next != tile).map(|(_, next)| *next);
         let missing = next.filter(|next| !self.is_there(&self.address(page, &[*next])));
@@ -181,7 +181,7 @@ impl PathTiles {
 
     /// Fetches a tile together with the next missing tiles of its texture.
     fn fetch(&mut self, page: &TexturePage, tile: u32) -> Result<(), String> {
-        let wanted = self.together(page, tile);
+        let wanted = self.next_missing(page, tile);
         let encoding = self.offered.encoding.0;
         let picture = self.offered.picture(page.texture);
         let checked = |body: Vec<u8>| -> Result<Vec<Arc<[u8]>>, String> {
@@ -202,7 +202,7 @@ impl PathTiles {
                 come.tile_bytes += tile.len() as u64;
             });
             let address = self.address(page, &[*number]);
-            self.path.keep(address.clone(), &tile);
+            self.path.cache(address.clone(), &tile);
             self.ahead.push((address, tile));
         }
         Ok(())
@@ -227,7 +227,7 @@ impl TileSource for PathTiles {
             self.announced.remove(at);
         }
         let ahead = self.ahead.iter().position(|(of, _)| *of == address);
-        let come = ahead.map(|at| self.ahead.swap_remove(at).1).or_else(|| self.path.kept(&address));
+        let come = ahead.map(|at| self.ahead.swap_remove(at).1).or_else(|| self.path.cached(&address));
         come.ok_or_else(|| format!("{}: has not come", place_of(page, tile)))
     }
 

@@ -1,8 +1,8 @@
 //! Content of an answer.
 
-use crate::outside::Outside;
-use crate::parcel::Parcel;
-use crate::path::Path;
+use crate::connection::ServerConnection;
+use crate::host_page::HostPage;
+use crate::message::Message;
 use basrelief_reference::{RgbPicture, metrics};
 use basrelief_report::Report;
 use basrelief_report::html::sections;
@@ -49,40 +49,40 @@ fn machine(machine: &MachineInfo) -> Value {
 
 /// Pictures of a run: those of the last frame, and the last picture of each auxiliary output.
 #[derive(Default)]
-pub(crate) struct Shown {
+pub(crate) struct RenderResult {
     machine: Option<RgbPicture>,
     exact: Option<RgbPicture>,
     exhibits: Vec<(AuxOutputInfo, RgbPicture)>,
     /// Receiver of intermediate pictures.
-    rounds: Option<Rounds>,
+    rounds: Option<RoundViewer>,
 }
 
 /// Shows intermediate pictures, but only after a request to the server. Without a request the final picture follows at once, and
 /// an intermediate picture would flicker.
-pub(crate) struct Rounds {
-    path: Rc<Path>,
-    outside: Rc<dyn Outside>,
+pub(crate) struct RoundViewer {
+    path: Rc<ServerConnection>,
+    page: Rc<dyn HostPage>,
     /// Requests before the run.
     before: u64,
 }
 
-impl Rounds {
-    pub(crate) fn new(path: Rc<Path>, outside: Rc<dyn Outside>) -> Self {
-        let before = path.come().requests;
-        Self { path, outside, before }
+impl RoundViewer {
+    pub(crate) fn new(path: Rc<ServerConnection>, page: Rc<dyn HostPage>) -> Self {
+        let before = path.totals().requests;
+        Self { path, page, before }
     }
 
     fn show(&self, picture: &RgbPicture) {
-        if self.path.come().requests > self.before {
-            let mut parcel = Parcel::default();
-            let at = parcel.pack(&picture.to_rgba());
-            parcel.json = json!({ "at": at, "width": picture.width, "height": picture.height });
-            self.outside.show(parcel.into_bytes());
+        if self.path.totals().requests > self.before {
+            let mut message = Message::default();
+            let at = message.append(&picture.to_rgba());
+            message.json = json!({ "at": at, "width": picture.width, "height": picture.height });
+            self.page.show(message.into_bytes());
         }
     }
 }
 
-impl Observer for Shown {
+impl Observer for RenderResult {
     fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         self.machine = Some(pictures.machine.clone());
         self.exact = pictures.exact.map(|(exact, _)| exact.clone());
@@ -101,14 +101,14 @@ impl Observer for Shown {
     }
 }
 
-impl Shown {
+impl RenderResult {
     /// Makes an empty collection. `rounds` receives intermediate pictures.
-    pub(crate) fn with(rounds: Option<Rounds>) -> Self {
+    pub(crate) fn with_rounds(rounds: Option<RoundViewer>) -> Self {
         Self { rounds, ..Self::default() }
     }
 
     /// Returns true if the page shows this auxiliary output as a picture of its own.
-    pub(crate) fn takes(info: &AuxOutputInfo) -> bool {
+    pub(crate) fn is_shown(info: &AuxOutputInfo) -> bool {
         !matches!(info.form, AuxForm::Lines | AuxForm::PicturePerRound)
     }
 
@@ -118,34 +118,34 @@ impl Shown {
         report: &Report,
         command: &str,
         strips: Option<(UtilizationTimeline, Vec<String>)>,
-    ) -> Result<Parcel, String> {
-        let mut parcel = Parcel::default();
-        let pictures = self.pictures(&mut parcel)?;
-        let strips = strips.map(|(strips, names)| packed(&strips, &names, &mut parcel));
+    ) -> Result<Message, String> {
+        let mut message = Message::default();
+        let pictures = self.pictures(&mut message)?;
+        let strips = strips.map(|(strips, names)| pack_timeline(&strips, &names, &mut message));
         let sections: Vec<Value> = sections(report, &page_assets(report)?)
             .into_iter()
             .map(|section| json!({ "id": section.id, "title": section.title, "html": section.html }))
             .collect();
         // Sent as text, because a JSON value loses the order of its keys.
-        let report = parcel.pack(report.to_json().map_err(|e| e.to_string())?.as_bytes());
-        parcel.json = json!({
+        let report = message.append(report.to_json().map_err(|e| e.to_string())?.as_bytes());
+        message.json = json!({
             "report": report, "command": command, "sections": sections, "pictures": pictures, "strips": strips,
         });
-        Ok(parcel)
+        Ok(message)
     }
 
     /// Returns an answer with the auxiliary outputs only.
-    pub(crate) fn exhibits(self) -> Result<Parcel, String> {
-        let mut parcel = Parcel::default();
-        let pictures = Self { machine: None, ..self }.pictures(&mut parcel)?;
-        parcel.json = json!({ "pictures": pictures });
-        Ok(parcel)
+    pub(crate) fn exhibits(self) -> Result<Message, String> {
+        let mut message = Message::default();
+        let pictures = Self { machine: None, ..self }.pictures(&mut message)?;
+        message.json = json!({ "pictures": pictures });
+        Ok(message)
     }
 
-    fn pictures(&self, parcel: &mut Parcel) -> Result<Vec<Value>, String> {
+    fn pictures(&self, message: &mut Message) -> Result<Vec<Value>, String> {
         let mut list = Vec::new();
         let mut add = |name: &str, about: String, picture: &RgbPicture| {
-            let at = parcel.pack(&picture.to_rgba());
+            let at = message.append(&picture.to_rgba());
             list.push(json!({ "name": name, "about": about, "at": at, "width": picture.width, "height": picture.height }));
         };
         if let Some(machine) = &self.machine {
@@ -164,7 +164,7 @@ impl Shown {
 }
 
 /// Packs the time line. Each column of a unit holds the shares of four states, where 255 is the whole column.
-fn packed(strips: &UtilizationTimeline, names: &[String], parcel: &mut Parcel) -> Value {
+fn pack_timeline(strips: &UtilizationTimeline, names: &[String], message: &mut Message) -> Value {
     let width = strips.width();
     let share = |cycles: u64| (cycles.saturating_mul(255) / width) as u8;
     let units: Vec<Value> = strips
@@ -173,7 +173,7 @@ fn packed(strips: &UtilizationTimeline, names: &[String], parcel: &mut Parcel) -
         .zip(names)
         .map(|(columns, name)| {
             let bytes: Vec<u8> = columns.iter().flatten().map(|cycles| share(*cycles)).collect();
-            json!({ "name": name, "at": parcel.pack(&bytes) })
+            json!({ "name": name, "at": message.append(&bytes) })
         })
         .collect();
     json!({ "width": width, "units": units })

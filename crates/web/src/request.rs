@@ -6,7 +6,7 @@ use serde::Deserialize;
 /// A question.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "ask", rename_all = "snake_case", deny_unknown_fields)]
-pub(crate) enum Ask {
+pub(crate) enum Request {
     /// Lists machines and demos.
     Catalogue,
     /// Selects a demo as input.
@@ -17,15 +17,15 @@ pub(crate) enum Ask {
     Files {
         /// Name of the main file.
         name: String,
-        files: Vec<File>,
+        files: Vec<RequestFile>,
     },
     /// Selects the scene of the page's server as input. Messages show the address `server`.
     From {
         server: String,
     },
-    Run(RunAsk),
+    Run(RunRequest),
     /// Repeats a run and returns pictures of its pixel costs.
-    Costs(RunAsk),
+    Costs(RunRequest),
     /// Returns the details of a pixel of the last `Costs` run; null if there was none.
     Pixel {
         x: u32,
@@ -36,7 +36,7 @@ pub(crate) enum Ask {
 /// A file after the JSON of the question.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct File {
+pub(crate) struct RequestFile {
     /// Path relative to the main file, with `/` between folders.
     pub(crate) name: String,
     /// Offset and length.
@@ -46,11 +46,11 @@ pub(crate) struct File {
 /// Parameters of one run of the current input.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct RunAsk {
+pub(crate) struct RunRequest {
     pub(crate) machine: String,
     /// Settings that override the defaults, by key.
     pub(crate) set: Vec<(String, String)>,
-    pub(crate) view: View,
+    pub(crate) view: ViewRequest,
     /// Also draw the exact picture and measure the difference.
     #[serde(default)]
     pub(crate) exact: bool,
@@ -62,7 +62,7 @@ pub(crate) struct RunAsk {
 /// View of a scene, with the options of the command line.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct View {
+pub(crate) struct ViewRequest {
     pub(crate) size: Option<[u32; 2]>,
     pub(crate) turn: Option<[f64; 2]>,
     pub(crate) zoom: Option<f64>,
@@ -71,7 +71,7 @@ pub(crate) struct View {
     pub(crate) orbit: Option<f64>,
 }
 
-impl View {
+impl ViewRequest {
     pub(crate) fn options(&self) -> ViewOptions {
         let default = ViewOptions::default();
         ViewOptions {
