@@ -1,9 +1,9 @@
 //! Comparison of two runs.
 
-use crate::error::{CommandError, CommandResult, Exported, budget, of_recording};
+use crate::error::{CommandError, CommandResult, PythonResult, budget, of_recording};
 use crate::page::{WIDTH, pictures, report_of};
 use crate::pixels;
-use crate::recording::opened;
+use crate::recording::open_recording;
 use basrelief_input::MemoryPool;
 use basrelief_report::html::{self, compared as page_of};
 use basrelief_report::{Comparison, Report, TextStyle, compare as difference};
@@ -14,20 +14,20 @@ use pyo3::{FromPyObject, Python, pyfunction};
 /// One of two compared runs.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Side {
+pub struct ComparedRun {
     name: String,
     report: String,
-    image: Option<pixels::Given>,
+    image: Option<pixels::GivenPixels>,
     recording: Option<PyBackedBytes>,
 }
 
 /// A compared run with its report.
 struct ParsedSide<'a> {
-    side: &'a Side,
+    side: &'a ComparedRun,
     report: Report,
 }
 
-impl Side {
+impl ComparedRun {
     fn parsed(&self) -> CommandResult<ParsedSide<'_>> {
         Ok(ParsedSide { side: self, report: report_of(&self.report)? })
     }
@@ -37,13 +37,13 @@ impl ParsedSide<'_> {
     /// Returns `None` for the recording of another build that this build cannot use. Then causes are not measured.
     fn recorded_run(&self) -> CommandResult<Option<RecordedRun>> {
         let Some(recording) = &self.side.recording else { return Ok(None) };
-        match RecordedRun::read(&self.report, &mut opened(recording)?, &budget(MemoryPool::DEFAULT)) {
+        match RecordedRun::read(&self.report, &mut open_recording(recording)?, &budget(MemoryPool::DEFAULT)) {
             Err(RecordingError::OtherBuild { .. }) => Ok(None),
             read => read.map(Some).map_err(of_recording),
         }
     }
 
-    fn shown(&self) -> CommandResult<html::ComparedReport<'_>> {
+    fn html_side(&self) -> CommandResult<html::ComparedReport<'_>> {
         let assets = page_assets(&self.report).map_err(CommandError::bad_input)?;
         let assets = html::PageAssets { pictures: pictures(self.side.image.as_ref(), None)?, ..assets };
         Ok(html::ComparedReport { name: &self.side.name, report: &self.report, assets })
@@ -57,7 +57,7 @@ impl ParsedSide<'_> {
 
 /// Compares `a` with `b`. Returns the JSON and the text of the command line.
 #[pyfunction]
-pub fn compare(py: Python<'_>, a: Side, b: Side) -> Exported<(String, String)> {
+pub fn compare(py: Python<'_>, a: ComparedRun, b: ComparedRun) -> PythonResult<(String, String)> {
     py.detach(|| {
         let comparison = a.parsed()?.compared_with(&b.parsed()?)?;
         let text = comparison.to_text(TextStyle { width: WIDTH, color: false });
@@ -67,10 +67,10 @@ pub fn compare(py: Python<'_>, a: Side, b: Side) -> Exported<(String, String)> {
 
 /// Returns the comparison as an HTML page.
 #[pyfunction]
-pub fn compared(py: Python<'_>, a: Side, b: Side) -> Exported<String> {
+pub fn compared(py: Python<'_>, a: ComparedRun, b: ComparedRun) -> PythonResult<String> {
     py.detach(|| {
         let (a, b) = (a.parsed()?, b.parsed()?);
         let comparison = a.compared_with(&b)?;
-        Ok(page_of(&a.shown()?, &[(b.shown()?, &comparison)]))
+        Ok(page_of(&a.html_side()?, &[(b.html_side()?, &comparison)]))
     })
 }

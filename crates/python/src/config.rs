@@ -1,6 +1,6 @@
 //! A machine with its parameters.
 
-use crate::error::{CommandError, Exported, budget};
+use crate::error::{CommandError, PythonResult, budget};
 use basrelief_input::MemoryPool;
 use basrelief_sim::{MachineConfig, MachineInfo, Overrides, OverridesError};
 use pyo3::{pyclass, pymethods};
@@ -16,7 +16,7 @@ pub struct Config {
 impl Config {
     /// Makes a configuration from the defaults, the TOML text of the file `name`, and single settings, in this order.
     #[new]
-    fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> Exported<Self> {
+    fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> PythonResult<Self> {
         let (file, toml) = file;
         let machine = MachineInfo::named(machine).map_err(CommandError::usage)?;
         let given = Overrides { toml, settings };
@@ -28,7 +28,7 @@ impl Config {
     }
 
     /// Returns all parameters with every fact about them, as `basrelief describe --json` prints them.
-    fn described(&self) -> Exported<String> {
+    fn described(&self) -> PythonResult<String> {
         Ok(serde_json::to_string(&self.config.described()).map_err(CommandError::bad_input)?)
     }
 }

@@ -12,12 +12,12 @@ create_exception!(basrelief, UsageError, Error, "Wrong arguments; exit code 2 of
 create_exception!(basrelief, InputError, Error, "Bad input; exit code 1 of the command line.");
 
 /// Python exception, made from a failure of the simulator or raised by Python itself.
-pub struct Raised(PyErr);
+pub struct PythonError(PyErr);
 
 /// Result of a function that Python calls.
-pub type Exported<T> = Result<T, Raised>;
+pub type PythonResult<T> = Result<T, PythonError>;
 
-impl From<CommandError> for Raised {
+impl From<CommandError> for PythonError {
     fn from(failure: CommandError) -> Self {
         Self(match failure {
             CommandError::Usage(text) => UsageError::new_err(text),
@@ -26,14 +26,14 @@ impl From<CommandError> for Raised {
     }
 }
 
-impl From<PyErr> for Raised {
+impl From<PyErr> for PythonError {
     fn from(error: PyErr) -> Self {
         Self(error)
     }
 }
 
-impl From<Raised> for PyErr {
-    fn from(Raised(error): Raised) -> Self {
+impl From<PythonError> for PyErr {
+    fn from(PythonError(error): PythonError) -> Self {
         error
     }
 }

@@ -1,7 +1,7 @@
 //! Reports as HTML pages, and as fragments for a notebook.
 
-use crate::error::{CommandError, CommandResult, Exported};
-use crate::pixels::Given;
+use crate::error::{CommandError, CommandResult, PythonResult};
+use crate::pixels::GivenPixels;
 use basrelief_report::html::{PageAssets, PagePicture, STYLE, sections};
 use basrelief_report::{Report, TextStyle, to_html, to_text};
 use basrelief_sim::{page_assets, page_pictures};
@@ -18,13 +18,13 @@ pub fn report_of(text: &str) -> CommandResult<Report> {
 }
 
 /// Returns the available pictures of a page.
-pub fn pictures(image: Option<&Given>, reference: Option<&Given>) -> CommandResult<Vec<PagePicture>> {
+pub fn pictures(image: Option<&GivenPixels>, reference: Option<&GivenPixels>) -> CommandResult<Vec<PagePicture>> {
     let Some(image) = image else { return Ok(vec![]) };
-    let reference = reference.map(Given::picture).transpose()?;
+    let reference = reference.map(GivenPixels::picture).transpose()?;
     page_pictures(&image.picture()?, reference.as_ref()).map_err(CommandError::bad_input)
 }
 
-fn with_pictures(report: &Report, given: &(Option<Given>, Option<Given>)) -> CommandResult<PageAssets> {
+fn with_pictures(report: &Report, given: &(Option<GivenPixels>, Option<GivenPixels>)) -> CommandResult<PageAssets> {
     Ok(PageAssets {
         pictures: pictures(given.0.as_ref(), given.1.as_ref())?,
         ..page_assets(report).map_err(CommandError::bad_input)?
@@ -33,20 +33,20 @@ fn with_pictures(report: &Report, given: &(Option<Given>, Option<Given>)) -> Com
 
 /// Reads a report from the text of the file `name`, and removes the figures of the host.
 #[pyfunction]
-pub fn read_report(name: &str, text: &str) -> Exported<String> {
+pub fn read_report(name: &str, text: &str) -> PythonResult<String> {
     let report = Report::from_json(text).map_err(CommandError::in_input(name))?;
     Ok(Report { host: None, ..report }.to_json().map_err(CommandError::bad_input)?)
 }
 
 /// Returns the report as text, as the command line prints it.
 #[pyfunction]
-pub fn text(report: &str) -> Exported<String> {
+pub fn text(report: &str) -> PythonResult<String> {
     Ok(to_text(&report_of(report)?, TextStyle { width: WIDTH, color: false }, &[]))
 }
 
 /// Returns the report as one page with image and reference image, as `--html` writes it.
 #[pyfunction]
-pub fn page(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Exported<String> {
+pub fn page(py: Python<'_>, report: String, pictures: (Option<GivenPixels>, Option<GivenPixels>)) -> PythonResult<String> {
     py.detach(|| {
         let report = report_of(&report)?;
         Ok(to_html(&report, &with_pictures(&report, &pictures)?).map_err(CommandError::bad_input)?)
@@ -55,7 +55,7 @@ pub fn page(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Giv
 
 /// Returns the notebook fragment of a report: bottlenecks, pictures, block diagram, and cycle breakdown.
 #[pyfunction]
-pub fn part(py: Python<'_>, report: String, pictures: (Option<Given>, Option<Given>)) -> Exported<String> {
+pub fn part(py: Python<'_>, report: String, pictures: (Option<GivenPixels>, Option<GivenPixels>)) -> PythonResult<String> {
     py.detach(|| {
         let report = report_of(&report)?;
         let all = sections(&report, &with_pictures(&report, &pictures)?);

@@ -1,6 +1,6 @@
 //! Conversion of pictures from and to Python.
 
-use crate::error::{CommandError, CommandResult, Exported};
+use crate::error::{CommandError, CommandResult, PythonResult};
 use basrelief_reference::{RgbPicture, metrics};
 use basrelief_sim::to_png;
 use pyo3::pybacked::PyBackedBytes;
@@ -19,9 +19,9 @@ impl<'py> Pixels<'py> {
 
 /// A picture from Python.
 #[derive(FromPyObject)]
-pub struct Given(u32, u32, PyBackedBytes);
+pub struct GivenPixels(u32, u32, PyBackedBytes);
 
-impl Given {
+impl GivenPixels {
     /// Decodes bytes from [`RgbPicture::to_rgba`].
     pub fn picture(&self) -> CommandResult<RgbPicture> {
         let Self(width, height, rgba) = self;
@@ -40,14 +40,14 @@ impl Given {
 
 /// Returns the picture as a PNG file.
 #[pyfunction]
-pub fn png<'py>(py: Python<'py>, pixels: Given) -> Exported<Bound<'py, PyBytes>> {
+pub fn png<'py>(py: Python<'py>, pixels: GivenPixels) -> PythonResult<Bound<'py, PyBytes>> {
     let png = py.detach(|| to_png(&pixels.picture()?).map_err(CommandError::bad_input))?;
     Ok(PyBytes::new(py, &png))
 }
 
 /// Returns the difference image of a picture and the exact one.
 #[pyfunction]
-pub fn difference<'py>(py: Python<'py>, exact: Given, machine: Given) -> Exported<Pixels<'py>> {
+pub fn difference<'py>(py: Python<'py>, exact: GivenPixels, machine: GivenPixels) -> PythonResult<Pixels<'py>> {
     let difference =
         py.detach(|| metrics::difference(&exact.picture()?, &machine.picture()?).map_err(CommandError::bad_input))?;
     Ok(Pixels::of(py, &difference))

@@ -1,8 +1,8 @@
 //! Resimulation of recordings.
 
-use crate::error::{CommandError, CommandResult, Exported, budget, not_a_recording, of_recording};
-use crate::run::{Ran, recording_policy, when};
-use crate::watch::Watch;
+use crate::error::{CommandError, CommandResult, PythonResult, budget, not_a_recording, of_recording};
+use crate::run::{RunOutput, analysis_policy, recording_policy};
+use crate::watch::RunWatcher;
 use basrelief_input::MemoryPool;
 use basrelief_sim::{AnalysisPolicy, ResimulateOptions, resimulate_to};
 use pyo3::pybacked::PyBackedBytes;
@@ -10,10 +10,10 @@ use pyo3::{Python, pyfunction};
 use std::io::Read;
 
 /// An open recording.
-pub type Opened<'a> = zstd::Decoder<'static, std::io::BufReader<&'a [u8]>>;
+pub type OpenRecording<'a> = zstd::Decoder<'static, std::io::BufReader<&'a [u8]>>;
 
 /// Opens a recording.
-pub fn opened(recording: &[u8]) -> CommandResult<Opened<'_>> {
+pub fn open_recording(recording: &[u8]) -> CommandResult<OpenRecording<'_>> {
     zstd::Decoder::new(recording).map_err(|_| not_a_recording())
 }
 
@@ -26,18 +26,22 @@ pub fn resimulate(
     settings: Vec<(String, String)>,
     keep: (Option<bool>, bool),
     memory_limit: Option<u64>,
-) -> Exported<Ran<'_>> {
+) -> PythonResult<RunOutput<'_>> {
     let (limits, keep) = keep;
-    let limits = when(limits);
+    let limits = analysis_policy(limits);
     let kept = if keep { AnalysisPolicy::Always } else { recording_policy(limits) };
     let options =
         ResimulateOptions { settings, bottlenecks: limits, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
-    let (report, watch) = py.detach(|| watched(&mut opened(&recording)?, &options, kept))?;
-    Ran::new(py, (report, watch), true)
+    let (report, watch) = py.detach(|| resimulate_watched(&mut open_recording(&recording)?, &options, kept))?;
+    RunOutput::new(py, (report, watch), true)
 }
 
-fn watched(reader: &mut dyn Read, options: &ResimulateOptions, kept: AnalysisPolicy) -> Exported<(String, Watch)> {
-    let mut watch = Watch::new(kept, &options.budget).map_err(CommandError::bad_input)?;
+fn resimulate_watched(
+    reader: &mut dyn Read,
+    options: &ResimulateOptions,
+    kept: AnalysisPolicy,
+) -> PythonResult<(String, RunWatcher)> {
+    let mut watch = RunWatcher::new(kept, &options.budget).map_err(CommandError::bad_input)?;
     let report = resimulate_to(reader, options, &mut watch);
     if let Some(stopped) = watch.stopped() {
         return Err(stopped.into());

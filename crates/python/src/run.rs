@@ -1,10 +1,10 @@
 //! Runs.
 
 use crate::config::Config;
-use crate::error::{CommandError, CommandResult, Exported, budget};
+use crate::error::{CommandError, CommandResult, PythonResult, budget};
 use crate::pixels::Pixels;
-use crate::scene::{Drawn, Source};
-use crate::watch::Watch;
+use crate::scene::{RunSource, RunSubject};
+use crate::watch::RunWatcher;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::Engine;
 use basrelief_sim::{AnalysisPolicy, RunOptions, run as sim_run};
@@ -14,7 +14,7 @@ use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};
 /// The options of a run, as on the command line.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Options {
+pub struct RunArguments {
     /// `timed`, `ticked`, or `functional` (without timing).
     engine: String,
     max_cycles: Option<u64>,
@@ -27,7 +27,7 @@ pub struct Options {
     memory_limit: Option<u64>,
 }
 
-impl Options {
+impl RunArguments {
     fn run_options(&self, config: &Config) -> CommandResult<RunOptions> {
         let engine = match self.engine.as_str() {
             "timed" => Some(Engine::Timed),
@@ -35,7 +35,7 @@ impl Options {
             "functional" => None,
             other => return Err(CommandError::usage(format_args!("engine: `{other}`; expected timed, ticked or functional"))),
         };
-        let limits = when(self.bottlenecks);
+        let limits = analysis_policy(self.bottlenecks);
         if engine.is_none() && (self.costs || self.recording || self.max_cycles.is_some()) {
             return Err(CommandError::usage("engine: functional mode has no timing; remove costs, recording and max_cycles"));
         }
@@ -58,7 +58,7 @@ impl Options {
 }
 
 /// Returns the policy of the bottleneck analysis.
-pub fn when(limits: Option<bool>) -> AnalysisPolicy {
+pub fn analysis_policy(limits: Option<bool>) -> AnalysisPolicy {
     match limits {
         None => AnalysisPolicy::IfShort,
         Some(true) => AnalysisPolicy::Always,
@@ -73,7 +73,7 @@ pub fn recording_policy(limits: AnalysisPolicy) -> AnalysisPolicy {
 
 /// Result of a run.
 #[derive(IntoPyObject)]
-pub struct Ran<'py> {
+pub struct RunOutput<'py> {
     /// JSON.
     report: String,
     /// Image and reference image of the last frame.
@@ -83,8 +83,8 @@ pub struct Ran<'py> {
     recording: Option<Bound<'py, PyBytes>>,
 }
 
-impl<'py> Ran<'py> {
-    pub fn new(py: Python<'py>, (report, mut watch): (String, Watch), has_recording: bool) -> Exported<Self> {
+impl<'py> RunOutput<'py> {
+    pub fn new(py: Python<'py>, (report, mut watch): (String, RunWatcher), has_recording: bool) -> PythonResult<Self> {
         let (image, reference) = watch.last.take().map_or((None, None), |(image, reference)| (Some(image), reference));
         let recording = watch.into_recording().map_err(CommandError::bad_input)?.filter(|_| has_recording);
         Ok(Self {
@@ -98,17 +98,22 @@ impl<'py> Ran<'py> {
 
 /// Runs a machine.
 #[pyfunction]
-pub fn run<'py>(py: Python<'py>, config: &Bound<'py, Config>, drawn: Drawn<'py>, options: Options) -> Exported<Ran<'py>> {
+pub fn run<'py>(
+    py: Python<'py>,
+    config: &Bound<'py, Config>,
+    drawn: RunSubject<'py>,
+    options: RunArguments,
+) -> PythonResult<RunOutput<'py>> {
     let (source, settings) = (drawn.source(), options.run_options(config.get())?);
-    let (report, watch, has_recording) = py.detach(|| watched(source, &settings))?;
-    Ran::new(py, (report, watch), has_recording)
+    let (report, watch, has_recording) = py.detach(|| run_watched(source, &settings))?;
+    RunOutput::new(py, (report, watch), has_recording)
 }
 
 /// Returns the report, its observer, and whether the recording can be resimulated.
-fn watched(source: Source, settings: &RunOptions) -> Exported<(String, Watch, bool)> {
+fn run_watched(source: RunSource, settings: &RunOptions) -> PythonResult<(String, RunWatcher, bool)> {
     let input = source.into_input()?;
     let name = input.name().to_owned();
-    let mut watch = Watch::new(settings.recording, &settings.budget).map_err(CommandError::bad_input)?;
+    let mut watch = RunWatcher::new(settings.recording, &settings.budget).map_err(CommandError::bad_input)?;
     let ran = sim_run(input, settings, &mut watch, None);
     if let Some(stopped) = watch.stopped() {
         return Err(stopped.into());

@@ -1,6 +1,6 @@
 //! Inputs of a run: scenes with a choice of view, and display lists with a fixed view.
 
-use crate::error::{CommandError, CommandResult, Exported, budget};
+use crate::error::{CommandError, CommandResult, PythonResult, budget};
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_parameters::nearest;
 use basrelief_scene::{FolderFiles, MemoryFiles, ModelFiles, SceneError, ViewOptions, demo, load_within, read_camera, text};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// View of a scene, with the options of the command line.
 #[derive(Clone, Default, PartialEq, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
-pub struct View {
+pub struct ViewArguments {
     size: Option<(i64, i64)>,
     /// Name and text of a camera file.
     camera: Option<(String, String)>,
@@ -34,7 +34,7 @@ pub struct View {
 /// Options of a view, as the command line defines them.
 const OPTIONS: [&str; 8] = ["size", "camera", "turn", "zoom", "frames", "orbit", "light", "light_orbit"];
 
-impl View {
+impl ViewArguments {
     /// Reads the view of a plan. `camera` opens the camera file of the given name.
     pub fn of_plan(
         options: &[(String, String)],
@@ -98,7 +98,7 @@ impl View {
 }
 
 /// Source of a scene: enough to rebuild it, also on another computer.
-enum Made {
+enum SceneOrigin {
     Demo,
     /// The bytes of the model and of the files that it refers to.
     Model(Vec<u8>, BTreeMap<String, Vec<u8>>),
@@ -109,8 +109,8 @@ enum Made {
 pub struct Scene {
     /// Name of the demo, or the file name as given by the user.
     name: String,
-    made: Made,
-    view: View,
+    made: SceneOrigin,
+    view: ViewArguments,
     memory_limit: Option<u64>,
     prepared: PreparedScene,
     _held: MemoryReservation,
@@ -120,22 +120,28 @@ pub struct Scene {
 impl Scene {
     /// Makes a demo scene.
     #[staticmethod]
-    fn demo(py: Python<'_>, name: String, view: View, memory_limit: Option<u64>) -> Exported<Self> {
+    fn demo(py: Python<'_>, name: String, view: ViewArguments, memory_limit: Option<u64>) -> PythonResult<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(MemoryPool::DEFAULT));
             let scene = demo(&name, &view.options(&budget)?).map_err(CommandError::usage)?;
             let prepared = PreparedScene::cached(Arc::new(scene), &budget);
-            Ok(Self { name, made: Made::Demo, view, memory_limit, prepared, _held: budget.empty_reservation() })
+            Ok(Self { name, made: SceneOrigin::Demo, view, memory_limit, prepared, _held: budget.empty_reservation() })
         })
     }
 
     /// Opens a model: a .glb, .gltf or .obj file.
     #[staticmethod]
-    fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>, allow_outside: bool) -> Exported<Self> {
+    fn open(
+        py: Python<'_>,
+        path: PathBuf,
+        view: ViewArguments,
+        memory_limit: Option<u64>,
+        allow_outside: bool,
+    ) -> PythonResult<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(MemoryPool::DEFAULT));
             let name = path.display().to_string();
-            let folder = Folder::of(&path, allow_outside, &budget);
+            let folder = ModelFolder::of(&path, allow_outside, &budget);
             let (bytes, held) = folder.main(&path, &budget).map_err(cannot_be_read(&name))?;
             if looks_like_trace(&bytes) || TraceForm::for_file_name(&name).is_some() {
                 return Err(CommandError::usage(format_args!(
@@ -145,7 +151,7 @@ impl Scene {
             }
             let mut scene = Self::loaded(name, bytes, &folder, view, memory_limit, &budget)?;
             let (files, of_files) = folder.into_read();
-            if let Made::Model(_, read) = &mut scene.made {
+            if let SceneOrigin::Model(_, read) = &mut scene.made {
                 *read = files;
             }
             scene._held.join(held);
@@ -160,30 +166,30 @@ impl Scene {
         py: Python<'_>,
         main: (String, PyBackedBytes),
         files: BTreeMap<String, PyBackedBytes>,
-        view: View,
+        view: ViewArguments,
         memory_limit: Option<u64>,
-    ) -> Exported<Self> {
+    ) -> PythonResult<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(MemoryPool::DEFAULT));
             let (name, main) = main;
             let files: BTreeMap<String, Vec<u8>> = files.into_iter().map(|(name, bytes)| (name, bytes.to_vec())).collect();
             let memory = files.iter().fold(MemoryFiles::default(), |memory, (name, bytes)| memory.with(name, bytes.as_slice()));
             let mut scene = Self::loaded(name, main.to_vec(), &memory, view, memory_limit, &budget)?;
-            scene.made = Made::Model(main.to_vec(), files);
+            scene.made = SceneOrigin::Model(main.to_vec(), files);
             Ok(scene)
         })
     }
 
     /// Pickles a model as the bytes of its files and its view, and a demo as its name and view.
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<RebuildCall<'py>> {
         let of = py.get_type::<Self>();
         let view = self.view.clone();
         Ok(match &self.made {
-            Made::Demo => Reduced::Demo(of.getattr("demo")?, (self.name.clone(), view, self.memory_limit)),
-            Made::Model(main, files) => {
+            SceneOrigin::Demo => RebuildCall::Demo(of.getattr("demo")?, (self.name.clone(), view, self.memory_limit)),
+            SceneOrigin::Model(main, files) => {
                 let bytes = |bytes: &Vec<u8>| PyBytes::new(py, bytes).unbind();
                 let files = files.iter().map(|(name, of)| (name.clone(), bytes(of))).collect();
-                Reduced::Model(of.getattr("of_files")?, ((self.name.clone(), bytes(main)), files, view, self.memory_limit))
+                RebuildCall::Model(of.getattr("of_files")?, ((self.name.clone(), bytes(main)), files, view, self.memory_limit))
             }
         })
     }
@@ -230,7 +236,7 @@ impl Scene {
         name: String,
         main: Vec<u8>,
         files: &dyn ModelFiles,
-        view: View,
+        view: ViewArguments,
         memory_limit: Option<u64>,
         budget: &MemoryPool,
     ) -> CommandResult<Self> {
@@ -238,27 +244,27 @@ impl Scene {
         let failed = |e: SceneError| if e.file == name { CommandError::bad_input(e) } else { CommandError::in_input(&name)(e) };
         let (scene, held) = load_within(&main, &name, files, &view.options(budget)?, budget).map_err(failed)?;
         let prepared = PreparedScene::cached(Arc::new(scene), budget);
-        Ok(Self { name, made: Made::Model(main, BTreeMap::new()), view, memory_limit, prepared, _held: held })
+        Ok(Self { name, made: SceneOrigin::Model(main, BTreeMap::new()), view, memory_limit, prepared, _held: held })
     }
 }
 
 /// Arguments of [`Scene::of_files`].
-type OfFiles = ((String, Py<PyBytes>), BTreeMap<String, Py<PyBytes>>, View, Option<u64>);
+type OfFiles = ((String, Py<PyBytes>), BTreeMap<String, Py<PyBytes>>, ViewArguments, Option<u64>);
 
 /// Constructor and arguments that rebuild a scene.
 #[derive(IntoPyObject)]
-pub enum Reduced<'py> {
-    Demo(Bound<'py, PyAny>, (String, View, Option<u64>)),
+pub enum RebuildCall<'py> {
+    Demo(Bound<'py, PyAny>, (String, ViewArguments, Option<u64>)),
     Model(Bound<'py, PyAny>, OfFiles),
 }
 
 /// The folder of a model. Keeps the files read from it, to rebuild the scene elsewhere.
-struct Folder {
+struct ModelFolder {
     folder: FolderFiles,
     read: RefCell<(BTreeMap<String, Vec<u8>>, MemoryReservation)>,
 }
 
-impl Folder {
+impl ModelFolder {
     fn of(path: &Path, allow_outside: bool, budget: &MemoryPool) -> Self {
         let folder = path.parent().unwrap_or(Path::new(""));
         let folder = FolderFiles::new(folder).allow_outside(allow_outside);
@@ -276,7 +282,7 @@ impl Folder {
     }
 }
 
-impl ModelFiles for Folder {
+impl ModelFiles for ModelFolder {
     fn read(&self, relative: &str, budget: &MemoryPool) -> io::Result<(Vec<u8>, MemoryReservation)> {
         let (bytes, held) = self.folder.read(relative, budget)?;
         let (files, kept) = &mut *self.read.borrow_mut();
@@ -298,7 +304,7 @@ pub struct DisplayList {
 #[pymethods]
 impl DisplayList {
     #[new]
-    fn new(path: PathBuf) -> Exported<Self> {
+    fn new(path: PathBuf) -> PythonResult<Self> {
         let name = path.display().to_string();
         let path = std::path::absolute(&path).map_err(cannot_be_read(&name))?;
         let list = Self { name, path };
@@ -355,7 +361,7 @@ fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> CommandError {
 
 /// Reads a text file, such as a configuration or a camera.
 #[pyfunction]
-pub fn read_text(py: Python<'_>, path: PathBuf) -> Exported<String> {
+pub fn read_text(py: Python<'_>, path: PathBuf) -> PythonResult<String> {
     Ok(py.detach(|| text_of(&path, &budget(MemoryPool::DEFAULT)))?)
 }
 
@@ -367,7 +373,7 @@ pub fn text_of(path: &Path, budget: &MemoryPool) -> CommandResult<String> {
 
 /// Input of a run.
 #[derive(FromPyObject)]
-pub enum Drawn<'py> {
+pub enum RunSubject<'py> {
     #[pyo3(transparent)]
     Scene(PyRef<'py, Scene>),
     #[pyo3(transparent)]
@@ -375,21 +381,21 @@ pub enum Drawn<'py> {
 }
 
 /// Input of a run, usable without the interpreter lock.
-pub enum Source {
+pub enum RunSource {
     Scene(PreparedScene),
     DisplayList(DisplayList),
 }
 
-impl Drawn<'_> {
-    pub fn source(&self) -> Source {
+impl RunSubject<'_> {
+    pub fn source(&self) -> RunSource {
         match self {
-            Self::Scene(scene) => Source::Scene(scene.prepared.clone()),
-            Self::DisplayList(list) => Source::DisplayList((*list).clone()),
+            Self::Scene(scene) => RunSource::Scene(scene.prepared.clone()),
+            Self::DisplayList(list) => RunSource::DisplayList((*list).clone()),
         }
     }
 }
 
-impl Source {
+impl RunSource {
     pub fn into_input(self) -> CommandResult<RunInput> {
         match self {
             Self::Scene(prepared) => Ok(RunInput::Scene(prepared)),

@@ -1,7 +1,7 @@
 //! Sweeps: the points of a plan.
 
-use crate::error::{CommandError, CommandResult, Exported, budget};
-use crate::scene::{DisplayList, Source, View, text_of};
+use crate::error::{CommandError, CommandResult, PythonResult, budget};
+use crate::scene::{DisplayList, RunSource, ViewArguments, text_of};
 use basrelief_dse::{
     OpenedInput, Plan as SweepPlan, PlanPoint, PointStatus, SweepFolder, SweepHost, SweepJob, SweepProgress, execute, tables,
 };
@@ -20,20 +20,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[pyclass(frozen, module = "basrelief._basrelief")]
 pub struct Plan {
     plan: SweepPlan,
-    files: Files,
+    files: PlanFiles,
 }
 
 #[pymethods]
 impl Plan {
     /// Reads a plan from `text`, as if it were the file `name`. Paths in the plan are relative to the folder of that file.
     #[new]
-    fn new(py: Python<'_>, name: PathBuf, text: &str, memory_limit: Option<u64>) -> Exported<Self> {
+    fn new(py: Python<'_>, name: PathBuf, text: &str, memory_limit: Option<u64>) -> PythonResult<Self> {
         py.detach(|| {
             let shown = name.display().to_string();
-            let files = Files { plan: name, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
+            let files = PlanFiles { plan: name, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
             let growth = files.budget.try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says");
             let _growth = growth.map_err(CommandError::in_input(&shown))?;
-            let host = Program { files: &files, stopped: Mutex::default() };
+            let host = PythonHost { files: &files, stopped: Mutex::default() };
             let plan = SweepPlan::read(text, &host).map_err(CommandError::in_input(&shown))?;
             Ok(Self { plan, files })
         })
@@ -69,14 +69,14 @@ impl Plan {
         folder: PathBuf,
         at_once: Option<usize>,
         options: (bool, bool),
-    ) -> Exported<(usize, usize, usize, usize)> {
+    ) -> PythonResult<(usize, usize, usize, usize)> {
         let (retry_failed, pictures) = options;
         py.detach(|| {
             let wanted: BTreeSet<String> = points.into_iter().collect();
             let points: Vec<&PlanPoint> = self.plan.points.iter().filter(|point| wanted.contains(&point.id)).collect();
             let threads = at_once.unwrap_or_else(threads::workers);
             let work = SweepJob { points: &points, retry_failed, pictures, threads };
-            let host = Program { files: &self.files, stopped: Mutex::default() };
+            let host = PythonHost { files: &self.files, stopped: Mutex::default() };
             let done = execute(&self.plan, &work, &SweepFolder::new(&folder), &host);
             if let Some(stopped) = host.stopped.into_inner().unwrap_or_else(PoisonError::into_inner) {
                 return Err(stopped.into());
@@ -88,8 +88,8 @@ impl Plan {
     }
 
     /// Writes the tables of all points, and returns the Pareto front as text.
-    fn tables(&self, py: Python<'_>, folder: PathBuf) -> Exported<String> {
-        let host = Program { files: &self.files, stopped: Mutex::default() };
+    fn tables(&self, py: Python<'_>, folder: PathBuf) -> PythonResult<String> {
+        let host = PythonHost { files: &self.files, stopped: Mutex::default() };
         Ok(py.detach(|| tables(&self.plan, &SweepFolder::new(&folder), &host)).map_err(CommandError::bad_input)?)
     }
 
@@ -112,23 +112,23 @@ pub fn work_alone() {
 }
 
 /// Access to the files that a plan names.
-struct Files {
+struct PlanFiles {
     plan: PathBuf,
     budget: MemoryPool,
 }
 
-impl Files {
-    fn place(&self, name: &str) -> PathBuf {
+impl PlanFiles {
+    fn path_of(&self, name: &str) -> PathBuf {
         self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name))
     }
 
-    fn opened(&self, name: &str, view: &View) -> CommandResult<OpenedInput> {
+    fn opened(&self, name: &str, view: &ViewArguments) -> CommandResult<OpenedInput> {
         let budget = &self.budget;
         let kept = |scene| OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), budget));
         if let Some(name) = name.strip_prefix("demo:") {
             return demo(name, &view.options(budget)?).map(kept).map_err(CommandError::bad_input);
         }
-        let path = self.place(name);
+        let path = self.path_of(name);
         if DisplayList::of_plan(&path).is_one()? {
             return if view.is_default() { Ok(OpenedInput::Trace) } else { Err(CommandError::bad_input(VIEW_OF_A_DISPLAY_LIST)) };
         }
@@ -147,28 +147,30 @@ impl Files {
 const VIEW_OF_A_DISPLAY_LIST: &str = "a display list carries its own view: a plan's view is for scenes";
 
 /// Services that Python provides to a sweep.
-struct Program<'a> {
-    files: &'a Files,
+struct PythonHost<'a> {
+    files: &'a PlanFiles,
     /// Exception raised by Ctrl-C.
     stopped: Mutex<Option<PyErr>>,
 }
 
-impl SweepHost for Program<'_> {
+impl SweepHost for PythonHost<'_> {
     fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String> {
         let camera = |name: &str| {
-            let path = self.files.place(name);
+            let path = self.files.path_of(name);
             Ok((path.display().to_string(), text_of(&path, &self.files.budget)?))
         };
-        let view = View::of_plan(view, camera)?;
+        let view = ViewArguments::of_plan(view, camera)?;
         self.files.opened(name, &view).map_err(|failure| format!("input: {failure}"))
     }
 
     fn trace(&self, name: &str) -> Result<RunInput, String> {
-        Source::DisplayList(DisplayList::of_plan(&self.files.place(name))).into_input().map_err(|failure| failure.to_string())
+        RunSource::DisplayList(DisplayList::of_plan(&self.files.path_of(name)))
+            .into_input()
+            .map_err(|failure| failure.to_string())
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        text_of(&self.files.place(name), &self.files.budget).map_err(|failure| failure.to_string())
+        text_of(&self.files.path_of(name), &self.files.budget).map_err(|failure| failure.to_string())
     }
 
     fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {
@@ -176,7 +178,7 @@ impl SweepHost for Program<'_> {
     }
 
     fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        self.look()?;
+        self.check_interrupt()?;
         publish(path, bytes)
     }
 
@@ -187,9 +189,9 @@ impl SweepHost for Program<'_> {
     }
 }
 
-impl Program<'_> {
+impl PythonHost<'_> {
     /// Returns an error once the user has pressed Ctrl-C, so that nothing more is written.
-    fn look(&self) -> io::Result<()> {
+    fn check_interrupt(&self) -> io::Result<()> {
         let mut stopped = self.stopped.lock().unwrap_or_else(PoisonError::into_inner);
         if stopped.is_none() {
             *stopped = Python::attach(|py| py.check_signals()).err();

@@ -11,21 +11,21 @@ use std::time::{Duration, Instant};
 const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
 /// Collects the pictures of the last frame, the recording, and the exception that stopped the run.
-pub struct Watch {
+pub struct RunWatcher {
     pub last: Option<(RgbPicture, Option<RgbPicture>)>,
-    recording: Kept,
+    recording: CompressedRecording,
     looked: Instant,
     stopped: Option<PyErr>,
 }
 
-impl Watch {
+impl RunWatcher {
     /// Makes an observer. The policy `recording` selects the recordings to keep, within the memory limit.
     pub fn new(recording: AnalysisPolicy, budget: &MemoryPool) -> io::Result<Self> {
-        Ok(Self { last: None, recording: Kept::new(recording, budget)?, looked: Instant::now(), stopped: None })
+        Ok(Self { last: None, recording: CompressedRecording::new(recording, budget)?, looked: Instant::now(), stopped: None })
     }
 
     /// Checks for Ctrl-C. Returns false once the user has pressed it.
-    fn look(&mut self) -> bool {
+    fn check_interrupt(&mut self) -> bool {
         if self.stopped.is_none() && self.looked.elapsed() >= BETWEEN_LOOKS {
             self.stopped = Python::attach(|py| py.check_signals()).err();
             self.looked = Instant::now();
@@ -44,9 +44,9 @@ impl Watch {
     }
 }
 
-impl Observer for Watch {
+impl Observer for RunWatcher {
     fn progress(&mut self, _: u64, _: Option<u64>) -> bool {
-        self.look()
+        self.check_interrupt()
     }
 
     fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
@@ -55,7 +55,7 @@ impl Observer for Watch {
     }
 
     fn recording(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
-        if !self.look() {
+        if !self.check_interrupt() {
             return Err("stopped".into());
         }
         self.recording.keep(bytes, is_short).map_err(|error| error.to_string())
@@ -63,14 +63,14 @@ impl Observer for Watch {
 }
 
 /// A compressed recording in memory.
-struct Kept {
+struct CompressedRecording {
     always: bool,
     /// `None` if no recording is requested, or once the recording is too long.
     encoder: Option<zstd::Encoder<'static, Vec<u8>>>,
     held: MemoryReservation,
 }
 
-impl Kept {
+impl CompressedRecording {
     fn new(which: AnalysisPolicy, budget: &MemoryPool) -> io::Result<Self> {
         let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
         let encoder = (which != AnalysisPolicy::Never).then(encoder).transpose()?;
