@@ -13,7 +13,7 @@ const PLAN: &str = r#"
 title = "Modes and depths"
 input = "demo:ellipsoid@2"
 machine = "shade"
-objectives = ["cycles min", "hardware.bits min", "quality.psnr_db max"]
+objectives = ["cycles min", "hardware.area_ge min", "quality.psnr_db max"]
 
 [view]
 size = "96x72"

@@ -12,8 +12,6 @@ const OWN: [string, string][] = [["timeline", "Timeline"], ["changes", "Changes"
 const ELSEWHERE = ["pictures", "warnings"];
 const FIRST = ["units", "diagram", "bottlenecks", "timeline", "changes"];
 
-const BITS = ["fifo", "cache_data", "cache_tags", "table", "registers"];
-
 function figures(report: Report): [string, number, (n: number) => string][] {
   const frames = Math.max(1, report.cycles?.frames.length ?? 1);
   const each = frames > 1 ? " per frame" : "";
@@ -21,8 +19,7 @@ function figures(report: Report): [string, number, (n: number) => string][] {
   if (report.cycles) list.push([`cycles${each}`, frameCycles(report) / frames, n => thousands(Math.floor(n))]);
   if (report.quality) list.push(["dB against the exact picture", report.quality.psnr_db, n => n.toFixed(2)]);
   list.push([`bytes of memory traffic${each}`, Math.floor(memoryBytes(report) / frames), thousands]);
-  const bits = report.hardware.filter(({ kind }) => BITS.includes(kind)).reduce((sum, { width, count }) => sum + width * count, 0);
-  list.push(["bits of storage", bits, thousands]);
+  list.push(["gate equivalents", report.hardware.reduce((sum, { area_ge }) => sum + area_ge, 0), thousands]);
   return list;
 }
 

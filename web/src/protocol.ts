@@ -59,7 +59,7 @@ export interface Report {
   units?: Record<string, Unit>;
   memories?: Record<string, { clients: Record<string, { read_bytes: number; write_bytes: number }> }>;
   bottlenecks?: { resource: string; relaxation: string; set: string[]; cycles: number; saved: number }[];
-  hardware: { kind: string; width: number; count: number }[];
+  hardware: { area_ge: number }[];
   quality?: { psnr_db: number; ssim: number; flip: number };
   image: { sha256: string }[];
   derived: Record<string, { value: number; unit: string }>;

@@ -1,7 +1,7 @@
 //! Share of the hypervolume that exploration finds on a grid that was swept as a whole, by number of runs.
 //!
 //! ```text
-//! cargo run -p basrelief-dse --example explored -- sweep.csv "cycles.total min" "hardware.bits min" -- fifo.indexes.depth ...
+//! cargo run -p basrelief-dse --example explored -- sweep.csv "cycles.total min" "hardware.area_ge min" -- fifo.indexes.depth ...
 //! ```
 //!
 //! Objectives come before the second `--`, axes after it. For each budget it prints the smallest and the mean share over eight

@@ -2,10 +2,10 @@
 //!
 //! A path is that of `report.json`; `derived.NAME` stands for its `value`. A list below `figures`, such as a number for each frame, has
 //! the path `figures.NAME.sum`; other lists have no path. Three sums are added: `cycles.frames`, the render cycles, with the short name
-//! `cycles`; `memories.bytes`, the traffic of all memories; and `hardware.bits`, the storage of the machine.
+//! `cycles`; `memories.bytes`, the traffic of all memories; `hardware.area_ge`, the area of the machine, with its parts; and `hardware.bits`, its storage.
 
 use crate::Cell;
-use basrelief_report::model::Hardware;
+use basrelief_report::model::{Hardware, HardwareArea};
 use serde::Deserialize as _;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -116,8 +116,28 @@ fn sums(report: &Value) -> Vec<ReportFigure> {
     };
     let bytes = memories.map(|_| sum("memories.bytes", "bytes", "what all memories moved", bytes.sum()));
     let bits = sum("hardware.bits", "bits", "what the machine holds", hardware.iter().map(Hardware::bits).sum());
+    let areas = areas(&hardware);
     let frames = frames.map(|cycles| sum("cycles.frames", "cycles", "of all frames", cycles));
-    frames.into_iter().chain(bytes).chain([bits]).collect()
+    frames.into_iter().chain(bytes).chain([bits]).chain(areas).collect()
+}
+
+/// Area of the machine; none in a report of a version without areas.
+fn areas(hardware: &[Hardware]) -> impl Iterator<Item = Figure> {
+    let HardwareArea { logic_ge, register_bits, memory_bits, area_ge, depth_fo4 } = HardwareArea::sum(hardware);
+    let all = [
+        ("area_ge", "gate equivalents", "area of the machine", area_ge),
+        ("logic_ge", "gate equivalents", "logic of the machine", logic_ge),
+        ("register_bits", "bits", "flip-flops of the machine", register_bits),
+        ("memory_bits", "bits", "memory macros of the machine", memory_bits),
+        ("depth_fo4", "FO4", "largest delay of a cycle", depth_fo4),
+    ];
+    let figure = |(name, unit, what, n): (&str, &str, &str, u64)| Figure {
+        name: format!("hardware.{name}"),
+        unit: unit.into(),
+        what: what.into(),
+        cell: Cell::Whole(n),
+    };
+    all.map(figure).into_iter().filter(move |_| area_ge > 0)
 }
 
 /// Returns the unit of measure of a figure without one in the report, as documented in `basrelief_report::model`.
@@ -150,7 +170,7 @@ mod tests {
             "cycles": { "total": 10, "frames": [7], "scan_out_tail": 3 },
             "units": { "a": { "numeral": 11, "busy": 4, "tokens": 2, "starved": { "in": 6 } } },
             "memories": { "m": { "clients": { "z": { "read_bytes": 5, "write_bytes": 8 } }, "channels": [{ "row_hits": 1 }] } },
-            "hardware": [{ "place": "a", "kind": "table", "description": "x", "count": 8, "width": 3 }],
+            "hardware": [{ "place": "a", "kind": "table", "description": "x", "count": 8, "width": 3, "area_ge": 90, "register_bits": 24 }],
             "figures": { "fragments": 9, "names": "x", "levels": [1, 2], "none": [], "waits": [1, 0.5], "words": ["y"] },
             "legend": { "fragments": { "unit": "fragments", "description": "drawn" } },
             "derived": { "a.utilization": { "value": 0.4, "unit": "1", "formula": "f" }, "time_ms": { "value": 2.5, "unit": "ms", "formula": "g" } },
@@ -173,6 +193,11 @@ mod tests {
                 "cycles.frames = 7 cycles",
                 "memories.bytes = 13 bytes",
                 "hardware.bits = 24 bits",
+                "hardware.area_ge = 90 gate equivalents",
+                "hardware.logic_ge = 0 gate equivalents",
+                "hardware.register_bits = 24 bits",
+                "hardware.memory_bits = 0 bits",
+                "hardware.depth_fo4 = 0 FO4",
                 "figures.fragments = 9 fragments",
                 "figures.levels.sum = 3",
                 "figures.waits.sum = 1.5",

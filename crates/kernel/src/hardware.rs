@@ -1,10 +1,14 @@
-//! Hardware counts of a machine: numbers that can be multiplied, without area and energy.
+//! Hardware counts of a machine. [`AreaModel`](crate::AreaModel) gives their area.
 
 use crate::CacheConfig;
 use std::fmt;
 
 /// Bits of an address in memory, as tags hold it.
 const ADDRESS_BITS: u32 = 32;
+/// Bits that a look-up takes from a line.
+pub(crate) const WORD_BITS: u32 = 128;
+/// Bits of a request in flight: its address, and 8 bits for its length and its place in the step.
+const REQUEST_BITS: u32 = ADDRESS_BITS + 8;
 
 /// A kind of hardware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -18,12 +22,16 @@ pub enum HardwareKind {
     Multiplier,
     /// Adder, subtracter or comparator.
     Adder,
+    /// Comparator that passes the larger of two values on, with its index.
+    Comparator,
     /// Divider.
     Divider,
     /// Square root.
     SquareRoot,
     /// Power with any exponent.
     Power,
+    /// Comparator of a tag with those of all ways of a set, with the order of use.
+    TagComparator,
     /// Table or buffer in memory cells: look-up tables, gathered lines, flags.
     Table,
     /// Registers for set-up values or values kept from step to step.
@@ -34,27 +42,43 @@ pub enum HardwareKind {
     CacheTags,
     /// FIFO.
     Fifo,
+    /// Data of requests in flight: a line or burst for each credit.
+    LineBuffer,
+    /// Addresses of requests in flight, one for each credit.
+    RequestTable,
 }
 
 impl HardwareKind {
     /// All kinds, arithmetic first.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 15] = [
         Self::InnerProduct,
         Self::Multiplier,
         Self::Adder,
+        Self::Comparator,
         Self::Divider,
         Self::SquareRoot,
         Self::Power,
+        Self::TagComparator,
         Self::Table,
         Self::Registers,
         Self::CacheData,
         Self::CacheTags,
         Self::Fifo,
+        Self::LineBuffer,
+        Self::RequestTable,
     ];
 
     /// Returns true for operators and false for storage.
     pub fn computes(self) -> bool {
         self < Self::Table
+    }
+
+    /// Returns true for FIFOs, caches and ports, on which the work of the units does not depend.
+    pub fn is_outside_units(self) -> bool {
+        matches!(
+            self,
+            Self::TagComparator | Self::CacheData | Self::CacheTags | Self::Fifo | Self::LineBuffer | Self::RequestTable
+        )
     }
 
     /// Name, in the plural for countable kinds.
@@ -63,14 +87,18 @@ impl HardwareKind {
             Self::InnerProduct => "inner products",
             Self::Multiplier => "multipliers",
             Self::Adder => "adders",
+            Self::Comparator => "comparators",
             Self::Divider => "dividers",
             Self::SquareRoot => "square roots",
             Self::Power => "powers",
+            Self::TagComparator => "tag comparators",
             Self::Table => "tables",
             Self::Registers => "registers",
             Self::CacheData => "cache data",
             Self::CacheTags => "cache tags",
             Self::Fifo => "FIFOs",
+            Self::LineBuffer => "line buffers",
+            Self::RequestTable => "request tables",
         }
     }
 }
@@ -81,10 +109,53 @@ impl fmt::Display for HardwareKind {
     }
 }
 
+/// Number format of an operator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(schemars::JsonSchema))]
+pub enum NumberFormat {
+    /// Fixed point, or integer.
+    #[default]
+    Fixed,
+    /// Floating point, single precision.
+    Single,
+}
+
+impl NumberFormat {
+    /// Bits of the mantissa of a floating-point number, with its hidden one.
+    pub(crate) const MANTISSA: u32 = 24;
+}
+
+/// Width of a word, or widths and number format of the operands of an operator. A number is the width of both fixed-point
+/// operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OperandWidth {
+    width: u32,
+    by: u32,
+    format: NumberFormat,
+}
+
+impl OperandWidth {
+    /// Two floating-point operands of single precision.
+    pub const SINGLE: Self = Self { width: 32, by: 32, format: NumberFormat::Single };
+
+    /// A fixed-point operand of `width` bits and one of `by` bits.
+    pub const fn fixed(width: u32, by: u32) -> Self {
+        Self { width, by, format: NumberFormat::Fixed }
+    }
+}
+
+impl From<u32> for OperandWidth {
+    fn from(width: u32) -> Self {
+        Self::fixed(width, width)
+    }
+}
+
 /// Identical pieces of hardware.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hardware {
-    /// Name of the unit, FIFO or cache.
+    /// Name of the unit, FIFO, cache or port.
     pub place: String,
     /// Its kind.
     pub kind: HardwareKind,
@@ -92,25 +163,70 @@ pub struct Hardware {
     pub about: &'static str,
     /// Number of operators or words.
     pub count: u64,
-    /// Width of each \[bits\].
+    /// Width of each word, or of the first operand \[bits\].
     pub width: u32,
+    /// Width of the second operand \[bits\]; the number of ways for tag comparators.
+    pub by: u32,
+    /// Number format of operators.
+    pub format: NumberFormat,
+    /// Bits of the result that an iterative operator computes per cycle; 0 if the operator table decides.
+    pub digits_per_cycle: u32,
+    /// Banks that are accessed at the same time, with equal shares of the words.
+    pub banks: u32,
+    /// Ports of each bank.
+    pub ports: u32,
+    /// Registers of the width that a token passes besides its slot.
+    pub stages: u32,
 }
 
 impl Hardware {
-    /// Bits of storage; 0 for operators.
-    pub fn bits(&self) -> u64 {
-        if self.kind.computes() { 0 } else { self.count * u64::from(self.width) }
+    /// Pieces with one port and one bank.
+    pub fn new(place: &str, kind: HardwareKind, about: &'static str, count: u64, width: impl Into<OperandWidth>) -> Self {
+        let OperandWidth { width, by, format } = width.into();
+        let place = place.into();
+        Self { place, kind, about, count, width, by, format, digits_per_cycle: 0, banks: 1, ports: 1, stages: 0 }
     }
 
-    /// Data and tags of a cache. A tag has the remaining bits of a 32-bit address, a valid bit, and the place of the line in the
-    /// order of use.
-    pub(crate) fn of_cache(name: &str, config: &CacheConfig) -> [Self; 2] {
-        let CacheConfig { line_bytes, sets, ways, .. } = *config;
+    /// Bits of storage; 0 for operators.
+    pub fn bits(&self) -> u64 {
+        if self.kind.computes() { 0 } else { self.count.saturating_mul(u64::from(self.width)) }
+    }
+
+    /// Bits that all banks read in one cycle through one port of each; 0 for operators.
+    pub fn port_bits(&self) -> u64 {
+        if self.kind.computes() { 0 } else { u64::from(self.banks) * u64::from(self.width) }
+    }
+
+    /// FIFO of `depth` slots. A token passes one register for each cycle of latency after the first.
+    pub(crate) fn of_fifo(name: &str, depth: u64, width: u32, latency: u64) -> Self {
+        let stages = u32::try_from(latency.saturating_sub(1)).unwrap_or(u32::MAX);
+        Self { ports: 2, stages, ..Self::new(name, HardwareKind::Fifo, "slots", depth, width) }
+    }
+
+    /// Data and tags of a cache, with a port per look-up. A tag has the remaining bits of a 32-bit address, a valid bit, and the
+    /// place of the line in the order of use.
+    pub(crate) fn of_cache(name: &str, config: &CacheConfig) -> [Self; 3] {
+        let CacheConfig { line_bytes, sets, ways, lookups_per_cycle: ports, .. } = *config;
         let lines = u64::from(sets) * u64::from(ways);
         let log2 = |n: u32| n.max(1).next_power_of_two().trailing_zeros();
-        let tag = ADDRESS_BITS.saturating_sub(log2(line_bytes) + sets.max(1).ilog2()) + 1 + log2(ways);
-        let of = |kind, about, width| Self { place: name.into(), kind, about, count: lines, width };
-        [of(HardwareKind::CacheData, "lines", 8 * line_bytes), of(HardwareKind::CacheTags, "tag, valid, order of use", tag)]
+        let tag = ADDRESS_BITS.saturating_sub(log2(line_bytes) + sets.max(1).ilog2());
+        let store = |kind, about, width: u32| Self { ports, ..Self::new(name, kind, about, lines, width) };
+        let compared = OperandWidth::fixed(tag, ways);
+        [
+            store(HardwareKind::CacheData, "lines", 8 * line_bytes),
+            store(HardwareKind::CacheTags, "tag, valid, order of use", tag + 1 + log2(ways)),
+            Self::new(name, HardwareKind::TagComparator, "ways of a look-up", ports.into(), compared),
+        ]
+    }
+
+    /// Requests in flight of a port, each with `data_bytes` of data. Answers come in order, and a request starts only if its data
+    /// have room.
+    pub(crate) fn of_port(name: &str, outstanding: u64, data_bytes: u32) -> [Self; 2] {
+        let of = |kind, about, width: u32| Self { ports: 2, ..Self::new(name, kind, about, outstanding, width) };
+        [
+            of(HardwareKind::LineBuffer, "data of requests in flight", data_bytes.saturating_mul(8)),
+            of(HardwareKind::RequestTable, "requests in flight", REQUEST_BITS),
+        ]
     }
 }
 
@@ -121,17 +237,18 @@ mod tests {
     #[test]
     fn cache_hardware_is_lines_and_tags() {
         let config = CacheConfig { line_bytes: 64, sets: 64, ways: 4, ..CacheConfig::default() };
-        let [data, tags] = Hardware::of_cache("c", &config);
+        let [data, tags, compared] = Hardware::of_cache("c", &config);
         assert_eq!((data.bits(), data.count), (16 * 1024 * 8, 256));
         assert_eq!(tags.width, (32 - 6 - 6) + 1 + 2);
+        assert_eq!((compared.count, compared.by, data.ports), (4, 4, 4), "a port and a comparator per look-up");
         let one = CacheConfig { line_bytes: 4, sets: 1, ways: 1, ..config };
         assert_eq!(Hardware::of_cache("c", &one)[1].width, 31);
     }
 
     #[test]
     fn operators_have_no_storage() {
-        let all = HardwareKind::ALL.map(|kind| Hardware { place: String::new(), kind, about: "", count: 3, width: 5 }.bits());
-        assert_eq!(all, [0, 0, 0, 0, 0, 0, 15, 15, 15, 15, 15]);
+        let all = HardwareKind::ALL.map(|kind| Hardware::new("", kind, "", 3, 5).bits());
+        assert_eq!((&all[..8], &all[8..]), ([0; 8].as_slice(), [15; 7].as_slice()));
         assert!(HardwareKind::ALL.is_sorted());
     }
 }

@@ -260,6 +260,7 @@
 //! [`wire`]: Machine::wire
 
 mod account;
+mod area;
 mod bound_stage;
 mod cache;
 mod cached;
@@ -307,6 +308,7 @@ mod unit_info;
 mod wires;
 
 pub use account::{CycleAccount, StallCause};
+pub use area::{Area, AreaConfig, AreaModel};
 pub use bound_stage::{BoundStage, ConnectedStage, ConnectionsOf};
 pub use cached::Cached;
 pub use capacity::{MAX_CLIENTS, MAX_LINKS};
@@ -324,7 +326,7 @@ pub use engine::{
 };
 pub use fifo::Fifo;
 pub use fifo_info::FifoInfo;
-pub use hardware::{Hardware, HardwareKind};
+pub use hardware::{Hardware, HardwareKind, NumberFormat, OperandWidth};
 pub use label::Label;
 pub use machine::{Machine, Visitor};
 pub use memory::MemoryRequest;

@@ -1,6 +1,6 @@
 //! Statistics of units: their counters, their rates, and their hardware.
 
-use crate::hardware::{Hardware, HardwareKind};
+use crate::hardware::{Hardware, HardwareKind, OperandWidth};
 use crate::{FifoInfo, OperatorCounts};
 
 /// Statistics of the units of a machine, reported by [`Unit::report_stats`](crate::Unit::report_stats) in the order of the
@@ -163,15 +163,35 @@ impl UnitStats {
     }
 
     /// Reports hardware of the unit: `count` operators or words of `width` bits each. Counts and widths of 0 are skipped.
-    pub fn hardware(&mut self, kind: HardwareKind, about: &'static str, count: impl Into<u64>, width: u32) {
-        let (place, count) = (self.place.clone(), count.into());
-        if count > 0 && width > 0 {
-            self.hardware.push(Hardware { place, kind, about, count, width });
+    pub fn hardware(&mut self, kind: HardwareKind, about: &'static str, count: impl Into<u64>, width: impl Into<OperandWidth>) {
+        self.piece(Hardware::new(&self.place, kind, about, count.into(), width));
+    }
+
+    /// Reports iterative operators of the unit that compute `digits_per_cycle` bits of a result in a cycle.
+    pub fn iterative(
+        &mut self,
+        kind: HardwareKind,
+        about: &'static str,
+        count: impl Into<u64>,
+        [width, digits_per_cycle]: [u32; 2],
+    ) {
+        self.piece(Hardware { digits_per_cycle, ..Hardware::new(&self.place, kind, about, count.into(), width) });
+    }
+
+    /// Reports a table of the unit in `banks` banks, which are read at the same time.
+    pub fn banked_table(&mut self, about: &'static str, count: impl Into<u64>, width: u32, banks: u32) {
+        self.piece(Hardware { banks, ..Hardware::new(&self.place, HardwareKind::Table, about, count.into(), width) });
+    }
+
+    fn piece(&mut self, piece: Hardware) {
+        if piece.count > 0 && piece.width > 0 {
+            self.hardware.push(piece);
         }
     }
 
-    /// Reports the operators of a unit, of all kinds, `width` bits each.
-    pub fn operators(&mut self, about: &'static str, have: OperatorCounts, width: u32) {
+    /// Reports the operators of a unit, of all kinds.
+    pub fn operators(&mut self, about: &'static str, have: OperatorCounts, width: impl Into<OperandWidth>) {
+        let width = width.into();
         let OperatorCounts { multiply, add, divide, square_root, power } = have;
         let kinds =
             [HardwareKind::Multiplier, HardwareKind::Adder, HardwareKind::Divider, HardwareKind::SquareRoot, HardwareKind::Power];
@@ -180,14 +200,14 @@ impl UnitStats {
         }
     }
 
-    /// All hardware: units in the order of the wiring, each followed by the FIFOs that it fills; then caches.
+    /// All hardware: units in the order of the wiring, each followed by the FIFOs that it fills; then caches and ports.
     pub fn all_hardware(&self) -> &[Hardware] {
         &self.hardware
     }
 
     /// Hardware of units. The work of the units depends on it, and not on FIFOs or caches.
     pub fn hardware_of_units(&self) -> impl Iterator<Item = &Hardware> {
-        self.hardware.iter().filter(|h| !matches!(h.kind, HardwareKind::Fifo | HardwareKind::CacheData | HardwareKind::CacheTags))
+        self.hardware.iter().filter(|piece| !piece.kind.is_outside_units())
     }
 
     /// All figures, in order.

@@ -22,7 +22,7 @@ pub struct ParameterInfo {
     pub takes: AllowedValues,
     /// Meaning.
     pub about: String,
-    /// `timing` if the parameter changes only the timing, otherwise `work`.
+    /// `work`, `timing` or `cost`: the part of a run that the parameter changes.
     pub effect: &'static str,
     /// Source of the value.
     pub provenance: ValueSource,

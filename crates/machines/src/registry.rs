@@ -10,7 +10,7 @@ use crate::spec::{CostPoints, MachineSpec, Shortcut, TileFetch, empty_machine};
 use crate::texel::TexelMachineConfig;
 use crate::unit_info::UnitInfo;
 use basrelief_deferred_renderer::PicturePreview;
-use basrelief_kernel::{Hardware, Machine as _};
+use basrelief_kernel::{AreaModel, Hardware, Machine as _};
 use basrelief_parameters::{ConfigError, Loader, Parameter, resolved};
 use basrelief_signals::schema_of;
 use serde_json::Value;
@@ -107,12 +107,17 @@ impl MachineConfig {
         })
     }
 
-    /// Returns the hardware, unit by unit, each unit before its output FIFOs; then the caches.
+    /// Returns the hardware, unit by unit, each unit before its output FIFOs; then caches and ports.
     ///
     /// # Errors
     /// Parameters that are in range but do not fit together.
     pub fn hardware(&self) -> Result<Vec<Hardware>, ConfigProblem> {
         for_machine!(self, machine => machine.hardware())
+    }
+
+    /// Returns the data that give the area of the hardware.
+    pub fn area_model(&self) -> AreaModel {
+        for_machine!(self, machine => machine.area_model())
     }
 
     /// Returns the variants of an ablation: the configured machine, the machine without each shortcut, and without all shortcuts.

@@ -9,7 +9,7 @@ use crate::unit_info::{UnitInfo, units};
 use basrelief_deferred_renderer::{PicturePreview, TileEncoding, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Hardware, Netlist, RunReport};
+use basrelief_kernel::{AreaModel, Hardware, Netlist, RunReport};
 use basrelief_parameters::Parameters;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -74,6 +74,8 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     fn hardware(&self) -> Result<Vec<Hardware>, ConfigProblem> {
         Ok(empty_machine(self)?.facts().all_hardware().to_vec())
     }
+    /// Returns the data that give the area of the hardware.
+    fn area_model(&self) -> AreaModel;
     /// Returns how the machine requests tiles; `None` if it fetches none.
     fn tile_fetch(&self) -> Option<TileFetch> {
         None

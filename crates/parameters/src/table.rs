@@ -40,14 +40,17 @@ pub enum Effect {
     Work,
     /// Only the timing: a recording can be resimulated with another value.
     Timing,
+    /// Only the area of the hardware.
+    Cost,
 }
 
 impl Effect {
-    /// `work` or `timing`.
+    /// `work`, `timing` or `cost`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Work => "work",
             Self::Timing => "timing",
+            Self::Cost => "cost",
         }
     }
 }

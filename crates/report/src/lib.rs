@@ -5,6 +5,7 @@
 //! | [`model`], [`build`](mod@build) | [`Report`]: `report.json`, under a published [`schema`] |
 //! | [`derived`] | figures with unit and formula: cycles per fragment, GB/s, hit rates |
 //! | [`bottleneck`] | the bottleneck of a run, from the cycle accounting |
+//! | `area` | area by place, and operators that are slower than the clock |
 //! | [`text`] | the tables of the terminal |
 //! | [`compare`](mod@compare) | difference of two runs and its causes |
 //! | [`costs`] | cycles per object and polygon |
@@ -19,6 +20,7 @@
 //! without its `host` part is equal to the bit for every engine, host and number of threads.
 
 pub mod ablation;
+mod area;
 pub mod bottleneck;
 pub mod build;
 pub mod compare;
@@ -36,6 +38,7 @@ pub mod text;
 pub mod work;
 
 pub use ablation::Ablation;
+pub use area::depth_warnings;
 pub use build::ReportContext;
 pub use compare::{CauseShare, Comparison, MeasuredCauses, compare};
 pub use csv::{no_formula, to_csv};

@@ -3,8 +3,8 @@
 use crate::build::ReportContext;
 use crate::derived::derive;
 use crate::model::{
-    Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, FigureGroup, Input, Legend, Memory, OutcomeKind, Picture,
-    PictureQuality, Report, Size, Unit,
+    Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, FigureGroup, Hardware, HardwareArea, Input, Legend,
+    Memory, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
 };
 use crate::model::{Costs, CycleBreakdown, ObjectCost, PolygonCost, UnlistedCosts};
 use basrelief_kernel::{Engine, Outcome, RunReport};
@@ -297,4 +297,11 @@ pub fn costed() -> Report {
         other_polygons: UnlistedCosts { count: 698, fragments: 198_920, breakdown: spent(1_401_000, 926_000) },
     });
     report
+}
+
+/// Pieces of hardware without area.
+pub(crate) fn piece(place: &str, kind: basrelief_kernel::HardwareKind, count: u64, width: u32) -> Hardware {
+    let model = basrelief_kernel::AreaModel { area: Default::default(), operators: Default::default(), hz: 1 };
+    let piece = basrelief_kernel::Hardware::new(place, kind, "what for", count, width);
+    Hardware { area: HardwareArea::default(), ..Hardware::new(&piece, &model) }
 }

@@ -41,11 +41,13 @@ pub fn describe(args: &DescribeArgs, budget: &MemoryPool) -> CommandResult {
 
 /// Prints the hardware cost of a machine.
 fn hardware(config: &MachineConfig, json: bool) -> CommandResult {
-    let all: Vec<Hardware> = config.hardware().map_err(CommandError::bad_input)?.iter().map(Into::into).collect();
+    let model = config.area_model();
+    let pieces = config.hardware().map_err(CommandError::bad_input)?;
+    let all: Vec<Hardware> = pieces.iter().map(|piece| Hardware::new(piece, &model)).collect();
     if json {
         return print(&format!("{}\n", serde_json::to_string_pretty(&all).map_err(CommandError::bad_input)?));
     }
-    print(&format!("{}\n", basrelief_report::hardware(&all, style())))
+    print(&format!("{}\n", basrelief_report::hardware(&all, model.cycle_fo4(), style())))
 }
 
 fn entry(text: &mut String, p: &Parameter) {
@@ -54,7 +56,7 @@ fn entry(text: &mut String, p: &Parameter) {
     let range = if p.range.is_empty() { String::new() } else { format!("   [{}]", p.range) };
     let _ = writeln!(text, "\n  {} = {value}{unit}{range}", p.key);
     let _ = writeln!(text, "      {}\n      {}: {}", p.doc, p.provenance.kind(), p.provenance.text());
-    if p.effect == Effect::Timing {
-        text.push_str("      timing parameter\n");
+    if p.effect != Effect::Work {
+        let _ = writeln!(text, "      {} parameter", p.effect.name());
     }
 }

@@ -2,12 +2,13 @@
 
 use super::axes::{Axis, cell};
 use crate::Cell;
+use basrelief_parameters::Effect;
 use basrelief_sim::{MachineConfig, ParameterInfo};
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use toml::Value;
 
-/// Puts the base first on each axis. Without axes, it makes one for each assumed parameter, with its neighbours. `with`
+/// Puts the base first on each axis. Without axes, it makes one for each assumed parameter and each coefficient of the area, with its neighbours. `with`
 /// returns the configuration with one parameter changed to a value in TOML.
 pub(super) fn with_base_first(
     axes: Vec<Axis>,
@@ -16,7 +17,7 @@ pub(super) fn with_base_first(
 ) -> Result<Vec<Axis>, String> {
     let parameters: BTreeMap<String, ParameterInfo> = base.described().into_iter().map(|p| (p.key.clone(), p)).collect();
     if axes.is_empty() {
-        return base.described().iter().filter(|p| p.provenance.kind == "assumed").map(|p| assumed(p, with)).collect();
+        return base.described().iter().filter(|p| is_varied(p)).map(|p| assumed(p, with)).collect();
     }
     let based = |mut axis: Axis| {
         let cells = axis.keys.iter().map(|key| parameters.get(key).map_or(Ok(Cell::Missing), |p| json_cell(&p.value)));
@@ -25,6 +26,11 @@ pub(super) fn with_base_first(
         Ok(axis)
     };
     axes.into_iter().map(based).collect()
+}
+
+/// Returns true for assumed parameters and for coefficients of the area.
+fn is_varied(parameter: &ParameterInfo) -> bool {
+    parameter.provenance.kind == "assumed" || parameter.effect == Effect::Cost.name()
 }
 
 fn assumed(parameter: &ParameterInfo, with: &dyn Fn(&str, &str) -> Option<MachineConfig>) -> Result<Axis, String> {

@@ -26,14 +26,14 @@ pub(super) fn of_input(name: &str, opened: &OpenedInput, sha256: &str) -> String
 
 /// Common part of the hashes of all points of a plan.
 pub(super) struct PlanIdentity {
-    /// Parameters that change times only.
+    /// Parameters that change times or costs only.
     timing: BTreeSet<String>,
     head: String,
 }
 
 impl PlanIdentity {
     pub(super) fn of(plan: &Plan) -> Self {
-        let timing = plan.machine.parameters().into_iter().filter(|p| p.effect == Effect::Timing).map(|p| p.key).collect();
+        let timing = plan.machine.parameters().into_iter().filter(|p| p.effect != Effect::Work).map(|p| p.key).collect();
         let limit = Some(plan.max_cycles).filter(|most| *most < u64::MAX);
         let head = serde_json::json!([KIND, SCHEMA, plan.machine.name, limit]).to_string();
         Self { timing, head }

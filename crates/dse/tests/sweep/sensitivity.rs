@@ -3,7 +3,7 @@
 use crate::support::{Program, plan, sweep};
 use basrelief_dse::{OneAtATimeBase, OpenedInput, Plan, sensitivity};
 use basrelief_input::MemoryPool;
-use basrelief_report::sensitivity::{ComesTo, Measure, ParameterChange, Sensitivity};
+use basrelief_report::sensitivity::{ComesTo, Measure, MeasureChange, ParameterChange, Sensitivity};
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_sim::{MACHINES, MachineInfo, NoObserver, Overrides, PreparedScene, RunInput, RunOptions, run};
 use std::collections::BTreeSet;
@@ -38,10 +38,11 @@ fn set(change: &ParameterChange) -> Option<(&str, String)> {
     Some((&change.parameter, change.to.as_str().map_or_else(|| change.to.to_string(), str::to_owned)))
 }
 
-/// Percent that a change moves at most, where it is one of cycles or bytes.
+/// The largest change in percent.
 fn size(change: &ParameterChange) -> f64 {
     let ComesTo::Run(moved) = &change.comes_to else { return -1.0 };
-    moved.cycles_percent.abs().max(moved.bytes_percent.abs()).max(12.2 * moved.psnr_change_db.unwrap().abs())
+    let changes = [moved.cycles_percent, moved.bytes_percent, moved.area_percent, 12.2 * moved.psnr_change_db.unwrap()];
+    changes.into_iter().fold(0.0, |most: f64, change| most.max(change.abs()))
 }
 
 /// All that is said of one machine.
@@ -52,8 +53,8 @@ fn every_assumption_is_changed(machine: usize, frames: u32) {
     assert_eq!(told.base, measured_alone(&around, None));
 
     let config = machine.load("", &[]).unwrap();
-    let assumed = config.described().into_iter().filter(|p| p.provenance.kind == "assumed");
-    let wanted: BTreeSet<String> = assumed.map(|p| p.key).collect();
+    let varied = config.described().into_iter().filter(|p| p.provenance.kind == "assumed" || p.key.starts_with("area."));
+    let wanted: BTreeSet<String> = varied.map(|p| p.key).collect();
     let changed: BTreeSet<String> = told.changes.iter().map(|change| change.parameter.clone()).collect();
     let unchanged: BTreeSet<String> = told.unchanged.iter().cloned().collect();
     assert_eq!(changed.union(&unchanged).cloned().collect::<BTreeSet<_>>(), wanted);
@@ -65,6 +66,12 @@ fn every_assumption_is_changed(machine: usize, frames: u32) {
         ComesTo::Run(moved) => Some((change, moved)),
         ComesTo::Nothing { .. } => None,
     });
+    for (change, moved) in runs.clone().filter(|(change, _)| change.parameter.starts_with("area.")) {
+        assert_eq!((moved.cycles_percent, moved.bytes_percent, moved.psnr_change_db), (0.0, 0.0, Some(0.0)), "{change:?}");
+    }
+    let memory_bit =
+        |(change, moved): &(&ParameterChange, &MeasureChange)| change.parameter == "area.memory_bit" && moved.area_percent.abs() > 5.0;
+    assert_eq!(runs.clone().filter(memory_bit).count(), 2, "a coefficient changes the area");
     for (change, moved) in runs.clone().take(3).chain(runs.step_by(23)) {
         assert_eq!(moved.measure, measured_alone(&around, set(change)), "{change:?}");
     }
@@ -78,7 +85,7 @@ fn every_assumption_is_changed(machine: usize, frames: u32) {
     }
 }
 
-// Claim: analysis: The sensitivity analysis changes every assumed parameter. A row equals a run with its value, on any number of
+// Claim: analysis: The sensitivity analysis changes every assumed parameter and every coefficient of the area. A row equals a run with its value, on any number of
 // threads.
 #[test]
 fn bump_sensitivity_equals_separate_runs() {

@@ -1,17 +1,28 @@
 //! Collection of the statistics of a machine.
 
 use super::{SlowFifo, UnitStats};
-use crate::hardware::{Hardware, HardwareKind};
+use crate::client::Client;
+use crate::hardware::Hardware;
 use crate::machine::{Machine, Visitor};
 use crate::wires::{Outputs, Wires};
-use crate::{BoundStage, Unit};
+use crate::{BoundStage, MemorySystem, Unit};
 
 impl UnitStats {
     /// Reports the FIFOs that a unit fills and whose width is known.
     fn report_fifos(&mut self, outputs: &impl Outputs) {
         for link in (0..outputs.count()).map(|i| outputs.link(i)).filter(|link| link.bits() > 0) {
-            let (place, count, width) = (link.name().to_owned(), link.depth() as u64, link.bits());
-            self.hardware.push(Hardware { place, kind: HardwareKind::Fifo, about: "slots", count, width });
+            self.hardware.push(Hardware::of_fifo(link.name(), link.depth() as u64, link.bits(), link.latency()));
+        }
+    }
+
+    /// Reports the caches, then the requests in flight of every port. A periodic client has no credits.
+    fn report_ports(&mut self, memories: &MemorySystem) {
+        let caches = memories.clients().iter().filter_map(|client| client.cache.as_ref());
+        self.hardware.extend(caches.flat_map(|cache| Hardware::of_cache(&cache.name, &cache.config)));
+        for Client { port, cache, .. } in memories.clients().iter().filter(|client| !client.is_periodic) {
+            let burst = memories.memories()[port.memory].burst_bytes;
+            let data = cache.as_ref().map_or(burst, |cache| cache.config.line_bytes);
+            self.hardware.extend(Hardware::of_port(&port.name, port.outstanding(), data));
         }
     }
 }
@@ -34,7 +45,6 @@ pub fn unit_stats(machine: &mut impl Machine) -> UnitStats {
     }
     let mut gather = StatsVisitor(UnitStats::default());
     machine.wire(&mut gather);
-    let caches = machine.memories().clients().iter().filter_map(|client| client.cache.as_ref());
-    gather.0.hardware.extend(caches.flat_map(|cache| Hardware::of_cache(&cache.name, &cache.config)));
+    gather.0.report_ports(machine.memories());
     gather.0
 }

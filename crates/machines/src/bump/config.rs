@@ -8,7 +8,7 @@ use basrelief_brightness::BrightnessConfig;
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::{DepthConfig, GraphicsConfig};
-use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
+use basrelief_kernel::{AreaConfig, CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
 use basrelief_normal_mapping::NormalMappingConfig;
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
@@ -147,6 +147,10 @@ parameter_groups! {
         cache: CacheConfigs = CacheConfigs::default(),
         /// Idealized units, for bottleneck analysis.
         ideal: IdealConfig = IdealConfig::default(),
+        /// Coefficients of the area of the hardware.
+        area: AreaConfig = AreaConfig { gate_length: 0.09, ..AreaConfig::default() } => [
+            gate_length: Assumed("2005: 90 nm, as the graphics chips of that year"),
+        ],
         /// The exact picture, which the machine's picture is compared with.
         reference: ReferenceConfig = ReferenceConfig::default(),
     }

@@ -4,6 +4,7 @@ use super::{BumpProcessor, BumpProcessorConfig};
 use crate::front::{FrontConfig, FrontEnd};
 use crate::problem::ConfigProblem;
 use crate::spec::{CostPoints, LoggingMachine, MachineSpec};
+use basrelief_kernel::AreaModel;
 use basrelief_kernel::stats::UnitStats;
 
 impl MachineSpec for BumpProcessorConfig {
@@ -21,6 +22,10 @@ impl MachineSpec for BumpProcessorConfig {
 
     fn front(&self) -> FrontConfig {
         self.into()
+    }
+
+    fn area_model(&self) -> AreaModel {
+        AreaModel { area: self.area.clone(), operators: self.operators.clone(), hz: self.clock.hz }
     }
 
     fn warnings(&self, facts: &UnitStats) -> Vec<String> {

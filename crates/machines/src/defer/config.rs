@@ -11,7 +11,7 @@ use basrelief_deferred_renderer::{CellConfig, EngineConfig, LightingMode, PathCo
 use basrelief_frame_buffer::{FrameDone, PixelBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
+use basrelief_kernel::{AreaConfig, CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_signals::{Control, Draw, Flow, Fragment, LightingStage, PictureFlow, Stamp, VertexAttributes};
@@ -172,6 +172,10 @@ parameter_groups! {
         cache: CacheConfigs = CacheConfigs::default(),
         /// Idealized units, for bottleneck analysis.
         ideal: IdealConfig = IdealConfig::default(),
+        /// Coefficients of the area of the hardware.
+        area: AreaConfig = AreaConfig { gate_length: 0.3, ..AreaConfig::default() } => [
+            gate_length: Assumed("1998: 0.25 to 0.35 um CMOS"),
+        ],
     }
 }
 

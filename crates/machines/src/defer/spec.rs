@@ -6,6 +6,7 @@ use crate::problem::ConfigProblem;
 use crate::spec::{CostPoints, LoggingMachine, MachineSpec, PictureRecord, RunSummary, TileFetch};
 use basrelief_deferred_renderer::{FilledBuffer, PicturePreview, RenderMode, TexturePage, TileList, TileRecord, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
+use basrelief_kernel::AreaModel;
 use basrelief_kernel::stats::{FigureGroup, FigureValue, UnitStats};
 use std::sync::Arc;
 
@@ -61,6 +62,10 @@ impl MachineSpec for DeferConfig {
 
     fn front(&self) -> FrontConfig {
         self.into()
+    }
+
+    fn area_model(&self) -> AreaModel {
+        AreaModel { area: self.area.clone(), operators: self.operators.clone(), hz: self.clock.hz }
     }
 
     fn warnings(&self, facts: &UnitStats) -> Vec<String> {

@@ -11,7 +11,7 @@ use basrelief_figure_shading::{
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
+use basrelief_kernel::{AreaConfig, CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_signals::{Control, Draw, Flow, LightingStage, Pixel, Stamp, VertexAttributes};
 use std::sync::Arc;
@@ -192,6 +192,10 @@ parameter_groups! {
         cache: CacheConfigs = CacheConfigs::default(),
         /// Idealized units, for bottleneck analysis.
         ideal: IdealConfig = IdealConfig::default(),
+        /// Coefficients of the area of the hardware.
+        area: AreaConfig = AreaConfig { gate_length: 1.0, ..AreaConfig::default() } => [
+            gate_length: Assumed("1989: 1 um CMOS gate arrays"),
+        ],
     }
 }
 

@@ -4,6 +4,7 @@ use super::{FigureShadingDevice, ShadeConfig};
 use crate::front::{FrontConfig, FrontEnd};
 use crate::problem::ConfigProblem;
 use crate::spec::{CostPoints, LoggingMachine, MachineSpec, Shortcut};
+use basrelief_kernel::AreaModel;
 use basrelief_kernel::stats::UnitStats;
 
 impl MachineSpec for ShadeConfig {
@@ -26,6 +27,10 @@ impl MachineSpec for ShadeConfig {
 
     fn front(&self) -> FrontConfig {
         self.into()
+    }
+
+    fn area_model(&self) -> AreaModel {
+        AreaModel { area: self.area.clone(), operators: self.operators.clone(), hz: self.clock.hz }
     }
 
     fn warnings(&self, facts: &UnitStats) -> Vec<String> {

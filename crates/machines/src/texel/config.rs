@@ -7,7 +7,7 @@ use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
+use basrelief_kernel::{AreaConfig, CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_signals::{Control, Draw, Flow, LightingStage, PixelPacket, VertexAttributes};
 use basrelief_texel_value_generator::signals::{
@@ -185,6 +185,10 @@ parameter_groups! {
         cache: CacheConfigs = CacheConfigs::default(),
         /// Idealized units, for bottleneck analysis.
         ideal: IdealConfig = IdealConfig::default(),
+        /// Coefficients of the area of the hardware.
+        area: AreaConfig = AreaConfig { gate_length: 0.6, ..AreaConfig::default() } => [
+            gate_length: Assumed("1994: 0.6 um CMOS"),
+        ],
     }
 }
 

@@ -6,6 +6,7 @@ use crate::methods::{MethodNumber, MethodSpec, MethodSpecs};
 use crate::problem::ConfigProblem;
 use crate::spec::{CostPoints, LoggingMachine, MachineSpec};
 use basrelief_frame_buffer::FinishedFrame;
+use basrelief_kernel::AreaModel;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_texel_value_generator::{Division, FrameLog, Method};
 
@@ -35,6 +36,10 @@ impl MachineSpec for TexelMachineConfig {
 
     fn front(&self) -> FrontConfig {
         self.into()
+    }
+
+    fn area_model(&self) -> AreaModel {
+        AreaModel { area: self.area.clone(), operators: self.operators.clone(), hz: self.clock.hz }
     }
 
     fn warnings(&self, facts: &UnitStats) -> Vec<String> {

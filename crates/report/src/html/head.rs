@@ -46,6 +46,9 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
     if let Some(bytes) = report.memory_bytes() {
         list.push((per_frame(bytes), format!("bytes of memory traffic{each}")));
     }
+    if let Some(area) = report.hardware_area() {
+        list.push((thousands(area.area_ge), "gate equivalents".into()));
+    }
     if let Some(d) = report.derived.get("frame_ms") {
         let hz = report.clock_hz().unwrap_or(0.0);
         list.push((format!("{:.3}", d.value), format!("ms{each} at {} MHz", real(hz / 1e6))));

@@ -29,8 +29,10 @@ mod table;
 mod tests;
 mod units;
 
-use crate::model::Report;
+use crate::area::by_place;
 use crate::model::costs::LISTED;
+use crate::model::{HardwareArea, Report};
+use crate::number::thousands;
 use crate::text::table::Table;
 use crate::text::{
     costs as cost_tables, hardware as hardware_tables, sections as text_sections, sensitivity as sensitivity_tables,
@@ -135,10 +137,23 @@ fn costs(report: &Report) -> Html {
     std::iter::once(el_text("p", "quiet", says)).chain(lists).collect()
 }
 
+/// A bar for the area of each unit, FIFO, cache and port.
+fn areas(report: &Report) -> Html {
+    let Some(sum) = report.hardware_area() else { return Html::default() };
+    let places = by_place(&report.hardware);
+    let most = places.first().map_or(0, |(_, area)| area.area_ge);
+    let row = |(place, area): &(&str, HardwareArea)| {
+        let bar = svg::bar(&[("amount", "gate equivalents".into(), area.area_ge)], most);
+        vec![markup::text(place), bar, markup::text(thousands(area.area_ge)), markup::text(svg::share(area.area_ge, sum.area_ge))]
+    };
+    let caption = format!("Area by place: {} gate equivalents (NAND2) in all", thousands(sum.area_ge));
+    let columns = [("where", Align::Left), ("area", Align::Left), ("gate equivalents", Align::Right), ("share", Align::Right)];
+    el("div", &[("class", "bars")], [with_cells(&caption, &columns, places.iter().map(row).collect())])
+}
+
 fn hardware(report: &Report) -> Html {
-    let pieces =
-        details("Every piece", table::html("Hardware, piece by piece", &hardware_tables::hardware_table(&report.hardware)));
-    [table::html("Totals by kind", &hardware_tables::totals(report)), pieces].into_iter().collect()
+    let pieces = details("Every piece", table::html("Hardware, piece by piece", &hardware_tables::hardware_table(&report.hardware)));
+    [areas(report), table::html("Totals by kind", &hardware_tables::totals(report)), pieces].into_iter().collect()
 }
 
 /// Counts, tables that only some machines have, and derived figures.

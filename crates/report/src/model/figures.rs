@@ -1,13 +1,13 @@
 //! Counts of a machine and figures that follow from them.
 
-use basrelief_kernel::{self as kernel, HardwareKind, stats};
+use basrelief_kernel::{self as kernel, HardwareKind, NumberFormat, stats};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Equal pieces of hardware: counts and widths, without area and energy.
+/// Equal pieces of hardware: counts, widths and area.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Hardware {
-    /// Unit, FIFO or cache.
+    /// Unit, FIFO, cache or port.
     pub place: String,
     /// Kind of hardware.
     pub kind: HardwareKind,
@@ -16,21 +16,98 @@ pub struct Hardware {
     pub about: String,
     /// Number of operators or words.
     pub count: u64,
-    /// Width of each \[bits\].
+    /// Width of each word, or of the first operand \[bits\].
     pub width: u32,
+    /// Width of the second operand \[bits\]; number of ways for tag comparators. Absent for storage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by: Option<u32>,
+    /// Number format of operators; absent for storage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub format: Option<NumberFormat>,
+    /// Ports of storage; absent for operators.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ports: Option<u32>,
+    /// Bits that one port of all banks reads in a cycle; absent for operators.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub port_bits: Option<u64>,
+    /// Area of all pieces.
+    #[serde(flatten)]
+    pub area: HardwareArea,
 }
 
-impl Hardware {
-    /// Returns the stored bits; 0 for operators.
-    pub fn bits(&self) -> u64 {
-        if self.kind.computes() { 0 } else { self.count.saturating_mul(u64::from(self.width)) }
+/// Area of hardware.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct HardwareArea {
+    /// Logic \[gate equivalents\].
+    #[serde(default)]
+    pub logic_ge: u64,
+    /// Flip-flops: registers, pipeline registers, words of small tables and FIFOs \[bits\].
+    #[serde(default)]
+    pub register_bits: u64,
+    /// Memory macros \[bits\].
+    #[serde(default)]
+    pub memory_bits: u64,
+    /// Logic, flip-flops and memory macros \[gate equivalents\].
+    #[serde(default)]
+    pub area_ge: u64,
+    /// Largest delay of a cycle \[FO4\]; 0 for storage.
+    #[serde(default)]
+    pub depth_fo4: u64,
+}
+
+impl HardwareArea {
+    /// Returns the area of two parts together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            logic_ge: self.logic_ge.saturating_add(other.logic_ge),
+            register_bits: self.register_bits.saturating_add(other.register_bits),
+            memory_bits: self.memory_bits.saturating_add(other.memory_bits),
+            area_ge: self.area_ge.saturating_add(other.area_ge),
+            depth_fo4: self.depth_fo4.max(other.depth_fo4),
+        }
+    }
+
+    /// Returns the area of all pieces together.
+    pub fn sum<'a>(pieces: impl IntoIterator<Item = &'a Hardware>) -> Self {
+        pieces.into_iter().fold(Self::default(), |sum, piece| sum.and(piece.area))
     }
 }
 
-impl From<&kernel::Hardware> for Hardware {
-    fn from(hardware: &kernel::Hardware) -> Self {
-        let kernel::Hardware { place, kind, about, count, width } = hardware;
-        Self { place: place.clone(), kind: *kind, about: (*about).into(), count: *count, width: *width }
+impl From<kernel::Area> for HardwareArea {
+    fn from(area: kernel::Area) -> Self {
+        let whole = |x: f64| x.round() as u64;
+        Self {
+            logic_ge: whole(area.logic_ge),
+            register_bits: area.register_bits,
+            memory_bits: area.memory_bits,
+            area_ge: whole(area.area_ge),
+            depth_fo4: whole(area.depth_fo4),
+        }
+    }
+}
+
+impl Hardware {
+    /// Describes equal pieces with their area.
+    pub fn new(piece: &kernel::Hardware, model: &kernel::AreaModel) -> Self {
+        let computes = piece.kind.computes();
+        Self {
+            place: piece.place.clone(),
+            kind: piece.kind,
+            about: piece.about.into(),
+            count: piece.count,
+            width: piece.width,
+            by: computes.then_some(piece.by),
+            format: computes.then_some(piece.format),
+            ports: (!computes).then_some(piece.ports),
+            port_bits: (!computes).then(|| piece.port_bits()),
+            area: model.of(piece).into(),
+        }
+    }
+
+    /// Returns the stored bits; 0 for operators.
+    pub fn bits(&self) -> u64 {
+        if self.kind.computes() { 0 } else { self.count.saturating_mul(u64::from(self.width)) }
     }
 }
 

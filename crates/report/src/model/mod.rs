@@ -12,7 +12,7 @@ pub mod sensitivity;
 mod timing;
 
 pub use costs::{Costs, CycleBreakdown, ObjectCost, PolygonCost, UnlistedCosts};
-pub use figures::{Derived, Figure, FigureGroup, Hardware, Legend};
+pub use figures::{Derived, Figure, FigureGroup, Hardware, HardwareArea, Legend};
 pub use host::{Host, RealPath};
 pub use memory::{Bus, Cache, Channel, Client, Memory};
 pub use pictures::{Difference, Picture, PictureQuality};

@@ -1,7 +1,7 @@
 //! The report of one run.
 
 use super::costs::Costs;
-use super::figures::{Derived, Figure, Hardware, Legend};
+use super::figures::{Derived, Figure, Hardware, HardwareArea, Legend};
 use super::host::Host;
 use super::memory::{Cache, Client, Memory};
 use super::pictures::{Picture, PictureQuality};
@@ -103,11 +103,17 @@ impl Report {
         Some(clients.map(Client::bytes).fold(0, u64::saturating_add))
     }
 
+    /// Returns the area of the machine; `None` for a report of a version without areas.
+    pub fn hardware_area(&self) -> Option<HardwareArea> {
+        Some(HardwareArea::sum(&self.hardware)).filter(|area| area.area_ge > 0)
+    }
+
     /// Returns the measures that a sensitivity analysis compares.
     pub fn measure(&self) -> Measure {
         Measure {
             cycles: self.frame_cycles(),
             bytes: self.memory_bytes().unwrap_or(0),
+            area_ge: self.hardware_area().map_or(0, |area| area.area_ge),
             psnr_db: self.quality.as_ref().map(|quality| quality.last.psnr_db),
         }
     }

@@ -13,7 +13,7 @@ const PERCENT_PER_DB: f64 = 12.2;
 pub struct Sensitivity {
     /// The run with the given configuration.
     pub base: Measure,
-    /// Changes, largest effect first. The effect is the largest of the changes of cycles, bytes and picture; a decibel counts as
+    /// Changes, largest effect first. The effect is the largest of the changes of cycles, bytes, area and picture; a decibel counts as
     /// 12.2 %. Equal effects keep the order of the parameters. Runs that did not finish are last.
     pub changes: Vec<ParameterChange>,
     /// Assumed parameters without neighbouring values: texts, and empty lists.
@@ -28,6 +28,9 @@ pub struct Measure {
     pub cycles: u64,
     /// Bytes that all memories moved.
     pub bytes: u64,
+    /// Area of the machine \[gate equivalents\]; 0 in a report of a version without areas.
+    #[serde(default)]
+    pub area_ge: u64,
     /// PSNR of the final picture \[dB\]. Absent without exact pictures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
@@ -77,6 +80,9 @@ pub struct MeasureChange {
     pub cycles_percent: f64,
     /// Change of the bytes, rounded to 6 decimals \[%\]. 0 if the base run moved no bytes.
     pub bytes_percent: f64,
+    /// Change of the area, rounded to 6 decimals \[%\].
+    #[serde(default)]
+    pub area_percent: f64,
     /// Change of the PSNR, rounded to 6 decimals; more is better \[dB\]. Absent without exact pictures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr_change_db: Option<f64>,
@@ -90,6 +96,7 @@ impl Measure {
             measure: to,
             cycles_percent: percent(self.cycles, to.cycles),
             bytes_percent: percent(self.bytes, to.bytes),
+            area_percent: percent(self.area_ge, to.area_ge),
             psnr_change_db: self.psnr_db.zip(to.psnr_db).map(|(from, to)| round6(to - from)),
         }
     }
@@ -99,7 +106,7 @@ impl MeasureChange {
     /// Returns the largest change \[%\].
     pub(crate) fn largest_change(&self) -> f64 {
         let decibels = self.psnr_change_db.unwrap_or(0.0) * PERCENT_PER_DB;
-        self.cycles_percent.abs().max(self.bytes_percent.abs()).max(decibels.abs())
+        [self.bytes_percent, self.area_percent, decibels].into_iter().fold(self.cycles_percent.abs(), |most, x| most.max(x.abs()))
     }
 }
 

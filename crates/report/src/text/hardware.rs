@@ -2,10 +2,11 @@
 
 use super::style::TextStyle;
 use super::table::{Align, Table};
-use crate::model::{Hardware, Report};
+use crate::area::{by_place, depth_warnings};
+use crate::model::{Hardware, HardwareArea, Report};
 use crate::number::thousands;
 use Align::{Left, Right};
-use basrelief_kernel::HardwareKind;
+use basrelief_kernel::{HardwareKind, OperandFormat};
 
 /// Totals by kind: number of operators, or bits of storage; and the unit that has most.
 pub(crate) fn totals(report: &Report) -> Table {
@@ -21,34 +22,84 @@ pub(crate) fn totals(report: &Report) -> Table {
     table
 }
 
-/// Everything, piece by piece.
-pub fn hardware(all: &[Hardware], style: TextStyle) -> String {
-    hardware_table(all).render(style)
+/// Longest bar of a place \[characters\].
+const BAR: u64 = 20;
+
+/// Area by place, then everything piece by piece, then operators that are slower than a cycle of `cycle_fo4`.
+pub fn hardware(all: &[Hardware], cycle_fo4: f64, style: TextStyle) -> String {
+    let warnings = depth_warnings(all, cycle_fo4).into_iter().map(|warning| format!("\n\nWarning: {warning}"));
+    let depth = HardwareArea::sum(all).depth_fo4;
+    format!(
+        "{}\n\n{}\n\nThe slowest operator takes {depth} FO4 per cycle; a cycle has {cycle_fo4:.0}.{}",
+        places(all).render(style),
+        hardware_table(all).render(style),
+        warnings.collect::<String>()
+    )
+}
+
+/// Area by unit, FIFO, cache and port, largest first, and the sum.
+pub(crate) fn places(all: &[Hardware]) -> Table {
+    let mut table = Table::new(&[
+        ("Where", Left, 0),
+        ("area GE", Right, 0),
+        ("%", Right, 0),
+        ("", Left, 2),
+        ("logic GE", Right, 1),
+        ("register bits", Right, 1),
+        ("memory bits", Right, 1),
+    ]);
+    let (sum, places) = (HardwareArea::sum(all), by_place(all));
+    let most = places.first().map_or(0, |(_, area)| area.area_ge);
+    for (place, area) in places.into_iter().chain([("total", sum)]) {
+        let bar = if place == "total" { 0 } else { (BAR * area.area_ge).checked_div(most).unwrap_or(0) };
+        let percent = 100.0 * area.area_ge as f64 / sum.area_ge.max(1) as f64;
+        let counts = [area.logic_ge, area.register_bits, area.memory_bits].map(thousands);
+        let bar = "█".repeat(usize::try_from(bar).unwrap_or(0));
+        table.row([place.to_owned(), thousands(area.area_ge), format!("{percent:.1}"), bar].into_iter().chain(counts));
+    }
+    table
 }
 
 /// A row for each piece.
 pub(crate) fn hardware_table(all: &[Hardware]) -> Table {
-    let columns =
-        [("Where", Left, 0), ("", Left, 0), ("for", Left, 1), ("pieces", Right, 0), ("wide", Right, 0), ("bits", Right, 0)];
-    let mut table = Table::new(&columns);
+    let mut table = Table::new(&[
+        ("Where", Left, 0),
+        ("", Left, 0),
+        ("for", Left, 1),
+        ("pieces", Right, 0),
+        ("wide", Right, 0),
+        ("bits", Right, 1),
+        ("ports", Right, 2),
+        ("port bits", Right, 2),
+        ("area GE", Right, 0),
+    ]);
     let mut before = "";
     for h in all {
         let place = if h.place == before { String::new() } else { h.place.clone() };
         before = &h.place;
         let bits = if h.kind.computes() { String::new() } else { thousands(h.bits()) };
-        table.row([place, h.kind.to_string(), h.about.clone(), thousands(h.count), h.width.to_string(), bits]);
+        let ports = h.ports.map_or_else(String::new, |ports| ports.to_string());
+        let port_bits = h.port_bits.map_or_else(String::new, thousands);
+        let kind = h.kind.to_string();
+        let about = h.about.clone();
+        table.row([place, kind, about, thousands(h.count), width(h), bits, ports, port_bits, thousands(h.area.area_ge)]);
     }
     table
+}
+
+/// Width of a word, or widths of the operands and their format.
+fn width(piece: &Hardware) -> String {
+    match (piece.by, piece.format) {
+        (_, Some(OperandFormat::Single)) => format!("{} float", piece.width),
+        (Some(by), _) if by != piece.width => format!("{} x {by}", piece.width),
+        _ => piece.width.to_string(),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples;
-
-    fn piece(place: &str, kind: HardwareKind, count: u64, width: u32) -> Hardware {
-        Hardware { place: place.into(), kind, about: "what for".into(), count, width }
-    }
+    use crate::samples::{self, piece};
 
     #[test]
     fn operators_are_counted_and_bits_added_up() {
@@ -65,7 +116,13 @@ mod tests {
             lines,
             [vec!["multipliers", "44", "filter"], vec!["tables", "12,288", "search"], vec!["FIFOs", "400", "wire"]]
         );
-        let text = hardware(&report.hardware, TextStyle::default());
+        report.hardware[1].area.area_ge = 30_000;
+        report.hardware[3].area.area_ge = 10_000;
+        let text = hardware(&report.hardware, 83.0, TextStyle { width: 200, color: false });
         assert!(text.contains("256    48  12,288"), "{text}");
+        let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
+        has("search 30,000 75.0 ████████████████████ 0 0 0");
+        has("wire 10,000 25.0 ██████ 0 0 0");
+        has("total 40,000 100.0 0 0 0");
     }
 }

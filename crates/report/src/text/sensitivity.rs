@@ -14,16 +14,16 @@ const ABOUT: usize = 32;
 
 /// Caption of the table of changes.
 pub(crate) fn caption(sensitivity: &Sensitivity) -> String {
-    let Measure { cycles, bytes, psnr_db } = sensitivity.base;
-    let count =
-        |is: &dyn Fn(Option<f64>) -> bool| sensitivity.changes.iter().filter(|change| is(change.largest_change())).count();
+    let Measure { cycles, bytes, area_ge, psnr_db } = sensitivity.base;
+    let count = |is: &dyn Fn(Option<f64>) -> bool| sensitivity.changes.iter().filter(|change| is(change.largest_change())).count();
     let (still, failed) = (count(&|size| size == Some(0.0)), count(&|size| size.is_none()));
     let picture = psnr_db.map_or_else(String::new, |db| format!(", {} dB", two_decimals(db)));
     format!(
-        "one assumed parameter changed at a time, against {} cycles, {} bytes{picture}. {} changes, largest first; {still} have no \
+        "one assumed parameter or coefficient of the area changed at a time, against {} cycles, {} bytes, {} gate equivalents{picture}. {} changes, largest first; {still} have no \
          effect, {failed} did not finish; report.json lists all",
         thousands(cycles),
         thousands(bytes),
+        thousands(area_ge),
         sensitivity.changes.len()
     )
 }
@@ -66,6 +66,7 @@ pub(crate) fn changes(sensitivity: &Sensitivity) -> Table {
         ("to", Right, 0),
         ("cycles %", Right, 0),
         ("bytes %", Right, 0),
+        ("area %", Right, 0),
         ("dB", Right, 0),
         ("description", Left, 1),
     ]);
@@ -80,6 +81,7 @@ pub(crate) fn changes(sensitivity: &Sensitivity) -> Table {
             setting_text(&change.to),
             signed_change(to.cycles_percent),
             signed_change(to.bytes_percent),
+            signed_change(to.area_percent),
             to.psnr_change_db.map_or_else(String::new, signed_change),
             short_description(&change.about),
         ]);
@@ -106,10 +108,10 @@ mod tests {
     use crate::text::{TableGroup, TextStyle, to_text};
     use serde_json::json;
 
-    const BASE: Measure = Measure { cycles: 1000, bytes: 400, psnr_db: Some(30.0) };
+    const BASE: Measure = Measure { cycles: 1000, bytes: 400, area_ge: 500, psnr_db: Some(30.0) };
 
     fn change(parameter: &str, to: Option<(u64, u64, f64)>) -> ParameterChange {
-        let moved = |(cycles, bytes, db)| ComesTo::Run(BASE.change_to(Measure { cycles, bytes, psnr_db: Some(db) }));
+        let moved = |(cycles, bytes, db)| ComesTo::Run(BASE.change_to(Measure { cycles, bytes, psnr_db: Some(db), ..BASE }));
         let none = || ComesTo::Nothing { reason: "deadlock: a waits for b".into() };
         ParameterChange {
             parameter: parameter.into(),
@@ -142,9 +144,10 @@ mod tests {
 
     #[test]
     fn changes_are_relative_to_the_base_run() {
-        let moved = BASE.change_to(Measure { cycles: 1333, bytes: 0, psnr_db: None });
+        let moved = BASE.change_to(Measure { cycles: 1333, bytes: 0, area_ge: 600, psnr_db: None });
         assert_eq!((moved.cycles_percent, moved.bytes_percent, moved.psnr_change_db), (33.3, -100.0, None));
-        let nothing = Measure { cycles: 0, bytes: 0, psnr_db: None };
+        assert_eq!(moved.area_percent, 20.0);
+        let nothing = Measure { cycles: 0, bytes: 0, area_ge: 0, psnr_db: None };
         assert_eq!(nothing.change_to(BASE).cycles_percent, 0.0);
     }
 

@@ -55,5 +55,6 @@ fn hardware(report: &Report) -> Option<String> {
         HardwareKind::ALL.into_iter().filter(|kind| kind.computes()).map(|kind| (kind, of(&|h| h.kind == kind, |h| h.count)));
     let name = |kind: HardwareKind, n| if n == 1 { kind.to_string().trim_end_matches('s').to_owned() } else { kind.to_string() };
     let counted = counted.filter(|(_, n)| *n > 0).map(|(kind, n)| format!(", {} {}", thousands(n), name(kind, n)));
-    (!report.hardware.is_empty()).then(|| format!("{} bits of storage{}", thousands(bits), counted.collect::<String>()))
+    let area = report.hardware_area().map_or_else(String::new, |area| format!("{} gate equivalents; ", thousands(area.area_ge)));
+    (!report.hardware.is_empty()).then(|| format!("{area}{} bits of storage{}", thousands(bits), counted.collect::<String>()))
 }

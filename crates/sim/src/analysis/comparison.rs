@@ -53,7 +53,8 @@ pub fn explain(a: &RecordedRun, b: &RecordedRun) -> Option<MeasuredCauses> {
         return None;
     }
     let (of_a, of_b) = (a.config.parameters(), b.config.parameters());
-    let (timing, work): (Vec<_>, Vec<_>) = differing(&of_b, &of_a).into_iter().partition(|p| p.effect == Effect::Timing);
+    let (timing, work): (Vec<_>, Vec<_>) =
+        differing(&of_b, &of_a).into_iter().filter(|p| p.effect != Effect::Cost).partition(|p| p.effect == Effect::Timing);
     let mut shares = threads::par_map(groups(&timing), |(group, of_group)| {
         let set = options_for(b, &with_values(&of_b, &of_group));
         let cycles = set.as_ref().and_then(|(_, config)| resimulated_cycles(&b.recording, config));

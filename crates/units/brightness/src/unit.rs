@@ -5,8 +5,9 @@ use crate::state::ClutRebuild;
 use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource};
 use arrayvec::ArrayVec;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
 use basrelief_shading::{TableSet, light_vectors};
+use basrelief_signals::width::SHARE;
 use basrelief_signals::{
     Control, Flow, MAX_SAMPLES, MAX_STAMP, NormalIndexes, ShadedFragment, Stamp, StampSample, quantization_memory,
 };
@@ -200,16 +201,13 @@ impl BrightnessFetch {
         let c = &self.config;
         let values = c.values();
         let blenders = u64::from(c.samples_per_cycle * values);
-        stats.hardware(HardwareKind::Multiplier, "share of a level", blenders, c.bits);
+        stats.hardware(HardwareKind::Multiplier, "share of a level", blenders, OperandWidth::fixed(c.bits, SHARE));
         stats.hardware(HardwareKind::Adder, "sum of levels", blenders, c.bits);
-        stats.hardware(HardwareKind::Multiplier, "lighting of an entry", c.multipliers, SINGLE);
-        stats.hardware(HardwareKind::Adder, "lighting of an entry", c.multipliers, SINGLE);
-        stats.hardware(HardwareKind::Power, "highlight of an entry", c.powers, SINGLE);
+        stats.hardware(HardwareKind::Multiplier, "lighting of an entry", c.multipliers, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Adder, "lighting of an entry", c.multipliers, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Power, "highlight of an entry", c.powers, OperandWidth::SINGLE);
     }
 }
-
-/// Single-precision number \[bits\].
-const SINGLE: u32 = 32;
 
 impl Unit for BrightnessFetch {
     basrelief_kernel::unit_info!("looks brightness up by index, interpolates between levels");

@@ -3,7 +3,7 @@
 use crate::config::{EngineConfig, LightingMode};
 use crate::sizes::TableSizes;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{HardwareKind, OperatorCounts, Operators};
+use basrelief_kernel::{HardwareKind, OperandWidth, OperatorCounts, Operators};
 
 /// Single-precision number \[bits\].
 const NUMBER: u32 = 32;
@@ -73,18 +73,18 @@ impl CellWork {
 
     pub(crate) fn tell(&self, lighting: LightingMode, sizes: TableSizes, stats: &mut UnitStats) {
         let cells = CELL.times(self.fill_rate);
-        stats.hardware(HardwareKind::Multiplier, "cells: footprint, planes, logarithm", cells.multiply, NUMBER);
-        stats.hardware(HardwareKind::Adder, "cells: footprint, planes, logarithm", cells.add, NUMBER);
-        stats.hardware(HardwareKind::Divider, "cells: perspective of the footprint", self.dividers, NUMBER);
+        stats.hardware(HardwareKind::Multiplier, "cells: footprint, planes, logarithm", cells.multiply, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Adder, "cells: footprint, planes, logarithm", cells.add, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Divider, "cells: perspective of the footprint", self.dividers, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Table, "cells: logarithms", LOGARITHMS * self.fill_rate, LOGARITHM_BITS);
         let setup = self.setup_operators();
-        stats.hardware(HardwareKind::Multiplier, "set-up of triangles", setup.multiply, NUMBER);
-        stats.hardware(HardwareKind::Adder, "set-up of triangles", setup.add, NUMBER);
-        stats.hardware(HardwareKind::Divider, "set-up of triangles", setup.divide, NUMBER);
+        stats.hardware(HardwareKind::Multiplier, "set-up of triangles", setup.multiply, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Adder, "set-up of triangles", setup.add, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Divider, "set-up of triangles", setup.divide, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "triangle that is set up", SLOPES, NUMBER);
         stats.hardware(HardwareKind::Registers, "its page and wrap modes", 1_u32, sizes.surface_bits());
         if lighting == LightingMode::Gouraud {
-            stats.hardware(HardwareKind::Power, "brightness of vertices of bump targets", setup.power, NUMBER);
+            stats.hardware(HardwareKind::Power, "brightness of vertices of bump targets", setup.power, OperandWidth::SINGLE);
         }
     }
 }

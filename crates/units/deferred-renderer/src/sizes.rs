@@ -49,7 +49,8 @@ impl TableSizes {
         self.page_bits + ADDRESS
     }
 
-    /// Reports the tables of a unit that finds texels of pages: Dmax (133), position and size of each page; width, height, tile
+    /// Reports the tables of the two units that find texels of pages. Both passes over the reference buffer (126) use them, one after
+    /// the other, so one copy with one port suffices. They hold: Dmax (133), position and size of each page; width, height, tile
     /// pitch (138) and tile base (140) of each layer.
     pub(crate) fn tell_pages(self, stats: &mut UnitStats) {
         let pages = 1_u64 << self.page_bits;

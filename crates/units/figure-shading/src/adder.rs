@@ -3,8 +3,7 @@
 use crate::dots::needed;
 use crate::{BrightnessSelection, CircuitConfig, FigureFlow, ShadedDot, SpecularDot, SpecularFlow};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
-use basrelief_signals::width::NUMBER;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
 use serde::{Deserialize, Serialize};
 
 /// Counters of the adder.
@@ -108,7 +107,7 @@ impl Unit for Adder {
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.latency(), self.config.initiation_interval);
         let adders = needed(3, self.operators.add.interval, self.config.initiation_interval);
-        stats.hardware(HardwareKind::Adder, "sum of red, green and blue", adders, NUMBER);
+        stats.hardware(HardwareKind::Adder, "sum of red, green and blue", adders, OperandWidth::SINGLE);
         stats.figure("adder_sums", self.state.counters.sums, "dots", "Dots to which a highlight was added");
     }
 }

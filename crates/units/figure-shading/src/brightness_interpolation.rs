@@ -3,7 +3,7 @@
 use crate::dots::{CornerValues, DotScan, INTERPOLATION, set_up_cycles, tell_interpolator};
 use crate::{BrightnessSelection, FigureFlow, InterpolationConfig, PolygonFigure, ShadedDot, ShadingMode};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
 use basrelief_signals::Fragment;
 use basrelief_signals::width::NUMBER;
 use serde::{Deserialize, Serialize};
@@ -125,7 +125,7 @@ impl Unit for BrightnessInterpolation {
             stats.rate(output, self.latency, self.config.initiation_interval);
         }
         tell_interpolator(stats, &self.operators, self.config.initiation_interval);
-        stats.hardware(HardwareKind::Adder, "steps of the depth", 1_u64, NUMBER);
+        stats.hardware(HardwareKind::Adder, "steps of the depth", 1_u64, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "depth and its two slopes", 3_u64, NUMBER);
         let c = &self.state.counters;
         stats.figure("interpolation_polygons", c.polygons, "polygons", "Polygons in the brightness interpolation circuit (21)");

@@ -1,7 +1,7 @@
 //! Scan of a polygon's dots in both circuits and process 24: the same dots in the same order.
 
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{HardwareKind, OperatorCounts, Operators};
+use basrelief_kernel::{HardwareKind, OperandWidth, OperatorCounts, Operators};
 use basrelief_shading::{AttributeGradient, PolygonScan, RasterGrid, fan_triangles};
 use basrelief_signals::width::{COORDINATE, NUMBER};
 use basrelief_signals::{Fragment, Polygon};
@@ -29,12 +29,12 @@ pub(crate) fn needed(operations: u32, kind_interval: u32, interval: u32) -> u64 
 pub(crate) fn tell_interpolator(stats: &mut UnitStats, operators: &Operators, interval: u32) {
     let multipliers = needed(THREE_VALUES.multiply, operators.multiply.interval, interval);
     let adders = needed(THREE_VALUES.add, operators.add.interval, interval);
-    stats.hardware(HardwareKind::Multiplier, "interpolation", multipliers, NUMBER);
-    stats.hardware(HardwareKind::Adder, "the same", adders, NUMBER);
-    stats.hardware(HardwareKind::Adder, "steps of three edges", 3_u64, NUMBER);
-    stats.hardware(HardwareKind::Multiplier, "set-up of a triangle", 1_u64, NUMBER);
-    stats.hardware(HardwareKind::Adder, "the same", 1_u64, NUMBER);
-    stats.hardware(HardwareKind::Divider, "its area", 1_u64, NUMBER);
+    stats.hardware(HardwareKind::Multiplier, "interpolation", multipliers, OperandWidth::SINGLE);
+    stats.hardware(HardwareKind::Adder, "the same", adders, OperandWidth::SINGLE);
+    stats.hardware(HardwareKind::Adder, "steps of three edges", 3_u64, OperandWidth::SINGLE);
+    stats.hardware(HardwareKind::Multiplier, "set-up of a triangle", 1_u64, OperandWidth::SINGLE);
+    stats.hardware(HardwareKind::Adder, "the same", 1_u64, OperandWidth::SINGLE);
+    stats.hardware(HardwareKind::Divider, "its area", 1_u64, OperandWidth::SINGLE);
     stats.hardware(HardwareKind::Registers, "scan: column, row", 2_u64, COORDINATE);
     stats.hardware(HardwareKind::Registers, "scan: three edges, value and two slopes each", 9_u64, NUMBER);
     stats.hardware(HardwareKind::Registers, "three values at three corners", 9_u64, NUMBER);

@@ -3,7 +3,7 @@
 use crate::dots::{CornerValues, DotScan, INTERPOLATION, needed, set_up_cycles, tell_interpolator};
 use crate::{NormalInterpolationConfig, NormalLoad, PowerFunction, SpecularDot, SpecularFlow};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, OperatorCounts, Operators, Step, Unit};
 use basrelief_signals::width::NUMBER;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -152,26 +152,31 @@ impl NormalInterpolation {
         tell_interpolator(stats, &self.operators, interval);
         let [multiply, add] = [self.operators.multiply.interval, self.operators.add.interval];
         if interval == 1 && multiply == 1 && add == 1 {
-            stats.hardware(HardwareKind::InnerProduct, "N.H", 1_u64, NUMBER);
+            stats.hardware(HardwareKind::InnerProduct, "N.H", 1_u64, OperandWidth::SINGLE);
         } else {
             stats.hardware(
                 HardwareKind::Multiplier,
                 "N.H",
                 needed(OperatorCounts::INNER_PRODUCT.multiply, multiply, interval),
-                NUMBER,
+                OperandWidth::SINGLE,
             );
-            stats.hardware(HardwareKind::Adder, "N.H", needed(OperatorCounts::INNER_PRODUCT.add, add, interval), NUMBER);
+            stats.hardware(
+                HardwareKind::Adder,
+                "N.H",
+                needed(OperatorCounts::INNER_PRODUCT.add, add, interval),
+                OperandWidth::SINGLE,
+            );
         }
         if self.renormalise {
             let about = "normals to length 1";
-            stats.hardware(HardwareKind::Multiplier, about, NORMALISER.multiply, NUMBER);
-            stats.hardware(HardwareKind::Adder, about, NORMALISER.add, NUMBER);
-            stats.hardware(HardwareKind::Divider, about, NORMALISER.divide, NUMBER);
-            stats.hardware(HardwareKind::SquareRoot, about, NORMALISER.square_root, NUMBER);
+            stats.hardware(HardwareKind::Multiplier, about, NORMALISER.multiply, OperandWidth::SINGLE);
+            stats.hardware(HardwareKind::Adder, about, NORMALISER.add, OperandWidth::SINGLE);
+            stats.hardware(HardwareKind::Divider, about, NORMALISER.divide, OperandWidth::SINGLE);
+            stats.hardware(HardwareKind::SquareRoot, about, NORMALISER.square_root, OperandWidth::SINGLE);
         }
         self.power.report_stats(stats);
-        stats.hardware(HardwareKind::Multiplier, "Is*Ks", 1_u64, NUMBER);
-        stats.hardware(HardwareKind::Adder, "sum over lights", 1_u64, NUMBER);
+        stats.hardware(HardwareKind::Multiplier, "Is*Ks", 1_u64, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Adder, "sum over lights", 1_u64, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "H and Is*Ks of a light, n", 5_u64, NUMBER);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{NormalInterpolationConfig, PowerMethod};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{HardwareKind, OperatorCounts, Operators};
+use basrelief_kernel::{HardwareKind, OperandWidth, OperatorCounts, Operators};
 use basrelief_signals::width::NUMBER;
 
 /// Largest exponent that is computed by multiplication.
@@ -108,14 +108,14 @@ impl PowerFunction {
         match self.config.power {
             PowerMethod::Iteration => {
                 let multipliers = if self.config.pipelined { PIPELINE } else { 1 };
-                stats.hardware(HardwareKind::Multiplier, "power by iteration", multipliers, NUMBER);
+                stats.hardware(HardwareKind::Multiplier, "power by iteration", multipliers, OperandWidth::SINGLE);
                 stats.hardware(HardwareKind::Registers, "square, power, rest of n", 3 * multipliers, NUMBER);
             }
             PowerMethod::Table => {
-                stats.hardware(HardwareKind::Multiplier, "address in the table of powers", 1_u64, NUMBER);
-                stats.hardware(HardwareKind::Adder, "its rounding", 1_u64, NUMBER);
-                stats.hardware(HardwareKind::Multiplier, "filling the table of powers", 1_u64, NUMBER);
-                stats.hardware(HardwareKind::Adder, "the same", 1_u64, NUMBER);
+                stats.hardware(HardwareKind::Multiplier, "address in the table of powers", 1_u64, OperandWidth::SINGLE);
+                stats.hardware(HardwareKind::Adder, "its rounding", 1_u64, OperandWidth::SINGLE);
+                stats.hardware(HardwareKind::Multiplier, "filling the table of powers", 1_u64, OperandWidth::SINGLE);
+                stats.hardware(HardwareKind::Adder, "the same", 1_u64, OperandWidth::SINGLE);
                 stats.hardware(HardwareKind::Table, "powers", self.entries(), self.config.table_bits);
             }
         }

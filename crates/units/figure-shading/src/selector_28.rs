@@ -5,9 +5,8 @@ use crate::{
     BrightnessSelection, CircuitConfig, FigureFlow, FinishedPolygon, PolygonFigure, PolygonRoute, ShadedDot, ShadingMode,
 };
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Step, Unit};
 use basrelief_shading::saturated;
-use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Pixel, Stamp};
 use serde::{Deserialize, Serialize};
 
@@ -117,8 +116,8 @@ impl Unit for Selector28 {
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.config.latency, self.config.initiation_interval);
         let each = needed(3, 1, self.config.initiation_interval);
-        stats.hardware(HardwareKind::Multiplier, "to steps of 8 bits", each, NUMBER);
-        stats.hardware(HardwareKind::Adder, "rounding, and cutting off at either end", 3 * each, NUMBER);
+        stats.hardware(HardwareKind::Multiplier, "to steps of 8 bits", each, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Adder, "rounding, and cutting off at either end", 3 * each, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "mode register (14) as of the polygon that passes", 1_u64, 2);
         let c = &self.state.counters;
         stats.figure("fragments", c.dots.iter().sum::<u64>(), "dots", "Dots drawn; a dot is a fragment").part(FigureGroup::Work);

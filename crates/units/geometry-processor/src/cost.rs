@@ -3,8 +3,8 @@
 use crate::config::GeometryConfig;
 use crate::work::{self, StepCharge};
 use crate::{GeometryProcessor, PolygonLink};
-use basrelief_kernel::HardwareKind;
 use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{HardwareKind, OperandWidth};
 use basrelief_signals::{LightingStage, Material, Object, Polygon, SentAttributes};
 
 impl GeometryProcessor {
@@ -40,7 +40,7 @@ impl GeometryProcessor {
     }
 
     pub(crate) fn tell_hardware(&self, stats: &mut UnitStats) {
-        stats.operators("transform, clip, project, light", self.config.operators(), NUMBER);
+        stats.operators("transform, clip, project, light", self.config.operators(), OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "matrices", 16 + 9 + 9_u32, NUMBER);
         stats.hardware(HardwareKind::Registers, "lights", 7 * LIGHTS, NUMBER);
         stats.hardware(HardwareKind::Registers, "corners of a clipped polygon", MOST_CORNERS, self.vertex_bits());

@@ -5,7 +5,7 @@ use crate::config::{DrawOrder, GraphicsConfig, MipFilter};
 use crate::state::{GraphicsProcessorState, HeldItem, InputPhase};
 use crate::work::PixelTiming;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
 use basrelief_shading::{AttributeGradient, BlockLayout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
 use basrelief_signals::{Control, Flow, Fragment, Pixel, Polygon, ShadedFragment, Stamp, TexelFilter, Texture, layout};
 use std::sync::Arc;
@@ -297,7 +297,7 @@ impl Unit for GraphicsProcessor {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.timing.latency, 1_u64);
-        stats.operators("filter and blend", self.config.operators(), NUMBER);
+        stats.operators("filter and blend", self.config.operators(), OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
         let c = &self.state.counters;
         stats.figure("pixels_textured", c.textured, "pixels", "Pixels with a colour texture");

@@ -7,7 +7,7 @@ use crate::state::TriangleSetup;
 use crate::work::MappingTiming;
 use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
 use basrelief_shading::{BlockLayout, LEVELS, SampleFootprints, decode_normal, footprints, select_levels, weights, wrapped};
 use basrelief_signals::{
     Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Stamp, StampLanes, StampNormals, StampSample,
@@ -198,7 +198,7 @@ impl Unit for NormalMapping {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.timing.latency, 1_u64);
-        stats.operators("filter, rotate, scale", self.config.operators(), NUMBER);
+        stats.operators("filter, rotate, scale", self.config.operators(), OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
         let c = &self.state.counters;
         stats.figure("bump_fragments", c.bump_fragments, "fragments", "Fragments of bump targets");

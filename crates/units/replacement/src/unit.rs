@@ -246,12 +246,13 @@ impl Replacement {
         let most = c.entries.levels().into_iter().max().unwrap_or(1);
         let (width, units) = (c.entry_bits.max(self.normal_bits), u64::from(c.inner_products()));
         stats.hardware(HardwareKind::InnerProduct, "search", units, width);
-        stats.hardware(HardwareKind::Adder, "largest inner product", units, 2 * width + 2);
+        stats.hardware(HardwareKind::Comparator, "largest inner product", units, 2 * width + 2);
         let held = u64::from(c.resident_tables) * u64::from(most);
-        stats.hardware(HardwareKind::Table, "VQ tables (121)", held, 3 * c.entry_bits);
+        // Each lane reads a direction of its own in every cycle.
+        stats.banked_table("VQ tables (121)", held, 3 * c.entry_bits, c.inner_products());
         if c.codebook != CodeBookMode::Fixed {
             stats.hardware(HardwareKind::Divider, "unit length of directions", 1_u64, width);
-            stats.hardware(HardwareKind::SquareRoot, "unit length of directions", 1_u64, 2 * width);
+            stats.hardware(HardwareKind::SquareRoot, "unit length of directions", 1_u64, width);
             // Sums of 2^32 directions of an entry.
             stats.hardware(HardwareKind::Table, "sums of directions", 3 * u64::from(most), width + 32);
         }

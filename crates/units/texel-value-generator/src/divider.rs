@@ -133,7 +133,12 @@ impl Unit for Divider {
         );
         // A pipeline has the hardware of an iteration once per cycle of latency.
         let copies = if self.config.pipelined { iterations(self.bits, self.config.bits_per_cycle) } else { 1 };
-        stats.hardware(HardwareKind::Divider, "u and v at division points", self.config.count * copies, self.bits);
+        stats.iterative(
+            HardwareKind::Divider,
+            "u and v at division points",
+            self.config.count * copies,
+            [self.bits, self.config.bits_per_cycle],
+        );
         if self.config.division == Division::Reciprocal {
             stats.hardware(HardwareKind::Multiplier, "U and V by a reciprocal", PRODUCTS.multiply, self.bits);
         }

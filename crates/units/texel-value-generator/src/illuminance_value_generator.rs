@@ -3,7 +3,7 @@
 use crate::config::{IlluminanceConfig, IlluminanceMode};
 use crate::signals::{IlluminancePacket, LitSpan, to_16_bits};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, OperatorCounts, Operators, Step, Unit};
 use basrelief_shading::{LightVector, brightness, fan_triangle, light_vectors};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Frame, PACKET_PIXELS, Packet, Polygon, Vertex};
@@ -201,10 +201,10 @@ impl Unit for IlluminanceValueGenerator {
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.config.latency, 1_u64);
         let IlluminanceConfig { multipliers, adders, mode, .. } = self.config;
-        stats.hardware(HardwareKind::Multiplier, "set-up of triangles and spans", multipliers, NUMBER);
-        stats.hardware(HardwareKind::Adder, "set-up of triangles and spans", adders, NUMBER);
+        stats.hardware(HardwareKind::Multiplier, "set-up of triangles and spans", multipliers, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Adder, "set-up of triangles and spans", adders, OperandWidth::SINGLE);
         let power = u32::from(mode == IlluminanceMode::Gouraud);
-        stats.hardware(HardwareKind::Power, "highlights of bump targets", power, NUMBER);
+        stats.hardware(HardwareKind::Power, "highlights of bump targets", power, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Adder, "interpolation of RGBA", 4_u32, SUM_BITS);
         stats.hardware(HardwareKind::Registers, "RGBA: sum and change", 2 * 4_u32, SUM_BITS);
         stats.hardware(HardwareKind::Registers, "corners: RGBA and its differences", 3 * 4_u32, NUMBER);

@@ -3,7 +3,7 @@
 use crate::config::{March, ScanConverterConfig, Snap};
 use crate::signals::{LitSpan, ScanSpan, Uvw, scale_of};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, OperatorCounts, Operators, Step, Unit};
 use basrelief_shading::{PolygonSpans, RasterGrid, fan_triangle, fan_triangles};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Polygon, Vertex};
@@ -266,9 +266,9 @@ impl Unit for ScanConverter {
             "Divisions at set-up of triangles: slopes of edges, reciprocals of areas",
         );
         let ScanConverterConfig { dividers, multipliers, adders, .. } = self.config;
-        stats.hardware(HardwareKind::Divider, "set-up of triangles", dividers, NUMBER);
-        stats.hardware(HardwareKind::Multiplier, "set-up of triangles", multipliers, NUMBER);
-        stats.hardware(HardwareKind::Adder, "set-up of triangles, ends of spans", adders, NUMBER);
+        stats.hardware(HardwareKind::Divider, "set-up of triangles", dividers, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Multiplier, "set-up of triangles", multipliers, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Adder, "set-up of triangles, ends of spans", adders, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "a triangle that is set up", SETUP_WORDS, NUMBER);
     }
 }

@@ -10,8 +10,7 @@ use crate::{
     PowerFunction, RegisterOrder, RegisterWrite, ScanConfig, ShadingConfig, ShadingRegisters, ShortCutConfigs,
 };
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
-use basrelief_signals::width::NUMBER;
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
 use basrelief_signals::{Control, Polygon};
 use std::sync::Arc;
 
@@ -208,7 +207,7 @@ impl Microcomputer {
             (HardwareKind::Adder, "the same; comparisons"),
             (HardwareKind::Divider, "the same"),
         ] {
-            stats.hardware(kind, about, 1_u64, NUMBER);
+            stats.hardware(kind, about, 1_u64, OperandWidth::SINGLE);
         }
         let numbers = local_memory::numbers(self.buffers);
         stats.hardware(

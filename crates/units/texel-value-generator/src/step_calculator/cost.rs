@@ -53,9 +53,9 @@ impl StepCalculator {
         stats.hardware(HardwareKind::Registers, "storage element: criterion e", 1_u32, NUMBER);
         stats.hardware(HardwareKind::Multiplier, "whether a span is divided; steps", multipliers, NUMBER);
         stats.hardware(HardwareKind::Adder, "whether a span is divided; steps", ADDERS, NUMBER);
-        stats.hardware(HardwareKind::Divider, "e / |dw|", 1_u32, step_bits);
+        stats.iterative(HardwareKind::Divider, "e / |dw|", 1_u32, [step_bits, self.bits_per_cycle]);
         match step_table {
-            0 => stats.hardware(HardwareKind::SquareRoot, "steps", 1_u32, step_bits),
+            0 => stats.iterative(HardwareKind::SquareRoot, "steps", 1_u32, [step_bits, self.bits_per_cycle]),
             entries => stats.hardware(HardwareKind::Table, "square roots", entries, step_bits),
         }
     }
