@@ -5,7 +5,7 @@
 mod blocks;
 mod config;
 
-use crate::hardware::{Hardware, HardwareKind, NumberFormat};
+use crate::hardware::{Hardware, HardwareKind, OperandFormat};
 use crate::{OperatorConfig, Operators};
 pub use config::AreaConfig;
 
@@ -92,7 +92,7 @@ impl AreaModel {
         let mut area = Area::default();
         let timing = &self.operators;
         let operator = |timing| {
-            let digits = if piece.format == NumberFormat::Single { NumberFormat::MANTISSA } else { piece.width };
+            let digits = if piece.format == OperandFormat::Single { OperandFormat::MANTISSA } else { piece.width };
             Operator { piece, timing, digits }
         };
         match piece.kind {
@@ -123,10 +123,10 @@ impl AreaModel {
     fn multiplier(&self, of: &Operator<'_>, area: &mut Area) {
         let Hardware { count, width, by, format, .. } = *of.piece;
         let (ge, depth, result) = match format {
-            NumberFormat::Fixed => {
+            OperandFormat::Fixed => {
                 (blocks::multiplier(&self.area, width, by), blocks::multiplier_fo4(width, by), width.saturating_add(by))
             }
-            NumberFormat::Single => (blocks::float_multiplier(&self.area), blocks::FLOAT_MULTIPLIER_FO4, width),
+            OperandFormat::Single => (blocks::float_multiplier(&self.area), blocks::FLOAT_MULTIPLIER_FO4, width),
         };
         area.add_logic(count as f64 * ge);
         area.add_registers(of.stages(result), self.area.flip_flop);
@@ -139,8 +139,8 @@ impl AreaModel {
             (HardwareKind::Comparator, _) => {
                 (self.area.larger * f64::from(width), blocks::LARGER_FO4, width + blocks::INDEX_BITS)
             }
-            (_, NumberFormat::Single) => (blocks::float_adder(&self.area), blocks::FLOAT_ADDER_FO4, width + 1),
-            (_, NumberFormat::Fixed) => (blocks::adder(&self.area, width), blocks::adder_fo4(width), width + 1),
+            (_, OperandFormat::Single) => (blocks::float_adder(&self.area), blocks::FLOAT_ADDER_FO4, width + 1),
+            (_, OperandFormat::Fixed) => (blocks::adder(&self.area, width), blocks::adder_fo4(width), width + 1),
         };
         area.add_logic(count as f64 * ge);
         area.add_registers(of.stages(result), self.area.flip_flop);
@@ -151,13 +151,13 @@ impl AreaModel {
     fn inner_product(&self, multiply: &Operator<'_>, add: &Operator<'_>, area: &mut Area) {
         let Hardware { count, width, format, .. } = *multiply.piece;
         let (ge, product, sums, depths) = match format {
-            NumberFormat::Fixed => (
+            OperandFormat::Fixed => (
                 blocks::inner_product(&self.area, width),
                 2 * width,
                 [2 * width + 1, 2 * width + 2],
                 [blocks::multiplier_fo4(width, width), blocks::adder_fo4(2 * width)],
             ),
-            NumberFormat::Single => (
+            OperandFormat::Single => (
                 3.0 * blocks::float_multiplier(&self.area) + 2.0 * blocks::float_adder(&self.area),
                 width,
                 [width, width],
@@ -184,11 +184,11 @@ impl AreaModel {
         area.depth_fo4 = of.digits_in(timing.latency) * blocks::QUOTIENT_BIT_FO4;
     }
 
+    /// Its delay was not measured.
     fn power(&self, of: &Operator<'_>, area: &mut Area) {
         let scale = f64::from(of.digits) / 16.0;
         area.add_logic(of.piece.count as f64 * self.area.power * scale * scale);
         area.add_registers(of.stages(of.piece.width), self.area.flip_flop);
-        area.depth_fo4 = of.per_stage(blocks::POWER_FO4 * scale);
     }
 
     /// `width` bits of a tag in each of `by` ways.

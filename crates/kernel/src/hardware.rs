@@ -114,7 +114,7 @@ impl fmt::Display for HardwareKind {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "config", derive(schemars::JsonSchema))]
-pub enum NumberFormat {
+pub enum OperandFormat {
     /// Fixed point, or integer.
     #[default]
     Fixed,
@@ -122,7 +122,7 @@ pub enum NumberFormat {
     Single,
 }
 
-impl NumberFormat {
+impl OperandFormat {
     /// Bits of the mantissa of a floating-point number, with its hidden one.
     pub(crate) const MANTISSA: u32 = 24;
 }
@@ -133,16 +133,16 @@ impl NumberFormat {
 pub struct OperandWidth {
     width: u32,
     by: u32,
-    format: NumberFormat,
+    format: OperandFormat,
 }
 
 impl OperandWidth {
     /// Two floating-point operands of single precision.
-    pub const SINGLE: Self = Self { width: 32, by: 32, format: NumberFormat::Single };
+    pub const SINGLE: Self = Self { width: 32, by: 32, format: OperandFormat::Single };
 
     /// A fixed-point operand of `width` bits and one of `by` bits.
     pub const fn fixed(width: u32, by: u32) -> Self {
-        Self { width, by, format: NumberFormat::Fixed }
+        Self { width, by, format: OperandFormat::Fixed }
     }
 }
 
@@ -168,7 +168,7 @@ pub struct Hardware {
     /// Width of the second operand \[bits\]; the number of ways for tag comparators.
     pub by: u32,
     /// Number format of operators.
-    pub format: NumberFormat,
+    pub format: OperandFormat,
     /// Bits of the result that an iterative operator computes per cycle; 0 if the operator table decides.
     pub digits_per_cycle: u32,
     /// Banks that are accessed at the same time, with equal shares of the words.

@@ -326,7 +326,7 @@ pub use engine::{
 };
 pub use fifo::Fifo;
 pub use fifo_info::FifoInfo;
-pub use hardware::{Hardware, HardwareKind, NumberFormat, OperandWidth};
+pub use hardware::{Hardware, HardwareKind, OperandFormat, OperandWidth};
 pub use label::Label;
 pub use machine::{Machine, Visitor};
 pub use memory::MemoryRequest;

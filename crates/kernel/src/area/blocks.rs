@@ -1,7 +1,7 @@
 //! Formulas of blocks, fitted to measurements by `tools/area/fit.py`. Widths are in bits, results in GE or FO4.
 
 use super::AreaConfig;
-use crate::hardware::NumberFormat;
+use crate::hardware::OperandFormat;
 
 /// Floating-point multiplication, 24-bit mantissa.
 pub(super) const FLOAT_MULTIPLIER_FO4: f64 = 97.0;
@@ -13,8 +13,6 @@ pub(super) const LARGER_FO4: f64 = 23.0;
 pub(super) const TAG_FO4: f64 = 17.0;
 /// One bit of a quotient: 30, 47, 94 and 186 for 1, 2, 4 and 8 bits of 24. A bit of a root is assumed to take as long.
 pub(super) const QUOTIENT_BIT_FO4: f64 = 186.0 / 8.0;
-/// Power of 16 bits: its 134 levels at the delay per level of a multiplier of 16 bits.
-pub(super) const POWER_FO4: f64 = 134.0 * 69.0 / 59.0;
 /// Index that passes a comparator with the larger value \[bits\].
 pub(super) const INDEX_BITS: u32 = 6;
 
@@ -35,7 +33,7 @@ pub(super) fn multiplier_fo4(width: u32, by: u32) -> f64 {
 }
 
 pub(super) fn float_multiplier(area: &AreaConfig) -> f64 {
-    let m = f64::from(NumberFormat::MANTISSA);
+    let m = f64::from(OperandFormat::MANTISSA);
     area.float_multiplier * (m * m - 0.53 * m)
 }
 
@@ -49,8 +47,8 @@ pub(super) fn adder_fo4(width: u32) -> f64 {
 }
 
 pub(super) fn float_adder(area: &AreaConfig) -> f64 {
-    let m = f64::from(NumberFormat::MANTISSA);
-    area.float_adder * (m + 0.075 * m * log2(NumberFormat::MANTISSA.into()))
+    let m = f64::from(OperandFormat::MANTISSA);
+    area.float_adder * (m + 0.075 * m * log2(OperandFormat::MANTISSA.into()))
 }
 
 pub(super) fn inner_product(area: &AreaConfig, width: u32) -> f64 {

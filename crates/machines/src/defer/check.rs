@@ -9,6 +9,9 @@ use basrelief_kernel::stats::UnitStats;
 /// Latest time of a user action: three months \[ms\].
 const LATEST_MS: f64 = 8e9;
 
+/// Size of a single-precision number \[bytes\].
+const SINGLE_BYTES: u32 = 4;
+
 /// Checks that the parameters fit together.
 pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
     check_memories(c)?;
@@ -18,6 +21,14 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
         if !side.is_power_of_two() {
             return problem(key, format!("is {side}, expected a power of two"));
         }
+    }
+    if (1..SINGLE_BYTES).contains(&c.path.number_bytes) {
+        let message = format!(
+            "is {}, but a single-precision number takes {SINGLE_BYTES} bytes; set it to {SINGLE_BYTES} or more, or to 0 if the device has \
+             all meshes",
+            c.path.number_bytes
+        );
+        return problem("path.number_bytes", message);
     }
     check_leaving(c)?;
     let cell = &c.cell;

@@ -39,3 +39,32 @@ fn machine_is_found_by_name_and_loads_its_defaults() {
     assert_eq!(MachineConfig::default().machine().name, MACHINES[0].name);
     assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade, texel, defer"));
 }
+
+// Claim: model: No stored value takes fewer bytes than its content.
+#[test]
+fn sizes_start_at_their_content() {
+    // RGB and RGBA of 8 bits, single precision, two sides of 15 bits.
+    let content = [("pixel_bytes", 3), ("graphics.texel_bytes", 3), ("normal_mapping.texel_bytes", 3)];
+    let content = content.into_iter().chain([("look_up.texel_bytes", 4), ("number_bytes", 4), ("texture_size_bytes", 4)]);
+    for (name, bytes) in content {
+        let mut found = 0;
+        for machine in MACHINES {
+            for key in machine.parameters().into_iter().map(|p| p.key).filter(|key| key.ends_with(name)) {
+                let with = |bytes: i32| {
+                    let config =
+                        machine.load("", &[(key.as_str(), bytes.to_string().as_str())]).map_err(|error| error.to_string())?;
+                    config.check().map_err(|error| error.to_string())
+                };
+                assert_eq!(with(bytes), Ok(()), "{key}");
+                let error = with(bytes - 1).expect_err(&key);
+                assert!(error.contains(&key) && error.contains(&format!("is {}", bytes - 1)), "{error}");
+                assert!(
+                    error.contains(&format!("expected {bytes}..=")) || error.contains(&format!("set it to {bytes} or more")),
+                    "{error}"
+                );
+                found += 1;
+            }
+        }
+        assert!(found > 0, "{name}");
+    }
+}

@@ -260,7 +260,7 @@ const MEANING: &[Axis] = &[
     ],
     &[&[], &[("bump.max_lod", "10")], &[("bump.targets", "all")], &[("bump.targets", "all"), ("bump.max_lod", "0")]],
     &[&[], &[("rasterizer.z_bits", "16"), ("rasterizer.block", "3"), ("rasterizer.subpixel_bits", "4")]],
-    &[&[], &[("normal_mapping.normal_bits", "9"), ("replacement.entry_bits", "10"), ("normal_mapping.texel_bytes", "2")]],
+    &[&[], &[("normal_mapping.normal_bits", "9"), ("replacement.entry_bits", "10"), ("normal_mapping.texel_bytes", "3")]],
 ];
 
 /// Parameters that change only the timing. They must not change a picture.

@@ -162,7 +162,7 @@ const TIMING: &[Axis] = &[
     ],
     &[&[("path.latency_us", "0")], &[("path.latency_us", "3")]],
     &[&[], &[("path.requests", "1")], &[("path.requests", "40")]],
-    &[&[], &[("path.number_bytes", "0"), ("path.texture_size_bytes", "0")], &[("path.head_bytes", "99")]],
+    &[&[], &[("path.number_bytes", "0"), ("path.texture_size_bytes", "4")], &[("path.head_bytes", "99")]],
     &[&[], &[("defer.depth_pixel", "separate")]],
     &[
         &[],

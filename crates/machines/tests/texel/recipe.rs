@@ -118,7 +118,7 @@ const TIMING: &[Axis] = &[
         &[("memory.pixel.part", "gddr3-1400"), ("memory.pixel.cap", "0"), ("memory.pixel.refi", "200")],
     ],
     &[&[], &[("memory.texture.cl", "40"), ("cache.texture.sets", "1"), ("cache.texture.ways", "1")]],
-    &[&[], &[("cache.texture.line_bytes", "16"), ("cache.texture.lookups_per_cycle", "1")], &[("look_up.texel_bytes", "3")]],
+    &[&[], &[("cache.texture.line_bytes", "16"), ("cache.texture.lookups_per_cycle", "1")], &[("look_up.texel_bytes", "6")]],
     &[&[], &[("memory.pixel.outstanding", "1"), ("memory.depth.outstanding", "1"), ("memory.pixel.cl", "30")]],
     &[&[], &[("frame_buffer.write_lines", "1"), ("depth.clear_flags", "false")], &[("depth.write_lines", "2")]],
     &[

@@ -1,6 +1,6 @@
 //! Counts of a machine and figures that follow from them.
 
-use basrelief_kernel::{self as kernel, HardwareKind, NumberFormat, stats};
+use basrelief_kernel::{self as kernel, HardwareKind, OperandFormat, stats};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ pub struct Hardware {
     pub by: Option<u32>,
     /// Number format of operators; absent for storage.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub format: Option<NumberFormat>,
+    pub format: Option<OperandFormat>,
     /// Ports of storage; absent for operators.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ports: Option<u32>,

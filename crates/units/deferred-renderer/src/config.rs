@@ -154,7 +154,7 @@ parameters! {
         /// commands.
         number_bytes: u32 = 4, unit: "bytes", Assumed("single precision; indices into up to 65,536 vertices take half of it"), range: 0..=16;
         /// Size of one texture's dimensions on the path (452).
-        texture_size_bytes: u32 = 8, unit: "bytes", Assumed("two words"), range: 0..=1024;
+        texture_size_bytes: u32 = 8, unit: "bytes", Assumed("two words; two sides of 15 bits take 4 bytes"), range: 4..=1024;
     }
 }
 

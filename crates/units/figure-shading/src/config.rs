@@ -109,7 +109,7 @@ parameters! {
         /// Bandwidth of the host bus.
         bytes_per_cycle: u32 = 4, unit: "bytes/cycle", Assumed("a bus of 32 bits"), range: 1..=1024;
         /// Size of a number on the bus.
-        number_bytes: u32 = 4, unit: "bytes", Assumed("single precision"), range: 1..=8;
+        number_bytes: u32 = 4, unit: "bytes", Assumed("single precision"), range: 4..=8;
         /// Latency from the last byte to its use.
         latency: u32 = 2, unit: "cycles", Assumed("a register at either end"), range: 0..=65_536;
     }

@@ -6,7 +6,7 @@ parameters! {
     /// Frame buffer (126).
     pub struct FrameBufferConfig {
         /// Size of a pixel in memory.
-        pixel_bytes: u32 = 4, unit: "bytes", Assumed("RGB, 8 bits each, padded to a word"), range: 1..=4;
+        pixel_bytes: u32 = 4, unit: "bytes", Assumed("RGB, 8 bits each, padded to a word; 3 bytes hold it"), range: 3..=4;
         /// Latency of a step.
         latency: u32 = 1, unit: "cycles", Assumed("a register"), range: 0..=4096;
         /// Lines of 16 pixels that gather writes. The least recently written one is evicted.
@@ -18,7 +18,7 @@ parameters! {
     /// Pixel buffer (124) of the rate-limited renderer.
     pub struct PixelBufferConfig {
         /// Size of a pixel in memory.
-        pixel_bytes: u32 = 4, unit: "bytes", Assumed("RGB, 8 bits each, padded to a word"), range: 1..=4;
+        pixel_bytes: u32 = 4, unit: "bytes", Assumed("RGB, 8 bits each, padded to a word; 3 bytes hold it"), range: 3..=4;
         /// Latency of a step.
         latency: u32 = 1, unit: "cycles", Assumed("a register"), range: 0..=4096;
     }

@@ -4,7 +4,7 @@ use crate::config::FrameBufferConfig;
 use crate::state::{FinishedFrame, FrameBufferState};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
-use basrelief_signals::width::{BitWidth, COLOR, COORDINATE, NUMBER, SignalWidths};
+use basrelief_signals::width::{BitWidth, COLOR, CONTROL, SignalWidths};
 use basrelief_signals::{
     ColorToken, Control, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines,
 };
@@ -29,7 +29,7 @@ pub struct FrameDone {
 /// Address, size and number.
 impl BitWidth for FrameDone {
     fn bits(_: &SignalWidths) -> u32 {
-        2 * NUMBER + 2 * COORDINATE + NUMBER
+        CONTROL
     }
 }
 

@@ -50,7 +50,7 @@ parameters! {
         /// MIP level of the colour texture: nearest or off.
         mip: MipFilter = MipFilter::Nearest, unit: "", Assumed("one level, chosen once per polygon");
         /// Size of a texel of a colour texture.
-        texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
+        texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each; RGB is used"), range: 3..=16;
         /// Multipliers of the unit.
         multipliers: u32 = 41, unit: "operators", Assumed("one pixel per cycle whatever it is: texture, vertex colours, brightness at the vertices"), range: 1..=1024;
         /// Adders of the unit.

@@ -26,7 +26,7 @@ parameters! {
         /// Width of each component of a pseudo-normal.
         normal_bits: u32 = 16, unit: "bits", Assumed("finer than any VQ table"), range: 8..=16;
         /// Size of a texel in the normal-map memory (116).
-        texel_bytes: u32 = 4, unit: "bytes", Assumed("three components of 8 bits, padded to a word"), range: 1..=8;
+        texel_bytes: u32 = 4, unit: "bytes", Assumed("three components of 8 bits, padded to a word"), range: 3..=8;
         /// Multipliers of the unit.
         multipliers: u32 = 80, unit: "operators", Assumed("two pseudo-normals of a fragment per cycle, two levels at one fragment per cycle: 22 for the tangent frame, 29 for each; pixel shaders of 2005 had as many and more (24 pipelines with 8 each in the class of the RSX)"), range: 1..=1024;
         /// Adders of the unit.

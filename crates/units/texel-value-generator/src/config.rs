@@ -217,7 +217,7 @@ parameters! {
         /// Filter within a level: nearest or bilinear.
         filter: TexelFilter = TexelFilter::Bilinear, unit: "", Assumed("the patent leaves it open");
         /// Size of a texel.
-        texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
+        texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 4..=16;
         /// Samples filtered per cycle, each of one level: with 1, the two samples of a trilinear pixel take two cycles. A pixel
         /// takes at least one cycle, and the cycles of its ports (`cache.texture.lookups_per_cycle`).
         samples_per_cycle: u32 = 1, unit: "samples", Assumed("one bilinear filter"), range: 1..=2;
@@ -252,6 +252,6 @@ parameters! {
         /// Latency of a pixel, with the old value available.
         latency: u32 = 3, unit: "cycles", Assumed("two products and a sum"), range: 0..=4096;
         /// Size of a pixel in the pixel value buffer (360), for reading back.
-        pixel_bytes: u32 = 4, unit: "bytes", Assumed("as frame_buffer.pixel_bytes"), range: 1..=4;
+        pixel_bytes: u32 = 4, unit: "bytes", Assumed("as frame_buffer.pixel_bytes"), range: 3..=4;
     }
 }
