@@ -3,8 +3,8 @@
 use crate::build::ReportContext;
 use crate::derived::derive;
 use crate::model::{
-    Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, FigureGroup, Hardware, HardwareArea, Input, Legend,
-    Memory, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
+    Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, FigureGroup, Hardware, HardwareArea, Input, Legend, Memory,
+    OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
 };
 use crate::model::{Costs, CycleBreakdown, ObjectCost, PolygonCost, UnlistedCosts};
 use basrelief_kernel::{Engine, Outcome, RunReport};

@@ -69,8 +69,9 @@ fn every_assumption_is_changed(machine: usize, frames: u32) {
     for (change, moved) in runs.clone().filter(|(change, _)| change.parameter.starts_with("area.")) {
         assert_eq!((moved.cycles_percent, moved.bytes_percent, moved.psnr_change_db), (0.0, 0.0, Some(0.0)), "{change:?}");
     }
-    let memory_bit =
-        |(change, moved): &(&ParameterChange, &MeasureChange)| change.parameter == "area.memory_bit" && moved.area_percent.abs() > 5.0;
+    let memory_bit = |(change, moved): &(&ParameterChange, &MeasureChange)| {
+        change.parameter == "area.memory_bit" && moved.area_percent.abs() > 5.0
+    };
     assert_eq!(runs.clone().filter(memory_bit).count(), 2, "a coefficient changes the area");
     for (change, moved) in runs.clone().take(3).chain(runs.step_by(23)) {
         assert_eq!(moved.measure, measured_alone(&around, set(change)), "{change:?}");

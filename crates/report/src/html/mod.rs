@@ -144,7 +144,12 @@ fn areas(report: &Report) -> Html {
     let most = places.first().map_or(0, |(_, area)| area.area_ge);
     let row = |(place, area): &(&str, HardwareArea)| {
         let bar = svg::bar(&[("amount", "gate equivalents".into(), area.area_ge)], most);
-        vec![markup::text(place), bar, markup::text(thousands(area.area_ge)), markup::text(svg::share(area.area_ge, sum.area_ge))]
+        vec![
+            markup::text(place),
+            bar,
+            markup::text(thousands(area.area_ge)),
+            markup::text(svg::percent_of(area.area_ge, sum.area_ge)),
+        ]
     };
     let caption = format!("Area by place: {} gate equivalents (NAND2) in all", thousands(sum.area_ge));
     let columns = [("where", Align::Left), ("area", Align::Left), ("gate equivalents", Align::Right), ("share", Align::Right)];
@@ -152,7 +157,8 @@ fn areas(report: &Report) -> Html {
 }
 
 fn hardware(report: &Report) -> Html {
-    let pieces = details("Every piece", table::html("Hardware, piece by piece", &hardware_tables::hardware_table(&report.hardware)));
+    let pieces =
+        details("Every piece", table::html("Hardware, piece by piece", &hardware_tables::hardware_table(&report.hardware)));
     [areas(report), table::html("Totals by kind", &hardware_tables::totals(report)), pieces].into_iter().collect()
 }
 

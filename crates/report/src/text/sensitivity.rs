@@ -15,7 +15,8 @@ const ABOUT: usize = 32;
 /// Caption of the table of changes.
 pub(crate) fn caption(sensitivity: &Sensitivity) -> String {
     let Measure { cycles, bytes, area_ge, psnr_db } = sensitivity.base;
-    let count = |is: &dyn Fn(Option<f64>) -> bool| sensitivity.changes.iter().filter(|change| is(change.largest_change())).count();
+    let count =
+        |is: &dyn Fn(Option<f64>) -> bool| sensitivity.changes.iter().filter(|change| is(change.largest_change())).count();
     let (still, failed) = (count(&|size| size == Some(0.0)), count(&|size| size.is_none()));
     let picture = psnr_db.map_or_else(String::new, |db| format!(", {} dB", two_decimals(db)));
     format!(
