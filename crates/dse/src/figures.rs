@@ -122,7 +122,7 @@ fn sums(report: &Value) -> Vec<ReportFigure> {
 }
 
 /// Area of the machine; none in a report of a version without areas.
-fn areas(hardware: &[Hardware]) -> impl Iterator<Item = Figure> {
+fn areas(hardware: &[Hardware]) -> impl Iterator<Item = ReportFigure> {
     let HardwareArea { logic_ge, register_bits, memory_bits, area_ge, depth_fo4 } = HardwareArea::sum(hardware);
     let all = [
         ("area_ge", "gate equivalents", "area of the machine", area_ge),
@@ -131,7 +131,7 @@ fn areas(hardware: &[Hardware]) -> impl Iterator<Item = Figure> {
         ("memory_bits", "bits", "memory macros of the machine", memory_bits),
         ("depth_fo4", "FO4", "largest delay of a cycle", depth_fo4),
     ];
-    let figure = |(name, unit, what, n): (&str, &str, &str, u64)| Figure {
+    let figure = |(name, unit, what, n): (&str, &str, &str, u64)| ReportFigure {
         name: format!("hardware.{name}"),
         unit: unit.into(),
         what: what.into(),
