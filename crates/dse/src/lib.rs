@@ -41,6 +41,7 @@ pub mod hypervolume;
 mod levels;
 mod one;
 pub mod page;
+pub mod pareto_search;
 #[cfg(feature = "parquet")]
 mod parquet;
 pub mod plan;
