@@ -28,11 +28,17 @@ impl Cholesky {
     /// Solves `L x = y`.
     pub(super) fn forward(&self, y: &[f64]) -> Vec<f64> {
         let mut x = Vec::with_capacity(y.len());
-        for (row, y) in self.rows.iter().zip(y) {
-            let rest = y - dot(&x, row);
+        self.extend_forward(&mut x, y);
+        x
+    }
+
+    /// Extends a solution of `L x = y` to the rows that were added since.
+    pub(super) fn extend_forward(&self, x: &mut Vec<f64>, y: &[f64]) {
+        let solved = x.len();
+        for (row, y) in self.rows.iter().zip(y).skip(solved) {
+            let rest = y - dot(x, row);
             x.push(rest / row[x.len()]);
         }
-        x
     }
 
     /// Solves `L^T x = y`.
@@ -51,9 +57,18 @@ impl Cholesky {
     }
 }
 
-/// Returns the sum of products over the shorter length.
+/// Returns the sum of products over the shorter length. Four sums run side by side, because each addition waits for the one before.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let length = a.len().min(b.len());
+    let (a, b) = (a[..length].chunks_exact(4), b[..length].chunks_exact(4));
+    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; 4];
+    for (a, b) in a.zip(b) {
+        for lane in 0..4 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 #[cfg(test)]

@@ -240,7 +240,7 @@ impl ParetoSearch {
     }
 
     /// Returns the candidate with the largest expected gain. Bounds of all gains come first, then exact deviations of the best.
-    fn best(&self, round: &mut Round, candidates: &mut Vec<usize>) -> Option<usize> {
+    fn best(&mut self, round: &mut Round, candidates: &mut Vec<usize>) -> Option<usize> {
         let gain = Gain::new(&inner_front(&round.costs), &round.scales);
         let of = |round: &Round, at: usize| {
             let all = |of_objective: &[Vec<f64>]| of_objective.iter().map(|values| values[at]).collect::<Vec<f64>>();
@@ -256,7 +256,9 @@ impl ParetoSearch {
         }
         let screened: Vec<usize> = bounds.into_iter().take(SCREEN).map(|(_, at)| at).collect();
         for (objective, k) in round.used.iter().enumerate().filter(|(_, k)| round.learned.contains(k)) {
-            screened.iter().for_each(|&at| round.deviations[objective][at] = self.models[k].deviation(at));
+            if let Some(model) = self.models.get_mut(k) {
+                screened.iter().for_each(|&at| round.deviations[objective][at] = model.deviation(at));
+            }
         }
         let first_largest = |best: (f64, usize), other: (f64, usize)| if other.0 > best.0 { other } else { best };
         let best = screened.iter().map(|&at| (of(round, at), at)).reduce(first_largest)?;

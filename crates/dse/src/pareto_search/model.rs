@@ -5,6 +5,7 @@
 //! 1. Ranks suit axes such as 16, 64, 256 without a choice of scale.
 
 use super::cholesky::{Cholesky, dot};
+use std::collections::BTreeMap;
 
 /// Lengths that tuning may choose, as powers of two.
 const LENGTHS: [f64; 8] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
@@ -95,6 +96,8 @@ pub(super) struct Model {
     /// Correlation of every point of the grid with each known point.
     columns: Vec<Vec<f64>>,
     known: Vec<Vec<usize>>,
+    /// By point of the grid: its correlations with the known points, and the solution of the factor for them.
+    solved: BTreeMap<usize, (Vec<f64>, Vec<f64>)>,
     posterior: Posterior,
     /// Mean and standard deviation of the known values.
     scale: (f64, f64),
@@ -110,6 +113,7 @@ impl Model {
             factor: Cholesky::default(),
             columns: vec![],
             known: vec![],
+            solved: BTreeMap::new(),
             posterior: Posterior::default(),
             scale: (0.0, 1.0),
         }
@@ -120,6 +124,7 @@ impl Model {
         self.tune(known, &scaled(values, scale(values)));
         self.kernel = Kernel::new(&self.axes, &self.lengths);
         (self.factor, self.columns, self.known) = (Cholesky::default(), vec![], vec![]);
+        self.solved.clear();
         for point in known {
             self.add(grid, point);
         }
@@ -188,10 +193,13 @@ impl Model {
     }
 
     /// Returns the standard deviation of the prediction at a point of the grid.
-    pub(super) fn deviation(&self, point: usize) -> f64 {
-        let correlations: Vec<f64> = self.columns.iter().map(|column| column[point]).collect();
-        let solved = self.factor.forward(&correlations);
-        (self.posterior.variance * (1.0 - dot(&solved, &solved))).max(0.0).sqrt() * self.scale.1
+    pub(super) fn deviation(&mut self, point: usize) -> f64 {
+        // After a believed point, only the last element of each solution is new.
+        let (correlations, solved) = self.solved.entry(point).or_default();
+        let new = self.columns.iter().skip(correlations.len()).map(|column| column[point]);
+        correlations.extend(new);
+        self.factor.extend_forward(solved, correlations);
+        (self.posterior.variance * (1.0 - dot(solved, solved))).max(0.0).sqrt() * self.scale.1
     }
 }
 
