@@ -17,7 +17,7 @@
 //! | [`tables`](mod@tables) | the files of a sweep: its table, page and charts |
 //! | [`table`] | [`Table`]: a row per point, columns with units |
 //! | [`rules`] | objectives and constraints |
-//! | [`explorer`] | choice of the points to run next |
+//! | [`pareto_search`] | choice of the points to run next |
 //! | [`front`](mod@front) | Pareto-optimal points |
 //! | [`hypervolume`] | quality of a front, in one number |
 //! | [`effects`](mod@effects) | range of each objective over the values of an axis |
@@ -32,7 +32,6 @@
 pub mod effects;
 pub mod execute;
 pub mod explore;
-pub mod explorer;
 pub mod figures;
 pub mod folder;
 pub mod front;
@@ -63,7 +62,7 @@ pub mod write;
 
 pub use effects::{Effect, effects};
 pub use execute::{SweepJob, execute};
-pub use explore::{ExplorationResult, explore};
+pub use explore::{Budget, ExplorationResult, ExploreOptions, explore};
 pub use folder::{PointStatus, PointStore, SweepFolder};
 pub use front::{candidates, front};
 pub use host::{OpenedInput, SweepHost, SweepProgress};

@@ -7,7 +7,7 @@ use crate::{OpenedInput, SweepError, SweepHost};
 use basrelief_input::MemoryReservation;
 use basrelief_reference::RgbPicture;
 use basrelief_report::Report;
-use basrelief_report::model::{OutcomeKind, RelaxedCycles};
+use basrelief_report::model::OutcomeKind;
 use basrelief_signals::{Frame, Scene};
 use basrelief_sim::{
     AnalysisPolicy, FramePictures, MachineConfig, NoObserver, Observer, RunError, RunInput, RunOptions, doc_trace, run,
@@ -111,24 +111,6 @@ fn of_error(error: &RunError) -> PointFailure {
         _ => "error",
     };
     failure(outcome, error.to_string())
-}
-
-/// Returns the measured bottlenecks of a point, largest saving first. Empty if the run does not finish.
-pub(crate) fn limits(plan: &Plan, point: &PlanPoint, host: &dyn SweepHost) -> Vec<RelaxedCycles> {
-    let ran = || {
-        let config = plan.config(&point.places).ok()?;
-        let input = &plan.inputs[point.input];
-        let given = plan.overrides_of(&point.places);
-        let options = RunOptions {
-            bottlenecks: AnalysisPolicy::Always,
-            overrides: given,
-            exact: false,
-            ..options(config, plan.max_cycles, host)
-        };
-        let source = input.opened.input(&input.name, host).ok()?;
-        run(source, &options, &mut NoObserver, None).ok()?.report.limits
-    };
-    ran().unwrap_or_default()
 }
 
 /// Maximum number of cycles of the trial run. Its few pixels take fewer, even over the slowest path. Waiting cycles take no host time.

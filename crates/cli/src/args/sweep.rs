@@ -1,6 +1,7 @@
 //! Arguments of `sweep` and `explore`.
 
-use super::values::{Shard, percent, shard};
+use super::values::{Shard, budget, percent, shard};
+use basrelief_dse::Budget;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -28,9 +29,12 @@ pub struct PlanArgs {
 pub struct ExploreArgs {
     #[command(flatten)]
     pub plan: PlanArgs,
-    /// Maximum number of points to run.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub budget: u16,
+    /// Maximum number of points to run, such as 40; or a time in seconds after which no round of points begins, such as 90s.
+    #[arg(long, value_name = "N|SECONDSs", value_parser = budget)]
+    pub budget: Budget,
+    /// Choose differently among points that promise the same: 0 prefers the first in the plan.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
 }
 
 /// Arguments of `sweep`.

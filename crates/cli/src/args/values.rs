@@ -1,10 +1,12 @@
 //! Values on the command line, checked where they are given.
 
+use basrelief_dse::Budget;
 use basrelief_report::TableGroup;
 pub use basrelief_scene::text::{angles, direction, finite, size};
 use basrelief_sim::{MACHINES, MachineInfo};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::net::SocketAddr;
+use std::time::Duration;
 use ureq::http::Uri;
 use ureq::http::uri::Authority;
 
@@ -50,6 +52,14 @@ pub fn origin(text: &str) -> Result<String, String> {
     let is_origin = text == "*" || uri.is_some_and(|uri| uri.path_and_query().is_none_or(|path| path == "/"));
     let origin = text.trim_end_matches('/');
     if is_origin { Ok(origin.into()) } else { Err("expected SCHEME://HOST:PORT, such as http://localhost:3000, or `*`".into()) }
+}
+
+/// Parses the budget of an exploration: a number of points, or seconds.
+pub fn budget(text: &str) -> Result<Budget, String> {
+    let points = text.parse().ok().filter(|points| *points > 0).map(Budget::Points);
+    let seconds = text.strip_suffix('s').and_then(|seconds| seconds.parse::<f64>().ok()).filter(|seconds| *seconds > 0.0);
+    let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).map(Budget::Time);
+    points.or(time).ok_or_else(|| "expected a number of points such as 40, or seconds such as 90s".into())
 }
 
 /// An address to listen at.

@@ -4,7 +4,7 @@ use super::plans::{OpenedPlan, counts, work, write_tables};
 use crate::args::ExploreArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
-use basrelief_dse::{ExplorationResult, PlanPoint, PointStatus, explore as find};
+use basrelief_dse::{ExplorationResult, ExploreOptions, PlanPoint, PointStatus, explore as find};
 
 /// Runs an exploration.
 pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
@@ -12,11 +12,17 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
     let all = plan.points.len();
     let work = work(&args.plan, &[], threads);
     let name = args.plan.plan.display().to_string();
-    let found = find(plan, args.budget.into(), &work, (&folder, &host)).map_err(CommandError::in_input(&name))?;
-    let ExplorationResult { plan, tally, share } = found;
+    let options = ExploreOptions { budget: args.budget, seed: args.seed };
+    let found = find(plan, options, &work, (&folder, &host)).map_err(CommandError::in_input(&name))?;
+    let ExplorationResult { plan, tally, share, unfit, grid_was_cheaper } = found;
     let points: Vec<&PlanPoint> = plan.points.iter().collect();
     let failed = folder.find_all(&points).into_iter().filter(|found| *found == PointStatus::Failed).count();
     let mut said = counts(&tally, failed);
+    if grid_was_cheaper {
+        said += "the grid is cheaper than this exploration, so all of its points were run\n";
+    } else if unfit > 0 {
+        said += &format!("{unfit} points are unfit by their configuration alone, and were not run\n");
+    }
     said += &match share {
         Some(share) => {
             format!("of {all} in the grid, which all exist: {:.2} % of the hypervolume of their Pareto front\n", 100.0 * share)

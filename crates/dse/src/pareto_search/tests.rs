@@ -46,7 +46,7 @@ fn search_beats_evenly_spread_points() {
     let axes = [numeric(12), numeric(12)];
     let points = grid(&axes);
     let all: Vec<Vec<f64>> = points.iter().filter_map(|point| costs(point)).collect();
-    let space = crate::Space::of(&all).unwrap();
+    let space = crate::ObjectiveSpace::of(&all).unwrap();
     let share = |chosen: Vec<usize>| {
         let costs: Vec<Vec<f64>> = chosen.into_iter().map(|at| all[at].clone()).collect();
         space.hypervolume(&costs).unwrap() / space.hypervolume(&all).unwrap()

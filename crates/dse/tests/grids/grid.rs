@@ -1,6 +1,6 @@
 //! Grids that were swept as a whole, as CSV files, and the order in which a search chooses their points.
 
-use basrelief_dse::Space;
+use basrelief_dse::ObjectiveSpace;
 use basrelief_dse::pareto_search::{ParetoSearch, SearchAxis};
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -61,7 +61,7 @@ impl Grid {
     pub fn share(&self, points: &[usize]) -> Option<f64> {
         let all: Vec<Vec<f64>> = self.costs.iter().flatten().cloned().collect();
         let some: Vec<Vec<f64>> = points.iter().filter_map(|at| self.costs[*at].clone()).collect();
-        let space = Space::of(&all)?;
+        let space = ObjectiveSpace::of(&all)?;
         Some(space.hypervolume(&some)? / space.hypervolume(&all)?)
     }
 }
