@@ -156,8 +156,9 @@ fn exact(known: &[Option<BTreeMap<usize, f64>>], numbers: &[usize]) -> BTreeMap<
 /// together or violates a constraint.
 fn known_costs(plan: &Plan) -> Vec<Option<BTreeMap<usize, f64>>> {
     let of_point = |point: &PlanPoint| {
-        let hardware = plan.config(&point.places).ok()?.hardware().ok()?;
-        let hardware: Vec<Hardware> = hardware.iter().map(Hardware::from).collect();
+        let config = plan.config(&point.places).ok()?;
+        let (pieces, model) = (config.hardware().ok()?, config.area_model());
+        let hardware: Vec<Hardware> = pieces.iter().map(|piece| Hardware::new(piece, &model)).collect();
         let figures = figures::figures(&json!({ "hardware": hardware }));
         let figure = |name: &str| figures.iter().find(|figure| figure.name == name).and_then(|figure| figure.cell.number());
         let violated = plan.constraints.iter().any(|rule| figure(&rule.column).is_some_and(|value| !rule.keeps(value)));
