@@ -6,10 +6,7 @@ const sum = (of: Record<string, number>): number => Object.values(of).reduce((al
 
 export const frameCycles = ({ cycles }: Report): number => cycles?.frames.reduce((all, n) => all + n, 0) ?? 0;
 
-export function memoryBytes({ memories = {} }: Report): number {
-  const clients = Object.values(memories).flatMap(({ clients }) => Object.values(clients));
-  return clients.reduce((all, { read_bytes, write_bytes }) => all + read_bytes + write_bytes, 0);
-}
+export const memoryBytes = ({ bytes }: Report): number => bytes?.moved ?? 0;
 
 const STATES: [string, string, (unit: Unit) => number][] = [
   ["busy", "busy", unit => unit.busy], ["memory", "memory", unit => sum(unit.memory)],

@@ -57,7 +57,7 @@ export interface Report {
   config: Record<string, unknown>;
   cycles?: { total: number; scan_out_tail: number; frames: number[] };
   units?: Record<string, Unit>;
-  memories?: Record<string, { clients: Record<string, { read_bytes: number; write_bytes: number }> }>;
+  bytes?: { requested: number; moved: number };
   bottlenecks?: { resource: string; relaxation: string; set: string[]; cycles: number; saved: number }[];
   hardware: { area_ge: number }[];
   quality?: { psnr_db: number; ssim: number; flip: number };

@@ -1,8 +1,8 @@
 //! The numbers of a report, each by its path: `cycles.total`, `quality.psnr_db`, `units.replacement.busy`.
 //!
 //! A path is that of `report.json`; `derived.NAME` stands for its `value`. A list below `figures`, such as a number for each frame, has
-//! the path `figures.NAME.sum`; other lists have no path. Three sums are added: `cycles.frames`, the render cycles, with the short name
-//! `cycles`; `memories.bytes`, the traffic of all memories; `hardware.area_ge`, the area of the machine, with its parts; and `hardware.bits`, its storage.
+//! the path `figures.NAME.sum`; other lists have no path. These sums are added: `cycles.frames`, the render cycles, with the short name
+//! `cycles`; `hardware.area_ge`, the area of the machine, with its parts; and `hardware.bits`, its storage.
 
 use crate::Cell;
 use basrelief_report::model::{Hardware, HardwareArea};
@@ -32,12 +32,15 @@ pub fn path_of(name: &str) -> String {
     let Some((group, last)) = name.rsplit_once('.') else {
         return if name == "cycles" { "cycles.frames".into() } else { name.into() };
     };
+    if name == "memories.bytes" {
+        return "bytes.moved".into();
+    }
     let renamed = RENAMED.iter().find(|(old, _)| *old == last);
     renamed.map_or_else(|| name.to_owned(), |(_, new)| format!("{group}.{new}"))
 }
 
 /// Parts of a report whose numbers are figures without conversion.
-const PLAIN: [&str; 6] = ["cycles", "quality", "units", "fifos", "memories", "caches"];
+const PLAIN: [&str; 7] = ["cycles", "bytes", "quality", "units", "fifos", "memories", "caches"];
 
 /// Returns the figures of a report, part by part, sorted by name. The order of JSON's keys depends on features that other crates may
 /// enable.
@@ -103,10 +106,6 @@ fn numbers<'a>(value: &'a Value, path: &mut Vec<&'a str>, found: &mut impl FnMut
 
 fn sums(report: &Value) -> Vec<ReportFigure> {
     let frames = report["cycles"]["frames"].as_array().map(|frames| frames.iter().filter_map(Value::as_u64).sum());
-    let memories = report["memories"].as_object();
-    let clients = memories.into_iter().flatten().filter_map(|(_, memory)| memory["clients"].as_object()).flatten();
-    let bytes =
-        clients.map(|(_, client)| ["read_bytes", "write_bytes"].iter().filter_map(|key| client[key].as_u64()).sum::<u64>());
     let hardware = Vec::<Hardware>::deserialize(&report["hardware"]).unwrap_or_default();
     let sum = |name: &str, unit: &str, what: &str, n: u64| ReportFigure {
         name: name.into(),
@@ -114,11 +113,10 @@ fn sums(report: &Value) -> Vec<ReportFigure> {
         what: what.into(),
         cell: Cell::Whole(n),
     };
-    let bytes = memories.map(|_| sum("memories.bytes", "bytes", "what all memories moved", bytes.sum()));
     let bits = sum("hardware.bits", "bits", "what the machine holds", hardware.iter().map(Hardware::bits).sum());
     let areas = areas(&hardware);
     let frames = frames.map(|cycles| sum("cycles.frames", "cycles", "of all frames", cycles));
-    frames.into_iter().chain(bytes).chain([bits]).chain(areas).collect()
+    frames.into_iter().chain([bits]).chain(areas).collect()
 }
 
 /// Area of the machine; none in a report of a version without areas.
@@ -150,7 +148,7 @@ fn unit(path: &[&str]) -> &'static str {
         ("units", _) => "cycles",
         ("fifos", _) => "slots",
         ("memories", "reads" | "writes") => "requests",
-        ("memories", "read_bytes" | "write_bytes") => "bytes",
+        ("bytes", _) | ("memories", "read_bytes" | "write_bytes" | "moved_bytes" | "requested" | "moved") => "bytes",
         ("memories", _) => "bursts",
         ("caches", _) => "lookups",
         ("quality", "psnr_db") => "dB",
@@ -169,7 +167,8 @@ mod tests {
         let report = json!({
             "cycles": { "total": 10, "frames": [7], "scan_out_tail": 3 },
             "units": { "a": { "numeral": 11, "busy": 4, "tokens": 2, "starved": { "in": 6 } } },
-            "memories": { "m": { "clients": { "z": { "read_bytes": 5, "write_bytes": 8 } }, "channels": [{ "row_hits": 1 }] } },
+            "memories": { "m": { "clients": { "z": { "read_bytes": 5, "write_bytes": 8 } }, "channels": [{ "row_hits": 1 }], "bytes": { "moved": 64 } } },
+            "bytes": { "requested": 13, "moved": 64 },
             "hardware": [{ "place": "a", "kind": "table", "description": "x", "count": 8, "width": 3, "area_ge": 90, "register_bits": 24 }],
             "figures": { "fragments": 9, "names": "x", "levels": [1, 2], "none": [], "waits": [1, 0.5], "words": ["y"] },
             "legend": { "fragments": { "unit": "fragments", "description": "drawn" } },
@@ -183,15 +182,17 @@ mod tests {
             [
                 "cycles.scan_out_tail = 3 cycles",
                 "cycles.total = 10 cycles",
+                "bytes.moved = 64 bytes",
+                "bytes.requested = 13 bytes",
                 "quality.psnr_db = 30.5 dB",
                 "quality.ssim = 1.0",
                 "units.a.busy = 4 cycles",
                 "units.a.starved.in = 6 cycles",
                 "units.a.tokens = 2 tokens",
+                "memories.m.bytes.moved = 64 bytes",
                 "memories.m.clients.z.read_bytes = 5 bytes",
                 "memories.m.clients.z.write_bytes = 8 bytes",
                 "cycles.frames = 7 cycles",
-                "memories.bytes = 13 bytes",
                 "hardware.bits = 24 bits",
                 "hardware.area_ge = 90 gate equivalents",
                 "hardware.logic_ge = 0 gate equivalents",
@@ -205,7 +206,7 @@ mod tests {
                 "derived.time_ms = 2.5 ms",
             ]
         );
-        let paths = ["cycles", "cycles.drain", "derived.a.utilisation", "caches.c.hits"].map(path_of);
-        assert_eq!(paths, ["cycles.frames", "cycles.scan_out_tail", "derived.a.utilization", "caches.c.hits"]);
+        let paths = ["cycles", "cycles.drain", "derived.a.utilisation", "caches.c.hits", "memories.bytes"].map(path_of);
+        assert_eq!(paths, ["cycles.frames", "cycles.scan_out_tail", "derived.a.utilization", "caches.c.hits", "bytes.moved"]);
     }
 }

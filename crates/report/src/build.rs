@@ -3,8 +3,8 @@
 use crate::derived::derive;
 use crate::json::SCHEMA;
 use crate::model::{
-    Bus, Cache, Channel, Client, Cycles, Fifo, Figure, Hardware, Input, Legend, Memory, Outcome, OutcomeKind, Picture,
-    PictureQuality, Report, Size, Unit,
+    Bus, Cache, Channel, Client, Cycles, Fifo, Figure, Hardware, Input, Legend, Memory, MemoryBytes, Outcome, OutcomeKind,
+    Picture, PictureQuality, Report, Size, Unit,
 };
 use crate::work::work;
 use basrelief_kernel as kernel;
@@ -53,6 +53,7 @@ impl Report {
         report.fifos = Some(run.fifos.iter().map(|f| (f.name.clone(), fifo(f))).collect());
         report.memories = Some(run.memories.iter().map(|m| (m.name.clone(), memory(m))).collect());
         report.caches = Some(run.caches.iter().map(|c| (c.name.clone(), cache(&c.counts))).collect());
+        report.count_bytes();
         report.derived = derive(&report);
         report
     }
@@ -73,6 +74,7 @@ impl Report {
             units: None,
             fifos: None,
             memories: None,
+            bytes: None,
             caches: None,
             limits: None,
             critical_path: None,
@@ -151,6 +153,7 @@ fn memory(memory: &kernel::MemoryReport) -> Memory {
         clients: memory.ports.iter().map(|p| (p.client.clone(), client(&p.counts))).collect(),
         channels: memory.channels.iter().map(channel).collect(),
         bus: Bus { interval: memory.bus.interval(), busy: memory.bus.busy().to_vec() },
+        bytes: MemoryBytes::default(),
     }
 }
 
@@ -173,6 +176,7 @@ fn client(counts: &kernel::PortCounts) -> Client {
         read_bytes: counts.read_bytes,
         write_bytes: counts.write_bytes,
         bursts: counts.rows.bursts(),
+        moved_bytes: 0,
         row_hits: counts.rows.hits,
         row_closed: counts.rows.closed,
         row_conflicts: counts.rows.conflicts,

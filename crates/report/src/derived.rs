@@ -68,10 +68,8 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
 fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &WorkCount) {
     for (name, memory) in report.memories.iter().flatten() {
         let sum = |f: fn(&Client) -> u64| memory.clients.values().map(|c| f(c) as f64).sum::<f64>();
-        let bytes = sum(Client::bytes);
-        let bytes_text = format!("sum(memories.{name}.clients.*.{{read_bytes, write_bytes}})");
-        let formula = format!("{bytes_text} / {}", work.formula);
-        figures.ratio(format!("{name}.bytes_per_{}", work.one), (bytes, work.count as f64), "bytes", formula);
+        let formula = format!("memories.{name}.bytes.moved / {}", work.formula);
+        figures.ratio(format!("{name}.bytes_per_{}", work.one), (memory.bytes.moved as f64, work.count as f64), "bytes", formula);
         let (hits, bursts) = (sum(|c| c.row_hits), sum(|c| c.bursts));
         let formula = format!("sum(memories.{name}.clients.*.row_hits) / sum(memories.{name}.clients.*.bursts)");
         figures.ratio(format!("{name}.row_hit_rate"), (hits, bursts), "1", formula);
@@ -116,7 +114,7 @@ mod tests {
         assert_eq!(derived["cycles_per_fragment"].value, 5.0);
         assert_eq!(derived["time_ms"].value, 5.0);
         assert_eq!(derived["replacement.utilization"].value, 0.97);
-        assert_eq!(derived["graphics.bytes_per_fragment"].value, 8.0);
+        assert_eq!(derived["graphics.bytes_per_fragment"].value, 19.2);
         assert_eq!(derived["graphics.gb_per_s"].value, 0.768);
         assert_eq!(derived["graphics.bus_utilization"].value, 0.24);
     }
@@ -142,7 +140,7 @@ mod tests {
         assert_eq!(derived["cycles_per_dot"].value, 5.0);
         assert_eq!(derived["cycles_per_polygon"].value, 1000.0);
         assert_eq!(derived["circuit_50.idle"].value, 400_000.0);
-        assert_eq!(derived["graphics.bytes_per_dot"].value, 8.0);
+        assert_eq!(derived["graphics.bytes_per_dot"].value, 19.2);
         assert_eq!(derived["fill_rate"].unit, "M dots/s");
         assert!(!derived.contains_key("cycles_per_fragment"));
     }

@@ -53,10 +53,13 @@ impl Report {
     /// # Errors
     /// A text that is not a report, or a report of an unknown schema.
     pub fn from_json(text: &str) -> Result<Self, ReadError> {
-        let report: Self = basrelief_input::from_str(text).map_err(|fault| {
+        let mut report: Self = basrelief_input::from_str(text).map_err(|fault| {
             let JsonFault { path, line, column, message, .. } = fault;
             ReadError::Format { field: path.to_string(), message: format!("line {line}, column {column}: {message}") }
         })?;
+        if report.bytes.is_none() {
+            report.count_bytes();
+        }
         match report.schema.as_str() {
             SCHEMA => Ok(report),
             SCHEMA_2 => Ok(from_schema_2(report)),
@@ -113,6 +116,26 @@ mod tests {
         other["schema"] = SCHEMA.into();
         other["cycles"]["total"] = "many".into();
         assert!(!validator.is_valid(&other));
+    }
+
+    // Claim: model: Moved bytes are those of whole bursts, in each memory and in all.
+    #[test]
+    fn old_report_gets_its_moved_bytes_from_bursts() {
+        let report = samples::balanced();
+        let bursts = |memory: &str| report.memories.as_ref().unwrap()[memory].clients.values().map(|c| c.bursts).sum::<u64>();
+        let bytes = report.bytes.unwrap();
+        assert_eq!(report.memories.as_ref().unwrap()["graphics"].bytes.moved, 64 * bursts("graphics"));
+        assert_eq!(bytes.moved, 64 * (bursts("graphics") + bursts("normal_map")));
+        assert_eq!(bytes.requested, 4 * 520_000);
+        let mut old = serde_json::to_value(&report).unwrap();
+        old.as_object_mut().unwrap().remove("bytes");
+        for memory in old["memories"].as_object_mut().unwrap().values_mut() {
+            memory.as_object_mut().unwrap().remove("bytes");
+            for client in memory["clients"].as_object_mut().unwrap().values_mut() {
+                client.as_object_mut().unwrap().remove("moved_bytes");
+            }
+        }
+        assert_eq!(Report::from_json(&old.to_string()).unwrap(), report);
     }
 
     #[test]

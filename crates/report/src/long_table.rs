@@ -138,6 +138,7 @@ fn add_client(at: (&'static str, &str), key: &str, client: &Client, rows: &mut F
         ("read_bytes", client.read_bytes),
         ("write_bytes", client.write_bytes),
         ("bursts", client.bursts),
+        ("moved_bytes", client.moved_bytes),
         ("row_hits", client.row_hits),
         ("row_closed", client.row_closed),
         ("row_conflicts", client.row_conflicts),

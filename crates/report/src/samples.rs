@@ -4,7 +4,7 @@ use crate::build::ReportContext;
 use crate::derived::derive;
 use crate::model::{
     Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, FigureGroup, Hardware, HardwareArea, Input, Legend, Memory,
-    OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
+    MemoryBytes, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
 };
 use crate::model::{Costs, CycleBreakdown, ObjectCost, PolygonCost, UnlistedCosts};
 use basrelief_kernel::{Engine, Outcome, RunReport};
@@ -100,6 +100,7 @@ pub fn with_units(rows: &[(&str, &[(&str, u64)])]) -> Report {
         read_bytes: 4 * reads,
         write_bytes: 4 * writes,
         bursts: (reads + writes) * 15 / 100,
+        moved_bytes: 0,
         row_hits: (reads + writes) / 10,
         row_closed: (reads + writes) / 40,
         row_conflicts: (reads + writes) / 40,
@@ -112,6 +113,7 @@ pub fn with_units(rows: &[(&str, &[(&str, u64)])]) -> Report {
     let memories = [("normal_map", normal_map), ("graphics", graphics)];
     report.memories = Some(memories.into_iter().map(|(n, clients)| (n.to_owned(), memory(clients))).collect());
     let cache = Cache { look_ups: 720_000, hits: 600_000, misses: 120_000, merged: 0 };
+    report.count_bytes();
     report.caches = Some([("normal-texels".to_owned(), cache)].into_iter().collect());
     report.derived = derive(&report);
     report
@@ -131,7 +133,7 @@ fn memory(clients: indexmap::IndexMap<String, Client>) -> Memory {
         queued: sum(|c| c.queue_wait + c.bursts),
     };
     let bus = Bus { interval: TOTAL / 250, busy: vec![bus_busy / 250; 250] };
-    Memory { clients, channels: vec![channel], bus }
+    Memory { clients, channels: vec![channel], bus, bytes: MemoryBytes::default() }
 }
 
 fn fifos() -> Vec<Fifo> {

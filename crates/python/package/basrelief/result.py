@@ -165,14 +165,14 @@ class Result:
 
     @property
     def figures(self) -> Table:
-        """Counted and derived figures: name, value, unit of measure and description."""
+        """Counted and derived figures, bytes and area: name, value, unit of measure and description."""
         legend = self.report["legend"]
         counted = [{"figure": name, "value": value, **legend.get(name, {})} for name, value in self.report["figures"].items()]
         derived = [
             {"figure": name, "value": of["value"], "unit": of["unit"], "description": of["formula"]}
             for name, of in self.report["derived"].items()
         ]
-        return Table.of_rows(counted + derived, ["figure", "value", "unit", "description"])
+        return Table.of_rows(counted + derived + _sums(self.report), ["figure", "value", "unit", "description"])
 
     @property
     def image(self) -> Picture:
@@ -288,6 +288,21 @@ def load(path: FilePath) -> Result:
 
 
 _UNITS = ["unit", "numeral", "steps", "tokens", "busy", "starved", "blocked", "memory", "done"]
+
+
+def _sums(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """Bytes of all memories and area of the machine, with the names that plans use."""
+    about = {"requested": "Bytes that clients requested", "moved": "Bytes of whole bursts that the buses transferred"}
+    sums = [(f"bytes.{name}", n, "bytes", about[name]) for name, n in report.get("bytes", {}).items()]
+    area = {
+        "area_ge": ("gate equivalents", "Area of the machine"),
+        "logic_ge": ("gate equivalents", "Its logic"),
+        "register_bits": ("bits", "Its flip-flops"),
+        "memory_bits": ("bits", "Its memory macros"),
+    }
+    for key, (unit, text) in area.items():
+        sums.append((f"hardware.{key}", sum(piece.get(key, 0) for piece in report["hardware"]), unit, text))
+    return [dict(zip(("figure", "value", "unit", "description"), row)) for row in sums]
 
 
 def _summed(unit: dict[str, Any]) -> dict[str, Any]:

@@ -9,7 +9,7 @@
 //!
 //! **Regression**: [`Verdict::worst`] is the largest of these, in percent. Improvements do not count.
 //! - growth of `cycles.total`, and of any frame;
-//! - growth of the bytes of any memory client;
+//! - growth of the moved bytes of any memory client;
 //! - loss of quality of the final picture and of any frame: PSNR relative to A; SSIM and FLIP, whose scale is 0..1, in hundredths.
 //!
 //! **Not judged**: [`Verdict::unjudged`] lists counted figures without a percentage. No limit lets them pass.

@@ -16,7 +16,7 @@ pub fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
         ("Report", Left, 0),
         ("render cycles", Right, 0),
         (&*each, Right, 1),
-        ("memory bytes", Right, 1),
+        ("bytes moved", Right, 1),
         ("area GE", Right, 1),
         ("PSNR dB", Right, 1),
     ];

@@ -108,10 +108,10 @@ impl VerdictBuilder {
     }
 }
 
-/// Returns the bytes of each memory client by the name of the figure.
+/// Returns the bytes that each memory client moved, by the name of the figure.
 fn bytes_of_clients(memories: &IndexMap<String, Memory>) -> IndexMap<String, u64> {
     let clients = memories.iter().flat_map(|(memory, m)| m.clients.iter().map(move |(name, client)| (memory, name, client)));
-    clients.map(|(memory, name, client)| (format!("bytes of memories.{memory}.clients.{name}"), client.bytes())).collect()
+    clients.map(|(memory, name, client)| (format!("bytes of memories.{memory}.clients.{name}"), client.moved_bytes)).collect()
 }
 
 #[cfg(test)]
@@ -154,7 +154,7 @@ mod tests {
     fn cycles_bytes_and_quality_count() {
         assert_eq!(worse(|b| b.cycles.as_mut().unwrap().total += 10_000), (1.0, "cycles.total".into()));
         assert_eq!(worse(|b| b.cycles.as_mut().unwrap().frames[1] += 4_800), (1.0, "cycles.frames[1]".into()));
-        let client = |b: &mut Report| b.memories.as_mut().unwrap()["graphics"].clients["z"].write_bytes += 400_000;
+        let client = |b: &mut Report| b.memories.as_mut().unwrap()["graphics"].clients["z"].moved_bytes += 960_000;
         assert_eq!(worse(client), (50.0, "bytes of memories.graphics.clients.z".into()));
         assert_eq!(worse(|b| b.quality.as_mut().unwrap().last.psnr_db = 33.0), (20.0, "quality.psnr_db".into()));
         assert_eq!(worse(|b| b.quality.as_mut().unwrap().last.flip += 0.02), (2.0, "quality.flip".into()));
@@ -227,7 +227,10 @@ mod tests {
             let like = clients["z"].clone();
             clients.insert("new".into(), like);
         };
-        assert_eq!(unjudged(new), ["bytes of memories.graphics.clients.new: it grew from 0 to 800,000, and 0 has no percentage"]);
+        assert_eq!(
+            unjudged(new),
+            ["bytes of memories.graphics.clients.new: it grew from 0 to 1,920,000, and 0 has no percentage"]
+        );
         let of = |psnr_db: f64| Report { quality: Some(quality_of(psnr_db)), ..samples::functional() };
         assert!(
             compare(&of(0.0), &of(-1.0), None).failures(f64::MAX)[0]

@@ -15,7 +15,7 @@ const SCALES: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 
 pub(super) fn memories(report: &Report) -> Html {
     let Some(memories) = report.memories.as_ref().filter(|memories| !memories.is_empty()) else { return Html::default() };
-    let most = memories.values().flat_map(|memory| memory.clients.values()).map(Client::bytes).max().unwrap_or(0);
+    let most = memories.values().flat_map(|memory| memory.clients.values()).map(|client| client.moved_bytes).max().unwrap_or(0);
     let each = memories.iter().map(|(name, memory)| memory_card(report, name, memory, most));
     let tables = [
         html("Caches", &sections::caches(report)),
@@ -60,10 +60,10 @@ fn bus(report: &Report, name: &str, memory: &Memory) -> Html {
 fn clients(name: &str, memory: &Memory, most: u64) -> Html {
     let row = |(name, client): (&String, &Client)| {
         let hits = if client.bursts == 0 { String::new() } else { percent_of(client.row_hits, client.bursts) };
-        let part: BarPart = ("amount", "bytes".into(), client.bytes());
-        vec![text(name), bar(&[part], most), text(thousands(client.bytes())), text(hits)]
+        let part: BarPart = ("amount", "bytes".into(), client.moved_bytes);
+        vec![text(name), bar(&[part], most), text(thousands(client.moved_bytes)), text(hits)]
     };
-    let columns = [("client", Left), ("bytes requested", Left), ("", Right), ("row hits", Right)];
+    let columns = [("client", Left), ("bytes moved", Left), ("", Right), ("row hits", Right)];
     let table = with_cells(&format!("Clients of {name}"), &columns, memory.clients.iter().map(row).collect());
     el("div", &[("class", "bars")], [table])
 }

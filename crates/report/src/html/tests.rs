@@ -3,6 +3,7 @@
 use super::*;
 use crate::model::{CriticalPath, PathPart, RelaxedCycles};
 use crate::samples;
+use basrelief_kernel::HardwareKind;
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
@@ -67,6 +68,21 @@ fn pages_are_well_formed_whatever_the_report_has() {
         check_well_formed(&page(report));
         check_well_formed(&to_html(report, &PageAssets::default()).unwrap());
     }
+}
+
+#[test]
+fn each_place_has_a_bar_of_its_area() {
+    let mut report = full("coin");
+    assert!(!page(&report).contains("Area by place"), "a report without areas");
+    report.hardware =
+        vec![samples::piece("search", HardwareKind::Adder, 1, 8), samples::piece("queue", HardwareKind::Fifo, 4, 8)];
+    report.hardware[0].area.area_ge = 3000;
+    report.hardware[1].area.area_ge = 1000;
+    let page = page(&report);
+    assert!(page.contains("Area by place: 4,000 gate equivalents"), "{page}");
+    let bars: Vec<&str> =
+        ["gate equivalents 100.0 %", "gate equivalents 33.3 %"].into_iter().filter(|bar| page.contains(bar)).collect();
+    assert_eq!(bars.len(), 2, "{page}");
 }
 
 #[test]

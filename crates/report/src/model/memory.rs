@@ -4,6 +4,25 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Bytes of a memory, or of all memories.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct MemoryBytes {
+    /// Bytes that clients requested.
+    pub requested: u64,
+    /// Bytes of whole bursts that the buses transferred.
+    pub moved: u64,
+}
+
+impl MemoryBytes {
+    /// Returns the sums of some bytes. They saturate, because a report may come from a file.
+    pub(crate) fn sum(all: impl Iterator<Item = Self>) -> Self {
+        all.fold(Self::default(), |sum, bytes| Self {
+            requested: sum.requested.saturating_add(bytes.requested),
+            moved: sum.moved.saturating_add(bytes.moved),
+        })
+    }
+}
+
 /// Traffic of a memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Memory {
@@ -13,6 +32,21 @@ pub struct Memory {
     pub channels: Vec<Channel>,
     /// Utilization of the data buses over time.
     pub bus: Bus,
+    /// Bytes of all clients. Absent in older reports.
+    #[serde(default)]
+    pub bytes: MemoryBytes,
+}
+
+impl Memory {
+    /// Sets the bytes that follow from the clients' bursts of `burst_bytes` each. If the size is unknown, moved bytes are requested
+    /// bytes.
+    pub(crate) fn count_bytes(&mut self, burst_bytes: Option<u64>) {
+        for client in self.clients.values_mut() {
+            client.moved_bytes = burst_bytes.map_or_else(|| client.requested(), |bytes| client.bursts.saturating_mul(bytes));
+        }
+        let of_client = |client: &Client| MemoryBytes { requested: client.requested(), moved: client.moved_bytes };
+        self.bytes = MemoryBytes::sum(self.clients.values().map(of_client));
+    }
 }
 
 /// Utilization of the data buses of a memory over time, in intervals of equal length.
@@ -57,6 +91,9 @@ pub struct Client {
     pub write_bytes: u64,
     /// Bursts. A request that is not aligned moves more bytes than it requests.
     pub bursts: u64,
+    /// Bytes of its bursts. Absent in older reports.
+    #[serde(default)]
+    pub moved_bytes: u64,
     /// Bursts to an open row.
     pub row_hits: u64,
     /// Bursts to a closed bank.
@@ -70,8 +107,8 @@ pub struct Client {
 }
 
 impl Client {
-    /// Returns the bytes read and written.
-    pub fn bytes(&self) -> u64 {
+    /// Returns the bytes that it requested.
+    pub fn requested(&self) -> u64 {
         self.read_bytes.saturating_add(self.write_bytes)
     }
 }

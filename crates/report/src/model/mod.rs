@@ -14,7 +14,7 @@ mod timing;
 pub use costs::{Costs, CycleBreakdown, ObjectCost, PolygonCost, UnlistedCosts};
 pub use figures::{Derived, Figure, FigureGroup, Hardware, HardwareArea, Legend};
 pub use host::{Host, RealPath};
-pub use memory::{Bus, Cache, Channel, Client, Memory};
+pub use memory::{Bus, Cache, Channel, Client, Memory, MemoryBytes};
 pub use pictures::{Difference, Picture, PictureQuality};
 pub use run::{Cycles, Input, Outcome, OutcomeKind, Report, Size};
 pub use sensitivity::{ComesTo, Measure, MeasureChange, ParameterChange, Sensitivity};

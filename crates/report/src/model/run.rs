@@ -3,7 +3,7 @@
 use super::costs::Costs;
 use super::figures::{Derived, Figure, Hardware, HardwareArea, Legend};
 use super::host::Host;
-use super::memory::{Cache, Client, Memory};
+use super::memory::{Cache, Memory, MemoryBytes};
 use super::pictures::{Picture, PictureQuality};
 use super::sensitivity::{Measure, Sensitivity};
 use super::timing::{CriticalPath, Fifo, RelaxedCycles, Unit};
@@ -46,6 +46,9 @@ pub struct Report {
     /// Traffic of each memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memories: Option<IndexMap<String, Memory>>,
+    /// Bytes of all memories.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bytes: Option<MemoryBytes>,
     /// Hits and misses of each cache.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caches: Option<IndexMap<String, Cache>>,
@@ -97,10 +100,19 @@ impl Report {
         if unit.done >= self.drain() { self.drain() } else { 0 }
     }
 
-    /// Returns the bytes that all memories moved. Saturates, because a report may come from a file. `None` for a functional run.
+    /// Returns the bytes that all memories moved; `None` for a functional run.
     pub fn memory_bytes(&self) -> Option<u64> {
-        let clients = self.memories.as_ref()?.values().flat_map(|memory| memory.clients.values());
-        Some(clients.map(Client::bytes).fold(0, u64::saturating_add))
+        self.bytes.map(|bytes| bytes.moved)
+    }
+
+    /// Counts the bytes of memories from their bursts.
+    pub(crate) fn count_bytes(&mut self) {
+        let Self { memories, config, .. } = self;
+        let burst_bytes = |name: &str| config.get("memory")?.get(name)?.get("burst_bytes")?.as_u64();
+        for (name, memory) in memories.iter_mut().flatten() {
+            memory.count_bytes(burst_bytes(name));
+        }
+        self.bytes = self.memories.as_ref().map(|memories| MemoryBytes::sum(memories.values().map(|memory| memory.bytes)));
     }
 
     /// Returns the area of the machine; `None` for a report of a version without areas.

@@ -69,11 +69,11 @@ pub fn cycles(report: &Report) -> u64 {
     report.frame_cycles()
 }
 
-/// Returns the bytes of all clients for which `counts` is true.
+/// Returns the bytes that all clients moved, for which `counts` is true.
 pub fn bytes(report: &Report, counts: impl Fn(&str, &str) -> bool) -> u64 {
     let memories = report.memories.iter().flatten();
     let clients = memories.flat_map(|(memory, m)| m.clients.iter().map(move |(client, c)| (memory, client, c)));
-    clients.filter(|(memory, client, _)| counts(memory, client)).map(|(.., c)| c.bytes()).sum()
+    clients.filter(|(memory, client, _)| counts(memory, client)).map(|(.., c)| c.moved_bytes).sum()
 }
 
 /// Returns a figure of the machine; 0 if there is none of this name.

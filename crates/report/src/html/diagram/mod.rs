@@ -152,7 +152,7 @@ fn client(placed: &PlacedText, report: &Report) -> Html {
     let path: String = ends.iter().flat_map(|&end| [line(end, y - 2.0), line(end, y + 2.0)]).collect();
     let moved = |name: &str| {
         let client = report.memories.iter().flatten().find_map(|(_, memory)| memory.clients.get(name))?;
-        Some(format!("{name}: {} bytes", crate::number::thousands(client.bytes())))
+        Some(format!("{name}: {} bytes moved", crate::number::thousands(client.moved_bytes)))
     };
     let parts_text: Vec<String> = placed.text.split(", ").filter_map(moved).collect();
     let lines = el("path", &[("class", "wire"), ("d", &path)], []);
