@@ -29,17 +29,17 @@ fn candidates_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]) -> V
 /// Returns the numbers of the Pareto-optimal rows, in the order of the table.
 ///
 /// ```
-/// use basrelief_dse::{Cell, Column, Goal, Role, Row, State, Table, front};
+/// use basrelief_dse::{Cell, Column, ColumnRole, ObjectiveDirection, PointState, Row, Table, front};
 ///
-/// let column = |name: &str, goal| Column { name: name.into(), unit: "".into(), role: Role::Objective(goal), what: "".into() };
+/// let column = |name: &str, goal| Column { name: name.into(), unit: "".into(), role: ColumnRole::Objective(goal), what: "".into() };
 /// let row = |cycles, db| Row {
 ///     id: format!("{cycles}"),
-///     state: State::Ok,
+///     state: PointState::Ok,
 ///     cells: vec![Cell::Whole(cycles), Cell::Number(db)],
 ///     picture: None,
 /// };
 /// let table = Table {
-///     columns: vec![column("cycles", Goal::Min), column("psnr_db", Goal::Max)],
+///     columns: vec![column("cycles", ObjectiveDirection::Min), column("psnr_db", ObjectiveDirection::Max)],
 ///     rows: vec![row(100, 20.0), row(300, 30.0), row(200, 19.0), row(300, 30.0)],
 ///     ..Table::default()
 /// };
