@@ -1,4 +1,8 @@
 //! Errors of serde and `serde_json` in terms of JSON: lists, objects and numbers.
+//!
+//! These functions read the English texts of both libraries, because `serde_json` fixes the error type of its deserializer. A
+//! wrapper with an error type of its own would map about fifty methods, and syntax errors would still be texts. A text that is
+//! unknown here passes unchanged.
 
 /// Text of an error, without line and column.
 pub(crate) fn error_text(error: &serde_json::Error) -> String {
