@@ -34,8 +34,8 @@ fn absurd_settings_stay_within_memory_limit() {
         "--set memory.graphics.burst_bytes=4 --set memory.graphics.burst_cycles=1024 --set memory.graphics.rp=1024",
         "--set replacement.lanes=1 --set replacement.pipelined=false --set replacement.latency=1024",
         "--set geometry.multipliers=1 --set geometry.fetch_bytes_per_cycle=1 --set operators.power.latency=1024 --set operators.power.interval=1024",
-        "--set clock.hz=1 --set video_out.cycles_per_read=1000000",
-        "--set clock.hz=1 --set memory.graphics.part=custom --set memory.normal_map.part=custom --set video_out.pixel_hz=1",
+        "--set clock.hz=1 --set display.mode=fifo",
+        "--set clock.hz=1 --set memory.graphics.part=custom --set memory.normal_map.part=custom --set display.pixel_hz=1",
         "--set memory.graphics.channels=64 --set memory.graphics.window=256 --set memory.graphics.cap=65536",
         "--light 1e300,1e300,-1e300 --orbit 1e300 --frames 2",
     ] {

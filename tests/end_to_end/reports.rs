@@ -19,7 +19,7 @@ fn demo_writes_image_reference_difference_and_report() {
     assert!(said.contains("Bottleneck: ") && said.contains("Written to out/"), "{said}");
     let cycles = &report["cycles"];
     let frames: u64 = cycles["frames"].as_array().expect("frames").iter().filter_map(Value::as_u64).sum();
-    assert_eq!(cycles["total"].as_u64(), Some(frames + cycles["scan_out_tail"].as_u64().expect("scan_out_tail")));
+    assert_eq!(cycles["total"].as_u64(), Some(frames + cycles["write_tail"].as_u64().expect("write_tail")));
 }
 
 #[test]

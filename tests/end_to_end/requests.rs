@@ -60,7 +60,7 @@ fn all_requests_are_written_once_in_arrival_order() {
 }
 
 /// Run of a quad of 6 x 6 pixels, with four lines each of depth and colour. It sets every parameter that affects the requests.
-const QUAD: &str = "run quad.dl.jsonl --machine shade --quiet --set video_out.enabled=false --set depth.clear_flags=false \
+const QUAD: &str = "run quad.dl.jsonl --machine shade --quiet --set display.enabled=false --set depth.clear_flags=false \
     --set depth.write_lines=8 --set frame_buffer.write_lines=8 --set cache.depth.line_bytes=64 --set memory.frame.channels=1 \
     --set memory.frame.burst_bytes=32 --set memory.frame.burst_cycles=2 --set memory.frame.cl=3 --set memory.frame.cwl=1 \
     --set memory.frame.rcd=3 --set memory.frame.refi=0 --set memory.frame.outstanding=16";

@@ -55,7 +55,7 @@ export interface Report {
   outcome: { kind: string; message?: string };
   size: { width: number; height: number };
   config: Record<string, unknown>;
-  cycles?: { total: number; scan_out_tail: number; frames: number[] };
+  cycles?: { total: number; write_tail: number; frames: number[] };
   units?: Record<string, Unit>;
   bytes?: { requested: number; moved: number };
   bottlenecks?: { resource: string; relaxation: string; set: string[]; cycles: number; saved: number }[];

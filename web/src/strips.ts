@@ -11,7 +11,7 @@ const HEIGHT = 28;
 
 export function timeline({ report, strips }: Run, rest: Uint8Array): HTMLElement {
   if (!strips || strips.units.length === 0) return el("p", { class: "quiet" }, "The timeline appears when the image is idle.");
-  // After the last frame only scan-out remains.
+  // After the last frame memory takes its last pixels.
   const drawn = Math.ceil(frameCycles(report) / strips.width);
   const columns = Math.max(1, Math.min(drawn, ...strips.units.map(({ at }) => at[1] / STATES.length).sort((a, b) => b - a).slice(0, 1)));
   const says = el("p", { class: "quiet", "aria-live": "off" }, "Point at a strip to see its values.");

@@ -23,9 +23,14 @@ pub struct ReportFigure {
     pub cell: Cell,
 }
 
-/// Keys of schema 2, which plans of version 0.1 name, and their names today.
-const RENAMED: [(&str, &str); 4] =
-    [("drain", "scan_out_tail"), ("look_ups", "lookups"), ("utilisation", "utilization"), ("bus_utilisation", "bus_utilization")];
+/// Keys that plans of earlier versions name, and their names today.
+const RENAMED: [(&str, &str); 5] = [
+    ("drain", "write_tail"),
+    ("scan_out_tail", "write_tail"),
+    ("look_ups", "lookups"),
+    ("utilisation", "utilization"),
+    ("bus_utilisation", "bus_utilization"),
+];
 
 /// Returns the path of a name in a plan.
 pub fn path_of(name: &str) -> String {
@@ -165,7 +170,7 @@ mod tests {
     #[test]
     fn every_number_has_its_path_and_its_unit() {
         let report = json!({
-            "cycles": { "total": 10, "frames": [7], "scan_out_tail": 3 },
+            "cycles": { "total": 10, "frames": [7], "write_tail": 3 },
             "units": { "a": { "numeral": 11, "busy": 4, "tokens": 2, "starved": { "in": 6 } } },
             "memories": { "m": { "clients": { "z": { "read_bytes": 5, "write_bytes": 8 } }, "channels": [{ "row_hits": 1 }], "bytes": { "moved": 64 } } },
             "bytes": { "requested": 13, "moved": 64 },
@@ -180,7 +185,7 @@ mod tests {
         assert_eq!(
             found,
             [
-                "cycles.scan_out_tail = 3 cycles",
+                "cycles.write_tail = 3 cycles",
                 "cycles.total = 10 cycles",
                 "bytes.moved = 64 bytes",
                 "bytes.requested = 13 bytes",
@@ -207,6 +212,6 @@ mod tests {
             ]
         );
         let paths = ["cycles", "cycles.drain", "derived.a.utilisation", "caches.c.hits", "memories.bytes"].map(path_of);
-        assert_eq!(paths, ["cycles.frames", "cycles.scan_out_tail", "derived.a.utilization", "caches.c.hits", "bytes.moved"]);
+        assert_eq!(paths, ["cycles.frames", "cycles.write_tail", "derived.a.utilization", "caches.c.hits", "bytes.moved"]);
     }
 }

@@ -13,6 +13,16 @@ parameters! {
     }
 }
 
+/// Old names of parameters, each with its new name. A parameter without a new name has no effect.
+pub(crate) const RENAMED: &[(&str, &str)] = &[
+    ("video_out.enabled", "display.enabled"),
+    ("video_out.burst_bytes", "display.burst_bytes"),
+    ("video_out.pixel_hz", "display.pixel_hz"),
+    ("video_out.cycles_per_read", ""),
+    ("fifo.finished_frames.depth", ""),
+    ("fifo.finished_frames.latency", ""),
+];
+
 parameters! {
     /// Layout of textures in memory. The sides of blocks are powers of two. In a level smaller than a block, blocks are smaller, down to 4
     /// texels. Levels are padded to whole blocks.

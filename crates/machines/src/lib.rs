@@ -11,6 +11,7 @@ pub mod bump;
 mod config;
 pub mod defer;
 mod diagram;
+mod display;
 mod draws;
 mod fifos;
 mod front;

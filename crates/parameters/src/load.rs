@@ -44,9 +44,12 @@ impl<C: Parameters> Loader<C> {
     pub fn load(&self, settings: &[(&str, &str)]) -> Result<C, ConfigError> {
         let mut tree = self.given.clone();
         for (key, value) in settings {
-            check_known(key, &self.known)?;
+            if !C::renamed().iter().any(|(old, _)| old == key) {
+                check_known(key, &self.known)?;
+            }
             insert_setting(&mut tree, key, parse_value(value))?;
         }
+        rename(&mut tree, C::renamed())?;
         check_tree(&tree, "", &self.known)?;
         let mut config = self.over_defaults(tree.clone()).map_err(|error| self.wrong_type(&tree, &error))?;
         config.check("")?;
@@ -166,6 +169,30 @@ fn check_tree(tree: &Table, prefix: &str, known: &[String]) -> Result<(), Config
     Ok(())
 }
 
+/// Replaces old names of parameters. A value under the new name takes precedence.
+fn rename(tree: &mut Table, renamed: &[(&str, &str)]) -> Result<(), ConfigError> {
+    for (old, new) in renamed {
+        if let Some(value) = remove(tree, old)
+            && !new.is_empty()
+            && !UserSettings(tree).contains(new)
+        {
+            insert_setting(tree, new, value)?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes a setting, and its group if nothing is left in the group.
+fn remove(tree: &mut Table, key: &str) -> Option<Value> {
+    let Some((group, rest)) = key.split_once('.') else { return tree.remove(key) };
+    let inner = tree.get_mut(group)?.as_table_mut()?;
+    let value = remove(inner, rest)?;
+    if inner.is_empty() {
+        tree.remove(group);
+    }
+    Some(value)
+}
+
 fn check_known(key: &str, known: &[String]) -> Result<(), ConfigError> {
     if known.iter().any(|k| k == key) {
         return Ok(());
@@ -247,13 +274,15 @@ mod tests {
 
     crate::parameter_groups! {
         /// Lanes follow from `wide.lanes` where they are not given.
-        pub struct Following completed(follow) explained(note_reason) {
+        pub struct Following completed(follow) explained(note_reason) renamed(OLD_NAMES) {
             /// Leads.
             wide: SearchConfig = SearchConfig::default() => [lanes: Stated("claim 1")],
             /// Follows.
             narrow: SearchConfig = SearchConfig { lanes: 4, ..SearchConfig::default() },
         }
     }
+
+    const OLD_NAMES: &[(&str, &str)] = &[("broad.lanes", "wide.lanes"), ("broad.gone", "")];
 
     fn follow(config: &mut Following, given: &UserSettings<'_>) -> Result<(), ConfigError> {
         if !given.contains("narrow.lanes") {
@@ -264,6 +293,15 @@ mod tests {
 
     fn note_reason(_: &Following, table: &mut [crate::Parameter]) {
         table[2].provenance = crate::Provenance::Derived("half".into());
+    }
+
+    #[test]
+    fn old_names_are_read_and_new_names_take_precedence() {
+        let lanes = |toml: &str, set: &[(&str, &str)]| load::<Following>(toml, set).unwrap().wide.lanes;
+        assert_eq!(lanes("[broad]\nlanes = 64\ngone = 1", &[]), 64);
+        assert_eq!(lanes("", &[("broad.lanes", "32"), ("broad.gone", "5")]), 32);
+        assert_eq!(lanes("[broad]\nlanes = 64", &[("wide.lanes", "8")]), 8);
+        assert!(load::<Following>("[broad]\nlane = 64", &[]).is_err(), "never a name");
     }
 
     #[test]

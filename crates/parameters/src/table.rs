@@ -103,6 +103,12 @@ pub trait Parameters: Serialize + DeserializeOwned + Default {
         Ok(())
     }
 
+    /// Returns old names of parameters or groups, each with its new name; an empty new name means that the value is ignored. They are read
+    /// like the new names, and are listed nowhere. By default there are none.
+    fn renamed() -> &'static [(&'static str, &'static str)] {
+        &[]
+    }
+
     /// Sets the provenance of dependent parameters in this configuration's `table`.
     fn explain(&self, table: &mut [Parameter]) {
         let _ = table;
@@ -181,11 +187,11 @@ macro_rules! parameters {
 /// Declares a configuration that is made of others, one per named group.
 ///
 /// A group's default may state the provenance of its own values: `clock: Clock = Clock { hz: 5 } => [hz: Assumed("why")],`.
-/// Two functions implement [`Parameters::complete`] and [`Parameters::explain`] for dependent parameters:
-/// `pub struct Config completed(FUNCTION) explained(FUNCTION) { ... }`.
+/// Two functions and a constant implement [`Parameters::complete`], [`Parameters::explain`] and [`Parameters::renamed`]:
+/// `pub struct Config completed(FUNCTION) explained(FUNCTION) renamed(CONSTANT) { ... }`.
 #[macro_export]
 macro_rules! parameter_groups {
-    ($(#[doc = $about:literal])* pub struct $name:ident $(completed($complete:path) explained($explain:path))? {
+    ($(#[doc = $about:literal])* pub struct $name:ident $(completed($complete:path) explained($explain:path) renamed($renamed:path))? {
         $($(#[doc = $doc:literal])* $field:ident : $type:ty = $default:expr $(=> [$($($inner:ident).+: $kind:ident($why:literal)),+ $(,)?])?,)*
     }) => {
         $(#[doc = $about])*
@@ -225,6 +231,10 @@ macro_rules! parameter_groups {
 
             fn explain(&self, table: &mut [$crate::Parameter]) {
                 $explain(self, table)
+            }
+
+            fn renamed() -> &'static [(&'static str, &'static str)] {
+                $renamed
             })?
         }
     };

@@ -3,7 +3,7 @@
 use crate::derived::derive;
 use crate::json::SCHEMA;
 use crate::model::{
-    Bus, Cache, Channel, Client, Cycles, Fifo, Figure, Hardware, Input, Legend, Memory, MemoryBytes, Outcome, OutcomeKind,
+    Bus, Cache, Channel, Client, Cycles, Display, Fifo, Figure, Hardware, Input, Legend, Memory, MemoryBytes, Outcome, OutcomeKind,
     Picture, PictureQuality, Report, Size, Unit,
 };
 use crate::work::work;
@@ -52,6 +52,7 @@ impl Report {
         report.units = Some(run.units.iter().map(|u| (u.name.clone(), unit(u, &run.fifos, &numerals))).collect());
         report.fifos = Some(run.fifos.iter().map(|f| (f.name.clone(), fifo(f))).collect());
         report.memories = Some(run.memories.iter().map(|m| (m.name.clone(), memory(m))).collect());
+        report.display = display(&report, run);
         report.caches = Some(run.caches.iter().map(|c| (c.name.clone(), cache(&c.counts))).collect());
         report.count_bytes();
         report.derived = derive(&report);
@@ -74,6 +75,7 @@ impl Report {
             units: None,
             fifos: None,
             memories: None,
+            display: None,
             bytes: None,
             caches: None,
             limits: None,
@@ -155,6 +157,30 @@ fn memory(memory: &kernel::MemoryReport) -> Memory {
         bus: Bus { interval: memory.bus.interval(), busy: memory.bus.busy().to_vec() },
         bytes: MemoryBytes::default(),
     }
+}
+
+/// Name of the client that flips.
+const FLIP: &str = "flip";
+
+/// Returns the figures of the display: of the periodic client of a memory, and of the flips.
+fn display(report: &Report, run: &kernel::RunReport) -> Option<Display> {
+    let find = |memory: &'_ kernel::MemoryReport| memory.ports.iter().position(|port| port.periodic.is_some());
+    let (memory, place) = run.memories.iter().find_map(|memory| Some((memory, find(memory)?)))?;
+    let scan_out = memory.ports.get(place)?;
+    let kernel::PeriodicCounts { late, flips } = scan_out.periodic?;
+    let flip = memory.ports.iter().find(|port| port.client == FLIP);
+    let burst_cycles =
+        report.config.pointer(&format!("/memory/{}/burst_cycles", memory.name)).and_then(serde_json::Value::as_u64);
+    Some(Display {
+        memory: memory.name.clone(),
+        flips: flip.map_or(0, |port| port.counts.writes),
+        pictures_shown: flips.shown,
+        flip_wait: flips.wait,
+        longest_flip_wait: flips.longest_wait,
+        reads: scan_out.counts.reads,
+        underruns: late,
+        bus_cycles: scan_out.counts.rows.bursts() * burst_cycles.unwrap_or(0),
+    })
 }
 
 fn channel(counts: &kernel::ChannelCounts) -> Channel {

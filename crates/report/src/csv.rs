@@ -5,7 +5,7 @@
 //! | table | name | field | key |
 //! |---|---|---|---|
 //! | `run` | `version`, `machine`, `input`, `outcome` ... | `value` | |
-//! | `cycles` | | `total`, `frames`, `drain` | frame, from 0 |
+//! | `cycles` | | `total`, `frames`, `write_tail` | frame, from 0 |
 //! | `config` | parameter, as in `--set` | `value` | |
 //! | `units` | unit | `steps`, `tokens`, `busy`, `starved`, `blocked`, `memory`, `done` | FIFO or client waited for |
 //! | `fifos` | FIFO | `depth`, `tokens`, `high_water`, `mean_occupancy`, `full_cycles`, `histogram` | slots held |

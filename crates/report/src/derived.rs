@@ -27,16 +27,16 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let work = work(report);
     let fragments = work.count as f64;
 
-    // Drain is the display's.
+    // In the tail, nothing is drawn.
     let drawing = report.frame_cycles() as f64;
-    let formula = format!("(cycles.total - cycles.scan_out_tail) / {}", work.formula);
+    let formula = format!("(cycles.total - cycles.write_tail) / {}", work.formula);
     figures.ratio(format!("cycles_per_{}", work.one), (drawing, fragments), "cycles", formula);
     let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
-    let formula = "(cycles.total - cycles.scan_out_tail) / sum(figures.polygons_ROUTE)";
+    let formula = "(cycles.total - cycles.write_tail) / sum(figures.polygons_ROUTE)";
     figures.ratio("cycles_per_polygon", (drawing, polygons), "cycles", formula);
     for circuit in circuits(report) {
         let (name, idle) = (circuit.name, drawing - circuit.started as f64);
-        let formula = format!("cycles.total - cycles.scan_out_tail - figures.{}", circuit.figure);
+        let formula = format!("cycles.total - cycles.write_tail - figures.{}", circuit.figure);
         figures.ratio(format!("{name}.idle"), (idle, 1.0), "cycles", formula);
     }
     figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
@@ -47,16 +47,17 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
         let formula = "config.clock.hz * count(cycles.frames) / sum(cycles.frames)";
         figures.ratio("frames_per_s", (hz * frames, drawing), "1/s", formula);
     }
-    let formula = format!("{} * config.clock.hz / (cycles.total - cycles.scan_out_tail) / 1e6", work.formula);
+    let formula = format!("{} * config.clock.hz / (cycles.total - cycles.write_tail) / 1e6", work.formula);
     figures.ratio("fill_rate", (fragments * hz / 1e6, drawing), &format!("M {}s/s", work.one), formula);
     add_memories(report, &mut figures, hz, &work);
+    add_display(report, &mut figures, (hz, total));
     for (name, c) in report.caches.iter().flatten() {
         let formula = format!("caches.{name}.hits / caches.{name}.lookups");
         figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
     }
     for (name, u) in report.units.iter().flatten() {
         let (of, cycles) = match report.drain_of(u) {
-            drain if drain == report.drain() => ("(cycles.total - cycles.scan_out_tail)", drawing),
+            drain if drain == report.drain() => ("(cycles.total - cycles.write_tail)", drawing),
             _ => ("cycles.total", total),
         };
         let formula = format!("units.{name}.busy / {of}");
@@ -86,6 +87,18 @@ fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &W
             figures.ratio(format!("{name}.gb_per_s"), (busy / burst_cycles * burst_bytes / 1e9, seconds), "GB/s", formula);
         }
     }
+}
+
+fn add_display(report: &Report, figures: &mut Figures, (hz, total): (f64, f64)) {
+    let Some(display) = &report.display else { return };
+    let formula = "display.pictures_shown * config.clock.hz / cycles.total";
+    figures.ratio("display.pictures_per_s", (display.pictures_shown as f64 * hz, total), "1/s", formula);
+    let formula = "display.flip_wait / display.flips";
+    figures.ratio("display.flip_latency", (display.flip_wait as f64, display.flips as f64), "cycles", formula);
+    let name = &display.memory;
+    let channels = report.memories.as_ref().and_then(|memories| memories.get(name)).map_or(0, |memory| memory.channels.len());
+    let formula = format!("display.bus_cycles / (cycles.total * count(memories.{name}.channels))");
+    figures.ratio("display.bus_share", (display.bus_cycles as f64, total * channels as f64), "1", formula);
 }
 
 /// Bytes and cycles of a burst.
@@ -120,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn frame_figures_exclude_scan_out_tail() {
+    fn frame_figures_exclude_tail() {
         let mut report = samples::balanced();
         let before = report.derived.clone();
         let cycles = report.cycles.as_mut().unwrap();

@@ -154,7 +154,7 @@ mod tests {
     fn schema_2_report_is_read() {
         let report = Report { limits: None, ..samples::costed() };
         let keys = [
-            ("scan_out_tail", "drain"),
+            ("write_tail", "drain"),
             ("lookups", "look_ups"),
             ("turnarounds", "turn_arounds"),
             ("description", "about"),

@@ -63,6 +63,14 @@ pub fn rows(report: &Report) -> Vec<FigureRow> {
             add_channel(("channels", name), &number.to_string(), c, &mut rows);
         }
     }
+    if let Some(d) = &report.display {
+        rows.add(("display", ""), "memory", "", d.memory.as_str());
+        let counts = [("flips", d.flips), ("pictures_shown", d.pictures_shown), ("flip_wait", d.flip_wait)];
+        let more = [("longest_flip_wait", d.longest_flip_wait), ("reads", d.reads), ("underruns", d.underruns)];
+        for (field, n) in counts.into_iter().chain(more).chain([("bus_cycles", d.bus_cycles)]) {
+            rows.add(("display", ""), field, "", n);
+        }
+    }
     for (name, c) in report.caches.iter().flatten() {
         for (field, n) in [("lookups", c.look_ups), ("hits", c.hits), ("misses", c.misses), ("merged", c.merged)] {
             rows.add(("caches", name), field, "", n);
@@ -95,7 +103,7 @@ fn add_run(report: &Report, rows: &mut FigureRows) {
     if let Some(cycles) = &report.cycles {
         rows.add(("cycles", ""), "total", "", cycles.total);
         rows.add(("cycles", ""), "frames", "", cycles.frames.clone());
-        rows.add(("cycles", ""), "scan_out_tail", "", cycles.drain);
+        rows.add(("cycles", ""), "write_tail", "", cycles.drain);
     }
 }
 

@@ -7,7 +7,7 @@
 //!
 //! [`packet`] defines the traits of pixel tokens that a depth test and a frame buffer need.
 //!
-//! [`GatheredLines`] are the lines of a picture's memory that a unit has open for writing.
+//! [`GatheredLines`] are the lines of a picture's memory that a unit has open for writing, and [`LineFlags`] state which lines are clear.
 //!
 //! [`width`] defines the bits of each token on a wire, [`attribution`] its attribution.
 //!
@@ -26,6 +26,7 @@ pub mod flow;
 pub mod fragment;
 pub mod gathered_lines;
 pub mod layout;
+pub mod line_flags;
 pub mod model;
 pub mod packet;
 pub mod polygon;
@@ -40,6 +41,7 @@ pub use fragment::{
     StampLanes, StampNormals, StampSample, StampSamples,
 };
 pub use gathered_lines::GatheredLines;
+pub use line_flags::LineFlags;
 pub use model::{
     Camera, Draw, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene,
     ShadingMode, ShadingSettings, TexelFilter, Texture, WrapMode,

@@ -125,7 +125,7 @@ fn gouraud_with_normal_maps_matches_the_exact_picture() {
 fn looking_around(set: &[(&str, &str)]) -> Report {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/alcove.gltf");
     let options = ViewOptions { size: [160, 120], frames: Some(3), orbit_degrees: Some(60.0), ..ViewOptions::default() };
-    let small = [("defer.mode", "progressive"), ("tile.width", "4"), ("tile.height", "4"), ("video_out.enabled", "false")];
+    let small = [("defer.mode", "progressive"), ("tile.width", "4"), ("tile.height", "4"), ("display.enabled", "false")];
     let slow = [("path.bits_per_second", "384000")];
     let config: DeferConfig = basrelief_parameters::load("", &[&small[..], &slow, set].concat()).unwrap();
     report(RunInput::scene(Arc::new(load_path(&path, &options).unwrap())), &config)

@@ -20,6 +20,7 @@ pub(super) fn no_table(e: basrelief_shading::TableError) -> ConfigProblem {
 /// Checks that the parameters fit together.
 pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
     check_memories(c)?;
+    c.swap_chain().check("graphics", &c.memory.graphics)?;
     c.texture.check()?;
     let samples = c.normal_mapping.samples(c.brightness.levels) as usize;
     if samples > MAX_SAMPLES {

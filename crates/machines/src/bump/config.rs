@@ -1,11 +1,12 @@
 //! All parameters of the bump-mapping processor, in the order of its block diagram, and its FIFOs.
 
 use crate::config::{ClockConfig, IdealConfig, ReferenceConfig, TextureConfig};
+use crate::display::SwapChain;
 use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_brightness::BrightnessConfig;
-use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
+use basrelief_frame_buffer::{DisplayConfig, FrameBufferConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::{DepthConfig, GraphicsConfig};
 use basrelief_kernel::{AreaConfig, CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
@@ -83,15 +84,12 @@ fifos! {
         pixels: Flow<Stamp<Pixel>> = 128,
         /// Z-test to frame buffer, without early z: pixels.
         tested_pixels: Flow<Stamp<Pixel>> = 64,
-        /// Frame buffer to video output: finished frames. The depth is the number of frames that may wait for the
-        /// display while drawing continues.
-        finished_frames: FrameDone = 256,
     }
 }
 
 parameter_groups! {
     /// All parameters of the bump-mapping processor.
-    pub struct BumpProcessorConfig completed(complete) explained(explain) {
+    pub struct BumpProcessorConfig completed(complete) explained(explain) renamed(crate::config::RENAMED) {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
             hz: Assumed("2005, between the Graphics Synthesizer of the same maker (147 MHz, 2000) and its RSX (550 MHz, 2006)"),
@@ -137,8 +135,8 @@ parameter_groups! {
         texture: TextureConfig = TextureConfig::default(),
         /// Frame buffer (126).
         frame_buffer: FrameBufferConfig = FrameBufferConfig::default(),
-        /// Video output.
-        video_out: VideoOutConfig = VideoOutConfig::default(),
+        /// Display.
+        display: DisplayConfig = DisplayConfig::default(),
         /// FIFOs.
         fifo: FifoConfigs = FifoConfigs::default(),
         /// Memories.
@@ -158,3 +156,10 @@ parameter_groups! {
 
 front_of!(BumpProcessorConfig, |c| VertexAttributes { lit: LightingStage::Targets, normal_maps: true, textures: true });
 memories_of!(BumpProcessorConfig);
+
+impl BumpProcessorConfig {
+    /// Returns the swap chain of the display.
+    pub(super) fn swap_chain(&self) -> SwapChain<'_> {
+        SwapChain { display: &self.display, pixel_bytes: self.frame_buffer.pixel_bytes, hz: self.clock.hz, shared: false }
+    }
+}

@@ -7,7 +7,7 @@ use crate::PictureMachine;
 use crate::front::FrontEnd;
 use crate::problem::wired;
 use basrelief_brightness::{BrightnessFetch, Components};
-use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
+use basrelief_frame_buffer::{FinishedFrame, FrameBuffer};
 use basrelief_graphics_processor::{DepthTest, GraphicsProcessor};
 use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_normal_mapping::NormalMapping;
@@ -29,7 +29,6 @@ pub struct BumpProcessor<F> {
     graphics: Stage<GraphicsProcessor>,
     late_depth: Stage<DepthTest<Stamp<Pixel>>>,
     frame_buffer: Stage<FrameBuffer>,
-    video_out: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
     early_z: bool,
@@ -43,7 +42,6 @@ impl<F: FrontEnd> BumpProcessor<F> {
     pub fn new(front: F, config: &BumpProcessorConfig) -> Result<Self, ConfigProblem> {
         check::check(config)?;
         let c = config.clone();
-        let pixel_bytes = c.frame_buffer.pixel_bytes;
         let samples = c.normal_mapping.samples(c.brightness.levels);
         let replacement =
             Replacement::new(c.replacement.clone(), c.normal_mapping.normal_bits, &c.operators).map_err(check::no_table)?;
@@ -84,8 +82,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
                     .with_layout(layout),
                 ),
                 late_depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, z_bits, c.cache.depth.line_bytes)),
-                frame_buffer: Stage::new("frame-buffer", FrameBuffer::new(c.frame_buffer)),
-                video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
+                frame_buffer: Stage::new("frame-buffer", FrameBuffer::new(c.frame_buffer, &c.display)),
                 memories,
                 clients,
             },
@@ -123,8 +120,7 @@ impl<F: FrontEnd> Machine for BumpProcessor<F> {
             v.stage(self.late_depth.between(&mut f.pixels, &mut f.tested_pixels).using(m, &c.depth));
             &mut f.tested_pixels
         };
-        v.stage(self.frame_buffer.between(to_write, &mut f.finished_frames).using(m, &c.frame_buffer));
-        v.stage(self.video_out.between(&mut f.finished_frames, ()).using(m, &c.video_out));
+        v.stage(self.frame_buffer.between(to_write, ()).using(m, &c.frame_buffer));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

@@ -14,8 +14,7 @@ pub(super) struct ClientNumbers {
     pub(super) brightness: [usize; 2],
     pub(super) graphics: [usize; 2],
     pub(super) depth: [usize; 2],
-    pub(super) frame_buffer: [usize; 1],
-    pub(super) video_out: [usize; 1],
+    pub(super) frame_buffer: [usize; 2],
 }
 
 /// Builds the memories (116), (120) and (124) with their ports and caches.
@@ -38,7 +37,7 @@ pub(super) fn build(config: &BumpProcessorConfig) -> (MemorySystem, ClientNumber
             m.add_client("tables", quantization, on_quantization),
             m.add_client("gathered", quantization, on_quantization),
         ],
-        frame_buffer: [m.add_client("pixel_write", graphics, on_graphics)],
+        frame_buffer: [m.add_client("pixel_write", graphics, on_graphics), config.swap_chain().add(&mut m, graphics)],
         graphics: [
             m.add_cached_client("color_texels", graphics, on_graphics, "color_texture", &cache.color_texture),
             m.add_client("held", graphics, on_graphics),
@@ -47,7 +46,6 @@ pub(super) fn build(config: &BumpProcessorConfig) -> (MemorySystem, ClientNumber
             m.add_cached_client("z_read", graphics, on_graphics, "depth", &cache.depth),
             m.add_client("z_write", graphics, on_graphics),
         ],
-        video_out: [m.add_client("video_out", graphics, on_graphics)],
     };
     (m, clients)
 }

@@ -15,6 +15,7 @@ const SINGLE_BYTES: u32 = 4;
 /// Checks that the parameters fit together.
 pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
     check_memories(c)?;
+    c.swap_chain().check("pixel_depth", &c.memory.pixel_depth)?;
     line_is_power_of_two("depth", c.cache.depth.line_bytes)?;
     line_is_power_of_two("texel", c.cache.texel.line_bytes)?;
     for (key, side) in [("tile.width", c.tile.width), ("tile.height", c.tile.height)] {

@@ -1,14 +1,15 @@
 //! All parameters of the rate-limited renderer, in the order of its block diagram, and its FIFOs.
 
 use crate::config::{ClockConfig, IdealConfig};
+use crate::display::SwapChain;
 use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_deferred_renderer::tokens::{
     CellFlow, ExpandedTile, MarkFlow, PassFlow, PassRound, StoreOrder, TileRequest, TileResponse,
 };
-use basrelief_deferred_renderer::{CellConfig, EngineConfig, LightingMode, PathConfig, RendererConfig, TileConfig};
-use basrelief_frame_buffer::{FrameDone, PixelBufferConfig, VideoOutConfig};
+use basrelief_deferred_renderer::{CellConfig, DepthPixel, EngineConfig, LightingMode, PathConfig, RendererConfig, TileConfig};
+use basrelief_frame_buffer::{DisplayConfig, PixelBufferConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{AreaConfig, CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
@@ -104,15 +105,12 @@ fifos! {
         pixels: PictureFlow = 16,
         /// Pixel buffer (124) to server (110): the last picture of a frame is shown.
         shown: () = 2,
-        /// Pixel buffer (124) to video output: finished pictures. The depth is the number of pictures that may wait
-        /// for the display while drawing continues.
-        finished_frames: FrameDone = 256,
     }
 }
 
 parameter_groups! {
     /// All parameters of the rate-limited renderer.
-    pub struct DeferConfig completed(complete) explained(explain) {
+    pub struct DeferConfig completed(complete) explained(explain) renamed(crate::config::RENAMED) {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
             hz: Assumed("1998: clock of graphics chips of that year (RIVA TNT 90 MHz), and of PC100 memory"),
@@ -163,7 +161,7 @@ parameter_groups! {
         /// Pixel buffer (124).
         frame_buffer: PixelBufferConfig = PixelBufferConfig::default(),
         /// Video output (116).
-        video_out: VideoOutConfig = VideoOutConfig::default(),
+        display: DisplayConfig = DisplayConfig::default(),
         /// FIFOs.
         fifo: FifoConfigs = FifoConfigs::default(),
         /// Memories.
@@ -187,5 +185,17 @@ fn lit(c: &DeferConfig) -> LightingStage {
     match c.defer.lighting {
         LightingMode::None => LightingStage::Nowhere,
         LightingMode::Gouraud => LightingStage::AtVertices,
+    }
+}
+
+impl DeferConfig {
+    /// Returns the swap chain of the display.
+    pub(super) fn swap_chain(&self) -> SwapChain<'_> {
+        SwapChain {
+            display: &self.display,
+            pixel_bytes: self.frame_buffer.pixel_bytes,
+            hz: self.clock.hz,
+            shared: self.defer.depth_pixel == DepthPixel::Shared,
+        }
     }
 }

@@ -14,7 +14,7 @@ use basrelief_deferred_renderer::{
     ReferenceBuffer, Server, TableSizes, TextureMemory, TexturePage, TileList, TileLists, TileRecord, TileSource, ViewpointEnds,
     brightness_range,
 };
-use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, VideoOut};
+use basrelief_frame_buffer::{FinishedFrame, PixelBuffer};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
@@ -41,7 +41,6 @@ pub struct DeferredRenderer<F> {
     tile_lists: Stage<TileLists>,
     rasterization: Stage<Rasterization>,
     pixel_buffer: Stage<PixelBuffer>,
-    video_out: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
 }
@@ -70,13 +69,12 @@ impl<F: FrontEnd> DeferredRenderer<F> {
     pub fn with_source(front: F, config: &DeferConfig, source: Box<dyn TileSource>) -> Result<Self, ConfigProblem> {
         check(config)?;
         let c = config.clone();
-        let pixel_bytes = c.frame_buffer.pixel_bytes;
         let (memories, clients) = build(config);
         let (mode, engine) = (c.defer.mode, c.engine.clone());
         let cut = cut(config);
         let format = cell_format(config);
         let (leaving, onlooker) = (ViewpointEnds::new(&c.defer, source.user()), source.onlooker());
-        let shared = (c.defer.depth_pixel == DepthPixel::Shared).then(|| (c.video_out.clone(), c.clock.hz));
+        let shared = c.defer.depth_pixel == DepthPixel::Shared;
         let sizes = TableSizes::new(&c.cell, cut, &engine);
         let cells = Cells::new(engine.clone(), c.operators.clone(), &c.cell, &c.defer, cut);
         let tile_bytes = 3 * c.tile.width * c.tile.height;
@@ -99,8 +97,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
                 identification: Stage::new("identification", Identification::new(engine.clone(), sizes)),
                 tile_lists: Stage::new("tile-lists", TileLists::new(engine.clone(), mode, c.tile.order, sizes, leaving.clone())),
                 rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, leaving, format, sizes)),
-                pixel_buffer: Stage::new("pixel-buffer", PixelBuffer::new(c.frame_buffer, shared)),
-                video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
+                pixel_buffer: Stage::new("pixel-buffer", PixelBuffer::new(c.frame_buffer, &c.display, shared)),
                 memories,
                 clients,
                 config: config.clone(),
@@ -206,9 +203,7 @@ impl<F: FrontEnd> Machine for DeferredRenderer<F> {
         let coloured = (&mut f.colouring, &mut f.orders, &mut f.expanded);
         let pictures = (&mut f.improvements, &mut f.pixels);
         v.stage(self.rasterization.between(coloured, pictures).using(m, &c.rasterization));
-        let finished = (&mut f.finished_frames, &mut f.shown);
-        v.stage(self.pixel_buffer.between(&mut f.pixels, finished).using(m, &c.pixel_buffer));
-        v.stage(self.video_out.between(&mut f.finished_frames, ()).using(m, &c.video_out));
+        v.stage(self.pixel_buffer.between(&mut f.pixels, &mut f.shown).using(m, &c.pixel_buffer));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

@@ -7,9 +7,8 @@ use basrelief_kernel::MemorySystem;
 /// bump-mapping processor.
 #[derive(Clone, Debug)]
 pub(super) struct ClientNumbers {
-    pub(super) pixel_buffer: [usize; 1],
+    pub(super) pixel_buffer: [usize; 2],
     pub(super) depth: [usize; 2],
-    pub(super) video_out: [usize; 1],
     pub(super) reference_buffer: [usize; 2],
     pub(super) rasterization: [usize; 3],
 }
@@ -25,12 +24,11 @@ pub(super) fn build(config: &DeferConfig) -> (MemorySystem, ClientNumbers) {
     let of_cells = memory.reference.outstanding;
     let of_texels = memory.texture.outstanding;
     let clients = ClientNumbers {
-        pixel_buffer: [m.add_client("pixel_write", pixel_depth, of_pixels)],
+        pixel_buffer: [m.add_client("pixel_write", pixel_depth, of_pixels), config.swap_chain().add(&mut m, pixel_depth)],
         depth: [
             m.add_cached_client("z_read", pixel_depth, of_pixels, "depth", &config.cache.depth),
             m.add_client("z_write", pixel_depth, of_pixels),
         ],
-        video_out: [m.add_client("video_out", pixel_depth, of_pixels)],
         reference_buffer: [m.add_client("cell_read", reference, of_cells), m.add_client("cell_write", reference, of_cells)],
         rasterization: [
             m.add_cached_client("texel_read", texture, of_texels, "texel", &config.cache.texel),

@@ -10,7 +10,7 @@ pub(crate) struct DiagramConnections {
     pub(crate) units: BTreeSet<(String, String)>,
     /// Producer, FIFO, consumer.
     pub(crate) fifos: BTreeSet<[String; 3]>,
-    /// Unit, client, memory.
+    /// Unit, client, memory. A periodic client has no unit.
     pub(crate) clients: BTreeSet<[String; 3]>,
 }
 
@@ -40,6 +40,11 @@ impl DiagramConnections {
 
     fn add_clients(&mut self, diagram: &BlockDiagram, clients: &PlacedText) -> Option<()> {
         let PlacedText { row, column, width, .. } = *clients;
+        let behind = diagram.memories.iter().find(|memory| (memory.row, memory.column + memory.width + 1) == (row, column));
+        if let Some(memory) = behind {
+            self.clients.extend(clients.text.split(", ").map(|client| ["", client, memory.name()].map(str::to_owned)));
+            return Some(());
+        }
         let unit = diagram.units.iter().find(|unit| (unit.row, unit.column + unit.width + 1) == (row, column))?.name();
         let memory = diagram.memories.iter().find(|memory| (memory.row, memory.column) == (row, column + width + 1))?.name();
         self.clients.extend(clients.text.split(", ").map(|client| [unit, client, memory].map(str::to_owned)));
@@ -129,9 +134,9 @@ mod tests {
 
     #[test]
     fn clients_connect_units_and_memories() {
-        let connections = DiagramConnections::read(" [a (1)] ==x, y== {m (2)}   [b] ==z== {m (2)}").unwrap();
+        let connections = DiagramConnections::read(" [a (1)] ==x, y== {m (2)} ==v==   [b] ==z== {m (2)}").unwrap();
         let clients: Vec<String> = connections.clients.iter().map(|c| c.join(" ")).collect();
-        assert_eq!(clients, ["a x m", "a y m", "b z m"]);
+        assert_eq!(clients, [" v m", "a x m", "a y m", "b z m"]);
         let units = [("a", "1"), ("b", "")].map(|(name, numeral)| (name.to_owned(), numeral.to_owned()));
         assert_eq!(connections.units, units.into());
     }

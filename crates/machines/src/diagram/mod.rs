@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `[geometry (102)]` | a unit, with its name in the report and its numeral; it may be padded, and drawn more than once |
 //! | `--polygons-->` | a FIFO: a line of `-`, <code>&#124;</code> and `+` (a corner) from unit to unit, with an arrowhead at its consumer |
-//! | `==z_read, z_write==` | memory clients, between a unit and a `{memory}` |
+//! | `==z_read, z_write==` | memory clients, between a unit and a `{memory}`; behind a memory: clients of no unit |
 //! | any other text | a note |
 //!
 //! The name of a FIFO stands in its line, or one blank to the right of a vertical line. Lines cross without touching.

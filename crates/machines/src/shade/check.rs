@@ -8,6 +8,7 @@ use basrelief_kernel::stats::UnitStats;
 /// Checks that the parameters fit together.
 pub(super) fn check(c: &ShadeConfig) -> Result<(), ConfigProblem> {
     check_memories(c)?;
+    c.swap_chain().check("frame", &c.memory.frame)?;
     line_is_power_of_two("depth", c.cache.depth.line_bytes)?;
     if c.fifo.finished.depth < c.host.buffers {
         return problem(

@@ -1,6 +1,7 @@
 //! All parameters of the figure shading device, in the order of its block diagram, and its FIFOs.
 
 use crate::config::{ClockConfig, IdealConfig};
+use crate::display::SwapChain;
 use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
@@ -8,7 +9,7 @@ use basrelief_figure_shading::{
     CircuitConfig, CpuConfig, FigureFlow, FinishedPolygon, HostConfig, InterpolationConfig, NormalInterpolationConfig,
     NormalLoad, RegisterOrder, ScanConfig, ShadingConfig, ShortCutConfigs, SpecularFlow,
 };
-use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
+use basrelief_frame_buffer::{DisplayConfig, FrameBufferConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{AreaConfig, CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
@@ -113,15 +114,12 @@ fifos! {
         tested_pixels: Flow<Stamp<Pixel>> = 64,
         /// Selector (28) to host interface: finished polygons.
         finished: FinishedPolygon = 2,
-        /// Frame memory (300) to video output: finished frames. The depth is the number of frames that may wait for the
-        /// display while drawing continues.
-        finished_frames: FrameDone = 256,
     }
 }
 
 parameter_groups! {
     /// All parameters of the figure shading device.
-    pub struct ShadeConfig completed(complete) explained(explain) {
+    pub struct ShadeConfig completed(complete) explained(explain) renamed(crate::config::RENAMED) {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
             hz: Assumed("1989: clock of workstations and their gate arrays (MIPS R3000, 68030: 25 MHz)"),
@@ -183,7 +181,7 @@ parameter_groups! {
         /// Write port of the frame memory (300).
         frame_buffer: FrameBufferConfig = FrameBufferConfig::default(),
         /// Video output to the colour CRT (400).
-        video_out: VideoOutConfig = VideoOutConfig::default(),
+        display: DisplayConfig = DisplayConfig::default(),
         /// FIFOs.
         fifo: FifoConfigs = FifoConfigs::default(),
         /// Memories.
@@ -201,3 +199,10 @@ parameter_groups! {
 
 front_of!(ShadeConfig, |c| VertexAttributes { lit: LightingStage::InMachine, normal_maps: false, textures: false });
 memories_of!(ShadeConfig);
+
+impl ShadeConfig {
+    /// Returns the swap chain of the display.
+    pub(super) fn swap_chain(&self) -> SwapChain<'_> {
+        SwapChain { display: &self.display, pixel_bytes: self.frame_buffer.pixel_bytes, hz: self.clock.hz, shared: false }
+    }
+}

@@ -10,7 +10,7 @@ use crate::problem::{ConfigProblem, wired};
 use basrelief_figure_shading::{
     Adder, BrightnessInterpolation, Gate, HostInterface, Microcomputer, NormalInterpolation, RegisterBank, Selector28, Selector53,
 };
-use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
+use basrelief_frame_buffer::{FinishedFrame, FrameBuffer};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::{Pixel, SignalWidths, Stamp};
@@ -31,7 +31,6 @@ pub struct FigureShadingDevice<F> {
     selector_28: Stage<Selector28>,
     depth: Stage<DepthTest<Stamp<Pixel>>>,
     frame_memory: Stage<FrameBuffer>,
-    video_out: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
     depth_test: bool,
@@ -45,7 +44,6 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
     pub fn new(front: F, config: &ShadeConfig) -> Result<Self, ConfigProblem> {
         check(config)?;
         let c = config.clone();
-        let pixel_bytes = c.frame_buffer.pixel_bytes;
         let (memories, clients) = build(config);
         let o = &c.operators;
         let normal_interpolation = NormalInterpolation::new(c.normal_interpolation.clone(), c.shade.renormalise, o.clone());
@@ -65,8 +63,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
                 selector_53: Stage::new("selector-53", Selector53::new(c.selector_53)),
                 selector_28: Stage::new("selector-28", Selector28::new(c.selector_28)),
                 depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
-                frame_memory: Stage::new("frame-memory", FrameBuffer::new(c.frame_buffer)),
-                video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
+                frame_memory: Stage::new("frame-memory", FrameBuffer::new(c.frame_buffer, &c.display)),
                 memories,
                 clients,
                 depth_test: c.frame_memory.depth_test,
@@ -104,8 +101,7 @@ impl<F: FrontEnd> Machine for FigureShadingDevice<F> {
         } else {
             &mut f.pixels
         };
-        v.stage(self.frame_memory.between(to_write, &mut f.finished_frames).using(m, &c.frame_memory));
-        v.stage(self.video_out.between(&mut f.finished_frames, ()).using(m, &c.video_out));
+        v.stage(self.frame_memory.between(to_write, ()).using(m, &c.frame_memory));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

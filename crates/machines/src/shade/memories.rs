@@ -7,9 +7,8 @@ use basrelief_kernel::MemorySystem;
 /// bump-mapping processor.
 #[derive(Clone, Debug)]
 pub(super) struct ClientNumbers {
-    pub(super) frame_memory: [usize; 1],
+    pub(super) frame_memory: [usize; 2],
     pub(super) depth: [usize; 2],
-    pub(super) video_out: [usize; 1],
     pub(super) host: [usize; 1],
     pub(super) microcomputer: [usize; 1],
 }
@@ -22,12 +21,11 @@ pub(super) fn build(config: &ShadeConfig) -> (MemorySystem, ClientNumbers) {
     let outstanding = config.memory.frame.outstanding;
     let of_local = config.memory.local.outstanding;
     let clients = ClientNumbers {
-        frame_memory: [m.add_client("pixel_write", frame, outstanding)],
+        frame_memory: [m.add_client("pixel_write", frame, outstanding), config.swap_chain().add(&mut m, frame)],
         depth: [
             m.add_cached_client("z_read", frame, outstanding, "depth", &config.cache.depth),
             m.add_client("z_write", frame, outstanding),
         ],
-        video_out: [m.add_client("video_out", frame, outstanding)],
         host: [m.add_client("host_write", local, of_local)],
         microcomputer: [m.add_client("cpu", local, of_local)],
     };

@@ -9,6 +9,7 @@ use basrelief_signals::LINE_PIXELS;
 /// Checks that the parameters fit together.
 pub(super) fn check(c: &TexelMachineConfig) -> Result<(), ConfigProblem> {
     check_memories(c)?;
+    c.swap_chain().check("pixel", &c.memory.pixel)?;
     c.texture.check()?;
     line_is_power_of_two("texture", c.cache.texture.line_bytes)?;
     line_is_power_of_two("depth", c.cache.depth.line_bytes)?;

@@ -1,10 +1,11 @@
 //! All parameters of the texture mapping system, in the order of its block diagram, and its FIFOs.
 
 use crate::config::{ClockConfig, IdealConfig, TextureConfig};
+use crate::display::SwapChain;
 use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
-use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
+use basrelief_frame_buffer::{DisplayConfig, FrameBufferConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{AreaConfig, CacheConfig, MemoryConfig, MemoryPart, OperatorConfig, Operators};
@@ -110,15 +111,12 @@ fifos! {
         illuminances: Flow<IlluminancePacket> = 64,
         /// Combiner (350) to pixel value buffer (360): pixels.
         pixels: Flow<PixelPacket> = 64,
-        /// Pixel value buffer (360) to DACs (370): finished frames. The depth is the number of frames that may wait for the
-        /// display while drawing continues.
-        finished_frames: FrameDone = 256,
     }
 }
 
 parameter_groups! {
     /// All parameters of the texture mapping system.
-    pub struct TexelMachineConfig completed(complete) explained(explain) {
+    pub struct TexelMachineConfig completed(complete) explained(explain) renamed(crate::config::RENAMED) {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
             hz: Assumed("1994: clock of buses and boards in workstations of its maker (SPARCstation 20: MBus of 50 MHz)"),
@@ -176,7 +174,7 @@ parameter_groups! {
         /// Write port of the pixel value buffer (360).
         frame_buffer: FrameBufferConfig = FrameBufferConfig::default(),
         /// DACs (370).
-        video_out: VideoOutConfig = VideoOutConfig::default(),
+        display: DisplayConfig = DisplayConfig::default(),
         /// FIFOs.
         fifo: FifoConfigs = FifoConfigs::default(),
         /// Memories.
@@ -201,5 +199,12 @@ fn lit(c: &TexelMachineConfig) -> LightingStage {
     match c.illuminance.mode {
         IlluminanceMode::Off => LightingStage::Nowhere,
         IlluminanceMode::Gouraud => LightingStage::Targets,
+    }
+}
+
+impl TexelMachineConfig {
+    /// Returns the swap chain of the display.
+    pub(super) fn swap_chain(&self) -> SwapChain<'_> {
+        SwapChain { display: &self.display, pixel_bytes: self.frame_buffer.pixel_bytes, hz: self.clock.hz, shared: false }
     }
 }

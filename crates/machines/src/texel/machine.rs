@@ -7,15 +7,15 @@ use super::memories::{ClientNumbers, build};
 use crate::PictureMachine;
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
-use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
+use basrelief_frame_buffer::{FinishedFrame, FrameBuffer};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::{PixelPacket, SignalWidths};
 use basrelief_texel_value_generator::signals::TexelPacket;
 use basrelief_texel_value_generator::{
-    ApproximateCalculator, Combiner, Divider, FrameLog, IlluminanceValueGenerator, Method, MipMapSelector, MipMode,
-    ScanConverter, StepCalculator, TextureLookUpTable,
+    ApproximateCalculator, Combiner, Divider, FrameBufferFlags, FrameLog, IlluminanceValueGenerator, Method, MipMapSelector,
+    MipMode, ScanConverter, StepCalculator, TextureLookUpTable,
 };
 
 /// Texture mapping system (300) with the texel value generator (310).
@@ -33,7 +33,6 @@ pub struct TextureMappingSystem<F> {
     illuminance: Stage<IlluminanceValueGenerator>,
     combiner: Stage<Combiner>,
     buffer: Stage<FrameBuffer<PixelPacket>>,
-    dacs: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
     depth_test: bool,
@@ -46,7 +45,6 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
     /// Parameters that are in range but do not fit together.
     pub fn new(front: F, config: &TexelMachineConfig) -> Result<Self, ConfigProblem> {
         let c = config.clone();
-        let pixel_bytes = c.frame_buffer.pixel_bytes;
         let trilinear = c.mip.mode == MipMode::Trilinear;
         let look_up = TextureLookUpTable::new(c.look_up, trilinear, c.cache.texture.line_bytes).with_layout(c.texture.layout());
         check(config)?;
@@ -57,6 +55,10 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let approximate_calculator =
             ApproximateCalculator::new(c.approximation, &c.texel, [radix, c.scan.z_bits], gradients, operators.clone());
         let in_flight = lines_in_flight(config);
+        let flags = FrameBufferFlags {
+            flags: if c.frame_buffer.clear_flags { c.frame_buffer.flags } else { 0 },
+            per_cycle: c.frame_buffer.flags_per_cycle,
+        };
         wired(
             Self {
                 front,
@@ -72,9 +74,8 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
                 mip_map_selector: Stage::new("mip-map-selector", MipMapSelector::new(c.mip)),
                 look_up: Stage::new("texture-look-up", look_up),
                 illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance, own)),
-                combiner: Stage::new("combiner", Combiner::new(c.combiner, in_flight)),
-                buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer)),
-                dacs: Stage::new("dacs", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
+                combiner: Stage::new("combiner", Combiner::new(c.combiner, in_flight, c.display.buffers, flags)),
+                buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer, &c.display)),
                 memories,
                 clients,
                 depth_test: c.pixel_value_buffer.depth_test,
@@ -160,8 +161,7 @@ impl<F: FrontEnd> Machine for TextureMappingSystem<F> {
         v.stage(self.illuminance.between(&mut f.lit_spans, &mut f.illuminances));
         let combined = (&mut f.texture_values, &mut f.illuminances);
         v.stage(self.combiner.between(combined, &mut f.pixels).using(m, &c.combiner));
-        v.stage(self.buffer.between(&mut f.pixels, &mut f.finished_frames).using(m, &c.buffer));
-        v.stage(self.dacs.between(&mut f.finished_frames, ()).using(m, &c.dacs));
+        v.stage(self.buffer.between(&mut f.pixels, ()).using(m, &c.buffer));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

@@ -7,10 +7,9 @@ use basrelief_kernel::MemorySystem;
 /// bump-mapping processor.
 #[derive(Clone, Debug)]
 pub(super) struct ClientNumbers {
-    pub(super) buffer: [usize; 1],
+    pub(super) buffer: [usize; 2],
     pub(super) combiner: [usize; 1],
     pub(super) depth: [usize; 2],
-    pub(super) dacs: [usize; 1],
     pub(super) look_up: [usize; 1],
 }
 
@@ -23,13 +22,12 @@ pub(super) fn build(config: &TexelMachineConfig) -> (MemorySystem, ClientNumbers
     let (of_texture, of_pixel) = (config.memory.texture.outstanding, config.memory.pixel.outstanding);
     let of_depth = config.memory.depth.outstanding;
     let clients = ClientNumbers {
-        buffer: [m.add_client("pixel_write", pixel, of_pixel)],
+        buffer: [m.add_client("pixel_write", pixel, of_pixel), config.swap_chain().add(&mut m, pixel)],
         combiner: [m.add_client("pixel_read", pixel, of_pixel)],
         depth: [
             m.add_cached_client("z_read", depth, of_depth, "depth", &config.cache.depth),
             m.add_client("z_write", depth, of_depth),
         ],
-        dacs: [m.add_client("video_out", pixel, of_pixel)],
         look_up: [m.add_cached_client("texel_read", texture, of_texture, "texture", &config.cache.texture)],
     };
     (m, clients)

@@ -26,12 +26,14 @@ impl MachineWiring {
         })
     }
 
-    /// Returns unit, client and memory of each memory port.
+    /// Returns unit, client and memory of each memory port. A periodic client has no unit.
     fn clients(&self) -> impl Iterator<Item = [String; 3]> + '_ {
-        let from = self.stages.iter().flat_map(|stage| stage.clients.iter().map(move |client| (&stage.name, client)));
-        from.flat_map(|(unit, client)| {
+        let from = self.stages.iter().flat_map(|stage| stage.clients.iter().map(move |client| (stage.name.as_str(), client)));
+        let ports = self.memories.iter().flat_map(|memory| &memory.ports);
+        let periodic = ports.filter(|port| port.periodic.is_some()).map(|port| ("", &port.client));
+        from.chain(periodic).flat_map(|(unit, client)| {
             let to = self.memories.iter().filter(move |memory| memory.ports.iter().any(|port| port.client == *client));
-            to.map(move |memory| [unit.clone(), client.clone(), memory.name.clone()])
+            to.map(move |memory| [unit.to_owned(), client.clone(), memory.name.clone()])
         })
     }
 }

@@ -24,7 +24,7 @@ fn agree(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> Ran {
 fn conserved(ran: &Ran, config: &BumpProcessorConfig, frames: usize) {
     let RunReport { total, memories, caches, marks: ends, .. } = &ran.report;
     assert_eq!(ends.len(), frames);
-    // The remaining cycles are the scan-out tail.
+    // In the remaining cycles, memory takes the last pixels.
     assert!(ends.iter().all(|f| *f > 0) && ends.iter().sum::<u64>() <= *total, "{ends:?} of {total}");
     let ports = || memories.iter().flat_map(|m| &m.ports);
     let cache = &config.cache;

@@ -13,7 +13,7 @@ fn ports_are_numbered_from_the_end_of_the_pipeline() {
     };
     assert_eq!(ports("normal_map"), ["texels"]);
     assert_eq!(ports("quantization"), ["clut_read", "clut_build", "tables", "gathered"]);
-    assert_eq!(ports("graphics"), ["pixel_write", "color_texels", "held", "z_read", "z_write", "video_out"]);
+    assert_eq!(ports("graphics"), ["scan_out", "flip", "pixel_write", "color_texels", "held", "z_read", "z_write"]);
 }
 
 #[test]
@@ -25,7 +25,9 @@ fn surfaces_in_one_memory_do_not_overlap() {
         assert!(bytes <= layout::COLOR_BUFFER_STRIDE, "{width} x {height}");
         assert!(layout::Z_BUFFER + bytes <= layout::COLOR_TEXTURES, "{width} x {height}");
     }
-    const { assert!(layout::COLOR_BUFFERS + 2 * layout::COLOR_BUFFER_STRIDE <= layout::Z_BUFFER) };
+    assert!(layout::color_buffer(1) + layout::COLOR_BUFFER_STRIDE <= layout::Z_BUFFER);
+    assert!(layout::color_buffer(2) > 2 * layout::HELD_RESULTS);
+    assert!((0..8).all(|buffer| layout::color_buffer(buffer) + layout::COLOR_BUFFER_STRIDE <= layout::color_buffer(buffer + 1)));
     const { assert!(layout::COLOR_TEXTURES < layout::HELD_RESULTS) };
     assert!(quantization_memory::vq_table(8) <= quantization_memory::CLUTS);
     let cluts = 8 * quantization_memory::clut_stride(65_536, 4);
@@ -41,7 +43,7 @@ fn colour_and_depth_of_a_pixel_lie_in_different_banks() {
         |address: u64| address / stripe * u64::from(memory.channel_bytes) + address % u64::from(memory.channel_bytes);
     let bank = |address: u64| in_channel(address) / u64::from(memory.row_bytes) % u64::from(memory.banks);
     for (line, buffer) in (0..10_000).flat_map(|line| [(line, 0), (line, 1)]) {
-        let color = layout::COLOR_BUFFERS + buffer * layout::COLOR_BUFFER_STRIDE + line * 64;
+        let color = layout::color_buffer(buffer) + line * 64;
         assert_ne!(bank(color), bank(layout::Z_BUFFER + line * 64), "line {line} of buffer {buffer}");
     }
 }

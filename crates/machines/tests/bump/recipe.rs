@@ -268,9 +268,9 @@ const TIMING: &[Axis] = &[
     &[&[], &[("texture.layout", "linear")], &[("texture.layout", "blocked_6d"), ("texture.superblock", "8")]],
     &[
         &[],
-        &[("video_out.enabled", "false")],
-        &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")],
-        &[("video_out.pixel_hz", "0")],
+        &[("display.enabled", "false")],
+        &[("display.pixel_hz", "4000000"), ("display.burst_bytes", "100")],
+        &[("display.mode", "fifo"), ("display.pixel_hz", "9000000"), ("display.refresh_hz", "9000"), ("display.buffers", "3")],
     ],
     &[
         &[],
@@ -312,13 +312,13 @@ const TIMING: &[Axis] = &[
     &[
         &[],
         &[("cache.depth.sets", "1"), ("cache.depth.ways", "1"), ("cache.depth.line_bytes", "256")],
-        &[("cache.depth.line_bytes", "16"), ("depth.clear_flags", "false")],
+        &[("cache.depth.line_bytes", "16"), ("depth.clear_flags", "false"), ("frame_buffer.clear_flags", "false")],
     ],
     &[&[], &[("frame_buffer.write_lines", "1"), ("depth.write_lines", "3")], &[("frame_buffer.write_lines", "64")]],
 ];
 
 /// FIFOs of the machine.
-const FIFOS: [&str; 12] = [
+const FIFOS: [&str; 11] = [
     "draws",
     "polygons",
     "fragments",
@@ -330,7 +330,6 @@ const FIFOS: [&str; 12] = [
     "shaded",
     "pixels",
     "tested_pixels",
-    "finished_frames",
 ];
 
 /// Random settings that change the work.

@@ -205,7 +205,6 @@ const TIMING: &[Axis] = &[
             ("fifo.rounds.depth", "1"),
             ("fifo.pixels.depth", "1"),
             ("fifo.shown.depth", "1"),
-            ("fifo.finished_frames.depth", "1"),
         ],
         &[
             ("fifo.requests.latency", "9"),
@@ -219,7 +218,11 @@ const TIMING: &[Axis] = &[
         &[("engine.write_lines", "1"), ("depth.write_lines", "64")],
         &[("depth.write_lines", "1"), ("depth.clear_flags", "false")],
     ],
-    &[&[], &[("video_out.enabled", "false")]],
+    &[
+        &[],
+        &[("display.enabled", "false")],
+        &[("display.mode", "fifo"), ("display.pixel_hz", "9000000"), ("display.refresh_hz", "9000"), ("display.buffers", "3")],
+    ],
 ];
 
 pub fn meanings() -> impl Strategy<Value = Settings> {

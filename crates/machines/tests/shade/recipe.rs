@@ -143,19 +143,19 @@ const TIMING: &[Axis] = &[
     &[
         &[],
         &[("memory.frame.outstanding", "1"), ("memory.frame.cl", "30"), ("cache.depth.sets", "1"), ("cache.depth.ways", "1")],
-        &[("cache.depth.line_bytes", "32"), ("depth.clear_flags", "false")],
+        &[("cache.depth.line_bytes", "32"), ("depth.clear_flags", "false"), ("frame_buffer.clear_flags", "false")],
     ],
     &[&[], &[("frame_buffer.write_lines", "2"), ("depth.write_lines", "1")], &[("depth.write_lines", "64")]],
     &[
         &[],
-        &[("video_out.enabled", "false")],
-        &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")],
-        &[("video_out.pixel_hz", "0")],
+        &[("display.enabled", "false")],
+        &[("display.pixel_hz", "4000000"), ("display.burst_bytes", "100")],
+        &[("display.mode", "fifo"), ("display.pixel_hz", "9000000"), ("display.refresh_hz", "9000"), ("display.buffers", "3")],
     ],
 ];
 
 /// FIFOs of the machine, except `draws` and the feedback FIFO, whose depth depends on `host.buffers`.
-const FIFOS: [&str; 16] = [
+const FIFOS: [&str; 15] = [
     "polygons",
     "transfers",
     "figures",
@@ -171,7 +171,6 @@ const FIFOS: [&str; 16] = [
     "selected",
     "pixels",
     "tested_pixels",
-    "finished_frames",
 ];
 
 /// Random settings that change the work.

@@ -120,17 +120,21 @@ const TIMING: &[Axis] = &[
     &[&[], &[("memory.texture.cl", "40"), ("cache.texture.sets", "1"), ("cache.texture.ways", "1")]],
     &[&[], &[("cache.texture.line_bytes", "16"), ("cache.texture.lookups_per_cycle", "1")], &[("look_up.texel_bytes", "6")]],
     &[&[], &[("memory.pixel.outstanding", "1"), ("memory.depth.outstanding", "1"), ("memory.pixel.cl", "30")]],
-    &[&[], &[("frame_buffer.write_lines", "1"), ("depth.clear_flags", "false")], &[("depth.write_lines", "2")]],
     &[
         &[],
-        &[("video_out.enabled", "false")],
-        &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")],
-        &[("video_out.pixel_hz", "0")],
+        &[("frame_buffer.write_lines", "1"), ("depth.clear_flags", "false"), ("frame_buffer.clear_flags", "false")],
+        &[("depth.write_lines", "2")],
+    ],
+    &[
+        &[],
+        &[("display.enabled", "false")],
+        &[("display.pixel_hz", "4000000"), ("display.burst_bytes", "100")],
+        &[("display.mode", "fifo"), ("display.pixel_hz", "9000000"), ("display.refresh_hz", "9000"), ("display.buffers", "3")],
     ],
 ];
 
 /// FIFOs of the machine, except `draws`.
-const FIFOS: [&str; 14] = [
+const FIFOS: [&str; 13] = [
     "polygons",
     "spans",
     "lit_spans",
@@ -144,7 +148,6 @@ const FIFOS: [&str; 14] = [
     "texture_values",
     "illuminances",
     "pixels",
-    "finished_frames",
 ];
 
 /// Random settings that change the work.

@@ -3,7 +3,7 @@
 //! The rule, in order:
 //!
 //! 1. A run that ended in a deadlock or a fault has no other bottleneck; its message names the place.
-//! 2. Consider render cycles only: the scan-out tail limits nothing. Take the units that finish with the last frame, and of these the
+//! 2. Consider render cycles only: the tail limits nothing. Take the units that finish with the last frame, and of these the
 //!    unit with the most busy cycles; of equal ones the first in the block diagram. If it was busy for at least [`BOTTLENECK`] of the
 //!    cycles up to its last step, it is the bottleneck. Cycles after its last step do not count, because the units behind it drain
 //!    then.
@@ -109,7 +109,7 @@ struct StallSearch<'a> {
     units: &'a IndexMap<String, Unit>,
     /// Cycles of the frames.
     total: u64,
-    /// Scan-out tail \[cycles\].
+    /// Tail \[cycles\].
     drain: u64,
 }
 

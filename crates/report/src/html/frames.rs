@@ -49,7 +49,7 @@ fn table(report: &Report, cycles: &Cycles) -> Table {
     }
     if report.drain() > 0 {
         let ms = hz.map_or(String::new(), |hz| format!("{:.3}", 1e3 * report.drain() as f64 / hz));
-        table.row(["scan-out tail".into(), thousands(report.drain()), ms]);
+        table.row(["last writes".into(), thousands(report.drain()), ms]);
     }
     table
 }

@@ -5,8 +5,8 @@ use super::svg::{BarPart, ColumnChart, bar, bins, mean, percent_of, px};
 use super::table::{html, with_cells};
 use crate::model::{Client, Memory, Report};
 use crate::number::thousands;
-use crate::text::sections;
 use crate::text::table::Align::{Left, Right};
+use crate::text::{display, sections};
 
 /// Maximum number of columns of a bus over time.
 const COLUMNS: usize = 150;
@@ -18,6 +18,7 @@ pub(super) fn memories(report: &Report) -> Html {
     let most = memories.values().flat_map(|memory| memory.clients.values()).map(|client| client.moved_bytes).max().unwrap_or(0);
     let each = memories.iter().map(|(name, memory)| memory_card(report, name, memory, most));
     let tables = [
+        html("Display", &display::display(report)),
         html("Caches", &sections::caches(report)),
         details("All clients as a table", html("Memories and their clients", &sections::memories(report))),
         details("Channels", html("Channels", &sections::channels(report))),

@@ -3,6 +3,7 @@
 //! The schema is public. A `schemars(rename)` keeps the name that a type has there.
 
 pub mod costs;
+mod display;
 mod figures;
 mod host;
 mod memory;
@@ -12,6 +13,7 @@ pub mod sensitivity;
 mod timing;
 
 pub use costs::{Costs, CycleBreakdown, ObjectCost, PolygonCost, UnlistedCosts};
+pub use display::Display;
 pub use figures::{Derived, Figure, FigureGroup, Hardware, HardwareArea, Legend};
 pub use host::{Host, RealPath};
 pub use memory::{Bus, Cache, Channel, Client, Memory, MemoryBytes};

@@ -1,6 +1,7 @@
 //! The report of one run.
 
 use super::costs::Costs;
+use super::display::Display;
 use super::figures::{Derived, Figure, Hardware, HardwareArea, Legend};
 use super::host::Host;
 use super::memory::{Cache, Memory, MemoryBytes};
@@ -49,6 +50,9 @@ pub struct Report {
     /// Bytes of all memories.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bytes: Option<MemoryBytes>,
+    /// Scan-out and flips of the display. Absent in reports of version 0.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub display: Option<Display>,
     /// Hits and misses of each cache.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caches: Option<IndexMap<String, Cache>>,
@@ -87,14 +91,14 @@ pub struct Report {
 }
 
 impl Report {
-    /// Returns the scan-out tail: cycles after the last frame, in which the display shows it. The tail of an incomplete run is
-    /// unknown; the result is then 0.
+    /// Returns the tail: cycles after the last frame, in which memory takes the last pixels. In version 0.1 the display read the frame
+    /// in them. The tail of an incomplete run is unknown; the result is then 0.
     pub fn drain(&self) -> u64 {
         let ended = self.cycles.as_ref().filter(|c| self.outcome.kind == OutcomeKind::Complete && !c.frames.is_empty());
         ended.map_or(0, |cycles| cycles.drain)
     }
 
-    /// Returns the part of the scan-out tail after the last step of a unit: all of it, or 0. The breakdown of a unit that finishes
+    /// Returns the part of the tail after the last step of a unit: all of it, or 0. The breakdown of a unit that finishes
     /// with the last frame covers the render cycles only.
     pub(crate) fn drain_of(&self, unit: &Unit) -> u64 {
         if unit.done >= self.drain() { self.drain() } else { 0 }
@@ -135,7 +139,7 @@ impl Report {
         self.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).filter(|hz| *hz > 0.0)
     }
 
-    /// Returns the render cycles: all cycles without the [scan-out tail](Self::drain). 0 for a functional run.
+    /// Returns the render cycles: all cycles without the [tail](Self::drain). 0 for a functional run.
     pub fn frame_cycles(&self) -> u64 {
         self.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(self.drain()))
     }
@@ -208,11 +212,12 @@ pub struct Size {
 /// Simulated time \[cycles\].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Cycles {
-    /// Last cycle with activity, plus 1.
+    /// Last cycle with activity, plus 1: memory has taken the last pixel. The display does not count.
     pub total: u64,
-    /// Cycles of each frame, from the end of the frame before it.
+    /// Render cycles of each frame: from the end of the frame before it until its last pixel is written, which is a posted write.
     pub frames: Vec<u64>,
-    /// Cycles from the end of the last frame to the end of the run. `frames` and `scan_out_tail` sum to `total`.
-    #[serde(rename = "scan_out_tail", alias = "drain")]
+    /// Cycles from the end of the last frame to the end of the run, in which memory takes the last pixels. `frames` and `write_tail` sum
+    /// to `total`.
+    #[serde(rename = "write_tail", alias = "scan_out_tail", alias = "drain")]
     pub drain: u64,
 }

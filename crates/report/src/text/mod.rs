@@ -5,6 +5,7 @@
 
 pub(crate) mod bottlenecks;
 pub(crate) mod costs;
+pub(crate) mod display;
 pub(crate) mod hardware;
 pub(crate) mod sections;
 pub(crate) mod sensitivity;
@@ -77,7 +78,8 @@ fn frames(report: &Report, cycles: &Cycles) -> Vec<String> {
     let render = number::thousands(report.frame_cycles());
     let total = match report.drain() {
         0 => format!("{render} cycles"),
-        tail => format!("{render} render cycles; display scan-out ends {} cycles later", number::thousands(tail)),
+        tail if tail < report.frame_cycles() / 100 => format!("{render} render cycles"),
+        tail => format!("{render} render cycles; the run ends {} cycles later", number::thousands(tail)),
     };
     let (least, most) = (cycles.frames.iter().min(), cycles.frames.iter().max());
     let frames = least.zip(most).filter(|_| cycles.frames.len() > 1).map(|(&least, &most)| {

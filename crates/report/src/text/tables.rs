@@ -1,7 +1,7 @@
 //! The tables by name, each with a caption that states its units and totals.
 
 use super::table::Table;
-use super::{bottlenecks, costs, hardware, sections, sensitivity};
+use super::{bottlenecks, costs, display, hardware, sections, sensitivity};
 use crate::model::{Report, Sensitivity};
 use crate::number::thousands;
 use crate::work;
@@ -102,7 +102,13 @@ impl TableGroup {
                 let total = report.cycles.as_ref().map_or(0, |cycles| cycles.total);
                 let caption = format!("whole run, {} cycles; queue wait in cycles per burst", thousands(total));
                 let channels = format!("{caption}; bus %: all channels, over render cycles");
-                [captioned(caption, sections::memories(report)), captioned(channels, sections::channels(report))].concat()
+                let shown = "scan-out and flips; flip latency in cycles; bus %: of all channels".to_owned();
+                [
+                    captioned(caption, sections::memories(report)),
+                    captioned(channels, sections::channels(report)),
+                    captioned(shown, display::display(report)),
+                ]
+                .concat()
             }
             Self::Caches => captioned("whole run; % of lookups".into(), sections::caches(report)),
             Self::Costs => {

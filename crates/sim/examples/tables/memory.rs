@@ -53,7 +53,7 @@ fn pipelined(name: &str, cl: u64, burst_cycles: u64, credits: u64) -> Settings {
 /// Settings: trilinear texture on every pixel, one pixel per cycle, and a cache of 16 KiB. Only the texture memory causes waits.
 fn texture_alone() -> Settings {
     let words = [
-        ("video_out.enabled", "false"),
+        ("display.enabled", "false"),
         ("texel.method", "adaptive"),
         ("texel.error_bound", "0.5"),
         ("mip.mode", "trilinear"),

@@ -38,7 +38,7 @@ fn starved(report: &Report) -> f64 {
 /// Runs one method to place division points, without illuminance, so that the error is that of the division points. Without video output, so
 /// that the cycles are render cycles.
 fn row(scene: &Arc<Scene>, label: String, set: Set<'_>) -> Result<Vec<String>, Box<dyn Error>> {
-    let set = [&[("illuminance.mode", "off"), ("video_out.enabled", "false")], set].concat();
+    let set = [&[("illuminance.mode", "off"), ("display.enabled", "false")], set].concat();
     let report = report(scene, &settings("texel", &set, true)?)?;
     let quality = report.quality.as_ref().ok_or("no exact picture")?.last;
     let pixels = figure(&report, "fragments");
@@ -76,7 +76,7 @@ pub fn methods(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
 
 /// Settings for memories without waits, so that only the texel value generator limits the speed.
 const FAST: Set<'static> = &[
-    ("video_out.enabled", "false"),
+    ("display.enabled", "false"),
     ("memory.texture.burst_cycles", "1"),
     ("memory.depth.burst_cycles", "1"),
     ("memory.pixel.burst_cycles", "1"),

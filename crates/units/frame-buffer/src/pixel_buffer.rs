@@ -1,8 +1,7 @@
 //! Pixel/depth buffer (124) of the rate-limited renderer in its second function: it stores the picture and shows it.
 
-use crate::config::{PixelBufferConfig, VideoOutConfig};
+use crate::config::{DisplayConfig, PixelBufferConfig};
 use crate::state::FinishedFrame;
-use crate::unit::FrameDone;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::{Frame, PictureFlow, PixelBlock, layout};
@@ -31,7 +30,7 @@ pub struct PixelBufferState {
     pub picture: Option<FinishedFrame>,
     /// Number of pictures in the current frame so far.
     pub round: u32,
-    /// True if the last picture of a frame has been shown. The next step reports it.
+    /// True if the last picture of a frame was passed to the display of a shared memory. The next step reports it.
     pub is_shown: bool,
     /// Size of the last picture in memory \[bytes\].
     pub bytes: u64,
@@ -47,31 +46,34 @@ pub struct PixelBufferState {
 /// several times per frame, and each picture ends a frame in the sense of law 11. Client 0 writes whole blocks of pixels. A block
 /// comes once per picture, so no writes are gathered.
 ///
-/// Memory without drawn pixels holds old data: depth values, or another picture. The first picture of a frame therefore also
-/// writes each block without pixels, all background, in one cycle. Later pictures leave such blocks unchanged.
+/// Memory without drawn pixels holds old data: depth values, or another picture. The first picture of a frame in each buffer
+/// therefore also writes each block without pixels, all background, in one cycle. Later pictures leave such blocks unchanged.
 ///
-/// Outputs: one to the video output, and one to the server behind the last picture of a frame, because the next frame's depth
-/// values overwrite the pixels. In a shared memory nothing overwrites them before the video output has read the picture. The unit
-/// stays occupied for that time.
+/// Client 1 flips the display to a picture. Its credits are the free buffers of the swap chain. In a shared memory the picture is the
+/// only buffer, and the display holds the credit until it has read the picture. So nothing overwrites the picture before.
+///
+/// Output: a token to the server behind the last picture of a frame, because the next frame's depth values overwrite the pixels. In a shared
+/// memory it is sent in a step of its own, which needs the credit and so waits for the display.
 #[derive(Clone, Debug)]
 pub struct PixelBuffer {
     /// Parameters.
     pub config: PixelBufferConfig,
-    base: u64,
-    /// Video output that reads a shared memory while nothing is written, and the clock in cycles per second.
-    display: Option<(VideoOutConfig, u64)>,
+    /// Buffers of the swap chain; `None` if the pixels replace the depth values.
+    buffers: Option<u64>,
     /// State between steps.
     pub state: PixelBufferState,
 }
 
-type Out = (Option<FrameDone>, Option<()>);
-
 impl PixelBuffer {
-    /// Creates a buffer in its power-on state. `shared`: the pixels replace the depth values, this video output reads them, and
-    /// the device has a clock of this many cycles per second.
-    pub fn new(config: PixelBufferConfig, shared: Option<(VideoOutConfig, u64)>) -> Self {
-        let base = if shared.is_some() { layout::Z_BUFFER } else { layout::COLOR_BUFFERS };
-        Self { config, base, display: shared, state: PixelBufferState::default() }
+    /// Creates a buffer in its power-on state. `shared`: the pixels replace the depth values.
+    pub fn new(config: PixelBufferConfig, display: &DisplayConfig, shared: bool) -> Self {
+        let buffers = (!shared).then_some(display.buffers.into());
+        Self { config, buffers, state: PixelBufferState::default() }
+    }
+
+    /// Returns the base address. Pictures go through the buffers of the swap chain in turn.
+    fn base(&self) -> u64 {
+        self.buffers.map_or(layout::Z_BUFFER, |buffers| layout::color_buffer(self.state.counters.pictures % buffers.max(1)))
     }
 
     /// Returns the size of the last picture in memory \[bytes\].
@@ -98,7 +100,7 @@ impl PixelBuffer {
     #[inline]
     fn write(&mut self, block: &PixelBlock, traffic: &mut MemoryPorts) {
         let Some(picture) = &mut self.state.picture else { return };
-        if block.mask == 0 && self.state.round > 0 {
+        if block.mask == 0 && u64::from(self.state.round) >= self.buffers.unwrap_or(1) {
             return;
         }
         let [left, top] = block.at.map(|b| u32::from(b) * BLOCK);
@@ -113,39 +115,32 @@ impl PixelBuffer {
         self.state.counters.pixels += u64::from(block.mask.count_ones());
         let number = u64::from(block.at[1]) * u64::from(picture.width.div_ceil(BLOCK)) + u64::from(block.at[0]);
         let bytes = BLOCK_PIXELS * self.config.pixel_bytes;
-        traffic.write(0, self.base + number * u64::from(bytes), bytes);
+        traffic.write(0, self.base() + number * u64::from(bytes), bytes);
     }
 
-    /// Shows the picture (465, 474). Returns `None` if no frame has begun.
-    fn show(&mut self, last: bool) -> Option<FrameDone> {
+    /// Shows the picture (465, 474). Returns true if a frame has begun.
+    fn show(&mut self, last: bool, traffic: &mut MemoryPorts) -> bool {
+        let base = self.base();
         let picture = if last { self.state.picture.take() } else { self.state.picture.clone() };
-        let picture = picture?;
+        let Some(picture) = picture else { return false };
         let picture = FinishedFrame { round: self.state.round, ..picture };
-        let FinishedFrame { index, width, height, .. } = picture;
+        let FinishedFrame { width, height, .. } = picture;
         if last { &mut self.state.finished } else { &mut self.state.rounds }.push(picture);
         let blocks = u64::from(width.div_ceil(BLOCK)) * u64::from(height.div_ceil(BLOCK));
         self.state.bytes = blocks * u64::from(BLOCK_PIXELS * self.config.pixel_bytes);
         self.state.round += 1;
         self.state.counters.pictures += 1;
         self.state.counters.frames += u64::from(last);
-        self.state.is_shown = last;
-        Some(FrameDone { index, width, height, address: self.base, bytes: self.state.bytes })
-    }
-
-    /// Returns the cycles that the video output takes to read a picture of this size, or 0 if nothing waits for it.
-    fn read_cycles(&self, bytes: u64) -> u64 {
-        let Some((video, hz)) = self.display.as_ref().filter(|(video, _)| video.enabled) else { return 0 };
-        let reads = bytes.div_ceil(u64::from(video.burst_bytes)) * u64::from(video.cycles_per_read);
-        let per_second = u128::from(video.pixel_hz) * u128::from(self.config.pixel_bytes);
-        let shown = (u128::from(bytes) * u128::from(*hz)).checked_div(per_second).unwrap_or(0);
-        reads.max(u64::try_from(shown).unwrap_or(u64::MAX))
+        self.state.is_shown = last && self.buffers.is_none();
+        traffic.write(1, base, 1);
+        true
     }
 }
 
 impl Unit for PixelBuffer {
     basrelief_kernel::unit_info!("keeps the picture where the depth values were, and shows it");
     type In = Option<PictureFlow>;
-    type Out = Out;
+    type Out = Option<()>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -153,39 +148,37 @@ impl Unit for PixelBuffer {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Out> {
+    fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {
             Some(PictureFlow::Pixels(block)) => {
                 self.write(&block, traffic);
-                return Step::over(block.mask.count_ones() as usize, 1, latency, (None, None));
+                return Step::over(block.mask.count_ones() as usize, 1, latency, None);
             }
             Some(PictureFlow::Frame(frame)) => self.begin(&frame, traffic),
             Some(PictureFlow::Show { last }) => {
-                let Some(done) = self.show(last) else { return Step::after(latency, (None, None)) };
-                let kept = match self.read_cycles(done.bytes) {
-                    0 => 1,
-                    read => latency + read,
-                };
-                return Step::after(latency, (Some(done), None)).busy(kept).marked();
+                if !self.show(last, traffic) {
+                    return Step::after(latency, None);
+                }
+                return Step::after(latency, (last && self.buffers.is_some()).then_some(())).marked();
             }
-            None => return Step::after(latency, (None, std::mem::take(&mut self.state.is_shown).then_some(()))),
+            None => return Step::after(latency, std::mem::take(&mut self.state.is_shown).then_some(())),
         }
-        Step::after(latency, (None, None))
+        Step::after(latency, None)
     }
 
     fn is_empty(&self) -> bool {
         !self.state.is_shown
     }
 
-    /// Returns one block.
+    /// Returns one block and one flip.
     fn largest_step(&self, client: usize) -> u32 {
-        u32::from(client == 0)
+        u32::from(client < 2)
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {
         let c = &self.state.counters;
-        let saved = if self.base == layout::Z_BUFFER { self.bytes() } else { 0 };
+        let saved = if self.buffers.is_none() { self.bytes() } else { 0 };
         stats.figure("pixels", c.pixels, "pixels", "Pixels written");
         stats.figure("frames", c.frames, "frames", "Frames finished");
         stats.figure("pictures", c.pictures, "pictures", "Pictures shown");
@@ -206,22 +199,27 @@ mod tests {
     use std::sync::Arc;
 
     fn buffer(shared: bool) -> PixelBuffer {
-        PixelBuffer::new(PixelBufferConfig::default(), shared.then(|| (VideoOutConfig::default(), 100_000_000)))
+        PixelBuffer::new(PixelBufferConfig::default(), &DisplayConfig::default(), shared)
     }
 
-    /// Returns addresses and bytes that two pictures of 8 x 4 pixels write. The left block of each is drawn.
-    fn writes(shared: bool) -> Vec<(u64, u32)> {
+    /// Returns client and address of the requests of three pictures of 8 x 4 pixels. The left block of each is drawn.
+    fn requests(shared: bool) -> Vec<(u32, u64)> {
         let mut unit = buffer(shared);
-        let frame = frame(8, 4);
+        let frame = PictureFlow::Frame(Arc::new(Frame { width: 8, height: 4, ..Frame::default() }));
         let block = |x, mask| PictureFlow::Pixels(PixelBlock { at: [x, 0], mask, rgb: [[9; 3]; 16] });
         let picture = |last| [block(0, 0x00ff), block(1, 0), PictureFlow::Show { last }];
-        let tokens = [frame].into_iter().chain(picture(false)).chain(picture(true));
+        let tokens = [frame].into_iter().chain(picture(false)).chain(picture(false)).chain(picture(true));
         let mut all = Vec::new();
         for token in tokens {
             let mut traffic = MemoryPorts::default();
             unit.step(Some(token), &mut traffic);
-            assert!(traffic.requests().len() as u32 <= unit.largest_step(0));
-            all.extend(traffic.requests().iter().map(|r| (r.address, r.bytes)));
+            assert!(
+                (0..2).all(
+                    |c| traffic.requests().iter().filter(|r| r.client == c).count() <= unit.largest_step(c as usize) as usize
+                )
+            );
+            assert!(traffic.requests().iter().all(|r| r.write));
+            all.extend(traffic.requests().iter().map(|r| (r.client, r.address)));
         }
         assert_eq!(unit.state.finished[0].covered.iter().filter(|c| **c).count(), 8);
         all
@@ -229,33 +227,29 @@ mod tests {
 
     // Claim: defer, [0067], [0076]: Video output reads only pixels from a shared memory, and nothing overwrites them meanwhile.
     #[test]
-    fn background_is_written_once_per_frame() {
-        for (shared, base) in [(true, layout::Z_BUFFER), (false, layout::COLOR_BUFFERS)] {
-            let block = u64::from(BLOCK_PIXELS * PixelBufferConfig::default().pixel_bytes);
-            let at = |number: u64| (base + number * block, block as u32);
-            assert_eq!(writes(shared), [at(0), at(1), at(0)], "all that is shown; then only what may be better");
-        }
+    fn background_is_written_once_per_frame_and_buffer() {
+        let second = |base| (0, base + u64::from(BLOCK_PIXELS * PixelBufferConfig::default().pixel_bytes));
+        let picture = |base, whole: bool| [(0, base)].into_iter().chain(whole.then(|| second(base))).chain([(1, base)]);
+        let shared = [true, false, false].into_iter().flat_map(|whole| picture(layout::Z_BUFFER, whole));
+        assert_eq!(requests(true), shared.collect::<Vec<_>>(), "all that is shown; then only what may be better");
+        let [a, b] = [0, 1].map(layout::color_buffer);
+        let chain = [(a, true), (b, true), (a, false)].into_iter().flat_map(|(base, whole)| picture(base, whole));
+        assert_eq!(requests(false), chain.collect::<Vec<_>>());
     }
 
-    fn frame(width: u32, height: u32) -> PictureFlow {
-        PictureFlow::Frame(Arc::new(Frame { width, height, ..Frame::default() }))
-    }
-
-    // Claim: as background_is_written_once_per_frame.
     #[test]
-    fn displayed_pixels_are_not_overwritten() {
-        let kept = |shared: bool| {
-            let mut unit = buffer(shared);
-            let mut step = |token: Option<PictureFlow>| unit.step(token, &mut MemoryPorts::default());
-            step(Some(frame(640, 480)));
-            let shown = step(Some(PictureFlow::Show { last: true }));
-            assert!(shown.out.0.is_some() && shown.out.1.is_none() && shown.marked);
-            assert_eq!(step(None).out, (None, Some(())), "then the next frame may come");
-            assert!(unit.is_empty() && unit.demand() == Demand::All);
-            shown.occupancy
-        };
-        let latency = u64::from(PixelBufferConfig::default().latency);
-        assert_eq!(kept(true), latency + 100_000_000 / 60, "a picture of the display: 1/60 s at 100 MHz");
-        assert_eq!(kept(false), 1);
+    fn last_picture_in_shared_memory_is_reported_later() {
+        let begun = || Some(PictureFlow::Frame(Arc::new(Frame { width: 640, height: 480, ..Frame::default() })));
+        let mut separate = buffer(false);
+        separate.step(begun(), &mut MemoryPorts::default());
+        assert_eq!(separate.step(Some(PictureFlow::Show { last: true }), &mut MemoryPorts::default()).out, Some(()));
+        assert!(separate.is_empty());
+        let mut unit = buffer(true);
+        let mut step = |token: Option<PictureFlow>| unit.step(token, &mut MemoryPorts::default());
+        step(begun());
+        let shown = step(Some(PictureFlow::Show { last: true }));
+        assert!(shown.out.is_none() && shown.marked);
+        assert_eq!(step(None).out, Some(()), "this step needs the credit of the flip, so it waits for the display");
+        assert!(unit.is_empty() && unit.demand() == Demand::All);
     }
 }

@@ -1,6 +1,6 @@
 //! State of the frame buffer (126) between steps.
 
-use basrelief_signals::GatheredLines;
+use basrelief_signals::{GatheredLines, LineFlags};
 use serde::{Deserialize, Serialize};
 
 /// A finished picture.
@@ -30,6 +30,8 @@ pub struct FrameBufferCounters {
     pub pixels: u64,
     /// Lines written to memory.
     pub lines_written: u64,
+    /// Lines of background among them.
+    pub lines_cleared: u64,
 }
 
 /// State of the frame buffer between steps.
@@ -39,7 +41,9 @@ pub struct FrameBufferState {
     pub picture: Option<FinishedFrame>,
     /// Lines that gather writes.
     pub lines: GatheredLines,
-    /// True if the frame end has arrived. It travels on when all gathered lines are written.
+    /// Lines that nothing is drawn into.
+    pub flags: LineFlags,
+    /// True if the frame end has arrived, and the frame is not finished.
     pub ending: bool,
     /// Pictures not fetched yet, in order.
     pub finished: Vec<FinishedFrame>,

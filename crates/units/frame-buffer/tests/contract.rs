@@ -1,10 +1,8 @@
-//! Frame buffer (126), pixel buffer (124) and video output keep the unit contract.
+//! Frame buffer (126) and pixel buffer (124) keep the unit contract.
 
-use basrelief_frame_buffer::{
-    FrameBuffer, FrameBufferConfig, FrameDone, PixelBuffer, PixelBufferConfig, VideoOut, VideoOutConfig,
-};
+use basrelief_frame_buffer::{DisplayConfig, FrameBuffer, FrameBufferConfig, PixelBuffer, PixelBufferConfig};
 use basrelief_kernel_conformance::unit_contract;
-use basrelief_signals::{Control, Flow, Frame, PictureFlow, Pixel, PixelBlock, Stamp, layout};
+use basrelief_signals::{Control, Flow, Frame, PictureFlow, Pixel, PixelBlock, Stamp};
 use std::sync::Arc;
 
 fn frame(index: u32, width: u32, height: u32) -> Arc<Frame> {
@@ -26,17 +24,17 @@ fn pixels() -> Vec<Flow<Stamp<Pixel>>> {
 
 unit_contract! {
     name: frame_buffer,
-    unit: FrameBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4, ..FrameBufferConfig::default() }),
+    unit: FrameBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4, ..FrameBufferConfig::default() }, &DisplayConfig::default()),
     inputs: pixels(),
-    clients: [ClientKind::Port],
+    clients: [ClientKind::Port, ClientKind::Port],
     state,
 }
 
 unit_contract! {
     name: frame_buffer_of_one_gathered_line,
-    unit: FrameBuffer::new(FrameBufferConfig { write_lines: 1, ..FrameBufferConfig::default() }),
+    unit: FrameBuffer::new(FrameBufferConfig { write_lines: 1, flags: 3, ..FrameBufferConfig::default() }, &DisplayConfig::default()),
     inputs: pixels(),
-    clients: [ClientKind::Port],
+    clients: [ClientKind::Port, ClientKind::Port],
     state,
 }
 
@@ -56,36 +54,8 @@ fn blocks() -> Vec<PictureFlow> {
 
 unit_contract! {
     name: pixel_buffer,
-    unit: PixelBuffer::new(PixelBufferConfig { pixel_bytes: 3, latency: 4 }, Some((VideoOutConfig::default(), 100_000_000))),
+    unit: PixelBuffer::new(PixelBufferConfig { pixel_bytes: 3, latency: 4 }, &DisplayConfig::default(), true),
     inputs: blocks(),
-    clients: [ClientKind::Port],
-    state,
-}
-
-/// Returns frames of whole, broken and no bursts, in both buffers.
-fn finished() -> Vec<FrameDone> {
-    let done = |(index, bytes): (u32, u64)| FrameDone {
-        index,
-        width: 1,
-        height: 1,
-        address: layout::COLOR_BUFFERS + u64::from(index % 2) * layout::COLOR_BUFFER_STRIDE,
-        bytes,
-    };
-    (0..).zip([2560, 100, 0, 1000]).map(done).collect()
-}
-
-unit_contract! {
-    name: video_out,
-    unit: VideoOut::new(VideoOutConfig { cycles_per_read: 3, ..VideoOutConfig::default() }, 4, 200_000_000),
-    inputs: finished(),
-    clients: [ClientKind::Port],
-    state,
-}
-
-unit_contract! {
-    name: video_out_switched_off,
-    unit: VideoOut::new(VideoOutConfig { enabled: false, ..VideoOutConfig::default() }, 4, 200_000_000),
-    inputs: finished(),
-    clients: [ClientKind::Port],
+    clients: [ClientKind::Port, ClientKind::Port],
     state,
 }

@@ -75,9 +75,12 @@ parameters! {
     pub struct DepthConfig {
         /// Lines of 16 pixels that gather writes. The least recently written one is evicted.
         write_lines: u32 = 8, unit: "lines", Assumed("512 bytes of registers; the edge that two triangles share lies in lines that both write"), range: 1..=64;
-        /// True if each line has a flag for "not written since the fast clear". A flagged line is not read.
+        /// True if each line has a flag for "not written since the fast clear". A flagged line is not read. False: the beginning of the
+        /// frame clears all lines by writes.
         clear_flags: bool = true, unit: "", Assumed("a fast clear that moves no data has to be kept somewhere: a bit per line of 16 pixels");
-        /// Number of flags. Lines of a larger picture beyond the last flag are read.
+        /// Number of flags. The beginning of the frame clears the lines of a larger picture beyond the last flag.
         flags: u32 = 131_072, unit: "bits", Assumed("16 KB: pictures of 2 million pixels, 1600 x 1200 and a little more"), range: 1..=16_777_216;
+        /// Flags that are set in a cycle.
+        flags_per_cycle: u32 = 64, unit: "bits", Assumed("a word of the memory of the flags"), range: 1..=65_536;
     }
 }

@@ -3,7 +3,9 @@
 use crate::config::DepthConfig;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
-use basrelief_signals::{Control, DepthToken, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, layout, line_of, lines};
+use basrelief_signals::{
+    Control, DepthToken, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, LineFlags, layout, line_of, lines,
+};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
@@ -23,6 +25,8 @@ pub struct DepthTestCounters {
     pub gathered: u64,
     /// Lines written.
     pub lines_written: u64,
+    /// Cleared lines among them.
+    pub lines_cleared: u64,
     /// Maximum number of flags in use in any frame.
     pub most_flags: u64,
 }
@@ -34,8 +38,8 @@ pub struct DepthTestState {
     pub width: u32,
     /// The z-buffer, row by row.
     pub z: Vec<u32>,
-    /// Clear flags: true for a line that was not written since the fast clear. Never set if the unit has no flags.
-    pub clear: Vec<bool>,
+    /// Clear flags: set for a line that was not written since the fast clear.
+    pub flags: LineFlags,
     /// Lines that gather writes.
     pub lines: GatheredLines,
     /// True if the frame end has arrived. It travels on when all gathered lines are written.
@@ -55,7 +59,7 @@ pub struct DepthTestState {
 ///   hit.
 /// - *Clear flags*: a frame begins with a clear that moves no data (fast clear). It sets a flag for each line
 ///   (`depth.clear_flags`, as many as `depth.flags`). The first write to the line resets the flag, and until then the line is not
-///   looked up. Without flags the model does not define how memory is cleared, and clearing takes no time.
+///   looked up. Lines without a flag are cleared by writes at the beginning of the frame, one per step.
 #[derive(Clone, Debug, Default)]
 pub struct DepthTest<T> {
     /// Parameters.
@@ -82,19 +86,18 @@ impl<T: DepthToken> DepthTest<T> {
         if self.z_bits <= 16 { 2 } else { 4 }
     }
 
-    fn begin(&mut self, frame: &Frame) {
+    /// Begins a frame. Returns the cycles that its flags take.
+    fn begin(&mut self, frame: &Frame) -> u64 {
         // The frame buffer reports a picture that is too large.
         let room = if layout::fits(frame.width, frame.height) { [frame.width, frame.height] } else { [0, 0] };
         self.state.width = room[0];
         self.state.lines = GatheredLines::default();
-        self.state.clear.clear();
-        if self.config.clear_flags {
-            let lines = lines::<T>(room[0], room[1]).min(u64::from(self.config.flags));
-            self.state.clear.resize(lines as usize, true);
-        }
-        self.state.counters.most_flags = self.state.counters.most_flags.max(self.state.clear.len() as u64);
+        let flags = if self.config.clear_flags { self.config.flags } else { 0 };
+        let cycles = self.state.flags.begin(lines::<T>(room[0], room[1]), flags, self.config.flags_per_cycle);
+        self.state.counters.most_flags = self.state.counters.most_flags.max(self.state.flags.count());
         self.state.z.clear();
         self.state.z.resize(room[0] as usize * room[1] as usize, u32::MAX >> (32 - self.z_bits.clamp(1, 32)));
+        cycles
     }
 
     fn tell_hardware(&self, stats: &mut UnitStats) {
@@ -117,7 +120,7 @@ impl<T: DepthToken> DepthTest<T> {
     fn look_up(&mut self, line: u64, within: u32, whole: bool, traffic: &mut MemoryPorts) {
         if self.state.lines.contains(line) {
             self.state.counters.gathered += 1;
-        } else if self.state.clear.get(line as usize).is_some_and(|clear| *clear) {
+        } else if self.state.flags.is_clear(line) {
             self.state.counters.clear += 1;
         } else {
             let (z, of_line) = (self.z_bytes(), self.z_line_bytes());
@@ -130,9 +133,7 @@ impl<T: DepthToken> DepthTest<T> {
     /// Gathers a line, and writes the evicted one, if any.
     #[inline]
     fn gather(&mut self, line: u64, traffic: &mut MemoryPorts) {
-        if let Some(clear) = self.state.clear.get_mut(line as usize) {
-            *clear = false;
-        }
+        self.state.flags.draw(line);
         if let Some(gone) = self.state.lines.touch(line, self.config.write_lines) {
             self.write(gone, traffic);
         }
@@ -142,6 +143,14 @@ impl<T: DepthToken> DepthTest<T> {
         let bytes = self.z_line_bytes();
         traffic.write(1, layout::Z_BUFFER + line * u64::from(bytes), bytes);
         self.state.counters.lines_written += 1;
+    }
+
+    /// Clears a line without a flag.
+    fn clear(&mut self, traffic: &mut MemoryPorts) {
+        if let Some(line) = self.state.flags.take_unflagged() {
+            self.write(line, traffic);
+            self.state.counters.lines_cleared += 1;
+        }
     }
 
     /// Tests a pixel of a token. `is_open` is true if the line of the token is known to be the most recently written one, so that
@@ -200,7 +209,7 @@ impl<T: DepthToken> Unit for DepthTest<T> {
 
     #[inline]
     fn demand(&self) -> Demand {
-        if self.state.ending { Demand::Nothing } else { Demand::All }
+        if self.is_empty() { Demand::All } else { Demand::Nothing }
     }
 
     #[inline(always)]
@@ -215,18 +224,19 @@ impl<T: DepthToken> Unit for DepthTest<T> {
             }
             Some(Flow::Control(Control::FrameEnd)) => Step::after(latency, self.end(traffic)),
             Some(Flow::Control(control)) => {
-                if let Control::Frame(frame) = &control {
-                    self.begin(frame);
-                }
-                Step::after(latency, Some(Flow::Control(control)))
+                let cycles = if let Control::Frame(frame) = &control { self.begin(frame) } else { 1 };
+                Step::after(latency, Some(Flow::Control(control))).busy(cycles)
             }
             None if self.state.ending => Step::after(latency, self.end(traffic)),
-            None => Step::after(latency, None),
+            None => {
+                self.clear(traffic);
+                Step::after(latency, None)
+            }
         }
     }
 
     /// Returns the lines of the z-cache in one line of the z-buffer, which holds all pixels of a token, and one write, of the
-    /// evicted line or of a line at the frame end.
+    /// evicted line or of a line at the beginning or end of a frame.
     fn largest_step(&self, client: usize) -> u32 {
         match client {
             0 => self.z_line_bytes().div_ceil(self.line_bytes.max(1)),
@@ -236,7 +246,7 @@ impl<T: DepthToken> Unit for DepthTest<T> {
     }
 
     fn is_empty(&self) -> bool {
-        !self.state.ending
+        !self.state.ending && !self.state.flags.has_unflagged()
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {
@@ -248,6 +258,7 @@ impl<T: DepthToken> Unit for DepthTest<T> {
         stats.figure("z_clear", c.clear, "fragments", "Those tested without reading z, as their line was clear");
         stats.figure("z_gathered", c.gathered, "fragments", "Those tested without reading z, as their line was being gathered");
         stats.figure("z_lines_written", c.lines_written, "lines", "Lines of z values written");
+        stats.figure("z_lines_cleared", c.lines_cleared, "lines", "Those of them with clear values only");
         stats.figure("z_clear_flags", c.most_flags, "bits", "Flags of lines that are clear, a bit each");
     }
 }

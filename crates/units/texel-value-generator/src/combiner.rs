@@ -7,7 +7,9 @@ use crate::signals::{IlluminancePacket, TexturePacket};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
 use basrelief_signals::width::COLOR;
-use basrelief_signals::{Control, Flow, GatheredLines, LINE_PIXELS, PACKET_PIXELS, PixelPacket, layout, line_of};
+use basrelief_signals::{
+    Control, Flow, GatheredLines, LINE_PIXELS, LineFlags, PACKET_PIXELS, PixelPacket, layout, line_of, lines,
+};
 use serde::{Deserialize, Serialize};
 
 /// Counters of the combiner.
@@ -23,6 +25,17 @@ pub struct CombinerCounters {
     pub lines_read: u64,
     /// Packets whose line was held.
     pub forwarded: u64,
+    /// Packets whose line was clear, so that its old value is the background.
+    pub clear: u64,
+}
+
+/// Flags of clear lines, as the buffer (360) has them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameBufferFlags {
+    /// Number of flags.
+    pub flags: u32,
+    /// Flags that are set in a cycle, >= 1.
+    pub per_cycle: u32,
 }
 
 /// State of the combiner between steps.
@@ -34,6 +47,8 @@ pub struct CombinerState {
     pub old: Vec<[u8; 3]>,
     /// Lines whose last values may not be in memory yet.
     pub held: GatheredLines,
+    /// Lines that nothing is drawn into.
+    pub flags: LineFlags,
     /// Displacements of the frame, if requested.
     pub map: Option<DisplacementMap>,
     /// Displacements of complete frames, not fetched yet.
@@ -51,6 +66,8 @@ pub struct CombinerState {
 /// written since that its own write is done. (Waiting for the write instead would need less memory, but it would cost a round
 /// trip for every line that two polygons share.)
 ///
+/// A line that nothing was drawn into in this frame has a flag, as in the buffer (360). It is not read: its old value is the background.
+///
 /// Memories provide timing, never data (law 6). The combiner is the only unit that writes pixels, so it knows the value that it
 /// would read.
 #[derive(Clone, Debug, Default)]
@@ -59,14 +76,18 @@ pub struct Combiner {
     pub config: CombinerConfig,
     /// Lines held: at least as many as can be in flight from here to memory.
     pub lines: u32,
+    /// Buffers of the swap chain, >= 1.
+    buffers: u64,
+    /// Parameters of the buffer (360), for its flags.
+    buffer: FrameBufferFlags,
     /// State between steps.
     pub state: CombinerState,
 }
 
 impl Combiner {
-    /// Creates a combiner in its power-on state, with up to `lines` lines in flight to memory.
-    pub fn new(config: CombinerConfig, lines: u32) -> Self {
-        Self { config, lines, state: CombinerState::default() }
+    /// Creates a combiner in its power-on state, with up to `lines` lines in flight to memory, for a swap chain of `buffers` buffers.
+    pub fn new(config: CombinerConfig, lines: u32, buffers: u32, buffer: FrameBufferFlags) -> Self {
+        Self { config, lines, buffers: buffers.into(), buffer, state: CombinerState::default() }
     }
 
     /// Starts to record a map of displacements.
@@ -74,7 +95,9 @@ impl Combiner {
         self.state.map = Some(DisplacementMap::default());
     }
 
-    fn take(&mut self, control: &Control) {
+    /// Takes a control token. Returns the cycles that the flags take.
+    fn take(&mut self, control: &Control) -> u64 {
+        let mut cycles = 1;
         let state = &mut self.state;
         match control {
             Control::Frame(frame) => {
@@ -83,6 +106,10 @@ impl Combiner {
                 state.size = if fits { [frame.width, frame.height] } else { [0, 0] };
                 let pixels = state.size[0] as usize * state.size[1] as usize;
                 state.held = GatheredLines::default();
+                if self.config.mode != CombineMode::Replace {
+                    let lines = lines::<PixelPacket>(state.size[0], state.size[1]);
+                    cycles = state.flags.begin(lines, self.buffer.flags, self.buffer.per_cycle);
+                }
                 state.old.clear();
                 state.old.resize(if self.config.mode == CombineMode::Replace { 0 } else { pixels }, [0; 3]);
                 if let Some(map) = &mut state.map {
@@ -97,21 +124,25 @@ impl Combiner {
             }
             Control::Object(_) | Control::Polygon(_) | Control::CodeBook(_) | Control::Criterion(_) => {}
         }
+        cycles
     }
 
-    /// Reads the line of a packet unless it is held. Frames alternate between two buffers.
+    /// Reads the line of a packet unless it is held or clear. Frames go through the buffers in turn.
     fn read_back(&mut self, packet: &TexturePacket, traffic: &mut MemoryPorts) {
         let line = line_of::<PixelPacket>(self.state.size[0], [u32::from(packet.packet.x), u32::from(packet.packet.y)]);
         let state = &mut self.state;
         state.counters.read_back += packet.packet.pixels() as u64;
         if state.held.contains(line) {
             state.counters.forwarded += 1;
+        } else if state.flags.is_clear(line) {
+            state.counters.clear += 1;
         } else {
             let bytes = LINE_PIXELS * self.config.pixel_bytes;
-            let base = layout::COLOR_BUFFERS + state.counters.frames % 2 * layout::COLOR_BUFFER_STRIDE;
+            let base = layout::color_buffer(state.counters.frames % self.buffers.max(1));
             traffic.read(0, base + line * u64::from(bytes), bytes);
             state.counters.lines_read += 1;
         }
+        state.flags.draw(line);
         state.held.touch(line, self.lines);
     }
 
@@ -171,6 +202,7 @@ impl Combiner {
         stats.hardware(HardwareKind::Adder, "with the old value", sums, PIXEL_BITS);
         stats.hardware(HardwareKind::Table, "lines on their way to memory", self.lines, LINE_PIXELS * COLOR);
         stats.hardware(HardwareKind::Adder, "whether a line is held", self.lines, LINE_TAG_BITS);
+        stats.hardware(HardwareKind::Table, "flags of clear lines", self.buffer.flags, 1);
         stats.hardware(HardwareKind::Registers, "which lines are held", self.lines, LINE_TAG_BITS);
     }
 }
@@ -204,8 +236,8 @@ impl Unit for Combiner {
                 Step::over(pixels, u64::from(self.config.initiation_interval), latency, Some(Flow::Item(out)))
             }
             PairedInput::Control(control) => {
-                self.take(&control);
-                Step::after(latency, Some(Flow::Control(control)))
+                let cycles = self.take(&control);
+                Step::after(latency, Some(Flow::Control(control))).busy(cycles)
             }
             PairedInput::Nothing => Step::after(latency, None),
         }
@@ -227,6 +259,7 @@ impl Unit for Combiner {
             "packets",
             "Packets whose line was still on its way to memory, and was not read",
         );
+        stats.figure("pixel_lines_clear", c.clear, "packets", "Packets whose line was clear, and was not read");
         self.tell_hardware(stats);
     }
 }

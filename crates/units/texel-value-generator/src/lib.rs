@@ -37,7 +37,7 @@ mod widths;
 pub use approximate_calculator::{
     ApproximateCalculator, ApproximateCalculatorCounters, ApproximateCalculatorState, DisplacementStats, displacement,
 };
-pub use combiner::{Combiner, CombinerCounters, CombinerState};
+pub use combiner::{Combiner, CombinerCounters, CombinerState, FrameBufferFlags};
 pub use config::{
     ApproximationConfig, CombineMode, CombinerConfig, DividerConfig, Division, IlluminanceConfig, IlluminanceMode, LookUpConfig,
     March, Method, MipConfig, MipMode, MipPer, ScanConverterConfig, Snap, StepForm, TexelConfig,

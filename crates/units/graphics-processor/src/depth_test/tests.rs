@@ -9,7 +9,7 @@ type Early = DepthTest<Stamp<Fragment>>;
 /// Width and height of the frame.
 const SIZE: [u32; 2] = [16, 8];
 /// Configuration without flags, and with one gathered line.
-const PLAIN: DepthConfig = DepthConfig { write_lines: 1, clear_flags: false, flags: 131_072 };
+const PLAIN: DepthConfig = DepthConfig { write_lines: 1, clear_flags: false, flags: 131_072, flags_per_cycle: 64 };
 
 fn frame(width: u32, height: u32) -> Control {
     Control::Frame(Arc::new(Frame { width, height, ..Frame::default() }))
@@ -17,8 +17,46 @@ fn frame(width: u32, height: u32) -> Control {
 
 fn configured(config: DepthConfig, z_bits: u32, line_bytes: u32) -> Early {
     let mut unit = DepthTest::new(config, &Operators::default(), z_bits, line_bytes);
-    unit.step(Some(Flow::Control(frame(SIZE[0], SIZE[1]))), &mut MemoryPorts::default());
+    begin(&mut unit);
     unit
+}
+
+/// Begins a frame. Returns the occupancy of its first step, and the numbers of the lines that are cleared by writes.
+fn begin(unit: &mut Early) -> (u64, Vec<u64>) {
+    let occupancy = unit.step(Some(Flow::Control(frame(SIZE[0], SIZE[1]))), &mut MemoryPorts::default()).occupancy;
+    let mut cleared = Vec::new();
+    while unit.demand() == Demand::Nothing {
+        let mut traffic = MemoryPorts::default();
+        assert!(unit.step(None, &mut traffic).out.is_none());
+        let line = u64::from(unit.z_line_bytes());
+        cleared.extend(traffic.requests().iter().filter(|r| r.client == 1).map(|r| (r.address - layout::Z_BUFFER) / line));
+    }
+    (occupancy, cleared)
+}
+
+// Claim: display, memory: Depth is cleared by flags or by writes, and both take time.
+#[test]
+fn lines_without_flags_are_cleared_by_writes() {
+    let cleared = |config| begin(&mut DepthTest::new(config, &Operators::default(), 24, 64));
+    let flags = |flags, flags_per_cycle| DepthConfig { flags, flags_per_cycle, ..DepthConfig::default() };
+    assert_eq!(cleared(flags(8, 64)), (1, vec![]));
+    assert_eq!(cleared(flags(8, 3)), (3, vec![]));
+    assert_eq!(cleared(flags(6, 64)), (1, vec![6, 7]));
+    assert_eq!(cleared(PLAIN), (1, (0..8).collect()), "all 8 lines");
+}
+
+#[test]
+fn whole_depth_buffer_is_cleared_without_flags() {
+    let mut unit = Early::new(PLAIN, &Operators::default(), 24, 64);
+    unit.step(Some(Flow::Control(frame(640, 480))), &mut MemoryPorts::default());
+    let mut bytes = 0;
+    while unit.demand() == Demand::Nothing {
+        let mut traffic = MemoryPorts::default();
+        unit.step(None, &mut traffic);
+        bytes += traffic.requests().iter().map(|r| r.bytes).sum::<u32>();
+    }
+    assert_eq!(bytes, 1_228_800);
+    assert_eq!(unit.state.counters.lines_cleared, 19_200);
 }
 
 fn unit(z_bits: u32) -> Early {
@@ -97,7 +135,8 @@ fn one_gathered_line_is_written_on_leaving_and_at_end() {
     assert_eq!(writes(0, 4, 5), [1]);
     assert_eq!(end(&mut unit), [4]);
     assert!(end(&mut unit).is_empty(), "nothing is gathered");
-    assert_eq!(unit.state.counters.lines_written, 3);
+    // 8 lines were cleared.
+    assert_eq!(unit.state.counters.lines_written, 8 + 3);
 }
 
 #[test]
@@ -232,7 +271,8 @@ proptest! {
         }
         prop_assert_eq!(BTreeSet::from_iter(end(&mut unit)), ahead);
         end(&mut plain);
-        prop_assert!(unit.state.counters.lines_written <= plain.state.counters.lines_written);
+        let drawn = |unit: &Early| unit.state.counters.lines_written - unit.state.counters.lines_cleared;
+        prop_assert!(drawn(&unit) <= drawn(&plain));
     }
 
     #[test]

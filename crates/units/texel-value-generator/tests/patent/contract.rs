@@ -95,7 +95,12 @@ fn look_up() -> TextureLookUpTable {
 }
 
 fn blend() -> Combiner {
-    Combiner::new(CombinerConfig { mode: CombineMode::Blend, ..CombinerConfig::default() }, 4)
+    Combiner::new(
+        CombinerConfig { mode: CombineMode::Blend, ..CombinerConfig::default() },
+        4,
+        2,
+        FrameBufferFlags { flags: 5, per_cycle: 2 },
+    )
 }
 
 fn wires(method: Method) -> Wires {

@@ -4,15 +4,17 @@ use crate::figures::frame;
 use basrelief_kernel::{MemoryPorts, Unit};
 use basrelief_signals::{Flow, GatheredLines};
 use basrelief_texel_value_generator::signals::{IlluminancePacket, TexturePacket};
-use basrelief_texel_value_generator::{CombineMode, Combiner, CombinerConfig};
+use basrelief_texel_value_generator::{CombineMode, Combiner, CombinerConfig, FrameBufferFlags};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 
 /// Illuminance 1.
 const ONE: u16 = 1 << 14;
+/// No flags of clear lines.
+const NO_FLAGS: FrameBufferFlags = FrameBufferFlags { flags: 0, per_cycle: 64 };
 
-fn combiner(mode: CombineMode, lines: u32) -> Combiner {
-    let mut unit = Combiner::new(CombinerConfig { mode, ..CombinerConfig::default() }, lines);
+fn combiner(mode: CombineMode, lines: u32, flags: FrameBufferFlags) -> Combiner {
+    let mut unit = Combiner::new(CombinerConfig { mode, ..CombinerConfig::default() }, lines, 2, flags);
     unit.step((Some(Flow::Control(frame(40, 3))), Some(Flow::Control(frame(40, 3)))), &mut MemoryPorts::default());
     unit
 }
@@ -34,7 +36,7 @@ fn combine(unit: &mut Combiner, [x, y]: [u16; 2], [value, alpha]: [u16; 2]) -> (
 #[test]
 fn combiner_replaces_modulates_and_blends() {
     let drawn = |mode| {
-        let mut unit = combiner(mode, 4);
+        let mut unit = combiner(mode, 4, NO_FLAGS);
         [[200, 255], [100, 51]].map(|value| combine(&mut unit, [16, 2], value))
     };
     let line = vec![(2 * 3 + 1) * 64];
@@ -47,10 +49,22 @@ fn combiner_replaces_modulates_and_blends() {
 // Claim: as line_is_read_only_after_its_write_is_done.
 #[test]
 fn held_line_is_not_read_and_evicted_line_is() {
-    let mut unit = combiner(CombineMode::Blend, 2);
+    let mut unit = combiner(CombineMode::Blend, 2, NO_FLAGS);
     let mut read = |place| combine(&mut unit, place, [9, 9]).1.len();
     assert_eq!([[0, 0], [16, 0], [0, 0], [32, 0], [0, 0], [16, 0]].map(&mut read), [1, 1, 0, 1, 0, 1]);
     assert_eq!((unit.state.counters.lines_read, unit.state.counters.forwarded, unit.state.counters.read_back), (4, 2, 6));
+}
+
+#[test]
+fn clear_line_is_not_read() {
+    let mut unit = combiner(CombineMode::Blend, 1, FrameBufferFlags { flags: 8, per_cycle: 2 });
+    let mut read = |place| combine(&mut unit, place, [9, 9]).1;
+    // 40 x 3 pixels are 9 lines; the last has no flag.
+    assert_eq!([[0, 0], [16, 0], [0, 0], [32, 2]].map(&mut read), [vec![], vec![], vec![0], vec![8 * 64]]);
+    assert_eq!((unit.state.counters.lines_read, unit.state.counters.clear), (2, 2));
+    let begun = (Some(Flow::Control(frame(40, 3))), Some(Flow::Control(frame(40, 3))));
+    assert_eq!(unit.step(begun, &mut MemoryPorts::default()).occupancy, 4, "8 flags, 2 in a cycle");
+    assert!(combine(&mut unit, [0, 0], [9, 9]).1.is_empty());
 }
 
 proptest! {
@@ -61,7 +75,7 @@ proptest! {
     fn line_is_read_only_after_its_write_is_done(
         places in prop::collection::vec((0u16..3, 0u16..3), 1..200), depth in 1usize..5, gathering in 1u32..4, posted in 1usize..4,
     ) {
-        let mut unit = combiner(CombineMode::Blend, 1 + depth as u32 + gathering + posted as u32);
+        let mut unit = combiner(CombineMode::Blend, 1 + depth as u32 + gathering + posted as u32, NO_FLAGS);
         let (mut fifo, mut lines, mut writes) = (VecDeque::new(), GatheredLines::default(), VecDeque::new());
         for (column, y) in places {
             let line = u64::from(y * 3 + column);
