@@ -1,10 +1,18 @@
-//! Names of commands and options before version 0.2. They still work, with a note on standard error.
+//! Names of commands, options and parameters before version 0.2. They still work, with a note on standard error.
 
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 
 const COMMANDS: &[(&str, &str)] = &[("retime", "resimulate")];
-const OPTIONS: &[(&str, &str)] = &[("--limits", "--bottlenecks"), ("--no-limits", "--no-bottlenecks"), ("--tape", "--recording")];
+/// Options, and parameters of `--set`. Parameters in files have their old names in the configuration.
+const OPTIONS: &[(&str, &str)] = &[
+    ("--limits", "--bottlenecks"),
+    ("--no-limits", "--no-bottlenecks"),
+    ("--tape", "--recording"),
+    ("video_out.enabled", "display.enabled"),
+    ("video_out.burst_bytes", "display.burst_bytes"),
+    ("video_out.pixel_hz", "display.pixel_hz"),
+];
 
 /// Replaces old names in a command line. Returns the new command line and one note per old name.
 pub fn current_names(args: impl IntoIterator<Item = OsString>) -> (Vec<OsString>, BTreeSet<String>) {
@@ -53,6 +61,7 @@ mod tests {
             ("b retime out --limits --out x", "b resimulate out --bottlenecks --out x", 2),
             ("b --memory-limit 2GiB retime a", "b --memory-limit 2GiB resimulate a", 1),
             ("b run a --tape=t --no-limits", "b run a --recording=t --no-bottlenecks", 2),
+            ("b run a --set video_out.pixel_hz=9", "b run a --set display.pixel_hz=9", 1),
             ("b run retime", "b run retime", 0),
             ("b run -- --tape", "b run -- --tape", 0),
         ] {

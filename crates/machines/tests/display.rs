@@ -79,7 +79,7 @@ fn empty_view_is_written<S: MachineSpec>() {
     assert_whole(&accesses, 4, S::NAME);
 }
 
-// Claim: display, memory: When a frame ends, memory holds its picture. Lines that nothing is drawn into are cleared by writes.
+// Claim: as frame_without_pixels_is_cleared_by_writes.
 #[test]
 fn empty_view_is_written_whole_in_every_frame() {
     each_machine!(empty_view_is_written());
@@ -140,7 +140,7 @@ fn front_buffer_is_read<S: MachineSpec>() {
     assert!(report.total < 4 * 12 * period, "{}: the last flip does not count", S::NAME);
 }
 
-// Claim: display, swap chain: In fifo mode each frame waits for a free buffer, and scan-out reads the front buffer only.
+// Claim: images, swap chain: In fifo mode each frame waits for a free buffer, and scan-out reads the front buffer only.
 #[test]
 fn fifo_mode_shows_one_frame_per_refresh() {
     each_machine!(front_buffer_is_read());

@@ -89,7 +89,7 @@ fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &W
     }
 }
 
-fn add_display(report: &Report, figures: &mut Figures, (hz, total): (f64, f64)) {
+fn add_display(report: &Report, figures: &mut DerivedFigures, (hz, total): (f64, f64)) {
     let Some(display) = &report.display else { return };
     let formula = "display.pictures_shown * config.clock.hz / cycles.total";
     figures.ratio("display.pictures_per_s", (display.pictures_shown as f64 * hz, total), "1/s", formula);

@@ -87,7 +87,7 @@ fn check<T: ColorToken>(frames: &[Drawn], config: FrameBufferConfig, buffers: u3
 }
 
 proptest! {
-    // Claim: display, memory: When a frame ends, memory holds its picture. Lines that nothing is drawn into are cleared by writes.
+    // Claim: as frame_without_pixels_is_cleared_by_writes.
     #[test]
     fn picture_is_read_back_from_recorded_writes(
         frames in frames(), write_lines in 1u32..6, clear_flags: bool, flags in 1u32..40, buffers in 2u32..4,

@@ -101,7 +101,7 @@ fn frame_end_writes_all_gathered_lines_to_its_buffer() {
     }
 }
 
-// Claim: display, memory: When a frame ends, memory holds its picture. Lines that nothing is drawn into are cleared by writes.
+// Claim: images, memory: When a frame ends, memory holds its picture. Lines that nothing is drawn into are cleared by writes.
 #[test]
 fn frame_without_pixels_is_cleared_by_writes() {
     let lines = |config: FrameBufferConfig, buffers| {

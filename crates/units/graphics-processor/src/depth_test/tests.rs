@@ -34,7 +34,7 @@ fn begin(unit: &mut Early) -> (u64, Vec<u64>) {
     (occupancy, cleared)
 }
 
-// Claim: display, memory: Depth is cleared by flags or by writes, and both take time.
+// Claim: images, memory: Depth is cleared by flags or by writes, and both take time.
 #[test]
 fn lines_without_flags_are_cleared_by_writes() {
     let cleared = |config| begin(&mut DepthTest::new(config, &Operators::default(), 24, 64));
