@@ -45,7 +45,7 @@ pub fn path_of(name: &str) -> String {
 }
 
 /// Parts of a report whose numbers are figures without conversion.
-const PLAIN: [&str; 7] = ["cycles", "bytes", "quality", "units", "fifos", "memories", "caches"];
+const PLAIN: [&str; 8] = ["cycles", "bytes", "quality", "display", "units", "fifos", "memories", "caches"];
 
 /// Returns the figures of a report, part by part, sorted by name. The order of JSON's keys depends on features that other crates may
 /// enable.

@@ -3,8 +3,8 @@
 use crate::derived::derive;
 use crate::json::SCHEMA;
 use crate::model::{
-    Bus, Cache, Channel, Client, Cycles, Display, Fifo, Figure, Hardware, Input, Legend, Memory, MemoryBytes, Outcome, OutcomeKind,
-    Picture, PictureQuality, Report, Size, Unit,
+    Bus, Cache, Channel, Client, Cycles, Display, Fifo, Figure, Hardware, Input, Legend, Memory, MemoryBytes, Outcome,
+    OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
 };
 use crate::work::work;
 use basrelief_kernel as kernel;
