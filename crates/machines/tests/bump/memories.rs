@@ -13,7 +13,7 @@ fn ports_are_numbered_from_the_end_of_the_pipeline() {
     };
     assert_eq!(ports("normal_map"), ["texels"]);
     assert_eq!(ports("quantization"), ["clut_read", "clut_build", "tables", "gathered"]);
-    assert_eq!(ports("graphics"), ["scan_out", "flip", "pixel_write", "color_texels", "held", "z_read", "z_write"]);
+    assert_eq!(ports("graphics"), ["pixel_write", "scan_out", "flip", "color_texels", "held", "z_read", "z_write"]);
 }
 
 #[test]
