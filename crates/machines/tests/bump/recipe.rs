@@ -235,7 +235,7 @@ const MEANING: &[Axis] = &[
         &[],
         &[("brightness.levels", "1")],
         &[("brightness.levels", "3")],
-        &[("brightness.levels", "8"), ("memory.normal_map.outstanding", "32")],
+        &[("brightness.levels", "8"), ("memory.normal_map.outstanding", "64")],
         &[("normal_mapping.filter_at", "brightness")],
         &[("normal_mapping.filter_at", "brightness"), ("brightness.levels", "1")],
     ],
