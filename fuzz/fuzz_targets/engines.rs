@@ -5,6 +5,7 @@
 
 #![no_main]
 
+use basrelief_input::MemoryPool;
 use basrelief_trace::*;
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
@@ -141,7 +142,7 @@ fn written(commands: &[TraceCommand], encoding: TraceEncoding) -> Vec<u8> {
 
 /// Returns a trace of the same tokens, recorded.
 fn recorded(trace: &[u8]) -> Vec<u8> {
-    let resolver = TraceResolver::new(trace, NoFiles).expect("a valid trace");
+    let resolver = TraceResolver::new(trace, NoFiles, &MemoryPool::default()).expect("a valid trace");
     let mut recorder = TraceRecorder::new(Vec::new(), TraceForm::default(), resolver.begin().clone()).expect("a valid begin");
     resolver.for_each(|control| recorder.record(&control.expect("a valid trace").0).expect("what resolves can be recorded"));
     recorder.finish(vec![]).expect("in memory")

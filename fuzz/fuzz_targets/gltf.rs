@@ -4,6 +4,7 @@
 
 #![no_main]
 
+use basrelief_input::MemoryPool;
 use basrelief_fuzz::{PICTURE, check, view};
 use basrelief_scene::{MemoryFiles, load};
 use libfuzzer_sys::fuzz_target;
@@ -11,5 +12,5 @@ use libfuzzer_sys::fuzz_target;
 fuzz_target!(|bytes: &[u8]| {
     let files = MemoryFiles::default().with("a.bin", vec![0x3f; 1024]).with("a.png", PICTURE);
     let name = if bytes.starts_with(b"glTF") { "fuzz.glb" } else { "fuzz.gltf" };
-    check(load(bytes, name, &files, &view()));
+    check(load(bytes, name, &files, &view(), &MemoryPool::default()).map(|(scene, _)| scene));
 });

@@ -4,6 +4,7 @@
 
 #![no_main]
 
+use basrelief_input::MemoryPool;
 use basrelief_fuzz::{PICTURE, check, view};
 use basrelief_scene::{MemoryFiles, load};
 use libfuzzer_sys::fuzz_target;
@@ -12,5 +13,5 @@ fuzz_target!(|bytes: &[u8]| {
     let split = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());
     let (object, library) = bytes.split_at(split);
     let files = MemoryFiles::default().with("a.mtl", library.get(1..).unwrap_or_default()).with("a.png", PICTURE);
-    check(load(object, "fuzz.obj", &files, &view()));
+    check(load(object, "fuzz.obj", &files, &view(), &MemoryPool::default()).map(|(scene, _)| scene));
 });

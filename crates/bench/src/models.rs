@@ -2,6 +2,7 @@
 
 use crate::machines::demo_scene;
 use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
+use basrelief_input::MemoryPool;
 use basrelief_reference::{QualityMetrics, RenderOptions, RenderStyle, RgbPicture, draw_scene};
 use basrelief_scene::{MemoryFiles, ViewOptions, load};
 use basrelief_signals::{Mesh, Scene};
@@ -82,8 +83,9 @@ fn import(size: WorkloadSize, kind: &'static str, write: fn(&Mesh) -> Vec<u8>) -
         let mesh = mesh(size);
         let (bytes, name) = (write(&mesh), format!("model.{kind}"));
         move || {
-            let (scene, time) = measured(|| load(&bytes, &name, &MemoryFiles::default(), &ViewOptions::default()));
-            let scene: Scene = scene.expect("the model is sound");
+            let (scene, time) =
+                measured(|| load(&bytes, &name, &MemoryFiles::default(), &ViewOptions::default(), &MemoryPool::default()));
+            let (scene, _held): (Scene, _) = scene.expect("the model is sound");
             RunSample { time, count: (scene.objects[0].mesh.indices.len() / 3) as u64 }
         }
     })

@@ -5,6 +5,7 @@
 
 use crate::machines::demo_scene;
 use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
+use basrelief_input::MemoryPool;
 use basrelief_signals::{Camera, Control, Lighting};
 use basrelief_sim::{MachineConfig, display_list, trace_header};
 use basrelief_trace::{
@@ -49,12 +50,14 @@ fn name_of(form: TraceForm) -> String {
 
 /// Reads a trace to its end. Returns the number of commands.
 fn read(bytes: &[u8]) -> Result<usize, TraceError> {
-    open(bytes)?.try_fold(0, |count, command| command.map(|command| count + usize::from(black_box(command).name() == "polygon")))
+    open(bytes, &MemoryPool::default())?
+        .try_fold(0, |count, command| command.map(|command| count + usize::from(black_box(command).name() == "polygon")))
 }
 
 /// Reads a trace as [`read`], and resolves it into tokens.
 fn resolve(bytes: &[u8]) -> Result<usize, TraceError> {
-    TraceResolver::new(bytes, NoFiles)?.try_fold(0, |count, control| control.map(|control| count + black_box([control]).len()))
+    TraceResolver::new(bytes, NoFiles, &MemoryPool::default())?
+        .try_fold(0, |count, control| control.map(|control| count + black_box([control]).len()))
 }
 
 fn write(commands: &[TraceCommand], form: TraceForm) -> Result<usize, TraceError> {
@@ -69,7 +72,7 @@ pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
         Workload::new(format!("trace/{what}/{}", name_of(form)), ThroughputUnit::Bytes, move || {
             let json = json_lines(size);
             let mut bytes = Vec::new();
-            convert(json.as_slice(), &mut bytes, form).expect("the trace is sound");
+            convert(json.as_slice(), &mut bytes, form, &MemoryPool::default()).expect("the trace is sound");
             move || {
                 let (done, time) = measured(|| run(&bytes));
                 done.expect("the trace is sound");
@@ -80,7 +83,8 @@ pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
     let writing = |form: TraceForm| {
         Workload::new(format!("trace/write/{}", name_of(form)), ThroughputUnit::Bytes, move || {
             let json = json_lines(size);
-            let commands: Result<Vec<TraceCommand>, _> = open(json.as_slice()).expect("the trace is sound").collect();
+            let commands: Result<Vec<TraceCommand>, _> =
+                open(json.as_slice(), &MemoryPool::default()).expect("the trace is sound").collect();
             let commands = Rc::new(commands.expect("the trace is sound"));
             move || {
                 let (done, time) = measured(|| write(&commands, form));

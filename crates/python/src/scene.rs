@@ -3,7 +3,7 @@
 use crate::error::{CommandError, CommandResult, PythonResult, budget};
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_parameters::nearest;
-use basrelief_scene::{FolderFiles, MemoryFiles, ModelFiles, SceneError, ViewOptions, demo, load_within, read_camera, text};
+use basrelief_scene::{FolderFiles, MemoryFiles, ModelFiles, SceneError, ViewOptions, demo, load, read_camera, text};
 use basrelief_sim::{PreparedScene, RunInput};
 use basrelief_trace::{TraceForm, looks_like_trace};
 use pyo3::pybacked::PyBackedBytes;
@@ -242,7 +242,7 @@ impl Scene {
     ) -> CommandResult<Self> {
         // The error may be in a file that the model refers to. The message then names the model as well.
         let failed = |e: SceneError| if e.file == name { CommandError::bad_input(e) } else { CommandError::in_input(&name)(e) };
-        let (scene, held) = load_within(&main, &name, files, &view.options(budget)?, budget).map_err(failed)?;
+        let (scene, held) = load(&main, &name, files, &view.options(budget)?, budget).map_err(failed)?;
         let prepared = PreparedScene::cached(Arc::new(scene), budget);
         Ok(Self { name, made: SceneOrigin::Model(main, BTreeMap::new()), view, memory_limit, prepared, _held: held })
     }

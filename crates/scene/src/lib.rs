@@ -39,37 +39,30 @@ use view::ViewHints;
 
 /// Imports a model. GLB and glTF are recognised by their content, OBJ by the ending of its name.
 ///
-/// `name` is the name of the file and of the scene. `files` supplies the other files of the model.
+/// `name` is the name of the file and of the scene. `files` supplies the other files of the model. Returns the scene and its
+/// reservation.
 ///
 /// # Errors
 /// Neither of the formats, corrupt, a required extension that is not supported, over a limit, or nothing to draw.
-pub fn load(bytes: &[u8], name: &str, files: &dyn ModelFiles, options: &ViewOptions) -> Result<Scene, SceneError> {
-    load_within(bytes, name, files, options, &MemoryPool::default()).map(|(scene, _)| scene)
-}
-
-/// Like [`load`], with a memory limit: the scene and its reservation.
-///
-/// # Errors
-/// Errors of [`load`], and input over the memory limit.
-pub fn load_within(
+pub fn load(
     bytes: &[u8],
     name: &str,
     files: &dyn ModelFiles,
     options: &ViewOptions,
     budget: &MemoryPool,
 ) -> Result<(Scene, MemoryReservation), SceneError> {
-    let (subject, mut held) = SceneSubject::load_within(bytes, name, files, budget)?;
+    let (subject, mut held) = SceneSubject::load(bytes, name, files, budget)?;
     let (scene, frames) = subject.seen_within(options, budget)?;
     held.join(frames);
     Ok((scene, held))
 }
 
 impl SceneSubject {
-    /// Imports a model as [`load_within`](crate::load_within) does, to be looked at later.
+    /// Imports a model as [`load`](crate::load) does, to be looked at later.
     ///
     /// # Errors
     /// Errors of [`load`], and input over the memory limit.
-    pub fn load_within(
+    pub fn load(
         bytes: &[u8],
         name: &str,
         files: &dyn ModelFiles,
@@ -97,7 +90,7 @@ impl SceneSubject {
         let (bytes, _held) = files::read_regular(path, budget).map_err(|e| cannot(e).in_file(&shown))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let files = FolderFiles::new(folder).allow_outside(*allow_outside).on_read(*on_read);
-        Self::load_within(&bytes, &shown, &files, budget)
+        Self::load(&bytes, &shown, &files, budget)
     }
 }
 
@@ -167,7 +160,9 @@ mod tests {
 
     #[test]
     fn unknown_format_is_refused() {
-        let error = load(b"solid x", "x.stl", &MemoryFiles::default(), &ViewOptions::default()).unwrap_err().to_string();
+        let error = load(b"solid x", "x.stl", &MemoryFiles::default(), &ViewOptions::default(), &MemoryPool::default())
+            .unwrap_err()
+            .to_string();
         assert!(error.starts_with("x.stl: no known model format; expected a .glb, .gltf or .obj file"), "{error}");
     }
 }

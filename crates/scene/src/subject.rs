@@ -8,7 +8,7 @@ use basrelief_signals::{Frame, Light, Object, Scene};
 use std::sync::Arc;
 
 /// A model or a demo without a view. It is built once, and then drawn from any number of views. Built by
-/// [`SceneSubject::load_within`](Self::load_within) and [`SceneSubject::demo`](Self::demo).
+/// [`SceneSubject::load`](Self::load) and [`SceneSubject::demo`](Self::demo).
 pub struct SceneSubject {
     pub(crate) name: String,
     pub(crate) objects: Vec<Arc<Object>>,

@@ -1,7 +1,7 @@
 //! A small model can expand into large data, which are counted and refused above the limit.
 
 use basrelief_input::MemoryPool;
-use basrelief_scene::{MemoryFiles, SceneError, ViewOptions, load_within};
+use basrelief_scene::{MemoryFiles, SceneError, ViewOptions, load};
 use image::{DynamicImage, ImageFormat};
 use serde_json::{Value, json};
 use std::io::Cursor;
@@ -11,9 +11,8 @@ const LIMIT: u64 = 1 << 20;
 /// The error of a model that must not be held.
 fn error_of(bytes: &[u8], name: &str, files: &MemoryFiles, view: &ViewOptions) -> SceneError {
     let budget = MemoryPool::new(LIMIT);
-    let error = load_within(bytes, name, files, view, &budget)
-        .map(|_| ())
-        .expect_err(&String::from_utf8_lossy(&bytes[..bytes.len().min(60)]));
+    let error =
+        load(bytes, name, files, view, &budget).map(|_| ()).expect_err(&String::from_utf8_lossy(&bytes[..bytes.len().min(60)]));
     assert_eq!(budget.left(), LIMIT, "what was refused is not held");
     error
 }
@@ -236,7 +235,7 @@ fn memory_of_the_import_is_given_back() {
         ("/materials", json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])),
         ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 0}, "material": 0})),
     ]);
-    let loaded = load_within(document.to_string().as_bytes(), "m.gltf", &files(), &ViewOptions::default(), &budget);
+    let loaded = load(document.to_string().as_bytes(), "m.gltf", &files(), &ViewOptions::default(), &budget);
     let (scene, held) = loaded.expect("within the budget");
     let texels = 4 * (1024 * 1024 * 4) / 3;
     let mesh = &scene.objects[0].mesh;

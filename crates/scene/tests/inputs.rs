@@ -1,5 +1,6 @@
 //! Importing files that nobody in this project made. Skipped, loudly, where they are not at hand.
 
+use basrelief_input::MemoryPool;
 use basrelief_scene::{SceneError, ViewOptions, load_path};
 use basrelief_signals::Scene;
 use std::path::{Path, PathBuf};
@@ -110,7 +111,7 @@ fn corrupt_png_is_an_error_that_names_it() {
     for path in files_below(&folder, &["png"]) {
         let name = path.file_name().unwrap().to_str().unwrap();
         let text = model.replace("NAME", name);
-        let error = basrelief_scene::load(text.as_bytes(), "m.gltf", &files, &ViewOptions::default());
+        let error = basrelief_scene::load(text.as_bytes(), "m.gltf", &files, &ViewOptions::default(), &MemoryPool::default());
         let text = error.err().unwrap_or_else(|| panic!("{name} was accepted")).to_string();
         assert!(text.starts_with(name), "{text}");
     }
@@ -148,7 +149,9 @@ fn computed_tangents_agree_with_a_files_own() {
     let text = std::fs::read_to_string(folder.join("Avocado.gltf")).unwrap();
     let files = basrelief_scene::FolderFiles::new(&folder);
     let mesh = |text: &str| {
-        let scene = basrelief_scene::load(text.as_bytes(), "Avocado.gltf", &files, &ViewOptions::default()).unwrap();
+        let view = ViewOptions::default();
+        let (scene, _held) =
+            basrelief_scene::load(text.as_bytes(), "Avocado.gltf", &files, &view, &MemoryPool::default()).unwrap();
         scene.objects[0].mesh.clone()
     };
     let given = mesh(&text);

@@ -3,6 +3,7 @@
 //! A test that fails here is good news: the library has mended that fault. Weigh again then whether it can take the place
 //! of our reader (docs/adr/0033-gltf-and-obj-readers-are-our-own.md), and take the test away.
 
+use basrelief_input::MemoryPool;
 use basrelief_scene::{MemoryFiles, ViewOptions, load};
 use serde_json::{Value, json};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -14,7 +15,9 @@ fn still(fault: bool, what: &str) {
 }
 
 fn ours(name: &str, bytes: &[u8]) -> Result<(), String> {
-    load(bytes, name, &MemoryFiles::default(), &ViewOptions::default()).map(drop).map_err(|e| e.to_string())
+    load(bytes, name, &MemoryFiles::default(), &ViewOptions::default(), &MemoryPool::default())
+        .map(drop)
+        .map_err(|e| e.to_string())
 }
 
 /// A triangle in a buffer of a GLB; `element` is a vertex.
@@ -161,7 +164,8 @@ fn tobj_takes_numbers_that_are_not_finite() {
 #[test]
 fn tobj_skips_statements_silently() {
     let text = format!("this is no model\n{TRIANGLE}curv 0 1 1 2\n");
-    let scene = load(text.as_bytes(), "a.obj", &MemoryFiles::default(), &ViewOptions::default()).unwrap();
+    let (files, view) = (MemoryFiles::default(), ViewOptions::default());
+    let (scene, _held) = load(text.as_bytes(), "a.obj", &files, &view, &MemoryPool::default()).unwrap();
     assert!(scene.warnings.iter().any(|w| w.contains("`curv` is skipped")), "{:?}", scene.warnings);
     still(by_tobj(&text).is_ok(), "tobj tells of statements that it does not know");
 }

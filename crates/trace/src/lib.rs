@@ -62,11 +62,11 @@ pub use data::{Digest, Texels};
 pub use error::{ErrorKind, TraceError, TracePlace};
 pub use form::{TraceEncoding, TraceForm, looks_like_trace};
 pub use parameter_value::{ParameterValue, ScalarValue};
-pub use reader::{TraceReader, open, open_within};
+pub use reader::{TraceReader, open};
 pub use recorder::{CanonicalHash, TraceRecorder};
 pub use resolver::{NoFiles, TextureFiles, TraceResolver};
 pub use schema::schema;
-pub use writer::{TraceWriter, convert, convert_within};
+pub use writer::{TraceWriter, convert};
 
 /// Tests the example of the README.
 #[cfg(doctest)]

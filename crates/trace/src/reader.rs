@@ -41,16 +41,8 @@ pub struct TraceReader<R: Read> {
 /// Opens a trace of any form, recognised by its first bytes, and reads its `begin`.
 ///
 /// # Errors
-/// If the input cannot be read, is no display list, or has another version.
-pub fn open<R: Read>(reader: R) -> Result<TraceReader<R>, TraceError> {
-    open_within(reader, &MemoryPool::default())
-}
-
-/// Like [`open`], with a memory limit.
-///
-/// # Errors
-/// Errors of [`open`], and input over the memory limit.
-pub fn open_within<R: Read>(reader: R, budget: &MemoryPool) -> Result<TraceReader<R>, TraceError> {
+/// If the input cannot be read, is no display list, has another version, or exceeds the memory limit.
+pub fn open<R: Read>(reader: R, budget: &MemoryPool) -> Result<TraceReader<R>, TraceError> {
     let (head, source, window) = TraceBytes::open(reader, budget).map_err(|e| open_error(&e))?;
     let encoding = if head.starts_with(&BINARY_MAGIC) { TraceEncoding::Binary } else { TraceEncoding::JsonLines };
     if encoding == TraceEncoding::JsonLines && !head.is_empty() && !head.starts_with(b"{") {

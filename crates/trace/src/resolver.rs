@@ -5,7 +5,7 @@ use crate::command::*;
 use crate::data::Digest;
 use crate::error::{CommandFault, ErrorKind, TraceError};
 use crate::lent::LentTokens;
-use crate::reader::{TraceReader, open_within};
+use crate::reader::{TraceReader, open};
 use crate::sequence::FrameNesting;
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_signals::{Control, Frame, Image, Light, Material, ObjectInfo, Polygon, ShadingSettings, Texture, Vertex};
@@ -75,17 +75,9 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
     /// Opens a trace of any form.
     ///
     /// # Errors
-    /// Errors of [`crate::open`].
-    pub fn new(reader: R, files: F) -> Result<Self, TraceError> {
-        Self::within(reader, files, &MemoryPool::default())
-    }
-
-    /// Like [`TraceResolver::new`], with a memory limit.
-    ///
-    /// # Errors
-    /// Errors of [`open`](crate::open), and input over the memory limit.
-    pub fn within(reader: R, files: F, budget: &MemoryPool) -> Result<Self, TraceError> {
-        let reader = open_within(reader, budget)?;
+    /// Errors of [`open`](crate::open).
+    pub fn new(reader: R, files: F, budget: &MemoryPool) -> Result<Self, TraceError> {
+        let reader = open(reader, budget)?;
         let begin = reader.begin();
         // Hashing the trace copies it.
         let generator = budget.try_reserve(4 * begin.generator.len() as u64, "the name of what made the trace");

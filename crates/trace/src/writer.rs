@@ -4,7 +4,7 @@ use crate::check::check;
 use crate::command::{EndCommand, TraceCommand, VERSION};
 use crate::error::{ErrorKind, TraceError, TracePlace};
 use crate::form::{BINARY_MAGIC, ByteSink, TraceEncoding, TraceForm};
-use crate::reader::{limit, open_within, too_long};
+use crate::reader::{limit, open, too_long};
 use crate::sequence::CommandOrder;
 use basrelief_input::MemoryPool;
 use std::io::{self, Read, Write};
@@ -94,18 +94,10 @@ pub(crate) fn write_line(command: &TraceCommand, mut line: impl Write) -> io::Re
 /// fields with their default, shortest decimals. Returns the number of commands.
 ///
 /// # Errors
-/// If the trace is malformed or truncated, or reading or writing fails.
-pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: TraceForm) -> Result<u64, TraceError> {
-    convert_within(reader, writer, form, &MemoryPool::default())
-}
-
-/// Like [`convert`], with a memory limit.
-///
-/// # Errors
-/// Errors of [`convert`], and input over the memory limit.
-pub fn convert_within<R: Read, W: Write>(reader: R, writer: W, form: TraceForm, budget: &MemoryPool) -> Result<u64, TraceError> {
+/// If the trace is malformed or truncated, exceeds the memory limit, or reading or writing fails.
+pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: TraceForm, budget: &MemoryPool) -> Result<u64, TraceError> {
     let mut out = TraceWriter::new(writer, form)?;
-    let mut commands = open_within(reader, budget)?;
+    let mut commands = open(reader, budget)?;
     // The line or record of a command counts twice, because it is written from memory.
     let mut written = budget.empty_reservation();
     while let Some(command) = commands.next().transpose()? {

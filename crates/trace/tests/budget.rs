@@ -169,7 +169,7 @@ fn error_of(lines: impl Iterator<Item = String>, limit: u64) -> TraceError {
     let small = encoder.finish().expect("in memory");
     assert!((small.len() as u64) < LIMIT / 8, "{} bytes", small.len());
     let budget = MemoryPool::new(limit);
-    let result = TraceResolver::within(small.as_slice(), endless, &budget).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    let result = TraceResolver::new(small.as_slice(), endless, &budget).and_then(Iterator::collect::<Result<Vec<_>, _>>);
     let error = result.expect_err("more than the budget allows");
     assert_eq!(budget.left(), limit, "what was refused is not held");
     error
@@ -226,7 +226,7 @@ fn many_fitting_textures_together_exceed_budget() {
     let trace = |count| before("texture") + &(0..count).map(line).collect::<String>();
     let read = |count| {
         let text = trace(count);
-        let resolver = TraceResolver::within(text.as_bytes(), files, &MemoryPool::new(LIMIT)).expect("a beginning");
+        let resolver = TraceResolver::new(text.as_bytes(), files, &MemoryPool::new(LIMIT)).expect("a beginning");
         resolver.filter_map(Result::err).next().expect("it has no end")
     };
     assert_eq!(read(4).kind, ErrorKind::Truncated, "{}", read(4));
@@ -240,7 +240,7 @@ fn dropped_tokens_are_not_counted() {
     let line = format!("{}\n", json!({ "polygon": command("polygon", 0) }));
     let text = before("polygon") + &line.repeat(20_000);
     let budget = MemoryPool::new(1 << 20);
-    let resolver = TraceResolver::within(text.as_bytes(), NoFiles, &budget).expect("a beginning");
+    let resolver = TraceResolver::new(text.as_bytes(), NoFiles, &budget).expect("a beginning");
     let passed = resolver.take_while(Result::is_ok).count();
     assert_eq!(passed, 20_000 + 2, "frame, object, polygons");
 }

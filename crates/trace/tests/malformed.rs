@@ -2,6 +2,7 @@
 
 mod common;
 
+use basrelief_input::MemoryPool;
 use basrelief_signals::{Control, Material, Texture};
 use basrelief_trace::*;
 use common::*;
@@ -281,7 +282,7 @@ fn truncation_at_every_byte_is_an_error_in_every_form() {
         let whole = bytes.len() - usize::from(form == TraceForm { encoding: TraceEncoding::JsonLines, compressed: false });
         for length in 0..whole {
             assert!(resolve(&bytes[..length]).is_err(), "{form:?} cut to {length} of {} bytes", bytes.len());
-            assert!(convert(&bytes[..length], Vec::new(), form).is_err(), "{form:?} cut to {length}");
+            assert!(convert(&bytes[..length], Vec::new(), form, &MemoryPool::default()).is_err(), "{form:?} cut to {length}");
         }
     }
 }
@@ -498,7 +499,7 @@ proptest! {
         let at = at.index(bytes.len());
         bytes[at] = value;
         if let Ok(controls) = resolve(&bytes) {
-            let BeginCommand { width, height, .. } = open(bytes.as_slice()).unwrap().begin().clone();
+            let BeginCommand { width, height, .. } = open(bytes.as_slice(), &MemoryPool::default()).unwrap().begin().clone();
             let mut recorder = TraceRecorder::new(Vec::new(), TraceForm::default(), BeginCommand::new(width, height)).unwrap();
             controls.iter().try_for_each(|control| recorder.record(control)).unwrap();
         }

@@ -2,6 +2,7 @@
 
 mod common;
 
+use basrelief_input::MemoryPool;
 use basrelief_signals::{Control, Frame, ObjectInfo, ShadingMode, ShadingSettings, Texture};
 use basrelief_trace::*;
 use common::*;
@@ -14,12 +15,12 @@ fn same(a: &impl std::fmt::Debug, b: &impl std::fmt::Debug) -> bool {
 }
 
 fn commands(bytes: &[u8]) -> Vec<TraceCommand> {
-    open(bytes).unwrap().collect::<Result<_, _>>().unwrap()
+    open(bytes, &MemoryPool::default()).unwrap().collect::<Result<_, _>>().unwrap()
 }
 
 fn converted(bytes: &[u8], form: TraceForm) -> Vec<u8> {
     let mut out = Vec::new();
-    convert(bytes, &mut out, form).unwrap();
+    convert(bytes, &mut out, form, &MemoryPool::default()).unwrap();
     out
 }
 
@@ -59,7 +60,7 @@ proptest! {
                 recorder.record(&control).unwrap();
             }
             let bytes = recorder.finish(vec![expectation.clone()]).unwrap();
-            let mut resolver = TraceResolver::new(bytes.as_slice(), NoFiles).unwrap();
+            let mut resolver = TraceResolver::new(bytes.as_slice(), NoFiles, &MemoryPool::default()).unwrap();
             prop_assert!(resolver.by_ref().all(|item| item.is_ok()));
             prop_assert!(same(&resolver.expectations(), &std::slice::from_ref(&expectation)));
         }
@@ -183,7 +184,7 @@ fn first_bytes_identify_the_form() {
 
 #[test]
 fn expectations_are_there_after_the_end() {
-    let mut resolver = TraceResolver::new(SAMPLE.as_bytes(), NoFiles).unwrap();
+    let mut resolver = TraceResolver::new(SAMPLE.as_bytes(), NoFiles, &MemoryPool::default()).unwrap();
     assert_eq!((resolver.begin().width, resolver.begin().height), (8, 8));
     assert!(resolver.by_ref().all(|item| item.is_ok()));
     let [expectation] = resolver.expectations() else { panic!("one expectation") };
@@ -212,11 +213,12 @@ fn texels_may_lie_in_a_file_beside_the_trace() {
             Ok(Box::new(std::io::Cursor::new(taken[i][cut..].to_vec())))
         }
     };
-    let controls: Result<Vec<_>, _> = TraceResolver::new(beside.as_slice(), files(0)).unwrap().map(|i| i.map(|i| i.0)).collect();
+    let controls: Result<Vec<_>, _> =
+        TraceResolver::new(beside.as_slice(), files(0), &MemoryPool::default()).unwrap().map(|i| i.map(|i| i.0)).collect();
     assert_eq!(controls.unwrap(), resolve(SAMPLE.as_bytes()).unwrap());
-    let short = TraceResolver::new(beside.as_slice(), files(1)).unwrap().find_map(Result::err).unwrap();
+    let short = TraceResolver::new(beside.as_slice(), files(1), &MemoryPool::default()).unwrap().find_map(Result::err).unwrap();
     assert!(short.to_string().contains("texture.file: holds 15 bytes, expected 16"), "{short}");
-    let none = TraceResolver::new(beside.as_slice(), NoFiles).unwrap().find_map(Result::err).unwrap();
+    let none = TraceResolver::new(beside.as_slice(), NoFiles, &MemoryPool::default()).unwrap().find_map(Result::err).unwrap();
     assert_eq!((none.kind, none.path.as_str()), (ErrorKind::Io, "texture.file"));
 }
 

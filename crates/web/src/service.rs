@@ -301,7 +301,7 @@ fn open_files(name: &str, files: Vec<RequestFile>, question: &Message) -> Result
     for file in files.iter().filter(|file| file.name != name) {
         memory = memory.with(&file.name, bytes(file)?);
     }
-    let loaded = SceneSubject::load_within(bytes(main)?, name, &memory, &budget);
+    let loaded = SceneSubject::load(bytes(main)?, name, &memory, &budget);
     let (subject, held) = loaded.map_err(|e| e.to_string())?;
     Ok(InputKind::Subject(SceneView::local(subject, held, budget)))
 }

@@ -4,6 +4,7 @@ use super::random::RandomChoice as _;
 use super::samples::{HostileCase, SHORT, SampleInputs, words};
 use super::{mutate, options, scripts, settings};
 use basrelief_dse::SplitMix64;
+use basrelief_input::MemoryPool;
 use basrelief_sim::MACHINES;
 use basrelief_trace::{TraceForm, convert};
 use serde_json::Value;
@@ -148,7 +149,7 @@ fn spoiled_form(name: &str, sources: &SampleInputs, random: &mut SplitMix64) -> 
     let form = TraceForm::for_file_name(name).unwrap_or_default();
     let mut bytes = Vec::new();
     // The samples are valid.
-    convert(random.one(&sources.traces).as_bytes(), &mut bytes, form).unwrap_or_default();
+    convert(random.one(&sources.traces).as_bytes(), &mut bytes, form, &MemoryPool::default()).unwrap_or_default();
     mutate::bytes(&mut bytes, random);
     bytes
 }

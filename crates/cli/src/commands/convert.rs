@@ -16,7 +16,7 @@ pub fn convert(args: &ConvertArgs, budget: &MemoryPool) -> CommandResult {
     let input = TraceFile::open(&args.input)?;
     let failed = CommandError::in_input(&input.name);
     to_trace_file(&args.output, |writer, form| {
-        display_list::convert_within(input.reader, writer, form, budget).map(|_| ()).map_err(failed)
+        display_list::convert(input.reader, writer, form, budget).map(|_| ()).map_err(failed)
     })
 }
 

@@ -75,7 +75,7 @@ pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> CommandRes
     let retry = args
         .wait
         .map_or_else(RetryPolicy::default, |s| RetryPolicy { starting: Duration::from_secs(s), ..RetryPolicy::default() });
-    let fetcher = Fetcher::within(url, retry, budget);
+    let fetcher = Fetcher::new(url, retry, budget);
     let (scene, hashes) = scene_of(&fetcher, (&fetch, &look.view), &shown, budget)?;
     let cache = args.tile_cache.as_deref().map(|folder| open_cache(folder, url)).transpose()?;
     interrupt::set_message(match cache {

@@ -10,7 +10,7 @@ use basrelief_input::{MemoryPool, MemoryReservation, open_in_folder};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
 use basrelief_sim::{MACHINES, MachineInfo, check_expectation, expectation_of};
-use basrelief_trace::{ExpectedResults, TraceCommand, TraceForm, TraceResolver, TraceWriter, open_within};
+use basrelief_trace::{ExpectedResults, TraceCommand, TraceForm, TraceResolver, TraceWriter, open};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -116,7 +116,7 @@ fn in_trace<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> CommandError + u
 /// Reads the expectations of a whole trace. Returns them with their memory.
 fn read_expectations(path: &Path, budget: &MemoryPool) -> CommandResult<(Vec<ExpectedResults>, MemoryReservation)> {
     let file = TraceFile::open(path)?;
-    let mut resolver = TraceResolver::within(file.reader, open_in_folder(&file.folder), budget).map_err(in_trace(path))?;
+    let mut resolver = TraceResolver::new(file.reader, open_in_folder(&file.folder), budget).map_err(in_trace(path))?;
     resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(in_trace(path))?;
     Ok(resolver.into_expectations())
 }
@@ -159,7 +159,7 @@ fn bless(path: &Path, budget: &MemoryPool) -> CommandResult {
     let input = TraceFile::open(path)?;
     to_trace_file(path, |file, form| {
         let mut writer = TraceWriter::new(file, form).map_err(in_trace(path))?;
-        for command in open_within(input.reader, budget).map_err(in_trace(path))? {
+        for command in open(input.reader, budget).map_err(in_trace(path))? {
             match command.map_err(in_trace(path))? {
                 TraceCommand::Expect(_) => {}
                 TraceCommand::End(_) => break,

@@ -6,6 +6,7 @@ use crate::picture::tests::png;
 use crate::{SceneError, ViewOptions, load};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use basrelief_input::MemoryPool;
 use basrelief_signals::{LightKind, Scene, ShadingMode, ShadingSettings, TexelFilter, WrapMode};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -71,8 +72,12 @@ fn square() -> Value {
     })
 }
 
+fn load_scene(bytes: &[u8], name: &str) -> Result<Scene, SceneError> {
+    load(bytes, name, &MemoryFiles::default(), &ViewOptions::default(), &MemoryPool::default()).map(|(scene, _)| scene)
+}
+
 fn import(document: &Value) -> Result<Scene, SceneError> {
-    load(document.to_string().as_bytes(), "m.gltf", &MemoryFiles::default(), &ViewOptions::default())
+    load_scene(document.to_string().as_bytes(), "m.gltf")
 }
 
 /// The document with the value at a pointer replaced; a missing key of an object is added.
@@ -388,7 +393,7 @@ fn square_glb() -> Vec<u8> {
 
 #[test]
 fn glb_gives_same_scene_as_gltf() {
-    let glb = load(&square_glb(), "m.gltf", &MemoryFiles::default(), &ViewOptions::default()).unwrap();
+    let glb = load_scene(&square_glb(), "m.gltf").unwrap();
     assert_eq!(glb, import(&square()).unwrap());
 }
 
@@ -396,7 +401,7 @@ fn glb_gives_same_scene_as_gltf() {
 fn every_truncation_of_a_glb_is_an_error() {
     let whole = square_glb();
     for end in 0..whole.len() {
-        let cut = load(&whole[..end], "cut.glb", &MemoryFiles::default(), &ViewOptions::default());
+        let cut = load_scene(&whole[..end], "cut.glb");
         assert!(cut.is_err(), "cut at {end} of {}", whole.len());
     }
 }
@@ -457,6 +462,6 @@ proptest! {
         for (place, value) in flips {
             *place.get_mut(&mut bytes) = value;
         }
-        let _ = load(&bytes, "m.glb", &MemoryFiles::default(), &ViewOptions::default());
+        let _ = load_scene(&bytes, "m.glb");
     }
 }

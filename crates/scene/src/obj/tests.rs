@@ -3,6 +3,7 @@
 use crate::files::MemoryFiles;
 use crate::picture::tests::png;
 use crate::{SceneError, ViewOptions, load};
+use basrelief_input::MemoryPool;
 use basrelief_signals::{Scene, WrapMode};
 use proptest::prelude::*;
 
@@ -10,7 +11,7 @@ const SQUARE: &str = "mtllib lib/m.mtl\no wall\nusemtl stone\nv 0 0 0\nv 1 0 0\n
     vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
 
 fn import(text: &str, files: &MemoryFiles) -> Result<Scene, SceneError> {
-    load(text.as_bytes(), "m.obj", files, &ViewOptions::default())
+    load(text.as_bytes(), "m.obj", files, &ViewOptions::default(), &MemoryPool::default()).map(|(scene, _)| scene)
 }
 
 #[test]
@@ -103,7 +104,7 @@ proptest! {
     #[test]
     fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         for name in ["a.obj", "a.glb", "a.gltf", "a"] {
-            let _ = load(&bytes, name, &MemoryFiles::default(), &ViewOptions::default());
+            let _ = load(&bytes, name, &MemoryFiles::default(), &ViewOptions::default(), &MemoryPool::default());
         }
     }
 }

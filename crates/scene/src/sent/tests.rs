@@ -63,7 +63,7 @@ const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 fn triangle() -> SceneSubject {
     let files = MemoryFiles::default();
-    SceneSubject::load_within(TRIANGLE.as_bytes(), "t.obj", &files, &MemoryPool::default()).unwrap().0
+    SceneSubject::load(TRIANGLE.as_bytes(), "t.obj", &files, &MemoryPool::default()).unwrap().0
 }
 
 #[test]

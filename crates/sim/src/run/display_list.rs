@@ -48,7 +48,7 @@ pub fn input_sha256(source: RunInput, config: &MachineConfig, budget: &MemoryPoo
 }
 
 fn trace_hash(reader: Box<dyn Read>, files: impl TextureFiles, budget: &MemoryPool) -> Result<Digest, TraceError> {
-    let mut resolver = TraceResolver::within(reader, files, budget)?;
+    let mut resolver = TraceResolver::new(reader, files, budget)?;
     let mut hash = CanonicalHash::new(resolver.begin());
     for command in &mut resolver {
         hash.update(&command?.0)?;

@@ -189,7 +189,7 @@ impl RunJob<'_> {
             let message = "a trace can be read only once, but the times in `defer.left_at_ms` need preliminary runs; set `defer.left_at_tile` instead";
             return Err(RunError::Fault(message.into()));
         }
-        let resolver = TraceResolver::within(reader, move |name: &str| files.open(name), &options.budget)?;
+        let resolver = TraceResolver::new(reader, move |name: &str| files.open(name), &options.budget)?;
         let resolver = resolver.with_texture_copies(S::TEXTURE_COPIES);
         let pictures = memory_estimates::reserve_pictures(options, resolver.begin());
         let _pictures = pictures.map_err(|error| resolver.over_budget(&error))?;

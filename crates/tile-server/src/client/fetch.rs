@@ -108,14 +108,8 @@ impl From<String> for FetchError {
 }
 
 impl Fetcher {
-    /// Makes a client of the server at `base` with a memory limit of its own.
-    #[cfg(test)]
-    pub fn new(base: &str, patience: RetryPolicy) -> Self {
-        Self::within(base, patience, &MemoryPool::default())
-    }
-
     /// Makes a client of the server at `base`.
-    pub fn within(base: &str, patience: RetryPolicy, budget: &MemoryPool) -> Self {
+    pub fn new(base: &str, patience: RetryPolicy, budget: &MemoryPool) -> Self {
         let stall = Some(patience.stall);
         let config = Agent::config_builder()
             .timeout_resolve(stall)

@@ -24,7 +24,7 @@ fn crowded_clients_get_every_tile() {
     model.offer(&texture());
     let expected: Vec<_> = (0..page.tiles()).map(|tile| model.tile(&page, tile).unwrap()).collect();
     let look_around = &|client: usize| {
-        let fetcher = Fetcher::new(&format!("http://{address}"), RetryPolicy::default());
+        let fetcher = new_fetcher(&format!("http://{address}"), RetryPolicy::default());
         let meter = fetcher.metrics().clone();
         let fetch = TileFetch { tile: [16, 16], encoding: TileEncoding::Raw, jpeg_quality: 100, ..fetch(IN_FLIGHT, 1) };
         let mut source = source_without_cache(fetcher, fetch);

@@ -17,7 +17,7 @@ fn tiles_are_equal_for_any_requests_in_flight() {
 #[test]
 fn prefetch_is_bounded() {
     let (url, count) = faulty(u32::MAX, |_| ResponseFault::None);
-    let mut tiles = source_without_cache(Fetcher::new(&url, PATIENT), TileFetch { tile: [4, 4], ..fetch(4, 1) });
+    let mut tiles = source_without_cache(new_fetcher(&url, PATIENT), TileFetch { tile: [4, 4], ..fetch(4, 1) });
     let page = Arc::new(TexturePage::new(0, &texture(), PyramidCut { tile: [4, 4], ..PyramidCut::default() }, 0));
     let all: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
     tiles.offer(&texture_without_texels());
@@ -40,7 +40,7 @@ fn passing_fault_is_retried_without_loss() {
     for fault in PASSING.into_iter().chain([ResponseFault::Status(404)]) {
         let (url, count) = faulty(u32::MAX, move |n| if n == 2 { fault } else { ResponseFault::None });
         assert_eq!(
-            all(&mut source_without_cache(Fetcher::new(&url, retry_policy(fault)), fetch(2, 1))).unwrap(),
+            all(&mut source_without_cache(new_fetcher(&url, retry_policy(fault)), fetch(2, 1))).unwrap(),
             expected(),
             "{fault:?}"
         );
@@ -66,7 +66,7 @@ fn slow_path_is_no_timeout() {
             });
         }
     });
-    let mut tiles = source_without_cache(Fetcher::new(&url, HASTY), fetch(8, 1));
+    let mut tiles = source_without_cache(new_fetcher(&url, HASTY), fetch(8, 1));
     assert_eq!(all(&mut tiles).unwrap(), expected());
     assert_eq!(count.load(Ordering::SeqCst), page().tiles(), "none is asked for again");
 }
@@ -90,7 +90,7 @@ fn lasting_fault_names_texture_layer_and_tile() {
         (ResponseFault::OtherSize, "picture of 3 x 2, expected RGB of 50 x 23"),
     ] {
         let (url, _) = faulty(u32::MAX, move |_| fault);
-        let (tile, error) = all(&mut source_without_cache(Fetcher::new(&url, retry_policy(fault)), fetch(1, 1))).unwrap_err();
+        let (tile, error) = all(&mut source_without_cache(new_fetcher(&url, retry_policy(fault)), fetch(1, 1))).unwrap_err();
         assert_eq!(tile, 0);
         assert!(error.starts_with("texture 4 (plane), layer 0, tile 0: http://"), "{error}");
         assert!(error.contains(says), "{fault:?}: {error}");
@@ -118,7 +118,7 @@ fn waiting(starting: Duration) -> RetryPolicy {
 fn late_server_is_awaited_within_limit() {
     let address = listener_of_its_own().local_addr().unwrap();
     let url = format!("http://{address}");
-    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene("scene", |_| ()).unwrap_err();
+    let error = new_fetcher(&url, waiting(Duration::ZERO)).scene("scene", |_| ()).unwrap_err();
     assert!(error.starts_with(&format!("{url}/scene: ")) && error.contains("refused"), "{error}");
     assert!(error.ends_with(", for 0 s; is `basrelief serve` running there?"), "{error}");
     let began = Instant::now();
@@ -127,7 +127,7 @@ fn late_server_is_awaited_within_limit() {
         thread::sleep(late);
         served().listen(address, ServerLimits::default()).unwrap().1.join()
     });
-    assert_eq!(Fetcher::new(&url, waiting(Duration::from_secs(20))).scene("scene", |_| ()).unwrap().1[..5], *b"scene");
+    assert_eq!(new_fetcher(&url, waiting(Duration::from_secs(20))).scene("scene", |_| ()).unwrap().1[..5], *b"scene");
     assert!(began.elapsed() >= late);
 }
 
@@ -137,7 +137,7 @@ fn restarting_server_is_awaited_within_limit() {
     for (starting, comes_back) in [(Duration::from_secs(20), true), (Duration::ZERO, false)] {
         let (url, count) = faulty(5, |_| ResponseFault::None);
         let address = url.trim_start_matches("http://").trim_end_matches('/').parse::<std::net::SocketAddr>().unwrap();
-        let fetcher = Fetcher::new(&url, waiting(starting));
+        let fetcher = new_fetcher(&url, waiting(starting));
         let mut tiles = source_without_cache(fetcher, fetch(2, 1));
         if comes_back {
             thread::spawn(move || {
@@ -162,12 +162,12 @@ fn server_behind_proxy_is_awaited() {
     for status in [502, 503, 504] {
         // The proxy answers with an error more often than the client has attempts.
         let (url, count) = faulty(u32::MAX, move |n| if n < 8 { ResponseFault::Status(status) } else { ResponseFault::None });
-        let mut tiles = source_without_cache(Fetcher::new(&url, waiting(Duration::from_secs(20))), fetch(1, 1));
+        let mut tiles = source_without_cache(new_fetcher(&url, waiting(Duration::from_secs(20))), fetch(1, 1));
         assert_eq!(all(&mut tiles).unwrap(), expected(), "{status}");
         assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 8, "{status}");
     }
     let (url, _count) = faulty(u32::MAX, |_| ResponseFault::Status(502));
-    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene("scene", |_| ()).unwrap_err();
+    let error = new_fetcher(&url, waiting(Duration::ZERO)).scene("scene", |_| ()).unwrap_err();
     assert!(error.ends_with("scene: http status: 502, for 0 s; is `basrelief serve` running there?"), "{error}");
 }
 
@@ -177,7 +177,7 @@ fn retries_end_at_their_time_limit() {
     let (url, count) = faulty(u32::MAX, |_| ResponseFault::Stalled);
     let began = Instant::now();
     let patience = RetryPolicy { attempts: 100, whole: 19 * HASTY.stall / 10, ..HASTY };
-    let error = Fetcher::new(&url, patience).scene("scene", |_| ()).unwrap_err();
+    let error = new_fetcher(&url, patience).scene("scene", |_| ()).unwrap_err();
     assert!(error.contains("attempt 2; at most 100 are made, none 1.9 s after the first"), "{error}");
     assert!(error.ends_with("is `basrelief serve` running there?"), "{error}");
     assert_eq!(count.load(Ordering::SeqCst), 2);
@@ -188,7 +188,7 @@ fn retries_end_at_their_time_limit() {
 fn dropped_client_does_not_wait() {
     let (url, count) = faulty(u32::MAX, |_| ResponseFault::Stalled);
     let patience = RetryPolicy { stall: Duration::from_secs(100), ..PATIENT };
-    let fetcher = Fetcher::new(&url, patience);
+    let fetcher = new_fetcher(&url, patience);
     let mut tiles = source_without_cache(fetcher, fetch(4, 1));
     announce_all(&mut tiles);
     while count.load(Ordering::SeqCst) < 4 {
@@ -205,7 +205,7 @@ fn dripping_head_ends_at_its_deadline() {
     for fault in [ResponseFault::DrippingHead, ResponseFault::Informing] {
         let (url, _count) = faulty(u32::MAX, move |_| fault);
         let began = Instant::now();
-        let error = Fetcher::new(&url, RetryPolicy { attempts: 1, ..HASTY }).scene("scene", |_| ()).unwrap_err();
+        let error = new_fetcher(&url, RetryPolicy { attempts: 1, ..HASTY }).scene("scene", |_| ()).unwrap_err();
         // The server needs more than ten times as long.
         assert!(began.elapsed() < 4 * HASTY.stall, "{fault:?}: {:?}: {error}", began.elapsed());
     }

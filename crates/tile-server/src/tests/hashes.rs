@@ -3,7 +3,6 @@
 use super::*;
 use crate::protocol::{ReceivedScene, pack, scene_path, unpack};
 use crate::server::ServerLimits;
-use basrelief_input::MemoryPool;
 use basrelief_scene::SceneSubject;
 use std::path::Path;
 
@@ -47,13 +46,13 @@ fn lying_server(lists: bool) -> String {
 /// Returns the hashes in the scene of the honest server.
 fn scene_hashes() -> GroupHashes {
     let url = honest_server();
-    let (_, body, _) = Fetcher::new(&url, PATIENT).scene(&scene_path([64, 64], (TileEncoding::Png, 85)), |_| ()).unwrap();
+    let (_, body, _) = new_fetcher(&url, PATIENT).scene(&scene_path([64, 64], (TileEncoding::Png, 85)), |_| ()).unwrap();
     let ReceivedScene { hashes, .. } = unpack(&body, &url, &MemoryPool::default()).unwrap();
     hashes
 }
 
 fn checked_tiles(url: &str, hashes: GroupHashes, tiles_per_request: u32, kept: Option<TileStore>) -> RemoteTiles {
-    RemoteTiles::new(Fetcher::new(url, PATIENT), (fetch(2, tiles_per_request), hashes), kept, Arc::new(NoProgress))
+    RemoteTiles::new(new_fetcher(url, PATIENT), (fetch(2, tiles_per_request), hashes), kept, Arc::new(NoProgress))
 }
 
 fn cache(folder: &Path, url: &str) -> Option<TileStore> {
@@ -117,7 +116,7 @@ fn server_without_hashes_is_refused_by_name() {
             let _ = stream.write_all(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
         }
     });
-    let error = Fetcher::new(&url, PATIENT).scene("scene/64x64/raw", |_| ()).unwrap_err();
+    let error = new_fetcher(&url, PATIENT).scene("scene/64x64/raw", |_| ()).unwrap_err();
     assert!(
         error.contains("the server has no scene with hashes of tiles: use a `basrelief serve` of the same version"),
         "{error}"

@@ -12,6 +12,7 @@ use crate::client::{Fetcher, NoProgress, RemoteTiles, RetryPolicy, TileCache, Ti
 use crate::protocol::{GroupHashes, group_of, hash_of, hash_of_list, hash_of_picture, hash_of_tile, hex, tiles_in_group};
 use crate::server::SceneService;
 use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TextureMemory, TexturePage, TileEncoding, TileSource};
+use basrelief_input::MemoryPool;
 use basrelief_signals::{Image, Sampler, Texture};
 use basrelief_sim::TileFetch;
 use std::io::{BufRead, BufReader, Write};
@@ -85,6 +86,11 @@ const PATIENT: RetryPolicy = RetryPolicy {
 
 /// A policy with a short timeout.
 const HASTY: RetryPolicy = RetryPolicy { stall: Duration::from_secs(1), ..PATIENT };
+
+/// Makes a client with a memory limit of its own.
+fn new_fetcher(url: &str, policy: RetryPolicy) -> Fetcher {
+    Fetcher::new(url, policy, &MemoryPool::default())
+}
 
 /// Returns the retry policy for a fault: a short timeout if only a timeout detects the fault.
 fn retry_policy(fault: ResponseFault) -> RetryPolicy {
@@ -234,7 +240,7 @@ fn source(fetcher: Fetcher, fetch: TileFetch, kept: Option<TileStore>) -> Remote
 }
 
 fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
-    source(Fetcher::new(url, PATIENT), fetch(in_flight, 1), kept)
+    source(new_fetcher(url, PATIENT), fetch(in_flight, 1), kept)
 }
 
 /// Makes a tile source without a cache.

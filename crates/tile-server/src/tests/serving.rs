@@ -20,7 +20,7 @@ const LOOPBACK: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
 
 fn scene(address: SocketAddr) -> Vec<u8> {
     let patience = RetryPolicy { stall: Duration::from_secs(20), ..PATIENT };
-    packed(&Fetcher::new(&format!("http://{address}"), patience).scene("scene", |_| ()).unwrap().1)
+    packed(&new_fetcher(&format!("http://{address}"), patience).scene("scene", |_| ()).unwrap().1)
 }
 
 /// Returns the compressed scene of a body, without the hashes behind it.
@@ -82,7 +82,7 @@ fn several_tiles_of_one_request_are_those_of_several() {
 fn bytes_of_a_layer_are_those_of_its_tiles() {
     let served = served();
     let (url, picture) = (format!("http://{}", serving(LOOPBACK, LITTLE)), hex(&hash_of_picture(&texture())));
-    let fetcher = Fetcher::new(&url, PATIENT);
+    let fetcher = new_fetcher(&url, PATIENT);
     let page = page();
     for (layer, found) in page.layers.iter().enumerate() {
         let tiles = found.base..found.base + found.pitch * found.rows;
@@ -184,7 +184,7 @@ fn stalled_readers_are_evicted() {
 fn evicted_connection_is_no_error_for_client() {
     let address = serving(LOOPBACK, LITTLE);
     let patience = RetryPolicy { attempts: 1, stall: Duration::from_secs(20), ..PATIENT };
-    let fetcher = Fetcher::new(&format!("http://{address}"), patience);
+    let fetcher = new_fetcher(&format!("http://{address}"), patience);
     for _ in 0..2 {
         assert_eq!(packed(&fetcher.scene("scene", |_| ()).unwrap().1), b"scene");
         thread::sleep(2 * LITTLE.idle);

@@ -3,7 +3,7 @@
 use super::*;
 
 fn several(url: &str, requests: u32, tiles_per_request: u32) -> RemoteTiles {
-    source_without_cache(Fetcher::new(url, PATIENT), fetch(requests, tiles_per_request))
+    source_without_cache(new_fetcher(url, PATIENT), fetch(requests, tiles_per_request))
 }
 
 // Claim: defer, real path: Several tiles per request are the same tiles in fewer requests. A failed batch is repeated as single
@@ -31,7 +31,7 @@ fn failed_batch_is_retried_tile_by_tile() {
     for fault in PASSING.into_iter().chain([ResponseFault::Endless]) {
         let (url, count) = faulty(u32::MAX, move |n| if n == 0 { fault } else { ResponseFault::None });
         assert_eq!(
-            all(&mut source_without_cache(Fetcher::new(&url, retry_policy(fault)), fetch(1, 64))).unwrap(),
+            all(&mut source_without_cache(new_fetcher(&url, retry_policy(fault)), fetch(1, 64))).unwrap(),
             expected(),
             "{fault:?}"
         );

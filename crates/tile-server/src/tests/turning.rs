@@ -43,7 +43,7 @@ fn delaying_server(late: u32) -> (String, Arc<AtomicU32>, Sender<()>) {
 /// Fetches tiles until the client leaves the first view. Answer number `late` does not arrive before that.
 fn left_at(late: u32, in_flight: u32) -> LeftView {
     let (url, count, release) = delaying_server(late);
-    let fetcher = Fetcher::new(&url, PATIENT);
+    let fetcher = new_fetcher(&url, PATIENT);
     let meter = fetcher.metrics().clone();
     fetcher.scene("scene", |_| ()).unwrap();
     let fetch = TileFetch { left_at_ms: vec![LEFT_AT_MS], ..fetch(in_flight, 1) };
@@ -106,7 +106,7 @@ fn next_view_skips_unrequested_tiles() {
 #[test]
 fn expired_view_requests_no_more_tiles() {
     let (url, count) = faulty(u32::MAX, |_| ResponseFault::Late);
-    let fetcher = Fetcher::new(&url, PATIENT);
+    let fetcher = new_fetcher(&url, PATIENT);
     fetcher.scene("scene", |_| ()).unwrap();
     let fetch = TileFetch { left_at_ms: vec![2.5 * LATE.as_secs_f64() * 1e3], ..fetch(1, 1) };
     let mut tiles = source_without_cache(fetcher, fetch);
@@ -124,7 +124,7 @@ fn expired_view_requests_no_more_tiles() {
 #[test]
 fn view_starts_at_its_time() {
     let (url, count) = faulty(u32::MAX, |_| ResponseFault::None);
-    let fetcher = Fetcher::new(&url, PATIENT);
+    let fetcher = new_fetcher(&url, PATIENT);
     let meter = fetcher.metrics().clone();
     fetcher.scene("scene", |_| ()).unwrap();
     let mut tiles = source_without_cache(fetcher, TileFetch { left_at_ms: vec![120.0], ..fetch(4, 1) });

@@ -1,6 +1,7 @@
 //! Sample traces and random ones.
 #![allow(dead_code, reason = "each test binary uses its share")]
 
+use basrelief_input::MemoryPool;
 use basrelief_signals::{
     Camera, Control, Frame, Image, Light, LightKind, Lighting, Material, MeshInfo, ObjectInfo, Polygon, Sampler, ShadingMode,
     ShadingSettings, TexelFilter, Texture, Vertex, WrapMode,
@@ -15,7 +16,7 @@ use std::sync::Arc;
 pub const SAMPLE: &str = include_str!("../data/sample.dl.jsonl");
 
 pub fn resolve(bytes: &[u8]) -> Result<Vec<Control>, TraceError> {
-    TraceResolver::new(bytes, NoFiles)?.map(|item| item.map(|(control, _)| control)).collect()
+    TraceResolver::new(bytes, NoFiles, &MemoryPool::default())?.map(|item| item.map(|(control, _)| control)).collect()
 }
 
 pub fn record(controls: &[Control], form: TraceForm) -> Result<Vec<u8>, TraceError> {
@@ -33,7 +34,7 @@ pub fn hash(controls: &[Control]) -> Digest {
 /// The sample in another form.
 pub fn sample_as(form: TraceForm) -> Vec<u8> {
     let mut writer = TraceWriter::new(Vec::new(), form).unwrap();
-    for command in open(SAMPLE.as_bytes()).unwrap() {
+    for command in open(SAMPLE.as_bytes(), &MemoryPool::default()).unwrap() {
         writer.write(&command.unwrap()).unwrap();
     }
     writer.finish().unwrap()
