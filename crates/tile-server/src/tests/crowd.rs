@@ -68,13 +68,14 @@ fn slow_readers_delay_no_honest_client() {
     // Room for four large bodies.
     let limits = ServerLimits { connections: 64, bodies: 4 << 20, ..ServerLimits::default() };
     let (at, _server) = service.listen(([127, 0, 0, 1], 0).into(), limits).unwrap();
-    let request = format!("GET {asked}{last} HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    // More responses than the buffers of the operating system take.
+    let requests = format!("GET {asked}{last} HTTP/1.1\r\nHost: localhost\r\n\r\n").repeat(16);
     for _ in 0..40 {
-        let (request, mut bytes) = (request.clone(), [0; 4096]);
+        let (requests, mut bytes) = (requests.clone(), [0; 4096]);
         // Each reads 80 kB/s, never stops, and comes back when it is evicted.
         thread::spawn(move || {
             while let Ok(mut slow) = TcpStream::connect(at) {
-                let mut sent = slow.write_all(request.as_bytes()).map(|()| 1);
+                let mut sent = slow.write_all(requests.as_bytes()).map(|()| 1);
                 while sent.is_ok_and(|n| n > 0) {
                     thread::sleep(Duration::from_millis(50));
                     sent = slow.read(&mut bytes);
@@ -86,10 +87,10 @@ fn slow_readers_delay_no_honest_client() {
     for number in 0..5 {
         let began = Instant::now();
         let mut honest = TcpStream::connect(at).unwrap();
-        write!(honest, "GET {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", address(number)).unwrap();
+        write!(honest, "GET {asked}{last} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
         let mut answer = Vec::new();
         honest.read_to_end(&mut answer).unwrap();
         assert!(answer.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&answer));
-        assert!(began.elapsed() < Duration::from_secs(2), "{number}: {:?}", began.elapsed());
+        assert!(began.elapsed() < Duration::from_secs(3), "{number}: {:?}", began.elapsed());
     }
 }
