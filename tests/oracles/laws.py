@@ -9,7 +9,7 @@ cycle by cycle and shares no code with the engines. An engine is right if it pri
 
 PLAN  {"fifos":    [{"name", "depth", "latency", optional "period"}],
        "memories": [{"name", "burst_bytes", "burst_cycles", "channels", "channel_bytes", "banks", "row_bytes", "window", "cap",
-                     "cl", "cwl", "rcd", "rp", "ras", "rtp", "wr", "wtr", "rrd", "faw", "refi", "rfc",
+                     "cl", "cwl", "rcd", "rp", "ras", "rtp", "wr", "wtr", "rrd", "faw", "refi", "rfc", optional "commands_per_cycle",
                      "ports": [{"name", "outstanding", optional "flips": {"of", "period", "hold"}}], optional "periodic": [{"name", "period", "bytes", "stride", "span"}]}],
        "caches":   [{"name", "port", "line_bytes", "sets", "ways", "hit_latency", "lookups_per_cycle", optional "at_once"}],
        "units":    [{"name", "kind", "in": [fifo], "out": [fifo], "occupancy": [..], "latency": [..], ...,
@@ -39,6 +39,9 @@ into view on. Of those whose column command can go in this cycle the oldest goes
 `cap` times. When its column command can go is `column` below: row commands are given as early as the bank allows, also while others move
 data. refi = 0: no refresh; else rfc + rcd < refi. An answer is there when the last data of all the request's bursts have moved, not before the port's answer ahead of
 it; the credit is back in that same cycle.
+Command bus: a channel carries at most "commands_per_cycle" precharges, activations and column commands per cycle (default 0: any number); with
+a limit rcd and rp count as at least 1. A precharge is rp before its activation. A row command takes the first cycle with room, counting the commands
+of all bursts served before, and comes after the column command of the burst served `window` bursts before.
 Work after data: a step delivers at max(start + latency, each of its answers + after). "after" is a list like "latency" (default 0).
 Blocking: a step of a unit with "blocking" keeps the unit until the last of its answers. The cycles between its occupancy and that answer
 count as memory of its first port, in order of first mention, whose answers are not all there.
@@ -77,6 +80,8 @@ class Fifo:
 class Channel:
     def __init__(s, d):
         s.d, s.queue, s.passed, s.last, s.acts = d, [], 0, None, [-1 << 40] * 4     # last: (column command, is a write)
+        s.bus = d.get("commands_per_cycle", 0); s.commands, s.columns = {}, []      # commands by cycle; column commands in order
+        s.rcd, s.rp = (max(d["rcd"], 1), max(d["rp"], 1)) if s.bus else (d["rcd"], d["rp"])
         s.banks = [{"row": None, "act": -1 << 40, "free": 0, "refreshes": 0} for _ in range(d["banks"])]   # free: may be precharged or, closed, activated
     def column(s, q):
         """First cycle in which the column command of burst q can go, were it the next; with the kind of access and the activation."""
@@ -87,12 +92,17 @@ class Channel:
         while True:
             kind = "row_hits" if k["row"] == q["row"] else "row_closed" if k["row"] is None else "row_conflicts"
             act = k["act"]
-            if kind != "row_hits": act = max(max(q["view"], k["free"]) + (d["rp"] if kind == "row_conflicts" else 0), s.acts[-1] + d["rrd"], s.acts[-4] + d["faw"])
-            at = max(c, q["view"], act + d["rcd"])
+            if kind != "row_hits": act = max(max(q["view"], k["free"]) + (s.rp if kind == "row_conflicts" else 0), s.acts[-1] + d["rrd"], s.acts[-4] + d["faw"])
+            if s.bus and kind != "row_hits":
+                before = [0] + ([s.rp] if kind == "row_conflicts" else [])          # its row commands: so many cycles before the activation
+                if len(s.columns) >= d["window"]: act = max(act, s.columns[-d["window"]] + 1 + before[-1])
+                while any(s.commands.get(act - b, 0) >= s.bus for b in before): act += 1
+            at = max(c, q["view"], act + s.rcd)
             if not d["refi"] or at // d["refi"] <= k["refreshes"]: return at, kind, act, k["refreshes"]
             n = at // d["refi"]; k.update(row=None, refreshes=n, free=n * d["refi"] + d["rfc"])         # refresh n closes every bank
     def serve(s, q, at, kind, act, refreshes):
-        d, k = s.d, s.banks[q["bank"]]; s.queue.remove(q)
+        d, k = s.d, s.banks[q["bank"]]; s.queue.remove(q); s.columns.append(at)
+        for x in [at] + ([act] if kind != "row_hits" else []) + ([act - s.rp] if kind == "row_conflicts" else []): s.commands[x] = s.commands.get(x, 0) + 1
         if kind != "row_hits": s.acts = s.acts[1:] + [act]; k.update(row=q["row"], act=act, free=act + d["ras"])
         k["refreshes"] = refreshes; s.last = (at, q["write"])
         k["free"] = max(k["free"], at + d["cwl"] + d["burst_cycles"] + d["wr"] if q["write"] else at + d["rtp"])
@@ -308,7 +318,7 @@ def make(seed):
     for k in range(r.randint(0, 2)):
         plan["memories"].append({"name": "m%d" % k, "burst_bytes": 32, "burst_cycles": r.randint(1, 4), "banks": r.choice([1, 2, 4]), "row_bytes": r.choice([64, 256]), "channels": r.choice([1, 1, 2, 3]), "channel_bytes": r.choice([32, 64, 256]), "window": r.choice([1, 2, 4, 16]), "cap": r.choice([0, 1, 4, 16]),
                                  "cl": r.randint(0, 4), "cwl": r.randint(0, 3), "rcd": r.randint(0, 4), "rp": r.randint(0, 4), "ras": r.randint(0, 9), "rtp": r.randint(0, 3), "wr": r.randint(0, 4), "wtr": r.randint(0, 3),
-                                 "rrd": r.randint(0, 3), "faw": r.randint(0, 12), **r.choice([{"refi": 0, "rfc": 0}, {"refi": 100, "rfc": r.randint(1, 20)}]), "ports": []})
+                                 "rrd": r.randint(0, 3), "faw": r.randint(0, 12), **({"commands_per_cycle": r.randint(1, 2)} if r.random() < .3 else {}), **r.choice([{"refi": 0, "rfc": 0}, {"refi": 100, "rfc": r.randint(1, 20)}]), "ports": []})
         if r.random() < .3:
             m, n = plan["memories"][-1], r.randint(1, 2); m["periodic"] = []
             for j in range(n):                               # less than the memory can serve, or units would wait longer and longer

@@ -147,7 +147,7 @@ fn areas(hardware: &[Hardware]) -> impl Iterator<Item = ReportFigure> {
 fn unit(path: &[&str]) -> &'static str {
     let last = path.last().copied().unwrap_or_default();
     match (path[0], last) {
-        ("cycles", _) | ("memories", "queue_wait" | "interval") => "cycles",
+        ("cycles", _) | ("memories", "queue_wait" | "latency_sum" | "latency_95" | "interval") => "cycles",
         ("units", "steps") => "steps",
         ("units" | "fifos", "tokens") => "tokens",
         ("units", _) => "cycles",

@@ -164,5 +164,6 @@ fn cache_miss_under_miss() {
 fn latencies(cycles: &[u64]) -> Latencies {
     let mut latencies = Latencies::default();
     cycles.iter().for_each(|n| latencies.at_least[n.ilog2() as usize] += 1);
+    latencies.total = cycles.iter().sum();
     latencies
 }

@@ -1,4 +1,4 @@
-//! The eleven laws of time, tested with 504 vectors of an executable reading of the laws. It shares no code with the kernel.
+//! The eleven laws of time, tested with 544 vectors of an executable reading of the laws. It shares no code with the kernel.
 
 use basrelief_kernel::{Engine, run};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, result};
@@ -28,6 +28,11 @@ fn both_engines_match_law_vectors() {
 #[test]
 fn both_engines_match_vectors_of_third_edition() {
     check(include_str!("vectors/third_edition.jsonl"), 160, false);
+}
+
+#[test]
+fn both_engines_match_vectors_of_command_buses() {
+    check(include_str!("vectors/command_bus.jsonl"), 40, false);
 }
 
 #[test]

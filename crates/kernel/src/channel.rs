@@ -13,6 +13,7 @@ use crate::counts::{ChannelCounts, RowOutcome};
 use crate::memory_events::{ChannelEvents, EventBounds, MemoryEvent, closed_at};
 use crate::{Cycle, MemoryConfig};
 pub(crate) use burst::Burst;
+use command_bus::CommandBus;
 use timing::{Bank, CLOSED, ChannelTiming, ColumnCommand};
 
 /// A burst in the queue.
@@ -50,6 +51,7 @@ pub(crate) struct Channel {
     activation: Cycle,
     four: [Cycle; 4],
     activations: usize,
+    commands: CommandBus,
     /// Number of column commands, and the cycles of the last of them: at least as many as can come into view together.
     served: usize,
     columns: Box<[Cycle]>,
@@ -83,6 +85,7 @@ impl Channel {
             activation: Cycle::ZERO,
             four: [Cycle::ZERO; 4],
             activations: 0,
+            commands: CommandBus::new(config.commands_per_cycle, window),
             served: 0,
             columns: vec![Cycle::ZERO; window.next_power_of_two()].into(),
             choice: None,
@@ -191,8 +194,20 @@ impl Channel {
         let free = bank.free.max(from);
         let (row, free) =
             if bank.row == CLOSED { (RowOutcome::Closed, free) } else { (RowOutcome::Conflict, free + self.timing.rp) };
-        let activation = free.max(self.activation);
+        let mut activation = free.max(self.activation);
+        if self.commands.is_limited() {
+            activation = self.activation_on_bus(activation, row);
+        }
         ColumnCommand { at: bus.max(activation + self.timing.rcd), row, activation, until }
+    }
+
+    /// Returns the first activation from `from` on that the command bus can carry, with a precharge if another row is open. No row
+    /// command precedes the column command that made room in the window for the next burst.
+    #[inline]
+    fn activation_on_bus(&self, from: Cycle, row: RowOutcome) -> Cycle {
+        let precharge = (row == RowOutcome::Conflict).then_some(self.timing.rp);
+        let earliest = self.room_made(0) + precharge.unwrap_or(0);
+        self.commands.activation(from.max(earliest), precharge)
     }
 
     /// Chooses by first ready, first come. Among bursts of one bank and direction with equal row state, only the oldest can be
@@ -289,6 +304,12 @@ impl Channel {
             self.activations += 1;
             self.activation = self.four[self.activations % 4].max(at + timing.rrd);
         }
+        if self.commands.is_limited() {
+            let rp = (column.row == RowOutcome::Conflict).then_some(timing.rp);
+            let activation = (column.row != RowOutcome::Hit).then_some(column.activation);
+            let precharge = rp.map(|rp| Cycle(column.activation.0 - rp));
+            self.commands.issue(precharge.into_iter().chain(activation), column.at);
+        }
         bank.until = column.until;
         bank.free = bank.free.max(column.at + timing.recovery[direction]);
         self.next = timing.gaps[direction].map(|gap| column.at + gap);
@@ -327,6 +348,7 @@ fn class(QueuedBurst { burst, .. }: &QueuedBurst, bank: &Bank) -> u64 {
 }
 
 mod burst;
+mod command_bus;
 #[cfg(test)]
 mod tests;
 mod timing;

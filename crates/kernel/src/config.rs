@@ -64,6 +64,10 @@ parameters! {
         banks: u32 = 4, unit: "banks", Assumed("DDR (JESD79)"), range: 1..=1024, effect: Timing;
         /// Bytes of one row of one bank.
         row_bytes: u32 = 2048, unit: "bytes", Assumed("common for synchronous DRAM"), range: 4..=1048576, effect: Timing;
+        /// Commands that the command bus of a channel carries per cycle; 0 is any number.
+        commands_per_cycle: u32 = 0, unit: "commands/cycle", Assumed("the command bus is no bottleneck"), range: 0..=64, effect: Timing;
+        /// Requests of one step that arrive per cycle at each port without a cache; 0 is all at once.
+        issue: u32 = 1, unit: "requests/cycle", Assumed("a port has one address bus"), range: 0..=64, effect: Timing;
         /// Requests in flight per port.
         outstanding: u32 = 8, unit: "requests", Assumed("enough that an idle memory is never waited for at one request every two cycles"), range: 1..=65536, effect: Timing;
     }

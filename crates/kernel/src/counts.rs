@@ -11,6 +11,8 @@ const CLASSES: usize = 32;
 pub struct Latencies {
     /// Number of answers by class.
     pub at_least: [u64; CLASSES],
+    /// Sum of the latencies \[cycles\].
+    pub total: u64,
 }
 
 impl Latencies {
@@ -18,6 +20,18 @@ impl Latencies {
     #[inline]
     pub(crate) fn count(&mut self, cycles: u64) {
         self.at_least[(cycles.max(1).ilog2() as usize).min(CLASSES - 1)] += 1;
+        self.total = self.total.saturating_add(cycles);
+    }
+
+    /// Returns the least power of two that at least `percent` of the latencies stay below; 0 without answers.
+    pub fn bound(&self, percent: u64) -> u64 {
+        let all: u64 = self.at_least.iter().sum();
+        let mut below = 0;
+        let class = self.at_least.iter().position(|&answers| {
+            below += answers;
+            all > 0 && u128::from(below) * 100 >= u128::from(all) * u128::from(percent)
+        });
+        class.map_or(0, |class| 2 << class)
     }
 
     /// Returns the classes up to the last one that is not empty.
@@ -226,5 +240,7 @@ mod tests {
         [1, 2, 3, 4, 1023, u64::MAX].into_iter().for_each(|n| latencies.count(n));
         assert_eq!(latencies.used_classes()[..10], [1, 2, 1, 0, 0, 0, 0, 0, 0, 1]);
         assert_eq!(latencies.used_classes()[CLASSES - 1], 1);
+        assert_eq!([0, 16, 17, 50, 66, 80, 100].map(|percent| latencies.bound(percent)), [2, 2, 4, 4, 8, 1024, 1 << 32]);
+        assert_eq!((Latencies::default().bound(95), latencies.total), (0, u64::MAX));
     }
 }

@@ -160,6 +160,11 @@
 //!    (read) or `cwl` (write) after the column command. A bank does *not* stay busy until its data have moved: row hits follow each other at the
 //!    rate of the bus, and `cl` is latency, which credits hide.
 //!
+//!    A *command bus* carries at most `commands_per_cycle` precharges, activations and column commands of a channel per cycle (0: any
+//!    number). With a limit, `rcd` and `rp` count as at least 1. A row command takes the first cycle in which the bursts served before
+//!    left room, and a precharge precedes its activation by exactly `rp`. No row command is issued in or before the cycle of the column
+//!    command that was `window` bursts ago.
+//!
 //!    An answer arrives when the last data of all its bursts have moved, and not before the previous answer on that port. Writes are
 //!    posted. Reads and writes each hold one of the port's `outstanding` credits, which returns in the cycle of the answer.
 //!

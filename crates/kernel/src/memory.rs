@@ -67,6 +67,8 @@ pub(crate) struct Memory {
     /// Number of requests of units that are not split into bursts yet.
     pub(crate) arrived: u64,
     pub(crate) burst_bytes: u32,
+    /// Issue rate of its ports \[requests/cycle\]; 0 for all at once.
+    pub(crate) issue: u32,
     /// Number of unserved bursts of units.
     bursts: u64,
     burst: Divisor,
@@ -101,6 +103,7 @@ impl Memory {
             late_data: Vec::new(),
             arrived: 0,
             burst_bytes: config.burst_bytes,
+            issue: config.issue,
             bursts: 0,
             burst: Divisor::new(config.burst_bytes),
             interleave: Divisor::new(config.channel_bytes),

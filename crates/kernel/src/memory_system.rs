@@ -27,11 +27,14 @@ impl MemorySystem {
         self.memories.len() - 1
     }
 
-    /// Adds a client with its own port on `memory` and returns the client's number.
+    /// Adds a client with its own port on `memory`, of the memory's [issue rate](MemoryConfig::issue), and returns the client's
+    /// number.
     pub fn add_client(&mut self, name: &str, memory: usize, outstanding: u32) -> usize {
         let number = self.clients.len();
         self.memories[memory].ports.push(number);
-        self.clients.push(Client { port: Port::new(name, memory, outstanding), cache: None, is_periodic: false, flips: None });
+        let mut port = Port::new(name, memory, outstanding);
+        port.set_issue_rate(self.memories[memory].issue);
+        self.clients.push(Client { port, cache: None, is_periodic: false, flips: None });
         number
     }
 
@@ -83,7 +86,7 @@ impl MemorySystem {
         client
     }
 
-    /// Sets the issue rate of a client's port: its requests of one step arrive at so many per cycle; 0 for all at once (law 4).
+    /// Replaces the issue rate of a client's port: its requests of one step arrive at so many per cycle; 0 for all at once (law 4).
     pub fn set_issue_rate(&mut self, client: usize, per_cycle: u32) {
         self.clients[client].port.set_issue_rate(per_cycle);
     }

@@ -36,7 +36,7 @@ impl OperatorConfig {
 }
 
 parameter_groups! {
-    /// The operators of a machine. All units use the same latencies and intervals.
+    /// The operators of a machine. All units use the same latencies and intervals. The first five take floating-point numbers.
     pub struct Operators {
         /// Multiplication.
         multiply: OperatorConfig = OperatorConfig::default(),
@@ -48,6 +48,10 @@ parameter_groups! {
         square_root: OperatorConfig = OperatorConfig::default(),
         /// Power with any exponent.
         power: OperatorConfig = OperatorConfig::default(),
+        /// Multiplication of integers and fixed-point numbers.
+        integer_multiply: OperatorConfig = OperatorConfig::default(),
+        /// Addition, subtraction and comparison of integers and fixed-point numbers.
+        integer_add: OperatorConfig = OperatorConfig::default(),
     }
 }
 
@@ -64,15 +68,19 @@ pub struct OperatorCounts {
     pub square_root: u32,
     /// Powers.
     pub power: u32,
+    /// Multiplications of integers.
+    pub integer_multiply: u32,
+    /// Additions, subtractions and comparisons of integers.
+    pub integer_add: u32,
 }
 
 impl OperatorCounts {
     /// No operation.
-    pub const NONE: Self = Self { multiply: 0, add: 0, divide: 0, square_root: 0, power: 0 };
+    pub const NONE: Self = Self { multiply: 0, add: 0, divide: 0, square_root: 0, power: 0, integer_multiply: 0, integer_add: 0 };
     /// Dot product of two vectors of three.
     pub const INNER_PRODUCT: Self = Self { multiply: 3, add: 2, ..Self::NONE };
     /// Normalization of a vector of three: the square of its length, a root, a reciprocal, three products.
-    pub const NORMALIZE: Self = Self { multiply: 6, add: 2, divide: 1, square_root: 1, power: 0 };
+    pub const NORMALIZE: Self = Self { multiply: 6, add: 2, divide: 1, square_root: 1, ..Self::NONE };
 
     /// Returns these counts multiplied by `times`.
     #[must_use]
@@ -83,6 +91,8 @@ impl OperatorCounts {
             divide: self.divide.saturating_mul(times),
             square_root: self.square_root.saturating_mul(times),
             power: self.power.saturating_mul(times),
+            integer_multiply: self.integer_multiply.saturating_mul(times),
+            integer_add: self.integer_add.saturating_mul(times),
         }
     }
 
@@ -95,6 +105,8 @@ impl OperatorCounts {
             divide: self.divide.saturating_add(other.divide),
             square_root: self.square_root.saturating_add(other.square_root),
             power: self.power.saturating_add(other.power),
+            integer_multiply: self.integer_multiply.saturating_add(other.integer_multiply),
+            integer_add: self.integer_add.saturating_add(other.integer_add),
         }
     }
 }
@@ -124,6 +136,8 @@ impl Operators {
             kept(work.divide, have.divide, &self.divide),
             kept(work.square_root, have.square_root, &self.square_root),
             kept(work.power, have.power, &self.power),
+            kept(work.integer_multiply, have.integer_multiply, &self.integer_multiply),
+            kept(work.integer_add, have.integer_add, &self.integer_add),
         ]
         .into_iter()
         .fold(1, u64::max)
@@ -137,6 +151,8 @@ impl Operators {
             + takes(chain.divide, &self.divide)
             + takes(chain.square_root, &self.square_root)
             + takes(chain.power, &self.power)
+            + takes(chain.integer_multiply, &self.integer_multiply)
+            + takes(chain.integer_add, &self.integer_add)
     }
 }
 

@@ -192,7 +192,8 @@ impl UnitStats {
     /// Reports the operators of a unit, of all kinds.
     pub fn operators(&mut self, about: &'static str, have: OperatorCounts, width: impl Into<OperandWidth>) {
         let width = width.into();
-        let OperatorCounts { multiply, add, divide, square_root, power } = have;
+        let OperatorCounts { multiply, add, divide, square_root, power, integer_multiply, integer_add } = have;
+        let (multiply, add) = (multiply + integer_multiply, add + integer_add);
         let kinds =
             [HardwareKind::Multiplier, HardwareKind::Adder, HardwareKind::Divider, HardwareKind::SquareRoot, HardwareKind::Power];
         for (kind, count) in kinds.into_iter().zip([multiply, add, divide, square_root, power]) {

@@ -65,10 +65,20 @@ impl<O> Step<O> {
 
     /// A step over `items` items of a wide token, which enter `interval` cycles apart. The unit is busy for all of them, and the
     /// last one is delivered `latency` cycles after it entered.
+    ///
+    /// This is the only convention of delivery: a latency counts from the entry of the last item. So a token of one item that
+    /// follows cannot be delivered in the same cycle.
     #[inline]
     pub fn over(items: usize, interval: u64, latency: u64, out: O) -> Self {
         let occupancy = (items as u64 * interval).max(1);
         Self { occupancy, latency: latency + occupancy.saturating_sub(interval), ..Self::after(latency, out) }
+    }
+
+    /// A step of so many cycles, one item per cycle. The last one is delivered `latency` cycles after it entered.
+    #[inline]
+    pub fn during(cycles: u64, latency: u64, out: O) -> Self {
+        let occupancy = cycles.max(1);
+        Self { occupancy, latency: latency.saturating_add(occupancy - 1), ..Self::after(0, out) }
     }
 
     /// Replaces the tokens and keeps the times.

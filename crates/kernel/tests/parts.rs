@@ -50,14 +50,14 @@ fn assumed_numbers_say_so() {
         });
         numbers.iter().filter(|n| is_assumed(n.provenance.text())).map(|n| n.name).collect()
     };
-    assert_eq!(assumed(MemoryPart::Fpm80), ["refi"]);
-    assert_eq!(assumed(MemoryPart::Edo60), ["rp", "refi", "rfc", "banks", "row_bytes"]);
-    assert_eq!(assumed(MemoryPart::Sdr100), ["cl", "refi", "banks", "row_bytes"]);
-    assert_eq!(assumed(MemoryPart::Sdr133), ["cl", "refi", "banks", "row_bytes"]);
-    assert_eq!(assumed(MemoryPart::Ddr400), ["banks", "row_bytes"]);
-    assert_eq!(assumed(MemoryPart::Ddr2At667), ["rtp", "wr", "wtr", "faw", "rfc"]);
-    assert_eq!(assumed(MemoryPart::Gddr3At1400), ["cwl", "wr", "faw", "rfc"]);
-    assert!(["banks", "row_bytes", "rcd"].iter().all(|name| assumed(MemoryPart::EdramPs2).contains(name)));
+    assert_eq!(assumed(MemoryPart::Fpm80), ["refi", "window"]);
+    assert_eq!(assumed(MemoryPart::Edo60), ["rp", "refi", "rfc", "banks", "row_bytes", "window"]);
+    assert_eq!(assumed(MemoryPart::Sdr100), ["cl", "refi", "banks", "row_bytes", "window"]);
+    assert_eq!(assumed(MemoryPart::Sdr133), ["cl", "refi", "banks", "row_bytes", "window"]);
+    assert_eq!(assumed(MemoryPart::Ddr400), ["banks", "row_bytes", "window"]);
+    assert_eq!(assumed(MemoryPart::Ddr2At667), ["rtp", "wr", "wtr", "faw", "rfc", "window"]);
+    assert_eq!(assumed(MemoryPart::Gddr3At1400), ["cwl", "wr", "faw", "rfc", "window"]);
+    assert!(["banks", "row_bytes", "rcd", "commands_per_cycle"].iter().all(|name| assumed(MemoryPart::EdramPs2).contains(name)));
 }
 
 #[test]
@@ -69,6 +69,12 @@ fn ddr_400_at_its_own_clock_equals_its_sheet() {
     // For a rate without a whole number of bytes per cycle, the burst differs from the part's own.
     let burst = |part| at(part, 200_000_000).burst_bytes / at(part, 200_000_000).burst_cycles;
     assert_eq!([MemoryPart::Ddr2At667, MemoryPart::Gddr3At1400, MemoryPart::Xdr3200].map(burst), [28, 28, 32]);
+    let commands = |part| at(part, 200_000_000).commands_per_cycle;
+    let parts = [MemoryPart::Sdr133, MemoryPart::Ddr400, MemoryPart::Gddr3At1400, MemoryPart::Xdr3200, MemoryPart::Sram];
+    assert_eq!(parts.map(commands), [1, 1, 3, 2, 0], "commands per cycle: whole ones, and at least one");
+    let window = |part| at(part, 200_000_000).window;
+    let parts = [MemoryPart::Fpm80, MemoryPart::Sdr133, MemoryPart::Gddr3At1400, MemoryPart::Ideal];
+    assert_eq!(parts.map(window), [4, 8, 16, 256]);
     // The part does not change the parameters of the board.
     let board = MemoryConfig::default();
     assert_eq!([m.channels, m.channel_bytes, m.window, m.cap, m.outstanding], [1, 256, 16, 16, 8]);

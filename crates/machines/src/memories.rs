@@ -1,7 +1,7 @@
 //! Memories of a machine: defaults, values derived from the clock, provenance, and checks.
 
 use crate::problem::{ConfigProblem, problem};
-use basrelief_kernel::{MemoryConfig, MemoryPart};
+use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, MemorySystem};
 use basrelief_parameters::{ConfigError, Parameter, Parameters, Provenance, UserSettings};
 
 /// Declares the memories of a machine, each with its default configuration and the provenance of the defaults. The clock converts the times
@@ -71,6 +71,18 @@ macro_rules! memories_of {
     };
 }
 pub(crate) use memories_of;
+
+/// Adds a client with its own cache, whose look-ups take several cycles (law 5). Returns the client's number.
+pub(crate) fn add_cached_client(
+    memories: &mut MemorySystem,
+    name: &str,
+    (memory, outstanding): (usize, u32),
+    (cache_name, cache): (&str, &CacheConfig),
+) -> usize {
+    let client = memories.add_cached_client(name, memory, outstanding, cache_name, cache);
+    memories.spread_look_ups(client);
+    client
+}
 
 /// Fills in the values of memory parts at the machine's clock ([`Parameters::complete`]).
 pub(crate) fn complete<C: HasMemories>(config: &mut C, given: &UserSettings<'_>) -> Result<(), ConfigError> {

@@ -23,7 +23,7 @@ fn part_fills_values_without_a_machine_default() {
     // 22.5, 20, 20 and 45 ns at 200 MHz; 64 bytes in eight clocks of 7.5 ns.
     assert_eq!([m.cl, m.rcd, m.rp, m.ras, m.burst_bytes, m.burst_cycles], [5, 4, 4, 9, 64, 12]);
     let default = graphics("", &[]);
-    assert_eq!([m.channels, m.channel_bytes, m.window, m.cap, m.outstanding], [4, 256, 16, 16, 32]);
+    assert_eq!([m.channels, m.channel_bytes, m.window, m.cap, m.outstanding], [4, 256, 8, 16, 32], "a part has its window");
     assert_eq!((default.part, default.cl, default.channels), (MemoryPart::Ddr400, 3, 4));
     // Values that are not set stay.
     assert_eq!(bump("", &[("memory.graphics.part", "sdr-133")]).memory.normal_map, bump("", &[]).memory.normal_map);

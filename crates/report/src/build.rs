@@ -207,6 +207,8 @@ fn client(counts: &kernel::PortCounts) -> Client {
         row_closed: counts.rows.closed,
         row_conflicts: counts.rows.conflicts,
         queue_wait: counts.queue_wait,
+        latency_sum: counts.latencies.total,
+        latency_95: counts.latencies.bound(95),
         latency: counts.latencies.used_classes().to_vec(),
     }
 }

@@ -9,7 +9,7 @@
 //! | `config` | parameter, as in `--set` | `value` | |
 //! | `units` | unit | `steps`, `tokens`, `busy`, `starved`, `blocked`, `memory`, `done` | FIFO or client waited for |
 //! | `fifos` | FIFO | `depth`, `tokens`, `high_water`, `mean_occupancy`, `full_cycles`, `histogram` | slots held |
-//! | `memories` | memory | `reads` ... `queue_wait`, `latency` | client |
+//! | `memories` | memory | `reads` ... `latency_95`, `latency` | client |
 //! | `channels` | memory | `row_hits` ... `queued` | channel, from 0 |
 //! | `caches` | cache | `lookups`, `hits`, `misses`, `merged` | |
 //! | `costs` | `pixels`, `non_pixel`, `unattributed`, `frame` | `cycles`, `busy`, `starved`, `memory`, `blocked` | of `frame` its number |

@@ -151,6 +151,8 @@ fn add_client(at: (&'static str, &str), key: &str, client: &Client, rows: &mut F
         ("row_closed", client.row_closed),
         ("row_conflicts", client.row_conflicts),
         ("queue_wait", client.queue_wait),
+        ("latency_sum", client.latency_sum),
+        ("latency_95", client.latency_95),
     ];
     for (field, n) in counts {
         rows.add(at, field, key, n);

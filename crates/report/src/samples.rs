@@ -105,6 +105,8 @@ pub fn with_units(rows: &[(&str, &[(&str, u64)])]) -> Report {
         row_closed: (reads + writes) / 40,
         row_conflicts: (reads + writes) / 40,
         queue_wait: (reads + writes) * 45 / 100,
+        latency_sum: 11 * reads + 21 * writes,
+        latency_95: 32,
         latency: vec![0, 0, 0, reads, writes],
     };
     let named = |list: [(&str, Client); 2]| list.into_iter().map(|(n, c)| (n.to_owned(), c)).collect();

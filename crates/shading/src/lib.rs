@@ -6,6 +6,7 @@
 //! - [`texture`]: texels and weights of a sample;
 //! - [`layout`]: addresses of texels in memory;
 //! - [`mod@reference_normals`]: the contents of the VQ tables (121);
+//! - [`table_places`]: their addresses in memory (120);
 //! - [`interpolation`]: interpolation of attributes over a triangle;
 //! - [`scan`]: rasterization of a polygon.
 //!
@@ -19,6 +20,7 @@ pub mod lighting;
 pub mod lod;
 pub mod reference_normals;
 pub mod scan;
+pub mod table_places;
 pub mod texture;
 
 pub use area::{doubled_area, polygon_lod};
@@ -28,6 +30,7 @@ pub use lighting::{LightVector, brightness, light_vectors, saturated};
 pub use lod::{LEVELS, LevelSet, lod, select_levels};
 pub use reference_normals::{MAX_ENTRIES, ReferenceNormals, TableError, TableSet, quantize_unit, reference_normals};
 pub use scan::{MAX_BLOCK, PolygonScan, PolygonSpans, RasterGrid, fan_triangles};
+pub use table_places::{TablePlaces, TableRoomError};
 pub use texture::{LANES, SampleFootprints, SampleTaps, decode_normal, footprints, taps, wrapped};
 
 /// Tests the example of the README.

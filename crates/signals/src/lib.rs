@@ -22,6 +22,7 @@
 //! 1 (far). Images store their top row first. Texture coordinates u, v follow glTF (v down).
 
 pub mod attribution;
+mod digest;
 pub mod flow;
 pub mod fragment;
 pub mod gathered_lines;

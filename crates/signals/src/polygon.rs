@@ -157,7 +157,7 @@ pub struct ObjectInfo {
 }
 
 /// Contents of an indexed mesh, which are sent before any of its triangles is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshInfo {
     /// Number of vertices.
@@ -168,6 +168,9 @@ pub struct MeshInfo {
     pub uv: bool,
     /// True if vertices have colours.
     pub colors: bool,
+    /// Digest of the contents, below 2^53. Instances of a mesh have the same one. 0 if it is unknown.
+    #[serde(default)]
+    pub digest: u64,
 }
 
 #[cfg(test)]

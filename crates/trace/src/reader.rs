@@ -224,7 +224,7 @@ impl<R: Read> TraceReader<R> {
             let message = format!("not a valid record ({what}): the file is damaged, or not of this version");
             TraceError::new(place, ErrorKind::Malformed, name.copied().unwrap_or("unknown command"), message)
         };
-        // Older records of objects end ahead of the field `mesh`. They are read as if it was empty.
+        // Older records of objects end ahead of the field `mesh`, or of its digest. They are read as if it was empty, or 0.
         let spare = usize::from(name == Some(&"object"));
         self.buffer.resize(self.buffer.len() + spare, 0);
         match postcard::take_from_bytes(&self.buffer) {

@@ -81,6 +81,8 @@ pub fn small_memory() -> PlanMemory {
         burst_cycles: 2,
         banks: 1,
         row_bytes: 64,
+        commands_per_cycle: 0,
+        issue: 0,
         outstanding: 1,
     };
     PlanMemory { name: "memory".into(), config, ports: vec![], periodic: vec![] }

@@ -100,44 +100,49 @@ pub struct Recipe {
 }
 
 fn memory() -> impl Strategy<Value = PlanMemory> {
+    let bus = select(vec![0_u32, 0, 1, 2]);
     let shape =
         (select(vec![1_u32, 2, 3]), select(vec![32_u32, 64, 256]), select(vec![1_u32, 2, 3, 4]), select(vec![64_u32, 256]));
-    let choice = (1..=16_u32, 0..=16_u32);
+    let choice = (1..=16_u32, 0..=16_u32, bus);
     let times = (vec(0..=4_u32, 8), 1..=4_u32, 0..=9_u32, 0..=12_u32);
     let refresh = prop_oneof![Just((0, 0)), (40..=100_u32, 0..=20_u32)];
     let rest = (times, refresh, periodic());
-    (shape, choice, rest).prop_map(|(shape, (window, cap), ((times, burst_cycles, ras, faw), (refi, rfc), mut periodic))| {
-        let (channels, channel_bytes, banks, row_bytes) = shape;
-        let [cl, cwl, rcd, rp, rtp, wr, wtr, rrd] = std::array::from_fn(|i| times[i]);
-        let (burst_bytes, outstanding) = (32, 1);
-        let config = MemoryConfig {
-            part: basrelief_kernel::MemoryPart::Custom,
-            channels,
-            channel_bytes,
-            window,
-            cap,
-            cl,
-            cwl,
-            rcd,
-            rp,
-            ras,
-            rtp,
-            wr,
-            wtr,
-            rrd,
-            faw,
-            refi,
-            rfc,
-            burst_bytes,
-            burst_cycles,
-            banks,
-            row_bytes,
-            outstanding,
-        };
-        let clients = periodic.len();
-        periodic.iter_mut().for_each(|p| p.period += served_in(&config, p.bytes, clients));
-        PlanMemory { name: String::new(), config, ports: vec![], periodic }
-    })
+    (shape, choice, rest).prop_map(
+        |(shape, (window, cap, commands_per_cycle), ((times, burst_cycles, ras, faw), (refi, rfc), mut periodic))| {
+            let (channels, channel_bytes, banks, row_bytes) = shape;
+            let [cl, cwl, rcd, rp, rtp, wr, wtr, rrd] = std::array::from_fn(|i| times[i]);
+            let (burst_bytes, issue, outstanding) = (32, 0, 1);
+            let config = MemoryConfig {
+                part: basrelief_kernel::MemoryPart::Custom,
+                channels,
+                channel_bytes,
+                window,
+                cap,
+                cl,
+                cwl,
+                rcd,
+                rp,
+                ras,
+                rtp,
+                wr,
+                wtr,
+                rrd,
+                faw,
+                refi,
+                rfc,
+                burst_bytes,
+                burst_cycles,
+                banks,
+                row_bytes,
+                commands_per_cycle,
+                issue,
+                outstanding,
+            };
+            let clients = periodic.len();
+            periodic.iter_mut().for_each(|p| p.period += served_in(&config, p.bytes, clients));
+            PlanMemory { name: String::new(), config, ports: vec![], periodic }
+        },
+    )
 }
 
 fn part() -> impl Strategy<Value = GraphPart> {

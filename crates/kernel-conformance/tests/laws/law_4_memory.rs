@@ -296,3 +296,17 @@ fn request_log_keeps_arrival_order() {
         assert!(machine.memories().take_requests().all(|(_, all)| all.is_empty()));
     }
 }
+
+#[test]
+fn row_command_waits_for_room_on_command_bus() {
+    // Three banks: activations in cycle 2, column commands in 4, 5 and 6. With one command per cycle, the second activation is in 3.
+    // The third finds no room before 6, so its column command is in 8. With two per cycle, the third activation is in 3.
+    let visible = |commands_per_cycle| {
+        let plan = client(1, 3, [0, 64, 128].map(|offset| request("p", false, 32, offset)).to_vec());
+        let limit = |config: &mut MemoryConfig| {
+            (config.banks, config.burst_cycles, config.commands_per_cycle) = (4, 1, commands_per_cycle);
+        };
+        starts(&with(plan, limit), "sink")[0]
+    };
+    assert_eq!([0, 1, 2].map(visible), [11, 13, 11]);
+}

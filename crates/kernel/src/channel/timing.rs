@@ -52,12 +52,14 @@ impl ChannelTiming {
         let [cl, cwl, burst] = [c.cl, c.cwl, c.burst_cycles].map(u64::from);
         let read_to_write = burst.max((cl + burst + 1).saturating_sub(cwl));
         let write_to_read = cwl + burst + u64::from(c.wtr);
+        // Commands of a burst on a bounded command bus are in different cycles.
+        let apart = c.commands_per_cycle.min(1);
         Self {
             gaps: [[burst, read_to_write], [write_to_read, burst]],
             data: [cl + burst, cwl + burst],
             recovery: [c.rtp.into(), cwl + burst + u64::from(c.wr)],
-            rcd: c.rcd.into(),
-            rp: c.rp.into(),
+            rcd: c.rcd.max(apart).into(),
+            rp: c.rp.max(apart).into(),
             ras: c.ras.into(),
             rrd: c.rrd.into(),
             faw: c.faw.into(),

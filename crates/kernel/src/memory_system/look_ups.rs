@@ -37,7 +37,7 @@ impl MemorySystem {
         (look_ups, lines): (&CacheLookUps, CacheLines<'_>),
         open: &mut VecDeque<OpenLookUp>,
     ) -> (PendingLookUps, u64) {
-        if look_ups.is_spread {
+        if look_ups.is_spread && self.takes_cycles(client, look_ups.lines) {
             return self.look_up_over_time(client, start, (look_ups, lines), open);
         }
         let CacheLines { held, new, .. } = lines;
@@ -74,6 +74,12 @@ impl MemorySystem {
             (pending.request, pending.fill) = (0, fill);
         }
         (pending, cycles)
+    }
+
+    /// Returns true if so many look-ups do not fit in one cycle of a client's cache.
+    #[inline]
+    fn takes_cycles(&self, client: usize, look_ups: u32) -> bool {
+        self.clients[client].cache.as_ref().is_some_and(|cache| look_ups > cache.config.lookups_per_cycle)
     }
 
     /// As [`MemorySystem::look_up`], for a cache whose look-ups take several cycles. Each look-up is judged, and each miss arrives,

@@ -1,8 +1,8 @@
 //! Memory parts: data sheets of memories, in cycles of the device's clock.
 //!
-//! A part sets the numbers of law 4 that belong to the chips: times, burst, banks, rows. The numbers of the board and its
-//! controller - `channels`, `channel_bytes`, `window`, `cap`, `outstanding` - stay unchanged, except with [`MemoryPart::Ideal`],
-//! and `channel_bytes` grows if a burst is larger.
+//! A part sets the numbers of law 4 that belong to the chips: times, burst, banks, rows, and commands per cycle. It also sets the
+//! `window` of a controller of its time. The other numbers of the board - `channels`, `channel_bytes`, `cap`, `issue`,
+//! `outstanding` - stay unchanged, except with [`MemoryPart::Ideal`], and `channel_bytes` grows if a burst is larger.
 //!
 //! Minimum times are rounded up to whole cycles, and the refresh interval is rounded down. A part keeps its own burst if that
 //! takes a whole number of cycles within 5 %. Otherwise the burst is chosen among all multiples of four bytes, up to

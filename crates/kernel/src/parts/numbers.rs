@@ -84,6 +84,26 @@ impl DataSheet {
         PartNumber { name, value, provenance: self.from(format!("{}: {length}", time.of), time.assumed) }
     }
 
+    /// Returns the commands of a channel per cycle of a clock of `hz`: whole ones, and at least one; 0 if it has no command bus.
+    fn commands_at(&self, hz: u64) -> PartNumber {
+        let number =
+            |value, text: String, assumed| PartNumber { name: "commands_per_cycle", value, provenance: self.from(text, assumed) };
+        match self.rate {
+            _ if !self.has_command_bus => number(0, "no rows, so no row commands".into(), false),
+            SheetRate::Device { .. } => number(1, "a command per cycle of the device".into(), true),
+            SheetRate::Own { hz: (clocks, per), .. } => {
+                let value = u32::try_from(clocks / per / hz.max(1)).unwrap_or(u32::MAX).max(1);
+                let [own, at] = [ClockRate(clocks / per), ClockRate(hz)];
+                number(value, format!("a command per clock of {own}, rounded down at {at}, and at least one"), false)
+            }
+        }
+    }
+
+    /// Returns the bursts that a controller of its time chooses from.
+    fn queue(&self) -> PartNumber {
+        PartNumber { name: "window", value: self.window, provenance: self.from(self.controller.into(), true) }
+    }
+
     fn from(&self, text: String, assumed: bool) -> Provenance {
         let source = self.source;
         if assumed {
@@ -153,9 +173,11 @@ impl MemoryPart {
             value,
             provenance: sheet.from(sheet.about.into(), sheet.chips_assumed),
         });
+        let of_board = |number: &PartNumber| sheet.board.iter().any(|(name, _)| *name == number.name);
+        let queue = [sheet.commands_at(hz), sheet.queue()].into_iter().filter(|number| !of_board(number));
         let board = sheet.board.iter().map(|&(name, value)| derived(name, value, sheet.about));
         let times = sheet.times().into_iter().map(|(name, time)| sheet.time(name, time, hz, cycles));
-        let numbers: Vec<PartNumber> = times.chain(rate).chain(chips).chain(board).collect();
+        let numbers: Vec<PartNumber> = times.chain(rate).chain(chips).chain(queue).chain(board).collect();
         can_be(&numbers).map(|()| numbers)
     }
 }
@@ -225,6 +247,8 @@ impl MemoryConfig {
             "burst_cycles" => &mut self.burst_cycles,
             "banks" => &mut self.banks,
             "row_bytes" => &mut self.row_bytes,
+            "issue" => &mut self.issue,
+            "commands_per_cycle" => &mut self.commands_per_cycle,
             "outstanding" => &mut self.outstanding,
             _ => return None,
         })

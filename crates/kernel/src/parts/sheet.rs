@@ -27,6 +27,11 @@ pub(super) struct DataSheet {
     pub(super) row_bytes: u32,
     /// True if `banks` and `row_bytes` are not in the sheet.
     pub(super) chips_assumed: bool,
+    /// True if precharges, activations and column commands share a bus.
+    pub(super) has_command_bus: bool,
+    /// Bursts that a controller of its time chooses from, and such a controller.
+    pub(super) window: u32,
+    pub(super) controller: &'static str,
     /// Board parameters that the part implies.
     pub(super) board: &'static [(&'static str, u32)],
 }

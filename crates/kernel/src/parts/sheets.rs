@@ -30,6 +30,9 @@ pub(super) const FPM_80: DataSheet = DataSheet {
     banks: 2,
     row_bytes: 8192,
     chips_assumed: false,
+    has_command_bus: true,
+    window: 4,
+    controller: "an arbiter that considers the first request of each port, and prefers the open page",
     board: &[],
 };
 
@@ -53,6 +56,9 @@ pub(super) const EDO_60: DataSheet = DataSheet {
     banks: 2,
     row_bytes: 8192,
     chips_assumed: true,
+    has_command_bus: true,
+    window: 4,
+    controller: "an arbiter that considers the first request of each port, and prefers the open page",
     board: &[],
 };
 
@@ -76,6 +82,9 @@ pub(super) const SDR_100: DataSheet = DataSheet {
     banks: 4,
     row_bytes: 2048,
     chips_assumed: true,
+    has_command_bus: true,
+    window: 8,
+    controller: "two bursts for each of the four banks of SDRAM: one transfers data, one opens its row",
     board: &[],
 };
 
@@ -99,6 +108,9 @@ pub(super) const SDR_133: DataSheet = DataSheet {
     banks: 4,
     row_bytes: 4096,
     chips_assumed: true,
+    has_command_bus: true,
+    window: 8,
+    controller: "two bursts for each of the four banks of SDRAM: one transfers data, one opens its row",
     board: &[],
 };
 
@@ -122,6 +134,9 @@ pub(super) const DDR_400: DataSheet = DataSheet {
     banks: 4,
     row_bytes: 2048,
     chips_assumed: true,
+    has_command_bus: true,
+    window: 16,
+    controller: "a controller's queue of the usual size",
     board: &[],
 };
 
@@ -145,6 +160,9 @@ pub(super) const DDR2_667: DataSheet = DataSheet {
     banks: 8,
     row_bytes: 8192,
     chips_assumed: false,
+    has_command_bus: true,
+    window: 16,
+    controller: "a controller's queue of the usual size",
     board: &[],
 };
 
@@ -168,6 +186,9 @@ pub(super) const GDDR3_1400: DataSheet = DataSheet {
     banks: 8,
     row_bytes: 2048,
     chips_assumed: false,
+    has_command_bus: true,
+    window: 16,
+    controller: "a controller's queue of the usual size",
     board: &[],
 };
 
@@ -191,6 +212,9 @@ pub(super) const XDR_3200: DataSheet = DataSheet {
     banks: 8,
     row_bytes: 2048,
     chips_assumed: false,
+    has_command_bus: true,
+    window: 16,
+    controller: "a controller's queue of the usual size",
     board: &[],
 };
 
@@ -214,6 +238,9 @@ pub(super) const EDRAM_PS2: DataSheet = DataSheet {
     banks: 4,
     row_bytes: 8192,
     chips_assumed: true,
+    has_command_bus: true,
+    window: 16,
+    controller: "a controller's queue of the usual size",
     board: &[],
 };
 
@@ -236,7 +263,7 @@ pub(super) const IDEAL: DataSheet = DataSheet {
     burst_bytes: 64,
     banks: 1,
     row_bytes: 1_048_576,
-    board: &[("channels", 64), ("channel_bytes", 64), ("window", 256), ("cap", 256), ("outstanding", 4096)],
+    board: &[("channels", 64), ("channel_bytes", 64), ("window", 256), ("cap", 256), ("issue", 0), ("outstanding", 4096)],
     ..NO_TIME
 };
 
@@ -261,5 +288,8 @@ const NO_TIME: DataSheet = DataSheet {
     banks: 1,
     row_bytes: 0,
     chips_assumed: false,
+    has_command_bus: false,
+    window: 16,
+    controller: "a controller's queue of the usual size",
     board: &[],
 };

@@ -101,6 +101,7 @@ parameter_groups! {
             divide: OperatorConfig::new(7, 7),
             square_root: OperatorConfig::new(7, 7),
             power: OperatorConfig::new(44, 43),
+            ..Operators::default()
         } => [
             multiply.latency: Assumed("FMAC of the vector units of the same maker's Emotion Engine (2000): 4 cycles"),
             multiply.interval: Assumed("FMAC of the vector units of the same maker's Emotion Engine (2000): one per cycle"),
@@ -112,6 +113,10 @@ parameter_groups! {
             square_root.interval: Assumed("the same SQRT is not pipelined"),
             power.latency: Assumed("EEXP of the vector units of the same maker's Emotion Engine (2000), its elementary function unit: 44 cycles; a power is no cheaper"),
             power.interval: Assumed("the same EEXP: 43 cycles"),
+            integer_multiply.latency: Assumed("a product of 16 bits takes 69 FO4 delays (synthesized for a generic library); a cycle has about 139"),
+            integer_multiply.interval: Assumed("the same"),
+            integer_add.latency: Assumed("a comparison of 34 bits takes 23 FO4 delays (synthesized as above); a cycle has about 139"),
+            integer_add.interval: Assumed("the same"),
         ],
         /// Arrival of the commands of a trace.
         display_list: DisplayListConfig = DisplayListConfig::default(),

@@ -1,6 +1,7 @@
 //! Memories and their clients.
 
 use super::BumpProcessorConfig;
+use crate::memories::add_cached_client;
 use basrelief_kernel::MemorySystem;
 
 /// Numbers of the memory clients, by unit, in the unit's own order.
@@ -28,9 +29,9 @@ pub(super) fn build(config: &BumpProcessorConfig) -> (MemorySystem, ClientNumber
     let on_quantization = memory.quantization.outstanding;
     let on_graphics = memory.graphics.outstanding;
     let clients = ClientNumbers {
-        mapping: [m.add_cached_client("texels", normal_map, on_normal_map, "normal_map", &cache.normal_map)],
+        mapping: [add_cached_client(&mut m, "texels", (normal_map, on_normal_map), ("normal_map", &cache.normal_map))],
         brightness: [
-            m.add_cached_client("clut_read", quantization, on_quantization, "clut", &cache.clut),
+            add_cached_client(&mut m, "clut_read", (quantization, on_quantization), ("clut", &cache.clut)),
             m.add_client("clut_build", quantization, on_quantization),
         ],
         replacement: [
@@ -39,11 +40,11 @@ pub(super) fn build(config: &BumpProcessorConfig) -> (MemorySystem, ClientNumber
         ],
         frame_buffer: [m.add_client("pixel_write", graphics, on_graphics), config.swap_chain().add(&mut m, graphics)],
         graphics: [
-            m.add_cached_client("color_texels", graphics, on_graphics, "color_texture", &cache.color_texture),
+            add_cached_client(&mut m, "color_texels", (graphics, on_graphics), ("color_texture", &cache.color_texture)),
             m.add_client("held", graphics, on_graphics),
         ],
         depth: [
-            m.add_cached_client("z_read", graphics, on_graphics, "depth", &cache.depth),
+            add_cached_client(&mut m, "z_read", (graphics, on_graphics), ("depth", &cache.depth)),
             m.add_client("z_write", graphics, on_graphics),
         ],
     };

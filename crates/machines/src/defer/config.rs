@@ -22,7 +22,7 @@ const HZ: u64 = 100_000_000;
 
 /// Memory of a graphics board of the time, 128 bits wide.
 fn board(outstanding: u32) -> MemoryConfig {
-    MemoryConfig { part: MemoryPart::Sdr100, channels: 2, window: 8, cap: 8, outstanding, ..MemoryConfig::default() }
+    MemoryConfig { part: MemoryPart::Sdr100, channels: 2, cap: 8, outstanding, ..MemoryConfig::default() }
 }
 
 memories! {
@@ -32,7 +32,6 @@ memories! {
         pixel_depth = board(32) => [
             part: Assumed("1998: memory of graphics boards and computers of that year (PC100)"),
             channels: Assumed("128 bits, twice 64, as RIVA TNT (1998)"),
-            window: Assumed("two bursts for each of the four banks of SDRAM: one transfers data, one opens its row"),
             cap: Assumed("as many requests as the window holds"),
             outstanding: Assumed("more than rows, CL and burst take at one request per two cycles"),
         ],
@@ -40,7 +39,6 @@ memories! {
         reference = board(16) => [
             part: Assumed("as the pixel/depth buffer"),
             channels: Assumed("as the pixel/depth buffer"),
-            window: Assumed("two bursts for each of the four banks of SDRAM: one transfers data, one opens its row"),
             cap: Assumed("as many requests as the window holds"),
             outstanding: Assumed("cells are read and written in order"),
         ],
@@ -49,7 +47,6 @@ memories! {
         texture = board(256) => [
             part: Assumed("as the pixel/depth buffer"),
             channels: Assumed("as the pixel/depth buffer"),
-            window: Assumed("two bursts for each of the four banks of SDRAM: one transfers data, one opens its row"),
             cap: Assumed("as many requests as the window holds"),
             outstanding: Assumed("the largest step, 4 texels of 2 layers for 16 pixels, twice"),
         ],
@@ -122,6 +119,7 @@ parameter_groups! {
             divide: OperatorConfig::new(17, 17),
             square_root: OperatorConfig::new(17, 17),
             power: OperatorConfig::new(54, 54),
+            ..Operators::default()
         } => [
             multiply.latency: Assumed("PA-8000 (1996), of the same maker: FMAC 3 cycles"),
             multiply.interval: Assumed("the same, pipelined"),
@@ -133,6 +131,10 @@ parameter_groups! {
             square_root.interval: Assumed("the same, not pipelined"),
             power.latency: Assumed("a logarithm and an exponential of about 25 cycles each, by polynomials on the same FMAC, and a product"),
             power.interval: Assumed("the same, one at a time"),
+            integer_multiply.latency: Assumed("a product of 16 bits takes 69 FO4 delays (synthesized for a generic library); a cycle has about 83"),
+            integer_multiply.interval: Assumed("the same"),
+            integer_add.latency: Assumed("a comparison of 34 bits takes 23 FO4 delays (synthesized as above); a cycle has about 83"),
+            integer_add.interval: Assumed("the same"),
         ],
         /// Arrival of the commands of a trace.
         display_list: DisplayListConfig = DisplayListConfig::default(),

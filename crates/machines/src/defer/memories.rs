@@ -1,6 +1,7 @@
 //! Memories and their clients.
 
 use super::DeferConfig;
+use crate::memories::add_cached_client;
 use basrelief_kernel::MemorySystem;
 
 /// Numbers of the memory clients, by unit, in the order of priority: units near the end of the pipeline come first, as in the
@@ -26,12 +27,12 @@ pub(super) fn build(config: &DeferConfig) -> (MemorySystem, ClientNumbers) {
     let clients = ClientNumbers {
         pixel_buffer: [m.add_client("pixel_write", pixel_depth, of_pixels), config.swap_chain().add(&mut m, pixel_depth)],
         depth: [
-            m.add_cached_client("z_read", pixel_depth, of_pixels, "depth", &config.cache.depth),
+            add_cached_client(&mut m, "z_read", (pixel_depth, of_pixels), ("depth", &config.cache.depth)),
             m.add_client("z_write", pixel_depth, of_pixels),
         ],
         reference_buffer: [m.add_client("cell_read", reference, of_cells), m.add_client("cell_write", reference, of_cells)],
         rasterization: [
-            m.add_cached_client("texel_read", texture, of_texels, "texel", &config.cache.texel),
+            add_cached_client(&mut m, "texel_read", (texture, of_texels), ("texel", &config.cache.texel)),
             m.add_client("tile_write", texture, of_texels),
             m.add_client("tile_read", texture, of_texels),
         ],

@@ -34,14 +34,12 @@ memories! {
         /// Frame memory (300), with the depth values.
         frame = MemoryConfig {
             part: MemoryPart::Fpm80,
-            window: 4,
             cap: 4,
             outstanding: 16,
             ..MemoryConfig::default()
         } => [
             part: Assumed("1989: 1-Mbit page mode DRAM, 80 ns its fastest common grade"),
             channels: Assumed("frame memories were wide (20 banks side by side in the IRIS GTX, Akeley and Jermoluk 1988); 128 bits move 12.8 bytes per cycle, a dot with depth takes 12"),
-            window: Assumed("an arbiter that considers the first request of each of the four ports, and prefers the open page"),
             cap: Assumed("one turn of the four ports"),
             outstanding: Assumed("more than a page miss of 80 ns DRAM takes at one request per cycle"),
         ],
@@ -63,7 +61,7 @@ memories! {
             banks: Assumed("one"),
             window: Assumed("an arbiter that considers the first request of both ports"),
             cap: Assumed("one turn of the ports"),
-            outstanding: Assumed("more than the maximum number of requests of a step, 11"),
+            outstanding: Assumed("more than the maximum number of requests of a step, 4"),
         ],
     }
 }
@@ -131,6 +129,7 @@ parameter_groups! {
             divide: OperatorConfig::new(8, 8),
             square_root: OperatorConfig::new(11, 11),
             power: OperatorConfig::new(1, 1),
+            ..Operators::default()
         } => [
             multiply.latency: Assumed("floating-point chips of 1988 (the class of TI SN74ACT8847, AMD Am29C327): two stages of about 40 ns"),
             multiply.interval: Assumed("the same, pipelined"),
@@ -142,6 +141,10 @@ parameter_groups! {
             square_root.interval: Assumed("the same, not pipelined"),
             power.latency: Assumed("a table in ROM of 35 ns: one cycle"),
             power.interval: Assumed("the same"),
+            integer_multiply.latency: Assumed("a product of 16 bits takes 69 FO4 delays (synthesized for a generic library); a cycle has about 100"),
+            integer_multiply.interval: Assumed("the same"),
+            integer_add.latency: Assumed("a comparison of 34 bits takes 23 FO4 delays (synthesized as above); a cycle has about 100"),
+            integer_add.interval: Assumed("the same"),
         ],
         /// Arrival of the commands of a trace.
         display_list: DisplayListConfig = DisplayListConfig::default(),

@@ -1,6 +1,7 @@
 //! Frame memory (300) and memory (12) of the microcomputer, with their clients.
 
 use super::ShadeConfig;
+use crate::memories::add_cached_client;
 use basrelief_kernel::MemorySystem;
 
 /// Numbers of the memory clients, by unit, in the order of priority: units near the end of the pipeline come first, as in the
@@ -23,7 +24,7 @@ pub(super) fn build(config: &ShadeConfig) -> (MemorySystem, ClientNumbers) {
     let clients = ClientNumbers {
         frame_memory: [m.add_client("pixel_write", frame, outstanding), config.swap_chain().add(&mut m, frame)],
         depth: [
-            m.add_cached_client("z_read", frame, outstanding, "depth", &config.cache.depth),
+            add_cached_client(&mut m, "z_read", (frame, outstanding), ("depth", &config.cache.depth)),
             m.add_client("z_write", frame, outstanding),
         ],
         host: [m.add_client("host_write", local, of_local)],

@@ -34,7 +34,7 @@ const HZ: u64 = 50_000_000;
 /// Memory of a graphics board of the time, 128 bits wide.
 fn board(outstanding: u32) -> MemoryConfig {
     let part = MemoryPart::Edo60;
-    MemoryConfig { part, window: 4, cap: 4, outstanding, ..MemoryConfig::default() }
+    MemoryConfig { part, cap: 4, outstanding, ..MemoryConfig::default() }
 }
 
 memories! {
@@ -45,7 +45,6 @@ memories! {
         texture = board(128) => [
             part: Assumed("1994: EDO appeared in that year and was on every board in the next one, when a device of this patent could have been built; 80 ns page mode is `fpm-80`"),
             channels: Assumed("128 bits wide: a line of 64 bytes is a burst of four page cycles"),
-            window: Assumed("an arbiter that considers the first request of each port, and prefers the open page"),
             cap: Assumed("one turn of the ports"),
             outstanding: Assumed("the largest step: 4 texels of 2 levels for 16 pixels"),
         ],
@@ -54,7 +53,6 @@ memories! {
         depth = board(16) => [
             part: Assumed("as the texture memory"),
             channels: Assumed("12.8 bytes per cycle, of which a pixel with depth takes 8"),
-            window: Assumed("an arbiter that considers the first request of each port, and prefers the open page"),
             cap: Assumed("one turn of the ports"),
             outstanding: Assumed("more than a page miss of 60 ns DRAM takes at one request per cycle"),
         ],
@@ -62,7 +60,6 @@ memories! {
         pixel = board(16) => [
             part: Assumed("as the texture memory"),
             channels: Assumed("12.8 bytes per cycle, of which a pixel takes 4, or 8 where it is read back"),
-            window: Assumed("an arbiter that considers the first request of each port, and prefers the open page"),
             cap: Assumed("one turn of the ports"),
             outstanding: Assumed("more than a page miss of 60 ns DRAM takes at one request per cycle"),
         ],
@@ -128,6 +125,7 @@ parameter_groups! {
             divide: OperatorConfig::new(16, 16),
             square_root: OperatorConfig::new(16, 16),
             power: OperatorConfig::new(64, 64),
+            ..Operators::default()
         } => [
             multiply.latency: Assumed("SuperSPARC (1992), of the same maker: FMUL 3 cycles"),
             multiply.interval: Assumed("the same, pipelined"),
@@ -139,6 +137,10 @@ parameter_groups! {
             square_root.interval: Assumed("the same, not pipelined"),
             power.latency: Assumed("logarithm, product, exponential by iteration of 32 bits, a bit a cycle each"),
             power.interval: Assumed("the same, not pipelined"),
+            integer_multiply.latency: Assumed("a product of 16 bits takes 69 FO4 delays (synthesized for a generic library); a cycle has about 83"),
+            integer_multiply.interval: Assumed("the same"),
+            integer_add.latency: Assumed("a comparison of 34 bits takes 23 FO4 delays (synthesized as above); a cycle has about 83"),
+            integer_add.interval: Assumed("the same"),
         ],
         /// Arrival of the commands of a trace.
         display_list: DisplayListConfig = DisplayListConfig::default(),

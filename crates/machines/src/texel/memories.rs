@@ -1,6 +1,7 @@
 //! Memories and their clients.
 
 use super::TexelMachineConfig;
+use crate::memories::add_cached_client;
 use basrelief_kernel::MemorySystem;
 
 /// Numbers of the memory clients, by unit, in the order of priority: units near the end of the pipeline come first, as in the
@@ -25,10 +26,10 @@ pub(super) fn build(config: &TexelMachineConfig) -> (MemorySystem, ClientNumbers
         buffer: [m.add_client("pixel_write", pixel, of_pixel), config.swap_chain().add(&mut m, pixel)],
         combiner: [m.add_client("pixel_read", pixel, of_pixel)],
         depth: [
-            m.add_cached_client("z_read", depth, of_depth, "depth", &config.cache.depth),
+            add_cached_client(&mut m, "z_read", (depth, of_depth), ("depth", &config.cache.depth)),
             m.add_client("z_write", depth, of_depth),
         ],
-        look_up: [m.add_cached_client("texel_read", texture, of_texture, "texture", &config.cache.texture)],
+        look_up: [add_cached_client(&mut m, "texel_read", (texture, of_texture), ("texture", &config.cache.texture))],
     };
     (m, clients)
 }

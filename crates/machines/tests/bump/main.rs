@@ -11,3 +11,4 @@ mod recipe;
 mod runs;
 mod textures;
 mod variants;
+mod waiting;

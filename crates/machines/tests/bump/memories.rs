@@ -31,7 +31,7 @@ fn surfaces_in_one_memory_do_not_overlap() {
     const { assert!(layout::COLOR_TEXTURES < layout::HELD_RESULTS) };
     assert!(quantization_memory::vq_table(8) <= quantization_memory::CLUTS);
     let cluts = 8 * quantization_memory::clut_stride(65_536, 4);
-    assert!(quantization_memory::CLUTS + cluts <= quantization_memory::GATHERED);
+    assert!(quantization_memory::CLUTS + cluts <= quantization_memory::OTHER_TABLES);
 }
 
 #[test]

@@ -2,13 +2,26 @@
 
 use super::{Ran, config, replay};
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::Engine;
+use basrelief_kernel::{Engine, Machine, Outcome};
 use basrelief_machines::{FrontEnd, MachineSpec, UnitStats};
 use basrelief_signals::Control;
 
 /// Builds a machine.
 pub fn machine<S: MachineSpec, F: FrontEnd>(front: F, config: &S) -> S::Machine<F> {
     config.build(front).unwrap_or_else(|problem| panic!("{problem}"))
+}
+
+/// Returns the largest number of requests of a client that arrive in one cycle, while a demo is drawn with these settings.
+pub fn most_arrivals<S: MachineSpec>(demo: &str, settings: &[(&str, &str)], client: &str) -> usize {
+    let config: S = config(settings);
+    let mut machine = machine(super::scene_front(&super::small_demo(demo, 1), config.front()), &config);
+    let number = machine.memories().client_names().position(|name| name == client).expect("such a client");
+    machine.memories().keep_requests();
+    assert_eq!(basrelief_kernel::run(&mut machine, Engine::Timed).outcome, Outcome::Complete);
+    let mut arrivals = std::collections::BTreeMap::new();
+    let requests = machine.memories().take_requests().flat_map(|(_, requests)| requests).filter(|r| r.client == number);
+    requests.for_each(|request| *arrivals.entry(request.arrival).or_insert(0) += 1);
+    arrivals.into_values().max().unwrap_or(0)
 }
 
 /// Runs a machine.

@@ -6,3 +6,4 @@ mod engines;
 mod patent;
 mod recipe;
 mod runs;
+mod waiting;

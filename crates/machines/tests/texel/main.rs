@@ -6,4 +6,5 @@ mod common;
 mod engines;
 mod recipe;
 mod runs;
+mod waiting;
 mod width;

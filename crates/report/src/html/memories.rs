@@ -74,8 +74,10 @@ fn latency(name: &str, client: &Client) -> Html {
     let columns: Vec<(String, f64)> = columns.collect();
     let most = client.latency.iter().copied().max().unwrap_or(0);
     let title = format!("Latency of {name}");
+    let mean = client.mean_latency().map_or(String::new(), |mean| format!(", mean {mean:.1}"));
+    let heading = format!("Latency: {name}{mean}, 95 % below {}", thousands(client.latency_95));
     let axes = ["cycles: this value to twice it", "requests"];
     let chart =
         ColumnChart { title: &title, axes, class: "memory", columns, top: (most as f64, thousands(most)), size: (260.0, 130.0) };
-    el("div", &[("class", "card")], [el("h4", &[], [text(format!("Latency: {name}"))]), chart.draw()])
+    el("div", &[("class", "card")], [el("h4", &[], [text(heading)]), chart.draw()])
 }

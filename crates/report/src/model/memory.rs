@@ -102,11 +102,23 @@ pub struct Client {
     pub row_conflicts: u64,
     /// Cycles that its bursts waited in the queues of their channels, beyond the one cycle that each needs.
     pub queue_wait: u64,
+    /// Sum of the latencies from arrival to answer \[cycles\]. Divided by the requests, it is the mean latency.
+    #[serde(default)]
+    pub latency_sum: u64,
+    /// Least power of two \[cycles\] that 95 % of the latencies stay below. 0 without requests.
+    #[serde(default)]
+    pub latency_95: u64,
     /// `latency[k]` = requests with a latency of at least 2^k and less than 2^(k+1) cycles. Missing entries are 0.
     pub latency: Vec<u64>,
 }
 
 impl Client {
+    /// Returns the mean latency \[cycles\], if there are requests.
+    pub fn mean_latency(&self) -> Option<f64> {
+        let answers: u64 = self.latency.iter().sum();
+        (answers > 0).then(|| self.latency_sum as f64 / answers as f64)
+    }
+
     /// Returns the bytes that it requested.
     pub fn requested(&self) -> u64 {
         self.read_bytes.saturating_add(self.write_bytes)

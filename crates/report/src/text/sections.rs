@@ -126,6 +126,8 @@ pub(crate) fn memories(report: &Report) -> Table {
         ("row hits %", Right, 1),
         ("conflicts %", Right, 3),
         ("queue wait", Right, 1),
+        ("mean latency", Right, 1),
+        ("95 % below", Right, 3),
     ]);
     for (name, memory) in report.memories.iter().flatten() {
         for (at, (client, c)) in memory.clients.iter().enumerate() {
@@ -139,6 +141,8 @@ pub(crate) fn memories(report: &Report) -> Table {
                 percent(c.row_hits, c.bursts),
                 percent(c.row_conflicts, c.bursts),
                 ratio_text(c.queue_wait, c.bursts),
+                c.mean_latency().map_or(String::new(), |mean| format!("{mean:.1}")),
+                if c.latency_95 == 0 { String::new() } else { thousands(c.latency_95) },
             ]);
         }
     }

@@ -155,7 +155,13 @@ pub fn controls() -> impl Strategy<Value = Vec<Control>> {
             for (id, (centre, entries, shading, shapes)) in objects.into_iter().enumerate() {
                 let object = id as u32;
                 let name = format!("object {id}");
-                let mesh = entries.map(|n| MeshInfo { vertices: n, indices: 3 * n, uv: n % 2 == 0, colors: n % 3 == 0 });
+                let mesh = entries.map(|n| MeshInfo {
+                    vertices: n,
+                    indices: 3 * n,
+                    uv: n % 2 == 0,
+                    colors: n % 3 == 0,
+                    digest: u64::from(n),
+                });
                 controls.push(Control::Object(Arc::new(ObjectInfo {
                     id: object,
                     name,

@@ -128,6 +128,10 @@ impl NormalTables {
         }
     }
 
+    pub(crate) fn set(&self) -> &TableSet {
+        &self.set
+    }
+
     /// Returns the bytes of a reference normal in memory (120).
     pub(crate) fn entry_bytes(&self) -> u32 {
         self.set.entry_bytes()

@@ -82,11 +82,12 @@ impl BrightnessConfig {
         operators.latency(OperatorCounts { multiply: 3, add: 4, power: 1, ..OperatorCounts::NONE })
     }
 
-    /// Returns the cycles from entries to brightness: a product with the share, and a binary tree of sums over the samples.
+    /// Returns the cycles from entries to brightness, all fixed-point: a product with the share, and a binary tree of sums over the
+    /// samples.
     pub(crate) fn latency(&self, most_samples: u32, operators: &Operators) -> u64 {
         operators.latency(OperatorCounts {
-            multiply: 1,
-            add: most_samples.max(2).next_power_of_two().ilog2(),
+            integer_multiply: 1,
+            integer_add: most_samples.max(2).next_power_of_two().ilog2(),
             ..OperatorCounts::NONE
         })
     }

@@ -3,7 +3,7 @@
 
 use crate::{BrightnessConfig, ClutKey, ClutLevels};
 use basrelief_shading::{LEVELS, TableError};
-use basrelief_signals::quantization_memory::{CLUTS, GATHERED, clut_stride};
+use basrelief_signals::quantization_memory::{CLUTS, OTHER_TABLES, clut_stride};
 use serde::{Deserialize, Serialize};
 
 /// A set: its key, its position, and the levels calculated so far.
@@ -39,7 +39,7 @@ impl ClutSets {
             self.sets[..=at].rotate_right(1);
             return;
         }
-        let room = (GATHERED - CLUTS) / (LEVELS as u64 * self.stride).max(1);
+        let room = (OTHER_TABLES - CLUTS) / (LEVELS as u64 * self.stride).max(1);
         let most = u64::from(config.sets).min(room).max(1) as usize;
         self.sets.truncate(most - 1);
         let is_free = |place: &usize| self.sets.iter().all(|set| set.place != *place);

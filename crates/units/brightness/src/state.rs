@@ -2,6 +2,7 @@
 
 use crate::ClutKey;
 use crate::sets::ClutSets;
+use basrelief_shading::TablePlaces;
 use basrelief_signals::{Frame, NormalIndexes, ObjectInfo};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -15,6 +16,8 @@ pub(crate) struct ClutRebuild {
     pub(crate) entries: usize,
     /// Reference normals read so far.
     pub(crate) read: usize,
+    /// Entries calculated so far.
+    pub(crate) calculated: usize,
     /// Entries of the level written so far.
     pub(crate) written: usize,
 }
@@ -24,6 +27,8 @@ pub(crate) struct ClutRebuild {
 pub struct BrightnessFetchState {
     pub(crate) frame: Option<Arc<Frame>>,
     pub(crate) object: Option<Arc<ObjectInfo>>,
+    /// Addresses of the VQ tables (121).
+    pub(crate) places: TablePlaces,
     /// Lighting of the next fragments.
     pub(crate) wanted: ClutKey,
     /// True if frame or object changed, so that `wanted.lights` must be evaluated again.

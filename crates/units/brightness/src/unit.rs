@@ -8,9 +8,7 @@ use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
 use basrelief_shading::{TableSet, light_vectors};
 use basrelief_signals::width::SHARE;
-use basrelief_signals::{
-    Control, Flow, MAX_SAMPLES, MAX_STAMP, NormalIndexes, ShadedFragment, Stamp, StampSample, quantization_memory,
-};
+use basrelief_signals::{Control, Flow, MAX_SAMPLES, MAX_STAMP, NormalIndexes, ShadedFragment, Stamp, StampSample};
 use std::sync::Arc;
 
 /// Client of the cache in front of the CLUTs (122) in memory (120).
@@ -55,7 +53,7 @@ impl BrightnessFetch {
         Step::after(self.latency, None)
     }
 
-    fn control(&mut self, control: Control) -> Out {
+    fn control(&mut self, control: Control, traffic: &mut MemoryPorts) -> Out {
         let state = &mut self.state;
         match &control {
             Control::Frame(frame) => {
@@ -64,6 +62,9 @@ impl BrightnessFetch {
             }
             Control::Object(object) => {
                 state.wanted.entries = object.entries;
+                if let Some(error) = object.entries.and_then(|entries| state.places.hold(self.normals.set(), entries).err()) {
+                    traffic.fault(format!("object `{}`: {error}", object.name));
+                }
                 state.object = Some(Arc::clone(object));
                 state.lights_changed = true;
             }
@@ -101,6 +102,14 @@ impl BrightnessFetch {
         state.sets.select(&state.wanted, self.normals.largest(&state.wanted), &self.config);
     }
 
+    /// Returns the address of a level's VQ table or code book.
+    fn table_address(&self, level: u8) -> u64 {
+        let wanted = &self.state.wanted;
+        let set = self.normals.set();
+        let size = if wanted.book.is_some() { None } else { wanted.entries };
+        self.state.places.address(set, level, set.entries(level, size))
+    }
+
     /// Makes a step without input: it calculates the next missing entries of the waiting fragment, or serves it.
     fn resume(&mut self, traffic: &mut MemoryPorts) -> Out {
         if self.state.rebuild.is_none() {
@@ -114,7 +123,7 @@ impl BrightnessFetch {
                 return self.resume(traffic);
             }
             self.state.counters.rebuilds += 1;
-            self.state.rebuild = Some(ClutRebuild { level, entries, read: 0, written: 0 });
+            self.state.rebuild = Some(ClutRebuild { level, entries, ..ClutRebuild::default() });
         }
         self.rebuild(traffic)
     }
@@ -131,46 +140,45 @@ impl BrightnessFetch {
         })
     }
 
-    /// Reads the next reference normals, and writes the entries of those read before. After the last ones the next step examines
-    /// the waiting fragment again.
+    /// Reads the next reference normals, calculates the entries of those read before, and writes the entries calculated before.
+    /// The unit waits for its reads. After the last entries the next step examines the waiting fragment again.
     fn rebuild(&mut self, traffic: &mut MemoryPorts) -> Out {
-        let Some(ClutRebuild { level, entries, read, written }) = self.state.rebuild.take() else { return self.quiet() };
+        let Some(ClutRebuild { level, entries, read, calculated, written }) = self.state.rebuild.take() else {
+            return self.quiet();
+        };
         let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let at_once = (WRITE_BYTES / entry_bytes) as usize;
-        // Entries calculated in the previous step.
-        if read > written {
+        if calculated > written {
             let address = self.state.sets.address(level) + written as u64 * u64::from(entry_bytes);
-            let bytes = (read - written) as u32 * entry_bytes;
+            let bytes = (calculated - written) as u32 * entry_bytes;
             traffic.write(BUILD, address, bytes);
             self.state.counters.rebuild_bytes += u64::from(bytes);
         }
         let count = (entries - read).min(at_once);
         if count > 0 {
-            let address = quantization_memory::vq_table(level) + read as u64 * u64::from(normal_bytes);
+            let address = self.table_address(level) + read as u64 * u64::from(normal_bytes);
             let bytes = count as u32 * normal_bytes;
             traffic.read(BUILD, address, bytes);
             self.state.counters.normal_bytes += u64::from(bytes);
         }
-        self.state.rebuild = (count > 0).then_some(ClutRebuild { level, entries, read: read + count, written: read });
-        let cycles = (count as u64 * self.config.entry_cycles(self.state.wanted.lights.len(), &self.operators)).max(1);
+        let next = ClutRebuild { level, entries, read: read + count, calculated: read, written: calculated };
+        self.state.rebuild = (next.written < entries).then_some(next);
+        let calculating = (read - calculated) as u64;
+        let cycles = (calculating * self.config.entry_cycles(self.state.wanted.lights.len(), &self.operators)).max(1);
         self.state.counters.rebuild_cycles += cycles;
-        self.quiet().busy(cycles)
+        self.quiet().busy(cycles).blocking()
     }
 
     #[inline(always)]
     fn fetch(&mut self, indexes: &NormalIndexes, traffic: &mut MemoryPorts) -> Out {
-        let state = &mut self.state;
         let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let from_clut = self.config.source == BrightnessSource::Clut;
         // Values common to all fragments: entries, address of the first, and entry size. (A collected array would be copied.)
         let mut tables = ArrayVec::<_, MAX_SAMPLES>::new();
         for &StampSample { level, .. } in &indexes.samples {
-            let (base, bytes) = if from_clut {
-                (state.sets.address(level), entry_bytes)
-            } else {
-                (quantization_memory::vq_table(level), normal_bytes)
-            };
-            tables.push((state.sets.entries(level), base, bytes));
+            let (base, bytes) =
+                if from_clut { (self.state.sets.address(level), entry_bytes) } else { (self.table_address(level), normal_bytes) };
+            tables.push((self.state.sets.entries(level), base, bytes));
         }
         let mut out = Stamp::new();
         for (lane, &fragment) in indexes.stamp.iter().enumerate() {
@@ -185,16 +193,18 @@ impl BrightnessFetch {
             out.push(ShadedFragment { fragment, brightness: sum[0], highlight: sum[1] });
         }
         let per_fragment = indexes.samples.len();
-        state.counters.fragments += out.len() as u64;
-        state.counters.samples += (out.len() * per_fragment) as u64;
+        let counters = &mut self.state.counters;
+        counters.fragments += out.len() as u64;
+        counters.samples += (out.len() * per_fragment) as u64;
         let interpolating = per_fragment.div_ceil(self.config.samples_per_cycle.max(1) as usize) as u64;
         let (interval, latency) = if from_clut {
             (interpolating, self.latency)
         } else {
-            let computing = per_fragment as u64 * self.config.entry_cycles(state.wanted.lights.len(), &self.operators);
+            let computing = per_fragment as u64 * self.config.entry_cycles(self.state.wanted.lights.len(), &self.operators);
             (interpolating.max(computing), self.latency + BrightnessConfig::entry_latency(&self.operators))
         };
-        Step::over(out.len(), interval, latency, Some(Flow::Item(out)))
+        // An address is an index with a base in front. All arithmetic needs the entries.
+        Step::over(out.len(), interval, latency, Some(Flow::Item(out))).after_data(latency as u32)
     }
 
     fn tell_hardware(&self, stats: &mut UnitStats) {
@@ -224,7 +234,7 @@ impl Unit for BrightnessFetch {
         match input {
             // Borrowed, because a move would copy the token.
             Some(Flow::Item(ref mut indexes)) => self.item(indexes, traffic),
-            Some(Flow::Control(control)) => self.control(control),
+            Some(Flow::Control(control)) => self.control(control, traffic),
             None => self.resume(traffic),
         }
     }

@@ -234,7 +234,7 @@ impl Unit for Cells {
             }
             Some(Flow::Control(control)) => {
                 let setup = self.setup(&control);
-                Step::after(latency.max(setup), self.control(control, traffic)).busy(setup)
+                Step::during(setup, latency, self.control(control, traffic))
             }
             None => {
                 let texture = self.state.declared.pop_front();

@@ -196,6 +196,8 @@ parameters! {
     pub struct EngineConfig {
         /// Latency of each of its units.
         latency: u32 = 8, unit: "cycles", Assumed("as the units of the other machines"), range: 0..=4096;
+        /// Part of the latency of the final rasterization that needs the texels.
+        filter_latency: u32 = 6, unit: "cycles", Derived("Figure 7A: means in s, in t and between layers, and the product with the brightness; addressing takes the other two"), range: 0..=4096;
         /// Most cells per cycle from the initial rasterization (454). Dividers may limit it further.
         fill_rate: u32 = 1, unit: "cells/cycle", Assumed("one pixel per cycle; more than dividers let pass it is not"), range: 1..=16;
         /// Dividers for the footprint of a pixel, which take turns.

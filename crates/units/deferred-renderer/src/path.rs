@@ -76,15 +76,9 @@ impl Unit for Path {
         let Some(TileResponse { bytes, content }) = parcel else { return Step::after(0, (None, None)) };
         let carried = self.carry(bytes);
         match content {
-            ResponseContent::Asked(control) => {
-                let cycles = carried.saturating_add(self.latency);
-                Step::after(cycles, (Some(control), None)).busy(cycles.max(1))
-            }
-            ResponseContent::Mesh(control) => Step::after(carried, (Some(control), None)).busy(carried.max(1)),
-            ResponseContent::Tile(tile) => {
-                let latency = carried.saturating_add(self.latency);
-                Step::after(latency, (None, Some(tile))).busy(carried.max(1))
-            }
+            ResponseContent::Asked(control) => Step::during(carried.saturating_add(self.latency), 0, (Some(control), None)),
+            ResponseContent::Mesh(control) => Step::during(carried, 0, (Some(control), None)),
+            ResponseContent::Tile(tile) => Step::during(carried, self.latency, (None, Some(tile))),
         }
     }
 

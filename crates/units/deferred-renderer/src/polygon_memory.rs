@@ -1,6 +1,6 @@
 //! Polygon memory (112): bytes of meshes and commands on the path (451, 453).
 //!
-//! A mesh travels once, indexed and in model space, as geometry processing (453) accepts it. Later frames send only their
+//! A mesh travels once for all its instances, indexed and in model space, as geometry processing (453) accepts it. Later frames send only their
 //! commands. In the wiring, the display list comes out of the geometry processor in all machines, and the server follows it. So
 //! an object's command describes its mesh, and the mesh is charged with that command, ahead of its polygons.
 
@@ -38,8 +38,10 @@ pub struct PolygonMemoryCounters {
 /// Record of the meshes that the device has.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PolygonMemory {
-    /// Objects whose mesh was sent.
+    /// Objects that were sent.
     sent: BTreeSet<u32>,
+    /// Meshes of known contents that were sent.
+    meshes: BTreeSet<MeshInfo>,
     /// True if the current object's mesh is unknown. Its polygons are charged instead.
     untold: bool,
     /// Counters.
@@ -52,13 +54,20 @@ impl PolygonMemory {
         self.command(FRAME + LIGHT * frame.lights.len() as u64, config)
     }
 
-    /// Returns the bytes of the command of an object, and of its mesh if the device does not have it.
+    /// Returns the bytes of the command of an object, with its surface and its mesh if the device does not have them.
     pub fn object(&mut self, object: &ObjectInfo, config: &PathConfig, lighting: LightingMode) -> u64 {
         let is_new = self.sent.insert(object.id);
         self.untold = is_new && object.mesh.is_none();
-        let bytes = object.mesh.filter(|_| is_new).map_or(0, |mesh| mesh_bytes(&mesh, config, lighting));
+        let bytes = object.mesh.filter(|_| is_new).map_or(0, |mesh| self.new_object(mesh, config, lighting));
         self.counters.mesh_bytes += bytes;
         bytes + self.command(OBJECT, config)
+    }
+
+    /// Returns the bytes of the surface of a new object, and of its mesh if no earlier object has the same one.
+    fn new_object(&mut self, mesh: MeshInfo, config: &PathConfig, lighting: LightingMode) -> u64 {
+        let is_instance = mesh.digest != 0 && !self.meshes.insert(mesh);
+        let surface = MATERIAL * u64::from(config.number_bytes);
+        surface + if is_instance { 0 } else { mesh_bytes(&mesh, config, lighting) }
     }
 
     /// Returns the bytes of a polygon: 0 if its mesh is known. Otherwise its vertices count, because their sharing is unknown.
@@ -71,6 +80,7 @@ impl PolygonMemory {
             indices: 0,
             uv: polygon.material.color_texture.is_some(),
             colors: polygon.vertices.iter().any(|v| v.color != [1.0; 4]),
+            digest: 0,
         };
         let bytes = vertices_bytes(&mesh, config, lighting);
         self.counters.mesh_bytes += bytes;
@@ -91,10 +101,10 @@ fn vertices_bytes(mesh: &MeshInfo, config: &PathConfig, lighting: LightingMode) 
     u64::from(mesh.vertices) * numbers * u64::from(config.number_bytes)
 }
 
-/// Returns the bytes of a mesh and its surface. Indices take half a number if there are few vertices.
+/// Returns the bytes of a mesh. Indices take half a number if there are few vertices.
 fn mesh_bytes(mesh: &MeshInfo, config: &PathConfig, lighting: LightingMode) -> u64 {
     let number = u64::from(config.number_bytes);
     let indices = u64::from(mesh.indices) * number;
     let indices = if mesh.vertices <= SHORT_INDEX { indices.div_ceil(2) } else { indices };
-    vertices_bytes(mesh, config, lighting) + indices + MATERIAL * number
+    vertices_bytes(mesh, config, lighting) + indices
 }

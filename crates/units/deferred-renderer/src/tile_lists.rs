@@ -318,7 +318,7 @@ impl Unit for TileLists {
         match identified.or(improved) {
             Some(token) => {
                 let (cycles, out) = self.take(token);
-                Step::after(latency.max(cycles), out).busy(cycles)
+                Step::during(cycles, latency, out)
             }
             None => Step::after(latency, self.next()),
         }

@@ -64,7 +64,7 @@ impl BrightnessInterpolation {
         if figure.registers.selection() == BrightnessSelection::Mean {
             return 1;
         }
-        let cycles = set_up_cycles(&figure.polygon, &self.operators).max(1);
+        let cycles = set_up_cycles(&figure.polygon, true, &self.operators).max(1);
         let state = &mut self.state;
         state.dots = DotScan::new(&figure.polygon, figure.raster);
         state.corners = CornerValues::default();

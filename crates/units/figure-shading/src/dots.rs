@@ -7,17 +7,28 @@ use basrelief_signals::width::{COORDINATE, NUMBER};
 use basrelief_signals::{Fragment, Polygon};
 use serde::{Deserialize, Serialize};
 
-/// Longest dependent chain of a triangle's set-up in a circuit: differences of the corners, area, its reciprocal, slopes of the
-/// interpolated values.
-const SET_UP: OperatorCounts = OperatorCounts { multiply: 2, add: 2, divide: 1, ..OperatorCounts::NONE };
+/// Arithmetic of a triangle's scan: x and y of three corners in steps of the grid; two differences, two products and a difference
+/// for each edge; sign and reciprocal of the area.
+pub(crate) const SCAN_SET_UP: OperatorCounts = OperatorCounts { multiply: 6 + 6, add: 6 + 9, divide: 1, ..OperatorCounts::NONE };
+/// Arithmetic of two slopes of the depth.
+pub(crate) const DEPTH_SET_UP: OperatorCounts = OperatorCounts { multiply: 6, add: 4, ..OperatorCounts::NONE };
+/// Arithmetic of two differences between the corners for each of three values.
+const VALUES_SET_UP: OperatorCounts = OperatorCounts { add: 6, ..OperatorCounts::NONE };
+/// Longest dependent chain of a triangle's set-up in a circuit: steps of the grid, differences of the corners, area, its
+/// reciprocal.
+const SET_UP_CHAIN: OperatorCounts = OperatorCounts { multiply: 2, add: 3, divide: 1, ..OperatorCounts::NONE };
+/// Operators of a circuit for the set-up.
+const SET_UP_UNITS: OperatorCounts = OperatorCounts { multiply: 1, add: 1, divide: 1, ..OperatorCounts::NONE };
 /// Longest dependent chain from a triangle's slopes to a value at a dot: `a + w1 * (b - a) + w2 * (c - a)`.
 pub(crate) const INTERPOLATION: OperatorCounts = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
 /// Arithmetic of the three values of a dot: two products and two sums each.
 const THREE_VALUES: OperatorCounts = OperatorCounts { multiply: 6, add: 6, ..OperatorCounts::NONE };
 
-/// Returns the occupancy of a circuit by the triangles of a polygon's fan before its dots, one after the other \[cycles\].
-pub(crate) fn set_up_cycles(polygon: &Polygon, operators: &Operators) -> u64 {
-    operators.latency(SET_UP) * u64::from(fan_triangles(polygon))
+/// Returns the occupancy of a circuit by the triangles of a polygon's fan before its dots, one after the other \[cycles\]. A
+/// circuit with `depth` also sets up the slopes of the depth. A triangle takes at least its longest dependent chain.
+pub(crate) fn set_up_cycles(polygon: &Polygon, depth: bool, operators: &Operators) -> u64 {
+    let work = SCAN_SET_UP.and(VALUES_SET_UP).and(if depth { DEPTH_SET_UP } else { OperatorCounts::NONE });
+    operators.interval(work, SET_UP_UNITS).max(operators.latency(SET_UP_CHAIN)) * u64::from(fan_triangles(polygon))
 }
 
 /// Returns the operators of one kind for this many operations in each `interval` cycles.
@@ -32,9 +43,9 @@ pub(crate) fn tell_interpolator(stats: &mut UnitStats, operators: &Operators, in
     stats.hardware(HardwareKind::Multiplier, "interpolation", multipliers, OperandWidth::SINGLE);
     stats.hardware(HardwareKind::Adder, "the same", adders, OperandWidth::SINGLE);
     stats.hardware(HardwareKind::Adder, "steps of three edges", 3_u64, OperandWidth::SINGLE);
-    stats.hardware(HardwareKind::Multiplier, "set-up of a triangle", 1_u64, OperandWidth::SINGLE);
-    stats.hardware(HardwareKind::Adder, "the same", 1_u64, OperandWidth::SINGLE);
-    stats.hardware(HardwareKind::Divider, "its area", 1_u64, OperandWidth::SINGLE);
+    stats.hardware(HardwareKind::Multiplier, "set-up of a triangle", SET_UP_UNITS.multiply, OperandWidth::SINGLE);
+    stats.hardware(HardwareKind::Adder, "the same", SET_UP_UNITS.add, OperandWidth::SINGLE);
+    stats.hardware(HardwareKind::Divider, "its area", SET_UP_UNITS.divide, OperandWidth::SINGLE);
     stats.hardware(HardwareKind::Registers, "scan: column, row", 2_u64, COORDINATE);
     stats.hardware(HardwareKind::Registers, "scan: three edges, value and two slopes each", 9_u64, NUMBER);
     stats.hardware(HardwareKind::Registers, "three values at three corners", 9_u64, NUMBER);

@@ -71,7 +71,7 @@ impl HostInterface {
         let bytes = numbers * u64::from(self.config.number_bytes);
         self.state.counters.bytes += bytes;
         let cycles = bytes.div_ceil(u64::from(self.config.bytes_per_cycle)).max(1);
-        Step::after(cycles + u64::from(self.config.latency), Some(control)).busy(cycles)
+        Step::during(cycles, self.config.latency.into(), Some(control))
     }
 
     /// Writes and counts the numbers of a frame: mode, Ia, V, and L and Is of each light.

@@ -89,7 +89,7 @@ impl NormalInterpolation {
 
     fn begin(&mut self, load: Arc<NormalLoad>) -> Out {
         let n = load.illumination.lighting.n;
-        let setup = set_up_cycles(&load.polygon, &self.operators);
+        let setup = set_up_cycles(&load.polygon, false, &self.operators);
         let fill = self.fill(n);
         let cycles = (setup + fill).max(1);
         let open = load.open;
@@ -186,7 +186,7 @@ const INNER_PRODUCT: OperatorCounts = OperatorCounts { multiply: 1, add: 2, ..Op
 /// Longest dependent chain from a power to the gate.
 const SCALE: OperatorCounts = OperatorCounts { multiply: 1, ..OperatorCounts::NONE };
 /// Longest dependent chain of a normalisation: squared length, root, reciprocal, products.
-const NORMALISATION: OperatorCounts = OperatorCounts { multiply: 2, add: 2, divide: 1, square_root: 1, power: 0 };
+const NORMALISATION: OperatorCounts = OperatorCounts { multiply: 2, add: 2, divide: 1, square_root: 1, ..OperatorCounts::NONE };
 /// Hardware of the normalisation: multipliers and adders for one per cycle, one square-root unit and one divider, which are
 /// slower.
 const NORMALISER: OperatorCounts = OperatorCounts::NORMALIZE;

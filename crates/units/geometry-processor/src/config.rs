@@ -65,7 +65,14 @@ impl GeometryConfig {
     /// Returns the unit's operators.
     pub fn operators(&self) -> OperatorCounts {
         let Self { multipliers, adders, dividers, square_roots, powers, .. } = *self;
-        OperatorCounts { multiply: multipliers, add: adders, divide: dividers, square_root: square_roots, power: powers }
+        OperatorCounts {
+            multiply: multipliers,
+            add: adders,
+            divide: dividers,
+            square_root: square_roots,
+            power: powers,
+            ..OperatorCounts::NONE
+        }
     }
 }
 

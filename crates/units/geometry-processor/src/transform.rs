@@ -46,7 +46,7 @@ impl ObjectTransform {
     pub const POSITION_CHAIN: OperatorCounts = OperatorCounts { multiply: 1, add: 3, ..OperatorCounts::NONE };
     /// Longest dependent chain of a direction: a product and two sums, then squared length, root, reciprocal, product.
     pub const DIRECTION_CHAIN: OperatorCounts =
-        OperatorCounts { multiply: 1 + 2, add: 2 + 2, divide: 1, square_root: 1, power: 0 };
+        OperatorCounts { multiply: 1 + 2, add: 2 + 2, divide: 1, square_root: 1, ..OperatorCounts::NONE };
 
     /// Creates the matrices of an object with this world matrix under this view projection, both row-major.
     pub fn new(view_projection: &[f64; 16], world: &[f64; 16]) -> Self {

@@ -244,6 +244,7 @@ fn mesh_of(object: &Object) -> MeshInfo {
         indices: mesh.indices.len() as u32,
         uv: !mesh.uv.is_empty() && object.material.color_texture.is_some(),
         colors: !mesh.colors.is_empty(),
+        digest: mesh.digest(),
     }
 }
 

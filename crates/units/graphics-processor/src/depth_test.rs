@@ -9,8 +9,8 @@ use basrelief_signals::{
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
-/// Arithmetic of a fragment: one comparison with the z-buffer, one fragment per cycle.
-const COMPARISON: OperatorCounts = OperatorCounts { add: 1, ..OperatorCounts::NONE };
+/// Arithmetic of a fragment: one comparison of whole numbers with the z-buffer, one fragment per cycle.
+const COMPARISON: OperatorCounts = OperatorCounts { integer_add: 1, ..OperatorCounts::NONE };
 
 /// Counters of the z-test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -220,7 +220,9 @@ impl<T: DepthToken> Unit for DepthTest<T> {
                 let tested = token.pixels();
                 let mut is_open = false;
                 let any = token.retain(|x, y, z| self.passes([x, y], z, &mut is_open, traffic));
-                Step::over(tested, 1, latency, (any || T::KEPT_WHEN_EMPTY).then_some(Flow::Item(token)))
+                let out = (any || T::KEPT_WHEN_EMPTY).then_some(Flow::Item(token));
+                // The comparison needs the stored depth.
+                Step::over(tested, 1, latency, out).after_data(latency as u32)
             }
             Some(Flow::Control(Control::FrameEnd)) => Step::after(latency, self.end(traffic)),
             Some(Flow::Control(control)) => {

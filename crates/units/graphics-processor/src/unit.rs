@@ -153,7 +153,11 @@ impl GraphicsProcessor {
     /// Draws the oldest waiting item.
     fn draw_held(&mut self, traffic: &mut MemoryPorts) -> Out {
         match self.take_held(traffic) {
-            Some(held) => self.draw(held, traffic),
+            // The work on an entry begins with its data.
+            Some(held) => {
+                let step = self.draw(held, traffic);
+                step.after_data(self.timing.latency as u32)
+            }
             None => self.after(None),
         }
     }
@@ -170,7 +174,7 @@ impl GraphicsProcessor {
             HeldItem::Plain(stamp) => self.pixels(stamp.iter().map(|fragment| (*fragment, None)), traffic),
         };
         let out = pixels.map(Flow::Item);
-        Step::over(fragments, self.state.pace, self.timing.latency, out)
+        Step::over(fragments, self.state.pace, self.timing.latency, out).after_data(self.timing.after_texels)
     }
 
     /// Returns the pixels of the fragments of a triangle, each with brightness and highlight unless they come from the vertices.

@@ -21,8 +21,10 @@ const TEXTURED: OperatorCounts = interpolated(2).and(OperatorCounts { multiply: 
 /// Arithmetic of fractions, four weights of which one is a product, and three components from four texels.
 const FILTERED: OperatorCounts = OperatorCounts { multiply: 1 + 12, add: 2 + 3 + 9, ..OperatorCounts::NONE };
 
-/// Longest dependent chain: coordinates, address, weights, filter, three factors, highlight, limit.
-const CHAIN: OperatorCounts = OperatorCounts { multiply: 1 + 1 + 1 + 1 + 4, add: 2 + 1 + 1 + 2 + 2, ..OperatorCounts::NONE };
+/// Longest dependent chain up to the texels: coordinates, address, weights.
+const ADDRESSES: OperatorCounts = OperatorCounts { multiply: 1 + 1 + 1, add: 2 + 1 + 1, ..OperatorCounts::NONE };
+/// Longest dependent chain from the texels on: filter, three factors, highlight, limit.
+const FROM_TEXELS: OperatorCounts = OperatorCounts { multiply: 1 + 4, add: 2 + 2, ..OperatorCounts::NONE };
 
 /// Returns the arithmetic of a pixel of this polygon.
 fn pixel(polygon: &Polygon, filter: TexelFilter) -> OperatorCounts {
@@ -40,12 +42,15 @@ fn pixel(polygon: &Polygon, filter: TexelFilter) -> OperatorCounts {
 pub(crate) struct PixelTiming {
     /// Cycles from a fragment to its pixel, without texel fetches.
     pub(crate) latency: u64,
+    /// The part of the latency that needs the texels.
+    pub(crate) after_texels: u32,
     operators: Operators,
 }
 
 impl PixelTiming {
     pub(crate) fn new(operators: Operators) -> Self {
-        Self { latency: operators.latency(CHAIN), operators }
+        let latency = operators.latency(ADDRESSES.and(FROM_TEXELS));
+        Self { latency, after_texels: operators.latency(FROM_TEXELS) as u32, operators }
     }
 
     /// Returns the cycles from one pixel of this polygon to the next.

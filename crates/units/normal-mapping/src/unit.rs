@@ -177,7 +177,7 @@ impl Unit for NormalMapping {
                 self.map(&mut out, traffic);
                 let is_mapped = self.state.polygon.as_ref().is_some_and(|polygon| polygon.material.normal_map.is_some());
                 let pace = self.timing.pace(is_mapped, out.samples.len());
-                Step::over(fragments, pace, latency, Some(Flow::Item(out)))
+                Step::over(fragments, pace, latency, Some(Flow::Item(out))).after_data(self.timing.after_texels)
             }
             Some(Flow::Control(control)) => {
                 if let Control::Polygon(polygon) = &control {

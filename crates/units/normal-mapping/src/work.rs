@@ -39,15 +39,18 @@ fn mapped(config: &NormalMappingConfig, samples: u32) -> OperatorCounts {
     FRAME.and(footprint.times(footprints)).and(ROTATED.and(SCALED).times(samples))
 }
 
-/// Longest dependent chain: attribute, footprint, filter, rotation, scale.
-const CHAIN: OperatorCounts =
-    OperatorCounts { multiply: 1 + 1 + 1 + 1 + 1, add: 2 + 2 + 2 + 2 + 2, divide: 1, ..OperatorCounts::NONE };
+/// Longest dependent chain up to the addresses of the texels: attribute, footprint.
+const ADDRESSES: OperatorCounts = OperatorCounts { multiply: 1 + 1, add: 2 + 2, ..OperatorCounts::NONE };
+/// Longest dependent chain from the texels on: filter, rotation, scale.
+const FROM_TEXELS: OperatorCounts = OperatorCounts { multiply: 1 + 1 + 1, add: 2 + 2 + 2, divide: 1, ..OperatorCounts::NONE };
 
 /// Timing computed once from the parameters, because they do not change during a run and every step needs it.
 #[derive(Clone, Debug)]
 pub(crate) struct MappingTiming {
     /// Cycles from a fragment to its pseudo-normals, without texel fetches.
     pub(crate) latency: u64,
+    /// The part of the latency that needs the texels.
+    pub(crate) after_texels: u32,
     /// Cycles from one fragment to the next without a map. N' is the same at all levels.
     bare: u64,
     /// Cycles from one fragment to the next with a map, by the number of pseudo-normals.
@@ -58,7 +61,8 @@ impl MappingTiming {
     pub(crate) fn new(config: &NormalMappingConfig, operators: &Operators) -> Self {
         let pace = |work| operators.stream_interval(work, config.operators());
         let mapped = std::array::from_fn(|samples| pace(mapped(config, samples as u32)));
-        Self { latency: operators.latency(CHAIN), bare: pace(BARE.and(SCALED)), mapped }
+        let (latency, after_texels) = (operators.latency(ADDRESSES.and(FROM_TEXELS)), operators.latency(FROM_TEXELS) as u32);
+        Self { latency, after_texels, bare: pace(BARE.and(SCALED)), mapped }
     }
 
     /// Returns the cycles from one fragment to the next, with this many pseudo-normals each.

@@ -60,6 +60,8 @@ pub(crate) struct PassPart {
     pub(crate) read: u32,
     pub(crate) write: u32,
     pub(crate) cycles: u64,
+    /// True for the last part of a pass.
+    pub(crate) is_last: bool,
 }
 
 impl Clustering {
@@ -91,9 +93,11 @@ impl Clustering {
         // Share that goes with the bytes read so far, rounded down. The last bytes get all of it.
         let share = |whole: u64| (u128::from(whole) * u128::from(self.read) / u128::from(pass.read.max(1))) as u64;
         let (written, spent) = (share(pass.write), share(pass.cycles));
-        let part = PassPart { at, read: read as u32, write: (written - self.written) as u32, cycles: spent - self.spent };
+        let is_last = self.read == pass.read;
+        let write = (written - self.written) as u32;
+        let part = PassPart { at, read: read as u32, write, cycles: spent - self.spent, is_last };
         (self.written, self.spent) = (written, spent);
-        if self.read == pass.read {
+        if is_last {
             self.passes.pop_front();
             (self.read, self.written, self.spent) = (0, 0, 0);
         }
@@ -122,11 +126,12 @@ mod tests {
         // One divider and one square-root unit, each busy for one cycle. Seeds go 64 at a time.
         assert_eq!(cycles, 1_000 + 16 * 16 + 3 * (1_000 + 16));
         assert!(parts.iter().all(|p| p.read <= 64 && p.write <= 64 + 4));
+        assert_eq!(parts.iter().filter(|p| p.is_last).count(), 1 + 16 + 3);
     }
 
     #[test]
     fn small_book_takes_one_pass() {
         let batch = BookBatch { normals: 10, bytes: 60, entries: 4, search_cycles: 10, ..BookBatch::default() };
-        assert_eq!(parts(&batch), [PassPart { at: 0, read: 60, write: 60, cycles: 10 }]);
+        assert_eq!(parts(&batch), [PassPart { at: 0, read: 60, write: 60, cycles: 10, is_last: true }]);
     }
 }

@@ -118,7 +118,9 @@ impl Replacement {
             traffic.write(GATHERED, address, part.write);
         }
         self.state.clustering = Some(clustering);
-        self.count_cycles(part.cycles.max(1))
+        let step = self.count_cycles(part.cycles.max(1));
+        // The next pass needs the result of this one.
+        if part.is_last { step.blocking() } else { step }
     }
 
     fn count_cycles(&mut self, cycles: u64) -> Out {
@@ -156,16 +158,20 @@ impl Replacement {
                 self.state.gather.normals.read += u64::from(bytes);
                 self.read_beside(crate::gather::fragments_bytes(&normals), traffic);
                 self.prepare_book();
-                self.replace(&mut normals, traffic)
+                let step = self.replace(&mut normals, traffic);
+                // The search begins with the data. The unit holds one stamp, so it reads the next one after that.
+                let latency = step.latency as u32;
+                step.after_data(latency).blocking()
             }
             Some(Flow::Control(control)) => {
                 self.read_beside(crate::gather::control_bytes(&control), traffic);
-                self.pass(control)
+                let latency = self.latency as u32;
+                self.pass(control, traffic).after_data(latency).blocking()
             }
             None => {
                 *self.state.book = None;
                 match std::mem::take(&mut self.state.gather).ending {
-                    Some(control) => self.pass(control),
+                    Some(control) => self.pass(control, traffic),
                     None => self.quiet(),
                 }
             }

@@ -144,22 +144,44 @@ impl ReplacementConfig {
         OperatorCounts { divide: 1, square_root: 1, ..OperatorCounts::INNER_PRODUCT.times(self.lanes) }
     }
 
-    /// Returns the cycles from N' to its index without the inner products of a search: a product, two sums, and a tree of
-    /// comparisons. The tree finds the largest of all lanes and of the earlier results.
-    pub fn latency(&self, operators: &Operators) -> u64 {
-        let comparisons = u32::BITS - (self.lanes.max(1) - 1).leading_zeros() + 1;
-        operators.latency(OperatorCounts { multiply: 1, add: 2 + comparisons, ..OperatorCounts::NONE })
+    /// Returns the cycles from the last row of a search of `entries` reference normals to its index, all in whole numbers: a
+    /// product, two sums, a tree of comparisons over the lanes of a row, and another over the rows. No comparison waits for
+    /// one of the row before, so a row enters in each cycle.
+    pub fn latency(&self, entries: u32, operators: &Operators) -> u64 {
+        let comparisons = levels_of(self.lanes.min(entries)) + levels_of(self.search_cycles(entries) as u32);
+        operators.latency(OperatorCounts { integer_multiply: 1, integer_add: 2 + comparisons, ..OperatorCounts::NONE })
     }
 
-    /// Returns the cycles of one search of `entries` reference normals, without the latency.
+    /// Returns the rows of one search of `entries` reference normals. Each row takes a cycle.
     pub fn search_cycles(&self, entries: u32) -> u64 {
         u64::from(entries.div_ceil(self.lanes.max(1)).max(1))
     }
 }
 
+/// Returns the levels of a binary tree over so many leaves, rounded up.
+fn levels_of(leaves: u32) -> u32 {
+    leaves.max(1).next_power_of_two().ilog2()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use basrelief_kernel::OperatorConfig;
+
+    #[test]
+    fn search_latency_is_that_of_integer_trees() {
+        let config = ReplacementConfig { lanes: 64, ..ReplacementConfig::default() };
+        let float = OperatorConfig::new(100, 100);
+        let whole = Operators {
+            multiply: float.clone(),
+            add: float,
+            integer_multiply: OperatorConfig::new(10, 1),
+            ..Operators::default()
+        };
+        // A product, two sums, six levels over 64 lanes, and two over four rows.
+        assert_eq!(config.latency(256, &whole), 10 + 2 + 6 + 2);
+        assert_eq!([1, 2, 64, 65].map(|entries| config.latency(entries, &whole)), [12, 13, 18, 19]);
+    }
 
     #[test]
     fn entries_accept_one_number_or_one_per_level() {

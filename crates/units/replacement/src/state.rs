@@ -5,7 +5,7 @@ use crate::clustering::Clustering;
 use crate::gather::{GatheredBatch, TableLoad};
 use crate::policy::FragmentHistory;
 use basrelief_kernel::Cached;
-use basrelief_shading::LEVELS;
+use basrelief_shading::{LEVELS, TablePlaces};
 use basrelief_signals::{MAX_SAMPLES, ObjectInfo, PseudoNormals};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
@@ -26,6 +26,8 @@ pub struct ReplacementState {
     pub(crate) lod: u8,
     /// Fragments drawn per object, for a policy.
     pub(crate) history: FragmentHistory,
+    /// Addresses of the tables.
+    pub(crate) places: TablePlaces,
     /// Resident tables, most recently used first.
     pub(crate) resident: Vec<TableKey>,
     /// Tables being loaded, in order.

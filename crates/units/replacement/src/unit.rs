@@ -8,9 +8,7 @@ use crate::{CodeBookMode, ReplacementConfig, ReplacementState, TablePolicy};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
 use basrelief_shading::{LEVELS, TableError};
-use basrelief_signals::{
-    Control, Flow, MAX_STAMP, NormalIndexes, ObjectInfo, PseudoNormals, StampSample, StampSamples, quantization_memory,
-};
+use basrelief_signals::{Control, Flow, MAX_STAMP, NormalIndexes, ObjectInfo, PseudoNormals, StampSample, StampSamples};
 use std::sync::Arc;
 
 /// Client that reads VQ tables (121).
@@ -23,8 +21,8 @@ const OBJECT_BITS: u32 = 16 + 32 + 38;
 
 /// Normal-vector replacement unit (110).
 ///
-/// A fragment whose VQ table is not resident starts loading it, one read per step. The step that issues the last read also
-/// searches, because its data are the last to arrive. With code books, fragments are gathered in memory (120) up to the end of
+/// A fragment whose VQ table is not resident starts loading it, one read per step. The unit waits for the last read, and then
+/// searches. With code books, fragments are gathered in memory (120) up to the end of
 /// the polygon or object. Then the unit clusters pass by pass, writes and sends the code book, and sends the held tokens.
 #[derive(Clone, Debug)]
 pub struct Replacement {
@@ -32,8 +30,8 @@ pub struct Replacement {
     pub config: ReplacementConfig,
     pub(crate) normal_bits: u32,
     pub(crate) operators: Operators,
-    /// Cycles from N' to its index without the inner products.
-    latency: u64,
+    /// Cycles from the last row of the largest table to an index. All tokens take it, so that none overtakes another.
+    pub(crate) latency: u64,
     /// State between steps.
     pub state: ReplacementState,
     /// Contents of the VQ tables (121), computed from their parameters.
@@ -50,7 +48,8 @@ impl Replacement {
     pub fn new(config: ReplacementConfig, normal_bits: u32, operators: &Operators) -> Result<Self, TableError> {
         let set = config.table_set();
         set.check()?;
-        let latency = config.latency(operators);
+        let most = config.entries.levels().into_iter().max().unwrap_or(1);
+        let latency = config.latency(most, operators);
         let (operators, state) = (operators.clone(), ReplacementState::default());
         Ok(Self { config, normal_bits, operators, latency, state, tables: HostTables::new(set) })
     }
@@ -89,7 +88,7 @@ impl Replacement {
 
     fn control(&mut self, control: Control, traffic: &mut MemoryPorts) -> Out {
         if self.state.gather.is_empty() {
-            return self.pass(control);
+            return self.pass(control, traffic);
         }
         let ends = match control {
             // A polygon that is not a bump target waits beside this unit for the fragments ahead of it, because a batch never
@@ -102,9 +101,9 @@ impl Replacement {
     }
 
     /// Applies a control token and sends it on.
-    pub(crate) fn pass(&mut self, control: Control) -> Out {
+    pub(crate) fn pass(&mut self, control: Control, traffic: &mut MemoryPorts) -> Out {
         let control = match control {
-            Control::Object(object) => Control::Object(self.begin_object(object)),
+            Control::Object(object) => Control::Object(self.begin_object(object, traffic)),
             Control::Polygon(polygon) => {
                 self.state.polygons += 1;
                 self.state.lod = polygon.lod;
@@ -120,12 +119,15 @@ impl Replacement {
     }
 
     /// Begins an object, which travels on with the number of reference normals that the policy gives it.
-    fn begin_object(&mut self, object: Arc<ObjectInfo>) -> Arc<ObjectInfo> {
+    fn begin_object(&mut self, object: Arc<ObjectInfo>, traffic: &mut MemoryPorts) -> Arc<ObjectInfo> {
         let by_policy = || self.state.history.entries(object.id, &self.config);
         let object = match object.entries.is_none().then(by_policy).flatten() {
             Some(entries) => Arc::new(ObjectInfo { entries: Some(entries), ..ObjectInfo::clone(&object) }),
             None => object,
         };
+        if let Some(error) = object.entries.and_then(|entries| self.state.places.hold(self.tables.set(), entries).err()) {
+            traffic.fault(format!("object `{}`: {error}", object.name));
+        }
         self.state.object = Some(Arc::clone(&object));
         self.state.polygons = 0;
         *self.state.settled = None;
@@ -172,14 +174,15 @@ impl Replacement {
 
     fn admit(&mut self, key: TableKey) {
         let bytes = u64::from(key.1) * u64::from(self.tables.set().entry_bytes());
+        let address = self.state.places.address(self.tables.set(), key.0, key.1);
         self.state.resident.truncate(self.config.resident_tables.max(1) as usize - 1);
         self.state.resident.insert(0, key);
-        self.state.loads.push_back(TableLoad { address: quantization_memory::vq_table(key.0), bytes });
+        self.state.loads.push_back(TableLoad { address, bytes });
         self.state.counters.table_loads += 1;
         self.state.counters.table_load_bytes += bytes;
     }
 
-    /// Issues one read. After the last one the waiting fragment is searched.
+    /// Issues one read, or searches the waiting fragment if all tables are loaded.
     fn load(&mut self, traffic: &mut MemoryPorts) -> Out {
         if let Some(load) = self.state.loads.front_mut() {
             let (address, bytes) = load.next(u64::from(self.config.load_bytes));
@@ -187,9 +190,9 @@ impl Replacement {
             if load.bytes == 0 {
                 self.state.loads.pop_front();
             }
-        }
-        if !self.state.loads.is_empty() {
-            return self.quiet();
+            // The search needs all tables. Answers come in order, so the last one suffices.
+            let step = self.quiet();
+            return if self.state.loads.is_empty() { step.blocking() } else { step };
         }
         match self.state.pending.take() {
             Some(mut normals) => self.replace(&mut normals, traffic),
@@ -229,6 +232,7 @@ impl Replacement {
             samples.push(StampSample { level, weight: *weight, value: indexes });
         }
         let searches = (fragments * samples.len()) as u64;
+        // The last row enters in the last of these cycles.
         let (occupancy, cycles) = if self.config.pipelined {
             // One search starts per cycle, and the last fragment finishes last.
             (searches, searches - samples.len() as u64 + pipelined)
@@ -236,7 +240,7 @@ impl Replacement {
             (fragments as u64 * of_fragment, fragments as u64 * of_fragment)
         };
         let out = Some(Flow::Item(NormalIndexes { stamp: std::mem::take(&mut normals.stamp), samples }));
-        Step::after(self.latency + cycles, out).busy(occupancy.max(1))
+        Step::after(self.latency + cycles.saturating_sub(1), out).busy(occupancy.max(1))
     }
 }
 
@@ -297,7 +301,7 @@ impl Unit for Replacement {
     fn report_stats(&self, stats: &mut UnitStats) {
         let search = self.config.search_cycles(self.config.entries.levels()[0]);
         let interval = if self.config.pipelined { 1 } else { search };
-        stats.rate(0, self.latency + search, interval);
+        stats.rate(0, self.latency + search - 1, interval);
         self.tell_hardware(stats);
         let c = &self.state.counters;
         // Claim 3 and the promise of the patent: only indexes are kept on the surface, so less is moved than with normals.
@@ -313,6 +317,12 @@ impl Unit for Replacement {
         );
         stats.figure("vq_table_loads", c.table_loads, "loads", "Loads of VQ tables");
         stats.figure("vq_table_load_bytes", c.table_load_bytes, "bytes", "What they moved");
+        stats.figure(
+            "vq_table_other_bytes",
+            self.state.places.bytes(),
+            "bytes",
+            "VQ tables of other sizes that memory (120) holds, for all levels",
+        );
         stats.figure("code_books", c.code_books, "code books", "Code books made of gathered pseudo-normals");
         stats.figure("clustering_passes", c.clustering_passes, "passes", "Passes over all gathered pseudo-normals for that");
         stats.figure("clustering_cycles", c.clustering_cycles, "cycles", "Cycles that making them took");

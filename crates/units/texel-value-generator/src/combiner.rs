@@ -234,6 +234,7 @@ impl Unit for Combiner {
                 let out = self.combine(&texture, &light, traffic);
                 let pixels = out.packet.pixels();
                 Step::over(pixels, u64::from(self.config.initiation_interval), latency, Some(Flow::Item(out)))
+                    .after_data(self.config.blend_latency.min(self.config.latency))
             }
             PairedInput::Control(control) => {
                 let cycles = self.take(&control);

@@ -223,6 +223,8 @@ parameters! {
         samples_per_cycle: u32 = 1, unit: "samples", Assumed("one bilinear filter"), range: 1..=2;
         /// Latency of a packet with all texels in the cache.
         latency: u32 = 6, unit: "cycles", Assumed("addressing and filter"), range: 0..=4096;
+        /// Part of the latency that needs the texels.
+        filter_latency: u32 = 4, unit: "cycles", Derived("the filter: two means, each a product and a sum; addressing takes the other two"), range: 0..=4096;
     }
 }
 
@@ -251,6 +253,8 @@ parameters! {
         initiation_interval: u32 = 1, unit: "cycles", Assumed("a multiplier per component"), range: 1..=4096;
         /// Latency of a pixel, with the old value available.
         latency: u32 = 3, unit: "cycles", Assumed("two products and a sum"), range: 0..=4096;
+        /// Part of the latency that needs the old pixel value.
+        blend_latency: u32 = 2, unit: "cycles", Derived("the second product and the sum; the first product needs no old value"), range: 0..=4096;
         /// Size of a pixel in the pixel value buffer (360), for reading back.
         pixel_bytes: u32 = 4, unit: "bytes", Assumed("as frame_buffer.pixel_bytes"), range: 3..=4;
     }

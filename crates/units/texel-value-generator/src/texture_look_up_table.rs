@@ -208,6 +208,7 @@ impl Unit for TextureLookUpTable {
             PairedInput::Items(packet, levels) => {
                 let (out, cycles) = self.look_up(packet, &levels, traffic);
                 Step::over(cycles, 1, latency, Some(Flow::Item(out)))
+                    .after_data(self.config.filter_latency.min(self.config.latency))
             }
             PairedInput::Control(control) => {
                 self.take(&control);

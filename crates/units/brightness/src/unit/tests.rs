@@ -4,7 +4,9 @@ use super::*;
 use crate::Components;
 use basrelief_kernel::{OperatorConfig, Request};
 use basrelief_shading::{LEVELS, ReferenceNormals, brightness, reference_normals};
-use basrelief_signals::{Camera, Fragment, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex};
+use basrelief_signals::{
+    Camera, Fragment, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex, quantization_memory,
+};
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -174,8 +176,8 @@ fn entry_costs_arithmetic_per_light() {
         fetch(&mut unit, &[(1, 3, 1.0)]);
         unit.state.counters.rebuild_cycles
     };
-    // Seven entries, with a power of 5 cycles per light. One more step writes the last of them.
-    assert_eq!([1, 2, 4].map(&mut cycles), [7 * 5 + 1, 7 * 10 + 1, 7 * 20 + 1]);
+    // Seven entries, with a power of 5 cycles per light. A step reads the reference normals before, and a step writes the entries.
+    assert_eq!([1, 2, 4].map(&mut cycles), [7 * 5 + 2, 7 * 10 + 2, 7 * 20 + 2]);
 }
 
 #[test]
@@ -313,6 +315,53 @@ fn state_survives_checkpoint_within_rebuild() {
         assert_eq!(a.step(None, &mut MemoryPorts::default()), b.step(None, &mut MemoryPorts::default()));
     }
     assert_eq!((a.state, b.demand()), (b.state, Demand::All));
+}
+
+#[test]
+fn entries_are_calculated_after_their_normals_arrive() {
+    let mut unit = small_tables();
+    tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
+    let mut input = Some(Flow::Item(indexes(&[(0, 3, 1.0)])));
+    let mut steps = Vec::new();
+    loop {
+        let mut traffic = MemoryPorts::default();
+        let step = unit.step(input.take(), &mut traffic);
+        if step.out.is_some() {
+            break;
+        }
+        let moved = |write| traffic.requests().iter().filter(|r| r.write == write).map(|r| r.bytes).sum::<u32>();
+        steps.push((moved(false) / 6, step.occupancy / unit.config.entry_cycles(1, &unit.operators), moved(true), step.blocking));
+    }
+    // Reference normals read, entries calculated, bytes written: 32 and 8 entries, one step after the other.
+    assert_eq!(steps, [(32, 0, 0, true), (8, 32, 0, true), (0, 8, 32, true), (0, 0, 8, true)]);
+}
+
+#[test]
+fn interpolation_begins_with_its_entries() {
+    let mut unit = unit(BrightnessConfig::default());
+    tell(&mut unit, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
+    let (_, _, step) = fetch(&mut unit, &[(0, 17, 0.25), (1, 40, 0.75)]);
+    assert_eq!((u64::from(step.after_data), step.blocking), (step.latency, false));
+}
+
+#[test]
+fn fragment_takes_cycles_of_all_its_samples() {
+    let mut unit =
+        BrightnessFetch::new(BrightnessConfig { levels: 8, ..BrightnessConfig::default() }, tables(4), 8, &Operators::default());
+    tell(&mut unit, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
+    let occupancy = [1_u8, 2, 3, 5, 8].map(|n| {
+        let samples: Vec<_> = (0..n).map(|level| (level, 0, 0.1)).collect();
+        fetch(&mut unit, &samples).2.occupancy
+    });
+    assert_eq!(occupancy, [1, 1, 2, 3, 4], "two samples per cycle");
+}
+
+#[test]
+fn table_of_another_size_is_read_at_its_own_address() {
+    let mut unit = unit(BrightnessConfig::default());
+    tell(&mut unit, &[sun(0.6), object([0.0; 3], Some(64)), polygon(Lighting::default())]);
+    let (_, requests, _) = fetch(&mut unit, &[(1, 17, 1.0)]);
+    assert_eq!(requests[0].address, quantization_memory::OTHER_TABLES + 384);
 }
 
 proptest! {

@@ -83,7 +83,8 @@ impl Rasterization {
         traffic.write(STORE, address(tile), bytes as u32);
         let cycles = texels.page.texels_in(tile).div_ceil(self.config.average_rate.into());
         texels.synthesize(tile, self.state.frame);
-        Step::after(0, (None, None)).busy(cycles)
+        // The sources of the next tile may be this one.
+        Step::after(0, (None, None)).busy(cycles).blocking()
     }
 
     fn store(&mut self, arrived: &ExpandedTile, traffic: &mut MemoryPorts) -> Step<Out> {
@@ -170,7 +171,8 @@ impl Rasterization {
         self.state.improvable |= marks.is_some();
         let coloured = interpolations.max(block.mask.count_ones() as usize).div_ceil(self.config.interpolation_rate as usize);
         let cycles = coloured.max(words.div_ceil(self.config.scan_rate) as usize);
-        Step::over(cycles, 1, self.config.latency.into(), (marks, Some(PictureFlow::Pixels(pixels))))
+        let EngineConfig { latency, filter_latency, .. } = self.config;
+        Step::over(cycles, 1, latency.into(), (marks, Some(PictureFlow::Pixels(pixels)))).after_data(filter_latency.min(latency))
     }
 
     /// Colours a textured pixel. Returns the number of layers used, and the words read of the tile load list.

@@ -4,10 +4,13 @@ use crate::acquisition::load;
 use crate::{page, texture};
 use basrelief_deferred_renderer::cell::CellFormat;
 use basrelief_deferred_renderer::colour::progressive;
-use basrelief_deferred_renderer::tokens::{CellBlock, CellFlow, PassFlow, StoreOrder, TileResponse};
+use basrelief_deferred_renderer::tokens::{
+    CellBlock, CellFlow, EncodedTile, PassFlow, ResponseContent, StoreOrder, TileResponse,
+};
 use basrelief_deferred_renderer::{
-    CellConfig, Cells, ConventionalLoad, EngineConfig, LightingMode, PageTexels, PathConfig, PyramidCut, Rasterization,
-    ReferenceCell, RenderMode, RendererConfig, ServedTexture, Server, TableSizes, TextureMemory, TileEncoding, ViewpointEnds,
+    CellConfig, Cells, ConventionalLoad, EngineConfig, Identification, LightingMode, PageTexels, Path, PathConfig, PyramidCut,
+    Rasterization, ReferenceCell, RenderMode, RendererConfig, ServedTexture, Server, TableSizes, TextureMemory, TileEncoding,
+    ViewpointEnds,
 };
 use basrelief_kernel::{MemoryPorts, Operators, Unit};
 use basrelief_signals::{
@@ -103,7 +106,7 @@ fn sent(config: PathConfig, lighting: LightingMode, controls: &[Control]) -> (Ve
 // Claim: defer, 451, 482: A mesh travels once, indexed. Later frames send commands only.
 #[test]
 fn step_451_mesh_travels_once_and_indexed() {
-    let mesh = MeshInfo { vertices: 100, indices: 300, uv: true, colors: false };
+    let mesh = MeshInfo { vertices: 100, indices: 300, uv: true, colors: false, digest: 0 };
     let polygon = || triangle(Material::default(), [0.0, 0.0, 1.0], false);
     let controls = |index, mesh| [frame(index), object(mesh), polygon(), polygon(), Control::FrameEnd];
     let of = |mesh, lighting| sent(PathConfig::default(), lighting, &[controls(0, mesh), controls(1, mesh)].concat()).0;
@@ -115,8 +118,16 @@ fn step_451_mesh_travels_once_and_indexed() {
         once(100 * 4 * (3 + 2 + 3) + 300 * 2 + 40),
         "normals where something is lit"
     );
-    let large = MeshInfo { vertices: 70_000, indices: 9, uv: false, colors: true };
+    let large = MeshInfo { vertices: 70_000, indices: 9, uv: false, colors: true, digest: 0 };
     assert_eq!(of(Some(large), LightingMode::None), once(70_000 * 4 * (3 + 1) + 9 * 4 + 40), "indices of four bytes");
+    let instance = |id, digest| {
+        let mesh = Some(MeshInfo { digest, ..mesh });
+        Control::Object(Arc::new(ObjectInfo { id, mesh, ..ObjectInfo::default() }))
+    };
+    let instances = [instance(0, 7), instance(1, 7), instance(2, 8), instance(3, 0), instance(4, 0)];
+    let whole = of_object + 100 * 4 * (3 + 2) + 300 * 2 + 40;
+    let sent = sent(PathConfig::default(), LightingMode::None, &instances).0;
+    assert_eq!(sent, [whole, of_object + 40, whole, whole, whole], "an instance has a surface of its own");
     let untold = of(None, LightingMode::None);
     assert_eq!(untold[1..5], [of_object, 3 * 12, 3 * 12, 0], "a list that does not tell: vertex by vertex");
     assert_eq!(untold[5..], [of_frame, of_object, 0, 0, 0]);
@@ -160,4 +171,66 @@ fn final_rasterization_pays_for_figure_7b_search() {
     assert_eq!(cycles(RenderMode::Progressive, 0.0), 16, "a layer each");
     assert_eq!(cycles(RenderMode::Progressive, 3.0), 16 * 4, "layers 3, 2, 1, 0");
     assert_eq!(cycles(RenderMode::Best, 3.0), 16, "all is there: no search");
+}
+
+#[test]
+fn identification_takes_a_cycle_per_scanned_layer() {
+    let occupancy = |scan_rate, depth: f32| {
+        let mut unit = Identification::new(EngineConfig { scan_rate, ..EngineConfig::default() }, TableSizes::default());
+        unit.state.pages.push(page([512, 512], [64, 64]));
+        let mut block = CellBlock { mask: u16::MAX, ..CellBlock::default() };
+        block.cells = [ReferenceCell::textured(0, [10.0, 10.0], depth, [255; 3]); 16];
+        unit.step(Some(PassFlow::Cells(block)), &mut MemoryPorts::default()).occupancy
+    };
+    assert_eq!([1, 2, 3, 16].map(|rate| occupancy(rate, 3.0)), [16, 8, 6, 1]);
+    assert_eq!([1, 2, 3, 16].map(|rate| occupancy(rate, 2.5)), [32, 16, 11, 2], "two layers each");
+}
+
+#[test]
+fn tile_arrives_one_latency_after_its_transfer() {
+    let step = |latency_us, content| {
+        let config = PathConfig { bits_per_second: 8_000_000, latency_us, ..PathConfig::default() };
+        let mut path = Path::new(&config, 100_000_000, 64);
+        let step = path.step(Some(TileResponse { bytes: 10, content }), &mut MemoryPorts::default());
+        (step.occupancy, step.latency)
+    };
+    let tile = || ResponseContent::Tile(EncodedTile { page: page([64, 64], [64, 64]), tile: 0, bytes: Arc::new([0; 10]) });
+    // Ten bytes at one byte per microsecond, at 100 cycles each.
+    assert_eq!(step(0, tile()), (1_000, 999));
+    assert_eq!(step(7, tile()), (1_000, 999 + 700));
+    let control = || Control::FrameEnd;
+    assert_eq!(step(7, ResponseContent::Asked(control())), (1_700, 1_699), "the polygons are one answer");
+    assert_eq!(step(7, ResponseContent::Mesh(control())), (1_000, 999));
+}
+
+#[test]
+fn set_up_of_a_triangle_occupies_initial_rasterization() {
+    let occupancy = |setup_units| {
+        let engine = EngineConfig { setup_units, ..EngineConfig::default() };
+        let renderer = RendererConfig { lighting: LightingMode::None, ..RendererConfig::default() };
+        let mut unit = Cells::new(engine, Operators::default(), &CellConfig::default(), &renderer, PyramidCut::default());
+        unit.step(Some(Flow::Control(frame(0))), &mut MemoryPorts::default());
+        let polygon = triangle(Material::default(), [0.0, 0.0, 1.0], false);
+        unit.step(Some(Flow::Control(polygon)), &mut MemoryPorts::default()).occupancy
+    };
+    // 51 products and 38 sums.
+    assert_eq!([1, 4, 16].map(occupancy), [51, 13, 4]);
+}
+
+#[test]
+fn final_rasterization_filters_after_its_texels() {
+    let (format, engine) = (CellFormat::new(&CellConfig::default(), 1.0), EngineConfig::default());
+    let mut unit = Rasterization::new(engine, RenderMode::Best, ViewpointEnds::default(), format, TableSizes::default());
+    let mut texels = PageTexels::new(page([128, 128], [64, 64]));
+    let mut served = ServedTexture::new(texture([128, 128]));
+    (0..texels.page.tiles()).for_each(|tile| load(&mut served, &mut texels, tile, TileEncoding::Raw));
+    unit.state.pages.push(texels);
+    unit.step((Some(PassFlow::Begin), None, None), &mut MemoryPorts::default());
+    let order = StoreOrder::Synthesize { page: 0, tile: 0 };
+    assert!(unit.step((None, Some(order), None), &mut MemoryPorts::default()).blocking, "the next tile may need this one");
+    unit.step((None, Some(StoreOrder::End), None), &mut MemoryPorts::default());
+    let mut block = CellBlock { mask: 1, ..CellBlock::default() };
+    block.cells[0] = ReferenceCell::textured(0, [10.0, 10.0], 0.0, [255; 3]);
+    let step = unit.step((Some(PassFlow::Cells(block)), None, None), &mut MemoryPorts::default());
+    assert_eq!((step.after_data, step.latency), (6, 8));
 }

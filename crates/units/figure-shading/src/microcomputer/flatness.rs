@@ -5,7 +5,7 @@ use super::normals::{are_near, color_of};
 use super::state::CpuProcess;
 use crate::cpu::CpuOperations;
 use crate::local_memory::PolygonBuffer;
-use basrelief_kernel::{MemoryPorts, OperatorCounts};
+use basrelief_kernel::OperatorCounts;
 use basrelief_signals::{Polygon, ShadingMode};
 use glam::Vec3;
 
@@ -25,13 +25,7 @@ fn is_flat(normals: &[Vec3], tolerance: f32) -> bool {
 impl Microcomputer {
     /// Runs process 15, except in polyhedron mode, which needs no decision. A polygon whose points differ in colour is never
     /// flat. Ka and Kd include the colour here, so its brightness is not constant although its normal is.
-    pub(super) fn judge_flatness(
-        &mut self,
-        polygon: &Polygon,
-        normals: &[Vec3],
-        buffer: PolygonBuffer,
-        traffic: &mut MemoryPorts,
-    ) -> (bool, u64) {
+    pub(super) fn judge_flatness(&mut self, polygon: &Polygon, normals: &[Vec3], buffer: PolygonBuffer) -> (bool, u64) {
         let matters = match self.state.settings.mode {
             ShadingMode::Normal => true,
             ShadingMode::Brightness => self.shading.flat_in_brightness_mode,
@@ -43,7 +37,7 @@ impl Microcomputer {
         let flat = is_flat(normals, self.short_cuts.flatness.tolerance) && color_of(polygon).is_some();
         self.state.counters.flat += u64::from(flat);
         let points = normals.len() as u64;
-        self.port.read(traffic, buffer.normals(), points * DISTANCE.load);
+        self.fetch(buffer.normals(), points * DISTANCE.load);
         (flat, self.run(CpuProcess::Flatness, DISTANCE.times(points)))
     }
 }

@@ -4,8 +4,9 @@ use super::Microcomputer;
 use super::state::{CpuPhase, CpuProcess, DecidedPolygon};
 use super::unit::{Out, nothing};
 use crate::cpu::CpuOperations;
+use crate::dots::{DEPTH_SET_UP, SCAN_SET_UP};
 use crate::{FigureFlow, ShadedDot};
-use basrelief_kernel::{MemoryPorts, OperatorCounts, Step};
+use basrelief_kernel::Step;
 use basrelief_shading::fan_triangles;
 use basrelief_signals::{Fragment, ShadingMode};
 
@@ -15,13 +16,8 @@ const SUM: CpuOperations = CpuOperations { load: 3, add: 3, ..CpuOperations::NON
 const SHARE: CpuOperations = CpuOperations { divide: 1, multiply: 3, ..CpuOperations::NONE };
 /// The brightness is written to the selectors' input once for all dots of a polygon.
 const BRIGHTNESS: CpuOperations = CpuOperations { store: 3, ..CpuOperations::NONE };
-/// Set-up of a triangle of the fan: nine coordinates, x and y of each in steps of the grid; two differences, two products and a
-/// difference for each edge; sign and reciprocal of the area; two slopes of the depth.
-const SET_UP: CpuOperations = CpuOperations {
-    load: 9,
-    compare: 4,
-    ..CpuOperations::of(OperatorCounts { multiply: 6 + 6 + 6, add: 6 + 9 + 4, divide: 1, ..OperatorCounts::NONE })
-};
+/// Set-up of a triangle of the fan, from nine coordinates.
+const SET_UP: CpuOperations = CpuOperations { load: 9, compare: 4, ..CpuOperations::of(SCAN_SET_UP.and(DEPTH_SET_UP)) };
 /// Returns the mean over the sample points, or black if there are none.
 pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
     let Some((first, others)) = brightness.split_first() else { return [0.0; 3] };
@@ -32,29 +28,24 @@ pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
 
 impl Microcomputer {
     /// Returns the brightness of all dots, reused or calculated from the sample points, and its cycles.
-    pub(super) fn mean(
-        &mut self,
-        decided: &DecidedPolygon,
-        brightness: &[[f32; 3]],
-        traffic: &mut MemoryPorts,
-    ) -> ([f32; 3], u64) {
+    pub(super) fn mean(&mut self, decided: &DecidedPolygon, brightness: &[[f32; 3]]) -> ([f32; 3], u64) {
         if let (true, Some(plane)) = (decided.reused, &self.state.plane) {
             return (plane.brightness, 0);
         }
         let (buffer, points) = (self.buffer(decided.number), brightness.len() as u64);
-        self.port.read(traffic, buffer.brightness(), SUM.load * points);
+        self.fetch(buffer.brightness(), SUM.load * points);
         let mut cycles = self.run(CpuProcess::Mean, SUM.times(points).and(SHARE));
         let mean = mean(brightness);
         if self.state.settings.mode != ShadingMode::Polyhedron {
-            cycles += self.store(&decided.polygon, mean, buffer, traffic);
+            cycles += self.store(&decided.polygon, mean, buffer);
         }
         (mean, cycles)
     }
 
     /// Sets up the output. Returns its cycles.
-    pub(super) fn set_up_output(&mut self, decided: &DecidedPolygon, traffic: &mut MemoryPorts) -> u64 {
+    pub(super) fn set_up_output(&mut self, decided: &DecidedPolygon) -> u64 {
         let (points, triangles) = (decided.polygon.vertices.len() as u64, u64::from(fan_triangles(&decided.polygon)));
-        self.port.read(traffic, self.buffer(decided.number).points(), 3 * points);
+        self.fetch(self.buffer(decided.number).points(), 3 * points);
         self.spend(CpuProcess::Mean, BRIGHTNESS.and(SET_UP.times(triangles)))
     }
 

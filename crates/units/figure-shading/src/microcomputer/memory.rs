@@ -7,7 +7,7 @@ use super::plane::StoredPlane;
 use super::state::CpuProcess;
 use crate::cpu::CpuOperations;
 use crate::local_memory::{PLANE, PLANE_NUMBERS, PolygonBuffer};
-use basrelief_kernel::{MemoryPorts, OperatorCounts};
+use basrelief_kernel::OperatorCounts;
 use basrelief_signals::Polygon;
 use glam::Vec3;
 
@@ -29,41 +29,29 @@ const STORE: CpuOperations = CpuOperations { divide: 2, store: PLANE_NUMBERS, ..
 
 impl Microcomputer {
     /// Runs step 92 of Figure 7, and step 95 if the brightness is reused.
-    pub(super) fn judge_plane(
-        &mut self,
-        polygon: &Polygon,
-        normals: &[Vec3],
-        buffer: PolygonBuffer,
-        traffic: &mut MemoryPorts,
-    ) -> (bool, u64) {
+    pub(super) fn judge_plane(&mut self, polygon: &Polygon, normals: &[Vec3], buffer: PolygonBuffer) -> (bool, u64) {
         if !self.short_cuts.same_plane.enabled {
             return (false, 0);
         }
         let reused = self.state.plane.is_some_and(|p| p.holds(polygon, normals, &self.short_cuts.same_plane));
         self.state.counters.reused += u64::from(reused);
         let (points, read) = (normals.len() as u64, if reused { READ } else { CpuOperations::NONE });
-        self.port.read(traffic, PLANE, STORED.load + read.load);
-        self.port.read(traffic, buffer.points(), 3 * points);
-        self.port.read(traffic, buffer.normals(), 3 * points);
+        self.fetch(PLANE, STORED.load + read.load);
+        self.fetch(buffer.points(), 3 * points);
+        self.fetch(buffer.normals(), 3 * points);
         (reused, self.run(CpuProcess::SamePlane, STORED.and(COMPARISON.times(points)).and(read)))
     }
 
     /// Runs step 94. Returns its cycles.
-    pub(super) fn store(
-        &mut self,
-        polygon: &Polygon,
-        brightness: [f32; 3],
-        buffer: PolygonBuffer,
-        traffic: &mut MemoryPorts,
-    ) -> u64 {
+    pub(super) fn store(&mut self, polygon: &Polygon, brightness: [f32; 3], buffer: PolygonBuffer) -> u64 {
         if !self.short_cuts.same_plane.enabled {
             return 0;
         }
         let normal = normals_of(polygon).first().copied().unwrap_or_default();
         self.state.plane = StoredPlane::of(polygon, normal, brightness);
         let points = polygon.vertices.len() as u64;
-        self.port.read(traffic, buffer.points(), AREAS.load * points);
-        self.port.write(traffic, PLANE, PLANE_NUMBERS);
+        self.fetch(buffer.points(), AREAS.load * points);
+        self.store_numbers(PLANE, PLANE_NUMBERS);
         self.run(CpuProcess::SamePlane, AREAS.times(points).and(STORE))
     }
 }

@@ -17,6 +17,7 @@ mod mean;
 mod memory;
 mod mode;
 mod normals;
+mod operands;
 mod plane;
 mod sample_points;
 mod specular;

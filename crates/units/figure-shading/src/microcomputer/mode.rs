@@ -5,7 +5,7 @@ use super::state::{CpuProcess, HostSettings};
 use crate::cpu::CpuOperations;
 use crate::local_memory::{LIGHT, LIGHTS, SETTINGS};
 use crate::{ObjectIllumination, ScanConfig};
-use basrelief_kernel::{MemoryPorts, OperatorCounts};
+use basrelief_kernel::OperatorCounts;
 use basrelief_shading::{RasterGrid, light_vectors};
 use basrelief_signals::{Frame, ObjectInfo, Polygon, ShadingSettings};
 use std::sync::Arc;
@@ -57,7 +57,7 @@ impl Microcomputer {
     }
 
     /// Updates the illumination for this polygon. Returns its cycles.
-    pub(super) fn set(&mut self, polygon: &Polygon, traffic: &mut MemoryPorts) -> u64 {
+    pub(super) fn set(&mut self, polygon: &Polygon) -> u64 {
         let material = &polygon.material;
         let [r, g, b, _] = material.base_color;
         let old = &self.state.illumination;
@@ -76,9 +76,9 @@ impl Microcomputer {
             self.state.illumination = Arc::new(new);
         }
         let vectors = if lights_changed { count } else { 0 };
-        self.port.read(traffic, SETTINGS, MATERIAL.load);
-        self.port.read(traffic, LIGHTS, vectors * LIGHT);
-        self.port.write(traffic, LIGHTS, vectors * LIGHT);
-        self.run(CpuProcess::Mode, MATERIAL.and(LIGHT_VECTOR.times(vectors))) + self.set_limits(traffic)
+        self.fetch(SETTINGS, MATERIAL.load);
+        self.fetch(LIGHTS, vectors * LIGHT);
+        self.store_numbers(LIGHTS, vectors * LIGHT);
+        self.run(CpuProcess::Mode, MATERIAL.and(LIGHT_VECTOR.times(vectors))) + self.set_limits()
     }
 }

@@ -7,7 +7,7 @@ use crate::illumination::normal_of;
 use crate::local_memory::{LIGHT, LIGHTS, PolygonBuffer};
 use crate::power::multiplications;
 use crate::{ObjectIllumination, ShadingRegisters, SumClamp};
-use basrelief_kernel::{MemoryPorts, OperatorCounts};
+use basrelief_kernel::OperatorCounts;
 use basrelief_signals::Polygon;
 
 /// Per sample point: its normal, Kd, Ka*Ia, the surface's colour.
@@ -50,22 +50,21 @@ impl Microcomputer {
         polygon: &Polygon,
         registers: ShadingRegisters,
         buffer: PolygonBuffer,
-        traffic: &mut MemoryPorts,
     ) -> (Vec<[f32; 3]>, u64) {
         let (points, lights) = (polygon.vertices.len() as u64, self.state.illumination.lights.len() as u64);
         let is_colored = polygon.vertices.iter().any(|v| v.color != [1.0; 4]);
         let mut operations = POINT.and(DIFFUSE.times(lights));
         if is_colored {
             operations = operations.and(COLOR);
-            self.port.read(traffic, buffer.colors(), 3 * points);
+            self.fetch(buffer.colors(), 3 * points);
         }
         if registers.adds_specular_at_sample_points() {
             let power = CpuOperations { multiply: multiplications(self.state.illumination.lighting.n), ..CpuOperations::NONE };
             operations = operations.and(SPECULAR.and(power).times(lights)).and(HIGHLIGHT);
         }
-        self.port.read(traffic, buffer.normals(), 3 * points);
-        self.port.read(traffic, LIGHTS, LIGHT * lights);
-        self.port.write(traffic, buffer.brightness(), 3 * points);
+        self.fetch(buffer.normals(), 3 * points);
+        self.fetch(LIGHTS, LIGHT * lights);
+        self.store_numbers(buffer.brightness(), 3 * points);
         let cycles = self.run(CpuProcess::Brightness, operations.times(points));
         (brightness(polygon, &self.state.illumination, registers, self.shading.clamp), cycles)
     }

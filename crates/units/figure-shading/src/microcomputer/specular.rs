@@ -6,7 +6,7 @@ use super::state::CpuProcess;
 use crate::ObjectIllumination;
 use crate::cpu::CpuOperations;
 use crate::local_memory::{LIGHT, LIGHTS, PolygonBuffer};
-use basrelief_kernel::{MemoryPorts, OperatorCounts};
+use basrelief_kernel::OperatorCounts;
 use glam::Vec3;
 
 /// Per light: the largest negligible power, threshold / (number of lights * Ks * Is).
@@ -54,7 +54,7 @@ fn shortest_sum(normals: &[Vec3]) -> f32 {
 
 impl Microcomputer {
     /// Computes the limits if Ks, n or Is have changed. Returns the cycles.
-    pub(super) fn set_limits(&mut self, traffic: &mut MemoryPorts) -> u64 {
+    pub(super) fn set_limits(&mut self) -> u64 {
         let config = &self.short_cuts.specular_negligible;
         let ObjectIllumination { lighting, lights, .. } = &*self.state.illumination;
         let wanted = Some((lighting.ks, lighting.n, lights.iter().map(|light| light.intensity).collect()));
@@ -65,13 +65,13 @@ impl Microcomputer {
         let largest = lights.iter().map(|light| limit(lighting, light.intensity, share, &self.power)).collect();
         let step = STEP.and(CpuOperations { multiply: self.power.bound_multiplications(lighting.n), ..CpuOperations::NONE });
         self.state.limits = SpecularLimits { found_for: wanted, largest };
-        self.port.read(traffic, LIGHTS, LIGHT * count);
-        self.port.write(traffic, LIGHTS, LIGHT * count);
+        self.fetch(LIGHTS, LIGHT * count);
+        self.store_numbers(LIGHTS, LIGHT * count);
         self.spend(CpuProcess::Specular, LARGEST_POWER.and(step.times(u64::from(STEPS))).times(count))
     }
 
     /// Runs process 17.
-    pub(super) fn judge_specular(&mut self, normals: &[Vec3], buffer: PolygonBuffer, traffic: &mut MemoryPorts) -> (bool, u64) {
+    pub(super) fn judge_specular(&mut self, normals: &[Vec3], buffer: PolygonBuffer) -> (bool, u64) {
         if !self.short_cuts.specular_negligible.enabled {
             return (true, 0);
         }
@@ -83,8 +83,8 @@ impl Microcomputer {
         if renormalise {
             operations = operations.and(SHORTEST_POINT.times(points)).and(SHORTEST).and(SHORTEST_OF_LIGHT.times(lights));
         }
-        self.port.read(traffic, buffer.normals(), 3 * points);
-        self.port.read(traffic, LIGHTS, LIGHT * lights);
+        self.fetch(buffer.normals(), 3 * points);
+        self.fetch(LIGHTS, LIGHT * lights);
         (!negligible, self.run(CpuProcess::Specular, operations))
     }
 }

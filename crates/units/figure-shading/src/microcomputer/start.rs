@@ -6,7 +6,6 @@ use super::state::{CpuProcess, DecidedPolygon};
 use crate::cpu::CpuOperations;
 use crate::local_memory::{LIGHT, LIGHTS};
 use crate::{BrightnessSelection, NormalLoad, SpecularSkip};
-use basrelief_kernel::MemoryPorts;
 use basrelief_signals::ShadingMode;
 use std::sync::Arc;
 
@@ -20,7 +19,7 @@ const POINT: CpuOperations = CpuOperations { load: 6, store: 6, ..CpuOperations:
 impl Microcomputer {
     /// Returns the load of circuit (50) if it is started, and the cycles. It is started if its output is selected, or if
     /// `shade.specular_skip` starts it for a closed gate (51).
-    pub(super) fn start(&mut self, decided: &DecidedPolygon, traffic: &mut MemoryPorts) -> (Option<Arc<NormalLoad>>, u64) {
+    pub(super) fn start(&mut self, decided: &DecidedPolygon) -> (Option<Arc<NormalLoad>>, u64) {
         let DecidedPolygon { polygon, registers, number, .. } = decided;
         let starts = match registers.selection() {
             BrightnessSelection::LinearAndSpecular => true,
@@ -35,9 +34,9 @@ impl Microcomputer {
         self.state.counters.starts += 1;
         let (buffer, normals) = (self.buffer(*number), normals_of(polygon));
         let (points, lights) = (normals.len() as u64, self.state.illumination.lights.len() as u64);
-        self.port.read(traffic, LIGHTS, LIGHT * lights);
-        self.port.read(traffic, buffer.points(), 3 * points);
-        self.port.read(traffic, buffer.normals(), 3 * points);
+        self.fetch(LIGHTS, LIGHT * lights);
+        self.fetch(buffer.points(), 3 * points);
+        self.fetch(buffer.normals(), 3 * points);
         let cycles = self.run(CpuProcess::Start, COMMAND.and(OF_LIGHT.times(lights)).and(POINT.times(points)));
         let (polygon, raster, illumination) = (Arc::clone(polygon), self.state.raster, Arc::clone(&self.state.illumination));
         (Some(Arc::new(NormalLoad { polygon, raster, normals, illumination, open: registers.specular })), cycles)

@@ -2,6 +2,7 @@
 
 use super::StoredPlane;
 use super::limits::SpecularLimits;
+use super::operands::OperandAccess;
 use crate::dots::DotScan;
 use crate::{ObjectIllumination, PolygonFigure, ShadingRegisters};
 use basrelief_shading::RasterGrid;
@@ -114,6 +115,8 @@ pub struct MicrocomputerState {
     pub(crate) phase: CpuPhase,
     /// Position of process 24 in its polygon.
     pub(crate) dots: DotScan,
+    /// Operands of the current work.
+    pub(crate) operands: OperandAccess,
     /// Plane of Figure 7 in memory (12). `None` means void.
     pub(crate) plane: Option<StoredPlane>,
     /// Counters.

@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// starts circuit (50), which works while 22 shades the sample points. Finally 23 loads circuit (21), or 24 computes the mean and
 /// emits it for every dot.
 ///
-/// The processes read the data that the host interface wrote to memory (12).
+/// The processes read the data that the host interface wrote to memory (12). The CPU waits for each read.
 ///
 /// Outputs: 0 to registers and circuit (21), with all control; 1 to circuit (50); 2 to selector (53) and 3 to selector (28), dots
 /// of process 24.
@@ -66,9 +66,8 @@ fn passed(cycles: u64, signal: FigureFlow) -> Out {
 const REGISTER: CpuOperations = CpuOperations { store: 1, ..CpuOperations::NONE };
 /// A dot: a step of three edges, of the address and of the depth, and a branch. Address and depth are stored.
 const DOT: CpuOperations = CpuOperations { integer: 3 + 1 + 1 + 1, store: 2, ..CpuOperations::NONE };
-/// Maximum number of requests of a step to memory (12): three for the data sent once, two for the limits, and those of processes 15, 92 and
-/// 17.
-const MOST_REQUESTS: u32 = 3 + 2 + 1 + 3 + 2;
+/// Maximum number of requests of a step to memory (12): a read, or the writes of light vectors and limits.
+const MOST_REQUESTS: u32 = 2;
 
 impl Microcomputer {
     /// Creates a microcomputer in its power-on state.
@@ -101,6 +100,7 @@ impl Microcomputer {
     /// Continues a process. Returns the cycles of its operations.
     pub(super) fn spend(&mut self, process: CpuProcess, operations: CpuOperations) -> u64 {
         let cycles = self.config.cycles(operations);
+        self.count_loads(operations);
         self.state.counters.processes[process as usize].cycles += cycles;
         cycles
     }
@@ -111,7 +111,7 @@ impl Microcomputer {
         ordered(cycles, RegisterOrder::Write(write))
     }
 
-    fn take(&mut self, control: Control, traffic: &mut MemoryPorts) -> Out {
+    fn take(&mut self, control: Control) -> Out {
         match control {
             Control::Frame(frame) => {
                 let cycles = self.begin_frame(&frame);
@@ -125,22 +125,22 @@ impl Microcomputer {
                 }
                 nothing(cycles)
             }
-            Control::Polygon(polygon) => self.decide(polygon, traffic),
+            Control::Polygon(polygon) => self.decide(polygon),
             Control::FrameEnd => passed(1, FigureFlow::FrameEnd),
             Control::CodeBook(_) | Control::Criterion(_) => nothing(1),
         }
     }
 
     /// Runs processes 15, 92 and 17.
-    fn decide(&mut self, polygon: Arc<Polygon>, traffic: &mut MemoryPorts) -> Out {
+    fn decide(&mut self, polygon: Arc<Polygon>) -> Out {
         let number = self.state.polygons;
         self.state.polygons += 1;
         let buffer = self.buffer(number);
-        let mut cycles = self.set(&polygon, traffic);
+        let mut cycles = self.set(&polygon);
         let normals = normals_of(&polygon);
-        let (flat, flat_cycles) = self.judge_flatness(&polygon, &normals, buffer, traffic);
-        let (reused, plane_cycles) = if flat { self.judge_plane(&polygon, &normals, buffer, traffic) } else { (false, 0) };
-        let (specular, specular_cycles) = if reused { (true, 0) } else { self.judge_specular(&normals, buffer, traffic) };
+        let (flat, flat_cycles) = self.judge_flatness(&polygon, &normals, buffer);
+        let (reused, plane_cycles) = if flat { self.judge_plane(&polygon, &normals, buffer) } else { (false, 0) };
+        let (specular, specular_cycles) = if reused { (true, 0) } else { self.judge_specular(&normals, buffer) };
         cycles += flat_cycles + plane_cycles + specular_cycles;
         let registers = ShadingRegisters { mode: self.state.settings.mode, flat, specular };
         self.state.phase = CpuPhase::WriteFlat(DecidedPolygon { polygon, number, registers, reused });
@@ -148,14 +148,14 @@ impl Microcomputer {
     }
 
     /// Runs process 20.
-    fn start_50(&mut self, decided: DecidedPolygon, traffic: &mut MemoryPorts) -> Out {
-        let (load, cycles) = self.start(&decided, traffic);
+    fn start_50(&mut self, decided: DecidedPolygon) -> Out {
+        let (load, cycles) = self.start(&decided);
         self.state.phase = CpuPhase::Shade(decided);
         Step::after(cycles, (None, load, None, None)).busy(cycles.max(1))
     }
 
     /// Continues with the next phase, if no dot is emitted.
-    fn go_on(&mut self, phase: CpuPhase, traffic: &mut MemoryPorts) -> Out {
+    fn go_on(&mut self, phase: CpuPhase) -> Out {
         match phase {
             CpuPhase::WriteMode => self.write(CpuProcess::Mode, RegisterWrite::Mode(self.state.settings.mode)),
             CpuPhase::WriteFlat(decided) => {
@@ -168,25 +168,25 @@ impl Microcomputer {
                 self.state.phase = CpuPhase::Start(decided);
                 self.write(CpuProcess::Specular, RegisterWrite::Specular(specular))
             }
-            CpuPhase::Start(decided) => self.start_50(decided, traffic),
-            CpuPhase::Shade(decided) => self.shade(decided, traffic),
+            CpuPhase::Start(decided) => self.start_50(decided),
+            CpuPhase::Shade(decided) => self.shade(decided),
             CpuPhase::Idle | CpuPhase::Output { .. } => nothing(1),
         }
     }
 
     /// Runs processes 22 and 23 or 24, up to the first dot.
-    fn shade(&mut self, decided: DecidedPolygon, traffic: &mut MemoryPorts) -> Out {
+    fn shade(&mut self, decided: DecidedPolygon) -> Out {
         let (registers, reused, buffer) = (decided.registers, decided.reused, self.buffer(decided.number));
         let (mut brightness, mut cycles) =
-            if reused { (Vec::new(), 0) } else { self.sample_points(&decided.polygon, registers, buffer, traffic) };
+            if reused { (Vec::new(), 0) } else { self.sample_points(&decided.polygon, registers, buffer) };
         let mean = (registers.selection() == BrightnessSelection::Mean).then(|| {
-            let (mean, mean_cycles) = self.mean(&decided, &brightness, traffic);
-            cycles += mean_cycles + self.set_up_output(&decided, traffic);
+            let (mean, mean_cycles) = self.mean(&decided, &brightness);
+            cycles += mean_cycles + self.set_up_output(&decided);
             brightness.clear();
             mean
         });
         if mean.is_none() {
-            cycles += self.transfer(&brightness, buffer, traffic);
+            cycles += self.transfer(&brightness, buffer);
         }
         let polygon = decided.polygon;
         let route = PolygonRoute::of(registers, reused);
@@ -232,14 +232,19 @@ impl Unit for Microcomputer {
     #[inline]
     fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Out {
         if let Some(control) = input {
-            return self.take(control, traffic);
+            let step = self.take(control);
+            return self.after_operands(step, traffic);
+        }
+        if !self.state.operands.is_empty() {
+            return self.fetch_next(traffic);
         }
         // Tested before the phase is moved out, because process 24 comes here for every dot.
         if matches!(self.state.phase, CpuPhase::Output { .. }) {
             return self.put_out();
         }
         let phase = std::mem::take(&mut self.state.phase);
-        self.go_on(phase, traffic)
+        let step = self.go_on(phase);
+        self.after_operands(step, traffic)
     }
 
     fn largest_step(&self, client: usize) -> u32 {
@@ -247,7 +252,7 @@ impl Unit for Microcomputer {
     }
 
     fn is_empty(&self) -> bool {
-        matches!(self.state.phase, CpuPhase::Idle)
+        matches!(self.state.phase, CpuPhase::Idle) && self.state.operands.is_empty()
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -51,6 +51,7 @@ pub fn operators() -> Operators {
         divide: OperatorConfig::new(8, 8),
         square_root: OperatorConfig::new(11, 11),
         power: OperatorConfig::new(1, 1),
+        ..Operators::default()
     }
 }
 

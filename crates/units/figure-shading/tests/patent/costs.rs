@@ -2,8 +2,8 @@
 
 use crate::chain::{Config, ShadedFragment, feed, frame, operators, polygon, shade, sun};
 use basrelief_figure_shading::{
-    CpuConfig, CpuProcess, HostConfig, HostInterface, Microcomputer, NormalInterpolation, NormalInterpolationConfig,
-    RegisterBank, RegisterOrder, RegisterWrite, ShadingMode, ShadingRegisters,
+    BrightnessInterpolation, CpuConfig, CpuProcess, FigureFlow, HostConfig, HostInterface, InterpolationConfig, Microcomputer,
+    NormalInterpolation, NormalInterpolationConfig, RegisterBank, RegisterOrder, RegisterWrite, ShadingMode, ShadingRegisters,
 };
 use basrelief_kernel::{MemoryPorts, OperatorConfig, Operators, Unit};
 use basrelief_signals::{Control, Light, Lighting, ObjectInfo, ShadingSettings};
@@ -228,4 +228,61 @@ fn host_writes_memory_12_and_processes_read_it() {
     traffic_of(&mut unit, square());
     // Four points: normals for 15, 17, 20 and 22, positions for 20 and 23, brightness for 23. A light for 17, 20 and 22.
     assert_eq!(traffic_of(&mut unit, square()), [4 * (4 * (4 + 2 + 1) * 3 + 3 * 8), 4 * 4 * 3]);
+}
+
+#[test]
+fn cpu_fetches_operands_one_by_one_before_it_works() {
+    let mut unit = Config::default().microcomputer();
+    feed(&mut unit, [frame(lights(1))]);
+    let mut input = Some(polygon(&SQUARE, &CURVED, shiny(50.0)));
+    let (mut fetches, mut works) = (0, 0);
+    while input.is_some() || !unit.is_empty() {
+        let mut traffic = MemoryPorts::default();
+        let step = unit.step(input.take(), &mut traffic);
+        let reads = traffic.requests().iter().filter(|r| !r.write).count();
+        assert_eq!(step.blocking, reads == 1, "{step:?}");
+        let is_empty = matches!(step.out, (None, None, None, None));
+        assert!(reads == 0 || (reads == 1 && is_empty), "no result before its operands");
+        assert!(traffic.requests().len() <= unit.largest_step(0) as usize);
+        fetches += reads;
+        works += usize::from(!is_empty);
+    }
+    // Settings, light vectors, limits, and operands of processes 15, 17, 20, 22 and 23. Registers, a start, and the brightness.
+    assert_eq!((fetches, works), (3 + 1 + 2 + 3 + 2 + 2, 2 + 1 + 1));
+}
+
+#[test]
+fn cycles_of_cpu_are_those_of_its_operations() {
+    for normals in [CURVED, [Vec3::Z; 4]] {
+        let mut unit = Config::default().microcomputer();
+        feed(&mut unit, [frame(lights(1))]);
+        let spent = |unit: &Microcomputer| unit.state.counters.processes.iter().map(|p| p.cycles).sum::<u64>();
+        let before = spent(&unit);
+        let (mut input, mut occupied) = (Some(polygon(&SQUARE, &normals, shiny(50.0))), 0);
+        let mut steps = 0;
+        while input.is_some() || !unit.is_empty() {
+            occupied += unit.step(input.take(), &mut MemoryPorts::default()).occupancy;
+            steps += 1;
+        }
+        // A step takes at least a cycle, also if its loads are counted already.
+        let exact = spent(&unit) - before;
+        assert!((exact..=exact + steps).contains(&occupied), "{occupied} {exact} {steps}");
+    }
+}
+
+#[test]
+fn set_up_of_a_triangle_occupies_both_circuits() {
+    let config = Config::default();
+    let square = polygon(&SQUARE, &CURVED, shiny(50.0));
+    let shaded = drawn(&config, lights(1), &[square]).1.remove(0);
+    let occupancy = |multiply: u32| {
+        let operators = Operators { multiply: OperatorConfig::new(2, multiply), ..operators() };
+        let mut circuit = BrightnessInterpolation::new(InterpolationConfig::default(), operators);
+        let figure = FigureFlow::Figure(shaded.figure.clone().unwrap());
+        circuit.step(Some(figure), &mut MemoryPorts::default()).occupancy
+    };
+    // Two triangles of 18 products and 25 sums, beside one multiplier and one adder.
+    assert_eq!([1, 2].map(occupancy), [2 * 25, 2 * 36]);
+    let started = config.circuit_50().step(shaded.load, &mut MemoryPorts::default()).occupancy;
+    assert_eq!(started, 2 * 21, "12 products and 21 sums without depth");
 }

@@ -38,7 +38,7 @@ fn host_bytes_follow_protocol() {
         let step = send(&mut unit, control);
         let bytes = unit.state.counters.bytes - before;
         assert_eq!(step.occupancy, bytes.div_ceil(4).max(1));
-        assert_eq!(step.latency, step.occupancy + 2);
+        assert_eq!(step.latency, step.occupancy - 1 + 2, "two cycles after the last word enters");
         bytes / 4
     };
     assert_eq!(sent(frame(vec![sun(Vec3::Z); 2])), 1 + 1 + 3 + 2 * (3 + 1), "mode, Ia, V; L and Is of each light");

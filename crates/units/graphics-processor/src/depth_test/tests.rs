@@ -231,6 +231,19 @@ fn line(f: &Fragment) -> u64 {
     line_of::<Stamp<Fragment>>(SIZE[0], [f.x.into(), f.y.into()])
 }
 
+#[test]
+fn comparison_of_integers_begins_with_the_stored_depth() {
+    let operators = Operators {
+        add: basrelief_kernel::OperatorConfig::new(9, 1),
+        integer_add: basrelief_kernel::OperatorConfig::new(5, 1),
+        ..Operators::default()
+    };
+    let mut unit: Early = DepthTest::new(PLAIN, &operators, 24, 64);
+    unit.step(Some(Flow::Control(frame(16, 8))), &mut MemoryPorts::default());
+    let step = unit.step(Some(fragment(1, 1, 7)), &mut MemoryPorts::default());
+    assert_eq!((step.after_data, step.latency), (5, 5));
+}
+
 proptest! {
     #[test]
     fn last_passing_fragment_is_first_of_the_nearest(depths in prop::collection::vec((0u16..4, 0u32..6), 1..60)) {

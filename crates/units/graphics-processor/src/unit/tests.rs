@@ -304,3 +304,25 @@ fn different_duplicates_and_misplaced_fragments_are_faults() {
     unit.step((None, Some(Flow::Control(frame_end))), &mut traffic);
     assert!(format!("{traffic:?}").contains("different control tokens"));
 }
+
+#[test]
+fn filter_and_factors_begin_with_their_texels() {
+    let operators = Operators { multiply: basrelief_kernel::OperatorConfig::new(10, 1), ..Operators::default() };
+    let mut unit = GraphicsProcessor::new(GraphicsConfig::default(), operators, false, [4, 64, 8]);
+    let polygon = polygon(true, Material { color_texture: Some(texture(&[[255; 4], [255; 4]])), ..Material::default() });
+    unit.step((Some(Flow::Control(polygon)), None), &mut MemoryPorts::default());
+    let step = unit.step((Some(shaded(1, 0.5, 0.0)), None), &mut MemoryPorts::default());
+    // Filter and four products; two sums each for filter and limit. Before them: coordinates, address, weights.
+    assert_eq!((step.after_data, step.latency), (5 * 10 + 4, 8 * 10 + 8));
+}
+
+#[test]
+fn work_on_held_entry_begins_with_the_entry() {
+    let config = GraphicsConfig { draw: DrawOrder::AfterList, ..GraphicsConfig::default() };
+    let mut unit = GraphicsProcessor::new(config, Operators::default(), false, [4, 64, 8]);
+    for token in [Flow::Control(polygon(true, Material::default())), shaded(1, 0.5, 0.0), Flow::Control(Control::FrameEnd)] {
+        unit.step((Some(token), None), &mut MemoryPorts::default());
+    }
+    let steps: Vec<Out> = (0..3).map(|_| unit.step((None, None), &mut MemoryPorts::default())).collect();
+    assert!(steps.iter().all(|step| u64::from(step.after_data) == step.latency), "{steps:?}");
+}

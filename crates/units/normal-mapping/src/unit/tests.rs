@@ -190,6 +190,18 @@ fn state_survives_checkpoint() {
     assert_eq!(mapped(&mut a, at, &mut MemoryPorts::default()), mapped(&mut b, at, &mut MemoryPorts::default()));
 }
 
+#[test]
+fn filter_rotation_and_scale_begin_with_their_texels() {
+    let operators =
+        Operators { multiply: OperatorConfig::new(10, 1), divide: OperatorConfig::new(100, 1), ..Operators::default() };
+    let mut unit = NormalMapping::new(NormalMappingConfig::default(), &operators, 2, 4, 64);
+    let polygon = square(0, Some(map(4, 3, |_, _, _| [128, 128, 255])));
+    unit.step(Some(Flow::Control(Control::Polygon(polygon))), &mut MemoryPorts::default());
+    let step = unit.step(Some(Flow::Item(Stamp::from_iter([fragment(0.5, 0.25)]))), &mut MemoryPorts::default());
+    // Filter, rotation and scale: a product and two sums each, and a quotient. Before them: attribute and footprint.
+    assert_eq!((step.after_data, step.latency), (3 * 10 + 6 + 100, 5 * 10 + 10 + 100));
+}
+
 proptest! {
     #[test]
     fn bilinear_normals_match_double_precision(u in 0f32..1.0, t in 0f32..1.0) {

@@ -223,7 +223,7 @@ impl Unit for StepCalculator {
         let Some((segment, points, cycles)) = self.segment() else { return Step::after(latency, (None, None)) };
         let cycles = beginning + cycles;
         let out = (Some(Flow::Item(segment)), Some(Flow::Item(points)));
-        Step::after(latency + cycles - 1, out).busy(cycles)
+        Step::during(cycles, latency, out)
     }
 
     fn is_empty(&self) -> bool {

@@ -153,6 +153,15 @@ fn mismatched_inputs_are_a_fault() {
     assert!(format!("{traffic:?}").contains("combiner: its two inputs"));
 }
 
+#[test]
+fn filter_begins_with_its_texels() {
+    let mut texels = TexelPacket::default();
+    texels.packet.mask = 1;
+    let input = (Some(Flow::Item(texels)), Some(Flow::Item(LevelPacket::default())));
+    let step = look_up().step(input, &mut MemoryPorts::default());
+    assert_eq!((step.after_data, step.latency), (4, 6), "addressing takes the other two cycles");
+}
+
 unit_contract! {
     name: scan_converter,
     unit: ScanConverter::default(),

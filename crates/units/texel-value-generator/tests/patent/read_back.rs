@@ -67,6 +67,19 @@ fn clear_line_is_not_read() {
     assert!(combine(&mut unit, [0, 0], [9, 9]).1.is_empty());
 }
 
+#[test]
+fn blending_begins_with_the_old_value() {
+    for (latency, after) in [(3, 2), (9, 2), (1, 1)] {
+        let config = CombinerConfig { mode: CombineMode::Blend, latency, ..CombinerConfig::default() };
+        let mut unit = Combiner::new(config, 4, 2, FrameBufferFlags { flags: 0, per_cycle: 1 });
+        let mut texture = TexturePacket::default();
+        texture.packet.mask = 1;
+        let input = (Some(Flow::Item(texture)), Some(Flow::Item(IlluminancePacket::default())));
+        let step = unit.step(input, &mut MemoryPorts::default());
+        assert_eq!((step.after_data, step.latency), (after, latency.into()));
+    }
+}
+
 proptest! {
     /// The buffer (360) behind a FIFO of `depth` packets takes each packet as late as possible. It gathers `gathering` lines, and
     /// the last `posted` writes are not done yet.
