@@ -122,14 +122,14 @@ fn compare_measures_causes_from_recordings() {
     let told = said(&place, "a b");
     assert!(groups.contains(&"memory.texture") && told.contains(" memory.texture: "), "{told}");
     assert!(groups.contains(&"work") && told.contains(" work parameters: "), "{told}");
-    place.ok("resimulate a --set memory.texture.cl=9 --out c --quiet");
+    place.ok("resimulate a --set memory.texture.cl=90 --out c --quiet");
     assert!(said(&place, "a c").contains(" all due to memory.texture."), "results of resimulate can be compared");
 }
 
 #[test]
 fn several_reports_compare_with_the_first() {
     let place = Place::new();
-    for (folder, set) in [("a", ""), ("b", "--set memory.texture.cl=9"), ("c", "--set memory.texture.cl=99 --no-bottlenecks")] {
+    for (folder, set) in [("a", ""), ("b", "--set memory.texture.cl=90"), ("c", "--set memory.texture.cl=300 --no-bottlenecks")] {
         place.ok(&format!("{QUICK} {set} --out {folder}"));
     }
     let list = json(&place, "a b c");
@@ -150,7 +150,7 @@ fn several_reports_compare_with_the_first() {
 fn damaged_or_foreign_recording_is_named() {
     let place = Place::new();
     place.ok(&format!("{QUICK} --out a"));
-    place.ok(&format!("{QUICK} --set memory.texture.cl=9 --out b"));
+    place.ok(&format!("{QUICK} --set memory.texture.cl=90 --out b"));
     place.ok("demo goblet@1 --size 32x24 --quiet --no-exact --out c");
     let tape = place.bytes("b/run.recording");
     for (wrong, words) in [

@@ -49,7 +49,8 @@ fn all_requests_are_written_once_in_arrival_order() {
     assert_eq!(sections.iter().map(|(memory, _)| *memory).collect::<Vec<_>>(), ["texture", "depth", "pixel"]);
     let report = place.report("out");
     for (memory, m) in report["memories"].as_object().expect("memories") {
-        for (client, c) in m["clients"].as_object().expect("clients") {
+        // A flip moves no data, so the list of requests leaves it out.
+        for (client, c) in m["clients"].as_object().expect("clients").iter().filter(|(client, _)| *client != "flip") {
             for (operation, requests, moved) in [("read", "reads", "read_bytes"), ("write", "writes", "write_bytes")] {
                 let of = |counts: &BTreeMap<_, u64>| counts.get(&(memory.as_str(), client.as_str(), operation)).copied();
                 let told = |field: &str| c[field].as_u64().unwrap_or_else(|| panic!("{memory} {client} {field}"));
@@ -65,32 +66,40 @@ const QUAD: &str = "run quad.dl.jsonl --machine shade --quiet --set display.enab
     --set memory.frame.burst_bytes=32 --set memory.frame.burst_cycles=2 --set memory.frame.cl=3 --set memory.frame.cwl=1 \
     --set memory.frame.rcd=3 --set memory.frame.refi=0 --set memory.frame.outstanding=16";
 
-/// Requests of [`QUAD`]: depth lines are read and written, and colours are written at the end of the frame.
+/// Requests of [`QUAD`]: depth lines are cleared by writes, read and written, and colours are written at the end of the frame.
 const GOLDEN: &str = "\
-0x10002000 READ 2512
-0x10002020 READ 2512
-0x10002080 READ 2536
-0x100020a0 READ 2536
-0x100020c0 READ 2608
-0x100020e0 READ 2608
-0x10002040 READ 2680
-0x10002060 READ 2680
-0x10002080 WRITE 2811
-0x100020a0 WRITE 2811
-0x10002000 WRITE 2812
-0x10002020 WRITE 2812
-0x10002040 WRITE 2813
-0x10002060 WRITE 2813
-0x100020c0 WRITE 2814
-0x100020e0 WRITE 2814
-0x80 WRITE 2817
-0xa0 WRITE 2817
-0x0 WRITE 2818
-0x20 WRITE 2818
-0x40 WRITE 2819
-0x60 WRITE 2819
-0xc0 WRITE 2820
-0xe0 WRITE 2820
+0x10002000 WRITE 29
+0x10002020 WRITE 29
+0x10002040 WRITE 30
+0x10002060 WRITE 30
+0x10002080 WRITE 31
+0x100020a0 WRITE 31
+0x100020c0 WRITE 32
+0x100020e0 WRITE 32
+0x10002000 READ 2521
+0x10002020 READ 2521
+0x10002080 READ 2545
+0x100020a0 READ 2545
+0x100020c0 READ 2617
+0x100020e0 READ 2617
+0x10002040 READ 2689
+0x10002060 READ 2689
+0x10002080 WRITE 2819
+0x100020a0 WRITE 2819
+0x10002000 WRITE 2820
+0x10002020 WRITE 2820
+0x10002040 WRITE 2821
+0x10002060 WRITE 2821
+0x100020c0 WRITE 2822
+0x100020e0 WRITE 2822
+0x80 WRITE 2824
+0xa0 WRITE 2824
+0x0 WRITE 2825
+0x20 WRITE 2825
+0x40 WRITE 2826
+0x60 WRITE 2826
+0xc0 WRITE 2827
+0xe0 WRITE 2827
 ";
 
 fn with_quad() -> Place {

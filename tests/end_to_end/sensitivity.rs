@@ -14,7 +14,10 @@ fn sensitivity_rows_equal_separate_runs() {
     let place = Place::new();
     let line = "run demo:ellipsoid@1 --size 24x18 --set cpu.divide=30 --frames 2 --no-bottlenecks";
     let said = place.ok(&format!("{line} --sensitivity --html page.html")).out;
-    assert!(said.contains("one assumed parameter changed at a time, against") && said.contains("cycles %  bytes %"), "{said}");
+    assert!(
+        said.contains("one assumed parameter or coefficient of the area changed at a time") && said.contains("bytes %  area %"),
+        "{said}"
+    );
     assert!(place.text("page.html").contains("Sensitivity to assumed parameters"));
     let mut report = without_host(place.report("out"));
     let first = changes(&report)[0].clone();

@@ -185,8 +185,8 @@ mod tests {
         assert_eq!(
             found,
             [
-                "cycles.write_tail = 3 cycles",
                 "cycles.total = 10 cycles",
+                "cycles.write_tail = 3 cycles",
                 "bytes.moved = 64 bytes",
                 "bytes.requested = 13 bytes",
                 "quality.psnr_db = 30.5 dB",

@@ -236,7 +236,7 @@ fn columns_are_objectives_axes_figures_with_units() {
     sweep(PLAN, folder.path(), 2);
     let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
     let head = "id,state,reason,cycles.frames [cycles],hardware.bits [bits],shade.mode,\
-                fifo.interpolated.depth [tokens],memory.frame.part,cycles.write_tail [cycles],";
+                fifo.interpolated.depth [tokens],memory.frame.part,cycles.total [cycles],cycles.write_tail [cycles],";
     assert!(table.starts_with(head), "{table:.600}");
     assert_eq!(table.lines().count(), 13);
     let front = fs::read_to_string(folder.path().join("front.txt")).unwrap();

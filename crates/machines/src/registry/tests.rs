@@ -40,7 +40,7 @@ fn machine_is_found_by_name_and_loads_its_defaults() {
     assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade, texel, defer"));
 }
 
-// Claim: model: No stored value takes fewer bytes than its content.
+// Claim: images: No stored value takes fewer bytes than its content.
 #[test]
 fn sizes_start_at_their_content() {
     // RGB and RGBA of 8 bits, single precision, two sides of 15 bits.

@@ -1,8 +1,8 @@
 //! Process 24: mean brightness of a polygon, and its output.
 
 use super::Microcomputer;
+use super::outputs::{Out, nothing};
 use super::state::{CpuPhase, CpuProcess, DecidedPolygon};
-use super::unit::{Out, nothing};
 use crate::cpu::CpuOperations;
 use crate::dots::{DEPTH_SET_UP, SCAN_SET_UP};
 use crate::{FigureFlow, ShadedDot};

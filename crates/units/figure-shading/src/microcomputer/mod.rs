@@ -18,6 +18,7 @@ mod memory;
 mod mode;
 mod normals;
 mod operands;
+mod outputs;
 mod plane;
 mod sample_points;
 mod specular;

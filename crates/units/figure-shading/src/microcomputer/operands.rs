@@ -1,7 +1,7 @@
 //! Operands of the CPU (11) in memory (12). The CPU waits for each of them, and then works.
 
 use super::Microcomputer;
-use super::unit::{Out, nothing};
+use super::outputs::{Out, nothing};
 use crate::cpu::CpuOperations;
 use crate::{NormalLoad, RegisterOrder};
 use basrelief_kernel::{MemoryPorts, Step};

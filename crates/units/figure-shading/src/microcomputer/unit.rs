@@ -1,6 +1,7 @@
 //! The unit and its steps: one to decide, one to shade, and one per dot of process 24.
 
 use super::normals::normals_of;
+use super::outputs::{CpuOutputs, Out, nothing};
 use super::state::{CpuPhase, CpuProcess, DecidedPolygon, MicrocomputerState};
 use crate::cpu::CpuOperations;
 use crate::dots::DotScan;
@@ -42,14 +43,6 @@ pub struct Microcomputer {
     pub(super) dot_cycles: u64,
     /// State between steps.
     pub state: MicrocomputerState,
-}
-
-/// One optional token per output.
-type CpuOutputs = (Option<RegisterOrder>, Option<Arc<NormalLoad>>, Option<FigureFlow>, Option<FigureFlow>);
-pub(super) type Out = Step<CpuOutputs>;
-
-pub(super) fn nothing(cycles: u64) -> Out {
-    Step::after(cycles, (None, None, None, None)).busy(cycles.max(1))
 }
 
 /// Returns a step that sends an order to the registers when the CPU is done.
