@@ -7,7 +7,7 @@ use crate::cpu::CpuOperations;
 use crate::dots::DotScan;
 use crate::local_memory::{self, LocalPort, PolygonBuffer};
 use crate::{
-    BrightnessSelection, CpuConfig, FigureFlow, HostConfig, NormalInterpolationConfig, NormalLoad, PolygonFigure, PolygonRoute,
+    BrightnessSelection, CpuConfig, FigureFlow, HostConfig, NormalInterpolationConfig, PolygonFigure, PolygonRoute,
     PowerFunction, RegisterOrder, RegisterWrite, ScanConfig, ShadingConfig, ShadingRegisters, ShortCutConfigs,
 };
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
