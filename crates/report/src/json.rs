@@ -118,7 +118,7 @@ mod tests {
         assert!(!validator.is_valid(&other));
     }
 
-    // Claim: model: Moved bytes are those of whole bursts, in each memory and in all.
+    // Claim: analysis: Moved bytes are those of whole bursts, in each memory and in all.
     #[test]
     fn old_report_gets_its_moved_bytes_from_bursts() {
         let report = samples::balanced();

@@ -17,6 +17,7 @@ mod mean;
 mod memory;
 mod mode;
 mod normals;
+mod operand_access;
 mod operands;
 mod outputs;
 mod plane;

@@ -1,45 +1,10 @@
 //! Operands of the CPU (11) in memory (12). The CPU waits for each of them, and then works.
 
 use super::Microcomputer;
+use super::operand_access::{NumberRange, WaitingWork};
 use super::outputs::{Out, nothing};
 use crate::cpu::CpuOperations;
-use crate::{NormalLoad, RegisterOrder};
 use basrelief_kernel::{MemoryPorts, Step};
-use serde::{Deserialize, Serialize};
-use std::collections::VecDeque;
-use std::sync::Arc;
-
-/// Numbers that lie together in memory (12): address of the first, and their count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct NumberRange {
-    from: u64,
-    numbers: u64,
-}
-
-/// Work that begins when its operands have arrived: its cycles, and its outputs to the registers and to circuit (50).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct WaitingWork {
-    cycles: u64,
-    order: Option<RegisterOrder>,
-    load: Option<Arc<NormalLoad>>,
-}
-
-/// Accesses to memory (12) of the current work.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct OperandAccess {
-    fetches: VecDeque<NumberRange>,
-    stores: VecDeque<NumberRange>,
-    /// Cycles of the load operations that are not spent yet.
-    load_cycles: u64,
-    work: Option<WaitingWork>,
-}
-
-impl OperandAccess {
-    /// Returns true if no work waits.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.work.is_none()
-    }
-}
 
 impl Microcomputer {
     /// Queues a read. The current work begins with its data.

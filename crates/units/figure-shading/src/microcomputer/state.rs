@@ -2,7 +2,7 @@
 
 use super::StoredPlane;
 use super::limits::SpecularLimits;
-use super::operands::OperandAccess;
+use super::operand_access::OperandAccess;
 use crate::dots::DotScan;
 use crate::{ObjectIllumination, PolygonFigure, ShadingRegisters};
 use basrelief_shading::RasterGrid;
