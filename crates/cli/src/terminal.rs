@@ -1,5 +1,5 @@
-//! Printing. All text goes through [`safe`], because names in models, plans, reports and answers of servers may contain escape
-//! sequences for the terminal.
+//! Printing. All text goes through [`without_control_characters`], because names in models, plans, reports and answers of servers may
+//! contain escape sequences for the terminal.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
