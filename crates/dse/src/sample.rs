@@ -41,6 +41,17 @@ pub enum SampleError {
     },
 }
 
+/// Returns all points of a grid with axes of these lengths; the last axis changes fastest.
+///
+/// ```
+/// assert_eq!(basrelief_dse::sample::full_grid(&[2, 2]), [[0, 0], [0, 1], [1, 0], [1, 1]]);
+/// ```
+pub fn full_grid(axes: &[usize]) -> Vec<GridPoint> {
+    axes.iter().fold(vec![vec![]], |all, &length| {
+        all.iter().flat_map(|point| (0..length).map(move |place| [&point[..], &[place]].concat())).collect()
+    })
+}
+
 /// Latin hypercube sample of McKay, Beckman and Conover (1979): each axis is divided into as many strata as there are points,
 /// and each stratum holds one.
 ///

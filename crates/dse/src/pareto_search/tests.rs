@@ -1,6 +1,7 @@
 //! Tests of the search.
 
 use super::*;
+use crate::sample::full_grid;
 use proptest::prelude::*;
 
 fn numeric(values: usize) -> SearchAxis {
@@ -8,9 +9,7 @@ fn numeric(values: usize) -> SearchAxis {
 }
 
 fn grid(axes: &[SearchAxis]) -> Vec<Vec<usize>> {
-    axes.iter().fold(vec![vec![]], |all, axis| {
-        all.iter().flat_map(|places| (0..axis.values).map(move |place| [&places[..], &[place]].concat())).collect()
-    })
+    full_grid(&axes.iter().map(|axis| axis.values).collect::<Vec<_>>())
 }
 
 /// Runs a search and returns the points in the order of choice.

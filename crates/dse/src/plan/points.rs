@@ -4,7 +4,7 @@ use super::axes::{Axis, Exclusion};
 use super::definition::{Plan, PlanPoint};
 use super::identity::PlanIdentity;
 use super::written::{SampleMethod, SampleOptions};
-use crate::sample::{latin_hypercube, sobol};
+use crate::sample::{full_grid, latin_hypercube, sobol};
 use basrelief_threads as threads;
 use std::collections::BTreeSet;
 
@@ -35,7 +35,7 @@ pub(super) fn axis_values(
         }
         _ => {
             bounded(lengths.iter().try_fold(1_usize, |product, length| product.checked_mul(*length)), inputs)?;
-            grid(&lengths)
+            full_grid(&lengths)
         }
     };
     let left: Vec<Vec<usize>> =
@@ -55,15 +55,6 @@ fn bounded(points: Option<usize>, inputs: usize) -> Result<(), String> {
             ))
         }
     }
-}
-
-/// All places, the last axis changing fastest.
-fn grid(lengths: &[usize]) -> Vec<Vec<usize>> {
-    let mut all = vec![vec![]];
-    for &length in lengths {
-        all = all.iter().flat_map(|places| (0..length).map(move |place| [&places[..], &[place]].concat())).collect();
-    }
-    all
 }
 
 /// Returns the base, which is the first place of each axis, then each other place of each axis alone.

@@ -2,6 +2,7 @@
 
 use basrelief_dse::ObjectiveSpace;
 use basrelief_dse::pareto_search::{ParetoSearch, SearchAxis};
+use basrelief_dse::sample::full_grid;
 use std::collections::BTreeMap;
 use std::error::Error;
 
@@ -25,7 +26,7 @@ impl Grid {
         let columns: Vec<(Vec<&str>, bool)> = of_axes.iter().map(|at| values(rows.iter().map(|row| &row[*at]))).collect();
         let axes: Vec<SearchAxis> =
             columns.iter().map(|(values, categorical)| SearchAxis { values: values.len(), categorical: *categorical }).collect();
-        let places = places(&axes);
+        let places = full_grid(&axes.iter().map(|axis| axis.values).collect::<Vec<_>>());
         let mut costs = vec![None; places.len()];
         for row in &rows {
             let place = |((values, _), at): (&(Vec<&str>, bool), &usize)| values.iter().position(|value| *value == &row[*at]);
@@ -81,12 +82,6 @@ fn values<'a>(column: impl Iterator<Item = &'a str>) -> (Vec<&'a str>, bool) {
     }
     let categorical = seen.len() > 2;
     (seen, categorical)
-}
-
-fn places(axes: &[SearchAxis]) -> Vec<Vec<usize>> {
-    axes.iter().fold(vec![vec![]], |all, axis| {
-        all.iter().flat_map(|places| (0..axis.values).map(move |place| [&places[..], &[place]].concat())).collect()
-    })
 }
 
 /// The costs of all points by one objective. A failed point has the cost of the nearest point that ran.
