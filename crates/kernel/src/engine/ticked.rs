@@ -5,7 +5,7 @@
 //! (`MachineTiming::split_wait`), the execution of steps, the steps in flight, the FIFOs and the memories. So it is the reference
 //! for the *order* of events and for sums over intervals. It cannot detect an error in the shared parts. For those there is an
 //! independent implementation of the laws that shares no code with this crate. `basrelief-kernel-conformance` compares both
-//! engines with its results: `tests/vectors/laws.jsonl` has one plan and its result per line, and `tests/vectors.rs` checks them.
+//! engines with its results: `tests/vectors/laws.jsonl` has one plan and its result per line, and `tests/suite/vectors.rs` checks them.
 //! To compare with another implementation, run it on the `plan` of each line. `examples/plan.rs` runs one plan, or a folder of
 //! such vectors, from the command line.
 

@@ -1,0 +1,13 @@
+//! The kernel against its laws: by hand, by vectors, by random plans.
+
+mod common;
+mod contract;
+mod critical_path;
+mod hand;
+mod hidden_deliveries;
+mod laws;
+mod plans;
+mod properties;
+mod recording;
+mod vectors;
+mod wiring;

@@ -1,9 +1,0 @@
-//! Tests of the whole figure shading device: engines, configurations, paths, and statements of the patent.
-
-#[path = "../common/mod.rs"]
-mod common;
-mod engines;
-mod patent;
-mod recipe;
-mod runs;
-mod waiting;
