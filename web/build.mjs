@@ -7,7 +7,7 @@ import { fileURLToPath } from "node:url";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { build } from "esbuild";
 
-/** Largest size of the page [bytes, brotli]: 1,324,421 measured with two JPEG decoders, one for models and one for tiles. */
+/** Largest size of the page [bytes, brotli]: 1,363,233 measured with two JPEG decoders, one for models and one for tiles. */
 const BUDGET = 1_400_000;
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -24,11 +24,17 @@ async function script(entry, define = {}) {
 }
 
 const html = await readFile(join(here, "index.html"), "utf8");
-const style = (await Promise.all([
+const [ofReports, own] = await Promise.all([
   readFile(join(here, "../crates/report/src/html/style.css"), "utf8"), readFile(join(here, "style.css"), "utf8"),
-])).join("\n");
+]);
+// The last rule holds the style of the page itself, which a saved report leaves out (src/saved.ts).
+const style = `${ofReports}\n@media all {\n${own}}\n`;
 const wasm = await readFile(wasmPath);
-const [served, worker] = await Promise.all([script("served.ts"), script("worker.ts")]);
+const known = {
+  SIMULATOR_BYTES: String(wasm.length),
+  SIMULATOR_NAME: JSON.stringify(createHash("sha256").update(wasm).digest("hex").slice(0, 16)),
+};
+const [served, worker] = await Promise.all([script("served.ts", known), script("worker.ts", known)]);
 
 /** Puts pieces in their places. (By a function: `$` in a piece means nothing.) */
 function page(policy, styles, scripts) {
@@ -45,7 +51,7 @@ const index = page(strict, link, '<script src="page.js" defer></script>');
 const viewer = index.replace("<html ", "<html data-from ");
 
 const packed = gzipSync(wasm, { level: 9 }).toString("base64");
-const alone = (await script("standalone.ts", { WORKER: JSON.stringify(worker), SIMULATOR: JSON.stringify(packed) }))
+const alone = (await script("standalone.ts", { ...known, WORKER: JSON.stringify(worker), SIMULATOR: JSON.stringify(packed) }))
   .replaceAll("</script", "<\\/script");
 const hash = text => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 const closed = `${common}; script-src ${hash(alone)} 'wasm-unsafe-eval'; worker-src blob:; style-src ${hash(style)}`;

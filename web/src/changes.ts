@@ -1,5 +1,6 @@
 // Differences between a run and the pinned run.
-import { change, el, thousands } from "./dom";
+import { change, drawing, el, thousands } from "./dom";
+import type { Explained } from "./explain";
 import type { Report, Run, Unit } from "./protocol";
 
 const sum = (of: Record<string, number>): number => Object.values(of).reduce((all, n) => all + n, 0);
@@ -13,20 +14,28 @@ const STATES: [string, string, (unit: Unit) => number][] = [
   ["starved", "starved", unit => sum(unit.starved)], ["blocked", "blocked", unit => sum(unit.blocked)],
 ];
 
-function bar(unit: Unit | undefined, whole: number): SVGElement {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "0 0 1000 10");
-  svg.setAttribute("preserveAspectRatio", "none");
-  svg.setAttribute("class", "bar");
+/** Draws parts side by side. Numbers beside the bar say the same, so it is hidden from screen readers. */
+function bar(parts: [className: string, size: number][], whole: number): SVGElement {
   let x = 0;
-  for (const [state, , of] of unit ? STATES : []) {
-    const width = (1000 * of(unit!)) / Math.max(1, whole);
-    const part = document.createElementNS("http://www.w3.org/2000/svg", "rect");
-    for (const [key, value] of Object.entries({ x, y: 0, width, height: 10, class: state })) part.setAttribute(key, String(value));
-    svg.append(part);
+  return drawing("bar", parts.map(([name, size]) => {
+    const width = (1000 * size) / Math.max(1, whole);
     x += width;
-  }
-  return svg;
+    return { class: name, x: x - width, y: 0, width, height: 10 };
+  }));
+}
+
+const unitBar = (unit: Unit | undefined, whole: number): SVGElement =>
+  bar(unit ? STATES.map(([state, , of]) => [state, of(unit)]) : [], whole);
+
+/** Shows the measured causes of the difference. */
+export function bars({ text, causes }: Explained): HTMLElement {
+  const most = Math.max(...causes.map(({ by }) => Math.abs(by ?? 0)));
+  const rows = causes.map(({ group, by }) => el(
+    "tr", {}, el("th", { scope: "row" }, group), el("td", { class: "two-bars" }, bar([["amount", Math.abs(by ?? 0)]], most)),
+    el("td", { class: "right" }, by === undefined ? "not measured" : change(by, 0).replace("the same", "0")),
+  ));
+  const table = el("table", { class: "changes" }, el("caption", {}, "Cycles by cause"), el("tbody", {}, ...rows));
+  return el("div", { id: "explained" }, el("p", { class: "lead" }, text), ...(rows.length > 0 ? [table] : []));
 }
 
 /** Lists the parameters with different values, from one run to the other. */
@@ -38,16 +47,16 @@ function settings(a: unknown, b: unknown, path = ""): [string, string, string][]
 }
 
 export function changes(pinned: Run | undefined, now: Run): HTMLElement {
-  if (!pinned) return el("p", { class: "quiet" }, "Pin a run and change a parameter to see the changes of each unit here.");
+  if (!pinned) return el("p", { class: "quiet" }, "Pin a run, change a parameter and press Compare. The changes and their causes appear here.");
   const [a, b] = [pinned.report, now.report];
   const whole = Math.max(frameCycles(a), frameCycles(b));
   const names = Object.keys({ ...a.units, ...b.units });
   const rows = names.map(name => {
     const [before, after] = [a.units?.[name], b.units?.[name]];
     const cells = STATES.map(([, , of]) => el("td", { class: "right" }, before && after ? change(of(after), of(before)) : "\u2013"));
-    return el("tr", {}, el("th", {}, name), el("td", { class: "two-bars" }, bar(before, whole), bar(after, whole)), ...cells);
+    return el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "two-bars" }, unitBar(before, whole), unitBar(after, whole)), ...cells);
   });
-  const head = ["unit", "pinned above, now below", ...STATES.map(([, name]) => name)].map(name => el("th", { scope: "col" }, name));
+  const head = ["unit", "A above, B below", ...STATES.map(([, name]) => name)].map(name => el("th", { scope: "col" }, name));
   const set = settings(a.config, b.config).map(([key, from, to]) => el("li", {}, el("code", {}, key), ` ${from} \u2192 ${to}`));
   const totals = [
     `render cycles: ${thousands(frameCycles(a))} \u2192 ${thousands(frameCycles(b))}, ${change(frameCycles(b), frameCycles(a))}`,
@@ -58,9 +67,9 @@ export function changes(pinned: Run | undefined, now: Run): HTMLElement {
     totals.push(`quality: ${from.toFixed(2)} \u2192 ${to.toFixed(2)} dB, ${change(to, from)}`);
   }
   return el(
-    "div", {}, el("ul", {}, ...totals.map(text => el("li", {}, text))),
+    "div", {}, el("p", {}, el("b", {}, "A"), ` ${pinned.command}`, el("br"), el("b", {}, "B"), ` ${now.command}`), el("ul", {}, ...totals.map(text => el("li", {}, text))),
     el("h3", {}, "Changed parameters"), set.length > 0 ? el("ul", {}, ...set) : el("p", { class: "quiet" }, "None."),
     el("h3", {}, "Cycles per unit"),
-    el("div", { class: "wide" }, el("table", { class: "changes" }, el("thead", {}, el("tr", {}, ...head)), el("tbody", {}, ...rows))),
+    el("div", { class: "wide", tabindex: 0 }, el("table", { class: "changes" }, el("thead", {}, el("tr", {}, ...head)), el("tbody", {}, ...rows))),
   );
 }

@@ -9,15 +9,18 @@ export class Client {
   #worker: Worker;
   #asked = new Map<number, Waiting>();
   #next = 0;
+  /** Number of starts of the simulator. Each start forgets the input. */
+  starts = 0;
 
-  constructor(private readonly start: () => Worker, private readonly wasm: ArrayBuffer) {
+  constructor(private readonly start: () => Worker, private readonly wasm: WebAssembly.Module) {
     this.#worker = this.#begin();
   }
 
   #begin(): Worker {
+    this.starts++;
     const worker = this.start();
-    const message: Start = { wasm: this.wasm.slice(0) };
-    worker.postMessage(message, [message.wasm]);
+    const message: Start = { wasm: this.wasm };
+    worker.postMessage(message);
     worker.onmessage = (event: MessageEvent<Answer | Lost | Meanwhile>) => {
       if ("lost" in event.data) return this.restart(`The simulator stopped: ${event.data.lost}`);
       if (!("ms" in event.data)) return this.#asked.get(event.data.id)?.meanwhile?.(event.data);

@@ -113,5 +113,6 @@ export function controls(machine: Machine, set: Map<string, string>, search: str
     details.addEventListener("toggle", () => details.childElementCount === 1 && details.append(...parameters.map(one)));
     return details;
   });
-  return [...first.map(one), ...groups];
+  const others = el("details", { class: "others" }, el("summary", {}, `Other parameters (${machine.parameters.length - first.length})`), ...groups);
+  return [...first.map(one), others];
 }

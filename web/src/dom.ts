@@ -16,6 +16,18 @@ export function el<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+/** Creates a drawing of rectangles, 1000 wide and 10 high, that fills its place. */
+export function drawing(className: string, rectangles: Record<string, string | number>[]): SVGElement {
+  const create = (name: string, attributes: Record<string, string | number | boolean>) => {
+    const element = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
+    return element as SVGElement;
+  };
+  const svg = create("svg", { viewBox: "0 0 1000 10", preserveAspectRatio: "none", class: className, "aria-hidden": true });
+  svg.append(...rectangles.map(rectangle => create("rect", rectangle)));
+  return svg;
+}
+
 export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
 }

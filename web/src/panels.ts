@@ -1,18 +1,20 @@
 // Results of a run: headline figures, then one panel at a time.
-import { changes, frameCycles, memoryBytes } from "./changes";
+import { frameCycles, memoryBytes } from "./changes";
 import { change, el, thousands } from "./dom";
 import type { Report, Run } from "./protocol";
 import { timeline } from "./strips";
 
 export interface Shown { run: Run; rest: Uint8Array; /** With exact picture and bottlenecks. */ whole: boolean }
 
-/** Tabs built by the page itself, in addition to the simulator's sections. */
-const OWN: [string, string][] = [["timeline", "Timeline"], ["changes", "Changes"]];
-/** Sections whose content the page already shows elsewhere. */
-const ELSEWHERE = ["pictures", "warnings"];
-const FIRST = ["units", "diagram", "bottlenecks", "timeline", "changes"];
+/** Groups of results: name in addresses, title, and sections. The time line and the changes are built by the page itself. */
+const GROUPS: [string, string, string[]][] = [
+  ["units", "Cycles", ["units", "bottlenecks", "frames", "costs"]], ["timeline", "Time line", []],
+  ["diagram", "Diagram", ["diagram", "fifos", "memories"]],
+  ["figures", "Figures", ["quality", "figures", "hardware", "sensitivity", "parameters"]], ["changes", "Changes", []],
+];
 
-function figures(report: Report): [string, number, (n: number) => string][] {
+/** Returns the headline figures: name, value and format. */
+export function figures(report: Report): [string, number, (n: number) => string][] {
   const frames = Math.max(1, report.cycles?.frames.length ?? 1);
   const each = frames > 1 ? " per frame" : "";
   const list: [string, number, (n: number) => string][] = [];
@@ -45,31 +47,22 @@ export function lead(into: HTMLElement, { run, whole }: Shown): void {
   into.classList.toggle("quiet", !whole);
 }
 
-function list(run: Run): [string, string][] {
-  const sections = run.sections.filter(({ id }) => !ELSEWHERE.includes(id)).map(({ id, title }): [string, string] => [id, title]);
-  const all = [...sections, ...OWN];
-  const first = FIRST.flatMap(id => all.filter(([of]) => of === id));
-  return [...first, ...all.filter(([id]) => !FIRST.includes(id))];
-}
-
-const SHORT: Record<string, string> = { units: "Units", bottlenecks: "Bottlenecks", diagram: "Block diagram" };
-
-export function tabs(into: HTMLElement, run: Run, chosen: string, choose: (panel: string) => void): string {
-  const all = list(run);
-  const now = all.some(([id]) => id === chosen) ? chosen : "units";
-  const buttons = all.map(([id, title]) => {
+/** Shows the tabs, and returns the chosen one. An address may name a group or a section in it. */
+export function tabs(into: HTMLElement, chosen: string, choose: (panel: string) => void): string {
+  const now = (GROUPS.find(([id, , parts]) => id === chosen || parts.includes(chosen)) ?? GROUPS[0]!)[0];
+  const buttons = GROUPS.map(([id, title], n) => {
     const selected = id === now;
     return el("button", {
       type: "button", role: "tab", id: `tab-${id}`, "aria-controls": "panel", "aria-selected": String(selected),
       tabindex: selected ? 0 : -1, onclick: () => choose(id),
       onkeydown: event => {
-        const by = { ArrowRight: 1, ArrowLeft: -1 }[(event as KeyboardEvent).key];
+        const by = { ArrowRight: 1, ArrowLeft: GROUPS.length - 1 }[(event as KeyboardEvent).key];
         if (by === undefined) return;
-        const next = all[(all.findIndex(([of]) => of === id) + by + all.length) % all.length]![0];
+        const next = GROUPS[(n + by) % GROUPS.length]![0];
         choose(next);
         document.getElementById(`tab-${next}`)?.focus();
       },
-    }, SHORT[id] ?? title);
+    }, title);
   });
   // Keeps the keyboard focus on its tab.
   const held = into.contains(document.activeElement) ? document.activeElement!.id : undefined;
@@ -78,14 +71,18 @@ export function tabs(into: HTMLElement, run: Run, chosen: string, choose: (panel
   return now;
 }
 
-export function panel(into: HTMLElement, name: string, now: Shown, pinned: Shown | undefined): void {
+/** Shows the group with this name. */
+export function panel(into: HTMLElement, name: string, { run, rest }: Shown, changes: () => HTMLElement[]): void {
   into.setAttribute("aria-labelledby", `tab-${name}`);
-  if (name === "timeline") return into.replaceChildren(timeline(now.run, now.rest));
-  if (name === "changes") return into.replaceChildren(changes(pinned?.run, now.run));
+  if (name === "timeline") return timeline(into, run, rest);
+  if (name === "changes") return into.replaceChildren(...changes());
   const open = new Set([...into.querySelectorAll("details[open] > summary")].map(summary => summary.textContent));
+  const parts = GROUPS.find(([id]) => id === name)![2].flatMap(id => run.sections.filter(section => section.id === id));
   // The simulator generates this markup and escapes it. Scripts in it would not run.
-  into.innerHTML = now.run.sections.find(({ id }) => id === name)?.html ?? "";
+  into.innerHTML = parts.map(({ id, title, html }) => `<section id="${id}" aria-labelledby="${id}-title"><h2 id="${id}-title">${title}</h2>${html}</section>`).join("");
   for (const details of into.querySelectorAll("details")) {
     if (open.has(details.querySelector("summary")?.textContent ?? "")) details.open = true;
   }
+  // Keys scroll a wide table that has the focus.
+  for (const wide of into.querySelectorAll<HTMLElement>(".wide")) wide.tabIndex = 0;
 }

@@ -72,6 +72,7 @@ export class Stage {
     const { canvas } = this;
     if (canvas.width !== left.width || canvas.height !== left.height) [canvas.width, canvas.height] = [left.width, left.height];
     canvas.classList.toggle("small", left.width < 640);
+    canvas.parentElement!.style.setProperty("--ratio", String(left.width / left.height));
     const context = canvas.getContext("2d")!;
     context.putImageData(new ImageData(left.rgba, left.width, left.height), 0, 0);
     const right = this.#right;

@@ -14,7 +14,7 @@ export interface Question { id: number; json: unknown; rest: Uint8Array }
 export interface Took { ms: number; waited: number }
 export interface Answer extends Took { id: number; json: unknown; rest: Uint8Array }
 /** First message to the worker: its simulator. */
-export interface Start { wasm: ArrayBuffer }
+export interface Start { wasm: WebAssembly.Module }
 /** Progress of a question: a count of bytes received from a server, or an intermediate picture. */
 export type Meanwhile = { id: number; came: number } | { id: number; sketch: Sketch; rest: Uint8Array };
 export interface Sketch { at: Place; width: number; height: number }
@@ -28,7 +28,7 @@ export type Takes =
 
 export interface Parameter {
   key: string; value: unknown; default: unknown; unit: string; range: string; takes: Takes;
-  about: string; effect: "work" | "timing"; provenance: { kind: string; text: string };
+  about: string; effect: "work" | "timing" | "cost"; provenance: { kind: string; text: string };
 }
 
 export interface Machine {
@@ -51,7 +51,7 @@ export interface Unit {
 /** The fields of report.json that the page itself reads. The simulator's own markup shows the whole report. */
 export interface Report {
   machine: string;
-  input: { name: string };
+  input: { name: string; sha256: string };
   outcome: { kind: string; message?: string };
   size: { width: number; height: number };
   config: Record<string, unknown>;

@@ -8,8 +8,7 @@ declare const SIMULATOR: string;
 void page({
   wasm: async () => {
     const bytes = Uint8Array.from(atob(SIMULATOR), c => c.charCodeAt(0));
-    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(unpacked).arrayBuffer();
+    return new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
   },
   worker: () => new Worker(URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }))),
 });

@@ -5,6 +5,8 @@ export interface State {
   /** True if the server's scene is drawn. */
   served: boolean;
   demo: string | null;
+  /** Name of the dropped file that is drawn. */
+  file: string | null;
   machine: string | null;
   set: Map<string, string>;
   view: View;
@@ -13,8 +15,13 @@ export interface State {
 
 export const SIZES: [number, number][] = [[160, 120], [320, 240], [640, 480], [1280, 720], [1920, 1080]];
 
+const FIRST_PANEL = "units";
+
+/** Returns a copy that later changes of the state do not reach. */
+export const copied = (state: State): State => ({ ...state, set: new Map(state.set), view: { ...state.view } });
+
 export function initial(served: boolean): State {
-  const common = { served, machine: null, view: { size: [640, 480] as [number, number] }, panel: "units" };
+  const common = { served, file: null, machine: null, view: { size: [640, 480] as [number, number] }, panel: FIRST_PANEL };
   // Shows intermediate pictures while tiles arrive.
   return served ? { ...common, demo: null, set: new Map([["defer.mode", "progressive"]]) } : { ...common, demo: "golf-ball", set: new Map() };
 }
@@ -30,7 +37,8 @@ export function read(hash: string, served: boolean): State {
   const from = new URLSearchParams(hash.replace(/^#/, ""));
   const state = initial(served);
   if (from.size > 0) state.set = new Map();
-  if (!served) state.demo = from.get("demo") ?? (from.has("file") ? null : state.demo);
+  if (!served) state.file = from.get("file") || null;
+  if (!served) state.demo = from.get("demo") ?? (state.file === null ? state.demo : null);
   state.machine = from.get("machine");
   state.panel = from.get("show") ?? state.panel;
   const size = from.get("size")?.split("x").map(Number);
@@ -50,16 +58,21 @@ export function read(hash: string, served: boolean): State {
   return state;
 }
 
-export function write({ served, demo, machine, set, view, panel }: State): string {
+/** Returns the addresses of the pinned runs in an address. */
+export const pinsIn = (hash: string): string[] => new URLSearchParams(hash.replace(/^#/, "")).getAll("pin");
+
+/** Returns the address of a state, with the addresses of its pinned runs. */
+export function write({ demo, file, machine, set, view, panel }: State, pins: string[] = []): string {
   const to = new URLSearchParams();
   if (demo !== null) to.set("demo", demo);
-  else if (!served) to.set("file", "");
+  else if (file !== null) to.set("file", file);
   if (machine !== null) to.set("machine", machine);
   to.set("size", view.size.join("x"));
   if (view.turn) to.set("turn", view.turn.join(","));
   if (view.light) to.set("light", view.light.join(","));
   for (const key of ["zoom", "frames", "orbit"] as const) if (view[key] !== undefined) to.set(key, String(view[key]));
   for (const [key, value] of set) to.append("set", `${key}=${value}`);
-  if (panel !== "units") to.set("show", panel);
+  if (panel !== FIRST_PANEL) to.set("show", panel);
+  for (const pin of pins) to.append("pin", pin);
   return `#${to}`;
 }

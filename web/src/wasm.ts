@@ -24,7 +24,7 @@ const nobody: Outside = {
   show: () => undefined,
 };
 
-export async function simulator(wasm: BufferSource, outside = nobody): Promise<Simulator> {
+export async function simulator(wasm: WebAssembly.Module, outside = nobody): Promise<Simulator> {
   let answer: Uint8Array = new Uint8Array();
   // A view of the memory becomes invalid when the memory grows.
   const bytes = (at: number, length: number) => new Uint8Array(exports.memory.buffer, at, length);
@@ -37,7 +37,7 @@ export async function simulator(wasm: BufferSource, outside = nobody): Promise<S
     take: (at: number) => bytes(at, answer.length).set(answer),
     show: (at: number, length: number) => outside.show(unpack(bytes(at, length).slice()) as Parcel<Sketch>),
   };
-  const { instance } = await WebAssembly.instantiate(wasm, { page });
+  const instance = await WebAssembly.instantiate(wasm, { page });
   const exports = instance.exports as unknown as Exports;
   return (json, rest = new Uint8Array()) => {
     const question = pack(json, rest);

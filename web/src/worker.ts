@@ -1,4 +1,5 @@
-// The worker: one simulator, which answers one question at a time.
+// The worker: one simulator, which answers one question at a time. As a service worker, the same file keeps the simulator.
+import { serve } from "./cache";
 import type { Answer, Lost, Meanwhile, Question, Start } from "./protocol";
 import { simulator, type Outside, type Simulator } from "./wasm";
 
@@ -59,3 +60,5 @@ scope.onmessage = async (event: MessageEvent<Start | Question>) => {
     scope.postMessage(lost);
   }
 };
+
+if ("clients" in self) serve();

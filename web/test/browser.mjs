@@ -2,9 +2,10 @@
 //
 //   node test/browser.mjs PROGRAM PAGE_FOLDER [MODEL...]
 import assert from "node:assert/strict";
-import { readdirSync, readFileSync } from "node:fs";
+import { readdirSync } from "node:fs";
 import { basename, dirname, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
+import { drop, showsInput } from "./actions.mjs";
 import { Browser } from "./chromium.mjs";
 import { Native } from "./native.mjs";
 
@@ -127,14 +128,9 @@ async function dropped(model) {
   const page = await opened(`${server.address}#demo=cut-plane@1&size=160x120&machine=shade`);
   // A glTF file with all its neighbouring files except other models.
   const beside = model.endsWith(".gltf") ? readdirSync(dirname(model)).filter(name => !/\.(gltf|glb|obj)$/.test(name)) : [];
-  const files = [basename(model), ...beside].map(name => [name, readFileSync(join(dirname(model), name)).toString("base64")]);
-  await page.evaluate(files => {
-    const transfer = new DataTransfer();
-    for (const [name, bytes] of files) transfer.items.add(new File([Uint8Array.from(atob(bytes), c => c.charCodeAt(0))], name));
-    window.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, cancelable: true }));
-  }, files);
-  await page.waitForFunction(name => document.getElementById("what").textContent.includes(name), basename(model));
-  await page.waitForFunction(() => document.documentElement.dataset.settled === "true");
+  await drop(page, model, ...beside.map(name => join(dirname(model), name)));
+  await showsInput(page, basename(model));
+  await browser.whole(page);
   await equalsNative(page, dirname(resolve(model)));
   await page.close();
 }

@@ -16,7 +16,7 @@ const { outputFiles } = await build({
   entryPoints: [join(import.meta.dirname, "../src/wasm.ts")], bundle: true, write: false, format: "esm", platform: "node",
 });
 const { simulator } = await import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
-const ask = await simulator(readFileSync(pathToFileURL(join(folder, "basrelief.wasm"))));
+const ask = await simulator(await WebAssembly.compile(readFileSync(pathToFileURL(join(folder, "basrelief.wasm")))));
 
 const told = question => {
   const { json, rest } = ask(question);

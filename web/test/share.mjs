@@ -1,0 +1,215 @@
+// Tests in Chromium the parts of the page that show and share results: loading, cache, command, report page, comparison, time line.
+//
+//   node test/share.mjs PROGRAM PAGE_FOLDER
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createServer } from "node:http";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { command, settles } from "./actions.mjs";
+import { Browser } from "./chromium.mjs";
+import { Native, words } from "./native.mjs";
+
+const [program, folder] = process.argv.slice(2);
+const native = new Native(program);
+const server = await native.serve(folder);
+const browser = await Browser.launch();
+const opened = (hash, options) => browser.opened(`${server.address}${hash}`, options);
+
+/** Serves the page with the simulator in small pieces, and holds it back until `release` is called. */
+async function slowly() {
+  let release;
+  const held = new Promise(done => (release = done));
+  const slow = createServer(async (request, answer) => {
+    const name = new URL(request.url, "http://x").pathname.slice(1) || "index.html";
+    const kinds = { html: "text/html", css: "text/css", js: "text/javascript", wasm: "application/wasm" };
+    answer.setHeader("content-type", kinds[name.split(".").at(-1)] ?? "text/plain");
+    const bytes = readFileSync(join(folder, name));
+    if (!name.endsWith(".wasm")) return answer.end(bytes);
+    answer.write(bytes.subarray(0, 1_000_000));
+    await held;
+    answer.end(bytes.subarray(1_000_000));
+  });
+  await new Promise(done => slow.listen(0, "127.0.0.1", done));
+  return { address: `http://127.0.0.1:${slow.address().port}/`, release, stop: () => (slow.closeAllConnections(), slow.close()) };
+}
+
+async function loadingShowsBytesAndDisablesControls() {
+  const slow = await slowly();
+  const context = await browser.chromium.newContext();
+  const page = await context.newPage();
+  // Notes the order in which pictures and controls appear.
+  await page.addInitScript(() => {
+    globalThis.order = [];
+    const put = CanvasRenderingContext2D.prototype.putImageData;
+    CanvasRenderingContext2D.prototype.putImageData = function (...all) {
+      globalThis.order.push("picture");
+      return put.apply(this, all);
+    };
+    new MutationObserver(() => document.querySelector("#controls > *") && globalThis.order.push("controls"))
+      .observe(document, { childList: true, subtree: true });
+  });
+  await page.goto(slow.address);
+  await page.waitForFunction(() => document.getElementById("loading").value >= 1_000_000);
+  assert.match(await page.textContent("#answered"), /1,000,000 of \d,\d{3},\d{3} bytes/);
+  assert.ok(await page.evaluate(() => document.querySelector("main").inert), "controls are disabled");
+  slow.release();
+  await page.waitForFunction(() => document.documentElement.dataset.settled === "true");
+  assert.ok(await page.evaluate(() => !document.querySelector("main").inert && document.getElementById("loading").hidden));
+  assert.deepEqual((await page.evaluate(() => globalThis.order)).filter((what, n, all) => what !== all[n - 1]).slice(0, 2), ["picture", "controls"]);
+  await context.close();
+  slow.stop();
+}
+
+async function simulatorComesFromTheCache() {
+  const page = await opened("#demo=cut-plane@1&size=160x120&machine=shade");
+  await page.evaluate(async () => {
+    await navigator.serviceWorker.ready;
+    while (!(await (await caches.open("basrelief.wasm")).keys()).length) await new Promise(done => setTimeout(done, 50));
+  });
+  const loads = [];
+  page.on("response", response => response.url().includes(".wasm") && loads.push(response.fromServiceWorker()));
+  await page.reload();
+  await browser.whole(page);
+  assert.deepEqual(loads, [true]);
+  // The network is not asked for it: the cached bytes are enough.
+  await page.context().route("**/*.wasm*", route => route.abort());
+  await page.reload();
+  await browser.whole(page);
+  await page.close();
+}
+
+async function commandIsCopied() {
+  const page = await opened("#demo=golf-ball&size=160x120");
+  await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+  await page.click("#pin");
+  await page.focus('[id="slide-replacement.lanes"]');
+  await page.keyboard.press("Home");
+  await settles(page, "--set replacement.lanes=1");
+  await page.click("#copy");
+  await page.waitForFunction(() => document.getElementById("copy").textContent === "Copied");
+  assert.equal(await page.evaluate(() => navigator.clipboard.readText()), await command(page));
+  // Each pinned run has its own command.
+  await page.click("#pins button:has-text('Copy')");
+  await page.waitForFunction(() => document.querySelector("#pins button").textContent === "Copied");
+  assert.equal(await page.evaluate(() => navigator.clipboard.readText()), "basrelief demo golf-ball --size 160x120");
+  await page.close();
+}
+
+/** Returns the output of the program in a temporary folder, and a file from there. */
+function ran(lines, file) {
+  const cwd = mkdtempSync(join(tmpdir(), "basrelief-share-"));
+  try {
+    const outputs = lines.map(line => execFileSync(native.program, line, { cwd, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] }));
+    return { last: outputs.at(-1), text: file && readFileSync(join(cwd, file), "utf8") };
+  } finally {
+    rmSync(cwd, { recursive: true });
+  }
+}
+
+/** The saved page has the sections of the page that the program writes. */
+async function savedPageEqualsTheNativePage() {
+  for (const hash of ["#demo=golf-ball&size=160x120", "#demo=corridor&size=160x120"]) {
+    const page = await opened(hash);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#export")]);
+    const saved = readFileSync(await download.path(), "utf8");
+    const { text } = ran([[...words(await command(page)).slice(1), "--quiet", "--html", "report.html"]], "report.html");
+    // A page without a policy reads them, because a parsed style counts as a style of the reading page.
+    const reader = await browser.chromium.newPage();
+    const [ours, theirs] = await reader.evaluate(pages => pages.map(html => {
+      const of = new DOMParser().parseFromString(html, "text/html");
+      const sections = [...of.querySelectorAll("main > section")].map(section => [section.id, section.id === "pictures" ? "" : section.innerHTML.replace(/<.h2>\s*/, "</h2>").trim()]);
+      const figures = [...of.querySelectorAll("header dd, header dt")].map(of => of.textContent);
+      const policy = of.querySelector("meta[http-equiv]").content;
+      return { sections, figures, policy, pictures: of.querySelectorAll("#pictures img").length, title: of.title };
+    }), [saved, text]);
+    await reader.close();
+    assert.deepEqual(ours, theirs);
+    assert.ok(!saved.includes("<script") && saved.includes("--busy"), "it has the style of reports, and no script");
+    await page.close();
+  }
+}
+
+/** One click compares two pinned runs. The words are those of `basrelief compare`. */
+async function comparisonEqualsTheNativeOne() {
+  for (const [demo, a, b] of [
+    ["corridor", "", "set=memory.texture.part%3Dsdr-100&set=texel.error_bound%3D0.25"],
+    ["golf-ball", "set=fifo.fragments.depth%3D4&set=replacement.lanes%3D16", "turn=20,0&set=memory.graphics.part%3Dsdr-100"],
+  ]) {
+    const page = await opened(`#demo=${demo}&size=160x120&${a}`);
+    await page.click("#pin");
+    const first = await command(page);
+    await page.evaluate(hash => (location.hash = hash), `#demo=${demo}&size=160x120&${b}&pin=${encodeURIComponent(new URLSearchParams(new URL(page.url()).hash.slice(1)).get("pin"))}`);
+    await page.waitForFunction(before => document.getElementById("command").textContent !== before, first);
+    await browser.whole(page);
+    await page.click("#pin");
+    await page.click("#compare");
+    await page.waitForSelector("#explained");
+    const told = await page.textContent("#explained .lead");
+    const run = (line, out) => [...words(line).slice(1), "--quiet", "--out", out];
+    const { last } = ran([run(first, "a"), run(await command(page), "b"), ["compare", "a", "b", "--json"]]);
+    assert.equal(told, JSON.parse(last).explanation);
+    console.log(told);
+    await page.close();
+  }
+}
+
+async function timelineZoomsAndMoves() {
+  const page = await opened("#demo=golf-ball&size=160x120&show=timeline");
+  const cycles = async () => (await page.textContent("#shown-cycles")).match(/[\d,]+/g).slice(0, 2).map(n => Number(n.replaceAll(",", "")));
+  const all = await cycles();
+  await page.focus("#time-strips");
+  await page.keyboard.press("+");
+  await page.keyboard.press("+");
+  const near = await cycles();
+  assert.ok(Math.abs((near[1] - near[0]) * 4 / (all[1] - all[0]) - 1) < 0.02, `${near} of ${all}`);
+  await page.keyboard.press("ArrowRight");
+  const later = await cycles();
+  assert.ok(later[0] > near[0] && later[1] > near[1]);
+  // A drag moves the time line, and the pointer reads the column below it.
+  const box = await page.locator("#time-strips canvas").first().boundingBox();
+  await page.mouse.move(box.x + 50, box.y + 5);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 150, box.y + 5, { steps: 3 });
+  await page.mouse.up();
+  const dragged = await cycles();
+  assert.ok(dragged[0] < later[0]);
+  const [from] = (await page.textContent("#panel > p")).match(/(?<=cycles )[\d,]+/).map(n => Number(n.replaceAll(",", "")));
+  assert.ok(from >= dragged[0] && from <= dragged[1], `${from} in ${dragged}`);
+  await page.click("#time-Home");
+  assert.deepEqual(await cycles(), all);
+  await page.close();
+}
+
+async function tabsAreFiveGroups() {
+  const page = await opened("#demo=golf-ball&size=160x120&show=memories");
+  assert.equal(await page.locator("#tabs button").count(), 5);
+  const rows = new Set(await page.locator("#tabs button").evaluateAll(all => all.map(tab => tab.getBoundingClientRect().top)));
+  assert.equal(rows.size, 1, "they are in one row");
+  // An address may name a section of a group.
+  assert.equal(await page.getAttribute("#tab-diagram", "aria-selected"), "true");
+  const sections = [];
+  for (const tab of await page.locator("#tabs button").all()) {
+    await tab.click();
+    sections.push(...await page.locator("#panel > section").evaluateAll(all => all.map(({ id }) => id)));
+  }
+  const { text } = ran([[...words(await command(page)).slice(1), "--quiet", "--html", "report.html"]], "report.html");
+  const expected = [...text.matchAll(/<section id="(\w+)"/g)].map(([, id]) => id).filter(id => id !== "pictures" && id !== "warnings");
+  assert.deepEqual(sections.toSorted(), expected.toSorted(), "every section of the report is in a group");
+  await page.close();
+}
+
+try {
+  for (const test of [
+    loadingShowsBytesAndDisablesControls, simulatorComesFromTheCache, commandIsCopied, savedPageEqualsTheNativePage,
+    comparisonEqualsTheNativeOne, timelineZoomsAndMoves, tabsAreFiveGroups,
+  ]) {
+    await test();
+    console.log(`ok: ${test.name}`);
+  }
+  assert.deepEqual(browser.faults, []);
+} finally {
+  await browser.close();
+  server.stop();
+}
