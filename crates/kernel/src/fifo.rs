@@ -1,7 +1,8 @@
 //! Bounded FIFOs: the wires between units.
 
-use crate::{FifoInfo, Label};
+use crate::{FifoInfo, Label, TokenBits, TokenField};
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// A bounded FIFO of tokens.
 #[derive(Clone, Debug)]
@@ -10,6 +11,26 @@ pub struct Fifo<T> {
     tokens: VecDeque<T>,
     /// Returns the label of a token.
     label: fn(&T) -> Label,
+    /// Returns the bits of a token.
+    pack: TokenPacker<T>,
+}
+
+/// Functions that return the bits of a token, and the fields of all tokens.
+struct TokenPacker<T> {
+    pack: Arc<dyn Fn(&T) -> TokenBits + Send + Sync>,
+    fields: Arc<dyn Fn() -> Vec<TokenField> + Send + Sync>,
+}
+
+impl<T> Clone for TokenPacker<T> {
+    fn clone(&self) -> Self {
+        Self { pack: Arc::clone(&self.pack), fields: Arc::clone(&self.fields) }
+    }
+}
+
+impl<T> std::fmt::Debug for TokenPacker<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("TokenPacker")
+    }
 }
 
 impl<T> Fifo<T> {
@@ -18,7 +39,9 @@ impl<T> Fifo<T> {
     /// # Panics
     /// If depth or latency is 0 (law 1).
     pub fn new(name: &str, depth: usize, latency: u64) -> Self {
-        Self { link: FifoInfo::new(name, depth, latency), tokens: VecDeque::with_capacity(depth), label: |_| Label::default() }
+        let pack = TokenPacker { pack: Arc::new(|_: &T| TokenBits::new()), fields: Arc::new(Vec::new) };
+        let (link, label) = (FifoInfo::new(name, depth, latency), |_: &T| Label::default());
+        Self { link, tokens: VecDeque::with_capacity(depth), label, pack }
     }
 
     /// Sets the width of a slot \[bits\]. It matters for hardware counts only.
@@ -44,6 +67,27 @@ impl<T> Fifo<T> {
     pub fn labelled(mut self, label: fn(&T) -> Label) -> Self {
         self.label = label;
         self
+    }
+
+    /// Sets the functions that pack a token into bits and list its fields, for probes that read wires.
+    #[must_use]
+    pub fn packed(
+        mut self,
+        pack: impl Fn(&T) -> TokenBits + Send + Sync + 'static,
+        fields: impl Fn() -> Vec<TokenField> + Send + Sync + 'static,
+    ) -> Self {
+        self.pack = TokenPacker { pack: Arc::new(pack), fields: Arc::new(fields) };
+        self
+    }
+
+    /// Returns the fields of the tokens.
+    pub(crate) fn fields(&self) -> Vec<TokenField> {
+        (self.pack.fields)()
+    }
+
+    /// Returns the bits of the newest token.
+    pub(crate) fn newest_bits(&self) -> TokenBits {
+        self.tokens.back().map(|token| (self.pack.pack)(token)).unwrap_or_default()
     }
 
     /// Returns the label of the newest token.

@@ -343,7 +343,7 @@ pub use operators::{OperatorConfig, OperatorCounts, Operators};
 pub use outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor};
 pub use parts::MemoryPart;
 pub use periodic::{FlipCounts, FlipTiming, PeriodicReads};
-pub use probe::{Interval, NoProbe, Probe, Recorder};
+pub use probe::{Interval, NoProbe, OutputWires, Probe, Recorder, StepWires, TokenBits, TokenField, UnitTable, UnitWires};
 pub use report::{CacheReport, FifoReport, MemoryReport, PeriodicCounts, PortReport, RunReport, UnitReport};
 pub use request::Request;
 pub use stage::Stage;

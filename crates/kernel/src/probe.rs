@@ -1,6 +1,6 @@
 //! Probes: observers of a run. A probe is a type parameter of the engines, so `NoProbe` costs nothing.
 
-use crate::{Cycle, Label, MemoryEvent, StallCause};
+use crate::{Cycle, Label, MemoryEvent, Request, StallCause};
 use std::collections::BTreeMap;
 
 /// Observes a run. Stages are numbered in the order of the wiring. Intervals are half-open. Intervals of one stage come in order
@@ -29,6 +29,28 @@ pub trait Probe {
     fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         _ = (stage, taken, asked, given);
     }
+    /// Returns true if the probe reads wires: bits of tokens, the cycles in which they become visible, and answers. Asked before
+    /// the first step.
+    fn reads_wires(&self) -> bool {
+        false
+    }
+    /// Reports the wires of a step. Calls come in order of execution, as for [`Probe::on_step`].
+    fn on_wires(&mut self, stage: usize, step: &StepWires<'_>) {
+        _ = (stage, step);
+    }
+    /// Reports that the next token of FIFO `fifo` becomes visible in cycle `at`. Calls come in order of tokens, with some delay.
+    fn on_visible(&mut self, fifo: usize, at: Cycle) {
+        _ = (fifo, at);
+    }
+    /// Reports the last answer of each memory client that step `step` of stage `stage` awaited, 0 for none. Both are counted
+    /// from 0. Calls come with some delay, once or twice for a step.
+    fn on_answers(&mut self, stage: usize, step: u64, answers: &[Cycle]) {
+        _ = (stage, step, answers);
+    }
+    /// Reports the unit of a stage after the run.
+    fn on_unit(&mut self, stage: usize, unit: &UnitWires) {
+        _ = (stage, unit);
+    }
     /// Reports that a step occupied stage `stage`.
     fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle);
     /// Reports that stage `stage` waited for `cause`.
@@ -43,6 +65,71 @@ pub trait Probe {
     fn on_memory_event(&mut self, event: MemoryEvent) {
         _ = event;
     }
+}
+
+/// Wires of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct StepWires<'a> {
+    /// Inputs from which the step takes tokens, one bit each.
+    pub taken: u32,
+    /// Bits of its tokens, by output.
+    pub given: &'a [(usize, TokenBits)],
+    /// Its direct memory requests.
+    pub requests: &'a [Request],
+    /// Its look-ups in caches.
+    pub look_ups: &'a [Request],
+}
+
+/// Bits of a token, the lowest first.
+pub type TokenBits = Vec<u64>;
+
+/// A field of the tokens of a FIFO: its name, its lowest bit, and its width.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TokenField {
+    /// Name.
+    pub name: String,
+    /// Number of its lowest bit.
+    pub first: u32,
+    /// Width \[bits\].
+    pub bits: u32,
+}
+
+/// An output FIFO of a unit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputWires {
+    /// Fields of its tokens.
+    pub fields: Vec<TokenField>,
+    /// Cycles from delivery to visibility.
+    pub latency: u64,
+}
+
+/// A table of a unit: its name, the bits of an entry, and the entries.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UnitTable {
+    /// Name.
+    pub name: String,
+    /// Width of an entry \[bits\].
+    pub bits: u32,
+    /// Entries.
+    pub entries: Vec<TokenBits>,
+}
+
+impl UnitTable {
+    /// Creates a table of one number, for example a latency in cycles.
+    pub fn number(name: &str, value: impl Into<u64>) -> Self {
+        Self { name: name.into(), bits: 64, entries: vec![vec![value.into()]] }
+    }
+}
+
+/// Facts about a unit that its hardware twin needs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UnitWires {
+    /// Parameters and contents that follow from the configuration or the run.
+    pub tables: Vec<UnitTable>,
+    /// Its outputs, in the order of the wiring.
+    pub outputs: Vec<OutputWires>,
+    /// Credits that its largest step needs, by memory client.
+    pub credits: Vec<u32>,
 }
 
 /// A probe that observes nothing.
@@ -70,6 +157,21 @@ impl<P: Probe + ?Sized> Probe for &mut P {
     }
     fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         (**self).on_step(stage, [taken, asked], given);
+    }
+    fn reads_wires(&self) -> bool {
+        (**self).reads_wires()
+    }
+    fn on_wires(&mut self, stage: usize, step: &StepWires<'_>) {
+        (**self).on_wires(stage, step);
+    }
+    fn on_visible(&mut self, fifo: usize, at: Cycle) {
+        (**self).on_visible(fifo, at);
+    }
+    fn on_answers(&mut self, stage: usize, step: u64, answers: &[Cycle]) {
+        (**self).on_answers(stage, step, answers);
+    }
+    fn on_unit(&mut self, stage: usize, unit: &UnitWires) {
+        (**self).on_unit(stage, unit);
     }
     fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
         (**self).on_busy(stage, from, to);

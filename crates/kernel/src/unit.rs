@@ -1,6 +1,7 @@
 //! The unit interface: a unit states its effect on tokens and how long it is busy. The kernel decides when.
 
 use crate::memory_ports::MemoryPorts;
+use crate::probe::UnitTable;
 use crate::stats::UnitStats;
 use crate::unit_info::UnitInfo;
 
@@ -159,6 +160,12 @@ pub trait Unit {
     /// Returns true if the unit holds no token back. A run that ends while a unit holds a token is a deadlock.
     fn is_empty(&self) -> bool {
         true
+    }
+
+    /// Returns the parameters and table contents that a hardware twin of the unit needs and that its tokens do not carry. Called
+    /// after the run.
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        Vec::new()
     }
 
     /// Reports counters and the rates at which the unit fills its outputs. Called after the run.

@@ -1,6 +1,6 @@
 //! Bundles of FIFOs: the connections of one unit.
 
-use crate::{Demand, Fifo, FifoInfo, Label};
+use crate::{Demand, Fifo, FifoInfo, Label, TokenBits, TokenField};
 
 /// A bundle of FIFOs at one end of a unit: `()`, `&mut Fifo<T>`, a tuple of two to six, or a vector.
 pub trait Wires {
@@ -32,6 +32,10 @@ pub trait Outputs: Wires {
     fn push(&mut self, item: Self::Item) -> u32;
     /// Returns the label of the token that was pushed last to FIFO `i`.
     fn last_label(&self, i: usize) -> Label;
+    /// Returns the bits of the token that was pushed last to FIFO `i`.
+    fn last_bits(&self, i: usize) -> TokenBits;
+    /// Returns the fields of the tokens of FIFO `i`.
+    fn token_fields(&self, i: usize) -> Vec<TokenField>;
 }
 
 impl Wires for () {
@@ -59,6 +63,12 @@ impl Outputs for () {
         0
     }
     fn last_label(&self, _: usize) -> Label {
+        unreachable!("no FIFO here")
+    }
+    fn last_bits(&self, _: usize) -> TokenBits {
+        unreachable!("no FIFO here")
+    }
+    fn token_fields(&self, _: usize) -> Vec<TokenField> {
         unreachable!("no FIFO here")
     }
 }
@@ -96,6 +106,12 @@ impl<T> Outputs for &mut Fifo<T> {
     }
     fn last_label(&self, _: usize) -> Label {
         self.newest_label()
+    }
+    fn last_bits(&self, _: usize) -> TokenBits {
+        self.newest_bits()
+    }
+    fn token_fields(&self, _: usize) -> Vec<TokenField> {
+        self.fields()
     }
 }
 
@@ -145,6 +161,18 @@ macro_rules! tuple_of_fifos {
                     _ => unreachable!("no FIFO here"),
                 }
             }
+            fn last_bits(&self, i: usize) -> TokenBits {
+                match i {
+                    $($i => self.$i.newest_bits(),)*
+                    _ => unreachable!("no FIFO here"),
+                }
+            }
+            fn token_fields(&self, i: usize) -> Vec<TokenField> {
+                match i {
+                    $($i => self.$i.fields(),)*
+                    _ => unreachable!("no FIFO here"),
+                }
+            }
         }
     };
 }
@@ -184,5 +212,11 @@ impl<T> Outputs for Vec<&mut Fifo<T>> {
     }
     fn last_label(&self, i: usize) -> Label {
         self[i].newest_label()
+    }
+    fn last_bits(&self, i: usize) -> TokenBits {
+        self[i].newest_bits()
+    }
+    fn token_fields(&self, i: usize) -> Vec<TokenField> {
+        self[i].fields()
     }
 }

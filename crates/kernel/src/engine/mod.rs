@@ -22,6 +22,7 @@ pub use context::RunLimits;
 use context::{ActiveRecording, unit_states};
 pub use overlapped::{make_steps, time_steps};
 pub use resimulate::{ChunkSource, Recording, ResimulateError, critical_path, resimulate};
+use step_source::WireReport;
 
 /// The engine of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -92,6 +93,9 @@ fn run_on<M: Machine, P: Probe>(
     let halt = engine(machine, &mut time, probe);
     let report = time.finalize(&unit_states(machine), halt);
     time.show_fills(probe, Some(Cycle(report.total)));
+    if P::is_on() && probe.reads_wires() {
+        machine.wire(&mut WireReport { probe, stage: 0 });
+    }
     *machine.memories() = time.memories;
     report
 }

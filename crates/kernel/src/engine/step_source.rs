@@ -6,8 +6,8 @@ use crate::machine::Visitor;
 use crate::recording::RecordingWriter;
 use crate::step_requests::StepRequestsView;
 use crate::time::{FinalUnitState, InputMask, StageArity, StageVisit, StepTiming};
-use crate::wires::{Inputs, Outputs};
-use crate::{Connections, Demand, MemoryPorts, Probe, Stage, Step, Unit};
+use crate::wires::{Inputs, Outputs, Wires};
+use crate::{Connections, Demand, MAX_CLIENTS, MemoryPorts, OutputWires, Probe, Stage, Step, StepWires, Unit, UnitWires};
 
 /// The steps of one stage, in order.
 pub(crate) trait StepSource {
@@ -115,11 +115,36 @@ where
             let given: Vec<_> = given.collect();
             probe.on_step(number, [demand.of(inputs.count()), traffic.clients()], &given);
         }
+        if P::is_on() && probe.reads_wires() {
+            let Connections { inputs, outputs, .. } = &self.connections;
+            let given = (0..outputs.count()).filter(|i| made.outputs >> i & 1 == 1).map(|i| (i, outputs.last_bits(i)));
+            let (taken, given) = (demand.of(inputs.count()), given.collect::<Vec<_>>());
+            let (requests, look_ups) = (traffic.requests(), traffic.look_ups());
+            probe.on_wires(number, &StepWires { taken, given: &given, requests, look_ups });
+        }
     }
 
     #[inline(always)]
     fn write(&self, writer: &mut RecordingWriter, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts) {
         writer.step(number, demand, made, traffic);
+    }
+}
+
+/// Reports every unit to a probe that reads wires.
+pub(super) struct WireReport<'a, P> {
+    pub(super) probe: &'a mut P,
+    pub(super) stage: usize,
+}
+
+impl<SomeProbe: Probe> Visitor for WireReport<'_, SomeProbe> {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
+        let outputs = &connections.outputs;
+        let output = |i| OutputWires { fields: outputs.token_fields(i), latency: outputs.link(i).latency() };
+        let outputs = (0..outputs.count()).map(output).collect();
+        let credits = (0..MAX_CLIENTS).map(|client| stage.unit.largest_step(client)).collect();
+        self.probe.on_unit(self.stage, &UnitWires { tables: stage.unit.twin_tables(), outputs, credits });
+        self.stage += 1;
     }
 }
 

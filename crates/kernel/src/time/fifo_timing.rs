@@ -48,6 +48,10 @@ pub(crate) struct FifoTiming {
     /// no memory client.
     awaits: Box<[Cell<[Cycle; MAX_CLIENTS]>]>,
     occupancy: RefCell<OccupancyHistogram>,
+    /// True if a probe reads the visible cycles of tokens.
+    is_watched: Cell<bool>,
+    /// Visible cycles since they were last taken.
+    shown: RefCell<Vec<Cycle>>,
 }
 
 /// Index of a token in a ring whose length is a power of two.
@@ -83,6 +87,8 @@ impl FifoTiming {
             news: Default::default(),
             awaits: vec![Cell::default(); if awaits { tokens } else { 0 }].into(),
             occupancy: OccupancyHistogram::new(depth).into(),
+            is_watched: Cell::new(false),
+            shown: RefCell::default(),
         }
     }
 
@@ -210,6 +216,9 @@ impl FifoTiming {
         }
         let number = self.delivered.get();
         token(&self.ring, number).visible.set(visible);
+        if self.is_watched.get() {
+            self.shown.borrow_mut().push(visible);
+        }
         self.next_visible.set(visible.after(1));
         self.delivered.set(number + 1);
         if number == self.popped.get() {
@@ -257,6 +266,16 @@ impl FifoTiming {
     /// See [`OccupancyHistogram::keep_fills`].
     pub(crate) fn keep_fills(&self) {
         self.occupancy.borrow_mut().keep_fills();
+    }
+
+    /// Records the visible cycles of tokens.
+    pub(crate) fn keep_visible(&self) {
+        self.is_watched.set(true);
+    }
+
+    /// Takes the visible cycles since the last call.
+    pub(crate) fn take_visible(&self) -> Vec<Cycle> {
+        self.shown.take()
     }
 
     /// See [`OccupancyHistogram::take_fills`].

@@ -27,6 +27,8 @@ pub(crate) const BLOCKING: u32 = MARKED << 1;
 #[derive(Clone, Debug)]
 pub(crate) struct InFlightStep {
     pub(crate) delivery: Delivery,
+    /// Number of the step.
+    pub(crate) step: u64,
     /// Steps with unanswered look-ups, by client: the step itself, and steps merged into it.
     look_ups: [u32; MAX_CLIENTS],
     /// Number of the last read plus one, by client; 0 for none, or once its answer is known.
@@ -40,9 +42,9 @@ pub(crate) struct InFlightStep {
 impl InFlightStep {
     /// Creates a step without requests.
     #[inline]
-    pub(crate) fn new(delivery: Delivery) -> Self {
+    pub(crate) fn new(step: u64, delivery: Delivery) -> Self {
         let (look_ups, reads, answers, served) = Default::default();
-        Self { delivery, look_ups, reads, answers, served }
+        Self { delivery, step, look_ups, reads, answers, served }
     }
 
     /// Delivery time, if all answers are known.

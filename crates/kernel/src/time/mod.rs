@@ -74,6 +74,10 @@ impl MachineTiming {
             self.fifos.iter().for_each(FifoTiming::keep_fills);
             self.memories.keep_events();
         }
+        if P::is_on() && probe.reads_wires() {
+            self.fifos.iter().for_each(FifoTiming::keep_visible);
+            self.stages.iter_mut().for_each(|clock| clock.answers = Some(Vec::new()));
+        }
     }
 
     /// Emits FIFO levels and memory events to a probe, as far as they are settled, or up to the `end` of the run.
@@ -83,6 +87,16 @@ impl MachineTiming {
                 fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.on_occupancy(number, at, slots));
             }
             self.memories.emit(probe, EventBounds { limit: self.limit, end });
+        }
+        if P::is_on() && probe.reads_wires() {
+            for (number, fifo) in self.fifos.iter().enumerate() {
+                fifo.take_visible().into_iter().for_each(|at| probe.on_visible(number, at));
+            }
+            for (number, clock) in self.stages.iter_mut().enumerate() {
+                for (step, answers) in clock.answers.iter_mut().flat_map(|answers| answers.drain(..)) {
+                    probe.on_answers(number, step, &answers);
+                }
+            }
         }
     }
 

@@ -38,6 +38,8 @@ pub(crate) struct StageClock {
     pub(super) served: u64,
     /// Deliveries that passed a mark.
     pub(super) marks: Vec<Cycle>,
+    /// Answers of steps that awaited some, since they were last taken, if a probe reads them.
+    pub(super) answers: Option<Vec<(u64, [Cycle; MAX_CLIENTS])>>,
 }
 
 /// Credits that a stage needs of its memory clients in every step.
@@ -90,6 +92,7 @@ impl StageClock {
             again: true,
             served: 0,
             marks: Vec::new(),
+            answers: None,
         }
     }
 

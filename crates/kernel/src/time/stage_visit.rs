@@ -6,7 +6,7 @@ use super::in_flight::{BLOCKING, Delivery, InFlightStep, MARKED};
 use super::port_ids::{ConnectedFifos, PortIds};
 use super::{FifoTiming, InputMask, StageArity, StageClock, StepTiming, charge};
 use crate::step_requests::StepRequestsView;
-use crate::{Cycle, CycleAccount, MemoryPorts, MemorySystem, Probe};
+use crate::{Cycle, CycleAccount, MAX_CLIENTS, MemoryPorts, MemorySystem, Probe};
 
 /// A stage with mutable timing state.
 pub(crate) struct StageVisit<'a> {
@@ -73,7 +73,7 @@ impl StageVisit<'_> {
         let (occupancy, latency) = self.take_and_reserve::<K>(at, takes, made);
         if K::HAS_MEMORY && !self.clock.flights.is_empty() {
             let delivery = Delivery { base: at.after(latency), after_data: 0, outputs: outputs_and_mark(made) };
-            self.clock.flights.push(InFlightStep::new(delivery), (&self.clock.clients, self.memories));
+            self.clock.flights.push(InFlightStep::new(self.clock.steps, delivery), (&self.clock.clients, self.memories));
             return self.occupy(at, occupancy);
         }
         self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.deliver(at.after(latency)));
@@ -188,8 +188,8 @@ fn issue_step(
     (start, delivery): (Cycle, Delivery),
     asks: StepRequestsView<'_>,
 ) -> u64 {
-    let StageClock { flights, clients, needs, .. } = clock;
-    let mut flight = InFlightStep::new(delivery);
+    let StageClock { flights, clients, needs, steps, .. } = clock;
+    let mut flight = InFlightStep::new(*steps, delivery);
     let issued = flights.issue(&mut flight, start, (clients, memories), asks);
     needs.asked = true;
     if !issued.awaits {
@@ -199,8 +199,8 @@ fn issue_step(
         clock.block.begin(issued.order);
     }
     if issued.at_once {
-        let StageClock { marks, outputs, block, .. } = clock;
-        deliver_answered((marks, block), *outputs, &flight, flight.delivery.outputs, fifos);
+        let StageClock { marks, outputs, block, answers, .. } = clock;
+        deliver_answered((marks, block, answers), *outputs, &flight, flight.delivery.outputs, fifos);
     } else {
         clock.flights.push(flight, (&clock.clients, memories));
     }
@@ -208,11 +208,11 @@ fn issue_step(
 }
 
 fn deliver_known(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut MemorySystem) -> bool {
-    let StageClock { flights, marks, clients, outputs, block, again, .. } = clock;
+    let StageClock { flights, marks, clients, outputs, block, answers, again, .. } = clock;
     let is_blocked = !block.until.is_known();
     let all = outputs.all() | if is_blocked { BLOCKING } else { 0 };
     let moved = flights.deliver_known(all, (clients, memories), |flight, to| {
-        deliver_answered((marks, block), *outputs, flight, to, fifos);
+        deliver_answered((marks, block, answers), *outputs, flight, to, fifos);
     });
     *again |= is_blocked && block.until.is_known();
     moved
@@ -220,13 +220,16 @@ fn deliver_known(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut Me
 
 /// Delivers an answered step to these outputs.
 fn deliver_answered(
-    (marks, block): (&mut Vec<Cycle>, &mut BlockingWait),
+    (marks, block, answers): (&mut Vec<Cycle>, &mut BlockingWait, &mut Option<Vec<(u64, [Cycle; MAX_CLIENTS])>>),
     outputs: PortIds,
     flight: &InFlightStep,
     to: u32,
     fifos: &[FifoTiming],
 ) {
     let at = flight.delivered();
+    if let Some(answers) = answers {
+        answers.push((flight.step, flight.answers));
+    }
     for (_, fifo) in outputs.of(to & outputs.all()) {
         fifos[fifo].set_awaits(flight.answers);
         fifos[fifo].deliver(at);
