@@ -41,13 +41,21 @@ macro_rules! fifos {
 }
 pub(crate) use fifos;
 
-use basrelief_kernel::{Fifo, FifoConfig, Label};
-use basrelief_signals::{BitWidth, SignalWidths};
+use basrelief_kernel::{Fifo, FifoConfig, Label, TokenField};
+use basrelief_signals::{BitWidth, SignalWidths, WireField, WireFields};
 
 /// Creates a FIFO.
 pub(crate) fn fifo<T: BitWidth>(name: &str, config: &FifoConfig, widths: &SignalWidths) -> Fifo<T> {
     let fifo = Fifo::new(name, config.depth as usize, u64::from(config.latency));
-    fifo.carrying(T::bits(widths)).labelled(|token: &T| Label(token.attribution().into()))
+    let of_tokens = *widths;
+    fifo.carrying(T::bits(widths)).labelled(|token: &T| Label(token.attribution().into())).packed(
+        move |token: &T| WireFields::pack(token, &of_tokens),
+        move || WireFields::list::<T>(&of_tokens).into_iter().map(token_field).collect(),
+    )
+}
+
+fn token_field(WireField { name, first, bits }: WireField) -> TokenField {
+    TokenField { name, first, bits }
 }
 
 /// Returns the default configuration of a FIFO with this depth.

@@ -9,7 +9,7 @@
 //!
 //! [`GatheredLines`] are the lines of a picture's memory that a unit has open for writing, and [`LineFlags`] state which lines are clear.
 //!
-//! [`width`] defines the bits of each token on a wire, [`attribution`] its attribution.
+//! [`width`] lists the fields of each token on a wire, [`wire_fields`] packs them, [`attribution`] its attribution.
 //!
 //! [`layout`] is the address map of the one memory that several units share.
 //!
@@ -34,6 +34,7 @@ pub mod polygon;
 pub mod quantization_memory;
 pub mod schema;
 pub mod width;
+pub mod wire_fields;
 
 pub use attribution::{Attribution, PixelSet};
 pub use flow::{Control, Flow};
@@ -53,6 +54,7 @@ pub use packet::{
 pub use polygon::{LightingStage, MeshInfo, ObjectInfo, Polygon, SentAttributes, Vertex, VertexAttributes};
 pub use schema::schema_of;
 pub use width::{BitWidth, SignalWidths};
+pub use wire_fields::{FieldWidth, WireField, WireFields};
 
 /// Tests the example of the README.
 #[cfg(doctest)]

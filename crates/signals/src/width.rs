@@ -1,9 +1,10 @@
 //! Bit widths of tokens in hardware, which give the size of the FIFOs that hold them.
 //!
-//! Each token type computes its bits. Widths that depend on the configuration are in [`SignalWidths`].
+//! Each token type lists its [fields](WireFields). Widths that depend on the configuration are in [`SignalWidths`].
 
 use crate::fragment::{NormalIndexes, PictureFlow, PseudoNormals, ShadedFragment, StampLanes};
 use crate::packet::{PACKET_PIXELS, Packet, PixelPacket};
+use crate::wire_fields::WireFields;
 use crate::{
     Attribution, Control, Draw, Flow, Fragment, Frame, MAX_STAMP, Pixel, PixelSet, Polygon, Stamp, StampSample, StampSamples,
 };
@@ -41,6 +42,8 @@ pub const NUMBER: u32 = 32;
 pub const COORDINATE: u32 = 16;
 /// Colour of three components, 8 bits each \[bits\].
 pub const COLOR: u32 = 24;
+/// Level of detail of a polygon \[bits\].
+const LOD: u32 = 6;
 /// MIP level \[bits\].
 pub const LEVEL: u32 = 3;
 /// Share of a MIP level, in steps of the LOD \[bits\]. It has spare bits because several texels may have a share in the level.
@@ -49,10 +52,14 @@ pub const SHARE: u32 = 8;
 /// frames, objects and polygons.
 pub const CONTROL: u32 = 32;
 
-/// A token type with a width on a wire and an attribution.
+/// A token type with fields on a wire and an attribution.
 pub trait BitWidth {
-    /// Returns the width of the token \[bits\].
-    fn bits(widths: &SignalWidths) -> u32;
+    /// Lists the fields of the token, with its values if there is a token.
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields);
+    /// Returns the width of the token in the hardware \[bits\].
+    fn bits(widths: &SignalWidths) -> u32 {
+        WireFields::width::<Self>(widths).hardware
+    }
     /// Returns the attribution of the token.
     fn attribution(&self) -> Attribution {
         Attribution::Inherited
@@ -61,14 +68,14 @@ pub trait BitWidth {
 
 /// A token without data: its arrival is the signal.
 impl BitWidth for () {
-    fn bits(_: &SignalWidths) -> u32 {
-        1
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        wire.flag("signal", token.map(|()| true));
     }
 }
 
 impl<T: BitWidth> BitWidth for Arc<T> {
-    fn bits(widths: &SignalWidths) -> u32 {
-        T::bits(widths)
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        T::fields(token.map(|token| &**token), widths, wire);
     }
 
     fn attribution(&self) -> Attribution {
@@ -77,36 +84,51 @@ impl<T: BitWidth> BitWidth for Arc<T> {
 }
 
 impl BitWidth for f32 {
-    fn bits(_: &SignalWidths) -> u32 {
-        NUMBER
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        wire.real("value", NUMBER, token.copied());
     }
 }
 
 /// Double precision exists on the host only. It represents numbers whose width is not specified.
 impl BitWidth for f64 {
-    fn bits(_: &SignalWidths) -> u32 {
-        NUMBER
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        wire.double("value", NUMBER, token.copied());
+    }
+}
+
+/// Lists `count` parts by number, with the items that exist.
+fn parts<'a, T: BitWidth + 'a>(count: u32, items: Option<&'a [T]>, widths: &SignalWidths, wire: &mut WireFields) {
+    for i in 0..count as usize {
+        wire.token(&i.to_string(), items.and_then(|items| items.get(i)), widths);
     }
 }
 
 impl<T: BitWidth, const N: usize> BitWidth for [T; N] {
-    fn bits(widths: &SignalWidths) -> u32 {
-        N as u32 * T::bits(widths)
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        parts(N as u32, token.map(<[T; N]>::as_slice), widths, wire);
     }
 }
 
-/// The width is that of all items side by side, and of their count.
+/// All items side by side, and their count. A token with more items takes several cycles in the hardware; its wires show the first.
 impl<A: Array<Item: BitWidth>> BitWidth for SmallVec<A> {
-    fn bits(widths: &SignalWidths) -> u32 {
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
         let most = A::size() as u32;
-        most * A::Item::bits(widths) + count(most)
+        wire.number("count", count(most), token.map(|items| items.len().min(A::size()) as u64));
+        parts(most, token.map(SmallVec::as_slice), widths, wire);
     }
 }
 
 /// One bit distinguishes control from items.
 impl<T: BitWidth> BitWidth for Flow<T> {
-    fn bits(widths: &SignalWidths) -> u32 {
-        1 + T::bits(widths).max(CONTROL)
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        let (mut item, mut control) = (None, None);
+        match token {
+            Some(Self::Item(token)) => item = Some(token),
+            Some(Self::Control(token)) => control = Some(token),
+            None => {}
+        }
+        wire.flag("item", token.map(|_| item.is_some()));
+        wire.one_of(&mut [&mut |wire| Control::fields(control, widths, wire), &mut |wire| T::fields(item, widths, wire)]);
     }
 
     fn attribution(&self) -> Attribution {
@@ -117,9 +139,43 @@ impl<T: BitWidth> BitWidth for Flow<T> {
     }
 }
 
+/// Kind of a control token \[bits\].
+const KIND: u32 = 3;
+
+/// Lists kind and number of a control token.
+fn kind_and_number(wire: &mut WireFields, values: Option<(u64, u64)>) {
+    wire.number("kind", KIND, values.map(|(kind, _)| kind));
+    wire.number("number", CONTROL - KIND, values.map(|(_, number)| number));
+}
+
 impl BitWidth for Control {
-    fn bits(_: &SignalWidths) -> u32 {
-        CONTROL
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        kind_and_number(
+            wire,
+            token.map(|control| match control {
+                Self::Frame(frame) => (0, frame.index.into()),
+                Self::Object(object) => (1, object.id.into()),
+                Self::Polygon(polygon) => (2, polygon.object.into()),
+                Self::CodeBook(_) => (3, 0),
+                Self::FrameEnd => (4, 0),
+                Self::Criterion(_) => (5, 0),
+            }),
+        );
+        let frame = |of: fn(&Frame) -> u32| match token {
+            Some(Self::Frame(frame)) => Some(of(frame)),
+            _ => None,
+        };
+        wire.setup("width", COORDINATE, frame(|frame| frame.width));
+        wire.setup("height", COORDINATE, frame(|frame| frame.height));
+        let polygon = match token {
+            Some(Self::Polygon(polygon)) => Some(polygon),
+            _ => None,
+        };
+        wire.setup("bump", 1, polygon.map(|polygon| polygon.bump));
+        wire.setup("lod", LOD, polygon.map(|polygon| polygon.lod));
+        wire.setup("mapped", 1, polygon.map(|polygon| polygon.material.normal_map.is_some()));
+        wire.setup("textured", 1, polygon.map(|polygon| polygon.material.color_texture.is_some()));
+        wire.setup("triangles", COORDINATE, polygon.map(|polygon| triangles(polygon)));
     }
 
     fn attribution(&self) -> Attribution {
@@ -131,6 +187,11 @@ impl BitWidth for Control {
             Self::FrameEnd => Attribution::Whole,
         }
     }
+}
+
+/// Returns the number of triangles of a polygon's fan.
+pub fn triangles(polygon: &Polygon) -> u64 {
+    polygon.vertices.len().saturating_sub(2) as u64
 }
 
 impl Attribution {
@@ -146,8 +207,16 @@ impl Attribution {
 }
 
 impl BitWidth for Draw {
-    fn bits(_: &SignalWidths) -> u32 {
-        CONTROL
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        kind_and_number(
+            wire,
+            token.map(|draw| match draw {
+                Self::Frame(frame) => (0, frame.index.into()),
+                Self::Object(object) => (1, object.id.into()),
+                Self::Triangle(_) => (2, 0),
+                Self::FrameEnd => (4, 0),
+            }),
+        );
     }
 
     fn attribution(&self) -> Attribution {
@@ -162,8 +231,9 @@ impl BitWidth for Draw {
 
 /// Items and their count.
 impl<T: BitWidth> BitWidth for Stamp<T> {
-    fn bits(widths: &SignalWidths) -> u32 {
-        widths.stamp * T::bits(widths) + count(widths.stamp)
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        wire.number("count", count(widths.stamp), token.map(|stamp| stamp.len() as u64));
+        parts(widths.stamp, token.map(Stamp::as_slice), widths, wire);
     }
 
     /// Returns all pixels of the items.
@@ -180,10 +250,25 @@ pub fn count(most: u32) -> u32 {
     u32::BITS - most.leading_zeros()
 }
 
+/// Lists a position.
+pub fn position(wire: &mut WireFields, at: Option<[u16; 2]>) {
+    wire.number("x", COORDINATE, at.map(|[x, _]| x));
+    wire.number("y", COORDINATE, at.map(|[_, y]| y));
+}
+
+/// Lists a colour.
+fn color(wire: &mut WireFields, rgb: Option<[u8; 3]>) {
+    wire.number("rgb", COLOR, rgb.map(|[r, g, b]| u32::from_le_bytes([r, g, b, 0])));
+}
+
 /// Position, depth, two weights, triangle.
 impl BitWidth for Fragment {
-    fn bits(widths: &SignalWidths) -> u32 {
-        2 * COORDINATE + widths.depth + 2 * NUMBER + COORDINATE
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        position(wire, token.map(|f| [f.x, f.y]));
+        wire.number("z", widths.depth, token.map(|f| f.z));
+        wire.real("weight_0", NUMBER, token.map(|f| f.weights[0]));
+        wire.real("weight_1", NUMBER, token.map(|f| f.weights[1]));
+        wire.number("triangle", COORDINATE, token.map(|f| f.triangle));
     }
 
     fn attribution(&self) -> Attribution {
@@ -191,9 +276,27 @@ impl BitWidth for Fragment {
     }
 }
 
-/// Returns the bits of the samples of a stamp: level, share and sampled value of each.
-fn samples(widths: &SignalWidths, value: u32) -> u32 {
-    widths.samples * (LEVEL + widths.stamp * (SHARE + value)) + count(widths.samples)
+/// Lists the samples of a stamp: level, share and sampled value of each. A share is a number of steps of 2^-(SHARE - 1).
+fn samples<V: StampLanes>(
+    samples: Option<&StampSamples<V>>,
+    widths: &SignalWidths,
+    wire: &mut WireFields,
+    value: impl Fn(&mut WireFields, Option<V::Value>),
+) {
+    wire.number("samples", count(widths.samples), samples.map(|samples| samples.len() as u64));
+    for i in 0..widths.samples as usize {
+        let sample = samples.and_then(|samples| samples.get(i));
+        wire.part(&format!("sample_{i}"), |wire| {
+            wire.number("level", LEVEL, sample.map(|sample| sample.level));
+            for lane in 0..widths.stamp as usize {
+                wire.part(&lane.to_string(), |wire| {
+                    let steps = f32::from(1_u16 << (SHARE - 1));
+                    wire.number("share", SHARE, sample.map(|sample| (sample.weight[lane] * steps).round() as u64));
+                    value(wire, sample.map(|sample| sample.value.lane(lane)));
+                });
+            }
+        });
+    }
 }
 
 /// Returns, for each fragment of a stamp, the sample with the largest share.
@@ -213,8 +316,13 @@ fn sampled<V: StampLanes>(stamp: &Stamp<Fragment>, samples: &StampSamples<V>, en
 }
 
 impl BitWidth for PseudoNormals {
-    fn bits(widths: &SignalWidths) -> u32 {
-        Stamp::<Fragment>::bits(widths) + samples(widths, 3 * widths.normal)
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        wire.token("stamp", token.map(|token| &token.stamp), widths);
+        samples(token.map(|token| &token.samples), widths, wire, |wire, normal| {
+            for (axis, name) in ["nx", "ny", "nz"].into_iter().enumerate() {
+                wire.number(name, widths.normal, normal.map(|normal| normal[axis] as u16));
+            }
+        });
     }
 
     fn attribution(&self) -> Attribution {
@@ -223,8 +331,9 @@ impl BitWidth for PseudoNormals {
 }
 
 impl BitWidth for NormalIndexes {
-    fn bits(widths: &SignalWidths) -> u32 {
-        Stamp::<Fragment>::bits(widths) + samples(widths, widths.index)
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        wire.token("stamp", token.map(|token| &token.stamp), widths);
+        samples(token.map(|token| &token.samples), widths, wire, |wire, index| wire.number("index", widths.index, index));
     }
 
     fn attribution(&self) -> Attribution {
@@ -232,9 +341,12 @@ impl BitWidth for NormalIndexes {
     }
 }
 
+/// The model keeps brightness in single precision.
 impl BitWidth for ShadedFragment {
-    fn bits(widths: &SignalWidths) -> u32 {
-        Fragment::bits(widths) + widths.brightness
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        Fragment::fields(token.map(|token| &token.fragment), widths, wire);
+        wire.real("brightness", widths.brightness, token.map(|token| token.brightness));
+        wire.real("highlight", 0, token.map(|token| token.highlight));
     }
 
     fn attribution(&self) -> Attribution {
@@ -243,8 +355,10 @@ impl BitWidth for ShadedFragment {
 }
 
 impl BitWidth for Pixel {
-    fn bits(widths: &SignalWidths) -> u32 {
-        2 * COORDINATE + widths.depth + COLOR
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        position(wire, token.map(|pixel| [pixel.x, pixel.y]));
+        wire.number("z", widths.depth, token.map(|pixel| pixel.z));
+        color(wire, token.map(|pixel| pixel.rgb));
     }
 
     fn attribution(&self) -> Attribution {
@@ -254,8 +368,24 @@ impl BitWidth for Pixel {
 
 /// A block of 4 x 4 pixels with its mask, or control.
 impl BitWidth for PictureFlow {
-    fn bits(_: &SignalWidths) -> u32 {
-        1 + (2 * COORDINATE + 16 * (1 + COLOR)).max(CONTROL)
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        let block = match token {
+            Some(Self::Pixels(block)) => Some(block),
+            _ => None,
+        };
+        wire.flag("item", token.map(|_| block.is_some()));
+        let control = match token {
+            Some(Self::Frame(frame)) => Some((0, frame.index.into())),
+            Some(Self::Show { last }) => Some((4, u64::from(*last))),
+            _ => None,
+        };
+        wire.one_of(&mut [&mut |wire| kind_and_number(wire, control), &mut |wire| {
+            position(wire, block.map(|block| block.at));
+            wire.number("mask", 16, block.map(|block| block.mask));
+            for i in 0..16 {
+                wire.part(&i.to_string(), |wire| color(wire, block.map(|block| block.rgb[i])));
+            }
+        }]);
     }
 
     fn attribution(&self) -> Attribution {
@@ -269,8 +399,9 @@ impl BitWidth for PictureFlow {
 
 /// First column, row, mask.
 impl BitWidth for Packet {
-    fn bits(_: &SignalWidths) -> u32 {
-        2 * COORDINATE + PACKET_PIXELS as u32
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        position(wire, token.map(|packet| [packet.x, packet.y]));
+        wire.number("mask", PACKET_PIXELS as u32, token.map(|packet| packet.mask));
     }
 
     fn attribution(&self) -> Attribution {
@@ -279,8 +410,11 @@ impl BitWidth for Packet {
 }
 
 impl BitWidth for PixelPacket {
-    fn bits(widths: &SignalWidths) -> u32 {
-        Packet::bits(widths) + PACKET_PIXELS as u32 * COLOR
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        Packet::fields(token.map(|token| &token.packet), widths, wire);
+        for i in 0..PACKET_PIXELS {
+            wire.part(&i.to_string(), |wire| color(wire, token.map(|token| token.rgb[i])));
+        }
     }
 
     fn attribution(&self) -> Attribution {

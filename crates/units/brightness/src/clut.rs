@@ -72,7 +72,7 @@ pub(crate) fn calculate(
 }
 
 /// Conversion of brightness to CLUT entries.
-struct EntryScale {
+pub(crate) struct EntryScale {
     combined: bool,
     /// Full scale of each value: the largest possible brightness, with every light facing the surface and the viewer (assumed).
     full: [f32; 2],
@@ -81,13 +81,23 @@ struct EntryScale {
 }
 
 impl EntryScale {
-    fn new(config: &BrightnessConfig, key: &ClutKey) -> Self {
+    pub(crate) fn new(config: &BrightnessConfig, key: &ClutKey) -> Self {
         let light: f32 = key.lights.iter().map(|l| l.intensity).sum();
         let Lighting { ka, kd, ks, .. } = key.lighting;
         let combined = config.components == Components::Combined;
         let full = if combined { [ka + (kd + ks) * light, 0.0] } else { [ka + kd * light, ks * light] };
         let steps = (config.source == BrightnessSource::Clut).then(|| ((1_u32 << config.bits.min(16)) - 1) as f32);
         Self { combined, full, steps }
+    }
+
+    /// Returns the full scale of the first value.
+    pub(crate) fn full_scale(&self) -> f32 {
+        self.full[0]
+    }
+
+    /// Returns the steps of full scale in the first value of an entry.
+    pub(crate) fn steps_of(&self, value: f32) -> u64 {
+        (value / self.full[0] * self.steps.unwrap_or(0.0)).round() as u64
     }
 
     fn entry(&self, normal: [i16; 3], key: &ClutKey) -> [f32; 2] {

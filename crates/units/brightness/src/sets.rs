@@ -1,7 +1,9 @@
 //! Sets of CLUTs (122) in memory (120), one per material and lights. As many are held as fit, and the least recently used is
 //! replaced.
 
+use crate::clut::EntryScale;
 use crate::{BrightnessConfig, ClutKey, ClutLevels};
+use basrelief_kernel::UnitTable;
 use basrelief_shading::{LEVELS, TableError};
 use basrelief_signals::quantization_memory::{CLUTS, OTHER_TABLES, clut_stride};
 use serde::{Deserialize, Serialize};
@@ -89,6 +91,20 @@ impl ClutSets {
     #[inline]
     pub(crate) fn entries(&self, level: u8) -> &[[f32; 2]] {
         self.sets.first().map_or(&[], |set| set.clut.entries(level))
+    }
+
+    /// Returns the calculated levels of all sets, with their addresses and the full scale of their first value in single precision.
+    pub(crate) fn twin_tables(&self, config: &BrightnessConfig) -> impl Iterator<Item = UnitTable> {
+        self.sets.iter().flat_map(|set| {
+            (0..LEVELS as u8).filter(|level| set.clut.has(*level)).map(|level| {
+                let address = CLUTS + (set.place * LEVELS + usize::from(level)) as u64 * self.stride;
+                let scale = EntryScale::new(config, &set.key);
+                let steps = |entry: &[f32; 2]| vec![scale.steps_of(entry[0])];
+                let entries = set.clut.entries(level).iter().map(steps).collect();
+                let name = format!("clut.{address}.{:08x}", scale.full_scale().to_bits());
+                UnitTable { name, bits: config.bits, entries }
+            })
+        })
     }
 
     /// Returns the start of a level of the current set \[bytes\].

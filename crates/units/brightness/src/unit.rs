@@ -5,7 +5,7 @@ use crate::state::ClutRebuild;
 use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource};
 use arrayvec::ArrayVec;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{TableSet, light_vectors};
 use basrelief_signals::width::SHARE;
 use basrelief_signals::{Control, Flow, MAX_SAMPLES, MAX_STAMP, NormalIndexes, ShadedFragment, Stamp, StampSample};
@@ -251,6 +251,20 @@ impl Unit for BrightnessFetch {
 
     fn is_empty(&self) -> bool {
         self.state.pending.is_none()
+    }
+
+    /// Returns the latency, the cycles of an entry, and for each set and level its address, full scale and entries.
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        let cycles = self.config.entry_cycles(self.state.wanted.lights.len(), &self.operators);
+        let numbers = [
+            ("latency", self.latency),
+            ("entry_cycles", cycles),
+            ("entry_bytes", self.config.entry_bytes().into()),
+            ("normal_bytes", self.normals.entry_bytes().into()),
+        ];
+        let mut tables: Vec<_> = numbers.into_iter().map(|(name, value)| UnitTable::number(name, value)).collect();
+        tables.extend(self.state.sets.twin_tables(&self.config));
+        tables
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

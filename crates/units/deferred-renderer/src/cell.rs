@@ -63,6 +63,11 @@ impl ReferenceCell {
         (self.page < DIRECT).then_some(self.page)
     }
 
+    /// Returns the bits of the page pointer (310), with the constants of an empty and of a direct cell.
+    pub(crate) fn page_field(&self) -> u16 {
+        self.page
+    }
+
     /// Returns R G B (303), which is defined only for cells without a page.
     #[inline]
     pub fn rgb(&self) -> [u8; 3] {

@@ -1,23 +1,50 @@
 //! Bit widths of the renderer's tokens.
 
+use crate::ReferenceCell;
 use crate::config::WRAP_BITS;
 use crate::tokens::{
     CellBlock, CellFlow, EncodedTile, ExpandedTile, MarkFlow, PassFlow, PassRound, PlacedCell, ResponseContent, StoreOrder,
     TileMark, TileRequest, TileResponse,
 };
-use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
-use basrelief_signals::{Attribution, BitWidth, PixelSet, SignalWidths, Stamp};
+use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER, position};
+use basrelief_signals::{Attribution, BitWidth, Control, Frame, PixelSet, SignalWidths, Stamp, WireFields};
+use std::sync::Arc;
 
-/// Width of a cell on the way to the reference buffer (126).
-const CELL: u32 = 16 + WRAP_BITS + 3 * 16 + 3 * NUMBER;
-/// Width of the page and number of a tile.
-const TILE: u32 = 16 + NUMBER;
+/// Lists the fields of a cell on the way to the reference buffer (126).
+fn cell(wire: &mut WireFields, cell: Option<&ReferenceCell>) {
+    wire.number("page", 16, cell.map(|cell| cell.page_field()));
+    for i in 0..2 {
+        wire.number(&format!("wrap_{i}"), WRAP_BITS / 2, cell.map(|cell| cell.wrap[i] as u32));
+    }
+    for i in 0..3 {
+        wire.number(&format!("coefficient_{i}"), 16, cell.map(|cell| cell.coefficients()[i]));
+    }
+    wire.real("s", NUMBER, cell.map(|cell| cell.coordinates[0]));
+    wire.real("t", NUMBER, cell.map(|cell| cell.coordinates[1]));
+    wire.real("depth", NUMBER, cell.map(|cell| cell.depth));
+}
+
+/// Lists page and number of a tile.
+fn tile(wire: &mut WireFields, tile: Option<(u16, u32)>) {
+    wire.number("page", 16, tile.map(|(page, _)| page));
+    wire.number("tile", NUMBER, tile.map(|(_, tile)| tile));
+}
+
+/// Lists the number of a control token, and the size of a frame.
+fn control(wire: &mut WireFields, frame: Option<&Arc<Frame>>, page: Option<u16>) {
+    let number = frame.map(|frame| frame.index).or(page.map(u32::from));
+    wire.number("number", CONTROL, number);
+    wire.setup("width", COORDINATE, frame.map(|frame| frame.width));
+    wire.setup("height", COORDINATE, frame.map(|frame| frame.height));
+}
+
 /// Marks that travel side by side.
 const MARKS: u32 = 4;
 
 impl BitWidth for PlacedCell {
-    fn bits(_: &SignalWidths) -> u32 {
-        2 * COORDINATE + CELL
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        position(wire, token.map(|placed| [placed.x, placed.y]));
+        cell(wire, token.map(|placed| &placed.cell));
     }
 
     fn attribution(&self) -> Attribution {
@@ -27,8 +54,24 @@ impl BitWidth for PlacedCell {
 
 /// Cells or control. Two bits distinguish them.
 impl BitWidth for CellFlow {
-    fn bits(widths: &SignalWidths) -> u32 {
-        2 + Stamp::<PlacedCell>::bits(widths).max(CONTROL)
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        let (cells, frame, page) = match token {
+            Some(Self::Cells(cells)) => (Some(cells), None, None),
+            Some(Self::Frame(frame)) => (None, Some(frame), None),
+            Some(Self::Page(page)) => (None, None, Some(page.number)),
+            _ => (None, None, None),
+        };
+        wire.number(
+            "kind",
+            2,
+            token.map(|flow| match flow {
+                Self::Frame(_) => 0_u32,
+                Self::Page(_) => 1,
+                Self::Cells(_) => 2,
+                Self::FrameEnd => 3,
+            }),
+        );
+        wire.one_of(&mut [&mut |wire| control(wire, frame, page), &mut |wire| Stamp::fields(cells, widths, wire)]);
     }
 
     fn attribution(&self) -> Attribution {
@@ -43,8 +86,12 @@ impl BitWidth for CellFlow {
 
 /// Position, and 4 x 4 cells with a mask.
 impl BitWidth for CellBlock {
-    fn bits(_: &SignalWidths) -> u32 {
-        2 * COORDINATE + 16 * (1 + CELL)
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        position(wire, token.map(|block| block.at));
+        wire.number("mask", 16, token.map(|block| block.mask));
+        for i in 0..16 {
+            wire.part(&i.to_string(), |wire| cell(wire, token.map(|block| &block.cells[i])));
+        }
     }
 
     fn attribution(&self) -> Attribution {
@@ -53,8 +100,25 @@ impl BitWidth for CellBlock {
 }
 
 impl BitWidth for PassFlow {
-    fn bits(widths: &SignalWidths) -> u32 {
-        3 + CellBlock::bits(widths).max(CONTROL)
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        let (cells, frame, page) = match token {
+            Some(Self::Cells(cells)) => (Some(cells), None, None),
+            Some(Self::Frame(frame)) => (None, Some(frame), None),
+            Some(Self::Page(page)) => (None, None, Some(page.number)),
+            _ => (None, None, None),
+        };
+        wire.number(
+            "kind",
+            3,
+            token.map(|flow| match flow {
+                Self::Frame(_) => 0_u32,
+                Self::Page(_) => 1,
+                Self::Cells(_) => 2,
+                Self::Begin => 3,
+                Self::End => 4,
+            }),
+        );
+        wire.one_of(&mut [&mut |wire| control(wire, frame, page), &mut |wire| CellBlock::fields(cells, widths, wire)]);
     }
 
     fn attribution(&self) -> Attribution {
@@ -69,14 +133,36 @@ impl BitWidth for PassFlow {
 
 /// Tile, pixels that need it, distance.
 impl BitWidth for TileMark {
-    fn bits(_: &SignalWidths) -> u32 {
-        TILE + 5 + NUMBER
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        tile(wire, token.map(|mark| (mark.page, mark.tile)));
+        wire.number("pixels", 5, token.map(|mark| mark.pixels));
+        wire.number("distance", NUMBER, token.map(|mark| mark.distance));
     }
 }
 
 impl BitWidth for MarkFlow {
-    fn bits(widths: &SignalWidths) -> u32 {
-        2 + MARKS * (1 + TileMark::bits(widths))
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        let marks = match token {
+            Some(Self::Marks(marks)) => Some(marks),
+            _ => None,
+        };
+        wire.number(
+            "kind",
+            2,
+            token.map(|flow| match flow {
+                Self::Frame => 0_u32,
+                Self::Page(_) => 1,
+                Self::Marks(_) => 2,
+                Self::End => 3,
+            }),
+        );
+        for i in 0..MARKS as usize {
+            let mark = marks.map(|marks| marks.get(i));
+            wire.part(&i.to_string(), |wire| {
+                wire.flag("valid", mark.map(|mark| mark.is_some()));
+                TileMark::fields(mark.flatten(), widths, wire);
+            });
+        }
     }
 
     /// Returns the pixels of the block that needs the tiles.
@@ -90,41 +176,73 @@ impl BitWidth for MarkFlow {
 
 /// The number of a tile. Announcements use the same wire.
 impl BitWidth for TileRequest {
-    fn bits(_: &SignalWidths) -> u32 {
-        2 + TILE
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        wire.number(
+            "kind",
+            2,
+            token.map(|request| match request {
+                Self::Announce(_) => 0_u32,
+                Self::Tile(..) => 1,
+                Self::End => 2,
+            }),
+        );
+        tile(
+            wire,
+            match token {
+                Some(Self::Tile(page, tile)) => Some((page.number, *tile)),
+                _ => None,
+            },
+        );
     }
 }
 
 impl BitWidth for StoreOrder {
-    fn bits(_: &SignalWidths) -> u32 {
-        2 + TILE
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        let (kind, of) = token
+            .map(|order| match *order {
+                Self::Load { page, tile } => (0_u32, Some((page, tile))),
+                Self::Synthesize { page, tile } => (1, Some((page, tile))),
+                Self::End => (2, None),
+                Self::Left => (3, None),
+            })
+            .unzip();
+        wire.number("kind", 2, kind);
+        tile(wire, of.flatten());
     }
 }
 
 impl BitWidth for PassRound {
-    fn bits(_: &SignalWidths) -> u32 {
-        1
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        wire.flag("again", token.map(|round| *round == Self::Again));
     }
 }
 
 /// The tile number. Its bytes lie in the receive buffer of the path.
 impl BitWidth for EncodedTile {
-    fn bits(_: &SignalWidths) -> u32 {
-        TILE
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        tile(wire, token.map(|tile| (tile.page.number, tile.tile)));
     }
 }
 
 /// The tile number. Its texels lie in the buffer of the expander.
 impl BitWidth for ExpandedTile {
-    fn bits(_: &SignalWidths) -> u32 {
-        TILE
+    fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
+        tile(wire, token.map(|tile| (tile.page.number, tile.tile)));
     }
 }
 
 /// Kind and size. The bytes lie in the receive buffer of the path.
 impl BitWidth for TileResponse {
-    fn bits(widths: &SignalWidths) -> u32 {
-        2 + NUMBER + EncodedTile::bits(widths).max(CONTROL)
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
+        let (kind, tile, mesh) = match token.map(|response| &response.content) {
+            None => (None, None, None),
+            Some(ResponseContent::Asked(mesh)) => (Some(0), None, Some(mesh)),
+            Some(ResponseContent::Mesh(mesh)) => (Some(1), None, Some(mesh)),
+            Some(ResponseContent::Tile(tile)) => (Some(2_u32), Some(tile), None),
+        };
+        wire.number("kind", 2, kind);
+        wire.number("bytes", NUMBER, token.map(|response| response.bytes));
+        wire.one_of(&mut [&mut |wire| Control::fields(mesh, widths, wire), &mut |wire| EncodedTile::fields(tile, widths, wire)]);
     }
 
     fn attribution(&self) -> Attribution {

@@ -3,7 +3,7 @@
 use crate::dots::needed;
 use crate::{BrightnessSelection, CircuitConfig, FigureFlow, ShadedDot, SpecularDot, SpecularFlow};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use serde::{Deserialize, Serialize};
 
 /// Counters of the adder.
@@ -102,6 +102,10 @@ impl Unit for Adder {
 
     fn is_empty(&self) -> bool {
         !self.state.joins
+    }
+
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        vec![UnitTable::number("latency", self.latency())]
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -1,9 +1,9 @@
 //! Brightness interpolation circuit (21).
 
-use crate::dots::{CornerValues, DotScan, INTERPOLATION, set_up_cycles, tell_interpolator};
+use crate::dots::{CornerValues, DotScan, INTERPOLATION, set_up_cycles, tell_interpolator, triangle_cycles};
 use crate::{BrightnessSelection, FigureFlow, InterpolationConfig, PolygonFigure, ShadedDot, ShadingMode};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_signals::Fragment;
 use basrelief_signals::width::NUMBER;
 use serde::{Deserialize, Serialize};
@@ -118,6 +118,11 @@ impl Unit for BrightnessInterpolation {
 
     fn is_empty(&self) -> bool {
         self.state.figure.is_none()
+    }
+
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        let set_up = triangle_cycles(true, &self.operators);
+        vec![UnitTable::number("latency", self.latency), UnitTable::number("set_up", set_up)]
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -27,8 +27,13 @@ const THREE_VALUES: OperatorCounts = OperatorCounts { multiply: 6, add: 6, ..Ope
 /// Returns the occupancy of a circuit by the triangles of a polygon's fan before its dots, one after the other \[cycles\]. A
 /// circuit with `depth` also sets up the slopes of the depth. A triangle takes at least its longest dependent chain.
 pub(crate) fn set_up_cycles(polygon: &Polygon, depth: bool, operators: &Operators) -> u64 {
+    triangle_cycles(depth, operators) * u64::from(fan_triangles(polygon))
+}
+
+/// Returns the occupancy of a circuit by the set-up of a triangle \[cycles\].
+pub(crate) fn triangle_cycles(depth: bool, operators: &Operators) -> u64 {
     let work = SCAN_SET_UP.and(VALUES_SET_UP).and(if depth { DEPTH_SET_UP } else { OperatorCounts::NONE });
-    operators.interval(work, SET_UP_UNITS).max(operators.latency(SET_UP_CHAIN)) * u64::from(fan_triangles(polygon))
+    operators.interval(work, SET_UP_UNITS).max(operators.latency(SET_UP_CHAIN))
 }
 
 /// Returns the operators of one kind for this many operations in each `interval` cycles.

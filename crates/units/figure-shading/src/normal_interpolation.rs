@@ -1,9 +1,9 @@
 //! Normal-interpolation brightness circuit (50).
 
-use crate::dots::{CornerValues, DotScan, INTERPOLATION, needed, set_up_cycles, tell_interpolator};
+use crate::dots::{CornerValues, DotScan, INTERPOLATION, needed, set_up_cycles, tell_interpolator, triangle_cycles};
 use crate::{NormalInterpolationConfig, NormalLoad, PowerFunction, SpecularDot, SpecularFlow};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, OperatorCounts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, OperatorCounts, Operators, Step, Unit, UnitTable};
 use basrelief_signals::width::NUMBER;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -214,6 +214,20 @@ impl Unit for NormalInterpolation {
 
     fn is_empty(&self) -> bool {
         self.state.load.is_none()
+    }
+
+    /// Returns the cycles of a triangle's set-up, of a dot before and behind its powers, of a further light's sum, of an inner product,
+    /// and of a normalisation.
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        let second_product = self.power.inner_products() - u64::from(self.config.initiation_interval);
+        let numbers = [
+            ("set_up", triangle_cycles(false, &self.operators)),
+            ("fixed_latency", self.latency_before() + second_product + self.operators.latency(SCALE)),
+            ("sum_latency", self.operators.latency(OperatorCounts { add: 1, ..OperatorCounts::NONE })),
+            ("inner_products", self.power.inner_products()),
+            ("normalise", self.normalise_interval()),
+        ];
+        numbers.into_iter().map(|(name, value)| UnitTable::number(name, value)).collect()
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -2,7 +2,7 @@
 
 use crate::config::DepthConfig;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit, UnitTable};
 use basrelief_signals::{
     Control, DepthToken, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, LineFlags, layout, line_of, lines,
 };
@@ -249,6 +249,10 @@ impl<T: DepthToken> Unit for DepthTest<T> {
 
     fn is_empty(&self) -> bool {
         !self.state.ending && !self.state.flags.has_unflagged()
+    }
+
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        vec![UnitTable::number("latency", self.latency)]
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

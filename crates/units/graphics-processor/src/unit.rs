@@ -5,7 +5,7 @@ use crate::config::{DrawOrder, GraphicsConfig, MipFilter};
 use crate::state::{GraphicsProcessorState, HeldItem, InputPhase};
 use crate::work::PixelTiming;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{AttributeGradient, BlockLayout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
 use basrelief_signals::{Control, Flow, Fragment, Pixel, Polygon, ShadedFragment, Stamp, TexelFilter, Texture, layout};
 use std::sync::Arc;
@@ -297,6 +297,12 @@ impl Unit for GraphicsProcessor {
 
     fn is_empty(&self) -> bool {
         self.state.pending.is_none() && self.state.held.is_empty()
+    }
+
+    /// Returns the latency, and the part of it that needs texels.
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        let after = u64::from(self.timing.after_texels);
+        vec![UnitTable::number("latency", self.timing.latency), UnitTable::number("after", after)]
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -7,7 +7,7 @@ use crate::state::TriangleSetup;
 use crate::work::MappingTiming;
 use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{BlockLayout, LEVELS, SampleFootprints, decode_normal, footprints, select_levels, weights, wrapped};
 use basrelief_signals::{
     Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Stamp, StampLanes, StampNormals, StampSample,
@@ -194,6 +194,15 @@ impl Unit for NormalMapping {
             return 0;
         }
         self.stamp * u32::from(self.levels.clamp(1, LEVELS as u8)) * self.config.taps() * self.lines.per_texel
+    }
+
+    /// Returns the latency, the part of it that needs texels, and the cycles of a fragment: without a map, then with a map by its number
+    /// of pseudo-normals.
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        let pace = (0..=MAX_SAMPLES).map(|samples| vec![self.timing.pace(samples > 0, samples)]).collect();
+        let numbers = [("latency", self.timing.latency), ("after", self.timing.after_texels.into())];
+        let pace = UnitTable { name: "pace".into(), bits: 64, entries: pace };
+        numbers.into_iter().map(|(name, value)| UnitTable::number(name, value)).chain([pace]).collect()
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

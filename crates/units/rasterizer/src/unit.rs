@@ -4,7 +4,7 @@ use crate::config::RasterizerConfig;
 use crate::state::RasterizerState;
 use crate::work::{CHAIN, FRAGMENT, SET_UP, SET_UP_NUMBERS};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{BLOCK, PolygonScan, fan_triangles};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp};
 use std::sync::Arc;
@@ -115,6 +115,14 @@ impl Unit for Rasterizer {
 
     fn is_empty(&self) -> bool {
         self.state.polygon.is_none()
+    }
+
+    /// Returns the latency, the cycles of a fragment, and those of a polygon by its number of triangles.
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        let cycles = |triangles: u32| self.operators.stream_interval(SET_UP.times(triangles), self.config.operators());
+        let set_up = (0..16).map(|triangles| vec![cycles(triangles)]).collect();
+        let set_up = UnitTable { name: "set_up".into(), bits: 64, entries: set_up };
+        vec![UnitTable::number("latency", self.latency), UnitTable::number("pace", self.pace), set_up]
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -6,7 +6,7 @@ use crate::state::TableKey;
 use crate::tables::HostTables;
 use crate::{CodeBookMode, ReplacementConfig, ReplacementState, TablePolicy};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{LEVELS, TableError};
 use basrelief_signals::{Control, Flow, MAX_STAMP, NormalIndexes, ObjectInfo, PseudoNormals, StampSample, StampSamples};
 use std::sync::Arc;
@@ -296,6 +296,18 @@ impl Unit for Replacement {
 
     fn is_empty(&self) -> bool {
         self.state.pending.is_none() && self.state.gather.is_empty()
+    }
+
+    /// Returns the latency, and the VQ tables of objects that fix no number of entries: x, y, z of each reference normal.
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        let set = self.tables.set();
+        let pack = |normal: [i16; 3]| vec![(0..).zip(normal).map(|(i, c)| u64::from(c as u16) << (16 * i)).sum()];
+        let table = |level: u8| {
+            let normals = set.normals(level, set.entries(level, None)).unwrap_or_default();
+            UnitTable { name: format!("normals.{level}"), bits: 48, entries: normals.into_iter().map(pack).collect() }
+        };
+        let entry_bytes = UnitTable::number("entry_bytes", set.entry_bytes());
+        [UnitTable::number("latency", self.latency), entry_bytes].into_iter().chain((0..LEVELS as u8).map(table)).collect()
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -4,7 +4,7 @@ use crate::config::{DividerConfig, Division};
 use crate::fixed::{iterations, nearest, to_fixed};
 use crate::signals::{DivisionPoint, DivisionPoints, FixedCoordinates, Quotients};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit, UnitTable};
 use basrelief_signals::Flow;
 use serde::{Deserialize, Serialize};
 
@@ -116,6 +116,24 @@ impl Unit for Divider {
             Some(Flow::Control(control)) => Step::after(0, Some(Flow::Control(control))),
             None => Step::after(0, None),
         }
+    }
+
+    /// Returns latency and interval of a division, divisions of a point, and the interval and latency of its products.
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        let [latency, interval] = self.division();
+        let (mut product, mut products) = (0, 0);
+        if self.config.division == Division::Reciprocal {
+            product = self.operators.latency(OperatorCounts { multiply: 1, ..OperatorCounts::NONE });
+            products = self.operators.interval(PRODUCTS, PRODUCTS);
+        }
+        let numbers = [
+            ("latency", latency),
+            ("interval", interval),
+            ("per_point", self.per_point()),
+            ("product", product),
+            ("products", products),
+        ];
+        numbers.into_iter().map(|(name, value)| UnitTable::number(name, value)).collect()
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {
