@@ -8,6 +8,7 @@
 //! | [`perfetto`] | trace for ui.perfetto.dev |
 //! | [`fst`] | FST waves for GTKWave and Surfer |
 //! | [`kanata`] | life of single tokens for Konata |
+//! | [`wire_log`] | tokens and cycles of every wire, for register-transfer code |
 //! | [`utilization`] | utilization over time in about a thousand columns |
 //!
 //! This crate opens no file, reads no clock and prints nothing: writers are arguments.
@@ -24,6 +25,7 @@ mod samples;
 mod scale;
 mod streams;
 pub mod utilization;
+pub mod wire_log;
 mod wires;
 
 pub use fst::FstWaves;
@@ -33,6 +35,7 @@ pub use levels::{CounterList, CounterValue, RATE_CYCLES};
 pub use perfetto::PerfettoTrace;
 pub use probe::{BusTransfer, StepAttribution, TimelineProbe, TokenLife, TraceSink, UnitState};
 pub use utilization::UtilizationTimeline;
+pub use wire_log::WireLog;
 
 #[cfg(test)]
 mod fst_tests;

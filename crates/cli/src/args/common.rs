@@ -116,7 +116,7 @@ pub struct SimulationArgs {
     #[arg(long, value_enum, default_value_t)]
     pub engine: EngineName,
     /// Functional mode: execute the units without timing. Same images, no cycles.
-    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "waves", "tokens", "requests", "costs"])]
+    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "waves", "tokens", "rtl", "requests", "costs"])]
     pub functional: bool,
     /// Stop after this many cycles with exit code 1; the report holds the state so far.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -163,6 +163,10 @@ pub struct SimulationArgs {
     /// token that a test removes appears as flushed. The paths stay in memory until the end of the run, within --memory-limit.
     #[arg(long, value_name = "FILE", group = "time_line")]
     pub tokens: Option<PathBuf>,
+    /// Write everything that crosses the wires: tokens in bits, cycles of steps and deliveries, memory requests and answers, and tables. It
+    /// checks register-transfer code of a unit against the machine (see rtl/check). Text: `.wires`, or `.wires.zst` compressed.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["time_line", "costs"])]
+    pub rtl: Option<PathBuf>,
     /// Write one token out of N.
     #[arg(long, value_name = "N", requires = "tokens", default_value = "64")]
     pub tokens_every: NonZeroU64,
@@ -201,9 +205,9 @@ pub struct SimulationArgs {
     pub requests_memory: Option<String>,
     /// Ablation: run the input with each shortcut of the machine switched off in turn, and with all off. Writes only ablation.json and
     /// ablation.csv.
-    #[arg(long, conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "recording", "requests", "costs", "csv", "dump"])]
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "waves", "tokens", "rtl", "html", "recording", "requests", "costs", "csv", "dump"])]
     pub ablate: bool,
-    #[arg(long, help = methods_help(), conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "recording", "requests", "costs", "csv", "dump", "ablate"])]
+    #[arg(long, help = methods_help(), conflicts_with_all = ["functional", "timeline", "waves", "tokens", "rtl", "html", "recording", "requests", "costs", "csv", "dump", "ablate"])]
     pub compare_methods: bool,
     #[arg(long, help = dump::help(), num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
     pub dump: Vec<PathBuf>,

@@ -26,6 +26,7 @@ mod sweep;
 mod tables;
 mod timelines;
 mod verify;
+mod wires;
 
 use crate::args::Command;
 use crate::error::CommandResult;

@@ -5,6 +5,7 @@ use super::real_times::RealTimes;
 use super::reporting::show_report;
 use super::sensitivity::run_analysis;
 use super::timelines::TimelineFiles;
+use super::wires::WireFile;
 use crate::args::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
 use crate::clock::seconds;
 use crate::error::{CommandError, CommandResult, print};
@@ -99,14 +100,16 @@ impl<'a> Simulation<'a> {
         let outputs = OutputFolder::begin(&self.args.out).map_err(CommandError::at_file(&self.args.out, "be written"))?;
         check_distinct(&self.args.out, &named_outputs(self.args)).map_err(CommandError::Usage)?;
         let mut timelines = TimelineFiles::open(self.args, &input, &self.options)?;
+        let mut wires = self.args.rtl.clone().map(|path| WireFile::open(path, &input, &self.options)).transpose()?;
         let mut files = OutputFiles::open(self.args, &self.options, outputs, progress)?;
         files.real = real;
         files.watched = self.args.watch.map(|at| start_preview(watched, at, self.global.quiet)).transpose()?;
         let watched = files.watched.clone();
         self.options.aux_outputs = aux_outputs(&self.options, &files);
-        let ran = match &mut timelines {
-            None => run_named(input, &self.options, &mut files, None),
-            Some(timelines) => timelines.record_run(|probe| run_named(input, &self.options, &mut files, Some(probe))),
+        let ran = match (&mut timelines, &mut wires) {
+            (Some(timelines), _) => timelines.record_run(|probe| run_named(input, &self.options, &mut files, Some(probe))),
+            (None, Some(wires)) => wires.record_run(|probe| run_named(input, &self.options, &mut files, Some(probe))),
+            (None, None) => run_named(input, &self.options, &mut files, None),
         };
         let run = match ran {
             Ok(ran) => ran,
@@ -124,6 +127,7 @@ impl<'a> Simulation<'a> {
         let frames = files.frames;
         let names = files.publish(&report, self.args)?;
         timelines.map_or(Ok(()), TimelineFiles::publish)?;
+        wires.map_or(Ok(()), WireFile::publish)?;
         if let Some(watched) = watched {
             if frames == 1 {
                 watched.rename(&picture_name("image", 0, false));
@@ -207,11 +211,12 @@ fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
     let timeline = simulation.timeline.iter().map(|path| ("--timeline", &**path));
     let waves = simulation.waves.iter().map(|path| ("--waves", &**path));
     let tokens = simulation.tokens.iter().map(|path| ("--tokens", &**path));
+    let wires = simulation.rtl.iter().map(|path| ("--rtl", &**path));
     let requests = simulation.requests.iter().map(|path| ("--requests", &**path));
     let recording = simulation.recording.iter().map(|path| ("--recording", &**path));
     let page = simulation.html.iter().map(|path| ("--html", &**path));
     let dumps = simulation.dump.as_chunks::<2>().0.iter().map(|[_, path]| ("--dump", &**path));
-    timeline.chain(waves).chain(tokens).chain(requests).chain(recording).chain(page).chain(dumps).collect()
+    timeline.chain(waves).chain(tokens).chain(wires).chain(requests).chain(recording).chain(page).chain(dumps).collect()
 }
 
 /// Runs the machine. Errors name the input, unless a parameter or an output is at fault.

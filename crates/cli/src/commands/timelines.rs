@@ -12,7 +12,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// A file and its final path.
-type OutputFile = (PartialFile, PathBuf);
+pub type OutputFile = (PartialFile, PathBuf);
 
 /// Timeline files of a run.
 pub struct TimelineFiles {
@@ -86,7 +86,7 @@ impl TimelineFiles {
 }
 
 /// Opens a writer that compresses if the file name ends in .zst.
-fn open_writer<'a>(file: &'a mut PartialFile, path: &Path) -> CommandResult<Box<dyn Write + 'a>> {
+pub fn open_writer<'a>(file: &'a mut PartialFile, path: &Path) -> CommandResult<Box<dyn Write + 'a>> {
     if path.extension().is_none_or(|extension| extension != "zst") {
         return Ok(Box::new(BufWriter::new(file)));
     }
@@ -120,7 +120,8 @@ fn with_advice(over: &OverBudget) -> String {
     format!("{over}; or write less, with --from-cycle, --to-cycle, --units or --tokens-every")
 }
 
-fn create(path: PathBuf) -> CommandResult<OutputFile> {
+/// Creates an output file.
+pub fn create(path: PathBuf) -> CommandResult<OutputFile> {
     let file = PartialFile::create(&path).map_err(CommandError::at_file(&path, "be written"))?;
     Ok((file, path))
 }
