@@ -1,0 +1,170 @@
+// Test bench for a twin: pushes recorded tokens, answers memory requests and pops in recorded cycles, and compares the start of each step,
+// the delivery of each token, and every bit.
+//
+// Its input has a line per fact; `rtl/check` writes it. All cycles count from the first one after the reset.
+//   in I CYCLE_OF_RESERVATION CYCLE_OF_DELIVERY BITS     a token of input I
+//   out O CYCLE_OF_DELIVERY CYCLE_OF_POP BITS            an expected token of output O; pop -1: never
+//   step CYCLE                                           an expected start
+//   answer CYCLE                                         a step's last answer
+//   request CLIENT CYCLE ADDRESS                         an expected memory request
+//   ready CLIENT CYCLE VALUE                             credits suffice (1) or not (0) from this cycle on
+//   end CYCLE                                            the last cycle
+#include "Vtop.h"
+#include "verilated.h"
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+typedef std::vector<uint32_t> Bits;
+struct Token {
+    int64_t reserve, deliver, pop;
+    Bits bits;
+};
+#include "ports.h"
+
+static Bits parse(const std::string& hex, size_t words) {
+    Bits bits(words, 0);
+    size_t at = 0;
+    for (size_t i = hex.size(); i > 0 && at < words * 8; at++) {
+        i--;
+        bits[at / 8] |= uint32_t(std::stoul(hex.substr(i, 1), nullptr, 16)) << (4 * (at % 8));
+    }
+    return bits;
+}
+
+struct Kind {
+    const char* name;
+    uint64_t count;
+};
+static Kind kinds[3] = {{"accept", 0}, {"deliver", 0}, {"bits", 0}};
+static int verbose = 4;
+static size_t given[OUTPUTS + 1];
+
+static void differ(int kind, int64_t cycle, const std::string& text) {
+    kinds[kind].count++;
+    if (verbose-- > 0) std::cerr << "cycle " << cycle << ": " << text << "\n";
+}
+
+int main(int argc, char** argv) {
+    std::vector<Token> in[INPUTS + 1], out[OUTPUTS + 1];
+    std::vector<int64_t> steps, answers;
+    std::vector<std::pair<int64_t, int64_t>> requests[CLIENTS + 1];
+    std::vector<std::pair<int64_t, int>> ready[CLIENTS + 1];
+    int64_t end = 0;
+    std::ifstream file(argv[1]);
+    std::string line, word, hex;
+    while (std::getline(file, line)) {
+        std::istringstream s(line);
+        size_t number = 0;
+        int64_t a = 0, b = 0;
+        s >> word;
+        if (word == "in") {
+            s >> number >> a >> b >> hex;
+            in[number].push_back({a, b, -1, parse(hex, in_words[number])});
+        } else if (word == "out") {
+            s >> number >> a >> b >> hex;
+            out[number].push_back({-1, a, b, parse(hex, out_words[number])});
+        } else if (word == "step") {
+            s >> a;
+            steps.push_back(a);
+        } else if (word == "answer") {
+            s >> a;
+            answers.push_back(a);
+        } else if (word == "ready") {
+            s >> number >> a >> b;
+            ready[number].push_back({a, int(b)});
+        } else if (word == "request") {
+            s >> number >> a >> b;
+            requests[number].push_back({a, b});
+        } else if (word == "end") {
+            s >> end;
+        }
+    }
+    Vtop* top = new Vtop;
+    auto clock = [&] {
+        top->clk = 1;
+        top->eval();
+        top->clk = 0;
+        top->eval();
+    };
+    top->clk = 0;
+    top->rst = 1;
+    for (int i = 0; i < 3; i++) clock();
+    top->rst = 0;
+    size_t reserved[INPUTS + 1] = {}, pushed[INPUTS + 1] = {}, delivered[OUTPUTS + 1] = {}, popped[OUTPUTS + 1] = {};
+    size_t step = 0, answered = 0, at_ready[CLIENTS + 1] = {}, requested[CLIENTS + 1] = {};
+    int is_ready[CLIENTS + 1] = {};
+    auto begin = std::chrono::steady_clock::now();
+    for (int64_t c = 0; c <= end; c++) {
+        for (int i = 0; i < INPUTS; i++) {
+            bool reserves = reserved[i] < in[i].size() && in[i][reserved[i]].reserve == c;
+            bool pushes = pushed[i] < in[i].size() && in[i][pushed[i]].deliver == c;
+            drive_in(top, i, reserves, pushes, pushes ? &in[i][pushed[i]].bits : nullptr);
+            reserved[i] += reserves;
+            pushed[i] += pushes;
+        }
+        while (answered < answers.size() && answers[answered] <= c) answered++;
+        top->answered = answered;
+        for (int k = 0; k < CLIENTS; k++) {
+            while (at_ready[k] < ready[k].size() && ready[k][at_ready[k]].first <= c) is_ready[k] = ready[k][at_ready[k]++].second;
+            drive_ready(top, k, is_ready[k]);
+        }
+        bool pops[OUTPUTS + 1] = {};
+        for (int o = 0; o < OUTPUTS; o++) {
+            pops[o] = popped[o] < out[o].size() && out[o][popped[o]].pop == c;
+            drive_pop(top, o, pops[o]);
+            drive_pass(top, o, given[o] < out[o].size() ? &out[o][given[o]].bits : nullptr);
+        }
+        top->eval();
+        bool expected = step < steps.size() && steps[step] == c;
+        if (bool(top->start) != expected) {
+            differ(0, c, top->start ? "step starts, expected none" : "no step starts, expected one");
+            if (top->start) while (step < steps.size() && steps[step] < c) step++;
+        }
+        if (expected) step++;
+        for (int o = 0; o < OUTPUTS; o++) {
+            given[o] += reserves_out(top, o);
+            bool pushes = push_out(top, o), due = delivered[o] < out[o].size() && out[o][delivered[o]].deliver == c;
+            if (pushes != due) differ(1, c, std::string(pushes ? "token" : "no token") + " on output " + std::to_string(o));
+            if (pushes && delivered[o] < out[o].size()) {
+                std::string bad = compare_out(top, o, out[o][delivered[o]].bits);
+                if (!bad.empty()) differ(2, c, "token " + std::to_string(delivered[o]) + " of output " + std::to_string(o) + ": " + bad);
+            }
+            delivered[o] += pushes;
+            if (pops[o]) {
+                if (!valid_out(top, o)) differ(1, c, "nothing to pop on output " + std::to_string(o));
+                popped[o]++;
+            }
+        }
+        for (int k = 0; k < CLIENTS; k++) {
+            int64_t address = 0;
+            bool asks = request_of(top, k, address), due = requested[k] < requests[k].size() && requests[k][requested[k]].first == c;
+            if (asks != due) differ(0, c, std::string(asks ? "request" : "no request") + " of client " + std::to_string(k));
+            if (asks && due && address != requests[k][requested[k]].second)
+                differ(2, c, "request of client " + std::to_string(k) + " at address " + std::to_string(address) + ", expected " +
+                                 std::to_string(requests[k][requested[k]].second));
+            requested[k] += due;
+        }
+        for (int i = 0; i < INPUTS; i++)
+            if (lacks_room(top, i)) differ(0, c, "no room on input " + std::to_string(i));
+        clock();
+        if (kinds[0].count + kinds[1].count + kinds[2].count > 1000) break;
+    }
+    double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (step != steps.size()) differ(0, end, std::to_string(steps.size() - step) + " steps did not start");
+    uint64_t tokens = 0;
+    for (int o = 0; o < OUTPUTS; o++) {
+        if (delivered[o] != out[o].size()) differ(1, end, std::to_string(delivered[o]) + " tokens on output " + std::to_string(o));
+        tokens += out[o].size();
+    }
+    for (int i = 0; i < INPUTS; i++) tokens += in[i].size();
+    printf("%llu %lld %llu %llu %llu %.0f\n", (unsigned long long)tokens, (long long)end + 1, (unsigned long long)kinds[0].count,
+           (unsigned long long)kinds[1].count, (unsigned long long)kinds[2].count, (end + 1) / seconds);
+    return 0;
+}

@@ -1,0 +1,208 @@
+"""The twins: for each unit its file, the stages that it is compared with, and its parameters."""
+
+import struct
+
+from recording import replaced, value, width
+
+
+class Twin:
+    """A twin of a unit.
+
+    `stages` lists machine and stage. `parameters` computes the parameters of the module from a recording and the number of the stage.
+    `passes` lists outputs whose values are computed in floating point: the bench passes them in, and the twin decides time and order.
+    `ready` lists memory clients whose credits the unit needs, `requests` clients whose requests are compared, `caches` the cache of a
+    client. `blocks` returns true if a step without a token keeps its unit until its answers. `files` returns files that the module reads.
+    `rewrite` changes the fields and the bits of the tokens. `writes` gives the writes of a client a port of their own.
+    """
+
+    def __init__(self, stages, parameters, passes=(), ready=(), requests=(), is_answered=False, files=None, caches=None, blocks=None, rewrite=None,
+                 writes=None):
+        self.stages, self.parameters, self.passes = stages, parameters, passes
+        self.caches, self.rewrite, self.writes = caches or {}, rewrite, writes or {}
+        self.ready, self.requests, self.is_answered, self.files = ready, requests, is_answered, files
+        self.blocks = blocks or (lambda steps, number: False)
+
+
+def circuit(name):
+    """Returns the parameters of a circuit of the figure shading device."""
+
+    def parameters(recording, stage):
+        config = recording.config[name]
+        latency = recording.tables.get(stage, {}).get("latency", [config.get("latency")])[0]
+        return dict(INTERVAL=config["initiation_interval"], LATENCY=latency)
+
+    return parameters
+
+
+def frame_buffer(recording, stage):
+    """Returns the parameters of a frame buffer."""
+    config, display = recording.config["frame_buffer"], recording.config["display"]
+    inputs = recording.stages[stage]["inputs"]
+    packets = any(name == "mask" for name, *_ in recording.fields[inputs[0]])
+    limit = config["flags"] if config["clear_flags"] else 0
+    return dict(PACKETS=int(packets), LINES=config["write_lines"], LIMIT=limit, PER_CYCLE=config["flags_per_cycle"],
+                LINE_BYTES=16 * config["pixel_bytes"], BUFFERS=display["buffers"])
+
+
+def depth_test(recording, stage):
+    """Returns the parameters of a depth test."""
+    config, fields = recording.config["depth"], recording.fields[recording.stages[stage]["inputs"][0]]
+    packets = any(name == "packet_mask" for name, *_ in fields)
+    bits = next(bits for name, _, bits in fields if name == "0_z")
+    limit = config["flags"] if config["clear_flags"] else 0
+    return dict(PACKETS=int(packets), Z=bits, LATENCY=recording.number(stage, "latency"), LINES=config["write_lines"], LIMIT=limit,
+                PER_CYCLE=config["flags_per_cycle"], LINE_BYTES=16 * (2 if bits <= 16 else 4), BASE="64'h10002000")
+
+
+def numbers(**names):
+    """Returns a function that computes parameters from the tables of a unit."""
+
+    def parameters(recording, stage):
+        return {parameter: recording.number(stage, name) for parameter, name in names.items()}
+
+    return parameters
+
+
+def replacement(recording, stage):
+    """Returns the parameters of the normal-vector replacement unit."""
+    config = recording.config["replacement"]
+    size = config["entries"] * recording.number(stage, "entry_bytes")
+    loads = -(-size // config["load_bytes"])
+    return dict(LANES=config["lanes"], ENTRIES=config["entries"], LATENCY=recording.number(stage, "latency"), LOAD_BYTES=config["load_bytes"],
+                LOADS=loads, BASE=VQ_TABLES, STRIDE=VQ_STRIDE)
+
+
+def reference_normals(recording, stage):
+    """Returns the VQ tables as rows of all lanes, level by level."""
+    config, rows = recording.config["replacement"], []
+    lanes = config["lanes"]
+    for level in range(8):
+        normals = recording.tables[stage][f"normals.{level}"]
+        for first in range(0, len(normals), lanes):
+            rows.append("".join(f"{normal:012x}" for normal in reversed(normals[first : first + lanes])))
+    return {"tables.hex": "\n".join(rows) + "\n"}
+
+
+def packed(entries):
+    """Returns numbers of 16 bits side by side, the first lowest."""
+    return f"{16 * len(entries)}'h" + "".join(f"{entry:04x}" for entry in reversed(entries))
+
+
+def rasterizer(recording, stage):
+    """Returns the parameters of the rasterizer."""
+    return dict(numbers(LATENCY="latency", PACE="pace")(recording, stage), SET_UP=packed(recording.tables[stage]["set_up"]))
+
+
+def normal_mapping(recording, stage):
+    """Returns the parameters of the normal-vector mapping unit."""
+    pace = recording.tables[stage]["pace"]
+    return dict(numbers(LATENCY="latency", AFTER="after")(recording, stage), BARE=pace[0], PACE=packed(pace))
+
+
+def interpolation(recording, stage):
+    """Returns the parameters of the brightness interpolation circuit (21)."""
+    return dict(circuit("interpolation")(recording, stage), SET_UP=recording.number(stage, "set_up"))
+
+
+def normal_interpolation(recording, stage):
+    """Returns the parameters of the normal-interpolation brightness circuit (50)."""
+    names = dict(SET_UP="set_up", FIXED="fixed_latency", SUM="sum_latency", PRODUCTS="inner_products", NORMALISE="normalise")
+    return dict(numbers(**names)(recording, stage), MULTIPLY=recording.config["operators"]["multiply"]["latency"])
+
+
+def divider(recording, stage):
+    """Returns the parameters of the divider."""
+    names = dict(LATENCY="latency", INTERVAL="interval", PER_POINT="per_point", PRODUCT="product", PRODUCTS="products")
+    return dict(numbers(**names)(recording, stage), COUNT=recording.config["divider"]["count"])
+
+
+def clut_stride(recording, stage):
+    """Returns the bytes between two levels of a set of CLUTs."""
+    size = recording.config["replacement"]["entries"] * recording.number(stage, "entry_bytes")
+    return -(-size // 64) * 64
+
+
+def brightness(recording, stage):
+    """Returns the parameters of the brightness fetch unit."""
+    names = dict(LATENCY="latency", ENTRY_CYCLES="entry_cycles", NORMAL_BYTES="normal_bytes")
+    config = recording.config
+    return dict(numbers(**names)(recording, stage), ENTRIES=config["replacement"]["entries"], SETS=config["brightness"]["sets"],
+                STRIDE=clut_stride(recording, stage), BATCH=32 // recording.number(stage, "entry_bytes"), CLUTS=CLUTS, VQ_STRIDE=VQ_STRIDE)
+
+
+def cluts(recording, stage):
+    """Returns address, full scale and entries of each calculated level of a set."""
+    for name, entries in recording.tables[stage].items():
+        if name.startswith("clut."):
+            _, address, full = name.split(".")
+            yield int(address), struct.unpack(">f", bytes.fromhex(full))[0], entries
+
+
+def clut_contents(recording, stage):
+    """Returns the entries of all sets and levels."""
+    size = recording.config["replacement"]["entries"]
+    contents = [0] * (recording.config["brightness"]["sets"] * 8 * size)
+    for address, _, entries in cluts(recording, stage):
+        first = (address - CLUTS) // clut_stride(recording, stage) * size
+        contents[first : first + len(entries)] = entries
+    return {"clut.hex": "\n".join(f"{entry:02x}" for entry in contents) + "\n"}
+
+
+def brightness_tokens(recording, stage, inputs, outputs, tokens):
+    """Adds the number of the set to each input token, and converts each brightness to steps of full scale."""
+    stride, full_scale = clut_stride(recording, stage), {}
+    for address, full, _ in cluts(recording, stage):
+        full_scale[(address - CLUTS) // stride // 8] = full
+    (fields, depth, latency), (out, *_) = inputs[0], outputs[0]
+    first = width(fields)
+    sets = []
+    for step in recording.steps[stage]:
+        look_ups = [address for kind, _, address, _ in step["requests"] if kind == "l"]
+        if step["given"]:
+            sets.append((look_ups[0] - CLUTS) // stride // 8 if look_ups else 0)
+    for index, number in enumerate(sets):
+        tokens["in"][0][index] |= number << first
+        bits = tokens["out"][0][index]
+        for lane in range(4 if bits & 1 else 0):
+            name = f"{lane}_brightness"
+            exact = struct.unpack(">f", value(bits, out, name).to_bytes(4, "big"))[0]
+            steps = exact / full_scale[number] * 255 * 128 if exact else 0.0
+            assert abs(steps - round(steps)) < 0.01, f"{steps} is no whole number of steps"
+            bits = replaced(bits, out, name, round(steps))
+        tokens["out"][0][index] = bits
+    return [([*fields, ("set", first, 8)], depth, latency)], outputs
+
+
+# Address of the VQ tables (121) in memory (120), and the distance between two levels.
+VQ_TABLES, VQ_STRIDE = 0, 512 << 10
+# Address of the CLUTs (122).
+CLUTS = 4 << 20
+
+
+TWINS = {
+    "register_bank": Twin([("shade", "registers")], lambda *_: {}),
+    "brightness_interpolation": Twin([("shade", "interpolation")], interpolation, passes=[0, 1]),
+    "normal_interpolation": Twin([("shade", "normal-interpolation")], normal_interpolation, passes=[0]),
+    "divider": Twin([("texel", "divider")], divider, passes=[0]),
+    "mip_map_selector": Twin([("texel", "mip-map-selector")], lambda recording, _: dict(LATENCY=recording.config["mip"]["latency"]), passes=[0]),
+    "combiner": Twin([("texel", "combiner")], circuit("combiner")),
+    "distributor": Twin([("bump", "distributor")], lambda *_: {}),
+    "frame_buffer": Twin([("bump", "frame-buffer"), ("shade", "frame-memory"), ("texel", "pixel-value-buffer")], frame_buffer, ready=[0, 1],
+                         requests=[0, 1]),
+    "brightness": Twin([("bump", "brightness")], brightness, ready=[0, 1], requests=[1, 2], is_answered=True, files=clut_contents,
+                       caches={0: "clut"}, blocks=lambda steps, number: any(kind == "r" for kind, *_ in steps[number]["requests"]),
+                       rewrite=brightness_tokens, writes={1: 2}),
+    "replacement": Twin([("bump", "replacement")], replacement, ready=[0], requests=[0], is_answered=True, files=reference_normals,
+                        blocks=lambda steps, number: number + 1 == len(steps) or not steps[number + 1]["requests"]),
+    "depth_test": Twin([("bump", "depth-test"), ("shade", "depth-test"), ("texel", "depth-test")], depth_test, ready=[0, 1], requests=[1],
+                       is_answered=True, caches={0: "depth"}),
+    "rasterizer": Twin([("bump", "rasterizer")], rasterizer, passes=[0]),
+    "normal_mapping": Twin([("bump", "normal-mapping")], normal_mapping, passes=[0], ready=[0], is_answered=True,
+                           caches={0: "normal_map"}),
+    "graphics": Twin([("bump", "graphics")], numbers(LATENCY="latency", AFTER="after"), passes=[0], ready=[0], is_answered=True,
+                     caches={0: "color_texture"}),
+    "gate": Twin([("shade", "gate")], circuit("gate")),
+    "adder": Twin([("shade", "adder")], circuit("adder")),
+    "selector_53": Twin([("shade", "selector-53")], circuit("selector_53")),
+    "selector_28": Twin([("shade", "selector-28")], circuit("selector_28")),
+}
