@@ -83,6 +83,4 @@ export function panel(into: HTMLElement, name: string, { run, rest }: Shown, cha
   for (const details of into.querySelectorAll("details")) {
     if (open.has(details.querySelector("summary")?.textContent ?? "")) details.open = true;
   }
-  // Keys scroll a wide table that has the focus.
-  for (const wide of into.querySelectorAll<HTMLElement>(".wide")) wide.tabIndex = 0;
 }

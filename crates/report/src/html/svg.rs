@@ -67,7 +67,8 @@ pub(super) fn stacked_rects(parts: &[BarPart], whole: u64, [x, y, width, height]
 pub(super) fn bar(parts: &[BarPart], whole: u64) -> Html {
     let parts_text: Vec<String> =
         parts.iter().filter(|(.., n)| *n > 0).map(|(_, name, n)| format!("{name} {}", percent_of(*n, whole))).collect();
-    svg("bar", (1000.0, 10.0), &parts_text.join(", "), "none", stacked_rects(parts, whole, [0.0, 0.0, 1000.0, 10.0]))
+    let says = if parts_text.is_empty() { "nothing".to_owned() } else { parts_text.join(", ") };
+    svg("bar", (1000.0, 10.0), &says, "none", stacked_rects(parts, whole, [0.0, 0.0, 1000.0, 10.0]))
 }
 
 /// Columns over an axis.
@@ -177,6 +178,7 @@ mod tests {
         let parts = [("busy", "busy".to_owned(), 30), ("done", "done".to_owned(), 0), ("starved", "starved: in".to_owned(), 70)];
         let text = bar(&parts, 100).into_text();
         assert!(text.contains("aria-label=\"busy 30.0 %, starved: in 70.0 %\""), "{text}");
+        assert!(bar(&[], 0).into_text().contains("aria-label=\"nothing\""), "every drawing has a description");
         assert!(text.contains("class=\"starved\" x=\"300\" y=\"0\" width=\"700\""), "{text}");
     }
 

@@ -22,11 +22,27 @@ pub fn with_cells(caption: &str, columns: &[(&str, Align)], rows: Vec<Vec<Html>>
     });
     let body = rows.into_iter().map(|row| {
         let cells = row.into_iter().zip(columns).enumerate().map(|(at, (cell, (_, align)))| match at {
-            0 => el("th", &[("scope", "row"), ("class", class(*align))], [cell]),
+            0 if !cell.is_empty() => el("th", &[("scope", "row"), ("class", class(*align))], [cell]),
             _ => el("td", &[("class", class(*align))], [cell]),
         });
         el("tr", &[], cells)
     });
     let parts = [el_text("caption", "", caption), el("thead", &[], [el("tr", &[], titles)]), el("tbody", &[], body)];
-    el("div", &[("class", "wide")], [el("table", &[], parts)])
+    // A narrow window scrolls the table. With the focus, keys scroll it.
+    el("div", &[("class", "wide"), ("role", "group"), ("tabindex", "0"), ("aria-label", caption)], [el("table", &[], parts)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_takes_the_focus_and_has_no_empty_heading() {
+        let columns = [("unit", Align::Left), ("share", Align::Right)];
+        let row = |name: &str| vec![text(name), text("1 %")];
+        let page = with_cells("Shares", &columns, vec![row("search"), row("")]).into_text();
+        assert!(page.starts_with("<div class=\"wide\" role=\"group\" tabindex=\"0\" aria-label=\"Shares\">"), "{page}");
+        assert!(page.contains("<th scope=\"row\" class=\"left\">search</th>"), "{page}");
+        assert!(page.contains("<tr><td class=\"left\"></td>"), "{page}");
+    }
 }

@@ -56,7 +56,7 @@ fn draw(diagram: &str, report: &Report) -> Html {
         .chain(with_first_mark(&sheet.units).map(|(unit, first)| unit_box(unit, first, report)))
         .chain(with_first_mark(&sheet.memories).map(|(memory, first)| memory_box(memory, first, report)));
     let drawing = svg_sized("blocks", (width, height), ENLARGED, &says, shapes.collect());
-    el("div", &[("class", "wide"), ("role", "region"), ("tabindex", "0"), ("aria-label", "Block diagram")], [drawing])
+    el("div", &[("class", "wide"), ("role", "group"), ("tabindex", "0"), ("aria-label", "Block diagram")], [drawing])
 }
 
 /// Marks each text with true if it is the first at its place.
