@@ -59,6 +59,8 @@ pub(crate) struct Channel {
     choice: Option<(usize, ColumnCommand)>,
     /// All counts that do not follow from other fields.
     counts: ChannelCounts,
+    /// Number of bursts of periodic clients in the queue.
+    pub(crate) periodic: u64,
     /// Cycles after the end of the run in which it moves data for periodic clients.
     pub(crate) overrun: u64,
     /// Events for a probe, if one is attached.
@@ -90,6 +92,7 @@ impl Channel {
             columns: vec![Cycle::ZERO; window.next_power_of_two()].into(),
             choice: None,
             counts: ChannelCounts::default(),
+            periodic: 0,
             overrun: 0,
             watch: None,
         }
@@ -245,6 +248,12 @@ impl Channel {
         Some(best)
     }
 
+    /// Returns true if a burst of a unit waits.
+    #[inline]
+    pub(crate) fn has_units(&self) -> bool {
+        (self.queue.len() - self.first) as u64 > self.periodic
+    }
+
     /// Returns the column command of the next choice, as far as the bursts in view are known; `None` if no burst waits.
     pub(crate) fn next_column(&mut self) -> Option<Cycle> {
         if self.choice.is_none() {
@@ -349,6 +358,7 @@ fn class(QueuedBurst { burst, .. }: &QueuedBurst, bank: &Bank) -> u64 {
 
 mod burst;
 mod command_bus;
+mod run;
 #[cfg(test)]
 mod tests;
 mod timing;

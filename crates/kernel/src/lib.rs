@@ -258,7 +258,8 @@
 //!   input.
 //! - **Limit.** With [`RunLimits::max_cycles`] no step starts in that cycle or later. If some step would start then, the run ends
 //!   there as [`Outcome::Limit`]. Otherwise it ends as it would have ended without the limit, possibly a little later. Requests of
-//!   units that have arrived by then run out and count. So do the periodic requests that are served among them.
+//!   units that have arrived by then run out and count. The periodic clients of a memory go on meanwhile: they count up to its last data for
+//!   a unit, or its last flip, if that is later than the end.
 //! - **Fault.** A unit that cannot continue ends the run at once. The message names the cycle of its step. The other events up to
 //!   then differ between engines, because `timed` runs ahead.
 //!

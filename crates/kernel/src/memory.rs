@@ -64,6 +64,8 @@ pub(crate) struct Memory {
     periodic_bursts: u64,
     /// Data of periodic clients that may move after the end of the run.
     late_data: Vec<LateData>,
+    /// The cycle after the last flip.
+    last_flip: Cycle,
     /// Number of requests of units that are not split into bursts yet.
     pub(crate) arrived: u64,
     pub(crate) burst_bytes: u32,
@@ -74,6 +76,8 @@ pub(crate) struct Memory {
     burst: Divisor,
     interleave: Divisor,
     channels_by: Divisor,
+    /// Bursts in `channel_bytes`; `None` if there are several channels and it is no whole number.
+    piece: Option<Divisor>,
     row: Divisor,
     banks_by: Divisor,
     channels: Vec<Channel>,
@@ -101,6 +105,7 @@ impl Memory {
             periodic: Vec::new(),
             periodic_bursts: 0,
             late_data: Vec::new(),
+            last_flip: Cycle::ZERO,
             arrived: 0,
             burst_bytes: config.burst_bytes,
             issue: config.issue,
@@ -108,6 +113,8 @@ impl Memory {
             burst: Divisor::new(config.burst_bytes),
             interleave: Divisor::new(config.channel_bytes),
             channels_by: Divisor::new(config.channels),
+            piece: (config.channels <= 1 || config.channel_bytes.is_multiple_of(config.burst_bytes))
+                .then(|| Divisor::new(config.channel_bytes / config.burst_bytes.max(1))),
             row: Divisor::new(config.row_bytes),
             banks_by: Divisor::new(config.banks),
             channels: vec![Channel::new(config); config.channels.max(1) as usize],
@@ -153,8 +160,15 @@ impl Memory {
     /// Returns the port of the next request in order of (arrival, port number, issue), and the cycle until which its requests
     /// precede the others. Returns `None` if the next request arrived at `horizon` or later.
     fn next_port(&self, clients: &[Client], horizon: Cycle) -> Option<(usize, Cycle)> {
+        let (client, arrival, until) = self.first_ports(clients)?;
+        (arrival < horizon).then_some((client, until.min(horizon)))
+    }
+
+    /// Returns the port of the next request in order, its arrival, and the cycle until which its requests precede the others.
+    #[inline]
+    fn first_ports(&self, clients: &[Client]) -> Option<(usize, Cycle, Cycle)> {
         let mut next = None;
-        let mut until = horizon;
+        let mut until = Cycle::UNKNOWN;
         for &client in &self.ports {
             let Some(arrival) = clients[client].port.next_arrival() else { continue };
             match next {
@@ -164,7 +178,7 @@ impl Memory {
                 None => next = Some((client, arrival)),
             }
         }
-        next.filter(|(_, arrival)| *arrival < horizon).map(|(client, _)| (client, until))
+        next.map(|(client, arrival)| (client, arrival, until))
     }
 
     /// Splits the requests of a port that arrived before `until` into bursts of their channels.
@@ -227,10 +241,21 @@ impl Memory {
     #[inline(always)]
     fn push(&mut self, number: u64, client: usize, request: u64, r: &ArrivedRequest) {
         let (channel, address) = self.place(number * self.burst.by);
+        let burst = self.burst_in(address, client, request, r);
+        self.channels[channel].push(burst);
+    }
+
+    /// Returns a burst of a request at an address within its channel.
+    #[inline(always)]
+    fn burst_in(&self, address: u64, client: usize, request: u64, r: &ArrivedRequest) -> Burst {
         let (row_number, _) = self.row.split(address);
         let (row, bank) = self.banks_by.split(row_number);
-        let (bank, client) = (bank as u32, client as u32);
-        self.channels[channel].push(Burst { bank, row, write: r.write, arrival: r.arrival, client, request });
+        Burst { bank: bank as u32, row, write: r.write, arrival: r.arrival, client: client as u32, request }
+    }
+
+    /// Returns burst `number` of a request.
+    fn burst_at(&self, number: u64, client: usize, request: u64, r: &ArrivedRequest) -> Burst {
+        self.burst_in(self.place(number * self.burst.by).1, client, request, r)
     }
 
     /// Serves every choice that is final, given that all later requests arrive at `horizon` or later. Returns true if there was
@@ -258,7 +283,8 @@ impl Memory {
         let data = Cycle(end.0 - self.burst_cycles);
         if *is_periodic {
             self.periodic_bursts -= 1;
-            self.late_data.push(LateData { channel, from: data, to: end });
+            self.channels[channel].periodic -= 1;
+            self.count_data(LateData { channel, from: data, to: end }, self.data_end);
         } else {
             self.bursts -= 1;
             self.data_end = self.data_end.max(end);
@@ -269,13 +295,14 @@ impl Memory {
         if self.notes_bursts {
             note_burst(&mut self.channels[channel], port, (burst, row), column, (data, end));
         }
-        port.moved(burst.request, end);
+        port.moved(burst.request, 1, end);
     }
 
     /// Returns a lower bound of all answers to come; `None` if nothing waits.
     pub(crate) fn earliest_answer(&mut self, clients: &[Client]) -> Option<Cycle> {
         let arrival = self.ports.iter().filter_map(|&p| clients[p].port.next_arrival()).min();
-        let columns = self.channels.iter_mut().filter_map(Channel::next_column);
+        let channels = self.channels.iter_mut().filter(|channel| channel.has_units());
+        let columns = channels.filter_map(Channel::next_column);
         let first = columns.chain(arrival.map(|arrival| arrival + 1)).min()?;
         Some(first + self.least_latency)
     }

@@ -92,14 +92,21 @@ impl PeriodicClient {
         effect + hold
     }
 
-    /// Passes the next request. Returns its arrival, and its address if it is made.
-    pub(crate) fn pass(&mut self) -> (Cycle, Option<u64>) {
+    /// Passes the next request. Returns its arrival, and its address if it is made. While the client reads nothing, it passes all
+    /// requests before `until` at once; no flip may arrive before `until` except those that have arrived.
+    pub(crate) fn pass(&mut self, until: Cycle) -> (Cycle, Option<u64>) {
         let (arrival, number) = self.next;
         while let Some(&(_, base)) = self.changes.front().filter(|(at, _)| *at <= arrival) {
             self.base = base;
             self.changes.pop_front();
         }
-        self.next = (arrival + self.reads.period, number + 1);
+        let passed = if self.base.is_some() {
+            1
+        } else {
+            let change = self.changes.front().map_or(Cycle::UNKNOWN, |(at, _)| *at);
+            change.min(until).since(arrival).div_ceil(self.reads.period).max(1)
+        };
+        self.next = (arrival + passed.saturating_mul(self.reads.period), number + passed);
         (arrival, self.base.map(|base| base + self.reads.offset(number)))
     }
 

@@ -242,13 +242,26 @@ impl Port {
         Some((number, *arrived, (first, last)))
     }
 
-    /// Records that a burst of request `number` has moved its data by `end`. The answer arrives when all bursts have moved, and
+    /// Takes the oldest request that is not split yet, if it arrived before `until`, as a flip: it moves no data, and its answer is one
+    /// [`Port::moved`]. Returns its number and the request.
+    pub(crate) fn take_flip(&mut self, until: Cycle) -> Option<(u64, ArrivedRequest)> {
+        self.next_arrival().filter(|arrival| *arrival < until)?;
+        let number = self.split;
+        let slot = self.slot(number);
+        let PortRequest { arrived, left, .. } = &mut self.requests[slot];
+        *left = 1;
+        self.counts.flips += 1;
+        self.split += 1;
+        Some((number, *arrived))
+    }
+
+    /// Records that `bursts` of request `number` have moved their data by `end`. The answer arrives when all bursts have moved, and
     /// not before the previous answer.
     #[inline(always)]
-    pub(crate) fn moved(&mut self, number: u64, end: Cycle) {
+    pub(crate) fn moved(&mut self, number: u64, bursts: u64, end: Cycle) {
         let slot = self.slot(number);
         let mut request = &mut self.requests[slot];
-        request.left -= 1;
+        request.left -= bursts;
         request.end = request.end.max(end);
         if number != self.served || request.left > 0 {
             return;

@@ -53,10 +53,22 @@ impl CommandBus {
     /// Records the commands of a served burst.
     #[inline]
     pub(super) fn issue(&mut self, row: impl Iterator<Item = Cycle>, column: Cycle) {
-        for at in row.chain([column]) {
-            self.recent[self.next] = at;
-            self.next = if self.next + 1 == self.recent.len() { 0 } else { self.next + 1 };
+        row.for_each(|at| self.record(at));
+        self.issue_column(column);
+    }
+
+    /// Records the only command of a served burst. Does nothing without a limit.
+    #[inline]
+    pub(super) fn issue_column(&mut self, column: Cycle) {
+        if self.is_limited() {
+            self.record(column);
+            self.latest = column;
         }
-        self.latest = column;
+    }
+
+    #[inline]
+    fn record(&mut self, at: Cycle) {
+        self.recent[self.next] = at;
+        self.next = if self.next + 1 == self.recent.len() { 0 } else { self.next + 1 };
     }
 }

@@ -2,159 +2,243 @@
 //!
 //! Their requests are known in advance, so no horizon waits for them. They are taken in only as far as requests of units need it:
 //! between two requests of units nothing depends on them. [`Memory::finish_periodic`] takes in the rest at the end of a run.
+//!
+//! Engines take in different numbers of these requests ahead of time, but must count the same. So a memory has an *end*: the total of the
+//! run, or the last data or flip of a unit if that is later, at a limit of cycles. All reads that arrive before the end count, and all bursts
+//! whose column command is before it. Nothing at or after a [known lower bound](Memory::known_end) of the end is taken in or served
+//! during the run.
 
 use super::Memory;
 use crate::Cycle;
 use crate::client::Client;
 use crate::periodic::{FlipTiming, LateData};
-use crate::port::{Completion, Port};
+use crate::port::{ArrivedRequest, Completion, Port};
+
+/// Bursts of a read in one channel.
+struct ChannelPart {
+    channel: usize,
+    /// Numbers of its first and last burst.
+    bursts: (u64, u64),
+    count: u64,
+}
+
+/// Times that bound the service of reads.
+#[derive(Clone, Copy, Debug)]
+struct ReadBounds {
+    /// No later request of a unit arrives before this cycle, and no known one that is not split.
+    units: Cycle,
+    /// Lower bound of the end of the memory.
+    end: Cycle,
+}
 
 impl Memory {
-    /// As [`Memory::serve`], for a memory with periodic clients. Requests and column commands are taken in order of time, as long
-    /// as a request of a unit waits.
+    /// As [`Memory::serve`], for a memory with periodic clients. Their reads are taken in one by one, as long as a request of a unit
+    /// waits.
     pub(super) fn serve_among_periodic(&mut self, clients: &mut [Client], horizon: Cycle) -> bool {
         let waiting = (self.arrived, self.bursts);
-        if self.periodic_bursts == 0 {
-            self.serve_before_periodic(clients, horizon);
-        }
-        while !self.is_idle()
-            && let Some(next) = self.next_event(clients)
-            && next <= horizon + 1
-        {
-            // A request that arrives in the cycle before `next` comes into view at `next`, where older bursts go first. So the steps
-            // of this loop do not depend on the horizon.
-            self.serve_up_to(clients, next);
-            if next > horizon || self.is_idle() {
+        loop {
+            let read = self.next_read();
+            // Requests of units precede a read of the same cycle.
+            let next = self.split_units(clients, horizon.min(read + 1));
+            let end = self.known_end(next);
+            self.serve_needed(clients, horizon.min(read), end);
+            if self.is_idle() || read >= horizon {
                 break;
             }
-            self.split_in_order(clients, next);
-            self.serve_up_to(clients, next);
+            // A request of a unit waits that arrives later than the read, or has its column command later.
+            self.take_reads(clients, ReadBounds { units: horizon.min(next), end });
         }
-        self.count_data(self.data_end);
+        self.count_late_data(self.data_end);
         (self.arrived, self.bursts) != waiting
     }
 
-    /// Serves the final choices up to the next request of a periodic client. No burst of such a client may wait.
-    fn serve_before_periodic(&mut self, clients: &mut [Client], horizon: Cycle) {
-        let arrivals = self.periodic.iter().map(|periodic| periodic.next.0);
-        let until = arrivals.min().map_or(horizon, |arrival| arrival.min(horizon));
-        self.split_in_order(clients, until);
-        for channel in 0..self.channels.len() {
-            while let Some(served) = self.channels[channel].serve(until) {
-                self.moved(channel, clients, served);
-            }
-        }
-    }
-
-    /// Takes in the periodic requests that arrive before the end of a run of `total` cycles, and serves the bursts whose column
-    /// command is before it. Does nothing if requests of units wait, because the run was stopped then.
+    /// Takes in the reads that arrive before the end of a run of `total` cycles, and serves the bursts whose column command is before it.
+    /// Does nothing if requests of units wait, because the run was stopped then.
     pub(crate) fn finish_periodic(&mut self, clients: &mut [Client], total: Cycle) {
         if self.periodic.is_empty() || !self.is_idle() {
             return;
         }
-        while let Some(next) = self.next_event(clients)
-            && next < total
-        {
-            self.serve_up_to(clients, next);
-            self.split_in_order(clients, next);
-            self.serve_up_to(clients, next);
+        let end = total.max(self.known_end(Cycle::UNKNOWN));
+        loop {
+            let read = self.next_read();
+            self.serve_needed(clients, read, end);
+            if read >= end {
+                break;
+            }
+            self.take_reads(clients, ReadBounds { units: end, end });
+            self.count_late_data(end);
         }
-        self.split_in_order(clients, total);
-        self.count_data(total);
-        self.periodic.iter_mut().for_each(|periodic| periodic.end(total));
+        self.count_late_data(end);
+        self.periodic.iter_mut().for_each(|periodic| periodic.end(end));
         for LateData { channel, from, to } in std::mem::take(&mut self.late_data) {
-            self.channels[channel].overrun += to.since(from.max(total));
-            if from < total {
-                self.bus.count_transfer(from, total);
+            self.channels[channel].overrun += to.since(from.max(end));
+            if from < end {
+                self.bus.count_transfer(from, end);
             }
         }
     }
 
-    /// Counts the data of periodic clients that have moved by `until`, a lower bound of the end of the run.
-    fn count_data(&mut self, until: Cycle) {
-        let bus = &mut self.bus;
-        self.late_data.retain(|&LateData { from, to, .. }| {
-            let is_late = to > until;
-            if !is_late {
-                bus.count_transfer(from, to);
+    /// Returns the arrival of the next read of a periodic client; unknown if there is none.
+    fn next_read(&self) -> Cycle {
+        self.periodic.iter().map(|periodic| periodic.next.0).min().unwrap_or(Cycle::UNKNOWN)
+    }
+
+    /// Returns a lower bound of the end of the memory. `next`: arrival of the next known request of a unit.
+    fn known_end(&self, next: Cycle) -> Cycle {
+        let arrival = if next.is_known() { next + 1 } else { Cycle::ZERO };
+        self.data_end.max(self.last_flip).max(arrival)
+    }
+
+    /// Splits the requests of units that arrived before `until`, in order. Returns the arrival of the next one; unknown if none is known.
+    fn split_units(&mut self, clients: &mut [Client], until: Cycle) -> Cycle {
+        while self.arrived > 0 {
+            let Some((client, first, second)) = self.first_ports(clients) else { break };
+            if first >= until {
+                return first;
             }
-            is_late
-        });
+            let until = until.min(second);
+            match clients[client].flips {
+                None => self.split_from(client, &mut clients[client].port, until),
+                Some(flips) => self.flip(&mut clients[client].port, flips, until),
+            }
+        }
+        Cycle::UNKNOWN
     }
 
-    /// Returns a lower bound of the next column command; `None` if there is nothing to serve.
-    fn next_event(&mut self, clients: &[Client]) -> Option<Cycle> {
-        let columns = self.channels.iter_mut().filter_map(|channel| channel.next_column());
-        let users = self.ports.iter().filter_map(|&port| clients[port].port.next_arrival());
-        let periodic = self.periodic.iter().map(|periodic| periodic.next.0).filter(|arrival| arrival.is_known());
-        let arrivals = users.chain(periodic);
-        columns.chain(arrivals.map(|arrival| arrival + 1)).min()
-    }
-
-    /// Serves the bursts whose column command is at `next` or before. `next` is a lower bound of the next column command, so these
-    /// choices are final.
-    fn serve_up_to(&mut self, clients: &mut [Client], next: Cycle) {
+    /// Serves the choices that are final, given that all later requests arrive at `until` or later. In a channel without bursts of units it
+    /// serves bursts with a column command before `end` only.
+    fn serve_needed(&mut self, clients: &mut [Client], until: Cycle, end: Cycle) {
         for channel in 0..self.channels.len() {
-            while self.channels[channel].next_column().is_some_and(|column| column <= next)
-                && let Some(served) = self.channels[channel].serve(Cycle::UNKNOWN)
-            {
+            while self.channels[channel].has_units() || self.channels[channel].next_column().is_some_and(|column| column < end) {
+                let Some(served) = self.channels[channel].serve(until) else { break };
                 self.moved(channel, clients, served);
             }
         }
     }
 
-    /// Splits the requests that arrived before `horizon`, in order of (arrival, port number, issue). Periodic clients have the last
-    /// port numbers.
-    fn split_in_order(&mut self, clients: &mut [Client], horizon: Cycle) {
+    /// Takes in the next read of a periodic client, and further ones before any request of a unit as long as no burst waits.
+    fn take_reads(&mut self, clients: &mut [Client], bounds: ReadBounds) {
         loop {
-            let user = self.next_port(clients, horizon);
-            let periodic = self.periodic.iter_mut().min_by_key(|periodic| periodic.next.0);
-            let first = periodic.as_ref().map_or(Cycle::UNKNOWN, |periodic| periodic.next.0);
-            if let Some((client, until)) = user
-                && clients[client].port.next_arrival().is_some_and(|arrival| arrival <= first)
-            {
-                let until = until.min(first + 1);
-                match clients[client].flips {
-                    None => self.split_from(client, &mut clients[client].port, until),
-                    Some(flips) => self.flip(&mut clients[client].port, flips, until),
-                }
-            } else if let Some(periodic) = periodic.filter(|_| first < horizon) {
-                let (client, bytes) = (periodic.client, periodic.reads.bytes);
-                if let (arrival, Some(address)) = periodic.pass() {
-                    self.read(client, &mut clients[client].port, arrival, (address, bytes));
-                }
-            } else {
+            let Some(periodic) = self.periodic.iter_mut().min_by_key(|periodic| periodic.next.0) else { return };
+            let until = if bounds.units.is_known() { bounds.units } else { periodic.next.0 + 1 };
+            let (client, bytes) = (periodic.client, periodic.reads.bytes);
+            let (arrival, address) = periodic.pass(until);
+            let next = self.next_read();
+            if let Some(address) = address {
+                // Bursts at the first view of a later burst, or before it, go first.
+                let until = bounds.end.min(next.min(bounds.units) + 2);
+                self.read(client, &mut clients[client].port, (arrival, address, bytes), ReadBounds { units: until, ..bounds });
+            }
+            if next >= bounds.units || self.bursts + self.periodic_bursts > 0 {
                 return;
             }
         }
     }
 
-    /// Takes in a read of a periodic client.
-    fn read(&mut self, client: usize, port: &mut Port, arrival: Cycle, (address, bytes): (u64, u32)) {
+    /// Takes in a read of a periodic client. Serves it if no burst waits and its column commands are before `bounds.units`.
+    fn read(&mut self, client: usize, port: &mut Port, (arrival, address, bytes): (Cycle, u64, u32), bounds: ReadBounds) {
         port.issue(arrival, address, bytes, false);
-        // Only the requests and bursts of units are counted as waiting.
-        let waiting = self.bursts;
-        self.arrived += 1;
-        self.split_from(client, port, arrival + 1);
-        self.periodic_bursts += self.bursts - waiting;
-        self.bursts = waiting;
+        let Some((request, r, (first, last))) = port.split(arrival + 1, self.burst) else { return };
+        if self.notes_arrivals {
+            self.note_arrival(client, port, &r, (first, last));
+        }
+        let Some(by) = self.piece else {
+            return (first..=last).for_each(|number| self.push_periodic(number, client, (request, &r)));
+        };
+        let pieces = (by.split(first).0, by.split(last).0);
+        for piece in pieces.0..=pieces.1.min(pieces.0 + self.channels_by.by - 1) {
+            let part = self.part_of((piece, pieces.1), by.by, (first, last));
+            if self.read_at_once(client, port, (request, &r), &part, bounds) {
+                continue;
+            }
+            for piece in (piece..=pieces.1).step_by(self.channels.len()) {
+                let bursts = part.bursts.0.max(piece * by.by)..=part.bursts.1.min(piece * by.by + by.by - 1);
+                bursts.for_each(|number| self.push_periodic(number, client, (request, &r)));
+            }
+        }
+    }
+
+    /// Returns the part of a read that lies in the channel of `piece`, its first piece there of `by` bursts. `last`: last piece of the read.
+    fn part_of(&self, (piece, last): (u64, u64), by: u64, bursts: (u64, u64)) -> ChannelPart {
+        let (more, _) = self.channels_by.split(last - piece);
+        let end = piece + more * self.channels_by.by;
+        let (low, high) = (piece * by, end * by + by - 1);
+        let bursts = (bursts.0.max(low), bursts.1.min(high));
+        let count = (more + 1) * by - (bursts.0 - low) - (high - bursts.1);
+        ChannelPart { channel: self.channels_by.split(piece).1 as usize, bursts, count }
+    }
+
+    /// Serves a part of a read if all of its column commands are before `bounds.units`, no burst waits in its channel, and it lies in one
+    /// row. Returns false otherwise, or if bursts are recorded.
+    fn read_at_once(
+        &mut self,
+        client: usize,
+        port: &mut Port,
+        (request, r): (u64, &ArrivedRequest),
+        part: &ChannelPart,
+        bounds: ReadBounds,
+    ) -> bool {
+        if self.notes_bursts {
+            return false;
+        }
+        let burst = self.burst_at(part.bursts.0, client, request, r);
+        let last = self.burst_at(part.bursts.1, client, request, r);
+        if (burst.bank, burst.row) != (last.bank, last.row) {
+            return false;
+        }
+        let Some(run) = self.channels[part.channel].serve_run(&burst, part.count, bounds.units) else { return false };
+        port.counts.rows.count(run.row);
+        port.counts.rows.hits += part.count - 1;
+        port.counts.queue_wait += run.queued - part.count;
+        self.count_data(LateData { channel: part.channel, from: run.data.0, to: run.data.1 }, bounds.end);
+        port.moved(request, part.count, run.data.1);
+        true
+    }
+
+    /// Appends a burst of a read to its channel.
+    fn push_periodic(&mut self, number: u64, client: usize, (request, r): (u64, &ArrivedRequest)) {
+        let (channel, address) = self.place(number * self.burst.by);
+        let burst = self.burst_in(address, client, request, r);
+        self.channels[channel].push(burst);
+        self.channels[channel].periodic += 1;
+        self.periodic_bursts += 1;
+    }
+
+    /// Counts data of a periodic client that have moved by `end`, a lower bound of the end of the memory. Keeps later data for
+    /// [`Memory::count_late_data`].
+    #[inline]
+    pub(super) fn count_data(&mut self, data: LateData, end: Cycle) {
+        if data.to <= end {
+            self.bus.count_transfer(data.from, data.to);
+        } else {
+            self.late_data.push(data);
+        }
+    }
+
+    /// Counts the data of periodic clients that have moved by `end`.
+    fn count_late_data(&mut self, end: Cycle) {
+        let bus = &mut self.bus;
+        self.late_data.retain(|data| {
+            if data.to <= end {
+                bus.count_transfer(data.from, data.to);
+            }
+            data.to > end
+        });
     }
 
     /// Takes in the flips of a port that arrived before `until`. They flip the periodic client at this place.
     fn flip(&mut self, port: &mut Port, (place, timing): (usize, FlipTiming), until: Cycle) {
-        while let Some((request, r, (first, last))) = port.split(until, self.burst) {
+        while let Some((request, ArrivedRequest { arrival, address, .. })) = port.take_flip(until) {
             self.arrived -= 1;
-            // A flip moves no data.
-            let counts = &mut port.counts;
-            *(if r.write { &mut counts.write_bytes } else { &mut counts.read_bytes }) -= u64::from(r.bytes);
-            let held = self.periodic[place].flip(timing, r.arrival, r.address);
-            let view = r.arrival + 1;
+            self.last_flip = self.last_flip.max(arrival + 1);
+            let held = self.periodic[place].flip(timing, arrival, address);
+            let view = arrival + 1;
             let answer = held.max(view + self.least_latency);
             if let Some(in_flight) = port.notes.as_mut().and_then(|notes| notes.in_flight.as_mut()) {
-                in_flight.up(r.arrival);
+                in_flight.up(arrival);
             }
-            port.note(request, Completion { arrival: r.arrival, row: view, column: view, end: answer, answer: Cycle::UNKNOWN });
-            (first..=last).for_each(|_| port.moved(request, answer));
+            port.note(request, Completion { arrival, row: view, column: view, end: answer, answer: Cycle::UNKNOWN });
+            port.moved(request, 1, answer);
         }
     }
 }
