@@ -124,16 +124,19 @@ impl ParetoSearch {
         if least == most { vec![least] } else { vec![least, most] }
     }
 
+    /// Returns the distance of two points: the sum over the axes of the places between their values, as a share of the axis. Two values of
+    /// a categorical axis are a whole axis apart.
+    fn distance(&self, a: usize, b: usize) -> f64 {
+        let of_axis = |((a, b), axis): ((&usize, &usize), &SearchAxis)| match axis.categorical {
+            true => f64::from(u8::from(a != b)),
+            false => a.abs_diff(*b) as f64 / (axis.values - 1).max(1) as f64,
+        };
+        self.points[a].iter().zip(&self.points[b]).zip(&self.axes).map(of_axis).sum()
+    }
+
     /// Returns the free point that is farthest from all chosen points.
     fn farthest(&self) -> Option<usize> {
-        let distance = |a: &[usize], b: &[usize]| -> f64 {
-            let of_axis =
-                |((a, b), axis): ((&usize, &usize), &SearchAxis)| a.abs_diff(*b) as f64 / (axis.values - 1).max(1) as f64;
-            a.iter().zip(b).zip(&self.axes).map(of_axis).sum()
-        };
-        let nearest = |at: usize| {
-            self.told.iter().map(|(other, _)| distance(&self.points[at], &self.points[*other])).fold(f64::INFINITY, f64::min)
-        };
+        let nearest = |at: usize| self.told.iter().map(|(other, _)| self.distance(at, *other)).fold(f64::INFINITY, f64::min);
         let free = (0..self.points.len()).filter(|at| self.free[*at]).map(|at| (nearest(at), at));
         free.reduce(|best, other| if other.0 > best.0 { other } else { best }).map(|(_, at)| at)
     }
@@ -203,21 +206,14 @@ impl ParetoSearch {
         if self.told.iter().all(|(_, costs)| costs.is_some()) {
             return vec![1.0; self.points.len()];
         }
-        let distance = |a: &[usize], b: &[usize]| -> f64 {
-            let of_axis = |((a, b), axis): ((&usize, &usize), &SearchAxis)| match axis.categorical {
-                true => f64::from(u8::from(a != b)),
-                false => a.abs_diff(*b) as f64 / (axis.values - 1).max(1) as f64,
-            };
-            a.iter().zip(b).zip(&self.axes).map(of_axis).sum()
-        };
-        let chance = |point: &Vec<usize>| {
-            let weight = |other: usize| 1.0 / libm::pow(distance(point, &self.points[other]).max(1e-9), 3.0);
+        let chance = |point: usize| {
+            let weight = |other: usize| 1.0 / libm::pow(self.distance(point, other).max(1e-9), 3.0);
             let sum = |ran: bool| -> f64 {
                 self.told.iter().filter(|(_, costs)| costs.is_some() || !ran).map(|(other, _)| weight(*other)).sum()
             };
             (sum(true) / sum(false)).clamp(0.01, 1.0)
         };
-        self.points.iter().map(chance).collect()
+        (0..self.points.len()).map(chance).collect()
     }
 
     /// Learns the known values and predicts all points.
