@@ -132,8 +132,8 @@ def check_memories(shown):
             shown.equal(f"{name}, bytes of {client}", moved, memory["clients"][client]["bursts"] * config["burst_bytes"])
     credits = shown.levels(": credits")
     for name, memory in shown.report["memories"].items():
-        # The display holds no credits, and flips have credits of their own.
-        ports = [client for client in memory["clients"] if client not in ("scan_out", "flip")]
+        # The display holds no credits, and flips and waits have credits of their own.
+        ports = [client for client in memory["clients"] if client not in ("scan_out", "flip", "hold")]
         most = {client: max(value for value, _ in credits[f"client {client}"]) for client in ports}
         shown.equal(f"{name}, credits", set(most.values()), {shown.report["config"]["memory"][name]["outstanding"]})
 

@@ -2,7 +2,7 @@
 
 use crate::cache::Cache;
 use crate::diagram::ClientTopology;
-use crate::periodic::FlipTiming;
+use crate::periodic::PeriodicControl;
 use crate::port::Port;
 
 /// A client: a port, with or without a cache in front of it, of a unit or periodic.
@@ -12,8 +12,8 @@ pub(crate) struct Client {
     pub(crate) cache: Option<Cache>,
     /// True if it belongs to no unit and issues its requests by itself.
     pub(crate) is_periodic: bool,
-    /// Place of the periodic client in its memory that its requests flip, if they are flips.
-    pub(crate) flips: Option<(usize, FlipTiming)>,
+    /// If its requests control a periodic client: the place of that client in its memory, and their effect.
+    pub(crate) control: Option<(usize, PeriodicControl)>,
 }
 
 impl Client {

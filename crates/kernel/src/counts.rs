@@ -93,8 +93,8 @@ pub struct PortCounts {
     pub reads: u64,
     /// Write requests.
     pub writes: u64,
-    /// Flips of a periodic client. They move no data.
-    pub flips: u64,
+    /// Requests that move no data: flips of a periodic client, and waits for the end of a hold.
+    pub without_data: u64,
     /// Bytes requested by reads.
     pub read_bytes: u64,
     /// Bytes requested by writes.
@@ -111,7 +111,7 @@ pub struct PortCounts {
 impl PortCounts {
     /// Requests in all.
     pub fn requests(&self) -> u64 {
-        self.reads + self.writes + self.flips
+        self.reads + self.writes + self.without_data
     }
 
     #[inline]

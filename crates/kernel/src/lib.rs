@@ -174,7 +174,9 @@
 //!    in cycle c takes effect in cycle e, the smallest multiple of its `period` that is not before max(c, effect of the flip before +
 //!    max(`hold`, 1)). Requests of the periodic client that arrive at e or later have base A. With a `hold` > 0 they stop at e + `hold`,
 //!    and there are none before the first flip. The answer of the flip comes at max(e + `hold`, c + 1 + min(`cl`, `cwl`) +
-//!    `burst_cycles`), and not before the answer ahead of it. So a unit waits for a shown buffer as it waits for any credit.
+//!    `burst_cycles`), and not before the answer ahead of it. So a unit waits for a shown buffer as it waits for any credit. Another unit may
+//!    *wait* on a port of its own: such a request moves no data, changes nothing, and is answered as a flip of its cycle would be, with the
+//!    e and the `hold` of the last flip before it.
 //!
 //!    *Enforced by [`MemorySystem`]; test `laws/law_4_memory`, and `dramsim3` against DRAMsim3's figures.*
 //! 5. **Cache.** The look-ups of a step are its n distinct lines in order of first mention. Its occupancy is at

@@ -64,8 +64,8 @@ pub(crate) struct Memory {
     periodic_bursts: u64,
     /// Data of periodic clients that may move after the end of the run.
     late_data: Vec<LateData>,
-    /// The cycle after the last flip.
-    last_flip: Cycle,
+    /// The cycle after the last request that controls a periodic client.
+    last_control: Cycle,
     /// Number of requests of units that are not split into bursts yet.
     pub(crate) arrived: u64,
     pub(crate) burst_bytes: u32,
@@ -105,7 +105,7 @@ impl Memory {
             periodic: Vec::new(),
             periodic_bursts: 0,
             late_data: Vec::new(),
-            last_flip: Cycle::ZERO,
+            last_control: Cycle::ZERO,
             arrived: 0,
             burst_bytes: config.burst_bytes,
             issue: config.issue,

@@ -4,7 +4,7 @@ use crate::cache::{Cache, CacheTagArray};
 use crate::client::Client;
 use crate::memory::{Memory, MemoryRequest};
 use crate::memory_events::{EventBounds, Gauge};
-use crate::periodic::{FlipTiming, PeriodicClient, PeriodicReads};
+use crate::periodic::{FlipTiming, PeriodicClient, PeriodicControl, PeriodicReads};
 use crate::port::{Completion, Port};
 use crate::step_requests::TagLookup;
 use crate::{CacheConfig, Cycle, MemoryConfig, MemoryEvent, Probe, Request};
@@ -34,7 +34,7 @@ impl MemorySystem {
         self.memories[memory].ports.push(number);
         let mut port = Port::new(name, memory, outstanding);
         port.set_issue_rate(self.memories[memory].issue);
-        self.clients.push(Client { port, cache: None, is_periodic: false, flips: None });
+        self.clients.push(Client { port, cache: None, is_periodic: false, control: None });
         number
     }
 
@@ -49,7 +49,7 @@ impl MemorySystem {
         let mut port = Port::new(name, memory, 0);
         port.deadline = reads.period;
         self.memories[memory].periodic.push(PeriodicClient::new(client, reads));
-        self.clients.push(Client { port, cache: None, is_periodic: true, flips: None });
+        self.clients.push(Client { port, cache: None, is_periodic: true, control: None });
         client
     }
 
@@ -60,16 +60,32 @@ impl MemorySystem {
     /// If `periodic` is not a periodic client, or the period of the flips is 0.
     pub fn add_flip_client(&mut self, name: &str, periodic: usize, timing: FlipTiming, outstanding: u32) -> usize {
         assert!(timing.period >= 1, "client {name}: period 0, expected at least 1 (law 4)");
-        let number = self.clients[periodic].port.memory;
-        let memory = &mut self.memories[number];
-        let place = memory.periodic.iter().position(|p| p.client == periodic);
-        let place = place.unwrap_or_else(|| panic!("client {name} flips client {periodic}, which is not periodic"));
+        let (memory, place) = self.place_of_periodic(name, periodic);
         if timing.hold > 0 {
-            memory.periodic[place].blank();
+            self.memories[memory].periodic[place].blank();
         }
-        let client = self.add_client(name, number, outstanding);
-        self.clients[client].flips = Some((place, timing));
+        let client = self.add_client(name, memory, outstanding);
+        self.clients[client].control = Some((place, PeriodicControl::Flip(timing)));
         client
+    }
+
+    /// Adds a client on the memory of the periodic client `periodic`, and returns its number. Its requests move no data and change
+    /// nothing. Each is answered when the hold of the last flip is over (law 4).
+    ///
+    /// # Panics
+    /// If `periodic` is not a periodic client.
+    pub fn add_wait_client(&mut self, name: &str, periodic: usize, outstanding: u32) -> usize {
+        let (memory, place) = self.place_of_periodic(name, periodic);
+        let client = self.add_client(name, memory, outstanding);
+        self.clients[client].control = Some((place, PeriodicControl::Wait));
+        client
+    }
+
+    /// Returns the memory of a periodic client, and its place there.
+    fn place_of_periodic(&self, name: &str, periodic: usize) -> (usize, usize) {
+        let memory = self.clients[periodic].port.memory;
+        let place = self.memories[memory].periodic.iter().position(|p| p.client == periodic);
+        (memory, place.unwrap_or_else(|| panic!("client {name} controls client {periodic}, which is not periodic")))
     }
 
     /// Adds a client whose reads go through its own cache and returns the client's number.

@@ -38,6 +38,15 @@ pub struct FlipTiming {
     pub hold: u64,
 }
 
+/// A use of a periodic client by the requests of a port. They move no data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PeriodicControl {
+    /// Each request is a flip.
+    Flip(FlipTiming),
+    /// Each request is answered when the hold of the last flip is over.
+    Wait,
+}
+
 /// A periodic client.
 #[derive(Clone, Debug)]
 pub(crate) struct PeriodicClient {
@@ -51,6 +60,8 @@ pub(crate) struct PeriodicClient {
     changes: VecDeque<(Cycle, Option<u64>)>,
     /// The first cycle in which the next flip may take effect.
     next_flip: Cycle,
+    /// End of the hold of the last flip.
+    held: Cycle,
     pub(crate) flips: FlipCounts,
 }
 
@@ -69,7 +80,7 @@ impl PeriodicClient {
     pub(crate) fn new(client: usize, reads: PeriodicReads) -> Self {
         let next = (if reads.bytes == 0 { Cycle::UNKNOWN } else { Cycle::ZERO }, 0);
         let (base, changes, flips) = (Some(reads.base), VecDeque::new(), FlipCounts::default());
-        Self { client, reads, next, base, changes, next_flip: Cycle::ZERO, flips }
+        Self { client, reads, next, base, changes, next_flip: Cycle::ZERO, held: Cycle::ZERO, flips }
     }
 
     /// Makes the client read nothing before the first flip.
@@ -77,8 +88,16 @@ impl PeriodicClient {
         self.base = None;
     }
 
-    /// Flips to `base`, for a flip that arrives at `arrival`. Returns the cycle in which its hold is over.
-    pub(crate) fn flip(&mut self, FlipTiming { period, hold }: FlipTiming, arrival: Cycle, base: u64) -> Cycle {
+    /// Takes in a request that arrives at `arrival`. Returns the cycle in which the hold of the last flip is over.
+    pub(crate) fn control(&mut self, control: PeriodicControl, arrival: Cycle, base: u64) -> Cycle {
+        if let PeriodicControl::Flip(timing) = control {
+            self.flip(timing, arrival, base);
+        }
+        self.held
+    }
+
+    /// Flips to `base`, for a flip that arrives at `arrival`.
+    fn flip(&mut self, FlipTiming { period, hold }: FlipTiming, arrival: Cycle, base: u64) {
         let effect = Cycle(arrival.max(self.next_flip).0.div_ceil(period.max(1)).saturating_mul(period.max(1)));
         self.changes.push_back((effect, Some(base)));
         if hold > 0 {
@@ -89,7 +108,7 @@ impl PeriodicClient {
         self.flips.shown += 1;
         self.flips.wait += wait;
         self.flips.longest_wait = self.flips.longest_wait.max(wait);
-        effect + hold
+        self.held = effect + hold;
     }
 
     /// Passes the next request. Returns its arrival, and its address if it is made. While the client reads nothing, it passes all

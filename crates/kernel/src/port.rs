@@ -242,15 +242,15 @@ impl Port {
         Some((number, *arrived, (first, last)))
     }
 
-    /// Takes the oldest request that is not split yet, if it arrived before `until`, as a flip: it moves no data, and its answer is one
-    /// [`Port::moved`]. Returns its number and the request.
-    pub(crate) fn take_flip(&mut self, until: Cycle) -> Option<(u64, ArrivedRequest)> {
+    /// Takes the oldest request that is not split yet, if it arrived before `until`, as a request without data. One
+    /// [`Port::moved`] answers it. Returns its number and the request.
+    pub(crate) fn take_without_data(&mut self, until: Cycle) -> Option<(u64, ArrivedRequest)> {
         self.next_arrival().filter(|arrival| *arrival < until)?;
         let number = self.split;
         let slot = self.slot(number);
         let PortRequest { arrived, left, .. } = &mut self.requests[slot];
         *left = 1;
-        self.counts.flips += 1;
+        self.counts.without_data += 1;
         self.split += 1;
         Some((number, *arrived))
     }

@@ -20,10 +20,16 @@ pub(crate) struct SwapChain<'a> {
 impl SwapChain<'_> {
     /// Adds the scan-out to a memory. Returns the client of flips, for the unit that finishes frames.
     pub(crate) fn add(&self, m: &mut MemorySystem, memory: usize) -> usize {
+        self.add_with_scan_out(m, memory).1
+    }
+
+    /// As [`SwapChain::add`]. Also returns the client of the scan-out.
+    pub(crate) fn add_with_scan_out(&self, m: &mut MemorySystem, memory: usize) -> (usize, usize) {
         let scan_out = m.add_periodic_client("scan_out", memory, self.display.reads(self.pixel_bytes, self.hz));
         // A frame is drawn, and one is shown. A flip for each other buffer may be under way.
         let credits = if self.shared { 1 } else { self.display.buffers.saturating_sub(1).max(1) };
-        m.add_flip_client("flip", scan_out, self.display.flips(self.pixel_bytes, self.hz, self.shared), credits)
+        let timing = self.display.flips(self.pixel_bytes, self.hz, self.shared);
+        (scan_out, m.add_flip_client("flip", scan_out, timing, credits))
     }
 
     /// Checks that memory `name` can move the reads of the display.

@@ -173,7 +173,7 @@ fn display(report: &Report, run: &kernel::RunReport) -> Option<Display> {
         report.config.pointer(&format!("/memory/{}/burst_cycles", memory.name)).and_then(serde_json::Value::as_u64);
     Some(Display {
         memory: memory.name.clone(),
-        flips: flip.map_or(0, |port| port.counts.flips),
+        flips: flip.map_or(0, |port| port.counts.without_data),
         pictures_shown: flips.shown,
         flip_wait: flips.wait,
         longest_flip_wait: flips.longest_wait,

@@ -73,7 +73,7 @@ fn memories(plan: &Plan) -> Result<(), PlanError> {
         for p in &m.ports {
             let place = format!("port `{}`", p.name);
             check_range(&place, "outstanding", p.outstanding.into(), 1..=MOST)?;
-            if let Some(PlanFlips { of, period, hold }) = &p.flips {
+            if let Some(PlanFlips { of, period, hold, .. }) = &p.flips {
                 check_range(&place, "period", *period, 1..=LONGEST)?;
                 check_range(&place, "hold", *hold, 0..=LONGEST)?;
                 if !m.periodic.iter().any(|periodic| periodic.name == *of) {

@@ -83,6 +83,9 @@ pub struct PlanFlips {
     pub period: u64,
     /// Cycles for which the client reads from the address of a flip. 0: until the next flip.
     pub hold: u64,
+    /// True if the requests are no flips, but wait for the end of the hold of the last flip.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub wait: bool,
 }
 
 /// A cache of a plan; fields as in [`CacheConfig`](basrelief_kernel::CacheConfig).

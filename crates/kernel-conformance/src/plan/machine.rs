@@ -66,7 +66,10 @@ fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p
         for p in &m.ports {
             let client = match (plan.caches.iter().find(|c| c.port == p.name), &p.flips) {
                 (None, None) => memories.add_client(&p.name, memory, p.outstanding),
-                (None, Some(PlanFlips { of, period, hold })) => {
+                (None, Some(PlanFlips { of, wait: true, .. })) => {
+                    memories.add_wait_client(&p.name, periodic[of.as_str()], p.outstanding)
+                }
+                (None, Some(PlanFlips { of, period, hold, .. })) => {
                     let timing = FlipTiming { period: *period, hold: *hold };
                     memories.add_flip_client(&p.name, periodic[of.as_str()], timing, p.outstanding)
                 }

@@ -11,7 +11,7 @@
 use super::Memory;
 use crate::Cycle;
 use crate::client::Client;
-use crate::periodic::{FlipTiming, LateData};
+use crate::periodic::{LateData, PeriodicControl};
 use crate::port::{ArrivedRequest, Completion, Port};
 
 /// Bursts of a read in one channel.
@@ -86,7 +86,7 @@ impl Memory {
     /// Returns a lower bound of the end of the memory. `next`: arrival of the next known request of a unit.
     fn known_end(&self, next: Cycle) -> Cycle {
         let arrival = if next.is_known() { next + 1 } else { Cycle::ZERO };
-        self.data_end.max(self.last_flip).max(arrival)
+        self.data_end.max(self.last_control).max(arrival)
     }
 
     /// Splits the requests of units that arrived before `until`, in order. Returns the arrival of the next one; unknown if none is known.
@@ -97,9 +97,9 @@ impl Memory {
                 return first;
             }
             let until = until.min(second);
-            match clients[client].flips {
+            match clients[client].control {
                 None => self.split_from(client, &mut clients[client].port, until),
-                Some(flips) => self.flip(&mut clients[client].port, flips, until),
+                Some(control) => self.control(&mut clients[client].port, control, until),
             }
         }
         Cycle::UNKNOWN
@@ -226,12 +226,12 @@ impl Memory {
         });
     }
 
-    /// Takes in the flips of a port that arrived before `until`. They flip the periodic client at this place.
-    fn flip(&mut self, port: &mut Port, (place, timing): (usize, FlipTiming), until: Cycle) {
-        while let Some((request, ArrivedRequest { arrival, address, .. })) = port.take_flip(until) {
+    /// Takes in the requests of a port that arrived before `until`. They control the periodic client at this place.
+    fn control(&mut self, port: &mut Port, (place, control): (usize, PeriodicControl), until: Cycle) {
+        while let Some((request, ArrivedRequest { arrival, address, .. })) = port.take_without_data(until) {
             self.arrived -= 1;
-            self.last_flip = self.last_flip.max(arrival + 1);
-            let held = self.periodic[place].flip(timing, arrival, address);
+            self.last_control = self.last_control.max(arrival + 1);
+            let held = self.periodic[place].control(control, arrival, address);
             let view = arrival + 1;
             let answer = held.max(view + self.least_latency);
             if let Some(in_flight) = port.notes.as_mut().and_then(|notes| notes.in_flight.as_mut()) {

@@ -77,6 +77,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let shared = c.defer.depth_pixel == DepthPixel::Shared;
         let sizes = TableSizes::new(&c.cell, cut, &engine);
         let cells = Cells::new(engine.clone(), c.operators.clone(), &c.cell, &c.defer, cut);
+        let depth = DepthTest::new(c.depth, &c.operators, c.rasterizer.z_bits, c.cache.depth.line_bytes);
         let tile_bytes = 3 * c.tile.width * c.tile.height;
         let widths = SignalWidths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..SignalWidths::default() };
         wired(
@@ -87,7 +88,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
                 server: Stage::new("server", Server::new(c.path.clone(), c.defer.lighting, source)),
                 path: Stage::new("path", Path::new(&c.path, c.clock.hz, tile_bytes)),
                 expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency, c.fifo.expanded.depth)),
-                depth: Stage::new("z-test", DepthTest::new(c.depth, &c.operators, c.rasterizer.z_bits, c.cache.depth.line_bytes)),
+                depth: Stage::new("z-test", depth.in_memory_of_display(shared)),
                 rasterizer: Stage::new("rasterizer", Rasterizer::new(c.rasterizer, c.operators)),
                 cell_maker: Stage::new("cells", cells),
                 reference_buffer: Stage::new(

@@ -178,17 +178,24 @@ fn engines_agree_on_flips_of_every_machine() {
 
 #[test]
 fn shared_picture_is_held_until_it_is_read() {
-    let config: DeferConfig = slow_display("fifo", &[("defer.depth_pixel", "shared")]);
-    let (accesses, _) = recorded(replay(&empty_frames(3), config.front()), &config);
+    let config: DeferConfig = slow_display("fifo", &[("defer.depth_pixel", "shared"), ("depth.clear_flags", "false")]);
+    let (accesses, report) = recorded(replay(&empty_frames(3), config.front()), &config);
     let of = |name: &str| -> Vec<u64> { accesses.iter().filter(|(client, ..)| client == name).map(|(_, at, _)| *at).collect() };
-    let (reads, writes) = (of("scan_out"), of("pixel_write"));
+    let (reads, writes, depths) = (of("scan_out"), of("pixel_write"), of("z_write"));
     assert!(!reads.is_empty() && reads.len().is_multiple_of(12), "whole pictures only: {}", reads.len());
     assert!(accesses.iter().filter(|(client, ..)| client == "scan_out").all(|(_, _, address)| *address >= layout::Z_BUFFER));
     assert_eq!(writes.len(), 3 * 64 * 48 / 16, "whole pictures");
     for picture in reads.chunks(12) {
         let (from, to) = (picture[0], picture[11]);
-        assert!(!writes.iter().any(|at| (from..=to).contains(at)), "nothing overwrites a picture that is read");
+        let overwrites = |at: &u64| (from..=to).contains(at);
+        assert!(!writes.iter().chain(&depths).any(overwrites), "nothing overwrites a picture that is read");
     }
+    assert_eq!(depths.len(), writes.len(), "the z-test clears all lines");
+    // The cycles from the last pixel to the end: the flip, and the token to the server.
+    let after = report.total - writes[writes.len() - 1];
+    assert!(after < 100, "the run ends with the last pixel, and not after the display has read it: {after}");
+    let waited: u64 = report.units.iter().filter(|unit| unit.name == "z-test").flat_map(|unit| &unit.account.memory).sum();
+    assert!(waited > 2 * 40_000, "each frame after the first waits for a refresh: {waited}");
 }
 
 #[test]

@@ -107,7 +107,7 @@ enum ServerPhase {
     Polygons,
     /// Answers requests for tiles.
     Tiles,
-    /// Waits until the picture is shown, because a shared memory (124) has no room for the next.
+    /// Waits until the picture is complete, because depth values of the next frame replace it in a shared memory (124).
     Shown,
 }
 

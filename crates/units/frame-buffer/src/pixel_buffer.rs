@@ -30,8 +30,6 @@ pub struct PixelBufferState {
     pub picture: Option<FinishedFrame>,
     /// Number of pictures in the current frame so far.
     pub round: u32,
-    /// True if the last picture of a frame was passed to the display of a shared memory. The next step reports it.
-    pub is_shown: bool,
     /// Size of the last picture in memory \[bytes\].
     pub bytes: u64,
     /// Pictures that a better one of the same frame follows, not fetched yet, in order.
@@ -50,10 +48,10 @@ pub struct PixelBufferState {
 /// therefore also writes each block without pixels, all background, in one cycle. Later pictures leave such blocks unchanged.
 ///
 /// Client 1 flips the display to a picture. Its credits are the free buffers of the swap chain. In a shared memory the picture is the
-/// only buffer, and the display holds the credit until it has read the picture. So nothing overwrites the picture before.
+/// only buffer, and the display holds the credit until it has read the picture. So no pixel overwrites the picture before.
 ///
 /// Output: a token to the server behind the last picture of a frame, because the next frame's depth values overwrite the pixels. In a shared
-/// memory it is sent in a step of its own, which needs the credit and so waits for the display.
+/// memory the z-test then waits for the display.
 #[derive(Clone, Debug)]
 pub struct PixelBuffer {
     /// Parameters.
@@ -131,7 +129,6 @@ impl PixelBuffer {
         self.state.round += 1;
         self.state.counters.pictures += 1;
         self.state.counters.frames += u64::from(last);
-        self.state.is_shown = last && self.buffers.is_none();
         traffic.write(1, base, 1);
         true
     }
@@ -144,7 +141,7 @@ impl Unit for PixelBuffer {
 
     #[inline]
     fn demand(&self) -> Demand {
-        if self.state.is_shown { Demand::Nothing } else { Demand::All }
+        Demand::All
     }
 
     #[inline(always)]
@@ -160,15 +157,11 @@ impl Unit for PixelBuffer {
                 if !self.show(last, traffic) {
                     return Step::after(latency, None);
                 }
-                return Step::after(latency, (last && self.buffers.is_some()).then_some(())).marked();
+                return Step::after(latency, last.then_some(())).marked();
             }
-            None => return Step::after(latency, std::mem::take(&mut self.state.is_shown).then_some(())),
+            None => {}
         }
         Step::after(latency, None)
-    }
-
-    fn is_empty(&self) -> bool {
-        !self.state.is_shown
     }
 
     /// Returns one block and one flip.
@@ -238,18 +231,13 @@ mod tests {
     }
 
     #[test]
-    fn last_picture_in_shared_memory_is_reported_later() {
-        let begun = || Some(PictureFlow::Frame(Arc::new(Frame { width: 640, height: 480, ..Frame::default() })));
-        let mut separate = buffer(false);
-        separate.step(begun(), &mut MemoryPorts::default());
-        assert_eq!(separate.step(Some(PictureFlow::Show { last: true }), &mut MemoryPorts::default()).out, Some(()));
-        assert!(separate.is_empty());
-        let mut unit = buffer(true);
-        let mut step = |token: Option<PictureFlow>| unit.step(token, &mut MemoryPorts::default());
-        step(begun());
-        let shown = step(Some(PictureFlow::Show { last: true }));
-        assert!(shown.out.is_none() && shown.marked);
-        assert_eq!(step(None).out, Some(()), "this step needs the credit of the flip, so it waits for the display");
-        assert!(unit.is_empty() && unit.demand() == Demand::All);
+    fn last_picture_of_a_frame_is_reported_to_the_server() {
+        for shared in [false, true] {
+            let mut unit = buffer(shared);
+            let mut step = |token| unit.step(Some(token), &mut MemoryPorts::default());
+            step(PictureFlow::Frame(Arc::new(Frame { width: 640, height: 480, ..Frame::default() })));
+            let [better, last] = [false, true].map(|last| step(PictureFlow::Show { last }));
+            assert!(better.out.is_none() && last.out == Some(()) && better.marked && last.marked);
+        }
     }
 }

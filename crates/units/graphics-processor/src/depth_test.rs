@@ -60,6 +60,9 @@ pub struct DepthTestState {
 /// - *Clear flags*: a frame begins with a clear that moves no data (fast clear). It sets a flag for each line
 ///   (`depth.clear_flags`, as many as `depth.flags`). The first write to the line resets the flag, and until then the line is not
 ///   looked up. Lines without a flag are cleared by writes at the beginning of the frame, one per step.
+///
+/// If pixels replace the z values, the beginning of a frame waits until the display has read the picture before it. Client 2 makes this
+/// request, which moves no data.
 #[derive(Clone, Debug, Default)]
 pub struct DepthTest<T> {
     /// Parameters.
@@ -70,6 +73,8 @@ pub struct DepthTest<T> {
     pub line_bytes: u32,
     /// Latency of a comparison \[cycles\].
     latency: u64,
+    /// True if the picture of the display lies where the z values are.
+    shared: bool,
     /// State between steps.
     pub state: DepthTestState,
     token: PhantomData<fn(T) -> T>,
@@ -79,7 +84,13 @@ impl<T: DepthToken> DepthTest<T> {
     /// Creates a z-test in its power-on state. `z_bits` (1..=32) is the rasterizer's, `line_bytes` the z-cache's.
     pub fn new(config: DepthConfig, operators: &Operators, z_bits: u32, line_bytes: u32) -> Self {
         let latency = operators.latency(COMPARISON);
-        Self { config, z_bits, line_bytes, latency, state: DepthTestState::default(), token: PhantomData }
+        Self { config, z_bits, line_bytes, latency, shared: false, state: DepthTestState::default(), token: PhantomData }
+    }
+
+    /// Makes each frame wait for the display if the pixels of the picture before it are `shared` with the z values.
+    #[must_use]
+    pub fn in_memory_of_display(self, shared: bool) -> Self {
+        Self { shared, ..self }
     }
 
     fn z_bytes(&self) -> u32 {
@@ -226,8 +237,14 @@ impl<T: DepthToken> Unit for DepthTest<T> {
             }
             Some(Flow::Control(Control::FrameEnd)) => Step::after(latency, self.end(traffic)),
             Some(Flow::Control(control)) => {
-                let cycles = if let Control::Frame(frame) = &control { self.begin(frame) } else { 1 };
-                Step::after(latency, Some(Flow::Control(control))).busy(cycles)
+                let Control::Frame(frame) = &control else { return Step::after(latency, Some(Flow::Control(control))) };
+                let cycles = self.begin(frame);
+                let step = Step::after(latency, Some(Flow::Control(control))).busy(cycles);
+                if !self.shared {
+                    return step;
+                }
+                traffic.read(2, layout::Z_BUFFER, 1);
+                step.blocking()
             }
             None if self.state.ending => Step::after(latency, self.end(traffic)),
             None => {
@@ -238,11 +255,12 @@ impl<T: DepthToken> Unit for DepthTest<T> {
     }
 
     /// Returns the lines of the z-cache in one line of the z-buffer, which holds all pixels of a token, and one write, of the
-    /// evicted line or of a line at the beginning or end of a frame.
+    /// evicted line or of a line at the beginning or end of a frame, and one wait for the display.
     fn largest_step(&self, client: usize) -> u32 {
         match client {
             0 => self.z_line_bytes().div_ceil(self.line_bytes.max(1)),
             1 => 1,
+            2 => u32::from(self.shared),
             _ => 0,
         }
     }

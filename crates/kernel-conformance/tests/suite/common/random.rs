@@ -92,8 +92,9 @@ pub struct Recipe {
     pub periods: Vec<u64>,
     /// Work after data, blocking and issue rate of units with memory ports; used in turn, repeating.
     pub data_uses: Vec<DataUse>,
-    /// Period and hold of flips, if a port of a memory with periodic clients makes flips; used in turn, repeating.
-    pub flips: Vec<Option<(u64, u64)>>,
+    /// Period and hold of flips, if a port of a memory with periodic clients makes flips, or true if it waits for the end of a hold; used in
+    /// turn, repeating.
+    pub flips: Vec<Option<(u64, u64, bool)>>,
     pub memories: [PlanMemory; 2],
     /// Sort keys for the order of the units.
     pub order: Vec<u32>,
@@ -170,7 +171,7 @@ pub fn recipe() -> impl Strategy<Value = Recipe> {
     let time = (vec(1..=4_u64, 1..=3), vec(0..=6_u64, 1..=3));
     let order = vec(any::<u32>(), 64);
     let period = prop_oneof![9 => Just(1), 1 => 2..=20_u64];
-    let flip = proptest::option::of((1..=60_u64, select(vec![0_u64, 0, 7, 40])));
+    let flip = proptest::option::of((1..=60_u64, select(vec![0_u64, 0, 7, 40]), proptest::bool::weighted(0.25)));
     let times = (vec(time, 1..=12), vec(period, 1..=12), vec(data_use(), 1..=4), vec(flip, 1..=3));
     (1..=24_u64, vec(part(), 0..=5), vec(fifo, 1..=12), times, [memory(), memory()], order).prop_map(
         |(tokens, parts, fifos, (times, periods, data_uses, flips), memories, order)| Recipe {
@@ -229,11 +230,11 @@ impl Builder<'_> {
         self.end = to;
     }
 
-    fn port(&mut self, memory: usize, outstanding: u32, flips: Option<(u64, u64)>) -> String {
+    fn port(&mut self, memory: usize, outstanding: u32, flips: Option<(u64, u64, bool)>) -> String {
         let memory = &mut self.draw.0.memories[memory];
         let name = format!("{}p{}", memory.name, memory.ports.len());
         let of = memory.periodic.first().map(|periodic| periodic.name.clone());
-        let flips = flips.zip(of).map(|((period, hold), of)| PlanFlips { of, period, hold });
+        let flips = flips.zip(of).map(|((period, hold, wait), of)| PlanFlips { of, period, hold, wait });
         memory.ports.push(PlanPort { name: name.clone(), outstanding, flips });
         name
     }

@@ -123,7 +123,7 @@ fn periodic_requests_count_up_to_the_end() {
 fn flips(period: u64, hold: u64) -> Plan {
     let mut plan = client(3, 1, vec![request("p", true, 4, 256)]);
     plan.memories[0].periodic = vec![PlanPeriodic { name: "v".into(), period: 10, bytes: 32, stride: 32, span: 64 }];
-    plan.memories[0].ports[0].flips = Some(PlanFlips { of: "v".into(), period, hold });
+    plan.memories[0].ports[0].flips = Some(PlanFlips { of: "v".into(), period, hold, wait: false });
     plan
 }
 
@@ -145,7 +145,7 @@ fn flip_takes_effect_at_multiple_of_its_period() {
     let report = report(&plan);
     assert_eq!(report.total, 102, "no flip counts for the end");
     let [port, periodic] = ["p", "v"].map(|name| report.memories[0].ports.iter().find(|p| p.client == name).unwrap());
-    assert_eq!(port.counts.flips, 3);
+    assert_eq!(port.counts.without_data, 3);
     let data = [port.counts.reads, port.counts.writes, port.counts.write_bytes, port.counts.rows.bursts()];
     assert_eq!(data, [0; 4], "a flip moves no data");
     let flips = FlipCounts { shown: 2, wait: 49 + 50 + 50, longest_wait: 50 };
@@ -160,6 +160,21 @@ fn held_flip_is_read_for_its_time_only() {
     let plan = flips(50, 20);
     assert_eq!(starts(&plan, "client"), [1, 70, 120]);
     assert_eq!(periodic_reads(&plan), [(50, 256 + 32), (60, 256), (100, 256), (110, 256 + 32)]);
+}
+
+#[test]
+fn wait_is_answered_when_the_hold_is_over() {
+    let mut plan = client(3, 1, vec![request("p", true, 4, 256), request("w", false, 4, 0)]);
+    plan.memories[0].ports = flips(50, 20).memories[0].ports.clone();
+    plan.memories[0].periodic = flips(50, 20).memories[0].periodic.clone();
+    let wait = PlanFlips { of: "v".into(), period: 1, hold: 0, wait: true };
+    plan.memories[0].ports.push(PlanPort { name: "w".into(), outstanding: 1, flips: Some(wait) });
+    // The flips return their credit at 70, 120 and 170, and the read of each step is answered then.
+    assert_eq!(starts(&plan, "sink"), [71, 121, 171]);
+    assert_eq!(counts(&report(&plan), "w").without_data, 3);
+    // A wait in front of the flip of its cycle belongs to the flip before. The first has none.
+    plan.memories[0].ports.rotate_left(1);
+    assert_eq!(starts(&plan, "sink"), [8, 77, 127]);
 }
 
 #[test]

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Returns the render cycles. The display holds the last picture of a shared memory beyond them.
+/// Returns the render cycles.
 fn render_cycles(more: &[(&str, &str)]) -> u64 {
     timed(&views(&[0.0]), &[FAST, SMALL, more].concat()).report.marked_cycles()
 }
