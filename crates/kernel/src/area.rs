@@ -95,12 +95,15 @@ impl AreaModel {
             let digits = if piece.format == OperandFormat::Single { OperandFormat::MANTISSA } else { piece.width };
             Operator { piece, timing, digits }
         };
+        let (multiply, add) =
+            if piece.integer { (&timing.integer_multiply, &timing.integer_add) } else { (&timing.multiply, &timing.add) };
+        if piece.kind.computes() {
+            area.add_logic(blocks::operand_choice(&self.area, piece));
+        }
         match piece.kind {
-            HardwareKind::Multiplier => self.multiplier(&operator(&timing.multiply), &mut area),
-            HardwareKind::Adder | HardwareKind::Comparator => self.adder(&operator(&timing.add), &mut area),
-            HardwareKind::InnerProduct => {
-                self.inner_product(&operator(&timing.multiply), &operator(&timing.add), &mut area);
-            }
+            HardwareKind::Multiplier => self.multiplier(&operator(multiply), &mut area),
+            HardwareKind::Adder | HardwareKind::Comparator => self.adder(&operator(add), &mut area),
+            HardwareKind::InnerProduct => self.inner_product(&operator(multiply), &operator(add), &mut area),
             HardwareKind::Divider => self.iteration(&operator(&timing.divide), &mut area),
             HardwareKind::SquareRoot => self.iteration(&operator(&timing.square_root), &mut area),
             HardwareKind::Power => self.power(&operator(&timing.power), &mut area),

@@ -134,15 +134,22 @@ pub struct OperandWidth {
     width: u32,
     by: u32,
     format: OperandFormat,
+    integer: bool,
 }
 
 impl OperandWidth {
     /// Two floating-point operands of single precision.
-    pub const SINGLE: Self = Self { width: 32, by: 32, format: OperandFormat::Single };
+    pub const SINGLE: Self = Self { width: 32, by: 32, format: OperandFormat::Single, integer: false };
 
     /// A fixed-point operand of `width` bits and one of `by` bits.
     pub const fn fixed(width: u32, by: u32) -> Self {
-        Self { width, by, format: OperandFormat::Fixed }
+        Self { width, by, format: OperandFormat::Fixed, integer: false }
+    }
+
+    /// The same operands of operators with the latencies of [integers](crate::Operators::integer_add).
+    #[must_use]
+    pub const fn of_integers(self) -> Self {
+        Self { integer: true, ..self }
     }
 }
 
@@ -169,6 +176,10 @@ pub struct Hardware {
     pub by: u32,
     /// Number format of operators.
     pub format: OperandFormat,
+    /// True if the operator has the latency and the interval of integers.
+    pub integer: bool,
+    /// Operations of a piece of work that take turns in each operator; 1 if it has its operands to itself.
+    pub turns: u32,
     /// Bits of the result that an iterative operator computes per cycle; 0 if the operator table decides.
     pub digits_per_cycle: u32,
     /// Banks that are accessed at the same time, with equal shares of the words.
@@ -182,9 +193,23 @@ pub struct Hardware {
 impl Hardware {
     /// Pieces with one port and one bank.
     pub fn new(place: &str, kind: HardwareKind, about: &'static str, count: u64, width: impl Into<OperandWidth>) -> Self {
-        let OperandWidth { width, by, format } = width.into();
+        let OperandWidth { width, by, format, integer } = width.into();
         let place = place.into();
-        Self { place, kind, about, count, width, by, format, digits_per_cycle: 0, banks: 1, ports: 1, stages: 0 }
+        Self {
+            place,
+            kind,
+            about,
+            count,
+            width,
+            by,
+            format,
+            integer,
+            turns: 1,
+            digits_per_cycle: 0,
+            banks: 1,
+            ports: 1,
+            stages: 0,
+        }
     }
 
     /// Bits of storage; 0 for operators.

@@ -183,21 +183,47 @@ impl UnitStats {
         self.piece(Hardware { banks, ..Hardware::new(&self.place, HardwareKind::Table, about, count.into(), width) });
     }
 
+    /// Reports a table of `bits` flags, of which `per_cycle` are set or examined in a cycle. Look-ups follow each other in every cycle, and
+    /// each may change its flag, so there is a port for reading and one for writing.
+    pub fn flags(&mut self, about: &'static str, bits: u32, per_cycle: u32) {
+        let words = bits.div_ceil(per_cycle.max(1));
+        let table = Hardware::new(&self.place, HardwareKind::Table, about, words.into(), per_cycle.min(bits));
+        self.piece(Hardware { ports: 2, ..table });
+    }
+
     fn piece(&mut self, piece: Hardware) {
         if piece.count > 0 && piece.width > 0 {
             self.hardware.push(piece);
         }
     }
 
-    /// Reports the operators of a unit, of all kinds.
+    /// Reports the operators of a unit, of all kinds. Each has its operands to itself.
     pub fn operators(&mut self, about: &'static str, have: OperatorCounts, width: impl Into<OperandWidth>) {
+        self.shared_operators(about, have, have, width);
+    }
+
+    /// Reports operators of a unit, of all kinds, in which the operations of a piece of `work` take turns. So each has a multiplexer in front
+    /// of either operand.
+    pub fn shared_operators(
+        &mut self,
+        about: &'static str,
+        have: OperatorCounts,
+        work: OperatorCounts,
+        width: impl Into<OperandWidth>,
+    ) {
         let width = width.into();
-        let OperatorCounts { multiply, add, divide, square_root, power, integer_multiply, integer_add } = have;
-        let (multiply, add) = (multiply + integer_multiply, add + integer_add);
-        let kinds =
-            [HardwareKind::Multiplier, HardwareKind::Adder, HardwareKind::Divider, HardwareKind::SquareRoot, HardwareKind::Power];
-        for (kind, count) in kinds.into_iter().zip([multiply, add, divide, square_root, power]) {
-            self.hardware(kind, about, count, width);
+        let whole = width.of_integers();
+        for (kind, count, operations, width) in [
+            (HardwareKind::Multiplier, have.multiply, work.multiply, width),
+            (HardwareKind::Adder, have.add, work.add, width),
+            (HardwareKind::Divider, have.divide, work.divide, width),
+            (HardwareKind::SquareRoot, have.square_root, work.square_root, width),
+            (HardwareKind::Power, have.power, work.power, width),
+            (HardwareKind::Multiplier, have.integer_multiply, work.integer_multiply, whole),
+            (HardwareKind::Adder, have.integer_add, work.integer_add, whole),
+        ] {
+            let turns = operations.div_ceil(count.max(1)).max(1);
+            self.piece(Hardware { turns, ..Hardware::new(&self.place, kind, about, count.into(), width) });
         }
     }
 

@@ -1,7 +1,7 @@
 //! Formulas of blocks, fitted to measurements by `tools/area/fit.py`. Widths are in bits, results in GE or FO4.
 
 use super::AreaConfig;
-use crate::hardware::OperandFormat;
+use crate::hardware::{Hardware, OperandFormat};
 
 /// Floating-point multiplication, 24-bit mantissa.
 pub(super) const FLOAT_MULTIPLIER_FO4: f64 = 97.0;
@@ -66,6 +66,12 @@ pub(super) fn square_root(area: &AreaConfig, width: u32, bits_per_cycle: f64) ->
 
 pub(super) fn fifo_control(area: &AreaConfig, depth: u64) -> f64 {
     area.fifo_control * (log2(depth) + 0.42)
+}
+
+/// Multiplexers for both operands of operators whose operations take turns.
+pub(super) fn operand_choice(area: &AreaConfig, piece: &Hardware) -> f64 {
+    let bits = f64::from(piece.width) + f64::from(piece.by);
+    area.multiplexer * bits * f64::from(piece.turns.saturating_sub(1)) * piece.count as f64
 }
 
 /// Comparison of a tag with those of all ways, order of use, and choice of the word.

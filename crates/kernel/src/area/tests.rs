@@ -50,6 +50,19 @@ fn pipelined_operator_has_registers_and_iterative_one_none() {
 }
 
 #[test]
+fn operators_of_integers_have_their_latencies() {
+    let float = OperatorConfig::new(9, 1);
+    let slow = model(Operators { multiply: float.clone(), add: float, ..Operators::default() });
+    let registers = |kind, width: crate::OperandWidth| slow.of(&Hardware::new("u", kind, "", 1, width)).register_bits;
+    let of =
+        |kind| [crate::OperandWidth::from(16).of_integers(), crate::OperandWidth::from(16)].map(|width| registers(kind, width));
+    assert_eq!(of(HardwareKind::Multiplier), [32, 9 * 32]);
+    assert_eq!(of(HardwareKind::Adder), [17, 9 * 17]);
+    // Three products of 32 bits, and sums of 32, 33 and 34.
+    assert_eq!(of(HardwareKind::InnerProduct)[0], 3 * 32 + 32 + 33 + 34);
+}
+
+#[test]
 fn shorter_interval_of_divider_costs_more() {
     let divider = Hardware::new("u", HardwareKind::Divider, "", 1, 24);
     let of = |interval| model(Operators { divide: OperatorConfig::new(24, interval), ..Operators::default() }).of(&divider);
@@ -109,4 +122,12 @@ fn deeper_fifo_and_longer_wire_cost_more() {
     let of = |depth, latency| ge(&Hardware::of_fifo("f", depth, 100, latency));
     assert!(of(8, 1) < of(9, 1));
     assert_eq!((of(8, 3) - of(8, 1)).round(), (2.0_f64 * 100.0 * 5.67).round());
+}
+
+#[test]
+fn operations_that_share_an_operator_need_multiplexers() {
+    let of = |turns| ge(&Hardware { turns, ..Hardware::new("u", HardwareKind::Multiplier, "", 2, 16) });
+    // Two operators, two operands of 16 bits, two more inputs.
+    assert_eq!((of(3) - of(1)).round(), 2.5 * 2.0 * 32.0 * 2.0);
+    assert_eq!(of(0), of(1));
 }

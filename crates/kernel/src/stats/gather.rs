@@ -15,14 +15,16 @@ impl UnitStats {
         }
     }
 
-    /// Reports the caches, then the requests in flight of every port. A periodic client has no credits.
+    /// Reports the caches, then the requests in flight of every port. A periodic client has no credits. Requests that control one have no
+    /// data.
     fn report_ports(&mut self, memories: &MemorySystem) {
         let caches = memories.clients().iter().filter_map(|client| client.cache.as_ref());
         self.hardware.extend(caches.flat_map(|cache| Hardware::of_cache(&cache.name, &cache.config)));
-        for Client { port, cache, .. } in memories.clients().iter().filter(|client| !client.is_periodic) {
+        for Client { port, cache, control, .. } in memories.clients().iter().filter(|client| !client.is_periodic) {
             let burst = memories.memories()[port.memory].burst_bytes;
             let data = cache.as_ref().map_or(burst, |cache| cache.config.line_bytes);
-            self.hardware.extend(Hardware::of_port(&port.name, port.outstanding(), data));
+            let [lines, requests] = Hardware::of_port(&port.name, port.outstanding(), data);
+            self.hardware.extend(control.is_none().then_some(lines).into_iter().chain([requests]));
         }
     }
 }

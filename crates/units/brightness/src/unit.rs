@@ -211,8 +211,9 @@ impl BrightnessFetch {
         let c = &self.config;
         let values = c.values();
         let blenders = u64::from(c.samples_per_cycle * values);
-        stats.hardware(HardwareKind::Multiplier, "share of a level", blenders, OperandWidth::fixed(c.bits, SHARE));
-        stats.hardware(HardwareKind::Adder, "sum of levels", blenders, c.bits);
+        let share = OperandWidth::fixed(c.bits, SHARE).of_integers();
+        stats.hardware(HardwareKind::Multiplier, "share of a level", blenders, share);
+        stats.hardware(HardwareKind::Adder, "sum of levels", blenders, OperandWidth::from(c.bits).of_integers());
         stats.hardware(HardwareKind::Multiplier, "lighting of an entry", c.multipliers, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Adder, "lighting of an entry", c.multipliers, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Power, "highlight of an entry", c.powers, OperandWidth::SINGLE);

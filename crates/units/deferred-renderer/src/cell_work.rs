@@ -78,9 +78,9 @@ impl CellWork {
         stats.hardware(HardwareKind::Divider, "cells: perspective of the footprint", self.dividers, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Table, "cells: logarithms", LOGARITHMS * self.fill_rate, LOGARITHM_BITS);
         let setup = self.setup_operators();
-        stats.hardware(HardwareKind::Multiplier, "set-up of triangles", setup.multiply, OperandWidth::SINGLE);
-        stats.hardware(HardwareKind::Adder, "set-up of triangles", setup.add, OperandWidth::SINGLE);
-        stats.hardware(HardwareKind::Divider, "set-up of triangles", setup.divide, OperandWidth::SINGLE);
+        let lit = if lighting == LightingMode::Gouraud { LIT } else { OperatorCounts::NONE };
+        let of_triangles = OperatorCounts { power: 0, ..setup };
+        stats.shared_operators("set-up of triangles", of_triangles, SETUP.and(lit), OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "triangle that is set up", SLOPES, NUMBER);
         stats.hardware(HardwareKind::Registers, "its page and wrap modes", 1_u32, sizes.surface_bits());
         if lighting == LightingMode::Gouraud {

@@ -48,9 +48,8 @@ pub(crate) fn tell_interpolator(stats: &mut UnitStats, operators: &Operators, in
     stats.hardware(HardwareKind::Multiplier, "interpolation", multipliers, OperandWidth::SINGLE);
     stats.hardware(HardwareKind::Adder, "the same", adders, OperandWidth::SINGLE);
     stats.hardware(HardwareKind::Adder, "steps of three edges", 3_u64, OperandWidth::SINGLE);
-    stats.hardware(HardwareKind::Multiplier, "set-up of a triangle", SET_UP_UNITS.multiply, OperandWidth::SINGLE);
-    stats.hardware(HardwareKind::Adder, "the same", SET_UP_UNITS.add, OperandWidth::SINGLE);
-    stats.hardware(HardwareKind::Divider, "its area", SET_UP_UNITS.divide, OperandWidth::SINGLE);
+    let work = SCAN_SET_UP.and(VALUES_SET_UP);
+    stats.shared_operators("set-up of a triangle", SET_UP_UNITS, work, OperandWidth::SINGLE);
     stats.hardware(HardwareKind::Registers, "scan: column, row", 2_u64, COORDINATE);
     stats.hardware(HardwareKind::Registers, "scan: three edges, value and two slopes each", 9_u64, NUMBER);
     stats.hardware(HardwareKind::Registers, "three values at three corners", 9_u64, NUMBER);

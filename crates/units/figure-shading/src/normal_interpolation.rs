@@ -168,11 +168,7 @@ impl NormalInterpolation {
             );
         }
         if self.renormalise {
-            let about = "normals to length 1";
-            stats.hardware(HardwareKind::Multiplier, about, NORMALISER.multiply, OperandWidth::SINGLE);
-            stats.hardware(HardwareKind::Adder, about, NORMALISER.add, OperandWidth::SINGLE);
-            stats.hardware(HardwareKind::Divider, about, NORMALISER.divide, OperandWidth::SINGLE);
-            stats.hardware(HardwareKind::SquareRoot, about, NORMALISER.square_root, OperandWidth::SINGLE);
+            stats.shared_operators("normals to length 1", NORMALISER, OperatorCounts::NORMALIZE, OperandWidth::SINGLE);
         }
         self.power.report_stats(stats);
         stats.hardware(HardwareKind::Multiplier, "Is*Ks", 1_u64, OperandWidth::SINGLE);

@@ -188,7 +188,7 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
         let line = LINE_PIXELS * (COLOR + 1) + LINE_NUMBER;
         stats.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
         let flags = if self.config.clear_flags { self.config.flags } else { 0 };
-        stats.hardware(HardwareKind::Table, "flags of clear lines", flags, 1);
+        stats.flags("flags of clear lines", flags, self.config.flags_per_cycle);
         let c = &self.state.counters;
         stats.figure("pixels", c.pixels, "pixels", "Pixels written");
         stats.figure("frames", c.frames, "frames", "Frames finished");

@@ -74,6 +74,16 @@ pub(crate) fn object(lights: u32) -> OperatorCounts {
     ObjectTransform::OF_OBJECT.and(light.times(lights))
 }
 
+/// Returns all operations of the unit, each once: of a vertex with these attributes, of a cut edge, of a triangle, and where vertices are
+/// lit, of a light.
+pub(crate) fn program(of: SentAttributes, lit: LightingStage) -> OperatorCounts {
+    let polygon = vertex(of).and(cut_vertex(of)).and(lod(3));
+    if lit == LightingStage::Nowhere {
+        return polygon;
+    }
+    polygon.and(object(1)).and(lighting(&Lighting { kd: 1.0, ks: 1.0, ..Lighting::default() }, 1))
+}
+
 /// Returns the cycles from the last operands of a polygon to its delivery: position, projection, area and LOD, in parallel with
 /// transforming and lighting the normal.
 pub(crate) fn latency(operators: &Operators, taken: VertexAttributes) -> u64 {

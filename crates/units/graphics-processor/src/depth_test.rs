@@ -117,7 +117,7 @@ impl<T: DepthToken> DepthTest<T> {
         let line = LINE_PIXELS * (self.z_bits + 1) + LINE_NUMBER;
         stats.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
         let flags = if self.config.clear_flags { self.config.flags } else { 0 };
-        stats.hardware(HardwareKind::Table, "flags of clear lines", flags, 1);
+        stats.flags("flags of clear lines", flags, self.config.flags_per_cycle);
     }
 
     /// Returns the size of a line of the z-buffer \[bytes\].

@@ -3,7 +3,7 @@
 use crate::blend::{blended, filtered};
 use crate::config::{DrawOrder, GraphicsConfig, MipFilter};
 use crate::state::{GraphicsProcessorState, HeldItem, InputPhase};
-use crate::work::PixelTiming;
+use crate::work::{ANY_PIXEL, PixelTiming};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{AttributeGradient, BlockLayout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
@@ -307,7 +307,7 @@ impl Unit for GraphicsProcessor {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.timing.latency, 1_u64);
-        stats.operators("filter and blend", self.config.operators(), OperandWidth::SINGLE);
+        stats.shared_operators("filter and blend", self.config.operators(), ANY_PIXEL, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
         let c = &self.state.counters;
         stats.figure("pixels_textured", c.textured, "pixels", "Pixels with a colour texture");

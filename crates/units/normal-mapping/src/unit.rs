@@ -207,7 +207,8 @@ impl Unit for NormalMapping {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.timing.latency, 1_u64);
-        stats.operators("filter, rotate, scale", self.config.operators(), OperandWidth::SINGLE);
+        let work = self.config.work(self.levels);
+        stats.shared_operators("filter, rotate, scale", self.config.operators(), work, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
         let c = &self.state.counters;
         stats.figure("bump_fragments", c.bump_fragments, "fragments", "Fragments of bump targets");

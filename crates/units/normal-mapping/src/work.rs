@@ -39,6 +39,13 @@ fn mapped(config: &NormalMappingConfig, samples: u32) -> OperatorCounts {
     FRAME.and(footprint.times(footprints)).and(ROTATED.and(SCALED).times(samples))
 }
 
+impl NormalMappingConfig {
+    /// Returns the arithmetic of a fragment, if `levels` MIP levels are interpolated.
+    pub(crate) fn work(&self, levels: u8) -> OperatorCounts {
+        mapped(self, self.samples(levels))
+    }
+}
+
 /// Longest dependent chain up to the addresses of the texels: attribute, footprint.
 const ADDRESSES: OperatorCounts = OperatorCounts { multiply: 1 + 1, add: 2 + 2, ..OperatorCounts::NONE };
 /// Longest dependent chain from the texels on: filter, rotation, scale.

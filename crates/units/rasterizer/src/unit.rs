@@ -127,7 +127,7 @@ impl Unit for Rasterizer {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.latency, self.pace);
-        stats.operators("set-up and perspective", self.config.operators(), NUMBER);
+        stats.shared_operators("set-up and perspective", self.config.operators(), SET_UP.and(FRAGMENT), NUMBER);
         stats.hardware(HardwareKind::Registers, "triangle", SET_UP_NUMBERS, NUMBER);
         let fragments = self.state.counters.fragments;
         stats.figure("fragments", fragments, "fragments", "Fragments found in polygons").part(FigureGroup::Work);

@@ -6,7 +6,7 @@ use crate::state::TableKey;
 use crate::tables::HostTables;
 use crate::{CodeBookMode, ReplacementConfig, ReplacementState, TablePolicy};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit, UnitTable};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{LEVELS, TableError};
 use basrelief_signals::{Control, Flow, MAX_STAMP, NormalIndexes, ObjectInfo, PseudoNormals, StampSample, StampSamples};
 use std::sync::Arc;
@@ -249,8 +249,12 @@ impl Replacement {
         let c = &self.config;
         let most = c.entries.levels().into_iter().max().unwrap_or(1);
         let (width, units) = (c.entry_bits.max(self.normal_bits), u64::from(c.inner_products()));
-        stats.hardware(HardwareKind::InnerProduct, "search", units, width);
-        stats.hardware(HardwareKind::Comparator, "largest inner product", units, 2 * width + 2);
+        stats.hardware(HardwareKind::InnerProduct, "search", units, OperandWidth::from(width).of_integers());
+        let product = OperandWidth::from(2 * width + 2).of_integers();
+        stats.hardware(HardwareKind::Comparator, "largest inner product", units, product);
+        // A search passes its rows one after the other. Where each row has lanes of its own, N' goes with it.
+        let rows = if c.pipelined { c.search_cycles(most) } else { 1 };
+        stats.hardware(HardwareKind::Registers, "N' on its way through the rows of lanes", rows - 1, 3 * self.normal_bits);
         let held = u64::from(c.resident_tables) * u64::from(most);
         // Each lane reads a direction of its own in every cycle.
         stats.banked_table("VQ tables (121)", held, 3 * c.entry_bits, c.inner_products());

@@ -202,7 +202,7 @@ impl Combiner {
         stats.hardware(HardwareKind::Adder, "with the old value", sums, PIXEL_BITS);
         stats.hardware(HardwareKind::Table, "lines on their way to memory", self.lines, LINE_PIXELS * COLOR);
         stats.hardware(HardwareKind::Adder, "whether a line is held", self.lines, LINE_TAG_BITS);
-        stats.hardware(HardwareKind::Table, "flags of clear lines", self.buffer.flags, 1);
+        stats.flags("flags of clear lines", self.buffer.flags, self.buffer.per_cycle);
         stats.hardware(HardwareKind::Registers, "which lines are held", self.lines, LINE_TAG_BITS);
     }
 }

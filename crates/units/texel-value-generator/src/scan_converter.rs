@@ -265,10 +265,7 @@ impl Unit for ScanConverter {
             "divisions",
             "Divisions at set-up of triangles: slopes of edges, reciprocals of areas",
         );
-        let ScanConverterConfig { dividers, multipliers, adders, .. } = self.config;
-        stats.hardware(HardwareKind::Divider, "set-up of triangles", dividers, OperandWidth::SINGLE);
-        stats.hardware(HardwareKind::Multiplier, "set-up of triangles", multipliers, OperandWidth::SINGLE);
-        stats.hardware(HardwareKind::Adder, "set-up of triangles, ends of spans", adders, OperandWidth::SINGLE);
+        stats.shared_operators("set-up of triangles, ends of spans", self.have(), SETUP.and(SPAN), OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "a triangle that is set up", SETUP_WORDS, NUMBER);
     }
 }

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::{NearestSearch, PerLevel, TableSource};
-use basrelief_kernel::Request;
+use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::{HardwareKind, Request};
 use basrelief_shading::{ReferenceNormals, reference_normals};
 use basrelief_signals::{Fragment, Material, ObjectInfo, Polygon, Stamp, Vertex, quantization_memory};
 use proptest::prelude::*;
@@ -171,6 +172,19 @@ fn cycles_follow_lanes_and_pipelining() {
     assert_eq!(timing(64, false), (8, 3 + 6 + 2 + 7));
     assert_eq!(timing(1, false), (512, 3 + 8 + 511));
     assert_eq!(timing(256, false), (2, 3 + 8 + 1));
+}
+
+#[test]
+fn pipelined_search_passes_normals_from_row_to_row() {
+    let bits = |lanes, pipelined| {
+        let unit = Replacement::new(ReplacementConfig { lanes, pipelined, ..config() }, 16, &Operators::default()).unwrap();
+        let mut stats = UnitStats::default();
+        unit.report_stats(&mut stats);
+        let registers = stats.all_hardware().iter().filter(|piece| piece.kind == HardwareKind::Registers);
+        registers.map(|piece| piece.bits()).sum::<u64>()
+    };
+    // 256 entries in rows of 64 lanes: N' waits once before each row but the first.
+    assert_eq!([bits(64, true), bits(64, false), bits(256, true)], [3 * 3 * 16, 0, 0]);
 }
 
 #[test]

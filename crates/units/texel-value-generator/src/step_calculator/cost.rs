@@ -51,8 +51,8 @@ impl StepCalculator {
             return;
         }
         stats.hardware(HardwareKind::Registers, "storage element: criterion e", 1_u32, NUMBER);
-        stats.hardware(HardwareKind::Multiplier, "whether a span is divided; steps", multipliers, NUMBER);
-        stats.hardware(HardwareKind::Adder, "whether a span is divided; steps", ADDERS, NUMBER);
+        let have = OperatorCounts { multiply: multipliers, add: ADDERS, ..OperatorCounts::NONE };
+        stats.shared_operators("whether a span is divided; steps", have, DECISION, NUMBER);
         stats.iterative(HardwareKind::Divider, "e / |dw|", 1_u32, [step_bits, self.bits_per_cycle]);
         match step_table {
             0 => stats.iterative(HardwareKind::SquareRoot, "steps", 1_u32, [step_bits, self.bits_per_cycle]),
