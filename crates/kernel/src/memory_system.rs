@@ -330,12 +330,14 @@ impl MemorySystem {
 
     /// Serves choices that are final by the stages' promises. Returns true if there was any.
     pub(crate) fn serve_promised(&mut self) -> bool {
-        let mut any = false;
-        for memory in self.memories.iter_mut().filter(|memory| !memory.is_idle()) {
-            let none_before = memory.ports.iter().map(|&p| self.clients[p].port.none_before).min();
-            any |= memory.serve(&mut self.clients, none_before.unwrap_or_default());
-        }
-        any
+        let Self { memories, clients } = self;
+        memories.iter_mut().fold(false, |any, memory| serve_promised(memory, clients) | any)
+    }
+
+    /// As [`MemorySystem::serve_promised`], for the memory of one client.
+    pub(crate) fn serve_promised_of(&mut self, client: usize) -> bool {
+        let Self { memories, clients } = self;
+        serve_promised(&mut memories[clients[client].port.memory], clients)
     }
 
     /// Serves final choices without further promises. Returns true if anything waits.
@@ -377,6 +379,15 @@ impl MemorySystem {
     pub(crate) fn last_answer(&self) -> Cycle {
         self.clients.iter().filter(|c| !c.is_periodic).map(|c| c.port.last_answer()).max().unwrap_or(Cycle::ZERO)
     }
+}
+
+/// Serves choices of a memory that are final by the promises of its users. Returns true if there was any.
+fn serve_promised(memory: &mut Memory, clients: &mut [Client]) -> bool {
+    if memory.is_idle() {
+        return false;
+    }
+    let none_before = memory.ports.iter().map(|&p| clients[p].port.none_before).min();
+    memory.serve(clients, none_before.unwrap_or_default())
 }
 
 impl TagLookup for (&[usize], &mut MemorySystem) {

@@ -170,6 +170,16 @@ impl StageVisit<'_> {
             && clock.has_private
             && clock.clients.iter().fold(false, |any, &client| memories.serve_if_private(client, horizon) | any)
     }
+
+    /// Serves choices for which a blocking step waits, as far as they are final by the promises so far. Returns true if there was any.
+    /// So a unit that waits for one datum after the other needs no round for each.
+    #[inline]
+    pub(crate) fn serve_awaited<K: StageArity>(&mut self) -> bool {
+        let Self { clock, memories, .. } = self;
+        K::HAS_MEMORY
+            && !clock.block.until.is_known()
+            && clock.clients.iter().fold(false, |any, &client| memories.serve_promised_of(client) | any)
+    }
 }
 
 /// Returns the outputs of a step, with the bit [`MARKED`].
