@@ -1,6 +1,6 @@
 //! Properties of every machine, tested with random plans.
 
-use crate::common::random::{recipe, tight_recipe};
+use crate::common::random::{GraphPart, recipe, tight_recipe};
 use crate::common::{machine, report, run_both, sink_tokens};
 use basrelief_kernel::{
     CacheCounts, Deadlock, Engine, MemoryEvent, NoProbe, Outcome, Recorder, RunLimits, RunReport, run, run_with,
@@ -83,6 +83,20 @@ proptest! {
         let sink = &plan.units.last().unwrap().name;
         let starved = format!("`{sink}` waits for a token from ");
         prop_assert!(text.contains(&starved), "{}", text);
+    }
+
+    // Claim: laws, 2: Without memories, more slots in a FIFO never take more cycles.
+    #[test]
+    fn deeper_fifo_never_slows_a_machine_without_memory(mut recipe in recipe(), fifo in any::<prop::sample::Index>(), more in 1..9_usize) {
+        recipe.parts.retain(|part| !matches!(part, GraphPart::Access { .. } | GraphPart::Cached { .. }));
+        let (mut plan, _) = recipe.plan();
+        let before = run(&mut machine(&plan), Engine::Timed);
+        let fifos = plan.fifos.len();
+        plan.fifos[fifo.index(fifos)].depth += more;
+        let after = run(&mut machine(&plan), Engine::Timed);
+        prop_assume!(before.outcome == Outcome::Complete);
+        prop_assert_eq!(after.outcome, Outcome::Complete);
+        prop_assert!(after.total <= before.total, "{} cycles, then {}", before.total, after.total);
     }
 
     #[test]
