@@ -58,7 +58,6 @@ export interface Report {
   cycles?: { total: number; write_tail: number; frames: number[] };
   units?: Record<string, Unit>;
   bytes?: { requested: number; moved: number };
-  bottlenecks?: { resource: string; relaxation: string; set: string[]; cycles: number; saved: number }[];
   hardware: { area_ge: number }[];
   quality?: { psnr_db: number; ssim: number; flip: number };
   image: { sha256: string }[];

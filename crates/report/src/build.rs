@@ -78,7 +78,7 @@ impl Report {
             display: None,
             bytes: None,
             caches: None,
-            limits: None,
+            bottlenecks: None,
             critical_path: None,
             costs: None,
             sensitivity: None,

@@ -1,7 +1,7 @@
 //! Reports as JSON: writer, reader and schema.
 
 use crate::derived::derive;
-use crate::model::{FULLY_PIPELINED, Report, UNBOUNDED_FIFO};
+use crate::model::{ALWAYS_HITS, FULLY_PIPELINED, PictureQuality, Report, UNBOUNDED_FIFO};
 use basrelief_input::JsonFault;
 use basrelief_signals::schema_of;
 use std::io::{self, Write};
@@ -60,6 +60,7 @@ impl Report {
         if report.bytes.is_none() {
             report.count_bytes();
         }
+        report.quality.iter_mut().for_each(PictureQuality::summarize);
         match report.schema.as_str() {
             SCHEMA => Ok(report),
             SCHEMA_2 => Ok(from_schema_2(report)),
@@ -72,15 +73,14 @@ impl Report {
 fn from_schema_2(mut report: Report) -> Report {
     report.schema = SCHEMA.into();
     report.derived = derive(&report);
-    for limit in report.limits.iter_mut().flatten() {
+    for limit in report.bottlenecks.iter_mut().flat_map(|of| &mut of.single) {
         limit.what = match limit.what.as_str() {
             "a cycle per step" => FULLY_PIPELINED,
             "slots without bound" => UNBOUNDED_FIFO,
             "no latency" => "zero latency",
             "a cycle per burst" => "one cycle per burst",
             "no latency, no row commands, a cycle per burst" => "zero latency, no row commands, one cycle per burst",
-            "every look-up hits" => "a hit on every lookup",
-            "both ideal" => "both relaxed",
+            "every look-up hits" => ALWAYS_HITS,
             other => other,
         }
         .to_owned();
@@ -152,7 +152,7 @@ mod tests {
     /// A report of version 0.1: every renamed key under its old name.
     #[test]
     fn schema_2_report_is_read() {
-        let report = Report { limits: None, ..samples::costed() };
+        let report = Report { bottlenecks: None, ..samples::costed() };
         let keys = [
             ("write_tail", "drain"),
             ("lookups", "look_ups"),
@@ -170,7 +170,7 @@ mod tests {
         assert_eq!(Report::from_json(&text).unwrap(), report);
         let limits = r#"[{"resource": "a", "what": "a cycle per step", "set": [], "cycles": 3, "saved": 1}]"#;
         let text = text.replacen("\"figures\"", &format!("\"limits\": {limits}, \"figures\""), 1);
-        assert_eq!(Report::from_json(&text).unwrap().limits.unwrap()[0].what, FULLY_PIPELINED);
+        assert_eq!(Report::from_json(&text).unwrap().bottlenecks.unwrap().single[0].what, FULLY_PIPELINED);
     }
 
     #[test]

@@ -20,6 +20,8 @@
 //! without its `host` part is equal to the bit for every engine, host and number of threads.
 
 pub mod ablation;
+#[cfg(test)]
+mod agreement;
 mod area;
 pub mod bottleneck;
 pub mod build;

@@ -1,8 +1,7 @@
 //! A report as one long table, one figure per row, for CSV files and comparisons.
 
-use crate::model::{Channel, Client, Figure, Report, Unit};
-use crate::model::{CycleBreakdown, UnlistedCosts};
-use crate::text::sections::{full_cycles, mean_occupancy};
+use crate::model::{Channel, Client, CycleBreakdown, Figure, PictureQuality, Report, Unit, UnlistedCosts};
+use crate::text::sections::{full_cycles, in_frames, mean_occupancy};
 use serde_json::Value;
 
 /// One figure of a report.
@@ -51,7 +50,8 @@ pub fn rows(report: &Report) -> Vec<FigureRow> {
         rows.add(at, "depth", "", f.depth);
         rows.add(at, "tokens", "", f.tokens);
         rows.add(at, "high_water", "", f.high_water);
-        rows.add(at, "mean_occupancy", "", crate::number::round6(mean_occupancy(f)));
+        // As in every other table, over the render cycles.
+        rows.add(at, "mean_occupancy", "", crate::number::round6(mean_occupancy(&in_frames(f, report.drain()))));
         rows.add(at, "full_cycles", "", full_cycles(f));
         rows.add(at, "histogram", "", f.histogram.clone());
     }
@@ -215,6 +215,20 @@ fn add_unlisted(table: &'static str, others: &UnlistedCosts, rows: &mut FigureRo
     }
 }
 
+/// Worst and mean quality of several pictures.
+fn add_summary(quality: &PictureQuality, rows: &mut FigureRows) {
+    for (key, field, x) in [
+        ("min", "psnr_db", quality.min.psnr_db),
+        ("min", "ssim", quality.min.ssim),
+        ("max", "flip", quality.max.flip),
+        ("mean", "psnr_db", quality.mean.psnr_db),
+        ("mean", "ssim", quality.mean.ssim),
+        ("mean", "flip", quality.mean.flip),
+    ] {
+        rows.add(("quality", ""), field, key, x);
+    }
+}
+
 fn add_pictures(report: &Report, rows: &mut FigureRows) {
     if let Some(quality) = &report.quality {
         let frames = quality.frames.iter().enumerate().map(|(k, q)| (k.to_string(), q));
@@ -222,6 +236,9 @@ fn add_pictures(report: &Report, rows: &mut FigureRows) {
             for (field, x) in [("psnr_db", q.psnr_db), ("ssim", q.ssim), ("flip", q.flip)] {
                 rows.add(("quality", ""), field, &key, x);
             }
+        }
+        if !quality.frames.is_empty() {
+            add_summary(quality, rows);
         }
         if let Some(difference) = &quality.difference {
             rows.add(("quality", ""), "mean_difference", "", difference.mean);

@@ -45,11 +45,10 @@ pub fn context() -> ReportContext {
         .collect(),
         hardware: vec![],
         legend: [("fragments".to_owned(), legend("fragments", FigureGroup::Work))].into_iter().collect(),
-        quality: Some(PictureQuality {
-            last: QualityMetrics { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 },
-            difference: Some(Difference { mean: 0.75, largest: 12 }),
-            frames: vec![],
-        }),
+        quality: PictureQuality::of(
+            &[QualityMetrics { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 }],
+            Some(Difference { mean: 0.75, largest: 12 }),
+        ),
         image: vec![
             Picture { file: "image-0001.png".into(), sha256: "01".repeat(32) },
             Picture { file: "image.png".into(), sha256: "02".repeat(32) },
@@ -264,7 +263,8 @@ pub fn before_and_after() -> (Report, Report) {
         z.read_bytes -= 10_000;
     }
     if let Some(quality) = &mut b.quality {
-        quality.last = QualityMetrics { psnr_db: 36.5, ssim: 0.961, flip: 0.0512 };
+        *quality =
+            PictureQuality::of(&[QualityMetrics { psnr_db: 36.5, ssim: 0.961, flip: 0.0512 }], quality.difference).unwrap();
     }
     (a, b)
 }

@@ -3,7 +3,7 @@
 use crate::model::Figure;
 use serde::Serialize;
 
-/// [`CauseShare::group`] of the work parameters, which belong to no other group.
+/// [`CauseShare::parameter`] of the work parameters and the input, if they are measured together.
 pub const WORK: &str = "work";
 
 /// One figure that differs. Absent where a report has no such figure.
@@ -33,6 +33,13 @@ pub struct SectionChanges {
     pub table: &'static str,
     /// At least one.
     pub changes: Vec<FigureChange>,
+    /// Number of the last changes that follow from those before them: parameters that no user changed.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub derived: usize,
+}
+
+fn is_zero(n: &usize) -> bool {
+    *n == 0
 }
 
 /// Largest regression.
@@ -42,6 +49,16 @@ pub struct LargestRegression {
     pub percent: f64,
     /// Name of the figure.
     pub what: String,
+    /// Loss of a PSNR \[dB\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub db: Option<f64>,
+}
+
+impl LargestRegression {
+    /// The size in its own unit of measure.
+    pub(super) fn size(&self) -> String {
+        self.db.map_or_else(|| format!("{:.1} %", self.percent), |db| format!("{db:.2} dB ({:.1} % of A)", self.percent))
+    }
 }
 
 /// A figure that counts and that cannot be judged.
@@ -64,22 +81,29 @@ pub struct Verdict {
 
 impl Default for Verdict {
     fn default() -> Self {
-        Self { worst: LargestRegression { percent: 0.0, what: "nothing".into() }, unjudged: vec![] }
+        Self { worst: LargestRegression { percent: 0.0, what: "nothing".into(), db: None }, unjudged: vec![] }
     }
 }
 
-/// Part of the change of the cycles that one group of parameters causes.
+/// Part of the change of the cycles that one parameter causes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CauseShare {
-    /// `memory.NAME`, `cache.NAME`, `fifo.NAME`, or the first part of the keys; [`WORK`] for work parameters.
-    pub group: String,
-    /// `--set` options with which a full run of B takes `cycles`. For work parameters, only if both runs have the same input. Empty if no
-    /// options have that effect.
+    /// Parameter that the user changed; [`WORK`] for work parameters and input together.
+    pub parameter: String,
+    /// Parameters whose values follow from it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub derived: Vec<String>,
+    /// `--set` options with which a full run of A takes `cycles`. For [`WORK`], only if both runs have the same input.
     pub set: Vec<String>,
-    /// Render cycles with this group as in A and all else as in B. `None` if no recording can be resimulated so.
+    /// True if the machine ran once more for this figure; false if a recording was resimulated.
+    pub needs_run: bool,
+    /// Render cycles of A with this parameter as in B. `None` if it cannot be measured.
     pub cycles: Option<u64>,
-    /// Cycles of B minus `cycles`.
+    /// Effect alone: `cycles` minus the cycles of A.
     pub by: Option<i64>,
+    /// Shapley value: mean effect over all orders of the changes. The shares of all causes sum to the whole change. Absent for many causes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
 }
 
 /// Measured causes of the change of the cycles.
@@ -88,7 +112,7 @@ pub struct MeasuredCauses {
     /// Causes, largest first. Causes that cannot be measured are last.
     #[serde(rename = "explained")]
     pub shares: Vec<CauseShare>,
-    /// Rest of the change: the interaction of causes, and causes that cannot be measured.
+    /// Rest of the change beyond all effects alone: the interaction of causes, and causes that cannot be measured.
     pub together: i64,
 }
 

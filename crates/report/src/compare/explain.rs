@@ -59,16 +59,21 @@ fn percent(share: f64) -> String {
     format!("{} %", signed((1000.0 * share).round() / 10.0))
 }
 
-/// The group in words.
-fn group_name(share: &CauseShare) -> &str {
-    if share.group == WORK { "work parameters" } else { &share.group }
+/// The cause in words.
+pub(crate) fn cause_name(share: &CauseShare) -> String {
+    let keys: Vec<&str> = share.set.iter().filter_map(|set| Some(set.split_once('=')?.0)).collect();
+    match (share.parameter.as_str(), keys.is_empty()) {
+        (WORK, true) => "input".into(),
+        (WORK, false) => format!("work parameters ({})", keys.join(", ")),
+        (parameter, _) => parameter.into(),
+    }
 }
 
 /// The causes, the largest first: the end of the sentence, or a sentence of its own.
 fn causes_in_words(explained: &MeasuredCauses, before: u64) -> String {
-    let inseparable: Vec<&str> = explained.shares.iter().filter(|share| share.by.is_none()).map(group_name).collect();
-    let counts = explained.shares.iter().filter_map(|share| Some((group_name(share), share.by.filter(|by| *by != 0)?)));
-    let counts: Vec<(&str, i64)> = counts.collect();
+    let inseparable: Vec<String> = explained.shares.iter().filter(|share| share.by.is_none()).map(cause_name).collect();
+    let counts = explained.shares.iter().filter_map(|share| Some((cause_name(share), share.by.filter(|by| *by != 0)?)));
+    let counts: Vec<(String, i64)> = counts.collect();
     if let ([(name, _)], 0, true) = (&*counts, explained.together, inseparable.is_empty()) {
         return format!(", all due to {name}");
     }
@@ -80,7 +85,7 @@ fn causes_in_words(explained: &MeasuredCauses, before: u64) -> String {
     };
     let mut other: i64 = small.iter().map(|(_, by)| by).sum();
     let cycles = |name: &str, by: i64| format!("{name}: {}", signed(by as f64));
-    let mut parts: Vec<String> = listed.into_iter().map(|(name, by)| cycles(name, by)).collect();
+    let mut parts: Vec<String> = listed.iter().map(|(name, by)| cycles(name, *by)).collect();
     let left = explained.together;
     if !inseparable.is_empty() {
         let names = inseparable.join(" and ");
@@ -93,7 +98,7 @@ fn causes_in_words(explained: &MeasuredCauses, before: u64) -> String {
     if other != 0 {
         parts.push(cycles("other", other));
     }
-    if parts.is_empty() { String::new() } else { format!(". Causes: {}", parts.join("; ")) }
+    if parts.is_empty() { String::new() } else { format!(". Causes, each alone: {}", parts.join("; ")) }
 }
 
 #[cfg(test)]
@@ -104,9 +109,14 @@ mod tests {
 
     /// The sentence about a run of 1,000,000 cycles and one of 400,000.
     fn sentence(shares: &[(&str, Option<i64>)], together: i64) -> String {
-        let share = |(group, by): &(&str, Option<i64>)| {
-            let cycles = by.map(|by| (400_000 - by) as u64);
-            CauseShare { group: (*group).into(), set: vec![], cycles, by: *by }
+        let share = |(parameter, by): &(&str, Option<i64>)| CauseShare {
+            parameter: (*parameter).into(),
+            derived: vec![],
+            set: vec![format!("{}=1", if *parameter == WORK { "a.b" } else { parameter })],
+            needs_run: false,
+            cycles: by.map(|by| (1_000_000 + by) as u64),
+            by: *by,
+            share: None,
         };
         let (a, b) = samples::before_and_after();
         compare(&a, &b, Some(MeasuredCauses { shares: shares.iter().map(share).collect(), together })).explanation
@@ -115,7 +125,8 @@ mod tests {
     #[test]
     fn causes_are_sorted_and_small_ones_merged() {
         let two = [("memory.graphics", Some(-500_000)), (WORK, Some(-80_000))];
-        let head = "B takes 600,000 fewer cycles (-60 %). Causes: memory.graphics: -500,000; work parameters: -80,000";
+        let head =
+            "B takes 600,000 fewer cycles (-60 %). Causes, each alone: memory.graphics: -500,000; work parameters (a.b): -80,000";
         assert_eq!(sentence(&two, -20_000), format!("{head}; interaction: -20,000."));
         assert_eq!(sentence(&two, 0), format!("{head}."));
         let more = [two.as_slice(), &[("fifo.a", Some(-999)), ("fifo.b", Some(99)), ("fifo.c", Some(0))]].concat();
@@ -128,15 +139,18 @@ mod tests {
         let short = "B takes 600,000 fewer cycles (-60 %), all due to memory.graphics.";
         assert_eq!(sentence(&[("memory.graphics", Some(-600_000))], 0), short);
         assert_eq!(sentence(&[("memory.graphics", Some(-600_000)), ("fifo.a", Some(0))], 0), short);
-        assert!(sentence(&[("fifo.a", Some(0)), ("fifo.b", Some(0))], -600_000).ends_with("%). Causes: interaction: -600,000."));
+        assert!(
+            sentence(&[("fifo.a", Some(0)), ("fifo.b", Some(0))], -600_000)
+                .ends_with("%). Causes, each alone: interaction: -600,000.")
+        );
         let small = sentence(&[("fifo.a", Some(-9)), ("fifo.b", Some(7))], 2);
-        assert!(small.ends_with("%). Causes: fifo.a: -9; fifo.b: +7; other: +2."), "{small}");
+        assert!(small.ends_with("%). Causes, each alone: fifo.a: -9; fifo.b: +7; other: +2."), "{small}");
     }
 
     #[test]
     fn inseparable_causes_share_the_rest() {
         let shares = [("fifo.a", Some(-500_000)), ("memory.graphics", None), (WORK, None)];
-        let end = "memory.graphics and work parameters (not separable): -100,000.";
+        let end = "memory.graphics and work parameters (a.b) (not separable): -100,000.";
         assert!(sentence(&shares, -100_000).ends_with(&format!("fifo.a: -500,000; {end}")));
         assert!(sentence(&shares[..2], 0).ends_with("fifo.a: -500,000; memory.graphics: not separable."));
     }

@@ -4,8 +4,8 @@
 //! per part of the report, parameters first, the largest absolute change first.
 //!
 //! **Causes**: stalls only pass on a delay from elsewhere, so they explain nothing. Causes are measured if both runs have recordings:
-//! B is resimulated with one group of parameters as in A, and A with all timing parameters of B. The caller passes the resulting
-//! cycles; this crate puts them into words.
+//! A is resimulated or run again with one changed parameter as in B. The caller passes the resulting cycles; this crate puts them into
+//! words.
 //!
 //! **Regression**: [`Verdict::worst`] is the largest of these, in percent. Improvements do not count.
 //! - growth of `cycles.total`, and of any frame;
@@ -23,6 +23,9 @@ mod overview;
 mod text;
 mod verdict;
 
+pub(crate) use explain::cause_name;
+pub(crate) use text::measured_by;
+
 pub use comparison::{
     CauseShare, Comparison, FigureChange, LargestRegression, MeasuredCauses, SectionChanges, UnjudgedFigure, Verdict, WORK,
 };
@@ -34,7 +37,10 @@ use indexmap::IndexMap;
 
 /// Compares report `b` with report `a`. `explained` holds the measured causes, if any.
 pub fn compare(a: &Report, b: &Report, explained: Option<MeasuredCauses>) -> Comparison {
-    let sections = sections(a, b);
+    let mut sections = sections(a, b);
+    if let (Some(explained), Some(config)) = (&explained, sections.iter_mut().find(|section| section.table == "config")) {
+        changed_parameters_first(config, explained);
+    }
     Comparison {
         equal: sections.is_empty(),
         explanation: explain::explain(a, b, (sections.is_empty(), explained.as_ref())),
@@ -71,7 +77,20 @@ fn sections(a: &Report, b: &Report) -> Vec<SectionChanges> {
     }
     let order = ["run", "config", "cycles", "units", "fifos", "memories", "channels", "caches", "figures", "quality", "image"];
     let parts = order.into_iter().filter_map(|table| changes.swap_remove(table).map(|changes| (table, changes)));
-    parts.map(|(table, changes)| SectionChanges { table, changes: sorted(table, changes) }).collect()
+    parts.map(|(table, changes)| SectionChanges { table, changes: sorted(table, changes), derived: 0 }).collect()
+}
+
+/// Sorts the parameters that the user changed by their effect on the cycles, and places those that follow from them last.
+fn changed_parameters_first(config: &mut SectionChanges, explained: &MeasuredCauses) {
+    let keys: Vec<&str> =
+        explained.shares.iter().flat_map(|share| &share.set).filter_map(|set| Some(set.split_once('=')?.0)).collect();
+    let derived = |change: &FigureChange| explained.shares.iter().any(|share| share.derived.contains(&change.name));
+    let place = |change: &FigureChange| {
+        let changed = keys.iter().position(|key| *key == change.name);
+        changed.unwrap_or(if derived(change) { keys.len() + 1 } else { keys.len() })
+    };
+    config.changes.sort_by_key(place);
+    config.derived = config.changes.iter().filter(|change| place(change) > keys.len()).count();
 }
 
 fn change((name, field, key): (String, &'static str, String), a: Option<Figure>, b: Option<Figure>) -> FigureChange {
@@ -149,7 +168,15 @@ mod tests {
     #[test]
     fn a_comparison_is_json() {
         let (a, b) = samples::before_and_after();
-        let share = CauseShare { group: WORK.into(), set: vec![], cycles: Some(1_000_000), by: Some(-600_000) };
+        let share = CauseShare {
+            parameter: WORK.into(),
+            derived: vec![],
+            set: vec![],
+            needs_run: false,
+            cycles: Some(400_000),
+            by: Some(-600_000),
+            share: None,
+        };
         let explained = MeasuredCauses { shares: vec![share], together: 0 };
         let json = serde_json::to_value(compare(&a, &b, Some(explained))).unwrap();
         assert_eq!((&json["explained"][0]["by"], &json["together"]), (&(-600_000).into(), &0.into()));

@@ -7,7 +7,8 @@ use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
 
-/// Returns render cycles, memory bytes, area and PSNR of each report, with a line feed at the end.
+/// Returns render cycles, memory bytes, area and PSNR of each report, each with its change from the first report, with a line feed at
+/// the end.
 pub fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
     let mut kinds: Vec<String> = reports.iter().map(|(_, report)| work(report).one).collect();
     kinds.dedup();
@@ -18,23 +19,43 @@ pub fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
         (&*each, Right, 1),
         ("bytes moved", Right, 1),
         ("area GE", Right, 1),
-        ("PSNR dB", Right, 1),
+        ("worst PSNR dB", Right, 1),
     ];
     let mut table = Table::new(&columns);
-    for (name, report) in reports {
-        let timed = report.cycles.as_ref();
+    for (number, (name, report)) in reports.iter().enumerate() {
+        let first = reports.first().filter(|_| number > 0).map(|(_, first)| *first);
         let per_one = report.derived.get(&format!("cycles_per_{}", work(report).one));
-        let cell = |x: Option<String>| x.unwrap_or_else(|| "-".into());
         table.row([
             (*name).to_owned(),
-            cell(timed.map(|_| thousands(report.frame_cycles()))),
-            cell(per_one.map(|figure| real((100.0 * figure.value).round() / 100.0))),
-            cell(report.memory_bytes().map(thousands)),
-            cell(report.hardware_area().map(|area| thousands(area.area_ge))),
-            cell(report.quality.as_ref().map(|quality| format!("{:.2}", quality.last.psnr_db))),
+            count(report, first, |of| of.cycles.as_ref().map(|_| of.frame_cycles())),
+            per_one.map_or_else(none, |figure| real((100.0 * figure.value).round() / 100.0)),
+            count(report, first, Report::memory_bytes),
+            count(report, first, |of| of.hardware_area().map(|area| area.area_ge)),
+            psnr(report, first),
         ]);
     }
     table.render(style) + "\n"
+}
+
+/// Cell of a figure that a report lacks.
+fn none() -> String {
+    "-".into()
+}
+
+/// A count, and its change in percent from that of the first report.
+fn count(report: &Report, first: Option<&Report>, figure: impl Fn(&Report) -> Option<u64>) -> String {
+    let Some(value) = figure(report) else { return none() };
+    let before = first.and_then(&figure).filter(|before| *before > 0);
+    let percent = before.map(|before| 100.0 * (value as f64 / before as f64 - 1.0));
+    thousands(value) + &percent.map_or(String::new(), |percent| format!(" ({percent:+.1} %)"))
+}
+
+/// The worst PSNR of all frames, and its change in dB from that of the first report.
+fn psnr(report: &Report, first: Option<&Report>) -> String {
+    let worst = |of: &Report| of.quality.as_ref().map(|quality| quality.min.psnr_db);
+    let Some(value) = worst(report) else { return none() };
+    let change = first.and_then(worst).map_or(String::new(), |before| format!(" ({:+.2})", value - before));
+    format!("{value:.2}{change}")
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The comparison as people read it.
 
-use super::comparison::{Comparison, FigureChange, SectionChanges, UnjudgedFigure, Verdict};
+use super::comparison::{CauseShare, Comparison, FigureChange, MeasuredCauses, SectionChanges, UnjudgedFigure, Verdict};
+use super::explain::cause_name;
 use crate::model::Figure;
 use crate::number::signed;
 use crate::text::sections::figure;
@@ -15,13 +16,14 @@ impl Comparison {
     /// Returns the causes, the tables and the verdict, with a line feed at the end.
     pub fn to_text(&self, style: TextStyle) -> String {
         let mut parts = vec![style.paint(Emphasis::Bold, &style.wrap(&self.explanation))];
+        parts.extend(self.explained.as_ref().filter(|of| of.shares.len() > 1).map(|of| causes_table(of).render(style)));
         parts.extend(self.sections.iter().map(|section| section.to_text(style)));
         let Verdict { worst, unjudged } = &self.verdict;
         for UnjudgedFigure { figure, reason } in unjudged {
             parts.push(style.wrap(&format!("Cannot be judged: {figure}: {reason}.")));
         }
         if worst.percent > 0.0 {
-            parts.push(format!("Largest regression: {}, {:.1} %.", worst.what, worst.percent));
+            parts.push(format!("Largest regression: {}, {}.", worst.what, worst.size()));
         } else if unjudged.is_empty() && !self.equal {
             parts.push("Nothing got worse.".into());
         }
@@ -29,11 +31,39 @@ impl Comparison {
     }
 }
 
+/// How a cause was measured.
+pub(crate) fn measured_by(share: &CauseShare) -> &'static str {
+    match (share.by, share.needs_run) {
+        (None, _) => "",
+        (_, true) => "a run",
+        (_, false) => "resimulation",
+    }
+}
+
+/// The causes, largest effect first, and their interaction.
+fn causes_table(explained: &MeasuredCauses) -> Table {
+    let titles = [("Cause", Left, 0), ("alone", Right, 0), ("share", Right, 0), ("measured by", Left, 1), ("derived", Right, 1)];
+    let mut table = Table::new(&titles);
+    for share in &explained.shares {
+        table.row([
+            cause_name(share),
+            share.by.map_or("not separable".into(), |by| signed(by as f64)),
+            share.share.map_or(String::new(), |share| signed(share.round())),
+            measured_by(share).into(),
+            if share.derived.is_empty() { String::new() } else { format!("{} parameters", share.derived.len()) },
+        ]);
+    }
+    table.row(["interaction".into(), signed(explained.together as f64), String::new(), String::new(), String::new()]);
+    table
+}
+
 impl SectionChanges {
     fn to_text(&self, style: TextStyle) -> String {
-        let more = self.changes.len().saturating_sub(SHOWN);
-        let rest = if more > 0 { format!("\n.. and {more} more") } else { String::new() };
-        self.of(&self.changes[..self.changes.len().min(SHOWN)]).render(style) + &rest
+        let own = &self.changes[..self.changes.len().saturating_sub(self.derived)];
+        let (shown, more) = own.split_at(own.len().min(SHOWN));
+        let more = if more.is_empty() { String::new() } else { format!("\n.. and {} more", more.len()) };
+        let derived = if self.derived > 0 { format!("\n.. and {} that follow from these", self.derived) } else { String::new() };
+        self.of(shown).render(style) + &more + &derived
     }
 
     /// All changes as a table.
@@ -75,12 +105,14 @@ impl FigureChange {
         let place: Vec<&str> = words.into_iter().filter(|w| !w.is_empty()).collect();
         let figure = |x: &Option<Figure>| x.as_ref().map_or("-".into(), |x| shortened(figure(x)));
         let percent = |p: f64| format!("{}{:.1}", if p > 0.0 { "+" } else { "" }, p);
+        // A ratio of decibels has no meaning.
+        let is_level = self.field == "psnr_db";
         [
             place.join(" "),
             figure(&self.a),
             figure(&self.b),
-            self.delta.map_or(String::new(), signed),
-            self.percent.map_or(String::new(), percent),
+            self.delta.map_or(String::new(), |delta| if is_level { format!("{} dB", signed(delta)) } else { signed(delta) }),
+            self.percent.filter(|_| !is_level).map_or(String::new(), percent),
         ]
     }
 }

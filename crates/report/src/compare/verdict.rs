@@ -32,10 +32,10 @@ impl VerdictBuilder {
         self.0.unjudged.push(UnjudgedFigure { figure: figure.into(), reason: reason.into() });
     }
 
-    fn regression(&mut self, what: String, percent: f64) {
+    fn regression(&mut self, what: String, percent: f64, db: Option<f64>) {
         let percent = round6(percent);
         if percent > self.0.worst.percent {
-            self.0.worst = LargestRegression { percent, what };
+            self.0.worst = LargestRegression { percent, what, db: db.map(round6) };
         }
     }
 
@@ -44,7 +44,7 @@ impl VerdictBuilder {
         match before {
             _ if after <= before => {}
             0 => self.reject(what, format!("it grew from 0 to {}, and 0 has no percentage", thousands(after))),
-            _ => self.regression(what, 100.0 * (after - before) as f64 / before as f64),
+            _ => self.regression(what, 100.0 * (after - before) as f64 / before as f64, None),
         }
     }
 
@@ -102,7 +102,7 @@ impl VerdictBuilder {
                 None if name == "psnr_db" && before <= 0.0 => {
                     self.reject(what, format!("it fell from {before} to {after} dB, and {before} has no percentage"));
                 }
-                None => self.regression(what, percent),
+                None => self.regression(what, percent, (name == "psnr_db").then_some(before - after)),
             }
         }
     }
@@ -217,7 +217,7 @@ mod tests {
 
     fn quality_of(psnr_db: f64) -> PictureQuality {
         let last = QualityMetrics { psnr_db, ssim: 0.5, flip: 0.5 };
-        PictureQuality { last, difference: None, frames: vec![] }
+        PictureQuality::of(&[last], None).unwrap()
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The bottleneck: a sentence, bars of the saved cycles, and the critical path.
+//! The bottleneck: a sentence, the ladder, bars of the saved cycles, and the critical path.
 
 use super::markup::{Html, details, el, el_text, sentence, text};
 use super::svg::{BarPart, bar, percent_of};
@@ -7,8 +7,9 @@ use super::units::legend;
 use crate::model::{CriticalPath, PathPart, RelaxedCycles, Report};
 use crate::number::thousands;
 use crate::text::bottleneck_sentence;
-use crate::text::bottlenecks::by_polygon;
+use crate::text::bottlenecks::{by_polygon, ladder};
 use crate::text::table::Align::{Left, Right};
+use crate::work::work;
 
 /// Parts of the critical path with a row of their own.
 const TOLD: usize = 8;
@@ -18,12 +19,45 @@ const REST: &str = "rest";
 /// The section. A functional run has only a sentence.
 pub(super) fn bottleneck_section(report: &Report) -> Html {
     let lead = el("p", &[("class", "lead")], [sentence(&bottleneck_sentence(report))]);
-    [lead, savings_table(report), path(report)].into_iter().collect()
+    [lead, waterfall(report), savings_table(report), path(report)].into_iter().collect()
+}
+
+/// The bottleneck ladder as a waterfall: on each rung the cycles left, and beside them the cycles that the rung saves.
+fn waterfall(report: &Report) -> Html {
+    let rows = ladder(report);
+    let total = report.frame_cycles();
+    let work = work(report).one;
+    let rate = format!("{work}s/cycle");
+    let columns = [("relaxed", Left), ("cycles left", Left), ("", Right), ("saved so far", Right), (rate.as_str(), Right)];
+    let cells = rows.iter().map(|row| {
+        let saved = row.before.saturating_sub(row.cycles);
+        let parts: [BarPart; 2] = [("busy", "left".into(), row.cycles), ("amount", "saved by this rung".into(), saved)];
+        let so_far = percent_of(total.saturating_sub(row.cycles), total);
+        vec![text(row.name()), bar(&parts, total), text(thousands(row.cycles)), text(so_far), text(&row.rate)]
+    });
+    let table = with_cells("Bottleneck ladder: each rung adds to the rungs above it", &columns, cells.collect());
+    let rungs = rows.iter().skip(1).map(|row| vec![text(row.name()), options(row.set)]);
+    let sets = with_cells("Options of a full run", &[("rung", Left), ("options", Left)], rungs.collect());
+    if rows.is_empty() {
+        return Html::default();
+    }
+    let colours = [("busy", "cycles left"), ("amount", "saved by this rung")];
+    [el("div", &[("class", "bars")], [table]), legend(colours), details("Options to reproduce the ladder", sets)]
+        .into_iter()
+        .collect()
+}
+
+/// Settings as options of the command line.
+fn options(set: &[String]) -> Html {
+    el_text("code", "", &set.iter().map(|set| format!("--set {set}")).collect::<Vec<_>>().join(" "))
 }
 
 /// Table of the cycles that each relaxation saves.
 fn savings_table(report: &Report) -> Html {
-    let Some(limits) = report.limits.as_ref().filter(|limits| !limits.is_empty()) else { return Html::default() };
+    let limits: &[RelaxedCycles] = report.bottlenecks.as_ref().map_or(&[], |of| &of.single);
+    if limits.is_empty() {
+        return Html::default();
+    }
     let total = report.frame_cycles();
     let columns =
         [("resource", Left), ("relaxation", Left), ("cycles saved", Left), ("", Right), ("share", Right), ("cycles left", Right)];
@@ -41,35 +75,40 @@ fn savings_table(report: &Report) -> Html {
     };
     let caption = format!("Measured by resimulation, of {} render cycles", thousands(total));
     let table = with_cells(&caption, &columns, limits.iter().map(row).collect());
-    let settings = limits.iter().map(|limit| {
-        let set: String = limit.set.iter().map(|set| format!(" --set {set}")).collect();
-        vec![text(format!("{}, {}", limit.resource, limit.what)), el_text("code", "", set.trim())]
-    });
+    let settings = limits.iter().map(|limit| vec![text(format!("{}, {}", limit.resource, limit.what)), options(&limit.set)]);
     let settings = with_cells("Options of a full run", &[("relaxation", Left), ("options", Left)], settings.collect());
     [el("div", &[("class", "bars")], [table]), details("Options to reproduce these", settings)].into_iter().collect()
 }
 
-/// The critical path as one bar; its longest parts numbered, with their meaning in a table.
+/// Colours of resources on the critical path.
+const HUES: [&str; TOLD] = ["hue-0", "hue-1", "hue-2", "hue-3", "hue-4", "hue-5", "hue-6", "hue-7"];
+
+/// The critical path as one bar with a colour per resource; its longest parts with their meaning in a table.
 fn path(report: &Report) -> Html {
     let Some(path) = &report.critical_path else { return Html::default() };
-    let mut parts: Vec<(BarPart, String)> = path.parts.iter().take(TOLD).map(path_part).collect();
+    let mut resources: Vec<&str> = vec![];
+    let mut parts: Vec<(BarPart, &str)> = vec![];
+    for part in path.parts.iter().take(TOLD) {
+        let known = resources.iter().position(|resource| *resource == part.resource);
+        let at = known.unwrap_or(resources.len());
+        if known.is_none() {
+            resources.push(&part.resource);
+        }
+        parts.push(((HUES[at], format!("{} {}", part.resource, part.what).trim().to_owned(), part.cycles), meaning(part)));
+    }
     let rest: u64 = path.parts.iter().skip(TOLD).fold(0, |sum, part| sum.saturating_add(part.cycles));
     if rest > 0 {
-        let count = path.parts.len() - TOLD;
-        parts.push((("done", REST.into(), rest), format!("{count} further parts together")));
+        parts.push((("done", REST.into(), rest), "all further parts together"));
     }
     let bars: Vec<BarPart> = parts.iter().map(|(part, _)| part.clone()).collect();
     let rows = parts.iter().map(|((class, name, n), about)| {
         let swatch = el("span", &[("class", &format!("swatch {class}")), ("aria-hidden", "true")], []);
-        vec![[swatch, text(name)].into_iter().collect(), text(about), text(thousands(*n)), text(percent_of(*n, path.cycles))]
+        vec![[swatch, text(name)].into_iter().collect(), text(*about), text(thousands(*n)), text(percent_of(*n, path.cycles))]
     });
     let columns = [("part", Left), ("meaning", Left), ("cycles", Right), ("share", Right)];
-    let table = with_cells("Parts, longest first", &columns, rows.collect());
-    let colours = [("busy", "a unit at work"), ("fifo", "a FIFO"), ("memory", "a memory"), ("done", "rest")];
+    let table = with_cells("Parts, longest first; a colour per resource", &columns, rows.collect());
     let bar = el("div", &[("class", "thick")], [bar(&bars, path.cycles)]);
-    [el_text("h3", "", "Critical path"), el_text("p", "quiet", path_caption(path)), bar, legend(colours), table]
-        .into_iter()
-        .collect()
+    [el_text("h3", "", "Critical path"), el_text("p", "quiet", path_caption(path)), bar, table].into_iter().collect()
 }
 
 fn path_caption(path: &CriticalPath) -> String {
@@ -81,20 +120,19 @@ fn path_caption(path: &CriticalPath) -> String {
     )
 }
 
-/// A part of the path: its colour and its meaning.
-fn path_part(PathPart { resource, what, cycles, .. }: &PathPart) -> (BarPart, String) {
-    let (class, about) = match what.as_str() {
-        "occupancy" => ("busy", "the unit is taken"),
-        "latency" => ("busy", "from the start of a step to its result"),
-        "FIFO" => ("fifo", "through the FIFO"),
-        "slot" => ("fifo", "for a free slot of the FIFO"),
-        "arrival" => ("memory", "of a request at its memory"),
-        "bus" => ("memory", "the data bus is taken"),
-        "bank" => ("memory", "the bank is not ready"),
-        "data" => ("memory", "for the data"),
-        "order" => ("memory", "for answers before it"),
-        "cache" => ("memory", "for the cache"),
-        _ => ("done", "in flight at the end"),
-    };
-    ((class, format!("{resource} {what}").trim().to_owned(), *cycles), about.to_owned())
+/// The meaning of a part of the path.
+fn meaning(part: &PathPart) -> &'static str {
+    match part.what.as_str() {
+        "occupancy" => "the unit is taken",
+        "latency" => "from the start of a step to its result",
+        "FIFO" => "through the FIFO",
+        "slot" => "for a free slot of the FIFO",
+        "arrival" => "of a request at its memory",
+        "bus" => "the data bus is taken",
+        "bank" => "the bank is not ready",
+        "data" => "for the data",
+        "order" => "for answers before it",
+        "cache" => "for the cache",
+        _ => "in flight at the end",
+    }
 }

@@ -7,7 +7,7 @@ use super::page_assets::PageAssets;
 use super::svg::{BarPart, bar};
 use super::table::{html as table_of, with_cells};
 use super::{head, pictures, units};
-use crate::compare::{CauseShare, Comparison};
+use crate::compare::{Comparison, cause_name, measured_by};
 use crate::model::Report;
 use crate::number::{signed, thousands};
 use crate::text::table::Align::{Left, Right};
@@ -69,15 +69,17 @@ fn numbers(a: &Report, b: &Report) -> Html {
 fn shares(comparison: &Comparison) -> Html {
     let Some(explained) = comparison.explained.as_ref() else { return Html::default() };
     let most = explained.shares.iter().filter_map(|share| share.by).chain([explained.together]).map(i64::unsigned_abs).max();
-    let row = |name: &str, by: Option<i64>| {
+    let row = |name: &str, by: Option<i64>, share: String, how: &str| {
         let part: BarPart = ("amount", "cycles".into(), by.map_or(0, i64::unsigned_abs));
         let label = by.map_or("not measured".into(), |by| signed(by as f64));
-        vec![words(name), bar(&[part], most.unwrap_or(1).max(1)), words(label)]
+        vec![words(name), bar(&[part], most.unwrap_or(1).max(1)), words(label), words(share), words(how)]
     };
-    let rows = explained.shares.iter().map(|CauseShare { group, by, .. }| row(group, *by));
-    let rows = rows.chain([row("interaction", Some(explained.together))]).collect();
-    let columns = [("cause", Left), ("", Left), ("cycles", Right)];
-    el("div", &[("class", "bars")], [with_cells("Measured by resimulation", &columns, rows)])
+    let rows = explained.shares.iter().map(|share| {
+        row(&cause_name(share), share.by, share.share.map_or(String::new(), |share| signed(share.round())), measured_by(share))
+    });
+    let rows = rows.chain([row("interaction", Some(explained.together), String::new(), "")]).collect();
+    let columns = [("cause", Left), ("", Left), ("cycles alone", Right), ("share of the change", Right), ("measured by", Left)];
+    el("div", &[("class", "bars")], [with_cells("Changed parameters", &columns, rows)])
 }
 
 /// Something of A, then the same of B.

@@ -41,7 +41,8 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
         list.push((format!("{:.2}", d.value), format!("cycles per {one}")));
     }
     if let Some(quality) = &report.quality {
-        list.push((format!("{:.2}", quality.last.psnr_db), "dB against the exact picture".into()));
+        let which = if quality.frames.is_empty() { "the exact picture" } else { "exact pictures, worst frame" };
+        list.push((format!("{:.2}", quality.min.psnr_db), format!("dB against {which}")));
     }
     if let Some(bytes) = report.memory_bytes() {
         list.push((per_frame(bytes), format!("bytes of memory traffic{each}")));

@@ -1,7 +1,7 @@
 //! The page as a whole.
 
 use super::*;
-use crate::model::{CriticalPath, PathPart, RelaxedCycles};
+use crate::model::{Bottlenecks, CriticalPath, PathPart, RelaxedCycles, RelaxedSet};
 use crate::samples;
 use basrelief_kernel::HardwareKind;
 use sha2::{Digest, Sha256};
@@ -21,7 +21,14 @@ fn full(name: &str) -> Report {
         cycles: samples::TOTAL - saved,
         saved,
     };
-    report.limits = Some(vec![limit(700_000), limit(0)]);
+    let rung = |names: &[&str], cycles: u64| RelaxedSet {
+        relaxed: names.iter().map(|name| (*name).to_owned()).collect(),
+        set: vec![format!("ideal.units={}", names.join(","))],
+        cycles,
+        saved: 1.0 - cycles as f64 / samples::TOTAL as f64,
+    };
+    let ladder = vec![rung(&["replacement"], samples::TOTAL - 700_000), rung(&["replacement", "reader"], 200_000)];
+    report.bottlenecks = Some(Bottlenecks { balanced: None, ladder, single: vec![limit(700_000), limit(0)] });
     let part = |what: &str| PathPart { resource: "replacement".into(), what: what.into(), cycles: 100_000, frames: vec![] };
     let parts = ["occupancy", "latency", "FIFO", "slot", "arrival", "bus", "bank", "data", "order", "cache"].map(part);
     report.critical_path = Some(CriticalPath { cycles: samples::TOTAL, parts: parts.into(), polygons: None });
@@ -161,7 +168,15 @@ fn the_page_is_the_same_to_the_byte() {
 fn a_comparison_shows_both_and_what_explains_it() {
     let (a, mut b) = (full("before & after"), full("before & after"));
     b.units.as_mut().unwrap()[1].busy += 7;
-    let share = |group: &str, by| crate::CauseShare { group: group.into(), set: vec![], cycles: None, by };
+    let share = |parameter: &str, by| crate::CauseShare {
+        parameter: parameter.into(),
+        derived: vec![],
+        set: vec![],
+        needs_run: false,
+        cycles: None,
+        by,
+        share: None,
+    };
     let explained =
         crate::MeasuredCauses { shares: vec![share("fifo.<x>", Some(-12_345)), share("memory.z", None)], together: 67 };
     let comparison = crate::compare(&a, &b, Some(explained));

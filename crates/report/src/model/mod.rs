@@ -17,7 +17,10 @@ pub use display::Display;
 pub use figures::{Derived, Figure, FigureGroup, Hardware, HardwareArea, Legend};
 pub use host::{Host, RealPath};
 pub use memory::{Bus, Cache, Channel, Client, Memory, MemoryBytes};
-pub use pictures::{Difference, Picture, PictureQuality};
+pub use pictures::{Difference, LargestError, LeastQuality, Picture, PictureQuality};
 pub use run::{Cycles, Input, Outcome, OutcomeKind, Report, Size};
 pub use sensitivity::{ComesTo, Measure, MeasureChange, ParameterChange, Sensitivity};
-pub use timing::{CriticalPath, FULLY_PIPELINED, Fifo, PathPart, PathPolygon, PathPolygons, RelaxedCycles, UNBOUNDED_FIFO, Unit};
+pub use timing::{
+    ALWAYS_HITS, Bottlenecks, CriticalPath, FULLY_PIPELINED, Fifo, IDEAL_MEMORY, PathPart, PathPolygon, PathPolygons,
+    RelaxedCycles, RelaxedSet, UNBOUNDED_FIFO, Unit,
+};

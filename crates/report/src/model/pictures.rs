@@ -1,5 +1,6 @@
 //! Pictures and their quality.
 
+use crate::number::round6;
 use basrelief_reference::QualityMetrics;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,58 @@ pub struct PictureQuality {
     /// Quality of each picture in order of time. Empty if only the final picture was compared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<QualityMetrics>,
+    /// Worst PSNR and SSIM of all pictures.
+    #[serde(default)]
+    pub min: LeastQuality,
+    /// Worst FLIP of all pictures.
+    #[serde(default)]
+    pub max: LargestError,
+    /// Mean over all pictures.
+    #[serde(default = "no_quality")]
+    pub mean: QualityMetrics,
+}
+
+/// Smallest measures of similarity over all pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LeastQuality {
+    /// \[dB\]
+    pub psnr_db: f64,
+    /// -1 to 1.
+    pub ssim: f64,
+}
+
+/// Largest measure of error over all pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LargestError {
+    /// 0 to 1.
+    pub flip: f64,
+}
+
+/// Stands for the mean in a report of an earlier version until it is read completely.
+fn no_quality() -> QualityMetrics {
+    QualityMetrics { psnr_db: 0.0, ssim: 0.0, flip: 0.0 }
+}
+
+impl PictureQuality {
+    /// Summarizes the pictures of a run, in order of time, with the difference of the final one. Returns `None` if there is none.
+    pub fn of(pictures: &[QualityMetrics], difference: Option<Difference>) -> Option<Self> {
+        let last = *pictures.last()?;
+        let frames = if pictures.len() > 1 { pictures.to_vec() } else { vec![] };
+        let (min, max, mean) = (LeastQuality::default(), LargestError::default(), no_quality());
+        let mut quality = Self { last, difference, frames, min, max, mean };
+        quality.summarize();
+        Some(quality)
+    }
+
+    /// Computes minimum, maximum and mean from the pictures.
+    pub(crate) fn summarize(&mut self) {
+        let all = if self.frames.is_empty() { std::slice::from_ref(&self.last) } else { &self.frames[..] };
+        let least = |of: fn(&QualityMetrics) -> f64| all.iter().map(of).fold(f64::INFINITY, f64::min);
+        let mean = |of: fn(&QualityMetrics) -> f64| round6(all.iter().map(of).sum::<f64>() / all.len() as f64);
+        self.min = LeastQuality { psnr_db: least(|q| q.psnr_db), ssim: least(|q| q.ssim) };
+        self.max = LargestError { flip: -least(|q| -q.flip) };
+        self.mean = QualityMetrics { psnr_db: mean(|q| q.psnr_db), ssim: mean(|q| q.ssim), flip: mean(|q| q.flip) };
+    }
 }
 
 /// Absolute difference of 8-bit values of all colour components, over the pixels covered in either picture.

@@ -7,7 +7,7 @@ use super::host::Host;
 use super::memory::{Cache, Memory, MemoryBytes};
 use super::pictures::{Picture, PictureQuality};
 use super::sensitivity::{Measure, Sensitivity};
-use super::timing::{CriticalPath, Fifo, RelaxedCycles, Unit};
+use super::timing::{Bottlenecks, CriticalPath, Fifo, Unit, read_bottlenecks};
 use basrelief_signals::Camera;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -56,9 +56,9 @@ pub struct Report {
     /// Hits and misses of each cache.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caches: Option<IndexMap<String, Cache>>,
-    /// Cycles saved when one resource is relaxed, largest saving first. Measured by resimulation; absent if it was not.
-    #[serde(rename = "bottlenecks", alias = "limits", default, skip_serializing_if = "Option::is_none")]
-    pub limits: Option<Vec<RelaxedCycles>>,
+    /// Bottlenecks as relaxations. Measured by resimulation; absent if they were not.
+    #[serde(alias = "limits", default, skip_serializing_if = "Option::is_none", deserialize_with = "read_bottlenecks")]
+    pub bottlenecks: Option<Bottlenecks>,
     /// Critical path that ends with the last frame. Present if `bottlenecks` is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub critical_path: Option<CriticalPath>,
@@ -130,7 +130,7 @@ impl Report {
             cycles: self.frame_cycles(),
             bytes: self.memory_bytes().unwrap_or(0),
             area_ge: self.hardware_area().map_or(0, |area| area.area_ge),
-            psnr_db: self.quality.as_ref().map(|quality| quality.last.psnr_db),
+            psnr_db: self.quality.as_ref().map(|quality| quality.min.psnr_db),
         }
     }
 

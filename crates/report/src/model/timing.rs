@@ -2,7 +2,10 @@
 
 use indexmap::IndexMap;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
 
 /// Cycle breakdown of a unit. busy + starved + blocked + memory + done = `cycles.total`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -99,11 +102,66 @@ pub const FULLY_PIPELINED: &str = "fully pipelined (II = 1)";
 /// Relaxation of a FIFO: it is never full.
 pub const UNBOUNDED_FIFO: &str = "unbounded FIFO";
 
+/// Relaxation of a memory: the part `ideal`, as in the presets of ideal machines.
+pub const IDEAL_MEMORY: &str = "ideal memory";
+/// Relaxation of a cache.
+pub const ALWAYS_HITS: &str = "a hit on every lookup";
+
+/// Measured bottlenecks of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Bottlenecks {
+    /// Resources that are saturated together: none of them saves much alone. Absent if one resource alone limits the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub balanced: Option<RelaxedSet>,
+    /// Bottleneck ladder, from first to last rung. Each rung relaxes the resources of the rung before it, and the resource that holds
+    /// most of the critical path then. It ends where no further relaxation saves cycles.
+    pub ladder: Vec<RelaxedSet>,
+    /// Cycles saved when one resource is relaxed, largest saving first.
+    pub single: Vec<RelaxedCycles>,
+}
+
+/// Render cycles with several resources relaxed. A full run with the options of `set` takes exactly these cycles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RelaxedSet {
+    /// Relaxed units, FIFOs, memories and caches, in the order of their relaxation.
+    pub relaxed: Vec<String>,
+    /// Parameters, as `--set` takes them.
+    pub set: Vec<String>,
+    /// Render cycles with all of them relaxed.
+    pub cycles: u64,
+    /// Saved share of the render cycles, 0 to 1.
+    pub saved: f64,
+}
+
+/// Reads bottlenecks. Reports of schema 2 list single relaxations only.
+pub(super) fn read_bottlenecks<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Bottlenecks>, D::Error> {
+    struct BottleneckVisitor;
+    impl<'de> Visitor<'de> for BottleneckVisitor {
+        type Value = Bottlenecks;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("an object with `ladder` and `single`")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+            Bottlenecks::deserialize(MapAccessDeserializer::new(map))
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
+            let mut single: Vec<RelaxedCycles> = Vec::deserialize(SeqAccessDeserializer::new(list))?;
+            // Version 0.1 listed pairs of relaxations, too.
+            single.retain(|relaxed| !relaxed.resource.contains(" and "));
+            Ok(Bottlenecks { single, ..Bottlenecks::default() })
+        }
+    }
+    from.deserialize_any(BottleneckVisitor).map(Some)
+}
+
 /// Render cycles with one resource relaxed. A full run with the options of `set` takes exactly these cycles.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "Limit")]
 pub struct RelaxedCycles {
-    /// Relaxed unit, FIFO, memory or cache; or two of them.
+    /// Relaxed unit, FIFO, memory or cache.
     pub resource: String,
     /// Relaxation, such as `fully pipelined (II = 1)`.
     #[serde(rename = "relaxation", alias = "what")]

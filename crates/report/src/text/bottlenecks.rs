@@ -1,8 +1,11 @@
-//! Measured bottlenecks: a sentence and a table.
+//! Measured bottlenecks: sentences and tables.
 
 use super::table::{Align, Table};
-use crate::model::{FULLY_PIPELINED, PathPart, PathPolygon, PathPolygons, RelaxedCycles, Report, UNBOUNDED_FIFO};
+use crate::model::{
+    Bottlenecks, FULLY_PIPELINED, PathPart, PathPolygon, PathPolygons, RelaxedCycles, RelaxedSet, Report, UNBOUNDED_FIFO,
+};
 use crate::number::{percent, percent_in_words, thousands};
+use crate::work::work;
 use Align::{Left, Right};
 
 /// Maximum number of rows of the table.
@@ -12,55 +15,135 @@ const PARTS: usize = 4;
 /// Smallest second saving that the sentence mentions \[share of the cycles\].
 const WORTH: f64 = 0.01;
 
-/// The two largest savings, and the pair that saves most together. Returns `None` if nothing was measured.
+/// The bound of the run: the group of resources that is saturated together, or the two largest savings. Returns `None` if nothing was
+/// measured.
 pub(super) fn sentence(report: &Report) -> Option<String> {
-    let limits = report.limits.as_ref()?;
+    let bottlenecks = report.bottlenecks.as_ref()?;
+    match &bottlenecks.balanced {
+        Some(balanced) => Some(balanced_in_words(balanced, bottlenecks, report)),
+        None => Some(single_in_words(&bottlenecks.single, report)),
+    }
+}
+
+fn balanced_in_words(balanced: &RelaxedSet, bottlenecks: &Bottlenecks, report: &Report) -> String {
+    let total = report.frame_cycles();
+    let names: Vec<String> = balanced.relaxed.iter().map(|name| format!("`{name}`")).collect();
+    let (last, first) = names.split_last().map_or((String::new(), vec![]), |(last, first)| (last.clone(), first.to_vec()));
+    let best = bottlenecks.single.first().map_or(0, |best| best.saved);
+    let now = rate(report, total).map_or(String::new(), |rate| format!(" at {rate}"));
+    let then = rate(report, balanced.cycles).map_or(String::new(), |rate| format!(" and reach {rate}"));
+    format!(
+        "Bottleneck: balanced across {} and {last}{now}. Relaxed together they would save {} of the cycles{then}; one resource alone \
+         saves {}{}.",
+        first.join(", "),
+        percent_in_words(balanced.saved),
+        if best == 0 { "" } else { "at most " },
+        if best == 0 { "none".into() } else { percent_in_words(best as f64 / total.max(1) as f64) },
+    )
+}
+
+/// Work per cycle, such as `0.67 fragments per cycle`; `None` if the machine counts no work.
+fn rate(report: &Report, cycles: u64) -> Option<String> {
+    let work = work(report);
+    (work.count > 0 && cycles > 0).then(|| format!("{:.2} {}s per cycle", work.count as f64 / cycles as f64, work.one))
+}
+
+fn single_in_words(singles: &[RelaxedCycles], report: &Report) -> String {
     let total = report.frame_cycles();
     let share = |limit: &RelaxedCycles| limit.saved as f64 / total.max(1) as f64;
-    let (pairs, singles): (Vec<&RelaxedCycles>, Vec<&RelaxedCycles>) = limits.iter().partition(|limit| is_pair(limit));
-    let Some(first) = singles.first().or(pairs.first()) else {
-        return Some("No single bottleneck: relaxing any one unit, FIFO, memory or cache saves no cycles.".into());
+    let Some(first) = singles.first() else {
+        return "No single bottleneck: relaxing any one unit, FIFO, memory or cache saves no cycles.".into();
     };
     // A second relaxation of the same resource adds no information.
     let second = singles.iter().skip(1).find(|l| l.resource != first.resource && share(l) >= WORTH);
-    let pair = pairs.first().filter(|pair| share(pair) >= share(first) + WORTH);
-    let more: String = second
-        .into_iter()
-        .chain(pair)
-        .map(|limit| format!(" {} {}.", relaxation_in_words(limit), percent_in_words(share(limit))))
-        .collect();
-    Some(format!(
-        "Bottleneck: {}. {} {} of the cycles.{more}",
-        quoted(&first.resource),
-        relaxed_it(first),
-        percent_in_words(share(first))
-    ))
+    let more =
+        second.map_or(String::new(), |limit| format!(" {} {}.", relaxation_in_words(limit), percent_in_words(share(limit))));
+    format!("Bottleneck: `{}`. {} {} of the cycles.{more}", first.resource, relaxed_it(first), percent_in_words(share(first)))
 }
 
 /// Start of the sentence about the saving of a resource that the sentence before names.
 fn relaxed_it(limit: &RelaxedCycles) -> String {
-    let subject = if is_pair(limit) { "both" } else { "it" };
     match limit.what.as_str() {
-        FULLY_PIPELINED => format!("Fully pipelined (II = 1) {subject} would save"),
-        UNBOUNDED_FIFO if !is_pair(limit) => "An unbounded FIFO would save".into(),
-        other => format!("With {other} {subject} would save"),
+        FULLY_PIPELINED => "Fully pipelined (II = 1) it would save".into(),
+        UNBOUNDED_FIFO => "An unbounded FIFO would save".into(),
+        other => format!("With {other} it would save"),
     }
 }
 
 /// Start of the sentence about the saving of a resource.
 fn relaxation_in_words(limit: &RelaxedCycles) -> String {
-    let name = quoted(&limit.resource);
+    let name = &limit.resource;
     match limit.what.as_str() {
-        what if is_pair(limit) => format!("{name} together ({what}) would save"),
-        UNBOUNDED_FIFO => format!("An unbounded {name} FIFO would save"),
-        FULLY_PIPELINED => format!("{name} fully pipelined (II = 1) would save"),
-        other => format!("{name} with {other} would save"),
+        UNBOUNDED_FIFO => format!("An unbounded `{name}` FIFO would save"),
+        FULLY_PIPELINED => format!("`{name}` fully pipelined (II = 1) would save"),
+        other => format!("`{name}` with {other} would save"),
     }
 }
 
-/// Names in code quotes.
-fn quoted(resource: &str) -> String {
-    format!("`{}`", resource.replace(" and ", "` and `"))
+/// A rung of the ladder for display.
+pub(crate) struct LadderRow<'a> {
+    /// Resources that this rung relaxes; empty for the run itself.
+    pub(crate) added: &'a [String],
+    pub(crate) set: &'a [String],
+    pub(crate) cycles: u64,
+    /// Render cycles of the rung before it.
+    pub(crate) before: u64,
+    /// Work per cycle; empty if the machine counts no work.
+    pub(crate) rate: String,
+}
+
+impl LadderRow<'_> {
+    /// Name of the row: the added resources.
+    pub(crate) fn name(&self) -> String {
+        if self.added.is_empty() { "as simulated".into() } else { format!("+ {}", self.added.join(", ")) }
+    }
+}
+
+/// The run and the rungs of its ladder, in order; empty without a ladder.
+pub(crate) fn ladder(report: &Report) -> Vec<LadderRow<'_>> {
+    let total = report.frame_cycles();
+    let rungs: &[RelaxedSet] = report.bottlenecks.as_ref().map_or(&[], |of| &of.ladder);
+    let row = |(added, set, cycles, before)| LadderRow {
+        added,
+        set,
+        cycles,
+        before,
+        rate: rate(report, cycles).and_then(|rate| Some(rate.split_once(' ')?.0.to_owned())).unwrap_or_default(),
+    };
+    let mut rows = vec![];
+    let (mut known, mut before) = (0, total);
+    for rung in rungs {
+        rows.push(row((rung.relaxed.get(known..).unwrap_or_default(), rung.set.as_slice(), rung.cycles, before)));
+        (known, before) = (rung.relaxed.len(), rung.cycles);
+    }
+    if !rows.is_empty() {
+        rows.insert(0, row((&[], &[], total, total)));
+    }
+    rows
+}
+
+/// The ladder in one line: each rung with the share saved up to it.
+pub(super) fn ladder_line(report: &Report) -> Option<String> {
+    let total = report.frame_cycles();
+    let rows = ladder(report);
+    let last = rows.last()?;
+    let saved = |row: &LadderRow<'_>| percent_in_words(total.saturating_sub(row.cycles) as f64 / total.max(1) as f64);
+    let rungs: Vec<String> = rows.iter().skip(1).map(|row| format!("{} {}", row.name(), saved(row))).collect();
+    let peak = rate(report, last.cycles).map_or(String::new(), |rate| format!(" Peak: {rate}."));
+    Some(format!("Bottleneck ladder, saved so far: {}.{peak}", rungs.join("; ")))
+}
+
+/// The ladder, a row per rung.
+pub(super) fn ladder_table(report: &Report) -> Table {
+    let of = work(report).one;
+    let title = format!("{of}s/cycle");
+    let mut table =
+        Table::new(&[("Bottleneck ladder", Left, 0), ("cycles", Right, 0), ("saved %", Right, 0), (title.as_str(), Right, 0)]);
+    let total = report.frame_cycles();
+    for row in ladder(report) {
+        table.row([row.name(), thousands(row.cycles), percent(total.saturating_sub(row.cycles), total), row.rate.clone()]);
+    }
+    table
 }
 
 /// The first parts of the critical path; none where it is not known.
@@ -85,16 +168,12 @@ fn part_text(PathPart { resource, what, cycles, .. }: &PathPart, total: u64) -> 
     format!("{share} {resource} {what}").replace("  ", " ")
 }
 
-fn is_pair(limit: &RelaxedCycles) -> bool {
-    limit.resource.contains(" and ")
-}
-
 /// The first few.
 pub(super) fn table(report: &Report) -> Table {
     let mut table =
         Table::new(&[("Relaxed resource", Left, 0), ("relaxation", Left, 0), ("cycles", Right, 0), ("saved %", Right, 0)]);
     let total = report.frame_cycles();
-    for limit in report.limits.iter().flatten().take(ROWS) {
+    for limit in report.bottlenecks.iter().flat_map(|of| &of.single).take(ROWS) {
         let RelaxedCycles { resource, what, cycles, saved, .. } = limit;
         table.row([resource.clone(), what.clone(), thousands(*cycles), percent(*saved, total)]);
     }
@@ -112,21 +191,51 @@ mod tests {
         RelaxedCycles { resource: resource.into(), what: what.into(), set, cycles: total - saved, saved }
     }
 
+    fn single(list: Vec<RelaxedCycles>) -> Option<Bottlenecks> {
+        Some(Bottlenecks { single: list, ..Bottlenecks::default() })
+    }
+
     #[test]
     fn two_savings_in_sentence_others_in_table() {
         let mut report = samples::simulated();
         let total = report.frame_cycles();
         assert_eq!(sentence(&report), None);
-        report.limits = Some(vec![]);
+        report.bottlenecks = single(vec![]);
         assert!(sentence(&report).unwrap().starts_with("No single bottleneck"));
-        report.limits = Some(vec![
+        report.bottlenecks = single(vec![
             limit("search", FULLY_PIPELINED, total / 2, total),
-            limit("search and reader", FULLY_PIPELINED, total * 3 / 4, total),
             limit("texels", UNBOUNDED_FIFO, total / 4, total),
+            limit("reader", FULLY_PIPELINED, total / 8, total),
         ]);
         let expected = "Bottleneck: `search`. Fully pipelined (II = 1) it would save 50 % of the cycles. An unbounded `texels` FIFO \
-                        would save 25 %. `search` and `reader` together (fully pipelined (II = 1)) would save 75 %.";
+                        would save 25 %.";
         assert_eq!(sentence(&report).unwrap(), expected);
         assert_eq!(table(&report).render(TextStyle::default()).lines().count(), 5);
+    }
+
+    #[test]
+    fn balanced_bound_names_all_resources_and_rates() {
+        let mut report = samples::balanced();
+        let total = report.frame_cycles();
+        let rung = |names: &[&str], saved: f64| RelaxedSet {
+            relaxed: names.iter().map(|name| (*name).to_owned()).collect(),
+            set: vec![format!("ideal.units={}", names.join(","))],
+            cycles: ((1.0 - saved) * total as f64) as u64,
+            saved,
+        };
+        let ladder = vec![rung(&["a"], 0.0), rung(&["a", "b", "c"], 0.5), rung(&["a", "b", "c", "d"], 0.75)];
+        let one = limit("a", FULLY_PIPELINED, total / 50, total);
+        report.bottlenecks = Some(Bottlenecks { balanced: Some(rung(&["a", "b"], 0.5)), ladder, single: vec![one] });
+        let text = sentence(&report).unwrap();
+        let fragments = work(&report).count as f64;
+        let (now, then) = (fragments / total as f64, fragments / (total / 2) as f64);
+        let expected = format!(
+            "Bottleneck: balanced across `a` and `b` at {now:.2} fragments per cycle. Relaxed together they would save 50 % of the \
+             cycles and reach {then:.2} fragments per cycle; one resource alone saves at most 2 %."
+        );
+        assert_eq!(text, expected);
+        let line = ladder_line(&report).unwrap();
+        assert!(line.starts_with("Bottleneck ladder, saved so far: + a 0 %; + b, c 50 %; + d 75 %. Peak: "), "{line}");
+        assert_eq!(ladder_table(&report).rows().len(), 4);
     }
 }

@@ -29,6 +29,7 @@ pub fn to_text(report: &Report, style: TextStyle, tables: &[TableGroup]) -> Stri
     let mut parts = vec![style.paint(Emphasis::Bold, &style.wrap(&title(report)))];
     parts.push(summary::lines(report).iter().map(|line| style.wrap(line)).collect::<Vec<_>>().join("\n"));
     parts.push(style.wrap(&bottleneck_sentence(report)));
+    parts.extend(bottlenecks::ladder_line(report).map(|ladder| style.wrap(&ladder)));
     parts.extend(bottlenecks::path(report).map(|path| style.wrap(&path)));
     // A run with one of these options shows its table.
     let asked = [(TableGroup::Costs, report.costs.is_some()), (TableGroup::Sensitivity, report.sensitivity.is_some())];

@@ -6,6 +6,7 @@ use crate::model::{Difference, Fifo, Figure, FigureGroup, RealPath, Report};
 use crate::number::{percent, real, thousands};
 use crate::work;
 use Align::{Left, Right};
+use basrelief_reference::QualityMetrics;
 
 /// Heights of a histogram's bars; the first means none at all.
 const BARS: [char; 9] = ['·', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
@@ -257,7 +258,7 @@ pub(crate) fn columns(work::ColumnTable { columns, .. }: &work::ColumnTable<'_>)
 
 /// Returns the figures of the machine, except those that have tables of their own, such as routes and processes.
 pub(crate) fn figures(report: &Report) -> Table {
-    let mut table = Table::new(&[("Figure", Left, 0), ("", Right, 0), ("", Left, 1)]);
+    let mut table = Table::new(&[("Figure", Left, 0), ("", Right, 0), ("", Left, 1), ("description", Left, 3)]);
     let elsewhere = |name: &str| match report.legend.get(name).and_then(|legend| legend.part.as_ref()) {
         None | Some(FigureGroup::Work) => false,
         Some(FigureGroup::Started(_) | FigureGroup::Needed(_)) => report.cycles.is_some(),
@@ -267,8 +268,8 @@ pub(crate) fn figures(report: &Report) -> Table {
     let is_bound = |name: &str| name.strip_suffix(COUNTED_TO).is_some_and(|of| report.figures.contains_key(of));
     for (name, value) in report.figures.iter().filter(|(name, _)| !elsewhere(name) && !is_bound(name)) {
         let more = if counted_to(name) == Some(value) { " or more" } else { "" };
-        let unit = report.legend.get(name).map_or("", |legend| legend.unit.as_str());
-        table.row([name.clone(), figure(value), format!("{unit}{more}").trim_start().into()]);
+        let (unit, about) = report.legend.get(name).map_or(("", ""), |legend| (legend.unit.as_str(), legend.about.as_str()));
+        table.row([name.clone(), figure(value), format!("{unit}{more}").trim_start().into(), about.into()]);
     }
     table
 }
@@ -301,12 +302,17 @@ pub(crate) fn quality(report: &Report) -> Table {
     ];
     let mut table = Table::new(&columns);
     let Some(quality) = &report.quality else { return table };
-    let mut row = |name: String, q: &basrelief_reference::QualityMetrics, d: Option<Difference>| {
+    let mut row = |name: String, q: &QualityMetrics, d: Option<Difference>| {
         let [mean, largest] = d.map_or_else(Default::default, |d| [format!("{:.3}", d.mean), d.largest.to_string()]);
         table.row([name, format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip), mean, largest]);
     };
     for (k, frame) in quality.frames.iter().enumerate() {
         row(format!("frame {}", k + 1), frame, None);
+    }
+    if !quality.frames.is_empty() {
+        let worst = QualityMetrics { psnr_db: quality.min.psnr_db, ssim: quality.min.ssim, flip: quality.max.flip };
+        row("worst".into(), &worst, None);
+        row("mean".into(), &quality.mean, None);
     }
     row("final picture".into(), &quality.last, quality.difference);
     table

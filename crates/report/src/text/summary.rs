@@ -4,6 +4,7 @@ use crate::model::{Cycles, Hardware, Report};
 use crate::number::{real, thousands};
 use crate::work::work;
 use basrelief_kernel::HardwareKind;
+use basrelief_reference::QualityMetrics;
 
 /// Returns the lines of the summary, for complete and incomplete runs.
 pub(super) fn lines(report: &Report) -> Vec<String> {
@@ -35,9 +36,17 @@ fn cycles(report: &Report) -> Option<String> {
 }
 
 fn quality(report: &Report) -> Option<String> {
-    let quality = report.quality.as_ref()?.last;
-    let (psnr, ssim, flip) = (quality.psnr_db, quality.ssim, quality.flip);
-    Some(format!("{psnr:.2} dB PSNR, SSIM {ssim:.4}, FLIP {flip:.4} against the exact picture"))
+    let quality = report.quality.as_ref()?;
+    if let frames @ 1.. = quality.frames.len() {
+        let (min, max, mean) = (quality.min, quality.max, quality.mean);
+        return Some(format!(
+            "Worst and mean of {frames} frames: {:.2} and {:.2} dB PSNR, SSIM {:.4} and {:.4}, FLIP {:.4} and {:.4} against the exact \
+             pictures",
+            min.psnr_db, mean.psnr_db, min.ssim, mean.ssim, max.flip, mean.flip
+        ));
+    }
+    let QualityMetrics { psnr_db, ssim, flip } = quality.last;
+    Some(format!("{psnr_db:.2} dB PSNR, SSIM {ssim:.4}, FLIP {flip:.4} against the exact picture"))
 }
 
 fn traffic(report: &Report) -> Option<String> {

@@ -89,14 +89,19 @@ impl TableGroup {
     }
 
     /// Tables with rows, each with its caption.
-    pub(super) fn of(self, report: &Report) -> Vec<(String, Table)> {
+    pub(crate) fn of(self, report: &Report) -> Vec<(String, Table)> {
         let captioned = |caption: String, table: Table| if table.is_empty() { vec![] } else { vec![(caption, table)] };
         let plain = |table| captioned(String::new(), table);
         match self {
             Self::Bottlenecks => {
-                captioned(in_frames(report, "measured by resimulation; % of render cycles", &[]), bottlenecks::table(report))
+                let caption = in_frames(report, "measured by resimulation; % of render cycles", &[]);
+                let ladder = format!("{caption}; each row adds to the rows above it");
+                [captioned(ladder, bottlenecks::ladder_table(report)), captioned(caption, bottlenecks::table(report))].concat()
             }
-            Self::Units => captioned(in_frames(report, "% of render cycles", &working_on(report)), sections::units(report)),
+            Self::Units => {
+                let caption = in_frames(report, "% of render cycles", &working_on(report));
+                captioned(format!("{caption}{}", tokens_of(report)), sections::units(report))
+            }
             Self::Fifos => captioned(in_frames(report, "over render cycles", &filled_behind(report)), sections::fifos(report)),
             Self::Memories => {
                 let total = report.cycles.as_ref().map_or(0, |cycles| cycles.total);
@@ -145,6 +150,13 @@ fn in_frames(report: &Report, what: &str, others: &[&str]) -> String {
         format!("; {}: of all {} cycles", others.join(", "), thousands(cycles.total))
     };
     format!("{what} ({}){rest}", thousands(report.frame_cycles()))
+}
+
+/// States the work behind the tokens: a token may hold several fragments, or none.
+fn tokens_of(report: &Report) -> String {
+    let work = work::work(report);
+    let all = format!("; a token holds several {}s or is control: {} {}s in all", work.one, thousands(work.count), work.one);
+    if work.count > 0 { all } else { String::new() }
 }
 
 /// Returns the units that still work after the last frame.

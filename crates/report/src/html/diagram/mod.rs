@@ -34,8 +34,24 @@ pub(super) fn block_diagram(report: &Report, diagram: &str) -> Html {
                  The strip in a memory, a box with double sides, shows its bus utilization. A unit that is drawn twice is \
                  filled once. A unit that this run does not use is dashed.";
     }
+    if !bottleneck_resources(report).is_empty() {
+        says += " A heavy frame marks the measured bottleneck.";
+    }
     let legend = if report.cycles.is_some() { diagram_legend() } else { Html::default() };
     [el_text("p", "quiet", says), legend, draw(diagram, report)].into_iter().collect()
+}
+
+/// Resources that limit the run: those that are saturated together, or the one whose relaxation saves most.
+fn bottleneck_resources(report: &Report) -> &[String] {
+    let Some(of) = &report.bottlenecks else { return &[] };
+    let single = of.single.first().map(|best| std::slice::from_ref(&best.resource));
+    of.balanced.as_ref().map_or(single.unwrap_or_default(), |balanced| &balanced.relaxed)
+}
+
+/// Class of a group of shapes, with a mark for a bottleneck.
+fn marked(class: &str, name: &str, report: &Report) -> String {
+    let is_bottleneck = bottleneck_resources(report).iter().any(|resource| resource == name);
+    if is_bottleneck { format!("{class} limit") } else { class.to_owned() }
 }
 
 fn diagram_legend() -> Html {
@@ -121,7 +137,8 @@ fn unit_box(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let (parts, whole) = breakdown_parts(report, unit);
     let parts_text: Vec<String> = parts.iter().map(|(_, what, n)| format!("{what} {}", percent_of(*n, whole))).collect();
     let says = format!("{}: {}", placed.text.trim(), parts_text.join(", "));
-    titled_group("unit", &says, [frame, stacked_rects(&parts, whole, box_strip(placed)), written(BASELINE)])
+    let class = marked("unit", placed.name(), report);
+    titled_group(&class, &says, [frame, stacked_rects(&parts, whole, box_strip(placed)), written(BASELINE)])
 }
 
 /// Width of the doubled side of a memory.
@@ -140,7 +157,8 @@ fn memory_box(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let used = busy.map(|busy| [rect("done", strip, ""), rect("busy", [strip[0], strip[1], strip[2] * busy, strip[3]], "")]);
     let share = busy.map_or(String::new(), |busy| format!(": bus busy {} % of the time", px(100.0 * busy)));
     let says = format!("memory {}{share}", placed.text.trim());
-    titled_group("memory-box", &says, [frame, sides].into_iter().chain(used.into_iter().flatten()).chain([name]))
+    let class = marked("memory-box", placed.name(), report);
+    titled_group(&class, &says, [frame, sides].into_iter().chain(used.into_iter().flatten()).chain([name]))
 }
 
 /// The clients between a unit and a memory, on a double line.
@@ -175,7 +193,7 @@ fn wire_name(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let filled = (mean / depth.max(1) as f64).clamp(0.0, 1.0);
     let says = format!("FIFO {}: {mean:.1} of {depth} slots held in the mean", placed.text);
     let gauge = [rect("gauge", place, ""), rect("fifo", [place[0], place[1], place[2] * filled, GAUGE], "")];
-    titled_group("fifo-name", &says, gauge.into_iter().chain([name]))
+    titled_group(&marked("fifo-name", placed.name(), report), &says, gauge.into_iter().chain([name]))
 }
 
 /// All lines, and the heads of the arrows.
