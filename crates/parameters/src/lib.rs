@@ -35,7 +35,7 @@ mod table;
 mod user_settings;
 
 pub use error::{ConfigError, RangeError};
-pub use load::{Loader, load, nearest, syntax};
+pub use load::{Loader, is_given, load, nearest, syntax};
 pub use table::{Effect, Parameter, Parameters, Provenance, as_option, resolved};
 pub use user_settings::UserSettings;
 

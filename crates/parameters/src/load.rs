@@ -16,6 +16,12 @@ pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result
     Loader::new(toml_text)?.load(settings)
 }
 
+/// Returns true if the TOML text or one of the settings gives this parameter. An invalid text gives none.
+pub fn is_given(toml_text: &str, settings: &[(String, String)], key: &str) -> bool {
+    let in_text = || toml_text.parse().is_ok_and(|table| UserSettings(&table).contains(key));
+    settings.iter().any(|(given, _)| given == key) || in_text()
+}
+
 /// Loads many configurations over one TOML text. Work that does not depend on the settings is done once.
 #[derive(Clone, Debug)]
 pub struct Loader<C> {

@@ -14,15 +14,16 @@ mod run;
 
 pub use analysis::ablation::ablate;
 pub use analysis::attribution::{AttributionProbe, TokenSample, last_stage};
-pub use analysis::comparison::{RecordedRun, explain};
+pub use analysis::comparison::explain;
 pub use analysis::costs::{
     ActivityCost, CostKind, CycleBreakdown, PARTS, PixelActivity, PixelCost, PolygonCost, RunCosts, UnitCost,
 };
 pub use analysis::fifo_sizing::{DepthChoice, FifoSizing, size_fifos};
 pub use analysis::methods::compare_methods;
+pub use analysis::recorded_run::{ExplainOptions, RecordedRun};
 pub use basrelief_machines::{
     AllowedValues, ConfigLoader, CostPoints, MACHINES, MachineConfig, MachineInfo, ParameterChoice, ParameterInfo, TileFetch,
-    ValueSource,
+    UnitInfo, ValueSource,
 };
 pub use build::BUILD;
 pub use command_error::{CommandError, CommandResult};

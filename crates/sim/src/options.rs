@@ -100,6 +100,11 @@ impl Overrides {
         basrelief_parameters::load(&self.toml, &self.with_overrides(more))
     }
 
+    /// Returns true if the user gave this parameter.
+    pub(crate) fn contains(&self, key: &str) -> bool {
+        basrelief_parameters::is_given(&self.toml, &self.settings, key)
+    }
+
     fn with_overrides<'a>(&'a self, more: &'a [(String, String)]) -> Vec<(&'a str, &'a str)> {
         self.settings.iter().chain(more).map(|(key, value)| (key.as_str(), value.as_str())).collect()
     }
@@ -152,7 +157,7 @@ pub struct RunOptions {
     pub exact: bool,
     /// Auxiliary outputs to pass to the observer, from [`aux_outputs`](crate::aux_outputs). They cost nothing if this is empty.
     pub aux_outputs: Vec<AuxOutputInfo>,
-    /// Runs whose [bottlenecks](basrelief_report::model::RelaxedCycles) are measured. Only completed runs of the timed and the ticked engine have
+    /// Runs whose [bottlenecks](basrelief_report::model::Bottlenecks) are measured. Only completed runs of the timed and the ticked engine have
     /// bottlenecks.
     pub bottlenecks: AnalysisPolicy,
     /// Parameters that the user gave, from which `config` was loaded. Bottleneck analysis and recordings need them.

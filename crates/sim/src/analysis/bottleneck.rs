@@ -1,27 +1,22 @@
-//! Bottleneck analysis: each candidate is relaxed in turn, and the recorded steps are resimulated.
+//! Bottleneck analysis: each candidate is relaxed in turn, then groups of them, and the recorded steps are resimulated.
 
-use super::relaxations::{PART, Relaxation, RelaxationCandidates, combined};
+use super::ladder::{Ladder, LadderSearch};
+use super::relaxations::{PART, Relaxation, RelaxationCandidates, Settings};
 use crate::options::Overrides;
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{self as kernel, Netlist, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
 use basrelief_machines::{InputKind, MachineSpec};
 use basrelief_report::Report;
-use basrelief_report::model::{CriticalPath, PathPart, RelaxedCycles};
+use basrelief_report::model::{Bottlenecks, CriticalPath, PathPart, RelaxedCycles};
 use basrelief_threads as threads;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::{Mutex, PoisonError};
 
-/// Number of the best single relaxations that are tried in pairs.
-const PAIRED: usize = 3;
 /// Relaxations that are resimulated concurrently with the critical path. Together they take about as long as the path.
 const EARLY: usize = 2;
 /// Maximum number of events in the search for a critical path, of 16 bytes each.
 pub(crate) const EVENTS: usize = 8 << 20;
-/// Minimum interaction of a pair that is reported \[1/1000 of the cycles\]: cycles that both save together beyond the sum of their
-/// single savings.
-const MIN_INTERACTION: u64 = 10;
-
 /// Converts a part of the critical path for the report.
 fn path_part(kernel::PathPart { stretch, cycles, by_mark: frames }: kernel::PathPart) -> PathPart {
     let (resource, what) = match stretch {
@@ -60,17 +55,17 @@ pub(crate) struct CompletedRun<'a, S> {
     pub(crate) groups: &'a [StageGroups],
 }
 
-/// BottleneckList and critical path of a run.
+/// Bottlenecks and critical path of a run.
 #[derive(Debug)]
 pub(crate) struct BottleneckList {
-    list: Vec<RelaxedCycles>,
+    list: Bottlenecks,
     path: Option<kernel::CriticalPath>,
 }
 
 impl BottleneckList {
     /// Adds the bottlenecks to a report, and returns the cycles of the critical path by group.
     pub(crate) fn add_to(self, report: &mut Report) -> Vec<(u32, u64)> {
-        report.limits = Some(self.list);
+        report.bottlenecks = Some(self.list);
         let Some(kernel::CriticalPath { cycles, parts, by_group }) = self.path else { return vec![] };
         let parts = parts.into_iter().map(path_part).collect();
         report.critical_path = Some(CriticalPath { cycles, parts, polygons: None });
@@ -82,6 +77,8 @@ impl BottleneckList {
 enum AnalysisTask {
     Path,
     Resimulate(Relaxation),
+    /// Climbs the ladder from the critical path.
+    Climb(kernel::CriticalPath),
 }
 
 /// Results of the tasks so far.
@@ -91,7 +88,8 @@ struct AnalysisProgress {
     /// Candidates in the order of the block diagram; empty until the critical path is known.
     candidates: Vec<Relaxation>,
     /// Cycles by settings; `None` while the resimulation runs, and if it does not finish.
-    cycles: BTreeMap<Vec<(String, String)>, Option<u64>>,
+    cycles: BTreeMap<Settings, Option<u64>>,
+    ladder: Ladder,
 }
 
 impl AnalysisProgress {
@@ -107,15 +105,15 @@ impl AnalysisProgress {
         claimed
     }
 
-    /// Returns the critical path, and all relaxations with their cycles: the candidates, then the parts of candidates for which
-    /// `saves_much` is true. The order does not depend on the order of execution.
-    fn into_results(self, saves_much: impl Fn(u64) -> bool) -> (Option<kernel::CriticalPath>, Vec<(Relaxation, u64)>) {
+    /// Returns all relaxations with their cycles: the candidates, then the parts of candidates for which `saves_much` is true.
+    /// The order does not depend on the order of execution.
+    fn single_relaxations(&self, saves_much: impl Fn(u64) -> bool) -> Vec<(Relaxation, u64)> {
         let known =
             |relaxation: Relaxation| self.cycles.get(&relaxation.set).copied().flatten().map(|cycles| (relaxation, cycles));
-        let mut timed: Vec<_> = self.candidates.into_iter().filter_map(known).collect();
+        let mut timed: Vec<_> = self.candidates.iter().cloned().filter_map(known).collect();
         let parts = timed.iter().filter(|(_, cycles)| saves_much(*cycles)).flat_map(|(whole, _)| whole.parts.clone());
         timed.extend(parts.filter_map(known).collect::<Vec<_>>());
-        (self.path, timed)
+        timed
     }
 }
 
@@ -130,30 +128,33 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
     pub(crate) fn bottlenecks(&self) -> Option<BottleneckList> {
         let netlist = self.input.shape(self.spec).ok()?;
         let recorded = RecordedSteps { recording: Recording::new(self.chunks, &netlist, self.room), netlist };
-        let (path, mut timed) = self.resimulate_all(&recorded).into_results(|cycles| self.saves_much(cycles));
+        let progress = self.resimulate_all(&recorded);
+        let mut timed = progress.single_relaxations(|cycles| self.saves_much(cycles));
         // The sort is stable: ties keep the order of the block diagram.
         timed.sort_by_key(|(_, cycles)| *cycles);
-        let pairs = self.resimulate_pairs(&recorded, &timed);
-        let all = timed.into_iter().chain(pairs);
-        let mut list: Vec<RelaxedCycles> = all.filter_map(|(relaxation, cycles)| self.bottleneck(relaxation, cycles)).collect();
-        list.sort_by_key(|limit| limit.cycles);
-        Some(BottleneckList { list, path })
+        let single: Vec<RelaxedCycles> =
+            timed.into_iter().filter_map(|(relaxation, cycles)| self.bottleneck(relaxation, cycles)).collect();
+        let best = single.first().map_or(0, |best| best.saved);
+        let balanced = progress.ladder.balanced(self.run.marked_cycles(), best);
+        Some(BottleneckList { list: Bottlenecks { balanced, ladder: progress.ladder.rungs, single }, path: progress.path })
     }
 
     /// Finds the critical path, and resimulates each candidate on it. Meanwhile, other threads resimulate the busiest units, which are
     /// usually candidates, because the path takes as long as some resimulations.
     fn resimulate_all(&self, recorded: &RecordedSteps<'_>) -> AnalysisProgress {
         let early = if threads::workers() > 1 { EARLY } else { 0 };
-        let busiest = RelaxationCandidates { run: self.run, netlist: &recorded.netlist, path: None }.busiest_units(early);
+        let load = |set: &[(String, String)]| self.overrides.load::<S>(set).ok();
+        let resources = RelaxationCandidates { run: self.run, netlist: &recorded.netlist, spec: self.spec, load: &load };
+        let (all, busiest) = (resources.all(), resources.busiest_units(early));
         let mut progress = AnalysisProgress::default();
         let first: Vec<AnalysisTask> = [AnalysisTask::Path].into_iter().chain(progress.claim_tasks(&busiest)).collect();
         let progress = Mutex::new(progress);
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
                 let path = self.critical_path(&recorded.recording);
-                let candidates = RelaxationCandidates { run: self.run, netlist: &recorded.netlist, path: path.as_ref() }
-                    .relaxations(self.spec);
+                let candidates = resources.on_path(path.as_ref());
                 let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+                tasks.add(path.clone().map(AnalysisTask::Climb));
                 tasks.add(progress.claim_tasks(&candidates));
                 (progress.path, progress.candidates) = (path, candidates);
             }
@@ -164,6 +165,11 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
                     tasks.add(progress.claim_tasks(&relaxation.parts));
                 }
                 progress.cycles.insert(relaxation.set, cycles);
+            }
+            AnalysisTask::Climb(path) => {
+                let critical_path = |set: &Settings| self.relaxed_path(recorded, set);
+                let ladder = LadderSearch { relaxations: &all, critical_path: &critical_path }.climb(&path);
+                progress.lock().unwrap_or_else(PoisonError::into_inner).ladder = ladder;
             }
         });
         progress.into_inner().unwrap_or_else(PoisonError::into_inner)
@@ -187,29 +193,19 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         Some(RelaxedCycles { resource, what: what.into(), set, cycles, saved })
     }
 
-    /// Resimulates pairs of the best relaxations, and returns those with an interaction.
-    fn resimulate_pairs(&self, recorded: &RecordedSteps<'_>, timed: &[(Relaxation, u64)]) -> Vec<(Relaxation, u64)> {
-        let best = &timed[..timed.len().min(PAIRED)];
-        let all = best.iter().enumerate().flat_map(|(n, a)| best[n + 1..].iter().map(move |b| (a, b)));
-        let pairs: Vec<_> = all.filter(|((a, _), (b, _))| a.resource != b.resource).collect();
-        let resimulated =
-            threads::par_map(pairs.iter().collect(), |((a, _), (b, _)): &(&(Relaxation, u64), &(Relaxation, u64))| {
-                let both = combined(a, b);
-                self.cycles(recorded, &both.set).map(|cycles| (both, cycles))
-            });
-        let total = self.run.marked_cycles();
-        let interacts = |cycles: u64, singles: [u64; 2]| {
-            let sum: u64 = singles.into_iter().map(|cycles| total.saturating_sub(cycles)).sum();
-            total.saturating_sub(cycles) > sum + total * MIN_INTERACTION / 1000
-        };
-        let results = pairs.iter().zip(resimulated);
-        results.filter_map(|(((_, a), (_, b)), both)| both.filter(|(_, cycles)| interacts(*cycles, [*a, *b]))).collect()
-    }
-
     /// Returns the render cycles with these settings; `None` if they change the work of the units or do not fit together.
     fn cycles(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<u64> {
+        recorded.recording.cycles(self.relaxed_netlist(recorded, set)?).ok()?
+    }
+
+    /// Returns the critical path with these settings.
+    fn relaxed_path(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<kernel::CriticalPath> {
+        recorded.recording.critical_path(self.relaxed_netlist(recorded, set)?, EVENTS, &[]).ok()?
+    }
+
+    fn relaxed_netlist(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<Netlist> {
         let netlist = self.input.shape(&self.overrides.load::<S>(set).ok()?).ok()?;
         recorded.netlist.same_work(&netlist).ok()?;
-        recorded.recording.cycles(netlist).ok()?
+        Some(netlist)
     }
 }

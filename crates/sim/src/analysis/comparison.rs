@@ -1,171 +1,100 @@
-//! Comparison of two runs: measures how much each group of parameters contributes to the difference in cycles.
+//! Comparison of two runs: attributes the difference in cycles to the parameters that the user changed.
 //!
-//! Timing parameters that differ are grouped by unit, memory, cache or FIFO. For each group, run B is resimulated with the group's values
-//! of run A; the change in cycles is the contribution of the group. All other differences are work: the recording of A, resimulated
-//! with all timing parameters of B, is B with the work of A. The remainder of the difference is the interaction of the groups.
+//! A *cause* is a parameter with different values that the user of one run has set. Values that follow from it, such as the timings of a
+//! memory part, change with it. A *mixture* is run A with some causes as in B.
+//!
+//! - The effect of a cause *alone* is the change of the cycles of A if only this cause is as in B.
+//! - The *share* of a cause is its Shapley value: its mean effect over all orders in which the causes can change. Shares add up to the
+//!   whole difference. They need a mixture of every subset of the causes, so they are measured for up to [`FEW`] causes.
+//! - The interaction is the difference beyond the sum of all effects alone.
+//!
+//! Timing parameters need a resimulation. Mixtures of several work parameters need a run, except that those with all work parameters
+//! as in A or as in B have a recording already.
 
-use crate::recording::{LoadedRecording, RecordingError, netlist_of_same_work, of_build};
-use basrelief_input::MemoryPool;
-use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
+use super::mixtures::Mixtures;
+use super::recorded_run::{Cause, ExplainOptions, RecordedRun};
+use basrelief_machines::MachineConfig;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::compare::WORK;
-use basrelief_report::{CauseShare, MeasuredCauses, Report};
-use basrelief_threads as threads;
-use std::io::Read;
+use basrelief_report::{CauseShare, MeasuredCauses};
 
-/// Maximum number of FIFOs that have a group each. More FIFOs share one group.
-const FIFOS: usize = 6;
-/// Maximum number of passes that fix derived values.
-const PASSES: usize = 4;
-
-/// A run with its recording.
-pub struct RecordedRun {
-    recording: LoadedRecording,
-    config: MachineConfig,
-    cycles: u64,
-}
-
-impl RecordedRun {
-    /// Reads the recording of the run with this report.
-    ///
-    /// # Errors
-    /// An invalid recording, the recording of another run, or a recording of another build whose timing this build does not reproduce.
-    pub fn read(report: &Report, reader: &mut dyn Read, budget: &MemoryPool) -> Result<Self, RecordingError> {
-        let recording = LoadedRecording::read(reader, budget)?;
-        let config = recording.config(&[])?;
-        let cycles = report.frame_cycles();
-        let is_of_run = (&recording.result.input, &recording.result.image) == (&report.input, &report.image);
-        let is_of_report = config.machine().name == report.machine
-            && is_of_run
-            && config.to_value() == report.config
-            && resimulated_cycles(&recording, &config) == Some(cycles);
-        match is_of_report {
-            true => Ok(Self { recording, config, cycles }),
-            false if is_of_run => Err(of_build(&recording.build, RecordingError::OtherRun)),
-            false => Err(RecordingError::OtherRun),
-        }
-    }
-}
+/// Largest number of causes with measured shares.
+const FEW: usize = 4;
 
 /// Explains the difference in cycles of `b` against `a`. Returns `None` if the machines are different.
-pub fn explain(a: &RecordedRun, b: &RecordedRun) -> Option<MeasuredCauses> {
+pub fn explain(a: &RecordedRun, b: &RecordedRun, options: &ExplainOptions<'_>) -> Option<MeasuredCauses> {
     if a.config.machine().name != b.config.machine().name {
         return None;
     }
-    let (of_a, of_b) = (a.config.parameters(), b.config.parameters());
-    let (timing, work): (Vec<_>, Vec<_>) =
-        differing(&of_b, &of_a).into_iter().filter(|p| p.effect != Effect::Cost).partition(|p| p.effect == Effect::Timing);
-    let mut shares = threads::par_map(groups(&timing), |(group, of_group)| {
-        let set = options_for(b, &with_values(&of_b, &of_group));
-        let cycles = set.as_ref().and_then(|(_, config)| resimulated_cycles(&b.recording, config));
-        cause_share(group, set, cycles, b)
-    });
-    if !work.is_empty() || a.recording.work != b.recording.work {
-        let timing: Vec<&Parameter> = of_b.iter().filter(|p| p.effect == Effect::Timing).collect();
-        let cycles =
-            options_for(a, &with_values(&of_a, &timing)).and_then(|(_, config)| resimulated_cycles(&a.recording, &config));
-        shares.push(cause_share(WORK, options_for(b, &with_values(&of_b, &work)), cycles, b));
-    }
+    let same_input = a.recording.result.input.sha256 == b.recording.result.input.sha256;
+    let runs = options.input.filter(|_| same_input);
+    let causes = separable(a, b, changed(a, b), runs.is_some());
+    let wanted = wanted_subsets(causes.len());
+    let mixtures = Mixtures::measure((a, b), &causes, &wanted, &ExplainOptions { input: runs, ..*options });
+    let total = b.cycles as i64 - a.cycles as i64;
+    let shares = mixtures.shapley_values();
+    let cause_share = |(n, cause): (usize, &Cause)| {
+        let alone = mixtures.get(1 << n);
+        CauseShare {
+            parameter: cause.name.clone(),
+            derived: alone.map_or(vec![], |alone| alone.derived.clone()),
+            set: cause.set.iter().map(|(key, value)| format!("{key}={value}")).collect(),
+            needs_run: alone.is_some_and(|alone| alone.needed_run),
+            cycles: alone.map(|alone| alone.cycles),
+            by: alone.map(|alone| alone.cycles as i64 - a.cycles as i64),
+            share: shares.as_ref().map(|shares| shares[n]),
+        }
+    };
+    let mut shares: Vec<CauseShare> = causes.iter().enumerate().map(cause_share).collect();
+    // The sort is stable: ties keep the order of the block diagram, and causes that are not measured come last.
     shares.sort_by_key(|share| std::cmp::Reverse(share.by.map(i64::unsigned_abs)));
-    let counted: i64 = shares.iter().filter_map(|share| share.by).sum();
-    Some(MeasuredCauses { shares, together: b.cycles as i64 - a.cycles as i64 - counted })
+    let alone: i64 = shares.iter().filter_map(|share| share.by).sum();
+    Some(MeasuredCauses { shares, together: total - alone })
 }
 
-/// Settings, and the resulting configuration.
-type NewConfig = (Vec<(String, String)>, MachineConfig);
-
-fn cause_share(group: &str, set: Option<NewConfig>, cycles: Option<u64>, b: &RecordedRun) -> CauseShare {
-    let set = set.map(|(set, _)| set).unwrap_or_default();
-    CauseShare {
-        group: group.to_owned(),
-        set: set.into_iter().map(|(key, value)| format!("{key}={value}")).collect(),
-        cycles,
-        by: cycles.map(|cycles| b.cycles as i64 - cycles as i64),
-    }
+/// Returns the parameters that differ and that the user of one run has set, in the order of the block diagram. Values of B that do not
+/// follow from these, for example defaults of another build, come last.
+fn changed(a: &RecordedRun, b: &RecordedRun) -> Vec<Cause> {
+    let given = |key: &str| [a, b].iter().any(|run| run.recording.overrides.contains(key));
+    let of_b = b.config.parameters();
+    let differing = |here: &MachineConfig| {
+        let all: Vec<Parameter> = here
+            .parameters()
+            .into_iter()
+            .zip(&of_b)
+            .filter(|(here, b)| here.default != b.default)
+            .map(|(_, b)| b.clone())
+            .collect();
+        all
+    };
+    let given: Vec<Parameter> = differing(&a.config).into_iter().filter(|b| given(&b.key)).collect();
+    let settings: Vec<(String, String)> = given.iter().map(|b| (b.key.clone(), b.as_option())).collect();
+    let rest = a.recording.config(&settings).map(|all| differing(&all)).unwrap_or_default();
+    let causes = given.into_iter().chain(rest).filter(|b| b.effect != Effect::Cost);
+    causes
+        .map(|b| Cause { name: b.key.clone(), set: vec![(b.key.clone(), b.as_option())], is_work: b.effect == Effect::Work })
+        .collect()
 }
 
-/// Returns the parameters of `target` whose values differ from `here`. Both lists are of the same machine.
-fn differing<'a>(here: &[Parameter], target: &'a [Parameter]) -> Vec<&'a Parameter> {
-    here.iter().zip(target).filter(|(here, target)| here.default != target.default).map(|(_, target)| target).collect()
-}
-
-/// Returns `these` with the values of `those`.
-fn with_values(these: &[Parameter], those: &[&Parameter]) -> Vec<Parameter> {
-    let over = |p: &Parameter| those.iter().find(|other| other.key == p.key).map_or_else(|| p.clone(), |p| (*p).clone());
-    these.iter().map(over).collect()
-}
-
-/// StageGroups parameters, in the order of the block diagram.
-fn groups<'a>(parameters: &[&'a Parameter]) -> Vec<(&'a str, Vec<&'a Parameter>)> {
-    let mut groups: Vec<(&str, Vec<&Parameter>)> = Vec::new();
-    let fifos = parameters.iter().map(|p| group_of(&p.key)).filter(|group| group.starts_with("fifo."));
-    let mut fifos: Vec<&str> = fifos.collect();
-    fifos.dedup();
-    for parameter in parameters {
-        let group = match group_of(&parameter.key) {
-            fifo if fifo.starts_with("fifo.") && fifos.len() > FIFOS => "fifo",
-            group => group,
-        };
-        match groups.iter_mut().find(|(name, _)| *name == group) {
-            Some((_, members)) => members.push(parameter),
-            None => groups.push((group, vec![parameter])),
+/// Joins the work parameters if they cannot be measured one by one, because the machine must not run or the inputs differ. If the work
+/// differs although no work parameter does, for example because of another input, that is a cause of its own.
+fn separable(a: &RecordedRun, b: &RecordedRun, causes: Vec<Cause>, may_run: bool) -> Vec<Cause> {
+    let (work, timing): (Vec<Cause>, Vec<Cause>) = causes.into_iter().partition(|cause| cause.is_work);
+    let differs = !work.is_empty() || a.recording.work != b.recording.work;
+    let one_by_one = work.len() == 1 || may_run && !work.is_empty();
+    let same_input = a.recording.result.input.sha256 == b.recording.result.input.sha256;
+    match (differs, one_by_one && same_input) {
+        (false, _) => timing,
+        (true, true) => work.into_iter().chain(timing).collect(),
+        (true, false) => {
+            let set: Vec<_> = work.into_iter().flat_map(|cause| cause.set).collect();
+            let joined = Cause { name: WORK.into(), set, is_work: true };
+            [joined].into_iter().chain(timing).collect()
         }
     }
-    groups
 }
 
-/// Returns the group of a key: one memory, cache or FIFO, or otherwise the first component of the key.
-fn group_of(key: &str) -> &str {
-    let parts = if ["memory.", "cache.", "fifo."].iter().any(|kind| key.starts_with(kind)) { 2 } else { 1 };
-    key.match_indices('.').nth(parts - 1).map_or(key, |(at, _)| &key[..at])
-}
-
-/// Returns the settings that give the parameters of a run these values. Derived values that would change, such as the cycles of a
-/// memory that follow from its part, are set explicitly.
-fn options_for(of: &RecordedRun, target: &[Parameter]) -> Option<NewConfig> {
-    let (mut set, mut config) = (Vec::<(String, String)>::new(), of.config.clone());
-    for _ in 0..PASSES {
-        let here = config.parameters();
-        let differing = differing(&here, target);
-        if differing.is_empty() {
-            return Some((set, config));
-        }
-        for parameter in differing {
-            set.push((parameter.key.clone(), parameter.as_option()));
-        }
-        config = of.recording.config(&set).ok()?;
-    }
-    None
-}
-
-/// Returns the render cycles with these parameters; `None` if the machine would do other work or would not finish.
-fn resimulated_cycles(recording: &LoadedRecording, config: &MachineConfig) -> Option<u64> {
-    for_machine!(config, spec => cycles_as(recording, spec))
-}
-
-fn cycles_as<S: MachineSpec>(recording: &LoadedRecording, spec: &S) -> Option<u64> {
-    let recorded: S = recording.overrides.load(&[]).ok()?;
-    let netlist = netlist_of_same_work(&recorded, spec, recording.input).ok()?;
-    recording.recording.cycles(netlist).ok()?
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parameters_are_grouped_by_component() {
-        let parameter = |key: &str| Parameter { key: key.into(), ..MachineConfig::default().parameters().swap_remove(0) };
-        let grouped = |keys: &[&str]| {
-            let parameters: Vec<Parameter> = keys.iter().map(|key| parameter(key)).collect();
-            let groups = groups(&parameters.iter().collect::<Vec<_>>());
-            groups.into_iter().map(|(name, members)| format!("{name} {}", members.len())).collect::<Vec<_>>()
-        };
-        let some = ["fifo.a.depth", "fifo.a.latency", "memory.x.cl", "memory.y.cl", "memory.x.rp", "cache.x.ways", "ideal.units"];
-        assert_eq!(grouped(&some), ["fifo.a 2", "memory.x 2", "memory.y 1", "cache.x 1", "ideal 1"]);
-        let fifos =
-            ["fifo.a.depth", "fifo.b.depth", "fifo.c.depth", "fifo.d.depth", "fifo.e.depth", "fifo.f.depth", "fifo.g.depth"];
-        assert_eq!(grouped(&fifos[1..]).len(), 6);
-        assert_eq!(grouped(&fifos), ["fifo 7"]);
-    }
+/// Returns the subsets of the causes to measure, as bit masks: all of a few causes, and otherwise each cause alone.
+fn wanted_subsets(causes: usize) -> Vec<u64> {
+    if causes <= FEW { (0..1 << causes).collect() } else { (0..causes.min(63)).map(|n| 1 << n).collect() }
 }

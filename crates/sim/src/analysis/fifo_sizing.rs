@@ -1,14 +1,23 @@
 //! FIFO sizing: finds the smallest FIFOs that keep the cycles, by repeated resimulation.
 //!
-//! The search starts at the highest occupancy of each FIFO, because that many slots change nothing. It then shrinks each FIFO by
-//! bisection as far as the cycles allow, the FIFO with the most bits first. A second pass shrinks further what the first pass left.
-//! If units share a memory, cycles are not monotonic in a depth. The result is therefore the best one found, without a proof that it is
-//! the smallest. Its cycles are exact, because every result is resimulated as a whole.
+//! Without a memory, cycles are monotone in a depth. By law 2 a step starts when its inputs are visible and its output slots are free,
+//! so its start is a maximum of times, each later by a constant. More slots only remove terms of a maximum. A memory breaks this:
+//! requests that arrive earlier may be served in another order, or find another row open, and some answers then come later.
+//!
+//! 1. The *least depth* of each FIFO alone is found by trying every depth from 1 upward, with all other FIFOs as recorded. No smaller
+//!    depth keeps the cycles, whether cycles are monotone or not. Beyond [`TRIED`] slots the search bisects.
+//! 2. If all least depths together keep the cycles, they are the result.
+//! 3. Otherwise the search descends from the high-water marks, or from the recorded depths if these fail. It bisects one FIFO at a time
+//!    between its least depth and its current depth, the FIFO with most area to save first, until no FIFO shrinks further.
+//! 4. Last, each FIFO is tried with one slot less, so that every result is shown to have no spare slot.
+//!
+//! The cycles of each result are exact, because it is resimulated as a whole.
 
 use crate::build::build_warning;
 use crate::recording::{LoadedRecording, RecordingError, config_error};
-use basrelief_kernel::{Netlist, Outcome, RunReport};
-use basrelief_machines::{MachineSpec, for_machine};
+use basrelief_kernel::{HardwareKind, Netlist, Outcome, RunReport};
+use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
+use basrelief_report::model::Hardware;
 use basrelief_threads as threads;
 use serde::Serialize;
 use std::io::Read;
@@ -36,14 +45,25 @@ pub struct DepthChoice {
     pub slots: u64,
     /// Size of all slots \[bits\].
     pub bits: u64,
+    /// Area of the FIFOs \[gate equivalents\].
+    pub area_ge: u64,
     /// Depth of each FIFO with a parameter, by name.
     pub depths: Vec<(String, u32)>,
+    /// Least depth of each FIFO alone, with all others as recorded. Empty for the recorded depths.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub least_alone: Vec<(String, u32)>,
 }
+
+/// Largest depth up to which every depth is tried \[slots\].
+const TRIED: u32 = 64;
 
 /// A FIFO whose depth is a parameter.
 struct SizedFifo {
     name: String,
     depth: u32,
+    /// Largest occupancy in all recordings \[slots\].
+    high_water: u32,
+    /// Size of a slot \[bits\].
     bits: u64,
 }
 
@@ -60,15 +80,26 @@ pub fn size_fifos(
         recordings.into_iter().map(|recording| LoadedRecording::read(recording, budget)).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = loaded.first() else { return Err(RecordingError::Format("there is no recording".into())) };
     let config = first.config(&[])?;
-    for other in &loaded {
-        if other.config(&[])? != config {
-            return Err(RecordingError::Config("the recordings have different machines or different parameters".into()));
+    for (number, other) in loaded.iter().enumerate() {
+        if let Some(difference) = difference(&config, &other.config(&[])?) {
+            return Err(RecordingError::Different { number, difference });
         }
     }
     let mut sizing = for_machine!(&config, spec => SizingSearch::new(spec, &loaded)?.all_choices(within_percent))?;
     sizing.warnings = loaded.iter().filter_map(|recording| build_warning(&recording.build)).collect();
     sizing.warnings.dedup();
     Ok(sizing)
+}
+
+/// Describes the first difference of two machines; `None` if they are equal.
+fn difference(first: &MachineConfig, other: &MachineConfig) -> Option<String> {
+    let (name, other_name) = (first.machine().name, other.machine().name);
+    if name != other_name {
+        return Some(format!("the machine is `{other_name}`, expected `{name}` as in the first input"));
+    }
+    let (of_first, of_other) = (first.parameters(), other.parameters());
+    let (here, there) = of_first.iter().zip(&of_other).find(|(here, there)| here.default != there.default)?;
+    Some(format!("`{}` is {}, expected {} as in the first input", there.key, there.default, here.default))
 }
 
 struct SizingSearch<'a, S> {
@@ -89,61 +120,109 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
         let netlist = recordings[0].input.shape(spec).map_err(config_error)?;
         let of_report = sizing.recorded[0].fifos.iter();
         let own = of_report.filter(|fifo| values["fifo"].get(&fifo.name).is_some());
-        sizing.fifos = own
-            .map(|fifo| SizedFifo {
+        let sized = own.map(|fifo| {
+            let all = sizing.recorded.iter().flat_map(|run| &run.fifos).filter(|other| other.name == fifo.name);
+            SizedFifo {
                 name: fifo.name.clone(),
                 depth: fifo.depth as u32,
+                high_water: all.map(|fifo| fifo.high_water() as u32).max().unwrap_or(1).max(1),
                 bits: u64::from(netlist.fifo_bits(&fifo.name)),
-            })
-            .collect();
+            }
+        });
+        sizing.fifos = sized.collect();
         Ok(sizing)
     }
 
     fn all_choices(&self, within_percent: &[f64]) -> Result<FifoSizing, RecordingError> {
         let as_recorded: Vec<u32> = self.fifos.iter().map(|fifo| fifo.depth).collect();
-        let mut choices = vec![self.choice(None, &as_recorded)?];
+        let mut choices = vec![self.choice(None, &as_recorded, &[])?];
         for &percent in within_percent {
-            let depths = self.smallest(percent)?;
-            choices.push(self.choice(Some(percent), &depths)?);
+            let least = self.least_alone(percent)?;
+            let depths = self.smallest_together(&least, percent)?;
+            choices.push(self.choice(Some(percent), &depths, &least)?);
         }
         Ok(FifoSizing { machine: S::NAME.into(), choices, warnings: vec![] })
     }
 
-    fn choice(&self, within_percent: Option<f64>, depths: &[u32]) -> Result<DepthChoice, RecordingError> {
+    fn choice(&self, within_percent: Option<f64>, depths: &[u32], least: &[u32]) -> Result<DepthChoice, RecordingError> {
         let cycles = self.recordings.iter().map(|recording| self.resimulated(recording, depths).map(|run| run.marked_cycles()));
         let slots = depths.iter().map(|depth| u64::from(*depth)).sum();
         let bits = depths.iter().zip(&self.fifos).map(|(depth, fifo)| u64::from(*depth) * fifo.bits).sum();
-        let depths = self.fifos.iter().zip(depths).map(|(fifo, depth)| (fifo.name.clone(), *depth)).collect();
-        Ok(DepthChoice { within_percent, cycles: cycles.collect::<Result<_, _>>()?, slots, bits, depths })
+        let area_ge = self.areas(depths)?.iter().sum();
+        let named = |depths: &[u32]| self.fifos.iter().zip(depths).map(|(fifo, depth)| (fifo.name.clone(), *depth)).collect();
+        let cycles = cycles.collect::<Result<_, _>>()?;
+        Ok(DepthChoice { within_percent, cycles, slots, bits, area_ge, depths: named(depths), least_alone: named(least) })
     }
 
-    /// Returns the smallest depths found.
-    fn smallest(&self, percent: f64) -> Result<Vec<u32>, RecordingError> {
-        let high_water = |n: usize| {
-            let name = &self.fifos[n].name;
-            let most = self.recorded.iter().flat_map(|run| &run.fifos).filter(|f| f.name == *name).map(|f| f.high_water());
-            most.max().unwrap_or(1).max(1) as u32
+    /// Returns the area of each FIFO with these depths \[gate equivalents\], as a report states it.
+    fn areas(&self, depths: &[u32]) -> Result<Vec<u64>, RecordingError> {
+        let spec: S = self.recordings[0].overrides.load(&self.settings(depths)).map_err(config_error)?;
+        let (hardware, model) = (spec.hardware().map_err(config_error)?, spec.area_model());
+        let area = |fifo: &SizedFifo| {
+            let pieces = hardware.iter().filter(|piece| piece.kind == HardwareKind::Fifo && piece.place == fifo.name);
+            pieces.map(|piece| Hardware::new(piece, &model).area.area_ge).sum()
         };
-        let mut depths: Vec<u32> = (0..self.fifos.len()).map(high_water).collect();
+        Ok(self.fifos.iter().map(area).collect())
+    }
+
+    /// Returns the least depth of each FIFO that keeps the cycles if all others stay as recorded.
+    fn least_alone(&self, percent: f64) -> Result<Vec<u32>, RecordingError> {
+        let recorded: Vec<u32> = self.fifos.iter().map(|fifo| fifo.depth).collect();
+        let least = threads::par_map((0..recorded.len()).collect(), |n| {
+            for depth in 1..recorded[n].min(TRIED + 1) {
+                if self.keeps_cycles(&with_depth(&recorded, n, depth), percent)? {
+                    return Ok(depth);
+                }
+            }
+            self.bisect(&recorded, (n, TRIED.min(recorded[n] - 1)), percent)
+        });
+        least.into_iter().collect()
+    }
+
+    /// Returns depths that keep the cycles together, with as little area as the descent finds.
+    fn smallest_together(&self, least: &[u32], percent: f64) -> Result<Vec<u32>, RecordingError> {
+        if self.keeps_cycles(least, percent)? {
+            return self.without_spare_slots(least.to_vec(), percent);
+        }
+        let mut depths: Vec<u32> = self.fifos.iter().map(|fifo| fifo.high_water).collect();
+        if !self.keeps_cycles(&depths, percent)? {
+            depths = self.fifos.iter().map(|fifo| fifo.depth).collect();
+        }
+        let (now, then) = (self.areas(&depths)?, self.areas(least)?);
         let mut order: Vec<usize> = (0..self.fifos.len()).collect();
         // The sort is stable: ties keep the order of the block diagram.
-        order.sort_by_key(|&n| std::cmp::Reverse(u64::from(depths[n]) * self.fifos[n].bits));
-        for _ in 0..2 {
+        order.sort_by_key(|&n| std::cmp::Reverse(now[n].saturating_sub(then[n])));
+        loop {
+            let before = depths.clone();
             for &n in &order {
-                depths[n] = self.bisect(&depths, n, percent)?;
+                depths[n] = self.bisect(&depths, (n, least[n].min(depths[n]) - 1), percent)?;
+            }
+            if depths == before {
+                return self.without_spare_slots(depths, percent);
             }
         }
-        Ok(depths)
     }
 
-    /// Returns the smallest depth of FIFO `n` that keeps the cycles with the given other depths, by bisection.
-    fn bisect(&self, depths: &[u32], n: usize, percent: f64) -> Result<u32, RecordingError> {
-        let (mut too_small, mut enough) = (0, depths[n]);
+    /// Takes single slots away until one slot less in any FIFO exceeds the tolerance.
+    fn without_spare_slots(&self, mut depths: Vec<u32>, percent: f64) -> Result<Vec<u32>, RecordingError> {
+        loop {
+            let smaller = (0..depths.len()).filter(|&n| depths[n] > 1).map(|n| with_depth(&depths, n, depths[n] - 1)).collect();
+            let kept = threads::par_map(smaller, |depths: Vec<u32>| -> Result<_, RecordingError> {
+                Ok(self.keeps_cycles(&depths, percent)?.then_some(depths))
+            });
+            match kept.into_iter().find_map(Result::transpose) {
+                Some(fewer) => depths = fewer?,
+                None => return Ok(depths),
+            }
+        }
+    }
+
+    /// Returns the smallest depth of FIFO `n` that keeps the cycles with the given other depths, by bisection above `too_small`.
+    fn bisect(&self, depths: &[u32], (n, mut too_small): (usize, u32), percent: f64) -> Result<u32, RecordingError> {
+        let mut enough = depths[n];
         while enough - too_small > 1 {
             let middle = too_small + (enough - too_small) / 2;
-            let mut tried = depths.to_vec();
-            tried[n] = middle;
-            if self.keeps_cycles(&tried, percent)? { enough = middle } else { too_small = middle }
+            if self.keeps_cycles(&with_depth(depths, n, middle), percent)? { enough = middle } else { too_small = middle }
         }
         Ok(enough)
     }
@@ -169,14 +248,23 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
         Ok(recording.recording.cycles(self.netlist(recording, depths)?)?)
     }
 
+    fn settings(&self, depths: &[u32]) -> Vec<(String, String)> {
+        let set = |(fifo, depth): (&SizedFifo, &u32)| (format!("fifo.{}.depth", fifo.name), depth.to_string());
+        self.fifos.iter().zip(depths).map(set).collect()
+    }
+
     /// Returns the netlist of a recording's machine with these depths.
     fn netlist(&self, recording: &LoadedRecording, depths: &[u32]) -> Result<Netlist, RecordingError> {
-        let set = |(fifo, depth): (&SizedFifo, &u32)| (format!("fifo.{}.depth", fifo.name), depth.to_string());
-        let set: Vec<(String, String)> = self.fifos.iter().zip(depths).map(set).collect();
-        let spec: S = recording.overrides.load(&set).map_err(config_error)?;
+        let spec: S = recording.overrides.load(&self.settings(depths)).map_err(config_error)?;
         let netlist = recording.input.shape(&spec).map_err(config_error)?;
         let recorded = recording.input.shape(self.spec).map_err(config_error)?;
         recorded.same_work(&netlist).map_err(RecordingError::OtherWork)?;
         Ok(netlist)
     }
+}
+
+fn with_depth(depths: &[u32], n: usize, depth: u32) -> Vec<u32> {
+    let mut changed = depths.to_vec();
+    changed[n] = depth;
+    changed
 }

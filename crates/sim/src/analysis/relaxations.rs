@@ -1,8 +1,8 @@
 //! Relaxations that bottleneck analysis tries: a resource of the machine made ideal.
 
 use basrelief_kernel::{CriticalPath, Netlist, PathSegment, RunReport, UnitReport};
-use basrelief_report::model::{FULLY_PIPELINED, UNBOUNDED_FIFO};
-use serde::Serialize;
+use basrelief_machines::MachineSpec;
+use basrelief_report::model::{ALWAYS_HITS, FULLY_PIPELINED, IDEAL_MEMORY, UNBOUNDED_FIFO};
 use serde_json::{Map, Value};
 use std::cmp::Reverse;
 
@@ -10,73 +10,98 @@ use std::cmp::Reverse;
 const SLOTS: u32 = 65_536;
 /// Threshold: relaxations that could save less than 1/PART of the critical path are not tried.
 pub(crate) const PART: u64 = 1000;
+/// Parameter that lists the fully pipelined units.
+const IDEAL_UNITS: &str = "ideal.units";
+
+/// Settings, as in `--set`.
+pub(crate) type Settings = Vec<(String, String)>;
+
+/// Kind of a resource. Memories and caches have clients.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum ResourceKind {
+    Unit,
+    Fifo,
+    Memory(Vec<String>),
+    Cache(Vec<String>),
+}
 
 /// A resource made ideal.
 #[derive(Clone, Debug)]
 pub(crate) struct Relaxation {
     pub(crate) resource: String,
+    pub(crate) kind: ResourceKind,
     pub(crate) what: &'static str,
-    /// Settings, as in `--set`.
-    pub(crate) set: Vec<(String, String)>,
+    pub(crate) set: Settings,
     /// Relaxations of single aspects. They are tried only if the whole relaxation saves much.
     pub(crate) parts: Vec<Self>,
 }
 
 impl Relaxation {
-    fn new(resource: &str, what: &'static str, set: impl IntoIterator<Item = (String, String)>) -> Self {
-        Self { resource: resource.to_owned(), what, set: set.into_iter().collect(), parts: vec![] }
+    fn new(resource: &str, kind: ResourceKind, what: &'static str, set: impl IntoIterator<Item = (String, String)>) -> Self {
+        Self { resource: resource.to_owned(), kind, what, set: set.into_iter().collect(), parts: vec![] }
     }
 
-    fn of_unit(UnitReport { name, .. }: &UnitReport) -> Self {
-        Self::new(name, FULLY_PIPELINED, [("ideal.units".to_owned(), name.clone())])
+    /// Returns the cycles of the critical path that this resource holds.
+    pub(crate) fn path_cycles(&self, path: &CriticalPath) -> u64 {
+        path.parts.iter().filter(|part| self.holds(&part.stretch)).map(|part| part.cycles).sum()
+    }
+
+    /// True if a segment of a critical path belongs to this resource. A wait in a cache belongs to the cache and to its memory.
+    fn holds(&self, segment: &PathSegment) -> bool {
+        match (&self.kind, segment) {
+            (ResourceKind::Unit, PathSegment::Occupancy(unit) | PathSegment::Latency(unit)) => *unit == self.resource,
+            (ResourceKind::Fifo, PathSegment::Slot(fifo)) => *fifo == self.resource,
+            (ResourceKind::Memory(clients) | ResourceKind::Cache(clients), PathSegment::Memory(client, _)) => {
+                clients.contains(client)
+            }
+            _ => false,
+        }
     }
 }
 
-/// Candidates for relaxation in a run.
-///
-/// The critical path is a lower bound of the time. A relaxation shortens only the segments of its resource, except that a memory may
-/// serve other requests sooner. Therefore a resource that is not on the path saves nothing, or little.
-/// `path` is `None` while the path is not known.
-pub(crate) struct RelaxationCandidates<'a> {
+/// Relaxations of the resources of a machine that a run used.
+pub(crate) struct RelaxationCandidates<'a, S> {
     pub(crate) run: &'a RunReport,
     pub(crate) netlist: &'a Netlist,
-    pub(crate) path: Option<&'a CriticalPath>,
+    pub(crate) spec: &'a S,
+    /// Loads the parameters of the run with more settings.
+    pub(crate) load: &'a (dyn Fn(&[(String, String)]) -> Option<S> + Sync),
 }
 
-impl RelaxationCandidates<'_> {
-    /// Returns all relaxations that could save more than a little, in the order of the block diagram.
-    pub(crate) fn relaxations(&self, spec: &impl Serialize) -> Vec<Relaxation> {
-        let config = serde_json::to_value(spec).unwrap_or_default();
+impl<S: MachineSpec> RelaxationCandidates<'_, S> {
+    /// Returns the relaxation of every resource that the run used, in the order of the block diagram.
+    pub(crate) fn all(&self) -> Vec<Relaxation> {
+        let config = serde_json::to_value(self.spec).unwrap_or_default();
         let group = |name: &str| config.get(name).and_then(Value::as_object).cloned().unwrap_or_default();
-        let mut all = self.units();
-        all.extend(self.fifos(&group("fifo")));
+        let mut all: Vec<Relaxation> = self.slow_units().map(|unit| self.of_unit(unit)).collect();
+        all.extend(group("fifo").keys().map(|name| {
+            Relaxation::new(name, ResourceKind::Fifo, UNBOUNDED_FIFO, [(format!("fifo.{name}.depth"), SLOTS.to_string())])
+        }));
         all.extend(self.memories(&group("memory")));
         all.extend(self.caches(&group("cache")));
         all
     }
 
-    /// Returns the cycles of matching segments of the critical path; the maximum if the path is not known.
-    fn path_cycles(&self, is_so: impl Fn(&PathSegment) -> bool) -> u64 {
-        let parts = |path: &CriticalPath| path.parts.iter().filter(|part| is_so(&part.stretch)).map(|part| part.cycles).sum();
-        self.path.map_or(u64::MAX, parts)
-    }
-
-    fn is_much(&self, cycles: u64) -> bool {
-        cycles > self.path.map_or(0, |path| path.cycles / PART)
+    /// Returns the relaxations that could save more than a little.
+    ///
+    /// The critical path is a lower bound of the time. A relaxation shortens only the segments of its resource, except that a memory
+    /// may serve other requests sooner. Therefore a resource that is not on the path saves nothing, or little. Without a path every
+    /// relaxation counts. FIFOs have no threshold, because other waits may hide behind a short one.
+    pub(crate) fn on_path(&self, path: Option<&CriticalPath>) -> Vec<Relaxation> {
+        let full = |name: &str| self.run.fifos.iter().any(|fifo| fifo.name == name && fifo.high_water() == fifo.depth);
+        let could_save = |relaxation: &Relaxation| {
+            let cycles = path.map_or(u64::MAX, |path| relaxation.path_cycles(path));
+            match relaxation.kind {
+                ResourceKind::Fifo => cycles > 0 && full(&relaxation.resource),
+                _ => cycles > path.map_or(0, |path| path.cycles / PART),
+            }
+        };
+        self.all().into_iter().filter(could_save).collect()
     }
 
     /// Units with an initiation interval above 1.
     fn slow_units(&self) -> impl Iterator<Item = &UnitReport> {
         self.run.units.iter().filter(|unit| unit.account.busy > unit.steps)
-    }
-
-    fn units(&self) -> Vec<Relaxation> {
-        let is_on = |name: &str| {
-            self.is_much(
-                self.path_cycles(|s| matches!(s, PathSegment::Occupancy(unit) | PathSegment::Latency(unit) if unit == name)),
-            )
-        };
-        self.slow_units().filter(|unit| is_on(&unit.name)).map(Relaxation::of_unit).collect()
     }
 
     /// Returns the `most` busiest units, the busiest first, before the path is known. Excludes units that are busy for longer than all
@@ -85,79 +110,83 @@ impl RelaxationCandidates<'_> {
         let total = self.run.marked_cycles();
         let mut units: Vec<&UnitReport> = self.slow_units().filter(|unit| unit.account.busy <= total).collect();
         units.sort_by_key(|unit| Reverse(unit.account.busy));
-        units.into_iter().take(most).map(Relaxation::of_unit).collect()
+        units.into_iter().take(most).map(|unit| self.of_unit(unit)).collect()
     }
 
-    /// FIFOs that blocked their producer on the critical path. There is no threshold, because other waits may hide behind a short one.
-    fn fifos(&self, group: &Map<String, Value>) -> Vec<Relaxation> {
-        let full = |name: &String| self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth);
-        let is_on = |name: &String| self.path_cycles(|s| matches!(s, PathSegment::Slot(fifo) if fifo == name)) > 0;
-        let relaxed = |name: &String| Relaxation::new(name, UNBOUNDED_FIFO, [(format!("fifo.{name}.depth"), SLOTS.to_string())]);
-        group.keys().filter(|name| full(name) && is_on(name)).map(relaxed).collect()
-    }
-
-    /// True if requests of these clients take much of the path.
-    fn is_on_path(&self, is_client: impl Fn(&str) -> bool) -> bool {
-        self.is_much(self.path_cycles(|s| matches!(s, PathSegment::Memory(client, _) if is_client(client))))
+    /// Units that the user made ideal remain so.
+    fn of_unit(&self, UnitReport { name, .. }: &UnitReport) -> Relaxation {
+        let config = serde_json::to_value(self.spec).unwrap_or_default();
+        let ideal = config["ideal"]["units"].as_str().unwrap_or_default().to_owned();
+        let set = joined_settings([&vec![(IDEAL_UNITS.to_owned(), ideal)], &vec![(IDEAL_UNITS.to_owned(), name.clone())]]);
+        Relaxation::new(name, ResourceKind::Unit, FULLY_PIPELINED, set)
     }
 
     /// Memories with at least one request.
     fn memories(&self, group: &Map<String, Value>) -> Vec<Relaxation> {
-        let mut all = Vec::new();
-        for memory in &self.run.memories {
-            let is_client = |name: &str| memory.ports.iter().any(|port| port.client == name && port.counts.requests() > 0);
-            if let Some(config) = group.get(&memory.name).filter(|_| self.is_on_path(is_client)) {
-                all.push(of_memory(&memory.name, config["burst_bytes"].as_u64().unwrap_or_default()));
-            }
-        }
-        all
+        let used = |memory: &str| {
+            let ports = self.run.memories.iter().filter(|of| of.name == memory).flat_map(|memory| &memory.ports);
+            ports.filter(|port| port.counts.requests() > 0).map(|port| port.client.clone()).collect::<Vec<_>>()
+        };
+        let all = self.run.memories.iter().filter_map(|memory| Some((&memory.name, group.get(&memory.name)?)));
+        let used = all.map(|(name, config)| (name, config, used(name))).filter(|(.., clients)| !clients.is_empty());
+        used.filter_map(|(name, config, clients)| self.of_memory(name, config, clients)).collect()
+    }
+
+    /// Relaxes a memory to the part `ideal`, as the presets of ideal machines do, and tries three groups of its timings alone.
+    fn of_memory(&self, name: &str, config: &Value, clients: Vec<String>) -> Option<Relaxation> {
+        let latency: &[(&str, u64)] = &[("cl", 0), ("cwl", 0)];
+        let rows: &[(&str, u64)] =
+            &[("rcd", 0), ("rp", 0), ("ras", 0), ("rtp", 0), ("wr", 0), ("rrd", 0), ("faw", 0), ("refi", 0), ("rfc", 0)];
+        // The burst size is set explicitly, because otherwise it would follow from the cycles of a burst.
+        let burst_bytes = config["burst_bytes"].as_u64().unwrap_or_default();
+        let bus: &[(&str, u64)] = &[("burst_bytes", burst_bytes), ("burst_cycles", 1), ("wtr", 0)];
+        let kind = ResourceKind::Memory(clients);
+        let relaxed = |what, part: &[(&str, u64)]| {
+            let set = part.iter().map(|(key, value)| (format!("memory.{name}.{key}"), value.to_string()));
+            Relaxation::new(name, kind.clone(), what, set)
+        };
+        let parts = vec![relaxed("zero latency", latency), relaxed("no row commands", rows), relaxed("one cycle per burst", bus)];
+        Some(Relaxation { parts, ..Relaxation::new(name, kind.clone(), IDEAL_MEMORY, self.ideal_memory(name)?) })
+    }
+
+    /// Returns the settings that make a memory ideal: its part, and every value that the user's settings would keep.
+    fn ideal_memory(&self, name: &str) -> Option<Settings> {
+        let part = (format!("memory.{name}.part"), "ideal".to_owned());
+        let memory = |spec: &S| serde_json::to_value(spec).ok().map(|config| config["memory"][name].clone());
+        let ideal: S = basrelief_parameters::load("", &[(part.0.as_str(), part.1.as_str())]).ok()?;
+        let (ideal, here) = (memory(&ideal)?, memory(&(self.load)(std::slice::from_ref(&part))?)?);
+        let kept = ideal.as_object()?.iter().filter(|(key, value)| here.get(key.as_str()) != Some(value));
+        let kept = kept.map(|(key, value)| (format!("memory.{name}.{key}"), value.to_string()));
+        Some(std::iter::once(part.clone()).chain(kept).collect())
     }
 
     /// Caches with at least one miss.
     fn caches(&self, group: &Map<String, Value>) -> Vec<Relaxation> {
-        let mut all = Vec::new();
-        for cache in self.run.caches.iter().filter(|cache| cache.counts.misses + cache.counts.merged > 0) {
-            let is_client = |name: &str| self.netlist.cache_of(name) == Some(&cache.name);
-            if group.contains_key(&cache.name) && self.is_on_path(is_client) {
-                let set = [(format!("cache.{}.always_hits", cache.name), "true".into())];
-                all.push(Relaxation::new(&cache.name, "a hit on every lookup", set));
+        let clients = |cache: &str| {
+            let ports = self.run.memories.iter().flat_map(|memory| &memory.ports).map(|port| &port.client);
+            ports.filter(|client| self.netlist.cache_of(client).is_some_and(|of| of == cache)).cloned().collect()
+        };
+        let missed = self.run.caches.iter().filter(|cache| cache.counts.misses + cache.counts.merged > 0);
+        let relaxed = |name: &String| {
+            let set = [(format!("cache.{name}.always_hits"), "true".to_owned())];
+            Relaxation::new(name, ResourceKind::Cache(clients(name)), ALWAYS_HITS, set)
+        };
+        missed.map(|cache| &cache.name).filter(|name| group.contains_key(name.as_str())).map(relaxed).collect()
+    }
+}
+
+/// Returns the settings of several relaxations together. Lists of ideal units are joined.
+pub(crate) fn joined_settings<'a>(sets: impl IntoIterator<Item = &'a Settings>) -> Settings {
+    let mut joined: Settings = vec![];
+    for (key, value) in sets.into_iter().flatten() {
+        match joined.iter_mut().find(|(other, _)| other == key) {
+            Some((key, names)) if key == IDEAL_UNITS => {
+                let new = value.split(',').filter(|name| !names.split(',').any(|known| known == *name)).collect::<Vec<_>>();
+                *names = names.split(',').chain(new).filter(|name| !name.is_empty()).collect::<Vec<_>>().join(",");
             }
-        }
-        all
-    }
-}
-
-/// Relaxations of a memory. The burst size is set explicitly, because otherwise it would follow from the cycles of a burst.
-fn of_memory(name: &str, burst_bytes: u64) -> Relaxation {
-    let latency: &[(&str, u64)] = &[("cl", 0), ("cwl", 0)];
-    let rows: &[(&str, u64)] =
-        &[("rcd", 0), ("rp", 0), ("ras", 0), ("rtp", 0), ("wr", 0), ("rrd", 0), ("faw", 0), ("refi", 0), ("rfc", 0)];
-    let bus: &[(&str, u64)] = &[("burst_bytes", burst_bytes), ("burst_cycles", 1), ("wtr", 0)];
-    let relaxed = |what, parts: &[&[(&str, u64)]]| {
-        let set = parts.iter().copied().flatten().map(|(key, value)| (format!("memory.{name}.{key}"), value.to_string()));
-        Relaxation::new(name, what, set)
-    };
-    Relaxation {
-        parts: vec![
-            relaxed("zero latency", &[latency]),
-            relaxed("no row commands", &[rows]),
-            relaxed("one cycle per burst", &[bus]),
-        ],
-        ..relaxed("zero latency, no row commands, one cycle per burst", &[latency, rows, bus])
-    }
-}
-
-/// Combines two relaxations.
-pub(crate) fn combined(a: &Relaxation, b: &Relaxation) -> Relaxation {
-    let mut set = a.set.clone();
-    for (key, value) in &b.set {
-        match set.iter_mut().find(|(other, _)| other == key) {
-            // Names of units are joined. For a memory, both relaxations have the same value.
-            Some((key, names)) if key == "ideal.units" => *names = format!("{names},{value}"),
-            Some(_) => {}
-            None => set.push((key.clone(), value.clone())),
+            Some((_, old)) => old.clone_from(value),
+            None => joined.push((key.clone(), value.clone())),
         }
     }
-    let what = if a.what == b.what { a.what } else { "both relaxed" };
-    Relaxation::new(&format!("{} and {}", a.resource, b.resource), what, set)
+    joined
 }

@@ -25,6 +25,14 @@ pub enum RecordingError {
     /// Parameters that are unknown, out of range, or that do not fit together.
     #[error("{0}")]
     Config(String),
+    /// Recordings of different machines or parameters.
+    #[error("{difference}; all inputs must have the same machine and parameters")]
+    Different {
+        /// Number of the recording that differs from the first one, from 0.
+        number: usize,
+        /// The first difference.
+        difference: String,
+    },
     /// The run does not finish, so that its pictures and counts would be different.
     #[error("under these parameters the run does not finish: {0}")]
     Incomplete(String),

@@ -3,7 +3,7 @@
 use super::error::RecordingError;
 use super::format::header;
 use super::kept::KeptSteps;
-use super::loaded::{config_error, of_build};
+use super::loaded::{LoadedRecording, config_error, of_build};
 use super::reader::{BlockReader, ChunkReader, checked_end};
 use crate::analysis::bottleneck::CompletedRun;
 use crate::build::build_warning;
@@ -130,7 +130,7 @@ pub(super) fn ensure_complete(run: &RunReport) -> Result<(), RecordingError> {
 }
 
 /// Returns the netlist of `spec` if it does the same work as `recorded`: netlists and hardware of the units are compared.
-pub(crate) fn netlist_of_same_work<S: MachineSpec>(recorded: &S, spec: &S, input: InputKind) -> Result<Netlist, RecordingError> {
+pub(super) fn netlist_of_same_work<S: MachineSpec>(recorded: &S, spec: &S, input: InputKind) -> Result<Netlist, RecordingError> {
     // With a user who acts at times, the work depends on timing.
     if spec.acts_at_times() {
         return Err(RecordingError::OtherWork("its user acts at times".into()));
@@ -142,4 +142,15 @@ pub(crate) fn netlist_of_same_work<S: MachineSpec>(recorded: &S, spec: &S, input
         return Err(RecordingError::OtherWork("its units consist of other hardware".into()));
     }
     Ok(netlist)
+}
+
+/// Returns the render cycles of a recording with these parameters; `None` if the machine would do other work or would not finish.
+pub(crate) fn resimulated_cycles(recording: &LoadedRecording, config: &MachineConfig) -> Option<u64> {
+    for_machine!(config, spec => cycles_with(recording, spec))
+}
+
+fn cycles_with<S: MachineSpec>(recording: &LoadedRecording, spec: &S) -> Option<u64> {
+    let recorded: S = recording.overrides.load(&[]).ok()?;
+    let netlist = netlist_of_same_work(&recorded, spec, recording.input).ok()?;
+    recording.recording.cycles(netlist).ok()?
 }

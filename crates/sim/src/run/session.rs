@@ -336,11 +336,7 @@ impl<'a> ActiveRun<'a> {
             input: info.input.clone(),
             camera: info.frame.map_or(no_view, |f| f.camera),
             size: info.frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
-            quality: self.quality.last().map(|&last| PictureQuality {
-                last,
-                difference: self.difference,
-                frames: if several { self.quality.clone() } else { vec![] },
-            }),
+            quality: PictureQuality::of(&self.quality, self.difference),
             image: images.map(|(i, sha256)| PictureFile { file: picture_name("image", i, several), sha256 }).collect(),
             warnings: info.warnings.to_vec(),
             shown: std::mem::take(&mut self.shown),

@@ -3,8 +3,11 @@
 mod build;
 mod builds;
 mod common;
+mod comparison;
 mod costs;
 mod defer;
+mod fifo_sizing;
+mod ladder;
 mod mesa;
 mod presets;
 mod resimulation;

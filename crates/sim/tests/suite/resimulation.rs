@@ -8,8 +8,8 @@ use basrelief_report::model::OutcomeKind;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::Scene;
 use basrelief_sim::{
-    AnalysisPolicy, MACHINES, MachineConfig, MachineInfo, Observer, Overrides, RecordedRun, Recording, RecordingError,
-    ResimulateOptions, RunInput, RunOptions, display_list, explain, input_sha256, resimulate, run, trace_header,
+    AnalysisPolicy, MACHINES, MachineConfig, MachineInfo, Observer, Overrides, Recording, RecordingError, ResimulateOptions,
+    RunInput, RunOptions, display_list, input_sha256, resimulate, run, trace_header,
 };
 use basrelief_threads as threads;
 use proptest::prelude::*;
@@ -233,7 +233,7 @@ fn work(recording: &[u8]) -> String {
 fn bottleneck_settings_take_the_predicted_cycles() {
     for machine in MACHINES {
         let (report, _) = recorded(machine, of_scene(machine), &vec![], AnalysisPolicy::Always).unwrap();
-        let limits = report.limits.clone().unwrap();
+        let limits = report.bottlenecks.clone().unwrap().single;
         assert!(!limits.is_empty(), "{}: something limits it", machine.name);
         assert!(limits.is_sorted_by_key(|limit| limit.cycles));
         let path = report.critical_path.as_ref().unwrap();
@@ -310,100 +310,4 @@ fn invalid_resimulations_are_rejected() {
     spoiled[middle] ^= 1;
     // The changed byte is a different or an invalid step; either way, the recorded work has changed.
     assert!(timed_again(&spoiled, &vec![], AnalysisPolicy::Never).is_err());
-}
-
-/// Returns a change of each of several groups of parameters, and of the work.
-fn changes(machine: &MachineInfo) -> Vec<(&'static str, Settings)> {
-    let table = machine.parameters();
-    let first = |kind: &str, ending: &str, value: &str| {
-        let found = table.iter().find(|p| p.key.starts_with(kind) && p.key.ends_with(ending)).unwrap();
-        vec![(found.key.clone(), value.to_owned())]
-    };
-    let unit = machine.units().swap_remove(1).name;
-    let work =
-        [("bump", "replacement.entries", "64"), ("shade", "shade.mode", "brightness"), ("texel", "texel.error_bound", "0.1")];
-    let work = work.into_iter().find(|(name, ..)| *name == machine.name).map_or(("engine.latency", "900"), |(_, k, v)| (k, v));
-    vec![
-        ("memory", first("memory.", ".part", "sram")),
-        ("cache", first("cache.", ".sets", "1")),
-        ("fifo", first("fifo.", ".latency", "9")),
-        ("ideal", vec![("ideal.units".into(), unit)]),
-        ("work", vec![(work.0.into(), work.1.into())]),
-    ]
-}
-
-fn recorded_run((report, recording): &(Report, Vec<u8>)) -> RecordedRun {
-    RecordedRun::read(report, &mut Cursor::new(recording), &MemoryPool::default()).unwrap()
-}
-
-fn recorded_with(machine: &MachineInfo, settings: &Settings) -> (Report, Vec<u8>) {
-    recorded(machine, of_scene(machine), settings, AnalysisPolicy::Never).unwrap()
-}
-
-#[test]
-fn explanation_matches_full_runs_and_sums_to_difference() {
-    for machine in MACHINES {
-        let all: Settings = changes(machine).into_iter().flat_map(|(_, settings)| settings).collect();
-        let (a, b) = (recorded_with(machine, &vec![]), recorded_with(machine, &all));
-        let explained = explain(&recorded_run(&a), &recorded_run(&b)).unwrap();
-        assert_eq!(explained.shares.len(), 5, "{explained:?}");
-        for share in &explained.shares {
-            let mut settings = all.clone();
-            settings.extend(share.set.iter().map(|set| set.split_once('=').map(|(k, v)| (k.into(), v.into())).unwrap()));
-            let promised = recorded_with(machine, &settings).0.frame_cycles();
-            assert_eq!(Some(promised), share.cycles, "{}: {share:?}", machine.name);
-            assert_eq!(share.by, Some(b.0.frame_cycles() as i64 - promised as i64));
-        }
-        let shares: i64 = explained.shares.iter().filter_map(|share| share.by).sum();
-        let difference = b.0.frame_cycles() as i64 - a.0.frame_cycles() as i64;
-        assert_eq!(shares + explained.together, difference, "{}: {explained:?}", machine.name);
-        assert!(explained.shares.is_sorted_by(|x, y| x.by.map(i64::abs) >= y.by.map(i64::abs)));
-    }
-}
-
-#[test]
-fn single_change_explains_the_whole_difference() {
-    for machine in MACHINES {
-        let a = recorded_with(machine, &vec![]);
-        for (group, settings) in changes(machine) {
-            let b = recorded_with(machine, &settings);
-            let explained = explain(&recorded_run(&a), &recorded_run(&b)).unwrap();
-            assert_eq!((explained.shares.len(), explained.together), (1, 0), "{}: {group}: {explained:?}", machine.name);
-            assert_eq!(explained.shares[0].group.split('.').next(), Some(group));
-            assert_eq!(explained.shares[0].cycles, Some(a.0.frame_cycles()));
-        }
-        assert_eq!(explain(&recorded_run(&a), &recorded_run(&a)).unwrap().shares, []);
-    }
-}
-
-/// The clock is work, because all cycles are relative to it; the cycles of a memory are derived from it.
-#[test]
-fn derived_values_are_not_counted_twice() {
-    let hz = vec![("clock.hz".to_owned(), "100000000".to_owned())];
-    let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &hz));
-    let explained = explain(&recorded_run(&a), &recorded_run(&b)).unwrap();
-    let work = explained.shares.iter().find(|share| share.group == "work").unwrap();
-    assert_eq!(work.by, Some(0), "{explained:?}");
-    assert!(work.set.contains(&"memory.graphics.rcd=2".to_owned()), "as in run B: {work:?}");
-}
-
-#[test]
-fn inseparable_changes_have_no_share() {
-    // With fewer credits than a step needs, stamps have fewer fragments. Here no stamp is larger, but the simulator cannot know that.
-    let settings = vec![("memory.normal_map.outstanding".into(), "16".into()), ("fifo.shaded.depth".into(), "2".into())];
-    let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &settings));
-    let explained = explain(&recorded_run(&a), &recorded_run(&b)).unwrap();
-    let apart: Vec<(&str, bool)> = explained.shares.iter().map(|share| (share.group.as_str(), share.cycles.is_none())).collect();
-    assert_eq!(apart, [("fifo.shaded", false), ("memory.normal_map", true)], "{explained:?}");
-}
-
-#[test]
-fn recording_of_another_run_is_rejected() {
-    let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &changes(&MACHINES[0])[2].1));
-    for (report, recording) in [(&a.0, &b.1), (&b.0, &a.1), (&recorded_with(&MACHINES[1], &vec![]).0, &a.1)] {
-        let error = RecordedRun::read(report, &mut Cursor::new(recording), &MemoryPool::default()).err().unwrap();
-        assert!(matches!(error, RecordingError::OtherRun), "{error}");
-    }
-    let other = recorded_with(&MACHINES[1], &vec![]);
-    assert!(explain(&recorded_run(&a), &recorded_run(&other)).is_none(), "two machines");
 }

@@ -1,0 +1,121 @@
+//! Bottleneck ladder: relaxes the resource that holds most of the critical path, finds the new critical path, and continues with it.
+//!
+//! A relaxation of one resource saves nothing if several resources are saturated together. The ladder finds such a group, because it
+//! continues from each rung whether the rung saved cycles or not.
+
+use super::relaxations::{PART, Relaxation, ResourceKind, Settings, joined_settings};
+use basrelief_kernel::CriticalPath;
+use basrelief_report::model::RelaxedSet;
+use basrelief_threads as threads;
+
+/// Maximum number of rungs.
+const RUNGS: usize = 16;
+/// A resource whose relaxation alone saves this share of the ladder's saving is the bottleneck by itself \[1 / share\].
+const ALONE: u64 = 3;
+
+/// Relaxed resources, and the critical path with them.
+struct Rung<'a> {
+    relaxed: Vec<&'a Relaxation>,
+    cycles: u64,
+}
+
+/// Search for the ladder of a run.
+pub(crate) struct LadderSearch<'a> {
+    /// Every resource that can be relaxed, in the order of the block diagram.
+    pub(crate) relaxations: &'a [Relaxation],
+    /// Resimulates with these settings; `None` if the run does not finish or its path has too many events.
+    pub(crate) critical_path: &'a (dyn Fn(&Settings) -> Option<CriticalPath> + Sync),
+}
+
+/// Rungs from first to last, and the group of resources that are saturated together.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Ladder {
+    pub(crate) rungs: Vec<RelaxedSet>,
+    /// Rung of the ladder that saves half of what the last one saves, without resources that add nothing to it.
+    pub(crate) half: Option<RelaxedSet>,
+}
+
+impl Ladder {
+    /// Returns the resources that limit the run together; `None` if one of them alone saves much of what the ladder saves.
+    pub(crate) fn balanced(&self, total: u64, best_single: u64) -> Option<RelaxedSet> {
+        let most = self.rungs.last().map_or(0, |rung| total.saturating_sub(rung.cycles));
+        self.half.clone().filter(|half| half.relaxed.len() > 1 && best_single < most / ALONE)
+    }
+}
+
+impl LadderSearch<'_> {
+    /// Climbs from the critical path of the run.
+    pub(crate) fn climb(&self, first: &CriticalPath) -> Ladder {
+        let total = first.cycles;
+        let rungs = self.rungs(first);
+        let saved = |rung: &Rung<'_>| total.saturating_sub(rung.cycles);
+        let most = rungs.last().map_or(0, saved);
+        let half = rungs.iter().find(|rung| 2 * saved(rung) >= most).map(|rung| relaxed_set(&self.needed(rung, total), total));
+        Ladder { rungs: rungs.iter().map(|rung| relaxed_set(rung, total)).collect(), half }
+    }
+
+    /// Returns the rungs up to the last one that saves cycles.
+    fn rungs(&self, first: &CriticalPath) -> Vec<Rung<'_>> {
+        let mut rungs: Vec<Rung<'_>> = vec![];
+        let mut path = first.clone();
+        while rungs.len() < RUNGS {
+            let relaxed = rungs.last().map_or(vec![], |rung| rung.relaxed.clone());
+            let Some((relaxed, next)) = self.next(&path, &relaxed) else { break };
+            rungs.push(Rung { relaxed, cycles: next.cycles });
+            path = next;
+        }
+        let least = rungs.iter().map(|rung| rung.cycles).min().filter(|least| *least < first.cycles);
+        let last = rungs.iter().position(|rung| Some(rung.cycles) == least);
+        rungs.truncate(last.map_or(0, |last| last + 1));
+        rungs
+    }
+
+    /// Relaxes the resource with most of the path, or all FIFOs whose slots the path waits for, whichever takes fewer cycles. A wait
+    /// for a slot is short on the path, but it may cause long latencies there.
+    fn next<'a>(&'a self, path: &CriticalPath, relaxed: &[&'a Relaxation]) -> Option<(Vec<&'a Relaxation>, CriticalPath)> {
+        let open = self.relaxations.iter().filter(|new| !relaxed.iter().any(|old| std::ptr::eq(*old, *new)));
+        let (fifos, others): (Vec<&Relaxation>, Vec<&Relaxation>) = open.partition(|new| new.kind == ResourceKind::Fifo);
+        let fifos: Vec<&Relaxation> = fifos.into_iter().filter(|fifo| fifo.path_cycles(path) > 0).collect();
+        let mut largest: Option<(&Relaxation, u64)> = None;
+        for other in others {
+            let cycles = other.path_cycles(path);
+            if cycles > largest.map_or(path.cycles / PART, |(_, most)| most) {
+                largest = Some((other, cycles));
+            }
+        }
+        let choices = [largest.into_iter().map(|(largest, _)| largest).collect(), fifos];
+        let choices = choices.into_iter().filter(|more: &Vec<&Relaxation>| !more.is_empty());
+        let together = choices.map(|more| relaxed.iter().copied().chain(more).collect::<Vec<_>>()).collect();
+        let tried = threads::par_map(together, |all: Vec<&Relaxation>| {
+            let path = (self.critical_path)(&settings(&all))?;
+            Some((all, path))
+        });
+        tried.into_iter().flatten().min_by_key(|(_, path)| path.cycles)
+    }
+
+    /// Returns the rung without the resources that add no more than 1/[`PART`] of the cycles to its saving.
+    fn needed<'a>(&self, rung: &Rung<'a>, total: u64) -> Rung<'a> {
+        let mut needed = Rung { relaxed: rung.relaxed.clone(), cycles: rung.cycles };
+        for resource in &rung.relaxed {
+            let rest: Vec<&Relaxation> = needed.relaxed.iter().copied().filter(|of| !std::ptr::eq(*of, *resource)).collect();
+            let cycles = (self.critical_path)(&settings(&rest)).map(|path| path.cycles);
+            if let Some(cycles) = cycles.filter(|cycles| *cycles <= rung.cycles + total / PART) {
+                needed = Rung { relaxed: rest, cycles };
+            }
+        }
+        needed
+    }
+}
+
+fn settings(relaxed: &[&Relaxation]) -> Settings {
+    joined_settings(relaxed.iter().map(|of| &of.set))
+}
+
+fn relaxed_set(rung: &Rung<'_>, total: u64) -> RelaxedSet {
+    RelaxedSet {
+        relaxed: rung.relaxed.iter().map(|of| of.resource.clone()).collect(),
+        set: settings(&rung.relaxed).into_iter().map(|(key, value)| format!("{key}={value}")).collect(),
+        cycles: rung.cycles,
+        saved: basrelief_report::number::round6(1.0 - rung.cycles as f64 / total.max(1) as f64),
+    }
+}

@@ -1,0 +1,70 @@
+//! Bottleneck ladder: every rung takes the cycles that it promises, and a group of saturated units is found.
+
+use basrelief_report::Report;
+use basrelief_report::model::{Bottlenecks, IDEAL_MEMORY};
+use basrelief_scene::{ViewOptions, demo};
+use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, NoObserver, Overrides, RunInput, RunOptions, run};
+use serde_json::Value;
+use std::sync::Arc;
+
+type Settings = Vec<(String, String)>;
+
+/// Runs a demo with these settings.
+fn ran(machine: &MachineInfo, demo_name: &str, size: [u32; 2], settings: &Settings, bottlenecks: AnalysisPolicy) -> Report {
+    let options = ViewOptions { size, frames: Some(1), ..ViewOptions::default() };
+    let overrides = Overrides { toml: String::new(), settings: settings.clone() };
+    let config = overrides.config(machine, &[]).unwrap();
+    let options_of_run = RunOptions { config, exact: false, bottlenecks, overrides, ..RunOptions::default() };
+    run(RunInput::scene(Arc::new(demo(demo_name, &options).unwrap())), &options_of_run, &mut NoObserver, None).unwrap().report
+}
+
+fn settings(set: &[String]) -> Settings {
+    set.iter().map(|set| set.split_once('=').map(|(key, value)| (key.into(), value.into())).unwrap()).collect()
+}
+
+fn bottlenecks(report: &Report) -> &Bottlenecks {
+    report.bottlenecks.as_ref().unwrap()
+}
+
+// Claim: analysis: A full run with the options of each rung of the ladder takes the cycles of that rung.
+#[test]
+fn rung_options_take_the_predicted_cycles() {
+    for machine in MACHINES {
+        let whole = ran(machine, machine.demos[0], [40, 30], &vec![], AnalysisPolicy::Always);
+        let of = bottlenecks(&whole);
+        assert!(!of.ladder.is_empty(), "{}", machine.name);
+        let mut before: &[String] = &[];
+        for rung in of.ladder.iter().chain(&of.balanced) {
+            let again = ran(machine, machine.demos[0], [40, 30], &settings(&rung.set), AnalysisPolicy::Never);
+            assert_eq!(again.frame_cycles(), rung.cycles, "{}: {:?}", machine.name, rung.set);
+            assert_eq!(again.image, whole.image, "{}: the picture stays", machine.name);
+            let share = 1.0 - rung.cycles as f64 / whole.frame_cycles() as f64;
+            assert!((rung.saved - share).abs() < 1e-6, "{}: {rung:?}", machine.name);
+        }
+        for rung in &of.ladder {
+            assert!(rung.relaxed.len() > before.len() && rung.relaxed.starts_with(before), "{}: {rung:?}", machine.name);
+            before = &rung.relaxed;
+        }
+        let least = of.ladder.iter().map(|rung| rung.cycles).min();
+        assert_eq!(of.ladder.last().map(|rung| rung.cycles), least, "{}: the last rung saves most", machine.name);
+        let single = of.single.iter().map(|limit| limit.cycles).min();
+        assert!(least <= single, "{}: the ladder saves at least as much as one relaxation", machine.name);
+    }
+}
+
+/// Every relaxed memory has the values of the preset of the ideal machine, whatever the user set.
+#[test]
+fn ideal_memory_of_ladder_is_that_of_presets() {
+    let machine = MachineInfo::named("bump").unwrap();
+    let preset = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets/bump-ideal.toml");
+    let preset = machine.load(&std::fs::read_to_string(preset).unwrap(), &[]).unwrap().to_value();
+    let own: Settings =
+        [("memory.graphics.part", "sdr-100"), ("memory.graphics.cl", "40"), ("memory.graphics.burst_cycles", "9")]
+            .map(|(key, value)| (key.into(), value.into()))
+            .to_vec();
+    let report = ran(machine, "golf-ball", [40, 30], &own, AnalysisPolicy::Always);
+    let single = bottlenecks(&report).single.iter().find(|limit| limit.what == IDEAL_MEMORY).expect("a slow memory");
+    let all = own.iter().cloned().chain(settings(&single.set)).collect();
+    let config: Value = Overrides { toml: String::new(), settings: all }.config(machine, &[]).unwrap().to_value();
+    assert_eq!(config["memory"][&single.resource], preset["memory"][&single.resource]);
+}
