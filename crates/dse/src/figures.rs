@@ -1,7 +1,7 @@
 //! The numbers of a report, each by its path: `cycles.total`, `quality.psnr_db`, `units.replacement.busy`.
 //!
 //! A path is that of `report.json`; `derived.NAME` stands for its `value`. A list below `figures`, such as a number for each frame, has
-//! the path `figures.NAME.sum`; other lists have no path. These sums are added: `cycles.frames`, the render cycles, with the short name
+//! the path `figures.NAME.sum`. Quality has a path per frame, `quality.frames.N.psnr_db`, from 0; other lists have no path. These sums are added: `cycles.frames`, the render cycles, with the short name
 //! `cycles`; `hardware.area_ge`, the area of the machine, with its parts; and `hardware.bits`, its storage.
 
 use crate::Cell;
@@ -56,6 +56,7 @@ pub fn figures(report: &Value) -> Vec<ReportFigure> {
             figures.push(ReportFigure { name: path.join("."), unit: unit(path).into(), what: String::new(), cell });
         });
     }
+    figures.extend(frame_qualities(&report["quality"]));
     figures.extend(sums(report));
     for (name, value) in sorted(&report["figures"]) {
         let legend = |key: &str| report["legend"][name][key].as_str().unwrap_or_default().to_owned();
@@ -70,6 +71,30 @@ pub fn figures(report: &Value) -> Vec<ReportFigure> {
         figures.extend(number(&derived["value"]).map(figure));
     }
     figures
+}
+
+/// Path of the quality of a frame, before its number.
+const FRAME_QUALITY: &str = "quality.frames.";
+
+/// The quality of each frame; of a run with one picture, the quality of that one.
+fn frame_qualities(quality: &Value) -> Vec<ReportFigure> {
+    let mut found = Vec::new();
+    let of_last = std::slice::from_ref(quality);
+    let frames = quality["frames"].as_array().map_or(of_last, Vec::as_slice);
+    for (place, frame) in frames.iter().enumerate() {
+        for name in ["flip", "psnr_db", "ssim"] {
+            let unit = unit(&["quality", name]).into();
+            let path = format!("{FRAME_QUALITY}{place}.{name}");
+            found.extend(number(&frame[name]).map(|cell| ReportFigure { name: path, unit, what: String::new(), cell }));
+        }
+    }
+    found
+}
+
+/// Returns the path of the same figure of the first frame, which every report has, and the number of the frame.
+pub(crate) fn first_frame(path: &str) -> Option<(String, usize)> {
+    let (number, name) = path.strip_prefix(FRAME_QUALITY)?.split_once('.')?;
+    Some((format!("{FRAME_QUALITY}0.{name}"), number.parse().ok()?))
 }
 
 fn sorted(group: &Value) -> BTreeMap<&str, &Value> {
@@ -178,7 +203,7 @@ mod tests {
             "figures": { "fragments": 9, "names": "x", "levels": [1, 2], "none": [], "waits": [1, 0.5], "words": ["y"] },
             "legend": { "fragments": { "unit": "fragments", "description": "drawn" } },
             "derived": { "a.utilization": { "value": 0.4, "unit": "1", "formula": "f" }, "time_ms": { "value": 2.5, "unit": "ms", "formula": "g" } },
-            "quality": { "psnr_db": 30.5, "ssim": 1.0 },
+            "quality": { "psnr_db": 30.5, "ssim": 1.0, "min": { "psnr_db": 20.5 }, "frames": [{ "psnr_db": 20.5 }, { "psnr_db": 30.5 }] },
         });
         let found: Vec<String> =
             figures(&report).into_iter().map(|f| format!("{} = {} {}", f.name, f.cell, f.unit).trim_end().to_owned()).collect();
@@ -189,6 +214,7 @@ mod tests {
                 "cycles.write_tail = 3 cycles",
                 "bytes.moved = 64 bytes",
                 "bytes.requested = 13 bytes",
+                "quality.min.psnr_db = 20.5 dB",
                 "quality.psnr_db = 30.5 dB",
                 "quality.ssim = 1.0",
                 "units.a.busy = 4 cycles",
@@ -197,6 +223,8 @@ mod tests {
                 "memories.m.bytes.moved = 64 bytes",
                 "memories.m.clients.z.read_bytes = 5 bytes",
                 "memories.m.clients.z.write_bytes = 8 bytes",
+                "quality.frames.0.psnr_db = 20.5 dB",
+                "quality.frames.1.psnr_db = 30.5 dB",
                 "cycles.frames = 7 cycles",
                 "hardware.bits = 24 bits",
                 "hardware.area_ge = 90 gate equivalents",

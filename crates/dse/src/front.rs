@@ -2,11 +2,24 @@
 //!
 //! A point *dominates* another if it is at least as good by every objective and better by one. Points that no point dominates are
 //! Pareto-optimal; together they are the Pareto front. Only [`candidates`] count: rows that have run, keep every constraint and have a finite number for every
-//! objective. Points that are equal by every objective do not dominate each other: all of them are on the front, or none.
+//! objective. Of points that are equal by every objective, the one with the smallest area is on the front, and the first of equal
+//! areas; the others are its [ties](FrontPoint::ties).
 
 use crate::rules::ObjectiveDirection;
 use crate::table::{Cell, Table};
 use std::cmp::Ordering;
+
+/// Column of the area.
+const AREA: &str = "hardware.area_ge";
+
+/// A point of a front.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FrontPoint {
+    /// Number of its row.
+    pub row: usize,
+    /// Rows that are equal by every objective and have no smaller area, in the order of the table.
+    pub ties: Vec<usize>,
+}
 
 /// Rows that may be chosen, by number, each with its costs: a value per objective, of which the smaller is better. None if the
 /// table has no objective.
@@ -43,17 +56,37 @@ fn candidates_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]) -> V
 ///     rows: vec![row(100, 20.0), row(300, 30.0), row(200, 19.0), row(300, 30.0)],
 ///     ..Table::default()
 /// };
-/// // The third takes longer than the first and is worse; the second and the last are equal.
-/// assert_eq!(front(&table), [0, 1, 3]);
+/// // The third takes longer than the first and is worse; the last is equal to the second, so it is not listed.
+/// assert_eq!(front(&table), [0, 1]);
 /// ```
 pub fn front(table: &Table) -> Vec<usize> {
     front_by(table, &table.objectives().collect::<Vec<_>>())
 }
 
+/// Returns the Pareto-optimal rows with their ties, in the order of the table.
+pub fn front_points(table: &Table) -> Vec<FrontPoint> {
+    points_by(table, &table.objectives().collect::<Vec<_>>())
+}
+
 /// Returns [`front`] by these objectives only.
 pub(crate) fn front_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]) -> Vec<usize> {
+    points_by(table, objectives).into_iter().map(|point| point.row).collect()
+}
+
+fn points_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]) -> Vec<FrontPoint> {
     let (rows, costs): (Vec<usize>, Vec<Vec<f64>>) = candidates_by(table, objectives).into_iter().unzip();
-    nondominated(&costs).into_iter().map(|at| rows[at]).collect()
+    let area_column = table.columns.iter().position(|column| column.name == AREA);
+    let area = |at: usize| area_column.and_then(|column| table.rows[rows[at]].cells[column].number()).unwrap_or(f64::INFINITY);
+    let mut optimal = nondominated(&costs);
+    optimal.sort_by(|&a, &b| lexicographic(&costs[a], &costs[b]).then(area(a).total_cmp(&area(b))).then(a.cmp(&b)));
+    let point = |equal: &[usize]| {
+        let mut ties: Vec<usize> = equal[1..].iter().map(|at| rows[*at]).collect();
+        ties.sort_unstable();
+        FrontPoint { row: rows[equal[0]], ties }
+    };
+    let mut points: Vec<FrontPoint> = optimal.chunk_by(|&a, &b| costs[a] == costs[b]).map(point).collect();
+    points.sort_by_key(|point| point.row);
+    points
 }
 
 /// Returns true if costs `a` are at most costs `b` everywhere, and less somewhere.
@@ -164,6 +197,26 @@ mod tests {
         assert_eq!(front(&table), [0]);
         table.columns.iter_mut().for_each(|column| column.role = ColumnRole::Figure);
         assert!(front(&table).is_empty());
+    }
+
+    // Claim: analysis: Of designs that are equal by every objective, the one with the smallest area is on the front.
+    #[test]
+    fn cheapest_of_equal_designs_is_on_the_front() {
+        let column = |name: &str, role| Column { name: name.into(), unit: "".into(), role, what: "".into() };
+        let row = |cycles, area| Row {
+            id: "".into(),
+            state: PointState::Ok,
+            cells: vec![Cell::Whole(cycles), Cell::Whole(area)],
+            picture: None,
+        };
+        let columns = vec![
+            column("cycles", ColumnRole::Objective(ObjectiveDirection::Min)),
+            column("hardware.area_ge", ColumnRole::Figure),
+        ];
+        let rows = vec![row(5, 40), row(9, 1), row(5, 20), row(5, 30), row(5, 20)];
+        let table = Table { columns, rows, ..Table::default() };
+        assert_eq!(front_points(&table), [FrontPoint { row: 2, ties: vec![0, 3, 4] }]);
+        assert_eq!(front(&table), [2]);
     }
 
     #[test]

@@ -64,7 +64,7 @@ pub use effects::{Effect, effects};
 pub use execute::{SweepJob, execute};
 pub use explore::{Budget, ExplorationResult, ExploreOptions, explore};
 pub use folder::{PointStatus, PointStore, SweepFolder};
-pub use front::{candidates, front};
+pub use front::{FrontPoint, candidates, front, front_points};
 pub use host::{OpenedInput, SweepHost, SweepProgress};
 pub use hypervolume::ObjectiveSpace;
 pub use page::{PageOptions, page};

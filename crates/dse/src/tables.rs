@@ -129,34 +129,46 @@ fn columns(plan: &Plan, points: &[(PointState, Vec<ReportFigure>)]) -> Vec<Colum
     columns
 }
 
-/// Maximum number of printed points of a front.
+/// Maximum number of printed points of a front, with their ties.
 const MOST_PRINTED: usize = 40;
 
-/// Returns the Pareto front as a text table.
+/// Returns the Pareto front as a text table. Below each point are its ties, with `=` for its objectives.
 fn front_text(table: &Table) -> String {
-    let front = front::front(table);
+    let mut front = front::front_points(table);
     let (points, of) = (front.len(), table.rows.iter().filter(|row| table.feasible(row)).count());
     let kept: Vec<String> = table.constraints.iter().map(ToString::to_string).collect();
     let keep = if kept.is_empty() { String::new() } else { format!(" that keep {}", kept.join(", ")) };
     let mut text = format!("{}\n{points} of {of} points{keep} are Pareto-optimal\n", table.title);
-    let shown: Vec<usize> = table.objectives().map(|(at, _)| at).chain(table.axes()).collect();
+    let ties: usize = front.iter().map(|point| point.ties.len()).sum();
+    if ties > 0 {
+        let _ =
+            writeln!(text, "{ties} more equal one of them in every objective and have no smaller area; they follow it with `=`");
+    }
+    let objectives: Vec<usize> = table.objectives().map(|(at, _)| at).collect();
+    let shown: Vec<usize> = objectives.iter().copied().chain(table.axes()).collect();
     let title = |&at: &usize| match table.columns[at].role {
         ColumnRole::Objective(ObjectiveDirection::Min) => format!("{} min", table.columns[at].header()),
         ColumnRole::Objective(ObjectiveDirection::Max) => format!("{} max", table.columns[at].header()),
         ColumnRole::Axis | ColumnRole::Figure => table.columns[at].header(),
     };
-    let mut order = front;
     let cost = |row: usize| shown.first().and_then(|&at| table.rows[row].cells[at].number()).unwrap_or(f64::NAN);
     // Stable: of equals the first of the plan is first.
-    order.sort_by(|a, b| cost(*a).total_cmp(&cost(*b)));
-    let line = |&row: &usize| shown.iter().map(|&at| table.rows[row].cells[at].to_string()).collect::<Vec<_>>();
-    let lines: Vec<Vec<String>> =
-        std::iter::once(shown.iter().map(title).collect()).chain(order.iter().take(MOST_PRINTED).map(line)).collect();
+    front.sort_by(|a, b| cost(a.row).total_cmp(&cost(b.row)));
+    let line = |row: usize, is_tie: bool| {
+        let cell = |&at: &usize| {
+            if is_tie && objectives.contains(&at) { "=".into() } else { table.rows[row].cells[at].to_string() }
+        };
+        shown.iter().map(cell).collect::<Vec<String>>()
+    };
+    let all = front.iter().flat_map(|point| {
+        std::iter::once(line(point.row, false)).chain(point.ties.iter().map(|tie| line(*tie, true))).collect::<Vec<_>>()
+    });
+    let lines: Vec<Vec<String>> = std::iter::once(shown.iter().map(title).collect()).chain(all.take(MOST_PRINTED)).collect();
     if points > 0 {
         text += &aligned(&lines);
     }
-    if points > MOST_PRINTED {
-        let _ = writeln!(text, "... and {} more", points - MOST_PRINTED);
+    if points + ties > MOST_PRINTED {
+        let _ = writeln!(text, "... and {} more", points + ties - MOST_PRINTED);
     }
     text
 }

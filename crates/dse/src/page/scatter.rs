@@ -194,11 +194,13 @@ fn choices(sweep: &SweepView<'_>, across: usize, upright: usize) -> Html {
     let select = |id: &str, name: &str, options: Html| {
         el("label", &[], [text(format!("{name} ")), el("select", &[("id", id)], [options])])
     };
-    let none = option("", "Pareto front", true);
+    // The third objective is the colour at first, because the axes show two of them.
+    let third = sweep.table.objectives().filter_map(|(at, _)| sweep.drawn_index(at)).find(|at| ![across, upright].contains(at));
+    let none = option("", "Pareto front", third.is_none());
     let selects = [
         select("across", "x", options(Some(across))),
         select("upright", "y", options(Some(upright))),
-        select("colour", "colour", [none, options(None)].into_iter().collect()),
+        select("colour", "colour", [none, options(third)].into_iter().collect()),
     ];
     // Without the script nothing would happen.
     el("form", &[("id", "choose"), ("hidden", "hidden")], selects)

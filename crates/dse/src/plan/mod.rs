@@ -10,13 +10,15 @@ mod written;
 pub use axes::Axis;
 pub use definition::{Plan, PlanInput, PlanPoint};
 
-use crate::figures::{ReportFigure, path_of};
+use crate::figures::{ReportFigure, first_frame, path_of};
 use crate::one;
 use crate::{OpenedInput, SweepError, SweepHost};
 use axes::{Exclusion, KeyPositions};
 use basrelief_parameters::{ConfigError, nearest};
-use basrelief_sim::{MachineInfo, Overrides, input_sha256};
+use basrelief_signals::{Frame, Scene};
+use basrelief_sim::{MachineInfo, Overrides, PreparedScene, input_sha256};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use written::{BaseConfig, PlanFile, SampleMethod, SampleOptions};
 
 /// A run, to make a plan [around](Plan::one_at_a_time).
@@ -105,14 +107,20 @@ impl Plan {
         }
         let exclusions = written.exclude.iter().map(|table| Exclusion::of(table, &plan.axes)).collect::<Result<Vec<_>, _>>()?;
         let places = points::axis_values(&plan.axes, &exclusions, written.samples.as_ref(), names.len())?;
-        let view: Vec<(String, String)> = written.view.iter().map(|(name, value)| (name.clone(), setting_text(value))).collect();
-        plan.inputs = names.iter().map(|name| plan.open(name, &view, host)).collect::<Result<_, _>>()?;
+        let views = views(&written.view, &written.views);
+        plan.inputs = names.iter().map(|name| plan.open(name, &views, host)).collect::<Result<_, _>>()?;
         plan.points = points::points(&plan, &places);
         Ok(plan)
     }
 
-    fn open(&self, name: &str, view: &[(String, String)], host: &dyn SweepHost) -> Result<PlanInput, String> {
-        self.input(name, host.open(name, view)?, host)
+    /// Opens an input. The frames of several views follow each other.
+    fn open(&self, name: &str, views: &[ViewSettings], host: &dyn SweepHost) -> Result<PlanInput, String> {
+        let mut opened = views.iter().map(|view| host.open(name, view)).collect::<Result<Vec<_>, _>>()?;
+        if opened.len() > 1 {
+            opened = vec![joined_views(&opened, host).map_err(|error| format!("views: {name}: {error}"))?];
+        }
+        let Some(opened) = opened.pop() else { return Err("views: is empty; expected a view at least".into()) };
+        self.input(name, opened, host)
     }
 
     fn input(&self, name: &str, opened: OpenedInput, host: &dyn SweepHost) -> Result<PlanInput, String> {
@@ -160,11 +168,15 @@ impl Plan {
 
     /// Replaces figures by their paths and checks that each exists. Without a trial run nothing is checked.
     fn check_figures(&mut self, known: Option<&[ReportFigure]>) -> Result<(), String> {
+        let of_input = |input: &PlanInput| if let OpenedInput::Scene(of) = &input.opened { of.scene().frames.len() } else { 1 };
+        let frames = self.inputs.iter().map(of_input).min().unwrap_or(1);
         let columns = self.objectives.iter_mut().map(|o| ("objectives", &mut o.column));
         for (place, column) in columns.chain(self.constraints.iter_mut().map(|c| ("constraints", &mut c.column))) {
             *column = path_of(column);
             let Some(known) = known else { continue };
-            if !known.iter().any(|figure| figure.name == *column) {
+            let is_known = |name: &str| known.iter().any(|figure| figure.name == name);
+            let of_frame = first_frame(column).is_some_and(|(first, frame)| is_known(&first) && frame < frames);
+            if !of_frame && !is_known(column) {
                 let near = nearest(column, known.iter().map(|figure| figure.name.as_str()));
                 let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
                 return Err(format!(
@@ -177,6 +189,42 @@ impl Plan {
             Some(twice) => Err(format!("objectives: `{}` is named twice", twice.column)),
             None => Ok(()),
         }
+    }
+}
+
+/// Options of a view, as the command line takes them.
+type ViewSettings = Vec<(String, String)>;
+
+/// Returns the options of each view: those of `view`, and over them those of one of `views`, which draw one frame each unless they
+/// state more.
+fn views(common: &toml::Table, views: &[toml::Table]) -> Vec<ViewSettings> {
+    let settings = |table: &toml::Table| table.iter().map(|(name, value)| (name.clone(), setting_text(value))).collect();
+    let over_common = |view: &toml::Table| {
+        let mut all = common.clone();
+        all.extend(view.clone());
+        all.entry("frames").or_insert(toml::Value::Integer(1));
+        settings(&all)
+    };
+    if views.is_empty() { vec![settings(common)] } else { views.iter().map(over_common).collect() }
+}
+
+/// Returns one scene with the frames of all views.
+fn joined_views(opened: &[OpenedInput], host: &dyn SweepHost) -> Result<OpenedInput, String> {
+    let scene = |input: &OpenedInput| match input {
+        OpenedInput::Scene(prepared) => Ok(Arc::clone(prepared.scene())),
+        OpenedInput::Trace => Err("a trace has its own view; remove `views`".to_owned()),
+    };
+    let scenes = opened.iter().map(scene).collect::<Result<Vec<_>, _>>()?;
+    let all = scenes.iter().flat_map(|scene| &scene.frames);
+    let frames: Vec<Arc<Frame>> = (0..).zip(all).map(|(index, frame)| Arc::new(Frame { index, ..(**frame).clone() })).collect();
+    let mut sizes: Vec<(u32, u32)> = frames.iter().map(|frame| (frame.width, frame.height)).collect();
+    sizes.dedup();
+    match (scenes.first(), sizes.as_slice()) {
+        (Some(first), [_]) => {
+            let joined = Scene { frames, ..(**first).clone() };
+            Ok(OpenedInput::Scene(PreparedScene::cached(Arc::new(joined), host.budget())))
+        }
+        _ => Err(format!("have the sizes {sizes:?}; expected one size for all views")),
     }
 }
 

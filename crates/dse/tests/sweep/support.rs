@@ -34,9 +34,11 @@ impl SweepHost for Program {
             return Ok(OpenedInput::Trace);
         }
         let Some(name) = name.strip_prefix("demo:") else { return Err(format!("input: {name}: cannot be read")) };
-        assert!(view.iter().all(|(name, _)| name == "frames"), "the only option that this program knows");
-        let frames = view.iter().map(|(_, value)| value.parse().unwrap()).next_back();
-        let options = ViewOptions { size: [40, 30], frames, ..ViewOptions::default() };
+        assert!(view.iter().all(|(name, _)| ["frames", "turn"].contains(&name.as_str())), "options that this program knows");
+        let value = |option: &str| view.iter().find(|(name, _)| name == option).map(|(_, value)| value.as_str());
+        let frames = value("frames").map(|frames| frames.parse().unwrap());
+        let turn = value("turn").and_then(|turn| turn.split_once(',')).map(|(x, y)| [x, y].map(|angle| angle.parse().unwrap()));
+        let options = ViewOptions { size: [40, 30], frames, turn, ..ViewOptions::default() };
         let scene = demo(name, &options).map_err(|error| format!("input: {error}"))?;
         Ok(OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), &self.budget)))
     }
