@@ -219,6 +219,15 @@ fn reports_do_not_differ_between_folders() {
 }
 
 #[test]
+fn describe_filters_units_and_parameters() {
+    let place = Place::new();
+    let said = place.ok("describe bump memory.graphics").out;
+    assert!(said.lines().count() < 120 && said.contains("memory.graphics.cl = "), "{said}");
+    assert!(!said.contains("replacement.lanes") && !said.contains("Demo scenes"), "{said}");
+    assert!(place.run("describe bump memory.grafics").error(2).contains("did you mean"));
+}
+
+#[test]
 fn describe_shows_derived_memory_timings() {
     let place = Place::new();
     let said = place.ok("describe bump --set memory.graphics.part=sdr-133 --set memory.graphics.cl=2").out;

@@ -35,7 +35,7 @@ fn limits_hold_as_full_runs_and_can_be_left_out() {
     let text = place.ok("demo corridor --size 48x36 --no-exact").out;
     assert!(text.contains("Bottleneck: `"), "{text}");
     let report = place.report("out");
-    let first = &report["bottlenecks"][0];
+    let first = &report["bottlenecks"]["single"][0];
     let set: Vec<String> =
         first["set"].as_array().expect("options").iter().map(|s| format!("--set {}", s.as_str().unwrap())).collect();
     place.ok(&format!("{RUN} --no-bottlenecks {} --out ideal", set.join(" ")));
@@ -76,6 +76,7 @@ fn sized_fifos_keep_requested_cycles() {
     place.ok(&format!("{RUN} --recording a.recording"));
     let cycles = place.frame_cycles("out");
     let text = place.ok("size-fifos a.recording --within 0,1").out;
+    assert!(place.ok("size-fifos a.recording").out.contains("within 0.1 %: "), "the default tolerance");
     let sets = text.lines().find_map(|line| line.strip_prefix("within 1 %: ")).expect("a choice");
     place.ok(&format!("{RUN} --no-bottlenecks {sets} --out small"));
     assert!(place.frame_cycles("small") as f64 <= cycles as f64 * 1.01, "{text}");
@@ -92,6 +93,9 @@ fn models_and_demos_are_sized_without_recording() {
     let of_recording = place.ok("size-fifos a.recording --within 1 --json").out;
     assert_eq!(place.ok("size-fifos demo:corridor --size 48x36 --within 1 --json").out, of_recording);
     assert!(place.run("size-fifos a.recording --size 8x8").error(2).contains("a recording has its own machine and view"));
+    place.ok(&format!("{RUN} --set fifo.pixels.depth=3 --recording b.recording"));
+    let error = place.run("size-fifos a.recording b.recording").error(1).to_owned();
+    assert!(error.starts_with("b.recording: `fifo.pixels.depth` is 3, expected ") && !error.contains("--set"), "{error}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Arguments of the commands that do not simulate: `describe`, `compare`, `schema`.
 
+use super::common::ViewArgs;
 use super::values::{finite, key_value, machine};
 use basrelief_sim::{MACHINES, MachineInfo};
 use clap::{Args, ValueEnum};
@@ -11,6 +12,9 @@ pub struct DescribeArgs {
     /// The machine.
     #[arg(value_parser = machine(), default_value = MACHINES[0].name)]
     pub machine: &'static MachineInfo,
+    /// Show only units and parameters whose name contains this text, for example `memory.graphics`.
+    #[arg(value_name = "FILTER", conflicts_with = "hardware")]
+    pub filter: Option<String>,
     /// Parameter file (TOML); the table shows the resulting values.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
@@ -46,6 +50,28 @@ pub struct CompareArgs {
     /// Write the comparison as an HTML page with causes, images and block diagrams, in one file.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
+    /// Measurement of the causes. Timing parameters need resimulations of the recordings, several work parameters need runs of
+    /// --input.
+    #[arg(long, value_enum, default_value_t)]
+    pub explain: Explain,
+    /// Model, trace or `demo:NAME` of both runs, with its view options, to measure work parameters one by one [default: the demo
+    /// that the reports name, in its own view].
+    #[arg(long, value_name = "INPUT")]
+    pub input: Option<PathBuf>,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// Causes that `compare` measures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Explain {
+    /// No causes.
+    None,
+    /// Timing parameters one by one, and all work parameters together, by resimulation.
+    Timing,
+    /// Each parameter that the user changed. The machine runs again for single work parameters.
+    #[default]
+    All,
 }
 
 /// Arguments of `schema`.

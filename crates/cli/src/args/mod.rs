@@ -8,7 +8,7 @@ mod sweep;
 mod values;
 
 pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, TablesArgs, TokenKind, ViewArgs};
-pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
+pub use describe::{CompareArgs, DescribeArgs, Explain, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use run::{DemoArgs, PageArgs, ResimulateArgs, RunArgs, ServeArgs, SizeFifosArgs};
 pub use sweep::{ExploreArgs, PlanArgs, SweepArgs};

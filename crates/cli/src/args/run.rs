@@ -82,7 +82,7 @@ pub struct SizeFifosArgs {
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
     /// Allowed increase of the render cycles [%]; a comma-separated list gives one result per value.
-    #[arg(long, value_name = "PERCENT", value_delimiter = ',', default_values_t = [0.0, 0.5, 2.0], value_parser = finite)]
+    #[arg(long, value_name = "PERCENT", value_delimiter = ',', default_values_t = [0.1], value_parser = finite)]
     pub within: Vec<f64>,
     /// Print the result as JSON.
     #[arg(long)]

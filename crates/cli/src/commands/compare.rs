@@ -1,9 +1,11 @@
 //! `basrelief compare`: changes between reports and their causes.
 
+use super::causes::CauseMeasurement;
 use super::recording::{open, unreadable};
 use super::reporting::style;
 use crate::args::CompareArgs;
 use crate::error::{CommandError, CommandResult, print};
+use crate::global::GlobalOptions;
 use crate::input::read_text;
 use crate::outputs::{PartialFile, REPORT, check_outputs_keep_inputs, recording_in};
 use crate::terminal;
@@ -11,7 +13,7 @@ use basrelief_input::{MemoryPool, json_weight};
 use basrelief_report::compare::overview;
 use basrelief_report::html::{self, PagePicture, compared};
 use basrelief_report::{Comparison, Report, compare as difference};
-use basrelief_sim::{RecordedRun, RecordingError, explain, page_assets};
+use basrelief_sim::{RecordedRun, RecordingError, page_assets};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,7 +35,8 @@ struct ReportPair<'a> {
 }
 
 /// Compares the first report with each of the others; fails over a limit.
-pub fn compare(args: &CompareArgs, budget: &MemoryPool) -> CommandResult {
+pub fn compare(args: &CompareArgs, global: &GlobalOptions) -> CommandResult {
+    let budget = &global.budget;
     let first = ReportSide::read(&args.a, budget)?;
     let others = args.others.iter().map(|path| ReportSide::read(path, budget)).collect::<CommandResult<Vec<_>>>()?;
     if let Some(page) = &args.html {
@@ -42,7 +45,8 @@ pub fn compare(args: &CompareArgs, budget: &MemoryPool) -> CommandResult {
         let files: Vec<(&str, &Path)> = files.iter().map(|(name, file)| (*name, &**file)).collect();
         check_outputs_keep_inputs(None, &[("--html", page)], &files).map_err(CommandError::Usage)?;
     }
-    let pairs: Vec<ReportPair<'_>> = others.iter().map(|other| first.compare_with(other)).collect();
+    let causes = CauseMeasurement::new(args, (&first.report, first.recorded.as_ref()), global)?;
+    let pairs: Vec<ReportPair<'_>> = others.iter().map(|other| first.compare_with(other, &causes)).collect();
     if args.json {
         let mut list = pairs.iter().map(ReportPair::to_json).collect::<CommandResult<Vec<Value>>>()?;
         let json = if pairs.len() == 1 { list.swap_remove(0) } else { list.into() };
@@ -87,11 +91,10 @@ fn page(path: &Path, (first, others): (&ReportSide, &[ReportSide]), pairs: &[Rep
 }
 
 fn text(first: &ReportSide, others: &[ReportSide], pairs: &[ReportPair<'_>]) -> String {
-    if let [pair] = pairs {
-        return pair.comparison.to_text(style());
-    }
     let reports: Vec<_> = std::iter::once(first).chain(others).map(|side| (&*side.name, &side.report)).collect();
-    let pairs = pairs.iter().map(|pair| format!("\nA: {}, B: {}\n{}", pair.a, pair.b, pair.comparison.to_text(style())));
+    let heading =
+        |pair: &ReportPair<'_>| if others.len() > 1 { format!("A: {}, B: {}\n", pair.a, pair.b) } else { String::new() };
+    let pairs = pairs.iter().map(|pair| format!("\n{}{}", heading(pair), pair.comparison.to_text(style())));
     std::iter::once(overview(&reports, style())).chain(pairs).collect()
 }
 
@@ -146,8 +149,8 @@ impl ReportSide {
         Ok(html::ComparedReport { name: &self.name, report: &self.report, assets })
     }
 
-    fn compare_with<'a>(&'a self, other: &'a Self) -> ReportPair<'a> {
-        let explained = self.recorded.as_ref().zip(other.recorded.as_ref()).and_then(|(a, b)| explain(a, b));
+    fn compare_with<'a>(&'a self, other: &'a Self, causes: &CauseMeasurement<'_>) -> ReportPair<'a> {
+        let explained = self.recorded.as_ref().zip(other.recorded.as_ref()).and_then(|(a, b)| causes.explain(a, b));
         ReportPair { a: &self.name, b: &other.name, comparison: difference(&self.report, &other.report, explained) }
     }
 }

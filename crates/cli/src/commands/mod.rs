@@ -1,5 +1,6 @@
 //! One file per command, and the code that several commands share.
 
+mod causes;
 mod compare;
 mod convert;
 mod describe;
@@ -45,7 +46,7 @@ pub fn dispatch(command: Command, global: &GlobalOptions) -> CommandResult {
         Command::Convert(args) => convert::convert(&args, &global.budget),
         Command::Verify(args) => verify::verify(&args, global),
         Command::Describe(args) => describe::describe(&args, &global.budget),
-        Command::Compare(args) => compare::compare(&args, &global.budget),
+        Command::Compare(args) => compare::compare(&args, global),
         Command::Schema(args) => schema::schema(&args),
         Command::Page(args) => page::page(&args, global.quiet),
         Command::Serve(args) => serve::serve(&args, global),

@@ -142,6 +142,7 @@ impl FinishedFiles {
         }
         let mut names = self.image_names(report.image.len() > 1);
         names.push(REPORT.to_owned());
+        names.extend(args.csv.then(|| "report.csv".to_owned()));
         if self.run_recording.map_or(Ok(false), |recording| recording.write_to(&self.outputs)).map_err(failed())? {
             names.push(RUN_RECORDING.to_owned());
         }
@@ -202,7 +203,7 @@ impl OutputFiles {
         let beside = [(requests, &simulation.requests), (recording, &simulation.recording), (page, &simulation.html)];
         let beside = beside.into_iter().filter_map(|(file, path)| Some((file?, path.clone()?))).collect();
         // Without a bottleneck analysis the recording cannot be resimulated either.
-        let run_recording = (recording_is_complete && report.limits.is_some()).then_some(run_recording);
+        let run_recording = (recording_is_complete && report.bottlenecks.is_some()).then_some(run_recording);
         Ok(FinishedFiles { beside, dumps, run_recording, outputs, frames, kinds: kinds.concat(), extra })
     }
 

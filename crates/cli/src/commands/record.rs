@@ -3,17 +3,19 @@
 use super::convert::to_trace_file;
 use super::simulate::{read_files, simulate_quietly};
 use crate::args::RecordArgs;
-use crate::error::{CommandError, CommandResult};
+use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
 use crate::outputs::check_outputs_keep_inputs;
 use crate::progress::Progress;
 use basrelief_input::{CountedBuffer, MemoryPool};
+use basrelief_report::number::thousands;
 use basrelief_signals::Scene;
 use basrelief_sim::{MachineConfig, RunInput, display_list, expectation_of, reserve_textures, trace_header};
 use basrelief_trace::{BeginCommand, ExpectedResults, ParameterValue, TraceEncoding, TraceForm, TraceRecorder};
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Records a scene.
@@ -30,13 +32,22 @@ pub fn record(args: &RecordArgs, global: &GlobalOptions) -> CommandResult {
     check_outputs_keep_inputs(None, &[("--out", &args.out)], &[]).map_err(CommandError::Usage)?;
     let (scene, budget) = (scene.scene(), &global.budget);
     let expectations = if args.expect { vec![replay_results(scene, &config, args, budget)?] } else { vec![] };
+    let mut commands = 0;
     to_trace_file(&args.out, |writer, form| {
         let progress = Progress::new(None, "commands", global.quiet);
-        write_list(scene, &config, writer, (form, trace_header(scene)), expectations, (progress, budget))
-    })
+        commands = write_list(scene, &config, writer, (form, trace_header(scene)), expectations, (progress, budget))?;
+        Ok(())
+    })?;
+    if !global.quiet && args.out != Path::new("-") {
+        let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
+        let (frames, with) = (scene.frames.len(), if args.expect { ", with expectations" } else { "" });
+        let text = format!("{} commands of {frames} frames, {} bytes{with}", thousands(commands), thousands(bytes));
+        print(&format!("Written to {}: {text}\n", args.out.display()))?;
+    }
+    Ok(())
 }
 
-/// Writes the trace of a scene with this form and header.
+/// Writes the trace of a scene with this form and header. Returns the number of commands.
 pub fn write_list(
     scene: &Arc<Scene>,
     config: &MachineConfig,
@@ -44,17 +55,19 @@ pub fn write_list(
     (form, begin): (TraceForm, BeginCommand),
     expectations: Vec<ExpectedResults>,
     (mut progress, budget): (Progress, &MemoryPool),
-) -> CommandResult {
+) -> CommandResult<u64> {
     // Copies of texels during recording: base64 and a line buffer that doubles.
     let copies = || (0..4).map(|_| reserve_textures(scene, 0, budget)).collect::<Result<Vec<_>, _>>();
     let _copies = copies().map_err(CommandError::in_input(&scene.name))?;
     let failed = CommandError::in_input(&scene.name);
     let mut recorder = TraceRecorder::new(writer, form, begin).map_err(&failed)?;
-    for (n, control) in (1..).zip(display_list(scene, config)) {
+    let mut commands = 0;
+    for control in display_list(scene, config) {
         recorder.record(&control).map_err(&failed)?;
-        progress.set_position(n);
+        commands += 1;
+        progress.set_position(commands);
     }
-    recorder.finish(expectations).map(|_| ()).map_err(failed)
+    recorder.finish(expectations).map(|_| commands).map_err(failed)
 }
 
 /// Returns the results of a replay of the trace. They differ from a run of the scene, where the geometry processor can be blocked: in a

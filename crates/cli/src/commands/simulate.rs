@@ -158,7 +158,9 @@ impl<'a> Simulation<'a> {
     fn print_report(&self, report: &Report, names: &str) -> CommandResult {
         if !self.is_quiet() {
             show_report(report, &self.args.tables)?;
-            print(&format!("\nWritten to {}/: {names}\n", self.args.out.display()))?;
+            let beside = named_outputs(self.args).into_iter().filter(|(_, path)| path.exists());
+            let beside: String = beside.map(|(option, path)| format!("\n{option}: {}", path.display())).collect();
+            print(&format!("\nWritten to {}/: {names}{beside}\n", self.args.out.display()))?;
         }
         let message = report.outcome.message.clone().unwrap_or_default();
         match report.outcome.kind {

@@ -11,7 +11,8 @@ use crate::terminal;
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_report::number::{real, thousands};
 use basrelief_sim::{
-    AnalysisPolicy, DepthChoice, FifoSizing, MachineConfig, NoObserver, Observer, Overrides, RunOptions, size_fifos as sized,
+    AnalysisPolicy, DepthChoice, FifoSizing, MachineConfig, NoObserver, Observer, Overrides, RecordingError, RunOptions,
+    size_fifos as sized,
 };
 use basrelief_trace::TraceForm;
 use std::fmt::Write;
@@ -31,7 +32,10 @@ pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> CommandResult
         args.inputs.iter().map(|input| RecordedInput::open(input, args, global)).collect::<CommandResult<Vec<_>>>()?;
     let names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
     let readers = inputs.iter_mut().map(|input| &mut *input.recording as &mut dyn Read).collect();
-    let sizes = sized(readers, &args.within, &global.budget).map_err(failure(&names.join(", ")))?;
+    let sizes = sized(readers, &args.within, &global.budget).map_err(|error| match error {
+        RecordingError::Different { number, .. } => CommandError::in_input(names.get(number).map_or("", |name| name))(error),
+        error => failure(&names.join(", "))(error),
+    })?;
     for (number, input) in inputs.iter().enumerate() {
         input.check(number, &sizes)?;
     }
@@ -122,16 +126,25 @@ fn text(sizes: &FifoSizing) -> String {
         let within = choice.within_percent.map_or("as recorded".into(), |percent| format!("within {} %", real(percent)));
         let fewer = slots_saved(choice, recorded);
         let cycles: Vec<String> = choice.cycles.iter().map(|cycles| thousands(*cycles)).collect();
-        let (slots, bits) = (thousands(choice.slots), thousands(choice.bits));
-        let _ =
-            writeln!(text, "{within:<14} {slots:>8} slots {bits:>12} bits  {cycles} cycles{fewer}", cycles = cycles.join(", "));
+        let (slots, bits, area) = (thousands(choice.slots), thousands(choice.bits), thousands(choice.area_ge));
+        let cycles = cycles.join(", ");
+        let _ = writeln!(text, "{within:<14} {slots:>8} slots {bits:>12} bits {area:>10} GE  {cycles} cycles{fewer}");
     }
     for choice in found {
         let changed = choice.depths.iter().zip(&recorded.depths).filter(|(new, old)| new.1 != old.1);
         let sets: Vec<String> = changed.map(|((name, depth), _)| format!("--set fifo.{name}.depth={depth}")).collect();
         let _ = write!(text, "\nwithin {} %: {}\n", real(choice.within_percent.unwrap_or_default()), sets.join(" "));
+        text += &shown_least(choice);
     }
     text
+}
+
+/// States what was shown of a choice: no FIFO has a spare slot, and some need more slots together than alone.
+fn shown_least(choice: &DepthChoice) -> String {
+    let both = choice.depths.iter().zip(&choice.least_alone).filter(|(together, alone)| together.1 > alone.1);
+    let listed: Vec<String> = both.map(|((name, together), (_, alone))| format!("{name} {together} ({alone})")).collect();
+    let more = if listed.is_empty() { String::new() } else { format!(" More slots together than alone: {}.", listed.join(", ")) };
+    format!("One slot less in any FIFO exceeds the tolerance.{more}\n")
 }
 
 fn slots_saved(choice: &DepthChoice, recorded: &DepthChoice) -> String {
