@@ -6,8 +6,8 @@ use crate::pixels;
 use crate::recording::open_recording;
 use basrelief_input::MemoryPool;
 use basrelief_report::html::{self, compared as page_of};
-use basrelief_report::{Comparison, Report, TextStyle, compare as difference};
-use basrelief_sim::{RecordedRun, RecordingError, explain, page_assets};
+use basrelief_report::{Comparison, MeasuredCauses, Report, TextStyle, compare as difference};
+use basrelief_sim::{ExplainOptions, RecordedRun, RecordingError, explain, page_assets};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{FromPyObject, Python, pyfunction};
 
@@ -50,9 +50,14 @@ impl ParsedSide<'_> {
     }
 
     fn compared_with(&self, other: &Self) -> CommandResult<Comparison> {
-        let explained = self.recorded_run()?.zip(other.recorded_run()?).and_then(|(a, b)| explain(&a, &b));
+        let explained = self.recorded_run()?.zip(other.recorded_run()?).and_then(|(a, b)| causes(&a, &b));
         Ok(difference(&self.report, &other.report, explained))
     }
+}
+
+/// Explains the difference by resimulation. Several work parameters are one cause, because the input is not here.
+fn causes(a: &RecordedRun, b: &RecordedRun) -> Option<MeasuredCauses> {
+    explain(a, b, &ExplainOptions { input: None, progress: &|_, _| {}, budget: &budget(MemoryPool::DEFAULT) })
 }
 
 /// Compares `a` with `b`. Returns the JSON and the text of the command line.

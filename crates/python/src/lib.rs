@@ -38,7 +38,7 @@ mod _basrelief {
     #[pymodule_export]
     use crate::scene::{DisplayList, Scene, read_text};
     #[pymodule_export]
-    use crate::sweep::{Plan, work_alone};
+    use crate::sweep::{Plan, explore, work_alone};
 
     /// Version of the simulator.
     #[pymodule_export]

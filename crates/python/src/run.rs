@@ -121,6 +121,6 @@ fn run_watched(source: RunSource, settings: &RunOptions) -> PythonResult<(String
     let ran = ran.map_err(CommandError::of_run(&name))?;
     // If the analysis was requested but failed, the recording cannot be resimulated either.
     let has_recording =
-        ran.recording_is_complete && (settings.recording == AnalysisPolicy::Always || ran.report.limits.is_some());
+        ran.recording_is_complete && (settings.recording == AnalysisPolicy::Always || ran.report.bottlenecks.is_some());
     Ok((ran.report.to_json().map_err(CommandError::bad_input)?, watch, has_recording))
 }

@@ -3,7 +3,8 @@
 use crate::error::{CommandError, CommandResult, PythonResult, budget};
 use crate::scene::{DisplayList, RunSource, ViewArguments, text_of};
 use basrelief_dse::{
-    OpenedInput, Plan as SweepPlan, PlanPoint, PointStatus, SweepFolder, SweepHost, SweepJob, SweepProgress, execute, tables,
+    Budget, ExplorationResult, ExploreOptions, OpenedInput, Plan as SweepPlan, PlanPoint, PointStatus, SweepFolder, SweepHost,
+    SweepJob, SweepProgress, execute, explore as explore_plan, tables,
 };
 use basrelief_input::MemoryPool;
 use basrelief_reference::RgbPicture;
@@ -15,6 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 /// A checked plan with its inputs open.
 #[pyclass(frozen, module = "basrelief._basrelief")]
@@ -103,6 +105,42 @@ impl Plan {
     fn title(&self) -> &str {
         &self.plan.title
     }
+}
+
+/// Counts of an exploration: points of the plan, chosen points, reused, run, resimulated and failed points.
+type ExplorationCounts = (usize, usize, usize, usize, usize, usize);
+
+/// Explores the plan `text`, as if it were the file `name`: chooses up to `budget` points, or points for so many seconds, and writes their
+/// tables. Returns the counts, the Pareto front as text, and the share of the hypervolume of the whole grid if all its points exist.
+#[pyfunction]
+pub fn explore(
+    py: Python<'_>,
+    plan: (PathBuf, String, Option<u64>),
+    (points, seconds, seed): (Option<usize>, Option<f64>, u32),
+    folder: PathBuf,
+    at_once: Option<usize>,
+    (retry_failed, pictures): (bool, bool),
+) -> PythonResult<(ExplorationCounts, String, Option<f64>)> {
+    let limit = match (points, seconds.map(Duration::try_from_secs_f64)) {
+        (Some(points), None) if points > 0 => Budget::Points(points),
+        (None, Some(Ok(time))) => Budget::Time(time),
+        _ => return Err(CommandError::Usage("expected `budget`, a number of points, or `seconds`, and not both".into()).into()),
+    };
+    let (name, text, memory_limit) = plan;
+    let Plan { plan, files } = Plan::new(py, name, &text, memory_limit)?;
+    py.detach(|| {
+        let (host, folder) = (PythonHost { files: &files, stopped: Mutex::default() }, SweepFolder::new(&folder));
+        let threads = at_once.unwrap_or_else(threads::workers);
+        let (all, work) = (plan.points.len(), SweepJob { points: &[], retry_failed, pictures, threads });
+        let found = explore_plan(plan, ExploreOptions { budget: limit, seed }, &work, (&folder, &host));
+        if let Some(stopped) = host.stopped.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            return Err(stopped.into());
+        }
+        let ExplorationResult { plan, tally, share, .. } = found.map_err(CommandError::bad_input)?;
+        let front = tables(&plan, &folder, &host).map_err(CommandError::bad_input)?;
+        let SweepProgress { existing, run, resimulated, failed, .. } = tally;
+        Ok(((all, plan.points.len(), existing, run, resimulated, failed), front, share))
+    })
 }
 
 /// Limits every later run of this process to one core, because the other cores belong to other tasks.

@@ -36,7 +36,7 @@ def test_cycles_of_every_unit_sum_to_the_run(result: Result) -> None:
 
 def test_tables_are_frames_of_pandas_and_polars(result: Result) -> None:
     texts = {"units": {"unit"}, "fifos": {"fifo"}, "memories": {"memory", "client"}, "caches": {"cache"}}
-    for name in ("units", "fifos", "memories", "caches", "bottlenecks", "figures"):
+    for name in ("units", "fifos", "memories", "caches", "bottlenecks", "ladder", "figures"):
         table: Table = getattr(result, name)
         rows = len(table.rows())
         assert rows > 0 and all(len(column) == rows for column in table.values()), name

@@ -80,6 +80,19 @@ def test_a_sweep_is_that_of_the_program_and_resumes(plan: Path, expected: dict[s
     assert done.result(hashes[0]).cycles > 0
 
 
+def test_an_exploration_is_that_of_the_program_and_resumes(plan: Path, program: Program, tmp_path: Path) -> None:
+    plan.write_text(PLAN.replace('["demo:ellipsoid@2", "patch.obj"]', '"demo:ellipsoid@2"'))
+    expected, out = tmp_path / "program", tmp_path / "here"
+    said = program("explore", str(plan), "--budget", "5", "--out", str(expected)).stdout
+    found = basrelief.explore(plan, budget=5, out=out)
+    assert (found.grid, found.failed) == (POINTS // 2, 0)
+    assert files(out) == files(expected) and str(found).splitlines()[-1] in said
+    again = basrelief.explore(plan, budget=5, out=out)
+    assert (again.reused, again.run, again.resimulated, str(again)) == (again.points, 0, 0, str(found))
+    with pytest.raises(basrelief.UsageError):
+        basrelief.explore(plan, out=out)
+
+
 def test_workers_leave_the_same_bytes(client: Any, plan: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
     out = tmp_path / "workers"
     done = basrelief.sweep(plan, client, out=out)

@@ -19,7 +19,7 @@ from .picture import Picture
 from .renamed import warn_renamed
 from .result import IncompleteError, Recording, Result, load
 from .scene import demo, demos, display_list, scene
-from .sweep import Sweep, sweep
+from .sweep import Exploration, Sweep, explore, sweep
 from .table import Table
 
 def __getattr__(name: str) -> Any:
@@ -33,6 +33,7 @@ __all__ = [
     "Comparison",
     "DisplayList",
     "Error",
+    "Exploration",
     "IncompleteError",
     "InputError",
     "Machine",
@@ -47,6 +48,7 @@ __all__ = [
     "demo",
     "demos",
     "display_list",
+    "explore",
     "load",
     "machines",
     "scene",

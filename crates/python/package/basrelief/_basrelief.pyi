@@ -16,6 +16,7 @@ __all__ = [
     "compared",
     "demos",
     "difference",
+    "explore",
     "machines",
     "page",
     "part",
@@ -132,6 +133,13 @@ class Plan:
     ) -> tuple[int, int, int, int]: ...
     def tables(self, folder: _Path) -> str: ...
 
+def explore(
+    plan: tuple[_Path, str, int | None],
+    limit: tuple[int | None, float | None, int],
+    folder: _Path,
+    at_once: int | None,
+    options: tuple[bool, bool],
+) -> tuple[tuple[int, int, int, int, int, int], str, float | None]: ...
 def work_alone() -> None: ...
 def machines() -> list[tuple[str, str]]: ...
 def demos() -> list[tuple[str, str, str]]: ...

@@ -136,8 +136,10 @@ class Result:
 
     @property
     def fifos(self) -> Table:
-        """Occupancy of each FIFO: depth, tokens, high-water mark, mean, and cycles in which it was full."""
-        return Table.of_rows([_fifo(name, fifo) for name, fifo in self._timed("fifos").items()])
+        """Occupancy of each FIFO: depth, tokens, high-water mark, mean over the render cycles, and cycles in which it was full."""
+        cycles, is_complete = self._timed("cycles"), self.report["outcome"]["kind"] == "complete"
+        tail = cycles["write_tail"] if is_complete and cycles["frames"] else 0
+        return Table.of_rows([_fifo(name, fifo, tail) for name, fifo in self._timed("fifos").items()])
 
     @property
     def memories(self) -> Table:
@@ -154,8 +156,15 @@ class Result:
     @property
     def bottlenecks(self) -> Table:
         """Measured bottlenecks: resource, relaxation, the parameters that relax it, the render cycles then, and the saving."""
-        rows = self._part("bottlenecks", "run(bottlenecks=True) analyses every complete run")
-        return Table.of_rows(rows, ["resource", "relaxation", "set", "cycles", "saved"])
+        return Table.of_rows(self._bottlenecks()["single"], ["resource", "relaxation", "set", "cycles", "saved"])
+
+    @property
+    def ladder(self) -> Table:
+        """Bottleneck ladder: all relaxed resources of each rung, the parameters, the render cycles then, and the saved share."""
+        return Table.of_rows(self._bottlenecks()["ladder"], ["relaxed", "set", "cycles", "saved"])
+
+    def _bottlenecks(self) -> Any:
+        return self._part("bottlenecks", "run(bottlenecks=True) analyses every complete run")
 
     @property
     def limits(self) -> Table:
@@ -309,8 +318,11 @@ def _summed(unit: dict[str, Any]) -> dict[str, Any]:
     return {name: sum(value.values()) if isinstance(value, dict) else value for name, value in unit.items()}
 
 
-def _fifo(name: str, fifo: dict[str, Any]) -> dict[str, Any]:
-    histogram = fifo["histogram"]
+def _fifo(name: str, fifo: dict[str, Any], tail: int) -> dict[str, Any]:
+    """A FIFO that is empty in the `tail` after the last frame has its mean over the render cycles."""
+    histogram = list(fifo["histogram"])
+    if histogram[0] >= tail:
+        histogram[0] -= tail
     held = sum(slots * cycles for slots, cycles in enumerate(histogram))
     figures = {"mean": held / max(sum(histogram), 1), "full": histogram[-1]}
     return {"fifo": name, **_plain(fifo), **figures}

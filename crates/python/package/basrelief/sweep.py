@@ -106,6 +106,46 @@ def sweep(
     return Sweep(folder, len(points), there, run, retimed, failed, points.tables(folder))
 
 
+@dataclass(frozen=True)
+class Exploration(Sweep):
+    """Result of an exploration. Its points are the chosen ones."""
+
+    grid: int
+    """Number of points of the plan."""
+    share: float | None
+    """Share of the hypervolume of the whole grid; `None` unless all points of the grid have results."""
+
+
+def explore(
+    plan: FilePath,
+    *,
+    budget: int | None = None,
+    seconds: float | None = None,
+    seed: int = 0,
+    out: FilePath = "out",
+    threads: int | None = None,
+    pictures: bool = True,
+    retry_failed: bool = False,
+    memory_limit: int | None = None,
+) -> Exploration:
+    """Finds the Pareto front of a plan with few runs, as `basrelief explore` does.
+
+    `budget`: maximum number of points.
+    `seconds`: time after which no round of points begins; instead of `budget`.
+    `seed`: choose differently among points that promise the same; 0 prefers the first in the plan.
+    The other options are those of `sweep`. Points with a result in the folder `out` are not run again, so an interrupted exploration
+    continues where it stopped.
+
+    Raises `InputError` for an invalid plan, and `UsageError` without a limit.
+    """
+    name, folder = Path(plan), Path(out)
+    made: _Made = (str(name), _basrelief.read_text(name), memory_limit)
+    options = (retry_failed, pictures)
+    counts, front, share = _basrelief.explore(made, (budget, seconds, seed), folder, threads, options)
+    grid, points, reused, run, resimulated, failed = counts
+    return Exploration(folder, points, reused, run, resimulated, failed, front, grid, share)
+
+
 _Tally = tuple[int, int, int, int]
 
 
