@@ -35,3 +35,4 @@ mod traces;
 mod usage;
 mod viewer;
 mod watch;
+mod wires;

@@ -53,8 +53,7 @@ pub use packet::{
 };
 pub use polygon::{LightingStage, MeshInfo, ObjectInfo, Polygon, SentAttributes, Vertex, VertexAttributes};
 pub use schema::schema_of;
-pub use width::{BitWidth, SignalWidths};
-pub use wire_fields::{FieldWidth, WireField, WireFields};
+pub use wire_fields::{BitWidth, FieldWidth, SignalWidths, WireField, WireFields};
 
 /// Tests the example of the README.
 #[cfg(doctest)]

@@ -4,40 +4,14 @@
 
 use crate::fragment::{NormalIndexes, PictureFlow, PseudoNormals, ShadedFragment, StampLanes};
 use crate::packet::{PACKET_PIXELS, Packet, PixelPacket};
-use crate::wire_fields::WireFields;
+pub use crate::wire_fields::NUMBER;
+use crate::wire_fields::{BitWidth, SignalWidths, WireFields};
 use crate::{
     Attribution, Control, Draw, Flow, Fragment, Frame, MAX_STAMP, Pixel, PixelSet, Polygon, Stamp, StampSample, StampSamples,
 };
 use smallvec::{Array, SmallVec};
 use std::sync::Arc;
 
-/// Bit widths that a machine's configuration decides, and the number of items that travel side by side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SignalWidths {
-    /// Depth value \[bits\].
-    pub depth: u32,
-    /// Fragments per [`Stamp`].
-    pub stamp: u32,
-    /// Samples per fragment.
-    pub samples: u32,
-    /// Component of a pseudo-normal N' \[bits\].
-    pub normal: u32,
-    /// Index of a reference normal \[bits\].
-    pub index: u32,
-    /// All brightness values of a fragment \[bits\].
-    pub brightness: u32,
-    /// Texture coordinate \[bits\].
-    pub texture: u32,
-}
-
-impl Default for SignalWidths {
-    fn default() -> Self {
-        Self { depth: 24, stamp: 4, samples: 1, normal: 16, index: 8, brightness: 8, texture: NUMBER }
-    }
-}
-
-/// Single-precision number \[bits\].
-pub const NUMBER: u32 = 32;
 /// Column or row of a picture \[bits\].
 pub const COORDINATE: u32 = 16;
 /// Colour of three components, 8 bits each \[bits\].
@@ -51,20 +25,6 @@ pub const SHARE: u32 = 8;
 /// Control token \[bits\]: its kind, and the number of its frame, object or polygon. Set-up registers of the units hold the data of
 /// frames, objects and polygons.
 pub const CONTROL: u32 = 32;
-
-/// A token type with fields on a wire and an attribution.
-pub trait BitWidth {
-    /// Lists the fields of the token, with its values if there is a token.
-    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields);
-    /// Returns the width of the token in the hardware \[bits\].
-    fn bits(widths: &SignalWidths) -> u32 {
-        WireFields::width::<Self>(widths).hardware
-    }
-    /// Returns the attribution of the token.
-    fn attribution(&self) -> Attribution {
-        Attribution::Inherited
-    }
-}
 
 /// A token without data: its arrival is the signal.
 impl BitWidth for () {

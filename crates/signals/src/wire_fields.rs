@@ -1,9 +1,51 @@
 //! Fields of tokens on wires: the only place that states the order and the width of each field.
 //!
-//! [`BitWidth::fields`](crate::BitWidth::fields) lists the fields of a token type. From that list follow the width of FIFOs, the bits of
+//! [`BitWidth::fields`] lists the fields of a token type. From that list follow the width of FIFOs, the bits of
 //! recorded tokens, and the field offsets for SystemVerilog and C++ (see `docs/guide/rtl.md`).
 
-use crate::{BitWidth, SignalWidths};
+use crate::Attribution;
+
+/// Single-precision number \[bits\].
+pub const NUMBER: u32 = 32;
+
+/// Bit widths that a machine's configuration decides, and the number of items that travel side by side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SignalWidths {
+    /// Depth value \[bits\].
+    pub depth: u32,
+    /// Fragments per [`Stamp`](crate::Stamp).
+    pub stamp: u32,
+    /// Samples per fragment.
+    pub samples: u32,
+    /// Component of a pseudo-normal N' \[bits\].
+    pub normal: u32,
+    /// Index of a reference normal \[bits\].
+    pub index: u32,
+    /// All brightness values of a fragment \[bits\].
+    pub brightness: u32,
+    /// Texture coordinate \[bits\].
+    pub texture: u32,
+}
+
+impl Default for SignalWidths {
+    fn default() -> Self {
+        Self { depth: 24, stamp: 4, samples: 1, normal: 16, index: 8, brightness: 8, texture: NUMBER }
+    }
+}
+
+/// A token type with fields on a wire and an attribution.
+pub trait BitWidth {
+    /// Lists the fields of the token, with its values if there is a token.
+    fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields);
+    /// Returns the width of the token in the hardware \[bits\].
+    fn bits(widths: &SignalWidths) -> u32 {
+        WireFields::width::<Self>(widths).hardware
+    }
+    /// Returns the attribution of the token.
+    fn attribution(&self) -> Attribution {
+        Attribution::Inherited
+    }
+}
 
 /// A field of a token on recorded wires.
 #[derive(Clone, Debug, PartialEq, Eq)]
