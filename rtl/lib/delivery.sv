@@ -44,7 +44,7 @@ module delivery #(parameter W = 8, DEPTH = 64, L = 16) (
         end else begin
             now <= now + 1;
             if (counts) asked <= asked + 1;
-            for (i = 0; i < DEPTH; i = i + 1)
+            if (waits != 0) for (i = 0; i < DEPTH; i = i + 1)
                 if (waits[i] && answered > number[i]) begin
                     waits[i] <= 1'b0;
                     if (now + {{(32-L){1'b0}}, extra[i]} > due[i]) due[i] <= now + {{(32-L){1'b0}}, extra[i]};

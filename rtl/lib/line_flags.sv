@@ -22,7 +22,7 @@ module line_flags #(parameter FLAGS = 512, LIMIT = 131072, PER_CYCLE = 64) (
     always @* begin
         any = 1'b0;
         first = flagged == 0 ? 0 : flagged - 1;
-        for (i = FLAGS - 1; i >= 0; i = i - 1)
+        if (examine) for (i = FLAGS - 1; i >= 0; i = i - 1)
             if (i >= next && i < flagged && clear[i]) begin
                 any = 1'b1;
                 first = i;

@@ -88,7 +88,7 @@ module replacement #(parameter LANES = 64, ENTRIES = 256, LATENCY = 11, LOAD_BYT
     wire signed [33:0] row_best;
     wire [I-1:0] row_lane;
     wire [2:0] of_level = current[`IN0_sample_0_level + s * IN_SAMPLE +: 3];
-    lanes #(.LANES(LANES)) search (.normal(current[`IN0_sample_0_0_nx + s * IN_SAMPLE + f * IN_LANE +: 48]),
+    lanes #(.LANES(LANES)) search (.enable(searching), .normal(current[`IN0_sample_0_0_nx + s * IN_SAMPLE + f * IN_LANE +: 48]),
         .row(tables[of_level * ROWS + r]), .best(row_best), .lane(row_lane));
     reg signed [33:0] best;
     reg [`OUT0_sample_0_0_index_N-1:0] best_index;
