@@ -1,4 +1,4 @@
-// The causes of the difference between two runs, as `basrelief compare` measures and words them.
+// The causes of the difference between two runs: runs of B with one group of parameters as in A.
 import { frameCycles } from "./changes";
 import { thousands } from "./dom";
 import type { Machine, Parameter, Report, Run } from "./protocol";
@@ -11,7 +11,7 @@ type Setting = [key: string, value: string];
 export interface Cause { group: string; by: number | undefined }
 export interface Explained { text: string; causes: Cause[] }
 
-/** Maximum number of FIFOs that have a group each, and of runs that fix derived values, as in crates/sim. */
+/** Maximum number of FIFOs that have a group each, and of runs that fix derived values. */
 const [FIFOS, PASSES] = [6, 4];
 const WORK = "work parameters";
 
