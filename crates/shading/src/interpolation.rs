@@ -1,6 +1,7 @@
 //! Interpolation of the attributes of a fragment over its triangle.
 
 use basrelief_signals::{Fragment, Polygon, Stamp, Vertex};
+use basrelief_signals::{MapInline as _, from_fn_inline};
 use wide::f32x4;
 
 /// Returns the vertices of triangle `triangle` of the polygon's fan: 0, `triangle + 1`, `triangle + 2`. Returns `None` if the
@@ -25,7 +26,7 @@ impl<const N: usize> AttributeGradient<N> {
     /// Creates the gradient from the attributes of the three vertices.
     #[inline]
     pub fn new([a, b, c]: [&[f32; N]; 3]) -> Self {
-        let less = |p: &[f32; N]| std::array::from_fn(|i| p[i] - a[i]);
+        let less = |p: &[f32; N]| from_fn_inline(|i| p[i] - a[i]);
         Self { first: *a, second: less(b), third: less(c) }
     }
 
@@ -33,7 +34,7 @@ impl<const N: usize> AttributeGradient<N> {
     /// attribute that is constant over the triangle stays constant to the bit.
     #[inline]
     pub fn at(&self, weights: [f32; 2]) -> [f32; N] {
-        std::array::from_fn(|i| self.first[i] + weights[0] * self.second[i] + weights[1] * self.third[i])
+        from_fn_inline(|i| self.first[i] + weights[0] * self.second[i] + weights[1] * self.third[i])
     }
 
     /// Computes [`AttributeGradient::at`] for four fragments side by side.
@@ -53,7 +54,7 @@ impl<const N: usize> AttributeGradient<N> {
 #[inline(always)]
 pub fn weights(stamp: &Stamp<Fragment>) -> [f32x4; 2] {
     let Some(last) = stamp.len().checked_sub(1) else { return [f32x4::ZERO; 2] };
-    let [a, b, c, d] = [0, 1, 2, 3].map(|lane: usize| stamp[lane.min(last)].weights);
+    let [a, b, c, d] = [0, 1, 2, 3].map_inline(|lane: usize| stamp[lane.min(last)].weights);
     [f32x4::new([a[0], b[0], c[0], d[0]]), f32x4::new([a[1], b[1], c[1], d[1]])]
 }
 

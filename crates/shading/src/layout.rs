@@ -6,6 +6,7 @@
 
 use crate::texture::times;
 use crate::{SampleFootprints, SampleTaps};
+use basrelief_signals::MapInline as _;
 use basrelief_signals::{Image, Texture};
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, BitAnd};
@@ -63,7 +64,7 @@ impl BlockLayout {
     /// Returns the sides of blocks and superblocks in a level of this size. They are at most its smaller side, or 4.
     fn of_level(self, [width, height]: [u32; 2]) -> [u32; 2] {
         let most = 1 << width.min(height).max(BLOCK).ilog2();
-        self.sides.map(|side| side.min(most))
+        self.sides.map_inline(|side| side.min(most))
     }
 
     /// Returns the texels that a level of this size takes in memory, padded to whole blocks and superblocks.
@@ -112,7 +113,7 @@ pub struct LevelPlace {
 impl LevelPlace {
     /// Creates a level at the start of the memory. Sides are powers of two, and `width` is a multiple of the second.
     fn new(width: u32, sides: [u32; 2]) -> Self {
-        let [block, superblock] = sides.map(|side| side - 1);
+        let [block, superblock] = sides.map_inline(|side| side - 1);
         Self { start: 0, width, sides, masks: [block, superblock & !block, !superblock] }
     }
 

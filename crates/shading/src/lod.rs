@@ -8,6 +8,7 @@ pub const MAX_LOD: u8 = 63;
 
 /// Computes the LOD of a polygon from its areas in texels of level 0 and in pixels, in any common unit: `clamp(round(8 log2 rho),
 /// 0, 63)` with rho = square root of their ratio. The LOD is 0 if the ratio is undefined.
+#[inline]
 pub fn lod(texel_area: f32, pixel_area: f32) -> u8 {
     let ratio = texel_area / pixel_area;
     if ratio.is_finite() && ratio > 0.0 {

@@ -1,5 +1,6 @@
 //! Texels that a sample touches, and their weights.
 
+use basrelief_signals::MapInline as _;
 use basrelief_signals::{Image, MAX_STAMP, Sampler, TexelFilter, WrapMode};
 use std::ops::{Mul, Sub};
 use wide::{f32x4, u32x4};
@@ -44,7 +45,7 @@ impl SampleFootprints {
     /// Returns the number of each texel in an image of this width, row by row, in the order of [`SampleTaps`].
     #[inline(always)]
     pub fn numbers(&self, width: u32) -> [u32x4; 4] {
-        let ([left, right], [upper, lower]) = (self.columns, self.rows.map(|row| times(row, width)));
+        let ([left, right], [upper, lower]) = (self.columns, self.rows.map_inline(|row| times(row, width)));
         [upper + left, upper + right, lower + left, lower + right]
     }
 
@@ -86,7 +87,7 @@ pub fn footprints(image: &Image, sampler: &Sampler, filter: TexelFilter, [u, v]:
 /// Computes [`footprints`] for one sample at `uv`, not wrapped yet. (As a call it took a fifth of a run of W5.)
 #[inline(always)]
 pub fn taps(image: &Image, sampler: &Sampler, filter: TexelFilter, uv: [f32; 2]) -> SampleTaps {
-    footprints(image, sampler, filter, wrapped(sampler, uv.map(f32x4::splat))).taps(0)
+    footprints(image, sampler, filter, wrapped(sampler, uv.map_inline(f32x4::splat))).taps(0)
 }
 
 /// Returns the columns or rows at coordinates of 0 ..= 1, and the share of the second.
@@ -106,7 +107,7 @@ fn axis(u: f32x4, size: u32, wrap: WrapMode, filter: TexelFilter) -> ([u32x4; 2]
                 first.simd_lt(f32x4::ZERO).select(first + back, first),
                 second.simd_ge(f32x4::splat(size)).select(second - back, second),
             ];
-            (inside.map(whole), x - first)
+            (inside.map_inline(whole), x - first)
         }
     }
 }

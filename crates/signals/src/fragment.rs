@@ -2,6 +2,7 @@
 //! control token ahead of its fragments.
 
 use crate::Frame;
+use crate::MapInline as _;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
@@ -68,12 +69,12 @@ impl StampLanes for StampNormals {
 
     #[inline]
     fn all(value: [i16; 3]) -> Self {
-        Self(value.map(|component| [component; MAX_STAMP]))
+        Self(value.map_inline(|component| [component; MAX_STAMP]))
     }
 
     #[inline]
     fn lane(&self, lane: usize) -> [i16; 3] {
-        self.0.map(|components| components[lane])
+        self.0.map_inline(|components| components[lane])
     }
 }
 

@@ -37,6 +37,7 @@ impl GatheredLines {
         if self.is_newest(line) { None } else { self.touch_another(line, room) }
     }
 
+    #[inline]
     fn touch_another(&mut self, line: u64, room: u32) -> Option<u64> {
         let gone = match self.place(line) {
             Some(own) => {

@@ -11,6 +11,8 @@
 //!
 //! [`width`] lists the fields of each token on a wire, [`wire_fields`] packs them, [`attribution`] its attribution.
 //!
+//! [`inline_array`] maps small arrays without calls.
+//!
 //! [`layout`] is the address map of the one memory that several units share.
 //!
 //! [`schema_of`] makes JSON schemas of such data.
@@ -26,6 +28,7 @@ mod digest;
 pub mod flow;
 pub mod fragment;
 pub mod gathered_lines;
+pub mod inline_array;
 pub mod layout;
 pub mod line_flags;
 pub mod model;
@@ -43,6 +46,7 @@ pub use fragment::{
     StampLanes, StampNormals, StampSample, StampSamples,
 };
 pub use gathered_lines::GatheredLines;
+pub use inline_array::{MapInline, from_fn_inline};
 pub use line_flags::LineFlags;
 pub use model::{
     Camera, Draw, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene,

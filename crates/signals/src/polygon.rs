@@ -111,6 +111,7 @@ impl VertexAttributes {
 
 impl SentAttributes {
     /// Returns the size of the attributes \[bytes\].
+    #[inline]
     pub fn bytes(self) -> u64 {
         let of = |there: bool, bytes: u64| if there { bytes } else { 0 };
         of(self.normal, 3 * NUMBER)

@@ -2,6 +2,7 @@
 
 use super::{RasterGrid, RasterTriangle, TriangleEdges, TriangleWalk, doubled_grid_area, snap};
 use crate::fan_triangle;
+use basrelief_signals::MapInline as _;
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +22,7 @@ pub(super) struct PolygonWinding {
 
 impl PolygonWinding {
     pub(super) fn of(polygon: &Polygon, bits: u32) -> Self {
-        let area = |t| fan_triangle(polygon, t).map_or(0, |v| doubled_grid_area(v.map(|v| snap(v, bits))));
+        let area = |t| fan_triangle(polygon, t).map_or(0, |v| doubled_grid_area(v.map_inline(|v| snap(v, bits))));
         let (positive, negative) = (0..fan_triangles(polygon)).map(area).fold((0i64, 0i64), |(p, n), a| {
             // A damaged trace can wind so often that the sum would overflow.
             (p.saturating_add(a.max(0)), n.saturating_add(a.min(0)))
@@ -38,7 +39,7 @@ impl PolygonWinding {
     /// more triangles wind with the polygon than against it, and it belongs to the first that winds with the polygon.
     pub(super) fn gives(self, polygon: &Polygon, bits: u32, triangle: u16, [x, y]: [i32; 2]) -> bool {
         let covers = |t, sign| {
-            let edges = fan_triangle(polygon, t).and_then(|v| TriangleEdges::new(v.map(|v| snap(v, bits)), sign, bits));
+            let edges = fan_triangle(polygon, t).and_then(|v| TriangleEdges::new(v.map_inline(|v| snap(v, bits)), sign, bits));
             edges.is_some_and(|e| e.covers(x, y))
         };
         let with = |t: &u16| covers(*t, self.sign);

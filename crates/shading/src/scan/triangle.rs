@@ -6,6 +6,7 @@
 
 use super::MAX_BLOCK;
 use basrelief_signals::{Fragment, Vertex, layout};
+use basrelief_signals::{MapInline as _, from_fn_inline};
 use serde::{Deserialize, Serialize};
 
 /// Largest coordinate \[pixels\]. The guard band of the geometry processor is far inside.
@@ -137,7 +138,7 @@ impl PixelBounds {
     fn new(corners: [GridPoint; 3], screen: [u32; 2], bits: u32) -> Option<Self> {
         let half = 1i64 << (bits - 1);
         let range = |axis: usize| {
-            let [a, b, c] = corners.map(|p| p[axis]);
+            let [a, b, c] = corners.map_inline(|p| p[axis]);
             let first = -((half - a.min(b).min(c)) >> bits);
             let end = ((a.max(b).max(c) - half) >> bits) + 1;
             [first.max(0) as i32, end.clamp(0, i64::from(screen[axis])) as i32]
@@ -192,12 +193,12 @@ impl RasterTriangle {
     /// Creates triangle `number` of a fan that winds with `sign`. Returns `None` if it covers no pixel.
     pub fn new(vertices: [&Vertex; 3], number: u16, sign: i64, raster: RasterGrid) -> Option<Self> {
         let RasterGrid { screen, bits, z_max, .. } = raster;
-        let corners = vertices.map(|v| snap(v, bits));
+        let corners = vertices.map_inline(|v| snap(v, bits));
         let bounds = PixelBounds::new(corners, screen, bits)?;
         let edges = TriangleEdges::new(corners, sign, bits)?;
         let scale = f64::from(z_max) / edges.area as f64;
-        let depth = vertices.map(|v| f64::from(v.position[2]) * scale);
-        let inverse_w = relative(vertices.map(|v| v.position[3]));
+        let depth = vertices.map_inline(|v| f64::from(v.position[2]) * scale);
+        let inverse_w = relative(vertices.map_inline(|v| v.position[3]));
         let inverse_area = 1.0 / edges.area as f64;
         Some(Self { bounds, edges, depth, inverse_w, inverse_area, number, bits, z_max })
     }
@@ -233,7 +234,7 @@ impl RasterTriangle {
     pub fn shares(&self, x: i32, y: i32) -> [f64; 3] {
         let TriangleEdges { edges, area } = &self.edges;
         let (e1, e2) = (edges[1].at(x, y, self.bits), edges[2].at(x, y, self.bits));
-        [area - e1 - e2, e1, e2].map(|e| e as f64)
+        [area - e1 - e2, e1, e2].map_inline(|e| e as f64)
     }
 
     /// Returns the depth of a covered pixel with these shares \[steps of the z-buffer\], neither rounded nor clamped. All terms
@@ -258,7 +259,7 @@ impl RasterTriangle {
     #[inline]
     pub fn fragment(&self, x: i32, y: i32) -> Fragment {
         let share = self.shares(x, y);
-        let q: [f32; 3] = std::array::from_fn(|i| share[i] as f32 * self.inverse_w[i]);
+        let q: [f32; 3] = from_fn_inline(|i| share[i] as f32 * self.inverse_w[i]);
         let scale = 1.0 / (q[0] + q[1] + q[2]);
         let weights = [q[1] * scale, q[2] * scale];
         Fragment { x: x as u16, y: y as u16, z: self.depth(share), weights, triangle: self.number }
@@ -278,7 +279,7 @@ impl RasterTriangle {
 fn relative(inverse_w: [f32; 3]) -> [f32; 3] {
     let [a, b, c] = inverse_w;
     if inverse_w.iter().all(|q| *q > 0.0 && q.is_finite()) {
-        inverse_w.map(|q| (q / a.max(b).max(c)).max(1e-12))
+        inverse_w.map_inline(|q| (q / a.max(b).max(c)).max(1e-12))
     } else {
         [1.0; 3]
     }

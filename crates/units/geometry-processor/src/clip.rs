@@ -5,6 +5,7 @@
 
 use crate::transform::ClipCorner;
 use basrelief_kernel::OperatorCounts;
+use basrelief_signals::MapInline as _;
 use basrelief_signals::Vertex;
 use glam::{Vec3, Vec4};
 
@@ -49,7 +50,7 @@ fn distances(clip: Vec4, reach: f32) -> [f32; 6] {
 
 /// Clips a triangle with finite coordinates.
 pub fn clip(triangle: &[ClipCorner; 3]) -> ClipResult {
-    let [a, b, c] = [0, 1, 2].map(|i| outside(triangle[i].clip, 1.0));
+    let [a, b, c] = [0, 1, 2].map_inline(|i| outside(triangle[i].clip, 1.0));
     if a & b & c != 0 {
         return ClipResult::Outside;
     }

@@ -48,6 +48,7 @@ pub struct VertexCache {
 
 impl VertexCache {
     /// Returns the transformed vertex on a hit.
+    #[inline]
     pub fn get(&self, index: u32) -> Option<&ClipCorner> {
         self.corners.get(self.place(index)?)
     }
@@ -60,6 +61,7 @@ impl VertexCache {
     }
 
     /// Inserts a vertex that is not present. `entries` is the size of the cache.
+    #[inline]
     pub fn insert(&mut self, index: u32, corner: &ClipCorner, entries: usize) {
         if self.indices.len() < entries {
             self.indices.push(index);

@@ -2,6 +2,7 @@
 
 use basrelief_shading::{SampleTaps, saturated};
 use basrelief_signals::Image;
+use basrelief_signals::MapInline as _;
 
 /// Returns the filtered RGB of the texels in `taps`, 0..=1 each.
 #[inline]
@@ -13,13 +14,13 @@ pub fn filtered(image: &Image, taps: &SampleTaps) -> [f32; 3] {
             *sum += weight * f32::from(stored);
         }
     }
-    sum.map(|c| c / 255.0)
+    sum.map_inline(|c| c / 255.0)
 }
 
 /// Computes `base * brightness + highlight` in 8 bits each. Values saturate and halves round up.
 #[inline]
 pub fn blended(base: [f32; 3], brightness: f32, highlight: f32) -> [u8; 3] {
-    saturated(base.map(|c| c * brightness + highlight))
+    saturated(base.map_inline(|c| c * brightness + highlight))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use crate::work::{ANY_PIXEL, PixelTiming};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{AttributeGradient, BlockLayout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
+use basrelief_signals::from_fn_inline;
 use basrelief_signals::{Control, Flow, Fragment, Pixel, Polygon, ShadedFragment, Stamp, TexelFilter, Texture, layout};
 use std::sync::Arc;
 
@@ -196,11 +197,11 @@ impl GraphicsProcessor {
                 if self.separate { [rest, specular] } else { [rest + specular, 0.0] }
             });
             let color = color.at(weights);
-            let mut base: [f32; 3] = std::array::from_fn(|i| color[i] * polygon.material.base_color[i]);
+            let mut base: [f32; 3] = from_fn_inline(|i| color[i] * polygon.material.base_color[i]);
             if let Some(texture) = &polygon.material.color_texture {
                 let uv = interpolate([&a.uv, &b.uv, &c.uv], weights);
                 let texel = self.sample(texture, uv, traffic)?;
-                base = std::array::from_fn(|i| base[i] * texel[i]);
+                base = from_fn_inline(|i| base[i] * texel[i]);
             }
             let rgb = blended(base, brightness, highlight);
             stamp.push(Pixel { x: fragment.x, y: fragment.y, z: fragment.z, rgb });

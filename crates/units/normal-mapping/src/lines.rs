@@ -2,6 +2,7 @@
 
 use basrelief_kernel::MemoryPorts;
 use basrelief_shading::{LevelPlace, SampleFootprints};
+use basrelief_signals::MapInline as _;
 use wide::u32x4;
 
 /// Client of the cache in front of the normal-map memory (116).
@@ -42,10 +43,10 @@ impl FootprintLines {
             return self.look_up_each(place.start, texels, count, traffic);
         };
         let rest = (place.start & ((1 << shift) - 1)) as u32;
-        let lines = texels.map(|texel| (texel + rest).unbounded_shr_scalar(shift));
+        let lines = texels.map_inline(|texel| (texel + rest).unbounded_shr_scalar(shift));
         let first = place.start >> shift;
         let mut new = new_lines(lines) & ((1 << (TAPS * count)) - 1);
-        let by_sample = u32x4::transpose(lines).map(u32x4::to_array);
+        let by_sample = u32x4::transpose(lines).map_inline(u32x4::to_array);
         while new != 0 {
             let tap = new.trailing_zeros() as usize;
             new &= new - 1;
@@ -57,7 +58,7 @@ impl FootprintLines {
     /// Looks up texels that can lie across lines. The cache handles the duplicates.
     #[inline(never)]
     fn look_up_each(&self, start: u64, texels: [u32x4; 4], count: usize, traffic: &mut MemoryPorts) {
-        let texels = texels.map(u32x4::to_array);
+        let texels = texels.map_inline(u32x4::to_array);
         for lane in 0..count {
             for tap in texels {
                 let address = (start + u64::from(tap[lane])) * u64::from(self.texel_bytes);
@@ -83,6 +84,6 @@ fn new_lines([a, b, c, d]: [u32x4; TAPS]) -> u32 {
         c.simd_eq(a) | c.simd_eq(before(c)),
         d.simd_eq(b) | d.simd_eq(c) | d.simd_eq(before(d)),
     ]);
-    let [first, second, third, last] = known.map(u32x4::to_bitmask);
+    let [first, second, third, last] = known.map_inline(u32x4::to_bitmask);
     !(first | second << 4 | third << 8 | last << 12)
 }

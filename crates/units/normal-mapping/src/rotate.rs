@@ -1,5 +1,6 @@
 //! Rotation from tangent space to world space: `N' = T x + B y + N z`, `B = w (N x T)`.
 
+use basrelief_signals::MapInline as _;
 use basrelief_signals::StampNormals;
 use std::ops::{Add, Mul, Sub};
 use wide::f32x4;
@@ -65,10 +66,10 @@ impl FixedPoint {
         let sound =
             (x + y + z).abs().simd_le(largest * 3.0) & largest.simd_ge(f32x4::splat(1e-30)) & largest.simd_le(f32x4::splat(1e30));
         let scale = f32x4::splat(self.steps) / largest;
-        StampNormals(v.map(|c| {
+        StampNormals(v.map_inline(|c| {
             let coarse = sound.select(c * scale, f32x4::ZERO);
             let fine = if self.widen == 1.0 { coarse } else { ((coarse + ROUND) - ROUND) * self.widen };
-            (fine + ROUND).to_bits().to_array().map(|bits| bits as i16)
+            (fine + ROUND).to_bits().to_array().map_inline(|bits| bits as i16)
         }))
     }
 }

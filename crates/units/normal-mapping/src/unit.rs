@@ -9,6 +9,7 @@ use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{BlockLayout, LEVELS, SampleFootprints, decode_normal, footprints, select_levels, weights, wrapped};
+use basrelief_signals::MapInline as _;
 use basrelief_signals::{
     Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Stamp, StampLanes, StampNormals, StampSample,
     StampSamples,
@@ -110,7 +111,7 @@ impl NormalMapping {
             self.lines.look_up(place, &footprints, stamp.len(), traffic);
             counters.texels += u64::from(footprints.count) * stamp.len() as u64;
             let value = |stored: [f32x4; 3]| {
-                let [x, y, z] = stored.map(decode_normal);
+                let [x, y, z] = stored.map_inline(decode_normal);
                 self.fixed_point.quantize(frame.rotate([x * scale, y * scale, z]))
             };
             match self.config.filter_at {
@@ -140,7 +141,7 @@ impl NormalMapping {
 #[inline(always)]
 fn stored(image: &Image, numbers: u32x4) -> [f32x4; 3] {
     let texel = |at: u32| i32::from_le_bytes(image.texels.get(at as usize).copied().unwrap_or([128, 128, 255, 255]));
-    let texels = i32x4::new(numbers.to_array().map(texel));
+    let texels = i32x4::new(numbers.to_array().map_inline(texel));
     let component = |texels: i32x4| f32x4::from_i32x4(texels & i32x4::splat(255));
     [component(texels), component(texels.unbounded_shr_scalar(8)), component(texels.unbounded_shr_scalar(16))]
 }
@@ -153,7 +154,7 @@ fn filtered(image: &Image, footprints: &SampleFootprints) -> [f32x4; 3] {
         return stored(image, numbers[0]);
     }
     let weights = footprints.weights();
-    let weighted = |tap: usize| stored(image, numbers[tap]).map(|component| component * weights[tap]);
+    let weighted = |tap: usize| stored(image, numbers[tap]).map_inline(|component| component * weights[tap]);
     let sum = |[ax, ay, az]: [f32x4; 3], [bx, by, bz]: [f32x4; 3]| [ax + bx, ay + by, az + bz];
     sum(sum(weighted(0), weighted(1)), sum(weighted(2), weighted(3)))
 }

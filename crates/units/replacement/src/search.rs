@@ -18,6 +18,7 @@
 //!
 //! Rejected: a scan (256 entries cost 200 ns and more), and a k-d tree, whose descent mispredicts at every branch.
 
+use basrelief_signals::MapInline as _;
 use basrelief_signals::{MAX_STAMP, StampLanes, StampNormals};
 use wide::{f32x4, f64x4, i16x8, i32x4, u32x4};
 
@@ -50,7 +51,7 @@ struct NormalCandidate {
 impl NormalCandidate {
     #[inline]
     fn dot(&self, n: [i64; 3]) -> i64 {
-        let [x, y, z] = self.normal.map(i64::from);
+        let [x, y, z] = self.normal.map_inline(i64::from);
         x * n[0] + y * n[1] + z * n[2]
     }
 }
@@ -73,8 +74,8 @@ impl CandidateGroup {
     /// Packs 1..=4 candidates.
     fn new(candidates: &[NormalCandidate]) -> Self {
         let [a, b, c, d]: [NormalCandidate; SIDE_BY_SIDE] = std::array::from_fn(|i| candidates[i.min(candidates.len() - 1)]);
-        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [dx, dy, dz]] = [a, b, c, d].map(|c| c.normal);
-        let ranks = i32x4::new([a, b, c, d].map(|c| i32::from(!c.index)));
+        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [dx, dy, dz]] = [a, b, c, d].map_inline(|c| c.normal);
+        let ranks = i32x4::new([a, b, c, d].map_inline(|c| i32::from(!c.index)));
         Self { xy: i16x8::new([ax, ay, bx, by, cx, cy, dx, dy]), z: i16x8::new([az, 0, bz, 0, cz, 0, dz, 0]), ranks }
     }
 
@@ -162,12 +163,12 @@ impl NearestSearch {
     /// Returns the numbers of the cells of the directions. For the zero vector it is any cell.
     #[inline(always)]
     fn cells_of(&self, normals: &StampNormals) -> [u32; MAX_STAMP] {
-        let [x, y, z] = normals.0.map(|c| f32x4::from_i32x4(i32x4::new(c.map(i32::from))));
-        let [ax, ay, az] = [x, y, z].map(f32x4::abs);
+        let [x, y, z] = normals.0.map_inline(|c| f32x4::from_i32x4(i32x4::new(c.map_inline(i32::from))));
+        let [ax, ay, az] = [x, y, z].map_inline(f32x4::abs);
         let (by_x, by_y) = (ax.simd_ge(ay) & ax.simd_ge(az), ay.simd_ge(az));
         let by_axis = |[x, y, z]: [f32x4; 3]| by_x.select(x, by_y.select(y, z));
         let (m, a, b) = (by_axis([x, y, z]), by_axis([y, z, x]), by_axis([z, x, y]));
-        let face = by_axis([0.0, 2.0, 4.0].map(f32x4::splat)) + m.simd_lt(f32x4::ZERO).select(f32x4::ONE, f32x4::ZERO);
+        let face = by_axis([0.0, 2.0, 4.0].map_inline(f32x4::splat)) + m.simd_lt(f32x4::ZERO).select(f32x4::ONE, f32x4::ZERO);
         let cells = self.cells as f32;
         let scale = f32x4::splat(0.5 * cells - INSET) / m.abs().fast_max(f32x4::ONE);
         let place = |c: f32x4| ((c * scale + (0.5 * cells - 0.5)) + WHOLE) - WHOLE;
@@ -264,7 +265,7 @@ impl FaceSquare {
 /// candidate beats them either.
 fn unbeaten(square: &FaceSquare, candidates: &[NormalCandidate], thorough: bool) -> Vec<NormalCandidate> {
     let corners = square.corners();
-    let mut left: Vec<(NormalCandidate, [i64; 4])> = candidates.iter().map(|c| (*c, corners.map(|n| c.dot(n)))).collect();
+    let mut left: Vec<(NormalCandidate, [i64; 4])> = candidates.iter().map(|c| (*c, corners.map_inline(|n| c.dot(n)))).collect();
     let Some(&champion) = left.iter().max_by_key(|(c, at)| (at.iter().sum::<i64>(), std::cmp::Reverse(c.index))) else {
         return Vec::new();
     };
