@@ -122,7 +122,7 @@ fn compare_measures_causes_from_recordings() {
     parameters.sort_unstable();
     assert_eq!(parameters, ["fifo.pixels.depth", "memory.texture.part", "texel.error_bound"]);
     let told = said(&place, "a b");
-    assert!(parameters.iter().all(|parameter| told.contains(&format!(" {parameter}: "))), "{told}");
+    assert!(parameters.iter().all(|parameter| told.contains(&format!(" {parameter} "))), "{told}");
     place.ok("resimulate a --set memory.texture.cl=90 --out c --quiet");
     assert!(said(&place, "a c").contains(" all due to memory.texture.cl."), "results of resimulate can be compared");
 }

@@ -222,7 +222,7 @@ fn reports_do_not_differ_between_folders() {
 fn describe_filters_units_and_parameters() {
     let place = Place::new();
     let said = place.ok("describe bump memory.graphics").out;
-    assert!(said.lines().count() < 120 && said.contains("memory.graphics.cl = "), "{said}");
+    assert!(said.lines().count() < 200 && said.contains("memory.graphics.cl = "), "{said}");
     assert!(!said.contains("replacement.lanes") && !said.contains("Demo scenes"), "{said}");
     assert!(place.run("describe bump memory.grafics").error(2).contains("did you mean"));
 }

@@ -52,6 +52,21 @@ fn rung_options_take_the_predicted_cycles() {
     }
 }
 
+// Claim: analysis: Resources that are saturated together are found, although none of them saves much alone.
+#[test]
+fn saturated_resources_are_found_together() {
+    let bump = MachineInfo::named("bump").unwrap();
+    let whole = ran(bump, "gallery", [160, 120], &vec![], AnalysisPolicy::Always);
+    let of = bottlenecks(&whole);
+    let balanced = of.balanced.as_ref().expect("a group");
+    for name in ["rasterizer", "depth-test", "graphics", "frame-buffer"] {
+        assert!(balanced.relaxed.iter().any(|resource| resource == name), "{name}: {balanced:?}");
+        let alone = of.single.iter().find(|single| single.resource == name).map_or(0, |single| single.saved);
+        assert!(10 * alone < whole.frame_cycles(), "{name} alone saves {alone} cycles");
+    }
+    assert!(balanced.saved > 0.5, "{balanced:?}");
+}
+
 /// Every relaxed memory has the values of the preset of the ideal machine, whatever the user set.
 #[test]
 fn ideal_memory_of_ladder_is_that_of_presets() {
