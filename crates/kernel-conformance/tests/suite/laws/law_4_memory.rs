@@ -4,9 +4,9 @@
 //! The memory has one bank, rows of 64 bytes, and bursts of 32 bytes and 2 cycles. From view to column: hit 0, closed 2, conflict
 //! 4 + 2. From column to data: 3.
 
-use crate::common::{PlanBuilder, account, machine, report, small_memory, starts, unit};
+use crate::common::{PlanBuilder, account, machine, report, run_both, small_memory, starts, unit};
 use basrelief_kernel::{
-    Cycle, Engine, FlipCounts, Machine, MemoryConfig, MemoryRequest, PeriodicCounts, PortCounts, RunReport, run,
+    Cycle, Engine, FlipCounts, Machine, MemoryConfig, MemoryRequest, Outcome, PeriodicCounts, PortCounts, RunReport, run,
 };
 use basrelief_kernel_conformance::plan::{Plan, PlanFlips, PlanMemory, PlanPeriodic, PlanPort, PlanRequest, UnitKind};
 
@@ -117,6 +117,17 @@ fn periodic_requests_count_up_to_the_end() {
     assert_eq!((counts.reads, counts.rows.bursts()), (12, 4));
     // Data move in 6 .. 11; those of the columns 9 and 11 would move in 12 .. 15.
     assert_eq!(report.memories[0].channels[0].bus_busy, 6);
+}
+
+#[test]
+fn limit_counts_periodic_reads_up_to_the_last_data() {
+    // The read of the unit arrives at 1 and moves its data up to 47. The limit is at 5; a further read would start at 47.
+    let mut plan = with(client(3, 1, vec![request("p", false, 32, 0)]), |m| m.cl = 40);
+    plan.memories[0].periodic = vec![PlanPeriodic { name: "v".into(), period: 10, bytes: 4, stride: 0, span: 32 }];
+    let (report, _) = run_both(&plan, 5);
+    assert_eq!((&report.outcome, report.total), (&Outcome::Limit, 5));
+    // Requests arrive at 0, 10, 20, 30 and 40.
+    assert_eq!(counts(&report, "v").reads, 5);
 }
 
 /// A client of three flips, with one credit, of a periodic client that reads in every tenth cycle.
