@@ -4,10 +4,7 @@ use crate::common::CollectedRecording;
 use basrelief_input::MemoryPool;
 use basrelief_report::model::OutcomeKind;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_sim::{
-    AnalysisPolicy, DepthChoice, MACHINES, MachineInfo, Overrides, ResimulateOptions, RunInput, RunOptions, resimulate, run,
-    size_fifos,
-};
+use basrelief_sim::{AnalysisPolicy, DepthChoice, MACHINES, MachineInfo, Overrides, RunInput, RunOptions, run, size_fifos};
 use std::io::Cursor;
 use std::sync::Arc;
 
@@ -38,12 +35,9 @@ fn settings(depths: &[(String, u32)]) -> Vec<(String, String)> {
     depths.iter().map(|(name, depth)| (format!("fifo.{name}.depth"), depth.to_string())).collect()
 }
 
-/// Returns the render cycles of the recorded steps with these depths; `None` if the run does not finish.
-fn resimulated_cycles(recording: &[u8], depths: &[(String, u32)]) -> Option<u64> {
-    let options =
-        ResimulateOptions { settings: settings(depths), bottlenecks: AnalysisPolicy::Never, budget: MemoryPool::default() };
-    let report = resimulate(&mut Cursor::new(recording), &options).ok()?;
-    Some(report).filter(|report| report.outcome.kind == OutcomeKind::Complete).map(|report| report.frame_cycles())
+/// Returns the render cycles of a full run with these depths; `None` if the run does not finish.
+fn cycles(machine: &MachineInfo, depths: &[(String, u32)]) -> Option<u64> {
+    ran(machine, &settings(depths)).0
 }
 
 fn with_one_less(depths: &[(String, u32)], n: usize) -> Vec<(String, u32)> {
@@ -61,9 +55,8 @@ fn sized_fifos_have_no_spare_slot() {
         let [recorded, found @ ..] = sizing.choices.as_slice() else { panic!("{sizing:?}") };
         for DepthChoice { within_percent, depths, least_alone, area_ge, cycles: promised, .. } in found {
             let most = recorded.cycles[0] as f64 * (1.0 + within_percent.unwrap() / 100.0);
-            let keeps =
-                |depths: &[(String, u32)]| resimulated_cycles(&recording, depths).is_some_and(|cycles| cycles as f64 <= most);
-            assert_eq!(ran(machine, &settings(depths)).0, Some(promised[0]), "{}: a full run", machine.name);
+            let keeps = |depths: &[(String, u32)]| cycles(machine, depths).is_some_and(|cycles| cycles as f64 <= most);
+            assert_eq!(cycles(machine, depths), Some(promised[0]), "{}", machine.name);
             assert!(keeps(depths), "{}: {depths:?} of {:?}", machine.name, recorded.depths);
             assert!(*area_ge <= recorded.area_ge, "{}: {depths:?} have {area_ge} GE", machine.name);
             for n in 0..depths.len() {
