@@ -116,11 +116,12 @@ type ExplorationCounts = (usize, usize, usize, usize, usize, usize);
 pub fn explore(
     py: Python<'_>,
     plan: (PathBuf, String, Option<u64>),
-    (points, seconds, seed): (Option<usize>, Option<f64>, u32),
+    limit: (Option<usize>, Option<f64>, u32),
     folder: PathBuf,
     at_once: Option<usize>,
-    (retry_failed, pictures): (bool, bool),
+    options: (bool, bool),
 ) -> PythonResult<(ExplorationCounts, String, Option<f64>)> {
+    let ((points, seconds, seed), (retry_failed, pictures)) = (limit, options);
     let limit = match (points, seconds.map(Duration::try_from_secs_f64)) {
         (Some(points), None) if points > 0 => Budget::Points(points),
         (None, Some(Ok(time))) => Budget::Time(time),

@@ -1,5 +1,5 @@
 //! Small arrays, element by element, always inlined. Without link-time optimization the closures of [`array::map`] and
-//! [`std::array::from_fn`] stay calls, which took a quarter of a run of W1.
+//! [`std::array::from_fn`] stay calls. So a run of W1 without it takes 1.14 times the instructions of one with it.
 
 /// A map that is always inlined.
 pub trait MapInline<T, const N: usize> {

@@ -13,6 +13,9 @@ use crate::{Cycle, Demand, MemorySystem};
 /// A wait: its cause, its first cycle, and the cycle after its last.
 pub(crate) type Wait = (StallCause, Cycle, Cycle);
 
+/// The number of a step, and the cycles of its answers by memory client.
+pub(super) type StepAnswers = (u64, [Cycle; MAX_CLIENTS]);
+
 /// Times of a stage.
 #[derive(Clone, Debug)]
 pub(crate) struct StageClock {
@@ -39,7 +42,7 @@ pub(crate) struct StageClock {
     /// Deliveries that passed a mark.
     pub(super) marks: Vec<Cycle>,
     /// Answers of steps that awaited some, since they were last taken, if a probe reads them.
-    pub(super) answers: Option<Vec<(u64, [Cycle; MAX_CLIENTS])>>,
+    pub(super) answers: Option<Vec<StepAnswers>>,
 }
 
 /// Credits that a stage needs of its memory clients in every step.

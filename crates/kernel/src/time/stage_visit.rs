@@ -4,9 +4,10 @@
 use super::blocking_wait::BlockingWait;
 use super::in_flight::{BLOCKING, Delivery, InFlightStep, MARKED};
 use super::port_ids::{ConnectedFifos, PortIds};
+use super::stage_clock::StepAnswers;
 use super::{FifoTiming, InputMask, StageArity, StageClock, StepTiming, charge};
 use crate::step_requests::StepRequestsView;
-use crate::{Cycle, CycleAccount, MAX_CLIENTS, MemoryPorts, MemorySystem, Probe};
+use crate::{Cycle, CycleAccount, MemoryPorts, MemorySystem, Probe};
 
 /// A stage with mutable timing state.
 pub(crate) struct StageVisit<'a> {
@@ -230,7 +231,7 @@ fn deliver_known(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut Me
 
 /// Delivers an answered step to these outputs.
 fn deliver_answered(
-    (marks, block, answers): (&mut Vec<Cycle>, &mut BlockingWait, &mut Option<Vec<(u64, [Cycle; MAX_CLIENTS])>>),
+    (marks, block, answers): (&mut Vec<Cycle>, &mut BlockingWait, &mut Option<Vec<StepAnswers>>),
     outputs: PortIds,
     flight: &InFlightStep,
     to: u32,

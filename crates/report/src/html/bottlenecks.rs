@@ -49,7 +49,7 @@ fn waterfall(report: &Report) -> Html {
 
 /// Settings as options of the command line.
 fn options(set: &[String]) -> Html {
-    el_text("code", "", &set.iter().map(|set| format!("--set {set}")).collect::<Vec<_>>().join(" "))
+    el_text("code", "", set.iter().map(|set| format!("--set {set}")).collect::<Vec<_>>().join(" "))
 }
 
 /// Table of the cycles that each relaxation saves.

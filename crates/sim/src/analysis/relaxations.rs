@@ -59,13 +59,16 @@ impl Relaxation {
     }
 }
 
+/// Loads the parameters of a run with more settings; `None` if they do not fit together.
+type Load<'a, S> = dyn Fn(&[(String, String)]) -> Option<S> + Sync + 'a;
+
 /// Relaxations of the resources of a machine that a run used.
 pub(crate) struct RelaxationCandidates<'a, S> {
     pub(crate) run: &'a RunReport,
     pub(crate) netlist: &'a Netlist,
     pub(crate) spec: &'a S,
     /// Loads the parameters of the run with more settings.
-    pub(crate) load: &'a (dyn Fn(&[(String, String)]) -> Option<S> + Sync),
+    pub(crate) load: &'a Load<'a, S>,
 }
 
 impl<S: MachineSpec> RelaxationCandidates<'_, S> {

@@ -85,7 +85,8 @@ fn effects_match_full_runs_and_sum_to_difference() {
         let explained = explain(machine, &a, &b, false).unwrap();
         let mut found: Vec<&str> = explained.shares.iter().map(|share| share.parameter.as_str()).collect();
         let mut keys: Vec<&str> = all.iter().map(|(key, _)| key.as_str()).collect();
-        (found.sort_unstable(), keys.sort_unstable());
+        found.sort_unstable();
+        keys.sort_unstable();
         assert_eq!(found, keys, "one cause per changed parameter, none for derived values");
         check(machine, &vec![], (&a.0, &b.0), &explained);
     }
