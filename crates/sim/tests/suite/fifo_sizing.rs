@@ -51,7 +51,7 @@ fn with_one_less(depths: &[(String, u32)], n: usize) -> Vec<(String, u32)> {
 fn sized_fifos_have_no_spare_slot() {
     for machine in MACHINES {
         let recording = recording(machine, &[]);
-        let sizing = size_fifos(vec![&mut Cursor::new(&recording)], &[1.0], &MemoryPool::default()).unwrap();
+        let sizing = size_fifos(vec![&mut Cursor::new(&recording)], &[0.0, 1.0], &MemoryPool::default()).unwrap();
         let [recorded, found @ ..] = sizing.choices.as_slice() else { panic!("{sizing:?}") };
         for DepthChoice { within_percent, depths, least_alone, area_ge, cycles: promised, .. } in found {
             let most = recorded.cycles[0] as f64 * (1.0 + within_percent.unwrap() / 100.0);
