@@ -85,7 +85,7 @@ export class Page implements Handlers {
     if (!this.#source) return this.#missing(state);
     try {
       this.#taken = await this.#session.load(this.#source);
-      problem("warning", this.#taken.warnings?.join(" "));
+      problem("warning", this.#taken.warnings?.join("; "));
       return true;
     } catch (error) {
       problem("input", why(error));
@@ -136,7 +136,7 @@ export class Page implements Handlers {
       const taken = await this.#session.load(source);
       [this.#state, this.#source, this.#taken, this.#wanted] = [next, source, taken, undefined];
       problem("input", undefined);
-      problem("warning", taken.warnings?.join(" "));
+      problem("warning", taken.warnings?.join("; "));
     } catch (error) {
       answered.textContent = before;
       problem("input", why(error));

@@ -10,7 +10,7 @@ export function problem(kind: (typeof KINDS)[number], text: string | undefined):
   else now.delete(kind);
   const place = byId("problem");
   place.hidden = now.size === 0;
-  place.firstElementChild!.replaceChildren(...KINDS.flatMap(kind => (now.has(kind) ? [el("span", {}, `${now.get(kind)} `)] : [])));
+  place.firstElementChild!.replaceChildren(...KINDS.flatMap(kind => (now.has(kind) ? [el("span", { "data-kind": kind }, `${now.get(kind)} `)] : [])));
 }
 
 export function dismissed(): void {

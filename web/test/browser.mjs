@@ -2,7 +2,7 @@
 //
 //   node test/browser.mjs PROGRAM PAGE_FOLDER [MODEL...]
 import assert from "node:assert/strict";
-import { readdirSync } from "node:fs";
+import { readdirSync, readFileSync } from "node:fs";
 import { basename, dirname, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { drop, showsInput } from "./actions.mjs";
@@ -135,6 +135,18 @@ async function dropped(model) {
   await page.close();
 }
 
+/** Tests the warning about a property that the devices do not have: it stands beside the complete answer. */
+async function warned() {
+  const model = JSON.parse(readFileSync(new URL("../../tests/models/patch.gltf", import.meta.url)));
+  for (const material of model.materials) material.occlusionTexture = { index: 0 };
+  const page = await opened(`${server.address}#demo=cut-plane@1&size=160x120&machine=shade`);
+  await page.setInputFiles("#files", { name: "warned.gltf", mimeType: "", buffer: Buffer.from(JSON.stringify(model)) });
+  await showsInput(page, "warned.gltf");
+  await browser.whole(page);
+  assert.match(await page.textContent("#problem [data-kind=warning]"), /`occlusionTexture` is not used/);
+  await page.close();
+}
+
 async function standalone() {
   const page = await opened(`${pathToFileURL(resolve(folder, "standalone.html"))}#demo=goblet@1&size=160x120`);
   await equalsNative(page);
@@ -142,7 +154,7 @@ async function standalone() {
 }
 
 try {
-  for (const test of [wrong, standalone, machines, slider, turned, pinned, costs]) {
+  for (const test of [wrong, warned, standalone, machines, slider, turned, pinned, costs]) {
     await test();
     console.log(`ok: ${test.name}`);
   }
