@@ -9,31 +9,25 @@
 //   request CLIENT CYCLE ADDRESS                         an expected memory request
 //   ready CLIENT CYCLE VALUE                             credits suffice (1) or not (0) from this cycle on
 //   end CYCLE                                            the last cycle
-#include "Vtop.h"
-#include "verilated.h"
+#include "bench.h"
 #include <chrono>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <sstream>
-#include <string>
-#include <vector>
 
-typedef std::vector<uint32_t> Bits;
 struct Token {
     int64_t reserve, deliver, pop;
     Bits bits;
 };
-#include "ports.h"
 
 static Bits parse(const std::string& hex, size_t words) {
     Bits bits(words, 0);
     size_t at = 0;
     for (size_t i = hex.size(); i > 0 && at < words * 8; at++) {
-        i--;
-        bits[at / 8] |= uint32_t(std::stoul(hex.substr(i, 1), nullptr, 16)) << (4 * (at % 8));
+        char digit = hex[--i];
+        bits[at / 8] |= uint32_t(digit <= '9' ? digit - '0' : digit - 'a' + 10) << (4 * (at % 8));
     }
     return bits;
 }
@@ -44,7 +38,6 @@ struct Kind {
 };
 static Kind kinds[3] = {{"accept", 0}, {"deliver", 0}, {"bits", 0}};
 static int verbose = 4;
-static size_t given[OUTPUTS + 1];
 
 static void differ(int kind, int64_t cycle, const std::string& text) {
     kinds[kind].count++;
@@ -52,10 +45,10 @@ static void differ(int kind, int64_t cycle, const std::string& text) {
 }
 
 int main(int argc, char** argv) {
-    std::vector<Token> in[INPUTS + 1], out[OUTPUTS + 1];
+    std::vector<std::vector<Token>> in(INPUTS), out(OUTPUTS);
     std::vector<int64_t> steps, answers;
-    std::vector<std::pair<int64_t, int64_t>> requests[CLIENTS + 1];
-    std::vector<std::pair<int64_t, int>> ready[CLIENTS + 1];
+    std::vector<std::vector<std::pair<int64_t, int64_t>>> requests(CLIENTS);
+    std::vector<std::vector<std::pair<int64_t, int>>> ready(CLIENTS);
     int64_t end = 0;
     std::ifstream file(argv[1]);
     std::string line, word, hex;
@@ -86,65 +79,56 @@ int main(int argc, char** argv) {
             s >> end;
         }
     }
-    Vtop* top = new Vtop;
-    auto clock = [&] {
-        top->clk = 1;
-        top->eval();
-        top->clk = 0;
-        top->eval();
-    };
-    top->clk = 0;
-    top->rst = 1;
-    for (int i = 0; i < 3; i++) clock();
-    top->rst = 0;
-    size_t reserved[INPUTS + 1] = {}, pushed[INPUTS + 1] = {}, delivered[OUTPUTS + 1] = {}, popped[OUTPUTS + 1] = {};
-    size_t step = 0, answered = 0, at_ready[CLIENTS + 1] = {}, requested[CLIENTS + 1] = {};
-    int is_ready[CLIENTS + 1] = {};
+    reset(true);
+    for (int i = 0; i < 3; i++) clock_edge();
+    reset(false);
+    std::vector<size_t> reserved(INPUTS), pushed(INPUTS), delivered(OUTPUTS), popped(OUTPUTS), given(OUTPUTS);
+    std::vector<size_t> at_ready(CLIENTS), requested(CLIENTS);
+    std::vector<char> is_ready(CLIENTS), pops(OUTPUTS);
+    size_t step = 0, answered = 0;
     auto begin = std::chrono::steady_clock::now();
     for (int64_t c = 0; c <= end; c++) {
         for (int i = 0; i < INPUTS; i++) {
             bool reserves = reserved[i] < in[i].size() && in[i][reserved[i]].reserve == c;
             bool pushes = pushed[i] < in[i].size() && in[i][pushed[i]].deliver == c;
-            drive_in(top, i, reserves, pushes, pushes ? &in[i][pushed[i]].bits : nullptr);
+            drive_in(i, reserves, pushes, pushes ? &in[i][pushed[i]].bits : nullptr);
             reserved[i] += reserves;
             pushed[i] += pushes;
         }
         while (answered < answers.size() && answers[answered] <= c) answered++;
-        top->answered = answered;
         for (int k = 0; k < CLIENTS; k++) {
             while (at_ready[k] < ready[k].size() && ready[k][at_ready[k]].first <= c) is_ready[k] = ready[k][at_ready[k]++].second;
-            drive_ready(top, k, is_ready[k]);
+            drive_ready(k, is_ready[k]);
         }
-        bool pops[OUTPUTS + 1] = {};
         for (int o = 0; o < OUTPUTS; o++) {
             pops[o] = popped[o] < out[o].size() && out[o][popped[o]].pop == c;
-            drive_pop(top, o, pops[o]);
-            drive_pass(top, o, given[o] < out[o].size() ? &out[o][given[o]].bits : nullptr);
+            drive_pop(o, pops[o]);
+            drive_pass(o, given[o] < out[o].size() ? &out[o][given[o]].bits : nullptr);
         }
-        top->eval();
+        bool starts = settle(answered);
         bool expected = step < steps.size() && steps[step] == c;
-        if (bool(top->start) != expected) {
-            differ(0, c, top->start ? "step starts, expected none" : "no step starts, expected one");
-            if (top->start) while (step < steps.size() && steps[step] < c) step++;
+        if (starts != expected) {
+            differ(0, c, starts ? "step starts, expected none" : "no step starts, expected one");
+            if (starts) while (step < steps.size() && steps[step] < c) step++;
         }
         if (expected) step++;
         for (int o = 0; o < OUTPUTS; o++) {
-            given[o] += reserves_out(top, o);
-            bool pushes = push_out(top, o), due = delivered[o] < out[o].size() && out[o][delivered[o]].deliver == c;
+            given[o] += reserves_out(o);
+            bool pushes = push_out(o), due = delivered[o] < out[o].size() && out[o][delivered[o]].deliver == c;
             if (pushes != due) differ(1, c, std::string(pushes ? "token" : "no token") + " on output " + std::to_string(o));
             if (pushes && delivered[o] < out[o].size()) {
-                std::string bad = compare_out(top, o, out[o][delivered[o]].bits);
+                std::string bad = compare_out(o, out[o][delivered[o]].bits);
                 if (!bad.empty()) differ(2, c, "token " + std::to_string(delivered[o]) + " of output " + std::to_string(o) + ": " + bad);
             }
             delivered[o] += pushes;
             if (pops[o]) {
-                if (!valid_out(top, o)) differ(1, c, "nothing to pop on output " + std::to_string(o));
+                if (!valid_out(o)) differ(1, c, "nothing to pop on output " + std::to_string(o));
                 popped[o]++;
             }
         }
         for (int k = 0; k < CLIENTS; k++) {
             int64_t address = 0;
-            bool asks = request_of(top, k, address), due = requested[k] < requests[k].size() && requests[k][requested[k]].first == c;
+            bool asks = request_of(k, address), due = requested[k] < requests[k].size() && requests[k][requested[k]].first == c;
             if (asks != due) differ(0, c, std::string(asks ? "request" : "no request") + " of client " + std::to_string(k));
             if (asks && due && address != requests[k][requested[k]].second)
                 differ(2, c, "request of client " + std::to_string(k) + " at address " + std::to_string(address) + ", expected " +
@@ -152,8 +136,8 @@ int main(int argc, char** argv) {
             requested[k] += due;
         }
         for (int i = 0; i < INPUTS; i++)
-            if (lacks_room(top, i)) differ(0, c, "no room on input " + std::to_string(i));
-        clock();
+            if (lacks_room(i)) differ(0, c, "no room on input " + std::to_string(i));
+        clock_edge();
         if (kinds[0].count + kinds[1].count + kinds[2].count > 1000) break;
     }
     double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

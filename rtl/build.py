@@ -1,8 +1,11 @@
 """Builds a test bench for a twin: SystemVerilog and C++ that follow from the fields of the recorded tokens, and Verilator's program."""
 
+import functools
 import hashlib
 import pathlib
 import subprocess
+import tempfile
+import threading
 
 from recording import width
 
@@ -11,6 +14,10 @@ TARGET = HERE.parent / "target" / "rtl"
 LIBRARY = sorted((HERE / "lib").glob("*.sv"))
 # Modules of the library that read a token by its fields, so that they exist only for units whose first input is a token of pixels.
 OF_PIXELS = {"token_line.sv"}
+# Options of the C++ compiler: a twin runs for less time than a compiler optimizes it.
+CFLAGS = ["-O1", "-w", "-fcf-protection=none", "-DVM_COVERAGE=0", "-DVM_SC=0", "-DVM_TRACE=0", "-DVM_TRACE_FST=0", "-DVM_TRACE_VCD=0"]
+# Guards of files that are built once.
+LOCK, LOCKS = threading.Lock(), {}
 # Verilator passes ports of more than 64 bits as arrays of words.
 LEAST_PORT = 65
 
@@ -93,42 +100,121 @@ def accessors(twin, inputs, outputs):
     def port_words(fields):
         return -(-padded(width(fields)) // 32)
 
-    lines = [f"enum {{ INPUTS = {len(inputs)}, OUTPUTS = {len(outputs)}, CLIENTS = {max([*twin.ready, *twin.requests, -1]) + 1} }};"]
-    lines += [f"static const size_t in_words[] = {{{', '.join(str(words(f)) for f, *_ in inputs) or '0'}}};"]
-    lines += [f"static const size_t out_words[] = {{{', '.join(str(words(f)) for f, *_ in outputs) or '0'}}};"]
+    clients = sorted({*twin.ready, *twin.requests})
+    lines = [HEAD.format(inputs=len(inputs), outputs=len(outputs), clients=max([*clients, -1]) + 1,
+                         in_words=", ".join(str(words(f)) for f, *_ in inputs) or "0", out_words=", ".join(str(words(f)) for f, *_ in outputs) or "0")]
 
     def function(head, cases, default=""):
-        return f"static {head} {{\n    switch (n) {{\n" + "\n".join(f"    case {n}: {text}" for n, text in cases) + f"\n    }}\n{default}}}"
+        lines.append(f"{head} {{\n    switch (n) {{\n" + "\n".join(f"    case {n}: {text}" for n, text in cases) + f"\n    }}\n{default}}}")
 
     def set_words(port, fields, bits):
-        return f"for (int w = 0; w < {port_words(fields)}; w++) top->{port}[w] = {bits} && w < {words(fields)} ? (*{bits})[w] : 0;"
+        return f"for (int w = 0; w < {port_words(fields)}; w++) top.{port}[w] = {bits} && w < {words(fields)} ? (*{bits})[w] : 0;"
 
-    lines.append(function(
-        "void drive_in(Vtop* top, int n, bool reserve, bool push, const Bits* bits)",
-        [(i, f"top->i{i}_reserve = reserve; top->i{i}_push = push; {set_words(f'i{i}_data', f, 'bits')} break;") for i, (f, *_) in enumerate(inputs)]))
-    lines.append(function("bool lacks_room(Vtop* top, int n)",
-        [(i, f"return top->i{i}_reserve && !top->i{i}_room;") for i in range(len(inputs))], "    return false;\n"))
-    lines.append(function("void drive_pop(Vtop* top, int n, bool pop)", [(o, f"top->o{o}_pop = pop; break;") for o in range(len(outputs))]))
-    lines.append(function("void drive_pass(Vtop* top, int n, const Bits* bits)",
-        [(o, f"{set_words(f'o{o}_pass', f, 'bits')} break;") for o, (f, *_) in enumerate(outputs)]))
+    function("void drive_in(int n, bool reserve, bool push, const Bits* bits)",
+        [(i, f"top.i{i}_reserve = reserve; top.i{i}_push = push; {set_words(f'i{i}_data', f, 'bits')} break;") for i, (f, *_) in enumerate(inputs)])
+    function("bool lacks_room(int n)", [(i, f"return top.i{i}_reserve && !top.i{i}_room;") for i in range(len(inputs))], "    return false;\n")
+    function("void drive_pop(int n, bool pop)", [(o, f"top.o{o}_pop = pop; break;") for o in range(len(outputs))])
+    function("void drive_pass(int n, const Bits* bits)", [(o, f"{set_words(f'o{o}_pass', f, 'bits')} break;") for o, (f, *_) in enumerate(outputs)])
     for name, port in [("push_out", "push"), ("valid_out", "valid"), ("reserves_out", "reserve")]:
-        lines.append(function(f"bool {name}(Vtop* top, int n)", [(o, f"return top->o{o}_{port};") for o in range(len(outputs))], "    return false;\n"))
-    fields = [
-        (o, "".join(
-            f'if (!same(top->o{o}_data, bits, {first}, {bits})) bad += " {name}";\n' for name, first, bits in f) + "break;")
-        for o, (f, *_) in enumerate(outputs)
-    ]
-    lines.append(
-        "template <class T> static bool same(const T& data, const Bits& bits, int first, int count) {\n"
-        "    for (int b = first; b < first + count; b++)\n"
-        "        if ((data[b / 32] >> (b % 32) & 1) != (bits[b / 32] >> (b % 32) & 1)) return false;\n    return true;\n}")
-    lines.append(function("std::string compare_out(Vtop* top, int n, const Bits& bits)",
-        [(n, text) for n, text in fields], "    return bad;\n").replace("{\n    switch", "{\n    std::string bad;\n    switch", 1))
-    clients = sorted({*twin.ready, *twin.requests})
-    lines.append(function("void drive_ready(Vtop* top, int n, bool ready)", [(k, f"top->m{k}_ready = ready; break;") for k in clients]))
-    lines.append(function("bool request_of(Vtop* top, int n, int64_t& address)",
-        [(k, f"address = top->m{k}_address; return top->m{k}_request;") for k in clients], "    return false;\n"))
+        function(f"bool {name}(int n)", [(o, f"return top.o{o}_{port};") for o in range(len(outputs))], "    return false;\n")
+    for o, (f, *_) in enumerate(outputs):
+        lines.append(f"static const Field fields_{o}[] = {{{', '.join(f'{{{chr(34)}{name}{chr(34)}, {first}, {bits}}}' for name, first, bits in f)}}};")
+    function("std::string compare_out(int n, const Bits& bits)",
+        [(o, f"return differing(top.o{o}_data, bits, {words(f)}, fields_{o});") for o, (f, *_) in enumerate(outputs)], "    return std::string();\n")
+    function("void drive_ready(int n, bool ready)", [(k, f"top.m{k}_ready = ready; break;") for k in clients])
+    function("bool request_of(int n, int64_t& address)", [(k, f"address = top.m{k}_address; return top.m{k}_request;") for k in clients],
+        "    return false;\n")
     return "\n".join(lines) + "\n"
+
+
+# C++ that is equal for each twin. Tokens are compared by words first, because most are equal.
+HEAD = """const int INPUTS = {inputs}, OUTPUTS = {outputs}, CLIENTS = {clients};
+const size_t in_words[] = {{{in_words}}}, out_words[] = {{{out_words}}};
+static VerilatedContext context;
+static Vtop top(&context);
+void reset(bool active) {{ top.rst = active; }}
+void clock_edge() {{
+    top.clk = 1;
+    top.eval();
+    top.clk = 0;
+}}
+bool settle(uint32_t answered) {{
+    top.answered = answered;
+    top.eval();
+    return top.start;
+}}
+struct Field {{
+    const char* name;
+    int first, bits;
+}};
+template <class T, size_t N> static std::string differing(const T& data, const Bits& expected, size_t words, const Field (&fields)[N]) {{
+    std::string names;
+    bool same = true;
+    for (size_t w = 0; w < words; w++) same &= data[w] == expected[w];
+    if (same) return names;
+    for (const Field& field : fields)
+        for (int b = field.first; b < field.first + field.bits; b++)
+            if ((data[b / 32] >> (b % 32) & 1) != (expected[b / 32] >> (b % 32) & 1)) {{
+                names += std::string(" ") + field.name;
+                break;
+            }}
+    return names;
+}}"""
+
+
+def once(program, make):
+    """Calls `make` with a temporary folder unless a file exists, in one thread at a time, and moves the made file to its place."""
+    with LOCK:
+        lock = LOCKS.setdefault(program, threading.Lock())
+    with lock:
+        if not program.exists():
+            program.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=program.parent) as folder:
+                make(pathlib.Path(folder)).rename(program)
+    return program
+
+
+def run(command, folder, what):
+    """Runs a tool, or ends with its messages."""
+    made = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if made.returncode:
+        raise SystemExit(f"{what} failed\n{made.stdout[-3000:]}{made.stderr[-3000:]}")
+    return made.stdout
+
+
+@functools.cache
+def verilator():
+    """Returns Verilator's include folder, and a digest of its version and of the shared parts of the bench."""
+    folder = pathlib.Path(run(["verilator", "--getenv", "VERILATOR_ROOT"], HERE, "verilator").strip()) / "include"
+    shared = [run([tool, "--version"], HERE, tool) for tool in ("verilator", "g++")] + [(HERE / name).read_text() for name in ("bench.h", "bench.cpp")]
+    return folder, digest_of("\0".join([*shared, *CFLAGS]))
+
+
+def digest_of(text):
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def compile_cpp(source, target, *options):
+    """Compiles a C++ file."""
+    include, _ = verilator()
+    run(["g++", *CFLAGS, "-I", include, "-I", HERE, *options, "-c", source, "-o", target], target.parent, f"g++ of {source.name}")
+    return target
+
+
+def shared_parts():
+    """Builds the parts that all twins share, once: the header of all models, Verilator's runtime, and the bench. Returns header and objects."""
+    include, digest = verilator()
+    parts = TARGET / "shared" / digest
+
+    def header(folder):
+        text = folder / "model.h"
+        text.write_text('#include "verilated.h"\n#include "bench.h"\n')
+        (parts / "model.h").write_text(text.read_text())
+        return compile_cpp(text, folder / "model.h.gch", "-x", "c++-header")
+
+    once(parts / "model.h.gch", header)
+    sources = [include / "verilated.cpp", include / "verilated_threads.cpp", HERE / "bench.cpp"]
+    return parts / "model.h", [once(parts / f"{path.stem}.o", lambda folder, path=path: compile_cpp(path, folder / "a.o")) for path in sources]
 
 
 def build(unit, twin, source, inputs, outputs, parameters, files=()):
@@ -139,22 +225,26 @@ def build(unit, twin, source, inputs, outputs, parameters, files=()):
         "wires.sv": macros(ports),
         "top.sv": top(unit, twin, inputs, outputs, parameters),
         "ports.h": accessors(twin, inputs, outputs),
-        "bench.cpp": (HERE / "bench.cpp").read_text(),
         "unit.sv": source.read_text(),
         **{path.name: path.read_text() for path in library(inputs)},
         **dict(files),
     }
-    digest = hashlib.sha256("\0".join(f"{name}\0{text}" for name, text in sorted(texts.items())).encode()).hexdigest()[:16]
+    digest = digest_of("\0".join([verilator()[1], *(f"{name}\0{text}" for name, text in sorted(texts.items()))]))
     folder = TARGET / "build" / f"{unit}-{digest}"
-    program = folder / "obj_dir" / "Vtop"
-    if not program.exists():
-        folder.mkdir(parents=True, exist_ok=True)
+
+    def make(made):
         for name, text in texts.items():
             (folder / name).write_text(text)
         sources = ["wires.sv", *(path.name for path in library(inputs)), "unit.sv", "top.sv"]
-        command = ["verilator", "--cc", "--exe", "--build", "-O3", "-CFLAGS", "-O1", "--unroll-count", "1024", "-Wno-fatal", "-Wno-lint", "-Wno-style",
-                   "--top-module", "top", *sources, "bench.cpp"]
-        made = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        if made.returncode:
-            raise SystemExit(f"{unit}: Verilator failed\n{made.stdout[-3000:]}{made.stderr[-3000:]}")
-    return program
+        run(["verilator", "--cc", "-O3", "--unroll-count", "1024", "-Wno-fatal", "-Wno-lint", "-Wno-style", "--top-module", "top", "--Mdir", made,
+             *sources], folder, f"{unit}: Verilator")
+        header, objects = shared_parts()
+        # One translation unit: most of the time to compile a part is that of its headers.
+        model = made / "model.cpp"
+        model.write_text("#define VL_INCLUDE_OPT include\n" + "".join(f'#include "{path.name}"\n' for path in sorted(made.glob("Vtop*.cpp")))
+                         + texts["ports.h"])
+        compile_cpp(model, made / "model.o", "-include", header)
+        run(["g++", made / "model.o", *objects, "-pthread", "-latomic", "-o", made / "Vtop"], folder, f"{unit}: the linker")
+        return made / "Vtop"
+
+    return once(folder / "Vtop", make)
