@@ -4,8 +4,8 @@
 // Its input has a line per fact; `rtl/check` writes it. All cycles count from the first one after the reset.
 //   in I CYCLE_OF_RESERVATION CYCLE_OF_DELIVERY BITS     a token of input I
 //   out O CYCLE_OF_DELIVERY CYCLE_OF_POP BITS            an expected token of output O; pop -1: never
-//   step CYCLE                                           an expected start
-//   answer CYCLE                                         a step's last answer
+//   step UNIT CYCLE                                      an expected start
+//   answer UNIT CYCLE                                    a step's last answer
 //   request CLIENT CYCLE ADDRESS                         an expected memory request
 //   ready CLIENT CYCLE VALUE                             credits suffice (1) or not (0) from this cycle on
 //   end CYCLE                                            the last cycle
@@ -46,7 +46,7 @@ static void differ(int kind, int64_t cycle, const std::string& text) {
 
 int main(int argc, char** argv) {
     std::vector<std::vector<Token>> in(INPUTS), out(OUTPUTS);
-    std::vector<int64_t> steps, answers;
+    std::vector<std::vector<int64_t>> steps(UNITS), answers(UNITS);
     std::vector<std::vector<std::pair<int64_t, int64_t>>> requests(CLIENTS);
     std::vector<std::vector<std::pair<int64_t, int>>> ready(CLIENTS);
     int64_t end = 0;
@@ -64,11 +64,11 @@ int main(int argc, char** argv) {
             s >> number >> a >> b >> hex;
             out[number].push_back({-1, a, b, parse(hex, out_words[number])});
         } else if (word == "step") {
-            s >> a;
-            steps.push_back(a);
+            s >> number >> a;
+            steps[number].push_back(a);
         } else if (word == "answer") {
-            s >> a;
-            answers.push_back(a);
+            s >> number >> a;
+            answers[number].push_back(a);
         } else if (word == "ready") {
             s >> number >> a >> b;
             ready[number].push_back({a, int(b)});
@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
     std::vector<size_t> reserved(INPUTS), pushed(INPUTS), delivered(OUTPUTS), popped(OUTPUTS), given(OUTPUTS);
     std::vector<size_t> at_ready(CLIENTS), requested(CLIENTS);
     std::vector<char> is_ready(CLIENTS), pops(OUTPUTS);
-    size_t step = 0, answered = 0;
+    std::vector<size_t> step(UNITS), answered(UNITS);
     auto begin = std::chrono::steady_clock::now();
     for (int64_t c = 0; c <= end; c++) {
         for (int i = 0; i < INPUTS; i++) {
@@ -95,7 +95,10 @@ int main(int argc, char** argv) {
             reserved[i] += reserves;
             pushed[i] += pushes;
         }
-        while (answered < answers.size() && answers[answered] <= c) answered++;
+        for (int u = 0; u < UNITS; u++) {
+            while (answered[u] < answers[u].size() && answers[u][answered[u]] <= c) answered[u]++;
+            drive_answered(u, answered[u]);
+        }
         for (int k = 0; k < CLIENTS; k++) {
             while (at_ready[k] < ready[k].size() && ready[k][at_ready[k]].first <= c) is_ready[k] = ready[k][at_ready[k]++].second;
             drive_ready(k, is_ready[k]);
@@ -104,14 +107,18 @@ int main(int argc, char** argv) {
             pops[o] = popped[o] < out[o].size() && out[o][popped[o]].pop == c;
             drive_pop(o, pops[o]);
             drive_pass(o, given[o] < out[o].size() ? &out[o][given[o]].bits : nullptr);
+            drive_next(o, delivered[o] < out[o].size() ? &out[o][delivered[o]].bits : nullptr);
         }
-        bool starts = settle(answered);
-        bool expected = step < steps.size() && steps[step] == c;
-        if (starts != expected) {
-            differ(0, c, starts ? "step starts, expected none" : "no step starts, expected one");
-            if (starts) while (step < steps.size() && steps[step] < c) step++;
+        settle();
+        for (int u = 0; u < UNITS; u++) {
+            const std::vector<int64_t>& of = steps[u];
+            bool begins = starts(u), expected = step[u] < of.size() && of[step[u]] == c;
+            if (begins != expected) {
+                differ(0, c, std::string(begins ? "step starts, expected none" : "no step starts, expected one") + ", unit " + std::to_string(u));
+                if (begins) while (step[u] < of.size() && of[step[u]] < c) step[u]++;
+            }
+            if (expected) step[u]++;
         }
-        if (expected) step++;
         for (int o = 0; o < OUTPUTS; o++) {
             given[o] += reserves_out(o);
             bool pushes = push_out(o), due = delivered[o] < out[o].size() && out[o][delivered[o]].deliver == c;
@@ -141,7 +148,8 @@ int main(int argc, char** argv) {
         if (kinds[0].count + kinds[1].count + kinds[2].count > 1000) break;
     }
     double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (step != steps.size()) differ(0, end, std::to_string(steps.size() - step) + " steps did not start");
+    for (int u = 0; u < UNITS; u++)
+        if (step[u] != steps[u].size()) differ(0, end, std::to_string(steps[u].size() - step[u]) + " steps did not start");
     uint64_t tokens = 0;
     for (int o = 0; o < OUTPUTS; o++) {
         if (delivered[o] != out[o].size()) differ(1, end, std::to_string(delivered[o]) + " tokens on output " + std::to_string(o));

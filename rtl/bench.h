@@ -7,18 +7,22 @@
 
 typedef std::vector<uint32_t> Bits;
 
-// Numbers of inputs, outputs and memory clients, and words of a token of each input and output.
-extern const int INPUTS, OUTPUTS, CLIENTS;
+// Numbers of units, inputs, outputs and memory clients, and words of a token of each input and output.
+extern const int UNITS, INPUTS, OUTPUTS, CLIENTS;
 extern const size_t in_words[], out_words[];
 
 void reset(bool active);
 // Lets a clock edge pass.
 void clock_edge();
-// Settles the outputs for the inputs of this cycle. Returns true if a step starts.
-bool settle(uint32_t answered);
+// Settles the outputs for the inputs of this cycle.
+void settle();
+bool starts(int unit);
+void drive_answered(int unit, uint32_t steps);
 void drive_in(int input, bool reserve, bool push, const Bits* bits);
 void drive_pop(int output, bool pop);
+// Token that the unit computes next, and token that it delivers next.
 void drive_pass(int output, const Bits* bits);
+void drive_next(int output, const Bits* bits);
 void drive_ready(int client, bool ready);
 bool lacks_room(int input);
 bool push_out(int output);

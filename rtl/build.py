@@ -53,7 +53,7 @@ def padded(bits):
 
 def top(unit, twin, inputs, outputs, parameters):
     """Returns the module around a twin: FIFOs at its ends. `inputs`, `outputs`: fields, depth and latency of each FIFO."""
-    ports, body, pins = ["input wire clk, rst", "input wire [31:0] answered", "output wire start"], [], []
+    ports, body, pins = ["input wire clk, rst", "input wire [31:0] answered_0", "output wire start_0"], [], []
     for i, (fields, depth, latency) in enumerate(inputs):
         w, p = width(fields), padded(width(fields))
         ports += [f"input wire i{i}_reserve, i{i}_push", f"input wire [{p - 1}:0] i{i}_data", f"output wire i{i}_room"]
@@ -85,14 +85,14 @@ def top(unit, twin, inputs, outputs, parameters):
         else:
             body.append(f"assign m{k}_request = 1'b0; assign m{k}_address = 48'd0;")
     if twin.is_answered:
-        pins.append(".answered(answered)")
+        pins.append(".answered(answered_0)")
     values = ", ".join(f".{name}({value})" for name, value in parameters.items())
-    body.append(f"{unit} #({values}) unit (.clk, .rst, .start, {', '.join(pins)});" if values else f"{unit} unit (.clk, .rst, .start, {', '.join(pins)});")
+    body.append(f"{unit} #({values}) unit (.clk, .rst, .start(start_0), {', '.join(pins)});" if values else f"{unit} unit (.clk, .rst, .start(start_0), {', '.join(pins)});")
     return f"module top ({', '.join(ports)});\n    " + "\n    ".join(body) + "\nendmodule\n"
 
 
-def accessors(twin, inputs, outputs):
-    """Returns C++ functions that connect the bench to the ports."""
+def accessors(inputs, outputs, clients, units=1, nexts=()):
+    """Returns C++ functions that connect the bench to the ports. `nexts` lists outputs that need the token that they deliver next."""
 
     def words(fields):
         return -(-width(fields) // 32)
@@ -100,8 +100,7 @@ def accessors(twin, inputs, outputs):
     def port_words(fields):
         return -(-padded(width(fields)) // 32)
 
-    clients = sorted({*twin.ready, *twin.requests})
-    lines = [HEAD.format(inputs=len(inputs), outputs=len(outputs), clients=max([*clients, -1]) + 1,
+    lines = [HEAD.format(units=units, inputs=len(inputs), outputs=len(outputs), clients=max([*clients, -1]) + 1,
                          in_words=", ".join(str(words(f)) for f, *_ in inputs) or "0", out_words=", ".join(str(words(f)) for f, *_ in outputs) or "0")]
 
     def function(head, cases, default=""):
@@ -115,6 +114,9 @@ def accessors(twin, inputs, outputs):
     function("bool lacks_room(int n)", [(i, f"return top.i{i}_reserve && !top.i{i}_room;") for i in range(len(inputs))], "    return false;\n")
     function("void drive_pop(int n, bool pop)", [(o, f"top.o{o}_pop = pop; break;") for o in range(len(outputs))])
     function("void drive_pass(int n, const Bits* bits)", [(o, f"{set_words(f'o{o}_pass', f, 'bits')} break;") for o, (f, *_) in enumerate(outputs)])
+    function("void drive_next(int n, const Bits* bits)", [(o, f"{set_words(f'o{o}_next', outputs[o][0], 'bits')} break;") for o in nexts])
+    function("void drive_answered(int n, uint32_t steps)", [(u, f"top.answered_{u} = steps; break;") for u in range(units)])
+    function("bool starts(int n)", [(u, f"return top.start_{u};") for u in range(units)], "    return false;\n")
     for name, port in [("push_out", "push"), ("valid_out", "valid"), ("reserves_out", "reserve")]:
         function(f"bool {name}(int n)", [(o, f"return top.o{o}_{port};") for o in range(len(outputs))], "    return false;\n")
     for o, (f, *_) in enumerate(outputs):
@@ -128,7 +130,7 @@ def accessors(twin, inputs, outputs):
 
 
 # C++ that is equal for each twin. Tokens are compared by words first, because most are equal.
-HEAD = """const int INPUTS = {inputs}, OUTPUTS = {outputs}, CLIENTS = {clients};
+HEAD = """const int UNITS = {units}, INPUTS = {inputs}, OUTPUTS = {outputs}, CLIENTS = {clients};
 const size_t in_words[] = {{{in_words}}}, out_words[] = {{{out_words}}};
 static VerilatedContext context;
 static Vtop top(&context);
@@ -138,11 +140,7 @@ void clock_edge() {{
     top.eval();
     top.clk = 0;
 }}
-bool settle(uint32_t answered) {{
-    top.answered = answered;
-    top.eval();
-    return top.start;
-}}
+void settle() {{ top.eval(); }}
 struct Field {{
     const char* name;
     int first, bits;
@@ -224,18 +222,22 @@ def build(unit, twin, source, inputs, outputs, parameters, files=()):
     texts = {
         "wires.sv": macros(ports),
         "top.sv": top(unit, twin, inputs, outputs, parameters),
-        "ports.h": accessors(twin, inputs, outputs),
+        "ports.h": accessors(inputs, outputs, sorted({*twin.ready, *twin.requests})),
         "unit.sv": source.read_text(),
         **{path.name: path.read_text() for path in library(inputs)},
         **dict(files),
     }
+    return program_of(unit, texts, ["wires.sv", *(path.name for path in library(inputs)), "unit.sv", "top.sv"])
+
+
+def program_of(unit, texts, sources):
+    """Builds a bench unless a build of the same texts exists. Returns the program."""
     digest = digest_of("\0".join([verilator()[1], *(f"{name}\0{text}" for name, text in sorted(texts.items()))]))
     folder = TARGET / "build" / f"{unit}-{digest}"
 
     def make(made):
         for name, text in texts.items():
             (folder / name).write_text(text)
-        sources = ["wires.sv", *(path.name for path in library(inputs)), "unit.sv", "top.sv"]
         run(["verilator", "--cc", "-O3", "--unroll-count", "1024", "-Wno-fatal", "-Wno-lint", "-Wno-style", "--top-module", "top", "--Mdir", made,
              *sources], folder, f"{unit}: Verilator")
         header, objects = shared_parts()

@@ -13,6 +13,7 @@ module float_add (input wire [31:0] a, b, output wire [31:0] sum);
     reg [27:0] m;
     reg [8:0] e;
     reg [24:0] rounded;
+    reg [4:0] zeros, shift;
     integer i;
     always @* begin
         m = total;
@@ -21,11 +22,13 @@ module float_add (input wire [31:0] a, b, output wire [31:0] sum);
             m = {1'b0, m[27:2], m[1] || m[0]};
             e = e + 9'd1;
         end
+        // Leading zeros, up to the smallest exponent.
+        zeros = 0;
         for (i = 0; i < 27; i = i + 1)
-            if (!m[26] && e > 1) begin
-                m = {m[26:0], 1'b0};
-                e = e - 9'd1;
-            end
+            if (m[i]) zeros = 26 - i;
+        shift = {4'b0, zeros} < e ? zeros : e[4:0] - 5'd1;
+        m = m << shift;
+        e = e - shift;
         rounded = {1'b0, m[26:3]} + {24'b0, m[2] && (m[1] || m[0] || m[3])};
         if (rounded[24]) begin
             rounded = {1'b0, rounded[24:1]};

@@ -7,15 +7,17 @@ module float_to_byte (input wire [31:0] c, output wire [7:0] value);
     reg [31:0] m;
     reg [8:0] pe;
     reg [24:0] rounded;
+    reg [4:0] zeros, shift;
     integer i;
     always @* begin
         m = product;
         pe = {1'b0, e} + 9'd8;
-        for (i = 0; i < 31; i = i + 1)
-            if (!m[31] && pe > 1) begin
-                m = {m[30:0], 1'b0};
-                pe = pe - 9'd1;
-            end
+        zeros = 31;
+        for (i = 0; i < 32; i = i + 1)
+            if (m[i]) zeros = 31 - i;
+        shift = {4'b0, zeros} < pe ? zeros : pe[4:0] - 5'd1;
+        m = m << shift;
+        pe = pe - shift;
         rounded = {1'b0, m[31:8]} + {24'b0, m[7] && (m[6:0] != 0 || m[8])};
         if (rounded[24]) begin
             rounded = {1'b0, rounded[24:1]};

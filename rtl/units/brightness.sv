@@ -66,22 +66,34 @@ module brightness #(parameter LATENCY = 2, ENTRIES = 256, SETS = 16, STRIDE = 25
     wire [31:0] lighting = (r - c) * ENTRY_CYCLES;
     // Interpolation.
     wire [15:0] pixels = current[`IN0_stamp_count +: `IN0_stamp_count_N];
-    reg [16:0] sum;
+    wire [4*17-1:0] sums;
+    reg [4*16-1:0] shares, values;
+    always @* begin
+        shares = 0;
+        values = 0;
+        for (l = 0; l < 4; l = l + 1)
+            for (j = 0; j < 2; j = j + 1)
+                if (j < samples) begin
+                    shares[16*l + 8*j +: 8] = current[`IN0_sample_0_0_share + j * SAMPLE + l * LANE +: 8];
+                    values[16*l + 8*j +: 8] = entries[{set, current[`IN0_sample_0_level + j * SAMPLE +: 3],
+                        current[`IN0_sample_0_0_index + j * SAMPLE + l * LANE +: E]}];
+                end
+    end
+    genvar g;
+    generate
+        for (g = 0; g < 4; g = g + 1) begin : fragment
+            blend interpolate (.shares(shares[16*g +: 16]), .entries(values[16*g +: 16]), .sum(sums[17*g +: 17]));
+        end
+    endgenerate
     reg [`OUT0_W-1:0] result;
     always @* begin
         result = 0;
-        sum = 0;
         if (item) begin
             result[`OUT0_item] = 1'b1;
             result[`OUT0_count +: `OUT0_count_N] = pixels;
             for (l = 0; l < 4; l = l + 1) begin
-                sum = 0;
-                for (j = 0; j < 2; j = j + 1)
-                    if (j < samples)
-                        sum = sum + current[`IN0_sample_0_0_share + j * SAMPLE + l * LANE +: 8]
-                            * entries[{set, current[`IN0_sample_0_level + j * SAMPLE +: 3], current[`IN0_sample_0_0_index + j * SAMPLE + l * LANE +: E]}];
                 result[`OUT0_0_x + l * OUT_LANE +: FRAGMENT] = current[`IN0_stamp_0_x + l * IN_LANE +: FRAGMENT];
-                if (l < pixels) result[`OUT0_0_brightness + l * OUT_LANE +: 17] = sum;
+                if (l < pixels) result[`OUT0_0_brightness + l * OUT_LANE +: 17] = sums[17*l +: 17];
             end
         end else result[`OUT0_triangles + `OUT0_triangles_N - 1:0] = current[`OUT0_triangles + `OUT0_triangles_N - 1:0];
     end

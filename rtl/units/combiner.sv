@@ -20,22 +20,25 @@ module combiner #(parameter INTERVAL = 1, LATENCY = 3) (
     assign in1_pop = start;
     assign out0_reserve = start && !(item && mask == 0);
     reg [15:0] pixels;
-    reg [32:0] product;
+    wire [3*16*8-1:0] values;
+    genvar g;
+    generate
+        for (g = 0; g < 48; g = g + 1) begin : component
+            modulate product (.texture(in0[`IN0_0_red + (g / 3) * 64 + (g % 3) * 16 +: 16]),
+                .illuminance(in1[`IN1_0_red + (g / 3) * 64 + (g % 3) * 16 +: 16]), .value(values[8*g +: 8]));
+        end
+    endgenerate
     reg [`OUT0_W-1:0] result;
-    integer p, c;
+    integer p;
     always @* begin
         pixels = 0;
-        product = 0;
         result = 0;
         if (item) begin
             result[`OUT0_item] = 1'b1;
             result[`OUT0_x +: 48] = in0[`IN0_packet_x +: 48];
             for (p = 0; p < 16; p = p + 1) begin
                 pixels = pixels + mask[p];
-                for (c = 0; c < 3; c = c + 1) begin
-                    product = in0[`IN0_0_red + p * 64 + c * 16 +: 16] * in1[`IN1_0_red + p * 64 + c * 16 +: 16] + (33'd1 << 21);
-                    if (mask[p]) result[`OUT0_0_rgb + p * 24 + c * 8 +: 8] = product[32:30] != 0 ? 8'd255 : product[29:22];
-                end
+                if (mask[p]) result[`OUT0_0_rgb + p * 24 +: 24] = values[24*p +: 24];
             end
         end else result[`OUT0_kind +: 89] = in0[`IN0_kind +: 89];
     end

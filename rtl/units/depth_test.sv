@@ -30,7 +30,6 @@ module depth_test #(parameter PACKETS = 0, Z = 24, LATENCY = 1, LINES = 8, FLAGS
     assign in0_pop = start && !holds;
     wire takes_item = in0_pop && item, takes_frame = in0_pop && !item && kind == FRAME;
     wire ends = start && (ending || (!holds && !item && kind == FRAME_END));
-    // The z-buffer. A value counts if it was written in this frame.
     reg [15:0] frame;
     reg [Z+15:0] values [0:PIXELS-1];
     wire any_pixel, any_passed;
@@ -41,12 +40,12 @@ module depth_test #(parameter PACKETS = 0, Z = 24, LATENCY = 1, LINES = 8, FLAGS
     reg [31:0] at [0:15];
     reg [Z-1:0] depth [0:15];
     reg [15:0] covered;
+    reg [16*Z-1:0] fragments, stored;
     integer p, kept;
     always @* begin
-        passed = 0;
         covered = 0;
-        result = in0;
-        kept = 0;
+        fragments = 0;
+        stored = 0;
         for (p = 0; p < 16; p = p + 1) begin
             at[p] = 0;
             depth[p] = 0;
@@ -65,8 +64,23 @@ module depth_test #(parameter PACKETS = 0, Z = 24, LATENCY = 1, LINES = 8, FLAGS
             covered[p] = in0[`IN0_packet_mask + p] && in0[`IN0_packet_x +: 16] + p < width && in0[`IN0_packet_y +: 16] < height;
         end
 `endif
-        for (p = 0; p < 16; p = p + 1)
-            passed[p] = covered[p] && depth[p] < (values[at[p][A-1:0]][Z +: 16] == frame ? values[at[p][A-1:0]][0 +: Z] : {Z{1'b1}});
+        // A value counts if it was written in this frame.
+        for (p = 0; p < 16; p = p + 1) begin
+            fragments[p*Z +: Z] = depth[p];
+            stored[p*Z +: Z] = values[at[p][A-1:0]][Z +: 16] == frame ? values[at[p][A-1:0]][0 +: Z] : {Z{1'b1}};
+        end
+    end
+    wire [15:0] is_nearer;
+    genvar g;
+    generate
+        for (g = 0; g < 16; g = g + 1) begin : comparison
+            nearer #(.Z(Z)) compare (.fragment(fragments[g*Z +: Z]), .stored(stored[g*Z +: Z]), .passes(is_nearer[g]));
+        end
+    endgenerate
+    always @* begin
+        passed = covered & is_nearer;
+        result = in0;
+        kept = 0;
 `ifdef IN0_STAMP
         // The fragments that pass move together.
         if (item) begin
