@@ -2,6 +2,12 @@
 
 use crate::{Demand, Fifo, FifoInfo, Label, TokenBits, TokenField};
 
+/// Panics: the caller named a FIFO that the bundle does not have.
+#[cold]
+fn no_fifo() -> ! {
+    unreachable!("no FIFO here")
+}
+
 /// A bundle of FIFOs at one end of a unit: `()`, `&mut Fifo<T>`, a tuple of two to six, or a vector.
 pub trait Wires {
     /// Number of FIFOs.
@@ -43,10 +49,10 @@ impl Wires for () {
         0
     }
     fn link(&self, _: usize) -> &FifoInfo {
-        unreachable!("no FIFO here")
+        no_fifo()
     }
     fn link_mut(&mut self, _: usize) -> &mut FifoInfo {
-        unreachable!("no FIFO here")
+        no_fifo()
     }
 }
 
@@ -63,13 +69,13 @@ impl Outputs for () {
         0
     }
     fn last_label(&self, _: usize) -> Label {
-        unreachable!("no FIFO here")
+        no_fifo()
     }
     fn last_bits(&self, _: usize) -> TokenBits {
-        unreachable!("no FIFO here")
+        no_fifo()
     }
     fn token_fields(&self, _: usize) -> Vec<TokenField> {
-        unreachable!("no FIFO here")
+        no_fifo()
     }
 }
 
@@ -127,14 +133,14 @@ macro_rules! tuple_of_fifos {
             fn link(&self, i: usize) -> &FifoInfo {
                 match i {
                     $($i => &self.$i.link,)*
-                    _ => unreachable!("no FIFO here"),
+                    _ => no_fifo(),
                 }
             }
             #[inline]
             fn link_mut(&mut self, i: usize) -> &mut FifoInfo {
                 match i {
                     $($i => &mut self.$i.link,)*
-                    _ => unreachable!("no FIFO here"),
+                    _ => no_fifo(),
                 }
             }
         }
@@ -158,19 +164,19 @@ macro_rules! tuple_of_fifos {
             fn last_label(&self, i: usize) -> Label {
                 match i {
                     $($i => self.$i.newest_label(),)*
-                    _ => unreachable!("no FIFO here"),
+                    _ => no_fifo(),
                 }
             }
             fn last_bits(&self, i: usize) -> TokenBits {
                 match i {
                     $($i => self.$i.newest_bits(),)*
-                    _ => unreachable!("no FIFO here"),
+                    _ => no_fifo(),
                 }
             }
             fn token_fields(&self, i: usize) -> Vec<TokenField> {
                 match i {
                     $($i => self.$i.fields(),)*
-                    _ => unreachable!("no FIFO here"),
+                    _ => no_fifo(),
                 }
             }
         }
