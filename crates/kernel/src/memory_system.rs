@@ -334,10 +334,13 @@ impl MemorySystem {
         memories.iter_mut().fold(false, |any, memory| serve_promised(memory, clients) | any)
     }
 
-    /// As [`MemorySystem::serve_promised`], for the memory of one client.
+    /// As [`MemorySystem::serve_promised`], for the memory of one client. Also returns true if requests were split into bursts: the
+    /// memory then knows a later earliest answer.
     pub(crate) fn serve_promised_of(&mut self, client: usize) -> bool {
         let Self { memories, clients } = self;
-        serve_promised(&mut memories[clients[client].port.memory], clients)
+        let memory = &mut memories[clients[client].port.memory];
+        let arrived = memory.arrived;
+        serve_promised(memory, clients) || memory.arrived < arrived
     }
 
     /// Serves final choices without further promises. Returns true if anything waits.
