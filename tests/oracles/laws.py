@@ -10,10 +10,10 @@ cycle by cycle and shares no code with the engines. An engine is right if it pri
 PLAN  {"fifos":    [{"name", "depth", "latency", optional "period"}],
        "memories": [{"name", "burst_bytes", "burst_cycles", "channels", "channel_bytes", "banks", "row_bytes", "window", "cap",
                      "cl", "cwl", "rcd", "rp", "ras", "rtp", "wr", "wtr", "rrd", "faw", "refi", "rfc", optional "commands_per_cycle",
-                     "ports": [{"name", "outstanding", optional "flips": {"of", "period", "hold"}}], optional "periodic": [{"name", "period", "bytes", "stride", "span"}]}],
-       "caches":   [{"name", "port", "line_bytes", "sets", "ways", "hit_latency", "lookups_per_cycle", optional "at_once"}],
+                     "ports": [{"name", "outstanding", optional "flips": {"of", "period", "hold", optional "wait"}}], optional "periodic": [{"name", "period", "bytes", "stride", "span"}]}],
+       "caches":   [{"name", "port", "line_bytes", "sets", "ways", "hit_latency", "lookups_per_cycle", optional "at_once", optional "always_hits"}],
        "units":    [{"name", "kind", "in": [fifo], "out": [fifo], "occupancy": [..], "latency": [..], ...,
-                     optional "after": [..], optional "blocking", optional "issue"}]}
+                     optional "after": [..], optional "blocking", optional "issue", optional "ideal"}]}
 A token is (id, last). Occupancy and latency are lists indexed by id modulo length, where id is: source - of the token it emits; expand -
 of the child that the step emits; join - of its first input's token; merge - the new number k; otherwise of the popped token. A port belongs to
 exactly one unit or cache, a cache to exactly one unit; a step's largest need of a port is the number of entries of "requests" on it, or of
@@ -30,6 +30,12 @@ gather   its input                 id // "size" when (id + 1) mod size = 0 and o
 access   its input                 the same token; each step issues "requests" [{"port", "write", "bytes", "stride", "offset", "span"}]
                                    at address (id * stride + offset) mod span
 cached   its input                 the same token; each step looks up "lookups" [{"stride", "offset", "span"}] in cache "cache"
+mixed    its input                 the same token; a step of id looks up "lookups" in "cache" if id mod "look_up_every" = 0, and issues request
+                                   i of "requests" if id mod every[i mod length] = 0. It blocks if blocks[id mod length]
+gate     input 0 "size" times,     the token of input 0; nothing for a token of input 1
+         then input 1, and again
+tap      its input                 the same token to output 0; every "size"-th also to output 1. Gate and tap close a loop, with as many
+                                   tokens between them as the gate passes
 sink     its input                 -
 Memories: a burst at byte address a is in channel (a div channel_bytes) mod channels, and there at address x = (a div (channel_bytes *
 channels)) * channel_bytes + a mod channel_bytes; row number = x div row_bytes, bank = row number mod banks, row = row number div banks.
@@ -56,11 +62,14 @@ Flips: a request on a port with "flips" moves no data. If it arrives in cycle c 
 of the flips' "period" that is not before max(c, e of the flip before + max("hold", 1)). The periodic client "of" then has A as its base: its
 requests from e on are at A + (k * stride) mod span. At first the base is 0. With "hold" > 0, it makes no requests before the first flip, nor from
 e + hold until the next flip. The answer comes at max(e + hold, c + 1 + min(cl, cwl) + burst_cycles), and not before the port's answer ahead.
+Waits: a request on a port whose flips have "wait" is no flip. If it arrives in cycle c, it is answered at max(e + hold of the last flip of "of"
+before it in order of (arrival, port number, issue), c + 1 + min(cl, cwl) + burst_cycles), and not before the port's answer ahead.
+Ideal: a step of a unit with "ideal" has occupancy 1 and latency max(0, latency - occupancy + 1), before the minima of its requests and look-ups.
 Caches: the look-ups of a cached step are its distinct lines in order of first mention, and its occupancy is max(occupancy, ceil(distinct
 lines / lookups_per_cycle)). Look-up n is made in cycle start + n div lookups_per_cycle, or at the start if the cache is "at_once". A miss
 arrives at its memory in the cycle of the look-up. A look-up at s of a line in the tags whose memory answer is > s is merged, otherwise a
 hit; a line replaced before its fill is absent: a new miss. Hits, merged look-ups and misses all touch LRU. A cached step awaits its port
-until its last look-up's answer, hit latency included. If a full output's oldest holder awaits several ports, the lowest memory number and
+until its last look-up's answer, hit latency included. In a cache with "always_hits" every look-up is a hit, and none touches LRU. If a full output's oldest holder awaits several ports, the lowest memory number and
 then the lowest port number counts first. Complete = no token in a FIFO, every source and merge has passed all its tokens, no expand part-way;
 otherwise deadlock. "done" counts from the end of a unit's last step, or from its last answer if it blocks, in a complete run; in a
 deadlock only sources and merges that have passed all tokens are done, the others keep the cause that holds them.
@@ -113,12 +122,12 @@ class Memory:
         s.d, s.last_data, s.channels = d, -1, [Channel(d) for _ in range(d["channels"])]
         s.ports = [{"name": p["name"], "credits": p["outstanding"], "returns": [], "answer": 0, "open": [], "requests": 0, "bursts": 0, "row_hits": 0, "row_closed": 0, "row_conflicts": 0} for p in d["ports"]]
         s.users = len(s.ports); s.ports += [dict(p, returns=[], answer=0, open=[], credits=0, requests=0, bursts=0, arrivals=[], columns=[], row_hits=0, row_closed=0, row_conflicts=0) for p in d.get("periodic", [])]
-        s.flips = {v: {"base": 0, "changes": [], "next": 0} for v in range(s.users, len(s.ports))}      # by number of the periodic client
+        s.flips = {v: {"base": 0, "changes": [], "next": 0, "held": 0} for v in range(s.users, len(s.ports))}      # by number of the periodic client
         for p, q in zip(s.ports, d["ports"]):
             f = p["flips"] = q.get("flips")
             if f:
                 v = p["shows"] = s.flips[next(i for i in s.flips if s.ports[i]["name"] == f["of"])]
-                if f["hold"]: v["base"] = None
+                if f["hold"] and not f.get("wait"): v["base"] = None
         s.arrived = []                                   # (port number, issue order, address, bytes, write, callback) of this cycle
     def serve(s, c):
         """Column commands of cycle c, then the requests that arrive in it."""
@@ -144,9 +153,11 @@ class Memory:
                 p["arrivals"].append(c); address += v["base"]
             p["requests"] += 1
             if p.get("flips"):
-                v, f = p["shows"], p["flips"]; e = -(-max(c, v["next"]) // f["period"]) * f["period"]
-                v["next"] = e + max(f["hold"], 1); v["changes"] += [(e, address)] + ([(e + f["hold"], None)] if f["hold"] else [])
-                p["answer"] = max(p["answer"], e + f["hold"], c + 1 + min(d["cl"], d["cwl"]) + d["burst_cycles"]); p["returns"].append(p["answer"]); done(p["answer"])
+                v, f = p["shows"], p["flips"]
+                if not f.get("wait"):
+                    e = -(-max(c, v["next"]) // f["period"]) * f["period"]; v["held"] = e + f["hold"]
+                    v["next"] = e + max(f["hold"], 1); v["changes"] += [(e, address)] + ([(e + f["hold"], None)] if f["hold"] else [])
+                p["answer"] = max(p["answer"], v["held"], c + 1 + min(d["cl"], d["cwl"]) + d["burst_cycles"]); p["returns"].append(p["answer"]); done(p["answer"])
                 continue
             bursts = range(address // d["burst_bytes"], (address + size - 1) // d["burst_bytes"] + 1)
             r = {"left": len(bursts), "end": 0, "done": done}; p["open"].append(r)
@@ -182,14 +193,14 @@ def simulate(plan):
     pick = lambda l, i: l[i % len(l)]
     def needs(u):                                        # credits of its largest step, by port
         n = {}
-        if u["kind"] == "access":
-            for r in u["requests"]: n[r["port"]] = n.get(r["port"], 0) + 1
-        if u["kind"] == "cached": n[caches[u["cache"]].d["port"]] = len(u["lookups"])
+        for r in u.get("requests", []): n[r["port"]] = n.get(r["port"], 0) + 1
+        if "cache" in u: n[caches[u["cache"]].d["port"]] = len(u["lookups"])
         return n
     def declared(u):
         k = u["kind"]
         if k == "source" or (k == "expand" and u["state"]): return []
         if k == "merge": return [u["in"][u["k"] % len(u["in"])]]
+        if k == "gate": return [u["in"][u["k"] % (u["size"] + 1) == u["size"]]]
         return u["in"]
     def finished(u): return (u["kind"] == "source" and u["k"] >= u["tokens"]) or (u["kind"] == "merge" and u["k"] >= u["tokens"])
     c, active = 0, 0
@@ -222,7 +233,9 @@ def simulate(plan):
                 e = fifos[f].entries[fifos[f].head]; e["popped"] = c; fifos[f].head += 1; toks.append(e["token"])
             emit = {}
             if k == "source": t = (u["k"], u["k"] == u["tokens"] - 1); emit = {u["out"][0]: t}
-            elif k in ("work", "fork", "access", "cached"): t = toks[0]; emit = {f: t for f in u["out"]}
+            elif k == "gate": t = toks[0]; emit = {} if u["k"] % (u["size"] + 1) == u["size"] else {u["out"][0]: t}
+            elif k == "tap": t = toks[0]; emit = {f: t for f in u["out"][:2 if (u["k"] + 1) % u["size"] == 0 else 1]}
+            elif k in ("work", "fork", "access", "cached", "mixed"): t = toks[0]; emit = {f: t for f in u["out"]}
             elif k == "join": t = (toks[0][0], any(x[1] for x in toks)); emit = {u["out"][0]: t}
             elif k == "route": t = toks[0]; emit = {u["out"][t[0] % len(u["out"])]: t}
             elif k == "merge": t = (u["k"], u["k"] == u["tokens"] - 1); emit = {u["out"][0]: t}
@@ -235,28 +248,24 @@ def simulate(plan):
                 if t[0] % u["size"] == u["size"] - 1 or t[1]: emit = {u["out"][0]: (t[0] // u["size"], t[1])}
             else: t = toks[0]
             occ, lat, after = pick(u["occupancy"], t[0]), pick(u["latency"], t[0]), pick(u.get("after", [0]), t[0])
+            if u.get("ideal"): occ, lat = 1, max(0, lat - occ + 1)
+            asks = u.get("requests", []) if k != "mixed" else [r for i, r in enumerate(u["requests"]) if t[0] % pick(u["every"], i) == 0]
+            looks = u.get("lookups", []) if k != "mixed" or t[0] % u["look_up_every"] == 0 else []
             awaits = {}                                      # port: answers, None while not known
             def hear(p, awaits=awaits):
                 ts = awaits.setdefault(p, []); ts.append(None); i = len(ts) - 1
                 def done(a): ts[i] = a
                 return done
-            if k == "access":
-                on = {}
-                for n, r in enumerate(u["requests"]):
-                    m, i = port[r["port"]]; m.ports[i]["credits"] -= 1
-                    k_on = on[r["port"]] = on.get(r["port"], -1) + 1; issue = u.get("issue", 0)
-                    what = (i, n, (t[0] * r["stride"] + r["offset"]) % r["span"], r["bytes"], r["write"], (lambda a: None) if r["write"] else hear(r["port"]))
-                    later.append((c + (k_on // issue if issue else 0), lambda m=m, what=what: m.arrived.append(what)))
-                    if issue: occ = max(occ, k_on // issue + 1)
-            if k == "cached":
+            if looks:                                        # before the requests: order of first mention
                 q = caches[u["cache"]]; d = q.d; m, i = port[d["port"]]; lines = []
-                for r in u["lookups"]:
+                for r in looks:
                     line = (t[0] * r["stride"] + r["offset"]) % r["span"] // d["line_bytes"]
                     if line not in lines: lines.append(line)
                 occ = max(occ, -(-len(lines) // d["lookups_per_cycle"]))
                 def look(n, line, heard, at, q=q, d=d, m=m, i=i):
                     s = q.sets[line % d["sets"]]
-                    if line in s:
+                    if d.get("always_hits"): q.hits += 1; m.ports[i]["credits"] += 1; q.looks.append((None, at, heard))
+                    elif line in s:
                         s.remove(line); s.append(line); fill = q.fill[line]; flying = not fill or fill[0] > at
                         if flying: q.merged += 1
                         else: q.hits += 1
@@ -269,11 +278,18 @@ def simulate(plan):
                 for n, line in enumerate(lines):
                     at = c if d.get("at_once") else c + n // d["lookups_per_cycle"]
                     later.append((at, lambda n=n, line=line, heard=hear(d["port"]), at=at, look=look: look(n, line, heard, at)))
+            on = {}
+            for n, r in enumerate(asks):
+                m, i = port[r["port"]]; m.ports[i]["credits"] -= 1
+                k_on = on[r["port"]] = on.get(r["port"], -1) + 1; issue = u.get("issue", 0)
+                what = (i, n, (t[0] * r["stride"] + r["offset"]) % r["span"], r["bytes"], r["write"], (lambda a: None) if r["write"] else hear(r["port"]))
+                later.append((c + (k_on // issue if issue else 0), lambda m=m, what=what: m.arrived.append(what)))
+                if issue: occ = max(occ, k_on // issue + 1)
             new = []
             for f, tok in emit.items():
                 e = {"token": tok, "popped": None, "reserved": c, "awaits": awaits, "after": after}; fifos[f].entries.append(e); new.append((fifos[f], e))
             for f, e in new: e["base"] = c + lat
-            u["free"] = c + occ; u["released"] = c + occ; u["block"] = awaits if u.get("blocking") and awaits else None; u["steps"] += 1; u["k"] += 1; u["last_start"] = c; u["log"].append("busy"); active = max(active, u["free"] - 1)
+            u["free"] = c + occ; u["released"] = c + occ; u["block"] = awaits if awaits and (pick(u["blocks"], t[0]) if k == "mixed" else u.get("blocking")) else None; u["steps"] += 1; u["k"] += 1; u["last_start"] = c; u["log"].append("busy"); active = max(active, u["free"] - 1)
         for x in [x for x in later if x[0] == c]: x[1]()
         later = [x for x in later if x[0] > c]
         for m in mems.values(): m.tick(c); m.serve(c)
@@ -314,12 +330,12 @@ def make(seed):
     r = random.Random(seed); plan = {"fifos": [], "memories": [], "caches": [], "units": []}
     few = lambda lo, hi: [r.randint(lo, hi) for _ in range(r.randint(1, 3))]
     def fifo(): plan["fifos"].append(dict({"name": "f%d" % len(plan["fifos"]), "depth": r.choice([1, 1, 2, 3, 4, 8]), "latency": r.choice([1, 1, 1, 2, 3])}, **({"period": r.randint(2, 20)} if r.random() < .1 else {}))); return plan["fifos"][-1]["name"]
-    def unit(kind, i, o, **x): plan["units"].append(dict({"name": "u%d" % len(plan["units"]), "kind": kind, "in": i, "out": o, "occupancy": few(1, 4), "latency": few(0, 6)}, **x))
-    for k in range(r.randint(0, 2)):
+    def unit(kind, i, o, **x): plan["units"].append(dict({"name": "u%d" % len(plan["units"]), "kind": kind, "in": i, "out": o, "occupancy": few(1, 4), "latency": few(0, 6)}, **x, **({"ideal": True} if r.random() < .05 else {})))
+    for k in range(r.choice([0, 1, 1, 2, 2])):
         plan["memories"].append({"name": "m%d" % k, "burst_bytes": 32, "burst_cycles": r.randint(1, 4), "banks": r.choice([1, 2, 4]), "row_bytes": r.choice([64, 256]), "channels": r.choice([1, 1, 2, 3]), "channel_bytes": r.choice([32, 64, 256]), "window": r.choice([1, 2, 4, 16]), "cap": r.choice([0, 1, 4, 16]),
                                  "cl": r.randint(0, 4), "cwl": r.randint(0, 3), "rcd": r.randint(0, 4), "rp": r.randint(0, 4), "ras": r.randint(0, 9), "rtp": r.randint(0, 3), "wr": r.randint(0, 4), "wtr": r.randint(0, 3),
                                  "rrd": r.randint(0, 3), "faw": r.randint(0, 12), **({"commands_per_cycle": r.randint(1, 2)} if r.random() < .3 else {}), **r.choice([{"refi": 0, "rfc": 0}, {"refi": 100, "rfc": r.randint(1, 20)}]), "ports": []})
-        if r.random() < .3:
+        if r.random() < .4:
             m, n = plan["memories"][-1], r.randint(1, 2); m["periodic"] = []
             for j in range(n):                               # less than the memory can serve, or units would wait longer and longer
                 size = r.choice([32, 64, 96]); least = n * (size // 32 + 1) * (m["burst_cycles"] + m["cl"] + m["rp"] + m["rcd"] + m["ras"] + m["wtr"] + m["wr"])
@@ -327,14 +343,23 @@ def make(seed):
     def extra(): return dict(**({"after": few(0, 5)} if r.random() < .5 else {}), **({"blocking": True} if r.random() < .4 else {}))
     def port(least, flips=False):
         m = r.choice(plan["memories"]); m["ports"].append({"name": "%sp%d" % (m["name"], len(m["ports"])), "outstanding": least + r.randint(0, 4)})
-        if flips and m.get("periodic") and r.random() < .5: m["ports"][-1]["flips"] = {"of": r.choice(m["periodic"])["name"], "period": r.randint(1, 60), "hold": r.choice([0, 0, 7, 40])}
+        if flips and m.get("periodic") and r.random() < .7:
+            held = [p["flips"]["of"] for p in m["ports"] if p.get("flips", {}).get("hold")]        # a wait is of use where another port holds
+            m["ports"][-1]["flips"] = {"of": r.choice(held), "period": 1, "hold": 0, "wait": True} if held and r.random() < .6 else {"of": r.choice(m["periodic"])["name"], "period": r.randint(1, 60), "hold": r.choice([0, 7, 40]), **({"wait": True} if r.random() < .1 else {})}
         return m["ports"][-1]["name"]
+    def lookups(): return [{"stride": r.choice([4, 16, 40]), "offset": r.randint(0, 200), "span": 512} for _ in range(r.randint(1, 3))]
     n = r.randint(4, 24); a = fifo(); unit("source", [], [a], tokens=n)
-    for _ in range(r.randint(1, 6)):
-        k = r.choice(["work", "work", "fork", "route", "expand", "gather", "access", "cached"])
-        if k in ("access", "cached") and not plan["memories"]: k = "work"
+    def cache(looks): plan["caches"].append({"name": "c%d" % len(plan["caches"]), "port": port(looks), "line_bytes": 32, "sets": r.choice([1, 2, 4]), "ways": r.choice([1, 2]), "hit_latency": r.randint(0, 3), "lookups_per_cycle": r.randint(1, 2), **({"at_once": True} if r.random() < .3 else {}), **({"always_hits": True} if r.random() < .1 else {})}); return plan["caches"][-1]["name"]
+    kinds = [r.choice(["work", "work", "fork", "route", "expand", "gather", "access", "cached", "mixed", "gate"]) for _ in range(r.randint(1, 6))]
+    while kinds:
+        k = kinds.pop(0)
+        if k in ("access", "cached", "mixed") and not plan["memories"]: k = "work"
         b = fifo()
-        if k == "work": unit("work", [a], [b])
+        if k == "gate":                                      # a loop: what is between gate and tap passes each token on
+            back, x = fifo(), r.randint(1, 4); unit("gate", [a, back], [b], size=x)
+            kinds[:0] = [r.choice(["work", "access", "cached", "mixed"]) for _ in range(r.randint(0, 2))] + [("tap", back, x)]
+        elif isinstance(k, tuple): unit("tap", [a], [b, k[1]], size=k[2])
+        elif k == "work": unit("work", [a], [b])
         elif k == "expand": x = r.randint(2, 3); unit("expand", [a], [b], factor=x); n *= x
         elif k == "gather": x = r.randint(2, 4); unit("gather", [a], [b], size=x); n = -(-n // x)
         elif k == "access":
@@ -344,9 +369,11 @@ def make(seed):
             if r.random() < .3: reqs.insert(r.randint(0, len(reqs)), dict(reqs[0], port=port(1), offset=r.randint(64, 900)))
             unit("access", [a], [b], requests=reqs, **extra(), **({"issue": r.randint(1, 2)} if r.random() < .5 else {}))
         elif k == "cached":
-            looks = [{"stride": r.choice([4, 16, 40]), "offset": r.randint(0, 200), "span": 512} for _ in range(r.randint(1, 3))]
-            plan["caches"].append({"name": "c%d" % len(plan["caches"]), "port": port(len(looks)), "line_bytes": 32, "sets": r.choice([1, 2, 4]), "ways": r.choice([1, 2]), "hit_latency": r.randint(0, 3), "lookups_per_cycle": r.randint(1, 2), **({"at_once": True} if r.random() < .3 else {})})
-            unit("cached", [a], [b], cache=plan["caches"][-1]["name"], lookups=looks, **extra())
+            unit("cached", [a], [b], lookups=lookups(), cache=cache(3), **extra())
+        elif k == "mixed":
+            p, q = port(2), port(1, True); req = lambda p, write: {"port": p, "write": write, "bytes": r.choice([4, 32, 64]), "stride": r.choice([4, 32, 96]), "offset": r.randint(0, 900), "span": 1024}
+            unit("mixed", [a], [b], requests=[req(p, False), req(q, r.random() < .5), req(p, True)], every=[r.randint(1, 4) for _ in range(3)], lookups=lookups(), look_up_every=r.randint(1, 3), cache=cache(3),
+                 blocks=[r.random() < .5 for _ in range(r.randint(1, 3))], **({"after": few(0, 5)} if r.random() < .5 else {}), **({"issue": r.randint(1, 2)} if r.random() < .5 else {}))
         else:
             w = r.randint(2, 3); xs, ys = [fifo() for _ in range(w)], [fifo() for _ in range(w)]
             unit(k, [a], xs)

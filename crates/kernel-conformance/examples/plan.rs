@@ -1,20 +1,38 @@
 //! Runs a plan and prints the result as canonical JSON: `plan PLAN.json [--engine timed|ticked]`.
 //!
-//! With a folder instead of a file, every `*.json` in it must be a `{"plan", "result"}` vector. Both engines run each vector. The
-//! exit code is 1 if any result differs.
+//! With a folder instead of a file, every `*.json` in it must be a `{"plan", "result"}` vector. Both engines run each vector, and a
+//! recording made with deeper FIFOs is resimulated. The exit code is 1 if any result differs.
 
-use basrelief_kernel::{Engine, run};
+use basrelief_kernel::{Engine, Netlist, NoProbe, RunLimits, resimulate, run, run_recorded};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, result};
 use serde_json::Value;
 use serde_json::ser::Formatter;
+use std::borrow::Cow;
 use std::io::{Result as Written, Write};
 use std::{fs, path::Path, process::ExitCode};
 
 const USAGE: &str = "usage: plan PLAN.json [--engine timed|ticked], or plan FOLDER";
 
+/// Size of a chunk of a recording \[bytes\]: small, so that most recordings have several.
+const CHUNK_BYTES: usize = 256;
+
 fn simulate(plan: &Plan, engine: Engine) -> Result<Value, String> {
     let mut machine = PlanMachine::new(plan).map_err(|e| e.to_string())?;
     Ok(result(&run(&mut machine, engine)))
+}
+
+/// Records the plan with deeper FIFOs, and computes the timing of the recording with the depths of the plan.
+fn resimulated(plan: &Plan) -> Result<Value, String> {
+    let mut deeper = plan.clone();
+    deeper.fifos.iter_mut().for_each(|fifo| fifo.depth += 1);
+    let machine = |plan: &Plan| PlanMachine::new(plan).map_err(|e| e.to_string());
+    let mut chunks = Vec::new();
+    let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut PlanMachine| true };
+    run_recorded(&mut machine(&deeper)?, Engine::Timed, &mut NoProbe, limits, (CHUNK_BYTES, &mut |chunk| chunks.push(chunk)));
+    let shape = Netlist::of(&mut machine(plan)?).map_err(|e| e.to_string())?;
+    let mut chunks = chunks.iter().map(Cow::Borrowed);
+    let report = resimulate(shape, &mut |_| Ok(chunks.next()), &mut NoProbe, u64::MAX);
+    Ok(result(&report.map_err(|e| e.to_string())?))
 }
 
 fn read(path: &Path) -> Result<String, String> {
@@ -25,12 +43,21 @@ fn parse_plan(text: &str) -> Result<Plan, String> {
     serde_json::from_str(text).map_err(|e| format!("not a plan: {e}"))
 }
 
-/// Runs a vector with one engine. Returns true if the result equals the stored result.
-fn agrees(text: &str, engine: Engine) -> Result<bool, String> {
+/// A way to the result of a plan.
+type Method = (&'static str, fn(&Plan) -> Result<Value, String>);
+
+const METHODS: [Method; 3] = [
+    ("timed", |plan| simulate(plan, Engine::Timed)),
+    ("ticked", |plan| simulate(plan, Engine::Ticked)),
+    ("resimulation", resimulated),
+];
+
+/// Computes the result of a vector. Returns true if it equals the stored result.
+fn agrees(text: &str, compute: fn(&Plan) -> Result<Value, String>) -> Result<bool, String> {
     let not = |e: serde_json::Error| format!("not a {{\"plan\", \"result\"}} vector: {e}");
     let vector: Value = serde_json::from_str(text).map_err(not)?;
     let plan: Plan = serde_json::from_value(vector["plan"].clone()).map_err(not)?;
-    Ok(simulate(&plan, engine)? == vector["result"])
+    Ok(compute(&plan)? == vector["result"])
 }
 
 /// Compares every vector of a folder, in order of name. Returns the number of equal and of different results.
@@ -42,12 +69,12 @@ fn compare(folder: &Path) -> Result<(usize, usize), String> {
     let (mut same, mut different) = (0, 0);
     for path in paths {
         let text = read(&path)?;
-        for engine in [Engine::Timed, Engine::Ticked] {
-            if agrees(&text, engine).map_err(|e| format!("{}: {e}", path.display()))? {
+        for (name, compute) in METHODS {
+            if agrees(&text, compute).map_err(|e| format!("{}: {e}", path.display()))? {
                 same += 1;
             } else {
                 different += 1;
-                println!("{}: {engine:?} differs", path.display());
+                println!("{}: {name} differs", path.display());
             }
         }
     }

@@ -230,7 +230,7 @@
 //!     *Set by [`Step::marked`], kept in [`RunReport::marks`]; test `laws/law_11_marks`.*
 //!
 //! Consequently the order in which units are visited cannot change any result. The tests of the laws stand in
-//! `basrelief-kernel-conformance`: `hand` computes four whole machines by hand, `vectors` compares both engines with 504 results of an
+//! `basrelief-kernel-conformance`: `hand` computes four whole machines by hand, `vectors` compares both engines with 584 results of an
 //! independent implementation of these laws, and `properties` runs random machines.
 //!
 //! # Details that the laws leave open

@@ -1,6 +1,6 @@
 //! Checks of a plan before a machine is built.
 
-use super::format::{Plan, PlanFlips, PlannedUnit, UnitKind};
+use super::format::{Plan, PlanFlips, PlanLookUp, PlanRequest, PlannedUnit, UnitKind};
 use basrelief_kernel::{MAX_CLIENTS, MAX_LINKS};
 use basrelief_parameters::Parameters;
 use std::collections::BTreeMap;
@@ -111,10 +111,14 @@ fn unit(unit: &PlannedUnit) -> Result<(), PlanError> {
     let most = MAX_LINKS as u64;
     let (ins, outs) = match unit.kind {
         UnitKind::Source { .. } => (0..=0, 1..=1),
-        UnitKind::Work | UnitKind::Fork | UnitKind::Access { .. } | UnitKind::Cached { .. } => (1..=1, 0..=most),
+        UnitKind::Work | UnitKind::Fork | UnitKind::Access { .. } | UnitKind::Cached { .. } | UnitKind::Mixed { .. } => {
+            (1..=1, 0..=most)
+        }
         UnitKind::Join | UnitKind::Merge { .. } => (1..=most, 1..=1),
         UnitKind::Route => (1..=1, 1..=most),
         UnitKind::Expand { .. } | UnitKind::Gather { .. } => (1..=1, 1..=1),
+        UnitKind::Gate { .. } => (2..=2, 1..=1),
+        UnitKind::Tap { .. } => (1..=1, 2..=2),
         UnitKind::Sink => (1..=most, 0..=0),
     };
     check_range(&place, "length of in", unit.inputs.len() as u64, ins)?;
@@ -126,17 +130,32 @@ fn unit(unit: &PlannedUnit) -> Result<(), PlanError> {
     check_range(&place, "length of after", unit.after.len() as u64, 0..=MOST)?;
     match &unit.kind {
         UnitKind::Expand { factor } => check_range(&place, "factor", *factor, 1..=LONGEST),
-        UnitKind::Gather { size } => check_range(&place, "size", *size, 1..=LONGEST),
-        UnitKind::Access { requests } => requests.iter().try_for_each(|r| {
-            check_range(&place, "bytes", r.bytes.into(), 1..=MOST)?;
-            check_range(&place, "span", r.span, 1..=LONGEST)
-        }),
-        UnitKind::Cached { lookups, .. } => {
-            check_range(&place, "length of lookups", lookups.len() as u64, 1..=u16::MAX.into())?;
-            lookups.iter().try_for_each(|l| check_range(&place, "span", l.span, 1..=LONGEST))
+        UnitKind::Gather { size } | UnitKind::Gate { size } | UnitKind::Tap { size } => {
+            check_range(&place, "size", *size, 1..=LONGEST)
+        }
+        UnitKind::Access { requests } => check_requests(&place, requests),
+        UnitKind::Cached { lookups, .. } => check_look_ups(&place, lookups),
+        UnitKind::Mixed { requests, every, lookups, look_up_every, blocks, .. } => {
+            check_range(&place, "length of every", every.len() as u64, 1..=MOST)?;
+            check_range(&place, "length of blocks", blocks.len() as u64, 1..=MOST)?;
+            every.iter().chain([look_up_every]).try_for_each(|&n| check_range(&place, "every", n, 1..=LONGEST))?;
+            check_requests(&place, requests)?;
+            check_look_ups(&place, lookups)
         }
         _ => Ok(()),
     }
+}
+
+fn check_requests(place: &str, requests: &[PlanRequest]) -> Result<(), PlanError> {
+    requests.iter().try_for_each(|r| {
+        check_range(place, "bytes", r.bytes.into(), 1..=MOST)?;
+        check_range(place, "span", r.span, 1..=LONGEST)
+    })
+}
+
+fn check_look_ups(place: &str, look_ups: &[PlanLookUp]) -> Result<(), PlanError> {
+    check_range(place, "length of lookups", look_ups.len() as u64, 1..=u16::MAX.into())?;
+    look_ups.iter().try_for_each(|l| check_range(place, "span", l.span, 1..=LONGEST))
 }
 
 /// Checks that every FIFO has one unit at each end, and that these units differ.
@@ -195,18 +214,18 @@ fn ports(plan: &Plan) -> Result<(), PlanError> {
 fn port_needs<'p>(plan: &'p Plan, unit: &'p PlannedUnit) -> Result<BTreeMap<&'p str, u64>, PlanError> {
     let place = format!("unit `{}`", unit.name);
     let mut needs: BTreeMap<&str, u64> = BTreeMap::new();
-    match &unit.kind {
-        UnitKind::Access { requests } => {
-            requests.iter().for_each(|r| *needs.entry(&r.port).or_default() += 1);
-            check_range(&place, "number of ports", needs.len() as u64, 0..=MAX_CLIENTS as u64)?;
-        }
-        UnitKind::Cached { cache, lookups } => match plan.caches.iter().find(|c| c.name == *cache) {
+    unit.kind.requests().iter().for_each(|r| *needs.entry(&r.port).or_default() += 1);
+    if let Some(cache) = unit.kind.cache() {
+        match plan.caches.iter().find(|c| c.name == cache) {
+            Some(c) if needs.contains_key(c.port.as_str()) => {
+                return fail(&place, format!("issues requests on port `{}` of its cache, expected another port", c.port));
+            }
             Some(c) => {
-                needs.insert(&c.port, lookups.len() as u64);
+                needs.insert(&c.port, unit.kind.look_ups().len() as u64);
             }
             None => return fail(&place, format!("there is no cache `{cache}` in \"caches\"")),
-        },
-        _ => {}
+        }
     }
+    check_range(&place, "number of ports", needs.len() as u64, 0..=MAX_CLIENTS as u64)?;
     Ok(needs)
 }

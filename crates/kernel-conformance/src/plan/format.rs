@@ -102,6 +102,9 @@ pub struct PlanCache {
     /// True if all look-ups of a step are made at its start.
     #[serde(default)]
     pub at_once: bool,
+    /// True if every look-up hits.
+    #[serde(default)]
+    pub always_hits: bool,
 }
 
 /// A unit of a plan.
@@ -131,6 +134,9 @@ pub struct PlannedUnit {
     /// Requests of a step that arrive per cycle on each port; 0 for all at once.
     #[serde(default)]
     pub issue: u32,
+    /// True if it is fully pipelined for a relaxation.
+    #[serde(default)]
+    pub ideal: bool,
 }
 
 /// Kind of a unit of a plan.
@@ -177,8 +183,59 @@ pub enum UnitKind {
         /// Look-ups per step.
         lookups: Vec<PlanLookUp>,
     },
+    /// Forwards its token. Some steps look up cache lines, some issue requests, and some block.
+    Mixed {
+        /// Requests.
+        requests: Vec<PlanRequest>,
+        /// Request i belongs to steps whose id is a multiple of entry i modulo length.
+        every: Vec<u64>,
+        /// Name of its cache.
+        cache: String,
+        /// Look-ups.
+        lookups: Vec<PlanLookUp>,
+        /// The look-ups belong to steps whose id is a multiple of this number.
+        look_up_every: u64,
+        /// True for steps that block, indexed by id modulo length.
+        blocks: Vec<bool>,
+    },
+    /// Forwards `size` tokens of its first input, then consumes a token of its second input, and starts again.
+    Gate {
+        /// Forwarded tokens per consumed token.
+        size: u64,
+    },
+    /// Forwards its token to its first output, and every `size`-th token to its second output, too.
+    Tap {
+        /// Tokens per token of the second output.
+        size: u64,
+    },
     /// Consumes its token.
     Sink,
+}
+
+impl UnitKind {
+    /// Returns the requests of its largest step.
+    pub(super) fn requests(&self) -> &[PlanRequest] {
+        match self {
+            Self::Access { requests } | Self::Mixed { requests, .. } => requests,
+            _ => &[],
+        }
+    }
+
+    /// Returns the look-ups of its largest step.
+    pub(super) fn look_ups(&self) -> &[PlanLookUp] {
+        match self {
+            Self::Cached { lookups, .. } | Self::Mixed { lookups, .. } => lookups,
+            _ => &[],
+        }
+    }
+
+    /// Returns the name of its cache.
+    pub(super) fn cache(&self) -> Option<&str> {
+        match self {
+            Self::Cached { cache, .. } | Self::Mixed { cache, .. } => Some(cache),
+            _ => None,
+        }
+    }
 }
 
 /// A request at address (id * stride + offset) mod span.

@@ -1,7 +1,7 @@
 //! A machine whose wiring follows a plan.
 
 use super::check::{PlanError, check};
-use super::format::{Plan, PlanCache, PlanFlips, PlanPeriodic, PlanPort, PlannedUnit, UnitKind};
+use super::format::{Plan, PlanCache, PlanFlips, PlanPeriodic, PlanPort, PlannedUnit};
 use super::unit::{PlanUnit, Token};
 use basrelief_kernel::{CacheConfig, Fifo, FlipTiming, Machine, MemorySystem, PeriodicReads, Stage, Visitor};
 use std::collections::BTreeMap;
@@ -38,7 +38,10 @@ impl PlanMachine {
         let mut place = |unit: &PlannedUnit| {
             let (clients, of_request) = clients_of(plan, unit, &ports);
             clients.iter().for_each(|&client| memories.set_issue_rate(client, unit.issue));
-            let stage = Stage::new(&unit.name, PlanUnit::new(unit, of_request));
+            let mut stage = Stage::new(&unit.name, PlanUnit::new(unit, of_request));
+            if unit.ideal {
+                stage.make_ideal();
+            }
             PlannedStage { stage, inputs: find(&unit.inputs), outputs: find(&unit.outputs), clients }
         };
         let stages = plan.units.iter().map(&mut place).collect();
@@ -89,7 +92,7 @@ fn add_cached(memories: &mut MemorySystem, memory: usize, port: &PlanPort, c: &P
         ways: c.ways,
         hit_latency: c.hit_latency,
         lookups_per_cycle: c.lookups_per_cycle,
-        always_hits: false,
+        always_hits: c.always_hits,
     };
     let client = memories.add_cached_client(&port.name, memory, port.outstanding, &c.name, &cache);
     if !c.at_once {
@@ -103,21 +106,14 @@ fn clients_of(plan: &Plan, unit: &PlannedUnit, ports: &BTreeMap<&str, usize>) ->
     let find = |port: &str| ports.get(port).copied();
     let mut clients = Vec::new();
     let mut of_request = Vec::new();
-    match &unit.kind {
-        UnitKind::Access { requests } => {
-            for client in requests.iter().filter_map(|r| find(&r.port)) {
-                let at = clients.iter().position(|&c| c == client).unwrap_or(clients.len());
-                if at == clients.len() {
-                    clients.push(client);
-                }
-                of_request.push(at as u32);
-            }
+    for client in unit.kind.requests().iter().filter_map(|r| find(&r.port)) {
+        let at = clients.iter().position(|&c| c == client).unwrap_or(clients.len());
+        if at == clients.len() {
+            clients.push(client);
         }
-        UnitKind::Cached { cache, .. } => {
-            clients.extend(plan.caches.iter().find(|c| c.name == *cache).and_then(|c| find(&c.port)));
-        }
-        _ => {}
+        of_request.push(at as u32);
     }
+    clients.extend(unit.kind.cache().and_then(|cache| plan.caches.iter().find(|c| c.name == cache)).and_then(|c| find(&c.port)));
     (clients, of_request)
 }
 

@@ -57,9 +57,11 @@ impl PlanUnit {
                 let token = Token { id: self.steps, last: self.steps + 1 == tokens };
                 (self.to_every_output(token), token.id)
             }
-            UnitKind::Work | UnitKind::Fork | UnitKind::Access { .. } | UnitKind::Cached { .. } => {
+            UnitKind::Work | UnitKind::Fork | UnitKind::Access { .. } | UnitKind::Cached { .. } | UnitKind::Mixed { .. } => {
                 (self.to_every_output(first), first.id)
             }
+            UnitKind::Gate { size } => (if self.is_at_feedback(size) { none() } else { self.to_every_output(first) }, first.id),
+            UnitKind::Tap { size } => (vec![Some(first), (self.steps + 1).is_multiple_of(size).then_some(first)], first.id),
             UnitKind::Join => {
                 let token = Token { last: taken.iter().flatten().any(|t| t.last), ..first };
                 (self.to_every_output(token), token.id)
@@ -85,25 +87,53 @@ impl PlanUnit {
         }
     }
 
-    fn issue(&self, id: u64, traffic: &mut MemoryPorts) {
+    /// Returns true if the next step of a gate consumes the token of its second input.
+    fn is_at_feedback(&self, size: u64) -> bool {
+        self.steps % (size + 1) == size
+    }
+
+    /// Returns true if a step has request `i`.
+    fn has_request(&self, id: u64, i: usize) -> bool {
         match &self.plan.kind {
-            UnitKind::Access { requests } => {
-                for (r, &client) in requests.iter().zip(&self.clients) {
-                    let address = address(id, r.stride, r.offset, r.span);
-                    if r.write {
-                        traffic.write(client, address, r.bytes);
-                    } else {
-                        traffic.read(client, address, r.bytes);
-                    }
-                }
-            }
-            UnitKind::Cached { lookups, .. } => {
-                for l in lookups {
-                    traffic.look_up(0, address(id, l.stride, l.offset, l.span), 1);
-                }
-            }
-            _ => {}
+            UnitKind::Mixed { every, .. } => id.is_multiple_of(every[i % every.len()]),
+            _ => true,
         }
+    }
+
+    /// Returns true if a step looks up lines.
+    fn has_look_ups(&self, id: u64) -> bool {
+        match &self.plan.kind {
+            UnitKind::Mixed { look_up_every, .. } => id.is_multiple_of(*look_up_every),
+            _ => true,
+        }
+    }
+
+    /// Returns true if a step blocks.
+    fn blocks(&self, id: u64) -> bool {
+        match &self.plan.kind {
+            UnitKind::Mixed { blocks, .. } => pick(blocks, id),
+            _ => self.plan.blocking,
+        }
+    }
+
+    fn issue(&self, id: u64, traffic: &mut MemoryPorts) {
+        let requests = self.plan.kind.requests().iter().zip(&self.clients).enumerate();
+        for (_, (r, &client)) in requests.filter(|(i, _)| self.has_request(id, *i)) {
+            let address = address(id, r.stride, r.offset, r.span);
+            if r.write {
+                traffic.write(client, address, r.bytes);
+            } else {
+                traffic.read(client, address, r.bytes);
+            }
+        }
+        for l in self.plan.kind.look_ups().iter().filter(|_| self.has_look_ups(id)) {
+            traffic.look_up(self.cached_client(), address(id, l.stride, l.offset, l.span), 1);
+        }
+    }
+
+    /// Returns the client with the cache: the one after those of the requests.
+    fn cached_client(&self) -> u32 {
+        self.clients.iter().max().map_or(0, |last| last + 1)
     }
 }
 
@@ -127,6 +157,7 @@ impl Unit for PlanUnit {
             (_, Some(true)) => Demand::Finished,
             (UnitKind::Source { .. }, _) => Demand::Nothing,
             (UnitKind::Merge { .. }, _) => Demand::Only(self.steps as usize % self.plan.inputs.len()),
+            (UnitKind::Gate { size }, _) => Demand::Only(self.is_at_feedback(*size).into()),
             _ if self.expanding.is_some() => Demand::Nothing,
             _ => Demand::All,
         }
@@ -141,15 +172,13 @@ impl Unit for PlanUnit {
         self.steps += 1;
         let after_data = if self.plan.after.is_empty() { 0 } else { pick(&self.plan.after, id) };
         let (latency, occupancy) = (pick(&self.plan.latency, id), pick(&self.plan.occupancy, id));
-        Step { blocking: self.plan.blocking, ..Step::after(latency, out).busy(occupancy).after_data(after_data) }
+        Step { blocking: self.blocks(id), ..Step::after(latency, out).busy(occupancy).after_data(after_data) }
     }
 
     fn largest_step(&self, client: usize) -> u32 {
-        match &self.plan.kind {
-            UnitKind::Access { .. } => self.clients.iter().filter(|&&c| c as usize == client).count() as u32,
-            UnitKind::Cached { lookups, .. } if client == 0 => lookups.len() as u32,
-            _ => 0,
-        }
+        let requests = self.clients.iter().filter(|&&c| c as usize == client).count();
+        let look_ups = if client == self.cached_client() as usize { self.plan.kind.look_ups().len() } else { 0 };
+        (requests + look_ups) as u32
     }
 
     fn is_empty(&self) -> bool {

@@ -136,7 +136,17 @@ fn cache_miss_under_miss() {
     let lookups = vec![PlanLookUp { stride: 32, offset: 0, span: 64 }];
     let mut draw = PlanBuilder::default();
     draw.memory(small_memory(), &[("p", 8)])
-        .cache(PlanCache { name, port, line_bytes: 32, sets: 4, ways: 1, hit_latency: 2, lookups_per_cycle: 1, at_once: true })
+        .cache(PlanCache {
+            name,
+            port,
+            line_bytes: 32,
+            sets: 4,
+            ways: 1,
+            hit_latency: 2,
+            lookups_per_cycle: 1,
+            at_once: true,
+            always_hits: false,
+        })
         .fifo("in", 4, 1)
         .fifo("out", 4, 1)
         .unit("source", UnitKind::Source { tokens: 4 }, ["", "in"], &[1], &[0])

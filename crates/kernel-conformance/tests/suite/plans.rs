@@ -9,7 +9,17 @@ fn good() -> Plan {
     let (name, port) = ("cache".into(), "q".into());
     let mut draw = PlanBuilder::default();
     draw.memory(small_memory(), &[("p", 2), ("q", 2)])
-        .cache(PlanCache { name, port, line_bytes: 32, sets: 4, ways: 1, hit_latency: 2, lookups_per_cycle: 1, at_once: true })
+        .cache(PlanCache {
+            name,
+            port,
+            line_bytes: 32,
+            sets: 4,
+            ways: 1,
+            hit_latency: 2,
+            lookups_per_cycle: 1,
+            at_once: true,
+            always_hits: false,
+        })
         .fifo("a", 1, 1)
         .fifo("b", 1, 1)
         .fifo("c", 1, 1)

@@ -38,7 +38,7 @@ impl PlanBuilder {
         let [inputs, outputs] = wires.map(|names| names.split_whitespace().map(str::to_owned).collect());
         let (occupancy, latency) = (occupancy.to_vec(), latency.to_vec());
         let (name, after, blocking, issue) = (name.into(), vec![], false, 0);
-        self.0.units.push(PlannedUnit { name, kind, inputs, outputs, occupancy, latency, after, blocking, issue });
+        self.0.units.push(PlannedUnit { name, kind, inputs, outputs, occupancy, latency, after, blocking, issue, ideal: false });
         self
     }
 

@@ -297,7 +297,8 @@ impl Builder<'_> {
                 let name = format!("c{}", self.draw.0.caches.len());
                 let [sets, ways, hit_latency, lookups_per_cycle] = [*sets, *ways, *hit_latency, *per_cycle];
                 let (line_bytes, at_once) = (32, *at_once);
-                let cache = PlanCache { name, port, line_bytes, sets, ways, hit_latency, lookups_per_cycle, at_once };
+                let cache =
+                    PlanCache { name, port, line_bytes, sets, ways, hit_latency, lookups_per_cycle, at_once, always_hits: false };
                 let look_up = |(n, &stride): (usize, &u64)| PlanLookUp { stride, offset: 50 * n as u64, span: 512 };
                 let kind =
                     UnitKind::Cached { cache: cache.name.clone(), lookups: strides.iter().enumerate().map(look_up).collect() };

@@ -17,7 +17,17 @@ fn client(tokens: u64, (sets, ways, per_cycle): (u32, u32, u32), lookups: Vec<Pl
     draw.fifo("in", 8, 1)
         .fifo("out", 8, 1)
         .memory(small_memory(), &[("p", 8)])
-        .cache(PlanCache { name, port, line_bytes: 32, sets, ways, hit_latency: 2, lookups_per_cycle: per_cycle, at_once: true })
+        .cache(PlanCache {
+            name,
+            port,
+            line_bytes: 32,
+            sets,
+            ways,
+            hit_latency: 2,
+            lookups_per_cycle: per_cycle,
+            at_once: true,
+            always_hits: false,
+        })
         .unit("source", UnitKind::Source { tokens }, ["", "in"], &[1], &[0])
         .unit("client", UnitKind::Cached { cache: "cache".into(), lookups }, ["in", "out"], &[1], &[0])
         .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);

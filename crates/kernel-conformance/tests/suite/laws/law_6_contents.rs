@@ -16,7 +16,17 @@ fn plan(memory: PlanMemory, outstanding: u32) -> Plan {
         draw.fifo(fifo, 2, 1);
     }
     draw.memory(memory, &[("p", outstanding), ("q", outstanding)])
-        .cache(PlanCache { name, port, line_bytes: 32, sets: 2, ways: 1, hit_latency: 1, lookups_per_cycle: 1, at_once: true })
+        .cache(PlanCache {
+            name,
+            port,
+            line_bytes: 32,
+            sets: 2,
+            ways: 1,
+            hit_latency: 1,
+            lookups_per_cycle: 1,
+            at_once: true,
+            always_hits: false,
+        })
         .unit("source", UnitKind::Source { tokens: 40 }, ["", "a"], &[1], &[0])
         .unit("reader", UnitKind::Access { requests: vec![read] }, ["a", "b"], &[1, 3], &[0, 9])
         .unit("route", UnitKind::Route, ["b", "left right"], &[1], &[0])

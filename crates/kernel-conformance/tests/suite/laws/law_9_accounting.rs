@@ -99,6 +99,7 @@ fn hit_latency_counts_as_memory() {
         hit_latency: 4,
         lookups_per_cycle: 1,
         at_once: true,
+        always_hits: false,
     });
     plan.units[0].occupancy = vec![20, 1, 1];
     // Step 0 at 1: answer 9 + 4 = 13, popped 14. Step 1 at 21: hit, answer 25, visible and popped 26, slot free 27: step 2. Of 22
