@@ -5,6 +5,8 @@ The expected results come from the few lines of Python below, which share no cod
 
 import random
 
+from channel_vectors import SEEDS as CHANNEL_SEEDS
+from channel_vectors import channel_vectors
 from recording import Recording, replaced, value
 
 TOKENS = 400
@@ -231,7 +233,7 @@ def shares(name):
 
 
 # Generators of vectors by unit, with the machine whose fields they use.
-GENERATORS = {"gate": gate, "register_bank": register_bank, "distributor": distributor, "replacement": replacement}
+GENERATORS = {"gate": gate, "register_bank": register_bank, "distributor": distributor, "replacement": replacement, "channel": channel_vectors}
 SEEDS = 2
 
 
@@ -240,4 +242,4 @@ def vectors(unit, recordings, machine):
     base = next((r for r in recordings if r.machine == machine), None)
     if base is None or unit not in GENERATORS:
         return []
-    return [GENERATORS[unit](base, seed) for seed in range(SEEDS)]
+    return [GENERATORS[unit](base, seed) for seed in range(CHANNEL_SEEDS if unit == "channel" else SEEDS)]

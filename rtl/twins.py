@@ -2,6 +2,7 @@
 
 import struct
 
+from channel_vectors import channel, channel_tokens
 from recording import replaced, value, width
 
 
@@ -201,6 +202,7 @@ TWINS = {
                            caches={0: "normal_map"}),
     "graphics": Twin([("bump", "graphics")], numbers(LATENCY="latency", AFTER="after"), passes=[0], ready=[0], is_answered=True,
                      caches={0: "color_texture"}),
+    "channel": Twin([("bump", "channel")], channel, rewrite=channel_tokens),
     "gate": Twin([("shade", "gate")], circuit("gate")),
     "adder": Twin([("shade", "adder")], circuit("adder")),
     "selector_53": Twin([("shade", "selector-53")], circuit("selector_53")),
