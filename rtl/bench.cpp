@@ -79,6 +79,8 @@ int main(int argc, char** argv) {
             s >> end;
         }
     }
+    bool waves = argc > 2;
+    if (waves) open_waves(argv[2]);
     reset(true);
     for (int i = 0; i < 3; i++) clock_edge();
     reset(false);
@@ -109,7 +111,15 @@ int main(int argc, char** argv) {
             drive_pass(o, given[o] < out[o].size() ? &out[o][given[o]].bits : nullptr);
             drive_next(o, delivered[o] < out[o].size() ? &out[o][delivered[o]].bits : nullptr);
         }
+        if (waves) {
+            for (int u = 0; u < UNITS; u++) drive_model_start(u, step[u] < steps[u].size() && steps[u][step[u]] == c);
+            for (int o = 0; o < OUTPUTS; o++) {
+                bool due = delivered[o] < out[o].size() && out[o][delivered[o]].deliver == c;
+                drive_model_push(o, due, due ? &out[o][delivered[o]].bits : nullptr);
+            }
+        }
         settle();
+        if (waves) dump_waves(c);
         for (int u = 0; u < UNITS; u++) {
             const std::vector<int64_t>& of = steps[u];
             bool begins = starts(u), expected = step[u] < of.size() && of[step[u]] == c;
@@ -147,6 +157,7 @@ int main(int argc, char** argv) {
         clock_edge();
         if (kinds[0].count + kinds[1].count + kinds[2].count > 1000) break;
     }
+    if (waves) close_waves();
     double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     for (int u = 0; u < UNITS; u++)
         if (step[u] != steps[u].size()) differ(0, end, std::to_string(steps[u].size() - step[u]) + " steps did not start");

@@ -31,3 +31,9 @@ bool reserves_out(int output);
 // Returns the names of the fields that differ from the expected token.
 std::string compare_out(int output, const Bits& expected);
 bool request_of(int client, int64_t& address);
+// Waves of the twin, and beside them starts and deliveries of the model. They do nothing in a build without waves.
+void open_waves(const char* path);
+void drive_model_start(int unit, bool start);
+void drive_model_push(int output, bool push, const Bits* bits);
+void dump_waves(int64_t cycle);
+void close_waves();

@@ -16,6 +16,8 @@ LIBRARY = sorted((HERE / "lib").glob("*.sv"))
 OF_PIXELS = {"token_line.sv"}
 # Options of the C++ compiler: a twin runs for less time than a compiler optimizes it.
 CFLAGS = ["-O1", "-w", "-fcf-protection=none", "-DVM_COVERAGE=0", "-DVM_SC=0", "-DVM_TRACE=0", "-DVM_TRACE_FST=0", "-DVM_TRACE_VCD=0"]
+# Macros of the C++ compiler for waves.
+TRACES = ["VM_TRACE", "VM_TRACE_FST"]
 # Guards of files that are built once.
 LOCK, LOCKS = threading.Lock(), {}
 # Verilator passes ports of more than 64 bits as arrays of words.
@@ -51,9 +53,9 @@ def padded(bits):
     return max(bits, LEAST_PORT)
 
 
-def top(unit, twin, inputs, outputs, parameters):
+def top(unit, twin, inputs, outputs, parameters, more_ports):
     """Returns the module around a twin: FIFOs at its ends. `inputs`, `outputs`: fields, depth and latency of each FIFO."""
-    ports, body, pins = ["input wire clk, rst", "input wire [31:0] answered_0", "output wire start_0"], [], []
+    ports, body, pins = ["input wire clk, rst", "input wire [31:0] answered_0", "output wire start_0", *more_ports], [], []
     for i, (fields, depth, latency) in enumerate(inputs):
         w, p = width(fields), padded(width(fields))
         ports += [f"input wire i{i}_reserve, i{i}_push", f"input wire [{p - 1}:0] i{i}_data", f"output wire i{i}_room"]
@@ -91,7 +93,15 @@ def top(unit, twin, inputs, outputs, parameters):
     return f"module top ({', '.join(ports)});\n    " + "\n    ".join(body) + "\nendmodule\n"
 
 
-def accessors(inputs, outputs, clients, units=1, nexts=()):
+def model_ports(outputs, units=1):
+    """Returns the ports that show the model in the waves."""
+    ports = [f"input wire model_start_{u}" for u in range(units)]
+    for o, (fields, *_) in enumerate(outputs):
+        ports += [f"input wire model_push_{o}", f"input wire [{padded(width(fields)) - 1}:0] model_data_{o}"]
+    return ports
+
+
+def accessors(inputs, outputs, clients, units=1, nexts=(), waves=False):
     """Returns C++ functions that connect the bench to the ports. `nexts` lists outputs that need the token that they deliver next."""
 
     def words(fields):
@@ -126,14 +136,34 @@ def accessors(inputs, outputs, clients, units=1, nexts=()):
     function("void drive_ready(int n, bool ready)", [(k, f"top.m{k}_ready = ready; break;") for k in clients])
     function("bool request_of(int n, int64_t& address)", [(k, f"address = top.m{k}_address; return top.m{k}_request;") for k in clients],
         "    return false;\n")
+    if waves:
+        function("void drive_model_start(int n, bool start)", [(u, f"top.model_start_{u} = start; break;") for u in range(units)])
+        function("void drive_model_push(int n, bool push, const Bits* bits)",
+            [(o, f"top.model_push_{o} = push; if (bits) {set_words(f'model_data_{o}', f, 'bits')} break;") for o, (f, *_) in enumerate(outputs)])
+    lines.append(WAVES if waves else NO_WAVES)
     return "\n".join(lines) + "\n"
 
 
+NO_WAVES = """void open_waves(const char*) {}
+void drive_model_start(int, bool) {}
+void drive_model_push(int, bool, const Bits*) {}
+void dump_waves(int64_t) {}
+void close_waves() {}"""
+# Half a cycle after the clock edge, the signals have settled.
+WAVES = """#include "verilated_fst_c.h"
+static VerilatedFstC& file = *new VerilatedFstC;
+void open_waves(const char* path) {
+    context.traceEverOn(true);
+    top.trace(&file, 99);
+    file.open(path);
+}
+void dump_waves(int64_t cycle) { file.dump(uint64_t(cycle)); }
+void close_waves() { file.close(); }"""
 # C++ that is equal for each twin. Tokens are compared by words first, because most are equal.
 HEAD = """const int UNITS = {units}, INPUTS = {inputs}, OUTPUTS = {outputs}, CLIENTS = {clients};
 const size_t in_words[] = {{{in_words}}}, out_words[] = {{{out_words}}};
-static VerilatedContext context;
-static Vtop top(&context);
+static VerilatedContext& context = *new VerilatedContext;
+static Vtop& top = *new Vtop(&context);
 void reset(bool active) {{ top.rst = active; }}
 void clock_edge() {{
     top.clk = 1;
@@ -192,61 +222,62 @@ def digest_of(text):
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def compile_cpp(source, target, *options):
+def compile_cpp(source, target, *options, waves=False):
     """Compiles a C++ file."""
     include, _ = verilator()
-    run(["g++", *CFLAGS, "-I", include, "-I", HERE, *options, "-c", source, "-o", target], target.parent, f"g++ of {source.name}")
+    run(["g++", *CFLAGS, *([f"-D{name}=1" for name in TRACES] if waves else []), "-I", include, "-I", HERE, *options, "-c", source, "-o", target], target.parent, f"g++ of {source.name}")
     return target
 
 
-def shared_parts():
+def shared_parts(waves):
     """Builds the parts that all twins share, once: the header of all models, Verilator's runtime, and the bench. Returns header and objects."""
     include, digest = verilator()
-    parts = TARGET / "shared" / digest
+    parts = TARGET / "shared" / (f"{digest}-waves" if waves else digest)
 
     def header(folder):
         text = folder / "model.h"
         text.write_text('#include "verilated.h"\n#include "bench.h"\n')
         (parts / "model.h").write_text(text.read_text())
-        return compile_cpp(text, folder / "model.h.gch", "-x", "c++-header")
+        return compile_cpp(text, folder / "model.h.gch", "-x", "c++-header", waves=waves)
 
     once(parts / "model.h.gch", header)
     sources = [include / "verilated.cpp", include / "verilated_threads.cpp", HERE / "bench.cpp"]
-    return parts / "model.h", [once(parts / f"{path.stem}.o", lambda folder, path=path: compile_cpp(path, folder / "a.o")) for path in sources]
+    sources += [include / "verilated_fst_c.cpp"] if waves else []
+    return parts / "model.h", [once(parts / f"{path.stem}.o", lambda folder, path=path: compile_cpp(path, folder / "a.o", waves=waves)) for path in sources]
 
 
-def build(unit, twin, source, inputs, outputs, parameters, files=()):
+def build(unit, twin, source, inputs, outputs, parameters, files=(), waves=False):
     """Builds the bench of a twin unless a build of the same sources exists. Returns the program."""
     ports = [(f"IN{i}", fields, depth) for i, (fields, depth, _) in enumerate(inputs)]
     ports += [(f"OUT{o}", fields, depth) for o, (fields, depth, _) in enumerate(outputs)]
     texts = {
         "wires.sv": macros(ports),
-        "top.sv": top(unit, twin, inputs, outputs, parameters),
-        "ports.h": accessors(inputs, outputs, sorted({*twin.ready, *twin.requests})),
+        "top.sv": top(unit, twin, inputs, outputs, parameters, model_ports(outputs) if waves else []),
+        "ports.h": accessors(inputs, outputs, sorted({*twin.ready, *twin.requests}), waves=waves),
         "unit.sv": source.read_text(),
         **{path.name: path.read_text() for path in library(inputs)},
         **dict(files),
     }
-    return program_of(unit, texts, ["wires.sv", *(path.name for path in library(inputs)), "unit.sv", "top.sv"])
+    return program_of(unit, texts, ["wires.sv", *(path.name for path in library(inputs)), "unit.sv", "top.sv"], waves)
 
 
-def program_of(unit, texts, sources):
+def program_of(unit, texts, sources, waves=False):
     """Builds a bench unless a build of the same texts exists. Returns the program."""
-    digest = digest_of("\0".join([verilator()[1], *(f"{name}\0{text}" for name, text in sorted(texts.items()))]))
+    digest = digest_of("\0".join([verilator()[1], str(waves), *(f"{name}\0{text}" for name, text in sorted(texts.items()))]))
     folder = TARGET / "build" / f"{unit}-{digest}"
 
     def make(made):
         for name, text in texts.items():
             (folder / name).write_text(text)
         run(["verilator", "--cc", "-O3", "--unroll-count", "1024", "-Wno-fatal", "-Wno-lint", "-Wno-style", "--top-module", "top", "--Mdir", made,
-             *sources], folder, f"{unit}: Verilator")
-        header, objects = shared_parts()
+             *(["--trace-fst"] if waves else []), *sources], folder, f"{unit}: Verilator")
+        header, objects = shared_parts(waves)
         # One translation unit: most of the time to compile a part is that of its headers.
         model = made / "model.cpp"
         model.write_text("#define VL_INCLUDE_OPT include\n" + "".join(f'#include "{path.name}"\n' for path in sorted(made.glob("Vtop*.cpp")))
                          + texts["ports.h"])
-        compile_cpp(model, made / "model.o", "-include", header)
-        run(["g++", made / "model.o", *objects, "-pthread", "-latomic", "-o", made / "Vtop"], folder, f"{unit}: the linker")
+        compile_cpp(model, made / "model.o", "-include", header, waves=waves)
+        run(["g++", made / "model.o", *objects, "-pthread", "-latomic", *(["-lz"] if waves else []), "-o", made / "Vtop"], folder, f"{unit}: the linker")
         return made / "Vtop"
 
     return once(folder / "Vtop", make)

@@ -6,7 +6,7 @@ each token.
 
 import re
 
-from build import LIBRARY, OF_PIXELS, accessors, macros, padded, program_of
+from build import LIBRARY, OF_PIXELS, accessors, macros, model_ports, padded, program_of
 from recording import width
 from twins import TWINS
 
@@ -63,9 +63,11 @@ class Chain:
         w = width(self.producer_fields(name))
         return [bits | taken >> w << w for bits, taken in zip(link.tokens["out"][o], consumer.tokens["in"][i], strict=True)]
 
-    def top(self):
+    def top(self, waves):
         """Returns the module around the twins."""
         ports, body = ["input wire clk, rst"], []
+        if waves:
+            ports += model_ports([self.fields(name) for name in self.inner], len(self.links))
         for number, name in enumerate(self.outer):
             fields, depth, latency = self.fields(name)
             w, p = width(fields), padded(width(fields))
@@ -113,7 +115,7 @@ class Chain:
         values = ", ".join(f".{name}({value})" for name, value in link.parameters.items())
         body.append(f"{link.unit} #({values}) {link.unit} ({', '.join(pins)});" if values else f"{link.unit} {link.unit} ({', '.join(pins)});")
 
-    def build(self, sources):
+    def build(self, sources, waves=False):
         """Builds the bench. `sources` gives a file for each unit. Returns the program."""
         texts = {path.name: path.read_text() for path in LIBRARY if path.name not in OF_PIXELS}
         order = list(texts)
@@ -130,10 +132,10 @@ class Chain:
             texts[f"{link.unit}.sv"] = text + unit
             order.append(f"{link.unit}.sv")
             texts.update(link.files)
-        texts["top.sv"] = self.top()
+        texts["top.sv"] = self.top(waves)
         inputs, outputs = [self.fields(name) for name in self.outer], [self.fields(name) for name in self.inner]
-        texts["ports.h"] = accessors(inputs, outputs, range(len(self.ports)), len(self.links), self.nexts())
-        return program_of("chain", texts, [*order, "top.sv"])
+        texts["ports.h"] = accessors(inputs, outputs, range(len(self.ports)), len(self.links), self.nexts(), waves)
+        return program_of("chain", texts, [*order, "top.sv"], waves)
 
     def events(self, steps_of):
         """Returns the input of the bench."""

@@ -15,16 +15,24 @@ module lanes #(parameter LANES = 64, W = 16, I = $clog2(LANES)) (
             inner_product #(.W(W)) dot (.enable, .a(normal), .b(row[g*3*W +: 3*W]), .product(products[g*P +: P]));
         end
     endgenerate
-    integer i;
+    // A tree of comparisons: in each round, half of the remaining lanes take over the larger value of a pair.
+    reg signed [P-1:0] value [0:LANES-1];
+    reg [I-1:0] place [0:LANES-1];
+    integer i, stride;
     always @* begin
-        best = products[0 +: P];
-        lane = 0;
+        for (i = 0; i < LANES; i = i + 1) begin
+            value[i] = products[i*P +: P];
+            place[i] = i;
+        end
         if (enable)
-            for (i = 1; i < LANES; i = i + 1)
-                if ($signed(products[i*P +: P]) > best) begin
-                    best = products[i*P +: P];
-                    lane = i;
-                end
+            for (stride = 1; stride < LANES; stride = stride * 2)
+                for (i = 0; i + stride < LANES; i = i + 2 * stride)
+                    if (value[i+stride] > value[i]) begin
+                        value[i] = value[i+stride];
+                        place[i] = place[i+stride];
+                    end
+        best = value[0];
+        lane = place[0];
     end
 endmodule
 `default_nettype wire
