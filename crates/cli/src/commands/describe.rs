@@ -1,6 +1,7 @@
 //! `basrelief describe`: block diagram, units and parameters of a machine.
 
 use super::reporting::style;
+use super::rtl_area::from_rtl;
 use crate::args::DescribeArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::input::config_of;
@@ -16,7 +17,7 @@ pub fn describe(args: &DescribeArgs, budget: &MemoryPool) -> CommandResult {
     let machine = args.machine;
     let (config, _) = config_of(machine, args.config.as_deref(), &args.settings, budget)?;
     if args.hardware {
-        return hardware(&config, args.json);
+        return hardware(machine.name, &config, args.json);
     }
     if args.json {
         let rows: Vec<_> = config.described().into_iter().filter(|row| is_selected(args, &row.key)).collect();
@@ -67,14 +68,15 @@ fn units(text: &mut String, units: &[UnitInfo]) {
 }
 
 /// Prints the hardware cost of a machine.
-fn hardware(config: &MachineConfig, json: bool) -> CommandResult {
+fn hardware(machine: &str, config: &MachineConfig, json: bool) -> CommandResult {
     let model = config.area_model();
     let pieces = config.hardware().map_err(CommandError::bad_input)?;
     let all: Vec<Hardware> = pieces.iter().map(|piece| Hardware::new(piece, &model)).collect();
     if json {
         return print(&format!("{}\n", serde_json::to_string_pretty(&all).map_err(CommandError::bad_input)?));
     }
-    print(&format!("{}\n", basrelief_report::hardware(&all, model.cycle_fo4(), style())))
+    let from_rtl = from_rtl(machine, config, &all).map_err(CommandError::bad_input)?;
+    print(&format!("{}\n{from_rtl}", basrelief_report::hardware(&all, model.cycle_fo4(), style())))
 }
 
 fn entry(text: &mut String, p: &Parameter) {

@@ -17,6 +17,7 @@ mod recording;
 mod reporting;
 mod requests;
 mod resimulate;
+mod rtl_area;
 mod run;
 mod schema;
 mod sensitivity;
