@@ -1,7 +1,6 @@
 // Differences between a run and the pinned run.
 import { change, drawing, el, thousands } from "./dom";
-import type { Explained } from "./explain";
-import type { Report, Run, Unit } from "./protocol";
+import type { Explained, Report, Run, Unit } from "./protocol";
 
 const sum = (of: Record<string, number>): number => Object.values(of).reduce((all, n) => all + n, 0);
 
@@ -30,9 +29,9 @@ const unitBar = (unit: Unit | undefined, whole: number): SVGElement =>
 /** Shows the measured causes of the difference. */
 export function bars({ text, causes }: Explained): HTMLElement {
   const most = Math.max(...causes.map(({ by }) => Math.abs(by ?? 0)));
-  const rows = causes.map(({ group, by }) => el(
-    "tr", {}, el("th", { scope: "row" }, group), el("td", { class: "two-bars" }, bar([["amount", Math.abs(by ?? 0)]], most)),
-    el("td", { class: "right" }, by === undefined ? "not measured" : change(by, 0).replace("the same", "0")),
+  const rows = causes.map(({ cause, by }) => el(
+    "tr", {}, el("th", { scope: "row" }, cause), el("td", { class: "two-bars" }, bar([["amount", Math.abs(by ?? 0)]], most)),
+    el("td", { class: "right" }, by === null ? "not measured" : change(by, 0).replace("the same", "0")),
   ));
   const table = el("table", { class: "changes" }, el("caption", {}, "Cycles by cause"), el("tbody", {}, ...rows));
   return el("div", { id: "explained" }, el("p", { class: "lead" }, text), ...(rows.length > 0 ? [table] : []));

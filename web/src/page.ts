@@ -7,8 +7,8 @@ import { fill, parameters, resets, round, towards } from "./form";
 import { Path } from "./path";
 import { pictures, Stage, type Picture } from "./picture";
 import { dismissed, problem } from "./problems";
-import type { Catalogue, Machine, Meanwhile, Pixel, Report, Run, Taken, Told } from "./protocol";
-import { Results } from "./results";
+import type { Catalogue, Explained, Machine, Meanwhile, Pixel, Report, Run, Taken, Told } from "./protocol";
+import { Results, type Kept } from "./results";
 import { Session, type Source } from "./session";
 import { copied, initial, pinsIn, read, write, type State } from "./state";
 import { Steps } from "./steps";
@@ -59,7 +59,7 @@ export class Page implements Handlers {
       panel: panel => (this.#state.panel = panel),
       run: (state, source, more) => this.#runOf(state, source, more),
       source: state => this.#sourceOf(state),
-      machine: name => this.#catalogue.machines.find(machine => machine.name === name),
+      explain: (a, b) => this.#explain(a, b),
     });
   }
 
@@ -233,8 +233,12 @@ export class Page implements Handlers {
     this.#rest = setTimeout(() => void this.#whole(), rests ? REST / 4 : REST);
   }
 
-  #question({ set, view, machine }: State, size: [number, number], more: Record<string, unknown>): Record<string, unknown> {
-    return { ask: "run", machine: machine ?? this.#machineName, set: [...set], view: { ...view, size }, ...more };
+  #question(state: State, size: [number, number], more: Record<string, unknown>): Record<string, unknown> {
+    return { ask: "run", ...this.#runRequest(state, size), ...more };
+  }
+
+  #runRequest({ set, view, machine }: State, size: [number, number]): Record<string, unknown> {
+    return { machine: machine ?? this.#machineName, set: [...set], view: { ...view, size } };
   }
 
   /** Requests a quick answer. During another question it does nothing, because that question's caller asks again afterwards. */
@@ -294,6 +298,14 @@ export class Page implements Handlers {
   /** Runs another state, for example that of a pinned run. */
   async #runOf(state: State, source: Source, more: Record<string, unknown>): Promise<Answered<Run>> {
     return decoded(await this.#session.ask<Told>(source, this.#question(state, state.view.size, more)));
+  }
+
+  /** Records two runs again, and returns the causes of their difference. */
+  async #explain(a: Kept, b: Kept): Promise<Explained> {
+    for (const [side, { state, source }] of [["a", a], ["b", b]] as const) {
+      await this.#session.ask(source, { ask: "record", side, run: this.#runRequest(state, state.view.size) });
+    }
+    return (await this.#session.ask<Explained>(b.source, { ask: "explain" })).json;
   }
 
   /** Handles the progress of a question: received bytes and intermediate pictures. */

@@ -112,3 +112,9 @@ export function unpack(bytes: Uint8Array): Parcel {
   const json: unknown = JSON.parse(new TextDecoder().decode(bytes.slice(LENGTH, LENGTH + length)));
   return { json, rest: bytes.slice(LENGTH + length) };
 }
+
+/** A cause of the difference between two runs, with its effect alone; null if it cannot be measured. */
+export interface Cause { cause: string; by: number | null }
+
+/** Answer to `explain`: the words of `basrelief compare`, and the causes. */
+export interface Explained { text: string; causes: Cause[] }

@@ -2,11 +2,10 @@
 import type { Answered } from "./client";
 import { bars, changes } from "./changes";
 import { byId, el } from "./dom";
-import { explain, type Explained } from "./explain";
 import { lead, numbers, panel, tabs, type Shown } from "./panels";
 import { chooser, pictures, type Picture, type Stage } from "./picture";
 import { problem } from "./problems";
-import type { Machine, Run } from "./protocol";
+import type { Explained, Run } from "./protocol";
 import { reportPage } from "./saved";
 import type { Source } from "./session";
 import { copied, read, write, type State } from "./state";
@@ -23,7 +22,8 @@ export interface Access {
   panel(chosen: string): void;
   run(state: State, source: Source, more: Record<string, unknown>): Promise<Answered<Run>>;
   source(state: State): Promise<Source | undefined>;
-  machine(name: string): Machine | undefined;
+  /** Explains the difference between two runs. */
+  explain(a: Kept, b: Kept): Promise<Explained>;
 }
 
 /** Maximum number of pinned runs: A and B of a comparison. */
@@ -131,12 +131,8 @@ export class Results {
     if (!a || !b) return;
     this.#choose("changes");
     if (this.#explained?.a === a && this.#explained.b === b) return;
-    const run = async (side: Kept, set: [string, string][]) => {
-      const { json } = await this.access.run({ ...side.state, set: new Map([...side.state.set, ...set]) }, side.source, {});
-      return json.report;
-    };
     try {
-      this.#explained = { a, b, of: await explain(a, b, this.access.machine(a.run.report.machine), run) };
+      this.#explained = { a, b, of: await this.access.explain(a, b) };
     } catch (error) {
       problem("run", (error as Error).message);
     }

@@ -37,6 +37,7 @@ pub fn tables(plan: &Plan, folder: &SweepFolder, host: &dyn SweepHost) -> Result
     let page = page(
         &table,
         &PageOptions {
+            defaults: plan.default_points().into_iter().map(|point| point.id.clone()).collect(),
             files: FILES.iter().skip(1).map(|(file, what)| ((*file).into(), (*what).into())).collect(),
             ..PageOptions::default()
         },

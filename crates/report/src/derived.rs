@@ -55,13 +55,11 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
         let formula = format!("caches.{name}.hits / caches.{name}.lookups");
         figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
     }
+    let base = report.breakdown_cycles();
+    let of = if base == report.frame_cycles() { "(cycles.total - cycles.write_tail)" } else { "cycles.total" };
     for (name, u) in report.units.iter().flatten() {
-        let (of, cycles) = match report.drain_of(u) {
-            drain if drain == report.drain() => ("(cycles.total - cycles.write_tail)", drawing),
-            _ => ("cycles.total", total),
-        };
         let formula = format!("units.{name}.busy / {of}");
-        figures.ratio(format!("{name}.utilization"), (u.busy as f64, cycles), "1", formula);
+        figures.ratio(format!("{name}.utilization"), (u.busy as f64, base as f64), "1", formula);
     }
     figures.0
 }

@@ -38,6 +38,19 @@ pub fn percent_in_words(share: f64) -> String {
     }
 }
 
+/// Returns the distance of two ticks of an axis: the smallest of 1, 2 and 5 times a power of ten that is at least `least`, as digit and
+/// exponent. `least` is positive.
+pub fn round_step(least: f64) -> (u32, i32) {
+    let exponent = format!("{least:e}").split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
+    let digit = [1, 2, 5].into_iter().find(|digit| round_number(*digit, exponent) >= least);
+    digit.map_or((1, exponent + 1), |digit| (digit, exponent))
+}
+
+/// Returns a digit times a power of ten, exactly as the number is written. A product of the two may be a little off.
+pub fn round_number(digit: u32, exponent: i32) -> f64 {
+    format!("{digit}e{exponent}").parse().unwrap_or(f64::MAX)
+}
+
 /// Rounds to 6 decimals, halves away from zero.
 pub fn round6(x: f64) -> f64 {
     let scaled = x * 1e6;
@@ -85,6 +98,12 @@ mod tests {
             ["0 %", "under 1 %", "50 %", "over 99 %", "100 %"]
         );
         assert_eq!([percent(0, 10), percent(1, 0), percent(1, 8)], ["", "", "12.5"]);
+    }
+
+    #[test]
+    fn steps_of_an_axis_are_round() {
+        let steps = [0.03, 1.0, 1.5, 4.2, 7.0, 13_000.0].map(round_step).map(|(digit, exponent)| round_number(digit, exponent));
+        assert_eq!(steps, [0.05, 1.0, 2.0, 5.0, 10.0, 20_000.0]);
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub use basrelief_machines::{
 pub use build::BUILD;
 pub use command_error::{CommandError, CommandResult};
 pub use machine::aux_outputs;
-pub use observer::{FramePictures, MemoryRequests, NoObserver, Observer, picture_name};
+pub use observer::{FramePictures, KeptRecording, MemoryRequests, NoObserver, Observer, picture_name};
 pub use options::{AnalysisPolicy, Overrides, OverridesError, RunInput, RunOptions, TOML_GROWTH};
 pub use outputs::aux_output::{AuxContent, AuxForm, AuxOutput, AuxOutputInfo};
 pub use outputs::cost_maps::COST_PICTURES;

@@ -1,6 +1,7 @@
 //! Observer of a run.
 
 use crate::outputs::aux_output::AuxOutput;
+use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_kernel::MemoryRequest;
 use basrelief_reference::{QualityMetrics, RgbPicture};
 
@@ -89,4 +90,31 @@ impl Observer for NoObserver {}
 /// Returns the file name of a picture: `image.png`, or `image-0001.png` and so on if there are several.
 pub fn picture_name(kind: &str, index: usize, several: bool) -> String {
     if several { format!("{kind}-{:04}.png", index + 1) } else { format!("{kind}.png") }
+}
+
+/// Observer that keeps the recording of a run in memory.
+#[derive(Debug)]
+pub struct KeptRecording {
+    bytes: Vec<u8>,
+    held: MemoryReservation,
+}
+
+impl KeptRecording {
+    /// Creates an empty recording, whose bytes count against this limit.
+    pub fn new(budget: &MemoryPool) -> Self {
+        Self { bytes: vec![], held: budget.empty_reservation() }
+    }
+
+    /// Returns the bytes of the recording file.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+impl Observer for KeptRecording {
+    fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
+        self.held.try_grow(bytes.len() as u64, "a recording").map_err(|error| error.to_string())?;
+        self.bytes.extend_from_slice(bytes);
+        Ok(())
+    }
 }

@@ -20,6 +20,7 @@
 #[cfg(target_arch = "wasm32")]
 mod abi;
 mod command;
+mod comparison;
 mod connection;
 mod host_page;
 mod message;

@@ -24,6 +24,13 @@ pub(crate) enum Request {
         server: String,
     },
     Run(RunRequest),
+    /// Repeats a run as one side of a comparison, and keeps its recording.
+    Record {
+        side: ComparedSide,
+        run: RunRequest,
+    },
+    /// Explains the difference between the two recorded runs.
+    Explain,
     /// Repeats a run and returns pictures of its pixel costs.
     Costs(RunRequest),
     /// Returns the details of a pixel of the last `Costs` run; null if there was none.
@@ -31,6 +38,14 @@ pub(crate) enum Request {
         x: u32,
         y: u32,
     },
+}
+
+/// Side of a comparison.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum ComparedSide {
+    A,
+    B,
 }
 
 /// A file after the JSON of the question.

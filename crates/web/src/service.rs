@@ -1,6 +1,7 @@
 //! The service that answers questions, and its state between questions.
 
 use crate::command::{InputName, command};
+use crate::comparison::{RerunInput, RunComparison, TraceFiles, trace_input};
 use crate::connection::{PathTiles, ServerConnection, TransferTotals};
 use crate::host_page::HostPage;
 use crate::message::Message;
@@ -18,8 +19,6 @@ use basrelief_timeline::UtilizationTimeline;
 use basrelief_trace::looks_like_trace;
 use serde::Deserialize as _;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
-use std::io::{self, Cursor, Read};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -31,6 +30,7 @@ pub struct SimulationService {
     loaded: Option<LoadedInput>,
     /// Pixel costs of the last `costs` question.
     costs: Option<RunCosts>,
+    comparison: RunComparison,
 }
 
 /// The current input.
@@ -42,7 +42,7 @@ struct LoadedInput {
 enum InputKind {
     Subject(Box<SceneView>),
     /// A display list and its neighbouring files.
-    Trace(BTreeMap<String, Arc<[u8]>>, MemoryPool),
+    Trace(TraceFiles, MemoryPool),
 }
 
 /// A model, a demo or a server's scene, with its last prepared view.
@@ -122,6 +122,12 @@ impl SimulationService {
                 self.set_input(InputName::File(name), kind, MACHINES[0].name)
             }
             Request::Run(ask) => self.run(&ask),
+            Request::Record { side, run } => {
+                let (loaded, _, prepared) = self.prepare_run(&run)?;
+                let rerun = loaded.rerun_input(&prepared.0);
+                self.comparison.record(side, prepared, rerun).map(Message::from_json)
+            }
+            Request::Explain => self.comparison.explain().map(Message::from_json),
             Request::Costs(ask) => self.costs(&ask),
             Request::Pixel { x, y } => Ok(Message::from_json(pixel(self.costs.as_ref(), x, y))),
         }
@@ -262,16 +268,18 @@ impl LoadedInput {
                 };
                 Ok((input, budget.clone()))
             }
-            InputKind::Trace(files, budget) => {
-                let name = self.drawn.name();
-                let reader = Box::new(Cursor::new(Arc::clone(files.get(name).ok_or("the display list is gone")?)));
-                let files = files.clone();
-                let beside = move |name: &str| match files.get(name) {
-                    Some(bytes) => Ok(Box::new(Cursor::new(Arc::clone(bytes))) as Box<dyn Read>),
-                    None => Err(io::Error::from(io::ErrorKind::NotFound)),
-                };
-                Ok((RunInput::Trace { reader, files: Box::new(beside), name: name.into() }, budget.clone()))
+            InputKind::Trace(files, budget) => Ok((trace_input(self.drawn.name(), files)?, budget.clone())),
+        }
+    }
+
+    /// Returns the input of more runs, for a prepared run.
+    fn rerun_input(&self, prepared: &RunInput) -> Option<RerunInput> {
+        match (prepared, &self.kind) {
+            (RunInput::Scene(scene), _) => Some(RerunInput::Scene(scene.clone())),
+            (RunInput::Trace { .. }, InputKind::Trace(files, _)) => {
+                Some(RerunInput::Trace(self.drawn.name().into(), files.clone()))
             }
+            _ => None,
         }
     }
 

@@ -1,7 +1,12 @@
 //! Tests the service with the questions of the page.
 
+use basrelief_input::MemoryPool;
+use basrelief_report::{Report, compare};
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, NoObserver, Overrides, RunInput, RunOptions, run};
+use basrelief_sim::{
+    AnalysisPolicy, ExplainOptions, KeptRecording, MACHINES, MachineInfo, NoObserver, Overrides, RecordedRun, RunInput,
+    RunOptions, explain, run,
+};
 use basrelief_web::{Message, SimulationService};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -131,4 +136,47 @@ fn errors_are_responses() {
     assert_eq!(service.answer(b"no"), service.answer(b"\xff\xff\xff\xff"));
     // The previous input is still drawn.
     assert!(reported(&send(&mut service, run(json!([]))))["cycles"]["total"].is_u64());
+}
+
+/// Returns the report and the recording of a run of the golf ball, as the command line makes them.
+fn recorded(set: &[(&str, &str)]) -> (Report, RecordedRun) {
+    let budget = MemoryPool::default();
+    let settings = set.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    let overrides = Overrides { toml: String::new(), settings };
+    let config = overrides.config(MachineInfo::named("bump").unwrap(), &[]).unwrap();
+    let options = RunOptions { config, overrides, exact: false, recording: AnalysisPolicy::Always, ..RunOptions::default() };
+    let mut kept = KeptRecording::new(&budget);
+    let report = run(golf_ball(), &options, &mut kept, None).unwrap().report;
+    let recording = RecordedRun::read(&report, &mut kept.bytes(), &budget).unwrap();
+    (report, recording)
+}
+
+fn golf_ball() -> RunInput {
+    RunInput::scene(Arc::new(demo("golf-ball", &ViewOptions { size: SIZE, ..ViewOptions::default() }).unwrap()))
+}
+
+// Claim: analysis: The page attributes a difference to the parameters that the user changed, as `compare` does.
+#[test]
+fn explanation_of_the_page_is_that_of_compare() {
+    let mut service = SimulationService::default();
+    assert_eq!(error(&send(&mut service, json!({"ask": "explain"})).json), "a comparison needs two recorded runs");
+    send(&mut service, json!({"ask": "demo", "name": "golf-ball"}));
+    let sides = [
+        ("a", vec![("replacement.lanes", "64"), ("replacement.entries", "32")]),
+        ("b", vec![("replacement.lanes", "16"), ("replacement.entries", "64"), ("fifo.indexes.depth", "2")]),
+    ];
+    for (side, set) in &sides {
+        let run = json!({"machine": "bump", "set": set, "view": {"size": SIZE}});
+        send(&mut service, json!({"ask": "record", "side": side, "run": run}));
+    }
+    let told = send(&mut service, json!({"ask": "explain"})).json;
+    let [(a, recording_a), (b, recording_b)] = sides.map(|(_, set)| recorded(&set));
+    let (open, budget) = (|| Some(golf_ball()), MemoryPool::default());
+    let options = ExplainOptions { input: Some(&open), progress: &|_, _| {}, budget: &budget };
+    let causes = explain(&recording_a, &recording_b, &options).unwrap();
+    assert_eq!(told["text"], compare(&a, &b, Some(causes.clone())).explanation);
+    let mut rows: Vec<Value> = causes.shares.iter().map(|share| json!({"cause": share.parameter, "by": share.by})).collect();
+    rows.push(json!({"cause": "interaction", "by": causes.together}));
+    assert_eq!(told["causes"], json!(rows));
+    assert_eq!(rows.len(), 4, "a row for each changed parameter");
 }

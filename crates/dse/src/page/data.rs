@@ -8,6 +8,8 @@ use std::collections::BTreeSet;
 pub(super) const MOST_ROWS: usize = 2_000;
 /// Maximum number of drawn rows of the front.
 const MOST_FRONT: usize = 1_000;
+/// Maximum number of marked defaults; a plan has one per input.
+const MOST_DEFAULTS: usize = 100;
 /// Maximum number of columns in the selection.
 const MOST_COLUMNS: usize = 24;
 /// Colours of a scale.
@@ -18,6 +20,8 @@ pub(super) const COLOURS: u32 = 7;
 pub struct PageOptions {
     /// Names of figures that the page offers first. Unknown names are ignored.
     pub figures: Vec<String>,
+    /// Hashes of the points whose parameters are as in the plan without its axes. They are marked.
+    pub defaults: Vec<String>,
     /// Files beside the page that hold the whole table: path relative to the page, and description.
     pub files: Vec<(String, String)>,
 }
@@ -39,6 +43,7 @@ pub(super) struct SweepView<'a> {
     /// Columns that can be drawn: objectives, axes, constrained figures, requested columns, then others.
     pub(super) shown: Vec<DrawnColumn>,
     on_front: BTreeSet<usize>,
+    defaults: BTreeSet<usize>,
 }
 
 impl<'a> SweepView<'a> {
@@ -46,15 +51,24 @@ impl<'a> SweepView<'a> {
         let front = crate::front(table);
         let on_front: BTreeSet<usize> = front.iter().copied().collect();
         let best = thinned(&front, MOST_FRONT);
+        let is_default = |row: &usize| options.defaults.contains(&table.rows[*row].id);
+        let defaults: BTreeSet<usize> = (0..table.rows.len()).filter(is_default).take(MOST_DEFAULTS).collect();
         let run = |row: &usize| table.rows[*row].state == PointState::Ok && !on_front.contains(row);
-        let others: Vec<usize> = (0..table.rows.len()).filter(run).collect();
-        let drawn = thinned(&others, MOST_ROWS - best.len()).into_iter().chain(best).collect();
-        Self { table, drawn, shown: drawn_columns(table, options), on_front, front }
+        // Thinning must not leave out a default.
+        let (kept, others): (Vec<usize>, Vec<usize>) = (0..table.rows.len()).filter(run).partition(|row| defaults.contains(row));
+        let others = thinned(&others, MOST_ROWS - best.len() - kept.len());
+        let drawn = others.into_iter().chain(kept).chain(best).collect();
+        Self { table, drawn, shown: drawn_columns(table, options), on_front, defaults, front }
     }
 
     /// Returns true if a row is on the front.
     pub(super) fn is_best(&self, row: usize) -> bool {
         self.on_front.contains(&row)
+    }
+
+    /// Returns true if the parameters of a row are as in the plan without its axes.
+    pub(super) fn is_default(&self, row: usize) -> bool {
+        self.defaults.contains(&row)
     }
 
     /// Columns that say which point it is and how good: objectives, axes, constrained figures.

@@ -19,16 +19,16 @@ pub(super) fn head(sweep: &SweepView<'_>) -> Html {
     ];
     let best = best.map(|(row, at, goal)| {
         let least = if goal == ObjectiveDirection::Min { "lowest" } else { "highest" };
-        (value(&sweep.table.rows[row].cells[at]), format!("{least} {}", sweep.header(at)))
+        (value(&sweep.table.rows[row].cells[at], &sweep.table.columns[at].unit), format!("{least} {}", sweep.header(at)))
     });
     el("header", &[], [title, big_numbers(counts.into_iter().chain(best)), el_text("p", "lead", summary(sweep)), volume(sweep)])
 }
 
 /// Counts whole, measures to four digits.
-fn value(cell: &Cell) -> String {
+fn value(cell: &Cell, unit: &str) -> String {
     match cell {
-        Cell::Number(x) => labels::rounded(*x),
-        other => labels::cell(other),
+        Cell::Number(x) => labels::rounded(*x, unit),
+        other => labels::cell(other, unit),
     }
 }
 

@@ -62,7 +62,8 @@ fn figure(sweep: &SweepView<'_>, map: &HeatMap) -> Html {
     let [upright, across] = [map.upright, map.across].map(|axis| ColumnLevels::of(sweep.table, axis));
     let cells = cells(sweep, map, &upright, &across);
     let (low, high) = range(cells.iter().map(|(_, _, level)| level.mean)).unwrap_or_default();
-    let colours = ValueColours { low, high, logarithmic: logarithmic((low, high)) };
+    let unit = sweep.table.columns[map.objective.0].unit.as_str();
+    let colours = ValueColours { low, high, unit, logarithmic: logarithmic((low, high)) };
     let names = [map.upright, map.across].map(|axis| sweep.table.columns[axis].name.as_str());
     let left = left(&upright);
     let shapes = cells
@@ -72,7 +73,7 @@ fn figure(sweep: &SweepView<'_>, map: &HeatMap) -> Html {
     let size = size(&upright, &across, names);
     let how = if colours.logarithmic { ", logarithmic colours" } else { "" };
     let title = format!("Mean of {}{how}", sweep.header(map.objective.0));
-    let says = format!("{title} by {} and {}, from {} to {}", names[0], names[1], rounded(low), rounded(high));
+    let says = format!("{title} by {} and {}, from {} to {}", names[0], names[1], rounded(low, unit), rounded(high, unit));
     let drawing = svg_sized("map", size, 1.0, &says, shapes.chain(sides).collect());
     el("figure", &[], [el_text("figcaption", "", title), el("div", &[("class", "wide"), ("tabindex", "0")], [drawing])])
 }
@@ -91,13 +92,14 @@ fn size(upright: &ColumnLevels, across: &ColumnLevels, names: [&str; 2]) -> (f64
 }
 
 /// Colour and label of a value.
-struct ValueColours {
+struct ValueColours<'a> {
     low: f64,
     high: f64,
+    unit: &'a str,
     logarithmic: bool,
 }
 
-impl ValueColours {
+impl ValueColours<'_> {
     fn of(&self, x: f64) -> u32 {
         let along = |x: f64| if self.logarithmic { libm::log10(x) } else { x };
         let (low, high) = (along(self.low) / 2.0, along(self.high) / 2.0);
@@ -107,7 +109,7 @@ impl ValueColours {
 
     /// All of a map in the same way, as it fits into its cells.
     fn label(&self, x: f64) -> String {
-        if self.low.abs().max(self.high.abs()) < 1e7 { rounded(x) } else { compact(x) }
+        if self.low.abs().max(self.high.abs()) < 1e7 { rounded(x, self.unit) } else { compact(x) }
     }
 }
 
@@ -129,10 +131,10 @@ fn cells(
     rows.iter().enumerate().filter_map(of).collect()
 }
 
-fn cell([x, y]: [f64; 2], level: &ValueEffect, colours: &ValueColours) -> Html {
+fn cell([x, y]: [f64; 2], level: &ValueEffect, colours: &ValueColours<'_>) -> Html {
     let colour = colours.of(level.mean);
     let points = if level.points == 1 { "1 point".into() } else { format!("{} points", level.points) };
-    let title = format!("mean {}, best {}, {points}", rounded(level.mean), rounded(level.best));
+    let title = format!("mean {}, best {}, {points}", rounded(level.mean, colours.unit), rounded(level.best, colours.unit));
     let shape = [
         ("class", format!("level-{colour}")),
         ("x", px(x)),

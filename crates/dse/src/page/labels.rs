@@ -3,9 +3,13 @@
 use crate::table::Cell;
 use basrelief_report::number::{real, thousands};
 
-/// A cell: counts with thousands separators, measures with up to six decimals.
-pub(super) fn cell(cell: &Cell) -> String {
+/// Unit of measure of values with two decimals: more say nothing.
+const DECIBEL: &str = "dB";
+
+/// A cell: counts with thousands separators, measures with up to six decimals, decibels with two.
+pub(super) fn cell(cell: &Cell, unit: &str) -> String {
     match cell {
+        Cell::Number(x) if unit == DECIBEL && x.is_finite() => format!("{x:.2}"),
         Cell::Whole(n) => thousands(*n),
         Cell::Number(x) if *x == 0.0 || (1e-3..1e15).contains(&x.abs()) => real(*x),
         Cell::Missing => "-".into(),
@@ -13,8 +17,11 @@ pub(super) fn cell(cell: &Cell) -> String {
     }
 }
 
-/// Formats a number with four digits, from a thousand on as a whole number.
-pub(super) fn rounded(x: f64) -> String {
+/// Formats a number with four digits, from a thousand on as a whole number; decibels with two decimals.
+pub(super) fn rounded(x: f64, unit: &str) -> String {
+    if unit == DECIBEL {
+        return format!("{x:.2}");
+    }
     let size = x.abs();
     let decimals = match size {
         _ if size >= 1e15 || size < 1e-3 && size > 0.0 => return format!("{x:.3e}"),
@@ -30,7 +37,7 @@ pub(super) fn rounded(x: f64) -> String {
 /// Formats like [`rounded`], with large numbers in thousands, millions or more, for narrow places.
 pub(super) fn compact(x: f64) -> String {
     let (unit, suffix) = unit(x.abs());
-    format!("{}{suffix}", rounded(x / unit))
+    format!("{}{suffix}", rounded(x / unit, ""))
 }
 
 /// Unit of large numbers.
@@ -52,10 +59,12 @@ mod tests {
 
     #[test]
     fn numbers_have_as_many_digits_as_say_something() {
-        let written = [0.0, 874_574.4, 123.456, 27.6512, -1.23456, 0.5, 1e-9, 1e20].map(rounded);
+        let written = [0.0, 874_574.4, 123.456, 27.6512, -1.23456, 0.5, 1e-9, 1e20].map(|x| rounded(x, ""));
         assert_eq!(written, ["0", "874,574", "123.5", "27.65", "-1.235", "0.5", "1.000e-9", "1.000e20"]);
         assert_eq!([155_507_392.0, -20_000.0, 27.6512].map(compact), ["155.5 M", "-20 k", "27.65"]);
+        assert_eq!([25.532577, 8.0, 0.0].map(|x| rounded(x, DECIBEL)), ["25.53", "8.00", "0.00"]);
+        assert_eq!([Cell::Number(25.532577), Cell::Number(8.0)].map(|c| cell(&c, DECIBEL)), ["25.53", "8.00"]);
         let cells = [Cell::Whole(1234), Cell::Number(27.651234), Cell::Number(1e-9), Cell::Number(f64::INFINITY), Cell::Missing];
-        assert_eq!(cells.map(|c| cell(&c)), ["1,234", "27.651234", "1e-9", "inf", "-"]);
+        assert_eq!(cells.map(|c| cell(&c, "cycles")), ["1,234", "27.651234", "1e-9", "inf", "-"]);
     }
 }

@@ -7,6 +7,7 @@ use basrelief_report::html::markup::{Html, el, el_text};
 use basrelief_report::html::svg::{label, px, svg_sized};
 use basrelief_report::number::thousands;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// Maximum number of lines. More lines would hide each other.
 const MOST_LINES: usize = 300;
@@ -26,6 +27,27 @@ struct ParallelCoordinates {
     columns: Vec<usize>,
     /// Distance of two.
     apart: f64,
+    /// Positions of the drawn rows on each axis with few values, where lines lie beside each other; `None` for other axes.
+    spread: Vec<Option<BTreeMap<usize, u32>>>,
+}
+
+/// Part of the distance of two values over which lines through one value are spread.
+const SPREAD: f64 = 0.7;
+
+/// Returns positions around each value of an axis of few values: one for each drawn row, in the order of the first objective. So lines
+/// do not hide each other.
+fn spread(sweep: &SweepView<'_>, place: usize) -> Option<BTreeMap<usize, u32>> {
+    let scale = &sweep.shown[place].scale;
+    let band = SPREAD * f64::from(WHOLE) / scale.levels? as f64;
+    let first = sweep.table.objectives().find_map(|(at, _)| sweep.drawn_index(at));
+    let goodness = |row: usize| first.and_then(|first| sweep.shown[first].scale.at[row]);
+    let mut rows: Vec<(u32, usize)> = sweep.drawn.iter().filter_map(|&row| Some((scale.at[row]?, row))).collect();
+    rows.sort_by_key(|&(at, row)| (at, goodness(row), row));
+    let places = rows.chunk_by(|a, b| a.0 == b.0).flat_map(|rows| {
+        let share = move |n: usize| (n as f64 + 0.5) / rows.len() as f64 - 0.5;
+        rows.iter().enumerate().map(move |(n, &(at, row))| (row, libm::round(f64::from(at) + band * share(n)) as u32))
+    });
+    Some(places.collect())
 }
 
 impl ParallelCoordinates {
@@ -40,7 +62,8 @@ impl ParallelCoordinates {
         }
         columns.truncate(MOST_AXES);
         let apart = (WIDTH / (columns.len().max(2) - 1) as f64).max(APART);
-        Self { columns, apart }
+        let spread = columns.iter().map(|&place| spread(sweep, place)).collect();
+        Self { columns, apart, spread }
     }
 
     /// Returns the x coordinate of an axis.
@@ -48,12 +71,20 @@ impl ParallelCoordinates {
         SIDE + number as f64 * self.apart
     }
 
+    /// Returns the position of a row on an axis; `None` without a value.
+    fn at(&self, sweep: &SweepView<'_>, number: usize, row: usize) -> Option<u32> {
+        match &self.spread[number] {
+            Some(spread) => spread.get(&row).copied(),
+            None => sweep.shown[self.columns[number]].scale.at[row],
+        }
+    }
+
     /// Returns the line of a row, with a gap at an unknown value.
     fn path(&self, sweep: &SweepView<'_>, row: usize) -> String {
         let mut path = String::new();
         let mut pen = 'M';
-        for (number, &place) in self.columns.iter().enumerate() {
-            let at = sweep.shown[place].scale.at[row];
+        for number in 0..self.columns.len() {
+            let at = self.at(sweep, number, row);
             path.extend(at.map(|at| format!("{pen}{} {}", px(self.x(number)), px(y(at)))));
             pen = if at.is_some() { 'L' } else { 'M' };
         }
@@ -114,9 +145,11 @@ pub(super) fn parallel(sweep: &SweepView<'_>) -> Html {
     [el_text("p", "quiet", &about), el("div", &[("class", "wide"), ("tabindex", "0")], [drawing])].into_iter().collect()
 }
 
-/// Returns the positions of the axes for the script: number of the column and x coordinate.
+/// Returns the axes for the script: number of the column, x coordinate, and positions of the drawn rows if they are spread.
 pub(super) fn axis_positions(sweep: &SweepView<'_>) -> Value {
     let threads = ParallelCoordinates::of(sweep);
-    let axes: Vec<(usize, f64)> = threads.columns.iter().enumerate().map(|(number, &place)| (place, threads.x(number))).collect();
+    let of_rows = |spread: &BTreeMap<usize, u32>| sweep.drawn.iter().map(|row| spread.get(row).copied()).collect::<Vec<_>>();
+    let axis = |(number, place): (usize, &usize)| json!([place, threads.x(number), threads.spread[number].as_ref().map(of_rows)]);
+    let axes: Vec<Value> = threads.columns.iter().enumerate().map(axis).collect();
     json!({ "axes": axes, "top": TOP, "height": HEIGHT })
 }

@@ -13,8 +13,6 @@ const MOST: usize = 200;
 const OPEN: usize = 16;
 /// Maximum number of listed reasons.
 const MOST_REASONS: usize = 20;
-/// Characters of a hash that distinguish points.
-const SHORT: usize = 10;
 
 /// The front as a table, best by the first objective first.
 pub(super) fn front(sweep: &SweepView<'_>) -> Html {
@@ -30,8 +28,9 @@ pub(super) fn front(sweep: &SweepView<'_>) -> Html {
     let own = &own[..if pictures { 2 } else { 1 }];
     let columns: Vec<(&str, Align)> =
         own.iter().copied().chain(headers.iter().map(|name| (name.as_str(), Align::Right))).collect();
-    let table = |rows: &[usize], caption: &str| {
-        with_cells(caption, &columns, rows.iter().map(|&row| cells(sweep, row, &told, pictures)).collect())
+    let table = |rows: &[usize], before: usize, caption: &str| {
+        let numbered = rows.iter().enumerate().map(|(at, &row)| (before + at + 1, row));
+        with_cells(caption, &columns, numbered.map(|point| cells(sweep, point, &told, pictures)).collect())
     };
     let (first, others) = rows.split_at(rows.len().min(OPEN));
     let (all, shown) = (sweep.front.len(), rows.len());
@@ -45,19 +44,23 @@ pub(super) fn front(sweep: &SweepView<'_>) -> Html {
     } else {
         format!("{} more", others.len())
     };
-    let tables = [table(first, &caption), details(&left, table(others, "Other Pareto-optimal points"))];
+    let tables = [table(first, 0, &caption), details(&left, table(others, first.len(), "Other Pareto-optimal points"))];
     if rows.is_empty() { Html::default() } else { el("div", &[("id", "chosen")], tables) }
 }
 
-fn cells(sweep: &SweepView<'_>, row: usize, told: &[usize], pictures: bool) -> Vec<Html> {
+/// Cells of a point with its number in the table. Its hash is a tooltip.
+fn cells(sweep: &SweepView<'_>, (number, row): (usize, usize), told: &[usize], pictures: bool) -> Vec<Html> {
     let of = &sweep.table.rows[row];
-    let short: String = of.id.chars().take(SHORT).collect();
     // The script shows the point that is named.
-    let name = el("button", &[("type", "button"), ("title", &of.id), ("data-id", &of.id)], [text(short)]);
+    let button = el("button", &[("type", "button"), ("title", &of.id), ("data-id", &of.id)], [text(number.to_string())]);
+    let is_default = if sweep.is_default(row) { text(" default") } else { Html::default() };
+    let name = [button, is_default].into_iter().collect();
     let picture = of.picture.as_deref().map_or_else(Html::default, |path| {
         el("img", &[("src", path), ("alt", ""), ("loading", "lazy"), ("class", "thumbnail")], [])
     });
-    let values = told.iter().map(|&at| text(of.cells.get(at).map_or(String::new(), labels::cell)));
+    let values = told
+        .iter()
+        .map(|&at| text(of.cells.get(at).map_or(String::new(), |cell| labels::cell(cell, &sweep.table.columns[at].unit))));
     [name].into_iter().chain(pictures.then_some(picture)).chain(values).collect()
 }
 
@@ -72,8 +75,9 @@ pub(super) fn failures(sweep: &SweepView<'_>) -> Html {
     let mut reasons: Vec<(&str, Vec<&str>)> = reasons.into_iter().collect();
     reasons.sort_by_key(|(_, ids)| std::cmp::Reverse(ids.len()));
     let count = reasons.len();
-    let row =
-        |(reason, ids): (&str, Vec<&str>)| vec![text(thousands(ids.len() as u64)), text(reason), el_text("code", "", ids[0])];
+    let row = |(reason, ids): (&str, Vec<&str>)| {
+        vec![text(thousands(ids.len() as u64)), text(reason), details("hash", el_text("code", "", ids[0]))]
+    };
     let columns = [("points", Align::Right), ("reason", Align::Left), ("first point", Align::Left)];
     let caption =
         if count > MOST_REASONS { format!("The {MOST_REASONS} most frequent of {count} reasons") } else { "All reasons".into() };

@@ -3,6 +3,7 @@
 use super::labels::{rounded, unit};
 use crate::levels::{ColumnLevels, logarithmic, range};
 use crate::table::{Cell, ColumnRole, Table};
+use basrelief_report::number::{round_number, round_step};
 
 /// Positions are whole numbers from 0 to this: finer than a pixel, short in a file.
 pub(super) const WHOLE: u32 = 10_000;
@@ -24,6 +25,8 @@ pub(super) struct ColumnScale {
     pub(super) ends: [String; 2],
     /// True if equal ratios have equal lengths.
     pub(super) logarithmic: bool,
+    /// Number of values at equal distances; `None` if distances follow from the values.
+    pub(super) levels: Option<usize>,
 }
 
 impl ColumnScale {
@@ -35,7 +38,10 @@ impl ColumnScale {
         let few = levels().filter(|levels| levels.single && table.columns[column].role == ColumnRole::Axis || words);
         match few {
             Some(levels) => Self::equal(&levels),
-            None => Self::numeric(&cells.iter().map(|cell| cell.number()).collect::<Vec<_>>()),
+            None => {
+                let values: Vec<_> = cells.iter().map(|cell| cell.number()).collect();
+                Self::numeric(&values, &table.columns[column].unit)
+            }
         }
     }
 
@@ -48,10 +54,11 @@ impl ColumnScale {
             at: levels.of_row.iter().map(|level| level.map(position)).collect(),
             ends: [first.clone(), last.clone()],
             logarithmic: false,
+            levels: Some(count),
         })
     }
 
-    fn numeric(values: &[Option<f64>]) -> Option<Self> {
+    fn numeric(values: &[Option<f64>], unit: &str) -> Option<Self> {
         let (low, high) = range(values.iter().flatten().copied())?;
         if low >= high {
             return None;
@@ -65,8 +72,9 @@ impl ColumnScale {
         Some(Self {
             ticks: ticks.into_iter().map(|(x, label)| (position(x), label)).collect(),
             at: values.iter().map(|value| value.map(position)).collect(),
-            ends: [low, high].map(rounded),
+            ends: [low, high].map(|x| rounded(x, unit)),
             logarithmic,
+            levels: None,
         })
     }
 }
@@ -75,17 +83,9 @@ fn part(share: f64) -> u32 {
     libm::round(share * f64::from(WHOLE)) as u32
 }
 
-/// A digit times a power of ten, exactly as the number is written: products of the two may be a little off, and then are long.
-fn round_number(digit: u32, exponent: i32) -> f64 {
-    format!("{digit}e{exponent}").parse().unwrap_or(f64::MAX)
-}
-
 /// Round numbers from low to high, at distances of 1, 2 or 5 times a power of ten.
 fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
-    let raw = high / PARTS - low / PARTS;
-    let exponent = libm::floor(libm::log10(raw)) as i32;
-    let digit = [1, 2, 5].into_iter().find(|digit| round_number(*digit, exponent) >= raw);
-    let (digit, exponent) = digit.map_or((1, exponent + 1), |digit| (digit, exponent));
+    let (digit, exponent) = round_step(high / PARTS - low / PARTS);
     let step = round_number(digit, exponent);
     let (unit, suffix) = unit(low.abs().max(high.abs()));
     let decimals = (f64::from(-exponent) + libm::log10(unit)).clamp(0.0, 17.0) as usize;
@@ -124,7 +124,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn labels(values: &[f64]) -> Vec<String> {
-        let scale = ColumnScale::numeric(&values.iter().map(|x| Some(*x)).collect::<Vec<_>>()).unwrap();
+        let scale = ColumnScale::numeric(&values.iter().map(|x| Some(*x)).collect::<Vec<_>>(), "").unwrap();
         scale.ticks.into_iter().map(|(_, label)| label).collect()
     }
 
@@ -145,7 +145,7 @@ mod tests {
         #[test]
         fn any_numbers_have_a_scale(values in prop::collection::vec(prop::num::f64::ANY, 2..6)) {
             let known: Vec<Option<f64>> = values.iter().map(|x| Some(*x).filter(|x| x.is_finite())).collect();
-            if let Some(scale) = ColumnScale::numeric(&known) {
+            if let Some(scale) = ColumnScale::numeric(&known, "") {
                 prop_assert!(scale.at.iter().flatten().all(|at| *at <= WHOLE), "{:?}", scale);
                 prop_assert!(scale.ticks.iter().all(|(at, label)| *at <= WHOLE && label.len() <= 12), "{:?}", scale);
                 prop_assert!(scale.ticks.len() <= 13 && scale.ticks.is_sorted_by(|a, b| a.0 <= b.0), "{:?}", scale);
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn constant_column_has_no_scale() {
-        assert_eq!(ColumnScale::numeric(&[Some(1.0), None, Some(1.0)]), None);
-        assert_eq!(ColumnScale::numeric(&[]), None);
+        assert_eq!(ColumnScale::numeric(&[Some(1.0), None, Some(1.0)], ""), None);
+        assert_eq!(ColumnScale::numeric(&[], ""), None);
     }
 }

@@ -98,7 +98,9 @@ fn upright_marks(scale: &ColumnScale, title: &str) -> Html {
     let [left, _, width, _] = BOX;
     let marks = scale.ticks.iter().flat_map(|(at, name)| {
         let line = format!("M{} {} H{}", px(left), px(y(*at)), px(left + width));
-        [el("path", &[("class", "mark"), ("d", &line)], []), label("end", left - 6.0, y(*at) + 4.0, &shortened(name, left - 8.0))]
+        let number = label("end", left - 6.0, y(*at) + 4.0, &shortened(name, left - 8.0));
+        // A narrow page shows the large numbers inside, where they have room.
+        [el("path", &[("class", "mark"), ("d", &line)], []), el("g", &[("class", "inside")], [number])]
     });
     marks.chain([label("start", 4.0, 14.0, title)]).collect()
 }
@@ -145,7 +147,8 @@ fn points(sweep: &SweepView<'_>, across: usize, upright: usize) -> Html {
     let [horizontal, vertical] = [across, upright].map(|place| &sweep.shown[place].scale.at);
     let point = |&row: &usize| {
         let (at_x, at_y) = (horizontal[row], vertical[row]);
-        let class = format!("{}{}", class(sweep, row), if at_x.and(at_y).is_some() { "" } else { " off" });
+        let default = if sweep.is_default(row) { " default" } else { "" };
+        let class = format!("{}{default}{}", class(sweep, row), if at_x.and(at_y).is_some() { "" } else { " off" });
         let (cx, cy) = (px(x(at_x.unwrap_or(0))), px(y(at_y.unwrap_or(0))));
         let radius = if sweep.is_best(row) { "5.5" } else { "3.5" };
         el("circle", &[("class", &class), ("cx", &cx), ("cy", &cy), ("r", radius)], [])
@@ -170,7 +173,10 @@ fn legend(sweep: &SweepView<'_>) -> Html {
         el("li", &[], [dot, text(meaning)])
     };
     let broken = sweep.table.constraints.iter().map(|_| item("point broken", "3.5", "violates a constraint")).take(1);
-    let items = [item("point best", "5.5", "Pareto-optimal"), item("point", "3.5", "other")].into_iter().chain(broken);
+    let has_default = sweep.drawn.iter().any(|row| sweep.is_default(*row));
+    let default = has_default.then(|| item("point default", "5.5", "default: as in the plan without its axes"));
+    let items = [item("point best", "5.5", "Pareto-optimal"), item("point", "3.5", "other")].into_iter();
+    let items = items.chain(default).chain(broken);
     let scales = sweep.shown.iter().enumerate().map(|(place, shown)| {
         let swatches = (0..COLOURS).map(|k| el_text("span", &format!("swatch level-{k}"), ""));
         let [low, high] = &shown.scale.ends;
@@ -198,8 +204,8 @@ fn choices(sweep: &SweepView<'_>, across: usize, upright: usize) -> Html {
     let third = sweep.table.objectives().filter_map(|(at, _)| sweep.drawn_index(at)).find(|at| ![across, upright].contains(at));
     let none = option("", "Pareto front", third.is_none());
     let selects = [
-        select("across", "x", options(Some(across))),
-        select("upright", "y", options(Some(upright))),
+        select("across", "horizontal axis", options(Some(across))),
+        select("upright", "vertical axis", options(Some(upright))),
         select("colour", "colour", [none, options(third)].into_iter().collect()),
     ];
     // Without the script nothing would happen.
@@ -225,7 +231,10 @@ fn column(sweep: &SweepView<'_>, scale: &ColumnScale) -> Value {
 
 fn point(sweep: &SweepView<'_>, told: &[usize], row: usize) -> Value {
     let cells = &sweep.table.rows[row].cells;
-    let values: Vec<String> = told.iter().map(|&at| cells.get(at).map_or(String::new(), labels::cell)).collect();
+    let values: Vec<String> = told
+        .iter()
+        .map(|&at| cells.get(at).map_or(String::new(), |cell| labels::cell(cell, &sweep.table.columns[at].unit)))
+        .collect();
     let of = &sweep.table.rows[row];
-    json!({ "id": of.id, "picture": of.picture, "best": sweep.is_best(row), "values": values })
+    json!({ "id": of.id, "picture": of.picture, "best": sweep.is_best(row), "default": sweep.is_default(row), "values": values })
 }

@@ -40,8 +40,8 @@
     const thread = get("thread");
     if (!thread || current < 0) return;
     let pen = "M";
-    const path = parallel.axes.map(([column, x]) => {
-      const y = columns[column].at[current];
+    const path = parallel.axes.map(([column, x, spread]) => {
+      const y = (spread ?? columns[column].at)[current];
       const step = y === null ? "" : `${pen}${x} ${parallel.top + (1 - y / whole) * parallel.height}`;
       pen = y === null ? "M" : "L";
       return step;
@@ -61,11 +61,13 @@
 
   function show(row) {
     current = row;
-    const { id, picture, best, values } = rows[row];
+    const { id, picture, best, default: isDefault, values } = rows[row];
     const point = get("point");
     const here = place(row)?.join();
     const same = rows.filter((_, other) => place(other)?.join() === here).length;
-    point.replaceChildren(make("h3", best ? "Pareto-optimal" : "Not Pareto-optimal"), make("code", id));
+    const hash = make("details", "");
+    hash.append(make("summary", "Hash"), make("code", id));
+    point.replaceChildren(make("h3", `${best ? "Pareto-optimal" : "Not Pareto-optimal"}${isDefault ? ", default" : ""}`), hash);
     if (here && same > 1) point.append(make("p", `One of ${same} points at this place.`));
     if (picture) point.append(pictured(picture));
     const list = make("dl", "");

@@ -65,7 +65,7 @@ fn names_are_escaped_wherever_they_stand() {
         row.cells[6] = Cell::Text(bad.into());
         row.state = if row.state == PointState::Ok { PointState::Ok } else { PointState::Failed(bad.into()) };
     });
-    let page = page(&table, &PageOptions { figures: vec![], files: vec![(bad.into(), bad.into())] });
+    let page = page(&table, &PageOptions { files: vec![(bad.into(), bad.into())], ..PageOptions::default() });
     parsed(&page);
     assert_eq!((page.matches("<script").count(), page.matches("</script").count()), (2, 2));
     assert_eq!(data_of(&page)["rows"][0]["picture"], bad);
@@ -115,6 +115,96 @@ fn drawn_points_are_bounded() {
     }
 }
 
+/// Elements of a page that begin with this text, up to the end of their tag.
+fn tags<'a>(page: &'a str, start: &'a str) -> impl Iterator<Item = &'a str> {
+    page.split(start).skip(1).filter_map(|rest| rest.split('>').next())
+}
+
+#[test]
+fn third_objective_is_the_first_colour() {
+    let page = shown(&samples::device(30));
+    let colour = page.split_once("<select id=\"colour\">").unwrap().1.split_once("</select>").unwrap().0;
+    assert!(colour.contains("<option value=\"2\" selected=\"selected\">memories.bytes [bytes]</option>"), "{colour}");
+    let mut table = samples::device(30);
+    table.columns[2].role = ColumnRole::Figure;
+    let page = shown(&table);
+    let colour = page.split_once("<select id=\"colour\">").unwrap().1.split_once("</select>").unwrap().0;
+    assert!(colour.contains("<option value=\"\" selected=\"selected\">Pareto front</option>"), "{colour}");
+}
+
+#[test]
+fn default_point_is_drawn_and_marked() {
+    let table = samples::device(9_000);
+    // A point that thinning leaves out.
+    let all = shown(&table);
+    let ordinary = table.rows.iter().filter(|row| row.state == PointState::Ok).find(|row| !all.contains(&row.id)).unwrap();
+    let page = page(&table, &PageOptions { defaults: vec![ordinary.id.clone()], ..PageOptions::default() });
+    // One in the plot, one in the legend.
+    assert_eq!(tags(&page, "<circle class=\"point").filter(|tag| tag.contains(" default\"")).count(), 2);
+    let rows = data_of(&page)["rows"].as_array().unwrap().clone();
+    let marked: Vec<_> = rows.iter().filter(|row| row["default"] == true).map(|row| row["id"].clone()).collect();
+    assert_eq!(marked, [ordinary.id.as_str()]);
+    assert!(page.contains("default: as in the plan without its axes"));
+    assert!(!all.contains("default: as in the plan without its axes"));
+}
+
+#[test]
+fn decibels_have_two_decimals() {
+    let page = shown(&samples::device(300));
+    let data = data_of(&page);
+    let place = data["names"].as_array().unwrap().iter().position(|name| name == "quality.psnr_db [dB]").unwrap();
+    for row in data["rows"].as_array().unwrap() {
+        let text = row["values"][place].as_str().unwrap();
+        assert_eq!(text.split_once('.').map(|(_, decimals)| decimals.len()), Some(2), "{text}");
+    }
+    let headline = page.split_once("<dt>highest quality.psnr_db [dB]</dt><dd>").unwrap().1.split('<').next().unwrap();
+    assert_eq!(headline.split_once('.').map(|(_, decimals)| decimals.len()), Some(2), "{headline}");
+}
+
+#[test]
+fn hashes_are_folded_away() {
+    let table = samples::device(300);
+    let markup = parsed(&shown(&table));
+    let visible = markup.split("<details>").map(|part| part.split_once("</details>").map_or(part, |(_, rest)| rest));
+    let texts: String =
+        visible.flat_map(|part| part.split('<').filter_map(|tag| tag.split_once('>'))).map(|(_, text)| text).collect();
+    let told: Vec<&str> = table.rows.iter().map(|row| &row.id[..10]).filter(|id| texts.contains(id)).collect();
+    assert!(told.is_empty(), "{told:?}");
+}
+
+#[test]
+fn axes_of_the_scatter_are_named_by_direction() {
+    let page = shown(&samples::device(30));
+    for name in ["horizontal axis", "vertical axis", "colour"] {
+        assert!(page.contains(&format!("<label>{name} <select")), "{name}");
+    }
+}
+
+/// Lines through one value of an axis lie beside each other, in its band, from the best to the worst.
+#[test]
+fn lines_are_spread_around_the_values_of_an_axis() {
+    let table = samples::device(300);
+    let data = data_of(&shown(&table));
+    let names = |place: usize| data["columns"][place]["at"].clone();
+    let axes = data["parallel"]["axes"].as_array().unwrap();
+    let spread: Vec<_> = axes.iter().filter(|axis| !axis[2].is_null()).collect();
+    assert_eq!(spread.len(), 2, "lanes and levels have few values: {axes:?}");
+    for axis in spread {
+        let values = names(axis[0].as_u64().unwrap() as usize);
+        let rows = values.as_array().unwrap().iter().zip(axis[2].as_array().unwrap());
+        let rows: Vec<(i64, i64)> = rows.map(|(at, spread)| (at.as_i64().unwrap(), spread.as_i64().unwrap())).collect();
+        let mut places: Vec<i64> = rows.iter().map(|(_, spread)| *spread).collect();
+        let mut levels: Vec<i64> = rows.iter().map(|(at, _)| *at).collect();
+        for all in [&mut places, &mut levels] {
+            all.sort_unstable();
+            all.dedup();
+        }
+        assert!(places.len() > 200, "{} places of {} lines", places.len(), rows.len());
+        let apart = levels.windows(2).map(|pair| pair[1] - pair[0]).min().unwrap();
+        assert!(rows.iter().all(|(at, spread)| 2 * (at - spread).abs() < apart), "a line leaves the band of its value");
+    }
+}
+
 #[test]
 fn the_page_is_the_same_to_the_byte() {
     let hash = Sha256::digest(shown(&samples::device(300)));
@@ -126,7 +216,7 @@ fn constant_objective_is_stated() {
     let mut table = samples::device(300);
     table.rows.iter_mut().for_each(|row| row.cells[1] = Cell::Number(20.5));
     let page = shown(&table);
-    assert!(page.contains("quality.psnr_db [dB] is 20.5 for all values of the axes."));
+    assert!(page.contains("quality.psnr_db [dB] is 20.50 for all values of the axes."));
     assert_eq!(page.matches("class=\"map\"").count(), 6);
 }
 

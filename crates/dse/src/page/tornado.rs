@@ -27,6 +27,7 @@ fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
     let high = ends.iter().map(|(_, (_, high))| high.mean).reduce(f64::max);
     let Some((low, high)) = low.zip(high) else { return Html::default() };
     let objective = effects[0].objective;
+    let rounded = |x: f64| rounded(x, &sweep.table.columns[objective].unit);
     if sweep.drawn_index(objective).is_none() {
         let says = format!("{} is {} for all values of the axes.", sweep.header(objective), rounded(low));
         return el_text("p", "", says);

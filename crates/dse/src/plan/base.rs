@@ -50,6 +50,6 @@ fn toml_of(value: &Json) -> Result<Value, String> {
     Value::try_from(value).map_err(|error| error.to_string())
 }
 
-fn json_cell(value: &Json) -> Result<Cell, String> {
+pub(super) fn json_cell(value: &Json) -> Result<Cell, String> {
     toml_of(value).map(|value| cell(&value))
 }

@@ -1,7 +1,8 @@
 //! A plan and its points.
 
 use super::axes::Axis;
-use crate::{Constraint, Objective, OpenedInput};
+use super::base::json_cell;
+use crate::{Cell, Constraint, Objective, OpenedInput};
 use basrelief_parameters::ConfigError;
 use basrelief_sim::{ConfigLoader, MachineConfig, MachineInfo, Overrides};
 use std::collections::{BTreeMap, BTreeSet};
@@ -79,6 +80,22 @@ impl Plan {
             axis.keys.iter().cloned().zip(axis.values[place].iter().cloned()).collect::<Vec<_>>()
         };
         self.axes.iter().zip(places).flat_map(of_axis).collect()
+    }
+
+    /// Returns the points whose parameters are as in the plan without its axes: at most one per input.
+    pub fn default_points(&self) -> Vec<&PlanPoint> {
+        let base = self.load(&[]).map(|base| base.described()).unwrap_or_default();
+        let value = |key: &String| base.iter().find(|parameter| parameter.key == *key).and_then(|of| json_cell(&of.value).ok());
+        // A whole number equals the same real number.
+        let equal = |cell: &Cell, base: &Cell| cell == base || cell.number().is_some_and(|x| base.number() == Some(x));
+        let is_base = |axis: &Axis, place: usize| {
+            let mut cells = axis.keys.iter().zip(&axis.cells[place]);
+            cells.all(|(key, cell)| value(key).is_some_and(|base| equal(cell, &base)))
+        };
+        let on_base: Vec<Vec<bool>> =
+            self.axes.iter().map(|axis| (0..axis.cells.len()).map(|place| is_base(axis, place)).collect()).collect();
+        let is_default = |point: &&PlanPoint| on_base.iter().zip(&point.places).all(|(axis, &place)| axis[place]);
+        self.points.iter().filter(is_default).collect()
     }
 
     /// The parameters of a point, as they are given.

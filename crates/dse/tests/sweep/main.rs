@@ -1,5 +1,6 @@
 //! Plans and sweeps, without the command line.
 
+mod exploring;
 mod plans;
 mod running;
 mod sensitivity;

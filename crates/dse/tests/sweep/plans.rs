@@ -175,6 +175,24 @@ fn shards_are_all_points_once_and_keep_work_together() {
 }
 
 #[test]
+fn default_points_are_those_without_axes() {
+    let defaults = |text: &str| {
+        let plan =
+            plan(&format!("{HEAD}{text}[axes]\nreplacement.lanes = [8, 32, 64]\nfifo.shaded.depth = [2, 8]\n"), &Program::new());
+        let base = plan.machine.parameters();
+        let value = |key: &str| base.iter().find(|parameter| parameter.key == key).unwrap().default.as_u64().unwrap();
+        let found: Vec<_> = plan.default_points().into_iter().map(|point| plan.settings(&point.places)).collect();
+        (found, [value("replacement.lanes"), value("fifo.shaded.depth")])
+    };
+    let (found, of_machine) = defaults("");
+    assert_eq!(of_machine, [64, 64], "the test expects these defaults");
+    assert!(found.is_empty(), "no depth of the axis is the default: {found:?}");
+    let (found, _) = defaults("config.fifo.shaded.depth = 8\n");
+    let settings = [("replacement.lanes", "64"), ("fifo.shaded.depth", "8")].map(|(key, value)| (key.into(), value.into()));
+    assert_eq!(found, [settings.to_vec()]);
+}
+
+#[test]
 fn samples_are_points_of_the_grid_the_same_for_the_same_seed() {
     let sampled = |method: &str, seed: u32| {
         let text = format!(

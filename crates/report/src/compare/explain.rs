@@ -7,8 +7,8 @@ use crate::number::{real, signed, thousands};
 /// Causes below this share of the cycles of A are merged \[1/1000\].
 const TOLD: u64 = 1;
 /// Cure if nothing was measured.
-const UNMEASURED: &str = "To measure the causes, keep the recording of both runs beside their reports: `--out DIR` keeps it for short \
-                          runs, `--recording DIR/run.recording` for any run.";
+const UNMEASURED: &str = "To measure the causes, keep the recording of both runs beside their reports: a short run without \
+                          `--no-bottlenecks` keeps it, `--recording DIR/run.recording` keeps that of any run.";
 
 pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<&MeasuredCauses>)) -> String {
     if equal {

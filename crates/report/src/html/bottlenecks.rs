@@ -1,7 +1,7 @@
 //! The bottleneck: a sentence, the ladder, bars of the saved cycles, and the critical path.
 
 use super::markup::{Html, details, el, el_text, sentence, text};
-use super::svg::{BarPart, bar, percent_of};
+use super::svg::{BarPart, bar, labelled_bar, percent_of};
 use super::table::with_cells;
 use super::units::legend;
 use crate::model::{CriticalPath, PathPart, RelaxedCycles, Report};
@@ -83,7 +83,7 @@ fn savings_table(report: &Report) -> Html {
 /// Colours of resources on the critical path.
 const HUES: [&str; TOLD] = ["hue-0", "hue-1", "hue-2", "hue-3", "hue-4", "hue-5", "hue-6", "hue-7"];
 
-/// The critical path as one bar with a colour per resource; its longest parts with their meaning in a table.
+/// The critical path as one bar with a named segment per resource; its longest parts with their meaning in a table.
 fn path(report: &Report) -> Html {
     let Some(path) = &report.critical_path else { return Html::default() };
     let mut resources: Vec<&str> = vec![];
@@ -100,15 +100,27 @@ fn path(report: &Report) -> Html {
     if rest > 0 {
         parts.push((("done", REST.into(), rest), "all further parts together"));
     }
-    let bars: Vec<BarPart> = parts.iter().map(|(part, _)| part.clone()).collect();
     let rows = parts.iter().map(|((class, name, n), about)| {
         let swatch = el("span", &[("class", &format!("swatch {class}")), ("aria-hidden", "true")], []);
         vec![[swatch, text(name)].into_iter().collect(), text(*about), text(thousands(*n)), text(percent_of(*n, path.cycles))]
     });
     let columns = [("part", Left), ("meaning", Left), ("cycles", Right), ("share", Right)];
-    let table = with_cells("Parts, longest first; a colour per resource", &columns, rows.collect());
-    let bar = el("div", &[("class", "thick")], [bar(&bars, path.cycles)]);
+    let table = with_cells("Parts, longest first; a colour per unit or memory client", &columns, rows.collect());
+    let bar = el("div", &[("class", "thick")], [labelled_bar(&segments(path, &resources), path.cycles)]);
     [el_text("h3", "", "Critical path"), el_text("p", "quiet", path_caption(path)), bar, table].into_iter().collect()
+}
+
+/// A segment of the bar for each of these resources, the longest first, then one for all others.
+fn segments(path: &CriticalPath, resources: &[&str]) -> Vec<BarPart> {
+    let cycles = |of: &dyn Fn(&str) -> bool| {
+        path.parts.iter().filter(|part| of(&part.resource)).fold(0, |sum: u64, part| sum.saturating_add(part.cycles))
+    };
+    let of_resource = |(class, name): (&&'static str, &&str)| (*class, (*name).to_owned(), cycles(&|of| of == *name));
+    let mut segments: Vec<BarPart> = HUES.iter().zip(resources).map(of_resource).collect();
+    segments.sort_by_key(|(_, _, n)| std::cmp::Reverse(*n));
+    let rest = cycles(&|of| !resources.contains(&of));
+    segments.extend((rest > 0).then(|| ("done", REST.to_owned(), rest)));
+    segments
 }
 
 fn path_caption(path: &CriticalPath) -> String {

@@ -1,7 +1,7 @@
 //! Occupancy of the FIFOs.
 
 use super::markup::{Html, details, el, el_text, text};
-use super::svg::{ColumnChart, bins, percent_of, px};
+use super::svg::{ColumnChart, Ruler, bins, percent_of, px};
 use super::table::html;
 use crate::model::{Fifo, Report};
 use crate::number::thousands;
@@ -33,6 +33,7 @@ fn card(name: &str, fifo: &Fifo) -> Html {
         axes: ["occupied slots", &upright],
         class: "fifo",
         columns,
+        ruler: Some(Ruler::numbered(0.0, shares.len(), COLUMNS)),
         top: (highest, format!("{highest:.0} %")),
         size: (260.0, 125.0),
     };

@@ -1,7 +1,7 @@
 //! Frames, one by one.
 
 use super::markup::{Html, details};
-use super::svg::{ColumnChart, bins, mean};
+use super::svg::{ColumnChart, Ruler, bins, mean};
 use super::table::html;
 use crate::model::{Cycles, Report};
 use crate::number::thousands;
@@ -29,7 +29,8 @@ fn chart(Cycles { frames, .. }: &Cycles) -> Html {
     let most = columns.iter().fold(0.0, |most: f64, (_, n)| most.max(*n));
     let axes = ["frame", if columns.len() < values.len() { "cycles, mean of several frames each" } else { "cycles" }];
     let top = (most, thousands(most.round() as u64));
-    ColumnChart { title: "Cycles per frame", axes, class: "amount", columns, top, size: (640.0, 180.0) }.draw()
+    let ruler = Some(Ruler::numbered(1.0, frames.len(), COLUMNS));
+    ColumnChart { title: "Cycles per frame", axes, class: "amount", columns, ruler, top, size: (640.0, 180.0) }.draw()
 }
 
 fn table(report: &Report, cycles: &Cycles) -> Table {

@@ -1,7 +1,7 @@
 //! Traffic of the memories over time, and latencies of requests.
 
 use super::markup::{Html, details, el, el_text, text};
-use super::svg::{BarPart, ColumnChart, bar, bins, mean, percent_of, px};
+use super::svg::{BarPart, ColumnChart, Ruler, bar, bins, mean, percent_of, px};
 use super::table::{html, with_cells};
 use crate::model::{Client, Memory, Report};
 use crate::number::thousands;
@@ -54,7 +54,9 @@ fn bus(report: &Report, name: &str, memory: &Memory) -> Html {
         _ => format!("cycle; rendering ends at {}", thousands(report.frame_cycles())),
     };
     let axes = [across.as_str(), "% of the bus, all channels"];
-    ColumnChart { title: &title, axes, class: "busy", columns, top: (top, format!("{top} %")), size: (540.0, 150.0) }.draw()
+    let ruler = Some(Ruler::of_bins(shares.len(), COLUMNS, memory.bus.interval as f64));
+    ColumnChart { title: &title, axes, class: "busy", columns, ruler, top: (top, format!("{top} %")), size: (540.0, 150.0) }
+        .draw()
 }
 
 /// Bytes of each client, on one scale for all memories.
@@ -77,7 +79,8 @@ fn latency(name: &str, client: &Client) -> Html {
     let mean = client.mean_latency().map_or(String::new(), |mean| format!(", mean {mean:.1}"));
     let heading = format!("Latency: {name}{mean}, 95 % below {}", thousands(client.latency_95));
     let axes = ["cycles: this value to twice it", "requests"];
-    let chart =
-        ColumnChart { title: &title, axes, class: "memory", columns, top: (most as f64, thousands(most)), size: (260.0, 130.0) };
+    let top = (most as f64, thousands(most));
+    // Each column is twice the one before it, so the columns have labels of their own.
+    let chart = ColumnChart { title: &title, axes, class: "memory", columns, ruler: None, top, size: (260.0, 130.0) };
     el("div", &[("class", "card")], [el("h4", &[], [text(heading)]), chart.draw()])
 }

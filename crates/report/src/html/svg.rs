@@ -1,7 +1,7 @@
 //! Shapes, and the charts that are made of them. Colours are classes: each has one meaning on the whole page.
 
 use super::markup::{Html, el, el_text, text};
-use crate::number::thousands;
+use crate::number::{round_number, round_step, thousands};
 
 /// A length of a drawing, with at most two decimals.
 pub fn px(x: f64) -> String {
@@ -71,6 +71,56 @@ pub(super) fn bar(parts: &[BarPart], whole: u64) -> Html {
     svg("bar", (1000.0, 10.0), &says, "none", stacked_rects(parts, whole, [0.0, 0.0, 1000.0, 10.0]))
 }
 
+/// Values along an axis of columns.
+#[derive(Clone, Copy)]
+pub(super) struct Ruler {
+    /// Value of the first column.
+    pub(super) first: f64,
+    /// Distance of two columns.
+    pub(super) per_column: f64,
+    /// Position of a value in its column: 0 for its left edge, 0.5 for its middle.
+    pub(super) within: f64,
+}
+
+impl Ruler {
+    /// Returns the ruler of the columns that [`bins`] makes from `count` values at a distance: values are at the left edge of a column.
+    pub(super) fn of_bins(count: usize, most: usize, distance: f64) -> Self {
+        Self { first: 0.0, per_column: distance * per_bin(count, most) as f64, within: 0.0 }
+    }
+
+    /// Returns the ruler of things that are numbered from `first`: a number is in the middle of a column that holds no other.
+    pub(super) fn numbered(first: f64, count: usize, most: usize) -> Self {
+        let per = per_bin(count, most);
+        Self { first, within: if per == 1 { 0.5 } else { 0.0 }, ..Self::of_bins(count, most, 1.0) }
+    }
+}
+
+/// Width of a wide and of a narrow page \[pixels\]; of a letter in a segment, and of both margins of its label.
+const WIDE: f64 = 1000.0;
+const NARROW: f64 = 330.0;
+const LETTER: f64 = 7.6;
+const MARGINS: f64 = 14.0;
+
+/// A bar as wide as its place, with the name of each part in it. A part that is too narrow for its name has none.
+pub(super) fn labelled_bar(parts: &[BarPart], whole: u64) -> Html {
+    let percent = |n: u64| format!("{:.3}%", 100.0 * n as f64 / whole.max(1) as f64);
+    let mut before = 0;
+    let segments = parts.iter().map(|(class, name, n)| {
+        let share = *n as f64 / whole.max(1) as f64;
+        let room = |page: f64| name.chars().count() as f64 * LETTER + MARGINS <= share * page;
+        let about = el_text("title", "", format!("{name}: {}", percent_of(*n, whole)));
+        let fill = el("rect", &[("width", "100%"), ("height", "100%")], [about]);
+        let class_of_label = if room(NARROW) { "" } else { "wide-only" };
+        let label = el("text", &[("class", class_of_label), ("x", "6"), ("y", "64%")], [text(name)]);
+        let place = [("class", *class), ("x", &percent(before)), ("width", &percent(*n)), ("height", "100%")];
+        before += n;
+        el("svg", &place, [fill, if room(WIDE) { label } else { Html::default() }])
+    });
+    let parts_text: Vec<String> = parts.iter().map(|(_, name, n)| format!("{name} {}", percent_of(*n, whole))).collect();
+    let attributes = [("class", "bar segments"), ("role", "img"), ("aria-label", &parts_text.join(", "))];
+    el("svg", &attributes, segments.collect::<Vec<_>>())
+}
+
 /// Columns over an axis.
 pub(super) struct ColumnChart<'a> {
     /// Title.
@@ -79,8 +129,10 @@ pub(super) struct ColumnChart<'a> {
     pub(super) axes: [&'a str; 2],
     /// Class of its colour.
     pub(super) class: &'static str,
-    /// Under each column, and its height.
+    /// Label and height of each column.
     pub(super) columns: Vec<(String, f64)>,
+    /// Values along the x axis, which get round ticks; `None` if the columns have their labels as ticks.
+    pub(super) ruler: Option<Ruler>,
     /// Ends of the upright axis in words: of the highest column, or of a whole.
     pub(super) top: (f64, String),
     /// Width and height.
@@ -124,12 +176,31 @@ impl ColumnChart<'_> {
 
     /// Numbers under the columns, as many as there is room for.
     fn column_labels(&self, each: f64, height: f64) -> Html {
+        if let Some(ruler) = self.ruler {
+            return self.round_labels(ruler, each, height);
+        }
         let longest = self.columns.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(1);
         let every = ((longest as f64 + 1.5) * DIGIT / each).ceil().max(1.0) as usize;
         let placed = self.columns.iter().enumerate().map(|(i, (text, _))| (LEFT + (i as f64 + 0.5) * each, text));
         // A number that would be cut off at the right is left out.
         let shown = placed.step_by(every).filter(|(x, text)| x + text.chars().count() as f64 * DIGIT / 2.0 <= self.size.0);
         shown.map(|(x, text)| label("middle", x, ABOVE + height + 14.0, text)).collect()
+    }
+
+    /// Round numbers under the columns, as many as there is room for.
+    fn round_labels(&self, ruler: Ruler, each: f64, height: f64) -> Html {
+        let last = ruler.first + ruler.per_column * self.columns.len() as f64;
+        let room = (thousands(last as u64).chars().count() as f64 + 1.5) * DIGIT;
+        let (digit, exponent) = round_step((room / each * ruler.per_column).max(1.0));
+        let step = round_number(digit, exponent);
+        let ticks = (0..self.columns.len()).map(|k| step * k as f64).skip_while(|value| *value < ruler.first);
+        let placed = ticks.map(|value| (LEFT + each * ((value - ruler.first) / ruler.per_column + ruler.within), value));
+        let end = LEFT + each * self.columns.len() as f64;
+        let shown = placed.map(|(x, value)| (x, thousands(value as u64))).take_while(|(x, text)| {
+            // A number that would be cut off at the right is left out.
+            *x < end && x + text.chars().count() as f64 * DIGIT / 2.0 <= self.size.0
+        });
+        shown.map(|(x, text)| label("middle", x, ABOVE + height + 14.0, &text)).collect()
     }
 
     fn description(&self) -> String {
@@ -152,9 +223,14 @@ pub fn label(anchor: &str, x: f64, y: f64, content: &str) -> Html {
     el("text", &[("text-anchor", anchor), ("x", &px(x)), ("y", &px(y))], [text(content)])
 }
 
+/// Returns the number of values of a bin.
+fn per_bin(count: usize, most: usize) -> usize {
+    count.div_ceil(most).max(1)
+}
+
 /// Groups values into at most `most` columns of equal size, except the last. Returns the number of the first value, and the values.
 pub(super) fn bins(values: &[f64], most: usize) -> impl Iterator<Item = (usize, &[f64])> {
-    let per = values.len().div_ceil(most).max(1);
+    let per = per_bin(values.len(), most);
     values.chunks(per).enumerate().map(move |(i, chunk)| (i * per, chunk))
 }
 
@@ -180,6 +256,39 @@ mod tests {
         assert!(text.contains("aria-label=\"busy 30.0 %, starved: in 70.0 %\""), "{text}");
         assert!(bar(&[], 0).into_text().contains("aria-label=\"nothing\""), "every drawing has a description");
         assert!(text.contains("class=\"starved\" x=\"300\" y=\"0\" width=\"700\""), "{text}");
+    }
+
+    #[test]
+    fn segments_have_names_if_there_is_room() {
+        let part = |class, name: &str, n| (class, name.to_owned(), n);
+        let parts = [part("hue-0", "geometry", 600), part("hue-1", "frame-buffer", 250), part("hue-2", "rasterizer", 150)];
+        let bar = labelled_bar(&parts, 1000).into_text();
+        assert!(bar.contains("class=\"hue-1\" x=\"60.000%\" width=\"25.000%\""), "{bar}");
+        assert!(bar.contains("<text class=\"\" x=\"6\" y=\"64%\">geometry</text>"), "{bar}");
+        assert!(bar.contains("<text class=\"wide-only\" x=\"6\" y=\"64%\">frame-buffer</text>"), "{bar}");
+        let narrow = labelled_bar(&[part("hue-0", "geometry", 950), part("hue-1", "rasterizer", 50)], 1000).into_text();
+        assert!(!narrow.contains(">rasterizer</text>"), "{narrow}");
+        assert!(narrow.contains("aria-label=\"geometry 95.0 %, rasterizer 5.0 %\""), "{narrow}");
+    }
+
+    #[test]
+    fn ticks_of_numeric_axes_are_round() {
+        let numbers = |columns: usize, ruler| {
+            let columns = (0..columns).map(|k| (k.to_string(), 1.0)).collect();
+            let (title, axes, class) = ("t", ["x", "y"], "busy");
+            let chart = ColumnChart { title, axes, class, columns, ruler, top: (1.0, "1".into()), size: (540.0, 150.0) };
+            let drawing = chart.draw().into_text();
+            let ticks = drawing.split("text-anchor=\"middle\"").skip(1).map(|rest| {
+                let (_, text) = rest.split_once('>').unwrap();
+                text.split_once('<').unwrap().0.to_owned()
+            });
+            ticks.collect::<Vec<_>>().join(" ")
+        };
+        let cycles = "0 100,000 200,000 300,000 400,000 500,000";
+        assert_eq!(numbers(130, Some(Ruler::of_bins(130, 150, 4096.0))), cycles);
+        assert_eq!(numbers(65, Some(Ruler::of_bins(130, 65, 4096.0))), cycles, "the same values in half as many columns");
+        assert_eq!(numbers(90, Some(Ruler::numbered(1.0, 90, 120))), "5 10 15 20 25 30 35 40 45 50 55 60 65 70 75 80 85 90");
+        assert_eq!(numbers(3, None), "0 1 2");
     }
 
     #[test]

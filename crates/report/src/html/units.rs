@@ -28,8 +28,8 @@ pub(super) fn legend<'a>(entries: impl IntoIterator<Item = (&'a str, &'a str)>) 
 
 /// Parts of the cycle breakdown of a unit, and their sum.
 pub(super) fn breakdown_parts(report: &Report, unit: &Unit) -> (Vec<BarPart>, u64) {
-    let drain = report.drain_of(unit);
-    let whole = report.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(drain));
+    let whole = report.breakdown_cycles();
+    let after = report.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(whole));
     let waited = |class| {
         let of = move |wait: &Stall<'_>| match wait {
             Stall::Memory(_) => class == "memory",
@@ -40,7 +40,7 @@ pub(super) fn breakdown_parts(report: &Report, unit: &Unit) -> (Vec<BarPart>, u6
     };
     let parts = std::iter::once(("busy", "busy".to_owned(), unit.busy))
         .chain(["memory", "starved", "blocked"].into_iter().flat_map(waited))
-        .chain([("done", "done".to_owned(), unit.done.saturating_sub(drain))]);
+        .chain([("done", "done".to_owned(), unit.done.saturating_sub(after))]);
     (parts.filter(|(.., n)| *n > 0).collect(), whole)
 }
 
@@ -48,12 +48,10 @@ pub(super) fn breakdown_parts(report: &Report, unit: &Unit) -> (Vec<BarPart>, u6
 pub(super) fn units(report: &Report) -> Html {
     let Some(units) = &report.units else { return Html::default() };
     let rows: Vec<Vec<Html>> = units.iter().map(|(name, unit)| row(report, name, unit)).collect();
-    let columns = [("unit", Left), ("render cycles", Left), ("busy", Right), ("main stall", Left), ("share", Right)];
+    let base = if report.breakdown_cycles() == report.frame_cycles() { "render cycles" } else { "all cycles of the run" };
+    let columns = [("unit", Left), (base, Left), ("busy", Right), ("main stall", Left), ("share", Right)];
     let table = with_cells("Units, in the order of the block diagram", &columns, rows);
-    let drain = report.drain() > 0 && units.values().any(|unit| report.drain_of(unit) == 0);
-    let note = "The bar of a unit that works after the last frame, such as the display, covers all cycles of the run.";
-    let note = if drain { el_text("p", "quiet", note) } else { Html::default() };
-    [legend(STATES), el("div", &[("class", "bars")], [table]), note].into_iter().collect()
+    [legend(STATES), el("div", &[("class", "bars")], [table])].into_iter().collect()
 }
 
 fn row(report: &Report, name: &str, unit: &Unit) -> Vec<Html> {

@@ -98,10 +98,12 @@ impl Report {
         ended.map_or(0, |cycles| cycles.drain)
     }
 
-    /// Returns the part of the tail after the last step of a unit: all of it, or 0. The breakdown of a unit that finishes
-    /// with the last frame covers the render cycles only.
-    pub(crate) fn drain_of(&self, unit: &Unit) -> u64 {
-        if unit.done >= self.drain() { self.drain() } else { 0 }
+    /// Returns the cycles that the breakdown of every unit covers: the render cycles, or all cycles if a unit works after the last
+    /// frame. So the percentages of two units can be compared.
+    pub(crate) fn breakdown_cycles(&self) -> u64 {
+        let drain = self.drain();
+        let all_done = self.units.iter().flatten().all(|(_, unit)| unit.done >= drain);
+        self.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(if all_done { drain } else { 0 }))
     }
 
     /// Returns the bytes that all memories moved; `None` for a functional run.

@@ -123,7 +123,8 @@ pub struct Bottlenecks {
 /// Render cycles with several resources relaxed. A full run with the options of `set` takes exactly these cycles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RelaxedSet {
-    /// Relaxed units, FIFOs, memories and caches, in the order of their relaxation.
+    /// Relaxed resources in the order of their relaxation. Units have their names. FIFOs, memories and caches have the names of their
+    /// parameters, such as `memory.graphics`, because a unit may have the same name.
     pub relaxed: Vec<String>,
     /// Parameters, as `--set` takes them.
     pub set: Vec<String>,
@@ -172,4 +173,12 @@ pub struct RelaxedCycles {
     pub cycles: u64,
     /// Saved render cycles.
     pub saved: u64,
+}
+
+impl RelaxedCycles {
+    /// Returns the name of the resource among all kinds, as in [`RelaxedSet::relaxed`].
+    pub fn id(&self) -> String {
+        let group = self.set.first().and_then(|set| set.split_once('.')).map_or("", |(group, _)| group);
+        if ["fifo", "memory", "cache"].contains(&group) { format!("{group}.{}", self.resource) } else { self.resource.clone() }
+    }
 }

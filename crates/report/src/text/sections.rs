@@ -24,9 +24,9 @@ pub(crate) fn units(report: &Report) -> Table {
         ("done %", Right, 1),
         ("main stall", Left, 2),
     ]);
+    let total = report.breakdown_cycles();
+    let after = report.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(total));
     for (name, unit) in report.units.iter().flatten() {
-        let drain = report.drain_of(unit);
-        let total = report.cycles.as_ref().map_or(0, |c| c.total - drain);
         let share = |n: u64| percent(n, total);
         table.row([
             unit.numeral.map_or(name.clone(), |n| format!("{name} ({n})")),
@@ -35,7 +35,7 @@ pub(crate) fn units(report: &Report) -> Table {
             share(sum(unit.starved.values())),
             share(sum(unit.blocked.values())),
             share(sum(unit.memory.values())),
-            share(unit.done - drain),
+            share(unit.done.saturating_sub(after)),
             largest_stall(unit).map_or(String::new(), |(wait, _)| cause(wait)),
         ]);
     }

@@ -99,8 +99,10 @@ impl TableGroup {
                 [captioned(ladder, bottlenecks::ladder_table(report)), captioned(caption, bottlenecks::table(report))].concat()
             }
             Self::Units => {
-                let caption = in_frames(report, "% of render cycles", &working_on(report));
-                captioned(format!("{caption}{}", tokens_of(report)), sections::units(report))
+                let cycles = report.breakdown_cycles();
+                let of = if cycles == report.frame_cycles() { "render cycles" } else { "all cycles of the run" };
+                let caption = format!("% of {of} ({}){}", thousands(cycles), tokens_of(report));
+                captioned(if report.cycles.is_some() { caption } else { String::new() }, sections::units(report))
             }
             Self::Fifos => captioned(in_frames(report, "over render cycles", &filled_behind(report)), sections::fifos(report)),
             Self::Memories => {
@@ -157,12 +159,6 @@ fn tokens_of(report: &Report) -> String {
     let work = work::work(report);
     let all = format!("; a token holds several {}s or is control: {} {}s in all", work.one, thousands(work.count), work.one);
     if work.count > 0 { all } else { String::new() }
-}
-
-/// Returns the units that still work after the last frame.
-fn working_on(report: &Report) -> Vec<&str> {
-    let units = report.units.iter().flatten().filter(|(_, unit)| report.drain() > 0 && report.drain_of(unit) == 0);
-    units.map(|(name, _)| name.as_str()).collect()
 }
 
 /// Returns the FIFOs that held tokens at some time after the last frame.

@@ -113,7 +113,7 @@ fn settings(relaxed: &[&Relaxation]) -> Settings {
 
 fn relaxed_set(rung: &Rung<'_>, total: u64) -> RelaxedSet {
     RelaxedSet {
-        relaxed: rung.relaxed.iter().map(|of| of.resource.clone()).collect(),
+        relaxed: rung.relaxed.iter().map(|of| of.id()).collect(),
         set: settings(&rung.relaxed).into_iter().map(|(key, value)| format!("{key}={value}")).collect(),
         cycles: rung.cycles,
         saved: basrelief_report::number::round6(1.0 - rung.cycles as f64 / total.max(1) as f64),

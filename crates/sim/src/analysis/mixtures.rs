@@ -1,11 +1,10 @@
 //! Mixtures of two runs: the cycles of run A with a subset of the causes as in run B.
 
 use super::recorded_run::{Cause, ExplainOptions, RecordedRun};
-use crate::observer::Observer;
+use crate::observer::KeptRecording;
 use crate::options::{AnalysisPolicy, Overrides, RunOptions};
 use crate::recording::{LoadedRecording, resimulated_cycles};
 use crate::run::run;
-use basrelief_input::MemoryReservation;
 use basrelief_machines::MachineConfig;
 use basrelief_report::number::round6;
 use basrelief_threads as threads;
@@ -128,10 +127,10 @@ impl<'a> MixtureSource<'a> {
             budget: self.options.budget.clone(),
             ..RunOptions::default()
         };
-        let mut kept = KeptRecording { bytes: vec![], held: self.options.budget.empty_reservation() };
+        let mut kept = KeptRecording::new(self.options.budget);
         let ran = run(input, &options, &mut kept, None).ok()?;
         let is_same = ran.report.input.sha256 == self.a.recording.result.input.sha256;
-        let recording = LoadedRecording::read(&mut Cursor::new(kept.bytes), self.options.budget).ok()?;
+        let recording = LoadedRecording::read(&mut Cursor::new(kept.bytes()), self.options.budget).ok()?;
         (is_same && ran.recording_is_complete).then_some(recording)
     }
 
@@ -157,19 +156,5 @@ impl<'a> MixtureSource<'a> {
         let (of_a, mixed) = (self.a.config.parameters(), config.parameters());
         let differing = of_a.iter().zip(mixed).filter(|(a, mixed)| a.default != mixed.default);
         differing.map(|(_, mixed)| mixed.key).filter(|key| !named.contains(key)).collect()
-    }
-}
-
-/// Keeps the recording of a run in memory.
-struct KeptRecording {
-    bytes: Vec<u8>,
-    held: MemoryReservation,
-}
-
-impl Observer for KeptRecording {
-    fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
-        self.held.try_grow(bytes.len() as u64, "a recording").map_err(|error| error.to_string())?;
-        self.bytes.extend_from_slice(bytes);
-        Ok(())
     }
 }

@@ -41,6 +41,17 @@ impl Relaxation {
         Self { resource: resource.to_owned(), kind, what, set: set.into_iter().collect(), parts: vec![] }
     }
 
+    /// Name of the resource among all kinds: a unit by its name, others by their group of parameters.
+    pub(crate) fn id(&self) -> String {
+        let group = match self.kind {
+            ResourceKind::Unit => "",
+            ResourceKind::Fifo => "fifo.",
+            ResourceKind::Memory(_) => "memory.",
+            ResourceKind::Cache(_) => "cache.",
+        };
+        format!("{group}{}", self.resource)
+    }
+
     /// Returns the cycles of the critical path that this resource holds.
     pub(crate) fn path_cycles(&self, path: &CriticalPath) -> u64 {
         path.parts.iter().filter(|part| self.holds(&part.stretch)).map(|part| part.cycles).sum()

@@ -4,40 +4,62 @@ use crate::common::CollectedRecording;
 use basrelief_input::MemoryPool;
 use basrelief_report::model::OutcomeKind;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_sim::{AnalysisPolicy, DepthChoice, MACHINES, MachineInfo, Overrides, RunInput, RunOptions, run, size_fifos};
+use basrelief_sim::{
+    AnalysisPolicy, DepthChoice, MACHINES, MachineInfo, Overrides, PreparedScene, RunInput, RunOptions, run, size_fifos,
+};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::sync::Arc;
 
-/// Runs the machine's first demo with these settings. Returns the render cycles, `None` if the run does not finish, and the recording.
-fn ran(machine: &MachineInfo, settings: &[(String, String)]) -> (Option<u64>, Vec<u8>) {
-    let options = ViewOptions { size: [24, 18], frames: Some(1), ..ViewOptions::default() };
+/// Returns the first demo of a machine, small, with everything that its runs share.
+fn small_demo(machine: &MachineInfo) -> PreparedScene {
+    let options = ViewOptions { size: [16, 12], frames: Some(1), ..ViewOptions::default() };
+    PreparedScene::cached(Arc::new(demo(machine.demos[0], &options).unwrap()), &MemoryPool::default())
+}
+
+/// Runs a scene with these settings. Returns the render cycles, `None` if the run does not finish, and the recording if requested.
+fn ran(
+    machine: &MachineInfo,
+    scene: &PreparedScene,
+    settings: &[(String, String)],
+    recording: AnalysisPolicy,
+) -> (Option<u64>, Vec<u8>) {
     let overrides = Overrides { toml: String::new(), settings: settings.to_vec() };
     let config = overrides.config(machine, &[]).unwrap();
-    let run_options = RunOptions {
-        config,
-        exact: false,
-        bottlenecks: AnalysisPolicy::Never,
-        overrides,
-        recording: AnalysisPolicy::Always,
-        ..RunOptions::default()
-    };
+    let run_options =
+        RunOptions { config, exact: false, bottlenecks: AnalysisPolicy::Never, overrides, recording, ..RunOptions::default() };
     let mut kept = CollectedRecording::default();
-    let scene = RunInput::scene(Arc::new(demo(machine.demos[0], &options).unwrap()));
-    let report = run(scene, &run_options, &mut kept, None).ok().map(|run| run.report);
+    let report = run(RunInput::Scene(scene.clone()), &run_options, &mut kept, None).ok().map(|run| run.report);
     (report.filter(|report| report.outcome.kind == OutcomeKind::Complete).map(|report| report.frame_cycles()), kept.0)
 }
 
-fn recording(machine: &MachineInfo, settings: &[(String, String)]) -> Vec<u8> {
-    ran(machine, settings).1
+fn recording(machine: &MachineInfo, scene: &PreparedScene, settings: &[(String, String)]) -> Vec<u8> {
+    ran(machine, scene, settings, AnalysisPolicy::Always).1
 }
 
 fn settings(depths: &[(String, u32)]) -> Vec<(String, String)> {
     depths.iter().map(|(name, depth)| (format!("fifo.{name}.depth"), depth.to_string())).collect()
 }
 
-/// Returns the render cycles of a full run with these depths; `None` if the run does not finish.
-fn cycles(machine: &MachineInfo, depths: &[(String, u32)]) -> Option<u64> {
-    ran(machine, &settings(depths)).0
+/// Depths of FIFOs by name.
+type Depths = Vec<(String, u32)>;
+
+/// Full runs of one scene, each depth once.
+struct FullRuns {
+    machine: &'static MachineInfo,
+    scene: PreparedScene,
+    known: RefCell<BTreeMap<Depths, Option<u64>>>,
+}
+
+impl FullRuns {
+    /// Returns the render cycles of a full run with these depths; `None` if the run does not finish.
+    fn cycles(&self, depths: &[(String, u32)]) -> Option<u64> {
+        let known = self.known.borrow().get(depths).copied();
+        let cycles = known.unwrap_or_else(|| ran(self.machine, &self.scene, &settings(depths), AnalysisPolicy::Never).0);
+        self.known.borrow_mut().insert(depths.to_vec(), cycles);
+        cycles
+    }
 }
 
 fn with_one_less(depths: &[(String, u32)], n: usize) -> Vec<(String, u32)> {
@@ -50,13 +72,15 @@ fn with_one_less(depths: &[(String, u32)], n: usize) -> Vec<(String, u32)> {
 #[test]
 fn sized_fifos_have_no_spare_slot() {
     for machine in MACHINES {
-        let recording = recording(machine, &[]);
+        let scene = small_demo(machine);
+        let recording = recording(machine, &scene, &[]);
+        let runs = FullRuns { machine, scene, known: RefCell::default() };
         let sizing = size_fifos(vec![&mut Cursor::new(&recording)], &[0.0, 1.0], &MemoryPool::default()).unwrap();
         let [recorded, found @ ..] = sizing.choices.as_slice() else { panic!("{sizing:?}") };
         for DepthChoice { within_percent, depths, least_alone, area_ge, cycles: promised, .. } in found {
             let most = recorded.cycles[0] as f64 * (1.0 + within_percent.unwrap() / 100.0);
-            let keeps = |depths: &[(String, u32)]| cycles(machine, depths).is_some_and(|cycles| cycles as f64 <= most);
-            assert_eq!(cycles(machine, depths), Some(promised[0]), "{}", machine.name);
+            let keeps = |depths: &[(String, u32)]| runs.cycles(depths).is_some_and(|cycles| cycles as f64 <= most);
+            assert_eq!(runs.cycles(depths), Some(promised[0]), "{}", machine.name);
             assert!(keeps(depths), "{}: {depths:?} of {:?}", machine.name, recorded.depths);
             assert!(*area_ge <= recorded.area_ge, "{}: {depths:?} have {area_ge} GE", machine.name);
             for n in 0..depths.len() {
@@ -73,8 +97,10 @@ fn sized_fifos_have_no_spare_slot() {
 #[test]
 fn recordings_of_other_parameters_name_the_difference() {
     let bump = &MACHINES[0];
-    let (first, second) = (recording(bump, &[]), recording(bump, &[("fifo.shaded.depth".into(), "3".into())]));
-    let shade = recording(MachineInfo::named("shade").unwrap(), &[]);
+    let scene = small_demo(bump);
+    let first = recording(bump, &scene, &[]);
+    let second = recording(bump, &scene, &[("fifo.shaded.depth".into(), "3".into())]);
+    let shade = recording(MachineInfo::named("shade").unwrap(), &scene, &[]);
     let error = |mut other: &[u8]| {
         let mut one = &first[..];
         size_fifos(vec![&mut one, &mut other], &[0.1], &MemoryPool::default()).unwrap_err().to_string()

@@ -1,7 +1,7 @@
 //! Bottleneck ladder: every rung takes the cycles that it promises, and a group of saturated units is found.
 
 use basrelief_report::Report;
-use basrelief_report::model::{Bottlenecks, IDEAL_MEMORY};
+use basrelief_report::model::{Bottlenecks, IDEAL_MEMORY, RelaxedSet};
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, NoObserver, Overrides, RunInput, RunOptions, run};
 use serde_json::Value;
@@ -59,12 +59,46 @@ fn saturated_resources_are_found_together() {
     let whole = ran(bump, "gallery", [160, 120], &vec![], AnalysisPolicy::Always);
     let of = bottlenecks(&whole);
     let balanced = of.balanced.as_ref().expect("a group");
-    for name in ["rasterizer", "depth-test", "graphics", "frame-buffer"] {
+    let saturated = ["rasterizer", "depth-test", "graphics", "frame-buffer"];
+    for name in saturated {
         assert!(balanced.relaxed.iter().any(|resource| resource == name), "{name}: {balanced:?}");
         let alone = of.single.iter().find(|single| single.resource == name).map_or(0, |single| single.saved);
         assert!(10 * alone < whole.frame_cycles(), "{name} alone saves {alone} cycles");
     }
     assert!(balanced.saved > 0.5, "{balanced:?}");
+    // The ladder adds these units one after the other. Most of the saving appears with the last one.
+    let added = of.ladder.last().unwrap().relaxed.iter().filter(|name| saturated.contains(&name.as_str()));
+    assert_eq!(added.collect::<Vec<_>>(), saturated);
+    let rungs_with = |all: bool| {
+        let has = move |rung: &&RelaxedSet| saturated.map(|name| rung.relaxed.iter().any(|of| of == name)).iter().all(|has| *has);
+        of.ladder.iter().filter(move |rung| has(rung) == all)
+    };
+    let (partial, whole_group) = (rungs_with(false).next_back().unwrap(), rungs_with(true).next().unwrap());
+    assert!(partial.saved < 0.3 && whole_group.saved > 0.5, "{:?}", of.ladder);
+    for rung in [partial, whole_group, balanced] {
+        let by_hand = ran(bump, "gallery", [160, 120], &settings(&rung.set), AnalysisPolicy::Never).frame_cycles();
+        assert_eq!(by_hand, rung.cycles, "{rung:?}");
+        let share = 1.0 - by_hand as f64 / whole.frame_cycles() as f64;
+        assert!((rung.saved - share).abs() < 1e-6, "{rung:?}");
+    }
+}
+
+// Claim: analysis: A ladder tells a memory from a unit of the same name.
+#[test]
+fn resources_of_a_ladder_have_names_of_their_own() {
+    let bump = MachineInfo::named("bump").unwrap();
+    let units: Vec<String> = bump.units().into_iter().map(|unit| unit.name).collect();
+    let keys: Vec<String> = bump.parameters().into_iter().map(|parameter| parameter.key).collect();
+    assert!(units.iter().any(|unit| unit == "graphics") && keys.iter().any(|key| key.starts_with("memory.graphics.")));
+    let report = ran(bump, "gallery", [40, 30], &vec![], AnalysisPolicy::Always);
+    let last = bottlenecks(&report).ladder.last().unwrap();
+    for (at, resource) in last.relaxed.iter().enumerate() {
+        assert!(!last.relaxed[..at].contains(resource), "{resource} twice in {last:?}");
+        let is_group = keys.iter().any(|key| key.starts_with(&format!("{resource}.")) && resource.contains('.'));
+        assert!(is_group || units.contains(resource), "{resource} is no unit and no group of parameters");
+    }
+    let groups: Vec<&str> = last.relaxed.iter().filter_map(|resource| Some(resource.split_once('.')?.0)).collect();
+    assert!(groups.contains(&"memory") && groups.contains(&"fifo"), "{last:?}");
 }
 
 /// Every relaxed memory has the values of the preset of the ideal machine, whatever the user set.

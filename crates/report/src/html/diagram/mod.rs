@@ -6,7 +6,7 @@ mod tests;
 use super::markup::{Html, el, el_text, text};
 use super::svg::{percent_of, px, rect, stacked_rects, svg_sized};
 use super::units::{self, breakdown_parts};
-use crate::model::Report;
+use crate::model::{RelaxedCycles, Report};
 use crate::text::sections::{in_frames, mean_occupancy};
 use basrelief_machines::{BlockDiagram, CellSide, PlacedText, WireCell};
 
@@ -42,15 +42,16 @@ pub(super) fn block_diagram(report: &Report, diagram: &str) -> Html {
 }
 
 /// Resources that limit the run: those that are saturated together, or the one whose relaxation saves most.
-fn bottleneck_resources(report: &Report) -> &[String] {
-    let Some(of) = &report.bottlenecks else { return &[] };
-    let single = of.single.first().map(|best| std::slice::from_ref(&best.resource));
-    of.balanced.as_ref().map_or(single.unwrap_or_default(), |balanced| &balanced.relaxed)
+fn bottleneck_resources(report: &Report) -> Vec<String> {
+    let Some(of) = &report.bottlenecks else { return vec![] };
+    let single = || of.single.first().map(RelaxedCycles::id).into_iter().collect();
+    of.balanced.as_ref().map_or_else(single, |balanced| balanced.relaxed.clone())
 }
 
-/// Class of a group of shapes, with a mark for a bottleneck.
-fn marked(class: &str, name: &str, report: &Report) -> String {
-    let is_bottleneck = bottleneck_resources(report).iter().any(|resource| resource == name);
+/// Class of a group of shapes, with a mark for a bottleneck. `group` is empty for a unit, and otherwise the group of the resource's
+/// parameters with a point.
+fn marked(class: &str, group: &str, name: &str, report: &Report) -> String {
+    let is_bottleneck = bottleneck_resources(report).iter().any(|resource| resource.strip_prefix(group) == Some(name));
     if is_bottleneck { format!("{class} limit") } else { class.to_owned() }
 }
 
@@ -137,7 +138,7 @@ fn unit_box(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let (parts, whole) = breakdown_parts(report, unit);
     let parts_text: Vec<String> = parts.iter().map(|(_, what, n)| format!("{what} {}", percent_of(*n, whole))).collect();
     let says = format!("{}: {}", placed.text.trim(), parts_text.join(", "));
-    let class = marked("unit", placed.name(), report);
+    let class = marked("unit", "", placed.name(), report);
     titled_group(&class, &says, [frame, stacked_rects(&parts, whole, box_strip(placed)), written(BASELINE)])
 }
 
@@ -157,7 +158,7 @@ fn memory_box(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let used = busy.map(|busy| [rect("done", strip, ""), rect("busy", [strip[0], strip[1], strip[2] * busy, strip[3]], "")]);
     let share = busy.map_or(String::new(), |busy| format!(": bus busy {} % of the time", px(100.0 * busy)));
     let says = format!("memory {}{share}", placed.text.trim());
-    let class = marked("memory-box", placed.name(), report);
+    let class = marked("memory-box", "memory.", placed.name(), report);
     titled_group(&class, &says, [frame, sides].into_iter().chain(used.into_iter().flatten()).chain([name]))
 }
 
@@ -193,7 +194,7 @@ fn wire_name(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let filled = (mean / depth.max(1) as f64).clamp(0.0, 1.0);
     let says = format!("FIFO {}: {mean:.1} of {depth} slots held in the mean", placed.text);
     let gauge = [rect("gauge", place, ""), rect("fifo", [place[0], place[1], place[2] * filled, GAUGE], "")];
-    titled_group(&marked("fifo-name", placed.name(), report), &says, gauge.into_iter().chain([name]))
+    titled_group(&marked("fifo-name", "fifo.", placed.name(), report), &says, gauge.into_iter().chain([name]))
 }
 
 /// All lines, and the heads of the arrows.
