@@ -42,7 +42,7 @@ pub enum HardwareKind {
     CacheTags,
     /// FIFO.
     Fifo,
-    /// Data of requests in flight: a line or burst for each credit.
+    /// Data of requests in flight: a line or burst for each credit. Also data that wait behind the tokens of a FIFO.
     LineBuffer,
     /// Addresses of requests in flight, one for each credit.
     RequestTable,

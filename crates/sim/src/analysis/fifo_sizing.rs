@@ -14,7 +14,7 @@
 //! The cycles of each result are exact, because it is resimulated as a whole.
 
 use crate::build::build_warning;
-use crate::recording::{LoadedRecording, RecordingError, config_error};
+use crate::recording::{LoadedRecording, RecordingError, config_error, netlist_of_same_work};
 use basrelief_kernel::{HardwareKind, Netlist, Outcome, RunReport};
 use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
 use basrelief_report::model::Hardware;
@@ -29,7 +29,7 @@ pub struct FifoSizing {
     pub machine: String,
     /// The recorded depths, then one choice for each tolerance.
     pub choices: Vec<DepthChoice>,
-    /// Recordings of other builds of the simulator, one sentence each.
+    /// Recordings of other builds of the simulator, and FIFOs that keep their depths, one sentence each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
@@ -86,8 +86,9 @@ pub fn size_fifos(
         }
     }
     let mut sizing = for_machine!(&config, spec => SizingSearch::new(spec, &loaded)?.all_choices(within_percent))?;
-    sizing.warnings = loaded.iter().filter_map(|recording| build_warning(&recording.build)).collect();
-    sizing.warnings.dedup();
+    let mut builds: Vec<_> = loaded.iter().filter_map(|recording| build_warning(&recording.build)).collect();
+    builds.dedup();
+    sizing.warnings.splice(0..0, builds);
     Ok(sizing)
 }
 
@@ -106,18 +107,20 @@ struct SizingSearch<'a, S> {
     spec: &'a S,
     recordings: &'a [LoadedRecording],
     fifos: Vec<SizedFifo>,
+    /// FIFOs that keep their depths, because the work of a unit depends on them.
+    kept: Vec<String>,
     recorded: Vec<RunReport>,
 }
 
 impl<'a, S: MachineSpec> SizingSearch<'a, S> {
     fn new(spec: &'a S, recordings: &'a [LoadedRecording]) -> Result<Self, RecordingError> {
-        let mut sizing = Self { spec, recordings, fifos: vec![], recorded: vec![] };
+        let mut sizing = Self { spec, recordings, fifos: vec![], kept: vec![], recorded: vec![] };
         sizing.recorded = recordings.iter().map(|recording| sizing.resimulated(recording, &[])).collect::<Result<_, _>>()?;
         if let Some(run) = sizing.recorded.iter().find(|run| run.outcome != Outcome::Complete) {
             return Err(RecordingError::Incomplete(format!("{:?}", run.outcome)));
         }
         let values = serde_json::to_value(spec).unwrap_or_default();
-        let netlist = recordings[0].input.shape(spec).map_err(config_error)?;
+        let netlist = netlist_of_same_work(spec, spec, recordings[0].input)?;
         let of_report = sizing.recorded[0].fifos.iter();
         let own = of_report.filter(|fifo| values["fifo"].get(&fifo.name).is_some());
         let sized = own.map(|fifo| {
@@ -129,8 +132,26 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
                 bits: u64::from(netlist.fifo_bits(&fifo.name)),
             }
         });
-        sizing.fifos = sized.collect();
+        for fifo in sized.collect::<Vec<_>>() {
+            if sizing.changes_work(&fifo)? { sizing.kept.push(fifo.name) } else { sizing.fifos.push(fifo) }
+        }
         Ok(sizing)
+    }
+
+    /// Returns true if the machine does other work with one slot more. A unit may derive a size from a depth.
+    fn changes_work(&self, fifo: &SizedFifo) -> Result<bool, RecordingError> {
+        let deeper = vec![(format!("fifo.{}.depth", fifo.name), (fifo.depth + 1).to_string())];
+        let spec: S = self.recordings[0].overrides.load(&deeper).map_err(config_error)?;
+        match netlist_of_same_work(self.spec, &spec, self.recordings[0].input) {
+            Ok(_) => Ok(false),
+            Err(RecordingError::OtherWork(_)) => Ok(true),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let kept = |name: &String| format!("`fifo.{name}.depth` stays as recorded, because the work of a unit depends on it");
+        self.kept.iter().map(kept).collect()
     }
 
     fn all_choices(&self, within_percent: &[f64]) -> Result<FifoSizing, RecordingError> {
@@ -141,7 +162,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
             let depths = self.smallest_together(&least, percent)?;
             choices.push(self.choice(Some(percent), &depths, &least)?);
         }
-        Ok(FifoSizing { machine: S::NAME.into(), choices, warnings: vec![] })
+        Ok(FifoSizing { machine: S::NAME.into(), choices, warnings: self.warnings() })
     }
 
     fn choice(&self, within_percent: Option<f64>, depths: &[u32], least: &[u32]) -> Result<DepthChoice, RecordingError> {

@@ -130,7 +130,7 @@ pub(super) fn ensure_complete(run: &RunReport) -> Result<(), RecordingError> {
 }
 
 /// Returns the netlist of `spec` if it does the same work as `recorded`: netlists and hardware of the units are compared.
-pub(super) fn netlist_of_same_work<S: MachineSpec>(recorded: &S, spec: &S, input: InputKind) -> Result<Netlist, RecordingError> {
+pub(crate) fn netlist_of_same_work<S: MachineSpec>(recorded: &S, spec: &S, input: InputKind) -> Result<Netlist, RecordingError> {
     // With a user who acts at times, the work depends on timing.
     if spec.acts_at_times() {
         return Err(RecordingError::OtherWork("its user acts at times".into()));

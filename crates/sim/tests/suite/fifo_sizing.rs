@@ -5,7 +5,8 @@ use basrelief_input::MemoryPool;
 use basrelief_report::model::OutcomeKind;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_sim::{
-    AnalysisPolicy, DepthChoice, MACHINES, MachineInfo, Overrides, PreparedScene, RunInput, RunOptions, run, size_fifos,
+    AnalysisPolicy, DepthChoice, MACHINES, MachineInfo, Overrides, PreparedScene, ResimulateOptions, RunInput, RunOptions,
+    resimulate, run, size_fifos,
 };
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -62,6 +63,13 @@ impl FullRuns {
     }
 }
 
+/// Returns the render cycles of the recorded steps with these depths.
+fn resimulated_cycles(recording: &[u8], depths: &[(String, u32)]) -> u64 {
+    let options =
+        ResimulateOptions { settings: settings(depths), bottlenecks: AnalysisPolicy::Never, budget: MemoryPool::default() };
+    resimulate(&mut Cursor::new(recording), &options).unwrap().frame_cycles()
+}
+
 fn with_one_less(depths: &[(String, u32)], n: usize) -> Vec<(String, u32)> {
     let mut fewer = depths.to_vec();
     fewer[n].1 -= 1;
@@ -81,6 +89,12 @@ fn sized_fifos_have_no_spare_slot() {
             let most = recorded.cycles[0] as f64 * (1.0 + within_percent.unwrap() / 100.0);
             let keeps = |depths: &[(String, u32)]| runs.cycles(depths).is_some_and(|cycles| cycles as f64 <= most);
             assert_eq!(runs.cycles(depths), Some(promised[0]), "{}", machine.name);
+            assert_eq!(
+                resimulated_cycles(&recording, depths),
+                promised[0],
+                "{}: other hardware, but no other work",
+                machine.name
+            );
             assert!(keeps(depths), "{}: {depths:?} of {:?}", machine.name, recorded.depths);
             assert!(*area_ge <= recorded.area_ge, "{}: {depths:?} have {area_ge} GE", machine.name);
             for n in 0..depths.len() {
@@ -107,4 +121,20 @@ fn recordings_of_other_parameters_name_the_difference() {
     };
     assert!(error(&second).starts_with("`fifo.shaded.depth` is 3, expected "), "{}", error(&second));
     assert!(error(&shade).starts_with("the machine is `shade`, expected `bump` as in the first input"), "{}", error(&shade));
+}
+
+/// The combiner holds back reads of lines that are on their way to memory, and FIFO `pixels` is a part of that way.
+#[test]
+fn depth_that_changes_work_stays_as_recorded() {
+    let texel = MachineInfo::named("texel").unwrap();
+    let scene = small_demo(texel);
+    let sized = |mode: &str| {
+        let recording = recording(texel, &scene, &[("combiner.mode".into(), mode.into())]);
+        size_fifos(vec![&mut Cursor::new(&recording)], &[10.0], &MemoryPool::default()).unwrap()
+    };
+    let has_pixels = |sizing: &basrelief_sim::FifoSizing| sizing.choices[0].depths.iter().any(|(name, _)| name == "pixels");
+    let (blended, replaced) = (sized("blend"), sized("replace"));
+    assert!(!has_pixels(&blended) && has_pixels(&replaced));
+    assert_eq!(blended.warnings, ["`fifo.pixels.depth` stays as recorded, because the work of a unit depends on it"]);
+    assert_eq!(replaced.warnings, [""; 0]);
 }

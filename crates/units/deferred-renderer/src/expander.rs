@@ -73,7 +73,8 @@ impl Unit for Expander {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         let texels = self.config.width * self.config.height;
-        stats.hardware(HardwareKind::Table, "expanded tiles", self.waiting + 1, 24 * texels);
+        // No table: the number of buffers follows from the depth of a FIFO, and no work depends on it.
+        stats.hardware(HardwareKind::LineBuffer, "expanded tiles", self.waiting + 1, 24 * texels);
         match self.config.encoding {
             TileEncoding::Raw => {}
             TileEncoding::Png => self.tell_png(stats),
