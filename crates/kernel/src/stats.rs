@@ -167,15 +167,21 @@ impl UnitStats {
         self.piece(Hardware::new(&self.place, kind, about, count.into(), width));
     }
 
-    /// Reports iterative operators of the unit that compute `digits_per_cycle` bits of a result in a cycle.
+    /// Reports iterative operators of the unit that compute `digits_per_cycle` bits of a result in a cycle. `turns` operations of a piece of
+    /// work take turns in each.
     pub fn iterative(
         &mut self,
         kind: HardwareKind,
         about: &'static str,
-        count: impl Into<u64>,
+        (count, turns): (u32, u32),
         [width, digits_per_cycle]: [u32; 2],
     ) {
-        self.piece(Hardware { digits_per_cycle, ..Hardware::new(&self.place, kind, about, count.into(), width) });
+        self.piece(Hardware { digits_per_cycle, turns, ..Hardware::new(&self.place, kind, about, count.into(), width) });
+    }
+
+    /// Reports a table of the unit with so many ports.
+    pub fn ported_table(&mut self, about: &'static str, count: u32, width: u32, ports: u32) {
+        self.piece(Hardware { ports, ..Hardware::new(&self.place, HardwareKind::Table, about, count.into(), width) });
     }
 
     /// Reports a table of the unit in `banks` banks, which are read at the same time.

@@ -27,6 +27,8 @@ parameters! {
         store: u32 = 1, unit: "cycles", Assumed("the same, through a write buffer"), range: 0..=65_536;
         /// Integer operation, or a branch.
         integer: u32 = 1, unit: "cycles", Assumed("the same"), range: 0..=65_536;
+        /// Registers for the operands of the floating-point unit, with two ports for reading and one for writing.
+        registers: u32 = 16, unit: "words", Assumed("the same: 16 registers"), range: 1..=1024;
     }
 }
 

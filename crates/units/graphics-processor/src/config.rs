@@ -82,5 +82,7 @@ parameters! {
         flags: u32 = 131_072, unit: "bits", Assumed("16 KB: pictures of 2 million pixels, 1600 x 1200 and a little more"), range: 1..=16_777_216;
         /// Flags that are set in a cycle.
         flags_per_cycle: u32 = 64, unit: "bits", Assumed("a word of the memory of the flags"), range: 1..=65_536;
+        /// Cycles that the look-up of a flag takes before the look-up of the depth value.
+        flag_latency: u32 = 0, unit: "cycles", Derived("the flags are addressed by the number of the line, which also addresses the tags of the z-cache: both are read in the cycle of the look-up, and the flag discards its result"), range: 0..=4096;
     }
 }

@@ -71,7 +71,7 @@ pub struct DepthTest<T> {
     pub z_bits: u32,
     /// Line of the z-cache \[bytes\].
     pub line_bytes: u32,
-    /// Latency of a comparison \[cycles\].
+    /// Latency of the look-up of a flag and of a comparison \[cycles\].
     latency: u64,
     /// True if the picture of the display lies where the z values are.
     shared: bool,
@@ -83,7 +83,8 @@ pub struct DepthTest<T> {
 impl<T: DepthToken> DepthTest<T> {
     /// Creates a z-test in its power-on state. `z_bits` (1..=32) is the rasterizer's, `line_bytes` the z-cache's.
     pub fn new(config: DepthConfig, operators: &Operators, z_bits: u32, line_bytes: u32) -> Self {
-        let latency = operators.latency(COMPARISON);
+        let flag = if config.clear_flags { config.flag_latency } else { 0 };
+        let latency = u64::from(flag) + operators.latency(COMPARISON);
         Self { config, z_bits, line_bytes, latency, shared: false, state: DepthTestState::default(), token: PhantomData }
     }
 
@@ -232,7 +233,7 @@ impl<T: DepthToken> Unit for DepthTest<T> {
                 let mut is_open = false;
                 let any = token.retain(|x, y, z| self.passes([x, y], z, &mut is_open, traffic));
                 let out = (any || T::KEPT_WHEN_EMPTY).then_some(Flow::Item(token));
-                // The comparison needs the stored depth.
+                // The comparison needs the stored depth, which is requested after the look-up of the flag.
                 Step::over(tested, 1, latency, out).after_data(latency as u32)
             }
             Some(Flow::Control(Control::FrameEnd)) => Step::after(latency, self.end(traffic)),

@@ -4,7 +4,7 @@ use crate::config::RasterizerConfig;
 use crate::state::RasterizerState;
 use crate::work::{CHAIN, FRAGMENT, SET_UP, SET_UP_NUMBERS};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Operators, Step, Unit, UnitTable};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{BLOCK, PolygonScan, fan_triangles};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp};
 use std::sync::Arc;
@@ -127,7 +127,8 @@ impl Unit for Rasterizer {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.latency, self.pace);
-        stats.shared_operators("set-up and perspective", self.config.operators(), SET_UP.and(FRAGMENT), NUMBER);
+        // Floating point, as the latencies of these operators are.
+        stats.shared_operators("set-up and perspective", self.config.operators(), SET_UP.and(FRAGMENT), OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "triangle", SET_UP_NUMBERS, NUMBER);
         let fragments = self.state.counters.fragments;
         stats.figure("fragments", fragments, "fragments", "Fragments found in polygons").part(FigureGroup::Work);
@@ -140,7 +141,7 @@ const NUMBER: u32 = 32;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_kernel::OperatorConfig;
+    use basrelief_kernel::{OperandFormat, OperatorConfig};
     use basrelief_signals::{Frame, Vertex};
 
     fn frame(width: u32, height: u32) -> Control {
@@ -202,6 +203,9 @@ mod tests {
         dividing(3).report_stats(&mut stats);
         let count = |kind| stats.all_hardware().iter().filter(|h| h.kind == kind).map(|h| h.count).sum::<u64>();
         assert_eq!([HardwareKind::Divider, HardwareKind::Registers].map(count), [3, 19]);
+        // The unit takes the latencies of floating-point operators.
+        let computing = stats.all_hardware().iter().filter(|piece| piece.kind.computes());
+        assert!(computing.clone().all(|piece| piece.format == OperandFormat::Single) && computing.count() == 3);
     }
 
     #[test]

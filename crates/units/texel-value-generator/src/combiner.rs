@@ -191,6 +191,14 @@ const PIXEL_BITS: u32 = 8;
 const LINE_TAG_BITS: u32 = 32;
 
 impl Combiner {
+    /// Returns the latency of a pixel, and the part of it that follows the old value \[cycles\]. The request of an old value follows the
+    /// look-up of its flag.
+    fn latencies(&self) -> [u32; 2] {
+        let CombinerConfig { mode, latency, blend_latency, flag_latency, .. } = self.config;
+        let flag = if mode == CombineMode::Replace || self.buffer.flags == 0 { 0 } else { flag_latency };
+        [latency, blend_latency.min(latency)].map(|cycles| cycles + flag)
+    }
+
     fn tell_hardware(&self, stats: &mut UnitStats) {
         stats.hardware(HardwareKind::Multiplier, "texture by illuminance", 4_u32, FACTOR_BITS);
         let (products, sums) = match self.config.mode {
@@ -226,21 +234,21 @@ impl Unit for Combiner {
 
     #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut MemoryPorts) -> Step<Self::Out> {
-        let latency = u64::from(self.config.latency);
+        let [latency, behind_data] = self.latencies();
         match pair("combiner", input, traffic) {
             // All pixels are hidden.
-            PairedInput::Items(texture, _) if texture.packet.mask == 0 => Step::after(latency, None),
+            PairedInput::Items(texture, _) if texture.packet.mask == 0 => Step::after(latency.into(), None),
             PairedInput::Items(texture, light) => {
                 let out = self.combine(&texture, &light, traffic);
                 let pixels = out.packet.pixels();
-                Step::over(pixels, u64::from(self.config.initiation_interval), latency, Some(Flow::Item(out)))
-                    .after_data(self.config.blend_latency.min(self.config.latency))
+                Step::over(pixels, u64::from(self.config.initiation_interval), latency.into(), Some(Flow::Item(out)))
+                    .after_data(behind_data)
             }
             PairedInput::Control(control) => {
                 let cycles = self.take(&control);
-                Step::after(latency, Some(Flow::Control(control))).busy(cycles)
+                Step::after(latency.into(), Some(Flow::Control(control))).busy(cycles)
             }
-            PairedInput::Nothing => Step::after(latency, None),
+            PairedInput::Nothing => Step::after(latency.into(), None),
         }
     }
 
@@ -250,7 +258,7 @@ impl Unit for Combiner {
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {
-        stats.rate(0, self.config.latency, 1_u64);
+        stats.rate(0, self.latencies()[0], 1_u64);
         stats.figure("pixels_read_back", self.state.counters.read_back, "pixels", "Pixels combined with their old value");
         let c = &self.state.counters;
         stats.figure("pixel_lines_read", c.lines_read, "lines", "Lines of pixels read for that");

@@ -255,6 +255,8 @@ parameters! {
         latency: u32 = 3, unit: "cycles", Assumed("two products and a sum"), range: 0..=4096;
         /// Part of the latency that needs the old pixel value.
         blend_latency: u32 = 2, unit: "cycles", Derived("the second product and the sum; the first product needs no old value"), range: 0..=4096;
+        /// Cycles that the look-up of a line's flag takes before the line is read.
+        flag_latency: u32 = 0, unit: "cycles", Derived("the flag is read in the cycle that searches the lines on their way to memory; both decide whether the line is read"), range: 0..=4096;
         /// Size of a pixel in the pixel value buffer (360), for reading back.
         pixel_bytes: u32 = 4, unit: "bytes", Assumed("as frame_buffer.pixel_bytes"), range: 3..=4;
     }

@@ -151,14 +151,32 @@ impl Unit for Divider {
         );
         // A pipeline has the hardware of an iteration once per cycle of latency.
         let copies = if self.config.pipelined { iterations(self.bits, self.config.bits_per_cycle) } else { 1 };
+        // U and V of a point take turns if there are fewer dividers.
+        let turns = (self.per_point() as u32).div_ceil(self.config.count.max(1));
         stats.iterative(
             HardwareKind::Divider,
             "u and v at division points",
-            self.config.count * copies,
+            (self.config.count * copies, turns),
             [self.bits, self.config.bits_per_cycle],
         );
         if self.config.division == Division::Reciprocal {
             stats.hardware(HardwareKind::Multiplier, "U and V by a reciprocal", PRODUCTS.multiply, self.bits);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotients_take_turns_in_one_divider() {
+        let turns = |count| {
+            let mut stats = UnitStats::default();
+            let config = DividerConfig { count, division: Division::Two, ..DividerConfig::default() };
+            Divider::new(config, 29, Operators::default()).report_stats(&mut stats);
+            stats.all_hardware()[0].turns
+        };
+        assert_eq!([1, 2, 4].map(turns), [2, 1, 1]);
     }
 }

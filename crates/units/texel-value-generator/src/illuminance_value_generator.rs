@@ -200,13 +200,31 @@ impl Unit for IlluminanceValueGenerator {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.config.latency, 1_u64);
-        let IlluminanceConfig { multipliers, adders, mode, .. } = self.config;
-        stats.hardware(HardwareKind::Multiplier, "set-up of triangles and spans", multipliers, OperandWidth::SINGLE);
-        stats.hardware(HardwareKind::Adder, "set-up of triangles and spans", adders, OperandWidth::SINGLE);
-        let power = u32::from(mode == IlluminanceMode::Gouraud);
+        let lit = self.config.mode == IlluminanceMode::Gouraud;
+        let work = CORNERS.and(DIFFERENCES).and(SPAN).and(if lit { LIGHT } else { OperatorCounts::NONE });
+        let have = OperatorCounts { power: 0, ..self.have() };
+        stats.shared_operators("set-up of triangles and spans", have, work, OperandWidth::SINGLE);
+        let power = u32::from(lit);
         stats.hardware(HardwareKind::Power, "highlights of bump targets", power, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Adder, "interpolation of RGBA", 4_u32, SUM_BITS);
         stats.hardware(HardwareKind::Registers, "RGBA: sum and change", 2 * 4_u32, SUM_BITS);
         stats.hardware(HardwareKind::Registers, "corners: RGBA and its differences", 3 * 4_u32, NUMBER);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn set_up_takes_turns_in_its_operators() {
+        let turns = |multipliers| {
+            let config = IlluminanceConfig { multipliers, mode: IlluminanceMode::Off, ..IlluminanceConfig::default() };
+            let mut stats = UnitStats::default();
+            IlluminanceValueGenerator::new(config, Operators::default()).report_stats(&mut stats);
+            stats.all_hardware().iter().find(|piece| piece.kind == HardwareKind::Multiplier).unwrap().turns
+        };
+        // 21 products of three corners, and 20 of a span.
+        assert_eq!([1, 8, 41].map(turns), [41, 6, 1]);
     }
 }

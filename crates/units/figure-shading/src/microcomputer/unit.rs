@@ -202,6 +202,8 @@ impl Microcomputer {
         ] {
             stats.hardware(kind, about, 1_u64, OperandWidth::SINGLE);
         }
+        // Each operation selects its operands here.
+        stats.ported_table("registers of the floating-point unit", self.config.registers, 32, 3);
         let numbers = local_memory::numbers(self.buffers);
         stats.hardware(
             HardwareKind::Table,

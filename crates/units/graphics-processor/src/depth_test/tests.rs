@@ -9,7 +9,8 @@ type Early = DepthTest<Stamp<Fragment>>;
 /// Width and height of the frame.
 const SIZE: [u32; 2] = [16, 8];
 /// Configuration without flags, and with one gathered line.
-const PLAIN: DepthConfig = DepthConfig { write_lines: 1, clear_flags: false, flags: 131_072, flags_per_cycle: 64 };
+const PLAIN: DepthConfig =
+    DepthConfig { write_lines: 1, clear_flags: false, flags: 131_072, flags_per_cycle: 64, flag_latency: 0 };
 
 fn frame(width: u32, height: u32) -> Control {
     Control::Frame(Arc::new(Frame { width, height, ..Frame::default() }))
@@ -43,6 +44,16 @@ fn lines_without_flags_are_cleared_by_writes() {
     assert_eq!(cleared(flags(8, 3)), (3, vec![]));
     assert_eq!(cleared(flags(6, 64)), (1, vec![6, 7]));
     assert_eq!(cleared(PLAIN), (1, (0..8).collect()), "all 8 lines");
+}
+
+#[test]
+fn look_up_of_a_flag_delays_the_depth_value() {
+    let delays = |clear_flags, flag_latency| {
+        let mut unit = configured(DepthConfig { clear_flags, flag_latency, ..DepthConfig::default() }, 24, 64);
+        let step = unit.step(Some(fragment(3, 1, 5)), &mut MemoryPorts::default());
+        (step.latency, step.after_data)
+    };
+    assert_eq!([delays(true, 0), delays(true, 3), delays(false, 3)], [(1, 1), (4, 4), (1, 1)]);
 }
 
 #[test]

@@ -38,7 +38,12 @@ impl ApproximateCalculator {
         stats.hardware(HardwareKind::Registers, "u, v: start, end", 4_u32, bits);
         stats.hardware(HardwareKind::Registers, "u, v: change and sum", 4_u32, bits + self.guard());
         if self.gradients == Some(MipPer::Pixel) {
-            stats.iterative(HardwareKind::Divider, "1 / W for du, dv", 1_u32, [self.config.reciprocal_bits, self.bits_per_cycle]);
+            stats.iterative(
+                HardwareKind::Divider,
+                "1 / W for du, dv",
+                (1, 1),
+                [self.config.reciprocal_bits, self.bits_per_cycle],
+            );
             stats.hardware(HardwareKind::Multiplier, "du, dv of a pixel", 4_u32, self.config.reciprocal_bits);
             stats.hardware(HardwareKind::Adder, "du, dv of a pixel", 2_u32, self.config.reciprocal_bits);
         }

@@ -53,9 +53,9 @@ impl StepCalculator {
         stats.hardware(HardwareKind::Registers, "storage element: criterion e", 1_u32, NUMBER);
         let have = OperatorCounts { multiply: multipliers, add: ADDERS, ..OperatorCounts::NONE };
         stats.shared_operators("whether a span is divided; steps", have, DECISION, NUMBER);
-        stats.iterative(HardwareKind::Divider, "e / |dw|", 1_u32, [step_bits, self.bits_per_cycle]);
+        stats.iterative(HardwareKind::Divider, "e / |dw|", (1, 1), [step_bits, self.bits_per_cycle]);
         match step_table {
-            0 => stats.iterative(HardwareKind::SquareRoot, "steps", 1_u32, [step_bits, self.bits_per_cycle]),
+            0 => stats.iterative(HardwareKind::SquareRoot, "steps", (1, 1), [step_bits, self.bits_per_cycle]),
             entries => stats.hardware(HardwareKind::Table, "square roots", entries, step_bits),
         }
     }

@@ -80,6 +80,19 @@ fn blending_begins_with_the_old_value() {
     }
 }
 
+#[test]
+fn look_up_of_a_flag_delays_the_old_value() {
+    for (mode, flags, delay) in [(CombineMode::Blend, 8, 5), (CombineMode::Blend, 0, 0), (CombineMode::Replace, 8, 0)] {
+        let config = CombinerConfig { mode, flag_latency: 5, ..CombinerConfig::default() };
+        let mut unit = Combiner::new(config, 4, 2, FrameBufferFlags { flags, per_cycle: 1 });
+        let mut texture = TexturePacket::default();
+        texture.packet.mask = 1;
+        let input = (Some(Flow::Item(texture)), Some(Flow::Item(IlluminancePacket::default())));
+        let step = unit.step(input, &mut MemoryPorts::default());
+        assert_eq!((step.latency, step.after_data), (3 + u64::from(delay), 2 + delay));
+    }
+}
+
 proptest! {
     /// The buffer (360) behind a FIFO of `depth` packets takes each packet as late as possible. It gathers `gathering` lines, and
     /// the last `posted` writes are not done yet.
