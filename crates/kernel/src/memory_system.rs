@@ -334,13 +334,10 @@ impl MemorySystem {
         memories.iter_mut().fold(false, |any, memory| serve_promised(memory, clients) | any)
     }
 
-    /// As [`MemorySystem::serve_promised`], for the memory of one client. Also returns true if requests were split into bursts: the
-    /// memory then knows a later earliest answer.
+    /// As [`MemorySystem::serve_promised`], for the memory of one client.
     pub(crate) fn serve_promised_of(&mut self, client: usize) -> bool {
         let Self { memories, clients } = self;
-        let memory = &mut memories[clients[client].port.memory];
-        let arrived = memory.arrived;
-        serve_promised(memory, clients) || memory.arrived < arrived
+        serve_promised(&mut memories[clients[client].port.memory], clients)
     }
 
     /// Serves final choices without further promises. Returns true if anything waits.

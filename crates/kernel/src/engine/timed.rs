@@ -32,7 +32,7 @@
 //! 6. **Promises are kept.** A stage that promised *p* makes no step before *p*. Each input and output that it waits for comes no earlier
 //!    than the promise of the stage at the other end plus the latency between. So the least promise of a memory's
 //!    users is such an *h*. A blocked stage makes no step before the earliest answer that the memory of an unanswered client can still give
-//!    (`InFlightSteps::no_release_before`). `StageVisit::promise`, `MemorySystem::serve_promised`, `MachineTiming::serve_awaited`. Test
+//!    (`InFlightSteps::no_release_before`). `StageVisit::promise`, `MemorySystem::serve_promised`, `StageVisit::serve_awaited`. Test
 //!    `properties::both_engines_give_equal_reports`.
 //! 7. **If nothing moves, no request can arrive before the horizon.** Every stage with further steps waits, through
 //!    some chain of FIFOs and credits, for an answer to a waiting request. The horizon is the earliest possible such answer:
@@ -189,12 +189,11 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 break;
             }
             let start = visit.promise::<K>(takes);
-            let served = visit.serve_private::<K>(start) || (K::HAS_MEMORY && self.time.serve_awaited(number));
-            if !served {
+            if !visit.serve_private::<K>(start) && !visit.serve_awaited::<K>() {
                 break;
             }
             self.moved = true;
-            self.time.visit::<K>(number).0.deliver_known_steps::<K>();
+            visit.deliver_known_steps::<K>();
         }
         self.time.visit::<K>(number).0.end_visit::<K>();
     }

@@ -5,7 +5,7 @@ use crate::capacity::MAX_LINKS;
 
 /// The inputs of a step, one bit each, or the absence of a further step. It is a [`Demand`] in the form that timing needs: it is
 /// read in every step, for each FIFO.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct InputMask(u16);
 
 impl InputMask {

@@ -24,7 +24,7 @@ pub(crate) use stage_visit::StageVisit;
 pub(crate) use step_timing::{AnyArity, StageArity, StepTiming};
 
 use crate::memory_events::EventBounds;
-use crate::netlist::{Netlist, StageInfo};
+use crate::netlist::Netlist;
 use crate::{Cycle, CycleAccount, MemorySystem, Probe};
 
 /// The timing state of a run.
@@ -46,13 +46,7 @@ impl MachineTiming {
     pub(crate) fn new(mut shape: Netlist) -> Self {
         let mut memories = std::mem::take(&mut shape.memories);
         memories.find_private(shape.stages.iter().map(|stage| stage.clients.as_slice()));
-        let mut stages: Vec<_> = shape.stages.iter().map(|stage| StageClock::new(stage, &memories)).collect();
-        let memories_of = |stage: &StageInfo| stage.clients.iter().map(|&c| memories.service_rank(c).0).collect::<Vec<_>>();
-        let used: Vec<_> = shape.stages.iter().map(memories_of).collect();
-        for (number, clock) in stages.iter_mut().enumerate() {
-            let shares = |other: &usize| *other != number && used[*other].iter().any(|memory| used[number].contains(memory));
-            clock.sharers = (0..used.len()).filter(shares).collect();
-        }
+        let stages: Vec<_> = shape.stages.iter().map(|stage| StageClock::new(stage, &memories)).collect();
         let has_clients = |stage: usize| !shape.stages[stage].clients.is_empty();
         let fifos = shape.fifos.iter().map(|f| FifoTiming::new(f, has_clients(f.producer))).collect();
         let (accounts, limit) = (vec![CycleAccount::default(); shape.stages.len()], Cycle::UNKNOWN);
@@ -104,28 +98,6 @@ impl MachineTiming {
                 }
             }
         }
-    }
-
-    /// Serves choices for which a blocking step of a stage waits, as far as they are final by the promises so far. Returns true if
-    /// anything moved. So a unit that waits for one datum after the other needs no round for each.
-    ///
-    /// The promises of the other users of its memories are renewed first, because they often follow from the promise that this
-    /// stage has just made. These stages have made no step since their last visit, so their next steps are known.
-    #[inline]
-    pub(crate) fn serve_awaited(&mut self, stage: usize) -> bool {
-        if self.stages[stage].block.until.is_known() {
-            return false;
-        }
-        let mut moved = false;
-        for place in 0..self.stages[stage].sharers.len() {
-            let sharer = self.stages[stage].sharers[place];
-            let mut visit = self.visit::<AnyArity>(sharer).0;
-            // A promise builds on the answers that are known.
-            moved |= visit.deliver_known_steps::<AnyArity>();
-            visit.promise::<AnyArity>(visit.clock.takes);
-        }
-        let Self { stages, memories, .. } = self;
-        stages[stage].clients.iter().fold(moved, |any, &client| memories.serve_promised_of(client) | any)
     }
 
     /// Delivers the steps of all stages in flight whose answers are known by now.

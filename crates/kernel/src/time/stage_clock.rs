@@ -32,10 +32,6 @@ pub(crate) struct StageClock {
     pub(super) needs: MemoryNeeds,
     /// True if a memory is used by this stage only.
     pub(super) has_private: bool,
-    /// Other stages that use one of its memories.
-    pub(super) sharers: Box<[usize]>,
-    /// Inputs of its next step, for the promises of a stage with memory clients.
-    pub(super) takes: InputMask,
     pub(super) flights: InFlightSteps,
     /// The wait for the answers of its last blocking step.
     pub(crate) block: BlockingWait,
@@ -94,8 +90,6 @@ impl StageClock {
             clients: clients.as_slice().into(),
             needs: MemoryNeeds::new(clients, credits, memories),
             has_private: memories.has_private(clients),
-            sharers: Box::default(),
-            takes: InputMask::default(),
             flights: InFlightSteps::default(),
             block: BlockingWait::default(),
             again: true,

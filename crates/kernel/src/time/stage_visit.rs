@@ -157,7 +157,6 @@ impl StageVisit<'_> {
         inputs.each(inputs.all(K::INPUTS), K::INPUTS, |_, fifo| fifo.promise_pop(start));
         outputs.each(room, K::OUTPUTS, |_, fifo| fifo.promise_push(start));
         if K::HAS_MEMORY {
-            clock.takes = takes;
             clock.clients.iter().for_each(|&client| memories.promise(client, start));
         }
         start
@@ -171,6 +170,16 @@ impl StageVisit<'_> {
         K::HAS_MEMORY
             && clock.has_private
             && clock.clients.iter().fold(false, |any, &client| memories.serve_if_private(client, horizon) | any)
+    }
+
+    /// Serves choices for which a blocking step waits, as far as they are final by the promises so far. Returns true if there was any.
+    /// So a unit that waits for one datum after the other needs no round for each.
+    #[inline]
+    pub(crate) fn serve_awaited<K: StageArity>(&mut self) -> bool {
+        let Self { clock, memories, .. } = self;
+        K::HAS_MEMORY
+            && !clock.block.until.is_known()
+            && clock.clients.iter().fold(false, |any, &client| memories.serve_promised_of(client) | any)
     }
 }
 
