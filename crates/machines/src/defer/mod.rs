@@ -53,11 +53,11 @@ mod tests {
         }
         let tile = 64 * 64 * 24;
         assert_eq!(holds("path", HardwareKind::Table), 8 * tile, "one receive buffer per request in flight");
-        assert!(holds("expander", HardwareKind::Table) >= 3 * tile);
+        assert_eq!(holds("expander", HardwareKind::LineBuffer), 3 * tile, "two wait, one is expanded");
         assert_eq!(holds("tile-lists", HardwareKind::Table), 2 * (1 << 30) / (4 * 64 * 64), "two bits a tile");
         assert_eq!((counts("cells", HardwareKind::Divider), counts("cells", HardwareKind::Power)), (17 + 1, 0));
-        let pages = facts.all_hardware().iter().filter(|h| h.about.starts_with("pages (132)")).count();
-        assert_eq!(pages, 1, "both passes use the same tables");
+        let tables = |about: &str| facts.all_hardware().iter().filter(|h| h.about.starts_with(about)).count();
+        assert_eq!(["pages (132)", "layers: size"].map(tables), [1, 1], "both passes use the same tables");
         assert_eq!(holds("final-rasterization", HardwareKind::Registers) / 16 / 128, 1, "a block of cells");
     }
 }

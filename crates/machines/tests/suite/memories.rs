@@ -5,7 +5,7 @@ use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
 use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
 use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
-use basrelief_machines::{ConfigProblem, SceneFront};
+use basrelief_machines::{ConfigProblem, MACHINES, SceneFront};
 use basrelief_parameters::{ConfigError, Parameter, Parameters, load, resolved};
 use basrelief_signals::Draw;
 
@@ -165,4 +165,23 @@ fn every_memory_has_a_default_part_and_credits() {
     assert_eq!(load::<ShadeConfig>("", &[]).unwrap(), ShadeConfig::default());
     assert_eq!(load::<TexelMachineConfig>("", &[]).unwrap(), TexelMachineConfig::default());
     assert_eq!(load::<DeferConfig>("", &[]).unwrap(), DeferConfig::default());
+}
+
+/// A pixel or texel of fewer bytes would move fewer bytes and leave the picture as it is.
+#[test]
+fn pixels_and_texels_have_room_for_their_colours() {
+    fn refuses<C: Parameters>(key: &str) -> bool {
+        load::<C>("", &[(key, "2")]).is_err() && load::<C>("", &[(key, "4")]).is_ok()
+    }
+    let refuse: [fn(&str) -> bool; 4] =
+        [refuses::<BumpProcessorConfig>, refuses::<ShadeConfig>, refuses::<TexelMachineConfig>, refuses::<DeferConfig>];
+    let mut checked = 0;
+    for (machine, refuses) in MACHINES.iter().zip(refuse) {
+        let keys = machine.parameters().into_iter().map(|parameter| parameter.key);
+        for key in keys.filter(|key| key.ends_with("pixel_bytes") || key.ends_with("texel_bytes")) {
+            assert!(refuses(&key), "{}: {key}", machine.name);
+            checked += 1;
+        }
+    }
+    assert!(checked >= 6, "{checked}");
 }
