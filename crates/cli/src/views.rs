@@ -3,36 +3,60 @@
 use basrelief_input::{JsonFault, MemoryPool, from_str, json_weight};
 use basrelief_parameters::syntax;
 use basrelief_scene::OwnView;
-use basrelief_signals::Camera;
+use basrelief_signals::{Camera, schema_of};
 use basrelief_sim::TOML_GROWTH;
+use schemars::JsonSchema;
 use serde::Deserialize;
+use serde_json::Value;
 
 /// The file format.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct ViewFile {
+    /// The views, one frame each.
     views: Vec<WrittenView>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a view, such as { orbit = 30 }")]
 struct WrittenView {
+    /// Time at which the user changes to the view [ms].
     at_ms: Option<f64>,
+    /// Camera.
     camera: Option<WrittenCamera>,
+    /// Rotation of the camera about the model, around the vertical axis and upwards [degrees].
+    #[schemars(with = "Option<[f64; 2]>")]
     turn: Option<ExactList<2>>,
+    /// Zoom factor about the image centre.
+    #[schemars(range(min = 0.01, max = 100.0))]
     zoom: Option<f64>,
+    /// Rotation of the camera around the vertical axis [degrees].
     orbit: Option<f64>,
+    /// Direction to the light in world space.
+    #[schemars(with = "Option<[f64; 3]>")]
     light: Option<ExactList<3>>,
+    /// Rotation of the light around the vertical axis [degrees].
     light_orbit: Option<f64>,
 }
 
 /// A [`Camera`] as written in a view file.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "view_projection, to_light and to_viewer, as a file of --camera holds them")]
 struct WrittenCamera {
+    /// Matrix from world to clip space, row by row.
+    #[schemars(with = "[f64; 16]")]
     view_projection: ExactList<16>,
+    /// Direction to the light.
+    #[schemars(with = "[f64; 3]")]
     to_light: ExactList<3>,
+    /// Direction to the viewer.
+    #[schemars(with = "[f64; 3]")]
     to_viewer: ExactList<3>,
+}
+
+/// Returns the JSON schema of a view file.
+pub fn schema() -> Value {
+    schema_of::<ViewFile>("views-1").to_value()
 }
 
 /// A list of exactly N numbers. (The TOML reader of serde would ignore further numbers.)

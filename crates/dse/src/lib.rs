@@ -70,7 +70,7 @@ pub use hypervolume::ObjectiveSpace;
 pub use page::{PageOptions, page};
 #[cfg(feature = "parquet")]
 pub use parquet::parquet;
-pub use plan::{OneAtATimeBase, Plan, PlanPoint};
+pub use plan::{OneAtATimeBase, Plan, PlanPoint, plan_schema};
 pub use rules::{Constraint, ConstraintRelation, Objective, ObjectiveDirection};
 pub use sensitivity::sensitivity;
 pub use split_mix_64::SplitMix64;

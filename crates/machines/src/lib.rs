@@ -9,6 +9,7 @@
 
 pub mod bump;
 mod config;
+mod configuration_schema;
 pub mod defer;
 mod diagram;
 mod display;

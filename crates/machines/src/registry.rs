@@ -2,6 +2,7 @@
 //! with its [`MachineSpec`].
 
 use crate::bump::BumpProcessorConfig;
+use crate::configuration_schema::with_ranges;
 use crate::defer::DeferConfig;
 use crate::front::FrontConfig;
 use crate::problem::ConfigProblem;
@@ -226,7 +227,7 @@ impl MachineInfo {
             left_at: S::LEFT_AT,
             has_methods: S::METHODS.is_some(),
             table: || resolved(&S::default()),
-            schema: || schema_of::<S>().to_value(),
+            schema: || with_ranges(schema_of::<S>(&format!("config-{}", S::NAME)).to_value(), &S::table()),
             loader: |toml| {
                 let loader = Loader::<S>::new(toml)?;
                 Ok(ConfigLoader(Box::new(move |settings| loader.load(settings).map(MachineConfig::from))))

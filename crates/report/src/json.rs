@@ -90,7 +90,7 @@ fn from_schema_2(mut report: Report) -> Report {
 
 /// The JSON schema of a report.
 pub fn schema() -> serde_json::Value {
-    let mut schema = schema_of::<Report>();
+    let mut schema = schema_of::<Report>(&format!("report-{SCHEMA}"));
     if let Some(title) = schema.get_mut("properties").and_then(|p| p.pointer_mut("/schema")) {
         title["const"] = SCHEMA.into();
     }

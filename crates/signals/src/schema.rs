@@ -8,9 +8,11 @@ use schemars::{JsonSchema, Schema};
 ///
 /// The schema has no `format`, because JSON Schema defines no formats of numbers and validators such as Ajv refuse unknown formats.
 /// Integers of up to 32 bits have `minimum` and `maximum` instead.
-pub fn schema_of<T: JsonSchema>() -> Schema {
+pub fn schema_of<T: JsonSchema>(name: &str) -> Schema {
     let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(replace_format));
-    settings.into_generator().into_root_schema_for::<T>()
+    let mut schema = settings.into_generator().into_root_schema_for::<T>();
+    schema.insert("$id".into(), format!("urn:basrelief:schema:{name}").into());
+    schema
 }
 
 /// Replaces the format of a number by its range. Wider types have no range, because JSON readers may round such limits.
@@ -53,7 +55,8 @@ mod tests {
 
     #[test]
     fn formats_of_numbers_become_ranges() {
-        let schema = schema_of::<Numbers>().to_value();
+        let schema = schema_of::<Numbers>("numbers").to_value();
+        assert_eq!(schema["$id"], "urn:basrelief:schema:numbers");
         let of = |name: &str| schema["properties"][name].clone();
         let range = |name: &str| (of(name)["minimum"].as_f64(), of(name)["maximum"].as_f64());
         assert_eq!(range("small"), (Some(0.0), Some(255.0)));

@@ -96,4 +96,8 @@ pub enum SchemaName {
     Config,
     /// A camera file (--camera).
     Camera,
+    /// A view file (--views).
+    Views,
+    /// A plan of `sweep` and `explore`, whose axes are the parameters of the machine.
+    Plan,
 }

@@ -14,6 +14,7 @@ use basrelief_reference::RgbPicture;
 use basrelief_sim::{RunInput, TOML_GROWTH, to_png};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
+use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -112,6 +113,16 @@ impl<'a> SweepProgram<'a> {
 struct ViewCommand {
     #[command(flatten)]
     view: ViewArgs,
+}
+
+/// Returns the JSON schema of the view options in a plan.
+pub fn view_schema() -> Value {
+    let command = ViewCommand::command();
+    let options = command.get_arguments().filter(|option| !option.is_hide_set()).map(|option| {
+        let about = option.get_help().map(ToString::to_string).unwrap_or_default();
+        (option.get_id().to_string(), json!({ "type": ["string", "number", "array"], "description": about }))
+    });
+    json!({ "type": "object", "properties": options.collect::<Map<_, _>>(), "additionalProperties": false })
 }
 
 impl SweepProgram<'_> {

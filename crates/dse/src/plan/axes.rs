@@ -1,6 +1,7 @@
 //! Axes of a plan: parameters, and the values that they take.
 
 use crate::Cell;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
@@ -21,13 +22,17 @@ pub struct Axis {
     pub cells: Vec<Vec<Cell>>,
 }
 
-/// A range as it is written.
-#[derive(Debug, Deserialize)]
+/// A range as it is written. It rises by a step or by a factor.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct RangeSteps {
+pub(super) struct RangeSteps {
+    /// First value.
     from: f64,
+    /// Last value at most.
     to: f64,
+    /// Difference of neighbours.
     step: Option<f64>,
+    /// Quotient of neighbours.
     factor: Option<f64>,
 }
 

@@ -5,10 +5,12 @@ mod base;
 mod definition;
 mod identity;
 mod points;
+mod schema;
 mod written;
 
 pub use axes::Axis;
 pub use definition::{Plan, PlanInput, PlanPoint};
+pub use schema::plan_schema;
 
 use crate::figures::{ReportFigure, first_frame, path_of};
 use crate::one;
