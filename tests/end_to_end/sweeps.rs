@@ -166,24 +166,40 @@ fn listed_commands_and_shards_complete_sweep() {
         "8 points: 0 reused, 2 run, 6 resimulated; 0 failed\n16 points of other shards are missing; the tables are written once they exist\n"
     );
     let listed = place.ok("sweep plan.toml --list").out;
-    assert_eq!(listed.lines().count(), 16);
-    for line in listed.lines().take(3) {
-        let arguments = line.strip_prefix("basrelief ").expect("a command");
-        assert_eq!(place.ok(arguments).out, "1 points: 0 reused, 1 run, 0 resimulated; 0 failed\n");
-    }
+    // Points that share a recording are in one command.
+    assert_eq!((listed.lines().count(), listed.matches(" --point ").count()), (4, 16));
+    let (program, arguments) = listed.lines().next().unwrap().split_once(' ').expect("a command");
+    assert!(Path::new(program).is_absolute());
+    assert_eq!(place.ok(arguments).out, "4 points: 0 reused, 1 run, 3 resimulated; 0 failed\n");
+    let allowed = place.ok("sweep plan.toml --list --allow-outside --memory-limit 2GiB --no-pictures").out;
+    assert!(allowed.lines().all(|line| line.contains(" --no-pictures --allow-outside --memory-limit 2147483648 ")), "{allowed}");
     let script = place.ok("sweep plan.toml --slurm").out;
-    assert!(script.starts_with("#!/bin/sh\n# 13 points are missing."), "{script}");
+    assert!(script.starts_with("#!/bin/sh\n# 12 points are missing."), "{script}");
     assert!(script.contains("\n#SBATCH --array=1-6\n"), "{script}");
     fs::write(place.path("job.sh"), script).unwrap();
-    let folder = Path::new(PROGRAM).parent().unwrap();
-    let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap());
-    for task in 1..=6 {
-        // This runs the job as Slurm does.
+    // In the place of Slurm's command: it prints a number, and keeps its arguments.
+    let submit = place.path("sbatch");
+    fs::write(&submit, format!("#!/bin/sh\necho \"$@\" >> {}\necho 77\n", place.path("submitted").display())).unwrap();
+    fs::set_permissions(&submit, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    let path = format!("{}:{}", place.path("").display(), std::env::var("PATH").unwrap());
+    let job = |arguments: &[&str], task: &str| {
         let mut job = std::process::Command::new("sh");
-        job.arg("job.sh").env("SLURM_ARRAY_TASK_ID", task.to_string()).env("PATH", &path).current_dir(place.path(""));
+        job.arg("job.sh").args(arguments).env("SLURM_ARRAY_TASK_ID", task).env("PATH", &path).current_dir(place.path(""));
         assert!(job.status().unwrap().success());
+    };
+    job(&["--time=10:00"], "");
+    let submitted = fs::read_to_string(place.path("submitted")).unwrap();
+    let tables = "--dependency=afterok:77 --array=1 --job-name=basrelief-tables --time=10:00 job.sh tables";
+    assert_eq!(submitted, format!("--parsable --time=10:00 job.sh\n{tables}\n"));
+    // These run the jobs as Slurm does.
+    for task in 1..=6 {
+        job(&[], &task.to_string());
     }
     assert_eq!(place.ok("sweep plan.toml --list").out, "");
+    for table in ["sweep.csv", "sweep.html"] {
+        fs::remove_file(place.path("out").join(table)).ok();
+    }
+    job(&["tables"], "1");
     same(&files(&place.path("out")), &whole);
 }
 

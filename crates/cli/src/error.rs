@@ -3,13 +3,19 @@
 pub use basrelief_sim::{CommandError, CommandResult};
 
 use crate::terminal;
-use std::io::{self, IsTerminal as _, Write};
+use basrelief_report::TextStyle;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// Prints to standard output. A closed pipe (`| head`) is no error: the command continues to its own exit code.
 pub fn print(text: &str) -> CommandResult {
+    print_styled(text, TextStyle { color: false, ..TextStyle::default() })
+}
+
+/// Prints a text with the colours of a style to standard output.
+pub fn print_styled(text: &str, style: TextStyle) -> CommandResult {
     let mut out = io::stdout();
-    let text = terminal::without_control_characters(text, out.is_terminal());
+    let text = terminal::without_control_characters(text, style.color);
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             Err(CommandError::BadInput(format!("standard output: cannot be written: {e}")))

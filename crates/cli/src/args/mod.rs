@@ -3,6 +3,7 @@
 mod common;
 mod describe;
 mod lists;
+mod manual;
 mod run;
 mod sweep;
 mod values;
@@ -10,6 +11,7 @@ mod values;
 pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, TablesArgs, TokenKind, ViewArgs};
 pub use describe::{CompareArgs, DescribeArgs, Explain, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
+pub use manual::{ColorMode, CompletionsArgs, ManArgs};
 pub use run::{DemoArgs, PageArgs, ResimulateArgs, RunArgs, ServeArgs, SizeFifosArgs};
 pub use sweep::{ExploreArgs, PlanArgs, SweepArgs};
 
@@ -30,6 +32,9 @@ pub struct Cli {
     /// with an error.
     #[arg(long, global = true, value_name = "BYTES", default_value_t = ByteSize(MemoryPool::DEFAULT))]
     pub memory_limit: ByteSize,
+    /// Use colours. `auto` uses them on a terminal, unless the environment sets NO_COLOR.
+    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
+    pub color: ColorMode,
     /// Let models name files outside their folders, with `../`. Without it such a name is an error.
     #[arg(long, global = true)]
     pub allow_outside: bool,
@@ -62,6 +67,10 @@ pub enum Command {
     Compare(CompareArgs),
     /// Print a JSON schema.
     Schema(SchemaArgs),
+    /// Print the completions of commands and options for a shell.
+    Completions(CompletionsArgs),
+    /// Print the manual page of the program or of one command, for `man -l -`.
+    Man(ManArgs),
     /// Open the simulator as a page in a browser.
     Page(PageArgs),
     /// Serve a scene over HTTP for `run --from`: meshes, texture sizes and single texture tiles.

@@ -45,16 +45,17 @@ pub struct SweepArgs {
     /// Repeat this fraction of the points as full runs afterwards and compare the reports byte by byte; exit code 1 if one differs [%].
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub verify: Option<f64>,
-    /// Run nothing; print one command per missing point, for GNU parallel or xargs.
+    /// Run nothing; print commands for GNU parallel or xargs. Missing points that share a recording are in one command.
     #[arg(long, group = "instead")]
     pub list: bool,
-    /// Run nothing; print a Slurm job script that runs the missing points as an array.
+    /// Run nothing; print a Slurm job script. `sh` submits it: an array runs the missing points, and a job that depends on it writes
+    /// the tables.
     #[arg(long, group = "instead")]
     pub slurm: bool,
     /// Run only part I of N, from 1. Points that share a recording are in the same part.
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with = "instead")]
     pub shard: Option<Shard>,
-    /// Run only the point with this hash (see --list), and write no tables.
+    /// Run only the point with this hash (see --list), and write no tables; repeatable.
     #[arg(long, value_name = "HASH", conflicts_with_all = ["instead", "shard"])]
-    pub point: Option<String>,
+    pub point: Vec<String>,
 }

@@ -2,9 +2,8 @@
 
 use super::causes::CauseMeasurement;
 use super::recording::{open, unreadable};
-use super::reporting::style;
 use crate::args::CompareArgs;
-use crate::error::{CommandError, CommandResult, print};
+use crate::error::{CommandError, CommandResult, print, print_styled};
 use crate::global::GlobalOptions;
 use crate::input::read_text;
 use crate::outputs::{PartialFile, REPORT, check_outputs_keep_inputs, recording_in};
@@ -12,7 +11,7 @@ use crate::terminal;
 use basrelief_input::{MemoryPool, json_weight};
 use basrelief_report::compare::overview;
 use basrelief_report::html::{self, PagePicture, compared};
-use basrelief_report::{Comparison, Report, compare as difference};
+use basrelief_report::{Comparison, Report, TextStyle, compare as difference};
 use basrelief_sim::{RecordedRun, RecordingError, page_assets};
 use serde_json::Value;
 use std::fs;
@@ -52,7 +51,8 @@ pub fn compare(args: &CompareArgs, global: &GlobalOptions) -> CommandResult {
         let json = if pairs.len() == 1 { list.swap_remove(0) } else { list.into() };
         print(&format!("{json:#}\n"))?;
     } else {
-        print(&text(&first, &others, &pairs))?;
+        let style = global.text_style();
+        print_styled(&text(&first, &others, &pairs, style), style)?;
     }
     if let Some(path) = &args.html {
         page(path, (&first, &others), &pairs)?;
@@ -90,12 +90,12 @@ fn page(path: &Path, (first, others): (&ReportSide, &[ReportSide]), pairs: &[Rep
     PartialFile::write_whole(path, page.as_bytes()).map_err(CommandError::at_file(path, "be written"))
 }
 
-fn text(first: &ReportSide, others: &[ReportSide], pairs: &[ReportPair<'_>]) -> String {
+fn text(first: &ReportSide, others: &[ReportSide], pairs: &[ReportPair<'_>], style: TextStyle) -> String {
     let reports: Vec<_> = std::iter::once(first).chain(others).map(|side| (&*side.name, &side.report)).collect();
     let heading =
         |pair: &ReportPair<'_>| if others.len() > 1 { format!("A: {}, B: {}\n", pair.a, pair.b) } else { String::new() };
-    let pairs = pairs.iter().map(|pair| format!("\n{}{}", heading(pair), pair.comparison.to_text(style())));
-    std::iter::once(overview(&reports, style())).chain(pairs).collect()
+    let pairs = pairs.iter().map(|pair| format!("\n{}{}", heading(pair), pair.comparison.to_text(style)));
+    std::iter::once(overview(&reports, style)).chain(pairs).collect()
 }
 
 impl ReportPair<'_> {

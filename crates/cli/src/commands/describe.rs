@@ -1,23 +1,23 @@
 //! `basrelief describe`: block diagram, units and parameters of a machine.
 
-use super::reporting::style;
 use super::rtl_area::from_rtl;
 use crate::args::DescribeArgs;
-use crate::error::{CommandError, CommandResult, print};
+use crate::error::{CommandError, CommandResult, print, print_styled};
+use crate::global::GlobalOptions;
 use crate::input::config_of;
-use basrelief_input::MemoryPool;
 use basrelief_parameters::{Effect, Parameter, nearest};
+use basrelief_report::TextStyle;
 use basrelief_report::model::Hardware;
 use basrelief_scene::DEMOS;
 use basrelief_sim::{MachineConfig, MachineInfo, UnitInfo};
 use std::fmt::Write;
 
 /// Prints the description of a machine.
-pub fn describe(args: &DescribeArgs, budget: &MemoryPool) -> CommandResult {
+pub fn describe(args: &DescribeArgs, global: &GlobalOptions) -> CommandResult {
     let machine = args.machine;
-    let (config, _) = config_of(machine, args.config.as_deref(), &args.settings, budget)?;
+    let (config, _) = config_of(machine, args.config.as_deref(), &args.settings, &global.budget)?;
     if args.hardware {
-        return hardware(machine.name, &config, args.json);
+        return hardware(machine.name, &config, args.json, global.text_style());
     }
     if args.json {
         let rows: Vec<_> = config.described().into_iter().filter(|row| is_selected(args, &row.key)).collect();
@@ -68,7 +68,7 @@ fn units(text: &mut String, units: &[UnitInfo]) {
 }
 
 /// Prints the hardware cost of a machine.
-fn hardware(machine: &str, config: &MachineConfig, json: bool) -> CommandResult {
+fn hardware(machine: &str, config: &MachineConfig, json: bool, style: TextStyle) -> CommandResult {
     let model = config.area_model();
     let pieces = config.hardware().map_err(CommandError::bad_input)?;
     let all: Vec<Hardware> = pieces.iter().map(|piece| Hardware::new(piece, &model)).collect();
@@ -76,7 +76,7 @@ fn hardware(machine: &str, config: &MachineConfig, json: bool) -> CommandResult 
         return print(&format!("{}\n", serde_json::to_string_pretty(&all).map_err(CommandError::bad_input)?));
     }
     let from_rtl = from_rtl(machine, config, &all).map_err(CommandError::bad_input)?;
-    print(&format!("{}\n{from_rtl}", basrelief_report::hardware(&all, model.cycle_fo4(), style())))
+    print_styled(&format!("{}\n{from_rtl}", basrelief_report::hardware(&all, model.cycle_fo4(), style)), style)
 }
 
 fn entry(text: &mut String, p: &Parameter) {

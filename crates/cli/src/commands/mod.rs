@@ -1,6 +1,7 @@
 //! One file per command, and the code that several commands share.
 
 mod causes;
+mod cluster;
 mod compare;
 mod convert;
 mod describe;
@@ -8,6 +9,7 @@ pub mod dump;
 mod explore;
 mod from;
 mod html;
+mod manual;
 mod output_files;
 mod page;
 mod plans;
@@ -46,9 +48,11 @@ pub fn dispatch(command: Command, global: &GlobalOptions) -> CommandResult {
         Command::Record(args) => record::record(&args, global),
         Command::Convert(args) => convert::convert(&args, &global.budget),
         Command::Verify(args) => verify::verify(&args, global),
-        Command::Describe(args) => describe::describe(&args, &global.budget),
+        Command::Describe(args) => describe::describe(&args, global),
         Command::Compare(args) => compare::compare(&args, global),
         Command::Schema(args) => schema::schema(&args),
+        Command::Completions(args) => manual::completions(&args),
+        Command::Man(args) => manual::man(&args),
         Command::Page(args) => page::page(&args, global.quiet),
         Command::Serve(args) => serve::serve(&args, global),
     }

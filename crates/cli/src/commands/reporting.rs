@@ -1,10 +1,10 @@
 //! Reports on the terminal and in files.
 
 use crate::args::TablesArgs;
-use crate::error::{CommandResult, print};
+use crate::error::{CommandResult, print_styled};
 use crate::outputs::{OF_A_RUN, OutputFolder, REPORT};
 use basrelief_report::{Report, TextStyle, to_csv, to_text};
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 
 /// Writes the report and its tables, and publishes everything.
 pub fn publish_report(outputs: OutputFolder, report: &Report, csv: bool) -> io::Result<()> {
@@ -18,13 +18,6 @@ pub fn publish_report(outputs: OutputFolder, report: &Report, csv: bool) -> io::
 }
 
 /// Prints the report.
-pub fn show_report(report: &Report, tables: &TablesArgs) -> CommandResult {
-    print(&to_text(report, style(), &tables.selected_tables()))
-}
-
-/// Returns the width and colours of this terminal.
-pub fn style() -> TextStyle {
-    let terminal = io::stdout().is_terminal();
-    let width = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok()).unwrap_or(120);
-    TextStyle { width, color: terminal && std::env::var_os("NO_COLOR").is_none() }
+pub fn show_report(report: &Report, tables: &TablesArgs, style: TextStyle) -> CommandResult {
+    print_styled(&to_text(report, style, &tables.selected_tables()), style)
 }

@@ -44,5 +44,5 @@ pub fn resimulate(args: &ResimulateArgs, global: &GlobalOptions) -> CommandResul
     if let (Some(page), Some(path)) = (page, &args.html) {
         page.publish().map_err(CommandError::at_file(path, "be written"))?;
     }
-    if global.quiet || args.json { Ok(()) } else { show_report(&report, &args.tables) }
+    if global.quiet || args.json { Ok(()) } else { show_report(&report, &args.tables, global.text_style()) }
 }

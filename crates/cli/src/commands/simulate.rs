@@ -157,7 +157,7 @@ impl<'a> Simulation<'a> {
     /// Prints the report and decides the outcome of the command.
     fn print_report(&self, report: &Report, names: &str) -> CommandResult {
         if !self.is_quiet() {
-            show_report(report, &self.args.tables)?;
+            show_report(report, &self.args.tables, self.global.text_style())?;
             let beside = named_outputs(self.args).into_iter().filter(|(_, path)| path.exists());
             let beside: String = beside.map(|(option, path)| format!("\n{option}: {}", path.display())).collect();
             print(&format!("\nWritten to {}/: {names}{beside}\n", self.args.out.display()))?;

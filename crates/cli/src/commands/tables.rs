@@ -1,10 +1,9 @@
 //! Tables of several runs of one input: `--ablate` (saving of each shortcut) and `--compare-methods` (cost of each method at the same
 //! error).
 
-use super::reporting::style;
 use super::simulate::{Simulation, run_named};
 use crate::args::SimulationArgs;
-use crate::error::{CommandError, CommandResult, print};
+use crate::error::{CommandError, CommandResult, print, print_styled};
 use crate::input::Input;
 use crate::outputs::OutputFolder;
 use crate::progress::Progress;
@@ -28,7 +27,7 @@ pub fn ablate(input: &Input, simulation: &Simulation<'_>) -> CommandResult {
     write_table(input, simulation, |observer, run| {
         let table = sim::ablate(&simulation.options, observer, run)?;
         let json = table.to_json().map_err(CommandError::bad_input)?;
-        Ok(FinishedTable { name: "ablation", text: table.to_text(style()), csv: table.to_csv(), json })
+        Ok(FinishedTable { name: "ablation", text: table.to_text(simulation.global.text_style()), csv: table.to_csv(), json })
     })
 }
 
@@ -37,7 +36,7 @@ pub fn compare_methods(input: &Input, simulation: &Simulation<'_>) -> CommandRes
     write_table(input, simulation, |observer, run| {
         let table = sim::compare_methods(&simulation.options, observer, run)?;
         let json = table.to_json().map_err(CommandError::bad_input)?;
-        Ok(FinishedTable { name: "methods", text: table.to_text(style()), csv: table.to_csv(), json })
+        Ok(FinishedTable { name: "methods", text: table.to_text(simulation.global.text_style()), csv: table.to_csv(), json })
     })
 }
 
@@ -61,7 +60,8 @@ fn write_table(
         Ok(())
     } else {
         let (folder, name) = (args.out.display(), table.name);
-        print(&format!("{}\nWritten to {folder}/: {name}.csv, {name}.json\n", table.text))
+        let style = simulation.global.text_style();
+        print_styled(&format!("{}\nWritten to {folder}/: {name}.csv, {name}.json\n", table.text), style)
     }
 }
 
