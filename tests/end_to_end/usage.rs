@@ -26,7 +26,10 @@ fn completions_and_manual_name_commands_and_options() {
         }
     }
     let manual = place.ok("man").out;
-    assert!(manual.contains(".TH basrelief 1") && COMMANDS.iter().all(|name| manual.contains(&name.replace('-', "\\-"))), "{manual}");
+    assert!(
+        manual.contains(".TH basrelief 1") && COMMANDS.iter().all(|name| manual.contains(&name.replace('-', "\\-"))),
+        "{manual}"
+    );
     let of_run = place.ok("man run").out;
     assert!(of_run.contains(".TH basrelief-run 1") && of_run.contains("\\-\\-max\\-cycles"), "{of_run}");
     assert!(place.run("man runs").error(2).contains("`runs` is no command; expected one of demo, run,"));
@@ -36,7 +39,8 @@ fn completions_and_manual_name_commands_and_options() {
 fn bash_completes_an_option() {
     let place = Place::new();
     let script = place.ok("completions bash").out;
-    let typed = r#"COMP_WORDS=(basrelief sweep --no-pic); COMP_CWORD=2; _basrelief basrelief --no-pic sweep; echo "${COMPREPLY[@]}""#;
+    let typed =
+        r#"COMP_WORDS=(basrelief sweep --no-pic); COMP_CWORD=2; _basrelief basrelief --no-pic sweep; echo "${COMPREPLY[@]}""#;
     std::fs::write(place.path("typed.sh"), format!("{script}\n{typed}\n")).unwrap();
     let completed = std::process::Command::new("bash").arg(place.path("typed.sh")).output().unwrap();
     assert_eq!(String::from_utf8(completed.stdout).unwrap().trim(), "--no-pictures");
@@ -46,7 +50,8 @@ fn bash_completes_an_option() {
 fn colours_follow_option_and_environment() {
     let place = Place::new();
     let coloured = |line: &str, no_color: &str| {
-        let mut command = place.command(&format!("{line} demo golf-ball --size 32x24 --no-exact --no-bottlenecks --tables units"));
+        let mut command =
+            place.command(&format!("{line} demo golf-ball --size 32x24 --no-exact --no-bottlenecks --tables units"));
         let output = command.env("NO_COLOR", no_color).output().unwrap();
         assert!(output.status.success());
         String::from_utf8(output.stdout).unwrap().contains("\u{1b}[1m")
