@@ -6,12 +6,6 @@
 //!
 //! - Wires, clock trees, pads, test logic and the control logic of units have no area.
 //! - Delays of powers, of memory macros and of wires are not known.
-//! - All operators of the rasterizer count as floating point, as their latencies do. Its edge functions are integers in the model.
-//! - The `texel` machine computes in fixed point, but its operators have the latencies `operators.multiply`, `add` and `divide` of the
-//!   machine, whatever their width.
-//! - The CPU of the `shade` machine has the area of its floating-point unit and memory. Its integer unit and program have none.
-//! - A flag of a clear line is read in the cycle of the look-up that it replaces (`flag_latency`). The display examines no flags: the end
-//!   of a frame writes the lines that are still clear.
 
 mod blocks;
 mod config;

@@ -1,6 +1,5 @@
 //! Ranges of parameters in the JSON schema of a configuration. The types alone give none.
 
-use crate::parameter_info::bounds;
 use basrelief_parameters::Parameter;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -33,6 +32,13 @@ fn pointer_to(schema: &Value, key: &str) -> Option<String> {
         let property = format!("{group}/properties/{part}");
         schema.pointer(&property).is_some().then_some(property)
     })
+}
+
+/// Parses the first range in a text such as `1..=64`.
+pub fn bounds(range: &str) -> Option<[f64; 2]> {
+    let (min, rest) = range.split_once("..=")?;
+    let max = rest.split(|c: char| c == ',' || c.is_whitespace()).next()?;
+    Some([min.parse().ok()?, max.parse().ok()?])
 }
 
 /// Returns a limit, without a fraction for an integer.

@@ -6,6 +6,15 @@
 //! | [`shade`] | Hitachi's figure shading device | [`shade::FigureShadingDevice`] |
 //! | [`texel`] | Sun's texture mapping system | [`texel::TextureMappingSystem`] |
 //! | [`defer`] | HP's renderer for a rate-limited path | [`defer::DeferredRenderer`] |
+//!
+//! # Limits of time and area
+//!
+//! - All operators of the rasterizer count as floating point, as their latencies do. Its edge functions are integers in the model.
+//! - The `texel` machine computes in fixed point, but its operators have the latencies `operators.multiply`, `add` and `divide` of the
+//!   machine, whatever their width.
+//! - The CPU of the `shade` machine has the area of its floating-point unit and memory. Its integer unit and program have none.
+//! - A flag of a clear line is read in the cycle of the look-up that it replaces (`flag_latency`). The display examines no flags: the end
+//!   of a frame writes the lines that are still clear.
 
 pub mod bump;
 mod config;

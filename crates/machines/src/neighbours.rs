@@ -1,6 +1,7 @@
 //! Neighbouring values of a parameter, for sensitivity analysis.
 
-use crate::parameter_info::{AllowedValues, ParameterInfo, bounds};
+use crate::configuration_schema::bounds;
+use crate::parameter_info::{AllowedValues, ParameterInfo};
 use serde_json::Value;
 
 impl ParameterInfo {

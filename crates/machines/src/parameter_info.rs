@@ -1,5 +1,6 @@
 //! Parameters of a machine as data, for `describe --json` and for user interfaces.
 
+use crate::configuration_schema::bounds;
 use crate::registry::MachineConfig;
 use basrelief_parameters::Parameter;
 use serde::Serialize;
@@ -118,13 +119,6 @@ fn resolved<'a>(part: &'a Value, schema: &'a Value) -> &'a Value {
 fn choice(one: &Value) -> Option<ParameterChoice> {
     let text = |key| one.get(key).and_then(Value::as_str);
     Some(ParameterChoice { name: text("const")?.into(), about: text("description").unwrap_or_default().into() })
-}
-
-/// Parses the first range in a text such as `1..=64`.
-pub(crate) fn bounds(range: &str) -> Option<[f64; 2]> {
-    let (min, rest) = range.split_once("..=")?;
-    let max = rest.split(|c: char| c == ',' || c.is_whitespace()).next()?;
-    Some([min.parse().ok()?, max.parse().ok()?])
 }
 
 #[cfg(test)]
