@@ -20,22 +20,22 @@ struct ViewFile {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a view, such as { orbit = 30 }")]
 struct WrittenView {
-    /// Time at which the user changes to the view [ms].
+    /// Time at which the user changes to the view (ms).
     at_ms: Option<f64>,
     /// Camera.
     camera: Option<WrittenCamera>,
-    /// Rotation of the camera about the model, around the vertical axis and upwards [degrees].
+    /// Rotation of the camera about the model, around the vertical axis and upwards (degrees).
     #[schemars(with = "Option<[f64; 2]>")]
     turn: Option<ExactList<2>>,
     /// Zoom factor about the image centre.
     #[schemars(range(min = 0.01, max = 100.0))]
     zoom: Option<f64>,
-    /// Rotation of the camera around the vertical axis [degrees].
+    /// Rotation of the camera around the vertical axis (degrees).
     orbit: Option<f64>,
     /// Direction to the light in world space.
     #[schemars(with = "Option<[f64; 3]>")]
     light: Option<ExactList<3>>,
-    /// Rotation of the light around the vertical axis [degrees].
+    /// Rotation of the light around the vertical axis (degrees).
     light_orbit: Option<f64>,
 }
 
