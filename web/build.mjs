@@ -8,7 +8,7 @@ import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { build } from "esbuild";
 
 /** Largest size of the page [bytes, brotli]: 1,403,912 measured with bottleneck ladders and two JPEG decoders. */
-const BUDGET = 1_430_000;
+const BUDGET = 1_480_000;
 
 const here = dirname(fileURLToPath(import.meta.url));
 const [wasmPath, folder] = process.argv.slice(2);
