@@ -1,8 +1,8 @@
 //! Complete machines computed by hand: every cycle of every unit, and every slot of every FIFO.
 
-use crate::common::{PlanBuilder, account, histogram, report, small_memory, starts};
+use crate::common::{PlanBuilder, account, histogram, report, small_cache, small_memory, starts};
 use basrelief_kernel::{CacheCounts, Latencies, PortCounts, RowCounts, RunReport};
-use basrelief_kernel_conformance::plan::{PlanCache, PlanLookUp, PlanRequest, UnitKind};
+use basrelief_kernel_conformance::plan::{PlanLookUp, PlanRequest, UnitKind};
 
 /// Compares the cycle breakdown of some units and the histograms of some FIFOs.
 fn check(report: &RunReport, total: u64, accounts: &[(&str, &str)], histograms: &[(&str, &[u64])]) {
@@ -132,21 +132,10 @@ fn two_clients_of_one_memory() {
 /// | 4 | 1 | merged with the second | | 13 | 16 |
 #[test]
 fn cache_miss_under_miss() {
-    let (name, port) = ("cache".into(), "p".into());
     let lookups = vec![PlanLookUp { stride: 32, offset: 0, span: 64 }];
     let mut draw = PlanBuilder::default();
     draw.memory(small_memory(), &[("p", 8)])
-        .cache(PlanCache {
-            name,
-            port,
-            line_bytes: 32,
-            sets: 4,
-            ways: 1,
-            hit_latency: 2,
-            lookups_per_cycle: 1,
-            at_once: true,
-            always_hits: false,
-        })
+        .cache(small_cache("p"))
         .fifo("in", 4, 1)
         .fifo("out", 4, 1)
         .unit("source", UnitKind::Source { tokens: 4 }, ["", "in"], &[1], &[0])

@@ -1,25 +1,14 @@
 //! Tests that invalid plans are rejected by name.
 
-use crate::common::{PlanBuilder, small_memory};
-use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, PlanMachine, PlanPeriodic, PlanRequest, UnitKind};
+use crate::common::{PlanBuilder, small_cache, small_memory};
+use basrelief_kernel_conformance::plan::{Plan, PlanLookUp, PlanMachine, PlanPeriodic, PlanRequest, UnitKind};
 
 fn good() -> Plan {
     let request = PlanRequest { port: "p".into(), write: false, bytes: 4, stride: 4, offset: 0, span: 64 };
     let lookups = vec![PlanLookUp { stride: 4, offset: 0, span: 64 }];
-    let (name, port) = ("cache".into(), "q".into());
     let mut draw = PlanBuilder::default();
     draw.memory(small_memory(), &[("p", 2), ("q", 2)])
-        .cache(PlanCache {
-            name,
-            port,
-            line_bytes: 32,
-            sets: 4,
-            ways: 1,
-            hit_latency: 2,
-            lookups_per_cycle: 1,
-            at_once: true,
-            always_hits: false,
-        })
+        .cache(small_cache("q"))
         .fifo("a", 1, 1)
         .fifo("b", 1, 1)
         .fifo("c", 1, 1)

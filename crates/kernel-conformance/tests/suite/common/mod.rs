@@ -87,6 +87,14 @@ pub fn small_memory() -> PlanMemory {
     PlanMemory { name: "memory".into(), config, ports: vec![], periodic: vec![] }
 }
 
+/// Returns the cache `cache` of a port: four sets of one line of 32 bytes, hits after 2 cycles, one look-up per cycle. All look-ups of a
+/// step are made at its start.
+pub fn small_cache(port: &str) -> PlanCache {
+    let (name, port) = ("cache".into(), port.into());
+    let (line_bytes, sets, ways, hit_latency, lookups_per_cycle) = (32, 4, 1, 2, 1);
+    PlanCache { name, port, line_bytes, sets, ways, hit_latency, lookups_per_cycle, at_once: true, always_hits: false }
+}
+
 pub fn machine(plan: &Plan) -> PlanMachine {
     PlanMachine::new(plan).unwrap()
 }

@@ -3,7 +3,7 @@
 //!
 //! The memory is that of law 4, with lines of 32 bytes and a hit latency of 2.
 
-use crate::common::{PlanBuilder, report, run_both, small_memory, starts};
+use crate::common::{PlanBuilder, report, run_both, small_cache, small_memory, starts};
 use basrelief_kernel::CacheCounts;
 use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, UnitKind};
 
@@ -12,22 +12,11 @@ fn look_up(stride: u64, offset: u64) -> PlanLookUp {
 }
 
 fn client(tokens: u64, (sets, ways, per_cycle): (u32, u32, u32), lookups: Vec<PlanLookUp>) -> Plan {
-    let (name, port) = ("cache".into(), "p".into());
     let mut draw = PlanBuilder::default();
     draw.fifo("in", 8, 1)
         .fifo("out", 8, 1)
         .memory(small_memory(), &[("p", 8)])
-        .cache(PlanCache {
-            name,
-            port,
-            line_bytes: 32,
-            sets,
-            ways,
-            hit_latency: 2,
-            lookups_per_cycle: per_cycle,
-            at_once: true,
-            always_hits: false,
-        })
+        .cache(PlanCache { sets, ways, lookups_per_cycle: per_cycle, ..small_cache("p") })
         .unit("source", UnitKind::Source { tokens }, ["", "in"], &[1], &[0])
         .unit("client", UnitKind::Cached { cache: "cache".into(), lookups }, ["in", "out"], &[1], &[0])
         .unit("sink", UnitKind::Sink, ["out", ""], &[1], &[0]);

@@ -1,7 +1,7 @@
 //! Law 6: memories determine times, never data. Results do not depend on the cycle. The functional model runs the same steps with
 //! a handle that answers at once.
 
-use crate::common::{PlanBuilder, report, sink_tokens, small_memory};
+use crate::common::{PlanBuilder, report, sink_tokens, small_cache, small_memory};
 use basrelief_kernel::Request;
 use basrelief_kernel::{MemoryConfig, MemoryPorts, Outcome};
 use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest, UnitKind};
@@ -10,23 +10,12 @@ use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, PlanMemory
 fn plan(memory: PlanMemory, outstanding: u32) -> Plan {
     let read = PlanRequest { port: "p".into(), write: false, bytes: 40, stride: 52, offset: 4, span: 512 };
     let look_up = PlanLookUp { stride: 12, offset: 0, span: 256 };
-    let (name, port) = ("cache".into(), "q".into());
     let mut draw = PlanBuilder::default();
     for fifo in ["a", "b", "left", "right", "c", "d"] {
         draw.fifo(fifo, 2, 1);
     }
     draw.memory(memory, &[("p", outstanding), ("q", outstanding)])
-        .cache(PlanCache {
-            name,
-            port,
-            line_bytes: 32,
-            sets: 2,
-            ways: 1,
-            hit_latency: 1,
-            lookups_per_cycle: 1,
-            at_once: true,
-            always_hits: false,
-        })
+        .cache(PlanCache { sets: 2, hit_latency: 1, ..small_cache("q") })
         .unit("source", UnitKind::Source { tokens: 40 }, ["", "a"], &[1], &[0])
         .unit("reader", UnitKind::Access { requests: vec![read] }, ["a", "b"], &[1, 3], &[0, 9])
         .unit("route", UnitKind::Route, ["b", "left right"], &[1], &[0])

@@ -1,6 +1,6 @@
 //! Law 9: every cycle of every unit is busy, done, or charged to the first cause that applies. The sum is the total.
 
-use crate::common::{PlanBuilder, account, report, small_memory};
+use crate::common::{PlanBuilder, account, report, small_cache, small_memory};
 use basrelief_kernel_conformance::plan::{Plan, PlanCache, PlanLookUp, PlanPort, PlanRequest, UnitKind};
 
 /// A source, a unit of the given kind with a port and a cache available, and a sink.
@@ -89,18 +89,7 @@ fn hit_latency_counts_as_memory() {
     // Line 0 twice, the second time long after the first. A third token follows directly, into one slot.
     let lookups = vec![PlanLookUp { stride: 0, offset: 0, span: 64 }];
     let mut plan = around(UnitKind::Cached { cache: "cache".into(), lookups }, 3, 8, 1, 1);
-    let (name, port) = ("cache".into(), "p".into());
-    plan.caches.push(PlanCache {
-        name,
-        port,
-        line_bytes: 32,
-        sets: 1,
-        ways: 1,
-        hit_latency: 4,
-        lookups_per_cycle: 1,
-        at_once: true,
-        always_hits: false,
-    });
+    plan.caches.push(PlanCache { sets: 1, hit_latency: 4, ..small_cache("p") });
     plan.units[0].occupancy = vec![20, 1, 1];
     // Step 0 at 1: answer 9 + 4 = 13, popped 14. Step 1 at 21: hit, answer 25, visible and popped 26, slot free 27: step 2. Of 22
     // .. 26: 22, 23, 24 are memory, 25 and 26 the FIFO. Answer 31, popped 32: 33 cycles.
