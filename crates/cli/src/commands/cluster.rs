@@ -4,7 +4,8 @@ use crate::args::{PlanArgs, SweepArgs};
 use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
 use basrelief_dse::{Plan, PlanPoint, SweepFolder};
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// Maximum array size in the default configuration of Slurm.
 const MOST_TASKS: usize = 1000;
@@ -26,10 +27,15 @@ pub fn missing_points<'a>(plan: &'a Plan, folder: &SweepFolder) -> Vec<&'a PlanP
 pub fn commands(plan: &Plan, folder: &SweepFolder, args: &SweepArgs, global: &GlobalOptions) -> CommandResult<String> {
     let command = command(args, global)?;
     let mut groups: Vec<Vec<&PlanPoint>> = Vec::new();
+    // The last group of each work, because a plan may have thousands of works.
+    let mut last: BTreeMap<&str, usize> = BTreeMap::new();
     for point in missing_points(plan, folder) {
-        match groups.iter_mut().find(|group| group[0].work == point.work && group.len() < MOST_POINTS) {
-            Some(group) => group.push(point),
-            None => groups.push(vec![point]),
+        match last.get(point.work.as_str()) {
+            Some(&group) if groups[group].len() < MOST_POINTS => groups[group].push(point),
+            _ => {
+                last.insert(&point.work, groups.len());
+                groups.push(vec![point]);
+            }
         }
     }
     let line = |group: Vec<&PlanPoint>| {
@@ -83,7 +89,7 @@ fn command(args: &SweepArgs, global: &GlobalOptions) -> CommandResult<String> {
     Ok(command)
 }
 
-fn absolute(path: &Path) -> CommandResult<std::path::PathBuf> {
+fn absolute(path: &Path) -> CommandResult<PathBuf> {
     std::path::absolute(path).map_err(CommandError::at_file(path, "be resolved"))
 }
 
