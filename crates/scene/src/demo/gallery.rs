@@ -128,7 +128,8 @@ fn hang(shop: &mut DemoBuilder, frames: &mut Mesh, number: u32, size: [u32; 2], 
     const MIDDLE: f64 = 1.75;
     let shape = f64::from(size[0]) / f64::from(size[1]);
     let height = HIGHEST.min(place.room / shape);
-    let picture = shop.picture(&format!("picture {number}"), size, |u, v| painting(number, u, v));
+    let painting = painting(number, size[0]);
+    let picture = shop.picture(&format!("picture {number}"), size, |u, v| painting.at(u, v));
     let material = shop.dull(&picture.name, [1.0; 3], Some(picture.clone()));
     let right = DVec3::Y.cross(place.out);
     let plate = |margin: f64, off: f64| {

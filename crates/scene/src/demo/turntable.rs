@@ -1,6 +1,6 @@
 //! A box that turns close to the eye.
 
-use super::paintings::{landscape, mosaic, rings, stripes};
+use super::paintings::{Landscape, Mosaic, Painting, Rings, Stripes};
 use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, WHOLE, rectangle};
 use crate::camera::{Projection, Viewpoint};
 use crate::view::LightOrbit;
@@ -11,12 +11,13 @@ use glam::{DMat4, DVec3};
 /// quarter of the distance of its middle: perspective is strong, and each side is only two triangles.
 pub(super) fn build() -> DemoScene {
     let mut shop = DemoBuilder::default();
-    let pictures = [
-        shop.picture("rings", [256, 256], |u, v| rings(5, u, v)),
-        shop.picture("landscape", [384, 256], |u, v| landscape(9, u, v)),
-        shop.picture("mosaic", [256, 256], |u, v| mosaic(3, u, v)),
-        shop.picture("stripes", [200, 120], |u, v| stripes(7, u, v)),
+    let paintings: [(&str, [u32; 2], &dyn Painting); 4] = [
+        ("rings", [256, 256], &Rings::new(5)),
+        ("landscape", [384, 256], &Landscape::new(9, 384)),
+        ("mosaic", [256, 256], &Mosaic::new(3)),
+        ("stripes", [200, 120], &Stripes::new(7)),
     ];
+    let pictures = paintings.map(|(name, size, painting)| shop.picture(name, size, |u, v| painting.at(u, v)));
     let sides = [DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::NEG_X];
     for (picture, out) in pictures.into_iter().zip(sides) {
         let material = shop.dull(&picture.name, [1.0; 3], Some(picture.clone()));

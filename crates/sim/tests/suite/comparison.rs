@@ -1,20 +1,19 @@
 //! Explanations of the difference of two runs, on all machines.
 
-use crate::common::CollectedRecording;
+use crate::common::{CollectedRecording, demo_scene};
 use basrelief_input::MemoryPool;
 use basrelief_report::{MeasuredCauses, Report};
-use basrelief_scene::{ViewOptions, demo};
+use basrelief_scene::ViewOptions;
 use basrelief_sim::{
     AnalysisPolicy, ExplainOptions, MACHINES, MachineInfo, Overrides, RecordedRun, RecordingError, RunInput, RunOptions, run,
 };
 use std::io::Cursor;
-use std::sync::Arc;
 
 type Settings = Vec<(String, String)>;
 
 fn input(machine: &MachineInfo) -> RunInput {
     let options = ViewOptions { size: [40, 30], frames: Some(2), orbit_degrees: Some(20.0), ..ViewOptions::default() };
-    RunInput::scene(Arc::new(demo(machine.demos[0], &options).unwrap()))
+    RunInput::scene(demo_scene(machine.demos[0], &options))
 }
 
 fn settings(set: &[(&str, &str)]) -> Settings {

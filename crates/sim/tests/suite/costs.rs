@@ -1,10 +1,11 @@
 //! Costs: every cycle of every unit is charged exactly once.
 
+use crate::common::demo_scene;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::{CycleAccount, Engine, Recorder, RunReport};
 use basrelief_report::costs::CycleBreakdown as Told;
 use basrelief_report::model::Figure;
-use basrelief_scene::{ViewOptions, demo};
+use basrelief_scene::ViewOptions;
 use basrelief_signals::Scene;
 use basrelief_sim::{
     AnalysisPolicy, AuxOutput, CostKind, CycleBreakdown, MachineInfo, NoObserver, Observer, PARTS, RunCosts, RunInput,
@@ -31,7 +32,7 @@ const CASES: [(&str, &[(&str, &str)]); 12] = [
 
 fn scene(name: &str, frames: u32) -> Arc<Scene> {
     let options = ViewOptions { size: [64, 48], frames: Some(frames), ..ViewOptions::default() };
-    Arc::new(demo(name, &options).unwrap())
+    demo_scene(name, &options)
 }
 
 fn options(demo: &str, settings: &[(&str, &str)]) -> RunOptions {

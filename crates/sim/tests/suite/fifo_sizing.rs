@@ -1,9 +1,9 @@
 //! FIFO sizing on all machines: every choice keeps its tolerance and has no spare slot.
 
-use crate::common::CollectedRecording;
+use crate::common::{CollectedRecording, demo_scene};
 use basrelief_input::MemoryPool;
 use basrelief_report::model::OutcomeKind;
-use basrelief_scene::{ViewOptions, demo};
+use basrelief_scene::ViewOptions;
 use basrelief_sim::{
     AnalysisPolicy, DepthChoice, MACHINES, MachineInfo, Overrides, PreparedScene, ResimulateOptions, RunInput, RunOptions,
     resimulate, run, size_fifos,
@@ -11,12 +11,11 @@ use basrelief_sim::{
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::Cursor;
-use std::sync::Arc;
 
 /// Returns the first demo of a machine, small, with everything that its runs share.
 fn small_demo(machine: &MachineInfo) -> PreparedScene {
     let options = ViewOptions { size: [16, 12], frames: Some(1), ..ViewOptions::default() };
-    PreparedScene::cached(Arc::new(demo(machine.demos[0], &options).unwrap()), &MemoryPool::default())
+    PreparedScene::cached(demo_scene(machine.demos[0], &options), &MemoryPool::default())
 }
 
 /// Runs a scene with these settings. Returns the render cycles, `None` if the run does not finish, and the recording if requested.

@@ -1,11 +1,11 @@
 //! Bottleneck ladder: every rung takes the cycles that it promises, and a group of saturated units is found.
 
+use crate::common::demo_scene;
 use basrelief_report::Report;
 use basrelief_report::model::{Bottlenecks, IDEAL_MEMORY, RelaxedSet};
-use basrelief_scene::{ViewOptions, demo};
+use basrelief_scene::ViewOptions;
 use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, NoObserver, Overrides, RunInput, RunOptions, run};
 use serde_json::Value;
-use std::sync::Arc;
 
 type Settings = Vec<(String, String)>;
 
@@ -15,7 +15,7 @@ fn ran(machine: &MachineInfo, demo_name: &str, size: [u32; 2], settings: &Settin
     let overrides = Overrides { toml: String::new(), settings: settings.clone() };
     let config = overrides.config(machine, &[]).unwrap();
     let options_of_run = RunOptions { config, exact: false, bottlenecks, overrides, ..RunOptions::default() };
-    run(RunInput::scene(Arc::new(demo(demo_name, &options).unwrap())), &options_of_run, &mut NoObserver, None).unwrap().report
+    run(RunInput::scene(demo_scene(demo_name, &options)), &options_of_run, &mut NoObserver, None).unwrap().report
 }
 
 fn settings(set: &[String]) -> Settings {

@@ -1,11 +1,11 @@
 //! Independence of work from timing, on all machines: recordings, resimulation, bottlenecks, and explanations of differences.
 
-use crate::common::CollectedRecording;
+use crate::common::{CollectedRecording, demo_scene};
 use basrelief_input::MemoryPool;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::Report;
 use basrelief_report::model::OutcomeKind;
-use basrelief_scene::{ViewOptions, demo};
+use basrelief_scene::ViewOptions;
 use basrelief_signals::Scene;
 use basrelief_sim::{
     AnalysisPolicy, MACHINES, MachineConfig, MachineInfo, Observer, Overrides, Recording, RecordingError, ResimulateOptions,
@@ -22,7 +22,7 @@ type Settings = Vec<(String, String)>;
 /// Returns a small scene of the machine's first demo, or its trace.
 fn scene(machine: &MachineInfo) -> Arc<Scene> {
     let options = ViewOptions { size: [40, 30], frames: Some(2), orbit_degrees: Some(20.0), ..ViewOptions::default() };
-    Arc::new(demo(machine.demos[0], &options).unwrap())
+    demo_scene(machine.demos[0], &options)
 }
 
 fn of_scene(machine: &MachineInfo) -> RunInput {

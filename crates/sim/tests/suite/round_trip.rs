@@ -1,5 +1,6 @@
 //! Scene to trace and back: pictures and timing of a replayed trace.
 
+use crate::common::demo_scene;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{MemoryPorts, Unit};
 use basrelief_machines::FrontConfig;
@@ -8,7 +9,7 @@ use basrelief_parameters::load;
 use basrelief_reference::{QualityMetrics, RgbPicture};
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
-use basrelief_scene::{ViewOptions, demo};
+use basrelief_scene::ViewOptions;
 use basrelief_signals::{Control, Scene};
 use basrelief_sim::{FramePictures, NoObserver, Observer, RunInput, RunOptions, display_list, run, trace_header};
 use basrelief_trace::{BeginCommand, TraceEncoding, TraceForm, TraceRecorder};
@@ -18,7 +19,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 fn scene(name: &str, frames: u32) -> Arc<Scene> {
     let options = ViewOptions { size: [64, 48], frames: Some(frames), ..ViewOptions::default() };
-    Arc::new(demo(name, &options).unwrap())
+    demo_scene(name, &options)
 }
 
 fn config(settings: &[(&str, &str)]) -> BumpProcessorConfig {
