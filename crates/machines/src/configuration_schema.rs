@@ -1,6 +1,7 @@
 //! Ranges of parameters in the JSON schema of a configuration. The types alone give none.
 
 use basrelief_parameters::Parameter;
+use basrelief_signals::reference_pointer;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -27,8 +28,7 @@ pub fn with_ranges(mut schema: Value, parameters: &[Parameter]) -> Value {
 /// Returns the JSON pointer to a parameter's property. It follows the references of the groups.
 fn pointer_to(schema: &Value, key: &str) -> Option<String> {
     key.split('.').try_fold(String::new(), |at, part| {
-        let reference = schema.pointer(&at)?.get("$ref").and_then(Value::as_str);
-        let group = reference.map_or(at.as_str(), |reference| reference.trim_start_matches('#'));
+        let group = reference_pointer(schema.pointer(&at)?).unwrap_or(&at);
         let property = format!("{group}/properties/{part}");
         schema.pointer(&property).is_some().then_some(property)
     })

@@ -3,6 +3,7 @@
 use crate::configuration_schema::bounds;
 use crate::registry::MachineConfig;
 use basrelief_parameters::Parameter;
+use basrelief_signals::resolve_reference;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -97,8 +98,8 @@ impl MachineConfig {
 }
 
 fn takes(parameter: &Parameter, schema: &Value) -> AllowedValues {
-    let named = parameter.key.split('.').try_fold(schema, |at, part| resolved(at, schema).get("properties")?.get(part));
-    let named = named.map_or(&Value::Null, |named| resolved(named, schema));
+    let named = parameter.key.split('.').try_fold(schema, |at, part| resolve_reference(at, schema).get("properties")?.get(part));
+    let named = named.map_or(&Value::Null, |named| resolve_reference(named, schema));
     if let Some(choices) = named.get("oneOf").and_then(Value::as_array) {
         return AllowedValues::Choice { choices: choices.iter().filter_map(choice).collect() };
     }
@@ -108,12 +109,6 @@ fn takes(parameter: &Parameter, schema: &Value) -> AllowedValues {
         (Value::Number(_), Some([min, max])) => AllowedValues::Integer { min, max },
         _ => AllowedValues::Text,
     }
-}
-
-/// Follows a reference within a schema.
-fn resolved<'a>(part: &'a Value, schema: &'a Value) -> &'a Value {
-    let place = part.get("$ref").and_then(Value::as_str).and_then(|place| place.strip_prefix('#'));
-    place.and_then(|place| schema.pointer(place)).unwrap_or(part)
 }
 
 fn choice(one: &Value) -> Option<ParameterChoice> {

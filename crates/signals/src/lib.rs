@@ -56,7 +56,7 @@ pub use packet::{
     ColorToken, DepthToken, LINE_NUMBER, LINE_PIXELS, PACKET_PIXELS, Packet, PixelPacket, PixelPlace, PixelToken, line_of, lines,
 };
 pub use polygon::{LightingStage, MeshInfo, ObjectInfo, Polygon, SentAttributes, Vertex, VertexAttributes};
-pub use schema::schema_of;
+pub use schema::{reference_pointer, resolve_reference, schema_of};
 pub use wire_fields::{BitWidth, FieldWidth, SignalWidths, WireField, WireFields};
 
 /// Tests the example of the README.

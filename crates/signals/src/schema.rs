@@ -3,6 +3,7 @@
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
+use serde_json::Value;
 
 /// Returns the JSON schema (2020-12) of a type.
 ///
@@ -13,6 +14,16 @@ pub fn schema_of<T: JsonSchema>(name: &str) -> Schema {
     let mut schema = settings.into_generator().into_root_schema_for::<T>();
     schema.insert("$id".into(), format!("urn:basrelief:schema:{name}").into());
     schema
+}
+
+/// Returns the JSON pointer of a reference (`$ref`) to another part of the same schema; `None` if the part is no such reference.
+pub fn reference_pointer(part: &Value) -> Option<&str> {
+    part.get("$ref")?.as_str()?.strip_prefix('#')
+}
+
+/// Returns the part of a schema that a reference names; otherwise the part itself.
+pub fn resolve_reference<'a>(part: &'a Value, schema: &'a Value) -> &'a Value {
+    reference_pointer(part).and_then(|pointer| schema.pointer(pointer)).unwrap_or(part)
 }
 
 /// Replaces the format of a number by its range. Wider types have no range, because JSON readers may round such limits.
@@ -51,6 +62,16 @@ mod tests {
         #[schemars(range(min = 1, max = 9))]
         limited: u32,
         format: Vec<f32>,
+    }
+
+    #[test]
+    fn references_lead_to_their_part() {
+        let schema =
+            serde_json::json!({ "$defs": { "A": { "type": "array" } }, "a": { "$ref": "#/$defs/A" }, "b": { "$ref": "#/c" } });
+        assert_eq!(resolve_reference(&schema["a"], &schema), &schema["$defs"]["A"]);
+        assert_eq!(resolve_reference(&schema["$defs"]["A"], &schema), &schema["$defs"]["A"]);
+        assert_eq!(resolve_reference(&schema["b"], &schema), &schema["b"], "a part that does not exist");
+        assert_eq!(reference_pointer(&schema["a"]), Some("/$defs/A"));
     }
 
     #[test]

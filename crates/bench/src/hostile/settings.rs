@@ -4,6 +4,7 @@ use super::mutate::ODD_NUMBERS;
 use super::random::RandomChoice as _;
 use basrelief_dse::SplitMix64;
 use basrelief_parameters::Parameter;
+use basrelief_signals::resolve_reference;
 use basrelief_sim::MachineInfo;
 use serde_json::Value;
 
@@ -71,17 +72,10 @@ fn choices(machine: &MachineInfo, key: &str) -> Vec<String> {
         return machine.units().iter().map(|unit| unit.name.clone()).collect();
     }
     let schema = &machine.schema();
-    let property = |at: &'_ Value, part: &str| resolved(schema, &at["properties"][part]);
-    let found = key.split('.').fold(schema.clone(), |at, part| property(&at, part));
+    let found = key.split('.').fold(schema, |at, part| resolve_reference(&at["properties"][part], schema));
     let constants = found["oneOf"].as_array().into_iter().flatten().flat_map(|one| [&one["const"], &one["enum"][0]]);
     let names = found["enum"].as_array().into_iter().flatten().chain(constants);
     names.filter_map(|name| name.as_str().map(str::to_owned)).collect()
-}
-
-/// Resolves the reference of a schema.
-fn resolved(schema: &Value, at: &Value) -> Value {
-    let pointer = at["$ref"].as_str().and_then(|place| place.strip_prefix('#'));
-    pointer.and_then(|pointer| schema.pointer(pointer)).unwrap_or(at).clone()
 }
 
 #[cfg(test)]

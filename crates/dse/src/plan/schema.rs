@@ -2,7 +2,7 @@
 
 use super::axes::RangeSteps;
 use super::written::PlanFile;
-use basrelief_signals::schema_of;
+use basrelief_signals::{resolve_reference, schema_of};
 use basrelief_sim::{MACHINES, MachineInfo};
 use serde_json::{Map, Value, json};
 
@@ -11,15 +11,14 @@ use serde_json::{Map, Value, json};
 pub fn plan_schema(machine: &MachineInfo, view: &Value) -> Value {
     let mut plan = schema_of::<PlanFile>(&format!("plan-{}", machine.name)).to_value();
     let mut config = machine.schema();
-    let definitions = config["$defs"].take();
     let whole = json!({ "properties": config["properties"].take(), "additionalProperties": false });
     let axes = of_groups(
         &whole,
-        &definitions,
+        &config,
         &|parameter| json!({ "anyOf": [{ "type": "array", "items": parameter, "minItems": 1 }, { "$ref": "#/$defs/Range" }] }),
     );
     let excluded =
-        of_groups(&whole, &definitions, &|parameter| json!({ "anyOf": [parameter, { "type": "array", "items": parameter }] }));
+        of_groups(&whole, &config, &|parameter| json!({ "anyOf": [parameter, { "type": "array", "items": parameter }] }));
     let properties = &mut plan["properties"];
     properties["machine"] = json!({ "enum": MACHINES.iter().map(|m| m.name).collect::<Vec<_>>(), "description": "Machine." });
     describe(&mut properties["config"], json!({ "anyOf": [{ "type": "string" }, { "$ref": "#/$defs/Configuration" }] }));
@@ -29,7 +28,7 @@ pub fn plan_schema(machine: &MachineInfo, view: &Value) -> Value {
     for (name, schema) in [("views", view), ("zip", &axes), ("exclude", &excluded)] {
         properties[name]["items"] = schema.clone();
     }
-    let mut kept = definitions;
+    let mut kept = config["$defs"].take();
     merge(&mut kept, plan["$defs"].take());
     kept["Configuration"] = whole;
     kept["Range"] = schema_of::<RangeSteps>("range").to_value();
@@ -53,12 +52,12 @@ fn merge(into: &mut Value, from: Value) {
 /// Returns the schema of a table with the groups of a configuration, whose parameters have another schema.
 ///
 /// A key in quotes, such as `"replacement.lanes"`, may name a parameter in a group.
-fn of_groups(group: &Value, definitions: &Value, of_parameter: &dyn Fn(&Value) -> Value) -> Value {
-    let group = referenced(group, definitions);
+fn of_groups(group: &Value, config: &Value, of_parameter: &dyn Fn(&Value) -> Value) -> Value {
+    let group = resolve_reference(group, config);
     let mut properties = Map::new();
     for (name, property) in group["properties"].as_object().into_iter().flatten() {
-        let schema = match referenced(property, definitions) {
-            inner if inner.get("properties").is_some() => of_groups(inner, definitions, of_parameter),
+        let schema = match resolve_reference(property, config) {
+            inner if inner.get("properties").is_some() => of_groups(inner, config, of_parameter),
             _ => {
                 let mut schema = of_parameter(property);
                 schema["description"] = property["description"].clone();
@@ -68,11 +67,6 @@ fn of_groups(group: &Value, definitions: &Value, of_parameter: &dyn Fn(&Value) -
         properties.insert(name.clone(), schema);
     }
     json!({ "type": "object", "properties": properties, "patternProperties": { "[.]": {} }, "additionalProperties": false })
-}
-
-fn referenced<'a>(schema: &'a Value, definitions: &'a Value) -> &'a Value {
-    let name = schema.get("$ref").and_then(Value::as_str).and_then(|place| place.strip_prefix("#/$defs/"));
-    name.and_then(|name| definitions.get(name)).unwrap_or(schema)
 }
 
 #[cfg(test)]

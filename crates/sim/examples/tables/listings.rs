@@ -1,6 +1,7 @@
 //! Listings that are files of their own: every parameter of every machine, and every key of a report.
 
 use basrelief_parameters::Parameter;
+use basrelief_signals::resolve_reference;
 use basrelief_sim::MACHINES;
 use serde_json::Value;
 use std::error::Error;
@@ -73,7 +74,7 @@ fn walk(schema: &Value, part: &Value, path: &str, rows: &mut Vec<Vec<String>>) {
 fn resolved<'a>(schema: &'a Value, part: &'a Value) -> &'a Value {
     let choices = part["anyOf"].as_array().into_iter().flatten();
     let part = choices.into_iter().find(|choice| choice["type"] != "null").unwrap_or(part);
-    part["$ref"].as_str().and_then(|at| schema.pointer(at.trim_start_matches('#'))).unwrap_or(part)
+    resolve_reference(part, schema)
 }
 
 /// The type of a key, in JSON's words.

@@ -1,6 +1,7 @@
 //! A small file can expand into large data. Each field is counted and refused above the limit.
 
 use basrelief_input::MemoryPool;
+use basrelief_signals::resolve_reference;
 use basrelief_trace::*;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -249,14 +250,10 @@ fn dropped_tokens_are_not_counted() {
 #[test]
 fn table_of_fields_matches_schema() {
     let schema = schema();
-    let resolve = |value: &Value| match value.get("$ref").and_then(Value::as_str) {
-        Some(reference) => schema.pointer(reference.trim_start_matches('#')).expect("a definition").clone(),
-        None => value.clone(),
-    };
     let mut known = BTreeSet::new();
     for variant in schema["oneOf"].as_array().expect("commands") {
         for (name, command) in variant["properties"].as_object().expect("a command") {
-            let fields = resolve(command)["properties"].as_object().cloned().unwrap_or_default();
+            let fields = resolve_reference(command, &schema)["properties"].as_object().cloned().unwrap_or_default();
             known.extend(fields.keys().map(|field| (name.clone(), field.clone())));
         }
     }
