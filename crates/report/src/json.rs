@@ -74,6 +74,11 @@ fn from_schema_2(mut report: Report) -> Report {
     report.schema = SCHEMA.into();
     report.derived = derive(&report);
     for limit in report.bottlenecks.iter_mut().flat_map(|of| &mut of.single) {
+        // Version 0.1 named FIFOs, memories and caches without the group of their parameters.
+        let group = limit.set.first().and_then(|set| set.split_once('.')).map(|(group, _)| group);
+        if let Some(group @ ("fifo" | "memory" | "cache")) = group {
+            limit.resource = format!("{group}.{}", limit.resource);
+        }
         limit.what = match limit.what.as_str() {
             "a cycle per step" => FULLY_PIPELINED,
             "slots without bound" => UNBOUNDED_FIFO,
@@ -168,9 +173,12 @@ mod tests {
             text = text.replace(&format!("\"{new}\""), &format!("\"{old}\""));
         }
         assert_eq!(Report::from_json(&text).unwrap(), report);
-        let limits = r#"[{"resource": "a", "what": "a cycle per step", "set": [], "cycles": 3, "saved": 1}]"#;
+        let limits = r#"[{"resource": "a", "what": "a cycle per step", "set": [], "cycles": 3, "saved": 1},
+            {"resource": "a", "what": "no latency", "set": ["memory.a.cl=0"], "cycles": 3, "saved": 1}]"#;
         let text = text.replacen("\"figures\"", &format!("\"limits\": {limits}, \"figures\""), 1);
-        assert_eq!(Report::from_json(&text).unwrap().bottlenecks.unwrap().single[0].what, FULLY_PIPELINED);
+        let single = Report::from_json(&text).unwrap().bottlenecks.unwrap().single;
+        assert_eq!([&*single[0].resource, &*single[0].what], ["a", FULLY_PIPELINED]);
+        assert_eq!([&*single[1].resource, &*single[1].what], ["memory.a", "zero latency"]);
     }
 
     #[test]

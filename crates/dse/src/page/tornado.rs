@@ -49,10 +49,9 @@ fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
         ]
     });
     use Align::{Left, Right};
-    let span = format!("{} to {}", rounded(low), rounded(high));
     let columns = [
         ("axis", Left),
-        (span.as_str(), Left),
+        ("", Left),
         ("change of mean", Right),
         ("lowest mean", Right),
         ("at", Left),
@@ -60,6 +59,6 @@ fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
         ("at", Left),
         ("change of best", Right),
     ];
-    let caption = format!("Mean of {}", sweep.header(objective));
+    let caption = format!("Mean of {}; bars lie between {} and {}", sweep.header(objective), rounded(low), rounded(high));
     el("div", &[("class", "bars")], [with_cells(&caption, &columns, rows.collect())])
 }

@@ -1,6 +1,6 @@
 //! The bottleneck: a sentence, the ladder, bars of the saved cycles, and the critical path.
 
-use super::markup::{Html, details, el, el_text, sentence, text};
+use super::markup::{Html, breakable, details, el, el_text, sentence, text};
 use super::svg::{BarPart, bar, labelled_bar, percent_of};
 use super::table::with_cells;
 use super::units::legend;
@@ -27,16 +27,16 @@ fn waterfall(report: &Report) -> Html {
     let rows = ladder(report);
     let total = report.frame_cycles();
     let work = work(report).one;
-    let rate = format!("{work}s/cycle");
-    let columns = [("relaxed", Left), ("cycles left", Left), ("", Right), ("saved so far", Right), (rate.as_str(), Right)];
+    let rate = format!("{work}s per cycle");
+    let columns = [("relaxed", Left), ("", Left), ("cycles left", Right), ("saved so far", Right), (rate.as_str(), Right)];
     let cells = rows.iter().map(|row| {
         let saved = row.before.saturating_sub(row.cycles);
         let parts: [BarPart; 2] = [("busy", "left".into(), row.cycles), ("amount", "saved by this rung".into(), saved)];
         let so_far = percent_of(total.saturating_sub(row.cycles), total);
-        vec![text(row.name()), bar(&parts, total), text(thousands(row.cycles)), text(so_far), text(&row.rate)]
+        vec![breakable(row.name()), bar(&parts, total), text(thousands(row.cycles)), text(so_far), text(&row.rate)]
     });
     let table = with_cells("Bottleneck ladder: each rung adds to the rungs above it", &columns, cells.collect());
-    let rungs = rows.iter().skip(1).map(|row| vec![text(row.name()), options(row.set)]);
+    let rungs = rows.iter().skip(1).map(|row| vec![breakable(row.name()), options(row.set)]);
     let sets = with_cells("Options of a full run", &[("rung", Left), ("options", Left)], rungs.collect());
     if rows.is_empty() {
         return Html::default();
@@ -52,6 +52,11 @@ fn options(set: &[String]) -> Html {
     el_text("code", "", set.iter().map(|set| format!("--set {set}")).collect::<Vec<_>>().join(" "))
 }
 
+/// The resource and its relaxation.
+fn relaxed(limit: &RelaxedCycles) -> Html {
+    [breakable(&limit.resource), el_text("span", "quiet", format!(" {}", limit.what))].into_iter().collect()
+}
+
 /// Table of the cycles that each relaxation saves.
 fn savings_table(report: &Report) -> Html {
     let limits: &[RelaxedCycles] = report.bottlenecks.as_ref().map_or(&[], |of| &of.single);
@@ -59,23 +64,15 @@ fn savings_table(report: &Report) -> Html {
         return Html::default();
     }
     let total = report.frame_cycles();
-    let columns =
-        [("resource", Left), ("relaxation", Left), ("cycles saved", Left), ("", Right), ("share", Right), ("cycles left", Right)];
+    let columns = [("relaxed", Left), ("", Left), ("cycles saved", Right), ("share", Right), ("cycles left", Right)];
     let row = |limit: &RelaxedCycles| {
         let part: BarPart = ("amount", "saved".into(), limit.saved);
         let (saved, then) = (thousands(limit.saved), thousands(limit.cycles));
-        vec![
-            text(&limit.resource),
-            text(&limit.what),
-            bar(&[part], total),
-            text(saved),
-            text(percent_of(limit.saved, total)),
-            text(then),
-        ]
+        vec![relaxed(limit), bar(&[part], total), text(saved), text(percent_of(limit.saved, total)), text(then)]
     };
     let caption = format!("Measured by resimulation, of {} render cycles", thousands(total));
     let table = with_cells(&caption, &columns, limits.iter().map(row).collect());
-    let settings = limits.iter().map(|limit| vec![text(format!("{}, {}", limit.resource, limit.what)), options(&limit.set)]);
+    let settings = limits.iter().map(|limit| vec![relaxed(limit), options(&limit.set)]);
     let settings = with_cells("Options of a full run", &[("relaxation", Left), ("options", Left)], settings.collect());
     [el("div", &[("class", "bars")], [table]), details("Options to reproduce these", settings)].into_iter().collect()
 }

@@ -108,8 +108,8 @@ fn bars(a: &Report, b: &Report) -> Html {
             Some(vec![heading, words(which), bar(&parts, whole.max(own)), words(thousands(unit?.busy))])
         })
     });
-    let columns = [("unit", Left), ("", Left), ("render cycles, common scale", Left), ("busy", Right)];
-    let table = with_cells("Units, A above B", &columns, rows.collect());
+    let columns = [("unit", Left), ("", Left), ("", Left), ("busy", Right)];
+    let table = with_cells("Render cycles of units, A above B on a common scale", &columns, rows.collect());
     [units::legend(units::STATES), el("div", &[("class", "bars compared")], [table])].into_iter().collect()
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 /// Elements without an end tag.
-const VOID: [&str; 2] = ["meta", "img"];
+const VOID: [&str; 3] = ["meta", "img", "wbr"];
 
 /// A piece of a page.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -46,6 +46,13 @@ impl FromIterator<Html> for Html {
 /// A text, escaped.
 pub fn text(text: impl AsRef<str>) -> Html {
     Html(escape(text.as_ref()))
+}
+
+/// Names, escaped, with places for line breaks after the separators within them.
+pub(super) fn breakable(names: impl AsRef<str>) -> Html {
+    let parts = names.as_ref().split_inclusive(['.', '_']);
+    let place = |part: &str| if part.ends_with(['.', '_']) { el("wbr", &[], []) } else { Html::default() };
+    parts.flat_map(|part| [text(part), place(part)]).collect()
 }
 
 /// Returns an element with attributes and children.
@@ -115,6 +122,11 @@ mod tests {
     #[test]
     fn names_between_backticks_are_code() {
         assert_eq!(sentence("The unit `a<b` waits.").into_text(), "The unit <code>a&lt;b</code> waits.");
+    }
+
+    #[test]
+    fn long_names_break_at_their_separators() {
+        assert_eq!(breakable("fifo.a_b, c<").into_text(), "fifo.<wbr/>a_<wbr/>b, c&lt;");
     }
 
     #[test]

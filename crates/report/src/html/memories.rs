@@ -1,6 +1,6 @@
 //! Traffic of the memories over time, and latencies of requests.
 
-use super::markup::{Html, details, el, el_text, text};
+use super::markup::{Html, breakable, details, el, el_text, text};
 use super::svg::{BarPart, ColumnChart, Ruler, bar, bins, mean, percent_of, px};
 use super::table::{html, with_cells};
 use crate::model::{Client, Memory, Report};
@@ -64,9 +64,9 @@ fn clients(name: &str, memory: &Memory, most: u64) -> Html {
     let row = |(name, client): (&String, &Client)| {
         let hits = if client.bursts == 0 { String::new() } else { percent_of(client.row_hits, client.bursts) };
         let part: BarPart = ("amount", "bytes".into(), client.moved_bytes);
-        vec![text(name), bar(&[part], most), text(thousands(client.moved_bytes)), text(hits)]
+        vec![breakable(name), bar(&[part], most), text(thousands(client.moved_bytes)), text(hits)]
     };
-    let columns = [("client", Left), ("bytes moved", Left), ("", Right), ("row hits", Right)];
+    let columns = [("client", Left), ("", Left), ("bytes moved", Right), ("row hits", Right)];
     let table = with_cells(&format!("Clients of {name}"), &columns, memory.clients.iter().map(row).collect());
     el("div", &[("class", "bars")], [table])
 }

@@ -152,7 +152,7 @@ fn areas(report: &Report) -> Html {
         ]
     };
     let caption = format!("Area by place: {} gate equivalents (NAND2) in all", thousands(sum.area_ge));
-    let columns = [("where", Align::Left), ("area", Align::Left), ("gate equivalents", Align::Right), ("share", Align::Right)];
+    let columns = [("where", Align::Left), ("", Align::Left), ("gate equivalents", Align::Right), ("share", Align::Right)];
     el("div", &[("class", "bars")], [with_cells(&caption, &columns, places.iter().map(row).collect())])
 }
 

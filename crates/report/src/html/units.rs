@@ -49,8 +49,8 @@ pub(super) fn units(report: &Report) -> Html {
     let Some(units) = &report.units else { return Html::default() };
     let rows: Vec<Vec<Html>> = units.iter().map(|(name, unit)| row(report, name, unit)).collect();
     let base = if report.breakdown_cycles() == report.frame_cycles() { "render cycles" } else { "all cycles of the run" };
-    let columns = [("unit", Left), (base, Left), ("busy", Right), ("main stall", Left), ("share", Right)];
-    let table = with_cells("Units, in the order of the block diagram", &columns, rows);
+    let columns = [("unit", Left), ("", Left), ("busy", Right), ("main stall", Left), ("share", Right)];
+    let table = with_cells(&format!("Units, in the order of the block diagram, by {base}"), &columns, rows);
     [legend(STATES), el("div", &[("class", "bars")], [table])].into_iter().collect()
 }
 

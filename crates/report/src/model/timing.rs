@@ -123,8 +123,7 @@ pub struct Bottlenecks {
 /// Render cycles with several resources relaxed. A full run with the options of `set` takes exactly these cycles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RelaxedSet {
-    /// Relaxed resources in the order of their relaxation. Units have their names. FIFOs, memories and caches have the names of their
-    /// parameters, such as `memory.graphics`, because a unit may have the same name.
+    /// Relaxed resources in the order of their relaxation, with names as in [`RelaxedCycles::resource`].
     pub relaxed: Vec<String>,
     /// Parameters, as `--set` takes them.
     pub set: Vec<String>,
@@ -162,7 +161,8 @@ pub(super) fn read_bottlenecks<'de, D: Deserializer<'de>>(from: D) -> Result<Opt
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "Limit")]
 pub struct RelaxedCycles {
-    /// Relaxed unit, FIFO, memory or cache.
+    /// Relaxed resource. A unit has its name. FIFOs, memories and caches have the names of their parameters, such as
+    /// `memory.graphics`, because a unit may have the same name.
     pub resource: String,
     /// Relaxation, such as `fully pipelined (II = 1)`.
     #[serde(rename = "relaxation", alias = "what")]
@@ -173,12 +173,4 @@ pub struct RelaxedCycles {
     pub cycles: u64,
     /// Saved render cycles.
     pub saved: u64,
-}
-
-impl RelaxedCycles {
-    /// Returns the name of the resource among all kinds, as in [`RelaxedSet::relaxed`].
-    pub fn id(&self) -> String {
-        let group = self.set.first().and_then(|set| set.split_once('.')).map_or("", |(group, _)| group);
-        if ["fifo", "memory", "cache"].contains(&group) { format!("{group}.{}", self.resource) } else { self.resource.clone() }
-    }
 }

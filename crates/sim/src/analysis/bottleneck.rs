@@ -188,8 +188,8 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
 
     fn bottleneck(&self, relaxation: Relaxation, cycles: u64) -> Option<RelaxedCycles> {
         let saved = self.run.marked_cycles().checked_sub(cycles).filter(|saved| *saved > 0)?;
-        let Relaxation { resource, what, set, .. } = relaxation;
-        let set = set.into_iter().map(|(key, value)| format!("{key}={value}")).collect();
+        let (resource, what) = (relaxation.id(), relaxation.what);
+        let set = relaxation.set.into_iter().map(|(key, value)| format!("{key}={value}")).collect();
         Some(RelaxedCycles { resource, what: what.into(), set, cycles, saved })
     }
 

@@ -97,6 +97,9 @@ fn resources_of_a_ladder_have_names_of_their_own() {
         let is_group = keys.iter().any(|key| key.starts_with(&format!("{resource}.")) && resource.contains('.'));
         assert!(is_group || units.contains(resource), "{resource} is no unit and no group of parameters");
     }
+    // Single relaxations have the names of the ladder.
+    let single = |name: &str| bottlenecks(&report).single.iter().any(|single| single.resource == name);
+    assert!(single("graphics") && single("memory.graphics"), "{:?}", bottlenecks(&report).single);
     let groups: Vec<&str> = last.relaxed.iter().filter_map(|resource| Some(resource.split_once('.')?.0)).collect();
     assert!(groups.contains(&"memory") && groups.contains(&"fifo"), "{last:?}");
 }
@@ -113,7 +116,8 @@ fn ideal_memory_of_ladder_is_that_of_presets() {
             .to_vec();
     let report = ran(machine, "golf-ball", [40, 30], &own, AnalysisPolicy::Always);
     let single = bottlenecks(&report).single.iter().find(|limit| limit.what == IDEAL_MEMORY).expect("a slow memory");
+    let memory = single.resource.strip_prefix("memory.").expect("the name of a memory");
     let all = own.iter().cloned().chain(settings(&single.set)).collect();
     let config: Value = Overrides { toml: String::new(), settings: all }.config(machine, &[]).unwrap().to_value();
-    assert_eq!(config["memory"][&single.resource], preset["memory"][&single.resource]);
+    assert_eq!(config["memory"][memory], preset["memory"][memory]);
 }

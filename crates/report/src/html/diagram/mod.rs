@@ -6,7 +6,7 @@ mod tests;
 use super::markup::{Html, el, el_text, text};
 use super::svg::{percent_of, px, rect, stacked_rects, svg_sized};
 use super::units::{self, breakdown_parts};
-use crate::model::{RelaxedCycles, Report};
+use crate::model::Report;
 use crate::text::sections::{in_frames, mean_occupancy};
 use basrelief_machines::{BlockDiagram, CellSide, PlacedText, WireCell};
 
@@ -44,7 +44,7 @@ pub(super) fn block_diagram(report: &Report, diagram: &str) -> Html {
 /// Resources that limit the run: those that are saturated together, or the one whose relaxation saves most.
 fn bottleneck_resources(report: &Report) -> Vec<String> {
     let Some(of) = &report.bottlenecks else { return vec![] };
-    let single = || of.single.first().map(RelaxedCycles::id).into_iter().collect();
+    let single = || of.single.first().map(|best| best.resource.clone()).into_iter().collect();
     of.balanced.as_ref().map_or_else(single, |balanced| balanced.relaxed.clone())
 }
 
