@@ -74,7 +74,7 @@ fn relaxed_it(limit: &RelaxedCycles) -> String {
 fn relaxation_in_words(limit: &RelaxedCycles) -> String {
     let name = &limit.resource;
     match limit.what.as_str() {
-        UNBOUNDED_FIFO => format!("An unbounded `{name}` FIFO would save"),
+        UNBOUNDED_FIFO => format!("An unbounded `{name}` would save"),
         FULLY_PIPELINED => format!("`{name}` fully pipelined (II = 1) would save"),
         other => format!("`{name}` with {other} would save"),
     }
@@ -204,10 +204,10 @@ mod tests {
         assert!(sentence(&report).unwrap().starts_with("No single bottleneck"));
         report.bottlenecks = single(vec![
             limit("search", FULLY_PIPELINED, total / 2, total),
-            limit("texels", UNBOUNDED_FIFO, total / 4, total),
+            limit("fifo.texels", UNBOUNDED_FIFO, total / 4, total),
             limit("reader", FULLY_PIPELINED, total / 8, total),
         ]);
-        let expected = "Bottleneck: `search`. Fully pipelined (II = 1) it would save 50 % of the cycles. An unbounded `texels` FIFO \
+        let expected = "Bottleneck: `search`. Fully pipelined (II = 1) it would save 50 % of the cycles. An unbounded `fifo.texels` \
                         would save 25 %.";
         assert_eq!(sentence(&report).unwrap(), expected);
         assert_eq!(table(&report).render(TextStyle::default()).lines().count(), 5);
