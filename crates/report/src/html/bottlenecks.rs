@@ -42,7 +42,7 @@ fn waterfall(report: &Report) -> Html {
         return Html::default();
     }
     let colours = [("busy", "cycles left"), ("amount", "saved by this rung")];
-    [el("div", &[("class", "bars")], [table]), legend(colours), details("Options to reproduce the ladder", sets)]
+    [el("div", &[("class", "bars rungs")], [table]), legend(colours), details("Options to reproduce the ladder", sets)]
         .into_iter()
         .collect()
 }

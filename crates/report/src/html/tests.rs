@@ -189,3 +189,25 @@ fn a_comparison_shows_both_and_what_explains_it() {
     check_well_formed(&two);
     assert!(two.contains("id=\"units-1\"") && two.contains("id=\"units-2\"") && !two.contains("id=\"units\""));
 }
+
+/// Returns the luminance of each colour that the style sheet names, in the light and in the dark theme. A gamma of 2 is close enough.
+fn luminances() -> [std::collections::BTreeMap<&'static str, f64>; 2] {
+    let luminance = |hex: &str| {
+        let channel = |at: usize| (f64::from(u8::from_str_radix(&hex[at..at + 2], 16).unwrap()) / 255.0).powi(2);
+        0.2126 * channel(0) + 0.7152 * channel(2) + 0.0722 * channel(4)
+    };
+    let themes: Vec<&str> = STYLE.split(":root {").skip(1).take(2).map(|theme| theme.split('}').next().unwrap()).collect();
+    let colours = |theme: &'static str| {
+        let named = theme.split("--").skip(1).filter_map(|part| part.split_once(": #"));
+        named.map(|(name, value)| (name, luminance(&value[..6]))).collect()
+    };
+    [colours(themes[0]), colours(themes[1])]
+}
+
+#[test]
+fn red_and_green_differ_in_luminance() {
+    for theme in luminances() {
+        let [red, green] = [theme["blocked"] + 0.05, theme["busy"] + 0.05];
+        assert!(green / red > 2.0, "busy and blocked differ by a factor of {}", green / red);
+    }
+}

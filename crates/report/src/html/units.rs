@@ -66,3 +66,29 @@ fn row(report: &Report, name: &str, unit: &Unit) -> Vec<Html> {
         text(wait.map_or(String::new(), |(_, n)| percent_of(n, whole))),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    /// A unit such as the video output works after the last frame. The breakdowns of all units then cover all cycles.
+    #[test]
+    fn breakdowns_of_all_units_have_the_same_base() {
+        let mut report = samples::balanced();
+        let total = samples::TOTAL;
+        report.cycles.as_mut().unwrap().drain = 1_000;
+        for (done_of_last, base) in [(1_000, total - 1_000), (999, total), (0, total)] {
+            let units = report.units.as_mut().unwrap();
+            let last = units.len() - 1;
+            for (at, unit) in units.values_mut().enumerate() {
+                let done = if at == last { done_of_last } else { 5_000 };
+                (unit.busy, unit.done) = (unit.busy + unit.done - done, done);
+            }
+            for (name, unit) in report.units.as_ref().unwrap() {
+                let (parts, whole) = breakdown_parts(&report, unit);
+                assert_eq!((whole, parts.iter().map(|(.., cycles)| cycles).sum()), (base, base), "{name}, {done_of_last}");
+            }
+        }
+    }
+}
