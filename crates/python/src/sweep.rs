@@ -124,8 +124,13 @@ pub fn explore(
     let ((points, seconds, seed), (retry_failed, pictures)) = (limit, options);
     let limit = match (points, seconds.map(Duration::try_from_secs_f64)) {
         (Some(points), None) if points > 0 => Budget::Points(points),
-        (None, Some(Ok(time))) => Budget::Time(time),
-        _ => return Err(CommandError::Usage("expected `budget`, a number of points, or `seconds`, and not both".into()).into()),
+        (None, Some(Ok(time))) if !time.is_zero() => Budget::Time(time),
+        _ => {
+            return Err(CommandError::Usage(
+                "expected `budget`, a number of points, or `seconds`, which are more than 0, and not both".into(),
+            )
+            .into());
+        }
     };
     let (name, text, memory_limit) = plan;
     let Plan { plan, files } = Plan::new(py, name, &text, memory_limit)?;

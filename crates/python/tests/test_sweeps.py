@@ -89,8 +89,26 @@ def test_an_exploration_is_that_of_the_program_and_resumes(plan: Path, program: 
     assert files(out) == files(expected) and str(found).splitlines()[-1] in said
     again = basrelief.explore(plan, budget=5, out=out)
     assert (again.reused, again.run, again.resimulated, str(again)) == (again.points, 0, 0, str(found))
-    with pytest.raises(basrelief.UsageError):
-        basrelief.explore(plan, out=out)
+    for limit in ({}, {"budget": 5, "seconds": 1.0}, {"budget": 0}, {"seconds": 0.0}, {"seconds": -1.0}):
+        with pytest.raises(basrelief.UsageError, match="`budget`.*`seconds`"):
+            basrelief.explore(plan, out=out, **limit)
+
+
+def test_an_exploration_takes_a_seed_and_a_time(plan: Path, program: Program, tmp_path: Path) -> None:
+    # Depths without effect, so that points tie.
+    depths = "fifo.interpolated.depth = [8, 9, 10, 11, 12]\nfifo.draws.depth = [16, 17, 18, 19, 20]\n"
+    text = PLAN.replace('["demo:ellipsoid@2", "patch.obj"]', '"demo:ellipsoid@2"')
+    plan.write_text(text.replace(text[text.index("fifo.") :], depths))
+    chosen = []
+    for seed in (0, 1):
+        expected, out = tmp_path / f"program-{seed}", tmp_path / f"here-{seed}"
+        program("explore", plan, "--budget", 6, "--seed", seed, "--out", expected)
+        assert basrelief.explore(plan, budget=6, seed=seed, out=out).points == 6
+        assert files(out) == files(expected)
+        chosen.append({path.name for path in (out / "points").iterdir()})
+    assert chosen[0] != chosen[1], "another seed chooses other points"
+    timed = basrelief.explore(plan, seconds=600.0, out=tmp_path / "timed")
+    assert (timed.points, timed.share) == (timed.grid, 1.0)
 
 
 def test_workers_leave_the_same_bytes(client: Any, plan: Path, expected: dict[str, bytes], tmp_path: Path) -> None:

@@ -128,15 +128,16 @@ def explore(
     retry_failed: bool = False,
     memory_limit: int | None = None,
 ) -> Exploration:
-    """Finds the Pareto front of a plan with few runs, as `basrelief explore` does.
+    """Finds the Pareto front of a plan with few runs, as `basrelief explore` does. The plan has one input.
 
-    `budget`: maximum number of points.
-    `seconds`: time after which no round of points begins; instead of `budget`.
+    `budget`: maximum number of points. Give either `budget` or `seconds`.
+    `seconds`: time after which no round of points begins.
     `seed`: choose differently among points that promise the same; 0 prefers the first in the plan.
     The other options are those of `sweep`. Points with a result in the folder `out` are not run again, so an interrupted exploration
     continues where it stopped.
 
-    Raises `InputError` for an invalid plan, and `UsageError` without a limit.
+    Ctrl-C stops between two points and keeps finished points. Raises `InputError` for an invalid plan, and `UsageError` unless exactly
+    one limit is given.
     """
     name, folder = Path(plan), Path(out)
     made: _Made = (str(name), _basrelief.read_text(name), memory_limit)
