@@ -67,13 +67,15 @@ pub struct ViewArgs {
     /// Number of frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: Option<u32>,
-    /// Rotates the camera about the model by this angle over all frames (degrees).
+    /// Rotates the camera about the model by this angle over all frames (degrees). Frame k of N, from 0, has turned by k / N of
+    /// it, so one frame alone does not turn.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
     pub orbit: Option<f64>,
     /// Direction to the light in world space; replaces the lights of the scene.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
     pub light: Option<[f64; 3]>,
-    /// Rotates the light about the vertical axis by this angle over all frames (degrees).
+    /// Rotates the light about the vertical axis by this angle over all frames (degrees). Frame k of N, from 0, has turned by k
+    /// / N of it, so one frame alone does not turn.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
     pub light_orbit: Option<f64>,
     /// View file (TOML or JSON) with one frame per view: `views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit = 30 }]`. Each view

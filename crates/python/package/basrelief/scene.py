@@ -51,7 +51,8 @@ def scene(
     `turn`: rotation of the camera about the model: around the vertical axis, then upwards [degrees].
     `zoom`: zoom factor about the image centre.
     `frames`: number of frames.
-    `orbit`, `light_orbit`: rotation of the camera or the light about the model over all frames [degrees].
+    `orbit`, `light_orbit`: rotation of the camera or the light about the model over all frames [degrees]. Frame k of n, from 0, has
+    turned by k / n of it, so one frame alone does not turn.
     `light`: direction to the light in world space; replaces the lights of the scene.
     `memory_limit`: memory limit of the scene [bytes; default 1 GiB].
     `allow_outside`: the model may name files outside its folder, with `../`.
