@@ -1,6 +1,7 @@
 //! Recording, replaying, converting, verifying.
 
 use crate::support::{Place, sha256};
+use basrelief_report::number::thousands;
 use std::fs;
 
 const FORMS: [&str; 4] = ["t.jsonl", "t.jsonl.zst", "t.bdl", "t.bdl.zst"];
@@ -28,8 +29,11 @@ fn replay_gives_same_image_in_every_form() {
 #[test]
 fn conversion_there_and_back_is_identical() {
     let place = Place::new();
-    place.ok("record PATCH --size 48x36 --out t.jsonl");
+    let said = place.ok("record PATCH --size 48x36 --out t.jsonl").out;
     let canonical = place.bytes("t.jsonl");
+    let lines = canonical.iter().filter(|byte| **byte == b'\n').count();
+    let expected = format!("Written to t.jsonl: {} commands of 1 frame, {} bytes", lines - 1, thousands(canonical.len() as u64));
+    assert_eq!(said.trim_end(), expected);
     assert_eq!(place.ok("record PATCH --size 48x36 --out -").out.as_bytes(), canonical);
     for form in &FORMS[1..] {
         place.ok(&format!("convert t.jsonl {form}"));

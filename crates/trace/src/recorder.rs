@@ -40,6 +40,11 @@ impl<W: Write> TraceRecorder<W> {
         describer.describe(control, &mut |command| writer.write(command))
     }
 
+    /// Number of commands so far.
+    pub fn commands(&self) -> u64 {
+        self.writer.count()
+    }
+
     /// Writes the expectations and `end`; gives the writer back.
     ///
     /// # Errors

@@ -41,13 +41,15 @@ pub fn record(args: &RecordArgs, global: &GlobalOptions) -> CommandResult {
     if !global.quiet && args.out != Path::new("-") {
         let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
         let (frames, with) = (scene.frames.len(), if args.expect { ", with expectations" } else { "" });
-        let text = format!("{} commands of {frames} frames, {} bytes{with}", thousands(commands), thousands(bytes));
+        let s = if frames == 1 { "" } else { "s" };
+        let text = format!("{} commands of {frames} frame{s}, {} bytes{with}", thousands(commands), thousands(bytes));
         print(&format!("Written to {}: {text}\n", args.out.display()))?;
     }
     Ok(())
 }
 
-/// Writes the trace of a scene with this form and header. Returns the number of commands.
+/// Writes the trace of a scene with this form and header. Returns the number of commands before `end`,
+/// which states it, too.
 pub fn write_list(
     scene: &Arc<Scene>,
     config: &MachineConfig,
@@ -61,12 +63,11 @@ pub fn write_list(
     let _copies = copies().map_err(CommandError::in_input(&scene.name))?;
     let failed = CommandError::in_input(&scene.name);
     let mut recorder = TraceRecorder::new(writer, form, begin).map_err(&failed)?;
-    let mut commands = 0;
-    for control in display_list(scene, config) {
+    for (at, control) in (1_u64..).zip(display_list(scene, config)) {
         recorder.record(&control).map_err(&failed)?;
-        commands += 1;
-        progress.set_position(commands);
+        progress.set_position(at);
     }
+    let commands = recorder.commands() + expectations.len() as u64;
     recorder.finish(expectations).map(|_| commands).map_err(failed)
 }
 
