@@ -3,7 +3,7 @@
 use super::data::SweepView;
 use super::labels::rounded;
 use crate::effects::{Effect, effects};
-use basrelief_report::html::markup::{Html, el, el_text, text};
+use basrelief_report::html::markup::{Html, breakable, el, el_text, text};
 use basrelief_report::html::svg::{rect, svg};
 use basrelief_report::html::{Align, with_cells};
 
@@ -38,7 +38,7 @@ fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
         let shape = rect("amount", [from, 0.0, (to - from).max(2.0), 10.0], "");
         let says = format!("from {} at {} to {} at {}", rounded(least.mean), least.label, rounded(most.mean), most.label);
         vec![
-            text(&sweep.table.columns[effect.axis].name),
+            breakable(&sweep.table.columns[effect.axis].name),
             svg("bar", (1000.0, 10.0), &says, "none", shape),
             text(rounded(effect.mean_range())),
             text(rounded(least.mean)),

@@ -49,7 +49,7 @@ pub fn text(text: impl AsRef<str>) -> Html {
 }
 
 /// Names, escaped, with places for line breaks after the separators within them.
-pub(super) fn breakable(names: impl AsRef<str>) -> Html {
+pub fn breakable(names: impl AsRef<str>) -> Html {
     let parts = names.as_ref().split_inclusive(['.', '_']);
     let place = |part: &str| if part.ends_with(['.', '_']) { el("wbr", &[], []) } else { Html::default() };
     parts.flat_map(|part| [text(part), place(part)]).collect()

@@ -93,6 +93,15 @@ fn each_place_has_a_bar_of_its_area() {
 }
 
 #[test]
+fn ladder_is_drawn_as_a_waterfall() {
+    // Of 1,000,000 cycles, the first rung saves 700,000 and the second 100,000 more.
+    let page = page(&full("coin"));
+    for bar in ["left 100.0 %", "left 30.0 %, saved by this rung 70.0 %", "left 20.0 %, saved by this rung 10.0 %"] {
+        assert!(page.contains(&format!("aria-label=\"{bar}\"")), "{bar}");
+    }
+}
+
+#[test]
 fn names_are_escaped() {
     let bad = "\"/><script>alert('x')</script>";
     let mut report = full(bad);

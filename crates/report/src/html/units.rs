@@ -1,6 +1,6 @@
 //! Cycle breakdown of each unit.
 
-use super::markup::{Html, el, el_text, text};
+use super::markup::{Html, breakable, el, el_text, text};
 use super::svg::{BarPart, bar, percent_of};
 use super::table::with_cells;
 use crate::bottleneck::{Stall, largest_stall, stalls};
@@ -62,7 +62,7 @@ fn row(report: &Report, name: &str, unit: &Unit) -> Vec<Html> {
         [text(name), numeral].into_iter().collect(),
         bar(&parts, whole),
         text(percent_of(unit.busy, whole)),
-        text(wait.map_or(String::new(), |(wait, _)| cause(wait))),
+        breakable(wait.map_or(String::new(), |(wait, _)| cause(wait))),
         text(wait.map_or(String::new(), |(_, n)| percent_of(n, whole))),
     ]
 }
