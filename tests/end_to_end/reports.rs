@@ -1,6 +1,7 @@
 //! Outputs of a run: the report on disk and on standard output, tables, the time line, and comparisons.
 
 use crate::support::{Place, is_valid, picture, without_host};
+use basrelief_report::number::thousands;
 use serde_json::Value;
 
 const SMALL: &str = "demo mixed --size 64x48";
@@ -65,13 +66,29 @@ fn quiet_prints_nothing_but_errors() {
 #[test]
 fn csv_and_time_line_are_written_on_request() {
     let place = Place::new();
-    place.ok(&format!("{SMALL} --csv --timeline run.pftrace --waves run.fst"));
+    let said = place.ok(&format!("{SMALL} --csv --timeline run.pftrace --waves run.fst --html run.html")).out;
+    let (_, written) = said.split_once("\nWritten to out/: ").expect("a list of files");
+    let expected = "image.png, reference.png, difference.png, report.json, report.csv, run.recording\n--timeline: run.pftrace\n\
+                    --waves: run.fst\n--html: run.html\n";
+    assert_eq!(written, expected);
     let csv = place.text("out/report.csv");
     let columns = csv.lines().next().expect("a header").split(',').count();
     assert!(columns > 1 && csv.lines().count() > 50, "{csv}");
-    assert_eq!(place.names(""), ["out", "run.fst", "run.pftrace"]);
+    assert_eq!(place.names(""), ["out", "run.fst", "run.html", "run.pftrace"]);
     assert!(packets(&place.bytes("run.pftrace")) > 100);
     assert!(place.bytes("run.fst").len() > 1000);
+}
+
+// A unit is stated once per figure, and the table of units says that tokens hold several fragments.
+#[test]
+fn tables_state_units_once_and_fragments_beside_tokens() {
+    let place = Place::new();
+    let said = place.ok(&format!("{SMALL} --tables units,figures")).out;
+    let fragments = thousands(place.report("out")["figures"]["fragments"].as_u64().expect("a count"));
+    let base = format!("; a token holds several fragments or is control: {fragments} fragments in all\n");
+    assert!(said.contains(&base), "{said}");
+    let row = said.lines().find(|line| line.starts_with("vertex_cache_hits ")).expect("a figure");
+    assert_eq!(row.matches("vertices").count(), 1, "{row}");
 }
 
 #[test]

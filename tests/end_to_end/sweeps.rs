@@ -418,6 +418,10 @@ fn exploration_reports_share_of_front() {
     let few = files(&place.path("out"));
     place.ok("explore plan.toml --budget 10 --threads 1 --out alone");
     same(&files(&place.path("alone")), &few);
+    // An exploration that continues a shorter one makes the same choices.
+    place.ok("explore plan.toml --budget 6 --out resumed");
+    assert!(place.ok("explore plan.toml --budget 10 --out resumed").out.starts_with("10 points: 6 reused, "));
+    same(&files(&place.path("resumed")), &few);
     // The sweep reuses the points of the exploration. After it, the whole grid is known.
     assert!(place.ok("sweep plan.toml").out.starts_with("24 points: 10 reused, "));
     let said = place.ok("explore plan.toml --budget 10").out;
