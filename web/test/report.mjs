@@ -1,4 +1,4 @@
-// Tests the pages of reports in Chromium: the demo of each machine at the widths of a screen, a tablet and phones.
+// Tests the pages of reports in Chromium: the demo of each machine at the widths of a screen, a tablet and a phone.
 //
 //   node web/test/report.mjs PROGRAM [FOLDER_FOR_PICTURES]
 import assert from "node:assert/strict";
@@ -59,7 +59,7 @@ try {
     const page = await browser.chromium.newPage();
     await page.goto(pathToFileURL(file).href);
     for (const colorScheme of ["light", "dark"]) {
-      for (const width of [1400, 820, 390, 320]) {
+      for (const width of [1400, 820, 390]) {
         await page.emulateMedia({ colorScheme });
         await page.setViewportSize({ width, height: 900 });
         const where = `${demo}, ${width} pixels`;

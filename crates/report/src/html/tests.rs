@@ -58,7 +58,7 @@ fn check_well_formed(page: &str) {
             assert_eq!(open.pop(), Some(name), "closed here: <{tag}>");
             continue;
         }
-        let (name, attributes) = tag.split_once(' ').unwrap_or((tag, ""));
+        let (name, attributes) = tag.split_once(' ').unwrap_or((tag.trim_end_matches('/'), ""));
         assert!(attributes.matches('"').count() % 2 == 0 && name.chars().all(|c| c.is_ascii_alphanumeric()), "<{tag}>");
         if !tag.ends_with('/') {
             open.push(name);
