@@ -82,7 +82,11 @@ int main(int argc, char** argv) {
     bool waves = argc > 2;
     if (waves) open_waves(argv[2]);
     reset(true);
-    for (int i = 0; i < 3; i++) clock_edge();
+    for (int i = 0; i < 3; i++) {
+        // A clock edge needs a low clock before it.
+        settle();
+        clock_edge();
+    }
     reset(false);
     std::vector<size_t> reserved(INPUTS), pushed(INPUTS), delivered(OUTPUTS), popped(OUTPUTS), given(OUTPUTS);
     std::vector<size_t> at_ready(CLIENTS), requested(CLIENTS);

@@ -103,6 +103,17 @@ class Recording:
             return [(step["start"], step["given"][port]) for step in steps if port in step["given"]]
         return [step["start"] for step in steps if step["taken"] >> port & 1]
 
+    def port_cycles(self, requests, k, cache):
+        """Returns the cycles in which a step issues look-ups and requests through a memory client, which may have a cache."""
+        cycles = sum(kind in "rw" and client == k for kind, client, *_ in requests)
+        if cache:
+            config = self.config["cache"][cache]
+            looked_up = [(address, size) for kind, client, address, size in requests if kind == "l" and client == k]
+            size = config["line_bytes"]
+            lines = {line for address, count in looked_up for line in range(address // size, (address + count - 1) // size + 1)}
+            cycles += -(-len(lines) // config["lookups_per_cycle"])
+        return cycles
+
     def number(self, stage, name):
         """Returns a table of one number."""
         return self.tables[stage][name][0]

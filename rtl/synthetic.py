@@ -3,6 +3,7 @@
 The expected results come from the few lines of Python below, which share no code with the simulator. All numbers come from a seed.
 """
 
+import dataclasses
 import random
 
 from recording import Recording, replaced
@@ -36,59 +37,57 @@ class Wire:
         return self.visible[-1]
 
 
+@dataclasses.dataclass
+class Made:
+    """Step of a unit. Requests are kind, client, address and bytes."""
+
+    occupancy: int
+    latency: int
+    given: dict
+    requests: list = dataclasses.field(default_factory=list)
+    is_blocking: bool = False
+    # Cycles from the last answer to the delivery.
+    after: int = 0
+
+
 class Synthetic(Recording):
     """Vectors of one stage, in the form of a recording."""
 
-    def __init__(self, base, stage_name, seed, tables=None):
+    def __init__(self, base, stage_name, seed, tables=None, caches=None):
         self.path = f"synthetic-{seed}"
         self.machine, self.config, self.fields, self.stages = base.machine, base.config, base.fields, base.stages
-        self.clients, self.credits, self.in_flight = base.clients, base.credits, {}
+        self.clients, self.credits, self.in_flight, self.caches = base.clients, base.credits, {}, caches or {}
         self.random = random.Random(f"{stage_name} {seed}")
         stage = self.only = base.stage(stage_name)
         self.tables = {**base.tables, stage: {**base.tables.get(stage, {}), **(tables or {})}}
         self.fifos = [dict(fifo, depth=self.random.randint(1, 6)) for fifo in base.fifos]
         self.latency = {name: self.random.randint(1, 3) for name in base.latency}
         self.steps, self.visible, self.answers, self.end = {stage: []}, {}, {stage: {}}, 0
-        self.producer = next(n for n, s in enumerate(base.stages) if self.stages[stage]["inputs"][0] in s["outputs"])
 
     def generate(self, tokens, steps_of):
-        """Executes the laws of time. `steps_of(bits)` yields the steps of a token: occupancy, latency, tokens by output, requests, and true if
-        the step is blocking."""
-        names = self.stages[self.only]
-        [name], outputs = names["inputs"], names["outputs"]
-        wires = {fifo: Wire(self.fifos[self.fifo(fifo)]["depth"], self.latency[fifo]) for fifo in [name, *outputs]}
-        port = self.stages[self.producer]["outputs"].index(name)
-        pauses = self.random.choice([0, 3, 20])
-        free = produced = delivered = answered = 0
-        for bits in tokens:
-            produced = max(produced + 1, wires[name].room()) + self.random.randint(0, pauses)
-            delivered = max(delivered + 1, produced + self.random.randint(0, 5))
-            visible = wires[name].deliver(delivered)
-            self.steps.setdefault(self.producer, []).append(dict(start=produced, end=produced + 1, taken=0, given={port: bits}, requests=[]))
-            for taken, (occupancy, latency, given, requests, is_blocking) in enumerate(steps_of(bits)):
-                start = max([free, *(wires[fifo].room() for fifo in outputs), visible if taken == 0 else 0])
-                if taken == 0:
-                    wires[name].pops.append(start)
-                free = start + occupancy
-                if is_blocking:
-                    answered = max(answered, start + self.random.randint(1, 40))
-                    self.answers[self.only][len(self.steps[self.only])] = [answered]
-                    free = max(free, answered)
-                for o, _ in sorted(given.items()):
-                    wire = wires[outputs[o]]
-                    shown = wire.deliver(start + latency)
-                    wire.pops.append(max([shown, *(last + 1 for last in wire.pops[-1:])]) + self.random.randint(0, pauses))
-                self.steps[self.only].append(dict(start=start, end=start + occupancy, taken=int(taken == 0), given=given, requests=requests))
-        return self.finish(wires, outputs, free)
+        """Executes the laws of time for a unit with one input. `steps_of(bits)` yields the steps of a token: occupancy, latency, tokens by output,
+        requests, and true if the step is blocking."""
+        pending = []
+
+        def step(taken):
+            pending.extend(Made(*made) for bits in taken.values() for made in steps_of(bits))
+            return pending.pop(0)
+
+        return self.execute([tokens], lambda: [] if pending else [0], step)
 
     def join(self, streams, demand, step):
         """As `generate`, for a unit with several inputs. `demand()` returns the inputs that the next step pops, `step(tokens)` its occupancy, latency and
-        tokens by output. Ends with the first input that has no token."""
+        tokens by output."""
+        return self.execute(streams, demand, lambda taken: Made(*step(taken)))
+
+    def execute(self, streams, demand, step):
+        """Executes the laws of time, with random backpressure, answer times and pauses of memory clients. Ends with the first input that has no
+        token. `step(tokens)` returns a `Made`."""
         names = self.stages[self.only]
         inputs, outputs = names["inputs"], names["outputs"]
         wires = {fifo: Wire(self.fifos[self.fifo(fifo)]["depth"], self.latency[fifo]) for fifo in [*inputs, *outputs]}
-        pauses = [self.random.choice([0, 3, 20]) for _ in inputs]
-        produced, delivered, taken, fronts, free = [0] * len(inputs), [0] * len(inputs), [0] * len(inputs), {}, 0
+        pauses, after_pops = [self.random.choice([0, 3, 20]) for _ in inputs], self.random.choice([0, 3, 20])
+        produced, delivered, taken, fronts, free, answered = [0] * len(inputs), [0] * len(inputs), [0] * len(inputs), {}, 0, 0
         while True:
             needed = demand()
             for i in needed:
@@ -102,15 +101,34 @@ class Synthetic(Recording):
                 self.produce(inputs[i], produced[i], fronts[i][0])
                 taken[i] += 1
             start = max([free, *(wires[fifo].room() for fifo in outputs), *(fronts[i][1] for i in needed)])
-            occupancy, latency, given = step({i: fronts.pop(i)[0] for i in needed})
-            free = start + occupancy
+            made = step({i: fronts.pop(i)[0] for i in needed})
             for i in needed:
                 wires[inputs[i]].pops.append(start)
-            for o, _ in sorted(given.items()):
+            free, shown = start + made.occupancy, start + made.latency
+            taken_inputs = sum(1 << i for i in needed)
+            self.steps[self.only].append(dict(start=start, end=free, taken=taken_inputs, given=made.given, requests=made.requests))
+            if any(kind in "rl" for kind, *_ in made.requests):
+                answered = max(answered, start + self.random.randint(1, 40))
+                self.answers[self.only][len(self.steps[self.only]) - 1] = [answered]
+                shown = max(shown, answered + made.after)
+                free = max(free, answered) if made.is_blocking else free
+            free = max(free, self.clients_after(start, made.requests))
+            for o, _ in sorted(made.given.items()):
                 wire = wires[outputs[o]]
-                shown = wire.deliver(start + latency)
-                wire.pops.append(max([shown, *(last + 1 for last in wire.pops[-1:])]) + self.random.randint(0, 5))
-            self.steps[self.only].append(dict(start=start, end=free, taken=sum(1 << i for i in needed), given=given, requests=[]))
+                wire.pops.append(max([wire.deliver(shown), *(last + 1 for last in wire.pops[-1:])]) + self.random.randint(0, after_pops))
+
+    def clients_after(self, start, requests):
+        """Returns the first cycle in which the memory clients are ready after the requests of a step. Now and then, a client pauses: it has more requests
+        in flight than its credits."""
+        ready = start + 1
+        for k, client in enumerate(self.stages[self.only]["clients"]):
+            if any(of == k for _, of, *_ in requests):
+                ready = max(ready, start + self.port_cycles(requests, k, self.caches.get(k)))
+                if self.random.random() < 0.1:
+                    number = next(number for number, other in enumerate(self.clients) if other["name"] == client)
+                    ready += self.random.randint(1, 30)
+                    self.in_flight.setdefault(number, []).extend([(start + 1, self.clients[number]["credits"] + 1), (ready, 0)])
+        return ready
 
     def produce(self, fifo, cycle, bits):
         """Adds the step that makes a token of an input."""

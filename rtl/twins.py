@@ -117,6 +117,12 @@ def divider(recording, stage):
     return dict(numbers(**names)(recording, stage), COUNT=recording.config["divider"]["count"])
 
 
+def step_calculator(recording, stage):
+    """Returns the parameters of the step calculator."""
+    names = dict(LATENCY="latency", DECISION="decision", QUOTIENT="quotient", ROOT="root", FIRST="first", NEXT="next")
+    return dict(numbers(**names)(recording, stage), MIN_SPAN=recording.config["texel"]["min_span"], CRITERION=f"64'h{recording.number(stage, 'criterion'):x}")
+
+
 def clut_stride(recording, stage):
     """Returns the bytes between two levels of a set of CLUTs."""
     size = recording.config["replacement"]["entries"] * recording.number(stage, "entry_bytes")
@@ -174,6 +180,79 @@ def brightness_tokens(recording, stage, inputs, outputs, tokens):
     return [([*fields, ("set", first, 8)], depth, latency)], outputs
 
 
+def pages_of(recording, stage):
+    """Returns size and reciprocals, and the layers of each page: width, height, tile pitch (138), rows and tile base (140)."""
+    tables = recording.tables.get(stage, {})
+    for number in range(sum(name.startswith("size.") for name in tables)):
+        layers = [(*(layer >> 16 * i & 0xFFFF for i in range(4)), layer >> 64) for layer in tables[f"layers.{number}"]]
+        yield tables[f"size.{number}"], layers
+
+
+def lines_of(digits, rows):
+    """Returns the contents of a file for `$readmemh`."""
+    return "".join(f"{row:0{digits}x}\n" for row in rows)
+
+
+MOST_LAYERS = 16
+
+
+def identification(recording, stage):
+    """Returns the parameters of the identification of tiles (461)."""
+    config, tile = recording.config["engine"], recording.config["tile"]
+    return dict(LATENCY=config["latency"], PAGES=max(len(list(pages_of(recording, stage))), 1), LAYERS=MOST_LAYERS,
+                ACROSS=tile["width"].bit_length() - 1, DOWN=tile["height"].bit_length() - 1,
+                HALF=int(recording.config["defer"]["texel_centre"] == "half"))
+
+
+def page_files(recording, stage):
+    """Returns the set-up registers of the identification of tiles (461)."""
+    pages, rows = [], []
+    for sizes, layers in pages_of(recording, stage):
+        pages.append(sum(bits << 32 * i for i, bits in enumerate(sizes)) | len(layers) - 1 << 128)
+        layers = [sum(side << 16 * i for i, side in enumerate(layer)) for layer in layers]
+        rows += layers + [0] * (MOST_LAYERS - len(layers))
+    return {"pages.hex": lines_of(34, pages), "layers.hex": lines_of(24, rows)}
+
+
+def reference_buffer(recording, stage):
+    """Returns the parameters of the reference buffer (126)."""
+    config = recording.config["engine"]
+    return dict(LATENCY=config["latency"], LINES=config["write_lines"], SCAN=config["scan_rate"], CELL_BYTES=recording.number(stage, "cell_bytes"),
+                BEST=int(recording.config["defer"]["mode"] == "best"))
+
+
+def tiles_of(recording, stage):
+    """Returns the tiles of all pages, numbered through: page, tile, and the places of its sources. Also returns the order of Figure 6, and the first
+    tile of each page and of the next."""
+    tiles, order, firsts = [], [], [0]
+    for page, (_, layers) in enumerate(pages_of(recording, stage)):
+        first = firsts[-1]
+        for layer, finer in zip(layers, [*layers[1:], None]):
+            _, _, pitch, rows, base = layer
+            for number in range(pitch * rows):
+                row, column = divmod(number, pitch)
+                sources = [(r, c) for r in (2 * row, 2 * row + 1) for c in (2 * column, 2 * column + 1)] if finer else []
+                tiles.append((page, base + number, [first + finer[4] + r * finer[2] + c for r, c in sources if r < finer[3] and c < finer[2]]))
+        order += [first + base + number for _, _, pitch, rows, base in reversed(layers) for number in range(pitch * rows)]
+        firsts.append(len(tiles))
+    return tiles, order, firsts
+
+
+def tile_lists(recording, stage):
+    """Returns the parameters of the tile load lists (136)."""
+    config, mode = recording.config["engine"], recording.config["defer"]
+    tiles, _, firsts = tiles_of(recording, stage)
+    return dict(LATENCY=config["latency"], RATE=config["list_rate"], MODE=["best", "progressive", "conventional"].index(mode["mode"]),
+                PICTURES=mode["pictures_per_view"], TILES=max(len(tiles), 1), PAGES=len(firsts) - 1)
+
+
+def list_files(recording, stage):
+    """Returns the set-up registers of the tile load lists (136)."""
+    tiles, order, firsts = tiles_of(recording, stage)
+    packed_tiles = [page | tile << 16 | sum((sources[i] if i < len(sources) else 0xFFFF) << 48 + 16 * i for i in range(4)) for page, tile, sources in tiles]
+    return {"tiles.hex": lines_of(28, packed_tiles), "order.hex": lines_of(4, order), "firsts.hex": lines_of(4, firsts)}
+
+
 # Address of the VQ tables (121) in memory (120), and the distance between two levels.
 VQ_TABLES, VQ_STRIDE = 0, 512 << 10
 # Address of the CLUTs (122).
@@ -185,6 +264,7 @@ TWINS = {
     "brightness_interpolation": Twin([("shade", "interpolation")], interpolation, passes=[0, 1]),
     "normal_interpolation": Twin([("shade", "normal-interpolation")], normal_interpolation, passes=[0]),
     "divider": Twin([("texel", "divider")], divider, passes=[0]),
+    "step_calculator": Twin([("texel", "step-calculator")], step_calculator, passes=[0, 1]),
     "mip_map_selector": Twin([("texel", "mip-map-selector")], lambda recording, _: dict(LATENCY=recording.config["mip"]["latency"]), passes=[0]),
     "combiner": Twin([("texel", "combiner")], circuit("combiner")),
     "distributor": Twin([("bump", "distributor")], lambda *_: {}),
@@ -203,6 +283,9 @@ TWINS = {
     "graphics": Twin([("bump", "graphics")], numbers(LATENCY="latency", AFTER="after"), passes=[0], ready=[0], is_answered=True,
                      caches={0: "color_texture"}),
     "channel": Twin([("bump", "channel")], channel, rewrite=channel_tokens),
+    "reference_buffer": Twin([("defer", "reference-buffer")], reference_buffer, ready=[0, 1], requests=[0, 1], is_answered=True),
+    "identification": Twin([("defer", "identification")], identification, files=page_files),
+    "tile_lists": Twin([("defer", "tile-lists")], tile_lists, files=list_files),
     "gate": Twin([("shade", "gate")], circuit("gate")),
     "adder": Twin([("shade", "adder")], circuit("adder")),
     "selector_53": Twin([("shade", "selector-53")], circuit("selector_53")),

@@ -4,9 +4,12 @@ import random
 
 from channel_vectors import SEEDS as CHANNEL_SEEDS
 from channel_vectors import channel_vectors
+from defer_vectors import identification, reference_buffer, tile_lists
+from pixel_vectors import brightness, depth_test, frame_buffer
 from recording import replaced, value
 from shade_vectors import adder, gate, register_bank, selector_28, selector_53
 from synthetic import TOKENS, Synthetic, token
+from texel_vectors import step_calculator
 
 
 def distributor(base, seed):
@@ -94,7 +97,7 @@ def replacement(base, seed):
 
 def shares(name):
     """Returns true for a field of control, which shares its bits with items."""
-    return name in ("kind", "number", "width", "height", "bump", "lod", "mapped", "textured", "triangles")
+    return name in ("kind", "number", "width", "height", "bump", "lod", "mapped", "textured", "triangles", "criterion")
 
 
 def combiner(base, seed):
@@ -129,8 +132,12 @@ def combiner(base, seed):
 GENERATORS = {
     "gate": gate, "adder": adder, "selector_53": selector_53, "selector_28": selector_28, "combiner": combiner, "register_bank": register_bank,
     "distributor": distributor, "replacement": replacement, "channel": channel_vectors,
+    "identification": identification, "tile_lists": tile_lists, "reference_buffer": reference_buffer,
+    "depth_test": depth_test, "frame_buffer": frame_buffer, "brightness": brightness,
+    "step_calculator": step_calculator,
 }
-SEEDS = 2
+# Numbers of vectors.
+SEEDS = {"channel": CHANNEL_SEEDS, "tile_lists": 4}
 
 
 def vectors(unit, recordings, machine):
@@ -138,4 +145,4 @@ def vectors(unit, recordings, machine):
     base = next((r for r in recordings if r.machine == machine), None)
     if base is None or unit not in GENERATORS:
         return []
-    return [GENERATORS[unit](base, seed) for seed in range(CHANNEL_SEEDS if unit == "channel" else SEEDS)]
+    return [GENERATORS[unit](base, seed) for seed in range(SEEDS.get(unit, 2))]

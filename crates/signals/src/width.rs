@@ -136,6 +136,11 @@ impl BitWidth for Control {
         wire.setup("mapped", 1, polygon.map(|polygon| polygon.material.normal_map.is_some()));
         wire.setup("textured", 1, polygon.map(|polygon| polygon.material.color_texture.is_some()));
         wire.setup("triangles", COORDINATE, polygon.map(|polygon| triangles(polygon)));
+        let criterion = match token {
+            Some(Self::Criterion(error_bound)) => Some(error_bound.to_bits()),
+            _ => None,
+        };
+        wire.setup("criterion", u64::BITS, criterion);
     }
 
     fn attribution(&self) -> Attribution {

@@ -137,7 +137,7 @@ mod tests {
                 *within.entry(datapath.place.clone()).or_insert(0) += 1;
             }
         }
-        for place in ["figures", "replacement", "brightness", "depth-test"] {
+        for place in ["figures", "replacement", "brightness", "depth-test", "adder", "selector-28"] {
             assert_eq!(within.get(place), Some(&3), "{place}");
         }
         assert!(off.values().all(|is_off| *is_off), "no reason is needed: {off:?}");

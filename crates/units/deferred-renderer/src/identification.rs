@@ -3,9 +3,9 @@
 use crate::cell::split_depth;
 use crate::config::EngineConfig;
 use crate::tokens::{CellBlock, MarkFlow, PassFlow, TileMark, TileMarks};
-use crate::{ReferenceCell, TableSizes, TexturePage, interpolators};
+use crate::{ReferenceCell, TableSizes, TexturePage, interpolators, twin_tables};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit, UnitTable};
 use basrelief_signals::Frame;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -138,6 +138,10 @@ impl Unit for Identification {
             Some(PassFlow::Begin) | None => None,
         };
         Step::after(latency, out)
+    }
+
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        self.state.pages.iter().flat_map(|page| twin_tables::of_page(page)).collect()
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

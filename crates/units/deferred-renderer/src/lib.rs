@@ -44,6 +44,7 @@ pub mod texels;
 pub mod tile_lists;
 pub mod tokens;
 mod touched;
+mod twin_tables;
 mod widths;
 
 pub use acquisition::{AcquiredTile, TileList, TileOrigin, TileState};

@@ -121,6 +121,11 @@ impl TexturePage {
         self.size
     }
 
+    /// Returns the reciprocals of width and height.
+    pub(crate) fn inverse(&self) -> [f32; 2] {
+        self.inverse
+    }
+
     /// Returns the number of tiles of all layers.
     #[inline]
     pub fn tiles(&self) -> u32 {

@@ -4,7 +4,7 @@ use crate::config::{EngineConfig, RenderMode};
 use crate::tokens::{CellBlock, CellFlow, PassFlow, PassRound, PlacedCell};
 use crate::{ReferenceCell, TableSizes, TexturePage};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit, UnitTable};
 use basrelief_shading::{BLOCK, pixel_offset};
 use basrelief_signals::{Frame, GatheredLines, Stamp, layout};
 use serde::{Deserialize, Serialize};
@@ -287,6 +287,10 @@ impl Unit for ReferenceBuffer {
 
     fn is_empty(&self) -> bool {
         self.state.phase == BufferPhase::Fill
+    }
+
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        vec![UnitTable::number("cell_bytes", self.cell_bytes)]
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

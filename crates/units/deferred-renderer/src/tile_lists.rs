@@ -3,9 +3,9 @@
 use crate::acquisition::{AcquiredTile, TileList, TileOrigin};
 use crate::config::{EngineConfig, RenderMode, TileOrder};
 use crate::tokens::{MarkFlow, PassRound, StoreOrder, TileMark, TileRequest};
-use crate::{TableSizes, TexturePage, ViewpointEnds};
+use crate::{TableSizes, TexturePage, ViewpointEnds, twin_tables};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
-use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit, UnitTable};
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::collections::VecDeque;
@@ -326,6 +326,10 @@ impl Unit for TileLists {
 
     fn is_empty(&self) -> bool {
         self.state.phase == ListPhase::Identified
+    }
+
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        self.state.pages.iter().flat_map(|listed| twin_tables::of_page(&listed.page)).collect()
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {

@@ -4,7 +4,7 @@ use crate::ReferenceCell;
 use crate::config::WRAP_BITS;
 use crate::tokens::{
     CellBlock, CellFlow, EncodedTile, ExpandedTile, MarkFlow, PassFlow, PassRound, PlacedCell, ResponseContent, StoreOrder,
-    TileMark, TileRequest, TileResponse,
+    TileMark, TileMarks, TileRequest, TileResponse,
 };
 use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER, position};
 use basrelief_signals::{Attribution, BitWidth, Control, Frame, PixelSet, SignalWidths, Stamp, WireFields};
@@ -39,7 +39,18 @@ fn control(wire: &mut WireFields, frame: Option<&Arc<Frame>>, page: Option<u16>)
 }
 
 /// Marks that travel side by side.
-const MARKS: u32 = 4;
+const MARKS: usize = 4;
+/// Marks of a token on recorded wires. A block has more marks only if its pixels need more tiles.
+const RECORDED_MARKS: usize = 16;
+
+/// Lists the fields of mark number `i` of a token, and whether the token has it.
+fn mark(wire: &mut WireFields, i: usize, marks: Option<&TileMarks>, widths: &SignalWidths) {
+    let mark = marks.map(|marks| marks.get(i));
+    wire.part(&i.to_string(), |wire| {
+        wire.flag("valid", mark.map(|mark| mark.is_some()));
+        TileMark::fields(mark.flatten(), widths, wire);
+    });
+}
 
 impl BitWidth for PlacedCell {
     fn fields(token: Option<&Self>, _: &SignalWidths, wire: &mut WireFields) {
@@ -156,13 +167,8 @@ impl BitWidth for MarkFlow {
                 Self::End => 3,
             }),
         );
-        for i in 0..MARKS as usize {
-            let mark = marks.map(|marks| marks.get(i));
-            wire.part(&i.to_string(), |wire| {
-                wire.flag("valid", mark.map(|mark| mark.is_some()));
-                TileMark::fields(mark.flatten(), widths, wire);
-            });
-        }
+        (0..MARKS).for_each(|i| mark(wire, i, marks, widths));
+        wire.recorded_only(|wire| (MARKS..RECORDED_MARKS).for_each(|i| mark(wire, i, marks, widths)));
     }
 
     /// Returns the pixels of the block that needs the tiles.

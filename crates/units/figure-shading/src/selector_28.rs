@@ -116,8 +116,10 @@ impl Unit for Selector28 {
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.config.latency, self.config.initiation_interval);
         let each = needed(3, 1, self.config.initiation_interval);
-        stats.hardware(HardwareKind::Multiplier, "to steps of 8 bits", each, OperandWidth::SINGLE);
-        stats.hardware(HardwareKind::Adder, "rounding, and cutting off at either end", 3 * each, OperandWidth::SINGLE);
+        // 255 c = 256 c - c, so no multiplier is needed.
+        stats.hardware(HardwareKind::Adder, "to steps of 8 bits", each, OperandWidth::from(32).of_integers());
+        stats.hardware(HardwareKind::Adder, "rounding", each, OperandWidth::SINGLE);
+        stats.hardware(HardwareKind::Adder, "cutting off at either end", 2 * each, OperandWidth::from(8).of_integers());
         stats.hardware(HardwareKind::Registers, "mode register (14) as of the polygon that passes", 1_u64, 2);
         let c = &self.state.counters;
         stats.figure("fragments", c.dots.iter().sum::<u64>(), "dots", "Dots drawn; a dot is a fragment").part(FigureGroup::Work);

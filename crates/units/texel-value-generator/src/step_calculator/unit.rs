@@ -7,7 +7,7 @@ use crate::fixed::down;
 use crate::log::SpanRecord;
 use crate::signals::{DivisionPoints, LineSegment, ScanSpan};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, MemoryPorts, OperatorCounts, Operators, Step, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, OperatorCounts, Operators, Step, Unit, UnitTable};
 use basrelief_signals::{Control, Flow};
 use smallvec::smallvec;
 use std::sync::Arc;
@@ -228,6 +228,19 @@ impl Unit for StepCalculator {
 
     fn is_empty(&self) -> bool {
         self.state.span.is_none()
+    }
+
+    fn twin_tables(&self) -> Vec<UnitTable> {
+        let numbers = [
+            ("latency", self.latency()),
+            ("decision", self.decision()),
+            ("quotient", self.iterations()),
+            ("root", self.root()),
+            ("first", self.operators.latency(FIRST_STEP)),
+            ("next", self.operators.latency(NEXT_STEP)),
+            ("criterion", self.config.error_bound.to_bits()),
+        ];
+        numbers.into_iter().map(|(name, value)| UnitTable::number(name, value)).collect()
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {
