@@ -250,9 +250,9 @@ def tile_lists(base, seed):
         known = len(TEXTURES) - (frame < 6)
         streams[0] += [marks(known) for _ in range(rng.randrange(3))] if made.config["defer"]["mode"] == "best" else []
         streams[0].append(token(fields, kind=END))
-        # The second input ends with marks that need nothing, or before: the vectors end with it.
+        # A frame takes as many pictures as it needs, so these marks may belong to any frame: they leave out the page that comes late.
         for _ in range(3):
-            streams[1] += [marks(known) for _ in range(rng.randrange(3))] + [token(fields, kind=END)]
+            streams[1] += [marks(len(TEXTURES) - 1) for _ in range(rng.randrange(3))] + [token(fields, kind=END)]
     inputs = {"identified": [0], "acquire": [], "improved": [1]}
     return made.join(streams, lambda: inputs[lists.phase], lists.step)
 

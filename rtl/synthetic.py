@@ -60,8 +60,10 @@ class Synthetic(Recording):
         self.random = random.Random(f"{stage_name} {seed}")
         stage = self.only = base.stage(stage_name)
         self.tables = {**base.tables, stage: {**base.tables.get(stage, {}), **(tables or {})}}
-        self.fifos = [dict(fifo, depth=self.random.randint(1, 6)) for fifo in base.fifos]
-        self.latency = {name: self.random.randint(1, 3) for name in base.latency}
+        # All seeds have the same depths and latencies, so that they share a build.
+        sizes = random.Random(stage_name)
+        self.fifos = [dict(fifo, depth=sizes.randint(1, 6)) for fifo in base.fifos]
+        self.latency = {name: sizes.randint(1, 3) for name in base.latency}
         self.steps, self.visible, self.answers, self.end = {stage: []}, {}, {stage: {}}, 0
 
     def generate(self, tokens, steps_of):
