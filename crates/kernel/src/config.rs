@@ -84,7 +84,7 @@ parameters! {
         ways: u32 = 4, unit: "lines", Assumed("enough that two arrays read side by side do not evict each other"), range: 1..=64, effect: Timing;
         /// Cycles from look-up to data on a hit.
         hit_latency: u32 = 2, unit: "cycles", Assumed("tag, then data"), range: 0..=1024, effect: Timing;
-        /// Look-ups per cycle.
+        /// Look-ups per cycle. A step looks up each of its lines once, however many values it reads there.
         lookups_per_cycle: u32 = 4, unit: "look-ups/cycle", Assumed("one for each of four neighbouring values"), range: 1..=64, effect: Timing;
         /// Every look-up finds its line: no hardware, but what misses cost is the difference.
         always_hits: bool = false, unit: "", Assumed("caches miss"), effect: Timing;
