@@ -123,7 +123,7 @@ pub struct Bottlenecks {
 /// Render cycles with several resources relaxed. A full run with the options of `set` takes exactly these cycles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RelaxedSet {
-    /// Relaxed resources in the order of their relaxation, with names as in [`RelaxedCycles::resource`].
+    /// Relaxed resources in the order of their relaxation, with names as in `bottlenecks.single[].resource`.
     pub relaxed: Vec<String>,
     /// Parameters, as `--set` takes them.
     pub set: Vec<String>,
