@@ -11,7 +11,7 @@ from recording import width
 from twins import TWINS
 
 # The units of a chain, in the order of the tokens, by machine.
-CHAINS = {"bump": ["rasterizer", "depth_test", "distributor", "normal_mapping", "replacement", "brightness", "graphics", "frame_buffer"]}
+CHAINS = {"bump": ["geometry", "rasterizer", "depth_test", "distributor", "normal_mapping", "replacement", "brightness", "graphics", "frame_buffer"]}
 
 
 class Link:

@@ -3,6 +3,7 @@
 import struct
 
 from channel_vectors import channel, channel_tokens
+from geometry import geometry, geometry_tokens
 from recording import replaced, value, width
 
 
@@ -277,6 +278,7 @@ TWINS = {
                         blocks=lambda steps, number: number + 1 == len(steps) or not steps[number + 1]["requests"]),
     "depth_test": Twin([("bump", "depth-test"), ("shade", "depth-test"), ("texel", "depth-test")], depth_test, ready=[0, 1], requests=[1],
                        is_answered=True, caches={0: "depth"}),
+    "geometry": Twin([("bump", "geometry")], geometry, passes=[0], rewrite=geometry_tokens),
     "rasterizer": Twin([("bump", "rasterizer")], rasterizer, passes=[0]),
     "normal_mapping": Twin([("bump", "normal-mapping")], normal_mapping, passes=[0], ready=[0], is_answered=True,
                            caches={0: "normal_map"}),
