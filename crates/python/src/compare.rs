@@ -5,6 +5,7 @@ use crate::page::{WIDTH, pictures, report_of};
 use crate::pixels;
 use crate::recording::open_recording;
 use basrelief_input::MemoryPool;
+use basrelief_report::compare::overview;
 use basrelief_report::html::{self, compared as page_of};
 use basrelief_report::{Comparison, MeasuredCauses, Report, TextStyle, compare as difference};
 use basrelief_sim::{ExplainOptions, RecordedRun, RecordingError, explain, page_assets};
@@ -49,6 +50,10 @@ impl ParsedSide<'_> {
         Ok(html::ComparedReport { name: &self.side.name, report: &self.report, assets })
     }
 
+    fn named_report(&self) -> (&str, &Report) {
+        (&self.side.name, &self.report)
+    }
+
     fn compared_with(&self, other: &Self) -> CommandResult<Comparison> {
         let explained = self.recorded_run()?.zip(other.recorded_run()?).and_then(|(a, b)| causes(&a, &b));
         Ok(difference(&self.report, &other.report, explained))
@@ -64,8 +69,10 @@ fn causes(a: &RecordedRun, b: &RecordedRun) -> Option<MeasuredCauses> {
 #[pyfunction]
 pub fn compare(py: Python<'_>, a: ComparedRun, b: ComparedRun) -> PythonResult<(String, String)> {
     py.detach(|| {
-        let comparison = a.parsed()?.compared_with(&b.parsed()?)?;
-        let text = comparison.to_text(TextStyle { width: WIDTH, color: false });
+        let sides = [a.parsed()?, b.parsed()?];
+        let comparison = sides[0].compared_with(&sides[1])?;
+        let style = TextStyle { width: WIDTH, color: false };
+        let text = format!("{}\n{}", overview(&sides.each_ref().map(ParsedSide::named_report), style), comparison.to_text(style));
         Ok((serde_json::to_string(&comparison).map_err(CommandError::bad_input)?, text))
     })
 }
