@@ -1,7 +1,6 @@
 """Synthetic vectors of units of the rate-limited renderer."""
 
-import struct
-
+from floats import rounded, single_bits
 from recording import value
 from synthetic import TOKENS, Made, Synthetic, token
 from twins import tiles_of
@@ -12,15 +11,6 @@ FRAME, PAGE, ITEM, END = 0, 1, 2, 3
 PASS_BEGIN, PASS_END = 3, 4
 DIRECT, EMPTY = 0xFFFE, 0xFFFF
 MARKS = 16
-
-
-def single(number):
-    """Rounds to single precision. Sums and products of two such numbers in double precision round as if at once."""
-    return struct.unpack("f", struct.pack("f", number))[0]
-
-
-def bits_of(number):
-    return struct.unpack("I", struct.pack("f", number))[0]
 
 
 def halved(side, times):
@@ -39,26 +29,26 @@ def page_tables(base):
             layers.append(width | height << 16 | pitch << 32 | rows << 48 | first << 64)
             first += pitch * rows
         tables[f"layers.{page}"] = layers
-        tables[f"size.{page}"] = [bits_of(side) for side in size] + [bits_of(1.0 / side) for side in size]
+        tables[f"size.{page}"] = [single_bits(side) for side in size] + [single_bits(1.0 / side) for side in size]
     return tables
 
 
 def wrapped(s, size, mode):
     """Returns a texture coordinate within the texture, each operation rounded."""
-    inverse = single(1.0 / size)
+    inverse = rounded(1.0 / size)
     if mode == 0:
-        s = single(s - single(size * (single(s * inverse) // 1.0)))
-        s = single(s + size) if s < 0 else s
-        s = single(s - size) if s >= size else s
+        s = rounded(s - rounded(size * (rounded(s * inverse) // 1.0)))
+        s = rounded(s + size) if s < 0 else s
+        s = rounded(s - size) if s >= size else s
     elif mode == 1:
-        s = single(s - single(2.0 * size * (single(0.5 * s * inverse) // 1.0)))
-        s = single(2.0 * size - s) if s > size else s
+        s = rounded(s - rounded(2.0 * size * (rounded(0.5 * s * inverse) // 1.0)))
+        s = rounded(2.0 * size - s) if s > size else s
     return min(s, float(size)) if s > 0 else 0.0
 
 
 def tap(place, halvings, side, repeats, offset):
     """Returns the two texels of a sample along an axis."""
-    x = single(place / (1 << halvings) - offset)
+    x = rounded(place / (1 << halvings) - offset)
     number = int(x // 1.0)
     has_fraction = x != number
     if repeats:
@@ -99,16 +89,16 @@ def random_cells(rng):
         if kind < 0.4:
             cells[i] = (DIRECT, (0, 0), (0.0, 0.0), 0.0)
             continue
-        place = [single(rng.choice([x + rng.uniform(-4, 4), round(x), round(x) + 0.5, 8 * round(x / 8), 8 * round(x / 8) - 0.5])) for x in centre]
-        cells[i] = (page, (rng.randrange(3), rng.randrange(3)), place, rng.choice([single(depth), round(depth) + 0.0]))
+        place = [rounded(rng.choice([x + rng.uniform(-4, 4), round(x), round(x) + 0.5, 8 * round(x / 8), 8 * round(x / 8) - 0.5])) for x in centre]
+        cells[i] = (page, (rng.randrange(3), rng.randrange(3)), place, rng.choice([rounded(depth), round(depth) + 0.0]))
     return cells
 
 
 def cell_values(prefix, cell):
     """Returns the fields of a cell."""
     page, modes, (s, t), depth = cell
-    return {f"{prefix}page": page, f"{prefix}wrap_0": modes[0], f"{prefix}wrap_1": modes[1], f"{prefix}s": bits_of(s), f"{prefix}t": bits_of(t),
-            f"{prefix}depth": bits_of(depth)}
+    return {f"{prefix}page": page, f"{prefix}wrap_0": modes[0], f"{prefix}wrap_1": modes[1], f"{prefix}s": single_bits(s), f"{prefix}t": single_bits(t),
+            f"{prefix}depth": single_bits(depth)}
 
 
 def identification(base, seed):

@@ -1,7 +1,6 @@
 """Synthetic vectors of the units that own a memory of pixels, and of the brightness fetch unit."""
 
-import struct
-
+from floats import single_bits
 from recording import replaced, value
 from synthetic import TOKENS, Made, Synthetic, token
 from twins import CLUTS, VQ_STRIDE, clut_stride
@@ -216,7 +215,7 @@ def brightness(base, seed):
     rng, count, stride = made.random, base.config["replacement"]["entries"], clut_stride(base, made.only)
     known = made.tables[made.only]
     # A full scale of as many steps as a brightness has, so that each step is a whole number.
-    full = struct.pack(">f", 255.0 * 128).hex()
+    full = f"{single_bits(255.0 * 128):08x}"
     cluts = {(number, level): [rng.choice([0, 255, rng.randrange(256)]) for _ in range(count)] for number in range(3) for level in range(8)}
     address = lambda number, level: CLUTS + (number * 8 + level) * stride  # noqa: E731
     made.tables[made.only] = {name: table for name, table in known.items() if not name.startswith("clut.")}
@@ -270,7 +269,7 @@ def brightness(base, seed):
                 index = get(f"sample_{sample}_{lane}_index")
                 total += get(f"sample_{sample}_{lane}_share") * cluts[of[number], level][index]
                 look_ups.append(("l", 0, address(of[number], level) + index * entry_bytes, entry_bytes))
-            exact = int.from_bytes(struct.pack(">f", total), "big")
+            exact = single_bits(total)
             values.update({f"{lane}_{axis}": get(f"stamp_{lane}_{axis}") for axis in "xy"})
             values[f"{lane}_brightness"] = exact
         yield pixels, latency + pixels - 1, {0: token(out, item=1, count=pixels, **values)}, look_ups, False, latency

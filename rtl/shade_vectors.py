@@ -1,7 +1,6 @@
 """Synthetic vectors of units of the figure shading device."""
 
-import struct
-
+from floats import rounded, single_bits, single_of
 from recording import replaced, value
 from synthetic import TOKENS, Synthetic, token
 
@@ -59,16 +58,6 @@ def register_bank(base, seed):
     return made.generate(tokens, steps)
 
 
-def single(bits):
-    """Returns the number with these bits in single precision."""
-    return struct.unpack(">f", bits.to_bytes(4, "big"))[0]
-
-
-def bits_of(number):
-    """Returns the bits of a number, rounded to single precision. The sum of two such numbers in double precision rounds as if at once."""
-    return int.from_bytes(struct.pack(">f", number), "big")
-
-
 def brightness(rng, near=None):
     """Returns the bits of a number that is finite, even after an addition: of any size, close to another one with the other sign, or subnormal."""
     if near is not None and rng.random() < 0.3:
@@ -106,9 +95,9 @@ def adder(base, seed):
         bits = tokens[0]
         kind = value(bits, fields, "kind")
         if kind == DOT and joins:
-            more = single(value(tokens[1], highlight, "brightness"))
+            more = single_of(value(tokens[1], highlight, "brightness"))
             for name in ("red", "green", "blue"):
-                bits = replaced(bits, fields, name, bits_of(single(value(bits, fields, name)) + more))
+                bits = replaced(bits, fields, name, single_bits(single_of(value(bits, fields, name)) + more))
         if kind != DOT:
             joins = kind == FIGURE and [value(bits, fields, name) for name in ("mode", "flat", "specular")] == [0, 0, 1]
         return config["initiation_interval"] if kind == DOT else 1, base.number(made.only, "latency"), {0: bits}
@@ -143,8 +132,8 @@ def selector_53(base, seed):
 
 def to_byte(bits):
     """Returns a component as a byte: each operation rounds to single precision."""
-    scaled = single(bits_of(single(bits) * 255.0))
-    return min(max(int(single(bits_of(scaled + 0.5))), 0), 255)
+    scaled = rounded(single_of(bits) * 255.0)
+    return min(max(int(rounded(scaled + 0.5)), 0), 255)
 
 
 def selector_28(base, seed):
@@ -158,7 +147,7 @@ def selector_28(base, seed):
         streams[0].append(token(fields, kind=FIGURE, mode=mode, flat=flat))
         of = streams[0 if mode == 0 else 2 if mode == 2 or flat else 1]
         for _ in range(rng.randrange(6)):
-            colours = {name: rng.choice([brightness(rng), bits_of(rng.randrange(511) / 510), bits_of(rng.random())]) for name in ("red", "green", "blue")}
+            colours = {name: rng.choice([brightness(rng), single_bits(rng.randrange(511) / 510), single_bits(rng.random())]) for name in ("red", "green", "blue")}
             of.append(token(fields, kind=DOT, x=rng.getrandbits(16), y=rng.getrandbits(16), **colours))
         of.append(token(fields, kind=END))
 

@@ -1,16 +1,10 @@
 """Synthetic vectors of units of the texel value generator."""
 
-import struct
-
+from floats import double_bits, double_of
 from recording import value
 from synthetic import TOKENS, Synthetic, token
 
 CRITERION = 5
-
-
-def bits_of(number):
-    """Returns the bits of a number in double precision."""
-    return struct.unpack("Q", struct.pack("d", number))[0]
 
 
 def step_calculator(base, seed):
@@ -22,14 +16,14 @@ def step_calculator(base, seed):
     for _ in range(TOKENS // 2):
         if rng.random() < 0.2:
             kind = rng.choice([0, 2, 4, CRITERION, CRITERION])
-            tokens.append(token(fields, kind=kind, **(dict(criterion=bits_of(rng.uniform(0.01, 3.0))) if kind == CRITERION else {})))
+            tokens.append(token(fields, kind=kind, **(dict(criterion=double_bits(rng.uniform(0.01, 3.0))) if kind == CRITERION else {})))
             continue
         pixels = rng.choice([1, 2, 3, rng.randint(4, 60), rng.randint(60, 900)])
         first, last = (2.0 ** rng.uniform(-8, 4) for _ in range(2))
         last = rng.choice([first, last, last, first * (1 + 2.0 ** rng.uniform(-20, -1)), first * (1 - 2.0 ** rng.uniform(-20, -1))])
         step = (last - first) / max(pixels - 1, 1)
         textured = int(rng.random() < 0.9)
-        w = dict(first_w=bits_of(first), last_w=bits_of(last), step_w=bits_of(step))
+        w = dict(first_w=double_bits(first), last_w=double_bits(last), step_w=double_bits(step))
         # Control has a field of the same name; this one is the last.
         at = max(number for name, number, _ in fields if name == "textured")
         tokens.append(token(fields, item=1, pixels=pixels, x=rng.getrandbits(12), **w) | textured << at)
@@ -38,7 +32,7 @@ def step_calculator(base, seed):
     span_fields = [name for name, *_ in out if name.startswith("span_")]
     start, end = (next(number for name, number, _ in of if name == wanted) for of, wanted in ((out, "span_first_u"), (fields, "first_u")))
     size = sum(bits for name, _, bits in out if name in span_fields)
-    e = struct.unpack("d", struct.pack("Q", base.number(made.only, "criterion")))[0]
+    e = double_of(base.number(made.only, "criterion"))
 
     def keeps(first, last, t):
         """Returns true if the bound holds for a segment of this length."""
@@ -49,7 +43,7 @@ def step_calculator(base, seed):
         nonlocal e
         if not bits & 1:
             if value(bits, fields, "kind") == CRITERION:
-                e = struct.unpack("d", struct.pack("Q", value(bits, fields, "criterion")))[0]
+                e = double_of(value(bits, fields, "criterion"))
             given = token(out, kind=value(bits, fields, "kind"), criterion=value(bits, fields, "criterion"))
             yield 1, numbers["latency"], {0: given, 1: given}
             return

@@ -1,9 +1,8 @@
 """The twins: for each unit its file, the stages that it is compared with, and its parameters."""
 
-import struct
-
 from channel_vectors import channel, channel_tokens
 from geometry import geometry, geometry_tokens
+from floats import single_of
 from recording import replaced, value, width
 
 
@@ -143,7 +142,7 @@ def cluts(recording, stage):
     for name, entries in recording.tables[stage].items():
         if name.startswith("clut."):
             _, address, full = name.split(".")
-            yield int(address), struct.unpack(">f", bytes.fromhex(full))[0], entries
+            yield int(address), single_of(int(full, 16)), entries
 
 
 def clut_contents(recording, stage):
@@ -173,7 +172,7 @@ def brightness_tokens(recording, stage, inputs, outputs, tokens):
         bits = tokens["out"][0][index]
         for lane in range(4 if bits & 1 else 0):
             name = f"{lane}_brightness"
-            exact = struct.unpack(">f", value(bits, out, name).to_bytes(4, "big"))[0]
+            exact = single_of(value(bits, out, name))
             steps = exact / full_scale[number] * 255 * 128 if exact else 0.0
             assert abs(steps - round(steps)) < 0.01, f"{steps} is no whole number of steps"
             bits = replaced(bits, out, name, round(steps))
