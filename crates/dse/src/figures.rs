@@ -5,6 +5,7 @@
 //! `cycles`; `hardware.area_ge`, the area of the machine, with its parts; and `hardware.bits`, its storage.
 
 use crate::Cell;
+use basrelief_parameters::nearest;
 use basrelief_report::model::{Hardware, HardwareArea};
 use serde::Deserialize as _;
 use serde_json::Value;
@@ -71,6 +72,25 @@ pub fn figures(report: &Value) -> Vec<ReportFigure> {
         figures.extend(number(&derived["value"]).map(figure));
     }
     figures
+}
+
+/// Returns the value of a figure by the name that plans use.
+///
+/// # Errors
+/// The report has no such figure; the message names the nearest one.
+pub fn figure_of(report: &Value, name: &str) -> Result<Cell, String> {
+    let (path, mut known) = (path_of(name), figures(report));
+    match known.iter().position(|figure| figure.name == path) {
+        Some(at) => Ok(known.swap_remove(at).cell),
+        None => Err(no_figure(name, &known)),
+    }
+}
+
+/// Returns the message for an unknown figure.
+pub(crate) fn no_figure(name: &str, known: &[ReportFigure]) -> String {
+    let near = nearest(name, known.iter().map(|figure| figure.name.as_str()));
+    let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+    format!("the report has no figure `{name}`{hint} (docs/guide/sweep-and-explore.md says how they are named)")
 }
 
 /// Path of the quality of a frame, before its number.
@@ -239,6 +259,9 @@ mod tests {
                 "derived.time_ms = 2.5 ms",
             ]
         );
+        assert_eq!(figure_of(&report, "cycles"), Ok(Cell::Whole(7)));
+        assert_eq!(figure_of(&report, "hardware.area_ge"), Ok(Cell::Whole(90)));
+        assert!(figure_of(&report, "hardware.aera_ge").unwrap_err().contains("did you mean `hardware.area_ge`?"));
         let paths = ["cycles", "cycles.drain", "derived.a.utilisation", "caches.c.hits", "memories.bytes"].map(path_of);
         assert_eq!(paths, ["cycles.frames", "cycles.write_tail", "derived.a.utilization", "caches.c.hits", "bytes.moved"]);
     }

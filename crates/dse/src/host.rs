@@ -94,6 +94,11 @@ pub trait SweepHost: Sync {
     /// Reports the progress.
     fn progress(&self, tally: &SweepProgress);
 
+    /// Returns true once the user has stopped the program. Then nothing more is run for results that stay in memory.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+
     /// Memory limit for inputs and recordings.
     fn budget(&self) -> &MemoryPool;
 }

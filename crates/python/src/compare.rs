@@ -5,7 +5,7 @@ use crate::page::{WIDTH, pictures, report_of};
 use crate::pixels;
 use crate::recording::open_recording;
 use basrelief_input::MemoryPool;
-use basrelief_report::compare::overview;
+use basrelief_report::compare::comparisons_text;
 use basrelief_report::html::{self, compared as page_of};
 use basrelief_report::{Comparison, MeasuredCauses, Report, TextStyle, compare as difference};
 use basrelief_sim::{ExplainOptions, RecordedRun, RecordingError, explain, page_assets};
@@ -72,7 +72,8 @@ pub fn compare(py: Python<'_>, a: ComparedRun, b: ComparedRun) -> PythonResult<(
         let sides = [a.parsed()?, b.parsed()?];
         let comparison = sides[0].compared_with(&sides[1])?;
         let style = TextStyle { width: WIDTH, color: false };
-        let text = format!("{}\n{}", overview(&sides.each_ref().map(ParsedSide::named_report), style), comparison.to_text(style));
+        let [first, second] = sides.each_ref().map(ParsedSide::named_report);
+        let text = comparisons_text(first, &[(second, &comparison)], style);
         Ok((serde_json::to_string(&comparison).map_err(CommandError::bad_input)?, text))
     })
 }

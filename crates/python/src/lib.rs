@@ -5,10 +5,14 @@
 
 use pyo3::pymodule;
 
+mod analysis;
 mod catalogue;
 mod compare;
 mod config;
 mod error;
+mod files;
+mod host;
+mod outputs;
 mod page;
 mod pixels;
 mod recording;
@@ -19,6 +23,8 @@ mod watch;
 
 #[pymodule]
 mod _basrelief {
+    #[pymodule_export]
+    use crate::analysis::{ablate, compare_methods, figure, record, size_fifos};
     #[pymodule_export]
     use crate::catalogue::{demos, machines};
     #[pymodule_export]

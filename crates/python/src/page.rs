@@ -2,7 +2,7 @@
 
 use crate::error::{CommandError, CommandResult, PythonResult};
 use crate::pixels::GivenPixels;
-use basrelief_report::html::{PageAssets, PagePicture, STYLE, sections};
+use basrelief_report::html::{PageAssets, PagePicture, STYLE, headline, sections};
 use basrelief_report::{Report, TextStyle, to_html, to_text};
 use basrelief_sim::{page_assets, page_pictures};
 use pyo3::{Python, pyfunction};
@@ -10,8 +10,8 @@ use pyo3::{Python, pyfunction};
 /// Width of text output [columns].
 pub const WIDTH: usize = 120;
 
-/// Sections shown in a notebook.
-const SHOWN: [&str; 4] = ["bottlenecks", "pictures", "diagram", "units"];
+/// Sections shown in a notebook, in this order.
+const SHOWN: [&str; 4] = ["pictures", "bottlenecks", "diagram", "units"];
 
 pub fn report_of(text: &str) -> CommandResult<Report> {
     Report::from_json(text).map_err(CommandError::bad_input)
@@ -53,15 +53,15 @@ pub fn page(py: Python<'_>, report: String, pictures: (Option<GivenPixels>, Opti
     })
 }
 
-/// Returns the notebook fragment of a report: bottlenecks, pictures, block diagram, and cycle breakdown.
+/// Returns the notebook fragment of a report: key figures, pictures, bottlenecks, block diagram, and cycle breakdown.
 #[pyfunction]
 pub fn part(py: Python<'_>, report: String, pictures: (Option<GivenPixels>, Option<GivenPixels>)) -> PythonResult<String> {
     py.detach(|| {
         let report = report_of(&report)?;
         let all = sections(&report, &with_pictures(&report, &pictures)?);
-        let shown = all.iter().filter(|section| SHOWN.contains(&section.id));
+        let shown = SHOWN.iter().filter_map(|id| all.iter().find(|section| section.id == *id));
         let parts: String = shown.map(|section| format!("<h2>{}</h2>{}", section.title, section.html)).collect();
-        Ok(format!("<div class=\"basrelief\"><style>{}</style>{parts}</div>", scoped()))
+        Ok(format!("<div class=\"basrelief\"><style>{}</style>{}{parts}</div>", scoped(), headline(&report)))
     })
 }
 

@@ -1,13 +1,16 @@
 //! Runs.
 
+use crate::analysis::sensitivity_of;
 use crate::config::Config;
 use crate::error::{CommandError, CommandResult, PythonResult, budget};
+use crate::outputs::{ChartFiles, OutputArguments, RequestsFile};
 use crate::pixels::Pixels;
 use crate::scene::{RunSource, RunSubject};
 use crate::watch::RunWatcher;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::Engine;
-use basrelief_sim::{AnalysisPolicy, RunOptions, run as sim_run};
+use basrelief_report::model::OutcomeKind;
+use basrelief_sim::{AnalysisPolicy, Observer, RunOptions, run_named};
 use pyo3::types::PyBytes;
 use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};
 
@@ -24,11 +27,13 @@ pub struct RunArguments {
     costs: bool,
     /// Keep the recording even if it is long.
     recording: bool,
+    sensitivity: bool,
     memory_limit: Option<u64>,
+    outputs: OutputArguments,
 }
 
 impl RunArguments {
-    fn run_options(&self, config: &Config) -> CommandResult<RunOptions> {
+    pub fn run_options(&self, config: &Config) -> CommandResult<RunOptions> {
         let engine = match self.engine.as_str() {
             "timed" => Some(Engine::Timed),
             "ticked" => Some(Engine::Ticked),
@@ -36,8 +41,8 @@ impl RunArguments {
             other => return Err(CommandError::usage(format_args!("engine: `{other}`; expected timed, ticked or functional"))),
         };
         let limits = analysis_policy(self.bottlenecks);
-        if engine.is_none() && (self.costs || self.recording || self.max_cycles.is_some()) {
-            return Err(CommandError::usage("engine: functional mode has no timing; remove costs, recording and max_cycles"));
+        if engine.is_none() {
+            self.check_untimed()?;
         }
         if self.max_cycles == Some(0) {
             return Err(CommandError::usage("max_cycles: 0; expected 1 or more"));
@@ -51,9 +56,24 @@ impl RunArguments {
             bottlenecks: limits,
             recording: if self.recording { AnalysisPolicy::Always } else { recording_policy(limits) },
             costs: self.costs,
+            requests: self.outputs.named().any(|(name, _)| name == "requests"),
             budget: budget(self.memory_limit.unwrap_or(MemoryPool::DEFAULT)),
             ..RunOptions::default()
         })
+    }
+}
+
+impl RunArguments {
+    /// Refuses options that need timing.
+    fn check_untimed(&self) -> CommandResult {
+        let (limited, options) = (self.max_cycles.is_some(), [self.costs, self.recording, self.sensitivity]);
+        let options = ["costs", "recording", "sensitivity"].into_iter().zip(options).chain([("max_cycles", limited)]);
+        let options = options.filter(|(_, given)| *given).map(|(name, _)| name);
+        let given: Vec<&str> = options.chain(self.outputs.named().map(|(name, _)| name)).collect();
+        if given.is_empty() {
+            return Ok(());
+        }
+        Err(CommandError::usage(format_args!("engine: functional mode has no timing; remove {}", given.join(", "))))
     }
 }
 
@@ -105,20 +125,31 @@ pub fn run<'py>(
     options: RunArguments,
 ) -> PythonResult<RunOutput<'py>> {
     let (source, settings) = (drawn.source(), options.run_options(config.get())?);
-    let (report, watch, has_recording) = py.detach(|| run_watched(source, &settings))?;
+    options.outputs.check(&source)?;
+    let (report, watch, has_recording) = py.detach(|| run_watched(&source, &settings, &options))?;
     RunOutput::new(py, (report, watch), has_recording)
 }
 
 /// Returns the report, its observer, and whether the recording can be resimulated.
-fn run_watched(source: RunSource, settings: &RunOptions) -> PythonResult<(String, RunWatcher, bool)> {
-    let input = source.into_input()?;
-    let name = input.name().to_owned();
+fn run_watched(source: &RunSource, settings: &RunOptions, options: &RunArguments) -> PythonResult<(String, RunWatcher, bool)> {
+    let input = source.input()?;
     let mut watch = RunWatcher::new(settings.recording, &settings.budget).map_err(CommandError::bad_input)?;
-    let ran = sim_run(input, settings, &mut watch, None);
+    let mut charts = options.outputs.charts(&input, settings)?;
+    watch.requests = options.outputs.requests(settings)?;
+    let observer: &mut dyn Observer = &mut watch;
+    let ran = match &mut charts {
+        Some(charts) => charts.record(|probe| run_named(input, settings, observer, Some(probe))),
+        None => run_named(input, settings, observer, None),
+    };
     if let Some(stopped) = watch.stopped() {
         return Err(stopped.into());
     }
-    let ran = ran.map_err(CommandError::of_run(&name))?;
+    let mut ran = ran?;
+    if options.sensitivity && ran.report.outcome.kind == OutcomeKind::Complete {
+        ran.report.sensitivity = Some(sensitivity_of(source, settings)?);
+    }
+    charts.map_or(Ok(()), ChartFiles::publish)?;
+    watch.requests.take().map_or(Ok(()), RequestsFile::publish)?;
     // If the analysis was requested but failed, the recording cannot be resimulated either.
     let has_recording =
         ran.recording_is_complete && (settings.recording == AnalysisPolicy::Always || ran.report.bottlenecks.is_some());

@@ -396,14 +396,23 @@ impl RunSubject<'_> {
 }
 
 impl RunSource {
-    pub fn into_input(self) -> CommandResult<RunInput> {
+    /// Returns the input of one run, from its beginning.
+    pub fn input(&self) -> CommandResult<RunInput> {
         match self {
-            Self::Scene(prepared) => Ok(RunInput::Scene(prepared)),
+            Self::Scene(prepared) => Ok(RunInput::Scene(prepared.clone())),
             Self::DisplayList(list) => {
                 let reader = Box::new(BufReader::new(list.opened()?));
                 let folder = list.path.parent().unwrap_or(Path::new(""));
-                Ok(RunInput::Trace { reader, files: Box::new(open_in_folder(folder)), name: list.name })
+                Ok(RunInput::Trace { reader, files: Box::new(open_in_folder(folder)), name: list.name.clone() })
             }
+        }
+    }
+
+    /// Returns the file that every run reads, if there is one.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Scene(_) => None,
+            Self::DisplayList(list) => Some(&list.path),
         }
     }
 }

@@ -1,21 +1,17 @@
 //! Sweeps: the points of a plan.
 
-use crate::error::{CommandError, CommandResult, PythonResult, budget};
-use crate::scene::{DisplayList, RunSource, ViewArguments, text_of};
+use crate::error::{CommandError, PythonResult, budget};
+use crate::host::{PlanFiles, PythonHost};
 use basrelief_dse::{
-    Budget, ExplorationResult, ExploreOptions, OpenedInput, Plan as SweepPlan, PlanPoint, PointStatus, SweepFolder, SweepHost,
-    SweepJob, SweepProgress, execute, explore as explore_plan, tables,
+    Budget, ExplorationResult, ExploreOptions, Plan as SweepPlan, PlanPoint, PointStatus, SweepFolder, SweepJob, SweepProgress,
+    execute, explore as explore_plan, tables,
 };
 use basrelief_input::MemoryPool;
-use basrelief_reference::RgbPicture;
-use basrelief_scene::{ImportOptions, demo, load_path_with};
-use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, to_png};
+use basrelief_sim::TOML_GROWTH;
 use basrelief_threads as threads;
-use pyo3::{PyErr, Python, pyclass, pyfunction, pymethods};
+use pyo3::{Python, pyclass, pyfunction, pymethods};
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{self, ErrorKind, Write};
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// A checked plan with its inputs open.
@@ -35,7 +31,7 @@ impl Plan {
             let files = PlanFiles { plan: name, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
             let growth = files.budget.try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says");
             let _growth = growth.map_err(CommandError::in_input(&shown))?;
-            let host = PythonHost { files: &files, stopped: Mutex::default() };
+            let host = PythonHost::new(&files);
             let plan = SweepPlan::read(text, &host).map_err(CommandError::in_input(&shown))?;
             Ok(Self { plan, files })
         })
@@ -78,9 +74,9 @@ impl Plan {
             let points: Vec<&PlanPoint> = self.plan.points.iter().filter(|point| wanted.contains(&point.id)).collect();
             let threads = at_once.unwrap_or_else(threads::workers);
             let work = SweepJob { points: &points, retry_failed, pictures, threads };
-            let host = PythonHost { files: &self.files, stopped: Mutex::default() };
+            let host = PythonHost::new(&self.files);
             let done = execute(&self.plan, &work, &SweepFolder::new(&folder), &host);
-            if let Some(stopped) = host.stopped.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            if let Some(stopped) = host.stopped() {
                 return Err(stopped.into());
             }
             let SweepProgress { existing: there, run, resimulated: retimed, failed, .. } =
@@ -91,7 +87,7 @@ impl Plan {
 
     /// Writes the tables of all points, and returns the Pareto front as text.
     fn tables(&self, py: Python<'_>, folder: PathBuf) -> PythonResult<String> {
-        let host = PythonHost { files: &self.files, stopped: Mutex::default() };
+        let host = PythonHost::new(&self.files);
         Ok(py.detach(|| tables(&self.plan, &SweepFolder::new(&folder), &host)).map_err(CommandError::bad_input)?)
     }
 
@@ -135,11 +131,11 @@ pub fn explore(
     let (name, text, memory_limit) = plan;
     let Plan { plan, files } = Plan::new(py, name, &text, memory_limit)?;
     py.detach(|| {
-        let (host, folder) = (PythonHost { files: &files, stopped: Mutex::default() }, SweepFolder::new(&folder));
+        let (host, folder) = (PythonHost::new(&files), SweepFolder::new(&folder));
         let threads = at_once.unwrap_or_else(threads::workers);
         let (all, work) = (plan.points.len(), SweepJob { points: &[], retry_failed, pictures, threads });
         let found = explore_plan(plan, ExploreOptions { budget: limit, seed }, &work, (&folder, &host));
-        if let Some(stopped) = host.stopped.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        if let Some(stopped) = host.stopped() {
             return Err(stopped.into());
         }
         let ExplorationResult { plan, tally, share, .. } = found.map_err(CommandError::bad_input)?;
@@ -153,107 +149,4 @@ pub fn explore(
 #[pyfunction]
 pub fn work_alone() {
     threads::disable_threads();
-}
-
-/// Access to the files that a plan names.
-struct PlanFiles {
-    plan: PathBuf,
-    budget: MemoryPool,
-}
-
-impl PlanFiles {
-    fn path_of(&self, name: &str) -> PathBuf {
-        self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name))
-    }
-
-    fn opened(&self, name: &str, view: &ViewArguments) -> CommandResult<OpenedInput> {
-        let budget = &self.budget;
-        let kept = |scene| OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), budget));
-        if let Some(name) = name.strip_prefix("demo:") {
-            return demo(name, &view.options(budget)?).map(kept).map_err(CommandError::bad_input);
-        }
-        let path = self.path_of(name);
-        if DisplayList::of_plan(&path).is_one()? {
-            return if view.is_default() { Ok(OpenedInput::Trace) } else { Err(CommandError::bad_input(VIEW_OF_A_DISPLAY_LIST)) };
-        }
-        let shown = path.display().to_string();
-        let options = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
-        let loaded = load_path_with(&path, &view.options(budget)?, &options);
-        let (scene, held) = loaded.map_err(|error| {
-            if error.file == shown { CommandError::bad_input(error) } else { CommandError::in_input(&shown)(error) }
-        })?;
-        // Released with the memory limit of the plan.
-        held.keep_forever();
-        Ok(kept(scene))
-    }
-}
-
-const VIEW_OF_A_DISPLAY_LIST: &str = "a display list carries its own view: a plan's view is for scenes";
-
-/// Services that Python provides to a sweep.
-struct PythonHost<'a> {
-    files: &'a PlanFiles,
-    /// Exception raised by Ctrl-C.
-    stopped: Mutex<Option<PyErr>>,
-}
-
-impl SweepHost for PythonHost<'_> {
-    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String> {
-        let camera = |name: &str| {
-            let path = self.files.path_of(name);
-            Ok((path.display().to_string(), text_of(&path, &self.files.budget)?))
-        };
-        let view = ViewArguments::of_plan(view, camera)?;
-        self.files.opened(name, &view).map_err(|failure| format!("input: {failure}"))
-    }
-
-    fn trace(&self, name: &str) -> Result<RunInput, String> {
-        RunSource::DisplayList(DisplayList::of_plan(&self.files.path_of(name)))
-            .into_input()
-            .map_err(|failure| failure.to_string())
-    }
-
-    fn text(&self, name: &str) -> Result<String, String> {
-        text_of(&self.files.path_of(name), &self.files.budget).map_err(|failure| failure.to_string())
-    }
-
-    fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {
-        to_png(picture)
-    }
-
-    fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        self.check_interrupt()?;
-        publish(path, bytes)
-    }
-
-    fn progress(&self, _: &SweepProgress) {}
-
-    fn budget(&self) -> &MemoryPool {
-        &self.files.budget
-    }
-}
-
-impl PythonHost<'_> {
-    /// Returns an error once the user has pressed Ctrl-C, so that nothing more is written.
-    fn check_interrupt(&self) -> io::Result<()> {
-        let mut stopped = self.stopped.lock().unwrap_or_else(PoisonError::into_inner);
-        if stopped.is_none() {
-            *stopped = Python::attach(|py| py.check_signals()).err();
-        }
-        if stopped.is_some() { Err(ErrorKind::Interrupted.into()) } else { Ok(()) }
-    }
-}
-
-/// Writes a temporary file in the same folder and renames it to `path`.
-fn publish(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    std::fs::create_dir_all(folder)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".partial-");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map(drop).map_err(|error| error.error)
 }

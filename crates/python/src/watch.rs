@@ -1,8 +1,9 @@
 //! Observer of a run or of a resimulation: collects pictures and the recording, and checks for Ctrl-C.
 
+use crate::outputs::RequestsFile;
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_reference::RgbPicture;
-use basrelief_sim::{AnalysisPolicy, FramePictures, Observer};
+use basrelief_sim::{AnalysisPolicy, FramePictures, MemoryRequests, Observer};
 use pyo3::{PyErr, Python};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -13,6 +14,8 @@ const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 /// Collects the pictures of the last frame, the recording, and the exception that stopped the run.
 pub struct RunWatcher {
     pub last: Option<(RgbPicture, Option<RgbPicture>)>,
+    /// The file of memory requests.
+    pub requests: Option<RequestsFile>,
     recording: CompressedRecording,
     looked: Instant,
     stopped: Option<PyErr>,
@@ -21,7 +24,8 @@ pub struct RunWatcher {
 impl RunWatcher {
     /// Makes an observer. The policy `recording` selects the recordings to keep, within the memory limit.
     pub fn new(recording: AnalysisPolicy, budget: &MemoryPool) -> io::Result<Self> {
-        Ok(Self { last: None, recording: CompressedRecording::new(recording, budget)?, looked: Instant::now(), stopped: None })
+        let recording = CompressedRecording::new(recording, budget)?;
+        Ok(Self { last: None, requests: None, recording, looked: Instant::now(), stopped: None })
     }
 
     /// Checks for Ctrl-C. Returns false once the user has pressed it.
@@ -52,6 +56,10 @@ impl Observer for RunWatcher {
     fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         self.last = Some((pictures.machine.clone(), pictures.exact.map(|(exact, _)| exact.clone())));
         Ok(())
+    }
+
+    fn requests(&mut self, requests: &MemoryRequests<'_>) -> Result<(), String> {
+        self.requests.as_mut().map_or(Ok(()), |file| file.write(requests))
     }
 
     fn recording(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {

@@ -107,7 +107,7 @@ def test_a_page_a_text_and_a_comparison_are_those_of_the_program(program: Progra
         assert set(str(result).splitlines()) <= set(done.stdout.splitlines())
         loaded = basrelief.load(out)
         assert loaded.report == result.report
-        assert loaded.recording.resimulate().report == result.report
+        assert loaded.recording.resimulate(bottlenecks=True).report == result.report
     done = program("compare", tmp_path / "16", tmp_path / "64", "--json")
     expected = json.loads(done.stdout)
     a, b = expected.pop("a"), expected.pop("b")
@@ -140,7 +140,7 @@ def test_timed_again_is_run() -> None:
     machine = basrelief.Machine("bump", **{"replacement.entries": 64})
     result = machine.run(scene)
     times = {"fifo.shaded.depth": 2, "memory.graphics.part": "sdr-133"}
-    again = result.recording.resimulate(times)
+    again = result.recording.resimulate(times, bottlenecks=True)
     run = machine.set(times).run(scene)
     assert again.report == run.report != result.report
     # A resimulated recording can be resimulated again.

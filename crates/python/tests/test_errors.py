@@ -93,6 +93,75 @@ def test_package_errors_are_sentences(tmp_path: Path) -> None:
     says("not a recording", lambda: basrelief.Recording(b"none").resimulate(), InputError)
 
 
+def test_wrong_arguments_are_named_with_their_expectation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    machine: Any = Machine("bump")
+    demo: Any = basrelief.demo
+    scene = demo("golf-ball", size=(16, 12))
+    recording: Any = machine.run(scene, exact=False).recording
+    opened: Any = basrelief.scene
+    wrong: list[tuple[str, Callable[[], Any]]] = [
+        ("scene: 'golf-ball'; expected the result of basrelief.demo", lambda: machine.run("golf-ball")),
+        ("scene: None; expected the result of", lambda: machine.ablate(None)),
+        ("scene: 7; expected the result of", lambda: machine.record(7, "a.jsonl")),
+        ("name: 7; expected a string", lambda: Machine(7)),  # type: ignore[arg-type]
+        ("name: None; expected a string", lambda: demo(None)),
+        ("config: 7; expected a path", lambda: Machine("bump", 7)),  # type: ignore[arg-type]
+        ("path: 7; expected a path", lambda: opened(7)),
+        ("camera: 7; expected a path", lambda: opened("a.glb", camera=7)),
+        ("size: '64x48'; expected width and height", lambda: demo("golf-ball", size="64x48")),
+        ("size: 0; expected a whole number from 1 on", lambda: demo("golf-ball", size=(0, 12))),
+        ("turn: (1,); expected 2 numbers", lambda: demo("golf-ball", turn=(1,))),
+        ("light: 'up'; expected 3 numbers", lambda: demo("golf-ball", light="up")),
+        ("zoom: 'big'; expected a number", lambda: demo("golf-ball", zoom="big")),
+        ("frames: 1.5; expected a whole number", lambda: demo("golf-ball", frames=1.5)),
+        ("memory_limit: -1; expected a whole number", lambda: demo("golf-ball", memory_limit=-1)),
+        ("max_cycles: 'many'; expected a whole number", lambda: machine.run(scene, max_cycles="many")),
+        ("max_cycles: -5; expected a whole number", lambda: machine.run(scene, max_cycles=-5)),
+        ("engine: None; expected a string", lambda: machine.run(scene, engine=None)),
+        ("exact: 'yes'; expected True or False", lambda: machine.run(scene, exact="yes")),
+        ("timeline: 7; expected a path", lambda: machine.run(scene, timeline=7)),
+        ("waves: ", lambda: machine.run(scene, timeline="a", waves="./a")),
+        ("units: 'brightness'; expected a list of strings", lambda: machine.run(scene, timeline="a", units="brightness")),
+        ("units: no unit of bump is called `brigthness`; did you mean `brightness`", lambda: machine.run(scene, timeline="a", units=["brigthness"])),
+        ("from_cycle, to_cycle, units: select a part of timeline", lambda: machine.run(scene, from_cycle=5)),
+        ("from_cycle: 5 is not before to_cycle 5", lambda: machine.run(scene, timeline="a", from_cycle=5, to_cycle=5)),
+        ("tokens_of: `pixels`; expected fragments or polygons", lambda: machine.run(scene, tokens="a", tokens_of="pixels")),
+        ("tokens_every: 0; expected a whole number from 1 on", lambda: machine.run(scene, tokens="a", tokens_every=0)),
+        ("requests_format: `dram`; expected csv, dramsim3", lambda: machine.run(scene, requests="a", requests_format="dram")),
+        ("requests_memory: machine `bump` has no memory `ram`", lambda: machine.run(scene, requests="a", requests_memory="ram")),
+        ("no timing; remove sensitivity, waves", lambda: machine.run(scene, engine="functional", sensitivity=True, waves="a")),
+        ("a.txt: the file name selects the form of a trace", lambda: machine.record(scene, "a.txt")),
+        ("content: 'x'; expected bytes", lambda: basrelief.Recording("x")),  # type: ignore[arg-type]
+        ("bottlenecks: 1; expected True or False", lambda: recording.resimulate(bottlenecks=1)),
+        ("recordings: [7]; expected a recording", lambda: basrelief.size_fifos([7])),  # type: ignore[list-item]
+        ("within: 'a'; expected a number", lambda: basrelief.size_fifos(recording, "a")),  # type: ignore[arg-type]
+        ("plan: 7; expected a path", lambda: basrelief.sweep(7)),  # type: ignore[arg-type]
+        ("threads: 0; expected a whole number from 1 on", lambda: basrelief.sweep("plan.toml", threads=0)),
+        ("seed: 4294967296; expected a whole number of at most 32 bits", lambda: _explore(tmp_path, seed=1 << 32)),
+        ("expected `budget`, a number of points, or `seconds`", lambda: _explore(tmp_path)),
+    ]
+    for words, asked in wrong:
+        with pytest.raises(UsageError) as raised:
+            asked()
+        assert words in str(raised.value), f"{raised.value}, expected {words}"
+    assert [path.name for path in tmp_path.iterdir()] == ["plan.toml"]
+
+
+def _explore(folder: Path, **options: Any) -> Any:
+    plan = folder / "plan.toml"
+    plan.write_text('input = "demo:golf-ball"\nobjectives = ["cycles min"]\n[axes]\nreplacement.entries = [16, 64]\n')
+    return basrelief.explore(plan, out=folder / "points", **options)
+
+
+def test_exceptions_belong_to_the_module_they_are_imported_from() -> None:
+    for name in basrelief.__all__:
+        kind = getattr(basrelief, name)
+        if isinstance(kind, type) and issubclass(kind, Exception):
+            assert (kind.__module__, kind.__qualname__) == ("basrelief", name)
+    assert issubclass(basrelief.IncompleteError, basrelief.Error)
+
+
 def test_incomplete_run_keeps_its_report(program: Program, tmp_path: Path) -> None:
     with pytest.raises(basrelief.IncompleteError) as raised:
         Machine("bump").run(basrelief.demo("golf-ball", size=(32, 24)), max_cycles=1000)

@@ -24,7 +24,8 @@ def shown(notebook: Any) -> list[dict[str, Any]]:
 
 def of_pandas_as_text(data: dict[str, Any]) -> dict[str, Any]:
     is_pandas = 'class="dataframe"' in data.get("text/html", "")
-    return {kind: content.strip() for kind, content in data.items() if not (is_pandas and kind == "text/html")}
+    # A chart is JSON, and no text.
+    return {kind: content.strip() if isinstance(content, str) else content for kind, content in data.items() if not (is_pandas and kind == "text/html")}
 
 
 def test_notebook_shows_current_results() -> None:

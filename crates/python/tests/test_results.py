@@ -78,6 +78,8 @@ def test_notebook_shows_result_and_keeps_its_own_style(result: Result) -> None:
     html = result._repr_html_()
     for part in ("Bottlenecks", "Block diagram", "Cycle breakdown", "data:image/png;base64,"):
         assert part in html, part
+    parts = [html.index(part) for part in ("gate equivalents", "data:image/png;base64,", "Bottleneck ladder", "Block diagram")]
+    assert parts == sorted(parts), "key figures, pictures, bottlenecks, then the rest"
     style = html.partition("<style>")[2].partition("</style>")[0]
     assert style.startswith("@scope (.basrelief) {")
     assert not any(line.startswith((":root", "body")) for line in style.splitlines())

@@ -184,6 +184,18 @@ def test_a_point_that_fails_is_a_row(client: Any, tmp_path: Path) -> None:
     assert basrelief.sweep(plan, client, out=tmp_path / "there", retry_failed=True).run == 1
 
 
+def test_sweep_shows_its_front_in_a_notebook(plan: Path, tmp_path: Path) -> None:
+    plan.write_text(PLAN.replace('"demo:ellipsoid@2", "patch.obj"', '"demo:ellipsoid@2"').replace("to = 8", "to = 2"))
+    done = basrelief.sweep(plan, out=tmp_path / "points")
+    bundle = done._repr_mimebundle_()
+    assert bundle["text/plain"] == done.front
+    for version in (5, 6):
+        chart = bundle[f"application/vnd.vegalite.v{version}+json"]
+        assert chart["$schema"].endswith(f"/v{version}.json")
+        assert len(chart["data"]["values"]) == done.points == 6
+        assert any(point["front"] for point in chart["data"]["values"])
+
+
 def test_batches_group_points_by_recording() -> None:
     points = [(f"{work}{n}", work) for work, count in (("a", 5), ("b", 1), ("c", 1), ("d", 2)) for n in range(count)]
     assert _batches(points, 3) == [["a0", "a1", "a2"], ["a3", "a4", "b0"], ["c0", "d0", "d1"]]

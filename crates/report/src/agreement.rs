@@ -1,6 +1,6 @@
 //! One meaning per figure: every figure that several tables, files and pages show is computed from each of them and compared.
 
-use crate::compare::overview;
+use crate::compare::comparisons_text;
 use crate::html::{PageAssets, to_html};
 use crate::long_table;
 use crate::model::{Figure, HardwareArea, Report};
@@ -102,7 +102,7 @@ fn unit_memory_and_cache_shares_agree_with_derived_figures() {
 fn headline_figures_agree_in_every_place() {
     let report = report();
     let (text, html) = (to_text(&report, TextStyle::default(), &[]), to_html(&report, &PageAssets::default()).unwrap());
-    let table = overview(&[("a", &report)], TextStyle::default());
+    let table = comparisons_text(("a", &report), &[], TextStyle::default());
     let cycles = thousands(report.frame_cycles());
     let per_one = format!("{:.2}", derived(&report, &format!("cycles_per_{}", work::work(&report).one)));
     let bytes = thousands(report.memory_bytes().unwrap());

@@ -111,6 +111,12 @@ impl KeptRecording {
     }
 }
 
+impl AsRef<[u8]> for KeptRecording {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
 impl Observer for KeptRecording {
     fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
         self.held.try_grow(bytes.len() as u64, "a recording").map_err(|error| error.to_string())?;

@@ -8,11 +8,14 @@
 //! | [`perfetto`] | trace for ui.perfetto.dev |
 //! | [`fst`] | FST waves for GTKWave and Surfer |
 //! | [`kanata`] | life of single tokens for Konata |
+//! | `compressed` | charts compressed with zstd, with this feature |
 //! | [`wire_log`] | tokens and cycles of every wire, for register-transfer code |
 //! | [`utilization`] | utilization over time in about a thousand columns |
 //!
 //! This crate opens no file, reads no clock and prints nothing: writers are arguments.
 
+#[cfg(feature = "zstd")]
+mod compressed;
 pub mod fst;
 pub mod kanata;
 pub mod layout;
@@ -28,6 +31,8 @@ pub mod utilization;
 pub mod wire_log;
 mod wires;
 
+#[cfg(feature = "zstd")]
+pub use compressed::CompressedChart;
 pub use fst::FstWaves;
 pub use kanata::KanataLog;
 pub use layout::TimelineLayout;

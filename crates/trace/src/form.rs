@@ -29,6 +29,9 @@ pub struct TraceForm {
 }
 
 impl TraceForm {
+    /// True if this build compresses.
+    pub const CAN_COMPRESS: bool = cfg!(feature = "zstd");
+
     /// All forms.
     pub const ALL: [Self; 4] = [
         Self { encoding: TraceEncoding::JsonLines, compressed: false },

@@ -9,7 +9,7 @@ use crate::input::read_text;
 use crate::outputs::{PartialFile, REPORT, check_outputs_keep_inputs, recording_in};
 use crate::terminal;
 use basrelief_input::{MemoryPool, json_weight};
-use basrelief_report::compare::overview;
+use basrelief_report::compare::comparisons_text;
 use basrelief_report::html::{self, PagePicture, compared};
 use basrelief_report::{Comparison, Report, TextStyle, compare as difference};
 use basrelief_sim::{RecordedRun, RecordingError, page_assets};
@@ -91,11 +91,8 @@ fn page(path: &Path, (first, others): (&ReportSide, &[ReportSide]), pairs: &[Rep
 }
 
 fn text(first: &ReportSide, others: &[ReportSide], pairs: &[ReportPair<'_>], style: TextStyle) -> String {
-    let reports: Vec<_> = std::iter::once(first).chain(others).map(|side| (&*side.name, &side.report)).collect();
-    let heading =
-        |pair: &ReportPair<'_>| if others.len() > 1 { format!("A: {}, B: {}\n", pair.a, pair.b) } else { String::new() };
-    let pairs = pairs.iter().map(|pair| format!("\n{}{}", heading(pair), pair.comparison.to_text(style)));
-    std::iter::once(overview(&reports, style)).chain(pairs).collect()
+    let compared = others.iter().zip(pairs).map(|(other, pair)| ((&*other.name, &other.report), &pair.comparison));
+    comparisons_text((&first.name, &first.report), &compared.collect::<Vec<_>>(), style)
 }
 
 impl ReportPair<'_> {

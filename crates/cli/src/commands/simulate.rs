@@ -14,13 +14,11 @@ use crate::outputs::{OutputFolder, check_distinct, check_outputs_keep_inputs};
 use crate::progress::InputProgress;
 use crate::terminal;
 use basrelief_dse::OneAtATimeBase;
-use basrelief_input::MemoryPool;
-use basrelief_kernel::{Engine, Probe};
+use basrelief_kernel::Engine;
 use basrelief_report::Report;
 use basrelief_report::model::OutcomeKind;
 use basrelief_sim::{
-    self as sim, AnalysisPolicy, AuxForm, AuxOutputInfo, MachineConfig, NoObserver, Observer, Overrides, RunInput, RunOptions,
-    RunResult, picture_name,
+    AnalysisPolicy, AuxForm, AuxOutputInfo, MachineConfig, Overrides, RunInput, RunOptions, RunResult, picture_name, run_named,
 };
 use basrelief_tile_server::preview::LivePreview;
 use std::net::SocketAddr;
@@ -219,37 +217,4 @@ fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
     let page = simulation.html.iter().map(|path| ("--html", &**path));
     let dumps = simulation.dump.as_chunks::<2>().0.iter().map(|[_, path]| ("--dump", &**path));
     timeline.chain(waves).chain(tokens).chain(wires).chain(requests).chain(recording).chain(page).chain(dumps).collect()
-}
-
-/// Runs the machine. Errors name the input, unless a parameter or an output is at fault.
-pub fn run_named(
-    source: RunInput,
-    settings: &RunOptions,
-    observer: &mut dyn Observer,
-    probe: Option<&mut dyn Probe>,
-) -> CommandResult<RunResult> {
-    let name = source.name().to_owned();
-    sim::run(source, settings, observer, probe).map_err(CommandError::of_run(&name))
-}
-
-/// Runs to the end without images, reference image and progress.
-pub fn simulate_quietly(
-    source: RunInput,
-    config: &MachineConfig,
-    engine: Option<Engine>,
-    budget: &MemoryPool,
-) -> CommandResult<RunResult> {
-    let settings = RunOptions {
-        config: config.clone(),
-        engine: engine.or(Some(Engine::Timed)),
-        exact: false,
-        budget: budget.clone(),
-        ..RunOptions::default()
-    };
-    let name = source.name().to_owned();
-    let run = run_named(source, &settings, &mut NoObserver, None)?;
-    match run.report.outcome.kind {
-        OutcomeKind::Complete => Ok(run),
-        _ => Err(CommandError::in_input(&name)(run.report.outcome.message.as_deref().unwrap_or("incomplete"))),
-    }
 }

@@ -1,18 +1,17 @@
 //! `basrelief size-fifos`: finds the smallest FIFO depths that keep the cycles of runs.
 
 use super::recording::{failure, open as open_recording, place_of};
-use super::simulate::run_named;
 use crate::args::{MachineArgs, SizeFifosArgs, ViewArgs};
 use crate::clock::seconds;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::input::{self, Input, demo_of};
 use crate::terminal;
-use basrelief_input::{MemoryPool, MemoryReservation};
+use basrelief_input::MemoryPool;
 use basrelief_report::number::{real, thousands};
 use basrelief_sim::{
-    AnalysisPolicy, DepthChoice, FifoSizing, MachineConfig, NoObserver, Observer, Overrides, RecordingError, RunOptions,
-    size_fifos as sized,
+    AnalysisPolicy, DepthChoice, FifoSizing, KeptRecording, MachineConfig, NoObserver, Overrides, RecordingError, RunOptions,
+    run_named, size_fifos as sized,
 };
 use basrelief_trace::TraceForm;
 use std::fmt::Write;
@@ -70,14 +69,14 @@ impl RecordedInput {
         let (config, given) = input::config(&args.machine, demo_of(path), budget)?;
         let input = input::open(path, &args.view, global)?.for_several_runs(budget);
         let options = options(config, given, budget);
-        let mut kept = RecordingKeeper { bytes: Vec::new(), held: budget.empty_reservation() };
+        let mut kept = KeptRecording::new(budget);
         let run =
             run_named(input.reopen()?, &RunOptions { recording: AnalysisPolicy::Always, ..options.clone() }, &mut kept, None)?;
         let name = path.display().to_string();
         if !run.recording_is_complete {
             return Err(CommandError::in_input(&name)("the run does not end, or its views have times; so it has no recording"));
         }
-        Ok(Self { name, recording: Box::new(Cursor::new(kept.bytes)), drawn: Some((input, options)) })
+        Ok(Self { name, recording: Box::new(Cursor::new(kept)), drawn: Some((input, options)) })
     }
 
     /// Runs the input with the depths found; the run must take the computed cycles.
@@ -103,20 +102,6 @@ impl RecordedInput {
 /// Returns run options for timing only.
 fn options(config: MachineConfig, given: Overrides, budget: &MemoryPool) -> RunOptions {
     RunOptions { config, overrides: given, exact: false, clock: seconds, budget: budget.clone(), ..RunOptions::default() }
-}
-
-/// Keeps a recording in memory.
-struct RecordingKeeper {
-    bytes: Vec<u8>,
-    held: MemoryReservation,
-}
-
-impl Observer for RecordingKeeper {
-    fn recording(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
-        self.held.try_grow(bytes.len() as u64, "a recording").map_err(|error| error.to_string())?;
-        self.bytes.extend_from_slice(bytes);
-        Ok(())
-    }
 }
 
 fn text(sizes: &FifoSizing) -> String {

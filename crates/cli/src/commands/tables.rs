@@ -1,13 +1,13 @@
 //! Tables of several runs of one input: `--ablate` (saving of each shortcut) and `--compare-methods` (cost of each method at the same
 //! error).
 
-use super::simulate::{Simulation, run_named};
+use super::simulate::Simulation;
 use crate::args::SimulationArgs;
 use crate::error::{CommandError, CommandResult, print, print_styled};
 use crate::input::Input;
 use crate::outputs::OutputFolder;
 use crate::progress::Progress;
-use basrelief_sim::{self as sim, Observer, RunOptions, RunResult};
+use basrelief_sim::{self as sim, Observer, RunOptions, RunResult, run_named};
 use std::io::Write;
 
 /// A finished table.

@@ -1,7 +1,6 @@
 //! `basrelief verify`: replays traces and checks their expectations.
 
 use super::convert::to_trace_file;
-use super::simulate::simulate_quietly;
 use crate::args::VerifyArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
@@ -9,7 +8,7 @@ use crate::input::TraceFile;
 use basrelief_input::{MemoryPool, MemoryReservation, open_in_folder};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
-use basrelief_sim::{MACHINES, MachineInfo, check_expectation, expectation_of};
+use basrelief_sim::{MACHINES, MachineInfo, check_expectation, expectation_of, run_quietly};
 use basrelief_trace::{ExpectedResults, TraceCommand, TraceForm, TraceResolver, TraceWriter, open};
 use std::collections::BTreeSet;
 use std::fs;
@@ -127,7 +126,7 @@ fn replay(path: &Path, expected: &ExpectedResults, engine: Engine, budget: &Memo
     let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named).map_err(in_trace(path))?;
     let config = machine.load("", &borrowed).map_err(in_trace(path))?;
     let file = TraceFile::open(path)?;
-    simulate_quietly(file.into_source(), &config, Some(engine), budget).map(|run| run.report)
+    run_quietly(file.into_source(), &config, engine, budget).map(|run| run.report)
 }
 
 fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> CommandResult<Vec<String>> {

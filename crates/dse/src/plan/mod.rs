@@ -12,11 +12,11 @@ pub use axes::Axis;
 pub use definition::{Plan, PlanInput, PlanPoint};
 pub use schema::plan_schema;
 
-use crate::figures::{ReportFigure, first_frame, path_of};
+use crate::figures::{ReportFigure, first_frame, no_figure, path_of};
 use crate::one;
 use crate::{OpenedInput, SweepError, SweepHost};
 use axes::{Exclusion, KeyPositions};
-use basrelief_parameters::{ConfigError, nearest};
+use basrelief_parameters::ConfigError;
 use basrelief_signals::{Frame, Scene};
 use basrelief_sim::{MachineInfo, Overrides, PreparedScene, input_sha256};
 use std::collections::BTreeSet;
@@ -179,11 +179,7 @@ impl Plan {
             let is_known = |name: &str| known.iter().any(|figure| figure.name == name);
             let of_frame = first_frame(column).is_some_and(|(first, frame)| is_known(&first) && frame < frames);
             if !of_frame && !is_known(column) {
-                let near = nearest(column, known.iter().map(|figure| figure.name.as_str()));
-                let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-                return Err(format!(
-                    "{place}: the report has no figure `{column}`{hint} (docs/guide/sweep-and-explore.md says how they are named)"
-                ));
+                return Err(format!("{place}: {}", no_figure(column, known)));
             }
         }
         let mut seen = BTreeSet::new();

@@ -19,6 +19,7 @@ from .picture import Picture
 from .renamed import warn_renamed
 from .result import IncompleteError, Recording, Result, load
 from .scene import demo, demos, display_list, scene
+from .sizing import FifoSizing, size_fifos
 from .sweep import Exploration, Sweep, explore, sweep
 from .table import Table
 
@@ -34,6 +35,7 @@ __all__ = [
     "DisplayList",
     "Error",
     "Exploration",
+    "FifoSizing",
     "IncompleteError",
     "InputError",
     "Machine",
@@ -52,5 +54,6 @@ __all__ = [
     "load",
     "machines",
     "scene",
+    "size_fifos",
     "sweep",
 ]

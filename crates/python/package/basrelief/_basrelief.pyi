@@ -12,19 +12,24 @@ __all__ = [
     "Plan",
     "Scene",
     "UsageError",
+    "ablate",
     "compare",
+    "compare_methods",
     "compared",
     "demos",
     "difference",
     "explore",
+    "figure",
     "machines",
     "page",
     "part",
     "png",
     "read_report",
     "read_text",
+    "record",
     "resimulate",
     "run",
+    "size_fifos",
     "text",
     "work_alone",
 ]
@@ -39,12 +44,25 @@ _Settings = list[tuple[str, str]]
 class _View(TypedDict):
     size: tuple[int, int] | None
     camera: tuple[str, str] | None
-    turn: tuple[float, float] | None
+    turn: tuple[float, ...] | None
     zoom: float | None
     frames: int | None
     orbit: float | None
-    light: tuple[float, float, float] | None
+    light: tuple[float, ...] | None
     light_orbit: float | None
+
+class _Outputs(TypedDict):
+    timeline: _Path | None
+    waves: _Path | None
+    tokens: _Path | None
+    tokens_every: int
+    tokens_of: str
+    from_cycle: int | None
+    to_cycle: int | None
+    units: list[str]
+    requests: _Path | None
+    requests_format: str
+    requests_memory: str | None
 
 class _Options(TypedDict):
     engine: str
@@ -53,7 +71,9 @@ class _Options(TypedDict):
     bottlenecks: bool | None
     costs: bool
     recording: bool
+    sensitivity: bool
     memory_limit: int | None
+    outputs: _Outputs
 
 class _Ran(TypedDict):
     report: str
@@ -145,6 +165,11 @@ def machines() -> list[tuple[str, str]]: ...
 def demos() -> list[tuple[str, str, str]]: ...
 def read_text(path: _Path) -> str: ...
 def run(config: Config, drawn: Scene | DisplayList, options: _Options) -> _Ran: ...
+def ablate(config: Config, drawn: Scene | DisplayList, options: _Options) -> str: ...
+def compare_methods(config: Config, drawn: Scene | DisplayList, options: _Options) -> str: ...
+def record(config: Config, drawn: Scene | DisplayList, path: _Path, expect: bool, memory_limit: int | None) -> int: ...
+def size_fifos(recordings: list[bytes], within: list[float], memory_limit: int | None) -> str: ...
+def figure(report: str, name: str) -> int | float: ...
 def resimulate(recording: bytes, settings: _Settings, keep: tuple[bool | None, bool], memory_limit: int | None) -> _Ran: ...
 def compare(a: _Side, b: _Side) -> tuple[str, str]: ...
 def compared(a: _Side, b: _Side) -> str: ...

@@ -7,7 +7,14 @@ import tempfile
 from os import PathLike
 from pathlib import Path
 
+from . import arguments
+
 FilePath = str | PathLike[str]
+
+
+def optional_path(name: str, value: FilePath | None) -> str | None:
+    """Returns the path of a file, if there is one."""
+    return None if value is None else arguments.path(name, value)
 
 
 def write(path: FilePath, content: bytes) -> None:

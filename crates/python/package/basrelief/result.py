@@ -8,13 +8,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from . import _basrelief
+from . import _basrelief, arguments
 from ._basrelief import Error, InputError
 from .comparison import Comparison
 from .files import FilePath, write
 from .picture import Picture
 from .renamed import warn_renamed
-from .settings import settings
+from .settings import Settings, settings
 from .table import Table
 
 REPORT = "report.json"
@@ -25,6 +25,8 @@ OLD_RECORDING = "run.tape"
 
 class IncompleteError(Error):
     """A deadlock, or a stop at `max_cycles`. `result` holds the report so far."""
+
+    __module__ = "basrelief"
 
     def __init__(self, message: str, result: Result) -> None:
         super().__init__(message, result)
@@ -41,6 +43,8 @@ class Recording:
     __slots__ = ("_bytes",)
 
     def __init__(self, content: bytes) -> None:
+        if not isinstance(content, bytes):
+            raise arguments.wrong("content", content, "bytes; Result.recording is a recording")
         self._bytes = content
 
     def resimulate(
@@ -48,18 +52,26 @@ class Recording:
         given: Mapping[str, Any] | None = None,
         /,
         *,
-        bottlenecks: bool | None = None,
+        bottlenecks: bool | None = False,
         recording: bool = False,
         memory_limit: int | None = None,
         **parameters: Any,
     ) -> Result:
         """Computes the timing anew with these parameters changed, without executing the units again.
 
-        `bottlenecks`, `recording`, `memory_limit`: as in `Machine.run`.
+        `bottlenecks`: analyse bottlenecks; `None` only if the recording is short.
+        `recording`: keep the recording at once. Otherwise `Result.recording` makes it when it is first used.
+        `memory_limit`: as in `Machine.run`.
         Raises `UsageError` for a work parameter; `Machine.describe()["effect"]` marks the timing parameters.
         """
-        ran = _basrelief.resimulate(self._bytes, settings(given or {}, parameters), (bottlenecks, recording), memory_limit)
-        return result_of(ran)
+        analysed = None if bottlenecks is None else arguments.truth("bottlenecks", bottlenecks)
+        limit = None if memory_limit is None else arguments.whole("memory_limit", memory_limit)
+        changes = settings(given or {}, parameters)
+        ran = _basrelief.resimulate(self._bytes, changes, (analysed, arguments.truth("recording", recording)), limit)
+        result = result_of(ran)
+        if result._recording is None:
+            result._origin = (self._bytes, changes, limit)
+        return result
 
     def retime(
         self,
@@ -101,12 +113,14 @@ class Result:
         self._image = image
         self._reference = reference
         self._recording = recording
+        # Of a resimulation: the recording, the changed parameters and the memory limit.
+        self._origin: tuple[bytes, Settings, int | None] | None = None
 
     def __getstate__(self) -> tuple[Any, ...]:
-        return self._text, self._image, self._reference, self._recording
+        return self._text, self._image, self._reference, self._recording, self._origin
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
-        self._text, self._image, self._reference, self._recording = state
+        self._text, self._image, self._reference, self._recording, self._origin = state
 
     @cached_property
     def report(self) -> dict[str, Any]:
@@ -183,6 +197,18 @@ class Result:
         ]
         return Table.of_rows(counted + derived + _sums(self.report), ["figure", "value", "unit", "description"])
 
+    def figure(self, name: str) -> int | float:
+        """Returns a figure by any name that a plan may use, for example `hardware.area_ge` or `units.geometry.busy`. Raises `UsageError`
+        for an unknown name."""
+        return _basrelief.figure(self._text, arguments.word("name", name))
+
+    @property
+    def sensitivity(self) -> Table:
+        """Effect of each assumed parameter, largest first: parameter, description, unit of measure, old and new value, and the measures
+        with their changes, or the reason why there are none."""
+        changes = self._part("sensitivity", "run(sensitivity=True) measures it")["changes"]
+        return Table.of_rows(changes)
+
     @property
     def image(self) -> Picture:
         """Image of the last frame."""
@@ -211,8 +237,17 @@ class Result:
     @property
     def recording(self) -> Recording:
         """The steps of the run, without times."""
-        if self._recording is None:
+        kept = self._kept_recording()
+        if kept is None:
             raise Error("no recording was kept; run(recording=True) keeps that of every complete run")
+        return kept
+
+    def _kept_recording(self) -> Recording | None:
+        """Returns the recording, made anew for a resimulation."""
+        if self._recording is None and self._origin is not None:
+            content, changes, limit = self._origin
+            made = _basrelief.resimulate(content, changes, (False, True), limit)["recording"]
+            self._recording = None if made is None else Recording(made)
         return self._recording
 
     def compare(self, other: Result, names: tuple[str, str] = ("this", "other")) -> Comparison:
@@ -220,7 +255,7 @@ class Result:
         return Comparison(self._side(names[0]), other._side(names[1]))
 
     def _side(self, name: str) -> _basrelief._Side:
-        image, recording = self._image, self._recording
+        image, recording = self._image, self._kept_recording()
         pixels = None if image is None else image._pixels
         return {"name": name, "report": self._text, "image": pixels, "recording": None if recording is None else recording._bytes}
 
@@ -248,8 +283,9 @@ class Result:
                 picture.save(place / f"{kind}.png")
         for name in (RECORDING, OLD_RECORDING):
             (place / name).unlink(missing_ok=True)
-        if self._recording is not None:
-            self._recording.save(place / RECORDING)
+        recording = self._kept_recording()
+        if recording is not None:
+            recording.save(place / RECORDING)
         write(place / REPORT, self._text.encode())
 
     def __str__(self) -> str:

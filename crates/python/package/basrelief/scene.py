@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import _basrelief
+from . import _basrelief, arguments
 from ._basrelief import DisplayList, Scene
 from .files import FilePath
 from .table import Table
@@ -27,7 +27,8 @@ def demo(
     memory_limit: int | None = None,
 ) -> Scene:
     """Returns a demo scene. Some have a tessellation, for example `goblet@8`. The other arguments are those of `scene`."""
-    return Scene.demo(name, _view(size, camera, turn, zoom, frames, orbit, light, light_orbit), memory_limit)
+    view = _view(size, camera, turn, zoom, frames, orbit, light, light_orbit)
+    return Scene.demo(arguments.word("name", name), view, _limit(memory_limit))
 
 
 def scene(
@@ -60,12 +61,12 @@ def scene(
     A pickled scene contains the bytes of its files and its view. Raises `InputError` for a file that cannot be read.
     """
     view = _view(size, camera, turn, zoom, frames, orbit, light, light_orbit)
-    return Scene.open(path, view, memory_limit, allow_outside)
+    return Scene.open(arguments.path("path", path), view, _limit(memory_limit), arguments.truth("allow_outside", allow_outside))
 
 
 def display_list(path: FilePath) -> DisplayList:
     """Opens a trace (display list), which has its own view. Each run reads it again. A pickled trace contains only its path."""
-    return DisplayList(path)
+    return DisplayList(arguments.path("path", path))
 
 
 def _view(
@@ -78,13 +79,18 @@ def _view(
     light: tuple[float, float, float] | None,
     light_orbit: float | None,
 ) -> _basrelief._View:
+    file = None if camera is None else arguments.path("camera", camera)
     return {
-        "size": size,
-        "camera": None if camera is None else (str(camera), _basrelief.read_text(camera)),
-        "turn": turn,
-        "zoom": zoom,
-        "frames": frames,
-        "orbit": orbit,
-        "light": light,
-        "light_orbit": light_orbit,
+        "size": None if size is None else arguments.size("size", size),
+        "camera": None if file is None else (file, _basrelief.read_text(file)),
+        "turn": None if turn is None else arguments.numbers("turn", turn, 2),
+        "zoom": None if zoom is None else arguments.number("zoom", zoom),
+        "frames": None if frames is None else arguments.whole("frames", frames, least=1),
+        "orbit": None if orbit is None else arguments.number("orbit", orbit),
+        "light": None if light is None else arguments.numbers("light", light, 3),
+        "light_orbit": None if light_orbit is None else arguments.number("light_orbit", light_orbit),
     }
+
+
+def _limit(memory_limit: int | None) -> int | None:
+    return None if memory_limit is None else arguments.whole("memory_limit", memory_limit)

@@ -10,7 +10,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from . import _basrelief
+from . import _basrelief, arguments
 from ._basrelief import Error
 from .files import FilePath
 from .renamed import warn_renamed
@@ -68,6 +68,13 @@ class Sweep:
     def __str__(self) -> str:
         return self.front
 
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
+        """Shows the front as a chart in a notebook. Notebooks know version 5 or 6 of Vega-Lite; the chart is the same in both."""
+        chart: dict[str, Any] = json.loads((self.folder / "sweep.vl.json").read_text())
+        versions = {version: chart | {"$schema": f"https://vega.github.io/schema/vega-lite/v{version}.json"} for version in (5, 6)}
+        charts = {f"application/vnd.vegalite.v{version}+json": of_version for version, of_version in versions.items()}
+        return {**charts, "text/plain": self.front}
+
 
 def sweep(
     plan: FilePath,
@@ -90,11 +97,12 @@ def sweep(
 
     Ctrl-C stops between two points and keeps finished points. Raises `InputError` for an invalid plan.
     """
-    name, folder = Path(plan), Path(out)
+    name, folder = Path(arguments.path("plan", plan)), Path(arguments.path("out", out))
+    memory_limit, threads = _limits(memory_limit, threads)
+    options = (arguments.truth("retry_failed", retry_failed), arguments.truth("pictures", pictures))
     made: _Made = (str(name.absolute()), _basrelief.read_text(name), memory_limit)
     points = _basrelief.Plan(name, made[1], memory_limit)
     missing = points.missing(folder, retry_failed)
-    options = (retry_failed, pictures)
     if client is None:
         tally = points.execute([point for point, _ in missing], folder, threads, options)
     else:
@@ -139,12 +147,27 @@ def explore(
     Ctrl-C stops between two points and keeps finished points. Raises `InputError` for an invalid plan, and `UsageError` unless exactly
     one limit is given.
     """
-    name, folder = Path(plan), Path(out)
+    name, folder = Path(arguments.path("plan", plan)), Path(arguments.path("out", out))
+    memory_limit, threads = _limits(memory_limit, threads)
+    options = (arguments.truth("retry_failed", retry_failed), arguments.truth("pictures", pictures))
+    count = None if budget is None else arguments.whole("budget", budget)
+    time = None if seconds is None else arguments.number("seconds", seconds)
     made: _Made = (str(name), _basrelief.read_text(name), memory_limit)
-    options = (retry_failed, pictures)
-    counts, front, share = _basrelief.explore(made, (budget, seconds, seed), folder, threads, options)
+    counts, front, share = _basrelief.explore(made, (count, time, _seed(seed)), folder, threads, options)
     grid, points, reused, run, resimulated, failed = counts
     return Exploration(folder, points, reused, run, resimulated, failed, front, grid, share)
+
+
+def _limits(memory_limit: int | None, threads: int | None) -> tuple[int | None, int | None]:
+    limit = None if memory_limit is None else arguments.whole("memory_limit", memory_limit)
+    return limit, None if threads is None else arguments.whole("threads", threads, least=1)
+
+
+def _seed(seed: int) -> int:
+    number = arguments.whole("seed", seed)
+    if number >> 32:
+        raise arguments.wrong("seed", seed, "a whole number of at most 32 bits")
+    return number
 
 
 _Tally = tuple[int, int, int, int]

@@ -29,7 +29,7 @@ pub(crate) use text::measured_by;
 pub use comparison::{
     CauseShare, Comparison, FigureChange, LargestRegression, MeasuredCauses, SectionChanges, UnjudgedFigure, Verdict, WORK,
 };
-pub use overview::overview;
+pub use overview::comparisons_text;
 
 use crate::long_table::{self, FigureRow};
 use crate::model::{Figure, Report};

@@ -1,5 +1,6 @@
 //! Several reports in one table, one row each.
 
+use super::comparison::Comparison;
 use crate::model::Report;
 use crate::number::{real, thousands};
 use crate::text::style::TextStyle;
@@ -7,9 +8,18 @@ use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
 
+/// Returns the comparisons of the first report with each of the others as text: an overview, then each comparison under a heading if
+/// there are several.
+pub fn comparisons_text(first: (&str, &Report), others: &[((&str, &Report), &Comparison)], style: TextStyle) -> String {
+    let reports: Vec<_> = std::iter::once(first).chain(others.iter().map(|(other, _)| *other)).collect();
+    let heading = |name: &str| if others.len() > 1 { format!("A: {}, B: {name}\n", first.0) } else { String::new() };
+    let pairs = others.iter().map(|((name, _), comparison)| format!("\n{}{}", heading(name), comparison.to_text(style)));
+    std::iter::once(overview(&reports, style)).chain(pairs).collect()
+}
+
 /// Returns render cycles, memory bytes, area and PSNR of each report, each with its change from the first report, with a line feed at
 /// the end.
-pub fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
+fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
     let mut kinds: Vec<String> = reports.iter().map(|(_, report)| work(report).one).collect();
     kinds.dedup();
     let each = format!("per {}", kinds.join(" or "));

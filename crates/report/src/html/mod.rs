@@ -89,6 +89,11 @@ fn contents(report: &Report, assets: &PageAssets) -> Vec<SectionContent> {
     all.into_iter().filter(|(_, _, content)| !content.is_empty()).collect()
 }
 
+/// Returns the key figures of a run, as escaped markup styled by [`STYLE`].
+pub fn headline(report: &Report) -> String {
+    head::big_numbers(head::numbers(report)).into_text()
+}
+
 /// A part of the page, for pages that are more than a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PageSection {

@@ -1,0 +1,118 @@
+//! Services that Python provides to a sweep: files of a plan, and checks for Ctrl-C.
+
+use crate::error::{CommandError, CommandResult};
+use crate::files::PartialFile;
+use crate::scene::{DisplayList, RunSource, ViewArguments, text_of};
+use basrelief_dse::{OpenedInput, SweepHost, SweepProgress};
+use basrelief_input::MemoryPool;
+use basrelief_reference::RgbPicture;
+use basrelief_scene::{ImportOptions, demo, load_path_with};
+use basrelief_sim::{PreparedScene, RunInput, to_png};
+use pyo3::{PyErr, Python};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Access to the files that a plan names.
+pub struct PlanFiles {
+    /// Path of the plan; empty for a sensitivity analysis, whose files are relative to the working directory.
+    pub plan: PathBuf,
+    pub budget: MemoryPool,
+}
+
+impl PlanFiles {
+    fn path_of(&self, name: &str) -> PathBuf {
+        self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name))
+    }
+
+    fn opened(&self, name: &str, view: &ViewArguments) -> CommandResult<OpenedInput> {
+        let budget = &self.budget;
+        let kept = |scene| OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), budget));
+        if let Some(name) = name.strip_prefix("demo:") {
+            return demo(name, &view.options(budget)?).map(kept).map_err(CommandError::bad_input);
+        }
+        let path = self.path_of(name);
+        if DisplayList::of_plan(&path).is_one()? {
+            return if view.is_default() { Ok(OpenedInput::Trace) } else { Err(CommandError::bad_input(VIEW_OF_A_DISPLAY_LIST)) };
+        }
+        let shown = path.display().to_string();
+        let options = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
+        let loaded = load_path_with(&path, &view.options(budget)?, &options);
+        let (scene, held) = loaded.map_err(|error| {
+            if error.file == shown { CommandError::bad_input(error) } else { CommandError::in_input(&shown)(error) }
+        })?;
+        // Released with the memory limit of the plan.
+        held.keep_forever();
+        Ok(kept(scene))
+    }
+}
+
+const VIEW_OF_A_DISPLAY_LIST: &str = "a display list carries its own view: a plan's view is for scenes";
+
+/// Services that Python provides to a sweep.
+pub struct PythonHost<'a> {
+    files: &'a PlanFiles,
+    /// Exception raised by Ctrl-C.
+    stopped: Mutex<Option<PyErr>>,
+}
+
+impl SweepHost for PythonHost<'_> {
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String> {
+        let camera = |name: &str| {
+            let path = self.files.path_of(name);
+            Ok((path.display().to_string(), text_of(&path, &self.files.budget)?))
+        };
+        let view = ViewArguments::of_plan(view, camera)?;
+        self.files.opened(name, &view).map_err(|failure| format!("input: {failure}"))
+    }
+
+    fn trace(&self, name: &str) -> Result<RunInput, String> {
+        RunSource::DisplayList(DisplayList::of_plan(&self.files.path_of(name))).input().map_err(|failure| failure.to_string())
+    }
+
+    fn text(&self, name: &str) -> Result<String, String> {
+        text_of(&self.files.path_of(name), &self.files.budget).map_err(|failure| failure.to_string())
+    }
+
+    fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {
+        to_png(picture)
+    }
+
+    fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        self.check_interrupt()?;
+        path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
+        let mut file = PartialFile::create(path)?;
+        file.write_all(bytes)?;
+        file.publish()
+    }
+
+    fn progress(&self, _: &SweepProgress) {}
+
+    fn is_stopped(&self) -> bool {
+        self.check_interrupt().is_err()
+    }
+
+    fn budget(&self) -> &MemoryPool {
+        &self.files.budget
+    }
+}
+
+impl<'a> PythonHost<'a> {
+    pub fn new(files: &'a PlanFiles) -> Self {
+        Self { files, stopped: Mutex::default() }
+    }
+
+    /// Takes the exception that stopped the sweep.
+    pub fn stopped(&self) -> Option<PyErr> {
+        self.stopped.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// Returns an error once the user has pressed Ctrl-C, so that nothing more is written.
+    fn check_interrupt(&self) -> io::Result<()> {
+        let mut stopped = self.stopped.lock().unwrap_or_else(PoisonError::into_inner);
+        if stopped.is_none() {
+            *stopped = Python::attach(|py| py.check_signals()).err();
+        }
+        if stopped.is_some() { Err(ErrorKind::Interrupted.into()) } else { Ok(()) }
+    }
+}
