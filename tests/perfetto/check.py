@@ -185,6 +185,29 @@ def check_whose(shown):
     shown.equal("whether there are polygons", len(costs["polygons"]) > 5, True)
 
 
+def check_colors(shown):
+    """Checks that the slices of a cause have one colour, and that those of different causes differ."""
+    rows = shown.trace.query(
+        "SELECT DISTINCT s.name AS name, EXTRACT_ARG(s.arg_set_id, 'correlation_id') AS color FROM slice s JOIN track t ON s.track_id = t.id "
+        "WHERE t.name NOT LIKE 'memory %' AND t.name <> 'frames'"
+    )
+    colors = {}
+    for row in rows:
+        colors.setdefault(row.name.split(":")[0], set()).add(row.color)
+    shown.equal("colours of each cause", {cause: len(of) for cause, of in colors.items()}, dict.fromkeys(colors, 1))
+    shown.equal("colours of all causes", len(set.union(*colors.values())), len(colors))
+
+
+def check_flows(shown):
+    """Checks that flows lead forwards in time from a busy slice to a busy slice, also of another unit."""
+    rows = shown.trace.query(
+        "SELECT a.name AS tail, b.name AS head, a.track_id = b.track_id AS one_unit, a.ts <= b.ts AS forwards, COUNT(*) AS n "
+        "FROM flow f JOIN slice a ON f.slice_out = a.id JOIN slice b ON f.slice_in = b.id GROUP BY 1, 2, 3, 4"
+    )
+    shown.equal("slices with flows", {(row.tail, row.head, row.forwards) for row in rows}, {("busy", "busy", 1)})
+    shown.equal("whether flows join units", sum(row.n for row in rows if not row.one_unit) > 10, True)
+
+
 def check_window(run, simulator, folder, whole):
     """Checks that a window equals that part of the whole trace: slices cut at its ends, and levels from its beginning."""
     units, start, end = WINDOW
@@ -223,7 +246,7 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
             shown = traced(run, simulator, folder)
-            for check in (check_health, check_units, check_fifos, check_memories, check_caches, check_whose):
+            for check in (check_health, check_units, check_fifos, check_memories, check_caches, check_whose, check_colors, check_flows):
                 check(shown)
             checks = shown.checks + (check_window(run, simulator, folder, shown) if run == RUNS[0] else 0)
             print(f"{run}: {checks} comparisons", flush=True)

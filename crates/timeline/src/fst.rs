@@ -28,6 +28,8 @@ use basrelief_kernel::StallCause;
 use fst_writer::{FstFileType, FstHeaderWriter, FstInfo, FstWriteError};
 use std::io::{self, Seek, Write};
 
+/// Date of all files, as `asctime` prints it: the epoch, so that equal runs give equal files.
+const DATE: &str = "Thu Jan  1 00:00:00 1970\n";
 /// Bytes of changes that are written at once.
 const SECTION: usize = 1 << 22;
 
@@ -69,7 +71,7 @@ impl<W: Write + Seek> FstWaves<W> {
             start_time: 0,
             timescale_exponent,
             version: concat!("basrelief ", env!("CARGO_PKG_VERSION")).into(),
-            date: String::new(),
+            date: DATE.into(),
             file_type: FstFileType::Verilog,
         };
         let mut header = FstHeaderWriter::new(out, &info)?;

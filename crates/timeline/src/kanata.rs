@@ -2,7 +2,7 @@
 //!
 //! Lane 0 shows the location of a token: the unit that processes it, then the FIFO in which it waits for the next unit. Lane 1 shows the
 //! stalls of that unit on memory or on a full FIFO. A token that reaches the end of the pixel pipeline is retired. A hidden token is
-//! flushed at the unit that removes it.
+//! flushed at the unit that removes it. Its hover text lists the units with their cycles.
 //!
 //! The format, Kanata 4, counts cycles forwards only, but events are known token by token. So events are kept until the end.
 
@@ -11,6 +11,7 @@ use crate::levels::CounterValue;
 use crate::probe::{BusTransfer, StepAttribution, TokenLife, TraceSink, UnitState};
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_kernel::StallCause;
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 /// Lanes of the location of a token, and of its stalls.
@@ -31,10 +32,13 @@ struct TokenSpan {
 /// An event of a token. Events of one token and cycle are written in this order.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum TokenEvent {
-    Begins(String),
+    /// Its label, and its hover text.
+    Begins(String, String),
     Leaves(u8, String),
     Enters(u8, String),
-    Ends { flushed: bool },
+    Ends {
+        flushed: bool,
+    },
 }
 
 /// Writes the lives of tokens. [`TraceSink::finish`] returns errors.
@@ -65,7 +69,7 @@ impl<W: Write> KanataLog<W> {
     /// Events of one token, by cycle.
     fn events(&self, pieces: &[TokenSpan]) -> Vec<(u64, TokenEvent)> {
         let Some(first) = pieces.first() else { return vec![] };
-        let mut events = vec![(first.from, TokenEvent::Begins(label(first)))];
+        let mut events = vec![(first.from, TokenEvent::Begins(label(first), self.hover_text(pieces)))];
         let (mut is_in, mut end) = (None::<usize>, first.from);
         for piece in pieces {
             let name = match piece.state {
@@ -99,6 +103,24 @@ impl<W: Write> KanataLog<W> {
         events
     }
 
+    /// Returns the units of a token with their cycles, one per line. The format writes a line feed as `\\n`.
+    fn hover_text(&self, pieces: &[TokenSpan]) -> String {
+        let level = pieces.iter().find_map(|piece| piece.whose.level).map(|level| format!("MIP level {level}"));
+        let visit = |pieces: &[TokenSpan]| {
+            let (mut busy, mut waits) = (0, BTreeMap::new());
+            for piece in pieces {
+                match piece.state {
+                    UnitState::Waits(of) => *waits.entry(self.stall(piece.stage, of)).or_insert(0) += piece.to - piece.from,
+                    UnitState::Busy | UnitState::Done => busy += piece.to - piece.from,
+                }
+            }
+            let waits: String = waits.iter().map(|(of, cycles)| format!(", {of} {cycles}")).collect();
+            format!("{}: from cycle {}, busy {busy}{waits}", self.board.name(pieces[0].stage), pieces[0].from)
+        };
+        let visits = pieces.chunk_by(|a, b| a.stage == b.stage).map(visit);
+        level.into_iter().chain(visits).collect::<Vec<_>>().join("\\n")
+    }
+
     fn stall(&self, stage: usize, of: StallCause) -> String {
         wait_name(&self.board.diagram.stages[stage], of)
     }
@@ -119,7 +141,7 @@ impl<W: Write> KanataLog<W> {
         writeln!(out, "Kanata\t0004")?;
         let mut now = events.first().map_or(self.board.from, |event| event.0);
         writeln!(out, "C=\t{now}")?;
-        let (mut ids, mut retired) = (std::collections::BTreeMap::new(), 0);
+        let (mut ids, mut retired) = (BTreeMap::new(), 0);
         for (at, life, _, event) in events {
             if at > now {
                 writeln!(out, "C\t{}", at - now)?;
@@ -128,7 +150,9 @@ impl<W: Write> KanataLog<W> {
             let count = ids.len();
             let id = *ids.entry(life).or_insert(count);
             match event {
-                TokenEvent::Begins(label) => writeln!(out, "I\t{id}\t{life}\t0\nL\t{id}\t0\t{label}")?,
+                TokenEvent::Begins(label, hover) => {
+                    writeln!(out, "I\t{id}\t{life}\t0\nL\t{id}\t0\t{label}\nL\t{id}\t1\t{hover}")?;
+                }
                 TokenEvent::Enters(lane, name) => writeln!(out, "S\t{id}\t{lane}\t{name}")?,
                 TokenEvent::Leaves(lane, name) => writeln!(out, "E\t{id}\t{lane}\t{name}")?,
                 TokenEvent::Ends { flushed } => {

@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 #[derive(Debug, Default, PartialEq)]
 struct DecodedToken {
     label: String,
+    /// Lines of the hover text.
+    hover: Vec<String>,
     /// (lane, name, from, to), in the order in which they begin.
     stages: Vec<(u64, String, u64, u64)>,
     /// When it ended, and whether it was flushed.
@@ -40,7 +42,8 @@ fn read(text: &str) -> Vec<DecodedToken> {
                 assert_eq!(id, tokens.len(), "numbers follow each other");
                 tokens.push(DecodedToken::default());
             }
-            "L" => tokens[id].label += words[3],
+            "L" if words[2] == "0" => tokens[id].label += words[3],
+            "L" => tokens[id].hover.extend(words[3].split("\\n").map(str::to_owned)),
             "S" => assert_eq!(open.insert((id, number(2)), (words[3].into(), now)), None, "{line} at {now}"),
             "E" => {
                 let (name, from) = open.remove(&(id, number(2))).unwrap();
@@ -115,12 +118,23 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
     let [name_before, name_last] = [before, last].map(|stage| board.name(stage));
     let stall = format!("memory: {}", board.diagram.stages[last].clients.first().cloned().unwrap_or_default());
     let label = "frame 1, polygon 4, pixel 3, 5 and 3 more";
+    let hover = [
+        format!("{name_before}: from cycle 2, busy 3"),
+        format!("{name_last}: from cycle 7, busy 1, {stall} 2"),
+        format!("{name_before}: from cycle 5, busy 1"),
+    ];
     let retired = DecodedToken {
         label: label.into(),
+        hover: hover[..2].to_vec(),
         stages: vec![(0, name_before.clone(), 2, 5), (1, stall, 7, 9), (0, fifo, 5, 9), (0, name_last, 9, 10)],
         end: Some((10, false)),
     };
-    let flushed = DecodedToken { label: label.into(), stages: vec![(0, name_before, 5, 6)], end: Some((6, true)) };
+    let flushed = DecodedToken {
+        label: label.into(),
+        hover: hover[2..].to_vec(),
+        stages: vec![(0, name_before, 5, 6)],
+        end: Some((6, true)),
+    };
     assert_eq!(tokens, [retired, flushed]);
 }
 

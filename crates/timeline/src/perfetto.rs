@@ -11,6 +11,9 @@
 //! Arguments of a unit's slice are its attribution, if known: `frame` from 1, and `object`, `polygon` in its frame and MIP `level` from
 //! 0. The argument `asks` lists the memory clients of the step.
 //!
+//! Slices of units have one colour per cause, because slices of one cause share a correlation number: busy, starved, blocked, memory and
+//! done are 1 to 5. Flows lead along each token whose life is recorded, from one busy slice to the next.
+//!
 //! A trace counts in whole nanoseconds of the device, by `clock.hz`; the name of the machine's track states the scale.
 //!
 //! [`PerfettoTrace`] writes during the run, from a buffer of fixed size, so memory does not grow with the run. Packets are in the order of
@@ -27,7 +30,7 @@ use crate::proto::{
 use crate::scale::TimeScale;
 use basrelief_kernel::{StageTopology, StallCause};
 use prost::Message;
-use prost::encoding::{WireType, encode_key, encode_varint, encoded_len_varint, key_len, message, uint64};
+use prost::encoding::{WireType, encode_key, encode_varint, encoded_len_varint, fixed64, key_len, message, uint64};
 use std::io::{self, Write};
 
 /// Bytes that are written at once.
@@ -43,6 +46,13 @@ const FIRST_UNIT: u64 = 3;
 /// Interned names of a unit at work, and after its last step; the first cause of the first stage follows.
 const BUSY: u64 = 1;
 const DONE: u64 = 2;
+
+/// Correlation numbers of causes.
+const BUSY_COLOR: u64 = 1;
+const STARVED_COLOR: u64 = 2;
+const BLOCKED_COLOR: u64 = 3;
+const MEMORY_COLOR: u64 = 4;
+const DONE_COLOR: u64 = 5;
 
 /// Interned names of arguments, in the order of [`annotate`]; the first has number 1.
 const ARGUMENTS: [&str; 5] = ["frame", "object", "polygon", "level", "asks"];
@@ -200,6 +210,10 @@ impl<W: Write> TraceSink for PerfettoTrace<W> {
         let Some(slices) = self.slices.get(stage) else { return };
         let Some(begin) = slices.begin(state) else { return };
         annotate(&mut self.arguments, whose, &slices.clients);
+        if let (UnitState::Busy, Some(life)) = (state, whose.life) {
+            // 0 is no flow.
+            fixed64::encode(proto::FLOW_IDS, &(life.number + 1), &mut self.arguments);
+        }
         at_time(&mut self.buffer, self.scale.at(from), [begin, &self.arguments, &self.tail]);
         at_time(&mut self.buffer, self.scale.at(to), [&slices.end, &[], &self.tail]);
         self.write_out_if_full();
@@ -323,18 +337,21 @@ fn intern(stages: &[StageTopology]) -> (Vec<SliceTemplate>, Vec<InternedName>) {
     let mut names = vec![interned(BUSY, "busy".into()), interned(DONE, "done".into())];
     let mut slices = Vec::new();
     for (track, stage) in (FIRST_UNIT..).zip(stages) {
-        let begin = |name| TrackEvent { name_iid: Some(name), ..event(proto::SLICE_BEGIN, track) }.encode_to_vec();
-        let mut add = |list: &[String], cause: fn(usize) -> StallCause| {
+        let begin = |name, color| {
+            let (name_iid, correlation_id) = (Some(name), Some(color));
+            TrackEvent { name_iid, correlation_id, ..event(proto::SLICE_BEGIN, track) }.encode_to_vec()
+        };
+        let mut add = |list: &[String], cause: fn(usize) -> StallCause, color| {
             let first = names.len() as u64 + 1;
             names.extend((first..).zip(0..list.len()).map(|(iid, i)| interned(iid, wait_name(stage, cause(i)))));
-            (first..).take(list.len()).map(begin).collect()
+            (first..).take(list.len()).map(|name| begin(name, color)).collect()
         };
         slices.push(SliceTemplate {
-            busy: begin(BUSY),
-            done: begin(DONE),
-            starved: add(&stage.inputs, StallCause::Starved),
-            blocked: add(&stage.outputs, StallCause::Blocked),
-            memory: add(&stage.clients, StallCause::Memory),
+            busy: begin(BUSY, BUSY_COLOR),
+            done: begin(DONE, DONE_COLOR),
+            starved: add(&stage.inputs, StallCause::Starved, STARVED_COLOR),
+            blocked: add(&stage.outputs, StallCause::Blocked, BLOCKED_COLOR),
+            memory: add(&stage.clients, StallCause::Memory, MEMORY_COLOR),
             end: event(proto::SLICE_END, track).encode_to_vec(),
             clients: stage.clients.clone(),
         });

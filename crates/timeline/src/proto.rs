@@ -7,6 +7,8 @@ pub(crate) const PACKET: u32 = 1;
 /// Tag of the event of a packet, and of the arguments of an event.
 pub(crate) const TRACK_EVENT: u32 = 11;
 pub(crate) const DEBUG_ANNOTATIONS: u32 = 4;
+/// Tag of the flows through an event.
+pub(crate) const FLOW_IDS: u32 = 47;
 /// Tag of the time of a packet \[ns\], the first of its fields.
 pub(crate) const TIMESTAMP: u32 = 8;
 
@@ -73,6 +75,12 @@ pub(crate) struct TrackEvent {
     pub counter_value: Option<i64>,
     #[prost(double, optional, tag = "44")]
     pub double_counter_value: Option<f64>,
+    /// Events with the same number are joined by arrows.
+    #[prost(fixed64, repeated, packed = "false", tag = "47")]
+    pub flow_ids: Vec<u64>,
+    /// Slices with the same number have the same colour.
+    #[prost(uint64, optional, tag = "52")]
+    pub correlation_id: Option<u64>,
 }
 
 pub(crate) const SLICE_BEGIN: i32 = 1;

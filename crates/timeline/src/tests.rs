@@ -115,6 +115,50 @@ fn expected(recorder: &Recorder, board: &TimelineLayout, total: u64) -> Vec<(Str
 }
 
 #[test]
+fn slices_have_one_color_per_cause_and_flows_per_token() {
+    let board = samples::board();
+    let mut bytes = vec![];
+    let mut trace = Box::new(PerfettoTrace::new(&mut bytes, &board));
+    let life =
+        |number| StepAttribution { life: Some(TokenLife { number, pixel: None, pixels: 1 }), ..StepAttribution::default() };
+    let stages = &board.diagram.stages;
+    let states: Vec<(usize, UnitState)> = (0..stages.len())
+        .flat_map(|stage| {
+            let waits = |count: usize, cause: fn(usize) -> StallCause| (0..count).map(move |i| UnitState::Waits(cause(i)));
+            let starved = waits(stages[stage].inputs.len(), StallCause::Starved);
+            let blocked = waits(stages[stage].outputs.len(), StallCause::Blocked);
+            let memory = waits(stages[stage].clients.len(), StallCause::Memory);
+            [UnitState::Busy, UnitState::Done]
+                .into_iter()
+                .chain(starved)
+                .chain(blocked)
+                .chain(memory)
+                .map(move |state| (stage, state))
+        })
+        .collect();
+    for (at, (stage, state)) in (0..).zip(&states) {
+        trace.state(*stage, *state, &life(7), at, at + 1);
+    }
+    trace.finish(states.len() as u64).unwrap();
+    let packets = DecodedTrace::decode(bytes.as_slice()).unwrap().packet;
+    let begun =
+        packets.into_iter().filter_map(|packet| packet.track_event).filter(|event| event.r#type == Some(proto::SLICE_BEGIN));
+    let begun: Vec<_> = begun.collect();
+    let color = |state: &UnitState| match state {
+        UnitState::Busy => 1,
+        UnitState::Waits(StallCause::Starved(_)) => 2,
+        UnitState::Waits(StallCause::Blocked(_)) => 3,
+        UnitState::Waits(StallCause::Memory(_)) => 4,
+        UnitState::Done => 5,
+    };
+    let colors: Vec<_> = begun.iter().map(|event| event.correlation_id).collect();
+    assert_eq!(colors, states.iter().map(|(_, state)| Some(color(state))).collect::<Vec<_>>());
+    let flows: Vec<_> = begun.iter().map(|event| event.flow_ids.as_slice()).collect();
+    let of_state = |state: &UnitState| if *state == UnitState::Busy { &[8][..] } else { &[] };
+    assert_eq!(flows, states.iter().map(|(_, state)| of_state(state)).collect::<Vec<_>>(), "a token waits between flows");
+}
+
+#[test]
 fn both_engines_show_the_same_slices_in_every_window() {
     let mut recorder = Recorder::default();
     let run = record(&mut recorder, Engine::Timed);
