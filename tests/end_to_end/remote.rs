@@ -4,7 +4,7 @@ use crate::support::{Outcome, Place, finish, picture};
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
@@ -37,7 +37,12 @@ impl Server {
 
     /// Starts a server that listens at another address of this computer.
     pub fn start_at(place: &Place, line: &str, host: &str) -> Self {
-        let mut child = place.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        Self::start_command(&mut place.command(line), host)
+    }
+
+    /// Starts the server of a command line.
+    pub fn start_command(command: &mut Command, host: &str) -> Self {
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
         let mut said = String::new();
         BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut said).expect("a line");
         let url = said.split_whitespace().last().unwrap_or_default().to_owned();

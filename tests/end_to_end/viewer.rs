@@ -1,9 +1,10 @@
 //! The files of the viewer page that `serve` sends.
 
 use crate::remote::Server;
-use crate::support::Place;
+use crate::support::{PROGRAM, Place};
 use std::io::{Read, Write};
 use std::net::TcpStream;
+use std::process::{Command, Stdio};
 
 /// Sends a request and returns head and body of the answer.
 fn ask(server: &Server, request: &str, headers: &str) -> (String, Vec<u8>) {
@@ -55,4 +56,31 @@ fn page_is_sent_compressed_if_accepted() {
     assert_eq!(form("/", "br"), expected("br", "1", "accept-encoding"));
     assert_eq!(form("/worker.js", "br"), expected("", "worker.js", ""), "it has no other form");
     assert_ne!(sent("/page.js", "br").3, sent("/page.js", "gzip").3, "one tag for two forms");
+}
+
+#[test]
+fn copied_program_shows_the_page_if_built_with_it() {
+    let (place, has_page) = (Place::new(), cfg!(feature = "page"));
+    std::fs::create_dir(place.path("alone")).expect("a folder");
+    let program = place.path("alone/basrelief");
+    std::fs::copy(PROGRAM, &program).expect("copied");
+    let command = |line: &str| {
+        let mut command = Command::new(&program);
+        command.args(line.split_whitespace()).current_dir(place.path("alone")).stdin(Stdio::null());
+        command
+    };
+    let export = command("page --export page.html").output().expect("the program runs");
+    let text = String::from_utf8_lossy(&export.stderr);
+    assert_eq!(export.status.success(), has_page, "{text}");
+    assert_eq!(text.contains("the page is not built"), !has_page, "{text}");
+    let server = Server::start_command(&mut command("serve demo:gallery --listen 127.0.0.1:0"), "127.0.0.1");
+    let (_, viewer) = ask(&server, "GET /", "");
+    assert_eq!(String::from_utf8_lossy(&viewer).contains("data-from"), has_page);
+    if has_page {
+        let page = std::fs::read_to_string(place.path("alone/page.html")).expect("a page");
+        assert!(page.contains("<html") && page.len() > 1_000_000, "{} bytes", page.len());
+        let (head, simulator) = ask(&server, "GET /basrelief.wasm", "Accept-Encoding: br\r\n");
+        assert_eq!(value(&head, "content-encoding"), Some("br"));
+        assert!(simulator.len() > 1_000_000, "{} bytes", simulator.len());
+    }
 }

@@ -105,7 +105,7 @@ pub struct PageArgs {
     /// Answer requests to this host name too; repeatable [default: the address only].
     #[arg(long, value_name = "NAME")]
     pub allow_host: Vec<String>,
-    /// Folder written by `web/build` [default: `page` beside this program].
+    /// Folder written by `web/build` [default: the page in this program, else `page` beside it].
     #[arg(long, value_name = "DIR")]
     pub folder: Option<PathBuf>,
     /// Write the page as one file that works without a server, and exit.
@@ -130,7 +130,7 @@ pub struct ServeArgs {
     /// Let web pages of this origin read the scene, for example http://localhost:3000; `*` means all pages.
     #[arg(long, value_name = "ORIGIN", value_parser = origin)]
     pub allow_origin: Option<String>,
-    /// Folder written by `web/build`, for the viewer in a browser [default: `page` beside this program].
+    /// Folder written by `web/build`, for the viewer in a browser [default: the page in this program, else `page` beside it].
     #[arg(long, value_name = "DIR")]
     pub folder: Option<PathBuf>,
 }

@@ -12,6 +12,7 @@ mod html;
 mod manual;
 mod output_files;
 mod page;
+mod page_files;
 mod plans;
 mod real_times;
 mod record;

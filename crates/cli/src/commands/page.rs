@@ -1,12 +1,12 @@
 //! `basrelief page`: the simulator in a browser.
 
+use super::page_files::PageFiles;
 use crate::args::PageArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::interrupt;
 use crate::outputs::PartialFile;
 use basrelief_tile_server::server::StaticFiles;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Files of the page besides its HTML.
 const FILES: [&str; 4] = ["page.css", "page.js", "worker.js", "basrelief.wasm"];
@@ -19,13 +19,13 @@ const STANDALONE: &str = "standalone.html";
 
 /// Serves the page until interrupted, or writes it as one file.
 pub fn page(args: &PageArgs, quiet: bool) -> CommandResult {
-    let folder = folder(args.folder.as_deref(), PAGE)?.ok_or_else(|| {
+    let files = PageFiles::find(args.folder.as_deref(), PAGE)?.ok_or_else(|| {
         CommandError::BadInput(
             "the page is not built; run `web/build` in the source folder, or name its output with --folder".into(),
         )
     })?;
     if let Some(path) = &args.export {
-        let page = read(&folder, STANDALONE)?;
+        let page = files.read(STANDALONE)?;
         return PartialFile::write_whole(path, &page).map_err(CommandError::at_file(path, "be written"));
     }
     if !args.listen.ip().is_loopback() && !args.public {
@@ -35,7 +35,7 @@ pub fn page(args: &PageArgs, quiet: bool) -> CommandResult {
         )));
     }
     let (address, server) =
-        site(&folder, PAGE)?.with_host_names(args.allow_host.clone()).listen(args.listen).map_err(CommandError::BadInput)?;
+        site(&files, PAGE)?.with_host_names(args.allow_host.clone()).listen(args.listen).map_err(CommandError::BadInput)?;
     interrupt::set_message("server stopped");
     if !quiet {
         print(&format!("Page: http://{address}/ (stop with Ctrl-C)\n"))?;
@@ -43,37 +43,19 @@ pub fn page(args: &PageArgs, quiet: bool) -> CommandResult {
     server.join().map_err(|e| CommandError::BadInput(format!("{address}: {e}")))
 }
 
-/// Returns the viewer from the given folder or the default one; `None` if it is not built.
+/// Returns the viewer from the given folder, this program or the default folder; `None` if it is not built.
 pub fn viewer(named: Option<&Path>) -> CommandResult<Option<StaticFiles>> {
-    folder(named, VIEWER)?.map(|folder| site(&folder, VIEWER)).transpose()
+    PageFiles::find(named, VIEWER)?.map(|files| site(&files, VIEWER)).transpose()
 }
 
 /// Returns the files of this page.
-fn site(folder: &Path, page: &str) -> CommandResult<StaticFiles> {
+fn site(files: &PageFiles, page: &str) -> CommandResult<StaticFiles> {
     let mut site = StaticFiles::default();
     for (offered, name) in std::iter::once((PAGE, page)).chain(FILES.map(|name| (name, name))) {
-        site.offer(offered, &read(folder, name)?, compressed_forms(folder, name)?);
+        let packed = PACKED.map(|(encoding, end)| (encoding, format!("{name}.{end}")));
+        let packed = packed.into_iter().filter(|(_, name)| files.contains(name));
+        let packed = packed.map(|(encoding, name)| Ok((encoding, files.read(&name)?.into_owned())));
+        site.offer(offered, &files.read(name)?, packed.collect::<CommandResult<_>>()?);
     }
     Ok(site)
-}
-
-/// Returns the existing compressed forms of a file.
-fn compressed_forms(folder: &Path, name: &str) -> CommandResult<Vec<(&'static str, Vec<u8>)>> {
-    let forms = PACKED.map(|(encoding, end)| (encoding, format!("{name}.{end}")));
-    let there = forms.into_iter().filter(|(_, name)| folder.join(name).is_file());
-    there.map(|(encoding, name)| Ok((encoding, read(folder, &name)?))).collect()
-}
-
-fn read(folder: &Path, name: &str) -> CommandResult<Vec<u8>> {
-    let path = folder.join(name);
-    fs::read(&path).map_err(CommandError::at_file(&path, "be read"))
-}
-
-/// Returns the folder with this page: the given one, or `page` beside this program or one folder up; `None` if absent.
-fn folder(named: Option<&Path>, page: &str) -> CommandResult<Option<PathBuf>> {
-    if let Some(folder) = named {
-        return Ok(Some(folder.into()));
-    }
-    let program = std::env::current_exe().map_err(CommandError::bad_input)?;
-    Ok(program.ancestors().skip(1).take(2).map(|folder| folder.join("page")).find(|folder| folder.join(page).is_file()))
 }
