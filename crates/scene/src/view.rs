@@ -194,6 +194,7 @@ impl ViewHints {
             return Err(SceneError::at("frames", count.to_string()).expected(format!("1..={MAX_FRAMES}")));
         }
         let (first, turns) = (self.first(options)?, self.turns(options, 1.0)?);
+        check_orbits(options, count)?;
         let part = |index| f64::from(index) / f64::from(count);
         Ok((0..count).map(|index| frame((index, self.turned_on(&first, turns.map(|by| part(index) * by))))).collect())
     }
@@ -309,6 +310,18 @@ impl ViewHints {
             to_light: to_light.to_array(),
             to_viewer: view.to_viewer.to_array(),
         }
+    }
+}
+
+/// Refuses an orbit of the user over a single frame, which would show nothing of it.
+fn check_orbits(options: &ViewOptions, frames: u32) -> Result<(), SceneError> {
+    let orbits = [("orbit", options.orbit_degrees), ("light_orbit", options.light_orbit_degrees)];
+    let given = orbits.into_iter().find_map(|(name, degrees)| Some((name, degrees.filter(|degrees| *degrees != 0.0)?)));
+    match given {
+        Some((name, degrees)) if frames == 1 => Err(SceneError::at(name, degrees.to_string())
+            .expected("0 with a single frame, since frame 0 is not turned")
+            .cure("set `frames` to 2 or more, or use `turn`")),
+        _ => Ok(()),
     }
 }
 
@@ -467,6 +480,17 @@ mod tests {
         refuses(ViewOptions { light: Some([0.0; 3]), ..d() });
         refuses(ViewOptions { light: Some([f64::NAN; 3]), ..d() });
         refuses(ViewOptions { orbit_degrees: Some(f64::INFINITY), ..d() });
+    }
+
+    #[test]
+    fn orbit_over_single_frame_is_refused() {
+        let frames = |options: ViewOptions| hints(vec![]).frames(&options);
+        let orbit = ViewOptions { orbit_degrees: Some(6.0), ..ViewOptions::default() };
+        let light = ViewOptions { light_orbit_degrees: Some(-6.0), ..ViewOptions::default() };
+        assert!(frames(orbit.clone()).unwrap_err().to_string().starts_with("orbit: 6; expected 0 with a single frame"));
+        assert!(frames(light).unwrap_err().to_string().starts_with("light_orbit: -6; expected"));
+        assert!(frames(ViewOptions { frames: Some(2), ..orbit }).is_ok());
+        assert!(frames(ViewOptions { orbit_degrees: Some(0.0), ..ViewOptions::default() }).is_ok());
     }
 
     #[test]
