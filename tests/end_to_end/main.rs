@@ -7,6 +7,7 @@ mod bad_input;
 #[cfg(unix)]
 mod breaks;
 mod comparisons;
+mod compatibility;
 mod costs;
 mod defer;
 #[cfg(unix)]
