@@ -14,7 +14,7 @@
 //! The cycles of each result are exact, because it is resimulated as a whole.
 
 use crate::build::build_warning;
-use crate::recording::{LoadedRecording, RecordingError, config_error, netlist_of_same_work};
+use crate::recording::{LoadedRecording, RecordingError, config_error, netlist_of_same_work, of_build};
 use basrelief_kernel::{HardwareKind, Netlist, Outcome, RunReport};
 use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
 use basrelief_report::model::Hardware;
@@ -261,7 +261,8 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
 
     /// Resimulates a recording with these depths; with the recorded depths if the list is empty.
     fn resimulated(&self, recording: &LoadedRecording, depths: &[u32]) -> Result<RunReport, RecordingError> {
-        Ok(recording.recording.resimulate(self.netlist(recording, depths)?)?)
+        let run = recording.recording.resimulate(self.netlist(recording, depths)?);
+        run.map_err(|error| of_build(&recording.build, error.into()))
     }
 
     /// Returns the render cycles with these depths; `None` if the run does not finish.

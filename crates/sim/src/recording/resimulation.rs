@@ -88,7 +88,7 @@ impl Resimulation<'_> {
         if let Some(error) = error {
             return Err(error);
         }
-        let run = timed?;
+        let run = timed.map_err(|error| of_build(&build, error.into()))?;
         ensure_complete(&run)?;
         let mut end = checked_end(end, work)?;
         end.result.warnings.extend(build_warning(&build));
