@@ -3,20 +3,17 @@
 use crate::config::Config;
 use crate::error::{CommandError, CommandResult, PythonResult, budget, of_recording};
 use crate::files::PartialFile;
-use crate::host::{PlanFiles, PythonHost};
 use crate::recording::open_recording;
 use crate::run::RunArguments;
 use crate::scene::{RunSource, RunSubject};
 use crate::watch::RunWatcher;
+use basrelief_dse::Cell;
 use basrelief_dse::figures::figure_of;
-use basrelief_dse::{Cell, OneAtATimeBase, OpenedInput, Plan, sensitivity};
 use basrelief_input::MemoryPool;
-use basrelief_report::Sensitivity;
 use basrelief_sim::{
     AnalysisPolicy, Observer, RecordingError, RunOptions, RunResult, TraceOptions, ablate as sim_ablate,
     compare_methods as sim_compare_methods, record_trace, run_named, size_fifos as sim_size_fifos,
 };
-use basrelief_threads as threads;
 use basrelief_trace::TraceForm;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{Bound, IntoPyObject, Python, pyfunction};
@@ -63,29 +60,6 @@ fn json_of_runs<T: Serialize>(
         return Err(stopped.into());
     }
     Ok(serde_json::to_string(&table?).map_err(CommandError::bad_input)?)
-}
-
-/// Repeats a run with each assumed parameter changed, one at a time.
-pub fn sensitivity_of(source: &RunSource, settings: &RunOptions) -> PythonResult<Sensitivity> {
-    let (name, opened) = match source {
-        RunSource::Scene(prepared) => (prepared.scene().name.clone(), OpenedInput::Scene(prepared.clone())),
-        RunSource::DisplayList(_) => (source.file().unwrap_or("".as_ref()).display().to_string(), OpenedInput::Trace),
-    };
-    let files = PlanFiles { plan: PathBuf::new(), budget: settings.budget.clone() };
-    let host = PythonHost::new(&files);
-    let around = OneAtATimeBase {
-        name,
-        opened,
-        machine: settings.config.machine(),
-        given: settings.overrides.clone(),
-        max_cycles: settings.max_cycles,
-        exact: settings.exact,
-    };
-    let found = Plan::one_at_a_time(around, &host).and_then(|plan| sensitivity(&plan, threads::workers(), &host));
-    if let Some(stopped) = host.stopped() {
-        return Err(stopped.into());
-    }
-    Ok(found.map_err(CommandError::bad_input)?)
 }
 
 /// Finds the smallest FIFO depths that keep the cycles of all recordings within these percentages. Returns the JSON of the command line.

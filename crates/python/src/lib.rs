@@ -18,6 +18,7 @@ mod pixels;
 mod recording;
 mod run;
 mod scene;
+mod sensitivity;
 mod sweep;
 mod watch;
 

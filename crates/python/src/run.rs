@@ -1,11 +1,11 @@
 //! Runs.
 
-use crate::analysis::sensitivity_of;
 use crate::config::Config;
 use crate::error::{CommandError, CommandResult, PythonResult, budget};
 use crate::outputs::{ChartFiles, OutputArguments, RequestsFile};
 use crate::pixels::Pixels;
 use crate::scene::{RunSource, RunSubject};
+use crate::sensitivity::sensitivity_of;
 use crate::watch::RunWatcher;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::Engine;
