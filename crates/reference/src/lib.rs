@@ -51,7 +51,7 @@ pub use options::{
 };
 pub use picture::RgbPicture;
 pub use polygons::PolygonRenderer;
-pub use scene::{draw_scene, object_centre};
+pub use scene::{draw_scene, draw_scene_with_depth, object_centre};
 
 /// Tests the example of the README.
 #[cfg(doctest)]

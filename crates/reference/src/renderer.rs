@@ -70,9 +70,14 @@ impl BatchRenderer {
     }
 
     /// Returns the picture.
-    pub fn finish(mut self) -> RgbPicture {
+    pub fn finish(self) -> RgbPicture {
+        self.finish_with_depth().0
+    }
+
+    /// Returns the picture, and the depth of its pixels.
+    pub fn finish_with_depth(mut self) -> (RgbPicture, Vec<f64>) {
         self.resolve(self.rows_per_band());
-        self.picture
+        (self.picture, self.depth)
     }
 
     fn rows_per_band(&self) -> usize {

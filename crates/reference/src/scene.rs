@@ -15,6 +15,15 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 /// mirroring world transform, front faces stay front faces. The handedness of tangents is used as stored, as in glTF viewers.
 /// Triangles with invalid indices or coordinates are left out.
 pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<RenderStyle> + Copy)) -> RgbPicture {
+    draw_scene_with_depth(scene, frame, style).0
+}
+
+/// Draws as [`draw_scene`] does. Also returns the depth of each pixel, 0..=1, in the same order; background has depth 1.
+pub fn draw_scene_with_depth(
+    scene: &Scene,
+    frame: &Frame,
+    style: &(impl Into<RenderStyle> + Copy),
+) -> (RgbPicture, Vec<f64>) {
     let style = (*style).into();
     let mut renderer = BatchRenderer::new(frame.width, frame.height);
     let mut pyramids = PyramidCache::default();
@@ -23,7 +32,7 @@ pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<RenderStyle> 
         renderer.surface(surface);
         draw_object(&mut renderer, object, frame);
     }
-    renderer.finish()
+    renderer.finish_with_depth()
 }
 
 /// Returns the centre of an object: that of the axis-aligned box of its positions in world space, or the origin if it has none.

@@ -40,21 +40,21 @@ impl Display for SceneError {
 }
 
 impl SceneError {
-    /// An error at a place of the file that is being read; [`SceneError::in_file`] adds its name.
-    pub(crate) fn at(place: impl Into<String>, what: impl Into<String>) -> Self {
+    /// Creates an error at a place of a file; [`SceneError::in_file`] adds the file's name.
+    pub fn at(place: impl Into<String>, what: impl Into<String>) -> Self {
         Self { place: place.into(), what: what.into(), ..Self::default() }
     }
 
     /// Adds the expectation.
     #[must_use]
-    pub(crate) fn expected(mut self, expected: impl Into<String>) -> Self {
+    pub fn expected(mut self, expected: impl Into<String>) -> Self {
         self.expected = expected.into();
         self
     }
 
     /// Adds the cure.
     #[must_use]
-    pub(crate) fn cure(mut self, cure: impl Into<String>) -> Self {
+    pub fn cure(mut self, cure: impl Into<String>) -> Self {
         self.cure = cure.into().into_boxed_str();
         self
     }
@@ -78,7 +78,7 @@ impl SceneError {
 
     /// Names the file, unless an inner reader has named a more precise one.
     #[must_use]
-    pub(crate) fn in_file(mut self, file: &str) -> Self {
+    pub fn in_file(mut self, file: &str) -> Self {
         if self.file.is_empty() {
             self.file = file.into();
         }

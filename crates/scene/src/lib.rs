@@ -25,14 +25,16 @@ pub use camera::{read_camera, write_camera};
 pub use demo::{DEMOS, DemoInfo, demo};
 pub use error::SceneError;
 pub use files::{FolderFiles, MemoryFiles, ModelFiles, OnRead};
+pub use gltf::parse::json_error;
+pub use outside::over_budget;
 pub use subject::SceneSubject;
 pub use view::{OwnView, ViewOptions};
 
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
-use basrelief_signals::Scene;
+use basrelief_signals::{Image, Scene};
 use error::ImportWarnings;
 use model::ImportedModel;
-use outside::{ImportContext, over_budget};
+use outside::ImportContext;
 use std::io;
 use std::path::Path;
 use view::ViewHints;
@@ -115,6 +117,14 @@ pub fn load_path_with(
     let (scene, frames) = subject.seen_within(view, &options.budget)?;
     held.join(frames);
     Ok((scene, held))
+}
+
+/// Decodes a PNG or JPEG file into RGBA, 8 bits each, with its reservation. `name` is for messages.
+///
+/// # Errors
+/// Another format, a corrupt file, a side over 16384 texels, or a picture over the memory limit.
+pub fn decode_picture(bytes: &[u8], name: &str, budget: &MemoryPool) -> Result<(Image, MemoryReservation), SceneError> {
+    picture::decode(bytes, name, &ImportContext::new(&MemoryFiles::default(), budget))
 }
 
 /// Limits of an import from the file system.

@@ -71,8 +71,8 @@ impl<'a> ImportContext<'a> {
     }
 }
 
-/// Error of a request beyond the memory limit, at this place of a file.
-pub(crate) fn over_budget(place: impl Into<String>, error: &OverBudget) -> SceneError {
+/// Returns the error of a request beyond the memory limit, at this place of a file.
+pub fn over_budget(place: impl Into<String>, error: &OverBudget) -> SceneError {
     SceneError { over_budget: true, ..SceneError::at(place, error.to_string()) }
 }
 

@@ -4,6 +4,7 @@ mod common;
 mod describe;
 mod lists;
 mod manual;
+mod opengl;
 mod run;
 mod sweep;
 mod values;
@@ -12,6 +13,7 @@ pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, Tables
 pub use describe::{CompareArgs, DescribeArgs, Explain, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use manual::{ColorMode, CompletionsArgs, ManArgs};
+pub use opengl::{GlSceneArgs, ImportGlArgs};
 pub use run::{DemoArgs, PageArgs, ResimulateArgs, RunArgs, ServeArgs, SizeFifosArgs};
 pub use sweep::{ExploreArgs, PlanArgs, SweepArgs};
 
@@ -57,6 +59,8 @@ pub enum Command {
     Explore(ExploreArgs),
     /// Write the output of the geometry processor as a trace (display list).
     Record(RecordArgs),
+    /// Turn a frame of an OpenGL application, as state dumps of apitrace, into a scene; compare its picture with the application's.
+    ImportGl(ImportGlArgs),
     /// Convert a trace between its forms (JSON Lines or binary, plain or zstd), without loss.
     Convert(ConvertArgs),
     /// Replay traces and check the expectations that they carry.

@@ -9,6 +9,7 @@ pub mod dump;
 mod explore;
 mod from;
 mod html;
+mod import_gl;
 mod manual;
 mod output_files;
 mod page;
@@ -47,6 +48,7 @@ pub fn dispatch(command: Command, global: &GlobalOptions) -> CommandResult {
         Command::Explore(args) => explore::explore(&args, global),
         Command::Resimulate(args) => resimulate::resimulate(&args, global),
         Command::Record(args) => record::record(&args, global),
+        Command::ImportGl(args) => import_gl::import_gl(&args, global),
         Command::Convert(args) => convert::convert(&args, &global.budget),
         Command::Verify(args) => verify::verify(&args, global),
         Command::Describe(args) => describe::describe(&args, global),

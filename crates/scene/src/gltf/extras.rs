@@ -1,6 +1,6 @@
 //! Extras of this project in a glTF document.
 
-use basrelief_signals::ShadingSettings;
+use basrelief_signals::{Lighting, ShadingSettings};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use std::fmt::{Formatter, Result as FmtResult};
@@ -16,6 +16,8 @@ pub(crate) struct BasreliefExtras {
     pub bump: Option<bool>,
     /// How the figure shading device shades the object, or a scene's frames.
     pub shading: ShadingSettings,
+    /// Lighting coefficients of a material.
+    pub lighting: Option<Lighting>,
 }
 
 #[derive(Deserialize)]
@@ -26,6 +28,14 @@ struct OwnExtras {
     bump: Option<bool>,
     #[serde(default)]
     shading: ShadingSettings,
+    lighting: Option<Lighting>,
+}
+
+/// Returns the name and the range of the first coefficient out of range.
+fn faulty_coefficient(Lighting { ka, kd, ks, n }: Lighting) -> Option<&'static str> {
+    let shares = [("`lighting.ka` is not in 0..=1", ka), ("`lighting.kd` is not in 0..=1", kd), ("`lighting.ks` is not in 0..=1", ks)];
+    let share = shares.into_iter().find(|(_, value)| !(0.0..=1.0).contains(value)).map(|(text, _)| text);
+    share.or_else(|| (!(1.0..=1000.0).contains(&n)).then_some("`lighting.n` is not in 1..=1000"))
 }
 
 impl<'de> Deserialize<'de> for BasreliefExtras {
@@ -48,14 +58,17 @@ impl<'de> Visitor<'de> for ExtrasVisitor {
         let mut extras = BasreliefExtras::default();
         while let Some(key) = map.next_key::<String>()? {
             if key == "basrelief" {
-                let OwnExtras { entries, bias, bump, shading } = map.next_value()?;
+                let OwnExtras { entries, bias, bump, shading, lighting } = map.next_value()?;
+                if let Some(fault) = lighting.and_then(faulty_coefficient) {
+                    return Err(A::Error::custom(fault));
+                }
                 if let Some((name, value)) = shading.out_of_range() {
                     return Err(A::Error::custom(format!(
                         "`shading.{name}` is {value}, expected 0..={}",
                         ShadingSettings::MAX_INTENSITY
                     )));
                 }
-                extras = BasreliefExtras { entries, bias, bump, shading };
+                extras = BasreliefExtras { entries, bias, bump, shading, lighting };
             } else {
                 map.next_value::<IgnoredAny>()?;
             }
@@ -106,9 +119,27 @@ mod tests {
         let ours = serde_json::from_str::<BasreliefExtras>(r#"{"x": [], "basrelief": {"entries": 64, "bump": false}}"#).unwrap();
         assert_eq!(
             ours,
-            BasreliefExtras { entries: Some(64), bias: None, bump: Some(false), shading: ShadingSettings::default() }
+            BasreliefExtras { entries: Some(64), bump: Some(false), ..BasreliefExtras::default() }
         );
         assert!(serde_json::from_str::<BasreliefExtras>(r#"{"basrelief": {"entires": 64}}"#).is_err());
+    }
+
+    #[test]
+    fn extras_set_lighting_of_material_within_range() {
+        let read = |lighting: &str| {
+            serde_json::from_str::<BasreliefExtras>(&format!(r#"{{"basrelief": {{"lighting": {lighting}}}}}"#))
+        };
+        let lighting = Lighting { ka: 0.1, kd: 0.5, ks: 0.0, n: 100.0 };
+        let extras = BasreliefExtras { lighting: Some(lighting), ..BasreliefExtras::default() };
+        assert_eq!(read(r#"{"ka": 0.1, "kd": 0.5, "ks": 0, "n": 100}"#).unwrap(), extras);
+        for (wrong, named) in [
+            (r#"{"ka": 0.1, "kd": 0.5, "ks": 0}"#, "missing field `n`"),
+            (r#"{"ka": 0.1, "kd": 1.5, "ks": 0, "n": 2}"#, "lighting.kd"),
+            (r#"{"ka": 0.1, "kd": 0.5, "ks": 0, "n": 0.5}"#, "lighting.n"),
+        ] {
+            let error = read(wrong).unwrap_err().to_string();
+            assert!(error.contains(named), "{error}");
+        }
     }
 
     #[test]

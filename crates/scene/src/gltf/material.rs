@@ -89,7 +89,8 @@ impl<'a> MaterialBuilder<'a> {
         }
         let [red, green, blue] = def.emissive_factor;
         let factor = if emits { [red, green, blue, factor[3]] } else { factor };
-        let lighting = if emits { Lighting { ka: 1.0, kd: 0.0, ..Lighting::default() } } else { Lighting::default() };
+        let usual = if emits { Lighting { ka: 1.0, kd: 0.0, ..Lighting::default() } } else { Lighting::default() };
+        let lighting = def.extras.lighting.unwrap_or(usual);
         let scale = normal_info.and_then(|n| n.scale).unwrap_or(1.0) as f32;
         if !scale.is_finite() {
             return Err(

@@ -23,8 +23,8 @@ pub(crate) fn parse(bytes: &[u8], outside: &ImportContext<'_>) -> Result<(GltfDo
     Ok((document, held))
 }
 
-/// Error of a JSON text. Wrong values have a pointer, wrong syntax a line and column.
-pub(crate) fn json_error(fault: &JsonFault) -> SceneError {
+/// Returns the error of a JSON text. Wrong values have a pointer, wrong syntax a line and column.
+pub fn json_error(fault: &JsonFault) -> SceneError {
     let JsonFault { line, column, is_data, message, .. } = fault;
     let pointer = pointer(&fault.path);
     if !is_data {

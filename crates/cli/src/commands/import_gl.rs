@@ -1,0 +1,145 @@
+//! `basrelief import-gl`: turns state dumps of an OpenGL frame into a scene.
+
+use crate::args::{GlSceneArgs, ImportGlArgs};
+use crate::error::{CommandError, CommandResult, print};
+use crate::global::GlobalOptions;
+use crate::outputs::{PartialFile, check_outputs_keep_inputs};
+use crate::terminal;
+use basrelief_input::{MemoryPool, MemoryReservation, read_to_end};
+use basrelief_opengl::{ApplicationPicture, DumpFile, GlFrame, Mapping, PictureComparison, compare, import};
+use basrelief_report::number::thousands;
+use basrelief_scene::{MemoryFiles, ViewOptions, load, write_camera};
+use basrelief_sim::to_png;
+use std::fmt::Write;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// Imports dumps from files.
+pub fn import_gl(args: &ImportGlArgs, global: &GlobalOptions) -> CommandResult {
+    let paths = OutputPaths::new(&args.scene.out)?;
+    let inputs: Vec<_> = args.dumps.iter().map(|path| ("DUMP", path.as_path())).collect();
+    let outputs: Vec<_> = paths.all().into_iter().map(|path| ("--out", path)).collect();
+    check_outputs_keep_inputs(None, &outputs, &inputs).map_err(CommandError::Usage)?;
+    let dumps = args.dumps.iter().map(|path| Dump::read(path, &global.budget)).collect::<CommandResult<Vec<_>>>()?;
+    import_dumps(&dumps, &args.scene, global)
+}
+
+/// A dump in memory.
+pub struct Dump {
+    name: String,
+    bytes: Vec<u8>,
+    _held: MemoryReservation,
+}
+
+impl Dump {
+    /// Reads a dump.
+    pub fn read(path: &Path, budget: &MemoryPool) -> CommandResult<Self> {
+        let file = File::open(path).map_err(CommandError::at_file(path, "be read"))?;
+        let expected = file.metadata().map_or(0, |facts| facts.len());
+        let (bytes, _held) =
+            read_to_end(&mut &file, expected, budget, "a dump").map_err(CommandError::at_file(path, "be read"))?;
+        Ok(Self { name: path.display().to_string(), bytes, _held })
+    }
+}
+
+/// Paths of the files that an import writes.
+struct OutputPaths {
+    scene: PathBuf,
+    camera: PathBuf,
+    /// Application, exact, difference.
+    pictures: [PathBuf; 3],
+}
+
+impl OutputPaths {
+    fn new(out: &Path) -> CommandResult<Self> {
+        if out.extension().is_none_or(|ending| ending != "gltf") {
+            return Err(CommandError::Usage(format!("--out {}: expected a name that ends in .gltf", out.display())));
+        }
+        let pictures = ["application.png", "exact.png", "difference.png"].map(|ending| out.with_extension(ending));
+        Ok(Self { scene: out.into(), camera: out.with_extension("camera.json"), pictures })
+    }
+
+    fn all(&self) -> Vec<&Path> {
+        [&self.scene, &self.camera].into_iter().chain(&self.pictures).map(PathBuf::as_path).collect()
+    }
+}
+
+/// Imports dumps, writes the scene, and compares its exact picture with the application's.
+pub fn import_dumps(dumps: &[Dump], args: &GlSceneArgs, global: &GlobalOptions) -> CommandResult {
+    let paths = OutputPaths::new(&args.out)?;
+    let files: Vec<_> = dumps.iter().map(|dump| DumpFile { name: &dump.name, bytes: &dump.bytes }).collect();
+    let frame = import(&files, &Mapping(args.entries.clone()), &global.budget).map_err(CommandError::bad_input)?;
+    if !global.quiet {
+        frame.warnings.iter().for_each(|text| terminal::print_note(&format!("warning: {text}")));
+    }
+    let found = frame.application.as_ref().map(|application| comparison(&frame, application, &paths, &global.budget)).transpose()?;
+    write_file(&paths.scene, frame.gltf.as_bytes())?;
+    write_file(&paths.camera, write_camera(&frame.camera).as_bytes())?;
+    if let (Some(found), Some(application)) = (&found, &frame.application) {
+        for (path, picture) in paths.pictures.iter().zip([&application.picture, &found.exact, &found.difference]) {
+            write_file(path, &to_png(picture).map_err(CommandError::BadInput)?)?;
+        }
+    }
+    if !global.quiet {
+        print(&summary(&frame, found.as_ref(), &paths))?;
+    }
+    check_agreement(args.agree, found.as_ref())
+}
+
+fn write_file(path: &Path, bytes: &[u8]) -> CommandResult {
+    PartialFile::write_whole(path, bytes).map_err(CommandError::at_file(path, "be written"))
+}
+
+/// Loads the scene as `run` would, and compares its exact picture.
+fn comparison(
+    frame: &GlFrame,
+    application: &ApplicationPicture,
+    paths: &OutputPaths,
+    budget: &MemoryPool,
+) -> CommandResult<PictureComparison> {
+    let view = ViewOptions { size: frame.size, camera: Some(frame.camera), ..ViewOptions::default() };
+    let name = paths.scene.display().to_string();
+    let (scene, _held) = load(frame.gltf.as_bytes(), &name, &MemoryFiles::default(), &view, budget).map_err(CommandError::bad_input)?;
+    let drawn = scene.frames.first().ok_or_else(|| CommandError::BadInput(format!("{name}: has no frame")))?;
+    compare(&scene, drawn, frame.filter, application).map_err(CommandError::bad_input)
+}
+
+fn summary(frame: &GlFrame, found: Option<&PictureComparison>, paths: &OutputPaths) -> String {
+    let mut text: String = frame.notes.iter().map(|note| format!("{note}\n")).collect();
+    // (Writing to a string cannot fail.)
+    if let Some(found) = found {
+        let quality = found.quality;
+        let _ = writeln!(
+            text,
+            "Application's picture against the exact picture: PSNR {:.2} dB, FLIP {:.4}, largest difference {}",
+            quality.psnr_db, quality.flip, found.largest
+        );
+        let _ = match (found.agreement(), found.geometry) {
+            (Some(percent), Some(geometry)) => writeln!(
+                text,
+                "Geometry agrees on {percent:.3} % of {} pixels: {} differ in coverage, {} in depth",
+                thousands(found.pixels),
+                thousands(geometry.coverage),
+                thousands(geometry.depth)
+            ),
+            _ => writeln!(text, "Geometry is not compared, because the dump has no depth"),
+        };
+    } else {
+        text.push_str("Nothing is compared, because the dump has no picture\n");
+    }
+    let [width, height] = frame.size;
+    let (scene, camera) = (paths.scene.display(), paths.camera.display());
+    let _ = writeln!(text, "Written to {scene}. Draw it with\n  basrelief run {scene} --camera {camera} --size {width}x{height}");
+    text
+}
+
+fn check_agreement(least: Option<f64>, found: Option<&PictureComparison>) -> CommandResult {
+    let Some(least) = least else { return Ok(()) };
+    match found.and_then(PictureComparison::agreement) {
+        Some(percent) if percent >= least => Ok(()),
+        Some(percent) => {
+            Err(CommandError::BadInput(format!("--agree {least}: geometry agrees on {percent:.3} % of the pixels only")))
+        }
+        None => Err(CommandError::BadInput(format!("--agree {least}: the dump has no picture with depth"))),
+    }
+}

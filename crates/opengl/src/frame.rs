@@ -1,0 +1,246 @@
+//! From the dumps of one frame to a scene.
+
+use crate::dump::GlDump;
+use crate::geometry::{GlGeometry, GlMesh, geometry};
+use crate::gltf::{self, GlObject};
+use crate::mapping::{MapKey, Mapping, three};
+use crate::matrix::{affine, from_normal_matrix, matrix, model_view_of, to_viewer};
+use crate::picture::{ApplicationPicture, application_picture};
+use crate::reader::{DrawReader, unknown};
+use crate::state::draw_state;
+use crate::surface::{GlSurface, surface};
+use crate::text::parse;
+use basrelief_input::{MemoryPool, MemoryReservation};
+use basrelief_reference::TextureFilter;
+use basrelief_scene::SceneError;
+use basrelief_signals::Camera;
+use glam::{DMat4, DVec3};
+
+/// The dump of one draw call.
+#[derive(Clone, Copy, Debug)]
+pub struct DumpFile<'a> {
+    /// Name for messages. Without `draw` in the dump, the number at the end of its stem is the number of the call.
+    pub name: &'a str,
+    /// Content.
+    pub bytes: &'a [u8],
+}
+
+/// A frame of an application as a scene.
+#[derive(Debug)]
+pub struct GlFrame {
+    /// The scene: glTF 2.0 with embedded buffers and textures.
+    pub gltf: String,
+    /// View of the application. The glTF file has none, because its cameras cannot hold every matrix.
+    pub camera: Camera,
+    /// Width and height of the viewport \[pixels\].
+    pub size: [u32; 2],
+    /// Picture behind the last draw call, if the dump has it.
+    pub application: Option<ApplicationPicture>,
+    /// Filter of the application's textures; trilinear if they differ.
+    pub filter: TextureFilter,
+    /// Choices of the import, one sentence each.
+    pub notes: Vec<String>,
+    /// Parts that are left out, one sentence each.
+    pub warnings: Vec<String>,
+    _held: MemoryReservation,
+}
+
+/// Imports the draw calls of one frame, in order of drawing.
+///
+/// # Errors
+/// A file that is no dump, state that the devices do not have, a vertex program that is no product of matrices with the position, a
+/// mapped name that does not exist, or input over the memory limit. The error names file, call and field.
+pub fn import(files: &[DumpFile<'_>], mapping: &Mapping, budget: &MemoryPool) -> Result<GlFrame, SceneError> {
+    let mut builder = FrameBuilder { mapping, budget, view: None, objects: Vec::new(), notes: Vec::new(), warnings: Vec::new() };
+    let mut held = budget.empty_reservation();
+    let mut application = None;
+    for (number, file) in (1..).zip(files) {
+        let (dump, _dump) = parse(file.bytes, budget).map_err(|e| e.in_file(file.name))?;
+        let call = dump.draw.as_ref().map(|draw| draw.call).or(number_of(file.name)).unwrap_or(number);
+        let at_call = |e: SceneError| in_call(e, call).in_file(file.name);
+        held.join(builder.add(&dump, call).map_err(at_call)?);
+        if number == files.len() as u64 {
+            let viewport = builder.view.as_ref().map_or([0; 4], |view| view.viewport);
+            application = application_picture(&dump, viewport, budget).map_err(at_call)?;
+        }
+    }
+    let Some(view) = builder.view else {
+        return Err(SceneError::at("", "no draw call is given").expected("a state dump for each draw call"));
+    };
+    let filter = filter_of(&builder.objects);
+    let (gltf, text) = gltf::write(&builder.objects, budget)?;
+    held.join(text);
+    let (notes, warnings, size) = (builder.notes, builder.warnings, [view.viewport[2], view.viewport[3]]);
+    Ok(GlFrame { gltf, camera: view.camera, size, application, filter, notes, warnings, _held: held })
+}
+
+/// Adds the number of the call to the place of an error.
+fn in_call(error: SceneError, call: u64) -> SceneError {
+    let place = if error.place.is_empty() { format!("call {call}") } else { format!("call {call}: {}", error.place) };
+    SceneError { place, ..error }
+}
+
+/// Returns the number at the end of the stem of a file name.
+fn number_of(name: &str) -> Option<u64> {
+    let stem = name.strip_suffix(".json").unwrap_or(name);
+    let digits = stem.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+    stem[digits..].parse().ok()
+}
+
+/// Returns the filter of the exact picture, from glTF's number of a minification filter.
+fn filter_of(objects: &[GlObject]) -> TextureFilter {
+    let mut filters = objects.iter().flat_map(|object| [&object.surface.albedo, &object.surface.normal_map]).flatten();
+    let Some(first) = filters.next().map(|texture| texture.sampler.min_filter) else { return TextureFilter::Trilinear };
+    if filters.any(|texture| texture.sampler.min_filter != first) {
+        return TextureFilter::Trilinear;
+    }
+    match first {
+        9728 => TextureFilter::Nearest,
+        9729 => TextureFilter::Bilinear,
+        9984 => TextureFilter::NearestMipNearest,
+        9985 => TextureFilter::BilinearMipNearest,
+        9986 => TextureFilter::NearestMipLinear,
+        _ => TextureFilter::Trilinear,
+    }
+}
+
+/// View of the first draw call, which all others share.
+struct FrameView {
+    call: u64,
+    viewport: [u32; 4],
+    view_projection: DMat4,
+    camera: Camera,
+}
+
+struct FrameBuilder<'a> {
+    mapping: &'a Mapping,
+    budget: &'a MemoryPool,
+    view: Option<FrameView>,
+    objects: Vec<GlObject>,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+}
+
+impl FrameBuilder<'_> {
+    /// Adds a draw call as an object. Returns the memory that stays.
+    fn add(&mut self, dump: &GlDump, call: u64) -> Result<MemoryReservation, SceneError> {
+        let mut reader = DrawReader::new(dump, call, self.mapping, self.budget);
+        let (state, warnings) = draw_state(dump)?;
+        warnings.iter().for_each(|text| reader.warn(text));
+        let mut geometry = geometry(&mut reader)?;
+        let world = self.world(&mut reader, &geometry, state.viewport)?;
+        if state.reversed != (world.determinant() < 0.0) {
+            geometry.mesh.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        let surface = surface(&mut reader, state.double_sided)?;
+        use_normal_space(&mut reader, &mut geometry.mesh, &surface)?;
+        let DrawReader { notes, warnings, kept, .. } = reader;
+        self.notes.extend(notes);
+        self.warnings.extend(warnings);
+        self.objects.push(GlObject { name: format!("call {call}"), mesh: geometry.mesh, world, surface });
+        Ok(kept)
+    }
+
+    /// Returns the world matrix. The first draw call decides the view.
+    fn world(&mut self, reader: &mut DrawReader<'_>, geometry: &GlGeometry, viewport: [u32; 4]) -> Result<DMat4, SceneError> {
+        let Some(view) = &self.view else {
+            let world = world_of(reader, geometry);
+            let view_projection = geometry.mvp * world.inverse();
+            let camera = camera(reader, view_projection)?;
+            self.view = Some(FrameView { call: reader.call, viewport, view_projection, camera });
+            return Ok(world);
+        };
+        if view.viewport != viewport {
+            return Err(SceneError::at("/parameters/GL_VIEWPORT", format!("is {viewport:?}"))
+                .expected(format!("{:?}, as in call {}", view.viewport, view.call))
+                .cure("leave out this draw call"));
+        }
+        affine(view.view_projection.inverse() * geometry.mvp).ok_or_else(|| {
+            SceneError::at("/uniforms", "the draw call has another projection")
+                .expected(format!("the projection of call {}", view.call))
+                .cure("leave out this draw call")
+        })
+    }
+}
+
+/// Returns the matrix from object to world space: a factor of the product, or the model-view matrix.
+fn world_of(reader: &mut DrawReader<'_>, geometry: &GlGeometry) -> DMat4 {
+    if let Some((name, world)) = geometry.last.as_ref().and_then(|(last, name)| Some((name, affine(*last)?))) {
+        reader.note(format!("world space is behind the matrix {name}"));
+        return world;
+    }
+    let uniforms = reader.dump.uniforms.iter();
+    let normal = uniforms.filter(|(name, _)| name.to_ascii_lowercase().contains("normal"));
+    let found = normal.filter_map(|(name, value)| Some((name, from_normal_matrix(matrix(value)?)?))).next();
+    if let Some((name, world)) = found {
+        reader.note(format!("world space is eye space (guessed: inverse transpose of {name})"));
+        return world;
+    }
+    match model_view_of(geometry.mvp).and_then(affine) {
+        Some(world) => {
+            reader.note("world space is eye space (guessed: mvp without its projection)");
+            world
+        }
+        None => {
+            reader.note("world space is object space (guessed)");
+            DMat4::IDENTITY
+        }
+    }
+}
+
+/// Returns the view with the directions to light and viewer: mapped, or guessed.
+fn camera(reader: &mut DrawReader<'_>, view_projection: DMat4) -> Result<Camera, SceneError> {
+    let viewer = match reader.mapped(MapKey::Viewer) {
+        Some(given) => three(given).map(DVec3::from).and_then(DVec3::try_normalize).ok_or_else(|| unknown(MapKey::Viewer, given, &[]))?,
+        None => {
+            let viewer = to_viewer(view_projection);
+            reader.note(format!("viewer = {} (guessed: against the view axis)", shown(viewer)));
+            viewer
+        }
+    };
+    let is_light = |name: &str| name.contains("light") && (name.contains("dir") || name.contains("pos"));
+    let light = reader.vector(MapKey::Light, &is_light)?.and_then(|light| DVec3::from(light).try_normalize());
+    let light = light.unwrap_or_else(|| {
+        reader.note("light = the direction to the viewer (guessed)");
+        viewer
+    });
+    Ok(Camera {
+        view_projection: view_projection.transpose().to_cols_array(),
+        to_light: light.to_array(),
+        to_viewer: viewer.to_array(),
+    })
+}
+
+/// Returns a vector as the mapping takes it.
+fn shown(vector: DVec3) -> String {
+    format!("{:.4}:{:.4}:{:.4}", vector.x, vector.y, vector.z)
+}
+
+/// Prepares normals and tangents for the space of the normal map.
+///
+/// A map in object space is drawn as one in tangent space: with the normal +z, the tangent +x and so the bitangent +y at all vertices,
+/// tangent space is object space.
+fn use_normal_space(reader: &mut DrawReader<'_>, mesh: &mut GlMesh, surface: &GlSurface) -> Result<(), SceneError> {
+    let Some(map) = &surface.normal_map else { return Ok(()) };
+    let name = &map.name;
+    let in_object_space = match reader.mapped(MapKey::NormalSpace) {
+        Some("object") => true,
+        Some("tangent") => false,
+        Some(other) => return Err(unknown(MapKey::NormalSpace, other, &["object".into(), "tangent".into()])),
+        None => {
+            let in_object_space = mesh.normals.is_none() && mesh.tangents.is_none();
+            let space = if in_object_space { "object" } else { "tangent" };
+            reader.note(format!("normal-space = {space} (guessed from the vertex attributes)"));
+            in_object_space
+        }
+    };
+    if in_object_space {
+        let count = mesh.positions.len();
+        mesh.normals = Some(vec![[0.0, 0.0, 1.0]; count]);
+        mesh.tangents = Some(vec![[1.0, 0.0, 0.0, 1.0]; count]);
+        reader.warn(format!("`{name}` is in object space: a device without normal maps lights the object by one normal"));
+    } else if mesh.tangents.is_none() {
+        reader.note("tangents are computed from the texture coordinates");
+    }
+    Ok(())
+}

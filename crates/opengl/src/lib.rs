@@ -1,0 +1,45 @@
+//! Frames of OpenGL applications as scenes.
+//!
+//! apitrace records an application and writes the state behind a draw call as JSON. This crate turns the dumps of one frame into a glTF
+//! scene that every device draws, with the application's view and picture.
+//!
+//! # Mapping
+//! - *Geometry*: each draw call becomes an object. Its triangles keep vertices and indices. The matrix from object to clip space is
+//!   read from the source of the vertex program, which must be a product of matrices with the position. The program is not executed.
+//! - *View*: world space is behind the last matrix of the product, else eye space. The camera holds the rest of the first draw call's
+//!   product, so that camera times world is the application's matrix to the bit of rounding.
+//! - *Surface*: fragment programs are not executed. Textures, base colour and lighting coefficients are found by the names of uniforms.
+//! - *State*: viewport and culling are read. Other state is refused if it changes coverage, else left out with a warning.
+//!
+//! Every guess is a [note](GlFrame::notes), and a [`Mapping`] replaces it.
+//!
+//! # Format of a dump
+//! The members `parameters`, `shaders`, `uniforms`, `buffers`, `textures` and `framebuffer` of `apitrace replay -D CALL`. A dump has at
+//! most 4,096 vertices, and neither indices nor the arguments of the draw call. `basrelief capture` adds them as the member `draw`.
+
+mod compare;
+mod draw;
+mod dump;
+mod frame;
+mod geometry;
+mod gltf;
+mod mapping;
+mod matrix;
+mod picture;
+mod program;
+mod reader;
+mod state;
+mod surface;
+mod text;
+mod triangles;
+mod vertices;
+
+pub use compare::{GeometryAgreement, PictureComparison, compare};
+pub use frame::{DumpFile, GlFrame, import};
+pub use mapping::{MapEntry, MapKey, Mapping};
+pub use picture::ApplicationPicture;
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

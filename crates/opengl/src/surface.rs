@@ -1,0 +1,176 @@
+//! Materials: textures and uniforms of a draw call become base colour, normal map and lighting coefficients.
+
+use crate::dump::ImageRecord;
+use crate::mapping::MapKey;
+use crate::picture;
+use crate::program;
+use crate::reader::DrawReader;
+use basrelief_input::MemoryPool;
+use basrelief_scene::{SceneError, pyramid};
+use basrelief_signals::{Image, Lighting, WrapMode};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use serde_json::Value;
+
+/// Filters and wrap modes of a texture, as in glTF.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct GlSampler {
+    pub mag_filter: u32,
+    pub min_filter: u32,
+    pub wrap: [u32; 2],
+}
+
+/// A texture: a PNG file and its sampler.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct GlTexture {
+    /// Name of the sampler uniform.
+    pub name: String,
+    pub png: Vec<u8>,
+    pub sampler: GlSampler,
+}
+
+/// A material.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct GlSurface {
+    pub base_color: [f64; 3],
+    pub albedo: Option<GlTexture>,
+    pub normal_map: Option<GlTexture>,
+    pub lighting: Lighting,
+    pub double_sided: bool,
+}
+
+/// Returns the material of a draw call.
+pub(crate) fn surface(reader: &mut DrawReader<'_>, double_sided: bool) -> Result<GlSurface, SceneError> {
+    let samplers = samplers(reader);
+    let has = |words: &'static [&'static str]| move |name: &str| words.iter().any(|word| name.contains(word));
+    let normal = reader.choose(MapKey::NormalMap, &samplers, has(&["normal", "bump"]))?;
+    let height = reader.choose(MapKey::HeightMap, &samplers, has(&["height", "displace", "parallax"]))?;
+    let rest: Vec<String> = samplers.iter().filter(|name| ![&normal, &height].iter().any(|other| other.as_ref() == Some(name))).cloned().collect();
+    let other = |name: &str| !has(&["spec", "gloss", "rough", "metal", "occlusion", "emiss", "environment", "shadow"])(name);
+    let albedo = reader.choose(MapKey::Albedo, &rest, other)?;
+    for name in rest.iter().filter(|name| albedo.as_ref() != Some(name)) {
+        reader.warn(format!("texture `{name}` is left out"));
+    }
+    let normal_map = match (normal, height) {
+        (Some(name), other) => {
+            other.iter().for_each(|name| reader.warn(format!("texture `{name}` is left out, because there is a normal map")));
+            texture(reader, &name)?
+        }
+        (None, Some(name)) => height_texture(reader, &name)?,
+        (None, None) => None,
+    };
+    let albedo = albedo.map(|name| texture(reader, &name)).transpose()?.flatten();
+    let base_color = base_color(reader)?;
+    Ok(GlSurface { base_color, albedo, normal_map, lighting: lighting(reader)?, double_sided })
+}
+
+/// Returns the names of active two-dimensional samplers.
+fn samplers(reader: &DrawReader<'_>) -> Vec<String> {
+    let mut names: Vec<String> = reader.dump.shaders.values().flat_map(|source| program::samplers(source)).collect();
+    names.retain(|name| reader.dump.uniforms.contains_key(name));
+    names.sort();
+    names.dedup();
+    names
+}
+
+/// Returns the finest level of a texture, as a PNG file; `None`, with a warning, if the dump has no such texture.
+fn texture(reader: &mut DrawReader<'_>, name: &str) -> Result<Option<GlTexture>, SceneError> {
+    let Some((place, record, sampler)) = record(reader, name)? else { return Ok(None) };
+    // Decoded here, so that errors name the draw call.
+    picture::decode(record, &place, reader.budget)?;
+    let (png, held) = picture::file_of(record, &place, reader.budget)?;
+    reader.keep(held);
+    Ok(Some(GlTexture { name: name.into(), png, sampler }))
+}
+
+/// Returns the normal map of a height map.
+fn height_texture(reader: &mut DrawReader<'_>, name: &str) -> Result<Option<GlTexture>, SceneError> {
+    let Some((place, record, sampler)) = record(reader, name)? else { return Ok(None) };
+    let strength = reader.number(MapKey::HeightScale, &|_| false)?.unwrap_or(1.0);
+    reader.note(format!("height-map = {name}: 1.0 is {strength} texels high"));
+    let (image, held) = picture::decode(record, &place, reader.budget)?;
+    // Heights of 8 bytes, and the levels of normals.
+    let _work = reader.reserve(4 * held.bytes(), &place, "heights")?;
+    let wrap = sampler.wrap.map(|mode| match mode {
+        10497 => WrapMode::Repeat,
+        33648 => WrapMode::Mirror,
+        _ => WrapMode::Clamp,
+    });
+    // Heights are the red channel, as programs sample it.
+    let red = Image { texels: image.texels.iter().map(|[r, ..]| [*r, *r, *r, 255]).collect(), ..image };
+    let levels = pyramid::height_levels(pyramid::heights_of(&red), strength, wrap);
+    let Some(finest) = levels.first() else { return Ok(None) };
+    let png = png(finest, reader.budget, &place)?;
+    Ok(Some(GlTexture { name: format!("{name} as normals"), png, sampler }))
+}
+
+fn png(image: &Image, budget: &MemoryPool, place: &str) -> Result<Vec<u8>, SceneError> {
+    let mut bytes = Vec::new();
+    let texels = image.texels.as_flattened();
+    let _work = budget.try_reserve(2 * texels.len() as u64, "a PNG file").map_err(|e| basrelief_scene::over_budget(place, &e))?;
+    let written = PngEncoder::new(&mut bytes).write_image(texels, image.width, image.height, ExtendedColorType::Rgba8);
+    written.map(|()| bytes).map_err(|e| SceneError::at(place, format!("cannot be written as PNG: {e}")))
+}
+
+/// The place, the finest level and the sampler of a texture.
+type TextureRecord<'a> = (String, &'a ImageRecord, GlSampler);
+
+fn record<'a>(reader: &mut DrawReader<'a>, name: &str) -> Result<Option<TextureRecord<'a>>, SceneError> {
+    let dump = reader.dump;
+    let unit = dump.uniforms.get(name).and_then(Value::as_u64).ok_or_else(|| {
+        SceneError::at(format!("/uniforms/{name}"), "is no whole number").expected("the number of a texture unit")
+    })?;
+    let prefix = format!("GL_TEXTURE{unit}, GL_TEXTURE_2D, level = 0");
+    let Some((key, record)) = dump.textures.iter().find(|(key, _)| **key == prefix) else {
+        reader.warn(format!("texture `{name}` is not in the dump (`{prefix}`): drawn without it"));
+        return Ok(None);
+    };
+    let state = dump.parameters.get(&format!("GL_TEXTURE{unit}")).and_then(|unit| unit.get("GL_TEXTURE_2D"));
+    let word = |field: &str| state.and_then(|state| state.get(field)).and_then(Value::as_str).unwrap_or_default();
+    let mut wrap = [0; 2];
+    for (mode, field) in wrap.iter_mut().zip(["GL_TEXTURE_WRAP_S", "GL_TEXTURE_WRAP_T"]) {
+        *mode = match word(field) {
+            "" | "GL_REPEAT" => 10497,
+            "GL_MIRRORED_REPEAT" => 33648,
+            "GL_CLAMP_TO_EDGE" => 33071,
+            other => {
+                reader.warn(format!("texture `{name}`: {other} is drawn as GL_CLAMP_TO_EDGE"));
+                33071
+            }
+        };
+    }
+    let mag_filter = if word("GL_TEXTURE_MAG_FILTER") == "GL_NEAREST" { 9728 } else { 9729 };
+    let min_filter = match word("GL_TEXTURE_MIN_FILTER") {
+        "GL_NEAREST" => 9728,
+        "GL_LINEAR" => 9729,
+        "GL_NEAREST_MIPMAP_NEAREST" => 9984,
+        "GL_LINEAR_MIPMAP_NEAREST" => 9985,
+        "GL_NEAREST_MIPMAP_LINEAR" => 9986,
+        _ => 9987,
+    };
+    Ok(Some((format!("/textures/{key}"), record, GlSampler { mag_filter, min_filter, wrap })))
+}
+
+/// Returns the base colour: three numbers, a uniform, or white.
+fn base_color(reader: &mut DrawReader<'_>) -> Result<[f64; 3], SceneError> {
+    let guess = |name: &str| {
+        let is_color = ["color", "colour", "albedo", "diffuse"].iter().any(|word| name.contains(word));
+        is_color && !["light", "spec", "ambient", "clear", "fog"].iter().any(|word| name.contains(word))
+    };
+    let color = reader.vector(MapKey::BaseColor, &guess)?.unwrap_or([1.0; 3]);
+    Ok(color.map(|channel| channel.clamp(0.0, 1.0)))
+}
+
+fn lighting(reader: &mut DrawReader<'_>) -> Result<Lighting, SceneError> {
+    let usual = Lighting::default();
+    let mut coefficient = |key, word: &'static str, usual: f32, range: [f64; 2]| {
+        let given = reader.number(key, &|name| name.contains(word) && !name.contains("color"))?;
+        Ok::<_, SceneError>(given.map_or(usual, |value| value.clamp(range[0], range[1]) as f32))
+    };
+    Ok(Lighting {
+        ka: coefficient(MapKey::Ambient, "ambient", usual.ka, [0.0, 1.0])?,
+        kd: coefficient(MapKey::Diffuse, "diffuse", usual.kd, [0.0, 1.0])?,
+        ks: coefficient(MapKey::Specular, "specular", usual.ks, [0.0, 1.0])?,
+        n: coefficient(MapKey::Shininess, "shininess", usual.n, [1.0, 1000.0])?,
+    })
+}
