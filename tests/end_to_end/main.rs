@@ -18,6 +18,7 @@ mod limits;
 mod machines;
 #[cfg(unix)]
 mod memory;
+mod opengl;
 mod outputs;
 mod pages;
 mod pictures;

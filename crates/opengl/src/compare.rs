@@ -90,7 +90,8 @@ mod tests {
     fn coverage_and_depth_are_counted_apart() {
         let picture = |covered: [bool; 4]| RgbPicture { covered: covered.into(), ..RgbPicture::new(4, 1) };
         let depths = [0.2, 0.5, 0.5, 1.0];
-        let found = geometry(&picture([true, true, true, false]), &depths, &picture([true, true, false, true]), &[0.2, 0.6, 1.0, 0.3]);
+        let found =
+            geometry(&picture([true, true, true, false]), &depths, &picture([true, true, false, true]), &[0.2, 0.6, 1.0, 0.3]);
         assert_eq!(found, GeometryAgreement { coverage: 2, depth: 1 });
         let near = geometry(&picture([true; 4]), &depths, &picture([true; 4]), &[0.2, 0.507, 0.493, f32::NAN]);
         assert_eq!(near, GeometryAgreement { coverage: 0, depth: 3 }, "1 % of 0.2 to 0.507 is less than 0.007");

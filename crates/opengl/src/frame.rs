@@ -48,8 +48,8 @@ pub struct GlFrame {
 /// Imports the draw calls of one frame, in order of drawing.
 ///
 /// # Errors
-/// A file that is no dump, state that the devices do not have, a vertex program that is no product of matrices with the position, a
-/// mapped name that does not exist, or input over the memory limit. The error names file, call and field.
+/// A file that is no dump, state that the devices do not have, or another vertex program than a product of matrices with the position.
+/// A mapped name that does not exist, or input over the memory limit. The error names file, call and field.
 pub fn import(files: &[DumpFile<'_>], mapping: &Mapping, budget: &MemoryPool) -> Result<GlFrame, SceneError> {
     let mut builder = FrameBuilder { mapping, budget, view: None, objects: Vec::new(), notes: Vec::new(), warnings: Vec::new() };
     let mut held = budget.empty_reservation();
@@ -191,7 +191,9 @@ fn world_of(reader: &mut DrawReader<'_>, geometry: &GlGeometry) -> DMat4 {
 /// Returns the view with the directions to light and viewer: mapped, or guessed.
 fn camera(reader: &mut DrawReader<'_>, view_projection: DMat4) -> Result<Camera, SceneError> {
     let viewer = match reader.mapped(MapKey::Viewer) {
-        Some(given) => three(given).map(DVec3::from).and_then(DVec3::try_normalize).ok_or_else(|| unknown(MapKey::Viewer, given, &[]))?,
+        Some(given) => {
+            three(given).map(DVec3::from).and_then(DVec3::try_normalize).ok_or_else(|| unknown(MapKey::Viewer, given, &[]))?
+        }
         None => {
             let viewer = to_viewer(view_projection);
             reader.note(format!("viewer = {} (guessed: against the view axis)", shown(viewer)));
@@ -213,7 +215,9 @@ fn camera(reader: &mut DrawReader<'_>, view_projection: DMat4) -> Result<Camera,
 
 /// Returns a vector as the mapping takes it.
 fn shown(vector: DVec3) -> String {
-    format!("{:.4}:{:.4}:{:.4}", vector.x, vector.y, vector.z)
+    // The sum turns -0 into 0.
+    let [x, y, z] = (vector * 1e4).round().to_array().map(|number| number / 1e4 + 0.0);
+    format!("{x}:{y}:{z}")
 }
 
 /// Prepares normals and tangents for the space of the normal map.

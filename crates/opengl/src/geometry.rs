@@ -23,14 +23,17 @@ pub(crate) struct GlMesh {
     pub indices: Vec<u32>,
 }
 
+/// A matrix with its name.
+pub(crate) type NamedMatrix = (DMat4, String);
+
 /// Geometry of a draw call.
 #[derive(Debug)]
 pub(crate) struct GlGeometry {
     pub mesh: GlMesh,
     /// From object to clip space.
     pub mvp: DMat4,
-    /// Last matrix of a product of several, with its name.
-    pub last: Option<(DMat4, String)>,
+    /// Last matrix of a product of several.
+    pub last: Option<NamedMatrix>,
 }
 
 /// Memory of a vertex with all attributes, and of the copy without unused vertices \[bytes\].
@@ -53,7 +56,9 @@ pub(crate) fn geometry(reader: &mut DrawReader<'_>) -> Result<GlGeometry, SceneE
     let restart = restart_index(reader);
     let indices = triangles(&draw, restart, columns.count)?;
     if indices.is_empty() {
-        return Err(SceneError::at("/draw/count", "draws no triangle").expected("3 vertices or more").cure("leave out this draw call"));
+        return Err(SceneError::at("/draw/count", "draws no triangle")
+            .expected("3 vertices or more")
+            .cure("leave out this draw call"));
     }
     let names: Vec<String> = columns.columns.keys().cloned().collect();
     let product = product(reader, &names)?;
@@ -80,7 +85,14 @@ fn draw_call(reader: &mut DrawReader<'_>, vertices: usize) -> Result<DrawCall, S
     }
     reader.note(format!("draw = {vertices} vertices as GL_TRIANGLES (guessed: the dump does not state the draw call)"));
     let count = vertices as u64;
-    Ok(DrawCall { call: reader.call, mode: "GL_TRIANGLES".into(), first: 0, count, indices: None, attributes: Default::default() })
+    Ok(DrawCall {
+        call: reader.call,
+        mode: "GL_TRIANGLES".into(),
+        first: 0,
+        count,
+        indices: None,
+        attributes: Default::default(),
+    })
 }
 
 fn restart_index(reader: &DrawReader<'_>) -> Option<u32> {
@@ -134,8 +146,7 @@ fn program_product(reader: &mut DrawReader<'_>, names: &[String]) -> Result<Matr
 }
 
 /// Returns the product of the matrices, and the last one if there are several.
-#[allow(clippy::type_complexity)]
-fn matrices(reader: &DrawReader<'_>, product: &MatrixProduct) -> Result<(DMat4, Option<(DMat4, String)>), SceneError> {
+fn matrices(reader: &DrawReader<'_>, product: &MatrixProduct) -> Result<(DMat4, Option<NamedMatrix>), SceneError> {
     let parameter = |name: &str| reader.dump.parameters.get(name).and_then(matrix);
     let mut factors = Vec::new();
     for name in &product.matrices {
@@ -163,7 +174,9 @@ fn positions(column: &AttributeColumn) -> Result<Vec<[f32; 3]>, SceneError> {
     let place = "/buffers/vertices";
     let rows = column.rows([0.0, 0.0, 0.0, 1.0]);
     if let Some(at) = rows.iter().position(|row| row[3] != 1.0) {
-        return Err(SceneError::at(format!("{place}/{at}"), format!("position {:?}", rows[at])).expected("1 as the fourth number"));
+        return Err(
+            SceneError::at(format!("{place}/{at}"), format!("position {:?}", rows[at])).expected("1 as the fourth number")
+        );
     }
     if let Some(at) = rows.iter().position(|row| row.iter().any(|c| !c.is_finite())) {
         return Err(SceneError::at(format!("{place}/{at}"), "its position is not finite").expected("finite numbers"));

@@ -17,6 +17,7 @@
 //! The members `parameters`, `shaders`, `uniforms`, `buffers`, `textures` and `framebuffer` of `apitrace replay -D CALL`. A dump has at
 //! most 4,096 vertices, and neither indices nor the arguments of the draw call. `basrelief capture` adds them as the member `draw`.
 
+mod calls;
 mod compare;
 mod draw;
 mod dump;
@@ -34,6 +35,7 @@ mod text;
 mod triangles;
 mod vertices;
 
+pub use calls::{BlobFiles, FrameCalls, frames, with_draws};
 pub use compare::{GeometryAgreement, PictureComparison, compare};
 pub use frame::{DumpFile, GlFrame, import};
 pub use mapping::{MapEntry, MapKey, Mapping};

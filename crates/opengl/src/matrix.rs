@@ -25,13 +25,15 @@ pub(crate) fn affine(matrix: DMat4) -> Option<DMat4> {
     let last = matrix.row(3) / matrix.w_axis.w;
     let is_affine = last.is_finite() && (last - DVec4::W).length() <= ROUNDING * largest.max(1.0);
     let mut exact = matrix * (1.0 / matrix.w_axis.w);
-    for (column, element) in [(&mut exact.x_axis, 0.0), (&mut exact.y_axis, 0.0), (&mut exact.z_axis, 0.0), (&mut exact.w_axis, 1.0)] {
+    for (column, element) in
+        [(&mut exact.x_axis, 0.0), (&mut exact.y_axis, 0.0), (&mut exact.z_axis, 0.0), (&mut exact.w_axis, 1.0)]
+    {
         column.w = element;
     }
     (is_affine && exact.is_finite() && exact.determinant() != 0.0).then_some(exact)
 }
 
-/// Returns the model-view matrix whose inverse transpose is given.
+/// Returns the model-view matrix of a normal matrix, which is its inverse transpose.
 pub(crate) fn from_normal_matrix(normal: DMat4) -> Option<DMat4> {
     (normal.determinant() != 0.0).then(|| normal.transpose().inverse()).and_then(affine)
 }

@@ -22,7 +22,11 @@ pub struct ApplicationPicture {
 }
 
 /// Returns the file of a picture record.
-pub(crate) fn file_of(record: &ImageRecord, place: &str, budget: &MemoryPool) -> Result<(Vec<u8>, MemoryReservation), SceneError> {
+pub(crate) fn file_of(
+    record: &ImageRecord,
+    place: &str,
+    budget: &MemoryPool,
+) -> Result<(Vec<u8>, MemoryReservation), SceneError> {
     let held = budget.try_reserve(2 * record.data.len() as u64, "a picture file").map_err(|e| over_budget(place, &e))?;
     let text: String = record.data.chars().filter(|c| !c.is_ascii_whitespace()).collect();
     let bytes = STANDARD.decode(text).map_err(|e| {
@@ -56,13 +60,16 @@ pub(crate) fn application_picture(
         let mut names = dump.framebuffer.keys().filter(|name| prefixes.iter().any(|prefix| name.starts_with(prefix)));
         names.next().and_then(|name| Some((format!("/framebuffer/{name}"), dump.framebuffer.get(name)?)))
     };
-    let Some((place, record)) = of(&["GL_BACK", "GL_COLOR_ATTACHMENT0", "GL_FRONT", "GL_COLOR_ATTACHMENT"]) else { return Ok(None) };
+    let Some((place, record)) = of(&["GL_BACK", "GL_COLOR_ATTACHMENT0", "GL_FRONT", "GL_COLOR_ATTACHMENT"]) else {
+        return Ok(None);
+    };
     let (image, _image) = decode(record, &place, budget)?;
     let window = Window::new(viewport, [image.width, image.height], &place)?;
     let held = budget.try_reserve(window.pixels() * 8, "the application's picture").map_err(|e| over_budget(&*place, &e))?;
     let rgb: Vec<[u8; 3]> = window.cut(&image.texels).map(|[r, g, b, _]| [r, g, b]).collect();
     let depth = of(&["GL_DEPTH"]).map(|(place, record)| depths(record, &place, budget)).transpose()?;
-    let depth: Option<Vec<f32>> = depth.filter(|(size, ..)| *size == [image.width, image.height]).map(|(_, all, _)| window.cut(&all).collect());
+    let depth: Option<Vec<f32>> =
+        depth.filter(|(size, ..)| *size == [image.width, image.height]).map(|(_, all, _)| window.cut(&all).collect());
     let parameters = Parameters(dump);
     let cleared = parameters.value("GL_DEPTH_CLEAR_VALUE").and_then(|value| value.as_f64()).unwrap_or(1.0) as f32;
     let covered = depth.as_ref().map_or_else(|| vec![true; rgb.len()], |depth| depth.iter().map(|d| *d != cleared).collect());

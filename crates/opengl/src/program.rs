@@ -208,7 +208,10 @@ mod tests {
             let text = read(body).unwrap_err();
             assert!(text.contains(part), "{text}");
         };
-        refused("gl_Position = MVP * vec4(position + wave, 1.0);", "computes `gl_Position = MVP * vec4 ( position + wave , 1.0 )`");
+        refused(
+            "gl_Position = MVP * vec4(position + wave, 1.0);",
+            "computes `gl_Position = MVP * vec4 ( position + wave , 1.0 )`",
+        );
         refused("gl_Position = vec4(position, 1.0) * MVP;", "computes");
         refused("gl_Position = MVP * vec4(position, 2.0);", "computes");
         refused("vec4 p = vec4(position, 1.0); p.y = 2.0; gl_Position = MVP * p;", "computes");

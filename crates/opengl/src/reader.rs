@@ -68,7 +68,11 @@ impl<'a> DrawReader<'a> {
     pub fn vector(&mut self, key: MapKey, guess: &dyn Fn(&str) -> bool) -> Result<Option<[f64; 3]>, SceneError> {
         if let Some(given) = self.mapped(key) {
             let wrong = || unknown(key, given, &self.uniforms(|value| vector_of(value).is_some()));
-            return if given == NONE { Ok(None) } else { three(given).or_else(|| self.dump.uniforms.get(given).and_then(vector_of)).ok_or_else(wrong).map(Some) };
+            return if given == NONE {
+                Ok(None)
+            } else {
+                three(given).or_else(|| self.dump.uniforms.get(given).and_then(vector_of)).ok_or_else(wrong).map(Some)
+            };
         }
         Ok(self.guessed(key, guess, vector_of))
     }

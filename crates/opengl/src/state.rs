@@ -1,4 +1,4 @@
-//! State of the pipeline that a draw call depends on: the part that the devices have is read, other state is refused or warned of.
+//! State of the pipeline. State that the devices have is read; other state is refused, or left out with a warning.
 
 use crate::dump::GlDump;
 use basrelief_scene::SceneError;

@@ -45,7 +45,8 @@ pub(crate) fn surface(reader: &mut DrawReader<'_>, double_sided: bool) -> Result
     let has = |words: &'static [&'static str]| move |name: &str| words.iter().any(|word| name.contains(word));
     let normal = reader.choose(MapKey::NormalMap, &samplers, has(&["normal", "bump"]))?;
     let height = reader.choose(MapKey::HeightMap, &samplers, has(&["height", "displace", "parallax"]))?;
-    let rest: Vec<String> = samplers.iter().filter(|name| ![&normal, &height].iter().any(|other| other.as_ref() == Some(name))).cloned().collect();
+    let rest: Vec<String> =
+        samplers.iter().filter(|name| ![&normal, &height].iter().any(|other| other.as_ref() == Some(name))).cloned().collect();
     let other = |name: &str| !has(&["spec", "gloss", "rough", "metal", "occlusion", "emiss", "environment", "shadow"])(name);
     let albedo = reader.choose(MapKey::Albedo, &rest, other)?;
     for name in rest.iter().filter(|name| albedo.as_ref() != Some(name)) {

@@ -74,7 +74,9 @@ mod tests {
 
     #[test]
     fn missing_vertices_and_other_modes_are_errors() {
-        assert!(drawn("GL_TRIANGLES", None, 8).unwrap_err().starts_with("/draw/count: draws 8 vertices from 1; expected at most 8"));
+        assert!(
+            drawn("GL_TRIANGLES", None, 8).unwrap_err().starts_with("/draw/count: draws 8 vertices from 1; expected at most 8")
+        );
         assert!(drawn("GL_TRIANGLES", None, u64::MAX).is_err());
         assert!(drawn("GL_TRIANGLES", Some(vec![0, 1, 8]), 3).unwrap_err().contains("vertex 8 does not exist"));
         assert!(drawn("GL_LINES", None, 2).unwrap_err().contains("`GL_LINES` cannot be drawn"));

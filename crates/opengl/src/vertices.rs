@@ -182,7 +182,8 @@ mod tests {
             indices: None,
             attributes: [("p".to_owned(), AttributeData { size, data: data.into() })].into(),
         };
-        let says = |size, data: &str| VertexColumns::of_draw(&draw(size, data), &MemoryPool::default()).err().unwrap().to_string();
+        let says =
+            |size, data: &str| VertexColumns::of_draw(&draw(size, data), &MemoryPool::default()).err().unwrap().to_string();
         assert_eq!(says(5, ""), "/draw/attributes/p/size: is 5; expected 1 to 4 components");
         assert!(says(1, "?").starts_with("/draw/attributes/p/data: not base64"));
         assert_eq!(says(2, "AAAAAA=="), "/draw/attributes/p/data: holds 4 bytes; expected a multiple of 8");

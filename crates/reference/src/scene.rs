@@ -19,11 +19,7 @@ pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<RenderStyle> 
 }
 
 /// Draws as [`draw_scene`] does. Also returns the depth of each pixel, 0..=1, in the same order; background has depth 1.
-pub fn draw_scene_with_depth(
-    scene: &Scene,
-    frame: &Frame,
-    style: &(impl Into<RenderStyle> + Copy),
-) -> (RgbPicture, Vec<f64>) {
+pub fn draw_scene_with_depth(scene: &Scene, frame: &Frame, style: &(impl Into<RenderStyle> + Copy)) -> (RgbPicture, Vec<f64>) {
     let style = (*style).into();
     let mut renderer = BatchRenderer::new(frame.width, frame.height);
     let mut pyramids = PyramidCache::default();

@@ -13,7 +13,7 @@ pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, Tables
 pub use describe::{CompareArgs, DescribeArgs, Explain, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use manual::{ColorMode, CompletionsArgs, ManArgs};
-pub use opengl::{GlSceneArgs, ImportGlArgs};
+pub use opengl::{CaptureArgs, GlSceneArgs, ImportGlArgs};
 pub use run::{DemoArgs, PageArgs, ResimulateArgs, RunArgs, ServeArgs, SizeFifosArgs};
 pub use sweep::{ExploreArgs, PlanArgs, SweepArgs};
 
@@ -61,6 +61,9 @@ pub enum Command {
     Record(RecordArgs),
     /// Turn a frame of an OpenGL application, as state dumps of apitrace, into a scene; compare its picture with the application's.
     ImportGl(ImportGlArgs),
+    /// Run an OpenGL application under apitrace, and turn one of its frames into a scene as `import-gl` does. The trace and the dumps
+    /// stay in the folder NAME.capture beside the scene.
+    Capture(CaptureArgs),
     /// Convert a trace between its forms (JSON Lines or binary, plain or zstd), without loss.
     Convert(ConvertArgs),
     /// Replay traces and check the expectations that they carry.

@@ -2,6 +2,7 @@
 
 use basrelief_opengl::{MapEntry, MapKey};
 use clap::Args;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Arguments of `import-gl`.
@@ -10,6 +11,25 @@ pub struct ImportGlArgs {
     /// State dumps of the draw calls of one frame, in order of drawing: output of `apitrace replay -D CALL TRACE`.
     #[arg(required = true, value_name = "DUMP")]
     pub dumps: Vec<PathBuf>,
+    #[command(flatten)]
+    pub scene: GlSceneArgs,
+}
+
+/// Arguments of `capture`.
+#[derive(Clone, Debug, Args)]
+pub struct CaptureArgs {
+    /// The application and its arguments.
+    #[arg(required = true, last = true, value_name = "PROGRAM")]
+    pub program: Vec<OsString>,
+    /// Number of the frame, from 0, among the frames that draw [default: the last one that the application has shown].
+    #[arg(long, value_name = "N")]
+    pub frame: Option<usize>,
+    /// Import these draw calls only (comma-separated list of call numbers) [default: all of the frame].
+    #[arg(long, value_name = "CALL", value_delimiter = ',')]
+    pub calls: Vec<u64>,
+    /// Interface between application and window system, as `apitrace trace --api` takes it: gl (GLX) or egl.
+    #[arg(long, value_name = "NAME", default_value = "gl")]
+    pub api: String,
     #[command(flatten)]
     pub scene: GlSceneArgs,
 }

@@ -43,7 +43,7 @@ impl Dump {
 }
 
 /// Paths of the files that an import writes.
-struct OutputPaths {
+pub struct OutputPaths {
     scene: PathBuf,
     camera: PathBuf,
     /// Application, exact, difference.
@@ -51,7 +51,8 @@ struct OutputPaths {
 }
 
 impl OutputPaths {
-    fn new(out: &Path) -> CommandResult<Self> {
+    /// Derives the paths from that of the scene.
+    pub fn new(out: &Path) -> CommandResult<Self> {
         if out.extension().is_none_or(|ending| ending != "gltf") {
             return Err(CommandError::Usage(format!("--out {}: expected a name that ends in .gltf", out.display())));
         }
@@ -72,7 +73,8 @@ pub fn import_dumps(dumps: &[Dump], args: &GlSceneArgs, global: &GlobalOptions) 
     if !global.quiet {
         frame.warnings.iter().for_each(|text| terminal::print_note(&format!("warning: {text}")));
     }
-    let found = frame.application.as_ref().map(|application| comparison(&frame, application, &paths, &global.budget)).transpose()?;
+    let found =
+        frame.application.as_ref().map(|application| comparison(&frame, application, &paths, &global.budget)).transpose()?;
     write_file(&paths.scene, frame.gltf.as_bytes())?;
     write_file(&paths.camera, write_camera(&frame.camera).as_bytes())?;
     if let (Some(found), Some(application)) = (&found, &frame.application) {
@@ -99,7 +101,8 @@ fn comparison(
 ) -> CommandResult<PictureComparison> {
     let view = ViewOptions { size: frame.size, camera: Some(frame.camera), ..ViewOptions::default() };
     let name = paths.scene.display().to_string();
-    let (scene, _held) = load(frame.gltf.as_bytes(), &name, &MemoryFiles::default(), &view, budget).map_err(CommandError::bad_input)?;
+    let (scene, _held) =
+        load(frame.gltf.as_bytes(), &name, &MemoryFiles::default(), &view, budget).map_err(CommandError::bad_input)?;
     let drawn = scene.frames.first().ok_or_else(|| CommandError::BadInput(format!("{name}: has no frame")))?;
     compare(&scene, drawn, frame.filter, application).map_err(CommandError::bad_input)
 }

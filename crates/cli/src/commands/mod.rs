@@ -1,5 +1,6 @@
 //! One file per command, and the code that several commands share.
 
+mod capture;
 mod causes;
 mod cluster;
 mod compare;
@@ -48,6 +49,7 @@ pub fn dispatch(command: Command, global: &GlobalOptions) -> CommandResult {
         Command::Explore(args) => explore::explore(&args, global),
         Command::Resimulate(args) => resimulate::resimulate(&args, global),
         Command::Record(args) => record::record(&args, global),
+        Command::Capture(args) => capture::capture(&args, global),
         Command::ImportGl(args) => import_gl::import_gl(&args, global),
         Command::Convert(args) => convert::convert(&args, &global.budget),
         Command::Verify(args) => verify::verify(&args, global),

@@ -33,7 +33,8 @@ struct OwnExtras {
 
 /// Returns the name and the range of the first coefficient out of range.
 fn faulty_coefficient(Lighting { ka, kd, ks, n }: Lighting) -> Option<&'static str> {
-    let shares = [("`lighting.ka` is not in 0..=1", ka), ("`lighting.kd` is not in 0..=1", kd), ("`lighting.ks` is not in 0..=1", ks)];
+    let shares =
+        [("`lighting.ka` is not in 0..=1", ka), ("`lighting.kd` is not in 0..=1", kd), ("`lighting.ks` is not in 0..=1", ks)];
     let share = shares.into_iter().find(|(_, value)| !(0.0..=1.0).contains(value)).map(|(text, _)| text);
     share.or_else(|| (!(1.0..=1000.0).contains(&n)).then_some("`lighting.n` is not in 1..=1000"))
 }
@@ -117,18 +118,14 @@ mod tests {
             assert_eq!(serde_json::from_str::<BasreliefExtras>(other).unwrap(), BasreliefExtras::default(), "{other}");
         }
         let ours = serde_json::from_str::<BasreliefExtras>(r#"{"x": [], "basrelief": {"entries": 64, "bump": false}}"#).unwrap();
-        assert_eq!(
-            ours,
-            BasreliefExtras { entries: Some(64), bump: Some(false), ..BasreliefExtras::default() }
-        );
+        assert_eq!(ours, BasreliefExtras { entries: Some(64), bump: Some(false), ..BasreliefExtras::default() });
         assert!(serde_json::from_str::<BasreliefExtras>(r#"{"basrelief": {"entires": 64}}"#).is_err());
     }
 
     #[test]
     fn extras_set_lighting_of_material_within_range() {
-        let read = |lighting: &str| {
-            serde_json::from_str::<BasreliefExtras>(&format!(r#"{{"basrelief": {{"lighting": {lighting}}}}}"#))
-        };
+        let read =
+            |lighting: &str| serde_json::from_str::<BasreliefExtras>(&format!(r#"{{"basrelief": {{"lighting": {lighting}}}}}"#));
         let lighting = Lighting { ka: 0.1, kd: 0.5, ks: 0.0, n: 100.0 };
         let extras = BasreliefExtras { lighting: Some(lighting), ..BasreliefExtras::default() };
         assert_eq!(read(r#"{"ka": 0.1, "kd": 0.5, "ks": 0, "n": 100}"#).unwrap(), extras);

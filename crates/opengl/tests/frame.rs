@@ -1,0 +1,231 @@
+//! The frame of `tests/opengl/application.py`: imported, drawn exactly, compared with the application's picture, and damaged.
+
+use basrelief_input::MemoryPool;
+use basrelief_opengl::{DumpFile, GlFrame, Mapping, PictureComparison, compare, import};
+use basrelief_scene::{MemoryFiles, ViewOptions, load};
+use basrelief_signals::Scene;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+
+const FILES: [&str; 3] = ["frame.435.json", "frame.466.json", "frame.493.json"];
+
+/// The uniform `bumpy` switches the normal map off for two objects.
+const MAP: &str = "435.normal-map=none,493.normal-map=none";
+
+fn bytes(name: &str) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/opengl").join(name);
+    fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+fn dump(name: &str) -> Value {
+    serde_json::from_slice(&bytes(name)).unwrap()
+}
+
+fn mapping(entries: &str) -> Mapping {
+    Mapping(entries.split(',').filter(|entry| !entry.is_empty()).map(|entry| entry.parse().unwrap()).collect())
+}
+
+fn imported(dumps: &[(&str, Vec<u8>)], map: &str) -> Result<GlFrame, String> {
+    let files: Vec<_> = dumps.iter().map(|(name, bytes)| DumpFile { name, bytes }).collect();
+    import(&files, &mapping(map), &MemoryPool::default()).map_err(|e| e.to_string())
+}
+
+/// Imports one changed dump.
+fn changed(name: &str, map: &str, change: impl FnOnce(&mut Value)) -> Result<GlFrame, String> {
+    let mut dump = dump(name);
+    change(&mut dump);
+    imported(&[(name, dump.to_string().into_bytes())], map)
+}
+
+fn whole(map: &str) -> GlFrame {
+    imported(&FILES.map(|name| (name, bytes(name))), map).unwrap()
+}
+
+fn scene(frame: &GlFrame) -> Scene {
+    let view = ViewOptions { size: frame.size, camera: Some(frame.camera), ..ViewOptions::default() };
+    load(frame.gltf.as_bytes(), "frame.gltf", &MemoryFiles::default(), &view, &MemoryPool::default()).unwrap().0
+}
+
+fn compared(frame: &GlFrame) -> PictureComparison {
+    let scene = scene(frame);
+    compare(&scene, &scene.frames[0], frame.filter, frame.application.as_ref().unwrap()).unwrap()
+}
+
+#[test]
+fn exact_picture_matches_the_application() {
+    let frame = whole(MAP);
+    let scene = scene(&frame);
+    assert_eq!(scene.warnings, Vec::<String>::new());
+    let triangles: Vec<usize> = scene.objects.iter().map(|object| object.mesh.indices.len() / 3).collect();
+    assert_eq!((frame.size, triangles), ([120, 90], vec![2, 480, 24]));
+    let found = compared(&frame);
+    assert_eq!(found.agreement(), Some(100.0), "{:?}", found.geometry);
+    assert!(found.quality.psnr_db > 50.0 && found.quality.flip < 0.02, "{:?}", found.quality);
+    let light = frame.camera.to_light;
+    assert!((light[0] / light[1] - 0.6).abs() < 1e-6 && (light[2] / light[1] - 0.4).abs() < 1e-6, "{light:?}");
+}
+
+#[test]
+fn mapping_replaces_guesses() {
+    assert!(compared(&whole("")).quality.psnr_db < 30.0, "all three objects are bumpy");
+    let frame = whole("435.normal-map=none,493.normal-map=none,light=0:0:-1,466.base-color=0:1:0,493.albedo=none");
+    assert_eq!(frame.camera.to_light, [0.0, 0.0, -1.0]);
+    let scene = scene(&frame);
+    assert_eq!(scene.objects[1].material.base_color, [0.0, 1.0, 0.0, 1.0]);
+    assert!(scene.objects[2].material.color_texture.is_none() && scene.objects[0].material.color_texture.is_some());
+}
+
+#[test]
+fn mapped_names_that_do_not_exist_are_errors() {
+    let says = |map: &str, part: &str| {
+        let text = imported(&[(FILES[1], bytes(FILES[1]))], map).unwrap_err();
+        assert!(text.starts_with("frame.466.json: call 466: ") && text.contains(part), "{text}");
+    };
+    says("normal=normals", "--map normal=normals: the draw call has no such name; expected none, one of normal, position");
+    says("albedo=x", "expected none, one of albedo");
+    says("mvp=x", "/uniforms/x: is no 4 x 4 matrix");
+    says("mvp=view,position=x", "--map position=x");
+    says("normal-space=eye", "one of object, tangent");
+    says("shininess=x", "--map shininess=x");
+    says("viewer=1:2", "--map viewer=1:2");
+}
+
+#[test]
+fn map_without_normals_is_in_object_space() {
+    let bare = |dump: &mut Value| {
+        for name in ["normal", "tangent"] {
+            dump["draw"]["attributes"].as_object_mut().unwrap().remove(name);
+        }
+    };
+    let frame = changed(FILES[1], "", bare).unwrap();
+    assert!(frame.notes.iter().any(|note| note.contains("normal-space = object (guessed")), "{:?}", frame.notes);
+    let mesh = &scene(&frame).objects[0].mesh;
+    assert!(mesh.normals.iter().all(|n| *n == [0.0, 0.0, 1.0]) && mesh.tangents.iter().all(|t| *t == [1.0, 0.0, 0.0, 1.0]));
+    // Without tangents but with normals they are computed.
+    let frame = changed(FILES[1], "tangent=none", |_| {}).unwrap();
+    assert!(frame.notes.iter().any(|note| note.contains("normal-space = tangent")), "{:?}", frame.notes);
+}
+
+/// A ramp along u that rises by 8 of 255 per texel: 1.0 is 255 / 8 texels high, so the slope is 1.
+#[test]
+fn height_map_becomes_a_normal_map() {
+    let ramp = image::GrayImage::from_fn(32, 32, |x, _| image::Luma([x as u8 * 8]));
+    let mut png = std::io::Cursor::new(Vec::new());
+    ramp.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let data = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, png.into_inner());
+    let map = "normal-map=none,height-map=normal_map,height-scale=31.875";
+    let frame = changed(FILES[1], map, |dump| {
+        dump["textures"]["GL_TEXTURE1, GL_TEXTURE_2D, level = 0"]["__data__"] = json!(data);
+    });
+    let scene = scene(&frame.unwrap());
+    let texels = &scene.objects[0].material.normal_map.as_ref().unwrap().levels[0].texels;
+    // (-1, 0, 1) / sqrt 2.
+    assert_eq!(texels[16 * 32 + 16], [37, 128, 218, 255]);
+}
+
+#[test]
+fn object_of_another_view_is_refused() {
+    let second = |change: &dyn Fn(&mut Value)| {
+        let mut dump = dump(FILES[1]);
+        change(&mut dump);
+        imported(&[(FILES[0], bytes(FILES[0])), (FILES[1], dump.to_string().into_bytes())], "").unwrap_err()
+    };
+    let text = second(&|dump| dump["parameters"]["GL_VIEWPORT"] = json!([0, 0, 60, 90]));
+    assert!(text.starts_with("frame.466.json: call 466: /parameters/GL_VIEWPORT: is [0, 0, 60, 90]"), "{text}");
+    let text = second(&|dump| dump["uniforms"]["projection"][0][3] = json!(1.0));
+    assert!(text.contains("call 466: /uniforms: the draw call has another projection"), "{text}");
+}
+
+#[test]
+fn broken_dumps_name_call_and_field() {
+    let says = |part: &str, change: &dyn Fn(&mut Value)| {
+        let text = changed(FILES[2], "", change).unwrap_err();
+        assert!(text.starts_with("frame.493.json: ") && text.contains(part), "{part}: {text}");
+    };
+    let texture = "GL_TEXTURE0, GL_TEXTURE_2D, level = 0";
+    let vertex = "GL_VERTEX_SHADER";
+    says("call 493: /textures/GL_TEXTURE0, GL_TEXTURE_2D, level = 0/__data__: not base64", &|d| {
+        d["textures"][texture]["__data__"] = json!("?")
+    });
+    says("call 493: /textures/GL_TEXTURE0, GL_TEXTURE_2D, level = 0/__data__: neither PNG", &|d| {
+        d["textures"][texture]["__data__"] = json!("AAAA")
+    });
+    says("32 x 32 texels, but the dump states 33 x 32", &|d| d["textures"][texture]["__width__"] = json!(33));
+    says("/textures/GL_TEXTURE0, GL_TEXTURE_2D, level = 0/__width__ (line 1", &|d| {
+        d["textures"][texture]["__width__"] = json!(-1)
+    });
+    says("call 493: /shaders/GL_VERTEX_SHADER: is missing", &|d| d["shaders"] = json!({}));
+    says("the vertex program computes `gl_Position = vec4 ( wave", &|d| {
+        d["shaders"][vertex] = json!("void main() { gl_Position = vec4(wave(position), 1.0); }")
+    });
+    says("call 493: /shaders/GL_GEOMETRY_SHADER: the draw call has such a program", &|d| {
+        d["shaders"]["GL_GEOMETRY_SHADER"] = json!("x")
+    });
+    says("the vertex program computes", &|d| d["uniforms"]["view"] = json!([[1.0]]));
+    says("flattens space", &|d| d["uniforms"]["view"] = json!([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]));
+    says("call 493: /draw/mode: `GL_LINES` cannot be drawn", &|d| d["draw"]["mode"] = json!("GL_LINES"));
+    says("call 493: /draw/count: draws 27 vertices from 0", &|d| d["draw"]["count"] = json!(27));
+    says("call 493: /draw/count: draws no triangle", &|d| d["draw"]["count"] = json!(2));
+    says("/draw/attributes/uv: has 25 vertices, other attributes have 26", &|d| {
+        let data = d["draw"]["attributes"]["uv"]["data"].as_str().unwrap();
+        // 25 vertices of 8 bytes, in 268 characters.
+        d["draw"]["attributes"]["uv"]["data"] = json!(format!("{}=", &data[..267]));
+    });
+    says("holds no vertices", &|d| d["draw"] = json!({"call": 493, "mode": "GL_TRIANGLES", "count": 3}));
+    says("not finite", &|d| d["draw"]["attributes"]["position"]["data"] = json!("AADAfwAAAAAAAAAA".repeat(26)));
+    says("/framebuffer/GL_DEPTH_ATTACHMENT/__data__: has another number of bytes", &|d| {
+        d["framebuffer"]["GL_DEPTH_ATTACHMENT"]["__data__"] = json!("UGYKMTIwIDkwCjEK")
+    });
+    says("120 x 90 pixels do not hold the viewport", &|d| d["parameters"]["GL_VIEWPORT"] = json!([1, 0, 120, 90]));
+}
+
+#[test]
+fn dump_without_picture_is_imported() {
+    let frame = imported(&[(FILES[0], bytes(FILES[0]))], "").unwrap();
+    assert!(frame.application.is_none());
+    assert_eq!(scene(&frame).objects.len(), 1);
+}
+
+#[test]
+fn truncated_dump_is_an_error_that_names_the_file() {
+    let whole = bytes(FILES[0]);
+    for end in (0..whole.len() - 2).step_by(97) {
+        let text = imported(&[(FILES[0], whole[..end].to_vec())], "").unwrap_err();
+        assert!(text.starts_with("frame.435.json: "), "{end}: {text}");
+    }
+}
+
+#[test]
+fn damaged_dump_never_panics() {
+    let whole = bytes(FILES[0]);
+    let mut state = 1_u64;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    let mut refused = 0;
+    for _ in 0..400 {
+        let mut dump = whole.clone();
+        let at = next(dump.len());
+        dump[at] = b"09{}[],:\"a-e."[next(13)];
+        if let Err(text) = imported(&[(FILES[0], dump)], "") {
+            assert!(text.starts_with("frame.435.json: "), "{text}");
+            refused += 1;
+        }
+    }
+    assert!(refused > 20, "{refused}");
+}
+
+#[test]
+fn memory_limit_is_kept() {
+    let files = FILES.map(|name| (name, bytes(name)));
+    let files: Vec<_> = files.iter().map(|(name, bytes)| DumpFile { name, bytes }).collect();
+    for limit in [100_000, 300_000] {
+        let error = import(&files, &mapping(MAP), &MemoryPool::new(limit)).unwrap_err();
+        assert!(error.over_budget && error.to_string().contains("over the limit of"), "{error}");
+    }
+    let budget = MemoryPool::default();
+    drop(import(&files, &mapping(MAP), &budget).unwrap());
+    assert_eq!(budget.left(), MemoryPool::DEFAULT, "everything is given back");
+}
