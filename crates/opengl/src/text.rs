@@ -13,7 +13,7 @@ pub(crate) fn parse(bytes: &[u8], budget: &MemoryPool) -> Result<(GlDump, Memory
             .cure("write the dump again")
     })?;
     let reserve = |bytes, what| budget.try_reserve(bytes, what).map_err(|e| over_budget("", &e));
-    let mut held = reserve(json_weight(bytes), "the values of a dump")?;
+    let held = reserve(json_weight(bytes), "the values of a dump")?;
     let (text, copy) = if has_raw_controls(text) {
         // The longest escape has two characters.
         let copy = reserve(2 * text.len() as u64, "a dump with escaped characters")?;
@@ -26,7 +26,6 @@ pub(crate) fn parse(bytes: &[u8], budget: &MemoryPool) -> Result<(GlDump, Memory
         json_error(&fault)
     })?;
     drop(copy);
-    held.shrink_to(held.bytes());
     Ok((dump, held))
 }
 
