@@ -5,7 +5,7 @@ use crate::{page, texture};
 use basrelief_deferred_renderer::cell::CellFormat;
 use basrelief_deferred_renderer::colour::progressive;
 use basrelief_deferred_renderer::tokens::{
-    CellBlock, CellFlow, EncodedTile, PassFlow, ResponseContent, StoreOrder, TileResponse,
+    CellBlock, CellFlow, EncodedTile, ExpandedTile, PassFlow, ResponseContent, StoreOrder, TileResponse,
 };
 use basrelief_deferred_renderer::{
     CellConfig, Cells, ConventionalLoad, EngineConfig, Identification, LightingMode, PageTexels, Path, PathConfig, PyramidCut,
@@ -215,6 +215,23 @@ fn set_up_of_a_triangle_occupies_initial_rasterization() {
     };
     // 51 products and 38 sums.
     assert_eq!([1, 4, 16].map(occupancy), [51, 13, 4]);
+}
+
+#[test]
+fn tile_occupies_rasterization_texel_by_texel() {
+    let (format, ends) = (CellFormat::new(&CellConfig::default(), 1.0), ViewpointEnds::default());
+    let engine = EngineConfig { average_rate: 5, ..EngineConfig::default() };
+    let mut unit = Rasterization::new(engine, RenderMode::Best, ends, format, TableSizes::default());
+    let page = page([16, 16], [16, 8]);
+    unit.state.pages.push(PageTexels::new(Arc::clone(&page)));
+    unit.step((Some(PassFlow::Begin), None, None), &mut MemoryPorts::default());
+    unit.step((None, Some(StoreOrder::Load { page: 0, tile: 0 }), None), &mut MemoryPorts::default());
+    let arrived = ExpandedTile { page: Arc::clone(&page), tile: 0, texels: vec![[9; 4]; 16 * 8].into() };
+    assert_eq!(unit.step((None, None, Some(arrived)), &mut MemoryPorts::default()).occupancy, 26, "128 texels, 5 a cycle");
+    let average = page.tiles() - 1;
+    let order = StoreOrder::Synthesize { page: 0, tile: average };
+    let step = unit.step((None, Some(order), None), &mut MemoryPorts::default());
+    assert_eq!(step.occupancy, page.texels_in(average).div_ceil(5));
 }
 
 #[test]
