@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Cure of a draw call that cannot be imported.
+pub(crate) const LEAVE_OUT: &str = "leave out this draw call: give the dumps of the others to `basrelief import-gl`";
+
 /// The draw call itself, and the data that state dumps lack.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]

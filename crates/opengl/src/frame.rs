@@ -1,5 +1,6 @@
 //! From the dumps of one frame to a scene.
 
+use crate::draw::LEAVE_OUT;
 use crate::dump::GlDump;
 use crate::geometry::{GlGeometry, GlMesh, geometry};
 use crate::gltf::{self, GlObject};
@@ -7,7 +8,7 @@ use crate::mapping::{MapKey, Mapping, three};
 use crate::matrix::{affine, from_normal_matrix, matrix, model_view_of, to_viewer};
 use crate::picture::{ApplicationPicture, application_picture};
 use crate::reader::{DrawReader, unknown};
-use crate::state::draw_state;
+use crate::state::{Parameters, draw_state};
 use crate::surface::{GlSurface, surface};
 use crate::text::parse;
 use basrelief_input::{MemoryPool, MemoryReservation};
@@ -107,6 +108,8 @@ fn filter_of(objects: &[GlObject]) -> TextureFilter {
 /// View of the first draw call, which all others share.
 struct FrameView {
     call: u64,
+    /// Number of the frame buffer.
+    target: u64,
     viewport: [u32; 4],
     view_projection: DMat4,
     camera: Camera,
@@ -147,20 +150,35 @@ impl FrameBuilder<'_> {
             let world = world_of(reader, geometry);
             let view_projection = geometry.mvp * world.inverse();
             let camera = camera(reader, view_projection)?;
-            self.view = Some(FrameView { call: reader.call, viewport, view_projection, camera });
+            let (call, target) = (reader.call, target(reader));
+            self.view = Some(FrameView { call, target, viewport, view_projection, camera });
             return Ok(world);
         };
+        let target = target(reader);
+        if view.target != target {
+            return Err(SceneError::at("/parameters/GL_DRAW_FRAMEBUFFER_BINDING", format!("is {target}"))
+                .expected(format!("{}, as in call {}", view.target, view.call))
+                .cure(ONE_PASS));
+        }
         if view.viewport != viewport {
             return Err(SceneError::at("/parameters/GL_VIEWPORT", format!("is {viewport:?}"))
                 .expected(format!("{:?}, as in call {}", view.viewport, view.call))
-                .cure("leave out this draw call"));
+                .cure(ONE_PASS));
         }
         affine(view.view_projection.inverse() * geometry.mvp).ok_or_else(|| {
             SceneError::at("/uniforms", "the draw call has another projection")
                 .expected(format!("the projection of call {}", view.call))
-                .cure("leave out this draw call")
+                .cure(LEAVE_OUT)
         })
     }
+}
+
+/// Cure of draw calls that belong to different passes.
+const ONE_PASS: &str = "import one pass of the frame: give its dumps to `basrelief import-gl`";
+
+/// Returns the number of the frame buffer that a draw call draws into.
+fn target(reader: &DrawReader<'_>) -> u64 {
+    Parameters(reader.dump).value("GL_DRAW_FRAMEBUFFER_BINDING").and_then(|value| value.as_u64()).unwrap_or_default()
 }
 
 /// Returns the matrix from object to world space: a factor of the product, or the model-view matrix.

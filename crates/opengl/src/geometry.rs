@@ -1,6 +1,6 @@
 //! The triangles of a draw call, with its matrix.
 
-use crate::draw::DrawCall;
+use crate::draw::{DrawCall, LEAVE_OUT};
 use crate::mapping::MapKey;
 use crate::matrix::matrix;
 use crate::program::{self, MatrixProduct, ProgramNames};
@@ -56,9 +56,7 @@ pub(crate) fn geometry(reader: &mut DrawReader<'_>) -> Result<GlGeometry, SceneE
     let restart = restart_index(reader);
     let indices = triangles(&draw, restart, columns.count)?;
     if indices.is_empty() {
-        return Err(SceneError::at("/draw/count", "draws no triangle")
-            .expected("3 vertices or more")
-            .cure("leave out this draw call"));
+        return Err(SceneError::at("/draw/count", "draws no triangle").expected("3 vertices or more").cure(LEAVE_OUT));
     }
     let names: Vec<String> = columns.columns.keys().cloned().collect();
     let product = product(reader, &names)?;

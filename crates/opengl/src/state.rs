@@ -1,5 +1,6 @@
 //! State of the pipeline. State that the devices have is read; other state is refused, or left out with a warning.
 
+use crate::draw::LEAVE_OUT;
 use crate::dump::GlDump;
 use basrelief_scene::SceneError;
 use serde_json::Value;
@@ -76,7 +77,7 @@ pub(crate) fn draw_state(dump: &GlDump) -> Result<(DrawState, Vec<String>), Scen
 }
 
 fn refused(parameter: &str, what: impl Into<String>, expected: &str) -> SceneError {
-    SceneError::at(format!("/parameters/{parameter}"), what).expected(expected).cure("leave out this draw call")
+    SceneError::at(format!("/parameters/{parameter}"), what).expected(expected).cure(LEAVE_OUT)
 }
 
 fn check_pipeline(dump: &GlDump) -> Result<(), SceneError> {
@@ -84,7 +85,7 @@ fn check_pipeline(dump: &GlDump) -> Result<(), SceneError> {
         if dump.shaders.contains_key(stage) {
             return Err(SceneError::at(format!("/shaders/{stage}"), "the draw call has such a program")
                 .expected("a vertex program and a fragment program")
-                .cure("leave out this draw call"));
+                .cure(LEAVE_OUT));
         }
     }
     let parameters = Parameters(dump);

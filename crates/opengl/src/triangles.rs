@@ -1,6 +1,6 @@
 //! From draw calls to lists of triangles.
 
-use crate::draw::DrawCall;
+use crate::draw::{DrawCall, LEAVE_OUT};
 use basrelief_scene::SceneError;
 
 /// Returns the vertex numbers of the triangles of a draw call, three each. `restart` is the index that ends a strip or fan.
@@ -44,7 +44,7 @@ fn add_triangles(mode: &str, numbers: &[u32], to: &mut Vec<u32>) -> Result<(), S
         other => {
             return Err(SceneError::at("/draw/mode", format!("`{other}` cannot be drawn"))
                 .expected("GL_TRIANGLES, GL_TRIANGLE_STRIP or GL_TRIANGLE_FAN")
-                .cure("leave out this draw call"));
+                .cure(LEAVE_OUT));
         }
     }
     Ok(())

@@ -133,6 +133,8 @@ fn object_of_another_view_is_refused() {
     };
     let text = second(&|dump| dump["parameters"]["GL_VIEWPORT"] = json!([0, 0, 60, 90]));
     assert!(text.starts_with("frame.466.json: call 466: /parameters/GL_VIEWPORT: is [0, 0, 60, 90]"), "{text}");
+    let text = second(&|dump| dump["parameters"]["GL_DRAW_FRAMEBUFFER_BINDING"] = json!(7));
+    assert!(text.contains("call 466: /parameters/GL_DRAW_FRAMEBUFFER_BINDING: is 7; expected 0, as in call 435"), "{text}");
     let text = second(&|dump| dump["uniforms"]["projection"][0][3] = json!(1.0));
     assert!(text.contains("call 466: /uniforms: the draw call has another projection"), "{text}");
 }

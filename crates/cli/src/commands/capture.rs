@@ -34,7 +34,7 @@ pub fn capture(args: &CaptureArgs, global: &GlobalOptions) -> CommandResult {
     folder.remove_blobs();
     let mut paths = Vec::new();
     for ((call, _), bytes) in dumps.iter().zip(complete) {
-        let path = folder.path.join(format!("{call}.json"));
+        let path = folder.path.join(dump_name(*call));
         PartialFile::write_whole(&path, &bytes).map_err(CommandError::at_file(&path, "be written"))?;
         paths.push(path);
     }
@@ -67,6 +67,16 @@ fn draws_of(frame: &FrameCalls, calls: &[u64]) -> CommandResult<Vec<u64>> {
     Ok(frame.draws.iter().filter(is_chosen).copied().collect())
 }
 
+/// Returns the file name of a dump. Names have the order of the calls.
+fn dump_name(call: u64) -> String {
+    format!("{call:010}.json")
+}
+
+/// Returns the call of a file name of a dump.
+fn call_of(name: &str) -> Option<u64> {
+    name.strip_suffix(".json")?.parse().ok()
+}
+
 /// Folder of a trace and its dumps.
 struct CaptureFolder {
     path: PathBuf,
@@ -78,6 +88,13 @@ impl CaptureFolder {
         fs::create_dir_all(&path).map_err(CommandError::at_file(&path, "be created"))?;
         // apitrace runs in this folder.
         let path = path.canonicalize().map_err(CommandError::at_file(&path, "be read"))?;
+        for entry in fs::read_dir(&path).map_err(CommandError::at_file(&path, "be read"))?.flatten() {
+            let name = entry.file_name();
+            // Dumps of an earlier capture belong to another frame.
+            if name.to_str().and_then(call_of).is_some_and(|call| *dump_name(call) == *name) {
+                fs::remove_file(entry.path()).map_err(CommandError::at_file(&entry.path(), "be removed"))?;
+            }
+        }
         Ok(Self { path })
     }
 
@@ -148,4 +165,17 @@ fn not_started(error: io::Error) -> CommandError {
         return CommandError::BadInput(format!("apitrace is not installed; {cure}"));
     }
     CommandError::BadInput(format!("apitrace: cannot be started: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_dumps_have_the_order_of_calls() {
+        let names = [999, 1000, 20_000].map(dump_name);
+        assert!(names.is_sorted(), "{names:?}");
+        assert_eq!(names.map(|name| call_of(&name)), [Some(999), Some(1000), Some(20_000)]);
+        assert_eq!([call_of("notes.json"), call_of("7.txt")], [None, None]);
+    }
 }

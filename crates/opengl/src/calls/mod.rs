@@ -27,6 +27,9 @@ pub struct FrameCalls {
     pub is_complete: bool,
 }
 
+/// Cure of a draw call that has no dump yet.
+const OTHERS: &str = "leave out this draw call: name a frame with --frame and its other draw calls with --calls";
+
 /// Returns the frames of a trace that draw. The calls after the last swap of buffers form a frame that is not complete.
 pub fn frames(text: &str) -> Vec<FrameCalls> {
     let mut frames = vec![FrameCalls::default()];
@@ -93,7 +96,7 @@ pub fn with_draws(
 fn unsupported(call: &TraceCall<'_>, what: &str) -> SceneError {
     SceneError::at(call.name, what)
         .expected("glDrawArrays, glDrawElements, glDrawRangeElements or glDrawElementsBaseVertex, with one instance")
-        .cure("leave out this draw call")
+        .cure(OTHERS)
 }
 
 fn draw_call(call: &TraceCall<'_>, memory: &mut TraceMemory<'_>) -> Result<DrawCall, SceneError> {
@@ -169,9 +172,7 @@ fn attributes(memory: &mut TraceMemory<'_>, count: u64) -> Result<BTreeMap<Strin
 }
 
 fn attribute_data(attribute: &AttributePointer, bytes: &[u8], count: u64) -> Result<AttributeData, SceneError> {
-    let fault = |what: &str| {
-        SceneError::at("", what).expected("a vertex attribute of numbers in a buffer").cure("leave out this draw call")
-    };
+    let fault = |what: &str| SceneError::at("", what).expected("a vertex attribute of numbers in a buffer").cure(OTHERS);
     let width: usize = match attribute.kind.as_str() {
         "GL_FLOAT" => 4,
         "GL_SHORT" | "GL_UNSIGNED_SHORT" => 2,
