@@ -43,7 +43,7 @@ pub struct GlSceneArgs {
     pub out: PathBuf,
     #[arg(long = "map", value_name = "KEY=VALUE", value_delimiter = ',', help = map_help())]
     pub entries: Vec<MapEntry>,
-    /// End with exit code 1 if coverage and depth agree on fewer pixels of the application's picture [percent].
+    /// End with exit code 1 if coverage and depth agree on less than this percentage of pixels.
     #[arg(long, value_name = "PERCENT")]
     pub agree: Option<f64>,
 }
