@@ -73,7 +73,14 @@ pub struct Digest(pub [u8; 32]);
 impl Digest {
     /// Computes the digest of bytes.
     pub fn of(bytes: &[u8]) -> Self {
-        Self(Sha256::digest(bytes).into())
+        Self::of_pieces(|take| take(bytes))
+    }
+
+    /// Computes the digest of the bytes that `each` passes on, piece by piece.
+    pub(crate) fn of_pieces(each: impl FnOnce(&mut dyn FnMut(&[u8]))) -> Self {
+        let mut hash = Sha256::new();
+        each(&mut |piece| hash.update(piece));
+        Self(hash.finalize().into())
     }
 }
 

@@ -38,6 +38,7 @@
 //! This crate reaches no file system: it is generic over [`Read`](std::io::Read) and [`Write`](std::io::Write), and
 //! asks its caller for the files beside a trace through [`TextureFiles`].
 
+mod canonical_hash;
 mod check;
 mod command;
 mod data;
@@ -52,6 +53,7 @@ mod schema;
 mod sequence;
 mod writer;
 
+pub use canonical_hash::CanonicalHash;
 pub use check::GUARD_BAND;
 pub use command::{
     BeginCommand, Criterion, EndCommand, ExpectedResults, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, ImportanceWeights,
@@ -63,7 +65,7 @@ pub use error::{ErrorKind, TraceError, TracePlace};
 pub use form::{TraceEncoding, TraceForm, looks_like_trace};
 pub use parameter_value::{ParameterValue, ScalarValue};
 pub use reader::{TraceReader, open};
-pub use recorder::{CanonicalHash, TraceRecorder};
+pub use recorder::TraceRecorder;
 pub use resolver::{NoFiles, TextureFiles, TraceResolver};
 pub use schema::schema;
 pub use writer::{TraceWriter, convert};

@@ -1,16 +1,18 @@
-//! Recording of tokens as commands, and the hash of an input.
+//! Recording of tokens as commands.
 
 use crate::command::*;
 use crate::data::{Digest, Texels};
 use crate::error::{CommandFault, TraceError, TracePlace};
 use crate::form::TraceForm;
 use crate::sequence::FrameNesting;
-use crate::writer::{TraceWriter, write_line};
+use crate::writer::TraceWriter;
 use basrelief_signals::{Control, Frame, Material, ObjectInfo, Polygon, ShadingSettings, Texture, Vertex};
-use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
-use std::io::{self, BufWriter, Write};
+use std::io::Write;
 use std::sync::Arc;
+
+/// Texels of a normal map that are repacked at a time.
+const PIECE_TEXELS: usize = 1024;
 
 /// Records control tokens as a trace. [Reading](crate::TraceResolver) it gives equal tokens.
 pub struct TraceRecorder<W: Write> {
@@ -25,7 +27,7 @@ impl<W: Write> TraceRecorder<W> {
     /// A failed write, a value of `begin` that is not allowed, or a form that this build lacks.
     pub fn new(writer: W, form: TraceForm, begin: BeginCommand) -> Result<Self, TraceError> {
         let mut writer = TraceWriter::new(writer, form)?;
-        let describer = CommandBuilder::new(&begin);
+        let describer = CommandBuilder::new(&begin, TexelUse::Inline);
         writer.write(&TraceCommand::Begin(begin))?;
         Ok(Self { writer, describer })
     }
@@ -61,78 +63,34 @@ impl<W: Write> TraceRecorder<W> {
     }
 }
 
-/// Hash of an input: SHA-256 over the canonical JSON lines of its commands, without `expect` and `end`, with all texels
-/// inline. Texels that are elsewhere contribute their hash alone. A scene and its recorded trace have the same hash. For a
-/// recorded trace in JSON Lines it is the output of `grep -vE '^\{"(expect|end)"' | sha256sum`.
-pub struct CanonicalHash {
-    hash: BufWriter<HashingWriter>,
-    describer: CommandBuilder,
-}
-
-impl CanonicalHash {
-    /// Starts the hash of an input with this `begin`.
-    pub fn new(begin: &BeginCommand) -> Self {
-        let mut hash = BufWriter::new(HashingWriter(Sha256::new()));
-        feed(&mut hash, &TraceCommand::Begin(begin.clone()));
-        Self { hash, describer: CommandBuilder::new(begin) }
-    }
-
-    /// Takes the next token.
-    ///
-    /// # Errors
-    /// Errors of [`TraceRecorder::record`], without the checks of the writer.
-    pub fn update(&mut self, control: &Control) -> Result<(), TraceError> {
-        let Self { hash, describer } = self;
-        describer.describe(control, &mut |command| {
-            feed(hash, command);
-            Ok(())
-        })
-    }
-
-    /// The hash of all tokens taken.
-    pub fn finish(mut self) -> Digest {
-        let _ = self.hash.flush();
-        Digest(self.hash.get_ref().0.clone().finalize().into())
-    }
-}
-
-/// Writer that hashes its input.
-struct HashingWriter(Sha256);
-
-impl Write for HashingWriter {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.update(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-/// Hashes a command while it is written. With its texels, the line may be long.
-fn feed(hash: &mut BufWriter<HashingWriter>, command: &TraceCommand) {
-    // Hashing cannot fail, nor can a command: it has no keys but names.
-    let _ = write_line(command, hash);
+/// Part that a texture's definition has of its texels.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TexelUse {
+    /// The texels and their digest.
+    Inline,
+    /// The digest alone.
+    DigestOnly,
 }
 
 /// Turns control tokens into commands. Defines textures and materials at their first use.
-struct CommandBuilder {
+pub(crate) struct CommandBuilder {
     width: u32,
     height: u32,
+    texels: TexelUse,
     nesting: FrameNesting,
     count: u64,
     textures: BTreeMap<u32, (TextureKind, Arc<Texture>)>,
     materials: BTreeMap<u32, Arc<Material>>,
 }
 
-type CommandSink<'a> = dyn FnMut(&TraceCommand) -> Result<(), TraceError> + 'a;
+pub(crate) type CommandSink<'a> = dyn FnMut(&TraceCommand) -> Result<(), TraceError> + 'a;
 
 impl CommandBuilder {
-    fn new(begin: &BeginCommand) -> Self {
+    pub(crate) fn new(begin: &BeginCommand, texels: TexelUse) -> Self {
         Self {
             width: begin.width,
             height: begin.height,
+            texels,
             nesting: FrameNesting::default(),
             count: 1,
             textures: BTreeMap::new(),
@@ -140,7 +98,7 @@ impl CommandBuilder {
         }
     }
 
-    fn describe(&mut self, control: &Control, emit: &mut CommandSink<'_>) -> Result<(), TraceError> {
+    pub(crate) fn describe(&mut self, control: &Control, emit: &mut CommandSink<'_>) -> Result<(), TraceError> {
         let command = match control {
             Control::Frame(frame) => {
                 frame.textures.iter().try_for_each(|texture| self.define_texture(TextureKind::Color, texture, emit))?;
@@ -221,7 +179,7 @@ impl CommandBuilder {
             let known = if *known_kind == kind { same(known, texture) } else { Err(two_uses(texture.id)) };
             return known.map_err(|fault| self.error(fault, "texture"));
         }
-        let definition = texture_definition(kind, texture).map_err(|fault| self.error(fault, "texture"))?;
+        let definition = texture_definition(kind, texture, self.texels).map_err(|fault| self.error(fault, "texture"))?;
         self.emit(&TraceCommand::Texture(definition), emit)?;
         self.textures.insert(texture.id, (kind, Arc::clone(texture)));
         Ok(())
@@ -256,11 +214,9 @@ fn two_uses(id: u32) -> CommandFault {
     CommandFault::new("kind", format!("texture {id} is used as colour and as normal map; give each use a texture of its own"))
 }
 
-fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDefinition, CommandFault> {
+fn texture_definition(kind: TextureKind, texture: &Texture, texels: TexelUse) -> Result<TextureDefinition, CommandFault> {
     let first = texture.levels.first().ok_or_else(|| CommandFault::new("levels", "is 0, expected at least one level"))?;
-    let bytes = texel_bytes(kind, texture);
-    let sha256 = texture.elsewhere.map_or_else(|| Digest::of(&bytes), Digest);
-    let definition = TextureDefinition {
+    let mut definition = TextureDefinition {
         id: texture.id,
         name: texture.name.clone(),
         kind,
@@ -269,13 +225,29 @@ fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDef
         height: first.height,
         levels: texture.levels.len() as u32,
         offset: texture.offset,
-        sha256,
-        data: texture.elsewhere.is_none().then_some(Texels(bytes)),
+        sha256: Digest::default(),
+        data: None,
         file: None,
     };
-    if texture.elsewhere.is_some() {
+    if let Some(elsewhere) = texture.elsewhere {
+        definition.sha256 = Digest(elsewhere);
         return Ok(definition);
     }
+    check_levels(&definition, texture)?;
+    match texels {
+        TexelUse::Inline => {
+            // Exactly as much as it takes: grown by doubling, it would take up to twice that.
+            let mut bytes = Vec::with_capacity((definition.texel_count() * kind.texel_bytes()) as usize);
+            each_piece(kind, texture, |piece| bytes.extend_from_slice(piece));
+            definition.sha256 = Digest::of(&bytes);
+            definition.data = Some(Texels(bytes));
+        }
+        TexelUse::DigestOnly => definition.sha256 = Digest::of_pieces(|take| each_piece(kind, texture, take)),
+    }
+    Ok(definition)
+}
+
+fn check_levels(definition: &TextureDefinition, texture: &Texture) -> Result<(), CommandFault> {
     for (k, (level, size)) in texture.levels.iter().zip(definition.level_sizes()).enumerate() {
         let texels = u64::from(level.width) * u64::from(level.height);
         if (level.width, level.height) != size || level.texels.len() as u64 != texels {
@@ -283,24 +255,27 @@ fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDef
             let message = format!("is {width} x {height} with {count} texels, expected {} x {}", size.0, size.1);
             return Err(CommandFault::new(format!("levels[{k}]"), message));
         }
-        if kind == TextureKind::Normal && level.texels.iter().any(|texel| texel[3] != u8::MAX) {
+        if definition.kind == TextureKind::Normal && level.texels.iter().any(|texel| texel[3] != u8::MAX) {
             return Err(CommandFault::new(format!("levels[{k}]"), "is of a normal map and has alpha; expected 255 throughout"));
         }
     }
-    Ok(definition)
+    Ok(())
 }
 
-fn texel_bytes(kind: TextureKind, texture: &Texture) -> Vec<u8> {
-    // Exactly as much as it takes: grown by doubling, it would take up to twice that.
-    let count: usize = texture.levels.iter().map(|level| level.texels.len()).sum();
-    let mut bytes = Vec::with_capacity(count * kind.texel_bytes() as usize);
+/// Calls `take` with the bytes of all texels, in pieces.
+fn each_piece(kind: TextureKind, texture: &Texture, mut take: impl FnMut(&[u8])) {
     for level in &texture.levels {
         match kind {
-            TextureKind::Color => bytes.extend_from_slice(level.texels.as_flattened()),
-            TextureKind::Normal => bytes.extend(level.texels.iter().flat_map(|&[r, g, b, _]| [r, g, b])),
+            TextureKind::Color => take(level.texels.as_flattened()),
+            TextureKind::Normal => {
+                let mut piece = [[0; 3]; PIECE_TEXELS];
+                for texels in level.texels.chunks(PIECE_TEXELS) {
+                    piece.iter_mut().zip(texels).for_each(|(to, &[r, g, b, _])| *to = [r, g, b]);
+                    take(piece[..texels.len()].as_flattened());
+                }
+            }
         }
     }
-    bytes
 }
 
 fn material_definition(material: &Material) -> MaterialDefinition {

@@ -159,7 +159,7 @@ pub struct Input {
     pub kind: String,
     /// Name of the file without its path, or of the demo.
     pub name: String,
-    /// SHA-256 of the canonical commands, in hexadecimal. Empty if the run ended before the last command.
+    /// SHA-256 of the canonical commands, texels by their digests, in hexadecimal. Empty if the run ended before the last command.
     pub sha256: String,
 }
 

@@ -22,6 +22,16 @@ fn converted(bytes: &[u8], form: TraceForm) -> Vec<u8> {
     out
 }
 
+/// Returns a line of a trace as it counts for the hash of the input.
+fn without_texels(line: &str) -> String {
+    let (head, data) = match line.split_once(r#","data":""#) {
+        Some((head, data)) if line.starts_with(r#"{"texture""#) => (head, data),
+        _ => return line.into(),
+    };
+    let (_, tail) = data.split_once('"').unwrap();
+    format!("{head}{tail}")
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
@@ -44,8 +54,8 @@ proptest! {
         let replayed = resolve(&record(&controls, TraceForm::ALL[form]).unwrap()).unwrap();
         prop_assert_eq!(hash(&replayed), hash(&controls));
         let text = String::from_utf8(record(&controls, TraceForm::default()).unwrap()).unwrap();
-        let kept: String = text.split_inclusive('\n').filter(|line| !line.starts_with(r#"{"end""#)).collect();
-        prop_assert_eq!(Digest::of(kept.as_bytes()), hash(&controls));
+        let kept = text.split_inclusive('\n').filter(|line| !line.starts_with(r#"{"end""#)).map(without_texels);
+        prop_assert_eq!(Digest::of(kept.collect::<String>().as_bytes()), hash(&controls));
     }
 
     #[test]
