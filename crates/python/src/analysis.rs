@@ -29,8 +29,7 @@ pub fn ablate<'py>(
     drawn: RunSubject<'py>,
     options: RunArguments,
 ) -> PythonResult<String> {
-    let (source, settings) = (drawn.source(), options.run_options(config.get())?);
-    py.detach(|| json_of_runs(&source, &settings, |watch, run| sim_ablate(&settings, watch, run)))
+    json_of_runs(py, config, &drawn.source(), options, |settings, watch, run| sim_ablate(settings, watch, run))
 }
 
 /// Runs the input with each division method of the machine at the same error. Returns the JSON of the command line.
@@ -41,25 +40,29 @@ pub fn compare_methods<'py>(
     drawn: RunSubject<'py>,
     options: RunArguments,
 ) -> PythonResult<String> {
-    let (source, settings) = (drawn.source(), options.run_options(config.get())?);
-    py.detach(|| json_of_runs(&source, &settings, |watch, run| sim_compare_methods(&settings, watch, run)))
+    json_of_runs(py, config, &drawn.source(), options, |settings, watch, run| sim_compare_methods(settings, watch, run))
 }
 
 /// Runs with the given options and observer.
 type RunOnce<'a> = &'a mut dyn FnMut(&RunOptions, &mut dyn Observer) -> CommandResult<RunResult>;
 
 fn json_of_runs<T: Serialize>(
+    py: Python<'_>,
+    config: &Bound<'_, Config>,
     source: &RunSource,
-    settings: &RunOptions,
-    table: impl FnOnce(&mut dyn Observer, RunOnce<'_>) -> CommandResult<T>,
+    options: RunArguments,
+    table: impl FnOnce(&RunOptions, &mut dyn Observer, RunOnce<'_>) -> CommandResult<T> + Send,
 ) -> PythonResult<String> {
-    let mut watch = RunWatcher::new(AnalysisPolicy::Never, &settings.budget).map_err(CommandError::bad_input)?;
-    let mut run = |settings: &RunOptions, observer: &mut dyn Observer| run_named(source.input()?, settings, observer, None);
-    let table = table(&mut watch, &mut run);
-    if let Some(stopped) = watch.stopped() {
-        return Err(stopped.into());
-    }
-    Ok(serde_json::to_string(&table?).map_err(CommandError::bad_input)?)
+    let settings = options.run_options(config.get())?;
+    py.detach(|| {
+        let mut watch = RunWatcher::new(AnalysisPolicy::Never, &settings.budget).map_err(CommandError::bad_input)?;
+        let mut run = |settings: &RunOptions, observer: &mut dyn Observer| run_named(source.input()?, settings, observer, None);
+        let table = table(&settings, &mut watch, &mut run);
+        if let Some(stopped) = watch.stopped() {
+            return Err(stopped.into());
+        }
+        Ok(serde_json::to_string(&table?).map_err(CommandError::bad_input)?)
+    })
 }
 
 /// Finds the smallest FIFO depths that keep the cycles of all recordings within these percentages. Returns the JSON of the command line.

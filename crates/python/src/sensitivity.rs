@@ -17,14 +17,7 @@ pub fn sensitivity_of(source: &RunSource, settings: &RunOptions) -> PythonResult
     };
     let files = PlanFiles { plan: PathBuf::new(), budget: settings.budget.clone() };
     let host = PythonHost::new(&files);
-    let around = OneAtATimeBase {
-        name,
-        opened,
-        machine: settings.config.machine(),
-        given: settings.overrides.clone(),
-        max_cycles: settings.max_cycles,
-        exact: settings.exact,
-    };
+    let around = OneAtATimeBase::around_run(name, opened, settings);
     let found = Plan::one_at_a_time(around, &host).and_then(|plan| sensitivity(&plan, threads::workers(), &host));
     if let Some(stopped) = host.stopped() {
         return Err(stopped.into());

@@ -18,14 +18,7 @@ pub fn prepare_analysis(input: &Input, settings: &RunOptions) -> CommandResult<O
         Input::Scene(prepared) => (prepared.scene().name.clone(), OpenedInput::Scene(prepared.clone())),
         Input::Trace(trace) => (trace.reopen()?.name, OpenedInput::Trace),
     };
-    Ok(OneAtATimeBase {
-        name,
-        opened,
-        machine: settings.config.machine(),
-        given: settings.overrides.clone(),
-        max_cycles: settings.max_cycles,
-        exact: settings.exact,
-    })
+    Ok(OneAtATimeBase::around_run(name, opened, settings))
 }
 
 /// Runs the analysis.

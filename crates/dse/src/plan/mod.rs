@@ -18,7 +18,7 @@ use crate::{OpenedInput, SweepError, SweepHost};
 use axes::{Exclusion, KeyPositions};
 use basrelief_parameters::ConfigError;
 use basrelief_signals::{Frame, Scene};
-use basrelief_sim::{MachineInfo, Overrides, PreparedScene, input_sha256};
+use basrelief_sim::{MachineInfo, Overrides, PreparedScene, RunOptions, input_sha256};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use written::{BaseConfig, PlanFile, SampleMethod, SampleOptions};
@@ -38,6 +38,20 @@ pub struct OneAtATimeBase {
     pub max_cycles: u64,
     /// True if reference images are drawn and compared.
     pub exact: bool,
+}
+
+impl OneAtATimeBase {
+    /// Creates the base of a plan around a run.
+    pub fn around_run(name: String, opened: OpenedInput, options: &RunOptions) -> Self {
+        Self {
+            name,
+            opened,
+            machine: options.config.machine(),
+            given: options.overrides.clone(),
+            max_cycles: options.max_cycles,
+            exact: options.exact,
+        }
+    }
 }
 
 impl Plan {
