@@ -132,6 +132,10 @@ fn input_hash_covers_canonical_commands() {
     let text = place.text("t.jsonl");
     let hash = place.report("out")["input"]["sha256"].clone();
     let commands: Vec<&str> = text.lines().collect();
-    let ends = [commands.len(), commands.len() - 1].map(|n| commands[..n].iter().map(|l| format!("{l}\n")).collect::<String>());
+    let without_texels = |line: &str| {
+        let texels = line.split_once(r#","data":""#).and_then(|(head, texels)| Some((head, texels.split_once('"')?.1)));
+        texels.map_or_else(|| format!("{line}\n"), |(head, tail)| format!("{head}{tail}\n"))
+    };
+    let ends = [commands.len(), commands.len() - 1].map(|n| commands[..n].iter().map(|l| without_texels(l)).collect::<String>());
     assert!(ends.iter().any(|list| hash == sha256(list.as_bytes()).as_str()), "{hash}");
 }
