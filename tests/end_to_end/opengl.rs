@@ -47,6 +47,34 @@ fn geometry_that_disagrees_fails_the_check() {
 }
 
 #[test]
+fn import_without_picture_removes_older_pictures() {
+    let place = Place::new();
+    let folder = workspace().join("tests/opengl");
+    let text = fs::read_to_string(folder.join("frame.493.json")).unwrap();
+    let mut dump: Value = serde_json::from_str(&text).unwrap();
+    fs::write(place.path("a.json"), &text).unwrap();
+    fs::write(place.path("a.other.png"), "").unwrap();
+    place.ok("import-gl a.json --out a.gltf");
+    assert!(place.names(".").contains(&"a.exact.png".to_owned()));
+    dump.as_object_mut().unwrap().remove("framebuffer");
+    fs::write(place.path("a.json"), dump.to_string()).unwrap();
+    let out = place.ok("import-gl a.json --out a.gltf").out;
+    assert!(out.contains("Removed a.exact.png, a picture of an earlier import"), "{out}");
+    assert_eq!(place.names("."), ["a.camera.json", "a.gltf", "a.json", "a.other.png"]);
+}
+
+/// The second picture cannot be written, because its name is that of a folder.
+#[test]
+fn failed_import_leaves_older_files() {
+    let place = Place::new();
+    fs::create_dir(place.path("frame.exact.png")).unwrap();
+    fs::write(place.path("frame.gltf"), "old").unwrap();
+    let failed = place.run(&format!("{} --out frame.gltf", import()));
+    assert!(failed.error(1).contains("frame.exact.png: cannot be written"), "{}", failed.err);
+    assert_eq!((place.text("frame.gltf").as_str(), place.names(".").len()), ("old", 2));
+}
+
+#[test]
 fn mistakes_of_an_import_are_named() {
     let place = Place::new();
     fs::write(place.path("a.json"), "{\"shaders\": 3}").unwrap();

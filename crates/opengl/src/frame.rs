@@ -2,6 +2,7 @@
 
 use crate::draw::LEAVE_OUT;
 use crate::dump::GlDump;
+use crate::fixed::{is_fixed, to_light};
 use crate::geometry::{GlGeometry, GlMesh, geometry};
 use crate::gltf::{self, GlObject};
 use crate::mapping::{MapKey, Mapping, three};
@@ -113,6 +114,8 @@ struct FrameView {
     viewport: [u32; 4],
     view_projection: DMat4,
     camera: Camera,
+    /// No draw call has named a light yet.
+    light_is_guess: bool,
 }
 
 struct FrameBuilder<'a> {
@@ -135,7 +138,11 @@ impl FrameBuilder<'_> {
         if state.reversed != (world.determinant() < 0.0) {
             geometry.mesh.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
-        let surface = surface(&mut reader, state.double_sided)?;
+        self.use_light(&mut reader, &geometry, world);
+        let mut surface = surface(&mut reader, state.double_sided)?;
+        if is_fixed(dump) {
+            join_constant_color(&mut geometry.mesh, &mut surface);
+        }
         use_normal_space(&mut reader, &mut geometry.mesh, &surface)?;
         let DrawReader { notes, warnings, kept, .. } = reader;
         self.notes.extend(notes);
@@ -149,9 +156,9 @@ impl FrameBuilder<'_> {
         let Some(view) = &self.view else {
             let world = world_of(reader, geometry);
             let view_projection = geometry.mvp * world.inverse();
-            let camera = camera(reader, view_projection)?;
+            let (camera, light_is_guess) = camera(reader, view_projection)?;
             let (call, target) = (reader.call, target(reader));
-            self.view = Some(FrameView { call, target, viewport, view_projection, camera });
+            self.view = Some(FrameView { call, target, viewport, view_projection, camera, light_is_guess });
             return Ok(world);
         };
         let target = target(reader);
@@ -170,6 +177,28 @@ impl FrameBuilder<'_> {
                 .expected(format!("the projection of call {}", view.call))
                 .cure(LEAVE_OUT)
         })
+    }
+
+    /// Uses the light of the fixed function, unless there is a better one.
+    fn use_light(&mut self, reader: &mut DrawReader<'_>, geometry: &GlGeometry, world: DMat4) {
+        let Some(view) = self.view.as_mut().filter(|view| view.light_is_guess && is_fixed(reader.dump)) else { return };
+        let Some(model_view) = geometry.last.as_ref().map(|(matrix, _)| *matrix) else { return };
+        let positions = || geometry.mesh.positions.iter().map(|position| DVec3::from(position.map(f64::from)));
+        let [low, high] = [positions().reduce(DVec3::min), positions().reduce(DVec3::max)].map(Option::unwrap_or_default);
+        if let Some(light) = to_light(reader, (low + high) / 2.0) {
+            let to_light = (world * model_view.inverse()).transform_vector3(light).normalize_or(light);
+            (view.camera.to_light, view.light_is_guess) = (to_light.to_array(), false);
+        }
+    }
+}
+
+/// Multiplies the base colour by the colour of all vertices, if they have the same.
+fn join_constant_color(mesh: &mut GlMesh, surface: &mut GlSurface) {
+    let Some([first, rest @ ..]) = mesh.colors.as_deref() else { return };
+    if rest.iter().all(|color| color == first) {
+        let factors = surface.base_color.iter_mut().zip(first);
+        factors.for_each(|(channel, factor)| *channel *= f64::from(*factor).clamp(0.0, 1.0));
+        mesh.colors = None;
     }
 }
 
@@ -206,8 +235,8 @@ fn world_of(reader: &mut DrawReader<'_>, geometry: &GlGeometry) -> DMat4 {
     }
 }
 
-/// Returns the view with the directions to light and viewer: mapped, or guessed.
-fn camera(reader: &mut DrawReader<'_>, view_projection: DMat4) -> Result<Camera, SceneError> {
+/// Returns the view with the directions to light and viewer: mapped, or guessed. The flag is true if nothing names the light.
+fn camera(reader: &mut DrawReader<'_>, view_projection: DMat4) -> Result<(Camera, bool), SceneError> {
     let viewer = match reader.mapped(MapKey::Viewer) {
         Some(given) => {
             three(given).map(DVec3::from).and_then(DVec3::try_normalize).ok_or_else(|| unknown(MapKey::Viewer, given, &[]))?
@@ -220,15 +249,16 @@ fn camera(reader: &mut DrawReader<'_>, view_projection: DMat4) -> Result<Camera,
     };
     let is_light = |name: &str| name.contains("light") && (name.contains("dir") || name.contains("pos"));
     let light = reader.vector(MapKey::Light, &is_light)?.and_then(|light| DVec3::from(light).try_normalize());
-    let light = light.unwrap_or_else(|| {
+    let is_guess = light.is_none() && reader.mapped(MapKey::Light).is_none();
+    if light.is_none() && !is_fixed(reader.dump) {
         reader.note("light = the direction to the viewer (guessed)");
-        viewer
-    });
-    Ok(Camera {
+    }
+    let camera = Camera {
         view_projection: view_projection.transpose().to_cols_array(),
-        to_light: light.to_array(),
+        to_light: light.unwrap_or(viewer).to_array(),
         to_viewer: viewer.to_array(),
-    })
+    };
+    Ok((camera, is_guess))
 }
 
 /// Returns a vector as the mapping takes it.

@@ -1,6 +1,7 @@
 //! The triangles of a draw call, with its matrix.
 
 use crate::draw::{DrawCall, LEAVE_OUT};
+use crate::fixed::{has_fixed_vertices, is_fixed, shows_vertex_colors};
 use crate::mapping::MapKey;
 use crate::matrix::matrix;
 use crate::program::{self, MatrixProduct, ProgramNames};
@@ -49,10 +50,14 @@ pub(crate) fn geometry(reader: &mut DrawReader<'_>) -> Result<GlGeometry, SceneE
     };
     if columns.count == 0 {
         return Err(SceneError::at("/buffers/vertices", "holds no vertices")
-            .expected("generic vertex attributes in buffers; the fixed function and instanced attributes are not in a dump")
+            .expected("vertex attributes in buffers; those of the fixed function and of instances are not in a dump")
             .cure("capture the application with `basrelief capture`, or leave out this draw call"));
     }
     let draw = draw_call(reader, columns.count)?;
+    for name in &draw.left_out {
+        reader
+            .warn(format!("{name} between primitives of a display list is left out: all are drawn in the state behind the list"));
+    }
     let restart = restart_index(reader);
     let indices = triangles(&draw, restart, columns.count)?;
     if indices.is_empty() {
@@ -82,15 +87,7 @@ fn draw_call(reader: &mut DrawReader<'_>, vertices: usize) -> Result<DrawCall, S
             .cure("capture the application with `basrelief capture`, which reads them from the trace"));
     }
     reader.note(format!("draw = {vertices} vertices as GL_TRIANGLES (guessed: the dump does not state the draw call)"));
-    let count = vertices as u64;
-    Ok(DrawCall {
-        call: reader.call,
-        mode: "GL_TRIANGLES".into(),
-        first: 0,
-        count,
-        indices: None,
-        attributes: Default::default(),
-    })
+    Ok(DrawCall { call: reader.call, mode: "GL_TRIANGLES".into(), count: vertices as u64, ..DrawCall::default() })
 }
 
 fn restart_index(reader: &DrawReader<'_>) -> Option<u32> {
@@ -124,6 +121,10 @@ fn product(reader: &mut DrawReader<'_>, names: &[String]) -> Result<MatrixProduc
 
 fn program_product(reader: &mut DrawReader<'_>, names: &[String]) -> Result<MatrixProduct, SceneError> {
     let dump = reader.dump;
+    if has_fixed_vertices(dump) {
+        reader.note("mvp = GL_PROJECTION_MATRIX * GL_MODELVIEW_MATRIX, position = gl_Vertex (fixed function)");
+        return Ok(MatrixProduct::fixed_function());
+    }
     let place = "/shaders/GL_VERTEX_SHADER";
     let source = dump.shaders.get("GL_VERTEX_SHADER").ok_or_else(|| {
         SceneError::at(place, "is missing")
@@ -145,18 +146,16 @@ fn program_product(reader: &mut DrawReader<'_>, names: &[String]) -> Result<Matr
 
 /// Returns the product of the matrices, and the last one if there are several.
 fn matrices(reader: &DrawReader<'_>, product: &MatrixProduct) -> Result<(DMat4, Option<NamedMatrix>), SceneError> {
-    let parameter = |name: &str| reader.dump.parameters.get(name).and_then(matrix);
+    let parameters = Parameters(reader.dump);
     let mut factors = Vec::new();
     for name in &product.matrices {
-        let found = match name.as_str() {
-            "gl_ProjectionMatrix" => parameter("GL_PROJECTION_MATRIX"),
-            "gl_ModelViewMatrix" => parameter("GL_MODELVIEW_MATRIX"),
-            "gl_ModelViewProjectionMatrix" => {
-                parameter("GL_PROJECTION_MATRIX").zip(parameter("GL_MODELVIEW_MATRIX")).map(|(p, mv)| p * mv)
-            }
-            _ => reader.dump.uniforms.get(name).and_then(matrix),
+        let (place, value) = match name.as_str() {
+            "gl_ProjectionMatrix" => ("/parameters/GL_PROJECTION_MATRIX".into(), parameters.value("GL_PROJECTION_MATRIX")),
+            "gl_ModelViewMatrix" => ("/parameters/GL_MODELVIEW_MATRIX".into(), parameters.value("GL_MODELVIEW_MATRIX")),
+            _ => (format!("/uniforms/{name}"), reader.dump.uniforms.get(name)),
         };
-        let missing = || SceneError::at(format!("/uniforms/{name}"), "is no 4 x 4 matrix").expected("16 finite numbers");
+        let found = value.and_then(matrix);
+        let missing = || SceneError::at(place, "is no 4 x 4 matrix").expected("16 finite numbers");
         factors.push(found.ok_or_else(missing)?);
     }
     let mvp = factors.iter().fold(DMat4::IDENTITY, |product, factor| product * *factor);
@@ -204,7 +203,9 @@ fn add_attributes(
     // OpenGL counts rows of a texture upwards from v = 0, glTF counts them downwards.
     let turned = |column: &AttributeColumn| column.rows([0.0; 2]).into_iter().map(|[u, v]| [u, 1.0 - v]).collect();
     mesh.uv = column(uv).map(turned);
-    let color = reader.choose(MapKey::Color, &of_size(3..=4), |name| name.contains("color") || name.contains("colour"))?;
+    let shows_colors = !is_fixed(reader.dump) || shows_vertex_colors(reader.dump);
+    let is_color = |name: &str| shows_colors && (name.contains("color") || name.contains("colour"));
+    let color = reader.choose(MapKey::Color, &of_size(3..=4), is_color)?;
     mesh.colors = column(color).map(|column| column.rows([1.0; 4]));
     Ok(())
 }

@@ -6,6 +6,9 @@
 //! # Mapping
 //! - *Geometry*: each draw call becomes an object. Its triangles keep vertices and indices. The matrix from object to clip space is
 //!   read from the source of the vertex program, which must be a product of matrices with the position. The program is not executed.
+//!   apitrace dumps transform feedback only of applications that record it themselves, so other programs are refused.
+//! - *Fixed function*: vertices of immediate mode, client arrays and display lists come from the trace. Matrices, material and first
+//!   light come from the dump. The coefficients of light are those multiples of the diffuse colour that are nearest to the material.
 //! - *View*: world space is behind the last matrix of the product, else eye space. The camera holds the rest of the first draw call's
 //!   product, so that camera times world is the application's matrix to the bit of rounding.
 //! - *Surface*: fragment programs are not executed. Textures, base colour and lighting coefficients are found by the names of uniforms.
@@ -15,12 +18,14 @@
 //!
 //! # Format of a dump
 //! The members `parameters`, `shaders`, `uniforms`, `buffers`, `textures` and `framebuffer` of `apitrace replay -D CALL`. A dump has at
-//! most 4,096 vertices, and neither indices nor the arguments of the draw call. `basrelief capture` adds them as the member `draw`.
+//! most 4,096 vertices, none of the fixed function, and neither indices nor the arguments of the draw call. `basrelief capture` adds them as
+//! the member `draw`.
 
 mod calls;
 mod compare;
 mod draw;
 mod dump;
+mod fixed;
 mod frame;
 mod geometry;
 mod gltf;
@@ -35,7 +40,7 @@ mod text;
 mod triangles;
 mod vertices;
 
-pub use calls::{BlobFiles, FrameCalls, frames, with_draws};
+pub use calls::{BlobFiles, FrameCalls, StateDump, frames, with_draws};
 pub use compare::{GeometryAgreement, PictureComparison, compare};
 pub use frame::{DumpFile, GlFrame, import};
 pub use mapping::{MapEntry, MapKey, Mapping};

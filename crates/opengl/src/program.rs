@@ -13,6 +13,16 @@ pub(crate) struct MatrixProduct {
     pub position: Option<String>,
 }
 
+/// Matrices of the fixed function: projection and model-view matrix.
+pub(crate) const FIXED_MATRICES: [&str; 2] = ["gl_ProjectionMatrix", "gl_ModelViewMatrix"];
+
+impl MatrixProduct {
+    /// Returns the product of the fixed function.
+    pub fn fixed_function() -> Self {
+        Self { matrices: FIXED_MATRICES.map(str::to_owned).into(), position: Some("gl_Vertex".into()) }
+    }
+}
+
 /// Names that a program may use.
 pub(crate) struct ProgramNames<'a> {
     /// True for a uniform that is a 4 x 4 matrix.
@@ -132,7 +142,7 @@ impl<'a> ProgramReader<'a> {
     fn factor(&self, words: &[&'a str]) -> Option<MatrixProduct> {
         match words {
             ["(", inside @ .., ")"] => self.product(inside),
-            ["ftransform", "(", ")"] => Some(fixed("gl_ModelViewProjectionMatrix")),
+            ["ftransform", "(", ")"] => Some(MatrixProduct::fixed_function()),
             ["vec4", "(", inside @ .., ")"] => self.vector(inside),
             [name] => self.named(name),
             _ => None,
@@ -151,9 +161,11 @@ impl<'a> ProgramReader<'a> {
     }
 
     fn named(&self, name: &str) -> Option<MatrixProduct> {
-        let is_fixed = matches!(name, "gl_ModelViewProjectionMatrix" | "gl_ProjectionMatrix" | "gl_ModelViewMatrix");
+        let is_fixed = FIXED_MATRICES.contains(&name);
         if let Some(product) = self.values.get(name) {
             Some(product.clone())
+        } else if name == "gl_ModelViewProjectionMatrix" {
+            Some(MatrixProduct { position: None, ..MatrixProduct::fixed_function() })
         } else if is_fixed || (self.names.is_matrix)(name) {
             Some(MatrixProduct { matrices: vec![name.into()], position: None })
         } else if (self.names.is_attribute)(name) {
@@ -162,11 +174,6 @@ impl<'a> ProgramReader<'a> {
             None
         }
     }
-}
-
-/// Returns the product of a matrix of the fixed function with its vertex.
-fn fixed(matrix: &str) -> MatrixProduct {
-    MatrixProduct { matrices: vec![matrix.into()], position: Some("gl_Vertex".into()) }
 }
 
 /// Splits an expression at a token that is in no parentheses.
@@ -185,7 +192,7 @@ mod tests {
 
     fn read(body: &str) -> Result<(String, String), String> {
         let is_matrix = |name: &str| ["P", "V", "M", "MVP"].contains(&name);
-        let is_attribute = |name: &str| ["position", "corner"].contains(&name);
+        let is_attribute = |name: &str| ["position", "corner", "gl_Vertex"].contains(&name);
         let source = format!("#version 330\nuniform mat4 P; // main() {{\nvoid main ( void )\n{{ {body} }}\nvoid other() {{}}");
         let names = ProgramNames { is_matrix: &is_matrix, is_attribute: &is_attribute };
         position_of(&source, &names).map(|product| (product.matrices.join(" "), product.position.unwrap()))
@@ -199,7 +206,10 @@ mod tests {
         assert_eq!(read("mat4 vp = P * V; vec4 w = M * vec4(position.xyz, 1.); gl_Position = vp * w;"), ok("P V M"));
         assert_eq!(read("vec4 p = vec4(position, 0.0, 1.0f); gl_Position = (P * (V * M)) * (p);"), ok("P V M"));
         assert_eq!(read("if (true) { color = vec3(1.0); } /* } */ gl_Position = MVP * vec4(position);"), ok("MVP"));
-        assert_eq!(read("gl_Position = ftransform();").unwrap(), ("gl_ModelViewProjectionMatrix".into(), "gl_Vertex".into()));
+        let fixed = || ("gl_ProjectionMatrix gl_ModelViewMatrix".to_owned(), "gl_Vertex".to_owned());
+        assert_eq!(read("gl_Position = ftransform();"), Ok(fixed()));
+        assert_eq!(read("gl_Position = gl_ModelViewProjectionMatrix * gl_Vertex;"), Ok(fixed()));
+        assert_eq!(read("gl_Position = gl_ProjectionMatrix * gl_ModelViewMatrix * gl_Vertex;"), Ok(fixed()));
     }
 
     #[test]

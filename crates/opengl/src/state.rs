@@ -19,9 +19,9 @@ pub(crate) struct DrawState {
 /// Access to parameters by name.
 pub(crate) struct Parameters<'a>(pub &'a GlDump);
 
-impl Parameters<'_> {
-    pub fn value(&self, name: &str) -> Option<&Value> {
-        self.0.parameters.get(name)
+impl<'a> Parameters<'a> {
+    pub fn value(&self, name: &str) -> Option<&'a Value> {
+        self.0.parameters.0.get(name)
     }
 
     /// Returns true if a parameter is on.
@@ -29,7 +29,7 @@ impl Parameters<'_> {
         self.value(name).is_some_and(is_on)
     }
 
-    pub fn word(&self, name: &str, initial: &'static str) -> &str {
+    pub fn word(&self, name: &str, initial: &'static str) -> &'a str {
         self.value(name).and_then(Value::as_str).unwrap_or(initial)
     }
 
@@ -40,12 +40,13 @@ impl Parameters<'_> {
     }
 }
 
-fn is_on(value: &Value) -> bool {
+/// Returns true if a value is on.
+pub(crate) fn is_on(value: &Value) -> bool {
     matches!(value.as_str(), Some("GL_TRUE" | "GL_ONE")) || value.as_u64() == Some(1) || value.as_bool() == Some(true)
 }
 
 /// Parameters without effect on coverage that change colours: drawn without them, with a warning.
-const IGNORED: [(&str, &str); 9] = [
+const IGNORED: [(&str, &str); 11] = [
     ("GL_BLEND", "blending"),
     ("GL_ALPHA_TEST", "the alpha test"),
     ("GL_STENCIL_TEST", "the stencil test"),
@@ -55,6 +56,8 @@ const IGNORED: [(&str, &str); 9] = [
     ("GL_FRAMEBUFFER_SRGB", "the sRGB conversion of the frame buffer"),
     ("GL_SAMPLE_BUFFERS", "multisampling"),
     ("GL_CLIP_DISTANCE0", "user clipping"),
+    ("GL_LIGHT_MODEL_LOCAL_VIEWER", "the local viewer"),
+    ("GL_LIGHT_MODEL_TWO_SIDE", "two-sided lighting"),
 ];
 
 /// Returns the state of a draw call, and the sentences of warnings.
@@ -81,10 +84,10 @@ fn refused(parameter: &str, what: impl Into<String>, expected: &str) -> SceneErr
 }
 
 fn check_pipeline(dump: &GlDump) -> Result<(), SceneError> {
-    for stage in ["GL_GEOMETRY_SHADER", "GL_TESS_CONTROL_SHADER", "GL_TESS_EVALUATION_SHADER"] {
+    for stage in ["GL_GEOMETRY_SHADER", "GL_TESS_CONTROL_SHADER", "GL_TESS_EVALUATION_SHADER", "GL_VERTEX_PROGRAM_ARB"] {
         if dump.shaders.contains_key(stage) {
             return Err(SceneError::at(format!("/shaders/{stage}"), "the draw call has such a program")
-                .expected("a vertex program and a fragment program")
+                .expected("the fixed function, or a vertex and a fragment program in GLSL")
                 .cure(LEAVE_OUT));
         }
     }
@@ -183,7 +186,7 @@ mod tests {
             ("GL_VIEWPORT", "[0, 0, 0, 6]"),
         ] {
             let text = format!(r#"{{"GL_VIEWPORT": [0, 0, 8, 6], "GL_DEPTH_TEST": "GL_TRUE", "{parameter}": {value}}}"#);
-            let parameters: std::collections::BTreeMap<String, Value> = serde_json::from_str(&text).unwrap();
+            let parameters: crate::dump::GlParameters = serde_json::from_str(&text).unwrap();
             let dump = GlDump { parameters, ..serde_json::from_str("{}").unwrap() };
             let error = draw_state(&dump).unwrap_err().to_string();
             assert!(error.starts_with(&format!("/parameters/{parameter}: ")), "{error}");

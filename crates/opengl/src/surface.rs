@@ -1,6 +1,7 @@
 //! Materials: textures and uniforms of a draw call become base colour, normal map and lighting coefficients.
 
 use crate::dump::ImageRecord;
+use crate::fixed::{self, FixedMaterial};
 use crate::mapping::MapKey;
 use crate::picture;
 use crate::program;
@@ -41,6 +42,11 @@ pub(crate) struct GlSurface {
 
 /// Returns the material of a draw call.
 pub(crate) fn surface(reader: &mut DrawReader<'_>, double_sided: bool) -> Result<GlSurface, SceneError> {
+    let usual = if fixed::is_fixed(reader.dump) {
+        fixed::material(reader)
+    } else {
+        FixedMaterial { base_color: [1.0; 3], lighting: Lighting::default() }
+    };
     let samplers = samplers(reader);
     let has = |words: &'static [&'static str]| move |name: &str| words.iter().any(|word| name.contains(word));
     let normal = reader.choose(MapKey::NormalMap, &samplers, has(&["normal", "bump"]))?;
@@ -61,12 +67,15 @@ pub(crate) fn surface(reader: &mut DrawReader<'_>, double_sided: bool) -> Result
         (None, None) => None,
     };
     let albedo = albedo.map(|name| texture(reader, &name)).transpose()?.flatten();
-    let base_color = base_color(reader)?;
-    Ok(GlSurface { base_color, albedo, normal_map, lighting: lighting(reader)?, double_sided })
+    let base_color = base_color(reader, usual.base_color)?;
+    Ok(GlSurface { base_color, albedo, normal_map, lighting: lighting(reader, usual.lighting)?, double_sided })
 }
 
-/// Returns the names of active two-dimensional samplers.
+/// Returns the names of active two-dimensional samplers, or of the texture units of the fixed function.
 fn samplers(reader: &DrawReader<'_>) -> Vec<String> {
+    if fixed::is_fixed(reader.dump) {
+        return fixed::texture_units(reader.dump);
+    }
     let mut names: Vec<String> = reader.dump.shaders.values().flat_map(|source| program::samplers(source)).collect();
     names.retain(|name| reader.dump.uniforms.contains_key(name));
     names.sort();
@@ -118,7 +127,8 @@ type TextureRecord<'a> = (String, &'a ImageRecord, GlSampler);
 
 fn record<'a>(reader: &mut DrawReader<'a>, name: &str) -> Result<Option<TextureRecord<'a>>, SceneError> {
     let dump = reader.dump;
-    let unit = dump.uniforms.get(name).and_then(Value::as_u64).ok_or_else(|| {
+    let of_fixed = || name.strip_prefix("GL_TEXTURE").filter(|_| fixed::is_fixed(dump)).and_then(|unit| unit.parse().ok());
+    let unit: u64 = dump.uniforms.get(name).and_then(Value::as_u64).or_else(of_fixed).ok_or_else(|| {
         SceneError::at(format!("/uniforms/{name}"), "is no whole number").expected("the number of a texture unit")
     })?;
     let prefix = format!("GL_TEXTURE{unit}, GL_TEXTURE_2D, level = 0");
@@ -126,7 +136,7 @@ fn record<'a>(reader: &mut DrawReader<'a>, name: &str) -> Result<Option<TextureR
         reader.warn(format!("texture `{name}` is not in the dump (`{prefix}`): drawn without it"));
         return Ok(None);
     };
-    let state = dump.parameters.get(&format!("GL_TEXTURE{unit}")).and_then(|unit| unit.get("GL_TEXTURE_2D"));
+    let state = dump.parameters.0.get(&format!("GL_TEXTURE{unit}")).and_then(|unit| unit.get("GL_TEXTURE_2D"));
     let word = |field: &str| state.and_then(|state| state.get(field)).and_then(Value::as_str).unwrap_or_default();
     let mut wrap = [0; 2];
     for (mode, field) in wrap.iter_mut().zip(["GL_TEXTURE_WRAP_S", "GL_TEXTURE_WRAP_T"]) {
@@ -152,18 +162,17 @@ fn record<'a>(reader: &mut DrawReader<'a>, name: &str) -> Result<Option<TextureR
     Ok(Some((format!("/textures/{key}"), record, GlSampler { mag_filter, min_filter, wrap })))
 }
 
-/// Returns the base colour: three numbers, a uniform, or white.
-fn base_color(reader: &mut DrawReader<'_>) -> Result<[f64; 3], SceneError> {
+/// Returns the base colour: three numbers, a uniform, or the usual colour.
+fn base_color(reader: &mut DrawReader<'_>, usual: [f64; 3]) -> Result<[f64; 3], SceneError> {
     let guess = |name: &str| {
         let is_color = ["color", "colour", "albedo", "diffuse"].iter().any(|word| name.contains(word));
         is_color && !["light", "spec", "ambient", "clear", "fog"].iter().any(|word| name.contains(word))
     };
-    let color = reader.vector(MapKey::BaseColor, &guess)?.unwrap_or([1.0; 3]);
+    let color = reader.vector(MapKey::BaseColor, &guess)?.unwrap_or(usual);
     Ok(color.map(|channel| channel.clamp(0.0, 1.0)))
 }
 
-fn lighting(reader: &mut DrawReader<'_>) -> Result<Lighting, SceneError> {
-    let usual = Lighting::default();
+fn lighting(reader: &mut DrawReader<'_>, usual: Lighting) -> Result<Lighting, SceneError> {
     let mut coefficient = |key, word: &'static str, usual: f32, range: [f64; 2]| {
         let given = reader.number(key, &|name| name.contains(word) && !name.contains("color"))?;
         Ok::<_, SceneError>(given.map_or(usual, |value| value.clamp(range[0], range[1]) as f32))

@@ -27,7 +27,8 @@ pub(crate) fn triangles(draw: &DrawCall, restart: Option<u32>, vertices: usize) 
     Ok(result)
 }
 
-fn add_triangles(mode: &str, numbers: &[u32], to: &mut Vec<u32>) -> Result<(), SceneError> {
+/// Adds the triangles of a primitive. The last vertex of each triangle is the one that flat shading takes its colour from.
+pub(crate) fn add_triangles(mode: &str, numbers: &[u32], to: &mut Vec<u32>) -> Result<(), SceneError> {
     match mode {
         "GL_TRIANGLES" => to.extend(numbers.as_chunks::<3>().0.as_flattened()),
         "GL_TRIANGLE_STRIP" => {
@@ -41,9 +42,21 @@ fn add_triangles(mode: &str, numbers: &[u32], to: &mut Vec<u32>) -> Result<(), S
                 rim.windows(2).for_each(|pair| to.extend([*centre, pair[0], pair[1]]));
             }
         }
+        "GL_QUADS" => numbers.as_chunks::<4>().0.iter().for_each(|[a, b, c, d]| to.extend([*a, *b, *d, *b, *c, *d])),
+        "GL_QUAD_STRIP" => {
+            for corners in numbers.windows(4).step_by(2) {
+                let [a, b, d, c] = [corners[0], corners[1], corners[2], corners[3]];
+                to.extend([a, b, c, d, a, c]);
+            }
+        }
+        "GL_POLYGON" => {
+            if let [first, rim @ ..] = numbers {
+                rim.windows(2).for_each(|pair| to.extend([pair[0], pair[1], *first]));
+            }
+        }
         other => {
             return Err(SceneError::at("/draw/mode", format!("`{other}` cannot be drawn"))
-                .expected("GL_TRIANGLES, GL_TRIANGLE_STRIP or GL_TRIANGLE_FAN")
+                .expected("triangles, quadrilaterals or a polygon")
                 .cure(LEAVE_OUT));
         }
     }
@@ -55,7 +68,7 @@ mod tests {
     use super::*;
 
     fn drawn(mode: &str, indices: Option<Vec<u32>>, count: u64) -> Result<Vec<u32>, String> {
-        let draw = DrawCall { call: 1, mode: mode.into(), first: 1, count, indices, attributes: Default::default() };
+        let draw = DrawCall { call: 1, mode: mode.into(), first: 1, count, indices, ..DrawCall::default() };
         triangles(&draw, Some(9), 8).map_err(|e| e.to_string())
     }
 
@@ -64,6 +77,13 @@ mod tests {
         assert_eq!(drawn("GL_TRIANGLES", None, 7).unwrap(), [1, 2, 3, 4, 5, 6]);
         assert_eq!(drawn("GL_TRIANGLE_STRIP", None, 4).unwrap(), [1, 2, 3, 3, 2, 4]);
         assert_eq!(drawn("GL_TRIANGLE_FAN", None, 4).unwrap(), [1, 2, 3, 1, 3, 4]);
+    }
+
+    #[test]
+    fn quads_and_polygons_keep_winding_and_flat_vertex() {
+        assert_eq!(drawn("GL_QUADS", None, 7).unwrap(), [1, 2, 4, 2, 3, 4]);
+        assert_eq!(drawn("GL_QUAD_STRIP", None, 7).unwrap(), [1, 2, 4, 3, 1, 4, 3, 4, 6, 5, 3, 6]);
+        assert_eq!(drawn("GL_POLYGON", None, 4).unwrap(), [2, 3, 1, 3, 4, 1]);
     }
 
     #[test]

@@ -175,12 +175,8 @@ mod tests {
     #[test]
     fn faulty_attribute_data_is_named() {
         let draw = |size, data: &str| DrawCall {
-            call: 1,
-            mode: "GL_TRIANGLES".into(),
-            first: 0,
-            count: 3,
-            indices: None,
             attributes: [("p".to_owned(), AttributeData { size, data: data.into() })].into(),
+            ..DrawCall::default()
         };
         let says =
             |size, data: &str| VertexColumns::of_draw(&draw(size, data), &MemoryPool::default()).err().unwrap().to_string();

@@ -6,7 +6,7 @@ use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::outputs::PartialFile;
 use basrelief_input::{MemoryPool, MemoryReservation, read_to_end};
-use basrelief_opengl::{FrameCalls, frames, with_draws};
+use basrelief_opengl::{FrameCalls, StateDump, frames, with_draws};
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -25,21 +25,12 @@ pub fn capture(args: &CaptureArgs, global: &GlobalOptions) -> CommandResult {
         let s = if draws.len() == 1 { "" } else { "s" };
         print(&format!("{} draw call{s} of the frame up to call {}\n", draws.len(), frame.last))?;
     }
-    let states = draws.iter().map(|call| Ok((*call, folder.state(*call, &global.budget)?))).collect::<CommandResult<Vec<_>>>()?;
-    let last = draws.iter().max().copied().unwrap_or_default();
-    let (text, _text) = folder.dump(&["--blobs", &format!("--calls=0-{last}")], &global.budget)?;
-    let dumps: Vec<_> = states.iter().map(|(call, (bytes, _))| (*call, bytes.clone())).collect();
+    let states = draws.iter().map(|call| folder.state(*call, &global.budget)).collect::<CommandResult<Vec<_>>>()?;
+    let (text, _text) = folder.dump(&["--blobs", &format!("--calls=0-{}", frame.last)], &global.budget)?;
     let blobs = |name: &str| folder.blob(name, &global.budget);
-    let complete = with_draws(&text, &blobs, &dumps, &global.budget).map_err(CommandError::in_input(&folder.shown("trace")))?;
+    let complete = with_draws(&text, &blobs, states, &global.budget).map_err(CommandError::in_input(&folder.shown("trace")))?;
     folder.remove_blobs();
-    let mut paths = Vec::new();
-    for ((call, _), bytes) in dumps.iter().zip(complete) {
-        let path = folder.path.join(dump_name(*call));
-        PartialFile::write_whole(&path, &bytes).map_err(CommandError::at_file(&path, "be written"))?;
-        paths.push(path);
-    }
-    drop(states);
-    let dumps = paths.iter().map(|path| Dump::read(path, &global.budget)).collect::<CommandResult<Vec<_>>>()?;
+    let dumps = complete.into_iter().map(|state| folder.keep(state)).collect::<CommandResult<Vec<_>>>()?;
     import_dumps(&dumps, &args.scene, global)
 }
 
@@ -127,10 +118,17 @@ impl CaptureFolder {
     }
 
     /// Returns the state behind a draw call.
-    fn state(&self, call: u64, budget: &MemoryPool) -> CommandResult<(Vec<u8>, MemoryReservation)> {
+    fn state(&self, call: u64, budget: &MemoryPool) -> CommandResult<StateDump> {
         let mut command = Command::new("apitrace");
         command.args(["replay", "--headless", "-D", &call.to_string()]).arg(self.path.join("trace"));
-        output(&mut command, budget)
+        output(&mut command, budget).map(|(bytes, held)| StateDump { call, bytes, held })
+    }
+
+    /// Writes a dump into the folder, and returns it for the import.
+    fn keep(&self, state: StateDump) -> CommandResult<Dump> {
+        let path = self.path.join(dump_name(state.call));
+        PartialFile::write_whole(&path, &state.bytes).map_err(CommandError::at_file(&path, "be written"))?;
+        Ok(Dump::new(&path, state.bytes, state.held))
     }
 
     fn blob(&self, name: &str, budget: &MemoryPool) -> io::Result<(Vec<u8>, MemoryReservation)> {

@@ -10,8 +10,9 @@ use basrelief_opengl::{ApplicationPicture, DumpFile, GlFrame, Mapping, PictureCo
 use basrelief_report::number::thousands;
 use basrelief_scene::{MemoryFiles, ViewOptions, load, write_camera};
 use basrelief_sim::to_png;
-use std::fmt::Write;
-use std::fs::File;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Imports dumps from files.
@@ -36,9 +37,14 @@ impl Dump {
     pub fn read(path: &Path, budget: &MemoryPool) -> CommandResult<Self> {
         let file = File::open(path).map_err(CommandError::at_file(path, "be read"))?;
         let expected = file.metadata().map_or(0, |facts| facts.len());
-        let (bytes, _held) =
+        let (bytes, held) =
             read_to_end(&mut &file, expected, budget, "a dump").map_err(CommandError::at_file(path, "be read"))?;
-        Ok(Self { name: path.display().to_string(), bytes, _held })
+        Ok(Self::new(path, bytes, held))
+    }
+
+    /// Takes the content of a file that was just written.
+    pub fn new(path: &Path, bytes: Vec<u8>, held: MemoryReservation) -> Self {
+        Self { name: path.display().to_string(), bytes, _held: held }
     }
 }
 
@@ -75,21 +81,39 @@ pub fn import_dumps(dumps: &[Dump], args: &GlSceneArgs, global: &GlobalOptions) 
     }
     let found =
         frame.application.as_ref().map(|application| comparison(&frame, application, &paths, &global.budget)).transpose()?;
-    write_file(&paths.scene, frame.gltf.as_bytes())?;
-    write_file(&paths.camera, write_camera(&frame.camera).as_bytes())?;
-    if let (Some(found), Some(application)) = (&found, &frame.application) {
-        for (path, picture) in paths.pictures.iter().zip([&application.picture, &found.exact, &found.difference]) {
-            write_file(path, &to_png(picture).map_err(CommandError::BadInput)?)?;
-        }
-    }
+    write_outputs(&frame, found.as_ref(), &paths)?;
+    let removed = if found.is_some() { Vec::new() } else { remove_pictures(&paths)? };
     if !global.quiet {
         print(&summary(&frame, found.as_ref(), &paths))?;
+        removed.iter().try_for_each(|path| print(&format!("Removed {}, a picture of an earlier import\n", path.display())))?;
     }
     check_agreement(args.agree, found.as_ref())
 }
 
-fn write_file(path: &Path, bytes: &[u8]) -> CommandResult {
-    PartialFile::write_whole(path, bytes).map_err(CommandError::at_file(path, "be written"))
+/// Writes all files under temporary names before it publishes the first.
+fn write_outputs(frame: &GlFrame, found: Option<&PictureComparison>, paths: &OutputPaths) -> CommandResult {
+    let mut files = Vec::new();
+    let mut add = |path: &PathBuf, bytes: &[u8]| {
+        let write = |mut file: PartialFile| file.write_all(bytes).map(|()| file);
+        let file = PartialFile::create(path).and_then(write).map_err(CommandError::at_file(path, "be written"))?;
+        files.push((path.clone(), file));
+        CommandResult::Ok(())
+    };
+    add(&paths.scene, frame.gltf.as_bytes())?;
+    add(&paths.camera, write_camera(&frame.camera).as_bytes())?;
+    if let (Some(found), Some(application)) = (found, &frame.application) {
+        for (path, picture) in paths.pictures.iter().zip([&application.picture, &found.exact, &found.difference]) {
+            add(path, &to_png(picture).map_err(CommandError::BadInput)?)?;
+        }
+    }
+    files.into_iter().try_for_each(|(path, file)| file.publish().map_err(CommandError::at_file(&path, "be written")))
+}
+
+/// Removes the pictures of an earlier import, which do not belong to the new scene. Returns their paths.
+fn remove_pictures(paths: &OutputPaths) -> CommandResult<Vec<&Path>> {
+    let old: Vec<&Path> = paths.pictures.iter().map(PathBuf::as_path).filter(|path| path.is_file()).collect();
+    old.iter().try_for_each(|path| fs::remove_file(path).map_err(CommandError::at_file(path, "be removed")))?;
+    Ok(old)
 }
 
 /// Loads the scene as `run` would, and compares its exact picture.

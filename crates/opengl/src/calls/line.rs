@@ -30,6 +30,12 @@ impl<'a> TraceCall<'a> {
         number(self.text(name)?)
     }
 
+    /// Returns the numbers of all arguments but constants, with the elements of lists.
+    pub fn all_numbers(&self) -> Vec<f64> {
+        let elements = self.arguments.iter().flat_map(|(_, value)| value.trim_matches(['{', '}']).split(','));
+        elements.filter_map(|element| element.trim().parse().ok()).collect()
+    }
+
     /// Returns the file name of an argument that is a blob.
     pub fn blob(&self, name: &str) -> Option<&'a str> {
         self.text(name)?.strip_prefix("blob(\"")?.strip_suffix("\")")
@@ -93,6 +99,7 @@ mod tests {
         assert_eq!([call.text("a"), call.text("m"), call.string("s")], [Some("{1, 2}"), Some("GL_A | GL_B"), Some("x, (\\\"y")]);
         assert_eq!([call.number("p"), call.number("n"), call.number("m")], [Some(28), Some(0), None]);
         assert_eq!((call.blob("data"), call.blob("p")), (Some("b.bin"), None));
+        assert_eq!(TraceCall::parse("1 f(t = GL_TEXTURE0, v = {1, -2e-3}, w = 3)").unwrap().all_numbers(), [1.0, -0.002, 3.0]);
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! Buffers, vertex arrays and programs of a trace, followed call by call.
 
 use super::line::TraceCall;
+use super::mesh::{COLOR, NORMAL, POSITION, UV};
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_scene::{SceneError, over_budget};
 use std::collections::BTreeMap;
 use std::io;
+use std::rc::Rc;
 
 /// Reads a file that `apitrace dump --blobs` has written, by name.
 pub type BlobFiles<'a> = &'a dyn Fn(&str) -> io::Result<(Vec<u8>, MemoryReservation)>;
@@ -17,7 +19,7 @@ pub(crate) struct TraceBuffer {
 }
 
 /// Source of a vertex attribute.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct AttributePointer {
     pub enabled: bool,
     pub size: u64,
@@ -29,14 +31,17 @@ pub(crate) struct AttributePointer {
     pub divisor: u64,
     pub buffer: u64,
     /// Memory of the application, in place of a buffer.
-    pub client: Option<TraceBuffer>,
+    pub client: Option<Rc<TraceBuffer>>,
 }
 
 /// State of a vertex array object.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct VertexArray {
     pub elements: u64,
-    pub attributes: BTreeMap<u64, AttributePointer>,
+    /// Attributes of programs, by location.
+    attributes: BTreeMap<u64, AttributePointer>,
+    /// Attributes of the fixed function, by name.
+    fixed: BTreeMap<&'static str, AttributePointer>,
 }
 
 /// A part of a buffer that the application writes through a pointer.
@@ -56,7 +61,11 @@ pub(crate) struct TraceMemory<'a> {
     pub buffers: BTreeMap<u64, TraceBuffer>,
     arrays: BTreeMap<u64, VertexArray>,
     array: u64,
+    /// Arrays that the application has put aside.
+    put_aside: Vec<(u64, VertexArray)>,
     program: u64,
+    /// The unit that calls for texture coordinates concern is another one than 0.
+    other_unit: bool,
     /// Names of attributes by program and location.
     names: BTreeMap<(u64, u64), String>,
     mapped: Vec<MappedRange>,
@@ -66,8 +75,23 @@ const ELEMENTS: &str = "GL_ELEMENT_ARRAY_BUFFER";
 
 impl<'a> TraceMemory<'a> {
     pub fn new(files: BlobFiles<'a>, budget: &'a MemoryPool) -> Self {
-        let (bound, buffers, arrays, names) = Default::default();
-        Self { files, budget, bound, buffers, arrays, array: 0, program: 0, names, mapped: Vec::new() }
+        let (bound, buffers, arrays, put_aside, names, mapped) = Default::default();
+        let (array, program, other_unit) = (0, 0, false);
+        Self { files, budget, bound, buffers, arrays, array, put_aside, program, other_unit, names, mapped }
+    }
+
+    /// Returns true if a program computes the picture.
+    pub fn has_program(&self) -> bool {
+        self.program != 0
+    }
+
+    /// Returns the enabled attributes that have a name.
+    pub fn attributes(&self) -> impl Iterator<Item = (&str, &AttributePointer)> {
+        let array = self.arrays.get(&self.array);
+        let generic = array.into_iter().flat_map(|array| &array.attributes);
+        let named = generic.filter_map(|(location, pointer)| Some((self.name(*location)?.as_str(), pointer)));
+        let fixed = array.into_iter().flat_map(|array| &array.fixed).map(|(name, pointer)| (*name, pointer));
+        named.chain(fixed).filter(|(_, pointer)| pointer.enabled)
     }
 
     /// Returns the bound vertex array.
@@ -76,7 +100,7 @@ impl<'a> TraceMemory<'a> {
     }
 
     /// Returns the name of the attribute at a location of the current program.
-    pub fn name(&self, location: u64) -> Option<&String> {
+    fn name(&self, location: u64) -> Option<&String> {
         self.names.get(&(self.program, location))
     }
 
@@ -118,6 +142,42 @@ impl<'a> TraceMemory<'a> {
             "glVertexAttribDivisor" => self.attribute(number("index")).divisor = number("divisor"),
             "glEnableVertexAttribArray" => self.attribute(number("index")).enabled = true,
             "glDisableVertexAttribArray" => self.attribute(number("index")).enabled = false,
+            _ => self.follow_fixed(call)?,
+        }
+        Ok(())
+    }
+
+    /// Follows a call of the fixed function.
+    fn follow_fixed(&mut self, call: &TraceCall<'_>) -> Result<(), SceneError> {
+        match call.name {
+            "glVertexPointer" => self.point_fixed(POSITION, call, false)?,
+            "glNormalPointer" => self.point_fixed(NORMAL, call, true)?,
+            "glColorPointer" => self.point_fixed(COLOR, call, true)?,
+            "glTexCoordPointer" if !self.other_unit => self.point_fixed(UV, call, false)?,
+            "glClientActiveTexture" | "glClientActiveTextureARB" => {
+                self.other_unit = call.text("texture") != Some("GL_TEXTURE0");
+            }
+            "glEnableClientState" | "glDisableClientState" => {
+                let enabled = call.name == "glEnableClientState";
+                let name = match call.text("array") {
+                    Some("GL_VERTEX_ARRAY") => POSITION,
+                    Some("GL_NORMAL_ARRAY") => NORMAL,
+                    Some("GL_COLOR_ARRAY") => COLOR,
+                    Some("GL_TEXTURE_COORD_ARRAY") if !self.other_unit => UV,
+                    _ => return Ok(()),
+                };
+                self.vertex_array().fixed.entry(name).or_default().enabled = enabled;
+            }
+            "glPushClientAttrib" => {
+                let array = self.vertex_array().clone();
+                self.put_aside.push((self.array, array));
+            }
+            "glPopClientAttrib" => {
+                if let Some((number, array)) = self.put_aside.pop() {
+                    self.array = number;
+                    self.arrays.insert(number, array);
+                }
+            }
             _ => {}
         }
         Ok(())
@@ -191,22 +251,33 @@ impl<'a> TraceMemory<'a> {
     }
 
     fn point(&mut self, call: &TraceCall<'_>) -> Result<(), SceneError> {
+        let pointer = self.pointer(call, call.text("normalized") == Some("GL_TRUE"))?;
+        let attribute = self.attribute(call.number("index").unwrap_or_default());
+        let (enabled, divisor) = (attribute.enabled, attribute.divisor);
+        *attribute = AttributePointer { enabled, divisor, ..pointer };
+        Ok(())
+    }
+
+    fn point_fixed(&mut self, name: &'static str, call: &TraceCall<'_>, normalized: bool) -> Result<(), SceneError> {
+        let pointer = self.pointer(call, normalized)?;
+        let attribute = self.vertex_array().fixed.entry(name).or_default();
+        *attribute = AttributePointer { enabled: attribute.enabled, ..pointer };
+        Ok(())
+    }
+
+    /// Returns the source that a call names. Normals have three components, which their call does not state.
+    fn pointer(&self, call: &TraceCall<'_>, normalized: bool) -> Result<AttributePointer, SceneError> {
         let number = |name: &str| call.number(name).unwrap_or_default();
         let client = call.blob("pointer").map(|name| self.blob(name)).transpose()?;
-        let buffer = self.bound.get("GL_ARRAY_BUFFER").copied().unwrap_or_default();
-        let attribute = self.attribute(number("index"));
-        let (enabled, divisor) = (attribute.enabled, attribute.divisor);
-        *attribute = AttributePointer {
-            enabled,
-            size: number("size"),
+        Ok(AttributePointer {
+            size: if call.name == "glNormalPointer" { 3 } else { number("size") },
             kind: call.text("type").unwrap_or_default().into(),
-            normalized: call.text("normalized") == Some("GL_TRUE"),
+            normalized,
             stride: number("stride"),
             offset: number("pointer"),
-            divisor,
-            buffer,
-            client,
-        };
-        Ok(())
+            buffer: self.bound.get("GL_ARRAY_BUFFER").copied().unwrap_or_default(),
+            client: client.map(Rc::new),
+            ..AttributePointer::default()
+        })
     }
 }

@@ -1,25 +1,31 @@
 //! Draw calls of a trace, from the text of `apitrace dump --multiline=no --blobs`: arguments, indices and vertices, which state dumps lack.
 
+mod arrays;
+mod immediate;
 mod line;
+mod lists;
 mod memory;
+mod mesh;
 #[cfg(test)]
 mod tests;
 
 pub use memory::BlobFiles;
 
-use crate::draw::{AttributeData, DrawCall};
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use basrelief_input::MemoryPool;
-use basrelief_scene::SceneError;
+use crate::draw::DrawCall;
+use arrays::{array_mesh, unsupported};
+use basrelief_input::{MemoryPool, MemoryReservation};
+use basrelief_scene::{SceneError, over_budget};
+use immediate::FixedCall;
 use line::TraceCall;
-use memory::{AttributePointer, TraceMemory};
-use std::collections::BTreeMap;
+use lists::FixedFunction;
+use memory::TraceMemory;
+use mesh::FixedMesh;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The calls of one frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameCalls {
-    /// Numbers of the draw calls.
+    /// Numbers of the draw calls. Vertices between `glBegin` and `glEnd` have the number of `glEnd`, because the state is dumped there.
     pub draws: Vec<u64>,
     /// Number of the last call.
     pub last: u64,
@@ -27,16 +33,14 @@ pub struct FrameCalls {
     pub is_complete: bool,
 }
 
-/// Cure of a draw call that has no dump yet.
-const OTHERS: &str = "leave out this draw call: name a frame with --frame and its other draw calls with --calls";
-
 /// Returns the frames of a trace that draw. The calls after the last swap of buffers form a frame that is not complete.
 pub fn frames(text: &str) -> Vec<FrameCalls> {
     let mut frames = vec![FrameCalls::default()];
+    let mut lists = DrawingLists::default();
     for call in text.lines().filter_map(TraceCall::parse) {
         let Some(frame) = frames.last_mut() else { break };
         frame.last = call.number;
-        if is_draw(call.name) {
+        if lists.draws(&call) {
             frame.draws.push(call.number);
         }
         if is_swap(call.name) {
@@ -48,6 +52,39 @@ pub fn frames(text: &str) -> Vec<FrameCalls> {
     frames
 }
 
+/// Display lists that draw.
+#[derive(Default)]
+struct DrawingLists {
+    known: BTreeSet<u64>,
+    /// Number of the open list, and whether its calls are executed too.
+    open: Option<(u64, bool)>,
+    /// Between `glBegin` and `glEnd`.
+    is_inside: bool,
+}
+
+impl DrawingLists {
+    /// Follows a call. Returns true if it draws.
+    fn draws(&mut self, call: &TraceCall<'_>) -> bool {
+        let list = call.number("list").unwrap_or_default();
+        match call.name {
+            "glNewList" => {
+                self.open = Some((list, call.text("mode") == Some("GL_COMPILE_AND_EXECUTE")));
+                self.known.remove(&list);
+            }
+            "glEndList" => self.open = None,
+            "glBegin" => self.is_inside = true,
+            _ => {}
+        }
+        let is_known = call.name != "glCallList" || self.known.contains(&list);
+        let draws = is_draw(call.name) && is_known && (!self.is_inside || call.name == "glEnd");
+        self.is_inside &= call.name != "glEnd";
+        if let Some((list, _)) = self.open.filter(|_| draws) {
+            self.known.insert(list);
+        }
+        draws && self.open.is_none_or(|(_, executes)| executes)
+    }
+}
+
 fn is_swap(name: &str) -> bool {
     name.ends_with("SwapBuffers")
         || name.contains("SwapBuffersWithDamage")
@@ -57,155 +94,131 @@ fn is_swap(name: &str) -> bool {
 fn is_draw(name: &str) -> bool {
     let is_other = name.starts_with("glDrawBuffer") || name.starts_with("glDrawPixels");
     (name.starts_with("glDraw") && !is_other)
-        || name.starts_with("glMultiDraw")
-        || matches!(name, "glBegin" | "glCallList" | "glCallLists")
+        || ["glMultiDraw", "glEvalMesh", "glRect"].iter().any(|prefix| name.starts_with(prefix))
+        || matches!(name, "glEnd" | "glCallList" | "glCallLists")
+}
+
+/// The state behind a draw call, with its memory.
+#[derive(Debug)]
+pub struct StateDump {
+    /// Number of the call.
+    pub call: u64,
+    /// Output of `apitrace replay -D CALL`.
+    pub bytes: Vec<u8>,
+    /// Memory of `bytes`.
+    pub held: MemoryReservation,
 }
 
 /// Adds the arguments, indices and vertices of draw calls to their state dumps, as the member `draw`.
 ///
-/// `text` is the output of `apitrace dump`, `files` reads its blobs, and `dumps` are pairs of a call number and a state dump. Returns
-/// the dumps in order of `dumps`.
+/// `text` is the output of `apitrace dump`, and `files` reads its blobs. Returns the dumps in their order.
 ///
 /// # Errors
 /// A draw call of a kind that is not supported, or that is not in the text; a blob that cannot be read; too much memory.
 pub fn with_draws(
     text: &str,
     files: BlobFiles<'_>,
-    dumps: &[(u64, Vec<u8>)],
+    mut dumps: Vec<StateDump>,
     budget: &MemoryPool,
-) -> Result<Vec<Vec<u8>>, SceneError> {
-    let mut memory = TraceMemory::new(files, budget);
+) -> Result<Vec<StateDump>, SceneError> {
+    let wanted: BTreeSet<u64> = dumps.iter().map(|dump| dump.call).collect();
+    let mut replay = TraceReplay { memory: TraceMemory::new(files, budget), fixed: FixedFunction::new(budget) };
     let mut found = BTreeMap::new();
     for call in text.lines().filter_map(TraceCall::parse) {
         let at_call = |e: SceneError| SceneError { place: format!("call {}: {}", call.number, e.place), ..e };
-        if dumps.iter().any(|(number, _)| *number == call.number) {
-            found.insert(call.number, draw_call(&call, &mut memory).map_err(at_call)?);
+        let draw = replay.follow(&call, wanted.contains(&call.number)).map_err(at_call)?;
+        found.extend(draw.map(|draw| (call.number, draw)));
+    }
+    drop(replay);
+    for dump in &mut dumps {
+        let place = format!("call {}", dump.call);
+        let missing = || SceneError::at(&*place, "is not in the trace").expected("the number of a draw call");
+        let (draw, held) = found.remove(&dump.call).ok_or_else(missing)?;
+        let text = serde_json::to_string(&draw).map_err(|e| SceneError::at(&*place, e.to_string()))?;
+        drop((draw, held));
+        let member = format!("\n  \"draw\": {text},");
+        // The text, and twice the dump while it grows.
+        let bytes = 2 * (text.len() + member.len()) as u64 + dump.bytes.len() as u64;
+        dump.held.try_grow(bytes, "a dump with its draw call").map_err(|e| over_budget(&*place, &e))?;
+        let start = dump.bytes.iter().position(|byte| *byte == b'{').map_or(dump.bytes.len(), |at| at + 1);
+        dump.bytes.splice(start..start, member.into_bytes());
+        dump.bytes.shrink_to_fit();
+        dump.held.shrink_to(dump.bytes.len() as u64);
+    }
+    Ok(dumps)
+}
+
+/// Memory and state of OpenGL, call by call.
+struct TraceReplay<'a> {
+    memory: TraceMemory<'a>,
+    fixed: FixedFunction,
+}
+
+/// A draw call with its memory.
+type CountedDraw = (DrawCall, MemoryReservation);
+
+impl TraceReplay<'_> {
+    /// Follows a call. Returns its draw call if it is wanted.
+    fn follow(&mut self, call: &TraceCall<'_>, wanted: bool) -> Result<Option<CountedDraw>, SceneError> {
+        match call.name {
+            "glNewList" => {
+                let executes = call.text("mode") == Some("GL_COMPILE_AND_EXECUTE");
+                self.fixed.open_list(call.number("list").unwrap_or_default(), executes);
+            }
+            "glEndList" => self.fixed.close_list(),
+            _ => {}
         }
-        memory.follow(&call).map_err(at_call)?;
+        let draw = if let Some(fixed_call) = FixedCall::parse(call) {
+            self.follow_fixed(&fixed_call, call, wanted)?
+        } else {
+            if self.fixed.has_open_list() && is_draw(call.name) {
+                self.fixed.compile(&compiled(call, &mut self.memory)?)?;
+            }
+            if wanted { Some(self.draw_arrays(call)?) } else { None }
+        };
+        self.memory.follow(call)?;
+        Ok(draw)
     }
-    let with_draw = |(number, dump): &(u64, Vec<u8>)| {
-        let missing = || SceneError::at(format!("call {number}"), "is not in the trace").expected("the number of a draw call");
-        let draw = found.get(number).ok_or_else(missing)?;
-        let text = serde_json::to_string(draw).map_err(|e| SceneError::at(format!("call {number}"), e.to_string()))?;
-        let start = dump.iter().position(|byte| *byte == b'{').map_or(dump.len(), |at| at + 1);
-        Ok([&dump[..start], b"\n  \"draw\": ", text.as_bytes(), b",", &dump[start..]].concat())
-    };
-    dumps.iter().map(with_draw).collect()
-}
 
-fn unsupported(call: &TraceCall<'_>, what: &str) -> SceneError {
-    SceneError::at(call.name, what)
-        .expected("glDrawArrays, glDrawElements, glDrawRangeElements or glDrawElementsBaseVertex, with one instance")
-        .cure(OTHERS)
-}
-
-fn draw_call(call: &TraceCall<'_>, memory: &mut TraceMemory<'_>) -> Result<DrawCall, SceneError> {
-    let plain = matches!(call.name, "glDrawArrays" | "glDrawArraysInstanced");
-    let indexed =
-        matches!(call.name, "glDrawElements" | "glDrawElementsInstanced" | "glDrawRangeElements" | "glDrawElementsBaseVertex");
-    if !plain && !indexed {
-        return Err(unsupported(call, "this kind of draw call is not read"));
-    }
-    if call.number("instancecount").is_some_and(|count| count != 1) {
-        return Err(unsupported(call, "draws several instances"));
-    }
-    let count = call.number("count").unwrap_or_default();
-    let first = call.number("first").unwrap_or_default();
-    let indices = if indexed { Some(indices(call, count, memory)?) } else { None };
-    let restart = u32::MAX;
-    let largest = match &indices {
-        Some(indices) => indices.iter().filter(|index| **index != restart).max().map_or(0, |index| u64::from(*index) + 1),
-        None => first.saturating_add(count),
-    };
-    let attributes = attributes(memory, largest)?;
-    Ok(DrawCall { call: call.number, mode: call.text("mode").unwrap_or_default().into(), first, count, indices, attributes })
-}
-
-/// Reads the indices of a draw call, and adds the base vertex.
-fn indices(call: &TraceCall<'_>, count: u64, memory: &mut TraceMemory<'_>) -> Result<Vec<u32>, SceneError> {
-    let size = match call.text("type") {
-        Some("GL_UNSIGNED_BYTE") => 1,
-        Some("GL_UNSIGNED_SHORT") => 2,
-        Some("GL_UNSIGNED_INT") => 4,
-        other => return Err(unsupported(call, &format!("has indices of type {}", other.unwrap_or("unknown")))),
-    };
-    let client = call.blob("indices").map(|name| memory.blob(name)).transpose()?;
-    let offset = call.number("indices").unwrap_or_default();
-    let elements = memory.vertex_array().elements;
-    let buffer = client.as_ref().or_else(|| memory.buffers.get(&elements));
-    let range = usize::try_from(offset).ok().zip(count.checked_mul(size).and_then(|length| usize::try_from(length).ok()));
-    let bytes = buffer.zip(range).and_then(|(buffer, (from, length))| buffer.bytes.get(from..)?.get(..length));
-    let bytes =
-        bytes.ok_or_else(|| SceneError::at(call.name, "its indices are not in the trace").expected("a buffer of indices"))?;
-    let base = call.text("basevertex").and_then(|text| text.parse::<i64>().ok()).unwrap_or_default();
-    let all_ones = u32::MAX >> (32 - 8 * size);
-    let index = |bytes: &[u8]| {
-        let index = bytes.iter().rev().fold(0, |index, byte| index << 8 | u32::from(*byte));
-        // The index that usually restarts a strip keeps its meaning.
-        if index == all_ones && size == 4 { Some(index) } else { u32::try_from(i64::from(index) + base).ok() }
-    };
-    let indices: Option<Vec<u32>> = bytes.chunks_exact(size as usize).map(index).collect();
-    indices.ok_or_else(|| SceneError::at(call.name, "an index with its base vertex is out of range").expected("0..=4294967295"))
-}
-
-/// Reads the enabled attributes of the current program.
-fn attributes(memory: &mut TraceMemory<'_>, count: u64) -> Result<BTreeMap<String, AttributeData>, SceneError> {
-    let enabled: Vec<u64> = memory.vertex_array().attributes.iter().filter(|(_, a)| a.enabled).map(|(index, _)| *index).collect();
-    let mut result = BTreeMap::new();
-    for location in enabled {
-        let Some(name) = memory.name(location).cloned() else { continue };
-        // Four components, then their base64.
-        let _work = memory.reserve(count.saturating_mul(2 * 16), "a vertex attribute")?;
-        let buffers = std::mem::take(&mut memory.buffers);
-        let attribute = memory.vertex_array().attributes.get(&location);
-        let data = attribute.map(|attribute| {
-            let buffer = attribute.client.as_ref().or_else(|| buffers.get(&attribute.buffer));
-            attribute_data(attribute, buffer.map_or(&[], |buffer| &buffer.bytes), count)
-        });
-        memory.buffers = buffers;
-        let named = |e: SceneError| SceneError { place: format!("attribute {name}"), ..e };
-        if let Some(data) = data.transpose().map_err(named)? {
-            result.insert(name, data);
+    fn follow_fixed(
+        &mut self,
+        fixed_call: &FixedCall,
+        call: &TraceCall<'_>,
+        wanted: bool,
+    ) -> Result<Option<CountedDraw>, SceneError> {
+        self.fixed.compile(fixed_call)?;
+        if !self.fixed.only_compiles() {
+            self.fixed.execute(fixed_call, wanted, self.memory.has_program())?;
+        }
+        match fixed_call {
+            _ if !wanted => Ok(None),
+            FixedCall::End | FixedCall::List(_) => self.fixed.draw(call.number).map(Some),
+            _ => Err(unsupported(call, "this kind of draw call is not read")),
         }
     }
-    Ok(result)
-}
 
-fn attribute_data(attribute: &AttributePointer, bytes: &[u8], count: u64) -> Result<AttributeData, SceneError> {
-    let fault = |what: &str| SceneError::at("", what).expected("a vertex attribute of numbers in a buffer").cure(OTHERS);
-    let width: usize = match attribute.kind.as_str() {
-        "GL_FLOAT" => 4,
-        "GL_SHORT" | "GL_UNSIGNED_SHORT" => 2,
-        "GL_BYTE" | "GL_UNSIGNED_BYTE" => 1,
-        _ => return Err(fault(&format!("has components of type `{}`", attribute.kind))),
-    };
-    if attribute.divisor != 0 || !(1..=4).contains(&attribute.size) {
-        return Err(fault("advances per instance, or has no 1 to 4 components"));
-    }
-    let size = attribute.size as usize;
-    let stride = if attribute.stride == 0 { (size * width) as u64 } else { attribute.stride };
-    let mut data = Vec::new();
-    for vertex in 0..count {
-        let from =
-            vertex.checked_mul(stride).and_then(|at| at.checked_add(attribute.offset)).and_then(|at| usize::try_from(at).ok());
-        let components = from.and_then(|from| bytes.get(from..)?.get(..size * width));
-        let components = components.ok_or_else(|| fault(&format!("its vertex {vertex} is not in the trace")))?;
-        for component in components.chunks_exact(width) {
-            data.extend(number(component, attribute).to_le_bytes());
+    /// Reads a draw call from arrays.
+    fn draw_arrays(&mut self, call: &TraceCall<'_>) -> Result<CountedDraw, SceneError> {
+        let (mut mesh, mut held) = array_mesh(call, &mut self.memory)?;
+        if !mesh.is_fixed() {
+            return Ok((mesh.into_draw(call.number), held));
         }
+        held.join(self.memory.reserve(mesh.bytes(), "vertices of a draw call")?);
+        mesh.fill(self.fixed.current());
+        if !self.fixed.is_flat() || self.memory.has_program() {
+            return Ok((mesh.into_draw(call.number), held));
+        }
+        let mut flat = FixedMesh::default();
+        flat.add(&mesh.mode, &mesh.vertices(), &mesh.numbers(), true)?;
+        Ok((flat.into_draw(call.number), held))
     }
-    Ok(AttributeData { size, data: STANDARD.encode(data) })
 }
 
-/// Converts a component. Normalized integers become -1..=1 or 0..=1, as in OpenGL 4.2 and later.
-fn number(bytes: &[u8], attribute: &AttributePointer) -> f32 {
-    let (value, largest) = match (attribute.kind.as_str(), bytes) {
-        ("GL_FLOAT", [a, b, c, d]) => return f32::from_le_bytes([*a, *b, *c, *d]),
-        ("GL_SHORT", [a, b]) => (i32::from(i16::from_le_bytes([*a, *b])), 32_767),
-        ("GL_UNSIGNED_SHORT", [a, b]) => (i32::from(u16::from_le_bytes([*a, *b])), 65_535),
-        ("GL_BYTE", [a]) => (i32::from(i8::from_le_bytes([*a])), 127),
-        ("GL_UNSIGNED_BYTE", [a]) => (i32::from(*a), 255),
-        _ => return f32::NAN,
-    };
-    if attribute.normalized { (value as f32 / largest as f32).max(-1.0) } else { value as f32 }
+/// Returns a draw call from arrays as a display list holds it.
+fn compiled(call: &TraceCall<'_>, memory: &mut TraceMemory<'_>) -> Result<FixedCall, SceneError> {
+    match array_mesh(call, memory) {
+        Ok((mesh, _)) if mesh.is_fixed() => Ok(FixedCall::Arrays(Box::new(mesh))),
+        Err(error) if error.over_budget => Err(error),
+        _ => Ok(FixedCall::Refused(call.name.into())),
+    }
 }

@@ -10,6 +10,7 @@ fn files(name: &str) -> io::Result<(Vec<u8>, basrelief_input::MemoryReservation)
         "indices" => [0_u32, 1, 2, 1].iter().flat_map(|index| index.to_le_bytes()).collect(),
         "bytes" => vec![0, 1, 2],
         "floats" => (1_u8..=8).flat_map(|n| f32::from(n).to_le_bytes()).collect(),
+        "normals" => (1_u8..=12).flat_map(|n| f32::from(n).to_le_bytes()).collect(),
         "two" => [7.0_f32, 9.0].iter().flat_map(|n| n.to_le_bytes()).collect(),
         "shorts" => [32_767_i16, -32_768, 0, 1].iter().flat_map(|n| n.to_le_bytes()).collect(),
         _ => return Err(io::ErrorKind::NotFound.into()),
@@ -29,15 +30,33 @@ const SETUP: &str = r#"1 glBindAttribLocation(program = 3, index = 0, name = "p"
 
 fn drawn(lines: &str) -> Result<DrawCall, String> {
     let text = format!("{SETUP}{lines}");
-    let dumps =
-        with_draws(&text, &files, &[(20, b"{\"uniforms\": {}}".to_vec())], &MemoryPool::default()).map_err(|e| e.to_string())?;
-    let dump: crate::dump::GlDump = serde_json::from_slice(&dumps[0]).unwrap();
+    drawn_within(&text, &MemoryPool::default())
+}
+
+fn drawn_within(text: &str, budget: &MemoryPool) -> Result<DrawCall, String> {
+    let bytes = b"{\"uniforms\": {}}".to_vec();
+    let held = budget.try_reserve(bytes.len() as u64, "a dump").unwrap();
+    let dumps = with_draws(text, &files, vec![StateDump { call: 20, bytes, held }], budget).map_err(|e| e.to_string())?;
+    assert_eq!(budget.left() + dumps[0].bytes.len() as u64, limit_of(budget), "the dump and nothing else is held");
+    let dump: crate::dump::GlDump = serde_json::from_slice(&dumps[0].bytes).unwrap();
     Ok(dump.draw.unwrap())
 }
 
+/// Returns the limit of a pool of these tests.
+fn limit_of(budget: &MemoryPool) -> u64 {
+    if budget.left() > SMALL { MemoryPool::DEFAULT } else { SMALL }
+}
+
+/// A small memory limit.
+const SMALL: u64 = 20_000;
+
 fn values(draw: &DrawCall) -> Vec<f32> {
+    attribute(draw, "p")
+}
+
+fn attribute(draw: &DrawCall, name: &str) -> Vec<f32> {
     let (columns, _held) = crate::vertices::VertexColumns::of_draw(draw, &MemoryPool::default()).unwrap();
-    columns.columns["p"].values.clone()
+    columns.columns[name].values.clone()
 }
 
 #[test]
@@ -106,4 +125,162 @@ fn frames_end_at_swaps() {
     let text = "1 glDrawBuffers(n = 1)\n2 glDrawArrays()\n3 glXSwapBuffers(dpy = 0x1)\n4 glClear()\n5 eglSwapBuffers()\n6 glDrawElements()\n7 glFinish()";
     let frame = |draws: &[u64], last, is_complete| FrameCalls { draws: draws.into(), last, is_complete };
     assert_eq!(frames(text), [frame(&[2], 3, true), frame(&[6], 7, false)]);
+}
+
+/// Positions and normals of the fixed function, drawn by call 20 or a list in it.
+const TRIANGLE: &str = "11 glBegin(mode = GL_TRIANGLES)
+12 glNormal3b(nx = 127, ny = 0, nz = 0)
+13 glVertex2f(x = 1, y = 2)
+14 glColor4ubv(v = {255, 0, 51, 255})
+15 glVertex3dv(v = {3, 4, 5})
+16 glNormal3f(nx = 0, ny = 1, nz = 0)
+17 glTexCoord2f(s = 0.5, t = 0.25)
+18 glMultiTexCoord2f(target = GL_TEXTURE1, s = 9, t = 9)
+19 glVertex4f(x = 6, y = 7, z = 8, w = 1)
+";
+
+fn fixed(lines: &str) -> Result<DrawCall, String> {
+    drawn_within(lines, &MemoryPool::default())
+}
+
+#[test]
+fn vertices_of_immediate_mode_have_current_values() {
+    let draw = fixed(&format!("1 glColor3f(red = 0.5, green = 0.5, blue = 0.5)\n{TRIANGLE}20 glEnd()")).unwrap();
+    assert_eq!((draw.mode.as_str(), draw.count, draw.indices.clone().unwrap()), ("GL_TRIANGLES", 3, vec![0, 1, 2]));
+    assert_eq!(attribute(&draw, "gl_Vertex"), [1., 2., 0., 1., 3., 4., 5., 1., 6., 7., 8., 1.]);
+    assert_eq!(attribute(&draw, "gl_Normal"), [1., 0., 0., 1., 0., 0., 0., 1., 0.]);
+    assert_eq!(attribute(&draw, "gl_Color"), [0.5, 0.5, 0.5, 1., 1., 0., 0.2, 1., 1., 0., 0.2, 1.]);
+    assert_eq!(attribute(&draw, "gl_MultiTexCoord0"), [0., 0., 0., 1., 0., 0., 0., 1., 0.5, 0.25, 0., 1.]);
+}
+
+#[test]
+fn flat_triangles_take_normal_and_color_of_their_last_vertex() {
+    let flat = "1 glShadeModel(mode = GL_FLAT)\n";
+    let draw = fixed(&format!("{flat}{TRIANGLE}20 glEnd()")).unwrap();
+    assert_eq!(attribute(&draw, "gl_Normal"), [0., 1., 0.].repeat(3));
+    assert_eq!(attribute(&draw, "gl_Color"), [1., 0., 0.2, 1.].repeat(3));
+    // A program computes its own colours.
+    let draw = fixed(&format!("{flat}2 glUseProgram(program = 3)\n{TRIANGLE}20 glEnd()")).unwrap();
+    assert_eq!(attribute(&draw, "gl_Normal")[..3], [1., 0., 0.]);
+}
+
+const LIST: &str = "9 glNewList(list = 4, mode = GL_COMPILE)\n10 glShadeModel(mode = GL_FLAT)\n";
+
+#[test]
+fn display_list_draws_when_it_is_called() {
+    let rest = "20 glEnd()
+21 glShadeModel(mode = GL_SMOOTH)
+22 glBegin(mode = GL_QUADS)
+23 glVertex2i(x = 0, y = 0)
+24 glVertex2i(x = 1, y = 0)
+25 glNormal3f(nx = 1, ny = 0, nz = 0)
+26 glVertex2i(x = 1, y = 1)
+27 glVertex2i(x = 0, y = 1)
+28 glEnd()
+29 glEndList()
+30 glNormal3f(nx = 0, ny = 0, nz = -1)
+";
+    let list = format!("{LIST}{TRIANGLE}{rest}").replace("20 glEnd", "19 glEnd");
+    let draw = fixed(&format!("{list}20 glCallList(list = 4)")).unwrap();
+    assert_eq!(draw.indices, Some(vec![0, 1, 2, 3, 4, 6, 4, 5, 6]));
+    let normals = attribute(&draw, "gl_Normal");
+    assert_eq!(normals[..9], [0., 1., 0.].repeat(3), "flat");
+    assert_eq!(normals[9..], [0., 1., 0., 0., 1., 0., 1., 0., 0., 1., 0., 0.], "smooth");
+    assert_eq!(draw.left_out, [].into());
+    // A list within a list.
+    let outer = "31 glNewList(list = 5, mode = GL_COMPILE)\n32 glCallList(list = 4)\n33 glEndList()\n";
+    let nested = fixed(&format!("{list}{outer}20 glCallList(list = 5)")).unwrap();
+    assert_eq!(nested.indices, draw.indices);
+}
+
+#[test]
+fn state_between_primitives_of_a_list_is_named() {
+    let list = |line: &str| {
+        fixed(&format!("{LIST}8 glMaterialf()\n{TRIANGLE}19 glEnd()\n19 {line}\n19 glEndList()\n20 glCallList(list = 4)"))
+    };
+    assert_eq!(list("glMaterialfv(face = GL_FRONT)").unwrap().left_out, ["glMaterialfv".to_owned()].into());
+    assert_eq!(list("glFlush()").unwrap().left_out, [].into());
+    let text = list("glTranslatef(x = 1, y = 0, z = 0)").unwrap_err();
+    assert!(text.starts_with("call 20: glTranslatef: is not followed within a display list"), "{text}");
+    let text = list("glRectf(x1 = 0, y1 = 0, x2 = 1, y2 = 1)").unwrap_err();
+    assert!(text.starts_with("call 20: glRectf: "), "{text}");
+}
+
+#[test]
+fn client_arrays_are_filled_with_current_values() {
+    let lines = "1 glColor3f(red = 0, green = 0.5, blue = 0)
+2 glEnableClientState(array = GL_VERTEX_ARRAY)
+3 glEnableClientState(array = GL_NORMAL_ARRAY)
+4 glVertexPointer(size = 2, type = GL_FLOAT, stride = 0, pointer = blob(\"floats\"))
+5 glNormalPointer(type = GL_FLOAT, stride = 0, pointer = blob(\"normals\"))
+6 glClientActiveTexture(texture = GL_TEXTURE1)
+7 glEnableClientState(array = GL_TEXTURE_COORD_ARRAY)
+8 glPushClientAttrib(mask = GL_CLIENT_VERTEX_ARRAY_BIT)
+9 glDisableClientState(array = GL_VERTEX_ARRAY)
+10 glPopClientAttrib()
+";
+    let strip = "20 glDrawArrays(mode = GL_TRIANGLE_STRIP, first = 0, count = 4)";
+    let draw = fixed(&format!("{lines}{strip}")).unwrap();
+    assert_eq!((draw.mode.as_str(), draw.count, draw.indices.clone()), ("GL_TRIANGLE_STRIP", 4, None));
+    assert_eq!(attribute(&draw, "gl_Vertex"), (1_u8..=8).map(f32::from).collect::<Vec<_>>());
+    assert_eq!(attribute(&draw, "gl_Color"), [0.0, 0.5, 0.0, 1.0].repeat(4));
+    assert_eq!(attribute(&draw, "gl_MultiTexCoord0"), [0.0, 0.0, 0.0, 1.0].repeat(4));
+    let flat = fixed(&format!("{lines}11 glShadeModel(mode = GL_FLAT)\n{strip}")).unwrap();
+    let normals = attribute(&flat, "gl_Normal");
+    assert_eq!((flat.count, &normals[..9], &normals[9..]), (6, &[7., 8., 9.].repeat(3)[..], &[10., 11., 12.].repeat(3)[..]));
+    // A list holds the arrays of its compilation.
+    let list = format!("{lines}11 glNewList(list = 4, mode = GL_COMPILE)\n12 {}\n13 glEndList()\n", &strip[3..]);
+    let later = "14 glVertexPointer(size = 2, type = GL_FLOAT, stride = 0, pointer = blob(\"two\"))\n20 glCallList(list = 4)";
+    let draw = fixed(&format!("{list}{later}")).unwrap();
+    assert_eq!(draw.indices, Some(vec![0, 1, 2, 2, 1, 3]));
+    assert_eq!(attribute(&draw, "gl_Vertex")[4..8], [3.0, 4.0, 0.0, 1.0]);
+}
+
+#[test]
+fn vertices_and_lists_over_the_memory_limit_are_errors() {
+    let vertices = |count: usize| "19 glVertex2i(x = 0, y = 0)\n".repeat(count);
+    let draw = |text: &str| drawn_within(text, &MemoryPool::new(SMALL));
+    assert!(draw(&format!("1 glBegin(mode = GL_TRIANGLES)\n{}20 glEnd()", vertices(3))).is_ok());
+    let text = draw(&format!("1 glBegin(mode = GL_TRIANGLES)\n{}20 glEnd()", vertices(60))).unwrap_err();
+    assert!(text.contains("vertices of a draw call"), "{text}");
+    let text = draw(&format!("1 glNewList(list = 1, mode = GL_COMPILE)\n{}", vertices(500))).unwrap_err();
+    assert!(text.contains("a display list"), "{text}");
+}
+
+#[test]
+fn lists_that_multiply_are_an_error() {
+    let mut text = "0 glNewList(list = 0, mode = GL_COMPILE)\n0 glEndList()\n".to_owned();
+    for list in 1..=40 {
+        let inner = list - 1;
+        text += &format!(
+            "1 glNewList(list = {list}, mode = GL_COMPILE)\n2 glCallList(list = {inner})\n3 glCallList(list = {inner})\n4 glEndList()\n"
+        );
+    }
+    let error = fixed(&format!("{text}20 glCallList(list = 40)")).unwrap_err();
+    assert!(error.contains("call 20: glCallList: executes more than"), "{error}");
+    // A list that calls itself ends.
+    let own = "1 glNewList(list = 1, mode = GL_COMPILE)\n2 glCallList(list = 1)\n3 glEndList()\n20 glCallList(list = 1)";
+    assert_eq!(fixed(own).unwrap().count, 0);
+}
+
+#[test]
+fn draw_calls_of_the_fixed_function_are_found() {
+    let text = "1 glNewList(list = 1, mode = GL_COMPILE)
+2 glBegin(mode = GL_TRIANGLES)
+3 glEnd()
+4 glEndList()
+5 glNewList(list = 2, mode = GL_COMPILE)
+6 glColor3f(red = 1, green = 1, blue = 1)
+7 glEndList()
+8 glNewList(list = 3, mode = GL_COMPILE_AND_EXECUTE)
+9 glCallList(list = 1)
+10 glEndList()
+11 glCallList(list = 2)
+12 glCallList(list = 3)
+13 glBegin(mode = GL_TRIANGLES)
+14 glCallList(list = 3)
+15 glEnd()
+16 glRectf()
+17 glXSwapBuffers()";
+    assert_eq!(frames(text)[0].draws, [9, 12, 15, 16]);
 }
