@@ -69,7 +69,7 @@ fn failed_import_leaves_older_files() {
     let place = Place::new();
     fs::create_dir(place.path("frame.exact.png")).unwrap();
     fs::write(place.path("frame.gltf"), "old").unwrap();
-    let failed = place.run(&format!("{} --out frame.gltf", import()));
+    let failed = place.run(&format!("{} --out frame.gltf --quiet", import()));
     assert!(failed.error(1).contains("frame.exact.png: cannot be written"), "{}", failed.err);
     assert_eq!((place.text("frame.gltf").as_str(), place.names(".").len()), ("old", 2));
 }

@@ -115,7 +115,7 @@ def frame():
     GL.glTranslatef(single(0), single(-0.6), single(-7))
     GL.glRotatef(single(25), single(1), single(0), single(0))
     GL.glClear(0x4100)
-    material(1, 1, 1, 0)
+    material(0.8, 0.8, 0.8, 0)
     floor()
     GL.glPushMatrix()
     GL.glTranslatef(single(-0.8), single(1), single(0))

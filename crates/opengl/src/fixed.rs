@@ -110,12 +110,17 @@ pub(crate) struct FixedMaterial {
     pub lighting: Lighting,
 }
 
+impl FixedMaterial {
+    /// Material that no light changes.
+    pub const UNLIT: Self = Self { base_color: [1.0; 3], lighting: Lighting { ka: 1.0, kd: 0.0, ks: 0.0, n: 1.0 } };
+}
+
 /// Returns the material. Parts that the lighting formula does not have are warnings.
 pub(crate) fn material(reader: &mut DrawReader<'_>) -> FixedMaterial {
     warn_of_textures(reader);
     let dump = reader.dump;
     if !Parameters(dump).flag("GL_LIGHTING") || texture_replaces(dump) {
-        return FixedMaterial { base_color: [1.0; 3], lighting: Lighting { ka: 1.0, kd: 0.0, ks: 0.0, n: 1.0 } };
+        return FixedMaterial::UNLIT;
     }
     let lights = lights(dump);
     for (name, _) in lights.iter().skip(1) {

@@ -139,7 +139,7 @@ impl FrameBuilder<'_> {
             geometry.mesh.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
         self.use_light(&mut reader, &geometry, world);
-        let mut surface = surface(&mut reader, state.double_sided)?;
+        let mut surface = surface(&mut reader, geometry.mesh.normals.is_some(), state.double_sided)?;
         if is_fixed(dump) {
             join_constant_color(&mut geometry.mesh, &mut surface);
         }

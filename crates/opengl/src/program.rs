@@ -38,7 +38,7 @@ pub(crate) struct ProgramNames<'a> {
 pub(crate) fn position_of(source: &str, names: &ProgramNames<'_>) -> Result<MatrixProduct, String> {
     let tokens = tokens(source);
     let body = body_of_main(&tokens).ok_or("has no function `main`")?;
-    let mut program = ProgramReader { names, values: BTreeMap::new(), position: None };
+    let mut program = ProgramReader { names, values: BTreeMap::new(), others: BTreeMap::new(), position: None };
     let mut depth = 0;
     for statement in body.split_inclusive(|token| matches!(*token, ";" | "{" | "}")) {
         let (last, words) = statement.split_last().unwrap_or((&"", &[]));
@@ -98,6 +98,8 @@ struct ProgramReader<'a> {
     names: &'a ProgramNames<'a>,
     /// Local variables that hold a product.
     values: BTreeMap<&'a str, MatrixProduct>,
+    /// Texts of the local variables that hold another value.
+    others: BTreeMap<&'a str, String>,
     position: Option<MatrixProduct>,
 }
 
@@ -112,15 +114,20 @@ impl<'a> ProgramReader<'a> {
         let is_plain = target.last() == Some(&name) && !name.contains('.');
         let product = Some(value).filter(|_| is_plain && !conditional).and_then(|value| self.product(value));
         if is_position {
-            let refused = || format!("computes `{} = {}`", target.join(" "), value.join(" "));
+            let refused = || {
+                let others = value.iter().filter_map(|word| Some(format!(", where `{word} = {}`", self.others.get(word)?)));
+                format!("computes `{} = {}`{}", target.join(" "), value.join(" "), others.collect::<String>())
+            };
             let product = product.filter(|product| product.position.is_some()).ok_or_else(refused)?;
             self.position = Some(product);
         } else {
             let name = name.split('.').next().unwrap_or(name);
-            match product {
-                Some(product) => self.values.insert(name, product),
-                None => self.values.remove(name),
-            };
+            if let Some(product) = product {
+                self.values.insert(name, product);
+            } else {
+                self.values.remove(name);
+                self.others.insert(name, value.join(" "));
+            }
         }
         Ok(())
     }
@@ -230,6 +237,10 @@ mod tests {
         refused("gl_Position = MVP * vec4(position, 1.0); gl_Position += x;", "computes");
         refused("gl_Position = unknown * vec4(position, 1.0);", "computes");
         refused("gl_Position = MVP;", "computes");
+        refused(
+            "vec4 p = vec4(position.x, wave, 0.0, 1.0); gl_Position = MVP * p;",
+            "computes `gl_Position = MVP * p`, where `p = vec4 ( position.x , wave , 0.0 , 1.0 )`",
+        );
         refused("x = 1.0;", "does not assign `gl_Position`");
     }
 

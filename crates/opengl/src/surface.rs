@@ -41,12 +41,7 @@ pub(crate) struct GlSurface {
 }
 
 /// Returns the material of a draw call.
-pub(crate) fn surface(reader: &mut DrawReader<'_>, double_sided: bool) -> Result<GlSurface, SceneError> {
-    let usual = if fixed::is_fixed(reader.dump) {
-        fixed::material(reader)
-    } else {
-        FixedMaterial { base_color: [1.0; 3], lighting: Lighting::default() }
-    };
+pub(crate) fn surface(reader: &mut DrawReader<'_>, has_normals: bool, double_sided: bool) -> Result<GlSurface, SceneError> {
     let samplers = samplers(reader);
     let has = |words: &'static [&'static str]| move |name: &str| words.iter().any(|word| name.contains(word));
     let normal = reader.choose(MapKey::NormalMap, &samplers, has(&["normal", "bump"]))?;
@@ -67,6 +62,14 @@ pub(crate) fn surface(reader: &mut DrawReader<'_>, double_sided: bool) -> Result
         (None, None) => None,
     };
     let albedo = albedo.map(|name| texture(reader, &name)).transpose()?.flatten();
+    let usual = if fixed::is_fixed(reader.dump) {
+        fixed::material(reader)
+    } else if has_normals || normal_map.is_some() {
+        FixedMaterial { base_color: [1.0; 3], lighting: Lighting::default() }
+    } else {
+        reader.note("ambient = 1, diffuse = 0, specular = 0 (guessed: no light, because there are no normals)");
+        FixedMaterial::UNLIT
+    };
     let base_color = base_color(reader, usual.base_color)?;
     Ok(GlSurface { base_color, albedo, normal_map, lighting: lighting(reader, usual.lighting)?, double_sided })
 }

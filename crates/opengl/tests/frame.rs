@@ -125,6 +125,25 @@ fn height_map_becomes_a_normal_map() {
 }
 
 #[test]
+fn surface_without_normals_is_unlit() {
+    let lighting = |map: &str, drop_coefficients: bool| {
+        let frame = changed(FILES[2], map, |dump| {
+            if drop_coefficients {
+                let uniforms = dump["uniforms"].as_object_mut().unwrap();
+                uniforms.retain(|name, _| !["ambient", "diffuse", "specular", "shininess"].contains(&&**name));
+            }
+        });
+        scene(&frame.unwrap()).objects[0].material.lighting
+    };
+    let unlit = basrelief_signals::Lighting { ka: 1.0, kd: 0.0, ks: 0.0, n: 1.0 };
+    assert_eq!(lighting("normal=none,normal-map=none", true), unlit);
+    assert_eq!(lighting("normal=none,normal-map=none,diffuse=0.5", true), basrelief_signals::Lighting { kd: 0.5, ..unlit });
+    assert_eq!(lighting("normal=none,normal-map=none", false).kd, 0.7, "uniforms state the light");
+    assert_ne!(lighting("normal-map=none", true), unlit);
+    assert_ne!(lighting("normal=none", true), unlit, "a normal map is lit");
+}
+
+#[test]
 fn object_of_another_view_is_refused() {
     let second = |change: &dyn Fn(&mut Value)| {
         let mut dump = dump(FILES[1]);

@@ -21,7 +21,8 @@ pub struct CaptureArgs {
     /// The application and its arguments.
     #[arg(required = true, last = true, value_name = "PROGRAM")]
     pub program: Vec<OsString>,
-    /// Number of the frame, from 0, among the frames that draw [default: the last one that the application has shown].
+    /// Number of the frame, from 0, among the frames that draw [default: the last one that the application has shown]. apitrace replays
+    /// frame 0 in a window of another size.
     #[arg(long, value_name = "N")]
     pub frame: Option<usize>,
     /// Import these draw calls only (comma-separated list of call numbers) [default: all of the frame].

@@ -117,11 +117,15 @@ impl CaptureFolder {
         String::from_utf8(bytes).map(|text| (text, held)).map_err(|e| CommandError::BadInput(format!("apitrace dump: {e}")))
     }
 
-    /// Returns the state behind a draw call.
+    /// Returns the state behind a draw call. An X server that resets after its last client may refuse the next one, so that a replay is
+    /// repeated.
     fn state(&self, call: u64, budget: &MemoryPool) -> CommandResult<StateDump> {
-        let mut command = Command::new("apitrace");
-        command.args(["replay", "--headless", "-D", &call.to_string()]).arg(self.path.join("trace"));
-        output(&mut command, budget).map(|(bytes, held)| StateDump { call, bytes, held })
+        let replay = || {
+            let mut command = Command::new("apitrace");
+            command.args(["replay", "--headless", "-D", &call.to_string()]).arg(self.path.join("trace"));
+            output(&mut command, budget).map(|(bytes, held)| StateDump { call, bytes, held })
+        };
+        replay().or_else(|_| replay()).or_else(|_| replay())
     }
 
     /// Writes a dump into the folder, and returns it for the import.

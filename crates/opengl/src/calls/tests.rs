@@ -83,6 +83,7 @@ fn indices_come_from_the_vertex_array_with_their_base() {
 10 glBufferData(target = GL_ELEMENT_ARRAY_BUFFER, size = 16, data = blob(\"indices\"), usage = GL_STATIC_DRAW)
 11 glBindVertexArray(array = 2)
 12 glBindBuffer(target = GL_ELEMENT_ARRAY_BUFFER, buffer = 7)
+12 glBufferData(target = GL_ELEMENT_ARRAY_BUFFER, size = 3, data = blob(\"bytes\"), usage = GL_STATIC_DRAW)
 13 glBindVertexArray(array = 1)
 20 glDrawElementsBaseVertex(mode = GL_TRIANGLES, count = 3, type = GL_UNSIGNED_INT, indices = 0x4, basevertex = -1)";
     let draw = drawn(lines).unwrap();
@@ -122,9 +123,9 @@ fn unsupported_draw_calls_are_named() {
 
 #[test]
 fn frames_end_at_swaps() {
-    let text = "1 glDrawBuffers(n = 1)\n2 glDrawArrays()\n3 glXSwapBuffers(dpy = 0x1)\n4 glClear()\n5 eglSwapBuffers()\n6 glDrawElements()\n7 glFinish()";
+    let text = "1 glDrawBuffers(n = 1)\n2 glDrawArrays()\n3 glXSwapBuffers(dpy = 0x1)\n4 glClear()\n5 eglSwapBuffers()\n6 glDrawElements()\n7 glFinish()\n8 eglSwapBuffers()\n9 glDrawArrays()";
     let frame = |draws: &[u64], last, is_complete| FrameCalls { draws: draws.into(), last, is_complete };
-    assert_eq!(frames(text), [frame(&[2], 3, true), frame(&[6], 7, false)]);
+    assert_eq!(frames(text), [frame(&[2], 3, true), frame(&[6], 8, true), frame(&[9], 9, false)]);
 }
 
 /// Positions and normals of the fixed function, drawn by call 20 or a list in it.
@@ -191,6 +192,9 @@ fn display_list_draws_when_it_is_called() {
     let outer = "31 glNewList(list = 5, mode = GL_COMPILE)\n32 glCallList(list = 4)\n33 glEndList()\n";
     let nested = fixed(&format!("{list}{outer}20 glCallList(list = 5)")).unwrap();
     assert_eq!(nested.indices, draw.indices);
+    // Compilation alone changes no current value.
+    let line = "31 glBegin(mode = GL_TRIANGLES)\n32 glVertex2i(x = 0, y = 0)\n20 glEnd()";
+    assert_eq!(attribute(&fixed(&format!("{list}{line}")).unwrap(), "gl_Normal"), [0.0, 0.0, -1.0]);
 }
 
 #[test]
@@ -225,6 +229,14 @@ fn client_arrays_are_filled_with_current_values() {
     assert_eq!(attribute(&draw, "gl_Vertex"), (1_u8..=8).map(f32::from).collect::<Vec<_>>());
     assert_eq!(attribute(&draw, "gl_Color"), [0.0, 0.5, 0.0, 1.0].repeat(4));
     assert_eq!(attribute(&draw, "gl_MultiTexCoord0"), [0.0, 0.0, 0.0, 1.0].repeat(4));
+    let unit = "11 glClientActiveTexture(texture = GL_TEXTURE0)
+12 glEnableClientState(array = GL_TEXTURE_COORD_ARRAY)
+13 glTexCoordPointer(size = 2, type = GL_FLOAT, stride = 0, pointer = blob(\"floats\"))
+14 glClientActiveTexture(texture = GL_TEXTURE1)
+15 glTexCoordPointer(size = 2, type = GL_FLOAT, stride = 0, pointer = blob(\"two\"))
+";
+    let textured = fixed(&format!("{lines}{unit}{strip}")).unwrap();
+    assert_eq!(attribute(&textured, "gl_MultiTexCoord0"), attribute(&draw, "gl_Vertex"));
     let flat = fixed(&format!("{lines}11 glShadeModel(mode = GL_FLAT)\n{strip}")).unwrap();
     let normals = attribute(&flat, "gl_Normal");
     assert_eq!((flat.count, &normals[..9], &normals[9..]), (6, &[7., 8., 9.].repeat(3)[..], &[10., 11., 12.].repeat(3)[..]));
