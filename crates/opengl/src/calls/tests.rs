@@ -296,3 +296,43 @@ fn draw_calls_of_the_fixed_function_are_found() {
 17 glXSwapBuffers()";
     assert_eq!(frames(text)[0].draws, [9, 12, 15, 16]);
 }
+
+#[test]
+fn damaged_trace_never_panics() {
+    let list = format!("9 glNewList(list = 4, mode = GL_COMPILE_AND_EXECUTE)\n{TRIANGLE}19 glEnd()\n19 glEndList()\n");
+    let arrays = "2 glEnableClientState(array = GL_VERTEX_ARRAY)
+3 glVertexPointer(size = 2, type = GL_FLOAT, stride = 0, pointer = blob(\"floats\"))
+4 glShadeModel(mode = GL_FLAT)
+5 glUseProgram(program = 0)
+6 glDrawElements(mode = GL_TRIANGLES, count = 3, type = GL_UNSIGNED_BYTE, indices = blob(\"bytes\"))
+7 glMapBufferRange(target = GL_ARRAY_BUFFER, offset = 16, length = 16, access = GL_MAP_WRITE_BIT) = 0x1000
+8 memcpy(dest = 0x1008, src = blob(\"two\"), n = 8)
+";
+    let ends = ["20 glCallList(list = 4)", "20 glDrawArrays(mode = GL_TRIANGLE_STRIP, first = 0, count = 4)"];
+    let mut state = 1_u64;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    let (mut drawn, mut refused) = (0, 0);
+    for round in 0..1000 {
+        let text = format!("{SETUP}{arrays}{list}{}", ends[round % 2]);
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        for _ in 0..3 {
+            let (from, to) = (next(lines.len()), next(lines.len()));
+            match next(3) {
+                0 => lines.swap(from, to),
+                1 => lines[from] = lines[to].clone(),
+                _ => {
+                    let at = next(lines[from].len());
+                    lines[from].replace_range(at..=at, ["9999999999", "0", "-", "(", "\"", "{", ","][next(7)]);
+                }
+            }
+        }
+        match drawn_within(&lines.join("\n"), &MemoryPool::default()) {
+            Ok(_) => drawn += 1,
+            Err(error) => refused += usize::from(!error.is_empty()),
+        }
+    }
+    assert!(drawn > 100 && refused > 100, "{drawn} {refused}");
+}
