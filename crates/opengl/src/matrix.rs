@@ -119,6 +119,8 @@ mod tests {
         let mut near = model_view();
         near.x_axis.w = 1e-7;
         assert_eq!(affine(near), Some(model_view()));
+        near.x_axis.w = 0.1;
+        assert_eq!(affine(near), None);
     }
 
     #[test]

@@ -200,7 +200,9 @@ mod tests {
     fn read(body: &str) -> Result<(String, String), String> {
         let is_matrix = |name: &str| ["P", "V", "M", "MVP"].contains(&name);
         let is_attribute = |name: &str| ["position", "corner", "gl_Vertex"].contains(&name);
-        let source = format!("#version 330\nuniform mat4 P; // main() {{\nvoid main ( void )\n{{ {body} }}\nvoid other() {{}}");
+        let source = format!(
+            "#version 330\n#define other main() {{ }}\nuniform mat4 P; // main() {{\nvoid main ( void )\n{{ {body} }}\nvoid other() {{}}"
+        );
         let names = ProgramNames { is_matrix: &is_matrix, is_attribute: &is_attribute };
         position_of(&source, &names).map(|product| (product.matrices.join(" "), product.position.unwrap()))
     }
@@ -230,6 +232,7 @@ mod tests {
             "computes `gl_Position = MVP * vec4 ( position + wave , 1.0 )`",
         );
         refused("gl_Position = vec4(position, 1.0) * MVP;", "computes");
+        refused("gl_Position = position * MVP * position;", "computes");
         refused("gl_Position = MVP * vec4(position, 2.0);", "computes");
         refused("vec4 p = vec4(position, 1.0); p.y = 2.0; gl_Position = MVP * p;", "computes");
         refused("vec4 p = vec4(position, 1.0); if (a) { p = vec4(corner, 1.0); } gl_Position = MVP * p;", "computes");

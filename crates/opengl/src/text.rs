@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn error_names_line_of_original_text() {
-        let error = parsed("{\"shaders\": {\"A\": \"x\ny\nz\"},\n\"uniforms\": 3}").err().unwrap();
+        let error = parsed("{\"shaders\": {\"A\": \"x\ny\nz\"},\n\"uniforms\": 3\n\n}").err().unwrap();
         assert!(error.starts_with("/uniforms (line 4, column"), "{error}");
         assert!(error.contains("the number 3 stands here, expected"), "{error}");
     }

@@ -167,7 +167,12 @@ mod tests {
 
     #[test]
     fn uneven_vertices_are_an_error() {
-        for text in [r#"[{"p": [1, 2]}, {"p": [1]}]"#, r#"[{"p": [1]}, {}]"#, r#"[{"p": [1]}, {"p": [1], "q": [2]}]"#] {
+        for text in [
+            r#"[{"p": [1, 2]}, {"p": [1]}]"#,
+            r#"[{"p": [1]}, {}]"#,
+            r#"[{"p": [1]}, {"p": [1], "q": [2]}]"#,
+            r#"[{"p": [1, 2]}, {"p": [1], "p": [2]}]"#,
+        ] {
             assert!(serde_json::from_str::<VertexColumns>(text).is_err(), "{text}");
         }
     }

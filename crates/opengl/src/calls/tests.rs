@@ -194,7 +194,7 @@ fn display_list_draws_when_it_is_called() {
     assert_eq!(nested.indices, draw.indices);
     // Compilation alone changes no current value.
     let line = "31 glBegin(mode = GL_TRIANGLES)\n32 glVertex2i(x = 0, y = 0)\n20 glEnd()";
-    assert_eq!(attribute(&fixed(&format!("{list}{line}")).unwrap(), "gl_Normal"), [0.0, 0.0, -1.0]);
+    assert_eq!(attribute(&fixed(&format!("{list}{line}")).unwrap(), "gl_Color"), [1.0; 4]);
 }
 
 #[test]
