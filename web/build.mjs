@@ -62,7 +62,12 @@ const files = {
   "index.html": index, "viewer.html": viewer, "page.css": style, "page.js": served, "worker.js": worker, "basrelief.wasm": wasm,
 };
 // Beside each file that is served lie its compressed forms: browsers take gzip from anywhere, brotli from this computer or over TLS.
-const quality = { params: { [constants.BROTLI_PARAM_QUALITY]: 11, [constants.BROTLI_PARAM_LGWIN]: 24 } };
+const quality = {
+  params: {
+    [constants.BROTLI_PARAM_QUALITY]: 11, [constants.BROTLI_PARAM_LGWIN]: 24, [constants.BROTLI_PARAM_LGBLOCK]: 16,
+    [constants.BROTLI_PARAM_NPOSTFIX]: 1, [constants.BROTLI_PARAM_NDIRECT]: 8,
+  },
+};
 const brotli = Object.fromEntries(Object.entries(files).map(([name, file]) => [`${name}.br`, brotliCompressSync(file, quality)]));
 const gzip = Object.fromEntries(Object.entries(files).map(([name, file]) => [`${name}.gz`, gzipSync(file, { level: 9 })]));
 const written = { ...files, ...brotli, ...gzip, "standalone.html": standalone };

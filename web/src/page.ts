@@ -2,12 +2,13 @@
 import { bytesAt, type Answered, type Client } from "./client";
 import type { Handlers } from "./controls";
 import { byId } from "./dom";
+import { Drafts } from "./drafts";
 import { chosen, dropped, type Dropped } from "./files";
 import { fill, parameters, resets, round, towards } from "./form";
 import { Path } from "./path";
 import { pictures, Stage, type Picture } from "./picture";
 import { dismissed, problem } from "./problems";
-import type { Catalogue, Explained, Machine, Meanwhile, Pixel, Report, Run, Taken, Told } from "./protocol";
+import type { Catalogue, Explained, Machine, Meanwhile, Pixel, Report, Run, Sketch, Taken, Told } from "./protocol";
 import { Results, type Kept } from "./results";
 import { Session, type Source } from "./session";
 import { copied, initial, pinsIn, read, write, type State } from "./state";
@@ -18,6 +19,8 @@ import { keepFiles, keptFiles } from "./stored";
 const MOVING: [number, number] = [320, 240];
 /** Delay before the complete answer \[ms\]: long enough not to start it between two movements. */
 const REST = 200;
+
+const STOPPED = "Stopped. Change any input to continue.";
 
 /** True if the page is a viewer, which draws the scene of its own server. */
 const SERVED = document.documentElement.dataset["from"] !== undefined;
@@ -36,10 +39,13 @@ export class Page implements Handlers {
   #stage: Stage;
   #steps = new Steps();
   #path = new Path();
+  #drafts: Drafts;
   #results: Results;
   /** Counts changes. Only the last one gets a complete answer. */
   #version = 0;
   #busy = false;
+  /** True during a movement. */
+  #moving = false;
   /** Number of inputs that are being opened. Meanwhile no run is requested. */
   #opening = 0;
   /** The version with known pixel costs. */
@@ -48,12 +54,20 @@ export class Page implements Handlers {
 
   constructor(private readonly client: Client) {
     this.#state = read(location.hash, SERVED);
-    this.#session = new Session(client, () => this.#path.forget());
+    this.#session = new Session(client, () => {
+      this.#path.forget();
+      this.#drafts.forget();
+    });
     this.#stage = new Stage(byId<HTMLCanvasElement>("picture"), byId<HTMLInputElement>("divider"), byId("caption"), {
       turn: (around, up, rests) => this.#turn(around, up, rests),
       zoom: factor => this.#view({ zoom: round(Math.min(100, Math.max(0.01, (this.#state.view.zoom ?? 1) * factor)), 3) }, true),
       reset: () => this.#view({ turn: undefined, zoom: undefined }, true),
     }, (x, y) => this.#pixel(x, y));
+    this.#drafts = new Drafts({
+      ask: (question, body) => this.#session.ask(this.#source!, question, this.#meanwhile(), body),
+      came: bytes => this.#path.came(bytes),
+      show: ({ draft }, rest) => draft && this.#sketch(draft, rest, "a draft; the textures of grey parts are still loading"),
+    });
     this.#results = new Results(this.#stage, {
       written: () => this.#steps.replace(this.#address()),
       panel: panel => (this.#state.panel = panel),
@@ -75,7 +89,7 @@ export class Page implements Handlers {
     this.#fill();
     document.querySelector("main")!.inert = false;
     byId<HTMLDetailsElement>("inputs").open = matchMedia("(min-width: 62rem)").matches;
-    this.#schedule(true);
+    void this.#whole();
   }
 
   /** Opens the input of the address. Returns false if that is impossible, with the reason on the page. */
@@ -229,6 +243,7 @@ export class Page implements Handlers {
   /** Requests a quick answer at once, and a complete one when the input rests. */
   #schedule(rests: boolean): void {
     clearTimeout(this.#rest);
+    this.#moving = !rests;
     void this.#quick();
     this.#rest = setTimeout(() => void this.#whole(), rests ? REST / 4 : REST);
   }
@@ -247,7 +262,9 @@ export class Page implements Handlers {
     const size = this.#state.view.size;
     const small = size[0] * size[1] > MOVING[0] * MOVING[1] ? MOVING : size;
     const version = this.#version;
-    await this.#run(this.#question(this.#state, small, {}), false, version);
+    const question = this.#question(this.#state, small, {});
+    const isMoving = this.#moving;
+    await this.#run(question, false, version, SERVED ? () => this.#drafts.now(question, isMoving) : undefined);
     if (version !== this.#version) void this.#quick();
   }
 
@@ -260,30 +277,39 @@ export class Page implements Handlers {
       return;
     }
     const size = this.#state.view.size;
+    const stale = () => version !== this.#version;
     const last = { exact: true, limits: true };
+    let isAnswered = true;
     // A server's scene has no exact picture, because that needs all texels.
     for (const more of SERVED ? [{}, last] : [{}, { exact: true }, last]) {
-      if (version !== this.#version || !this.#taken) return;
-      if (!(await this.#run(this.#question(this.#state, size, more), "limits" in more, version))) break;
+      if (stale() || !this.#taken) return;
+      const question = this.#question(this.#state, size, more);
+      // A small picture with all its tiles is better than a draft.
+      const hides = document.documentElement.dataset["version"] === String(version);
+      const ask = SERVED ? () => this.#drafts.whole(question, hides, stale) : undefined;
+      if (!(isAnswered = await this.#run(question, "limits" in more, version, ask))) break;
     }
-    if (version === this.#version && this.#taken) await this.#costs(this.#question(this.#state, size, {}), version);
-    if (version !== this.#version) return void this.#quick();
+    if (isAnswered && !stale() && this.#taken) await this.#costs(this.#question(this.#state, size, {}), version);
+    if (stale()) return void this.#quick();
     await this.#results.restore();
   }
 
-  /** Returns true if the run was answered. */
-  async #run(question: Record<string, unknown>, whole: boolean, version: number): Promise<boolean> {
+  /** Asks for a run, or lets `ask` do so. Returns true if the run was answered. */
+  async #run(
+    question: Record<string, unknown>, whole: boolean, version: number,
+    ask: () => Promise<Answered<Told> | undefined> = () => this.#session.ask<Told>(this.#source!, question, this.#meanwhile()),
+  ): Promise<boolean> {
     const source = this.#source!;
     this.#busy = true;
     const patience = setTimeout(() => (byId("stop").hidden = false), 1500);
     try {
       const began = performance.now();
       this.#path.begin(version);
-      const answer = decoded(await this.#session.ask<Told>(source, question, this.#meanwhile()));
+      const answer = await ask();
       // Another input may have been opened meanwhile.
-      if (source !== this.#source) return false;
+      if (!answer || source !== this.#source) return false;
       problem("run", undefined);
-      this.#show(answer, whole, performance.now() - began, version);
+      this.#show(decoded(answer), whole, performance.now() - began, version);
       return true;
     } catch (error) {
       if (version === this.#version) problem("run", why(error));
@@ -313,12 +339,14 @@ export class Page implements Handlers {
     let bytes = 0;
     return told => {
       if ("came" in told) return this.#path.came((bytes += told.came));
-      const { at, width, height } = told.sketch;
-      const [sketch] = pictures([{ name: "image", about: "a picture that better ones follow", at, width, height }], told.rest);
-      this.#stage.show(sketch, undefined);
-      const page = document.documentElement.dataset;
-      page["sketches"] = String(Number(page["sketches"] ?? 0) + 1);
+      this.#sketch(told.sketch, told.rest, "a picture that better ones follow");
     };
+  }
+
+  #sketch(sketch: Sketch, rest: Uint8Array, about: string): void {
+    this.#stage.show(pictures([{ name: "image", about, ...sketch }], rest)[0], undefined);
+    const page = document.documentElement.dataset;
+    page["sketches"] = String(Number(page["sketches"] ?? 0) + 1);
   }
 
   /** Requests the cost of each pixel. Adds the cost pictures and enables details under the pointer. */
@@ -353,6 +381,7 @@ export class Page implements Handlers {
     byId("what").textContent = `${name} \u00b7 ${report.size.width} \u00d7 ${report.size.height}`;
     const waiting = waited > 0 ? `, ${waited.toFixed(0)} waiting for the server` : "";
     byId("answered").textContent = `answered in ${answered.toFixed(0)} ms, ${(ms - waited).toFixed(0)} of them computing${waiting}`;
+    this.#drafts.settle();
     this.#path.show(json.path, report);
     this.#results.show({ run: json, rest, whole, pictures: fresh, state: copied(this.#state), source: this.#source! });
     this.#tell(whole, answered, version);
@@ -402,7 +431,10 @@ export class Page implements Handlers {
       this.#parameters();
       this.#changed(true, "defaults");
     });
-    on("stop", "click", () => this.client.restart("Stopped. Change any input to continue."));
+    on("stop", "click", () => {
+      this.#drafts.stop(STOPPED);
+      this.client.restart(STOPPED);
+    });
     on("dismiss", "click", dismissed);
     on("undo", "click", () => history.back());
     on("redo", "click", () => history.forward());

@@ -80,6 +80,13 @@ export interface Run {
   strips: { width: number; units: { name: string; at: Place }[] } | null;
 }
 
+/** Answer to a run that lacks tiles: a picture without them, the addresses to be fetched in this order, and those of the addresses
+ *  under way that are still needed. */
+export interface Draft { draft: Sketch | null; missing: string[]; needed: string[] }
+
+/** Timeout for a server's answer [ms]. */
+export const PATIENCE = 60_000;
+
 /** Totals received from the server so far. */
 export interface Come { requests: number; scene_bytes: number; tiles: number; tile_bytes: number }
 

@@ -28,10 +28,10 @@ export class Session {
   }
 
   /** Asks about an input. */
-  ask<T>(source: Source, json: unknown, meanwhile?: (told: Meanwhile) => void): Promise<Answered<T>> {
+  ask<T>(source: Source, json: unknown, meanwhile?: (told: Meanwhile) => void, rest?: Uint8Array<ArrayBuffer>): Promise<Answered<T>> {
     return this.#alone(async () => {
       if (source !== this.#source || this.client.starts !== this.#start) await this.#load(source);
-      return this.client.ask<T>(json, undefined, meanwhile);
+      return this.client.ask<T>(json, rest, meanwhile);
     });
   }
 

@@ -18,7 +18,7 @@ function tell(meanwhile: Meanwhile, lent: Transferable[] = []): void {
 }
 
 const outside: Outside = {
-  // Synchronous, because the simulator cannot continue without the answer. A worker may block.
+  // Synchronous, because the simulator cannot continue without the answer. A worker may block. The request reports no progress.
   get(address, fresh) {
     const request = new XMLHttpRequest();
     const began = performance.now();

@@ -3,7 +3,10 @@
 //
 //   node web/test/viewer.mjs PROGRAM PAGE_FOLDER [FOLDER_FOR_PICTURES]
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { get } from "node:http";
 import { join } from "node:path";
+import { brotliDecompressSync, gunzipSync, gzipSync } from "node:zlib";
 import { Native } from "./native.mjs";
 import { Browser } from "./chromium.mjs";
 
@@ -110,6 +113,27 @@ async function counts() {
   await page.close();
 }
 
+/** Tests the forms of the simulator: brotli for a browser that accepts it, otherwise gzip at its best level, otherwise as it is. */
+async function compressed() {
+  const simulator = readFileSync(join(folder, "basrelief.wasm"));
+  const sizes = [];
+  for (const [accepts, encoding, unpack] of [
+    ["gzip, deflate, br, zstd", "br", brotliDecompressSync], ["gzip, deflate, br;q=0", "gzip", gunzipSync], ["identity", undefined, body => body],
+  ]) {
+    const { headers, body } = await new Promise((done, failed) => get(`${server.address}basrelief.wasm`, { headers: { "accept-encoding": accepts } }, answer => {
+      const parts = [];
+      answer.on("data", part => parts.push(part)).on("end", () => done({ headers: answer.headers, body: Buffer.concat(parts) }));
+    }).on("error", failed));
+    assert.equal(headers["content-encoding"], encoding);
+    assert.match(headers.vary, /accept-encoding/i);
+    assert.ok(unpack(body).equals(simulator), `${encoding}: it is the simulator`);
+    sizes.push(body.length);
+  }
+  const [brotli, gzip, plain] = sizes;
+  console.log(`the simulator takes ${brotli} bytes in brotli, ${gzip} in gzip, ${plain} as it is`);
+  assert.ok(gzip <= gzipSync(simulator, { level: 9 }).length && brotli < 0.85 * gzip, "each has its best level");
+}
+
 /** Tests another encoding, whose size only the server knows, and the message after a server failure. */
 async function otherwise() {
   const page = await browser.opened(`${server.address}#size=160x120&set=tile.encoding%3Dpng`);
@@ -137,7 +161,7 @@ async function pictures() {
 }
 
 try {
-  for (const test of [looksAround, counts, ...(shots ? [pictures] : []), otherwise]) {
+  for (const test of [compressed, looksAround, counts, ...(shots ? [pictures] : []), otherwise]) {
     await test();
     console.log(`ok: ${test.name}`);
   }

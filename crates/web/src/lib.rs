@@ -22,11 +22,14 @@ mod abi;
 mod command;
 mod comparison;
 mod connection;
+mod draft;
 mod host_page;
+mod loaded_input;
 mod message;
 mod render_result;
 mod request;
 mod service;
+mod tiles;
 
 pub use host_page::{HostPage, PageResponse};
 pub use message::Message;

@@ -1,6 +1,7 @@
 //! Content of an answer.
 
 use crate::connection::ServerConnection;
+use crate::draft::DraftPicture;
 use crate::host_page::HostPage;
 use crate::message::Message;
 use basrelief_reference::{RgbPicture, metrics};
@@ -55,6 +56,9 @@ pub(crate) struct RenderResult {
     exhibits: Vec<(AuxOutputInfo, RgbPicture)>,
     /// Receiver of intermediate pictures.
     rounds: Option<RoundViewer>,
+    draft: Option<DraftPicture>,
+    /// Number of the last frame.
+    frame: u32,
 }
 
 /// Shows intermediate pictures, but only after a request to the server. Without a request the final picture follows at once, and
@@ -75,15 +79,20 @@ impl RoundViewer {
     fn show(&self, picture: &RgbPicture) {
         if self.path.totals().requests > self.before {
             let mut message = Message::default();
-            let at = message.append(&picture.to_rgba());
-            message.json = json!({ "at": at, "width": picture.width, "height": picture.height });
+            message.json = append_sketch(&mut message, picture);
             self.page.show(message.into_bytes());
         }
     }
 }
 
+fn append_sketch(message: &mut Message, picture: &RgbPicture) -> Value {
+    let at = message.append(&picture.to_rgba());
+    json!({ "at": at, "width": picture.width, "height": picture.height })
+}
+
 impl Observer for RenderResult {
     fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
+        self.frame = pictures.index as u32;
         self.machine = Some(pictures.machine.clone());
         self.exact = pictures.exact.map(|(exact, _)| exact.clone());
         Ok(())
@@ -93,6 +102,7 @@ impl Observer for RenderResult {
         let (AuxContent::Picture(picture) | AuxContent::NamedPicture(_, picture)) = exhibit.content else { return Ok(()) };
         if exhibit.info.form == AuxForm::PicturePerRound {
             self.rounds.iter().for_each(|rounds| rounds.show(picture));
+            self.draft.iter_mut().for_each(|draft| draft.round(exhibit.frame, picture));
             return Ok(());
         }
         self.exhibits.retain(|(info, _)| *info != exhibit.info);
@@ -105,6 +115,19 @@ impl RenderResult {
     /// Makes an empty collection. `rounds` receives intermediate pictures.
     pub(crate) fn with_rounds(rounds: Option<RoundViewer>) -> Self {
         Self { rounds, ..Self::default() }
+    }
+
+    /// Makes an empty collection for a draft.
+    pub(crate) fn with_draft(draft: DraftPicture) -> Self {
+        Self { draft: Some(draft), ..Self::default() }
+    }
+
+    /// Returns an answer with the picture of a draft.
+    pub(crate) fn draft(self) -> Message {
+        let picture = self.draft.and_then(|draft| draft.of_frame(self.frame)).or(self.machine);
+        let mut message = Message::default();
+        message.json = json!({ "draft": picture.map(|picture| append_sketch(&mut message, &picture)) });
+        message
     }
 
     /// Returns true if the page shows this auxiliary output as a picture of its own.

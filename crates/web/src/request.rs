@@ -33,6 +33,12 @@ pub(crate) enum Request {
     Explain,
     /// Repeats a run and returns pictures of its pixel costs.
     Costs(RunRequest),
+    /// Takes a response that the page has fetched for a draft. The body is after the JSON of the question.
+    Received {
+        address: String,
+        status: u16,
+        tag: String,
+    },
     /// Returns the details of a pixel of the last `Costs` run; null if there was none.
     Pixel {
         x: u32,
@@ -72,6 +78,10 @@ pub(crate) struct RunRequest {
     /// Measure the bottlenecks if the run is short.
     #[serde(default)]
     pub(crate) limits: bool,
+    /// Addresses that the page is fetching. If they are given, a server's scene is drawn with the tiles that are here. If tiles are
+    /// missing, the answer is a draft with their addresses.
+    #[serde(default)]
+    pub(crate) draft: Option<Vec<String>>,
 }
 
 /// View of a scene, with the options of the command line.

@@ -1,10 +1,13 @@
 //! Tests of requests over the connection, and of requests avoided by its cache.
 
 use super::*;
-use crate::host_page::PageResponse;
+use crate::connection::TransferTotals;
+use crate::host_page::{HostPage, PageResponse};
 use basrelief_deferred_renderer::TextureMemory;
+use basrelief_input::MemoryPool;
 use basrelief_signals::{Image, Sampler};
 use basrelief_tile_server::protocol::{etag_of, hash_of_list, hash_of_picture, hash_of_received, hex, join};
+use std::cell::RefCell;
 
 fn texture() -> Arc<Texture> {
     let texels = (0..200 * 90).map(|i: u32| [i as u8, (i / 7) as u8, (i / 200) as u8, 255]).collect();
@@ -13,43 +16,43 @@ fn texture() -> Arc<Texture> {
 }
 
 /// The same texture as a client sees it: without texels, but with the hash of its picture.
-fn texture_without_texels() -> Arc<Texture> {
+pub(crate) fn texture_without_texels() -> Arc<Texture> {
     let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
     Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
 }
 
 /// Returns the list of the hashes of all tiles.
-fn hash_list() -> Vec<u8> {
+pub(crate) fn hash_list() -> Vec<u8> {
     let tiles: Vec<u32> = (1..page().tiles()).collect();
     let hash = |(body, tile): (&Arc<[u8]>, &u32)| hash_of_received(TileEncoding::Raw, &page(), *tile, body).unwrap();
     expected(&tiles).iter().zip(&tiles).flat_map(hash).collect()
 }
 
 /// Returns the hashes in the scene.
-fn hashes(list: &[u8]) -> Rc<GroupHashes> {
+pub(crate) fn hashes(list: &[u8]) -> Rc<GroupHashes> {
     let mut hashes = GroupHashes::default();
     let top = hash_of_received(TileEncoding::Raw, &page(), 0, &expected(&[0])[0]).unwrap();
     hashes.insert(hash_of_picture(&texture()), vec![hash_of_list(&top), hash_of_list(list)]);
     Rc::new(hashes)
 }
 
-fn page() -> Arc<TexturePage> {
+pub(crate) fn page() -> Arc<TexturePage> {
     Arc::new(TexturePage::new(0, &texture(), PyramidCut::default(), 0))
 }
 
 /// A server of that texture. `spoil` damages some responses.
 #[derive(Debug)]
-struct Server {
+pub(crate) struct Server {
     asked: RefCell<Vec<String>>,
     spoil: fn(usize, &mut PageResponse),
 }
 
 impl Server {
-    fn new(spoil: fn(usize, &mut PageResponse)) -> Rc<Self> {
+    pub(crate) fn new(spoil: fn(usize, &mut PageResponse)) -> Rc<Self> {
         Rc::new(Self { asked: RefCell::default(), spoil })
     }
 
-    fn requests(&self) -> usize {
+    pub(crate) fn requests(&self) -> usize {
         self.asked.borrow().len()
     }
 }
@@ -78,7 +81,7 @@ impl HostPage for Server {
     fn show(&self, _: Vec<u8>) {}
 }
 
-fn path(server: &Rc<Server>, budget: &MemoryPool) -> Rc<ServerConnection> {
+pub(crate) fn path(server: &Rc<Server>, budget: &MemoryPool) -> Rc<ServerConnection> {
     Rc::new(ServerConnection::new(Rc::<Server>::clone(server), "http://a/", budget))
 }
 
@@ -94,7 +97,7 @@ fn take_with(path: &Rc<ServerConnection>, hashes: Rc<GroupHashes>, tiles: &[u32]
     tiles.iter().map(|tile| source.tile(&page(), *tile)).collect()
 }
 
-fn expected(tiles: &[u32]) -> Vec<Arc<[u8]>> {
+pub(crate) fn expected(tiles: &[u32]) -> Vec<Arc<[u8]>> {
     let mut memory = TextureMemory::new(TileEncoding::Raw, 100);
     memory.offer(&texture());
     tiles.iter().map(|tile| memory.tile(&page(), *tile).unwrap()).collect()

@@ -1,0 +1,95 @@
+// Data of the server, fetched by the page while the simulator computes.
+import { counted } from "./load";
+import { PATIENCE, type Draft } from "./protocol";
+
+/** Largest number of requests at a time. Two fill a line; browsers allow six. */
+const MOST = 4;
+/** Bytes of the length before each of several tiles. */
+const LENGTH = 4;
+
+/** A response for the simulator. */
+export interface Received { address: string; status: number; tag: string }
+
+export interface Access {
+  /** Passes a response to the simulator. */
+  received(response: Received, body: Uint8Array<ArrayBuffer>): Promise<unknown>;
+  /** Reports the bytes of tiles since the last call of `settle`. */
+  came(bytes: number): void;
+}
+
+export class Prefetch {
+  #queue: string[] = [];
+  #underWay = new Map<string, AbortController>();
+  /** Ends with the last delivery. The simulator gets hashes before the tiles that they check. */
+  #last: Promise<unknown> = Promise.resolve();
+  #bytes = 0;
+
+  constructor(private readonly access: Access) {}
+
+  underWay(): string[] {
+    return [...this.#underWay.keys()];
+  }
+
+  /** Returns the number of requests that are not answered. */
+  get left(): number {
+    return this.#queue.length + this.#underWay.size;
+  }
+
+  /** Fetches the data that a draft lacks, instead of earlier ones. */
+  want({ missing, needed }: Pick<Draft, "missing" | "needed">, isFinal: boolean): void {
+    // A request that began after the question for the draft is among the missing ones.
+    const isWanted = (address: string) => needed.includes(address) || missing.includes(address);
+    // During a drag each view lasts for a moment, and the next one may need the same tiles.
+    if (isFinal) this.#underWay.forEach((control, address) => isWanted(address) || control.abort());
+    this.#queue = missing.filter(address => !this.#underWay.has(address));
+    this.#start();
+  }
+
+  stop(): void {
+    this.want({ missing: [], needed: [] }, true);
+  }
+
+  /** Starts to count at zero, because the simulator has counted the tiles. */
+  settle(): void {
+    this.#bytes = 0;
+  }
+
+  #start(): void {
+    while (this.#queue.length > 0 && this.#underWay.size < MOST) void this.#fetch(this.#queue.shift()!);
+  }
+
+  async #fetch(address: string): Promise<void> {
+    const control = new AbortController();
+    this.#underWay.set(address, control);
+    const [body, before] = [this.#load(address, control.signal), this.#last];
+    const delivered = body.then(async ([response, bytes]) => {
+      await before;
+      // The question is queued at once, so that the next draft finds the tiles.
+      void this.access.received(response, bytes).catch(() => undefined);
+    });
+    this.#last = delivered.catch(() => undefined);
+    // Without a response, the simulator requests the data itself, and reports the failure.
+    await this.#last.then(() => this.#underWay.delete(address));
+    if (await body.then(() => false, () => !control.signal.aborted)) this.#queue = [];
+    this.#start();
+  }
+
+  async #load(address: string, signal: AbortSignal): Promise<[Received, Uint8Array<ArrayBuffer>]> {
+    let bytes = 0;
+    const add = (more: number) => {
+      if (!address.startsWith("tile/")) return;
+      bytes += more;
+      this.access.came((this.#bytes += more));
+    };
+    try {
+      const answer = await fetch(address, { signal: AbortSignal.any([signal, AbortSignal.timeout(PATIENCE)]) });
+      const body = await new Response(counted(answer.body!, add)).arrayBuffer();
+      const tiles = address.split(",").length;
+      if (tiles > 1) add(-LENGTH * tiles);
+      return [{ address, status: answer.status, tag: answer.headers.get("etag") ?? "" }, new Uint8Array(body)];
+    } catch (error) {
+      add(-bytes);
+      throw error;
+    }
+  }
+}
