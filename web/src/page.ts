@@ -8,7 +8,7 @@ import { fill, parameters, resets, round, towards } from "./form";
 import { Path } from "./path";
 import { pictures, Stage, type Picture } from "./picture";
 import { dismissed, problem } from "./problems";
-import type { Catalogue, Explained, Machine, Meanwhile, Pixel, Report, Run, Sketch, Taken, Told } from "./protocol";
+import type { Catalogue, Explained, Machine, Meanwhile, Pixel, Report, Run, Sketch, Step, Taken, Told } from "./protocol";
 import { Results, type Kept } from "./results";
 import { Session, type Source } from "./session";
 import { copied, initial, pinsIn, read, write, type State } from "./state";
@@ -74,6 +74,10 @@ export class Page implements Handlers {
       run: (state, source, more) => this.#runOf(state, source, more),
       source: state => this.#sourceOf(state),
       explain: (a, b) => this.#explain(a, b),
+      steps: async ({ state, source }, from, to) => {
+        const question = { ...this.#question(state, state.view.size, { cycles: [from, to] }), ask: "steps" };
+        return (await this.#session.ask<{ steps: Step[] }>(source, question)).json.steps;
+      },
     });
   }
 

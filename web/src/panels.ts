@@ -2,7 +2,7 @@
 import { frameCycles, memoryBytes } from "./changes";
 import { change, el, thousands } from "./dom";
 import type { Report, Run } from "./protocol";
-import { timeline } from "./strips";
+import { timeline, type Steps } from "./strips";
 
 export interface Shown { run: Run; rest: Uint8Array; /** With exact picture and bottlenecks. */ whole: boolean }
 
@@ -71,11 +71,11 @@ export function tabs(into: HTMLElement, chosen: string, choose: (panel: string) 
   return now;
 }
 
-/** Shows the group with this name. */
-export function panel(into: HTMLElement, name: string, { run, rest }: Shown, changes: () => HTMLElement[]): void {
+/** Shows the group with this name. Two groups are made by functions. */
+export function panel(into: HTMLElement, name: string, { run, rest }: Shown, made: { changes(): HTMLElement[]; steps: Steps }): void {
   into.setAttribute("aria-labelledby", `tab-${name}`);
-  if (name === "timeline") return timeline(into, run, rest);
-  if (name === "changes") return into.replaceChildren(...changes());
+  if (name === "timeline") return timeline(into, run, rest, made.steps);
+  if (name === "changes") return into.replaceChildren(...made.changes());
   const open = new Set([...into.querySelectorAll("details[open] > summary")].map(summary => summary.textContent));
   const parts = GROUPS.find(([id]) => id === name)![2].flatMap(id => run.sections.filter(section => section.id === id));
   // The simulator generates this markup and escapes it. Scripts in it would not run.

@@ -90,6 +90,9 @@ export const PATIENCE = 60_000;
 /** Totals received from the server so far. */
 export interface Come { requests: number; scene_bytes: number; tiles: number; tile_bytes: number }
 
+/** Answer to `steps`: number of the unit, first cycle, end, kind, and the state with its arguments. */
+export type Step = [unit: number, from: number, to: number, kind: string, text: string];
+
 /** Cost of a pixel. */
 export interface Pixel {
   cycles: number;

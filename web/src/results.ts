@@ -5,7 +5,7 @@ import { byId, el } from "./dom";
 import { lead, numbers, panel, tabs, type Shown } from "./panels";
 import { chooser, pictures, type Picture, type Stage } from "./picture";
 import { problem } from "./problems";
-import type { Explained, Run } from "./protocol";
+import type { Explained, Run, Step } from "./protocol";
 import { reportPage } from "./saved";
 import type { Source } from "./session";
 import { copied, read, write, type State } from "./state";
@@ -24,6 +24,8 @@ export interface Access {
   source(state: State): Promise<Source | undefined>;
   /** Explains the difference between two runs. */
   explain(a: Kept, b: Kept): Promise<Explained>;
+  /** Returns the steps and waits of a run in these cycles. */
+  steps(kept: Kept, from: number, to: number): Promise<Step[]>;
 }
 
 /** Maximum number of pinned runs: A and B of a comparison. */
@@ -166,7 +168,10 @@ export class Results {
     const name = tabs(byId("tabs"), now.state.panel, chosen => this.#choose(chosen));
     const [a, b] = [this.#pins[0], this.#pins[1] ?? now];
     const known = this.#explained?.a === a && this.#explained?.b === b ? this.#explained?.of : undefined;
-    panel(byId("panel"), name, now, () => [...(known ? [bars(known)] : []), changes(a?.run, b.run)]);
+    panel(byId("panel"), name, now, {
+      changes: () => [...(known ? [bars(known)] : []), changes(a?.run, b.run)],
+      steps: (from, to) => this.access.steps(now, from, to),
+    });
     const save = byId<HTMLAnchorElement>("save");
     URL.revokeObjectURL(save.href);
     save.href = URL.createObjectURL(new Blob([now.run.text], { type: "application/json" }));

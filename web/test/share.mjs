@@ -1,6 +1,6 @@
 // Tests in Chromium the parts of the page that show and share results: loading, cache, command, report page, comparison, time line.
 //
-//   node test/share.mjs PROGRAM PAGE_FOLDER
+//   node test/share.mjs PROGRAM PAGE_FOLDER [FOLDER_FOR_PICTURES]
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -11,7 +11,7 @@ import { command, settles } from "./actions.mjs";
 import { Browser } from "./chromium.mjs";
 import { Native, words } from "./native.mjs";
 
-const [program, folder] = process.argv.slice(2);
+const [program, folder, shots] = process.argv.slice(2);
 const native = new Native(program);
 const server = await native.serve(folder);
 const browser = await Browser.launch();
@@ -189,6 +189,34 @@ async function timelineZoomsAndMoves() {
   await page.close();
 }
 
+/** Tests the steps at the resolution of single cycles: they are requested when the view is near, and the pointer shows the arguments. */
+async function timelineShowsSingleSteps() {
+  const page = await opened("#demo=golf-ball&size=160x120&show=timeline");
+  const caption = () => page.textContent("#shown-cycles");
+  assert.equal(await page.getAttribute("html", "data-steps"), null, "steps are listed on demand alone");
+  await page.focus("#time-strips");
+  while (!(await caption()).includes("each step")) await page.keyboard.press("+");
+  for (let n = 0; n < 4; n++) await page.keyboard.press("+");
+  await page.waitForFunction(() => document.documentElement.dataset.steps !== undefined);
+  const [from, to] = (await caption()).match(/[\d,]+/g).slice(0, 2).map(n => Number(n.replaceAll(",", "")));
+  assert.ok(to - from <= 128, `${from} to ${to}`);
+  const texts = new Set();
+  for (const strip of await page.locator("#time-strips canvas").all()) {
+    const box = await strip.boundingBox();
+    for (let at = 0.01; at < 1; at += 0.02) {
+      await page.mouse.move(box.x + at * box.width, box.y + 5);
+      texts.add(await page.textContent("#panel > p"));
+    }
+  }
+  const numbers = text => text.match(/cycles ([\d,]+) to ([\d,]+)/).slice(1).map(n => Number(n.replaceAll(",", "")));
+  for (const text of texts) assert.ok(numbers(text)[0] < to && numbers(text)[1] > from, text);
+  assert.ok([...texts].some(text => numbers(text)[1] - numbers(text)[0] === 1), "a step of one cycle is seen");
+  assert.ok([...texts].some(text => /: busy: frame 1, .*polygon \d+.*pixels? at \d+,\d+/.test(text)), [...texts].slice(0, 9).join("\n"));
+  console.log(`${texts.size} steps between ${from} and ${to}, for example: ${[...texts].find(text => text.includes("pixel"))}`);
+  if (shots) await page.screenshot({ path: `${shots}/steps.png` });
+  await page.close();
+}
+
 async function tabsAreFiveGroups() {
   const page = await opened("#demo=golf-ball&size=160x120&show=memories");
   assert.equal(await page.locator("#tabs button").count(), 5);
@@ -213,7 +241,7 @@ async function tabsAreFiveGroups() {
 try {
   for (const test of [
     loadingShowsBytesAndDisablesControls, simulatorComesFromTheCache, commandIsCopied, savedPageEqualsTheNativePage,
-    comparisonExplainsTheDifference, timelineZoomsAndMoves, tabsAreFiveGroups,
+    comparisonExplainsTheDifference, timelineZoomsAndMoves, timelineShowsSingleSteps, tabsAreFiveGroups,
   ]) {
     await test();
     console.log(`ok: ${test.name}`);

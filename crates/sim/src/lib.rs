@@ -40,6 +40,7 @@ pub use outputs::page_assets::{page_assets, page_pictures};
 pub use outputs::png::to_png;
 pub use outputs::recorded_trace::{TraceOptions, record_trace};
 pub use outputs::request_log::{LoggedMemory, RequestFormat, RequestLog, RequestLogError, logged_memories};
+pub use outputs::steps::list_steps;
 pub use prepared::PreparedScene;
 pub use recording::{Recording, RecordingError, ResimulateOptions, resimulate, resimulate_to};
 pub use run::concurrent::run_concurrent;

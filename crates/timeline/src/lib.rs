@@ -10,6 +10,7 @@
 //! | [`kanata`] | life of single tokens for Konata |
 //! | `compressed` | charts compressed with zstd, with this feature |
 //! | [`wire_log`] | tokens and cycles of every wire, for register-transfer code |
+//! | [`steps`] | steps and waits as a list |
 //! | [`utilization`] | utilization over time in about a thousand columns |
 //!
 //! This crate opens no file, reads no clock and prints nothing: writers are arguments.
@@ -26,6 +27,7 @@ mod proto;
 #[cfg(test)]
 mod samples;
 mod scale;
+pub mod steps;
 mod streams;
 pub mod utilization;
 pub mod wire_log;
@@ -38,7 +40,8 @@ pub use kanata::KanataLog;
 pub use layout::TimelineLayout;
 pub use levels::{CounterList, CounterValue, RATE_CYCLES};
 pub use perfetto::PerfettoTrace;
-pub use probe::{BusTransfer, StepAttribution, TimelineProbe, TokenLife, TraceSink, UnitState};
+pub use probe::{AttributedProbe, BusTransfer, StepAttribution, TimelineProbe, TokenLife, TraceSink, UnitState};
+pub use steps::{StepList, TimelineStep};
 pub use utilization::UtilizationTimeline;
 pub use wire_log::WireLog;
 

@@ -54,9 +54,6 @@ const BLOCKED_COLOR: u64 = 3;
 const MEMORY_COLOR: u64 = 4;
 const DONE_COLOR: u64 = 5;
 
-/// Interned names of arguments, in the order of [`annotate`]; the first has number 1.
-const ARGUMENTS: [&str; 5] = ["frame", "object", "polygon", "level", "asks"];
-
 /// Events of the slices of a stage without their attribution, encoded once.
 #[derive(Clone, Debug)]
 struct SliceTemplate {
@@ -136,7 +133,8 @@ impl<W: Write> PerfettoTrace<W> {
             banks,
             error: None,
         };
-        let debug_annotation_names = (1..).zip(ARGUMENTS).map(|(iid, name)| interned(iid, name.into())).collect();
+        let arguments = StepAttribution::default().numbers().map(|(name, _)| name).into_iter().chain(["asks"]);
+        let debug_annotation_names = (1..).zip(arguments).map(|(iid, name)| interned(iid, name.into())).collect();
         timeline.packet(TracePacket {
             interned_data: Some(InternedData { event_names: names, debug_annotation_names }),
             sequence_flags: Some(proto::INCREMENTAL_STATE_CLEARED),
@@ -294,19 +292,16 @@ fn tail() -> Vec<u8> {
 /// Encodes the attribution of a slice and its memory requests.
 fn annotate(arguments: &mut Vec<u8>, whose: &StepAttribution, clients: &[String]) {
     arguments.clear();
-    let StepAttribution { frame, object, polygon, level, asks, .. } = *whose;
-    let values = [frame.map(|frame| u64::from(frame) + 1), object.map(u64::from), polygon.map(u64::from), level.map(u64::from)];
-    for (name, value) in (1..).zip(values) {
-        if value.is_some() {
-            let argument = DebugAnnotation { name_iid: Some(name), uint_value: value, string_value: None };
+    let numbers = whose.numbers();
+    for (name_iid, (_, uint_value)) in (1..).zip(numbers) {
+        if uint_value.is_some() {
+            let argument = DebugAnnotation { name_iid: Some(name_iid), uint_value, string_value: None };
             message::encode(proto::DEBUG_ANNOTATIONS, &argument, arguments);
         }
     }
-    if asks != 0 {
-        let asked = clients.iter().enumerate().filter(|(client, _)| asks >> client & 1 == 1).map(|(_, name)| name.as_str());
-        let names = asked.collect::<Vec<_>>().join(", ");
-        let name = ARGUMENTS.len() as u64;
-        let argument = DebugAnnotation { name_iid: Some(name), uint_value: None, string_value: Some(names) };
+    if whose.asks != 0 {
+        let name_iid = Some(numbers.len() as u64 + 1);
+        let argument = DebugAnnotation { name_iid, uint_value: None, string_value: Some(whose.clients(clients)) };
         message::encode(proto::DEBUG_ANNOTATIONS, &argument, arguments);
     }
 }

@@ -33,6 +33,21 @@ pub struct StepAttribution {
     pub life: Option<TokenLife>,
 }
 
+impl StepAttribution {
+    /// Returns the numbers with their names. Frames are counted from 1, as in reports.
+    pub(crate) fn numbers(&self) -> [(&'static str, Option<u64>); 4] {
+        let frame = self.frame.map(|frame| u64::from(frame) + 1);
+        let [object, polygon, level] = [self.object, self.polygon, self.level.map(u32::from)].map(|number| number.map(u64::from));
+        [("frame", frame), ("object", object), ("polygon", polygon), ("level", level)]
+    }
+
+    /// Returns the names of the memory clients that the step uses, from those of its stage.
+    pub(crate) fn clients(&self, all: &[String]) -> String {
+        let used = all.iter().enumerate().filter(|(client, _)| self.asks >> client & 1 == 1).map(|(_, name)| name.as_str());
+        used.collect::<Vec<_>>().join(", ")
+    }
+}
+
 /// A token whose life is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TokenLife {
@@ -71,6 +86,12 @@ pub trait TraceSink {
     /// # Errors
     /// The first error of the writer.
     fn finish(self: Box<Self>, end: u64) -> io::Result<()>;
+}
+
+/// Probe that also receives the attribution of each step and each wait.
+pub trait AttributedProbe: Probe {
+    /// Receives a busy or stalled interval of a stage. Those of one stage arrive in order of time.
+    fn add(&mut self, interval: Interval, whose: &StepAttribution);
 }
 
 /// Last value of a counter, and whether the sinks have received it.
@@ -272,6 +293,12 @@ impl<'a> TimelineProbe<'a> {
             let percent = 100.0 * hits as f64 / all as f64;
             self.hold(self.numbers.hit_rate(client), interval * RATE_CYCLES, Some(CounterValue::Real(percent)));
         }
+    }
+}
+
+impl AttributedProbe for TimelineProbe<'_> {
+    fn add(&mut self, interval: Interval, whose: &StepAttribution) {
+        TimelineProbe::add(self, interval, whose);
     }
 }
 

@@ -39,6 +39,8 @@ pub(crate) enum Request {
         status: u16,
         tag: String,
     },
+    /// Repeats a run and returns each step and each wait in its `cycles`.
+    Steps(RunRequest),
     /// Returns the details of a pixel of the last `Costs` run; null if there was none.
     Pixel {
         x: u32,
@@ -82,6 +84,9 @@ pub(crate) struct RunRequest {
     /// missing, the answer is a draft with their addresses.
     #[serde(default)]
     pub(crate) draft: Option<Vec<String>>,
+    /// First cycle and end of the cycles whose steps are listed.
+    #[serde(default)]
+    pub(crate) cycles: [u64; 2],
 }
 
 /// View of a scene, with the options of the command line.

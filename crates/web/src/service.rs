@@ -10,14 +10,17 @@ use crate::render_result::{RenderResult, RoundViewer, catalogue};
 use crate::request::{Request, RunRequest};
 use basrelief_input::MemoryPool;
 use basrelief_sim::{
-    AnalysisPolicy, AuxForm, AuxOutputInfo, MachineConfig, MachineInfo, Overrides, RunCosts, RunInput, RunOptions, run,
-    timeline_layout,
+    AnalysisPolicy, AuxForm, AuxOutputInfo, MachineConfig, MachineInfo, Overrides, RunCosts, RunInput, RunOptions, list_steps,
+    run, timeline_layout,
 };
-use basrelief_timeline::UtilizationTimeline;
+use basrelief_timeline::{TimelineStep, UtilizationTimeline};
 use serde::Deserialize as _;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::rc::Rc;
+
+/// Maximum number of cycles whose steps are listed.
+const MOST_CYCLES: u64 = 4096;
 
 /// Answers questions one after the other. Keeps the current input and all results that do not depend on settings.
 #[derive(Default)]
@@ -62,6 +65,7 @@ impl SimulationService {
             Request::Received { address, status, tag } => {
                 self.receive(&address, PageResponse { status, tag, body: question.rest.clone() })
             }
+            Request::Steps(ask) => self.steps(&ask),
             Request::Pixel { x, y } => Ok(Message::from_json(pixel(self.costs.as_ref(), x, y))),
         }
     }
@@ -113,6 +117,19 @@ impl SimulationService {
     fn receive(&mut self, address: &str, response: PageResponse) -> Result<Message, String> {
         let remote = self.loaded.as_mut().and_then(LoadedInput::remote).ok_or("there is no server")?;
         remote.receive(address, response).map(|()| Message::from_json(json!({})))
+    }
+
+    /// Repeats the run to list the steps in these cycles.
+    fn steps(&mut self, ask: &RunRequest) -> Result<Message, String> {
+        let [from, to] = ask.cycles;
+        if !(1..=MOST_CYCLES).contains(&to.saturating_sub(from)) {
+            return Err(format!("cycles {from} to {to}: expected 1 to {MOST_CYCLES} cycles"));
+        }
+        let (_, _, (input, options)) = self.prepare_run(ask, None)?;
+        let options = RunOptions { exact: false, bottlenecks: AnalysisPolicy::Never, aux_outputs: vec![], ..options };
+        let steps = list_steps(input, &options, from..to).map_err(|e| e.to_string())?;
+        let each = |step: &TimelineStep| json!([step.stage, step.from, step.to, step.kind, step.text]);
+        Ok(Message::from_json(json!({ "steps": steps.iter().map(each).collect::<Vec<_>>() })))
     }
 
     /// Repeats the run to measure the cost of each pixel.

@@ -180,3 +180,40 @@ fn explanation_of_the_page_is_that_of_compare() {
     assert_eq!(told["causes"], json!(rows));
     assert_eq!(rows.len(), 4, "a row for each changed parameter");
 }
+
+#[test]
+fn steps_fill_every_cycle_of_a_unit() {
+    let mut service = SimulationService::default();
+    send(&mut service, json!({"ask": "demo", "name": "golf-ball"}));
+    let mut ask = json!({"ask": "run", "machine": "bump", "set": [], "view": {"size": [24, 18]}});
+    let report = reported(&send(&mut service, ask.clone()));
+    ask["ask"] = json!("steps");
+    let total = report["cycles"]["total"].as_u64().unwrap();
+    let mut busy = vec![0; report["units"].as_object().unwrap().len()];
+    let mut texts = String::new();
+    for from in (0..total).step_by(4096) {
+        let to = total.min(from + 4096);
+        ask["cycles"] = json!([from, to]);
+        let told = send(&mut service, ask.clone()).json;
+        let mut ends = vec![from; busy.len()];
+        for step in told["steps"].as_array().unwrap_or_else(|| panic!("{told}")) {
+            let [unit, first, end] = [0, 1, 2].map(|n| step[n].as_u64().unwrap());
+            assert_eq!(std::mem::replace(&mut ends[unit as usize], end), first, "{step}");
+            busy[unit as usize] += if step[3] == "busy" { end - first } else { 0 };
+            texts.push_str(step[4].as_str().unwrap());
+        }
+        // A unit has no steps after its last one.
+        assert!(ends.iter().all(|end| *end == to || to == total), "{ends:?} {to}");
+    }
+    let mut expected: Vec<u64> = report["units"].as_object().unwrap().values().map(|u| u["busy"].as_u64().unwrap()).collect();
+    [&mut busy, &mut expected].into_iter().for_each(|all| all.sort_unstable());
+    assert_eq!(busy, expected, "the report counts the same busy cycles");
+    for argument in ["frame 1", "polygon 3", "pixels at ", "uses "] {
+        assert!(texts.contains(argument), "{argument}");
+    }
+    for (from, to) in [(5, 5), (9, 5), (0, 4097)] {
+        ask["cycles"] = json!([from, to]);
+        let told = send(&mut service, ask.clone()).json;
+        assert!(error(&told).contains("expected 1 to 4096 cycles"), "{told}");
+    }
+}

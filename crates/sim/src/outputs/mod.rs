@@ -16,6 +16,7 @@ pub(crate) mod page_assets;
 pub(crate) mod png;
 pub(crate) mod recorded_trace;
 pub(crate) mod request_log;
+pub(crate) mod steps;
 pub(crate) mod texel;
 mod tile_lines;
 mod tile_pictures;

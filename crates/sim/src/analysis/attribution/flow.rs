@@ -90,7 +90,7 @@ impl TokenFlow {
     ///
     /// # Errors
     /// The memory limit is exceeded.
-    pub(crate) fn step(&mut self, step: &StepTokens<'_>, events: &mut impl FlowEvents) -> Result<TokenOrigin, OverBudget> {
+    pub(crate) fn step(&mut self, step: &StepTokens<'_>, events: &mut dyn FlowEvents) -> Result<TokenOrigin, OverBudget> {
         let stage = step.stage;
         let taken = self.take(step, events);
         let mut owner = taken;
@@ -146,7 +146,7 @@ impl TokenFlow {
     }
 
     /// Removes the input tokens of a step, and returns their origin; `None` if there are none.
-    fn take(&mut self, step: &StepTokens<'_>, events: &mut impl FlowEvents) -> Option<TokenOrigin> {
+    fn take(&mut self, step: &StepTokens<'_>, events: &mut dyn FlowEvents) -> Option<TokenOrigin> {
         let Self { stages, fifos, current, shown, .. } = self;
         let inputs = stages[step.stage].inputs.iter().enumerate().filter(|(i, _)| step.taken >> i & 1 == 1);
         let mut owner: Option<TokenOrigin> = None;

@@ -5,36 +5,36 @@ use super::origin::{TokenOrigin, TokenSample};
 use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::{Cycle, Interval, Label, MemoryEvent, Probe, StageTopology, StallCause};
 use basrelief_machines::{CostPoints, MachineConfig};
-use basrelief_timeline::{StepAttribution, TimelineProbe, TokenLife};
+use basrelief_timeline::{AttributedProbe, StepAttribution, TokenLife};
 use std::collections::VecDeque;
 
-/// Probe that passes a run to a [`TimelineProbe`], with the origin of each step.
+/// Probe that passes a run to another probe, with the origin of each step.
 ///
 /// The origin comes from execution, the timestamps from timing; the two streams may be offset. A wait belongs to the step that ended it.
-pub struct AttributionProbe<'a, 'b> {
+pub struct AttributionProbe<'a, P> {
     flow: TokenFlow,
     /// Origins of each stage's steps that are executed but not yet timed, with the memory clients that they used.
     untimed: Vec<VecDeque<(TokenOrigin, u32)>>,
     /// Waits of each stage since its last step.
     waits: Vec<Vec<Interval>>,
     over_budget: Option<OverBudget>,
-    timeline: &'a mut TimelineProbe<'b>,
+    timeline: &'a mut P,
 }
 
-impl std::fmt::Debug for AttributionProbe<'_, '_> {
+impl<P: std::fmt::Debug> std::fmt::Debug for AttributionProbe<'_, P> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("AttributionProbe").field("timeline", &self.timeline).finish_non_exhaustive()
     }
 }
 
-impl<'a, 'b> AttributionProbe<'a, 'b> {
+impl<'a, P: AttributedProbe> AttributionProbe<'a, P> {
     /// Creates a probe for a machine with these stages.
     pub fn new(
         config: &MachineConfig,
         stages: &[StageTopology],
         sample: Option<TokenSample>,
         budget: &MemoryPool,
-        timeline: &'a mut TimelineProbe<'b>,
+        timeline: &'a mut P,
     ) -> Self {
         let count = stages.len();
         Self {
@@ -103,7 +103,7 @@ impl FlowEvents for NoEvents {
     fn on_token_taken(&mut self, _: &TokenOrigin) {}
 }
 
-impl Probe for AttributionProbe<'_, '_> {
+impl<P: AttributedProbe> Probe for AttributionProbe<'_, P> {
     fn reads_labels(&self) -> bool {
         self.over_budget.is_none()
     }
