@@ -16,7 +16,7 @@ const server = await native.serve(folder, "demo:gallery");
 const browser = await Browser.launch();
 
 /** Maximum compressed size of the page itself \[bytes\], as in build.mjs. */
-const BUDGET = 1_480_000;
+const BUDGET = 1_490_000;
 
 /** Counts tiles requested from the network and the bytes of their answers, without the page itself. Cached tiles are not
  *  requested. */
