@@ -160,6 +160,12 @@ fn texture_that_is_on_becomes_albedo() {
     }));
     assert_eq!(replaced.material.lighting.ka, 1.0);
     assert_color(&replaced, [1.0; 3]);
+    let unlit = object(&changed(|dump| {
+        with_texture(dump);
+        dump["parameters"]["GL_TEXTURE0"]["GL_TEXTURE_ENV"]["GL_TEXTURE_ENV_MODE"] = json!("GL_REPLACE");
+        dump["parameters"]["GL_LIGHTING"] = json!("GL_FALSE");
+    }));
+    assert_color(&unlit, [1.0; 3]);
     let combined = changed(|dump| {
         with_texture(dump);
         dump["parameters"]["GL_TEXTURE0"]["GL_TEXTURE_ENV"]["GL_TEXTURE_ENV_MODE"] = json!("GL_ADD");
