@@ -208,7 +208,7 @@ fn steps_fill_every_cycle_of_a_unit() {
     let mut expected: Vec<u64> = report["units"].as_object().unwrap().values().map(|u| u["busy"].as_u64().unwrap()).collect();
     [&mut busy, &mut expected].into_iter().for_each(|all| all.sort_unstable());
     assert_eq!(busy, expected, "the report counts the same busy cycles");
-    for argument in ["frame 1", "polygon 3", "pixels at ", "uses "] {
+    for argument in ["frame 1", "polygon 3", "1 pixel at ", "uses "] {
         assert!(texts.contains(argument), "{argument}");
     }
     for (from, to) in [(5, 5), (9, 5), (0, 4097)] {
