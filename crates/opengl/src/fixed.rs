@@ -1,5 +1,6 @@
 //! Material and light of the fixed function, from the parameters of a dump.
 
+use crate::calls::POSITION;
 use crate::dump::GlDump;
 use crate::matrix::matrix;
 use crate::reader::DrawReader;
@@ -7,9 +8,6 @@ use crate::state::{Parameters, is_on};
 use basrelief_signals::Lighting;
 use glam::{DMat4, DVec3, DVec4};
 use serde_json::Value;
-
-/// Vertex attribute of the position.
-const POSITION: &str = "gl_Vertex";
 
 /// Largest deviation of a colour that is no warning: two steps of 8 bits.
 const DEVIATION: f64 = 2.0 / 255.0;

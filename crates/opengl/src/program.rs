@@ -2,6 +2,7 @@
 //!
 //! The program is not executed. Assignments in `main` are followed as long as they are such products; anything else is refused.
 
+use crate::calls::POSITION;
 use std::collections::BTreeMap;
 
 /// A product of matrices, leftmost first, with the position of a vertex if it has one.
@@ -19,7 +20,7 @@ pub(crate) const FIXED_MATRICES: [&str; 2] = ["gl_ProjectionMatrix", "gl_ModelVi
 impl MatrixProduct {
     /// Returns the product of the fixed function.
     pub fn fixed_function() -> Self {
-        Self { matrices: FIXED_MATRICES.map(str::to_owned).into(), position: Some("gl_Vertex".into()) }
+        Self { matrices: FIXED_MATRICES.map(str::to_owned).into(), position: Some(POSITION.into()) }
     }
 }
 

@@ -84,7 +84,7 @@ impl FixedCall {
             "glBegin" => Some(Self::Begin(call.text("mode").unwrap_or_default().into())),
             "glEnd" => Some(Self::End),
             "glShadeModel" => Some(Self::ShadeModel { flat: call.text("mode") == Some("GL_FLAT") }),
-            "glCallList" => Some(Self::List(call.number("list").unwrap_or_default())),
+            "glCallList" => Some(Self::List(call.list())),
             _ if is_client => None,
             _ if starts(&MOVES) || starts(&DRAWS) => Some(Self::Refused(call.name.into())),
             _ => attribute(call).or_else(|| starts(&STATES).then(|| Self::State(call.name.into()))),

@@ -30,6 +30,16 @@ impl<'a> TraceCall<'a> {
         number(self.text(name)?)
     }
 
+    /// Returns the number of the display list that it compiles or calls.
+    pub fn list(&self) -> u64 {
+        self.number("list").unwrap_or_default()
+    }
+
+    /// Returns true if the display list that it begins is also executed.
+    pub fn executes_list(&self) -> bool {
+        self.text("mode") == Some("GL_COMPILE_AND_EXECUTE")
+    }
+
     /// Returns the numbers of all arguments but constants, with the elements of lists.
     pub fn all_numbers(&self) -> Vec<f64> {
         let elements = self.arguments.iter().flat_map(|(_, value)| value.trim_matches(['{', '}']).split(','));

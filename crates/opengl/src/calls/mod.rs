@@ -10,6 +10,7 @@ mod mesh;
 mod tests;
 
 pub use memory::BlobFiles;
+pub(crate) use mesh::POSITION;
 
 use crate::draw::DrawCall;
 use arrays::{array_mesh, unsupported};
@@ -65,10 +66,10 @@ struct DrawingLists {
 impl DrawingLists {
     /// Follows a call. Returns true if it draws.
     fn draws(&mut self, call: &TraceCall<'_>) -> bool {
-        let list = call.number("list").unwrap_or_default();
+        let list = call.list();
         match call.name {
             "glNewList" => {
-                self.open = Some((list, call.text("mode") == Some("GL_COMPILE_AND_EXECUTE")));
+                self.open = Some((list, call.executes_list()));
                 self.known.remove(&list);
             }
             "glEndList" => self.open = None,
@@ -161,10 +162,7 @@ impl TraceReplay<'_> {
     /// Follows a call. Returns its draw call if it is wanted.
     fn follow(&mut self, call: &TraceCall<'_>, wanted: bool) -> Result<Option<CountedDraw>, SceneError> {
         match call.name {
-            "glNewList" => {
-                let executes = call.text("mode") == Some("GL_COMPILE_AND_EXECUTE");
-                self.fixed.open_list(call.number("list").unwrap_or_default(), executes);
-            }
+            "glNewList" => self.fixed.open_list(call.list(), call.executes_list()),
             "glEndList" => self.fixed.close_list(),
             _ => {}
         }
