@@ -72,14 +72,20 @@ impl TimelineLayout {
     }
 }
 
-/// Name of a wait, as in the tables of the report: its cause and the FIFO or memory client.
-pub(crate) fn wait_name(stage: &StageTopology, cause: StallCause) -> String {
+/// Cause of a wait, as in the tables of the report, and the FIFO or memory client.
+pub(crate) fn wait_cause(stage: &StageTopology, cause: StallCause) -> (&'static str, &str) {
     let (cause, names, number) = match cause {
         StallCause::Starved(number) => ("starved", &stage.inputs, number),
         StallCause::Blocked(number) => ("blocked", &stage.outputs, number),
         StallCause::Memory(number) => ("memory", &stage.clients, number),
     };
-    format!("{cause}: {}", names.get(number).map_or("", String::as_str))
+    (cause, names.get(number).map_or("", String::as_str))
+}
+
+/// Name of a wait: its cause and the FIFO or memory client.
+pub(crate) fn wait_name(stage: &StageTopology, cause: StallCause) -> String {
+    let (cause, name) = wait_cause(stage, cause);
+    format!("{cause}: {name}")
 }
 
 #[cfg(test)]

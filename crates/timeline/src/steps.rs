@@ -1,6 +1,6 @@
 //! Steps and waits of units as a list.
 
-use crate::layout::{TimelineLayout, wait_name};
+use crate::layout::{TimelineLayout, wait_cause, wait_name};
 use crate::probe::{AttributedProbe, StepAttribution};
 use basrelief_kernel::{Cycle, Interval, Probe, StallCause};
 
@@ -38,24 +38,15 @@ impl StepList {
     }
 }
 
-/// Returns the kind of a state, and its name.
-fn state(layout: &TimelineLayout, stage: usize, cause: Option<StallCause>) -> (&'static str, String) {
-    let kind = match cause {
-        None => return ("busy", "busy".into()),
-        Some(StallCause::Memory(_)) => "memory",
-        Some(StallCause::Starved(_)) => "starved",
-        Some(StallCause::Blocked(_)) => "blocked",
-    };
-    (kind, cause.map_or_else(String::new, |cause| wait_name(&layout.diagram.stages[stage], cause)))
-}
-
 impl AttributedProbe for StepList {
     fn add(&mut self, Interval { stage, cause, from, to }: Interval, whose: &StepAttribution) {
         let (from, to) = (from.0.max(self.layout.from), to.0.min(self.layout.to));
         if from >= to {
             return;
         }
-        let (kind, mut text) = state(&self.layout, stage, cause);
+        let unit = &self.layout.diagram.stages[stage];
+        let (kind, mut text) =
+            cause.map_or_else(|| ("busy", "busy".into()), |cause| (wait_cause(unit, cause).0, wait_name(unit, cause)));
         let mut separator = if cause.is_some() { ", " } else { ": " };
         let mut add = |argument: String| {
             text.push_str(std::mem::replace(&mut separator, ", "));
@@ -68,7 +59,7 @@ impl AttributedProbe for StepList {
             add(format!("{} {} at {x},{y}", life.pixels, if life.pixels == 1 { "pixel" } else { "pixels" }));
         }
         if whose.asks != 0 {
-            add(format!("uses {}", whose.clients(&self.layout.diagram.stages[stage].clients)));
+            add(format!("uses {}", whose.clients(&unit.clients)));
         }
         match self.steps.iter_mut().rev().find(|step| step.stage == stage) {
             Some(last) if cause.is_some() && last.to == from && last.text == text => last.to = to,
