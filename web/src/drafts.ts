@@ -65,13 +65,17 @@ export class Drafts {
   }
 
   async #whole(question: Record<string, unknown>, hides: boolean, stale: () => boolean): Promise<Answered<Told> | undefined> {
+    const isOver = () => {
+      if (this.#stopped) throw new Error(this.#stopped);
+      return stale();
+    };
     let all = 0;
     let waited = 0;
     for (let left = 1; left > 0;) {
       const began = performance.now();
       const answer = await this.#ask(question);
       if (isWhole(answer)) return waiting(answer, waited);
-      if (stale()) return undefined;
+      if (isOver()) return undefined;
       if (!hides) this.access.show(answer.json, answer.rest);
       this.#prefetch.want(answer.json, true);
       all ||= this.#prefetch.left;
@@ -80,8 +84,7 @@ export class Drafts {
       do {
         loading(left = this.#prefetch.left, all);
         await new Promise(done => setTimeout(done, LOOK));
-        if (this.#stopped) throw new Error(this.#stopped);
-        if (stale()) return undefined;
+        if (isOver()) return undefined;
         left = this.#prefetch.left;
       } while (left > 0 && (hides || performance.now() < next));
       waited += performance.now() - now;
@@ -91,7 +94,7 @@ export class Drafts {
   }
 
   #ask(question: Record<string, unknown>): Promise<Answered<Told> | Answered<Draft>> {
-    const draft = this.#prefetch.underWay();
+    const draft = this.#prefetch.pending();
     return this.access.ask({ ...question, draft }) as Promise<Answered<Told> | Answered<Draft>>;
   }
 }

@@ -26,8 +26,9 @@ export class Prefetch {
 
   constructor(private readonly access: Access) {}
 
-  underWay(): string[] {
-    return [...this.#underWay.keys()];
+  /** Returns the requests that are under way or queued. A question for a draft names them, so that its answer lists none of their tiles again. */
+  pending(): string[] {
+    return [...this.#underWay.keys(), ...this.#queue];
   }
 
   /** Returns the number of requests that are not answered. */
@@ -37,11 +38,10 @@ export class Prefetch {
 
   /** Fetches the data that a draft lacks, instead of earlier ones. */
   want({ missing, needed }: Pick<Draft, "missing" | "needed">, isFinal: boolean): void {
-    // A request that began after the question for the draft is among the missing ones.
-    const isWanted = (address: string) => needed.includes(address) || missing.includes(address);
     // During a drag each view lasts for a moment, and the next one may need the same tiles.
-    if (isFinal) this.#underWay.forEach((control, address) => isWanted(address) || control.abort());
-    this.#queue = missing.filter(address => !this.#underWay.has(address));
+    if (isFinal) this.#underWay.forEach((control, address) => needed.includes(address) || control.abort());
+    // What has left the queue since the question is under way or here.
+    this.#queue = [...needed.filter(address => this.#queue.includes(address)), ...missing];
     this.#start();
   }
 

@@ -17,9 +17,10 @@ pub(crate) type DraftPages = Vec<(String, Arc<TexturePage>)>;
 /// Data that a draft lacks. Sorted lists make less code than maps, and are fast enough for thousands of tiles.
 #[derive(Debug, Default)]
 pub(crate) struct DraftRecord {
-    /// Requests under way: the address of each of their tiles or of their other data, and of the request. Sorted.
+    /// Requests of the page, under way or queued: the address of each of their tiles or of their other data, and of the request.
+    /// Sorted.
     coming: Vec<(String, String)>,
-    /// Requests under way that the draft needs.
+    /// Requests of the page that the draft needs, in the order of their use.
     pub(crate) needed: Vec<String>,
     /// Addresses to be requested, in the order of their use.
     pub(crate) missing: Vec<String>,
@@ -33,10 +34,10 @@ pub(crate) struct DraftRecord {
 }
 
 impl DraftRecord {
-    /// Makes the record of a draft during these requests.
-    pub(crate) fn new(under_way: Vec<String>) -> Rc<RefCell<Self>> {
+    /// Makes the record of a draft. The page has begun or queued these requests.
+    pub(crate) fn new(pending: Vec<String>) -> Rc<RefCell<Self>> {
         let mut coming = vec![];
-        for address in under_way {
+        for address in pending {
             let Some((cut, numbers)) = address.rsplit_once('/') else { continue };
             coming.extend(numbers.split(',').map(|number| (format!("{cut}/{number}"), address.clone())));
         }
@@ -49,7 +50,7 @@ impl DraftRecord {
         self.needed.is_empty() && self.missing.is_empty()
     }
 
-    /// Returns the request under way for data.
+    /// Returns the request of the page for data.
     fn request_of(&self, address: &str) -> Option<&String> {
         let found = self.coming.binary_search_by(|(of, _)| of.as_str().cmp(address)).ok()?;
         Some(&self.coming[found].1)
@@ -105,13 +106,19 @@ impl DraftTiles {
         let record = &mut *self.record.borrow_mut();
         let before = record.announced.saturating_sub(1);
         record.complete.get_or_insert(before);
-        if !record.need(&self.tiles.address(page, &[tile])) {
+        let address = self.tiles.address(page, &[tile]);
+        let is_coming = record.request_of(&address).is_some();
+        if !is_coming && !record.is_new(&address) {
             return;
         }
-        let batch = self.tiles.batch(page, tile, |address| !self.tiles.is_here(address) && record.is_new(address));
+        let is_new = |address: &str| !self.tiles.is_here(address) && record.is_new(address);
+        let batch = if is_coming { vec![tile] } else { self.tiles.batch(page, tile, is_new) };
         let lists = batch.iter().filter_map(|tile| self.tiles.list_address(page, *tile));
         lists.filter(|list| !self.tiles.is_here(list)).for_each(|list| record.need_alone(&list));
         batch.iter().for_each(|tile| _ = record.need(&self.tiles.address(page, &[*tile])));
+        if is_coming {
+            return;
+        }
         let request = self.tiles.address(page, &batch);
         if let Some((cut, _)) = request.rsplit_once('/')
             && record.pages.iter().all(|(of, _)| of != cut)

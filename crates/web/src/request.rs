@@ -80,7 +80,7 @@ pub(crate) struct RunRequest {
     /// Measure the bottlenecks if the run is short.
     #[serde(default)]
     pub(crate) limits: bool,
-    /// Addresses that the page is fetching. If they are given, a server's scene is drawn with the tiles that are here. If tiles are
+    /// Addresses that the page fetches or has queued. If they are given, a server's scene is drawn with the tiles that are here. If tiles are
     /// missing, the answer is a draft with their addresses.
     #[serde(default)]
     pub(crate) draft: Option<Vec<String>>,

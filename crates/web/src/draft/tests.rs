@@ -12,8 +12,8 @@ fn tiles(path: &Rc<ServerConnection>) -> PathTiles {
 }
 
 /// Draws with these tiles in one list. Returns them and the record.
-fn draft(path: &Rc<ServerConnection>, under_way: &[&str], wanted: &[u32]) -> (Vec<Arc<[u8]>>, Rc<RefCell<DraftRecord>>) {
-    let record = DraftRecord::new(under_way.iter().map(|address| (*address).into()).collect());
+fn draft(path: &Rc<ServerConnection>, pending: &[&str], wanted: &[u32]) -> (Vec<Arc<[u8]>>, Rc<RefCell<DraftRecord>>) {
+    let record = DraftRecord::new(pending.iter().map(|address| (*address).into()).collect());
     let mut source = DraftTiles::new(tiles(path), Rc::clone(&record));
     source.offer(&texture_without_texels());
     source.announce(&wanted.iter().map(|tile| (page(), *tile)).collect::<Vec<_>>());
@@ -57,15 +57,25 @@ fn delivered_tiles_complete_a_draft() {
 }
 
 #[test]
-fn tiles_under_way_are_not_listed_again() {
+fn requested_tiles_are_not_listed_again() {
     let server = Server::new(|_, _| ());
     let path = path(&server, &MemoryPool::default());
     let (_, record) = draft(&path, &[], &[3, 0]);
     let [list, batch] = <[String; 2]>::try_from(record.borrow().missing.clone()).unwrap();
     let (_, record) = draft(&path, &[&list, &batch, "tile/other/64x64/raw/3"], &[3, 5]);
     let record = record.borrow();
-    assert_eq!(record.needed, [batch, list]);
+    assert_eq!(record.needed, [list, batch]);
     assert!(matches!(&record.missing[..], [more] if more.ends_with("/5")), "{record:?}");
+}
+
+#[test]
+fn hashes_of_requested_tiles_are_needed() {
+    let server = Server::new(|_, _| ());
+    let path = path(&server, &MemoryPool::default());
+    let (_, record) = draft(&path, &[], &[3]);
+    let listed = record.borrow().missing.clone();
+    let (_, record) = draft(&path, &[&listed[1], &listed[0]], &[3]);
+    assert_eq!((&record.borrow().needed, &record.borrow().missing), (&listed, &vec![]));
 }
 
 #[test]
