@@ -26,10 +26,12 @@ use crate::wires::{BUSY, DONE, FIRST_WAIT, FRAME, SignalNumbers, SignalTable};
 use basrelief_input::MemoryPool;
 use basrelief_kernel::StallCause;
 use fst_writer::{FstFileType, FstHeaderWriter, FstInfo, FstWriteError};
-use std::io::{self, Seek, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 
 /// Date of all files, as `asctime` prints it: the epoch, so that equal runs give equal files.
 const DATE: &str = "Thu Jan  1 00:00:00 1970\n";
+/// Offset of the start time in the file, behind the kind and the length of the header.
+const START_OFFSET: u64 = 9;
 /// Bytes of changes that are written at once.
 const SECTION: usize = 1 << 22;
 
@@ -93,7 +95,12 @@ impl<W: Write + Seek> FstWaves<W> {
         }
         signals.settle(&mut body)?;
         body.time_change(scale.at(end.max(now)))?;
-        body.finish()?.flush()?;
+        let mut out = body.finish()?;
+        // The library writes 0, so that GTKWave would open at cycle 0 instead of the first shown cycle.
+        out.seek(SeekFrom::Start(START_OFFSET))?;
+        out.write_all(&scale.at(board.from).to_be_bytes())?;
+        out.seek(SeekFrom::End(0))?;
+        out.flush()?;
         Ok(())
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Lane 0 shows the location of a token: the unit that processes it, then the FIFO in which it waits for the next unit. Lane 1 shows the
 //! stalls of that unit on memory or on a full FIFO. A token that reaches the end of the pixel pipeline is retired. A hidden token is
-//! flushed at the unit that removes it. Its hover text lists the units with their cycles.
+//! flushed at the unit that removes it. A token that leaves the shown units or cycles is retired there, because its end is unknown. Its
+//! hover text lists the units with their cycles.
 //!
 //! The format, Kanata 4, counts cycles forwards only, but events are known token by token. So events are kept until the end.
 
@@ -66,8 +67,26 @@ impl<W: Write> KanataLog<W> {
         fifo.map_or("under way", |fifo| &fifo.name)
     }
 
+    /// Returns true if a token reaches the stage where pixels end.
+    fn arrives(&self, pieces: &[TokenSpan]) -> bool {
+        pieces.iter().any(|piece| Some(piece.stage) == self.last)
+    }
+
+    /// Returns the number of the first token that may still be under way at the end of the shown cycles. Each token before it that does
+    /// not arrive has been removed. Without the last stage, the end of no token is shown.
+    fn first_unfinished(&self, pieces: &[TokenSpan], end: u64) -> u64 {
+        if !self.last.is_some_and(|last| self.board.shows(last)) {
+            return 0;
+        }
+        if end < self.board.to {
+            return u64::MAX;
+        }
+        let arrived = pieces.iter().filter(|piece| self.arrives(std::slice::from_ref(piece)));
+        arrived.map(|piece| piece.life.number).max().unwrap_or(0)
+    }
+
     /// Events of one token, by cycle.
-    fn events(&self, pieces: &[TokenSpan]) -> Vec<(u64, TokenEvent)> {
+    fn events(&self, pieces: &[TokenSpan], first_unfinished: u64) -> Vec<(u64, TokenEvent)> {
         let Some(first) = pieces.first() else { return vec![] };
         let mut events = vec![(first.from, TokenEvent::Begins(label(first), self.hover_text(pieces)))];
         let (mut is_in, mut end) = (None::<usize>, first.from);
@@ -98,8 +117,8 @@ impl<W: Write> KanataLog<W> {
         }
         let Some(stage) = is_in else { return vec![] };
         events.push((end, TokenEvent::Leaves(STAGES, self.board.name(stage))));
-        let is_retired = pieces.iter().any(|piece| Some(piece.stage) == self.last);
-        events.push((end, TokenEvent::Ends { flushed: !is_retired }));
+        let flushed = first.life.number < first_unfinished && !self.arrives(pieces);
+        events.push((end, TokenEvent::Ends { flushed }));
         events
     }
 
@@ -125,13 +144,14 @@ impl<W: Write> KanataLog<W> {
         wait_name(&self.board.diagram.stages[stage], of)
     }
 
-    fn write(&mut self) -> io::Result<()> {
+    fn write(&mut self, end: u64) -> io::Result<()> {
         let mut pieces = std::mem::take(&mut self.pieces);
         pieces.sort_by_key(|piece| (piece.life.number, piece.from, piece.to, piece.stage));
+        let first_unfinished = self.first_unfinished(&pieces, end);
         let lives = pieces.chunk_by(|a, b| a.life.number == b.life.number);
         let mut events: Vec<(u64, u64, usize, TokenEvent)> = vec![];
         for life in lives {
-            let of_life = self.events(life);
+            let of_life = self.events(life, first_unfinished);
             self.held.try_grow(of_life.len() as u64 * size_of::<(u64, u64, usize, TokenEvent)>() as u64, "lives of tokens")?;
             events.extend((0..).zip(of_life).map(|(k, (at, event))| (at, life[0].life.number, k, event)));
         }
@@ -200,8 +220,8 @@ impl<W: Write> TraceSink for KanataLog<W> {
 
     fn frame(&mut self, _: usize, _: u64, _: u64) {}
 
-    fn finish(mut self: Box<Self>, _: u64) -> io::Result<()> {
+    fn finish(mut self: Box<Self>, end: u64) -> io::Result<()> {
         self.over.take().map_or(Ok(()), Err)?;
-        self.write()
+        self.write(end)
     }
 }

@@ -138,6 +138,27 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
     assert_eq!(tokens, [retired, flushed]);
 }
 
+/// Whether each of three tokens is flushed; the second alone reaches the last stage.
+fn flushed(board: &TimelineLayout) -> Vec<bool> {
+    let ([before, last], _) = pair(board);
+    let text = written(board, &MemoryPool::default(), |watcher| {
+        (0..3).for_each(|k| add(watcher, before, None, (2 * k, 2 * k + 2), &life(k)));
+        add(watcher, last, None, (4, 6), &life(1));
+    });
+    read(&text.unwrap()).iter().map(|token| token.end.unwrap().1).collect()
+}
+
+#[test]
+fn token_that_leaves_the_window_is_not_flushed() {
+    let board = samples::board();
+    assert_eq!(flushed(&board), [true, false, true]);
+    assert_eq!(flushed(&TimelineLayout { to: 8, ..board.clone() }), [true, false, false]);
+    let mut first = board.clone();
+    let ([before, _], _) = pair(&board);
+    first.show_only(&[board.diagram.stages[before].name.clone()]).unwrap();
+    assert_eq!(flushed(&first), [false; 3]);
+}
+
 #[test]
 fn overlapping_unit_ends_when_the_next_begins() {
     let board = samples::board();
