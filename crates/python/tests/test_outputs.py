@@ -171,4 +171,7 @@ def test_resimulation_analyses_and_records_on_demand() -> None:
     analysed = result.recording.resimulate({"fifo.shaded.depth": 4}, bottlenecks=True)
     assert analysed.report["bottlenecks"]["single"]
     assert again.recording == result.recording.resimulate({"fifo.shaded.depth": 4}, recording=True).recording
-    assert "fifo.shaded.depth" in result.compare(again).explanation
+    comparison = result.compare(again)
+    assert "fifo.shaded.depth" in comparison.explanation
+    rows = str(comparison).splitlines()[2:4]
+    assert [row.split()[0] for row in rows] == ["A", "B"], "the names of the explanation"

@@ -250,7 +250,7 @@ class Result:
             self._recording = None if made is None else Recording(made)
         return self._recording
 
-    def compare(self, other: Result, names: tuple[str, str] = ("this", "other")) -> Comparison:
+    def compare(self, other: Result, names: tuple[str, str] = ("A", "B")) -> Comparison:
         """Compares this run with another. If both have recordings, the causes of the cycle difference are measured."""
         return Comparison(self._side(names[0]), other._side(names[1]))
 
