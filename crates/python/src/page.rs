@@ -65,9 +65,18 @@ pub fn part(py: Python<'_>, report: String, pictures: (Option<GivenPixels>, Opti
     })
 }
 
-/// Returns the style sheet of a notebook fragment, which must not change the rest of the page. A browser without `@scope`, or a
-/// site that shows notebooks without styles, shows plain tables.
+/// Rules of JupyterLab that would hide bars, draw key figures in a column, and keep light rows on a dark page.
+const RESET: &str = "table { table-layout: auto; margin-left: 0; margin-right: 0; }
+th, td { line-height: inherit; max-width: none; }
+tbody tr { background: none; }
+dt, dd { float: none; width: auto; }
+dt { font-weight: normal; }
+code { padding: 0; background: none; color: inherit; }
+";
+
+/// Returns the style sheet of a notebook fragment, which must not change the rest of the page. The repeated class outranks the rules of
+/// JupyterLab for tables and lists. A browser without nested rules, or a site that shows notebooks without styles, shows plain tables.
 fn scoped() -> String {
-    let style = STYLE.replace(":root {", ":scope {").replace("\nbody {", "\n:scope {");
-    format!("@scope (.basrelief) {{\n{style}}}")
+    let style = STYLE.replace(":root {", "& {").replace("\nbody {", "\n& {");
+    format!(".basrelief.basrelief.basrelief {{\n{RESET}{style}}}")
 }
