@@ -26,7 +26,7 @@ export function stops(min: number, max: number, whole: boolean, around: number):
   return [...places].filter(n => n >= min && n <= max).sort((a, b) => a - b);
 }
 
-function slider(parameter: Parameter, value: string, handlers: Handlers): HTMLElement[] {
+function slider(parameter: Parameter, value: string, set: Handlers["set"]): HTMLElement[] {
   const { key, takes } = parameter;
   if (takes.kind !== "integer" && takes.kind !== "number") return [];
   const now = Number(value);
@@ -40,37 +40,37 @@ function slider(parameter: Parameter, value: string, handlers: Handlers): HTMLEl
   const move = (rests: boolean) => {
     exact.value = String(places[Number(range.value)]);
     range.setAttribute("aria-valuetext", `${exact.value} ${parameter.unit}`);
-    handlers.set(key, exact.value, rests);
+    set(key, exact.value, rests);
   };
   range.addEventListener("input", () => move(false));
   range.addEventListener("change", () => move(true));
-  exact.addEventListener("change", () => handlers.set(key, exact.value.trim(), true));
+  exact.addEventListener("change", () => set(key, exact.value.trim(), true));
   return [range, exact];
 }
 
-function inputs(parameter: Parameter, value: string, handlers: Handlers): HTMLElement[] {
+function inputs(parameter: Parameter, value: string, set: Handlers["set"]): HTMLElement[] {
   const { key, takes } = parameter;
   const described = { id: `set-${key}`, "aria-describedby": `about-${key}` };
   switch (takes.kind) {
     case "switch": {
       const box = el("input", { type: "checkbox", ...described });
       box.checked = value === "true";
-      box.addEventListener("change", () => handlers.set(key, String(box.checked), true));
+      box.addEventListener("change", () => set(key, String(box.checked), true));
       return [box];
     }
     case "choice": {
       const select = el("select", described, ...takes.choices.map(({ name, about }) => el("option", { value: name, title: about }, name)));
       select.value = value;
-      select.addEventListener("change", () => handlers.set(key, select.value, true));
+      select.addEventListener("change", () => set(key, select.value, true));
       return [select];
     }
     case "text": {
       const text = el("input", { type: "text", value, ...described });
-      text.addEventListener("change", () => handlers.set(key, text.value.trim(), true));
+      text.addEventListener("change", () => set(key, text.value.trim(), true));
       return [text];
     }
     default:
-      return slider(parameter, value, handlers);
+      return slider(parameter, value, set);
   }
 }
 
@@ -78,20 +78,28 @@ function inputs(parameter: Parameter, value: string, handlers: Handlers): HTMLEl
 export function control(parameter: Parameter, given: string | undefined, handlers: Handlers): HTMLElement {
   const { key, unit, about, provenance } = parameter;
   const value = given ?? asOption(parameter.default);
-  const changed = value !== asOption(parameter.default);
+  const standard = asOption(parameter.default);
   const choice = parameter.takes.kind === "choice" ? parameter.takes.choices.find(({ name }) => name === value)?.about : undefined;
   const head = el("div", { class: "control-head" }, el("label", { for: `set-${key}` }, key), el("span", { class: "quiet" }, unit));
-  if (changed) {
-    const back = `default ${asOption(parameter.default)}`;
-    head.append(el("button", { type: "button", class: "plain", onclick: () => handlers.reset(key) }, back));
-  }
+  const back = el("button", { type: "button", class: "plain", onclick: () => handlers.reset(key) }, `default ${standard}`);
+  head.append(back);
   const source = `${about}${choice ? ` Now: ${choice}` : ""} Default ${provenance.kind}: ${provenance.text}.`;
   const timing = parameter.effect === "timing" ? " Changes times only." : "";
-  return el(
-    "div", { class: changed ? "control changed" : "control", "data-key": key }, head,
-    el("div", { class: "control-inputs" }, ...inputs(parameter, value, handlers)),
+  const marked = (value: string) => {
+    back.hidden = value === standard;
+    box.className = back.hidden ? "control" : "control changed";
+  };
+  const set = (key: string, value: string, rests: boolean) => {
+    marked(value);
+    handlers.set(key, value, rests);
+  };
+  const box = el(
+    "div", { "data-key": key }, head,
+    el("div", { class: "control-inputs" }, ...inputs(parameter, value, set)),
     el("p", { class: "about", id: `about-${key}` }, source + timing),
   );
+  marked(value);
+  return box;
 }
 
 const group = (key: string): string => key.split(".")[0]!;
