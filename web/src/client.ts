@@ -6,18 +6,16 @@ export type Answered<T> = Parcel<T> & Took;
 interface Waiting { resolve(answer: Answered<unknown>): void; reject(error: Error): void; meanwhile?: (told: Meanwhile) => void }
 
 export class Client {
-  #worker: Worker;
+  /** Starts with the first question after a restart. Without a server there is none, so a start that fails is not repeated at once. */
+  #worker: Worker | undefined;
   #asked = new Map<number, Waiting>();
   #next = 0;
-  /** Number of starts of the simulator. Each start forgets the input. */
+  /** Number of restarts of the simulator. Each restart forgets the input. */
   starts = 0;
 
-  constructor(private readonly start: () => Worker, private readonly wasm: WebAssembly.Module) {
-    this.#worker = this.#begin();
-  }
+  constructor(private readonly start: () => Worker, private readonly wasm: WebAssembly.Module) {}
 
   #begin(): Worker {
-    this.starts++;
     const worker = this.start();
     const message: Start = { wasm: this.wasm };
     worker.postMessage(message);
@@ -28,16 +26,18 @@ export class Client {
       this.#asked.get(id)?.resolve(answered);
       this.#asked.delete(id);
     };
-    worker.onerror = event => this.restart(event.message);
+    // An event without a message: its file cannot be loaded.
+    worker.onerror = event => this.restart(event.message ?? "The simulator cannot start: the server of this page does not answer.");
     return worker;
   }
 
   /** Cancels all questions and restarts the simulator, which loses its state. */
   restart(why: string): void {
-    this.#worker.terminate();
+    this.#worker?.terminate();
+    this.#worker = undefined;
+    this.starts++;
     const asked = [...this.#asked.values()];
     this.#asked.clear();
-    this.#worker = this.#begin();
     asked.forEach(({ reject }) => reject(new Error(why)));
   }
 
@@ -46,7 +46,7 @@ export class Client {
     const id = this.#next++;
     const answer = await new Promise<Answered<unknown>>((resolve, reject) => {
       this.#asked.set(id, { resolve, reject, ...(meanwhile && { meanwhile }) });
-      this.#worker.postMessage({ id, json, rest });
+      (this.#worker ??= this.#begin()).postMessage({ id, json, rest });
     });
     const { error } = answer.json as { error?: string };
     if (error !== undefined) throw new Error(error);

@@ -44,6 +44,8 @@ export class Page implements Handlers {
   /** Counts changes. Only the last one gets a complete answer. */
   #version = 0;
   #busy = false;
+  /** True from a stop by the user until the next change. */
+  #halted = false;
   /** True during a movement. */
   #moving = false;
   /** Number of inputs that are being opened. Meanwhile no run is requested. */
@@ -235,6 +237,7 @@ export class Page implements Handlers {
   /** Notes a change of this kind in the history, or none after a move in the history. Requests new answers. */
   #changed(rests: boolean, kind?: string): void {
     this.#version++;
+    this.#halted = false;
     this.#wanted = undefined;
     Object.assign(document.documentElement.dataset, { asked: this.#version, settled: false });
     if (kind === undefined) this.#steps.replace(this.#address());
@@ -262,7 +265,7 @@ export class Page implements Handlers {
 
   /** Requests a quick answer. During another question it does nothing, because that question's caller asks again afterwards. */
   async #quick(): Promise<void> {
-    if (this.#busy || this.#opening > 0 || !this.#taken) return;
+    if (this.#busy || this.#halted || this.#opening > 0 || !this.#taken) return;
     const size = this.#state.view.size;
     const small = size[0] * size[1] > MOVING[0] * MOVING[1] ? MOVING : size;
     const version = this.#version;
@@ -275,6 +278,7 @@ export class Page implements Handlers {
   /** Requests the picture in full size, then the comparison with the exact picture, then the bottlenecks. */
   async #whole(): Promise<void> {
     const version = this.#version;
+    if (this.#halted) return;
     if (this.#busy || this.#opening > 0) {
       clearTimeout(this.#rest);
       this.#rest = setTimeout(() => void this.#whole(), 20);
@@ -295,7 +299,7 @@ export class Page implements Handlers {
     }
     if (isAnswered && !stale() && this.#taken) await this.#costs(this.#question(this.#state, size, {}), version);
     if (stale()) return void this.#quick();
-    await this.#results.restore();
+    if (!this.#halted) await this.#results.restore();
   }
 
   /** Asks for a run, or lets `ask` do so. Returns true if the run was answered. */
@@ -305,7 +309,11 @@ export class Page implements Handlers {
   ): Promise<boolean> {
     const source = this.#source!;
     this.#busy = true;
-    const patience = setTimeout(() => (byId("stop").hidden = false), 1500);
+    const patience = setTimeout(() => {
+      byId("stop").hidden = false;
+      // A viewer shows how many tiles are here.
+      if (!SERVED) byId("answered").textContent = "computing\u2026";
+    }, 1500);
     try {
       const began = performance.now();
       this.#path.begin(version);
@@ -316,13 +324,18 @@ export class Page implements Handlers {
       this.#show(decoded(answer), whole, performance.now() - began, version);
       return true;
     } catch (error) {
-      if (version === this.#version) problem("run", why(error));
+      if (version === this.#version) this.#failed(why(error));
       return false;
     } finally {
       clearTimeout(patience);
       byId("stop").hidden = true;
       this.#busy = false;
     }
+  }
+
+  #failed(why: string): void {
+    byId("answered").textContent = "";
+    problem("run", why);
   }
 
   /** Runs another state, for example that of a pinned run. */
@@ -421,7 +434,7 @@ export class Page implements Handlers {
     });
     on("demo", "change", ({ value }) => void this.#choose(value));
     on("size", "change", ({ value }) => this.#view({ size: value.split("x").map(Number) }, true));
-    on("frames", "change", ({ value }) => this.#view({ frames: number(value) }, true));
+    on("frames", "change", field => field.reportValidity() && this.#view({ frames: number(field.value) }, true));
     on("orbit", "change", ({ value }) => this.#view({ orbit: number(value) }, true));
     on("light", "input", ({ value }) => this.#view({ light: towards(Number(value)) }, false));
     on("light", "change", ({ value }) => this.#view({ light: towards(Number(value)) }, true));
@@ -436,8 +449,10 @@ export class Page implements Handlers {
       this.#changed(true, "defaults");
     });
     on("stop", "click", () => {
+      this.#halted = true;
       this.#drafts.stop(STOPPED);
       this.client.restart(STOPPED);
+      this.#failed(STOPPED);
     });
     on("dismiss", "click", dismissed);
     on("undo", "click", () => history.back());

@@ -49,7 +49,7 @@ export function read(hash: string, served: boolean): State {
   if (light) state.view.light = light as [number, number, number];
   for (const key of ["zoom", "frames", "orbit"] as const) {
     const value = list(from.get(key), 1);
-    if (value) state.view[key] = value[0]!;
+    if (value && (key !== "frames" || Number.isInteger(value[0]))) state.view[key] = value[0]!;
   }
   for (const setting of from.getAll("set")) {
     const at = setting.indexOf("=");
