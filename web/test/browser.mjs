@@ -118,9 +118,23 @@ async function wrong() {
   await page.keyboard.press("Tab");
   await page.waitForSelector("#problem:visible");
   assert.match(await page.textContent("#problem"), /fifo\.polygons\.depth.*expected/);
+  // A rejected value has its way back at once.
+  await page.click('[data-key="fifo.polygons.depth"].changed button');
+  await whole(page);
+  assert.ok(await page.isHidden('[data-key="fifo.polygons.depth"] button'));
+  // A number of frames that is not whole changes nothing.
+  await page.fill("input#frames", "2.5");
+  await page.keyboard.press("Enter");
+  assert.doesNotMatch(page.url(), /frames/);
   await page.setInputFiles("#files", { name: "broken.glb", mimeType: "", buffer: Buffer.from("glTF and no more") });
   await page.waitForFunction(() => document.getElementById("problem").textContent.startsWith("broken.glb"));
   await page.close();
+  // The first run of an address fails.
+  const first = await browser.chromium.newPage();
+  await first.goto(`${server.address}#set=replacement.lanes%3Dabc`);
+  await first.waitForSelector("#problem:visible");
+  assert.equal(await first.textContent("#answered"), "", "nothing is loading");
+  await first.close();
 }
 
 /** Drops a model onto the page. */
@@ -144,6 +158,53 @@ async function warned() {
   await showsInput(page, "warned.gltf");
   await browser.whole(page);
   assert.match(await page.textContent("#problem [data-kind=warning]"), /`occlusionTexture` is not used/);
+  // An error and the warning are two lines.
+  await page.setInputFiles("#files", { name: "broken.glb", mimeType: "", buffer: Buffer.from("glTF and no more") });
+  await page.waitForSelector("#problem [data-kind=input]");
+  assert.match(await page.innerText("#problem"), /^broken\.glb.*\n`occlusionTexture`/);
+  await page.close();
+}
+
+/** Tests a stop during a quick answer: neither the complete answer follows nor the answer to a later change. */
+async function stopped() {
+  const page = await opened(`${server.address}#demo=goblet&size=160x120`);
+  const before = await page.textContent("#command");
+  const frames = number => page.fill("input#frames", number).then(() => page.keyboard.press("Enter"));
+  for (const changes of [["64"], ["63", "64"]]) {
+    await page.selectOption("#size", "160x120");
+    await page.selectOption("#size", "1920x1080");
+    for (const number of changes) await frames(number);
+    await page.waitForFunction(() => document.getElementById("answered").textContent === "computing\u2026");
+    await page.click("#stop");
+    assert.match(await page.textContent("#problem"), /^Stopped/);
+    await page.waitForTimeout(2500);
+    assert.ok(await page.isHidden("#stop"), "nothing is computed after a stop");
+    assert.match(await page.textContent("#problem"), /^Stopped/);
+    assert.equal(await page.textContent("#answered"), "");
+    await frames("");
+    await page.selectOption("#size", "160x120");
+    await whole(page);
+    assert.equal(await page.textContent("#command"), before);
+  }
+  await page.close();
+}
+
+/** Tests a stop without the server: the page starts no worker until the next change, says why that fails, and works again later. */
+async function stoppedOffline() {
+  const page = await opened(`${server.address}#demo=goblet&size=160x120`);
+  let starts = 0;
+  page.on("request", request => (starts += Number(request.url().endsWith("/worker.js"))));
+  await page.context().setOffline(true);
+  await page.selectOption("#size", "1920x1080");
+  await page.click("#stop");
+  await page.selectOption("#size", "320x240");
+  await page.waitForFunction(() => document.getElementById("problem").textContent.startsWith("The simulator cannot start"));
+  await page.waitForTimeout(500);
+  assert.ok(starts <= 3, `${starts} starts`);
+  await page.context().setOffline(false);
+  await page.selectOption("#size", "160x120");
+  await whole(page);
+  faults.splice(0, Infinity, ...faults.filter(fault => !/ERR_INTERNET_DISCONNECTED/.test(fault)));
   await page.close();
 }
 
@@ -154,7 +215,7 @@ async function standalone() {
 }
 
 try {
-  for (const test of [wrong, warned, standalone, machines, slider, turned, pinned, costs]) {
+  for (const test of [wrong, warned, stopped, stoppedOffline, standalone, machines, slider, turned, pinned, costs]) {
     await test();
     console.log(`ok: ${test.name}`);
   }
