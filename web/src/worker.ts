@@ -29,7 +29,8 @@ const outside: Outside = {
       if (fresh) request.setRequestHeader("cache-control", "no-cache");
       request.send();
     } catch {
-      return { json: { error: `no answer has come, within ${PATIENCE / 1000} s` }, rest: new Uint8Array() };
+      const error = performance.now() - began < PATIENCE ? "no connection to the server" : `no answer has come, within ${PATIENCE / 1000} s`;
+      return { json: { error }, rest: new Uint8Array() };
     } finally {
       waited += performance.now() - began;
     }

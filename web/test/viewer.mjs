@@ -143,7 +143,7 @@ async function otherwise() {
   await page.focus("#picture");
   await page.keyboard.press("ArrowUp");
   await page.waitForSelector("#problem:visible");
-  assert.match(await page.textContent("#problem"), /texture \d+ .*layer \d+, tile \d+: http:.*no answer has come.*attempt 3/);
+  assert.match(await page.textContent("#problem"), /texture \d+ .*layer \d+, tile \d+: http:.*no connection to the server.*attempt 3/);
   await page.close();
 }
 
