@@ -189,6 +189,50 @@ async function timelineZoomsAndMoves() {
   await page.close();
 }
 
+/** Returns what each strip shows at these cycles: text, and whether its colour is that of the state in the text. */
+const stripsAt = (page, cycles) => page.evaluate(cycles => {
+  const [from, to] = document.getElementById("shown-cycles").textContent.match(/[\d,]+/g).map(n => Number(n.replaceAll(",", "")));
+  return [...document.querySelectorAll("#time-strips canvas")].map(canvas => {
+    const [box, style] = [canvas.getBoundingClientRect(), getComputedStyle(canvas)];
+    const row = canvas.getContext("2d").getImageData(0, 14, canvas.width, 1).data;
+    return cycles.map(cycle => {
+      const at = (cycle + 0.5 - from) / (to - from);
+      canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: box.left + at * box.width }));
+      const text = document.querySelector("#panel > p").textContent;
+      const pixel = 4 * Math.floor(at * canvas.width);
+      const shown = [...row.slice(pixel, pixel + 3)].map(n => n.toString(16).padStart(2, "0"));
+      const state = text.match(/: (busy|memory|starved|blocked): /)?.[1];
+      return { text, isColoured: `#${shown.join("")}` === style.getPropertyValue(`--${state}`).trim() };
+    });
+  });
+}, cycles);
+
+/** Compares the steps in a column of cycles with the share of the column, which comes from another computation. */
+async function stepsAddUpToColumns(page) {
+  await page.focus("#time-strips");
+  await page.keyboard.press("-");
+  await page.keyboard.press("-");
+  const caption = () => page.textContent("#shown-cycles");
+  const [from, to] = (await caption()).match(/[\d,]+/g).slice(0, 2).map(n => Number(n.replaceAll(",", "")));
+  await page.waitForFunction(([from, to]) => {
+    const [first, end] = document.documentElement.dataset.steps.split(" ").map(Number);
+    return first <= from && end >= to;
+  }, [from, to]);
+  const width = 128;
+  const first = Math.ceil(from / width) * width;
+  assert.ok(first + width <= to, `${from} to ${to} holds a column of ${width}`);
+  const strips = await stripsAt(page, Array.from({ length: width }, (_, n) => first + n));
+  for (const { text, isColoured } of strips.flat()) assert.ok(isColoured || !/: (busy|memory|starved|blocked): /.test(text), text);
+  while (!(await caption()).includes("per column")) await page.keyboard.press("-");
+  assert.ok((await caption()).endsWith(` ${width} per column`), await caption());
+  const columns = await stripsAt(page, [first]);
+  columns.forEach(([{ text }], n) => {
+    const busy = Number(text.match(/busy (\d+) %/)?.[1] ?? 0);
+    const steps = (100 * strips[n].filter(({ text }) => text.includes(": busy: ")).length) / width;
+    assert.ok(Math.abs(busy - steps) <= 1, `${text}, but the steps are busy ${steps.toFixed(1)} %`);
+  });
+}
+
 /** Tests the steps at the resolution of single cycles: they are requested when the view is near, and the pointer shows the arguments. */
 async function timelineShowsSingleSteps() {
   const page = await opened("#demo=golf-ball&size=160x120&show=timeline");
@@ -212,6 +256,7 @@ async function timelineShowsSingleSteps() {
   for (const text of texts) assert.ok(numbers(text)[0] < to && numbers(text)[1] > from, text);
   assert.ok([...texts].some(text => numbers(text)[1] - numbers(text)[0] === 1), "a step of one cycle is seen");
   assert.ok([...texts].some(text => /: busy: frame 1, .*polygon \d+.*pixels? at \d+,\d+/.test(text)), [...texts].slice(0, 9).join("\n"));
+  await stepsAddUpToColumns(page);
   console.log(`${texts.size} steps between ${from} and ${to}, for example: ${[...texts].find(text => text.includes("pixel"))}`);
   if (shots) await page.screenshot({ path: `${shots}/steps.png` });
   await page.close();
