@@ -194,7 +194,9 @@ const stripsAt = (page, cycles) => page.evaluate(cycles => {
   const [from, to] = document.getElementById("shown-cycles").textContent.match(/[\d,]+/g).map(n => Number(n.replaceAll(",", "")));
   return [...document.querySelectorAll("#time-strips canvas")].map(canvas => {
     const [box, style] = [canvas.getBoundingClientRect(), getComputedStyle(canvas)];
-    const row = canvas.getContext("2d").getImageData(0, 14, canvas.width, 1).data;
+    const copy = new OffscreenCanvas(canvas.width, 1).getContext("2d", { willReadFrequently: true });
+    copy.drawImage(canvas, 0, -14);
+    const row = copy.getImageData(0, 0, canvas.width, 1).data;
     return cycles.map(cycle => {
       const at = (cycle + 0.5 - from) / (to - from);
       canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: box.left + at * box.width }));
