@@ -4,6 +4,10 @@
 //! same polygons, bit for bit. It keeps no state of a unit, counts nothing, and has no memories.
 
 #[cfg(target_arch = "x86_64")]
+mod block;
+#[cfg(target_arch = "x86_64")]
+mod columns;
+#[cfg(target_arch = "x86_64")]
 mod drawing;
 #[cfg(target_arch = "x86_64")]
 mod lanes;

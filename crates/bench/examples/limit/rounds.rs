@@ -18,7 +18,7 @@ const OTHERS: [(&str, &str); 3] =
 pub(crate) fn run() -> Result<(), String> {
     let simd = V3::try_new().ok_or("the limit needs AVX2, which this processor does not have")?;
     let drawing = Drawing::w1();
-    let (picture, _) = simd.vectorize(Drawer(simd, &drawing));
+    let (picture, _) = simd.vectorize(Drawer::new(simd, &drawing));
     let differ = picture.iter().zip(&drawing.picture).filter(|(ours, machines)| ours != machines).count();
     if differ > 0 {
         return Err(format!("{differ} of {} pixels differ from the machine's picture", picture.len()));
@@ -43,7 +43,7 @@ pub(crate) fn run() -> Result<(), String> {
 }
 
 fn limit(simd: V3, drawing: &Drawing) -> RunSample {
-    let ((_, count), time) = measured(|| simd.vectorize(Drawer(simd, drawing)));
+    let ((_, count), time) = measured(|| simd.vectorize(Drawer::new(simd, drawing)));
     RunSample { time, count }
 }
 
