@@ -60,6 +60,11 @@ function use(transfers, from, to) {
   return (8000 * bytes) / BITS / (to - from);
 }
 
+function noTileComesTwice(requests) {
+  const numbers = requests.flatMap(({ path }) => path.split("/").at(-1).split(",").map(number => path.replace(/[^/]*$/, number)));
+  assert.equal(new Set(numbers).size, numbers.length, "no tile comes twice");
+}
+
 async function draftComesFirstAndTheLineStaysFull(mode) {
   const { page, slow, times } = await opened(`#size=640x480&set=defer.mode%3D${mode}`, all ? () => true : isData);
   const report = await equalsNative(page);
@@ -79,8 +84,7 @@ async function draftComesFirstAndTheLineStaysFull(mode) {
   assert.ok(whole > 0.4, `the line is used to ${whole} up to the picture`);
   // The progressive mode begins with a small tile of each texture.
   assert.ok(tiles.length * (mode === "best" ? 2 : 1) < report.figures.path_tiles, `several tiles come with each of ${tiles.length} requests`);
-  const numbers = tiles.flatMap(({ path }) => path.split("/").at(-1).split(",").map(number => path.replace(/[^/]*$/, number)));
-  assert.equal(new Set(numbers).size, numbers.length, "no tile comes twice");
+  noTileComesTwice(tiles);
   // Progress in the bar and in bytes, and pictures that become complete.
   assert.ok(new Set(times.bars).size > 3 && times.bars.every((bar, i) => bar >= (times.bars[i - 1] ?? 0)), `${[...new Set(times.bars)]}`);
   assert.ok(new Set(times.told).size > 10, "bytes are told while they come");
@@ -107,6 +111,8 @@ async function turnedViewNeedsNoOtherTiles() {
   await browser.whole(page);
   assert.match(await page.textContent("#command"), /--turn 90,0/);
   const report = await equalsNative(page);
+  // A request of the former view that the turned one does not need is cancelled, and its tiles have not come.
+  noTileComesTwice(slow.of("/tile/").filter(({ end }) => end !== undefined));
   const bytes = slow.of("/tile/").reduce((sum, transfer) => sum + transfer.bytes, 0);
   console.log(`turned after ${before} requests: ${slow.of("/tile/").length} requests, ${bytes} bytes, of which the view needs ${report.figures.path_tile_bytes}`);
   await page.close();

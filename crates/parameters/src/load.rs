@@ -1,6 +1,6 @@
 //! From TOML and `key=value` pairs to a checked configuration.
 
-use crate::{ConfigError, Parameters, UserSettings};
+use crate::{ConfigError, Parameters, RangeError, UserSettings};
 use serde::de::Unexpected;
 use serde_json::Value as Json;
 use std::marker::PhantomData;
@@ -75,21 +75,24 @@ impl<C: Parameters> Loader<C> {
         serde_json::from_value(tree)
     }
 
-    /// Finds the first parameter that alone makes the configuration invalid. Returns the deserializer's message, without the
-    /// repeated place, and the range from the table. (A deserializer that tracks its place, for every type of every machine, took
-    /// a tenth of the build time.)
+    /// Finds the first parameter that alone makes the configuration invalid. Returns its value and its range. If the table has no
+    /// range, returns the deserializer's message, without the repeated place. (A deserializer that tracks its place, for every type
+    /// of every machine, took a tenth of the build time.)
     fn wrong_type(&self, given: &Table, whole: &serde_json::Error) -> ConfigError {
         let alone = |(key, value): (String, &Value)| {
             let mut tree = Table::new();
             insert_setting(&mut tree, &key, value.clone()).ok()?;
-            self.over_defaults(tree).err().map(|error| (key, error.to_string()))
+            self.over_defaults(tree).err().map(|error| (key, value.to_string(), error.to_string()))
         };
-        let (key, message) =
-            settings_in(given, "", &self.known).into_iter().find_map(alone).unwrap_or_else(|| (String::new(), whole.to_string()));
-        let first = message.trim().lines().next().unwrap_or_default();
-        let known = C::table().into_iter().find(|p| p.key == key && !p.range.is_empty());
-        let range = known.map_or_else(String::new, |p| format!("; expected {}", format!("{} {}", p.range, p.unit).trim_end()));
-        ConfigError::Type { key, message: format!("{first}{range}") }
+        let found = settings_in(given, "", &self.known).into_iter().find_map(alone);
+        let (key, value, message) = found.unwrap_or_else(|| (String::new(), String::new(), whole.to_string()));
+        match C::table().into_iter().find(|p| p.key == key && !p.range.is_empty()) {
+            Some(known) => {
+                let expected = format!("{} {}", known.range, known.unit).trim_end().into();
+                RangeError { key, value, expected }.into()
+            }
+            None => ConfigError::Type { key, message: message.trim().lines().next().unwrap_or_default().into() },
+        }
     }
 }
 
