@@ -6,6 +6,7 @@
 //! | ratios within one run, as a table and as JSON | `cargo run --release -p basrelief-bench --example measure -- ratios --json FILE` |
 //! | instructions against the committed budgets | `cargo run --release -p basrelief-bench --example measure -- instructions` |
 //! | new budgets | `cargo run --release -p basrelief-bench --example measure -- instructions --bless` |
+//! | W1 beside the same picture without any architecture | `cargo run --release -p basrelief-bench --example limit` |
 //! | hostile runs of the program, as a table | `cargo run --release -p basrelief-bench --example hostile -- target/release/basrelief` |
 //! | a trace of N polygons on standard output | `cargo run --release -p basrelief-bench --example measure -- trace N` |
 //!
