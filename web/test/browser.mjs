@@ -195,8 +195,12 @@ async function stoppedOffline() {
   let starts = 0;
   page.on("request", request => (starts += Number(request.url().endsWith("/worker.js"))));
   await page.context().setOffline(true);
+  // So many frames that a fast machine does not finish before the click.
+  const frames = number => page.fill("input#frames", number).then(() => page.keyboard.press("Enter"));
+  await frames("64");
   await page.selectOption("#size", "1920x1080");
   await page.click("#stop");
+  await frames("");
   await page.selectOption("#size", "320x240");
   await page.waitForFunction(() => document.getElementById("problem").textContent.startsWith("The simulator cannot start"));
   await page.waitForTimeout(500);
