@@ -1,6 +1,6 @@
 //! From TOML and `key=value` pairs to a checked configuration.
 
-use crate::{ConfigError, Parameters, RangeError, UserSettings};
+use crate::{ConfigError, Parameter, Parameters, RangeError, UserSettings};
 use serde::de::Unexpected;
 use serde_json::Value as Json;
 use std::marker::PhantomData;
@@ -82,17 +82,29 @@ impl<C: Parameters> Loader<C> {
         let alone = |(key, value): (String, &Value)| {
             let mut tree = Table::new();
             insert_setting(&mut tree, &key, value.clone()).ok()?;
-            self.over_defaults(tree).err().map(|error| (key, value.to_string(), error.to_string()))
+            self.over_defaults(tree).err().map(|error| (key, value_text(value), error.to_string()))
         };
         let found = settings_in(given, "", &self.known).into_iter().find_map(alone);
         let (key, value, message) = found.unwrap_or_else(|| (String::new(), String::new(), whole.to_string()));
-        match C::table().into_iter().find(|p| p.key == key && !p.range.is_empty()) {
-            Some(known) => {
-                let expected = format!("{} {}", known.range, known.unit).trim_end().into();
-                RangeError { key, value, expected }.into()
-            }
-            None => ConfigError::Type { key, message: message.trim().lines().next().unwrap_or_default().into() },
+        wrong_type_of(&C::table(), key, value, &message)
+    }
+}
+
+/// Returns the text of a value. (The writer of TOML is nowhere else in the web page.)
+fn value_text(value: &Value) -> String {
+    match value {
+        Value::Float(number) => format!("{number:?}"),
+        value => serde_json::to_value(value).map_or_else(|error| error.to_string(), |json| json.to_string()),
+    }
+}
+
+fn wrong_type_of(table: &[Parameter], key: String, value: String, message: &str) -> ConfigError {
+    match table.iter().find(|p| p.key == key && !p.range.is_empty()) {
+        Some(known) => {
+            let expected = format!("{} {}", known.range, known.unit).trim_end().into();
+            RangeError { key, value, expected }.into()
         }
+        None => ConfigError::Type { key, message: message.trim().lines().next().unwrap_or_default().into() },
     }
 }
 
