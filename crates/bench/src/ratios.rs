@@ -2,7 +2,7 @@
 
 use crate::machines::{self, MachineScene, SettingList};
 use crate::traces;
-use crate::workload::{PreparedRun, RunSample, Workload, WorkloadSize};
+use crate::workload::{PreparedRun, Workload, WorkloadSize};
 use basrelief_kernel::{Engine, NoProbe};
 use basrelief_threads as threads;
 use basrelief_timeline::{PerfettoTrace, TimelineProbe};
@@ -30,10 +30,6 @@ pub struct TimeRatio {
 const SEARCH_1: SettingList = &[("replacement.lanes", "256"), ("fifo.indexes.depth", "512")];
 const SEARCH_256: SettingList = &[("replacement.lanes", "1"), ("fifo.indexes.depth", "512")];
 
-fn nanoseconds(sample: RunSample) -> f64 {
-    sample.time.as_secs_f64() * 1e9 / sample.count as f64
-}
-
 /// Returns the value at this share of the sorted values.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * share).round() as usize]
@@ -45,13 +41,18 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
+/// Returns the median of values.
+pub fn median(values: impl Iterator<Item = f64>) -> f64 {
+    quantile(&sorted(values), 0.5)
+}
+
 /// Runs both alternately, once before counting.
 fn ratio(name: &str, rounds: usize, mut above: PreparedRun, mut below: PreparedRun) -> TimeRatio {
-    let mut pair = || [nanoseconds(above()), nanoseconds(below())];
+    let mut pair = || [above().nanoseconds(), below().nanoseconds()];
     pair();
     let pairs: Vec<[f64; 2]> = (0..rounds).map(|_| pair()).collect();
     let ratios = sorted(pairs.iter().map(|[a, b]| a / b));
-    let ns = [0, 1].map(|i| quantile(&sorted(pairs.iter().map(|pair| pair[i])), 0.5));
+    let ns = [0, 1].map(|i| median(pairs.iter().map(|pair| pair[i])));
     let [low, median, high] = [0.25, 0.5, 0.75].map(|share| quantile(&ratios, share));
     TimeRatio { name: name.into(), rounds, median, low, high, ns }
 }
@@ -76,7 +77,11 @@ fn probed(drawing: &MachineScene) -> PreparedRun {
     })
 }
 
-fn prepared(workloads: &[Workload], name: &str) -> PreparedRun {
+/// Prepares the workload of this name.
+///
+/// # Panics
+/// Panics if there is none.
+pub fn prepared(workloads: &[Workload], name: &str) -> PreparedRun {
     workloads.iter().find(|w| w.name == name).expect("a workload of this name").prepare()
 }
 

@@ -28,6 +28,13 @@ pub struct RunSample {
     pub count: u64,
 }
 
+impl RunSample {
+    /// Returns the time per unit of work \[ns\].
+    pub fn nanoseconds(self) -> f64 {
+        self.time.as_secs_f64() * 1e9 / self.count as f64
+    }
+}
+
 /// A prepared workload: each call is a run from fresh state, of which only the relevant part is measured.
 pub type PreparedRun = Box<dyn FnMut() -> RunSample>;
 

@@ -4,27 +4,11 @@
 //! same polygons, bit for bit. It keeps no state of a unit, counts nothing, and has no memories.
 
 #[cfg(target_arch = "x86_64")]
-mod block;
-#[cfg(target_arch = "x86_64")]
-mod columns;
-#[cfg(target_arch = "x86_64")]
-mod drawing;
-#[cfg(target_arch = "x86_64")]
-mod lanes;
-#[cfg(target_arch = "x86_64")]
-mod raster;
-#[cfg(target_arch = "x86_64")]
-mod rounds;
-#[cfg(target_arch = "x86_64")]
-mod search;
-#[cfg(target_arch = "x86_64")]
-mod shade;
-#[cfg(target_arch = "x86_64")]
-mod triangle;
+mod avx2;
 
 #[cfg(target_arch = "x86_64")]
 fn main() -> Result<(), String> {
-    rounds::run()
+    avx2::run()
 }
 
 #[cfg(not(target_arch = "x86_64"))]

@@ -1,10 +1,10 @@
 //! Second pass: normals of the map, rotation, search, brightness and blending of fragments in columns.
 
-use crate::block::Canvas;
-use crate::columns::Columns;
-use crate::drawing::{Drawing, MapLevel};
-use crate::lanes::{F32x8, I32x8, LANES};
-use crate::search::NormalGrid;
+use super::block::Canvas;
+use super::columns::Columns;
+use super::drawing::{Drawing, MapLevel};
+use super::lanes::{F32x8, I32x8, LANES};
+use super::search::NormalGrid;
 use pulp::NullaryFnOnce;
 use pulp::x86::V3;
 

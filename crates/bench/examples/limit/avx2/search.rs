@@ -1,7 +1,7 @@
 //! Search for the nearest reference normal: the cells of the replacement unit, with four candidates at a time.
 
-use crate::lanes::F32x8;
-use crate::lanes::I32x8;
+use super::lanes::F32x8;
+use super::lanes::I32x8;
 use pulp::cast;
 use pulp::x86::V3;
 use std::arch::x86_64::{__m128i, __m256d};

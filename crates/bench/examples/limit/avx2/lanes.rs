@@ -27,29 +27,32 @@ pub(crate) struct I32x8 {
 
 /// Implements an operator between lanes, and between lanes and one number.
 macro_rules! operator {
-    ($operator:ident, $name:ident, $instruction:ident) => {
-        impl $operator for F32x8 {
+    ($lanes:ident, $number:ident, $operator:ident, $name:ident, $feature:ident, $instruction:ident) => {
+        impl $operator for $lanes {
             type Output = Self;
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
-                Self { lanes: self.simd.avx.$instruction(self.lanes, other.lanes), ..self }
+                self.with(self.simd.$feature.$instruction(self.lanes, other.lanes))
             }
         }
-        impl $operator<f32> for F32x8 {
+        impl $operator<$number> for $lanes {
             type Output = Self;
             #[inline(always)]
-            fn $name(self, other: f32) -> Self {
+            fn $name(self, other: $number) -> Self {
                 $operator::$name(self, Self::splat(self.simd, other))
             }
         }
     };
 }
 
-operator!(Add, add, _mm256_add_ps);
-operator!(Sub, sub, _mm256_sub_ps);
-operator!(Mul, mul, _mm256_mul_ps);
-operator!(Div, div, _mm256_div_ps);
-operator!(BitAnd, bitand, _mm256_and_ps);
+operator!(F32x8, f32, Add, add, avx, _mm256_add_ps);
+operator!(F32x8, f32, Sub, sub, avx, _mm256_sub_ps);
+operator!(F32x8, f32, Mul, mul, avx, _mm256_mul_ps);
+operator!(F32x8, f32, Div, div, avx, _mm256_div_ps);
+operator!(F32x8, f32, BitAnd, bitand, avx, _mm256_and_ps);
+operator!(I32x8, i32, Add, add, avx2, _mm256_add_epi32);
+operator!(I32x8, i32, Sub, sub, avx2, _mm256_sub_epi32);
+operator!(I32x8, i32, BitAnd, bitand, avx2, _mm256_and_si256);
 
 impl F32x8 {
     #[inline(always)]
@@ -130,7 +133,7 @@ impl F32x8 {
     #[inline(always)]
     pub(crate) fn round_to_int(self) -> I32x8 {
         let bits = I32x8::new(self.simd, self.simd.avx._mm256_castps_si256((self + ROUNDING).lanes));
-        bits - I32x8::splat(self.simd, ROUNDING.to_bits().cast_signed())
+        bits - ROUNDING.to_bits().cast_signed()
     }
 
     /// Rounds down small numbers.
@@ -151,30 +154,6 @@ impl F32x8 {
     #[inline(always)]
     pub(crate) fn truncate(self) -> I32x8 {
         I32x8::new(self.simd, self.simd.avx._mm256_cvttps_epi32(self.lanes))
-    }
-}
-
-impl Add for I32x8 {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.with(self.simd.avx2._mm256_add_epi32(self.lanes, other.lanes))
-    }
-}
-
-impl Sub for I32x8 {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.with(self.simd.avx2._mm256_sub_epi32(self.lanes, other.lanes))
-    }
-}
-
-impl BitAnd<i32> for I32x8 {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: i32) -> Self {
-        self.with(self.simd.avx2._mm256_and_si256(self.lanes, self.simd.avx._mm256_set1_epi32(other)))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Columns of visible fragments between the passes.
 
-use crate::block::Block;
-use crate::lanes::{F32x8, I32x8, LANES};
-use crate::shade::three;
-use crate::triangle::{ATTRIBUTES, Triangle};
+use super::block::Block;
+use super::lanes::{F32x8, I32x8, LANES};
+use super::shade::three;
+use super::triangle::{ATTRIBUTES, Triangle};
 use pulp::cast;
 use pulp::x86::V3;
 use std::arch::x86_64::__m256i;

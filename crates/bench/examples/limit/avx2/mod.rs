@@ -1,10 +1,20 @@
 //! Rounds of the limit and of the machine, and their medians.
 
-use crate::drawing::Drawing;
-use crate::raster::Drawer;
+mod block;
+mod columns;
+mod drawing;
+mod lanes;
+mod raster;
+mod search;
+mod shade;
+mod triangle;
+
 use basrelief_bench::machines;
+use basrelief_bench::ratios::{median, prepared};
 use basrelief_bench::workload::{PreparedRun, RunSample, WorkloadSize, measured};
+use drawing::Drawing;
 use pulp::x86::V3;
+use raster::Drawer;
 
 const ROUNDS: usize = 7;
 /// Runs that are compared with the limit: the name of the output, and the workload.
@@ -25,17 +35,12 @@ pub(crate) fn run() -> Result<(), String> {
     }
     let mut runs: Vec<PreparedRun> = vec![Box::new(move || limit(simd, &drawing))];
     let workloads = machines::workloads(WorkloadSize::Full);
-    runs.extend(
-        OTHERS.iter().flat_map(|(_, name)| workloads.iter().find(|workload| workload.name == *name)).map(|w| w.prepare()),
-    );
+    runs.extend(OTHERS.map(|(_, name)| prepared(&workloads, name)));
     let mut times = vec![vec![]; runs.len()];
     for _ in 0..ROUNDS {
-        runs.iter_mut().zip(&mut times).for_each(|(run, times)| times.push(nanoseconds(run())));
+        runs.iter_mut().zip(&mut times).for_each(|(run, times)| times.push(run().nanoseconds()));
     }
-    let medians = times.iter_mut().map(|times| {
-        times.sort_by(f64::total_cmp);
-        times[ROUNDS / 2]
-    });
+    let medians = times.into_iter().map(|times| median(times.into_iter()));
     let names = ["limit"].into_iter().chain(OTHERS.map(|(name, _)| name));
     let text: Vec<String> = names.zip(medians).map(|(name, ns)| format!("{name} {ns:.1} ns")).collect();
     println!("{} per fragment", text.join(", "));
@@ -45,8 +50,4 @@ pub(crate) fn run() -> Result<(), String> {
 fn limit(simd: V3, drawing: &Drawing) -> RunSample {
     let ((_, count), time) = measured(|| simd.vectorize(Drawer::new(simd, drawing)));
     RunSample { time, count }
-}
-
-fn nanoseconds(sample: RunSample) -> f64 {
-    sample.time.as_secs_f64() * 1e9 / sample.count as f64
 }

@@ -1,17 +1,14 @@
 //! First pass: scans the triangles, and passes the visible fragments on in columns.
 
-use crate::block::{Canvas, LaneSteps};
-use crate::columns::{BATCH, Columns};
-use crate::drawing::Drawing;
-use crate::lanes::LANES;
-use crate::search::NormalGrid;
-use crate::shade::Shading;
-use crate::triangle::{Triangle, triangles};
+use super::block::{Canvas, LaneSteps};
+use super::columns::{BATCH, Columns};
+use super::drawing::Drawing;
+use super::lanes::LANES;
+use super::search::NormalGrid;
+use super::shade::Shading;
+use super::triangle::{Triangle, triangles};
 use pulp::NullaryFnOnce;
 use pulp::x86::V3;
-
-/// Numbers of triangles per polygon.
-const PER_POLYGON: u32 = 16;
 
 /// The drawing of a picture.
 pub(crate) struct Drawer<'a> {
@@ -74,10 +71,12 @@ impl NullaryFnOnce for Drawer<'_> {
 
     #[inline(always)]
     fn call(mut self) -> Self::Output {
-        for (polygon, number) in self.drawing.polygons.iter().zip(0..) {
-            for triangle in triangles(polygon, self.drawing.size, number * PER_POLYGON) {
+        let mut number = 0;
+        for polygon in &self.drawing.polygons {
+            for triangle in triangles(polygon, self.drawing.size, number) {
                 self.scan(&triangle);
             }
+            number += polygon.vertices.len() as u32;
         }
         for level in 0..self.levels.len() {
             self.shade(level, self.levels[level].count);

@@ -1,9 +1,9 @@
 //! Eight pixels of a row: coverage, depth and areas.
 
-use crate::columns::{read, write};
-use crate::lanes::{F32x8, LANES};
-use crate::shade::three;
-use crate::triangle::{Edge, MAX_DEPTH, Triangle};
+use super::columns::{read, write};
+use super::lanes::{F32x8, LANES};
+use super::shade::three;
+use super::triangle::{Edge, MAX_DEPTH, Triangle};
 use pulp::cast;
 use pulp::x86::V3;
 use std::arch::x86_64::{__m128i, __m256d, __m256i};
