@@ -107,18 +107,14 @@ impl DraftTiles {
         let before = record.announced.saturating_sub(1);
         record.complete.get_or_insert(before);
         let address = self.tiles.address(page, &[tile]);
-        let is_coming = record.request_of(&address).is_some();
-        if !is_coming && !record.is_new(&address) {
+        if record.request_of(&address).is_some() {
+            return self.need(record, page, &[tile]);
+        }
+        if !record.is_new(&address) {
             return;
         }
-        let is_new = |address: &str| !self.tiles.is_here(address) && record.is_new(address);
-        let batch = if is_coming { vec![tile] } else { self.tiles.batch(page, tile, is_new) };
-        let lists = batch.iter().filter_map(|tile| self.tiles.list_address(page, *tile));
-        lists.filter(|list| !self.tiles.is_here(list)).for_each(|list| record.need_alone(&list));
-        batch.iter().for_each(|tile| _ = record.need(&self.tiles.address(page, &[*tile])));
-        if is_coming {
-            return;
-        }
+        let batch = self.tiles.batch(page, tile, |address| !self.tiles.is_here(address) && record.is_new(address));
+        self.need(record, page, &batch);
         let request = self.tiles.address(page, &batch);
         if let Some((cut, _)) = request.rsplit_once('/')
             && record.pages.iter().all(|(of, _)| of != cut)
@@ -126,6 +122,13 @@ impl DraftTiles {
             record.pages.push((cut.into(), Arc::clone(page)));
         }
         record.missing.push(request);
+    }
+
+    /// Notes that the draft needs tiles, after the hashes that check them.
+    fn need(&self, record: &mut DraftRecord, page: &TexturePage, tiles: &[u32]) {
+        let lists = tiles.iter().filter_map(|tile| self.tiles.list_address(page, *tile));
+        lists.filter(|list| !self.tiles.is_here(list)).for_each(|list| record.need_alone(&list));
+        tiles.iter().for_each(|tile| _ = record.need(&self.tiles.address(page, &[*tile])));
     }
 }
 
