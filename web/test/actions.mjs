@@ -23,3 +23,6 @@ export async function settles(page, end) {
   await page.waitForFunction(end => document.getElementById("command").textContent.endsWith(end)
     && document.documentElement.dataset.settled === "true", end);
 }
+
+/** Returns the path of each tile that a request is for. */
+export const tilesOf = path => path.split("/").at(-1).split(",").map(number => path.replace(/[^/]*$/, number));

@@ -4,6 +4,7 @@
 //
 // With "all" the page itself comes over the slow path, too, and the times from the first byte on are printed.
 import assert from "node:assert/strict";
+import { tilesOf } from "./actions.mjs";
 import { Browser } from "./chromium.mjs";
 import { Native } from "./native.mjs";
 import { SlowPath } from "./slow-path.mjs";
@@ -61,7 +62,7 @@ function use(transfers, from, to) {
 }
 
 function noTileComesTwice(requests) {
-  const numbers = requests.flatMap(({ path }) => path.split("/").at(-1).split(",").map(number => path.replace(/[^/]*$/, number)));
+  const numbers = requests.flatMap(({ path }) => tilesOf(path));
   assert.equal(new Set(numbers).size, numbers.length, "no tile comes twice");
 }
 

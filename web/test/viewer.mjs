@@ -7,6 +7,7 @@ import { readFileSync } from "node:fs";
 import { get } from "node:http";
 import { join } from "node:path";
 import { brotliDecompressSync, gunzipSync, gzipSync } from "node:zlib";
+import { tilesOf } from "./actions.mjs";
 import { Native } from "./native.mjs";
 import { Browser } from "./chromium.mjs";
 
@@ -28,10 +29,10 @@ function counted(page) {
       if (/\/(\w+\.(css|js|wasm))?$/.test(new URL(response.url()).pathname)) come.page += Number(response.headers()["content-length"]);
       return;
     }
-    const numbers = path.split("/").at(-1).split(",");
+    const tiles = tilesOf(path);
     come.requests += 1;
-    come.tiles.push(...numbers.map(number => path.replace(/[^/]*$/, number)));
-    come.bytes += Number(response.headers()["content-length"]) - (numbers.length > 1 ? 4 * numbers.length : 0);
+    come.tiles.push(...tiles);
+    come.bytes += Number(response.headers()["content-length"]) - (tiles.length > 1 ? 4 * tiles.length : 0);
   });
   return come;
 }
