@@ -12,7 +12,7 @@ use crate::texel::TexelMachineConfig;
 use crate::unit_info::UnitInfo;
 use basrelief_deferred_renderer::PicturePreview;
 use basrelief_kernel::{AreaModel, Hardware, Machine as _};
-use basrelief_parameters::{ConfigError, Loader, Parameter, resolved};
+use basrelief_parameters::{ConfigError, Loader, Parameter, resolved, to_json};
 use basrelief_signals::schema_of;
 use serde_json::Value;
 use std::fmt;
@@ -81,7 +81,7 @@ impl MachineConfig {
 
     /// Returns all parameters, in groups as in TOML.
     pub fn to_value(&self) -> Value {
-        for_machine!(self, machine => serde_json::to_value(machine)).unwrap_or_default()
+        for_machine!(self, machine => to_json(machine)).unwrap_or_default()
     }
 
     /// Returns all parameters with their values and provenance, in the order of the block diagram.

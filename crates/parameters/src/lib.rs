@@ -26,26 +26,19 @@
 //! assert!(error.to_string().contains("did you mean `latency`"));
 //! ```
 
-#[cfg(test)]
-extern crate self as basrelief_parameters;
-
 mod error;
+mod fields;
 mod load;
+#[doc(hidden)]
+pub mod private;
 mod table;
 mod user_settings;
 
 pub use error::{ConfigError, RangeError};
+pub use fields::{Field, FieldMut, Fields, ParameterValue, from_json, to_json};
 pub use load::{Loader, is_given, load, nearest, syntax};
 pub use table::{Effect, Parameter, Parameters, Provenance, as_option, resolved};
 pub use user_settings::UserSettings;
-
-/// Used by the macros; not part of the interface.
-#[doc(hidden)]
-pub mod private {
-    pub use schemars;
-    pub use serde;
-    pub use serde_json;
-}
 
 /// Tests the example of the README.
 #[cfg(doctest)]

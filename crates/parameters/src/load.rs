@@ -1,5 +1,6 @@
 //! From TOML and `key=value` pairs to a checked configuration.
 
+use crate::fields::{from_json, to_json};
 use crate::{ConfigError, Parameter, Parameters, RangeError, UserSettings};
 use serde::de::Unexpected;
 use serde_json::Value as Json;
@@ -40,7 +41,7 @@ impl<C: Parameters> Loader<C> {
         let given: Table = toml_text.parse().map_err(|e| ConfigError::Syntax(syntax(toml_text, &e)))?;
         let known = C::table().into_iter().map(|p| p.key).collect();
         let wrong = |error: serde_json::Error| ConfigError::Syntax(error.to_string());
-        Ok(Self { given, known, default: serde_json::to_value(C::default()).map_err(wrong)?, of: PhantomData })
+        Ok(Self { given, known, default: to_json(&C::default()).map_err(wrong)?, of: PhantomData })
     }
 
     /// As [`load`] with its text and these settings.
@@ -64,15 +65,11 @@ impl<C: Parameters> Loader<C> {
         Ok(config)
     }
 
-    /// Merges the given values over the defaults of the whole configuration. (Serde's own defaults would be those of the
-    /// innermost struct, so setting one parameter of a group would reset its neighbours.)
-    ///
-    /// The input is JSON, as in reports and recordings, because each deserializer is compiled for every type of every machine. A
-    /// second one for TOML values took an eighth of the web page's size.
+    /// Merges the given values over the defaults of the whole configuration.
     fn over_defaults(&self, given: Table) -> Result<C, serde_json::Error> {
         let mut tree = self.default.clone();
         merge(&mut tree, Value::Table(given))?;
-        serde_json::from_value(tree)
+        from_json(tree)
     }
 
     /// Finds the first parameter that alone makes the configuration invalid. Returns its value and its range. If the table has no

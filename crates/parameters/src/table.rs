@@ -1,7 +1,7 @@
 //! The table of parameters and the macros that fill it.
 
+use crate::fields::{Fields, to_json};
 use crate::{ConfigError, RangeError, UserSettings};
-use serde::{Serialize, de::DeserializeOwned};
 use std::borrow::Cow;
 
 /// Origin of a value or a behaviour.
@@ -87,7 +87,7 @@ pub fn as_option(value: &serde_json::Value) -> String {
 }
 
 /// A configuration declared with [`parameters!`](crate::parameters) or [`parameter_groups!`](crate::parameter_groups).
-pub trait Parameters: Serialize + DeserializeOwned + Default {
+pub trait Parameters: Fields + Default {
     /// Returns all parameters in order of declaration, with keys relative to this struct.
     fn table() -> Vec<Parameter>;
     /// Checks every range. `prefix` precedes each key in errors.
@@ -118,7 +118,7 @@ pub trait Parameters: Serialize + DeserializeOwned + Default {
 /// Returns all parameters of this configuration with its values in place of the defaults, and their provenance.
 pub fn resolved<C: Parameters>(config: &C) -> Vec<Parameter> {
     let mut table = C::table();
-    let values = serde_json::to_value(config).unwrap_or_default();
+    let values = to_json(config).unwrap_or_default();
     for parameter in &mut table {
         if let Some(value) = values.pointer(&format!("/{}", parameter.key.replace('.', "/"))).filter(|v| **v != parameter.default)
         {
@@ -140,9 +140,7 @@ macro_rules! parameters {
           $kind:ident($why:literal) $(, range: $range:expr)? $(, effect: $effect:ident)?;)*
     }) => {
         $(#[doc = $about])*
-        #[derive(Clone, Debug, PartialEq, $crate::private::serde::Serialize, $crate::private::serde::Deserialize, $crate::private::schemars::JsonSchema)]
-        #[serde(crate = "basrelief_parameters::private::serde", default, deny_unknown_fields)]
-        #[schemars(crate = "basrelief_parameters::private::schemars")]
+        #[derive(Clone, Debug, PartialEq)]
         pub struct $name {
             $($(#[doc = $doc])* #[doc = concat!("\n\nUnit: ", $unit, ". ", stringify!($kind), ": ", $why, ".")] pub $field: $type,)*
         }
@@ -151,32 +149,28 @@ macro_rules! parameters {
             fn default() -> Self { Self { $($field: $default,)* } }
         }
 
+        $crate::fields! { Value [$($about)*] $name {
+            $($field: $type [$($doc,)* concat!("\n\nUnit: ", $unit, ". ", stringify!($kind), ": ", $why, ".")])*
+        } }
+
         impl $crate::Parameters for $name {
             fn table() -> Vec<$crate::Parameter> {
                 let default = Self::default();
-                vec![$($crate::Parameter {
-                    key: stringify!($field).into(),
-                    doc: concat!($($doc),*).trim().into(),
-                    unit: $unit,
-                    range: String::new() $(+ &format!("{:?}", $range))?,
-                    default: $crate::private::serde_json::to_value(&default.$field).unwrap_or_default(),
-                    provenance: $crate::Provenance::$kind($why.into()),
-                    effect: [$($crate::Effect::$effect,)? $crate::Effect::Work][0],
-                }),*]
+                let mut table = Vec::new();
+                $($crate::private::add_parameter(
+                    &mut table,
+                    (stringify!($field), concat!($($doc),*), $unit),
+                    [$(Some(&$range as &dyn ::std::fmt::Debug),)? None][0],
+                    &default.$field,
+                    ($crate::Provenance::$kind($why.into()), [$($crate::Effect::$effect,)? $crate::Effect::Work][0]),
+                );)*
+                table
             }
 
             #[allow(unused_variables, reason = "a struct without ranges needs no prefix")]
             fn check(&self, prefix: &str) -> Result<(), $crate::RangeError> {
                 $($(if !($range).contains(&self.$field) {
-                    return Err($crate::RangeError {
-                        key: format!("{prefix}{}", stringify!($field)),
-                        value: match $crate::private::serde_json::to_value(&self.$field).unwrap_or_default() {
-                            // Non-finite numbers have no JSON.
-                            $crate::private::serde_json::Value::Null => format!("{:?}", self.$field),
-                            value => value.to_string(),
-                        },
-                        expected: format!("{:?} {}", $range, $unit).trim_end().into(),
-                    });
+                    return Err($crate::private::range_error((prefix, stringify!($field)), &self.$field, &$range, $unit));
                 })?)*
                 Ok(())
             }
@@ -195,33 +189,31 @@ macro_rules! parameter_groups {
         $($(#[doc = $doc:literal])* $field:ident : $type:ty = $default:expr $(=> [$($($inner:ident).+: $kind:ident($why:literal)),+ $(,)?])?,)*
     }) => {
         $(#[doc = $about])*
-        #[derive(Clone, Debug, PartialEq, $crate::private::serde::Serialize, $crate::private::serde::Deserialize, $crate::private::schemars::JsonSchema)]
-        #[serde(crate = "basrelief_parameters::private::serde", default, deny_unknown_fields)]
-        #[schemars(crate = "basrelief_parameters::private::schemars")]
+        #[derive(Clone, Debug, PartialEq)]
         pub struct $name { $($(#[doc = $doc])* pub $field: $type,)* }
 
         impl Default for $name {
             fn default() -> Self { Self { $($field: $default,)* } }
         }
 
+        $crate::fields! { Group [$($about)*] $name { $($field: $type [$($doc,)*])* } }
+
         impl $crate::Parameters for $name {
             fn table() -> Vec<$crate::Parameter> {
-                let whole = $crate::private::serde_json::to_value(Self::default()).unwrap_or_default();
+                let defaults = $crate::to_json(&Self::default()).unwrap_or_default();
                 let mut table = Vec::new();
-                $(for mut p in <$type as $crate::Parameters>::table() {
-                    let inner = format!("/{}", p.key.replace('.', "/"));
-                    if let Some(d) = whole[stringify!($field)].pointer(&inner) { p.default = d.clone(); }
-                    $($(if p.key == [$(stringify!($inner)),+].join(".") {
-                        p.provenance = $crate::Provenance::$kind($why.into());
-                    })+)?
-                    p.key = format!("{}.{}", stringify!($field), p.key);
-                    table.push(p);
-                })*
+                $($crate::private::add_group(
+                    &mut table,
+                    stringify!($field),
+                    <$type as $crate::Parameters>::table(),
+                    &defaults,
+                    &[$($((&[$(stringify!($inner)),+], $crate::Provenance::$kind($why.into())),)+)?],
+                );)*
                 table
             }
 
             fn check(&self, prefix: &str) -> Result<(), $crate::RangeError> {
-                $($crate::Parameters::check(&self.$field, &format!("{prefix}{}.", stringify!($field)))?;)*
+                $($crate::Parameters::check(&self.$field, &$crate::private::group_prefix(prefix, stringify!($field)))?;)*
                 Ok(())
             }
 
@@ -236,6 +228,52 @@ macro_rules! parameter_groups {
             fn renamed() -> &'static [(&'static str, &'static str)] {
                 $renamed
             })?
+        }
+    };
+}
+
+/// Implements the field list, serde's traits and the JSON schema of a configuration.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! fields {
+    ($kind:ident [$($about:literal)*] $name:ident { $($field:ident : $type:ty [$($doc:expr),* $(,)?])* }) => {
+        impl $crate::private::Fields for $name {
+            fn fields(&self) -> Vec<(&'static str, $crate::private::Field<'_>)> {
+                vec![$((stringify!($field), $crate::private::Field::$kind(&self.$field))),*]
+            }
+
+            fn fields_mut(&mut self) -> Vec<(&'static str, $crate::private::FieldMut<'_>)> {
+                vec![$((stringify!($field), $crate::private::FieldMut::$kind(&mut self.$field))),*]
+            }
+        }
+
+        impl $crate::private::serde::Serialize for $name {
+            fn serialize<S: $crate::private::serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                $crate::private::serialize(self, serializer)
+            }
+        }
+
+        impl<'de> $crate::private::serde::Deserialize<'de> for $name {
+            fn deserialize<D: $crate::private::serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                $crate::private::deserialize(deserializer, stringify!($name), &[$(stringify!($field)),*])
+            }
+        }
+
+        impl $crate::private::schemars::JsonSchema for $name {
+            fn schema_name() -> ::std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn schema_id() -> ::std::borrow::Cow<'static, str> {
+                concat!(module_path!(), "::", stringify!($name)).into()
+            }
+
+            fn json_schema(generator: &mut $crate::private::schemars::SchemaGenerator) -> $crate::private::schemars::Schema {
+                let fields: &[$crate::private::FieldSchema<'_>] = &[
+                    $((&[$($doc),*], $crate::private::schemars::SchemaGenerator::subschema_for::<$type>)),*
+                ];
+                $crate::private::schema(generator, &[$($about),*], &Self::default(), fields)
+            }
         }
     };
 }

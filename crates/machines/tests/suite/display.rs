@@ -96,7 +96,7 @@ fn later_frames_leave_no_old_line() {
 
 /// A refresh of 48,000 cycles or more, with 12 reads of 1 KiB, the size of a picture of 64 x 48 pixels.
 fn slow_display<S: MachineSpec>(mode: &'static str, more: &[(&str, &str)]) -> S {
-    let hz = serde_json::to_value(S::default()).unwrap()["clock"]["hz"].as_u64().unwrap();
+    let hz = basrelief_parameters::to_json(&S::default()).unwrap()["clock"]["hz"].as_u64().unwrap();
     let (refresh_hz, pixel_hz) = (hz / 48_000, hz / 48_000 * 64 * 48);
     let [refresh_hz, pixel_hz] = [refresh_hz, pixel_hz].map(|n| n.to_string());
     let own = [

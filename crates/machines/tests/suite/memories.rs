@@ -152,7 +152,7 @@ fn every_memory_value_has_a_provenance() {
 #[test]
 fn every_memory_has_a_default_part_and_credits() {
     fn parts<C: Parameters>() -> Vec<serde_json::Value> {
-        let value = serde_json::to_value(C::default()).unwrap();
+        let value = basrelief_parameters::to_json(&C::default()).unwrap();
         value["memory"].as_object().unwrap().values().map(|memory| memory["part"].clone()).collect()
     }
     assert_eq!(parts::<BumpProcessorConfig>(), ["ddr-400", "edram-ps2", "sram"]);

@@ -17,6 +17,7 @@ use crate::build::build_warning;
 use crate::recording::{LoadedRecording, RecordingError, config_error, netlist_of_same_work, of_build};
 use basrelief_kernel::{HardwareKind, Netlist, Outcome, RunReport};
 use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
+use basrelief_parameters::to_json;
 use basrelief_report::model::Hardware;
 use basrelief_threads as threads;
 use serde::Serialize;
@@ -119,7 +120,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
         if let Some(run) = sizing.recorded.iter().find(|run| run.outcome != Outcome::Complete) {
             return Err(RecordingError::Incomplete(format!("{:?}", run.outcome)));
         }
-        let values = serde_json::to_value(spec).unwrap_or_default();
+        let values = to_json(spec).unwrap_or_default();
         let netlist = netlist_of_same_work(spec, spec, recordings[0].input)?;
         let of_report = sizing.recorded[0].fifos.iter();
         let own = of_report.filter(|fifo| values["fifo"].get(&fifo.name).is_some());

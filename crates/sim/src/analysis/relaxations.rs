@@ -2,6 +2,7 @@
 
 use basrelief_kernel::{CriticalPath, Netlist, PathSegment, RunReport, UnitReport};
 use basrelief_machines::MachineSpec;
+use basrelief_parameters::to_json;
 use basrelief_report::model::{ALWAYS_HITS, FULLY_PIPELINED, IDEAL_MEMORY, UNBOUNDED_FIFO};
 use serde_json::{Map, Value};
 use std::cmp::Reverse;
@@ -85,7 +86,7 @@ pub(crate) struct RelaxationCandidates<'a, S> {
 impl<S: MachineSpec> RelaxationCandidates<'_, S> {
     /// Returns the relaxation of every resource that the run used, in the order of the block diagram.
     pub(crate) fn all(&self) -> Vec<Relaxation> {
-        let config = serde_json::to_value(self.spec).unwrap_or_default();
+        let config = to_json(self.spec).unwrap_or_default();
         let group = |name: &str| config.get(name).and_then(Value::as_object).cloned().unwrap_or_default();
         let mut all: Vec<Relaxation> = self.slow_units().map(|unit| self.of_unit(unit)).collect();
         all.extend(group("fifo").keys().map(|name| {
@@ -129,7 +130,7 @@ impl<S: MachineSpec> RelaxationCandidates<'_, S> {
 
     /// Units that the user made ideal remain so.
     fn of_unit(&self, UnitReport { name, .. }: &UnitReport) -> Relaxation {
-        let config = serde_json::to_value(self.spec).unwrap_or_default();
+        let config = to_json(self.spec).unwrap_or_default();
         let ideal = config["ideal"]["units"].as_str().unwrap_or_default().to_owned();
         let set = joined_settings([&vec![(IDEAL_UNITS.to_owned(), ideal)], &vec![(IDEAL_UNITS.to_owned(), name.clone())]]);
         Relaxation::new(name, ResourceKind::Unit, FULLY_PIPELINED, set)
@@ -166,7 +167,7 @@ impl<S: MachineSpec> RelaxationCandidates<'_, S> {
     /// Returns the settings that make a memory ideal: its part, and every value that the user's settings would keep.
     fn ideal_memory(&self, name: &str) -> Option<Settings> {
         let part = (format!("memory.{name}.part"), "ideal".to_owned());
-        let memory = |spec: &S| serde_json::to_value(spec).ok().map(|config| config["memory"][name].clone());
+        let memory = |spec: &S| to_json(spec).ok().map(|config| config["memory"][name].clone());
         let ideal: S = basrelief_parameters::load("", &[(part.0.as_str(), part.1.as_str())]).ok()?;
         let (ideal, here) = (memory(&ideal)?, memory(&(self.load)(std::slice::from_ref(&part))?)?);
         let kept = ideal.as_object()?.iter().filter(|(key, value)| here.get(key.as_str()) != Some(value));

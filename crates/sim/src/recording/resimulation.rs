@@ -77,7 +77,7 @@ impl Resimulation<'_> {
     fn report<S: MachineSpec>(self, spec: &S) -> Result<Report, RecordingError> {
         let Self { build, recorded, overrides, input, blocks, options, observer } = self;
         let recorded: S =
-            serde_json::from_value(recorded.to_value()).map_err(|error| RecordingError::Format(error.to_string()))?;
+            basrelief_parameters::from_json(recorded.to_value()).map_err(|error| RecordingError::Format(error.to_string()))?;
         let netlist = netlist_of_same_work(&recorded, spec, input)?;
         let mut chunks = ChunkReader::new(blocks, Some(observer), KeptSteps::new(options.bottlenecks, &options.budget));
         chunks.pass_on_to_observer(&header::<S>(&build, input, &overrides))?;

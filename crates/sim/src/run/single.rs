@@ -16,6 +16,7 @@ use crate::prepared::PreparedScene;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_kernel::{NoProbe, Probe};
 use basrelief_machines::{BoxedControls, ConfigProblem, InputKind, MachineSpec, SceneFront, TraceFront, for_machine, numeral_of};
+use basrelief_parameters::to_json;
 use basrelief_report::model::Input;
 use basrelief_timeline::TimelineLayout;
 use basrelief_trace::{TextureFiles, TraceResolver};
@@ -34,7 +35,7 @@ pub fn timeline_layout(source: &RunInput, options: &RunOptions) -> Result<Timeli
 }
 
 fn layout<S: MachineSpec>(spec: &S, input: InputKind) -> Result<TimelineLayout, ConfigProblem> {
-    let hz = serde_json::to_value(spec).unwrap_or_default().pointer("/clock/hz").and_then(serde_json::Value::as_u64);
+    let hz = to_json(spec).unwrap_or_default().pointer("/clock/hz").and_then(serde_json::Value::as_u64);
     let mut board = TimelineLayout::new(S::NAME, hz.unwrap_or(0), input.shape(spec)?.diagram());
     board.numerals = board.diagram.stages.iter().map(|stage| numeral_of(S::DIAGRAM, &stage.name).to_owned()).collect();
     Ok(board)

@@ -3,6 +3,7 @@
 use crate::build::BUILD;
 use basrelief_kernel::{Outcome, RunReport};
 use basrelief_machines::{MachineSpec, PictureRecord, RunSummary, UnitStats, drawn_units};
+use basrelief_parameters::to_json;
 use basrelief_report::model::{Hardware, Input, Picture, PictureQuality, Size};
 use basrelief_report::{Report, ReportContext, depth_warnings};
 use basrelief_signals::Camera;
@@ -34,7 +35,7 @@ impl UntimedResult {
             build: BUILD.into(),
             machine: S::NAME.into(),
             input: self.input,
-            config: serde_json::to_value(spec).unwrap_or_default(),
+            config: to_json(spec).unwrap_or_default(),
             camera: self.camera,
             size: self.size,
             numerals: drawn.filter_map(|(name, numeral)| Some((name.to_owned(), numeral.parse().ok()?))).collect(),
