@@ -300,6 +300,3 @@ impl MachineInfo {
         )
     }
 }
-
-#[cfg(test)]
-mod tests;

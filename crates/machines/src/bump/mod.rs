@@ -24,16 +24,3 @@ pub const NAME: &str = "bump";
 
 /// Figure 1 as text.
 pub const DIAGRAM: &str = include_str!("diagram.txt");
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn late_z() -> BumpProcessorConfig {
-        let mut config = BumpProcessorConfig::default();
-        config.rasterizer.early_z = false;
-        config
-    }
-
-    crate::unit_info::diagram_tests!(BumpProcessor, [BumpProcessorConfig::default(), late_z()]);
-}

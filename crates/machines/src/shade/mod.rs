@@ -24,16 +24,3 @@ pub const NAME: &str = "shade";
 
 /// Figure 1 as text.
 pub const DIAGRAM: &str = include_str!("diagram.txt");
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn without_depth_test() -> ShadeConfig {
-        let mut config = ShadeConfig::default();
-        config.frame_memory.depth_test = false;
-        config
-    }
-
-    crate::unit_info::diagram_tests!(FigureShadingDevice, [ShadeConfig::default(), without_depth_test()]);
-}

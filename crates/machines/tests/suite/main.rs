@@ -7,6 +7,7 @@ mod defer;
 mod display;
 mod documents;
 mod invariants;
+mod library;
 mod memories;
 mod shade;
 mod texel;

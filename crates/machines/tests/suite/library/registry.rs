@@ -1,6 +1,7 @@
 //! Tests of the list of machines.
 
-use super::*;
+use basrelief_machines::shade::ShadeConfig;
+use basrelief_machines::{MACHINES, MachineConfig, MachineInfo};
 use basrelief_scene::DEMOS;
 
 #[test]
