@@ -1,8 +1,7 @@
 //! Host speed of the figure shading device: a curved sheet of 102,400 dots in quads of 64, drawn ten times over.
 //!
-//! `cargo run --release -p basrelief-machines --example shade_speed [KEY=VALUE ...]`
+//! `cargo run --release -p basrelief-bench --example shade_speed [KEY=VALUE ...]`
 
-#[path = "common/speed.rs"]
 mod speed;
 
 use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};

@@ -1,8 +1,7 @@
 //! Host speed of the rate-limited renderer: a floor of textured quads to the horizon and a wall behind it, 640 x 480, ten views.
 //!
-//! `cargo run --release -p basrelief-machines --example defer_speed [KEY=VALUE ...]`
+//! `cargo run --release -p basrelief-bench --example defer_speed [KEY=VALUE ...]`
 
-#[path = "common/speed.rs"]
 mod speed;
 
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};

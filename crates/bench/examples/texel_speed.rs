@@ -1,8 +1,7 @@
 //! Host speed of the texture mapping system: a floor of 640 x 480 pixels that runs away, drawn twenty times over.
 //!
-//! `cargo run --release -p basrelief-machines --example texel_speed [KEY=VALUE ...]`
+//! `cargo run --release -p basrelief-bench --example texel_speed [KEY=VALUE ...]`
 
-#[path = "common/speed.rs"]
 mod speed;
 
 use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
