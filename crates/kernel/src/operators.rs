@@ -127,8 +127,10 @@ impl Operators {
     /// Returns the maximum, and at least 1, of `kept` over all kinds. Its arguments are operations, operators (>= 1), and
     /// interval.
     fn max_over_kinds(&self, work: OperatorCounts, have: OperatorCounts, kept: impl Fn(u64, u64, u64) -> u64) -> u64 {
-        let kept = |times: u32, of: u32, operator: &OperatorConfig| {
-            kept(u64::from(times), u64::from(of.max(1)), u64::from(operator.interval))
+        // Most work needs few kinds, and a division takes longer than the rest of a kind.
+        let kept = |times: u32, of: u32, operator: &OperatorConfig| match times {
+            0 => 0,
+            _ => kept(u64::from(times), u64::from(of.max(1)), u64::from(operator.interval)),
         };
         [
             kept(work.multiply, have.multiply, &self.multiply),

@@ -70,7 +70,7 @@ impl BlockLayout {
     /// Returns the texels that a level of this size takes in memory, padded to whole blocks and superblocks.
     pub fn room(self, size: [u32; 2]) -> u64 {
         let [_, side] = self.of_level(size);
-        size.iter().map(|n| u64::from(n.next_multiple_of(side))).product()
+        size.iter().map(|n| u64::from(padded(*n, side))).product()
     }
 
     /// Returns the position of level `level` of the texture, behind its finer levels. A level that does not exist lies behind the
@@ -89,8 +89,14 @@ impl BlockLayout {
     #[inline(always)]
     fn place(self, size: [u32; 2]) -> LevelPlace {
         let [block, superblock] = self.of_level(size);
-        LevelPlace::new(size[0].next_multiple_of(superblock), [block, superblock])
+        LevelPlace::new(padded(size[0], superblock), [block, superblock])
     }
+}
+
+/// Rounds up to a multiple of a power of two. (`next_multiple_of` divides.)
+#[inline(always)]
+fn padded(n: u32, side: u32) -> u32 {
+    (n + (side - 1)) & !(side - 1)
 }
 
 /// Position and layout of a level in memory, constant over a polygon.
@@ -190,7 +196,7 @@ impl LaneCoordinate for u32x4 {
 /// Returns the number of a pixel in a picture of this width that is stored in 4 x 4 blocks.
 #[inline(always)]
 pub fn pixel_offset(width: u32, pixel: [u32; 2]) -> u64 {
-    LevelPlace::new(width.next_multiple_of(BLOCK), [BLOCK; 2]).texel(pixel)
+    LevelPlace::new(padded(width, BLOCK), [BLOCK; 2]).texel(pixel)
 }
 
 #[cfg(test)]
