@@ -89,6 +89,8 @@ pub(crate) struct Memory {
     pub(crate) notes_arrivals: bool,
     /// True if served bursts are recorded, for a probe or the critical path.
     pub(crate) notes_bursts: bool,
+    /// True if bursts of periodic clients are recorded too, for a probe.
+    notes_periodic: bool,
     /// Least latency from a column command to the end of its data.
     least_latency: u64,
     /// End of the last data: the memory moved data up to the cycle before.
@@ -123,6 +125,7 @@ impl Memory {
             log: None,
             notes_arrivals: false,
             notes_bursts: false,
+            notes_periodic: false,
             least_latency: u64::from(config.burst_cycles) + u64::from(config.cl.min(config.cwl)),
             data_end: Cycle::ZERO,
             private: false,
@@ -209,7 +212,7 @@ impl Memory {
 
     /// Records events from now on.
     pub(crate) fn keep_events(&mut self) {
-        (self.notes_arrivals, self.notes_bursts) = (true, true);
+        (self.notes_arrivals, self.notes_bursts, self.notes_periodic) = (true, true, true);
         self.channels.iter_mut().for_each(Channel::keep_events);
     }
 

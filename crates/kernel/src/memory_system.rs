@@ -2,6 +2,7 @@
 
 use crate::cache::{Cache, CacheTagArray};
 use crate::client::Client;
+use crate::late_partition_point::late_partition_point;
 use crate::memory::{Memory, MemoryRequest};
 use crate::memory_events::{EventBounds, Gauge};
 use crate::periodic::{FlipTiming, PeriodicClient, PeriodicControl, PeriodicReads};
@@ -225,10 +226,11 @@ impl MemorySystem {
         self.port(client).answer(number)
     }
 
-    /// Records the completion of every request.
+    /// Records the completion of every request of a unit.
     pub(crate) fn keep_answers(&mut self) {
         self.memories.iter_mut().for_each(|memory| memory.notes_bursts = true);
-        self.clients.iter_mut().for_each(|client| client.port.notes.get_or_insert_default().answered = Some(Vec::new()));
+        let units = self.clients.iter_mut().filter(|client| !client.is_periodic);
+        units.for_each(|client| client.port.notes.get_or_insert_default().answered = Some(Vec::new()));
     }
 
     /// Records events of all memories, ports and caches from now on.
@@ -269,9 +271,9 @@ impl MemorySystem {
     /// Returns the first request of a client with the latest answer by `at`.
     pub(crate) fn last_answered(&self, client: usize, at: Cycle) -> Option<Completion> {
         let answered = self.port(client).notes.as_ref()?.answered.as_deref()?;
-        let behind = answered.partition_point(|request| request.answer <= at);
+        let behind = late_partition_point(answered, |request| request.answer <= at);
         let answer = answered.get(behind.checked_sub(1)?)?.answer;
-        answered.get(answered.partition_point(|request| request.answer < answer)).copied()
+        answered.get(late_partition_point(&answered[..behind], |request| request.answer < answer)).copied()
     }
 
     /// Returns true if a client got an answer at `at`, through its cache if it has one.

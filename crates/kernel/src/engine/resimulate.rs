@@ -7,10 +7,11 @@ use crate::netlist::Netlist;
 use crate::recording::{RecordingChunk, RecordingError, RecordingReader};
 use crate::report::RunReport;
 use crate::step_requests::StepRequestsView;
-use crate::time::{FinalUnitState, InputMask, MachineTiming, PathTracer, StageVisit, StepTiming, StopReason};
+use crate::time::{FinalUnitState, InputMask, MachineTiming, PathEvent, PathTracer, StageVisit, StepTiming, StopReason};
 use crate::{CriticalPath, Cycle, Demand, MemoryPorts, NoProbe, Outcome, Probe, StageGroups};
 use std::borrow::Cow;
 use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The reason that a recording cannot be resimulated.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -121,7 +122,8 @@ pub fn critical_path(
     groups: &[StageGroups],
 ) -> Result<Option<CriticalPath>, ResimulateError> {
     let readers = new_readers(&shape);
-    Ok(timed_again((shape, readers), chunks, (&mut NoProbe, ResimulationGoal::Path(most_events, groups)), u64::MAX)?.1)
+    let goal = ResimulationGoal::Path { most_events, groups, spare: &SpareEvents::default() };
+    Ok(timed_again((shape, readers), chunks, (&mut NoProbe, goal), u64::MAX)?.1)
 }
 
 fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
@@ -137,6 +139,21 @@ pub struct Recording<'a> {
     readers: Option<Vec<RecordingReader>>,
     /// Maximum memory for the steps of a stage \[bytes\].
     room: u64,
+    spare: SpareEvents,
+}
+
+/// Memory of the events of earlier critical paths. New memory for each path caused half of the page faults of bottleneck analysis.
+#[derive(Clone, Debug, Default)]
+struct SpareEvents(Arc<Mutex<Vec<Vec<PathEvent>>>>);
+
+impl SpareEvents {
+    fn take(&self) -> Vec<PathEvent> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
+    }
+
+    fn put(&self, events: Vec<PathEvent>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(events);
+    }
 }
 
 impl<'a> Recording<'a> {
@@ -144,7 +161,7 @@ impl<'a> Recording<'a> {
     /// bytes; otherwise each resimulation reads it again.
     pub fn new(chunks: impl Into<Cow<'a, [RecordingChunk]>>, shape: &Netlist, room: u64) -> Self {
         let room = room / shape.stages.len().max(1) as u64;
-        let mut recording = Self { chunks: chunks.into(), readers: None, room };
+        let mut recording = Self { chunks: chunks.into(), readers: None, room, spare: SpareEvents::default() };
         let is_ours = recording.chunks.iter().all(|chunk| chunk.stages.len() == shape.stages.len());
         recording.readers =
             if is_ours { (0..shape.stages.len()).map(|stage| recording.read(stage, shape)).collect() } else { None };
@@ -184,7 +201,7 @@ impl<'a> Recording<'a> {
         most_events: usize,
         groups: &[StageGroups],
     ) -> Result<Option<CriticalPath>, ResimulateError> {
-        Ok(self.timed_again(shape, ResimulationGoal::Path(most_events, groups))?.1)
+        Ok(self.timed_again(shape, ResimulationGoal::Path { most_events, groups, spare: &self.spare })?.1)
     }
 
     fn timed_again(
@@ -211,7 +228,7 @@ enum ResimulationGoal<'a> {
     /// The whole report.
     Report,
     /// The critical path, of so many events at most, with these groups.
-    Path(usize, &'a [StageGroups]),
+    Path { most_events: usize, groups: &'a [StageGroups], spare: &'a SpareEvents },
 }
 
 /// Returns the report, and the critical path if it is the goal.
@@ -226,11 +243,16 @@ fn timed_again<P: Probe>(
     if readers.iter().any(|reader| reader.demand().is_none()) {
         feed(&mut readers, chunks, &time)?;
     }
-    let path = match wanted {
-        ResimulationGoal::Path(most, groups) => Some(PathTracer::new(&mut time, most, groups)),
+    if !matches!(wanted, ResimulationGoal::Report) {
+        time.account_for_nothing();
+    }
+    let path = match &wanted {
+        ResimulationGoal::Path { most_events, groups, spare } => {
+            Some(PathTracer::new(&mut time, (*most_events, spare.take()), groups))
+        }
         ResimulationGoal::Report => None,
         ResimulationGoal::Cycles => {
-            time.account_for_nothing();
+            time.forget_awaits();
             None
         }
     };
@@ -257,8 +279,9 @@ fn timed_again<P: Probe>(
     let unit_states: Vec<FinalUnitState> = readers.iter().map(rest).collect();
     let report = time.finalize(&unit_states, halt);
     time.show_fills(probe, Some(Cycle(report.total)));
-    let path = path.filter(|_| report.outcome == Outcome::Complete);
-    let path = path.and_then(|path| path.trace(&time, report.total, &report.marks));
+    let (ResimulationGoal::Path { spare, .. }, Some(mut tracer)) = (wanted, path) else { return Ok((report, None)) };
+    let path = if report.outcome == Outcome::Complete { tracer.trace(&time, report.total, &report.marks) } else { None };
+    spare.put(tracer.into_events());
     Ok((report, path))
 }
 

@@ -75,6 +75,7 @@ impl<SomeProbe: Probe> Visitor for TickedCycle<'_, SomeProbe> {
         if clock.free > self.now || (demand == Demand::Finished && clock.released() <= self.now) {
             return;
         }
+        self.time.grow_outputs::<AnyArity>(number);
         if self.time.next_start(number, demand) <= self.now {
             let work = &mut UnitSteps::new(stage, connections);
             self.execute_step(number, demand, work);

@@ -186,6 +186,9 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
         self.moved |= visit.deliver_known_steps::<K>();
         loop {
             let takes = self.fire_known::<K, W>(number, work);
+            if self.time.grow_outputs::<K>(number) {
+                continue;
+            }
             let (mut visit, _) = self.time.visit::<K>(number);
             self.moved |= visit.deliver_known_steps::<K>();
             if !self.promises {

@@ -169,7 +169,7 @@ impl Memory {
     }
 
     /// Serves a part of a read if all of its column commands are before `bounds.units`, no burst waits in its channel, and it lies in one
-    /// row. Returns false otherwise, or if bursts are recorded.
+    /// row. Returns false otherwise, or if its bursts are recorded.
     fn read_at_once(
         &mut self,
         client: usize,
@@ -178,7 +178,7 @@ impl Memory {
         part: &ChannelPart,
         bounds: ReadBounds,
     ) -> bool {
-        if self.notes_bursts {
+        if self.notes_periodic {
             return false;
         }
         let burst = self.burst_at(part.bursts.0, client, request, r);

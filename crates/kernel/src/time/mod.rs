@@ -18,7 +18,7 @@ mod token_times;
 pub(crate) use fifo_timing::FifoTiming;
 pub(crate) use finalize::{FinalUnitState, StopReason};
 pub(crate) use input_mask::InputMask;
-pub(crate) use path_tracer::PathTracer;
+pub(crate) use path_tracer::{PathEvent, PathTracer};
 pub(crate) use stage_clock::{StageClock, Wait, charge};
 pub(crate) use stage_visit::StageVisit;
 pub(crate) use step_timing::{AnyArity, StageArity, StepTiming};
@@ -53,10 +53,15 @@ impl MachineTiming {
         Self { accounts, shape, stages, fifos, memories, accounts_for: true, limit }
     }
 
-    /// Switches accounting off, for runs that need only the total.
+    /// Switches accounting off, for runs that need only times.
     pub(crate) fn account_for_nothing(&mut self) {
         self.accounts_for = false;
         self.fifos.iter_mut().for_each(FifoTiming::count_nothing);
+    }
+
+    /// Forgets the answers that tokens waited for: only accounts and critical paths need them.
+    pub(crate) fn forget_awaits(&mut self) {
+        self.fifos.iter_mut().for_each(FifoTiming::forget_awaits);
     }
 
     /// Returns a stage to work on, and the netlist.
@@ -66,6 +71,14 @@ impl MachineTiming {
         let (clock, account) = (&mut stages[stage], &mut accounts[stage]);
         let (inputs, outputs) = (clock.inputs.join(fifos, K::INPUTS), clock.outputs.join(fifos, K::OUTPUTS));
         (StageVisit { stage, clock, account, fifos, memories, inputs, outputs }, shape)
+    }
+
+    /// Makes room for the times of further tokens on the outputs of a stage. Returns true if that was necessary: the stage may have
+    /// stopped for it.
+    #[inline(always)]
+    pub(crate) fn grow_outputs<K: StageArity>(&mut self, stage: usize) -> bool {
+        let outputs = self.stages[stage].outputs;
+        (0..outputs.count(K::OUTPUTS)).fold(false, |any, i| self.fifos[outputs.at(i)].grow() | any)
     }
 
     /// Records FIFO levels and memory events, if the probe reads them.

@@ -29,7 +29,7 @@ enum EventCause {
 
 /// An event `at` a time, with its cause and its predecessor.
 #[derive(Clone, Copy, Debug)]
-struct PathEvent {
+pub(crate) struct PathEvent {
     at: Cycle,
     after: u32,
     why: EventCause,
@@ -86,13 +86,14 @@ pub(crate) struct PathTracer {
 }
 
 impl PathTracer {
-    /// Creates a tracer at the begin of a run that keeps at most `most` events. `groups`: groups of the steps of each stage; may
-    /// be empty.
-    pub(crate) fn new(time: &mut MachineTiming, most: usize, groups: &[StageGroups]) -> Self {
+    /// Creates a tracer at the begin of a run that keeps at most `most` events, in the memory of an earlier tracer. `groups`: groups of
+    /// the steps of each stage; may be empty.
+    pub(crate) fn new(time: &mut MachineTiming, (most, mut events): (usize, Vec<PathEvent>), groups: &[StageGroups]) -> Self {
         time.memories.keep_answers();
         let tokens = FifoTokens { inside: VecDeque::new(), visible: NONE, pops: VecDeque::new() };
+        events.clear();
         Self {
-            events: Vec::new(),
+            events,
             max_events: most.min(NONE as usize - 16),
             steps: vec![NONE; time.stages.len()],
             fifos: vec![tokens; time.fifos.len()],
@@ -238,7 +239,7 @@ impl PathTracer {
 
     /// Returns the path back from the last mark, or from the end of a run of `total` cycles without marks. `marks`: cycles
     /// between marks. Returns `None` if there were too many events.
-    pub(crate) fn trace(mut self, time: &MachineTiming, total: u64, marks: &[u64]) -> Option<CriticalPath> {
+    pub(crate) fn trace(&mut self, time: &MachineTiming, total: u64, marks: &[u64]) -> Option<CriticalPath> {
         let last = self.last(time);
         if self.events.len() > self.max_events {
             return None;
@@ -268,6 +269,11 @@ impl PathTracer {
         parts.sort_by_key(|part| std::cmp::Reverse(part.cycles));
         let by_group = if self.groups.is_empty() { vec![] } else { by_group.finish() };
         Some(CriticalPath { cycles: end, parts, by_group })
+    }
+
+    /// Returns the memory of the events, for the next tracer.
+    pub(crate) fn into_events(self) -> Vec<PathEvent> {
+        self.events
     }
 
     /// Returns the group of an event, if it is a step of one.

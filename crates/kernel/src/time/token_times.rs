@@ -13,3 +13,10 @@ pub(super) struct TokenTimes {
     /// First cycle in which its slot is free again, the cycle after its pop; unknown before the pop.
     pub(super) free: Cell<Cycle>,
 }
+
+impl TokenTimes {
+    /// Creates the times of an entry that was never used.
+    pub(super) fn unused() -> Self {
+        Self { reserved: Cell::default(), visible: Cell::new(Cycle::UNKNOWN), free: Cell::default() }
+    }
+}

@@ -168,7 +168,9 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
             }
             AnalysisTask::Climb(path) => {
                 let critical_path = |set: &Settings| self.relaxed_path(recorded, set);
-                let ladder = LadderSearch { relaxations: &all, critical_path: &critical_path }.climb(&path);
+                let cycles = |set: &Settings| self.cycles(recorded, set);
+                let search = LadderSearch { relaxations: &all, critical_path: &critical_path, cycles: &cycles };
+                let ladder = search.climb(&path);
                 progress.lock().unwrap_or_else(PoisonError::into_inner).ladder = ladder;
             }
         });

@@ -36,3 +36,19 @@ fn full_rate_needs_exactly_the_depth_of_law_2() {
         }
     }
 }
+
+// Claim: as slot_is_held_from_start_through_pop.
+#[test]
+fn deep_fifo_holds_its_producer_back_when_full() {
+    const DEPTH: usize = 520;
+    let mut plan = wire(DEPTH, 1, 1, 0, 1500);
+    plan.units[1].occupancy = vec![3];
+    let (mut expected, mut pops): (Vec<u64>, Vec<u64>) = (vec![], vec![]);
+    for n in 0..1500 {
+        let slot = if n < DEPTH { 0 } else { pops[n - DEPTH] + 1 };
+        expected.push(slot.max(expected.last().map_or(0, |start| start + 1)));
+        pops.push((expected[n] + 1).max(pops.last().map_or(0, |pop| pop + 3)));
+    }
+    assert!(expected[1499] > 1499, "the FIFO was full");
+    assert_eq!(starts(&plan, "source"), expected);
+}
