@@ -50,6 +50,11 @@ impl FolderFiles {
 #[error("leads out of the folder of the model")]
 pub(crate) struct OutsideFolder;
 
+/// A file was not given together with the model.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("it is not among the given files")]
+pub(crate) struct NotGiven;
+
 /// True if the parts of a name lead out of the folder that it starts in.
 fn leads_outside(relative: &str) -> bool {
     let depths = relative.split(['/', '\\']).scan(0, |depth, part| {
@@ -91,7 +96,7 @@ impl MemoryFiles {
 
 impl ModelFiles for MemoryFiles {
     fn read(&self, relative: &str, budget: &MemoryPool) -> io::Result<(Vec<u8>, MemoryReservation)> {
-        let bytes = self.files.get(relative).ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
+        let bytes = self.files.get(relative).ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, NotGiven))?;
         let held = budget.try_reserve(bytes.len() as u64, FILE)?;
         Ok((bytes.clone(), held))
     }
@@ -197,6 +202,7 @@ mod tests {
         let outside = ImportContext::new(&files, &MemoryPool::default());
         let e = outside.read("a.bin", "/buffers/0/uri").unwrap_err().in_file("m.gltf");
         let text = e.to_string();
-        assert!(text.starts_with("m.gltf: /buffers/0/uri: cannot read `a.bin`"), "{text}");
+        assert!(text.starts_with("m.gltf: /buffers/0/uri: cannot read `a.bin`: it is not among the given files"), "{text}");
+        assert!(text.ends_with("drop or choose the model together with all its files"), "{text}");
     }
 }

@@ -1,7 +1,7 @@
 //! Memory limit of an import, and access to the other files of a model.
 
 use crate::SceneError;
-use crate::files::{ModelFiles, OutsideFolder, relative_name, shorten};
+use crate::files::{ModelFiles, NotGiven, OutsideFolder, relative_name, shorten};
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_signals::Mesh;
 use std::cell::RefCell;
@@ -64,9 +64,16 @@ impl<'a> ImportContext<'a> {
                     .expected("a file in this folder or below it")
                     .cure("move the file there, or allow it with --allow-outside")
             }
-            None => SceneError::at(place, format!("cannot read `{}`: {e}", shorten(name)))
-                .expected("a file at this path, relative to the model")
-                .cure("put the file there or correct the reference"),
+            None => {
+                let cure = if e.get_ref().is_some_and(|inner| inner.is::<NotGiven>()) {
+                    "drop or choose the model together with all its files"
+                } else {
+                    "put the file there or correct the reference"
+                };
+                SceneError::at(place, format!("cannot read `{}`: {e}", shorten(name)))
+                    .expected("a file at this path, relative to the model")
+                    .cure(cure)
+            }
         })
     }
 }
