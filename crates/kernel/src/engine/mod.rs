@@ -21,7 +21,7 @@ pub use batch::StepBatch;
 pub use context::RunLimits;
 use context::{ActiveRecording, unit_states};
 pub use overlapped::{make_steps, time_steps};
-pub use resimulate::{ChunkSource, Recording, ResimulateError, critical_path, resimulate};
+pub use resimulate::{ChunkSource, PathMemory, Recording, ResimulateError, critical_path, resimulate};
 use step_source::WireReport;
 
 /// The engine of a run.

@@ -11,7 +11,6 @@ use crate::time::{FinalUnitState, InputMask, MachineTiming, PathEvent, PathTrace
 use crate::{CriticalPath, Cycle, Demand, MemoryPorts, NoProbe, Outcome, Probe, StageGroups};
 use std::borrow::Cow;
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// The reason that a recording cannot be resimulated.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -122,7 +121,7 @@ pub fn critical_path(
     groups: &[StageGroups],
 ) -> Result<Option<CriticalPath>, ResimulateError> {
     let readers = new_readers(&shape);
-    let goal = ResimulationGoal::Path { most_events, groups, spare: &SpareEvents::default() };
+    let goal = ResimulationGoal::Path { most_events, groups, memory: &mut PathMemory::default() };
     Ok(timed_again((shape, readers), chunks, (&mut NoProbe, goal), u64::MAX)?.1)
 }
 
@@ -139,29 +138,19 @@ pub struct Recording<'a> {
     readers: Option<Vec<RecordingReader>>,
     /// Maximum memory for the steps of a stage \[bytes\].
     room: u64,
-    spare: SpareEvents,
 }
 
-/// Memory of the events of earlier critical paths. New memory for each path caused half of the page faults of bottleneck analysis.
-#[derive(Clone, Debug, Default)]
-struct SpareEvents(Arc<Mutex<Vec<Vec<PathEvent>>>>);
-
-impl SpareEvents {
-    fn take(&self) -> Vec<PathEvent> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
-    }
-
-    fn put(&self, events: Vec<PathEvent>) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(events);
-    }
-}
+/// Memory of the events of a critical path, for one path after the other. New memory for each path caused half of the page faults of
+/// bottleneck analysis.
+#[derive(Debug, Default)]
+pub struct PathMemory(Vec<PathEvent>);
 
 impl<'a> Recording<'a> {
     /// Reads a whole recording for a machine with this netlist. Its steps stay in memory if they take no more than about `room`
     /// bytes; otherwise each resimulation reads it again.
     pub fn new(chunks: impl Into<Cow<'a, [RecordingChunk]>>, shape: &Netlist, room: u64) -> Self {
         let room = room / shape.stages.len().max(1) as u64;
-        let mut recording = Self { chunks: chunks.into(), readers: None, room, spare: SpareEvents::default() };
+        let mut recording = Self { chunks: chunks.into(), readers: None, room };
         let is_ours = recording.chunks.iter().all(|chunk| chunk.stages.len() == shape.stages.len());
         recording.readers =
             if is_ours { (0..shape.stages.len()).map(|stage| recording.read(stage, shape)).collect() } else { None };
@@ -200,8 +189,9 @@ impl<'a> Recording<'a> {
         shape: Netlist,
         most_events: usize,
         groups: &[StageGroups],
+        memory: &mut PathMemory,
     ) -> Result<Option<CriticalPath>, ResimulateError> {
-        Ok(self.timed_again(shape, ResimulationGoal::Path { most_events, groups, spare: &self.spare })?.1)
+        Ok(self.timed_again(shape, ResimulationGoal::Path { most_events, groups, memory })?.1)
     }
 
     fn timed_again(
@@ -227,15 +217,15 @@ enum ResimulationGoal<'a> {
     Cycles,
     /// The whole report.
     Report,
-    /// The critical path, of so many events at most, with these groups.
-    Path { most_events: usize, groups: &'a [StageGroups], spare: &'a SpareEvents },
+    /// The critical path, of so many events at most, with these groups, in this memory.
+    Path { most_events: usize, groups: &'a [StageGroups], memory: &'a mut PathMemory },
 }
 
 /// Returns the report, and the critical path if it is the goal.
 fn timed_again<P: Probe>(
     (shape, mut readers): (Netlist, Vec<RecordingReader>),
     chunks: &mut ChunkSource<'_, '_>,
-    (probe, wanted): (&mut P, ResimulationGoal<'_>),
+    (probe, mut wanted): (&mut P, ResimulationGoal<'_>),
     max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
     let mut time = MachineTiming::new(shape);
@@ -246,9 +236,9 @@ fn timed_again<P: Probe>(
     if !matches!(wanted, ResimulationGoal::Report) {
         time.account_for_nothing();
     }
-    let path = match &wanted {
-        ResimulationGoal::Path { most_events, groups, spare } => {
-            Some(PathTracer::new(&mut time, (*most_events, spare.take()), groups))
+    let path = match &mut wanted {
+        ResimulationGoal::Path { most_events, groups, memory } => {
+            Some(PathTracer::new(&mut time, (*most_events, std::mem::take(&mut memory.0)), groups))
         }
         ResimulationGoal::Report => None,
         ResimulationGoal::Cycles => {
@@ -279,9 +269,9 @@ fn timed_again<P: Probe>(
     let unit_states: Vec<FinalUnitState> = readers.iter().map(rest).collect();
     let report = time.finalize(&unit_states, halt);
     time.show_fills(probe, Some(Cycle(report.total)));
-    let (ResimulationGoal::Path { spare, .. }, Some(mut tracer)) = (wanted, path) else { return Ok((report, None)) };
+    let (ResimulationGoal::Path { memory, .. }, Some(mut tracer)) = (wanted, path) else { return Ok((report, None)) };
     let path = if report.outcome == Outcome::Complete { tracer.trace(&time, report.total, &report.marks) } else { None };
-    spare.put(tracer.into_events());
+    memory.0 = tracer.into_events();
     Ok((report, path))
 }
 

@@ -4,7 +4,7 @@ use super::ladder::{Ladder, LadderSearch};
 use super::relaxations::{PART, Relaxation, RelaxationCandidates, Settings};
 use crate::options::Overrides;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{self as kernel, Netlist, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
+use basrelief_kernel::{self as kernel, Netlist, PathMemory, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
 use basrelief_machines::{InputKind, MachineSpec};
 use basrelief_report::Report;
 use basrelief_report::model::{Bottlenecks, CriticalPath, PathPart, RelaxedCycles};
@@ -121,13 +121,27 @@ impl AnalysisProgress {
 struct RecordedSteps<'a> {
     recording: Recording<'a>,
     netlist: Netlist,
+    /// Memory of earlier critical paths.
+    spare: Mutex<Vec<PathMemory>>,
+}
+
+impl RecordedSteps<'_> {
+    /// Returns the critical path on a machine with this netlist.
+    fn critical_path(&self, netlist: Netlist, groups: &[StageGroups]) -> Option<kernel::CriticalPath> {
+        let spare = || self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut memory = spare().pop().unwrap_or_default();
+        let path = self.recording.critical_path(netlist, EVENTS, groups, &mut memory);
+        spare().push(memory);
+        path.ok()?
+    }
 }
 
 impl<S: MachineSpec> CompletedRun<'_, S> {
     /// Returns the bottlenecks and the critical path; `None` if the machine has no netlist.
     pub(crate) fn bottlenecks(&self) -> Option<BottleneckList> {
         let netlist = self.input.shape(self.spec).ok()?;
-        let recorded = RecordedSteps { recording: Recording::new(self.chunks, &netlist, self.room), netlist };
+        let recording = Recording::new(self.chunks, &netlist, self.room);
+        let recorded = RecordedSteps { recording, netlist, spare: Mutex::default() };
         let progress = self.resimulate_all(&recorded);
         let mut timed = progress.single_relaxations(|cycles| self.saves_much(cycles));
         // The sort is stable: ties keep the order of the block diagram.
@@ -151,7 +165,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         let progress = Mutex::new(progress);
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
-                let path = self.critical_path(&recorded.recording);
+                let path = self.critical_path(recorded);
                 let candidates = resources.on_path(path.as_ref());
                 let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
                 tasks.add(path.clone().map(AnalysisTask::Climb));
@@ -177,8 +191,8 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         progress.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn critical_path(&self, recording: &Recording<'_>) -> Option<kernel::CriticalPath> {
-        recording.critical_path(self.input.shape(self.spec).ok()?, EVENTS, self.groups).ok()?
+    fn critical_path(&self, recorded: &RecordedSteps<'_>) -> Option<kernel::CriticalPath> {
+        recorded.critical_path(self.input.shape(self.spec).ok()?, self.groups)
     }
 
     /// True if the parts of a relaxation are worth a resimulation each. The parts of memories that save next to nothing were as many
@@ -202,7 +216,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
 
     /// Returns the critical path with these settings.
     fn relaxed_path(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<kernel::CriticalPath> {
-        recorded.recording.critical_path(self.relaxed_netlist(recorded, set)?, EVENTS, &[]).ok()?
+        recorded.critical_path(self.relaxed_netlist(recorded, set)?, &[])
     }
 
     fn relaxed_netlist(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<Netlist> {
