@@ -160,7 +160,10 @@ pub(super) fn run<M: Machine, P: Probe>(
         if !tick.now.0.is_multiple_of(4096) && !machine.has_news() {
             continue;
         }
-        tick.time.show_fills(tick.probe, None);
+        // Changes that may come after the end wait until the end is known.
+        if tick.now.0 <= tick.time.known_total() {
+            tick.time.show_fills(tick.probe, None);
+        }
         if !report_progress(machine, tick.time, (&mut tick.recording, &mut keep), limits.progress) {
             return StopReason::Stopped;
         }

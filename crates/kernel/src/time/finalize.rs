@@ -31,7 +31,7 @@ pub(crate) struct FinalUnitState {
 impl MachineTiming {
     /// Ends a run and returns its report. `unit_states`: final state of each unit.
     pub(crate) fn finalize(&mut self, unit_states: &[FinalUnitState], halt: StopReason) -> RunReport {
-        let quiet_total = self.last_cycle().map_or(0, |last| last.0 + 1).max(self.memories.data_end().0);
+        let quiet_total = self.known_total();
         let (complete, total) = match halt {
             StopReason::Quiet => (self.is_done(unit_states), quiet_total.max(1)),
             StopReason::Limit(max) => (false, max),
@@ -68,6 +68,11 @@ impl MachineTiming {
             memories: memory_reports(&self.memories, total),
             caches: cache_reports(&self.memories),
         }
+    }
+
+    /// Cycles that the run takes at least: up to the last that is known to do anything.
+    pub(crate) fn known_total(&self) -> u64 {
+        self.last_cycle().map_or(0, |last| last.0 + 1).max(self.memories.data_end().0)
     }
 
     /// The last cycle in which a unit was busy or a token became visible.

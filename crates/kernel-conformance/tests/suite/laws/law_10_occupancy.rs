@@ -1,6 +1,6 @@
 //! Law 10: occupancy = slots reserved or filled, from reservation through pop. The histogram sums to the total.
 
-use crate::common::{PlanBuilder, histogram, report};
+use crate::common::{PlanBuilder, histogram, report, run_both};
 use basrelief_kernel_conformance::plan::{Plan, UnitKind};
 
 fn wire(depth: usize, tokens: u64, source: (u64, u64), sink: u64) -> Plan {
@@ -41,4 +41,12 @@ fn high_water_mark_is_maximum_level() {
     let report = report(&wire(8, 20, (1, 0), 3));
     assert_eq!(report.fifos[0].high_water(), 8);
     assert_eq!(report.fifos[0].histogram.iter().sum::<u64>(), report.total);
+}
+
+/// A flip keeps the ticked engine going after the run of 4083 cycles. In cycle 4096 it shows levels to the probe, but none that changed
+/// after the end.
+#[test]
+fn no_level_changes_after_the_end() {
+    let plan: Plan = serde_json::from_str(include_str!("busy_after_the_end.json")).unwrap();
+    assert_eq!(run_both(&plan, u64::MAX).0.total, 4083);
 }
