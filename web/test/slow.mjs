@@ -104,10 +104,10 @@ async function turnedViewNeedsNoOtherTiles() {
   await page.goto(`${address}#size=640x480`);
   await page.waitForFunction(() => Number(document.documentElement.dataset.sketches) >= 3);
   const before = slow.of("/tile/").length;
-  await page.evaluate(() => (globalThis.drafts = document.documentElement.dataset.sketches));
+  await page.evaluate(() => (globalThis.drafts = Number(document.documentElement.dataset.sketches)));
   await page.focus("#picture");
   for (let n = 0; n < 9; n++) await page.keyboard.press("ArrowRight");
-  await page.waitForFunction(() => document.documentElement.dataset.sketches > globalThis.drafts);
+  await page.waitForFunction(() => Number(document.documentElement.dataset.sketches) > globalThis.drafts);
   assert.ok(slow.of("/tile/").some(({ end }) => end === undefined), "the turned view is drawn before all tiles are here");
   await browser.whole(page);
   assert.match(await page.textContent("#command"), /--turn 90,0/);
