@@ -1,7 +1,6 @@
 //! Functions that the macros call, so that the code of each declaration is small.
 
-use crate::fields::ParameterValue;
-use crate::fields::{from_json, to_json};
+use crate::fields::{ParameterValue, from_json, to_json};
 use crate::{Effect, Parameter, Provenance, RangeError};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, Visitor};

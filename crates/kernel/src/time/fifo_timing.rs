@@ -30,8 +30,6 @@ const PRODUCER: usize = 1;
 pub(crate) struct FifoTiming {
     /// Its length is a power of two.
     ring: Box<[TokenTimes]>,
-    /// Its full length.
-    full_ring: usize,
     /// True if the ring has no room for the tokens up to the next settlement.
     must_grow: Cell<bool>,
     depth: usize,
@@ -72,6 +70,11 @@ fn place<T>(ring: &[T], number: usize) -> usize {
     number & ring.len().wrapping_sub(1)
 }
 
+/// Full length of the ring of a FIFO of this depth.
+fn full_ring(depth: usize) -> usize {
+    (depth + SWEEP).next_power_of_two()
+}
+
 /// Returns a token of the ring.
 #[inline(always)]
 fn token(ring: &[TokenTimes], number: usize) -> &TokenTimes {
@@ -81,14 +84,13 @@ fn token(ring: &[TokenTimes], number: usize) -> &TokenTimes {
 impl FifoTiming {
     /// Creates the times of a FIFO. `awaits`: true if its producer has memory clients, so that each slot keeps their answers.
     pub(crate) fn new(&FifoSpec { depth, latency, period, .. }: &FifoSpec, awaits: bool) -> Self {
-        let full_ring = (depth + SWEEP).next_power_of_two();
-        let tokens = full_ring.min(FIRST_RING);
+        let full = full_ring(depth);
+        let tokens = full.min(FIRST_RING);
         Self {
             ring: vec![TokenTimes::unused(); tokens].into(),
-            full_ring,
             must_grow: Cell::new(false),
             depth,
-            slots_back: if tokens == full_ring { depth } else { 0 },
+            slots_back: if tokens == full { depth } else { 0 },
             pushed: Cell::new(0),
             delivered: Cell::new(0),
             popped: Cell::new(0),
@@ -279,7 +281,7 @@ impl FifoTiming {
     #[inline(never)]
     fn settle(&self) {
         self.occupancy.borrow_mut().settle(&self.ring, (self.pushed.get(), self.popped.get()));
-        if self.ring.len() < self.full_ring && self.pushed.get() + SWEEP >= self.ring.len() {
+        if self.slots_back == 0 && self.pushed.get() + SWEEP >= self.ring.len() {
             self.must_grow.set(true);
             self.room.set(Cycle::UNKNOWN);
         }
@@ -302,7 +304,7 @@ impl FifoTiming {
             awaits.resize(tokens, Cell::default());
             self.awaits = awaits.into();
         }
-        if tokens == self.full_ring {
+        if tokens == full_ring(self.depth) {
             self.slots_back = self.depth;
         }
         self.must_grow.set(false);
