@@ -79,7 +79,7 @@ export class Results {
 
   #pin(): void {
     const now = this.#now;
-    if (!now) return;
+    if (!now?.whole) return;
     // The first one is A. Each further one replaces B.
     this.#pins = [...this.#pins.slice(0, MOST_PINS - 1), { ...now, link: linkOf(now) }];
     this.#known = Math.min(this.#known, MOST_PINS - 1);
@@ -163,6 +163,7 @@ export class Results {
   #render(): void {
     const now = this.#now;
     if (!now) return;
+    this.#buttons(now);
     numbers(byId("numbers"), now, this.#pins[0]);
     lead(byId("limits"), now);
     const name = tabs(byId("tabs"), now.state.panel, chosen => this.#choose(chosen));
@@ -175,6 +176,14 @@ export class Results {
     const save = byId<HTMLAnchorElement>("save");
     URL.revokeObjectURL(save.href);
     save.href = URL.createObjectURL(new Blob([now.run.text], { type: "application/json" }));
+  }
+
+  /** Enables the buttons that need a result. A run is pinned whole: a quick answer has another size and no bottlenecks. */
+  #buttons({ whole }: Kept): void {
+    for (const id of ["copy", "export"]) byId<HTMLButtonElement>(id).disabled = false;
+    const pin = byId<HTMLButtonElement>("pin");
+    pin.disabled = !whole;
+    pin.title = whole ? "Keep this run and compare others with it" : "You can pin a run once it is complete";
   }
 
   #export(): void {

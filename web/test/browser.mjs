@@ -95,6 +95,28 @@ async function pinned() {
   await page.close();
 }
 
+/** Tests that only a complete run can be pinned, and that the button says so. */
+async function pinnedWhenComplete() {
+  const page = await browser.chromium.newPage();
+  await page.addInitScript(() => {
+    globalThis.answers = [];
+    const note = () => globalThis.answers.push([document.documentElement.dataset.settled, document.getElementById("pin").disabled]);
+    new MutationObserver(note).observe(document, { subtree: true, attributeFilter: ["data-settled"] });
+  });
+  await page.goto(`${server.address}#demo=golf-ball&size=640x480`);
+  await whole(page);
+  const answers = await page.evaluate(() => globalThis.answers);
+  assert.ok(answers.length > 2 && answers.every(([settled, isDisabled]) => isDisabled === (settled !== "true")), JSON.stringify(answers));
+  assert.match(await page.getAttribute("#pin", "title"), /^Keep this run/);
+  // A wrong first run gives no result at all.
+  const failed = await browser.chromium.newPage();
+  await failed.goto(`${server.address}#demo=golf-ball&size=160x120&set=replacement.entries%3D0`);
+  await failed.waitForSelector("#problem:visible");
+  for (const id of ["#pin", "#copy", "#export"]) assert.ok(await failed.isDisabled(id), id);
+  assert.equal(await failed.getAttribute("#pin", "title"), "You can pin a run once it is complete");
+  await Promise.all([page.close(), failed.close()]);
+}
+
 /** Tests the cost of a pixel: pictures, and details under the pointer. */
 async function costs() {
   const page = await opened(`${server.address}#demo=golf-ball&size=160x120`);
@@ -222,7 +244,7 @@ async function standalone() {
 }
 
 try {
-  for (const test of [wrong, warned, stopped, stoppedOffline, standalone, machines, slider, turned, pinned, costs]) {
+  for (const test of [wrong, warned, stopped, stoppedOffline, standalone, machines, slider, turned, pinned, pinnedWhenComplete, costs]) {
     await test();
     console.log(`ok: ${test.name}`);
   }
