@@ -395,7 +395,7 @@ export class Page implements Handlers {
     const fresh: Picture[] = pictures(json.pictures, rest);
     const name = `${report.machine} \u00b7 ${report.input.name}`;
     document.title = `${name} \u00b7 Basrelief`;
-    byId("what").textContent = `${name} \u00b7 ${report.size.width} \u00d7 ${report.size.height}`;
+    byId("what").textContent = `${name} \u00b7 ${report.size.width}\u00a0\u00d7\u00a0${report.size.height}`;
     const waiting = waited > 0 ? `, ${waited.toFixed(0)} waiting for the server` : "";
     byId("answered").textContent = `answered in ${answered.toFixed(0)} ms, ${(ms - waited).toFixed(0)} of them computing${waiting}`;
     this.#drafts.settle();

@@ -31,7 +31,7 @@ function headline(report: Report): [string, string][] {
 
 export function reportPage({ report, text, sections }: Run, pictures: Picture[]): string {
   const { machine, input, size, outcome } = report;
-  const what = `${machine} \u00b7 ${input.name} \u00b7 ${size.width} \u00d7 ${size.height}`;
+  const what = `${machine} \u00b7 ${input.name} \u00b7 ${size.width}\u00a0\u00d7\u00a0${size.height}`;
   const part = (id: string, title: string, ...content: Node[]) =>
     el("section", { id, "aria-labelledby": `${id}-title` }, el("h2", { id: `${id}-title` }, title), ...content);
   const shown = sections.map(({ id, title, html }) => {

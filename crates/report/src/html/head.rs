@@ -9,7 +9,7 @@ use base64::prelude::BASE64_STANDARD;
 
 /// Machine, scene and size, with the key figures below.
 pub(super) fn head(report: &Report) -> Html {
-    let what = format!("{} · {} · {} × {}", report.machine, report.input.name, report.size.width, report.size.height);
+    let what = format!("{} · {} · {}\u{a0}×\u{a0}{}", report.machine, report.input.name, report.size.width, report.size.height);
     let title = el("h1", &[], [text("Basrelief "), el_text("span", "quiet", what)]);
     let numbers = big_numbers(numbers(report));
     let message = report.outcome.message.as_deref().unwrap_or("The run did not finish.");
