@@ -6,9 +6,9 @@ import { timeline, type Steps } from "./strips";
 
 export interface Shown { run: Run; rest: Uint8Array; /** With exact picture and bottlenecks. */ whole: boolean }
 
-/** Groups of results: name in addresses, title, and sections. The time line and the changes are built by the page itself. */
+/** Groups of results: name in addresses, title, and sections. The timeline and the changes are built by the page itself. */
 const GROUPS: [string, string, string[]][] = [
-  ["units", "Cycles", ["units", "bottlenecks", "frames", "costs"]], ["timeline", "Time line", []],
+  ["units", "Cycles", ["units", "bottlenecks", "frames", "costs"]], ["timeline", "Timeline", []],
   ["diagram", "Diagram", ["diagram", "fifos", "memories"]],
   ["figures", "Figures", ["quality", "figures", "hardware", "sensitivity", "parameters"]], ["changes", "Changes", []],
 ];

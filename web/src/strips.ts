@@ -1,4 +1,4 @@
-// The time line: the activity of each unit over time, in columns of equal width, with zoom and pan.
+// The timeline: the activity of each unit over time, in columns of equal width, with zoom and pan.
 import { bytesAt } from "./client";
 import { frameCycles } from "./changes";
 import { drawing, el, thousands } from "./dom";
@@ -34,7 +34,7 @@ let pending: ReturnType<typeof setTimeout> | undefined;
 export function timeline(into: HTMLElement, run: Run, rest: Uint8Array, steps: Steps): void {
   const { report, strips } = run;
   if (!strips || strips.units.length === 0) {
-    return into.replaceChildren(el("p", { class: "quiet" }, "The time line appears when the image is idle."));
+    return into.replaceChildren(el("p", { class: "quiet" }, "The timeline appears when the image is idle."));
   }
   // Keeps the focus on its control when an answer arrives.
   const held = into.contains(document.activeElement) ? document.activeElement!.id : "";
@@ -43,7 +43,7 @@ export function timeline(into: HTMLElement, run: Run, rest: Uint8Array, steps: S
   const total = strips.width * Math.max(1, Math.min(drawn, Math.max(...strips.units.map(({ at }) => at[1] / STATES.length))));
   const says = el("p", { class: "quiet", "aria-live": "off" }, "Point at a strip to see its values.");
   const all: Strip[] = strips.units.map(({ name, at }) => {
-    return { name, bytes: bytesAt(rest, at), canvas: el("canvas", { height: HEIGHT, role: "img", "aria-label": `time line of ${name}` }) };
+    return { name, bytes: bytesAt(rest, at), canvas: el("canvas", { height: HEIGHT, role: "img", "aria-label": `timeline of ${name}` }) };
   });
   const caption = el("caption", { id: "shown-cycles", "aria-live": "polite" });
   const ends = el("td");
@@ -95,7 +95,7 @@ export function timeline(into: HTMLElement, run: Run, rest: Uint8Array, steps: S
   const buttons = Object.entries({ "Zoom in": "+", "Zoom out": "-", Earlier: "ArrowLeft", Later: "ArrowRight", All: "Home" });
   const row = buttons.map(([name, key]) => el("button", { type: "button", id: `time-${key}`, onclick: () => keys[key]!() }, name));
   const shown = el("div", {
-    id: "time-strips", class: "wide", tabindex: 0, role: "group", "aria-label": "Time line: + and - zoom, arrow keys move", onkeydown: event => {
+    id: "time-strips", class: "wide", tabindex: 0, role: "group", "aria-label": "Timeline: + and - zoom, arrow keys move", onkeydown: event => {
       const act = keys[(event as KeyboardEvent).key];
       if (!act) return;
       event.preventDefault();

@@ -1,4 +1,4 @@
-// Tests in Chromium the parts of the page that show and share results: loading, cache, command, report page, comparison, time line.
+// Tests in Chromium the parts of the page that show and share results: loading, cache, command, report page, comparison, timeline.
 //
 //   node test/share.mjs PROGRAM PAGE_FOLDER [FOLDER_FOR_PICTURES]
 import assert from "node:assert/strict";
@@ -174,7 +174,7 @@ async function timelineZoomsAndMoves() {
   await page.keyboard.press("ArrowRight");
   const later = await cycles();
   assert.ok(later[0] > near[0] && later[1] > near[1]);
-  // A drag moves the time line, and the pointer reads the column below it.
+  // A drag moves the timeline, and the pointer reads the column below it.
   const box = await page.locator("#time-strips canvas").first().boundingBox();
   await page.mouse.move(box.x + 50, box.y + 5);
   await page.mouse.down();
