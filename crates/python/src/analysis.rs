@@ -2,7 +2,6 @@
 
 use crate::config::Config;
 use crate::error::{CommandError, CommandResult, PythonResult, budget, of_recording};
-use crate::files::PartialFile;
 use crate::recording::open_recording;
 use crate::run::RunArguments;
 use crate::scene::{RunSource, RunSubject};
@@ -10,6 +9,7 @@ use crate::watch::RunWatcher;
 use basrelief_dse::Cell;
 use basrelief_dse::figures::figure_of;
 use basrelief_input::MemoryPool;
+use basrelief_outputs::PartialFile;
 use basrelief_sim::{
     AnalysisPolicy, Observer, RecordingError, RunOptions, RunResult, TraceOptions, ablate as sim_ablate,
     compare_methods as sim_compare_methods, record_trace, run_named, size_fifos as sim_size_fifos,

@@ -1,10 +1,10 @@
 //! Services that Python provides to a sweep: files of a plan, and checks for Ctrl-C.
 
 use crate::error::{CommandError, CommandResult};
-use crate::files::PartialFile;
 use crate::scene::{DisplayList, RunSource, ViewArguments, text_of};
 use basrelief_dse::{OpenedInput, SweepHost, SweepProgress};
 use basrelief_input::MemoryPool;
+use basrelief_outputs::PartialFile;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::{ImportOptions, demo, load_path_with};
 use basrelief_sim::{PreparedScene, RunInput, to_png};

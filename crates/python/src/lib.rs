@@ -10,7 +10,6 @@ mod catalogue;
 mod compare;
 mod config;
 mod error;
-mod files;
 mod host;
 mod outputs;
 mod page;
@@ -34,6 +33,8 @@ mod _basrelief {
     use crate::config::Config;
     #[pymodule_export]
     use crate::error::{Error, InputError, UsageError};
+    #[pymodule_export]
+    use crate::outputs::write;
     #[pymodule_export]
     use crate::page::{page, part, read_report, text};
     #[pymodule_export]

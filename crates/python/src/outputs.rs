@@ -1,15 +1,16 @@
 //! Files of a run that show it over time: timeline, waveforms, token paths and memory requests.
 
-use crate::error::{CommandError, CommandResult};
-use crate::files::PartialFile;
+use crate::error::{CommandError, CommandResult, PythonResult};
 use crate::scene::RunSource;
 use basrelief_kernel::Probe;
+use basrelief_outputs::PartialFile;
 use basrelief_sim::{
     ChartOutput, ChartOutputs, ChartRange, ChartRangeError, MemoryRequests, RequestFormat, RequestLog, RequestLogError,
     RunCharts, RunInput, RunOptions, RunResult, TokenSample, WriteSeek, logged_memories,
 };
 use basrelief_timeline::CompressedChart;
-use pyo3::FromPyObject;
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::{FromPyObject, Python, pyfunction};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -105,7 +106,7 @@ impl OutputArguments {
                 )),
                 RequestLogError::UnknownMemory { .. } => CommandError::Usage(format!("requests_memory: {error}")),
             })?;
-        let log = RequestLog::new(BufWriter::new(create(path)?), format, memories, tempfile::tempfile);
+        let log = RequestLog::new(create(path)?, format, memories, tempfile::tempfile);
         Ok(Some(RequestsFile { path: path.clone(), log: log.map_err(CommandError::at_file(path, "be written"))? }))
     }
 }
@@ -119,6 +120,13 @@ fn range_error(error: ChartRangeError) -> CommandError {
         }
         ChartRangeError::Unit { .. } => CommandError::Usage(format!("units: {error}")),
     }
+}
+
+/// Writes a file that is complete or absent.
+#[pyfunction]
+pub fn write(py: Python<'_>, path: PathBuf, content: PyBackedBytes) -> PythonResult<()> {
+    let written = py.detach(|| PartialFile::write_whole(&path, &content));
+    Ok(written.map_err(CommandError::at_file(&path, "be written"))?)
 }
 
 fn create(path: &Path) -> CommandResult<PartialFile> {
@@ -145,10 +153,8 @@ impl ChartFiles {
         let Self { charts, timeline, waves, tokens, sample } = self;
         let named = |file: &PartialFile| file.path().display().to_string();
         let tokens = tokens.as_mut().map(|file| CommandResult::Ok(((named(file), token_writer(file)?), *sample))).transpose()?;
-        let timeline =
-            timeline.as_mut().map(|file| -> ChartOutput<dyn Write + '_> { (named(file), Box::new(BufWriter::new(file))) });
-        let waves =
-            waves.as_mut().map(|file| -> ChartOutput<dyn WriteSeek + '_> { (named(file), Box::new(BufWriter::new(file))) });
+        let timeline = timeline.as_mut().map(|file| -> ChartOutput<dyn Write + '_> { (named(file), Box::new(file)) });
+        let waves = waves.as_mut().map(|file| -> ChartOutput<dyn WriteSeek + '_> { (named(file), Box::new(file)) });
         charts.record(ChartOutputs { timeline, waves, tokens }, run)
     }
 
@@ -161,7 +167,7 @@ impl ChartFiles {
 /// Returns a writer that compresses if the file name ends in .zst.
 fn token_writer(file: &mut PartialFile) -> CommandResult<Box<dyn Write + '_>> {
     if file.path().extension().is_none_or(|extension| extension != "zst") {
-        return Ok(Box::new(BufWriter::new(file)));
+        return Ok(Box::new(file));
     }
     let failed = CommandError::at_file(file.path(), "be written");
     Ok(Box::new(BufWriter::new(CompressedChart::new(file).map_err(failed)?)))
@@ -170,7 +176,7 @@ fn token_writer(file: &mut PartialFile) -> CommandResult<Box<dyn Write + '_>> {
 /// The file of memory requests.
 pub struct RequestsFile {
     path: PathBuf,
-    log: RequestLog<BufWriter<PartialFile>, File>,
+    log: RequestLog<PartialFile, File>,
 }
 
 impl RequestsFile {
@@ -182,7 +188,6 @@ impl RequestsFile {
     /// Completes and publishes the file.
     pub fn publish(self) -> CommandResult {
         let failed = CommandError::at_file(&self.path, "be written");
-        let file = self.log.finish().and_then(|file| file.into_inner().map_err(std::io::IntoInnerError::into_error));
-        publish(file.map_err(failed)?)
+        publish(self.log.finish().map_err(failed)?)
     }
 }

@@ -16,7 +16,7 @@ import numpy
 import pandas
 import polars
 import pytest
-from basrelief import Machine, Result, Table
+from basrelief import InputError, Machine, Result, Table
 from conftest import ROOT
 from pandas.api.types import is_numeric_dtype
 from PIL import Image
@@ -89,9 +89,11 @@ def test_notebook_shows_result_and_keeps_its_own_style(result: Result) -> None:
 def test_files_are_written_whole_or_not_at_all(result: Result, tmp_path: Path) -> None:
     result.save(tmp_path / "a" / "b")
     assert basrelief.load(tmp_path / "a" / "b").report == result.report
-    with pytest.raises(OSError):
+    with pytest.raises(InputError) as raised:
         result.image.save(tmp_path / "none" / "image.png")
-    with pytest.raises(OSError):
+    assert str(raised.value).startswith(f"{tmp_path / 'none/image.png'}: cannot be written: ")
+    assert str(raised.value).endswith(f"; create the folder {tmp_path / 'none'} first")
+    with pytest.raises(InputError, match="a: cannot be written: "):
         result.image.save(tmp_path / "a")
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
     result.image.save(tmp_path / "image.png")

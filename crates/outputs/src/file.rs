@@ -46,6 +46,11 @@ impl PartialFile {
         file.publish()
     }
 
+    /// Returns the final path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Renames the file to its final path.
     pub fn publish(mut self) -> io::Result<()> {
         self.file.flush()?;
