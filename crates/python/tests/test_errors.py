@@ -93,6 +93,20 @@ def test_package_errors_are_sentences(tmp_path: Path) -> None:
     says("not a recording", lambda: basrelief.Recording(b"none").resimulate(), InputError)
 
 
+@pytest.mark.parametrize("option", ["timeline", "waves", "tokens", "requests"])
+def test_missing_folder_is_named_as_by_the_program(
+    program: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = program("demo", "golf-ball", "--size=16x12", f"--{option}=none/a")
+    files: Any = {option: "none/a"}
+    with pytest.raises(InputError) as raised:
+        Machine("bump").run(basrelief.demo("golf-ball", size=(16, 12)), **files)
+    assert done.stderr == f"error: {raised.value}\n"
+    assert str(raised.value).startswith("none/a: cannot be written: "), raised.value
+    assert str(raised.value).endswith("; create the folder none first"), raised.value
+
+
 def test_wrong_arguments_are_named_with_their_expectation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     machine: Any = Machine("bump")

@@ -50,8 +50,13 @@ impl CommandError {
         let within = Self::in_input(&format!("{}: cannot {doing}", path.display()));
         // Commands that accept standard input do not open this path.
         let is_stdin = path == Path::new("-") && doing == "be read";
-        let cure = if is_stdin { "; standard input is not accepted here, expected a file" } else { "" };
-        move |error| within(format!("{error}{cure}"))
+        let folder = path.parent().filter(|_| doing == "be written").map(Path::to_path_buf);
+        move |error| match folder.as_deref() {
+            Some(folder) if is_missing(folder) => within(format!("{error}; create the folder {} first", folder.display())),
+            _ if error.kind() == io::ErrorKind::IsADirectory => within(format!("{error}; expected a file")),
+            _ if is_stdin => within(format!("{error}; standard input is not accepted here, expected a file")),
+            _ => within(error.to_string()),
+        }
     }
 
     /// Converts an error of a run. It names the input, unless a parameter or an output is at fault.
@@ -72,9 +77,27 @@ impl CommandError {
     }
 }
 
+/// Returns true for a folder that does not exist. An empty path is the working directory.
+fn is_missing(folder: &Path) -> bool {
+    !folder.as_os_str().is_empty() && matches!(folder.try_exists(), Ok(false))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn output_into_missing_folder_names_folder_and_cure() {
+        let error = |kind: io::ErrorKind, path, doing| CommandError::at_file(Path::new(path), doing)(kind.into()).to_string();
+        let text = |path, doing| error(io::ErrorKind::NotFound, path, doing);
+        assert_eq!(
+            text("none/deep/x", "be written"),
+            "none/deep/x: cannot be written: entity not found; create the folder none/deep first"
+        );
+        assert_eq!(text("x", "be written"), "x: cannot be written: entity not found");
+        assert_eq!(text("none/x", "be read"), "none/x: cannot be read: entity not found");
+        assert_eq!(error(io::ErrorKind::IsADirectory, "src", "be read"), "src: cannot be read: is a directory; expected a file");
+    }
 
     #[test]
     fn fault_of_a_run_names_input_and_wrong_usage_does_not() {
