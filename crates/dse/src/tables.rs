@@ -143,7 +143,7 @@ fn front_text(table: &Table) -> String {
     let ties: usize = front.iter().map(|point| point.ties.len()).sum();
     if ties > 0 {
         let _ =
-            writeln!(text, "{ties} more equal one of them in every objective and have no smaller area; they follow it with `=`");
+            writeln!(text, "Ties: {ties}. A row with `=` equals the point above it in every objective and has no smaller area.");
     }
     let objectives: Vec<usize> = table.objectives().map(|(at, _)| at).collect();
     let shown: Vec<usize> = objectives.iter().copied().chain(table.axes()).collect();
