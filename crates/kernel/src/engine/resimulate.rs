@@ -7,7 +7,9 @@ use crate::netlist::Netlist;
 use crate::recording::{RecordingChunk, RecordingError, RecordingReader};
 use crate::report::RunReport;
 use crate::step_requests::StepRequestsView;
-use crate::time::{FinalUnitState, InputMask, MachineTiming, PathEvent, PathTracer, StageVisit, StepTiming, StopReason};
+use crate::time::{
+    FifoMemory, FinalUnitState, InputMask, MachineTiming, PathEvent, PathTracer, StageVisit, StepTiming, StopReason,
+};
 use crate::{CriticalPath, Cycle, Demand, MemoryPorts, NoProbe, Outcome, Probe, StageGroups};
 use std::borrow::Cow;
 use std::fmt;
@@ -140,10 +142,13 @@ pub struct Recording<'a> {
     room: u64,
 }
 
-/// Memory of the events of a critical path, for one path after the other. New memory for each path caused half of the page faults of
-/// bottleneck analysis.
+/// Memory of the events of a critical path, and of deep FIFOs, for one path after the other. New memory for each path caused most page
+/// faults of bottleneck analysis.
 #[derive(Debug, Default)]
-pub struct PathMemory(Vec<PathEvent>);
+pub struct PathMemory {
+    events: Vec<PathEvent>,
+    fifos: Vec<FifoMemory>,
+}
 
 impl<'a> Recording<'a> {
     /// Reads a whole recording for a machine with this netlist. Its steps stay in memory if they take no more than about `room`
@@ -228,7 +233,11 @@ fn timed_again<P: Probe>(
     (probe, mut wanted): (&mut P, ResimulationGoal<'_>),
     max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
-    let mut time = MachineTiming::new(shape);
+    let fifos = match &mut wanted {
+        ResimulationGoal::Path { memory, .. } => std::mem::take(&mut memory.fifos),
+        _ => Vec::new(),
+    };
+    let mut time = MachineTiming::in_memory(shape, fifos);
     time.keep_fills(&*probe);
     if readers.iter().any(|reader| reader.demand().is_none()) {
         feed(&mut readers, chunks, &time)?;
@@ -238,7 +247,7 @@ fn timed_again<P: Probe>(
     }
     let path = match &mut wanted {
         ResimulationGoal::Path { most_events, groups, memory } => {
-            Some(PathTracer::new(&mut time, (*most_events, std::mem::take(&mut memory.0)), groups))
+            Some(PathTracer::new(&mut time, (*most_events, std::mem::take(&mut memory.events)), groups))
         }
         ResimulationGoal::Report => None,
         ResimulationGoal::Cycles => {
@@ -271,7 +280,7 @@ fn timed_again<P: Probe>(
     time.show_fills(probe, Some(Cycle(report.total)));
     let (ResimulationGoal::Path { memory, .. }, Some(mut tracer)) = (wanted, path) else { return Ok((report, None)) };
     let path = if report.outcome == Outcome::Complete { tracer.trace(&time, report.total, &report.marks) } else { None };
-    memory.0 = tracer.into_events();
+    (memory.events, memory.fifos) = (tracer.into_events(), time.into_fifo_memory());
     Ok((report, path))
 }
 

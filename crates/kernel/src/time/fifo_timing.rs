@@ -15,6 +15,13 @@ const SWEEP: usize = 64;
 /// bottleneck analysis.
 const FIRST_RING: usize = 2 * SWEEP;
 
+/// Memory of the times of a FIFO, for one run after the other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FifoMemory {
+    ring: Vec<TokenTimes>,
+    awaits: Vec<Cell<[Cycle; MAX_CLIENTS]>>,
+}
+
 /// Indices of `news`.
 const CONSUMER: usize = 0;
 const PRODUCER: usize = 1;
@@ -29,7 +36,7 @@ const PRODUCER: usize = 1;
 #[derive(Clone, Debug)]
 pub(crate) struct FifoTiming {
     /// Its length is a power of two.
-    ring: Box<[TokenTimes]>,
+    ring: Vec<TokenTimes>,
     /// True if the ring has no room for the tokens up to the next settlement.
     must_grow: Cell<bool>,
     depth: usize,
@@ -56,7 +63,7 @@ pub(crate) struct FifoTiming {
     news: [Cell<bool>; 2],
     /// For each token in the ring, the answers that the producer's step waits for, by client (law 9). Empty if the producer has
     /// no memory client.
-    awaits: Box<[Cell<[Cycle; MAX_CLIENTS]>]>,
+    awaits: Vec<Cell<[Cycle; MAX_CLIENTS]>>,
     occupancy: RefCell<OccupancyHistogram>,
     /// True if a probe reads the visible cycles of tokens.
     is_watched: Cell<bool>,
@@ -68,6 +75,13 @@ pub(crate) struct FifoTiming {
 #[inline(always)]
 fn place<T>(ring: &[T], number: usize) -> usize {
     number & ring.len().wrapping_sub(1)
+}
+
+/// Refills memory with this number of equal elements.
+fn all_equal<T: Clone>(mut memory: Vec<T>, length: usize, element: T) -> Vec<T> {
+    memory.clear();
+    memory.resize(length, element);
+    memory
 }
 
 /// Full length of the ring of a FIFO of this depth.
@@ -82,12 +96,13 @@ fn token(ring: &[TokenTimes], number: usize) -> &TokenTimes {
 }
 
 impl FifoTiming {
-    /// Creates the times of a FIFO. `awaits`: true if its producer has memory clients, so that each slot keeps their answers.
-    pub(crate) fn new(&FifoSpec { depth, latency, period, .. }: &FifoSpec, awaits: bool) -> Self {
+    /// Creates the times of a FIFO in the memory of an earlier run. `awaits`: true if its producer has memory clients, so that each
+    /// slot keeps their answers.
+    pub(crate) fn new(&FifoSpec { depth, latency, period, .. }: &FifoSpec, awaits: bool, memory: FifoMemory) -> Self {
         let full = full_ring(depth);
         let tokens = full.min(FIRST_RING);
         Self {
-            ring: vec![TokenTimes::unused(); tokens].into(),
+            ring: all_equal(memory.ring, tokens, TokenTimes::unused()),
             must_grow: Cell::new(false),
             depth,
             slots_back: if tokens == full { depth } else { 0 },
@@ -102,7 +117,7 @@ impl FifoTiming {
             no_push_before: Cell::default(),
             no_pop_before: Cell::default(),
             news: Default::default(),
-            awaits: vec![Cell::default(); if awaits { tokens } else { 0 }].into(),
+            awaits: all_equal(memory.awaits, if awaits { tokens } else { 0 }, Cell::default()),
             occupancy: OccupancyHistogram::new(depth).into(),
             is_watched: Cell::new(false),
             shown: RefCell::default(),
@@ -207,7 +222,7 @@ impl FifoTiming {
     /// Reserves a slot at the start of the step that fills it.
     #[inline(always)]
     pub(crate) fn reserve(&self, start: Cycle) {
-        let (ring, number) = (&*self.ring, self.pushed.get());
+        let (ring, number) = (self.ring.as_slice(), self.pushed.get());
         let new = token(ring, number);
         new.reserved.set(start);
         new.free.set(Cycle::UNKNOWN);
@@ -254,7 +269,7 @@ impl FifoTiming {
     /// Pops the front token.
     #[inline(always)]
     pub(crate) fn pop(&self, at: Cycle) {
-        let (ring, number, free) = (&*self.ring, self.popped.get(), at.after(1));
+        let (ring, number, free) = (self.ring.as_slice(), self.popped.get(), at.after(1));
         token(ring, number).free.set(free);
         self.popped.set(number + 1);
         self.front.set(token(ring, number + 1).visible.get());
@@ -296,13 +311,9 @@ impl FifoTiming {
     #[cold]
     fn double(&mut self) -> bool {
         let tokens = 2 * self.ring.len();
-        let mut ring = std::mem::take(&mut self.ring).into_vec();
-        ring.resize(tokens, TokenTimes::unused());
-        self.ring = ring.into();
+        self.ring.resize(tokens, TokenTimes::unused());
         if !self.awaits.is_empty() {
-            let mut awaits = std::mem::take(&mut self.awaits).into_vec();
-            awaits.resize(tokens, Cell::default());
-            self.awaits = awaits.into();
+            self.awaits.resize(tokens, Cell::default());
         }
         if tokens == full_ring(self.depth) {
             self.slots_back = self.depth;
@@ -312,6 +323,11 @@ impl FifoTiming {
         true
     }
 
+    /// Returns the memory of its times, for the next run.
+    pub(super) fn into_memory(self) -> FifoMemory {
+        FifoMemory { ring: self.ring, awaits: self.awaits }
+    }
+
     /// See [`OccupancyHistogram::count_nothing`].
     pub(crate) fn count_nothing(&mut self) {
         self.occupancy.get_mut().count_nothing();
@@ -319,7 +335,7 @@ impl FifoTiming {
 
     /// Forgets the answers that the steps of tokens wait for.
     pub(crate) fn forget_awaits(&mut self) {
-        self.awaits = Box::default();
+        self.awaits.clear();
     }
 
     /// See [`OccupancyHistogram::keep_fills`].

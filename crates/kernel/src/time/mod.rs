@@ -15,7 +15,7 @@ mod stage_visit;
 mod step_timing;
 mod token_times;
 
-pub(crate) use fifo_timing::FifoTiming;
+pub(crate) use fifo_timing::{FifoMemory, FifoTiming};
 pub(crate) use finalize::{FinalUnitState, StopReason};
 pub(crate) use input_mask::InputMask;
 pub(crate) use path_tracer::{PathEvent, PathTracer};
@@ -43,14 +43,26 @@ pub(crate) struct MachineTiming {
 
 impl MachineTiming {
     /// Creates the state at power-on.
-    pub(crate) fn new(mut shape: Netlist) -> Self {
+    pub(crate) fn new(shape: Netlist) -> Self {
+        Self::in_memory(shape, Vec::new())
+    }
+
+    /// Creates the state at power-on in the memory of the FIFOs of an earlier run.
+    pub(crate) fn in_memory(mut shape: Netlist, memory: Vec<FifoMemory>) -> Self {
         let mut memories = std::mem::take(&mut shape.memories);
         memories.find_private(shape.stages.iter().map(|stage| stage.clients.as_slice()));
         let stages: Vec<_> = shape.stages.iter().map(|stage| StageClock::new(stage, &memories)).collect();
         let has_clients = |stage: usize| !shape.stages[stage].clients.is_empty();
-        let fifos = shape.fifos.iter().map(|f| FifoTiming::new(f, has_clients(f.producer))).collect();
+        let memory = memory.into_iter().chain(std::iter::repeat_with(FifoMemory::default));
+        let fifos = shape.fifos.iter().zip(memory);
+        let fifos = fifos.map(|(fifo, memory)| FifoTiming::new(fifo, has_clients(fifo.producer), memory)).collect();
         let (accounts, limit) = (vec![CycleAccount::default(); shape.stages.len()], Cycle::UNKNOWN);
         Self { accounts, shape, stages, fifos, memories, accounts_for: true, limit }
+    }
+
+    /// Returns the memory of its FIFOs, for the next run.
+    pub(crate) fn into_fifo_memory(self) -> Vec<FifoMemory> {
+        self.fifos.into_iter().map(FifoTiming::into_memory).collect()
     }
 
     /// Switches accounting off, for runs that need only times.
