@@ -289,7 +289,6 @@ mod fifo;
 mod fifo_info;
 mod hardware;
 mod label;
-mod late_partition_point;
 mod machine;
 mod memory;
 mod memory_events;

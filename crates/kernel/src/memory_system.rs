@@ -2,7 +2,6 @@
 
 use crate::cache::{Cache, CacheTagArray};
 use crate::client::Client;
-use crate::late_partition_point::late_partition_point;
 use crate::memory::{Memory, MemoryRequest};
 use crate::memory_events::{EventBounds, Gauge};
 use crate::periodic::{FlipTiming, PeriodicClient, PeriodicControl, PeriodicReads};
@@ -271,9 +270,9 @@ impl MemorySystem {
     /// Returns the first request of a client with the latest answer by `at`.
     pub(crate) fn last_answered(&self, client: usize, at: Cycle) -> Option<Completion> {
         let answered = self.port(client).notes.as_ref()?.answered.as_deref()?;
-        let behind = late_partition_point(answered, |request| request.answer <= at);
+        let behind = answered.partition_point(|request| request.answer <= at);
         let answer = answered.get(behind.checked_sub(1)?)?.answer;
-        answered.get(late_partition_point(&answered[..behind], |request| request.answer < answer)).copied()
+        answered.get(answered[..behind].partition_point(|request| request.answer < answer)).copied()
     }
 
     /// Returns true if a client got an answer at `at`, through its cache if it has one.
