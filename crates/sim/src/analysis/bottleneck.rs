@@ -1,22 +1,20 @@
 //! Bottleneck analysis: each candidate is relaxed in turn, then groups of them, and the recorded steps are resimulated.
 
+use super::analysis_task::{AnalysisTask, PathsAhead};
 use super::ladder::{Ladder, LadderSearch};
 use super::relaxations::{PART, Relaxation, RelaxationCandidates, Settings};
+use super::resimulations::Resimulations;
 use crate::options::Overrides;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{self as kernel, Netlist, PathMemory, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
+use basrelief_kernel::{self as kernel, Netlist, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
 use basrelief_machines::{InputKind, MachineSpec};
 use basrelief_report::Report;
 use basrelief_report::model::{Bottlenecks, CriticalPath, PathPart, RelaxedCycles};
 use basrelief_threads as threads;
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Relaxations that are resimulated concurrently with the critical path. Together they take about as long as the path.
-const EARLY: usize = 2;
-/// Maximum number of events in the search for a critical path, of 16 bytes each.
-pub(crate) const EVENTS: usize = 8 << 20;
 /// Converts a part of the critical path for the report.
 fn path_part(kernel::PathPart { stretch, cycles, by_mark: frames }: kernel::PathPart) -> PathPart {
     let (resource, what) = match stretch {
@@ -73,66 +71,32 @@ impl BottleneckList {
     }
 }
 
-/// A task for a worker thread.
-enum AnalysisTask {
-    Path,
-    Resimulate(Relaxation),
-    /// Climbs the ladder from the critical path.
-    Climb(kernel::CriticalPath),
-}
-
 /// Results of the tasks so far.
 #[derive(Default)]
 struct AnalysisProgress {
     path: Option<kernel::CriticalPath>,
     /// Candidates in the order of the block diagram; empty until the critical path is known.
     candidates: Vec<Relaxation>,
-    /// Cycles by settings; `None` while the resimulation runs, and if it does not finish.
-    cycles: BTreeMap<Settings, Option<u64>>,
+    /// Settings of the relaxations that have tasks.
+    claimed: BTreeSet<Settings>,
     ladder: Ladder,
 }
 
 impl AnalysisProgress {
-    /// Returns tasks for the relaxations that no thread resimulates yet.
+    /// Returns tasks for the relaxations that have none yet.
     fn claim_tasks(&mut self, relaxations: &[Relaxation]) -> Vec<AnalysisTask> {
-        let mut claimed = vec![];
-        for relaxation in relaxations {
-            if let Entry::Vacant(place) = self.cycles.entry(relaxation.set.clone()) {
-                place.insert(None);
-                claimed.push(AnalysisTask::Resimulate(relaxation.clone()));
-            }
-        }
-        claimed
+        let new = relaxations.iter().filter(|relaxation| self.claimed.insert(relaxation.set.clone()));
+        new.cloned().map(AnalysisTask::Resimulate).collect()
     }
 
     /// Returns all relaxations with their cycles: the candidates, then the parts of candidates for which `saves_much` is true.
     /// The order does not depend on the order of execution.
-    fn single_relaxations(&self, saves_much: impl Fn(u64) -> bool) -> Vec<(Relaxation, u64)> {
-        let known =
-            |relaxation: Relaxation| self.cycles.get(&relaxation.set).copied().flatten().map(|cycles| (relaxation, cycles));
-        let mut timed: Vec<_> = self.candidates.iter().cloned().filter_map(known).collect();
-        let parts = timed.iter().filter(|(_, cycles)| saves_much(*cycles)).flat_map(|(whole, _)| whole.parts.clone());
-        timed.extend(parts.filter_map(known).collect::<Vec<_>>());
-        timed
-    }
-}
-
-/// The recorded steps, ready for repeated resimulation, and the netlist that they were recorded on.
-struct RecordedSteps<'a> {
-    recording: Recording<'a>,
-    netlist: Netlist,
-    /// Memory of earlier critical paths.
-    spare: Mutex<Vec<PathMemory>>,
-}
-
-impl RecordedSteps<'_> {
-    /// Returns the critical path on a machine with this netlist.
-    fn critical_path(&self, netlist: Netlist, groups: &[StageGroups]) -> Option<kernel::CriticalPath> {
-        let spare = || self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut memory = spare().pop().unwrap_or_default();
-        let path = self.recording.critical_path(netlist, EVENTS, groups, &mut memory);
-        spare().push(memory);
-        path.ok()?
+    fn single_relaxations(&self, resimulations: &Resimulations<'_>, saves_much: impl Fn(u64) -> bool) -> Vec<(Relaxation, u64)> {
+        let timed = |relaxation: Relaxation| resimulations.cycles(&relaxation.set).map(|cycles| (relaxation, cycles));
+        let mut all: Vec<_> = self.candidates.iter().cloned().filter_map(timed).collect();
+        let parts = all.iter().filter(|(_, cycles)| saves_much(*cycles)).flat_map(|(whole, _)| whole.parts.clone());
+        all.extend(parts.filter_map(timed).collect::<Vec<_>>());
+        all
     }
 }
 
@@ -140,10 +104,14 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
     /// Returns the bottlenecks and the critical path; `None` if the machine has no netlist.
     pub(crate) fn bottlenecks(&self) -> Option<BottleneckList> {
         let netlist = self.input.shape(self.spec).ok()?;
-        let recording = Recording::new(self.chunks, &netlist, self.room);
-        let recorded = RecordedSteps { recording, netlist, spare: Mutex::default() };
-        let progress = self.resimulate_all(&recorded);
-        let mut timed = progress.single_relaxations(|cycles| self.saves_much(cycles));
+        let relaxed = |set: &Settings| {
+            let relaxed = self.input.shape(&self.overrides.load::<S>(set).ok()?).ok()?;
+            netlist.same_work(&relaxed).ok()?;
+            Some(relaxed)
+        };
+        let resimulations = Resimulations::new(Recording::new(self.chunks, &netlist, self.room), &relaxed);
+        let progress = self.resimulate_all(&netlist, &resimulations);
+        let mut timed = progress.single_relaxations(&resimulations, |cycles| self.saves_much(cycles));
         // The sort is stable: ties keep the order of the block diagram.
         timed.sort_by_key(|(_, cycles)| *cycles);
         let single: Vec<RelaxedCycles> =
@@ -153,46 +121,56 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         Some(BottleneckList { list: Bottlenecks { balanced, ladder: progress.ladder.rungs, single }, path: progress.path })
     }
 
-    /// Finds the critical path, and resimulates each candidate on it. Meanwhile, other threads resimulate the busiest units, which are
-    /// usually candidates, because the path takes as long as some resimulations.
-    fn resimulate_all(&self, recorded: &RecordedSteps<'_>) -> AnalysisProgress {
-        let early = if threads::workers() > 1 { EARLY } else { 0 };
+    /// Finds the critical path, resimulates each candidate on it, and climbs the ladder, which takes longest. Other threads find
+    /// paths that the ladder will need.
+    fn resimulate_all(&self, netlist: &Netlist, resimulations: &Resimulations<'_>) -> AnalysisProgress {
         let load = |set: &[(String, String)]| self.overrides.load::<S>(set).ok();
-        let resources = RelaxationCandidates { run: self.run, netlist: &recorded.netlist, spec: self.spec, load: &load };
-        let (all, busiest) = (resources.all(), resources.busiest_units(early));
+        let resources = RelaxationCandidates { run: self.run, netlist, spec: self.spec, load: &load };
+        let is_parallel = threads::workers() > 1;
+        let all = resources.all();
         let mut progress = AnalysisProgress::default();
-        let first: Vec<AnalysisTask> = [AnalysisTask::Path].into_iter().chain(progress.claim_tasks(&busiest)).collect();
-        let progress = Mutex::new(progress);
+        let early = resources.busiest_unit().filter(|_| is_parallel);
+        let early = early.map(|unit| self.early_tasks(unit, &mut progress)).unwrap_or_default();
+        let first = [AnalysisTask::Path].into_iter().chain(early);
+        let (progress, climbed) = (Mutex::new(progress), AtomicUsize::new(0));
+        let lock = || progress.lock().unwrap_or_else(PoisonError::into_inner);
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
-                let path = self.critical_path(recorded);
+                let path = resimulations.grouped_path(netlist.clone(), self.groups);
                 let candidates = resources.on_path(path.as_ref());
-                let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut progress = lock();
                 tasks.add(path.clone().map(AnalysisTask::Climb));
                 tasks.add(progress.claim_tasks(&candidates));
                 (progress.path, progress.candidates) = (path, candidates);
             }
             AnalysisTask::Resimulate(relaxation) => {
-                let cycles = self.cycles(recorded, &relaxation.set);
-                let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+                let cycles = resimulations.cycles(&relaxation.set);
                 if cycles.is_some_and(|cycles| self.saves_much(cycles)) {
-                    tasks.add(progress.claim_tasks(&relaxation.parts));
+                    tasks.add(lock().claim_tasks(&relaxation.parts));
                 }
-                progress.cycles.insert(relaxation.set, cycles);
             }
             AnalysisTask::Climb(path) => {
-                let critical_path = |set: &Settings| self.relaxed_path(recorded, set);
-                let cycles = |set: &Settings| self.cycles(recorded, set);
-                let search = LadderSearch { relaxations: &all, critical_path: &critical_path, cycles: &cycles };
-                let ladder = search.climb(&path);
-                progress.lock().unwrap_or_else(PoisonError::into_inner).ladder = ladder;
+                let ahead = PathsAhead::new(is_parallel.then_some(tasks), &climbed);
+                let ladder = LadderSearch { relaxations: &all, resimulations, ahead }.climb(&path);
+                lock().ladder = ladder;
+            }
+            AnalysisTask::NeededPath(set) => _ = resimulations.path(&set),
+            AnalysisTask::LikelyPath(set, rung) => {
+                if rung == climbed.load(Ordering::Relaxed) {
+                    resimulations.path(&set);
+                }
             }
         });
         progress.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn critical_path(&self, recorded: &RecordedSteps<'_>) -> Option<kernel::CriticalPath> {
-        recorded.critical_path(self.input.shape(self.spec).ok()?, self.groups)
+    /// Returns what can be done before the first path is known: if the busiest unit is saturated, the ladder is likely to begin with
+    /// it. Otherwise it is at least a candidate, as a rule.
+    fn early_tasks(&self, busiest: Relaxation, progress: &mut AnalysisProgress) -> Vec<AnalysisTask> {
+        match busiest.is_saturated(self.run.marked_cycles()) {
+            true => vec![AnalysisTask::NeededPath(busiest.set)],
+            false => progress.claim_tasks(&[busiest]),
+        }
     }
 
     /// True if the parts of a relaxation are worth a resimulation each. The parts of memories that save next to nothing were as many
@@ -207,21 +185,5 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         let (resource, what) = (relaxation.id(), relaxation.what);
         let set = relaxation.set.into_iter().map(|(key, value)| format!("{key}={value}")).collect();
         Some(RelaxedCycles { resource, what: what.into(), set, cycles, saved })
-    }
-
-    /// Returns the render cycles with these settings; `None` if they change the work of the units or do not fit together.
-    fn cycles(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<u64> {
-        recorded.recording.cycles(self.relaxed_netlist(recorded, set)?).ok()?
-    }
-
-    /// Returns the critical path with these settings.
-    fn relaxed_path(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<kernel::CriticalPath> {
-        recorded.critical_path(self.relaxed_netlist(recorded, set)?, &[])
-    }
-
-    fn relaxed_netlist(&self, recorded: &RecordedSteps<'_>, set: &[(String, String)]) -> Option<Netlist> {
-        let netlist = self.input.shape(&self.overrides.load::<S>(set).ok()?).ok()?;
-        recorded.netlist.same_work(&netlist).ok()?;
-        Some(netlist)
     }
 }

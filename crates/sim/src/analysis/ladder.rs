@@ -3,10 +3,11 @@
 //! A relaxation of one resource saves nothing if several resources are saturated together. The ladder finds such a group, because it
 //! continues from each rung whether the rung saved cycles or not.
 
+use super::analysis_task::PathsAhead;
 use super::relaxations::{PART, Relaxation, ResourceKind, Settings, joined_settings};
+use super::resimulations::Resimulations;
 use basrelief_kernel::CriticalPath;
 use basrelief_report::model::RelaxedSet;
-use basrelief_threads as threads;
 
 /// Maximum number of rungs.
 const RUNGS: usize = 16;
@@ -23,10 +24,8 @@ struct Rung<'a> {
 pub(crate) struct LadderSearch<'a> {
     /// Every resource that can be relaxed, in the order of the block diagram.
     pub(crate) relaxations: &'a [Relaxation],
-    /// Resimulates with these settings; `None` if the run does not finish or its path has too many events.
-    pub(crate) critical_path: &'a (dyn Fn(&Settings) -> Option<CriticalPath> + Sync),
-    /// Returns only the cycles, with 60 % of the instructions; `None` if the run does not finish.
-    pub(crate) cycles: &'a (dyn Fn(&Settings) -> Option<u64> + Sync),
+    pub(crate) resimulations: &'a Resimulations<'a>,
+    pub(crate) ahead: PathsAhead<'a>,
 }
 
 /// Rungs from first to last, and the group of resources that are saturated together.
@@ -52,7 +51,8 @@ impl LadderSearch<'_> {
         let rungs = self.rungs(first);
         let saved = |rung: &Rung<'_>| total.saturating_sub(rung.cycles);
         let most = rungs.last().map_or(0, saved);
-        let half = rungs.iter().find(|rung| 2 * saved(rung) >= most).map(|rung| relaxed_set(&self.needed(rung, total), total));
+        let half =
+            rungs.iter().find(|rung| 2 * saved(rung) >= most).map(|rung| relaxed_set(&self.without_idle(rung, total), total));
         Ladder { rungs: rungs.iter().map(|rung| relaxed_set(rung, total)).collect(), half }
     }
 
@@ -62,6 +62,7 @@ impl LadderSearch<'_> {
         let mut path = first.clone();
         while rungs.len() < RUNGS {
             let relaxed = rungs.last().map_or(vec![], |rung| rung.relaxed.clone());
+            self.ahead.begin_rung(rungs.len());
             let Some((relaxed, next)) = self.next(&path, &relaxed) else { break };
             rungs.push(Rung { relaxed, cycles: next.cycles });
             path = next;
@@ -75,7 +76,7 @@ impl LadderSearch<'_> {
     /// Relaxes the resource with most of the path, or all FIFOs whose slots the path waits for, whichever takes fewer cycles. A wait
     /// for a slot is short on the path, but it may cause long latencies there.
     fn next<'a>(&'a self, path: &CriticalPath, relaxed: &[&'a Relaxation]) -> Option<(Vec<&'a Relaxation>, CriticalPath)> {
-        let open = self.relaxations.iter().filter(|new| !relaxed.iter().any(|old| std::ptr::eq(*old, *new)));
+        let open = self.not_in(relaxed);
         let (fifos, others): (Vec<&Relaxation>, Vec<&Relaxation>) = open.partition(|new| new.kind == ResourceKind::Fifo);
         let fifos: Vec<&Relaxation> = fifos.into_iter().filter(|fifo| fifo.path_cycles(path) > 0).collect();
         let mut largest: Option<(&Relaxation, u64)> = None;
@@ -87,20 +88,37 @@ impl LadderSearch<'_> {
         }
         let choices = [largest.into_iter().map(|(largest, _)| largest).collect(), fifos];
         let choices = choices.into_iter().filter(|more: &Vec<&Relaxation>| !more.is_empty());
-        let together = choices.map(|more| relaxed.iter().copied().chain(more).collect::<Vec<_>>()).collect();
-        let tried = threads::par_map(together, |all: Vec<&Relaxation>| {
-            let path = (self.critical_path)(&settings(&all))?;
+        let together: Vec<Vec<&Relaxation>> = choices.map(|more| relaxed.iter().copied().chain(more).collect()).collect();
+        match together.as_slice() {
+            [only] => self.guess_next(path, only),
+            all => all.iter().skip(1).for_each(|other| self.ahead.need(settings(other))),
+        }
+        let tried = together.into_iter().filter_map(|all| {
+            let path = self.resimulations.path(&settings(&all))?;
             Some((all, path))
         });
-        tried.into_iter().flatten().min_by_key(|(_, path)| path.cycles)
+        tried.min_by_key(|(_, path)| path.cycles)
+    }
+
+    /// Returns the relaxations that are not among these.
+    fn not_in<'a>(&'a self, relaxed: &[&Relaxation]) -> impl Iterator<Item = &'a Relaxation> {
+        self.relaxations.iter().filter(|new| !relaxed.iter().any(|old| std::ptr::eq(*old, *new)))
+    }
+
+    /// Guesses what the rung after this one relaxes: the busiest unit, if it is saturated too. Of saturated units, one hides the others.
+    fn guess_next(&self, path: &CriticalPath, relaxed: &[&Relaxation]) {
+        let saturated = self.not_in(relaxed).filter(|new| new.is_saturated(path.cycles));
+        if let Some(busiest) = saturated.max_by_key(|new| new.busy) {
+            self.ahead.guess(settings(&[relaxed, &[busiest]].concat()));
+        }
     }
 
     /// Returns the rung without the resources that add no more than 1/[`PART`] of the cycles to its saving.
-    fn needed<'a>(&self, rung: &Rung<'a>, total: u64) -> Rung<'a> {
+    fn without_idle<'a>(&self, rung: &Rung<'a>, total: u64) -> Rung<'a> {
         let mut needed = Rung { relaxed: rung.relaxed.clone(), cycles: rung.cycles };
         for resource in &rung.relaxed {
             let rest: Vec<&Relaxation> = needed.relaxed.iter().copied().filter(|of| !std::ptr::eq(*of, *resource)).collect();
-            let cycles = (self.cycles)(&settings(&rest));
+            let cycles = if rest.is_empty() { Some(total) } else { self.resimulations.cycles(&settings(&rest)) };
             if let Some(cycles) = cycles.filter(|cycles| *cycles <= rung.cycles + total / PART) {
                 needed = Rung { relaxed: rest, cycles };
             }

@@ -1,6 +1,7 @@
 //! Analyses of runs: bottlenecks, ablation, methods, FIFO sizing, comparison of two runs, and attribution of cycles.
 
 pub(crate) mod ablation;
+mod analysis_task;
 pub(crate) mod attribution;
 pub(crate) mod bottleneck;
 pub(crate) mod comparison;
@@ -12,3 +13,4 @@ mod mixtures;
 pub(crate) mod picture_difference;
 pub(crate) mod recorded_run;
 mod relaxations;
+pub(crate) mod resimulations;

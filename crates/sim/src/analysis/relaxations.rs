@@ -33,13 +33,15 @@ pub(crate) struct Relaxation {
     pub(crate) kind: ResourceKind,
     pub(crate) what: &'static str,
     pub(crate) set: Settings,
+    /// Busy cycles of a unit; 0 for other resources.
+    pub(crate) busy: u64,
     /// Relaxations of single aspects. They are tried only if the whole relaxation saves much.
     pub(crate) parts: Vec<Self>,
 }
 
 impl Relaxation {
     fn new(resource: &str, kind: ResourceKind, what: &'static str, set: impl IntoIterator<Item = (String, String)>) -> Self {
-        Self { resource: resource.to_owned(), kind, what, set: set.into_iter().collect(), parts: vec![] }
+        Self { resource: resource.to_owned(), kind, what, set: set.into_iter().collect(), busy: 0, parts: vec![] }
     }
 
     /// Name of the resource among all kinds: a unit by its name, others by their group of parameters.
@@ -51,6 +53,11 @@ impl Relaxation {
             ResourceKind::Cache(_) => "cache.",
         };
         format!("{group}{}", self.resource)
+    }
+
+    /// True for a unit that is busy for most of these cycles. If a path is so long, this unit is likely to hold it.
+    pub(crate) fn is_saturated(&self, cycles: u64) -> bool {
+        self.busy > cycles / 4 * 3
     }
 
     /// Returns the cycles of the critical path that this resource holds.
@@ -119,21 +126,20 @@ impl<S: MachineSpec> RelaxationCandidates<'_, S> {
         self.run.units.iter().filter(|unit| unit.account.busy > unit.steps)
     }
 
-    /// Returns the `most` busiest units, the busiest first, before the path is known. Excludes units that are busy for longer than all
-    /// frames take, such as the display, because they continue after the frames.
-    pub(crate) fn busiest_units(&self, most: usize) -> Vec<Relaxation> {
+    /// Returns the busiest unit, before the path is known. Excludes units that are busy for longer than all frames take, such as the
+    /// display, because they continue after the frames.
+    pub(crate) fn busiest_unit(&self) -> Option<Relaxation> {
         let total = self.run.marked_cycles();
-        let mut units: Vec<&UnitReport> = self.slow_units().filter(|unit| unit.account.busy <= total).collect();
-        units.sort_by_key(|unit| Reverse(unit.account.busy));
-        units.into_iter().take(most).map(|unit| self.of_unit(unit)).collect()
+        let units = self.slow_units().filter(|unit| unit.account.busy <= total);
+        units.min_by_key(|unit| Reverse(unit.account.busy)).map(|unit| self.of_unit(unit))
     }
 
     /// Units that the user made ideal remain so.
-    fn of_unit(&self, UnitReport { name, .. }: &UnitReport) -> Relaxation {
+    fn of_unit(&self, UnitReport { name, account, .. }: &UnitReport) -> Relaxation {
         let config = to_json(self.spec).unwrap_or_default();
         let ideal = config["ideal"]["units"].as_str().unwrap_or_default().to_owned();
         let set = joined_settings([&vec![(IDEAL_UNITS.to_owned(), ideal)], &vec![(IDEAL_UNITS.to_owned(), name.clone())]]);
-        Relaxation::new(name, ResourceKind::Unit, FULLY_PIPELINED, set)
+        Relaxation { busy: account.busy, ..Relaxation::new(name, ResourceKind::Unit, FULLY_PIPELINED, set) }
     }
 
     /// Memories with at least one request.

@@ -52,6 +52,16 @@ fn rung_options_take_the_predicted_cycles() {
     }
 }
 
+// Claim: analysis: Bottlenecks and ladder do not depend on the number of threads.
+#[test]
+fn bottlenecks_do_not_depend_on_threads() {
+    for machine in MACHINES {
+        let whole = || ran(machine, machine.demos[0], [40, 30], &vec![], AnalysisPolicy::Always);
+        let (threaded, alone) = (whole(), basrelief_threads::sequential(whole));
+        assert_eq!(bottlenecks(&threaded), bottlenecks(&alone), "{}", machine.name);
+    }
+}
+
 // Claim: analysis: Resources that are saturated together are found, although none of them saves much alone.
 #[test]
 fn saturated_resources_are_found_together() {

@@ -2,7 +2,7 @@
 
 use super::polygons::PolygonCost;
 use crate::analysis::attribution::TokenOrigin;
-use crate::analysis::bottleneck::EVENTS;
+use crate::analysis::resimulations::EVENTS;
 use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::StageGroups;
 use basrelief_report::costs::LISTED;

@@ -1,0 +1,74 @@
+//! Resimulations of one run with relaxed resources. Each is made once, by the thread that needs it first.
+
+use super::relaxations::Settings;
+use basrelief_kernel::{CriticalPath, Netlist, PathMemory, Recording, StageGroups};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// Maximum number of events in the search for a critical path, of 16 bytes each.
+pub(crate) const EVENTS: usize = 8 << 20;
+
+/// The recorded steps of a run, ready for repeated resimulation, and the results so far.
+pub(super) struct Resimulations<'a> {
+    recording: Recording<'a>,
+    /// Returns the netlist with these settings; `None` if they change the work of the units or do not fit together.
+    netlist: &'a (dyn Fn(&Settings) -> Option<Netlist> + Sync),
+    cycles: ResultsBySettings<u64>,
+    paths: ResultsBySettings<CriticalPath>,
+    /// Memory of earlier critical paths.
+    spare: Mutex<Vec<PathMemory>>,
+}
+
+impl<'a> Resimulations<'a> {
+    pub(super) fn new(recording: Recording<'a>, netlist: &'a (dyn Fn(&Settings) -> Option<Netlist> + Sync)) -> Self {
+        let (cycles, paths) = Default::default();
+        Self { recording, netlist, cycles, paths, spare: Mutex::default() }
+    }
+
+    /// Returns the render cycles with these settings; `None` if the run does not finish.
+    pub(super) fn cycles(&self, set: &Settings) -> Option<u64> {
+        match self.paths.known(set) {
+            Some(path) => Some(path.cycles),
+            None => self.cycles.get(set, || self.recording.cycles((self.netlist)(set)?).ok()?),
+        }
+    }
+
+    /// Returns the critical path with these settings; `None` if the run does not finish or its path has too many events.
+    pub(super) fn path(&self, set: &Settings) -> Option<CriticalPath> {
+        self.paths.get(set, || self.grouped_path((self.netlist)(set)?, &[]))
+    }
+
+    /// As [`Resimulations::path`], on this netlist, with the cycles of groups of steps. The result is not kept.
+    pub(super) fn grouped_path(&self, netlist: Netlist, groups: &[StageGroups]) -> Option<CriticalPath> {
+        let mut memory = lock(&self.spare).pop().unwrap_or_default();
+        let path = self.recording.critical_path(netlist, EVENTS, groups, &mut memory);
+        lock(&self.spare).push(memory);
+        path.ok()?
+    }
+}
+
+/// Results by settings; `None` for a resimulation without a result.
+struct ResultsBySettings<T>(Mutex<BTreeMap<Settings, Arc<OnceLock<Option<T>>>>>);
+
+impl<T> Default for ResultsBySettings<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T: Clone> ResultsBySettings<T> {
+    /// Returns the result for these settings. Computes it, or waits while another thread does.
+    fn get(&self, set: &Settings, compute: impl FnOnce() -> Option<T>) -> Option<T> {
+        let place = Arc::clone(lock(&self.0).entry(set.clone()).or_default());
+        place.get_or_init(compute).clone()
+    }
+
+    /// Returns the result for these settings, if there is one already.
+    fn known(&self, set: &Settings) -> Option<T> {
+        lock(&self.0).get(set)?.get()?.clone()
+    }
+}
+
+fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
