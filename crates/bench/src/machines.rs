@@ -17,7 +17,8 @@ use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measure
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{
-    Engine, Machine, Netlist, NoProbe, Outcome, Probe, Recording, RunLimits, resimulate, run_functional, run_recorded, run_with,
+    Engine, Machine, Netlist, NoProbe, Outcome, PathMemory, Probe, Recording, RunLimits, RunReport, resimulate, run_functional,
+    run_recorded, run_with,
 };
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
@@ -267,23 +268,51 @@ pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
         })
     };
     let runs = MAKE.into_iter().flat_map(|make| [Some(Engine::Timed), None].map(|engine| workload(make, engine)));
-    runs.chain([false, true].map(|again| retimed(size, again))).collect()
+    runs.chain([Retiming::WhileRead, Retiming::Again, Retiming::Path].map(|how| retimed(size, how))).collect()
 }
 
-/// Returns the resimulation of W1's recording, timed while it is read, or again.
-fn retimed(size: WorkloadSize, again: bool) -> Workload {
-    let name = if again { "machine/w1/retimed-again" } else { "machine/w1/retimed" };
+/// FIFOs as bottleneck analysis relaxes them.
+const DEEP_FIFOS: SettingList = &[
+    ("fifo.bump_fragments.depth", "65536"),
+    ("fifo.pseudo_normals.depth", "65536"),
+    ("fifo.indexes.depth", "65536"),
+    ("fifo.shaded.depth", "65536"),
+];
+/// More events than a path of W1 has.
+const MOST_EVENTS: usize = 8 << 20;
+
+/// A way to resimulate a recording of W1.
+#[derive(Clone, Copy, Debug)]
+enum Retiming {
+    /// Timed while it is read.
+    WhileRead,
+    /// Timed again.
+    Again,
+    /// As `Again`, with deep FIFOs and the critical path.
+    Path,
+}
+
+/// Returns a resimulation of W1's recording.
+fn retimed(size: WorkloadSize, how: Retiming) -> Workload {
+    let (name, set): (_, SettingList) = match how {
+        Retiming::WhileRead => ("machine/w1/retimed", &[]),
+        Retiming::Again => ("machine/w1/retimed-again", &[]),
+        Retiming::Path => ("machine/w1/critical-path", DEEP_FIFOS),
+    };
     Workload::new(name, ThroughputUnit::Fragments, move || {
-        let ((shape, chunks), count) = MachineScene::w1(size, &[]).work(RecordMachine);
+        let ((shape, chunks), count) = MachineScene::w1(size, set).work(RecordMachine);
         let recording = Recording::new(chunks.clone(), &shape, u64::MAX);
         let time_again = move |shape: Netlist| {
             let mut chunks = chunks.iter().map(Cow::Borrowed);
-            let timed = if again {
-                recording.resimulate(shape)
-            } else {
-                resimulate(shape, &mut |_| Ok(chunks.next()), &mut NoProbe, u64::MAX)
+            let is_complete = |report: RunReport| report.outcome == Outcome::Complete;
+            let timed = match how {
+                Retiming::WhileRead => resimulate(shape, &mut |_| Ok(chunks.next()), &mut NoProbe, u64::MAX).map(is_complete),
+                Retiming::Again => recording.resimulate(shape).map(is_complete),
+                Retiming::Path => {
+                    recording.critical_path(shape, MOST_EVENTS, &[], &mut PathMemory::default()).map(|path| path.is_some())
+                }
             };
-            assert!(timed.is_ok_and(|report| report.outcome == Outcome::Complete), "a recording is complete");
+            assert_eq!(timed, Ok(true), "a recording is complete");
         };
         time_again(shape.clone());
         move || {
