@@ -26,9 +26,9 @@ pub enum HardwareKind {
     Comparator,
     /// Divider.
     Divider,
-    /// Square root.
+    /// Square-root unit.
     SquareRoot,
-    /// Power with any exponent.
+    /// Power unit, with any exponent.
     Power,
     /// Comparator of a tag with those of all ways of a set, with the order of use.
     TagComparator,
@@ -84,13 +84,13 @@ impl HardwareKind {
     /// Name, in the plural for countable kinds.
     pub fn name(self) -> &'static str {
         match self {
-            Self::InnerProduct => "inner products",
+            Self::InnerProduct => "dot-product units",
             Self::Multiplier => "multipliers",
             Self::Adder => "adders",
             Self::Comparator => "comparators",
             Self::Divider => "dividers",
-            Self::SquareRoot => "square roots",
-            Self::Power => "powers",
+            Self::SquareRoot => "square-root units",
+            Self::Power => "power units",
             Self::TagComparator => "tag comparators",
             Self::Table => "tables",
             Self::Registers => "registers",
