@@ -275,7 +275,7 @@ export class Page implements Handlers {
     if (version !== this.#version) void this.#quick();
   }
 
-  /** Requests the picture in full size, then the comparison with the exact picture, then the bottlenecks. */
+  /** Requests the picture in full size, then the comparison with the reference image, then the bottlenecks. */
   async #whole(): Promise<void> {
     const version = this.#version;
     if (this.#halted) return;
@@ -288,7 +288,7 @@ export class Page implements Handlers {
     const stale = () => version !== this.#version;
     const last = { exact: true, limits: true };
     let isAnswered = true;
-    // A server's scene has no exact picture, because that needs all texels.
+    // A server's scene has no reference image, because that needs all texels.
     for (const more of SERVED ? [{}, last] : [{}, { exact: true }, last]) {
       if (stale() || !this.#taken) return;
       const question = this.#question(this.#state, size, more);

@@ -4,7 +4,7 @@ import { change, el, thousands } from "./dom";
 import type { Report, Run } from "./protocol";
 import { timeline, type Steps } from "./strips";
 
-export interface Shown { run: Run; rest: Uint8Array; /** With exact picture and bottlenecks. */ whole: boolean }
+export interface Shown { run: Run; rest: Uint8Array; /** With reference image and bottlenecks. */ whole: boolean }
 
 /** Groups of results: name in addresses, title, and sections. The timeline and the changes are built by the page itself. */
 const GROUPS: [string, string, string[]][] = [
@@ -19,7 +19,7 @@ export function figures(report: Report): [string, number, (n: number) => string]
   const each = frames > 1 ? " per frame" : "";
   const list: [string, number, (n: number) => string][] = [];
   if (report.cycles) list.push([`cycles${each}`, frameCycles(report) / frames, n => thousands(Math.floor(n))]);
-  if (report.quality) list.push(["dB against the exact picture", report.quality.psnr_db, n => n.toFixed(2)]);
+  if (report.quality) list.push(["dB against the reference image", report.quality.psnr_db, n => n.toFixed(2)]);
   list.push([`bytes of memory traffic${each}`, Math.floor(memoryBytes(report) / frames), thousands]);
   list.push(["gate equivalents", report.hardware.reduce((sum, { area_ge }) => sum + area_ge, 0), thousands]);
   return list;

@@ -67,14 +67,14 @@ parameters! {
 }
 
 parameters! {
-    /// Exact picture, in float64 and without quantization.
+    /// Reference image, in float64 and without quantization.
     pub struct ReferenceConfig {
-        /// Texture filter of the exact picture: nearest, bilinear (both on level 0) or trilinear.
+        /// Texture filter of the reference image: nearest, bilinear (both on level 0) or trilinear.
         filter: ReferenceFilter = ReferenceFilter::Trilinear, unit: "", Assumed("two-level interpolation approximates it");
     }
 }
 
-/// Texture filter of the exact picture.
+/// Texture filter of the reference image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ReferenceFilter {

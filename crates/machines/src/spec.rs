@@ -40,7 +40,7 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     const LEFT_AT: Option<&'static str> = None;
     /// Stage that takes one tile per step. Empty if no view is ever left.
     const TAKES_TILES: &'static str = "";
-    /// Copies of each texture's texels that the machine and its exact picture make.
+    /// Copies of each texture's texels that the machine and its reference image make.
     const TEXTURE_COPIES: u64 = 0;
     /// The machine behind one kind of input.
     type Machine<F: FrontEnd>: LoggingMachine<Self::Log>;

@@ -1,4 +1,4 @@
-//! The exact picture of an imported scene beside the application's picture.
+//! The reference image of an imported scene beside the application's picture.
 
 use crate::picture::ApplicationPicture;
 use basrelief_reference::metrics::{QualityMetrics, SizeMismatch, scaled_difference};
@@ -14,13 +14,13 @@ const LEAST_TOLERANCE: f64 = 2.0 / 65_536.0;
 /// Figures and pictures of a comparison.
 #[derive(Clone, Debug)]
 pub struct PictureComparison {
-    /// The exact picture. Its background has the colour of the application's.
+    /// The reference image. Its background has the colour of the application's.
     pub exact: RgbPicture,
     /// Absolute difference per channel, amplified so that the largest becomes 255.
     pub difference: RgbPicture,
     /// Largest difference, 0..=255.
     pub largest: u8,
-    /// The application's picture, measured against the exact picture.
+    /// The application's picture, measured against the reference image.
     pub quality: QualityMetrics,
     /// Pixels of the picture.
     pub pixels: u64,
@@ -45,7 +45,7 @@ impl PictureComparison {
     }
 }
 
-/// Draws the exact picture of a scene and compares it with the application's.
+/// Draws the reference image of a scene and compares it with the application's.
 ///
 /// # Errors
 /// The frame has another size than the application's picture.

@@ -89,7 +89,7 @@ fn number_of(name: &str) -> Option<u64> {
     stem[digits..].parse().ok()
 }
 
-/// Returns the filter of the exact picture, from glTF's number of a minification filter.
+/// Returns the filter of the reference image, from glTF's number of a minification filter.
 fn filter_of(objects: &[GlObject]) -> TextureFilter {
     let mut filters = objects.iter().flat_map(|object| [&object.surface.albedo, &object.surface.normal_map]).flatten();
     let Some(first) = filters.next().map(|texture| texture.sampler.min_filter) else { return TextureFilter::Trilinear };

@@ -45,7 +45,7 @@ pub fn png<'py>(py: Python<'py>, pixels: GivenPixels) -> PythonResult<Bound<'py,
     Ok(PyBytes::new(py, &png))
 }
 
-/// Returns the difference image of a picture and the exact one.
+/// Returns the difference image of a picture and the reference image.
 #[pyfunction]
 pub fn difference<'py>(py: Python<'py>, exact: GivenPixels, machine: GivenPixels) -> PythonResult<Pixels<'py>> {
     let difference =

@@ -1,4 +1,4 @@
-//! Exact pictures, and metrics that compare the machines' pictures with them.
+//! Reference images, and metrics that compare the machines' pictures with them.
 //!
 //! All arithmetic is in `f64`, per pixel, without quantization, and shares no code with the units under test. The loss by a
 //! machine's tables, indexes and narrow data paths appears as a difference from this picture.
@@ -17,7 +17,7 @@
 //! - It is visible if its depth is less than the depth drawn there before. The buffer starts at 1, the far plane.
 //! - Its normal in [`ShadingModel::NormalMap`] is `normalize(T * x * scale + B * y * scale + N * z)` with `B = cross(N, T) * w` and N,
 //!   T interpolated unnormalised (as MikkTSpace requires), or `normalize(N)` if the material has no normal map. The bump flag of
-//!   a polygon has no effect: the exact picture is that of the material. In [`ShadingModel::Phong`] the normal is always
+//!   a polygon has no effect: the reference image is that of the material. In [`ShadingModel::Phong`] the normal is always
 //!   `normalize(N)`.
 //! - Its light is `ka + kd * sum(i * max(N.L, 0))` and `ks * sum(i * max(N.H, 0)^n)` over the lights of intensity i, `H =
 //!   normalize(L + V)`, viewer at infinity. The specular term is not cut off for `N.L <= 0`.

@@ -1,4 +1,4 @@
-//! Options that the exact picture shares with the machine under test.
+//! Options that the reference image shares with the machine under test.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -98,7 +98,7 @@ pub enum ShadingModel {
     Texture,
 }
 
-/// Options of an exact picture.
+/// Options of a reference image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RenderOptions {
@@ -115,7 +115,7 @@ pub struct RenderOptions {
     pub two_sided_lighting: bool,
 }
 
-/// All inputs of an exact picture besides the scene. [`RenderOptions`] alone imply shading by normal maps.
+/// All inputs of a reference image besides the scene. [`RenderOptions`] alone imply shading by normal maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RenderStyle {

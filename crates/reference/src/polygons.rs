@@ -1,4 +1,4 @@
-//! The exact picture of a display list.
+//! The reference image of a display list.
 
 use crate::pyramid::PyramidCache;
 use crate::raster::{WindowCorner, doubled_area};

@@ -1,4 +1,4 @@
-//! The exact picture of a scene.
+//! The reference image of a scene.
 
 use crate::clip::{ClipVertex, clipped, inside};
 use crate::pyramid::PyramidCache;

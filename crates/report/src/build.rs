@@ -35,7 +35,7 @@ pub struct ReportContext {
     pub figures: IndexMap<String, Figure>,
     /// Unit of measure and meaning of the figures.
     pub legend: IndexMap<String, Legend>,
-    /// Quality against the exact pictures.
+    /// Quality against the reference images.
     pub quality: Option<PictureQuality>,
     /// Pictures in order of time, the final picture last.
     pub image: Vec<Picture>,

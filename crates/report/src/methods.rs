@@ -44,7 +44,7 @@ pub struct MethodResult {
     pub displacement_largest: f64,
     /// As above.
     pub displacement_mean: f64,
-    /// Against exact mapping, of the worst picture \[dB\]; absent without exact pictures.
+    /// Against exact mapping, of the worst picture \[dB\]; absent without reference images.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
 }

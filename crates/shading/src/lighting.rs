@@ -41,8 +41,8 @@ pub fn light_vectors(frame: &Frame, centre: [f32; 3]) -> Vec<LightVector> {
 
 /// Returns the brightness of a surface with this unit normal: `[ambient + diffuse, specular]`, not clamped above.
 ///
-/// The specular term does not test whether the light is in front of the surface, and neither does the formula of the exact
-/// picture.
+/// The specular term does not test whether the light is in front of the surface, and neither does the formula of the
+/// reference image.
 pub fn brightness(unit_normal: Vec3, lighting: &Lighting, lights: &[LightVector]) -> [f32; 2] {
     let mut diffuse = 0.0;
     let mut specular = 0.0;

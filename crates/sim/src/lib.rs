@@ -1,4 +1,4 @@
-//! Simulation of an input on a machine: the run, the exact picture, quality metrics, analyses and the report. Without a file system,
+//! Simulation of an input on a machine: the run, the reference image, quality metrics, analyses and the report. Without a file system,
 //! and without its own clock.
 
 mod analysis;

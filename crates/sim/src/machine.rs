@@ -14,12 +14,12 @@ use basrelief_reference::{self as reference, LevelRule, PyramidLevels, RenderOpt
 use basrelief_signals::TexelFilter;
 use basrelief_texel_value_generator::{IlluminanceMode, MipMode};
 
-/// A machine that can be compared with an exact picture.
+/// A machine that can be compared with a reference image.
 pub(crate) trait SimulatedMachine: MachineSpec {
     /// Auxiliary outputs of the machine.
     const AUX_OUTPUTS: &'static [AuxOutputSpec<Self, Self::Log>] = &[];
 
-    /// Returns the style of the exact picture.
+    /// Returns the style of the reference image.
     fn exact_style(&self) -> RenderStyle;
 }
 

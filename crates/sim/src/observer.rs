@@ -12,7 +12,7 @@ pub struct FramePictures<'a> {
     pub index: usize,
     /// The machine's picture.
     pub machine: &'a RgbPicture,
-    /// The exact picture, and the quality of the machine's picture against it.
+    /// The reference image, and the quality of the machine's picture against it.
     pub exact: Option<(&'a RgbPicture, QualityMetrics)>,
 }
 

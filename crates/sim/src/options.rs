@@ -25,7 +25,7 @@ pub enum RunInput {
         name: String,
     },
     /// A scene whose texels are [on a server](basrelief_signals::Texture::elsewhere), for a machine that fetches tiles. It passes
-    /// through the geometry processor. No exact picture is drawn.
+    /// through the geometry processor. No reference image is drawn.
     Remote {
         /// The scene.
         scene: PreparedScene,
@@ -153,7 +153,7 @@ pub struct RunOptions {
     pub engine: Option<Engine>,
     /// First cycle in which no step may start.
     pub max_cycles: u64,
-    /// Whether to draw the exact picture and to compare the machine's picture with it.
+    /// Whether to draw the reference image and to compare the machine's picture with it.
     pub exact: bool,
     /// Auxiliary outputs to pass to the observer, from [`aux_outputs`](crate::aux_outputs). They cost nothing if this is empty.
     pub aux_outputs: Vec<AuxOutputInfo>,
@@ -176,7 +176,7 @@ pub struct RunOptions {
 }
 
 impl Default for RunOptions {
-    /// The default machine with the timed engine and the exact picture, without a clock, and with its own memory pool.
+    /// The default machine with the timed engine and the reference image, without a clock, and with its own memory pool.
     fn default() -> Self {
         Self {
             config: MachineConfig::default(),

@@ -9,7 +9,7 @@ use basrelief_threads::Deferred;
 use basrelief_trace::Digest;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Scene with a cache: hashes of its display list, exact pictures, and comparisons with them. Clones share the cache. The cache does not
+/// Scene with a cache: hashes of its display list, reference images, and comparisons with them. Clones share the cache. The cache does not
 /// change reports.
 ///
 /// A scene converted from `Arc<Scene>` is meant for one run, and has no cache.
@@ -27,7 +27,7 @@ impl From<Arc<Scene>> for PreparedScene {
 
 /// Maximum number of cached hashes, and of cached pictures.
 const MAX_ENTRIES: usize = 16;
-/// Memory per pixel of an exact picture and of the compared picture \[bytes\].
+/// Memory per pixel of a reference image and of the compared picture \[bytes\].
 const PIXEL: u64 = 8;
 
 #[derive(Debug)]
@@ -38,7 +38,7 @@ struct SceneCache {
     held: MemoryReservation,
 }
 
-/// An exact picture, and the last comparison with it.
+/// A reference image, and the last comparison with it.
 #[derive(Debug)]
 struct ExactEntry {
     style: RenderStyle,
@@ -75,7 +75,7 @@ impl PreparedScene {
         }
     }
 
-    /// Starts to draw the exact picture of a frame. Returns `None` if there is no such frame.
+    /// Starts to draw the reference image of a frame. Returns `None` if there is no such frame.
     pub(crate) fn exact(&self, style: RenderStyle, frame: usize) -> Option<Deferred<Arc<RgbPicture>>> {
         if let Some(exact) = self.cache().and_then(|cache| Some(Arc::clone(&cache.entry(style, frame)?.exact))) {
             return Some(Deferred::on_demand(move || exact));
@@ -92,12 +92,12 @@ impl PreparedScene {
     fn keep_exact(&self, style: RenderStyle, frame: usize, exact: &Arc<RgbPicture>) {
         let Some(mut cache) = self.cache() else { return };
         let bytes = PIXEL * exact.rgb.len() as u64;
-        if cache.pictures.len() < MAX_ENTRIES && cache.held.try_grow(bytes, "exact pictures").is_ok() {
+        if cache.pictures.len() < MAX_ENTRIES && cache.held.try_grow(bytes, "reference images").is_ok() {
             cache.pictures.push(ExactEntry { style, frame, exact: Arc::clone(exact), compared: None });
         }
     }
 
-    /// Compares the machine's picture of a frame with the exact picture.
+    /// Compares the machine's picture of a frame with the reference image.
     pub(crate) fn compare(
         &self,
         style: RenderStyle,
@@ -117,7 +117,7 @@ impl PreparedScene {
     }
 }
 
-/// Compares a machine's picture with the exact picture.
+/// Compares a machine's picture with the reference image.
 pub(crate) fn compare(exact: &RgbPicture, machine: &RgbPicture) -> Result<(QualityMetrics, Difference), SizeMismatch> {
     Ok((QualityMetrics::measure(exact, machine)?, crate::analysis::picture_difference::difference(exact, machine)))
 }

@@ -3,7 +3,7 @@
 //!
 //! The page ([web/](../../../web)) runs this crate in a worker, as WebAssembly. A question is JSON followed by its files. An
 //! answer is JSON followed by its pictures ([`Message`]). The caller owns a [`SimulationService`], which caches data for the next question: the
-//! model, its exact pictures, and the measured differences from them.
+//! model, its reference images, and the measured differences from them.
 //!
 //! ```
 //! use basrelief_web::{SimulationService, Message};

@@ -175,7 +175,7 @@ impl RenderResult {
             add("image", "the machine's picture".into(), machine);
             if let Some(exact) = &self.exact {
                 let (difference, largest) = metrics::scaled_difference(exact, machine).map_err(|e| e.to_string())?;
-                add("reference", "the exact picture".into(), exact);
+                add("reference", "the reference image".into(), exact);
                 add("difference", format!("the difference, white where it is largest: {largest} of 255 steps"), &difference);
             }
         }

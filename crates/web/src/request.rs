@@ -74,7 +74,7 @@ pub(crate) struct RunRequest {
     /// Settings that override the defaults, by key.
     pub(crate) set: Vec<(String, String)>,
     pub(crate) view: ViewRequest,
-    /// Also draw the exact picture and measure the difference.
+    /// Also draw the reference image and measure the difference.
     #[serde(default)]
     pub(crate) exact: bool,
     /// Measure the bottlenecks if the run is short.

@@ -181,7 +181,7 @@ fn totals_json(path: &ServerConnection) -> Value {
     json!({ "requests": requests, "scene_bytes": scene_bytes, "tiles": tiles, "tile_bytes": tile_bytes })
 }
 
-/// Returns the options of a run. `is_here` is true if the texels for an exact picture are local. Otherwise intermediate pictures
+/// Returns the options of a run. `is_here` is true if the texels for a reference image are local. Otherwise intermediate pictures
 /// are shown.
 fn options(config: MachineConfig, given: Overrides, ask: &RunRequest, budget: MemoryPool, is_here: bool) -> RunOptions {
     let exact = ask.exact && is_here;

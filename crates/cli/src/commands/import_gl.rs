@@ -71,7 +71,7 @@ impl OutputPaths {
     }
 }
 
-/// Imports dumps, writes the scene, and compares its exact picture with the application's.
+/// Imports dumps, writes the scene, and compares its reference image with the application's.
 pub fn import_dumps(dumps: &[Dump], args: &GlSceneArgs, global: &GlobalOptions) -> CommandResult {
     let paths = OutputPaths::new(&args.out)?;
     let files: Vec<_> = dumps.iter().map(|dump| DumpFile { name: &dump.name, bytes: &dump.bytes }).collect();
@@ -116,7 +116,7 @@ fn remove_pictures(paths: &OutputPaths) -> CommandResult<Vec<&Path>> {
     Ok(old)
 }
 
-/// Loads the scene as `run` would, and compares its exact picture.
+/// Loads the scene as `run` would, and compares its reference image.
 fn comparison(
     frame: &GlFrame,
     application: &ApplicationPicture,
@@ -138,7 +138,7 @@ fn summary(frame: &GlFrame, found: Option<&PictureComparison>, paths: &OutputPat
         let quality = found.quality;
         let _ = writeln!(
             text,
-            "Application's picture against the exact picture: PSNR {:.2} dB, FLIP {:.4}, largest difference {}",
+            "Application's picture against the reference image: PSNR {:.2} dB, FLIP {:.4}, largest difference {}",
             quality.psnr_db, quality.flip, found.largest
         );
         let _ = match (found.agreement(), found.geometry) {

@@ -8,12 +8,12 @@ use std::ops::Range;
 /// Size mismatch of two pictures to be compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "exact picture {}x{} against picture {}x{}: both must have the same size, and as many pixels as it says; draw \
+    "reference image {}x{} against picture {}x{}: both must have the same size, and as many pixels as it says; draw \
      them from the same frame",
     .exact[0], .exact[1], .other[0], .other[1]
 )]
 pub struct SizeMismatch {
-    /// Width and height of the exact picture \[pixels\].
+    /// Width and height of the reference image \[pixels\].
     pub exact: [u32; 2],
     /// Width and height of the picture compared with it \[pixels\].
     pub other: [u32; 2],

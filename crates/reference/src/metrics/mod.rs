@@ -1,4 +1,4 @@
-//! Quality of a picture against the exact one: PSNR, SSIM and FLIP over the pixels covered in *either* picture. A missing pixel
+//! Quality of a picture against the reference image: PSNR, SSIM and FLIP over the pixels covered in *either* picture. A missing pixel
 //! counts as much as a wrong one, and the background does not count.
 //!
 //! The code is pure Rust in `f64`, with transcendental functions from `libm` only, rounded to 6 decimals, so that every host
@@ -20,7 +20,7 @@ use covered::{covered, rounded, same_size};
 /// PSNR of identical pictures \[dB\], and the largest reported value.
 pub const IDENTICAL_DB: f64 = 99.0;
 
-/// Quality of a picture against the exact one.
+/// Quality of a picture against the reference image.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct QualityMetrics {
     /// Peak signal-to-noise ratio \[dB\], at most [`IDENTICAL_DB`].

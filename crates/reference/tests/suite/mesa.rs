@@ -1,4 +1,4 @@
-//! Comparison of the exact picture with Mesa, drawn by an independent tool from the same model file: with normal maps, in flat,
+//! Comparison of the reference image with Mesa, drawn by an independent tool from the same model file: with normal maps, in flat,
 //! Gouraud and Phong shading, and with textures alone.
 
 mod tool;

@@ -1,4 +1,4 @@
-//! Properties of the exact picture, on generated scenes.
+//! Properties of the reference image, on generated scenes.
 
 use crate::common::{IDENTITY, bumpy_sphere, frame, object, polygons, row_major, scene, sphere};
 use basrelief_reference::metrics::psnr;

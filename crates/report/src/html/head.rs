@@ -41,7 +41,7 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
         list.push((format!("{:.2}", d.value), format!("cycles per {one}")));
     }
     if let Some(quality) = &report.quality {
-        let which = if quality.frames.is_empty() { "the exact picture" } else { "exact pictures, worst frame" };
+        let which = if quality.frames.is_empty() { "the reference image" } else { "reference images, worst frame" };
         list.push((format!("{:.2}", quality.min.psnr_db), format!("dB against {which}")));
     }
     if let Some(bytes) = report.memory_bytes() {

@@ -82,7 +82,7 @@ fn contents(report: &Report, assets: &PageAssets) -> Vec<SectionContent> {
         ("sensitivity", "Sensitivity to assumed parameters", sensitivity(report)),
         ("hardware", "Hardware", hardware(report)),
         ("figures", "Figures", figures(report)),
-        ("quality", "Quality", table::html("Pictures against the exact ones", &text_sections::quality(report))),
+        ("quality", "Quality", table::html("Pictures against the reference images", &text_sections::quality(report))),
         ("parameters", "Parameters", parameters::parameters(&assets.parameters)),
         ("warnings", "Warnings", el_list(&report.warnings)),
     ];

@@ -76,7 +76,7 @@ pub struct Report {
     /// Unit of measure and meaning of each figure.
     #[serde(default)]
     pub legend: IndexMap<String, Legend>,
-    /// Quality of the pictures against exact pictures. Absent if no exact pictures were drawn.
+    /// Quality of the pictures against reference images. Absent if no reference images were drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quality: Option<PictureQuality>,
     /// Pictures in order of time; the final picture is last.

@@ -31,7 +31,7 @@ pub struct Measure {
     /// Area of the machine \[gate equivalents\]; 0 in a report of a version without areas.
     #[serde(default)]
     pub area_ge: u64,
-    /// PSNR of the final picture \[dB\]. Absent without exact pictures.
+    /// PSNR of the final picture \[dB\]. Absent without reference images.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
 }
@@ -83,7 +83,7 @@ pub struct MeasureChange {
     /// Change of the area, rounded to 6 decimals \[%\].
     #[serde(default)]
     pub area_percent: f64,
-    /// Change of the PSNR, rounded to 6 decimals; more is better \[dB\]. Absent without exact pictures.
+    /// Change of the PSNR, rounded to 6 decimals; more is better \[dB\]. Absent without reference images.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr_change_db: Option<f64>,
 }

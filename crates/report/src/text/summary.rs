@@ -40,13 +40,13 @@ fn quality(report: &Report) -> Option<String> {
     if let frames @ 1.. = quality.frames.len() {
         let (min, max, mean) = (quality.min, quality.max, quality.mean);
         return Some(format!(
-            "Worst and mean of {frames} frames: {:.2} and {:.2} dB PSNR, SSIM {:.4} and {:.4}, FLIP {:.4} and {:.4} against the exact \
-             pictures",
+            "Worst and mean of {frames} frames: {:.2} and {:.2} dB PSNR, SSIM {:.4} and {:.4}, FLIP {:.4} and {:.4} against the \
+             reference images",
             min.psnr_db, mean.psnr_db, min.ssim, mean.ssim, max.flip, mean.flip
         ));
     }
     let QualityMetrics { psnr_db, ssim, flip } = quality.last;
-    Some(format!("{psnr_db:.2} dB PSNR, SSIM {ssim:.4}, FLIP {flip:.4} against the exact picture"))
+    Some(format!("{psnr_db:.2} dB PSNR, SSIM {ssim:.4}, FLIP {flip:.4} against the reference image"))
 }
 
 fn traffic(report: &Report) -> Option<String> {

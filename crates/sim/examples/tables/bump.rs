@@ -18,7 +18,7 @@ pub fn entries(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
         let scene = inputs.open(name, 1)?;
         for entries in ENTRIES {
             let report = report(&scene, &settings("bump", &[("replacement.entries", entries)], true)?)?;
-            let q = report.quality.as_ref().ok_or("no exact picture")?.last;
+            let q = report.quality.as_ref().ok_or("no reference image")?.last;
             let [all, tables] = [bytes(&report, |_, _| true), bytes(&report, |memory, _| memory == "quantization")].map(grouped);
             let quality = [format!("{:.2}", q.psnr_db), format!("{:.3}", q.ssim), format!("{:.3}", q.flip)];
             table.row(&[&[entries.to_owned()], &quality[..], &[grouped(cycles(&report)), all, tables]].concat());
@@ -44,7 +44,7 @@ pub fn quality(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
                     ("replacement.resident_tables", held),
                 ];
                 let report = report(&scene, &settings("bump", set, true)?)?;
-                let q = report.quality.as_ref().ok_or("no exact picture")?.last;
+                let q = report.quality.as_ref().ok_or("no reference image")?.last;
                 let quality = [format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip)];
                 let cost = [grouped(cycles(&report)), grouped(bytes(&report, |_, _| true))];
                 table.row(&[&[entries.to_owned(), label.to_owned()], &quality[..], &cost].concat());

@@ -77,7 +77,7 @@ pub fn dmax(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
         for cap in CAPS {
             let set: Set<'_> = &[("defer.dmax", cap)];
             let report = report(&scene, &settings("defer", set, true)?)?;
-            let psnr = report.quality.as_ref().ok_or("no exact picture")?.last.psnr_db;
+            let psnr = report.quality.as_ref().ok_or("no reference image")?.last.psnr_db;
             let [tiles, all] = ["path_tile_bytes", "conventional_tile_bytes"].map(|n| grouped(figure(&report, n) as u64));
             table.row(&[(*name).to_owned(), cap.to_owned(), tiles, all, format!("{psnr:.2}")]);
         }

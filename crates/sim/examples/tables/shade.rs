@@ -51,7 +51,7 @@ pub fn paths(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
         for (path, set) in PATHS {
             let report = report(&scene, &settings("shade", set, true)?)?;
             let value = |figure: &str| report.derived.get(figure).map_or(0.0, |d| d.value);
-            let quality = report.quality.as_ref().ok_or("no exact picture")?;
+            let quality = report.quality.as_ref().ok_or("no reference image")?;
             table.row(&[
                 (*name).to_owned(),
                 triangles(&scene),

@@ -40,7 +40,7 @@ fn starved(report: &Report) -> f64 {
 fn row(scene: &Arc<Scene>, label: String, set: Set<'_>) -> Result<Vec<String>, Box<dyn Error>> {
     let set = [&[("illuminance.mode", "off"), ("display.enabled", "false")], set].concat();
     let report = report(scene, &settings("texel", &set, true)?)?;
-    let quality = report.quality.as_ref().ok_or("no exact picture")?.last;
+    let quality = report.quality.as_ref().ok_or("no reference image")?.last;
     let pixels = figure(&report, "fragments");
     Ok(vec![
         label,

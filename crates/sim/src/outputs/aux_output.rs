@@ -13,7 +13,7 @@ pub struct AuxOutputInfo {
     pub about: &'static str,
     /// AuxForm of the output.
     pub form: AuxForm,
-    /// True if the output compares the machine with exact results. It is then made only together with the exact picture.
+    /// True if the output compares the machine with exact results. It is then made only together with the reference image.
     pub judges: bool,
 }
 

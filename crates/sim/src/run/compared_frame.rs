@@ -1,4 +1,4 @@
-//! Comparison of a finished frame with its exact picture, on a background thread.
+//! Comparison of a finished frame with its reference image, on a background thread.
 
 use super::exact::ExactPicture;
 use basrelief_reference::{QualityMetrics, RgbPicture, SizeMismatch};

@@ -14,7 +14,7 @@ const BATCH_STEPS: usize = 4096;
 const MAX_BATCHES: usize = 4;
 
 /// True if a run may use two threads. A probe, or a record of memory requests, needs execution and timing on one thread. With a cycle
-/// limit, execution would run beyond the limit. A core must be free; the exact picture uses one.
+/// limit, execution would run beyond the limit. A core must be free; the reference image uses one.
 pub(crate) fn may_run_concurrently<P: Probe>(settings: &RunOptions) -> bool {
     let &RunOptions { engine, max_cycles, requests, exact, .. } = settings;
     let needs_one_thread = P::is_on() || requests || max_cycles < u64::MAX;

@@ -9,9 +9,9 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Source of exact pictures.
+/// Source of reference images.
 pub(crate) enum ExactSource {
-    /// No exact pictures.
+    /// No reference images.
     None,
     /// ExactSource pictures of a scene, drawn while the machine draws the same or the previous frame.
     Scene(SceneExact),
@@ -40,7 +40,7 @@ pub(crate) struct ExactPicture {
 }
 
 impl ExactSource {
-    /// Returns the exact picture of frame `index`. Must be called in the order of the frames.
+    /// Returns the reference image of frame `index`. Must be called in the order of the frames.
     pub(crate) fn picture(&mut self, index: usize) -> Option<ExactPicture> {
         match self {
             Self::None => None,
@@ -57,7 +57,7 @@ impl ExactSource {
 }
 
 impl ExactPicture {
-    /// Waits for the exact picture, and compares the machine's picture with it.
+    /// Waits for the reference image, and compares the machine's picture with it.
     ///
     /// # Errors
     /// Pictures of different sizes.

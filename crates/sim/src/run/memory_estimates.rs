@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Memory per pixel of a picture in progress \[bytes\]: cells, colour and depth of the machine, the finished picture, and its file.
 /// Measured on fully covered pictures: 15, and 58 with `defer`.
 const PIXEL: u64 = 64;
-/// Memory per pixel together with the exact picture \[bytes\].
+/// Memory per pixel together with the reference image \[bytes\].
 const PIXEL_WITH_EXACT: u64 = 96;
 /// Memory of the metrics per pixel that they process at a time \[bytes\].
 const METRICS_PIXEL: u64 = 48;

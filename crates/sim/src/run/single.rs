@@ -41,7 +41,7 @@ fn layout<S: MachineSpec>(spec: &S, input: InputKind) -> Result<TimelineLayout, 
     Ok(board)
 }
 
-/// Runs an input on the machine: simulates it, draws the exact picture, compares both, and makes the report. `probe` observes every
+/// Runs an input on the machine: simulates it, draws the reference image, compares both, and makes the report. `probe` observes every
 /// stage.
 ///
 /// A deadlock, the cycle limit, and a stop by the observer are outcomes in the report.

@@ -1,4 +1,4 @@
-//! Tap between a trace and the machine: hashes the commands and draws the exact pictures in one pass, because a trace can be read only
+//! Tap between a trace and the machine: hashes the commands and draws the reference images in one pass, because a trace can be read only
 //! once.
 
 use super::memory_estimates;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub(crate) struct TraceNotes {
     /// Number of commands so far.
     pub(crate) commands: u64,
-    /// Exact pictures of passed frames that have not been fetched yet.
+    /// Reference images of passed frames that have not been fetched yet.
     pub(crate) exact: VecDeque<(RgbPicture, MemoryReservation)>,
     /// The last frame so far.
     pub(crate) frame: Option<Arc<Frame>>,
@@ -92,7 +92,7 @@ impl<R: Read, F: TextureFiles> TraceTap<R, F> {
             Control::FrameEnd => {
                 let &BeginCommand { width, height, .. } = self.resolver.begin();
                 let bytes = memory_estimates::WAITING_PIXEL * u64::from(width) * u64::from(height);
-                let held = self.budget.try_reserve(bytes, "exact pictures that wait for the machine");
+                let held = self.budget.try_reserve(bytes, "reference images that wait for the machine");
                 let held = held.map_err(|error| self.resolver.over_budget(&error))?;
                 seen.exact.push_back((renderer.finish(), held));
             }

@@ -65,7 +65,7 @@ fn texture_mapping_system_matches_mesa() {
 /// Measured: 48.2 to 61.8 dB with the standard tiles. The pyramid ends with one tile of 64 x 64 texels (section 3), and
 /// Mesa's pyramid with one texel. If a pixel spans more, at the rim of the wicker ball, the machine takes the top tile. With tiles of
 /// 4 x 4 there is a coarser one: 56.1 dB. The remaining differences are derivatives and means of texels: Mesa takes derivatives as
-/// differences between neighbouring pixels, and rounds means differently. The exact picture differs by as much.
+/// differences between neighbouring pixels, and rounds means differently. The reference image differs by as much.
 // Claim: defer, modes: Images agree with Mesa, trilinear: at least 48.2 dB on four models (45 required).
 #[test]
 fn rate_limited_renderer_matches_mesa() {

@@ -159,7 +159,7 @@ fn reading_a_trace_is_not_simulation_time() {
     assert_eq!(run.simulate_s, 0.0);
 }
 
-/// A frame, the machine's picture of it, and the exact one.
+/// A frame, the machine's picture of it, and the reference image.
 type ShownFrame = (usize, RgbPicture, Option<(RgbPicture, QualityMetrics)>);
 
 /// Frames that an observer has received, in order.
@@ -174,7 +174,7 @@ impl Observer for Shown {
     }
 }
 
-/// Returns the frames of a run with exact pictures, and its report.
+/// Returns the frames of a run with reference images, and its report.
 fn shown(source: RunInput, max_cycles: u64) -> (Shown, String) {
     let mut shown = Shown::default();
     let report = run(source, &RunOptions { max_cycles, ..RunOptions::default() }, &mut shown, None).unwrap().report;

@@ -57,7 +57,7 @@ parameters! {
         /// Vertices in the cache of transformed vertices (first in, first out). A hit fetches only the index.
         vertex_cache: u32 = 16, unit: "vertices", Assumed("common; 0.6 to 0.7 vertices per triangle on strips and optimised lists"), range: 0..=1024;
         /// True if back faces of double-sided materials are lit with reversed normals, as in glTF. False: normals as stored.
-        two_sided_lighting: bool = false, unit: "", Assumed("off, as in the exact picture it is compared with");
+        two_sided_lighting: bool = false, unit: "", Assumed("off, as in the reference image it is compared with");
     }
 }
 

@@ -6,12 +6,12 @@ use basrelief_frame_buffer::FinishedFrame;
 use basrelief_reference::{RenderOptions, RgbPicture, draw_scene, metrics};
 use basrelief_signals::Scene;
 
-/// The exact picture of the last frame.
+/// The reference image of the last frame.
 pub fn exact(scene: &Scene) -> RgbPicture {
     draw_scene(scene, scene.frames.last().unwrap(), &RenderOptions::default())
 }
 
-/// PSNR of the last picture against the exact one \[dB\].
+/// PSNR of the last picture against the reference image \[dB\].
 pub fn psnr(exact: &RgbPicture, frames: &[FinishedFrame]) -> f64 {
     let FinishedFrame { width, height, rgb, covered, .. } = frames.last().unwrap().clone();
     metrics::psnr(exact, &RgbPicture { width, height, rgb, covered }).unwrap()

@@ -1,4 +1,4 @@
-//! Finished frames of a run: comparison with the exact picture, and auxiliary outputs.
+//! Finished frames of a run: comparison with the reference image, and auxiliary outputs.
 
 use super::ActiveRun;
 use crate::machine::SimulatedMachine;
