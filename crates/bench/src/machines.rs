@@ -9,7 +9,7 @@
 //! | W5 | `texel` | `corridor`: floor, walls and ceiling to the vanishing point, 640 x 480, adaptive |
 //! | W6 | `defer` | `gallery`: one view of the hall with 34 pictures, 640 x 480, mode best |
 //!
-//! All parts are modelled, with the machines' defaults. Only the simulation is measured: scene, exact picture and metrics are
+//! All parts are modelled, with the machines' defaults. Only the simulation is measured: scene, reference image and metrics are
 //! made outside.
 
 use crate::stopwatch::{UnitTime, unit_times};

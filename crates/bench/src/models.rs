@@ -1,4 +1,4 @@
-//! Scene import, and the exact picture. The model is the sphere of W1, written as GLB and as OBJ.
+//! Scene import, and the reference image. The model is the sphere of W1, written as GLB and as OBJ.
 
 use crate::machines::demo_scene;
 use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
@@ -128,7 +128,7 @@ fn metrics(size: WorkloadSize) -> Workload {
     })
 }
 
-/// Returns import, the exact picture, and the metrics.
+/// Returns import, the reference image, and the metrics.
 pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
     vec![import(size, "glb", glb), import(size, "obj", obj), demo(size), exact(size), metrics(size)]
 }

@@ -9,7 +9,7 @@ use basrelief_report::Report;
 use basrelief_report::ablation::{Ablation, AblationVariant};
 
 /// Runs the machine as configured, without each shortcut in turn, and without all shortcuts. `run` performs one run of the same input
-/// with the given options and observer, without the exact picture. That observer forwards only the progress to `observer`.
+/// with the given options and observer, without the reference image. That observer forwards only the progress to `observer`.
 ///
 /// # Errors
 /// A machine without shortcuts, a run without time, a run that does not finish, and all errors of `run`.
