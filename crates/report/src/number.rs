@@ -15,6 +15,15 @@ pub fn real(x: f64) -> String {
     format!("{sign}{}{point}{decimals}", group_digits(whole))
 }
 
+/// Formats like [`real`], with about five significant digits.
+pub fn rounded(x: f64) -> String {
+    match x.abs() {
+        a if a >= 1e4 => real(x.round()),
+        a if a >= 10.0 => real((x * 100.0).round() / 100.0),
+        _ => real((x * 1e4).round() / 1e4),
+    }
+}
+
 /// Formats like [`real`], with a sign for positive numbers too.
 pub fn signed(x: f64) -> String {
     if x > 0.0 { format!("+{}", real(x)) } else { real(x) }
@@ -83,6 +92,8 @@ mod tests {
         let written = [0.5, 1234.0, -1234.25, 1.0 / 3.0, 1e15].map(real);
         assert_eq!(written, ["0.5", "1,234", "-1,234.25", "0.333333", "1,000,000,000,000,000"]);
         assert_eq!([signed(2.0), signed(-2.0), signed(0.0)], ["+2", "-2", "0"]);
+        let written = [223.288549, 12_345.678, 0.123456, -9.87654].map(rounded);
+        assert_eq!(written, ["223.29", "12,346", "0.1235", "-9.8765"]);
     }
 
     #[test]

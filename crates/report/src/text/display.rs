@@ -3,7 +3,7 @@
 use super::table::Align::{Left, Right};
 use super::table::Table;
 use crate::model::Report;
-use crate::number::{percent, real, thousands};
+use crate::number::{percent, rounded, thousands};
 
 /// Returns the scan-out and the flips of the display.
 pub(crate) fn display(report: &Report) -> Table {
@@ -24,8 +24,8 @@ pub(crate) fn display(report: &Report) -> Table {
         d.memory.clone(),
         thousands(d.flips),
         thousands(d.pictures_shown),
-        real(derived("display.pictures_per_s")),
-        real(derived("display.flip_latency")),
+        rounded(derived("display.pictures_per_s")),
+        rounded(derived("display.flip_latency")),
         thousands(d.longest_flip_wait),
         thousands(d.reads),
         thousands(d.underruns),

@@ -3,7 +3,7 @@
 use super::table::{Align, Table};
 use crate::bottleneck::{Stall, largest_stall};
 use crate::model::{Difference, Fifo, Figure, FigureGroup, RealPath, Report};
-use crate::number::{percent, real, thousands};
+use crate::number::{percent, real, rounded, thousands};
 use crate::work;
 use Align::{Left, Right};
 use basrelief_reference::QualityMetrics;
@@ -327,15 +327,6 @@ pub(crate) fn derived(report: &Report) -> Table {
         table.row([name.clone(), rounded(value), unit.into()]);
     }
     table
-}
-
-/// Rounds to about five significant digits.
-fn rounded(x: f64) -> String {
-    match x.abs() {
-        a if a >= 1e4 => real(x.round()),
-        a if a >= 10.0 => real((x * 100.0).round() / 100.0),
-        _ => real((x * 1e4).round() / 1e4),
-    }
 }
 
 /// Picture times of a real path beside the modelled times, and its traffic.
