@@ -84,7 +84,7 @@ impl PointProgress {
     }
 
     /// Sets the number of finished points, the number of points to run, and the number of failures.
-    pub fn set_position(&self, (done, of): (u64, u64), failed: usize) {
+    pub fn set_position(&self, done: u64, of: u64, failed: usize) {
         self.0.set_length(of);
         self.0.set_position(done);
         if failed > 0 {

@@ -207,7 +207,7 @@ impl<'a> SweepWorkers<'a> {
         let in_time = |total: u64| total <= self.plan.max_cycles;
         match report.filter(|report| report.cycles.as_ref().is_some_and(|cycles| in_time(cycles.total))) {
             Some(report) => {
-                self.store.put(&point.id, (&report, recorded.png.as_deref()), self.host).map(|()| ResultSource::Resimulated)
+                self.store.put(&point.id, &report, recorded.png.as_deref(), self.host).map(|()| ResultSource::Resimulated)
             }
             // Different work, or an incomplete run: only a run has its report.
             None => self.run_one(point, false).map(|placed| placed.way),
@@ -216,10 +216,10 @@ impl<'a> SweepWorkers<'a> {
 
     /// Runs a point and puts it in its place.
     fn run_one(&self, point: &PlanPoint, is_recorded: bool) -> Result<StoredPoint, SweepError> {
-        let PointResult { report, png, recording } = run_point(self.plan, point, (self.work.pictures, is_recorded), self.host)?;
+        let PointResult { report, png, recording } = run_point(self.plan, point, self.work.pictures, is_recorded, self.host)?;
         let failed = report.is_err();
         match report {
-            Ok(report) => self.store.put(&point.id, (&report, png.as_deref()), self.host)?,
+            Ok(report) => self.store.put(&point.id, &report, png.as_deref(), self.host)?,
             Err(failure) => self.store.put_failure(&point.id, &failure, self.host)?,
         }
         Ok(StoredPoint { way: ResultSource::Run { failed }, png, recording })

@@ -64,7 +64,8 @@ pub fn explore(
     plan: Plan,
     options: ExploreOptions,
     work: &SweepJob<'_>,
-    (folder, host): (&SweepFolder, &dyn SweepHost),
+    folder: &SweepFolder,
+    host: &dyn SweepHost,
 ) -> Result<ExplorationResult, SweepError> {
     if plan.inputs.len() != 1 {
         let count = plan.inputs.len();
@@ -80,7 +81,7 @@ pub fn explore(
         tally = execute(&plan, &SweepJob { points: &points, ..*work }, folder, host)?;
         (0..plan.points.len()).collect()
     } else {
-        search(&plan, &known, options, &mut |points, tally| costs(&plan, points, work, (folder, host), tally), &mut tally)?
+        search(&plan, &known, options, &mut |points, tally| costs(&plan, points, work, folder, host, tally), &mut tally)?
     };
     let share = hypervolume_share(&plan, &chosen, folder)?;
     let unfit = known.iter().filter(|known| known.is_none()).count();
@@ -191,7 +192,8 @@ fn costs(
     plan: &Plan,
     points: &[&PlanPoint],
     work: &SweepJob<'_>,
-    (folder, host): (&SweepFolder, &dyn SweepHost),
+    folder: &SweepFolder,
+    host: &dyn SweepHost,
     tally: &mut SweepProgress,
 ) -> Result<Vec<Option<Vec<f64>>>, SweepError> {
     let ran = execute(plan, &SweepJob { points, ..*work }, folder, host)?;

@@ -51,7 +51,7 @@ pub trait PointStore: Sync {
     ///
     /// # Errors
     /// A file that cannot be written.
-    fn put(&self, id: &str, of: (&Report, Option<&[u8]>), host: &dyn SweepHost) -> Result<(), SweepError>;
+    fn put(&self, id: &str, report: &Report, picture: Option<&[u8]>, host: &dyn SweepHost) -> Result<(), SweepError>;
 
     /// Stores the reason why a point has no report.
     ///
@@ -65,9 +65,9 @@ impl PointStore for SweepFolder {
         Self::find(self, id)
     }
 
-    fn put(&self, id: &str, (report, picture): (&Report, Option<&[u8]>), host: &dyn SweepHost) -> Result<(), SweepError> {
+    fn put(&self, id: &str, report: &Report, picture: Option<&[u8]>, host: &dyn SweepHost) -> Result<(), SweepError> {
         let text = report.to_json().map_err(|error| SweepError(error.to_string()))?;
-        Self::put(self, id, (&text, picture), host)
+        Self::put(self, id, &text, picture, host)
     }
 
     fn put_failure(&self, id: &str, failure: &PointFailure, host: &dyn SweepHost) -> Result<(), SweepError> {
@@ -182,7 +182,7 @@ impl SweepFolder {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn put(&self, id: &str, (report, picture): (&str, Option<&[u8]>), host: &dyn SweepHost) -> Result<(), SweepError> {
+    pub fn put(&self, id: &str, report: &str, picture: Option<&[u8]>, host: &dyn SweepHost) -> Result<(), SweepError> {
         self.remove_outdated(id)?;
         if let Some(picture) = picture {
             publish(&self.of_point(id, PICTURE), picture, host)?;

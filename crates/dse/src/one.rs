@@ -53,7 +53,8 @@ impl Observer for PointObserver<'_> {
 pub(crate) fn run_point(
     plan: &Plan,
     point: &PlanPoint,
-    (pictures, recording): (bool, bool),
+    pictures: bool,
+    recording: bool,
     host: &dyn SweepHost,
 ) -> Result<PointResult, SweepError> {
     let config = match plan.config(&point.places) {

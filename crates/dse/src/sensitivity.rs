@@ -29,7 +29,7 @@ impl PointStore for PointMeasures {
         }
     }
 
-    fn put(&self, id: &str, (report, _): (&Report, Option<&[u8]>), host: &dyn SweepHost) -> Result<(), SweepError> {
+    fn put(&self, id: &str, report: &Report, _picture: Option<&[u8]>, host: &dyn SweepHost) -> Result<(), SweepError> {
         if host.is_stopped() {
             return Err(SweepError("stopped".into()));
         }

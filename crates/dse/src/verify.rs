@@ -23,7 +23,7 @@ pub fn verify(
     there.truncate((there.len() as f64 * percent / 100.0).ceil() as usize);
     let count = there.len();
     let compared = threads::par_map(there, |point| {
-        let PointResult { report, .. } = run_point(plan, point, (false, false), host)?;
+        let PointResult { report, .. } = run_point(plan, point, false, false, host)?;
         let again = report.ok().and_then(|report| report.to_json().ok());
         let same = again.as_deref() == Some(folder.report_text(&point.id)?.as_str());
         Ok((!same).then(|| point.id.clone()))

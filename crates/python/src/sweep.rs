@@ -134,7 +134,7 @@ pub fn explore(
         let (host, folder) = (PythonHost::new(&files), SweepFolder::new(&folder));
         let threads = at_once.unwrap_or_else(threads::workers);
         let (all, work) = (plan.points.len(), SweepJob { points: &[], retry_failed, pictures, threads });
-        let found = explore_plan(plan, ExploreOptions { budget: limit, seed }, &work, (&folder, &host));
+        let found = explore_plan(plan, ExploreOptions { budget: limit, seed }, &work, &folder, &host);
         if let Some(stopped) = host.stopped() {
             return Err(stopped.into());
         }

@@ -50,7 +50,7 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let formula = format!("{} * config.clock.hz / (cycles.total - cycles.write_tail) / 1e6", work.formula);
     figures.ratio("fill_rate", (fragments * hz / 1e6, drawing), &format!("M {}s/s", work.one), formula);
     add_memories(report, &mut figures, hz, &work);
-    add_display(report, &mut figures, (hz, total));
+    add_display(report, &mut figures, hz, total);
     for (name, c) in report.caches.iter().flatten() {
         let formula = format!("caches.{name}.hits / caches.{name}.lookups");
         figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
@@ -87,7 +87,7 @@ fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &W
     }
 }
 
-fn add_display(report: &Report, figures: &mut DerivedFigures, (hz, total): (f64, f64)) {
+fn add_display(report: &Report, figures: &mut DerivedFigures, hz: f64, total: f64) {
     let Some(display) = &report.display else { return };
     let formula = "display.pictures_shown * config.clock.hz / cycles.total";
     figures.ratio("display.pictures_per_s", (display.pictures_shown as f64 * hz, total), "1/s", formula);

@@ -45,7 +45,7 @@ impl<'a> CauseMeasurement<'a> {
         }
         let input = match (&args.input, first) {
             (Some(path), (report, Some(run))) if args.explain == Explain::All => {
-                Some(given(path, &args.view, (report, run), global)?)
+                Some(given(path, &args.view, report, run, global)?)
             }
             (None, (report, Some(run))) if args.explain == Explain::All => demo(report, run, global),
             _ => None,
@@ -71,9 +71,9 @@ impl<'a> CauseMeasurement<'a> {
 }
 
 /// Opens the input that the user named.
-fn given(path: &Path, view: &ViewArgs, of: (&Report, &RecordedRun), global: &GlobalOptions) -> CommandResult<RerunInput> {
+fn given(path: &Path, view: &ViewArgs, report: &Report, run: &RecordedRun, global: &GlobalOptions) -> CommandResult<RerunInput> {
     let other = "is not the input of the first report: the hashes of its commands differ; give the view options of that run, too";
-    rerun_input(path, view, of, global)?.ok_or_else(|| CommandError::in_input(&path.display().to_string())(other))
+    rerun_input(path, view, report, run, global)?.ok_or_else(|| CommandError::in_input(&path.display().to_string())(other))
 }
 
 /// Returns the demo that a report names, if its default view gives the input of the report.
@@ -82,14 +82,15 @@ fn demo(report: &Report, run: &RecordedRun, global: &GlobalOptions) -> Option<Re
     let frames = report.cycles.as_ref().map(|cycles| cycles.frames.len() as u32);
     let view = ViewArgs { size: Some([report.size.width, report.size.height]), frames, ..ViewArgs::default() };
     let path = format!("demo:{}", report.input.name);
-    rerun_input(Path::new(&path), &view, (report, run), global).ok()?
+    rerun_input(Path::new(&path), &view, report, run, global).ok()?
 }
 
 /// Opens an input; `None` if it is not the input of the report.
 fn rerun_input(
     path: &Path,
     view: &ViewArgs,
-    (report, run): (&Report, &RecordedRun),
+    report: &Report,
+    run: &RecordedRun,
     global: &GlobalOptions,
 ) -> CommandResult<Option<RerunInput>> {
     let input = match input::open(path, view, global)?.for_several_runs(&global.budget) {

@@ -55,7 +55,7 @@ pub fn compare(args: &CompareArgs, global: &GlobalOptions) -> CommandResult {
         print_styled(&text(&first, &others, &pairs, style), style)?;
     }
     if let Some(path) = &args.html {
-        page(path, (&first, &others), &pairs)?;
+        page(path, &first, &others, &pairs)?;
     }
     match args.fail_over {
         Some(limit) => check_limit(&pairs, limit, args.allow_other_input),
@@ -84,7 +84,7 @@ const OTHER_INPUT: &str =
     "input.sha256 differs from A or is unknown, so the runs cannot be judged; --allow-other-input judges them";
 
 /// Writes the comparison as an HTML page, with the images beside the reports.
-fn page(path: &Path, (first, others): (&ReportSide, &[ReportSide]), pairs: &[ReportPair<'_>]) -> CommandResult {
+fn page(path: &Path, first: &ReportSide, others: &[ReportSide], pairs: &[ReportPair<'_>]) -> CommandResult {
     let pairs = others.iter().zip(pairs).map(|(other, pair)| Ok((other.html_side()?, &pair.comparison)));
     let page = compared(&first.html_side()?, &pairs.collect::<CommandResult<Vec<_>>>()?);
     PartialFile::write_whole(path, page.as_bytes()).map_err(CommandError::at_file(path, "be written"))

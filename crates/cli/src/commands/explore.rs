@@ -13,7 +13,7 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
     let work = work(&args.plan, &[], threads);
     let name = args.plan.plan.display().to_string();
     let options = ExploreOptions { budget: args.budget, seed: args.seed };
-    let found = find(plan, options, &work, (&folder, &host)).map_err(CommandError::in_input(&name))?;
+    let found = find(plan, options, &work, &folder, &host).map_err(CommandError::in_input(&name))?;
     let ExplorationResult { plan, tally, share, unfit, grid_was_cheaper } = found;
     let points: Vec<&PlanPoint> = plan.points.iter().collect();
     let failed = folder.find_all(&points).into_iter().filter(|found| *found == PointStatus::Failed).count();

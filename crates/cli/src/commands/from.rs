@@ -37,7 +37,8 @@ fn config_of(args: &RunArgs, look: &ResolvedView, budget: &MemoryPool) -> Comman
 /// end of the program.
 fn scene_of(
     fetcher: &Fetcher,
-    (fetch, view): (&TileFetch, &ViewOptions),
+    fetch: &TileFetch,
+    view: &ViewOptions,
     shown: &TileProgress,
     budget: &MemoryPool,
 ) -> CommandResult<(PreparedScene, GroupHashes)> {
@@ -76,7 +77,7 @@ pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> CommandRes
         .wait
         .map_or_else(RetryPolicy::default, |s| RetryPolicy { starting: Duration::from_secs(s), ..RetryPolicy::default() });
     let fetcher = Fetcher::new(url, retry, budget);
-    let (scene, hashes) = scene_of(&fetcher, (&fetch, &look.view), &shown, budget)?;
+    let (scene, hashes) = scene_of(&fetcher, &fetch, &look.view, &shown, budget)?;
     let cache = args.tile_cache.as_deref().map(|folder| open_cache(folder, url)).transpose()?;
     interrupt::set_message(match cache {
         Some(_) => "interrupted; only the images shown so far and the tiles in --tile-cache were written",

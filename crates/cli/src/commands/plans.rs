@@ -196,7 +196,7 @@ impl SweepHost for SweepProgram<'_> {
 
     fn progress(&self, tally: &SweepProgress) {
         let before = tally.existing as u64;
-        self.progress.set_position((tally.done() as u64 - before, tally.points as u64 - before), tally.failed);
+        self.progress.set_position(tally.done() as u64 - before, tally.points as u64 - before, tally.failed);
     }
 
     fn budget(&self) -> &MemoryPool {

@@ -19,7 +19,7 @@ pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> CommandResult {
     }
     let points = selected_points(&plan, args)?;
     let tally = execute(&plan, &work(&args.plan, &points, threads), &folder, &host).map_err(sweep_error)?;
-    let said = finish_sweep(&plan, &points, &tally, (&folder, args), &host)?;
+    let said = finish_sweep(&plan, &points, &tally, &folder, args, &host)?;
     drop(host);
     if global.quiet { Ok(()) } else { print(&said) }
 }
@@ -44,7 +44,8 @@ fn finish_sweep(
     plan: &Plan,
     points: &[&PlanPoint],
     tally: &SweepProgress,
-    (folder, args): (&SweepFolder, &SweepArgs),
+    folder: &SweepFolder,
+    args: &SweepArgs,
     host: &SweepProgram<'_>,
 ) -> CommandResult<String> {
     let failed = folder.find_all(points).into_iter().filter(|found| *found == PointStatus::Failed).count();

@@ -30,7 +30,7 @@ pub(super) fn front(sweep: &SweepView<'_>) -> Html {
         own.iter().copied().chain(headers.iter().map(|name| (name.as_str(), Align::Right))).collect();
     let table = |rows: &[usize], before: usize, caption: &str| {
         let numbered = rows.iter().enumerate().map(|(at, &row)| (before + at + 1, row));
-        with_cells(caption, &columns, numbered.map(|point| cells(sweep, point, &told, pictures)).collect())
+        with_cells(caption, &columns, numbered.map(|(number, row)| cells(sweep, number, row, &told, pictures)).collect())
     };
     let (first, others) = rows.split_at(rows.len().min(OPEN));
     let (all, shown) = (sweep.front.len(), rows.len());
@@ -49,7 +49,7 @@ pub(super) fn front(sweep: &SweepView<'_>) -> Html {
 }
 
 /// Cells of a point with its number in the table. Its hash is a tooltip.
-fn cells(sweep: &SweepView<'_>, (number, row): (usize, usize), told: &[usize], pictures: bool) -> Vec<Html> {
+fn cells(sweep: &SweepView<'_>, number: usize, row: usize, told: &[usize], pictures: bool) -> Vec<Html> {
     let of = &sweep.table.rows[row];
     // The script shows the point that is named.
     let button = el("button", &[("type", "button"), ("title", &of.id), ("data-id", &of.id)], [text(number.to_string())]);

@@ -190,12 +190,12 @@ impl Exclusion {
             })?;
             let values: Vec<String> = match value {
                 // A list is several values, unless the axis has lists for values.
-                Value::Array(values) if !is_value(axes, (axis, at), &value.to_string()) => {
+                Value::Array(values) if !is_value(&axes[axis], at, &value.to_string()) => {
                     values.iter().map(Value::to_string).collect()
                 }
                 value => vec![value.to_string()],
             };
-            match values.iter().find(|value| !is_value(axes, (axis, at), value)) {
+            match values.iter().find(|value| !is_value(&axes[axis], at, value)) {
                 Some(none) => Err(format!("exclude: `{key}` never is {none}: nothing would be left out")),
                 None => Ok((axis, at, values)),
             }
@@ -213,8 +213,8 @@ impl Exclusion {
     }
 }
 
-fn is_value(axes: &[Axis], (axis, at): (usize, usize), value: &str) -> bool {
-    axes[axis].values.iter().any(|row| row.get(at).is_some_and(|given| given == value))
+fn is_value(axis: &Axis, at: usize, value: &str) -> bool {
+    axis.values.iter().any(|row| row.get(at).is_some_and(|given| given == value))
 }
 
 /// Dotted names and values, groups opened.

@@ -20,7 +20,7 @@ fn explored(text: &str, budget: usize, seed: u32) -> ExplorationResult {
     let (folder, host) = (tempdir().unwrap(), Program::new());
     let work = SweepJob { points: &[], retry_failed: false, pictures: false, threads: 2 };
     let options = ExploreOptions { budget: Budget::Points(budget), seed };
-    explore(plan(text, &host), options, &work, (&SweepFolder::new(folder.path()), &host)).unwrap()
+    explore(plan(text, &host), options, &work, &SweepFolder::new(folder.path()), &host).unwrap()
 }
 
 // Claim: analysis: `explore` runs the whole grid if that is no more work than the exploration, and never does more work than the grid.

@@ -213,7 +213,7 @@ fn points_of_another_build_run_again() {
 fn failure_replaces_report_of_another_build() {
     let folder = tempdir().unwrap();
     let (host, store) = (Program::new(), SweepFolder::new(folder.path()));
-    store.put("a", ("{\"build\": \"0.1.0+another\"}", None), &host).unwrap();
+    store.put("a", "{\"build\": \"0.1.0+another\"}", None, &host).unwrap();
     let failure = PointFailure { outcome: "limit".into(), message: "stopped".into() };
     store.put_failure("a", &failure, &host).unwrap();
     assert_eq!((store.find("a"), store.failure("a").unwrap()), (PointStatus::Failed, failure));
@@ -284,7 +284,7 @@ fn ten_thousand_points_are_checked_found_and_resumed_at_once() {
     let store = SweepFolder::new(folder.path());
     for point in &plan(text, &host).points {
         let report = format!("{{ \"build\": \"{BUILD}\", \"cycles\": {{ \"frames\": [7] }} }}");
-        store.put(&point.id, (&report, None), &host).unwrap();
+        store.put(&point.id, &report, None, &host).unwrap();
     }
     sweep(text, folder.path(), 2);
     let began = Instant::now();

@@ -10,7 +10,7 @@ const TOLD: u64 = 1;
 const UNMEASURED: &str = "To measure the causes, keep the recording of both runs beside their reports: a short run without \
                           `--no-bottlenecks` keeps it, `--recording DIR/run.recording` keeps that of any run.";
 
-pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<&MeasuredCauses>)) -> String {
+pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&MeasuredCauses>) -> String {
     if equal {
         return "The reports are equal, host figures aside.".into();
     }
@@ -29,7 +29,7 @@ pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<
     sentences.push(match (&a.cycles, &b.cycles) {
         (Some(_), Some(_)) => {
             let why = explained.map(|explained| causes_in_words(explained, a.frame_cycles()));
-            cycles((a.frame_cycles(), b.frame_cycles()), why, is_one_machine)
+            cycles(a.frame_cycles(), b.frame_cycles(), why, is_one_machine)
         }
         (None, None) => "Both runs are functional: they have no timing.".into(),
         _ => "One run is functional: there are no cycles to compare.".into(),
@@ -37,7 +37,7 @@ pub(super) fn explain(a: &Report, b: &Report, (equal, explained): (bool, Option<
     sentences.join(" ")
 }
 
-fn cycles((before, after): (u64, u64), why: Option<String>, is_one_machine: bool) -> String {
+fn cycles(before: u64, after: u64, why: Option<String>, is_one_machine: bool) -> String {
     let delta = i128::from(after) - i128::from(before);
     let relative = if before == 0 { String::new() } else { format!(" ({})", percent(delta as f64 / before as f64)) };
     let head = match delta {

@@ -43,7 +43,7 @@ pub fn compare(a: &Report, b: &Report, explained: Option<MeasuredCauses>) -> Com
     }
     Comparison {
         equal: sections.is_empty(),
-        explanation: explain::explain(a, b, (sections.is_empty(), explained.as_ref())),
+        explanation: explain::explain(a, b, sections.is_empty(), explained.as_ref()),
         explained,
         other_input: a.input.sha256 != b.input.sha256 || a.input.sha256.is_empty(),
         verdict: verdict::verdict(a, b, sections.is_empty()),

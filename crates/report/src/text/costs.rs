@@ -30,7 +30,7 @@ fn table(titles: &[(&'static str, Align, u8)]) -> Table {
     Table::new(&columns)
 }
 
-fn add_row(table: &mut Table, cells: impl IntoIterator<Item = String>, (spent, all): (&CycleBreakdown, u64)) {
+fn add_row(table: &mut Table, cells: impl IntoIterator<Item = String>, spent: &CycleBreakdown, all: u64) {
     table.row(cells.into_iter().chain(self::breakdown_cells(spent, all)));
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn attribution(report: &Report) -> Table {
         ("idle after the last step", &done),
     ];
     for (name, spent) in rows.into_iter().filter(|(_, spent)| spent.cycles > 0) {
-        add_row(&mut table, [name.to_owned()], (spent, costs.unit_cycles));
+        add_row(&mut table, [name.to_owned()], spent, costs.unit_cycles);
     }
     table
 }
@@ -57,7 +57,7 @@ pub(crate) fn objects(report: &Report, most: usize) -> Table {
     let Some(costs) = &report.costs else { return objects };
     for o in costs.objects.iter().take(most) {
         let cells = [o.object.to_string(), o.name.clone(), thousands(o.polygons), thousands(o.fragments)];
-        add_row(&mut objects, cells, (&o.breakdown, costs.unit_cycles));
+        add_row(&mut objects, cells, &o.breakdown, costs.unit_cycles);
     }
     objects
 }
@@ -77,7 +77,7 @@ pub(crate) fn polygons(report: &Report, most: usize) -> Table {
         let object = p.object.map_or(String::new(), |object| object.to_string());
         let [from, to] = [p.from, p.to].map(thousands);
         let cells = [p.polygon.to_string(), p.frame.to_string(), object, thousands(p.fragments), from, to];
-        add_row(&mut polygons, cells, (&p.breakdown, costs.unit_cycles));
+        add_row(&mut polygons, cells, &p.breakdown, costs.unit_cycles);
     }
     polygons
 }

@@ -30,7 +30,7 @@ pub fn explain(a: &RecordedRun, b: &RecordedRun, options: &ExplainOptions<'_>) -
     let runs = options.input.filter(|_| same_input);
     let causes = separable(a, b, changed(a, b), runs.is_some());
     let wanted = wanted_subsets(causes.len());
-    let mixtures = Mixtures::measure((a, b), &causes, &wanted, &ExplainOptions { input: runs, ..*options });
+    let mixtures = Mixtures::measure(a, b, &causes, &wanted, &ExplainOptions { input: runs, ..*options });
     let total = b.cycles as i64 - a.cycles as i64;
     let shares = mixtures.shapley_values();
     let cause_share = |(n, cause): (usize, &Cause)| {

@@ -40,7 +40,8 @@ struct MixtureSource<'a> {
 impl Mixtures {
     /// Measures these subsets. Those that cannot be measured are left out. Mixtures with the same work share one run.
     pub(super) fn measure(
-        (a, b): (&RecordedRun, &RecordedRun),
+        a: &RecordedRun,
+        b: &RecordedRun,
         causes: &[Cause],
         wanted: &[u64],
         options: &ExplainOptions<'_>,
