@@ -2,7 +2,7 @@
 
 use super::analysis_task::{AnalysisTask, PathsAhead};
 use super::ladder::{Ladder, LadderSearch};
-use super::relaxations::{PART, Relaxation, RelaxationCandidates, Settings};
+use super::relaxations::{PART, Relaxation, RelaxationCandidates, Settings, busiest_unit};
 use super::resimulations::Resimulations;
 use crate::options::Overrides;
 use basrelief_kernel::recording::RecordingChunk;
@@ -11,7 +11,6 @@ use basrelief_machines::{InputKind, MachineSpec};
 use basrelief_report::Report;
 use basrelief_report::model::{Bottlenecks, CriticalPath, PathPart, RelaxedCycles};
 use basrelief_threads as threads;
-use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -77,18 +76,10 @@ struct AnalysisProgress {
     path: Option<kernel::CriticalPath>,
     /// Candidates in the order of the block diagram; empty until the critical path is known.
     candidates: Vec<Relaxation>,
-    /// Settings of the relaxations that have tasks.
-    claimed: BTreeSet<Settings>,
     ladder: Ladder,
 }
 
 impl AnalysisProgress {
-    /// Returns tasks for the relaxations that have none yet.
-    fn claim_tasks(&mut self, relaxations: &[Relaxation]) -> Vec<AnalysisTask> {
-        let new = relaxations.iter().filter(|relaxation| self.claimed.insert(relaxation.set.clone()));
-        new.cloned().map(AnalysisTask::Resimulate).collect()
-    }
-
     /// Returns all relaxations with their cycles: the candidates, then the parts of candidates for which `saves_much` is true.
     /// The order does not depend on the order of execution.
     fn single_relaxations(&self, resimulations: &Resimulations<'_>, saves_much: impl Fn(u64) -> bool) -> Vec<(Relaxation, u64)> {
@@ -128,25 +119,23 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         let resources = RelaxationCandidates { run: self.run, netlist, spec: self.spec, load: &load };
         let is_parallel = threads::workers() > 1;
         let all = resources.all();
-        let mut progress = AnalysisProgress::default();
-        let early = resources.busiest_unit().filter(|_| is_parallel);
-        let early = early.map(|unit| self.early_tasks(unit, &mut progress)).unwrap_or_default();
-        let first = [AnalysisTask::Path].into_iter().chain(early);
-        let (progress, climbed) = (Mutex::new(progress), AtomicUsize::new(0));
+        let busiest = busiest_unit(&all, self.run.marked_cycles()).filter(|_| is_parallel);
+        let first = [AnalysisTask::Path].into_iter().chain(busiest.map(|unit| self.early_task(unit)));
+        let (progress, climbed) = (Mutex::<AnalysisProgress>::default(), AtomicUsize::new(0));
         let lock = || progress.lock().unwrap_or_else(PoisonError::into_inner);
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
                 let path = resimulations.grouped_path(netlist.clone(), self.groups);
                 let candidates = resources.on_path(path.as_ref());
-                let mut progress = lock();
                 tasks.add(path.clone().map(AnalysisTask::Climb));
-                tasks.add(progress.claim_tasks(&candidates));
+                tasks.add(candidates.iter().cloned().map(AnalysisTask::Resimulate));
+                let mut progress = lock();
                 (progress.path, progress.candidates) = (path, candidates);
             }
             AnalysisTask::Resimulate(relaxation) => {
                 let cycles = resimulations.cycles(&relaxation.set);
                 if cycles.is_some_and(|cycles| self.saves_much(cycles)) {
-                    tasks.add(lock().claim_tasks(&relaxation.parts));
+                    tasks.add(relaxation.parts.into_iter().map(AnalysisTask::Resimulate));
                 }
             }
             AnalysisTask::Climb(path) => {
@@ -164,12 +153,12 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         progress.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns what can be done before the first path is known: if the busiest unit is saturated, the ladder is likely to begin with
+    /// Returns a task for the time before the first path is known. If the busiest unit is saturated, the ladder is likely to begin with
     /// it. Otherwise it is at least a candidate, as a rule.
-    fn early_tasks(&self, busiest: Relaxation, progress: &mut AnalysisProgress) -> Vec<AnalysisTask> {
+    fn early_task(&self, busiest: &Relaxation) -> AnalysisTask {
         match busiest.is_saturated(self.run.marked_cycles()) {
-            true => vec![AnalysisTask::NeededPath(busiest.set)],
-            false => progress.claim_tasks(&[busiest]),
+            true => AnalysisTask::NeededPath(busiest.set.clone()),
+            false => AnalysisTask::Resimulate(busiest.clone()),
         }
     }
 

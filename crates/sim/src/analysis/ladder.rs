@@ -4,7 +4,7 @@
 //! continues from each rung whether the rung saved cycles or not.
 
 use super::analysis_task::PathsAhead;
-use super::relaxations::{PART, Relaxation, ResourceKind, Settings, joined_settings};
+use super::relaxations::{PART, Relaxation, ResourceKind, Settings, busiest_unit, joined_settings};
 use super::resimulations::Resimulations;
 use basrelief_kernel::CriticalPath;
 use basrelief_report::model::RelaxedSet;
@@ -107,8 +107,8 @@ impl LadderSearch<'_> {
 
     /// Guesses what the rung after this one relaxes: the busiest unit, if it is saturated too. Of saturated units, one hides the others.
     fn guess_next(&self, path: &CriticalPath, relaxed: &[&Relaxation]) {
-        let saturated = self.not_in(relaxed).filter(|new| new.is_saturated(path.cycles));
-        if let Some(busiest) = saturated.max_by_key(|new| new.busy) {
+        let busiest = busiest_unit(self.not_in(relaxed), path.cycles);
+        if let Some(busiest) = busiest.filter(|new| new.is_saturated(path.cycles)) {
             self.ahead.guess(settings(&[relaxed, &[busiest]].concat()));
         }
     }

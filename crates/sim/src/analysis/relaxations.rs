@@ -5,7 +5,6 @@ use basrelief_machines::MachineSpec;
 use basrelief_parameters::to_json;
 use basrelief_report::model::{ALWAYS_HITS, FULLY_PIPELINED, IDEAL_MEMORY, UNBOUNDED_FIFO};
 use serde_json::{Map, Value};
-use std::cmp::Reverse;
 
 /// Depth of a FIFO that is practically unbounded \[slots\].
 const SLOTS: u32 = 65_536;
@@ -126,14 +125,6 @@ impl<S: MachineSpec> RelaxationCandidates<'_, S> {
         self.run.units.iter().filter(|unit| unit.account.busy > unit.steps)
     }
 
-    /// Returns the busiest unit, before the path is known. Excludes units that are busy for longer than all frames take, such as the
-    /// display, because they continue after the frames.
-    pub(crate) fn busiest_unit(&self) -> Option<Relaxation> {
-        let total = self.run.marked_cycles();
-        let units = self.slow_units().filter(|unit| unit.account.busy <= total);
-        units.min_by_key(|unit| Reverse(unit.account.busy)).map(|unit| self.of_unit(unit))
-    }
-
     /// Units that the user made ideal remain so.
     fn of_unit(&self, UnitReport { name, account, .. }: &UnitReport) -> Relaxation {
         let config = to_json(self.spec).unwrap_or_default();
@@ -194,6 +185,12 @@ impl<S: MachineSpec> RelaxationCandidates<'_, S> {
         };
         missed.map(|cache| &cache.name).filter(|name| group.contains_key(name.as_str())).map(relaxed).collect()
     }
+}
+
+/// Returns the busiest unit among these. Excludes units that are busy for longer than `cycles`, such as the display, because they
+/// continue after the frames.
+pub(crate) fn busiest_unit<'a>(among: impl IntoIterator<Item = &'a Relaxation>, cycles: u64) -> Option<&'a Relaxation> {
+    among.into_iter().filter(|unit| unit.busy > 0 && unit.busy <= cycles).max_by_key(|unit| unit.busy)
 }
 
 /// Returns the settings of several relaxations together. Lists of ideal units are joined.
