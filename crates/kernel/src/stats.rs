@@ -131,6 +131,19 @@ impl SlowFifo {
     }
 }
 
+/// Operators of one kind that compute their results over several cycles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IterativeOperators {
+    /// Number of operators.
+    pub count: u32,
+    /// Number of operations of a piece of work that take turns in each.
+    pub turns: u32,
+    /// Width of the operands \[bits\].
+    pub width: u32,
+    /// Bits of a result that an operator computes in a cycle.
+    pub digits_per_cycle: u32,
+}
+
 impl UnitStats {
     /// Adds a figure. Counts of one name add up, for units that share the work.
     ///
@@ -167,15 +180,9 @@ impl UnitStats {
         self.piece(Hardware::new(&self.place, kind, about, count.into(), width));
     }
 
-    /// Reports iterative operators of the unit that compute `digits_per_cycle` bits of a result in a cycle. `turns` operations of a piece of
-    /// work take turns in each.
-    pub fn iterative(
-        &mut self,
-        kind: HardwareKind,
-        about: &'static str,
-        (count, turns): (u32, u32),
-        [width, digits_per_cycle]: [u32; 2],
-    ) {
+    /// Reports iterative operators of the unit.
+    pub fn iterative(&mut self, kind: HardwareKind, about: &'static str, have: IterativeOperators) {
+        let IterativeOperators { count, turns, width, digits_per_cycle } = have;
         self.piece(Hardware { digits_per_cycle, turns, ..Hardware::new(&self.place, kind, about, count.into(), width) });
     }
 

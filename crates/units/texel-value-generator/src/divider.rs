@@ -3,7 +3,7 @@
 use crate::config::{DividerConfig, Division};
 use crate::fixed::{iterations, nearest, to_fixed};
 use crate::signals::{DivisionPoint, DivisionPoints, FixedCoordinates, Quotients};
-use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::stats::{IterativeOperators, UnitStats};
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit, UnitTable};
 use basrelief_signals::Flow;
 use serde::{Deserialize, Serialize};
@@ -153,12 +153,9 @@ impl Unit for Divider {
         let copies = if self.config.pipelined { iterations(self.bits, self.config.bits_per_cycle) } else { 1 };
         // U and V of a point take turns if there are fewer dividers.
         let turns = (self.per_point() as u32).div_ceil(self.config.count.max(1));
-        stats.iterative(
-            HardwareKind::Divider,
-            "u and v at division points",
-            (self.config.count * copies, turns),
-            [self.bits, self.config.bits_per_cycle],
-        );
+        let (count, digits_per_cycle) = (self.config.count * copies, self.config.bits_per_cycle);
+        let dividers = IterativeOperators { count, turns, width: self.bits, digits_per_cycle };
+        stats.iterative(HardwareKind::Divider, "u and v at division points", dividers);
         if self.config.division == Division::Reciprocal {
             stats.hardware(HardwareKind::Multiplier, "U and V by a reciprocal", PRODUCTS.multiply, self.bits);
         }

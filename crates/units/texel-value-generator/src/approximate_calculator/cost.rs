@@ -4,7 +4,7 @@ use super::ApproximateCalculator;
 use crate::config::MipPer;
 use crate::fixed::iterations;
 use crate::signals::LineSegment;
-use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::stats::{IterativeOperators, UnitStats};
 use basrelief_kernel::{HardwareKind, OperatorCounts};
 use basrelief_signals::{BitWidth, SignalWidths};
 
@@ -38,14 +38,11 @@ impl ApproximateCalculator {
         stats.hardware(HardwareKind::Registers, "u, v: start, end", 4_u32, bits);
         stats.hardware(HardwareKind::Registers, "u, v: change and sum", 4_u32, bits + self.guard());
         if self.gradients == Some(MipPer::Pixel) {
-            stats.iterative(
-                HardwareKind::Divider,
-                "1 / W for du, dv",
-                (1, 1),
-                [self.config.reciprocal_bits, self.bits_per_cycle],
-            );
-            stats.hardware(HardwareKind::Multiplier, "du, dv of a pixel", 4_u32, self.config.reciprocal_bits);
-            stats.hardware(HardwareKind::Adder, "du, dv of a pixel", 2_u32, self.config.reciprocal_bits);
+            let width = self.config.reciprocal_bits;
+            let divider = IterativeOperators { count: 1, turns: 1, width, digits_per_cycle: self.bits_per_cycle };
+            stats.iterative(HardwareKind::Divider, "1 / W for du, dv", divider);
+            stats.hardware(HardwareKind::Multiplier, "du, dv of a pixel", 4_u32, width);
+            stats.hardware(HardwareKind::Adder, "du, dv of a pixel", 2_u32, width);
         }
     }
 }

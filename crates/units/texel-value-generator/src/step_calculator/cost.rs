@@ -4,7 +4,7 @@ use super::StepCalculator;
 use crate::config::{Method, TexelConfig};
 use crate::fixed::iterations;
 use crate::signals::ScanSpan;
-use basrelief_kernel::stats::UnitStats;
+use basrelief_kernel::stats::{IterativeOperators, UnitStats};
 use basrelief_kernel::{HardwareKind, OperatorCounts};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{BitWidth, SignalWidths};
@@ -53,9 +53,10 @@ impl StepCalculator {
         stats.hardware(HardwareKind::Registers, "storage element: criterion e", 1_u32, NUMBER);
         let have = OperatorCounts { multiply: multipliers, add: ADDERS, ..OperatorCounts::NONE };
         stats.shared_operators("whether a span is divided; steps", have, DECISION, NUMBER);
-        stats.iterative(HardwareKind::Divider, "e / |dw|", (1, 1), [step_bits, self.bits_per_cycle]);
+        let operator = IterativeOperators { count: 1, turns: 1, width: step_bits, digits_per_cycle: self.bits_per_cycle };
+        stats.iterative(HardwareKind::Divider, "e / |dw|", operator);
         match step_table {
-            0 => stats.iterative(HardwareKind::SquareRoot, "steps", (1, 1), [step_bits, self.bits_per_cycle]),
+            0 => stats.iterative(HardwareKind::SquareRoot, "steps", operator),
             entries => stats.hardware(HardwareKind::Table, "square roots", entries, step_bits),
         }
     }
