@@ -10,7 +10,7 @@ use indexmap::IndexMap;
 struct DerivedFigures(IndexMap<String, Derived>);
 
 impl DerivedFigures {
-    fn ratio(&mut self, name: impl Into<String>, (above, below): (f64, f64), unit: &str, formula: impl Into<String>) {
+    fn ratio(&mut self, name: impl Into<String>, above: f64, below: f64, unit: &str, formula: impl Into<String>) {
         let value = above / below;
         if value.is_finite() {
             self.0.insert(name.into(), Derived { value: round6(value), unit: unit.into(), formula: formula.into() });
@@ -30,36 +30,36 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     // In the tail, nothing is drawn.
     let drawing = report.frame_cycles() as f64;
     let formula = format!("(cycles.total - cycles.write_tail) / {}", work.formula);
-    figures.ratio(format!("cycles_per_{}", work.one), (drawing, fragments), "cycles", formula);
+    figures.ratio(format!("cycles_per_{}", work.one), drawing, fragments, "cycles", formula);
     let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
     let formula = "(cycles.total - cycles.write_tail) / sum(figures.polygons_ROUTE)";
-    figures.ratio("cycles_per_polygon", (drawing, polygons), "cycles", formula);
+    figures.ratio("cycles_per_polygon", drawing, polygons, "cycles", formula);
     for circuit in circuits(report) {
         let (name, idle) = (circuit.name, drawing - circuit.started as f64);
         let formula = format!("cycles.total - cycles.write_tail - figures.{}", circuit.figure);
-        figures.ratio(format!("{name}.idle"), (idle, 1.0), "cycles", formula);
+        figures.ratio(format!("{name}.idle"), idle, 1.0, "cycles", formula);
     }
-    figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
+    figures.ratio("time_ms", 1e3 * total, hz, "ms", "1000 * cycles.total / config.clock.hz");
     let frames = cycles.frames.len() as f64;
     if frames > 0.0 {
         let formula = "1000 * sum(cycles.frames) / (count(cycles.frames) * config.clock.hz)";
-        figures.ratio("frame_ms", (1e3 * drawing, frames * hz), "ms", formula);
+        figures.ratio("frame_ms", 1e3 * drawing, frames * hz, "ms", formula);
         let formula = "config.clock.hz * count(cycles.frames) / sum(cycles.frames)";
-        figures.ratio("frames_per_s", (hz * frames, drawing), "1/s", formula);
+        figures.ratio("frames_per_s", hz * frames, drawing, "1/s", formula);
     }
     let formula = format!("{} * config.clock.hz / (cycles.total - cycles.write_tail) / 1e6", work.formula);
-    figures.ratio("fill_rate", (fragments * hz / 1e6, drawing), &format!("M {}s/s", work.one), formula);
+    figures.ratio("fill_rate", fragments * hz / 1e6, drawing, &format!("M {}s/s", work.one), formula);
     add_memories(report, &mut figures, hz, &work);
     add_display(report, &mut figures, hz, total);
     for (name, c) in report.caches.iter().flatten() {
         let formula = format!("caches.{name}.hits / caches.{name}.lookups");
-        figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
+        figures.ratio(format!("{name}.hit_rate"), c.hits as f64, c.look_ups as f64, "1", formula);
     }
     let base = report.breakdown_cycles();
     let of = if base == report.frame_cycles() { "(cycles.total - cycles.write_tail)" } else { "cycles.total" };
     for (name, u) in report.units.iter().flatten() {
         let formula = format!("units.{name}.busy / {of}");
-        figures.ratio(format!("{name}.utilization"), (u.busy as f64, base as f64), "1", formula);
+        figures.ratio(format!("{name}.utilization"), u.busy as f64, base as f64, "1", formula);
     }
     figures.0
 }
@@ -68,21 +68,21 @@ fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &W
     for (name, memory) in report.memories.iter().flatten() {
         let sum = |f: fn(&Client) -> u64| memory.clients.values().map(|c| f(c) as f64).sum::<f64>();
         let formula = format!("memories.{name}.bytes.moved / {}", work.formula);
-        figures.ratio(format!("{name}.bytes_per_{}", work.one), (memory.bytes.moved as f64, work.count as f64), "bytes", formula);
+        figures.ratio(format!("{name}.bytes_per_{}", work.one), memory.bytes.moved as f64, work.count as f64, "bytes", formula);
         let (hits, bursts) = (sum(|c| c.row_hits), sum(|c| c.bursts));
         let formula = format!("sum(memories.{name}.clients.*.row_hits) / sum(memories.{name}.clients.*.bursts)");
-        figures.ratio(format!("{name}.row_hit_rate"), (hits, bursts), "1", formula);
+        figures.ratio(format!("{name}.row_hit_rate"), hits, bursts, "1", formula);
         let (busy, cycles) = within_frames(report, memory);
         let formula = format!(
             "sum(memories.{name}.bus.busy[0..n]) / (n * memories.{name}.bus.interval * count(memories.{name}.channels)), n = sum(cycles.frames) div memories.{name}.bus.interval"
         );
-        figures.ratio(format!("{name}.bus_utilization"), (busy, cycles), "1", formula);
+        figures.ratio(format!("{name}.bus_utilization"), busy, cycles, "1", formula);
         if let Some([burst_bytes, burst_cycles]) = burst_shape(report, name) {
             let seconds = cycles / memory.channels.len() as f64 / hz;
             let formula = format!(
                 "{name}.bus_utilization * count(memories.{name}.channels) * config.memory.{name}.burst_bytes / config.memory.{name}.burst_cycles * config.clock.hz / 1e9"
             );
-            figures.ratio(format!("{name}.gb_per_s"), (busy / burst_cycles * burst_bytes / 1e9, seconds), "GB/s", formula);
+            figures.ratio(format!("{name}.gb_per_s"), busy / burst_cycles * burst_bytes / 1e9, seconds, "GB/s", formula);
         }
     }
 }
@@ -90,13 +90,13 @@ fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &W
 fn add_display(report: &Report, figures: &mut DerivedFigures, hz: f64, total: f64) {
     let Some(display) = &report.display else { return };
     let formula = "display.pictures_shown * config.clock.hz / cycles.total";
-    figures.ratio("display.pictures_per_s", (display.pictures_shown as f64 * hz, total), "1/s", formula);
+    figures.ratio("display.pictures_per_s", display.pictures_shown as f64 * hz, total, "1/s", formula);
     let formula = "display.flip_wait / display.flips";
-    figures.ratio("display.flip_latency", (display.flip_wait as f64, display.flips as f64), "cycles", formula);
+    figures.ratio("display.flip_latency", display.flip_wait as f64, display.flips as f64, "cycles", formula);
     let name = &display.memory;
     let channels = report.memories.as_ref().and_then(|memories| memories.get(name)).map_or(0, |memory| memory.channels.len());
     let formula = format!("display.bus_cycles / (cycles.total * count(memories.{name}.channels))");
-    figures.ratio("display.bus_share", (display.bus_cycles as f64, total * channels as f64), "1", formula);
+    figures.ratio("display.bus_share", display.bus_cycles as f64, total * channels as f64, "1", formula);
 }
 
 /// Bytes and cycles of a burst.

@@ -23,16 +23,29 @@ pub struct FigureRow {
 struct FigureRows(Vec<FigureRow>);
 
 impl FigureRows {
-    fn add(&mut self, (table, name): (&'static str, &str), field: &'static str, key: impl ToString, value: impl Into<Figure>) {
+    fn of<'a>(&'a mut self, table: &'static str, name: &'a str) -> NamedRows<'a> {
+        NamedRows { rows: &mut self.0, table, name }
+    }
+}
+
+/// Rows of one unit, FIFO, memory or parameter.
+struct NamedRows<'a> {
+    rows: &'a mut Vec<FigureRow>,
+    table: &'static str,
+    name: &'a str,
+}
+
+impl NamedRows<'_> {
+    fn add(&mut self, field: &'static str, key: impl ToString, value: impl Into<Figure>) {
         match value.into() {
             Figure::List(list) => {
                 for (i, value) in list.into_iter().enumerate() {
                     let key = key.to_string();
                     let key = if key.is_empty() { i.to_string() } else { format!("{key}.{i}") };
-                    self.add((table, name), field, key, value);
+                    self.add(field, key, value);
                 }
             }
-            value => self.0.push(FigureRow { table, name: name.into(), field, key: key.to_string(), value }),
+            value => self.rows.push(FigureRow { table: self.table, name: self.name.into(), field, key: key.to_string(), value }),
         }
     }
 }
@@ -43,46 +56,46 @@ pub fn rows(report: &Report) -> Vec<FigureRow> {
     add_run(report, &mut rows);
     add_config("", &report.config, &mut rows);
     for (name, u) in report.units.iter().flatten() {
-        add_unit(("units", name), u, &mut rows);
+        add_unit(rows.of("units", name), u);
     }
     for (name, f) in report.fifos.iter().flatten() {
-        let at = ("fifos", name.as_str());
-        rows.add(at, "depth", "", f.depth);
-        rows.add(at, "tokens", "", f.tokens);
-        rows.add(at, "high_water", "", f.high_water);
+        let mut rows = rows.of("fifos", name);
+        rows.add("depth", "", f.depth);
+        rows.add("tokens", "", f.tokens);
+        rows.add("high_water", "", f.high_water);
         // As in every other table, over the render cycles.
-        rows.add(at, "mean_occupancy", "", crate::number::round6(mean_occupancy(&in_frames(f, report.drain()))));
-        rows.add(at, "full_cycles", "", full_cycles(f));
-        rows.add(at, "histogram", "", f.histogram.clone());
+        rows.add("mean_occupancy", "", crate::number::round6(mean_occupancy(&in_frames(f, report.drain()))));
+        rows.add("full_cycles", "", full_cycles(f));
+        rows.add("histogram", "", f.histogram.clone());
     }
     for (name, memory) in report.memories.iter().flatten() {
         for (key, c) in &memory.clients {
-            add_client(("memories", name), key, c, &mut rows);
+            add_client(rows.of("memories", name), key, c);
         }
         for (number, c) in memory.channels.iter().enumerate() {
-            add_channel(("channels", name), &number.to_string(), c, &mut rows);
+            add_channel(rows.of("channels", name), &number.to_string(), c);
         }
     }
     if let Some(d) = &report.display {
-        rows.add(("display", ""), "memory", "", d.memory.as_str());
+        rows.of("display", "").add("memory", "", d.memory.as_str());
         let counts = [("flips", d.flips), ("pictures_shown", d.pictures_shown), ("flip_wait", d.flip_wait)];
         let more = [("longest_flip_wait", d.longest_flip_wait), ("reads", d.reads), ("underruns", d.underruns)];
         for (field, n) in counts.into_iter().chain(more).chain([("bus_cycles", d.bus_cycles)]) {
-            rows.add(("display", ""), field, "", n);
+            rows.of("display", "").add(field, "", n);
         }
     }
     for (name, c) in report.caches.iter().flatten() {
         for (field, n) in [("lookups", c.look_ups), ("hits", c.hits), ("misses", c.misses), ("merged", c.merged)] {
-            rows.add(("caches", name), field, "", n);
+            rows.of("caches", name).add(field, "", n);
         }
     }
     add_costs(report, &mut rows);
     for (name, value) in &report.figures {
-        rows.add(("figures", name), "value", "", value.clone());
+        rows.of("figures", name).add("value", "", value.clone());
     }
     add_pictures(report, &mut rows);
     for (name, d) in &report.derived {
-        rows.add(("derived", name), "value", &d.unit, d.value);
+        rows.of("derived", name).add("value", &d.unit, d.value);
     }
     rows.0
 }
@@ -96,14 +109,14 @@ fn add_run(report: &Report, rows: &mut FigureRows) {
         ("outcome", report.outcome.kind.name()),
     ];
     for (name, text) in facts {
-        rows.add(("run", name), "value", "", text);
+        rows.of("run", name).add("value", "", text);
     }
-    rows.add(("run", "width"), "value", "", u64::from(report.size.width));
-    rows.add(("run", "height"), "value", "", u64::from(report.size.height));
+    rows.of("run", "width").add("value", "", u64::from(report.size.width));
+    rows.of("run", "height").add("value", "", u64::from(report.size.height));
     if let Some(cycles) = &report.cycles {
-        rows.add(("cycles", ""), "total", "", cycles.total);
-        rows.add(("cycles", ""), "frames", "", cycles.frames.clone());
-        rows.add(("cycles", ""), "write_tail", "", cycles.drain);
+        rows.of("cycles", "").add("total", "", cycles.total);
+        rows.of("cycles", "").add("frames", "", cycles.frames.clone());
+        rows.of("cycles", "").add("write_tail", "", cycles.drain);
     }
 }
 
@@ -124,22 +137,22 @@ fn add_config(prefix: &str, value: &Value, rows: &mut FigureRows) {
         },
         Value::Null | Value::Bool(_) | Value::Array(_) => value.to_string().as_str().into(),
     };
-    rows.add(("config", prefix), "value", "", figure);
+    rows.of("config", prefix).add("value", "", figure);
 }
 
-fn add_unit(at: (&'static str, &str), unit: &Unit, rows: &mut FigureRows) {
+fn add_unit(mut rows: NamedRows<'_>, unit: &Unit) {
     for (field, n) in [("steps", unit.steps), ("tokens", unit.tokens), ("busy", unit.busy)] {
-        rows.add(at, field, "", n);
+        rows.add(field, "", n);
     }
     for (field, causes) in [("starved", &unit.starved), ("blocked", &unit.blocked), ("memory", &unit.memory)] {
         for (key, &n) in causes {
-            rows.add(at, field, key, n);
+            rows.add(field, key, n);
         }
     }
-    rows.add(at, "done", "", unit.done);
+    rows.add("done", "", unit.done);
 }
 
-fn add_client(at: (&'static str, &str), key: &str, client: &Client, rows: &mut FigureRows) {
+fn add_client(mut rows: NamedRows<'_>, key: &str, client: &Client) {
     let counts = [
         ("reads", client.reads),
         ("writes", client.writes),
@@ -155,12 +168,12 @@ fn add_client(at: (&'static str, &str), key: &str, client: &Client, rows: &mut F
         ("latency_95", client.latency_95),
     ];
     for (field, n) in counts {
-        rows.add(at, field, key, n);
+        rows.add(field, key, n);
     }
-    rows.add(at, "latency", key, client.latency.clone());
+    rows.add("latency", key, client.latency.clone());
 }
 
-fn add_channel(at: (&'static str, &str), key: &str, channel: &Channel, rows: &mut FigureRows) {
+fn add_channel(mut rows: NamedRows<'_>, key: &str, channel: &Channel) {
     let counts = [
         ("row_hits", channel.row_hits),
         ("row_closed", channel.row_closed),
@@ -171,47 +184,47 @@ fn add_channel(at: (&'static str, &str), key: &str, channel: &Channel, rows: &mu
         ("queued", channel.queued),
     ];
     for (field, n) in counts {
-        rows.add(at, field, key, n);
+        rows.add(field, key, n);
     }
 }
 
 fn add_costs(report: &Report, rows: &mut FigureRows) {
     let Some(costs) = &report.costs else { return };
-    rows.add(("costs", ""), "unit_cycles", "", costs.unit_cycles);
-    rows.add(("costs", ""), "done", "", costs.done);
+    rows.of("costs", "").add("unit_cycles", "", costs.unit_cycles);
+    rows.of("costs", "").add("done", "", costs.done);
     for (name, whole) in [("pixels", &costs.pixels), ("non_pixel", &costs.non_pixel), ("unattributed", &costs.unattributed)] {
-        add_breakdown(("costs", name), "", whole, rows);
+        add_breakdown(rows.of("costs", name), "", whole);
     }
     for (number, frame) in costs.frames.iter().enumerate() {
-        add_breakdown(("costs", "frame"), &number.to_string(), frame, rows);
+        add_breakdown(rows.of("costs", "frame"), &number.to_string(), frame);
     }
     for o in &costs.objects {
         let name = o.object.to_string();
-        rows.add(("objects", &name), "polygons", "", o.polygons);
-        rows.add(("objects", &name), "fragments", "", o.fragments);
-        add_breakdown(("objects", &name), "", &o.breakdown, rows);
+        rows.of("objects", &name).add("polygons", "", o.polygons);
+        rows.of("objects", &name).add("fragments", "", o.fragments);
+        add_breakdown(rows.of("objects", &name), "", &o.breakdown);
     }
     add_unlisted("objects", &costs.other_objects, rows);
     for p in &costs.polygons {
         let name = format!("{}.{}", p.frame, p.polygon);
         if let Some(object) = p.object {
-            rows.add(("polygons", &name), "object", "", u64::from(object));
+            rows.of("polygons", &name).add("object", "", u64::from(object));
         }
-        rows.add(("polygons", &name), "fragments", "", p.fragments);
-        add_breakdown(("polygons", &name), "", &p.breakdown, rows);
+        rows.of("polygons", &name).add("fragments", "", p.fragments);
+        add_breakdown(rows.of("polygons", &name), "", &p.breakdown);
     }
     add_unlisted("polygons", &costs.other_polygons, rows);
 }
 
-fn add_breakdown(at: (&'static str, &str), key: &str, spent: &CycleBreakdown, rows: &mut FigureRows) {
-    spent.fields().into_iter().for_each(|(field, n)| rows.add(at, field, key, n));
+fn add_breakdown(mut rows: NamedRows<'_>, key: &str, spent: &CycleBreakdown) {
+    spent.fields().into_iter().for_each(|(field, n)| rows.add(field, key, n));
 }
 
 fn add_unlisted(table: &'static str, others: &UnlistedCosts, rows: &mut FigureRows) {
     if others.count > 0 {
-        rows.add((table, "others"), "count", "", others.count);
-        rows.add((table, "others"), "fragments", "", others.fragments);
-        add_breakdown((table, "others"), "", &others.breakdown, rows);
+        rows.of(table, "others").add("count", "", others.count);
+        rows.of(table, "others").add("fragments", "", others.fragments);
+        add_breakdown(rows.of(table, "others"), "", &others.breakdown);
     }
 }
 
@@ -225,7 +238,7 @@ fn add_summary(quality: &PictureQuality, rows: &mut FigureRows) {
         ("mean", "ssim", quality.mean.ssim),
         ("mean", "flip", quality.mean.flip),
     ] {
-        rows.add(("quality", ""), field, key, x);
+        rows.of("quality", "").add(field, key, x);
     }
 }
 
@@ -234,19 +247,19 @@ fn add_pictures(report: &Report, rows: &mut FigureRows) {
         let frames = quality.frames.iter().enumerate().map(|(k, q)| (k.to_string(), q));
         for (key, q) in std::iter::once((String::new(), &quality.last)).chain(frames) {
             for (field, x) in [("psnr_db", q.psnr_db), ("ssim", q.ssim), ("flip", q.flip)] {
-                rows.add(("quality", ""), field, &key, x);
+                rows.of("quality", "").add(field, &key, x);
             }
         }
         if !quality.frames.is_empty() {
             add_summary(quality, rows);
         }
         if let Some(difference) = &quality.difference {
-            rows.add(("quality", ""), "mean_difference", "", difference.mean);
-            rows.add(("quality", ""), "largest_difference", "", u64::from(difference.largest));
+            rows.of("quality", "").add("mean_difference", "", difference.mean);
+            rows.of("quality", "").add("largest_difference", "", u64::from(difference.largest));
         }
     }
     for picture in &report.image {
-        rows.add(("image", &picture.file), "sha256", "", picture.sha256.as_str());
+        rows.of("image", &picture.file).add("sha256", "", picture.sha256.as_str());
     }
 }
 

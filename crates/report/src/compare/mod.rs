@@ -62,10 +62,9 @@ fn figures(report: &Report) -> IndexMap<FigureKey, Figure> {
 fn sections(a: &Report, b: &Report) -> Vec<SectionChanges> {
     let (in_a, mut in_b) = (figures(a), figures(b));
     let mut changes: IndexMap<&'static str, Vec<FigureChange>> = IndexMap::new();
-    let mut add = |place: FigureKey, a: Option<Figure>, b: Option<Figure>| {
+    let mut add = |(table, name, field, key): FigureKey, a: Option<Figure>, b: Option<Figure>| {
         if a != b {
-            let table = changes.entry(place.0).or_default();
-            table.push(change((place.1, place.2, place.3), a, b));
+            changes.entry(table).or_default().push(change(name, field, key, a, b));
         }
     };
     for (place, a) in in_a {
@@ -93,7 +92,7 @@ fn changed_parameters_first(config: &mut SectionChanges, explained: &MeasuredCau
     config.derived = config.changes.iter().filter(|change| place(change) > keys.len()).count();
 }
 
-fn change((name, field, key): (String, &'static str, String), a: Option<Figure>, b: Option<Figure>) -> FigureChange {
+fn change(name: String, field: &'static str, key: String, a: Option<Figure>, b: Option<Figure>) -> FigureChange {
     let number = |x: &Option<Figure>| x.as_ref().map_or(Some(0.0), Figure::number);
     let delta = number(&a).zip(number(&b)).map(|(a, b)| b - a);
     let base = a.as_ref().and_then(Figure::number).filter(|&a| a != 0.0);

@@ -20,12 +20,9 @@ pub(super) fn head(report: &Report) -> Html {
 
 /// Key figures in large type, with their units.
 pub fn big_numbers(numbers: impl IntoIterator<Item = (String, String)>) -> Html {
-    el("dl", &[("class", "numbers")], numbers.into_iter().map(headline_number))
-}
-
-fn headline_number((number, unit): (String, String)) -> Html {
     // The file has the term first, the page shows the number first.
-    el("div", &[], [el_text("dt", "", unit), el_text("dd", "", number)])
+    let headline = |(number, unit)| el("div", &[], [el_text("dt", "", unit), el_text("dd", "", number)]);
+    el("dl", &[("class", "numbers")], numbers.into_iter().map(headline))
 }
 
 pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
