@@ -71,7 +71,7 @@ pub fn effects(table: &Table) -> Vec<Effect> {
                 .zip(levels.rows())
                 .filter_map(|(label, mut rows)| {
                     rows.retain(|row| counts(*axis, row));
-                    level(table, (objective, goal), label, &rows)
+                    level(table, objective, goal, label, &rows)
                 })
                 .collect(),
         };
@@ -92,7 +92,8 @@ fn is_star(table: &Table) -> bool {
 /// Returns `None` if no point of these rows has run.
 pub(crate) fn level(
     table: &Table,
-    (objective, goal): (usize, ObjectiveDirection),
+    objective: usize,
+    goal: ObjectiveDirection,
     label: &str,
     rows: &[usize],
 ) -> Option<ValueEffect> {

@@ -12,7 +12,7 @@ use basrelief_report::number::{percent_in_words, thousands};
 /// Title, a sentence, and numbers that can be read from a distance.
 pub(super) fn head(sweep: &SweepView<'_>) -> Html {
     let title = el("h1", &[], [text("Basrelief "), el_text("span", "quiet", &sweep.table.title)]);
-    let best = sweep.table.objectives().filter_map(|objective| best(sweep, objective));
+    let best = sweep.table.objectives().filter_map(|(at, goal)| best(sweep, at, goal));
     let counts = [
         (thousands(sweep.run() as u64), "completed points".to_owned()),
         (thousands(sweep.front.len() as u64), "Pareto-optimal".to_owned()),
@@ -33,7 +33,7 @@ fn value(cell: &Cell, unit: &str) -> String {
 }
 
 /// The first row that is best by an objective, among those that may be chosen.
-fn best(sweep: &SweepView<'_>, (at, goal): (usize, ObjectiveDirection)) -> Option<(usize, usize, ObjectiveDirection)> {
+fn best(sweep: &SweepView<'_>, at: usize, goal: ObjectiveDirection) -> Option<(usize, usize, ObjectiveDirection)> {
     let value = |row: &usize| sweep.table.rows[*row].cells.get(at)?.number();
     let better = |a: usize, b: usize| match (value(&a), value(&b)) {
         (Some(x), Some(y)) if goal.better(y, x) => b,

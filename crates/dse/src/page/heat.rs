@@ -127,7 +127,8 @@ fn cells(
         }
     }
     let width = across.labels.len();
-    let of = |(at, rows): (usize, &Vec<usize>)| Some((at / width, at % width, level(sweep.table, map.objective, "", rows)?));
+    let (at, goal) = map.objective;
+    let of = |(n, rows): (usize, &Vec<usize>)| Some((n / width, n % width, level(sweep.table, at, goal, "", rows)?));
     rows.iter().enumerate().filter_map(of).collect()
 }
 

@@ -99,8 +99,8 @@ pub(super) struct Model {
     /// By point of the grid: its correlations with the known points, and the solution of the factor for them.
     solved: BTreeMap<usize, (Vec<f64>, Vec<f64>)>,
     posterior: Posterior,
-    /// Mean and standard deviation of the known values.
-    scale: (f64, f64),
+    /// Of the known values.
+    scale: ValueScale,
 }
 
 impl Model {
@@ -115,13 +115,13 @@ impl Model {
             known: vec![],
             solved: BTreeMap::new(),
             posterior: Posterior::default(),
-            scale: (0.0, 1.0),
+            scale: ValueScale { mean: 0.0, deviation: 1.0 },
         }
     }
 
     /// Learns the values of these points from the beginning, and tunes the lengths if many points are new.
     pub(super) fn fit(&mut self, grid: &[Vec<usize>], known: &[&[usize]], values: &[f64]) {
-        self.tune(known, &scaled(values, scale(values)));
+        self.tune(known, &ValueScale::of(values).apply(values));
         self.kernel = Kernel::new(&self.axes, &self.lengths);
         (self.factor, self.columns, self.known) = (Cholesky::default(), vec![], vec![]);
         self.solved.clear();
@@ -151,8 +151,8 @@ impl Model {
     }
 
     fn learn(&mut self, values: &[f64]) {
-        self.scale = scale(values);
-        self.posterior = Posterior::new(&self.factor, &scaled(values, self.scale));
+        self.scale = ValueScale::of(values);
+        self.posterior = Posterior::new(&self.factor, &self.scale.apply(values));
     }
 
     fn tune(&mut self, known: &[&[usize]], values: &[f64]) {
@@ -184,10 +184,10 @@ impl Model {
                 *nearest = nearest.max(*correlation);
             }
         }
-        let (offset, unit) = self.scale;
+        let ValueScale { mean, deviation: unit } = self.scale;
         let deviation = |nearest: f64| (self.posterior.variance * (1.0 - nearest * nearest)).max(0.0).sqrt() * unit;
         Prediction {
-            means: sums.into_iter().map(|sum| (self.posterior.mean + sum) * unit + offset).collect(),
+            means: sums.into_iter().map(|sum| (self.posterior.mean + sum) * unit + mean).collect(),
             deviations: nearest.into_iter().map(deviation).collect(),
         }
     }
@@ -199,20 +199,29 @@ impl Model {
         let new = self.columns.iter().skip(correlations.len()).map(|column| column[point]);
         correlations.extend(new);
         self.factor.extend_forward(solved, correlations);
-        (self.posterior.variance * (1.0 - dot(solved, solved))).max(0.0).sqrt() * self.scale.1
+        (self.posterior.variance * (1.0 - dot(solved, solved))).max(0.0).sqrt() * self.scale.deviation
     }
 }
 
 /// Mean and standard deviation; 1 in place of a deviation of 0.
-fn scale(values: &[f64]) -> (f64, f64) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let deviation = (values.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / n).sqrt();
-    (mean, if deviation > 0.0 { deviation } else { 1.0 })
+#[derive(Clone, Copy, Debug)]
+struct ValueScale {
+    mean: f64,
+    deviation: f64,
 }
 
-fn scaled(values: &[f64], (offset, unit): (f64, f64)) -> Vec<f64> {
-    values.iter().map(|y| (y - offset) / unit).collect()
+impl ValueScale {
+    fn of(values: &[f64]) -> Self {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let deviation = (values.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / n).sqrt();
+        Self { mean, deviation: if deviation > 0.0 { deviation } else { 1.0 } }
+    }
+
+    /// Returns the values with a mean of 0 and a deviation of 1.
+    fn apply(self, values: &[f64]) -> Vec<f64> {
+        values.iter().map(|y| (y - self.mean) / self.deviation).collect()
+    }
 }
 
 /// Returns the negative logarithm of the likelihood of lengths, with their prior. Infinite if rounding prevents it.
