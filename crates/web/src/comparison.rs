@@ -65,7 +65,8 @@ impl RunComparison {
     pub(crate) fn record(
         &mut self,
         side: ComparedSide,
-        (input, options): (RunInput, RunOptions),
+        input: RunInput,
+        options: RunOptions,
         rerun: Option<RerunInput>,
     ) -> Result<Value, String> {
         let place = &mut self.sides[side as usize];

@@ -56,9 +56,9 @@ impl SimulationService {
             Request::Files { name, files } => self.set_input(LoadedInput::open(name, files, question)?),
             Request::Run(ask) => self.run(&ask),
             Request::Record { side, run } => {
-                let (loaded, _, prepared) = self.prepare_run(&run, None)?;
-                let rerun = loaded.rerun_input(&prepared.0);
-                self.comparison.record(side, prepared, rerun).map(Message::from_json)
+                let (loaded, _, (input, options)) = self.prepare_run(&run, None)?;
+                let rerun = loaded.rerun_input(&input);
+                self.comparison.record(side, input, options, rerun).map(Message::from_json)
             }
             Request::Explain => self.comparison.explain().map(Message::from_json),
             Request::Costs(ask) => self.costs(&ask),

@@ -89,13 +89,13 @@ impl PathTiles {
     }
 
     /// Checks a body that holds these tiles of a picture.
-    fn check_tiles(&self, (picture, page): (&str, &TexturePage), wanted: &[u32], body: &[u8]) -> Result<(), String> {
+    fn check_tiles(&self, picture: &str, page: &TexturePage, wanted: &[u32], body: &[u8]) -> Result<(), String> {
         for (number, tile) in wanted.iter().zip(tiles_in(body, wanted)?) {
             if tile.len() as u64 > MAX_TILE_BYTES {
                 return Err(format!("too long: more than {MAX_TILE_BYTES} bytes"));
             }
             let hash = hash_of_received(self.offered.encoding.0, page, *number, tile)?;
-            self.hashes.check_tile(picture, (*number, hash), || self.hashes_of(picture, page, *number))?;
+            self.hashes.check_tile(picture, *number, hash, || self.hashes_of(picture, page, *number))?;
         }
         Ok(())
     }
@@ -120,7 +120,7 @@ impl PathTiles {
         let wanted = self.batch(page, tile, |address| !self.is_here(address));
         let picture = self.offered.picture(page.texture);
         let address = self.address(page, &wanted);
-        let body = self.path.get(&address, &|body| self.check_tiles((&picture, page), &wanted, body))?;
+        let body = self.path.get(&address, &|body| self.check_tiles(&picture, page, &wanted, body))?;
         let cut = address.rsplit_once('/').map_or("", |(cut, _)| cut);
         let kept = self.keep(cut, &wanted, &body)?;
         self.ahead.extend(kept);
@@ -139,7 +139,7 @@ impl PathTiles {
         let picture = picture.split('/').next().unwrap_or_default();
         let body = match (kind, page) {
             ("tile", Some(page)) => {
-                let body = self.path.receive(got, &|body| self.check_tiles((picture, page), &numbers, body))?;
+                let body = self.path.receive(got, &|body| self.check_tiles(picture, page, &numbers, body))?;
                 return self.keep(cut, &numbers, &body).map(|_| ());
             }
             ("hashes", _) => self.path.receive(got, &|body| self.check_list(picture, numbers[0], body)),

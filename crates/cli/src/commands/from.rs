@@ -86,7 +86,7 @@ pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> CommandRes
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| TileStore { cache, failed: Arc::clone(&failed) });
     let real = Some(RealTimes::new(fetcher.metrics().clone(), shown.clone()));
-    let (tiles, watched) = (Box::new(RemoteTiles::new(fetcher, (fetch, hashes), kept, Arc::new(shown))), LivePreview::default());
+    let (tiles, watched) = (Box::new(RemoteTiles::new(fetcher, fetch, hashes, kept, Arc::new(shown))), LivePreview::default());
     let tiles = match config.preview().filter(|_| args.simulation.watch.is_some()) {
         Some(preview) => Box::new(PreviewedTiles::new(tiles, watched.clone(), preview)),
         None => tiles as Box<dyn TileSource>,

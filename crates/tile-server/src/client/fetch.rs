@@ -141,7 +141,7 @@ impl Fetcher {
             self.meter.begin();
             self.try_once(&url, u64::MAX, check_scene_status, &came)
         };
-        match self.with_retries((EarlierAttempts::default(), &sleep), once) {
+        match self.with_retries(EarlierAttempts::default(), &sleep, once) {
             Ok((scene, held)) => {
                 self.meter.count_body(BodyKind::Scene, scene.len() as u64);
                 Ok((url, scene, held))
@@ -160,11 +160,13 @@ impl Fetcher {
     pub fn body(
         &self,
         address: &str,
-        (largest, kind): (u64, BodyKind),
+        largest: u64,
+        kind: BodyKind,
         check: impl Fn(&[u8]) -> Result<(), String>,
-        (attempts, pause): (EarlierAttempts, &dyn Fn(Duration) -> bool),
+        attempts: EarlierAttempts,
+        pause: &dyn Fn(Duration) -> bool,
     ) -> Result<Vec<u8>, String> {
-        let body = self.checked(address, largest, |body| check(&body).map(|()| body), (attempts, pause))?;
+        let body = self.checked(address, largest, |body| check(&body).map(|()| body), attempts, pause)?;
         self.meter.count_body(kind, body.len() as u64);
         Ok(body)
     }
@@ -188,7 +190,7 @@ impl Fetcher {
             let text = std::str::from_utf8(&body).map_err(|e| e.to_string())?;
             text.parse::<u64>().map(|number| (number, body.len())).map_err(|e| format!("no number: {e}"))
         };
-        let (number, bytes) = self.checked(address, LONGEST_NUMBER, number, (EarlierAttempts::default(), &sleep))?;
+        let (number, bytes) = self.checked(address, LONGEST_NUMBER, number, EarlierAttempts::default(), &sleep)?;
         self.meter.count_body(BodyKind::Other, bytes as u64);
         Ok(number)
     }
@@ -199,11 +201,12 @@ impl Fetcher {
         address: &str,
         largest: u64,
         check: impl Fn(Vec<u8>) -> Result<T, String>,
-        attempts: (EarlierAttempts, &dyn Fn(Duration) -> bool),
+        attempts: EarlierAttempts,
+        pause: &dyn Fn(Duration) -> bool,
     ) -> Result<T, String> {
         let url = format!("{}/{address}", self.base);
         let once = || -> Result<T, FetchError> { Ok(check(self.try_once(&url, largest, check_status, &|_| ())?.0)?) };
-        self.with_retries(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
+        self.with_retries(attempts, pause, once).map_err(|fault| format!("{url}: {}", fault.sentence))
     }
 
     /// Returns the transfer metrics.
@@ -224,12 +227,13 @@ impl Fetcher {
     /// Repeats a failed request, and waits for a server that does not listen.
     fn with_retries<T>(
         &self,
-        (attempts, wait): (EarlierAttempts, &dyn Fn(Duration) -> bool),
+        attempts: EarlierAttempts,
+        wait: &dyn Fn(Duration) -> bool,
         once: impl Fn() -> Result<T, FetchError>,
     ) -> Result<T, FetchError> {
         let (began, starting) = (Instant::now(), self.retry_policy.starting);
         loop {
-            match self.retry((attempts, wait), &once) {
+            match self.retry(attempts, wait, &once) {
                 Err(FetchError { then: RetryAdvice::WaitForServer, .. }) if began.elapsed() < starting && wait(LOOK) => {}
                 Err(FetchError { sentence, then: RetryAdvice::WaitForServer }) => {
                     let sentence = format!("{sentence}, for {} s", starting.as_secs_f64());
@@ -242,7 +246,8 @@ impl Fetcher {
 
     fn retry<T>(
         &self,
-        (EarlierAttempts { began, failed: made }, wait): (EarlierAttempts, &dyn Fn(Duration) -> bool),
+        EarlierAttempts { began, failed: made }: EarlierAttempts,
+        wait: &dyn Fn(Duration) -> bool,
         once: impl Fn() -> Result<T, FetchError>,
     ) -> Result<T, FetchError> {
         let RetryPolicy { attempts, whole, mut pause, .. } = self.retry_policy;

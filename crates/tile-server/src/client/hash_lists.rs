@@ -67,7 +67,7 @@ impl HashLists {
         fetcher: &Fetcher,
         pause: PauseFn<'_>,
     ) -> Result<(), String> {
-        self.hashes.check_tile(tile.picture, (tile.tile, hash), || self.list(tile, fetcher, pause))
+        self.hashes.check_tile(tile.picture, tile.tile, hash, || self.list(tile, fetcher, pause))
     }
 
     /// Returns true if a tile can be checked. Fetches the list of its group if it is not there.
@@ -93,7 +93,7 @@ impl HashLists {
             let group = group_of(tile.tile);
             let address = hashes_path(tile.picture, tile.size, tile.encoding, group);
             let check = |body: &[u8]| self.hashes.check_list(tile.picture, group, body);
-            let body = fetcher.body(&address, (MAX_LIST_BYTES, BodyKind::Other), check, (EarlierAttempts::default(), pause))?;
+            let body = fetcher.body(&address, MAX_LIST_BYTES, BodyKind::Other, check, EarlierAttempts::default(), pause)?;
             fetcher.budget().try_reserve(body.len() as u64, "hashes of tiles").map_err(|e| e.to_string())?.keep_forever();
             Ok(Arc::from(body))
         };

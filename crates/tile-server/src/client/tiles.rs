@@ -77,7 +77,7 @@ impl FetchWorker {
         }
         for request in requests {
             let (address, check) = (self.address(&[request]), |body: &[u8]| self.check(request, body));
-            let body = self.fetcher.body(&address, (MAX_TILE_BYTES, BodyKind::Tile), check, (attempts, &self.pause()));
+            let body = self.fetcher.body(&address, MAX_TILE_BYTES, BodyKind::Tile, check, attempts, &self.pause());
             self.handle_tile(request, body);
         }
     }
@@ -132,7 +132,8 @@ impl RemoteTiles {
     /// Starts the threads, at most `MAX_IN_FLIGHT`. Each received tile is checked against the hashes of the scene, and cached at once.
     pub fn new(
         fetcher: Fetcher,
-        (fetch, hashes): (TileFetch, GroupHashes),
+        fetch: TileFetch,
+        hashes: GroupHashes,
         kept: Option<TileStore>,
         progress: Arc<dyn FetchProgress>,
     ) -> Self {

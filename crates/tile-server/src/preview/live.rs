@@ -142,7 +142,7 @@ impl LivePreview {
         let over = shown.over && shown.number <= number;
         shown.asked = Some(Instant::now());
         let told = shown.state_json(over);
-        Response::found((told.clone().into(), etag_of(&told)), "application/json", CachePolicy::NoStore)
+        Response::found(told.clone().into(), etag_of(&told), "application/json", CachePolicy::NoStore)
     }
 }
 
@@ -151,7 +151,7 @@ impl RequestHandler for LivePreview {
         let number = |prefix| path.strip_prefix(prefix).and_then(|number: &str| number.parse::<u64>().ok());
         if path == "/" {
             let page = PAGE.as_bytes();
-            return Response::found((page.into(), etag_of(page)), "text/html; charset=utf-8", CachePolicy::Revalidate);
+            return Response::found(page.into(), etag_of(page), "text/html; charset=utf-8", CachePolicy::Revalidate);
         }
         if let Some(number) = number("/after/") {
             return self.wait_for_image(number);
@@ -160,7 +160,7 @@ impl RequestHandler for LivePreview {
         match number("/picture/") {
             // The latest image answers every number.
             Some(1..) if shown.number > 0 => {
-                Response::found((Arc::clone(&shown.picture), etag_of(&shown.picture)), "image/png", CachePolicy::NoStore)
+                Response::found(Arc::clone(&shown.picture), etag_of(&shown.picture), "image/png", CachePolicy::NoStore)
             }
             _ => Response::refused(404, "expected /, /after/NUMBER or, once there is one, /picture/NUMBER\n".into()),
         }

@@ -105,7 +105,8 @@ impl GroupHashes {
     pub fn check_tile<L: AsRef<[u8]>>(
         &self,
         picture: &str,
-        (tile, hash): (u32, TileHash),
+        tile: u32,
+        hash: TileHash,
         list: impl FnOnce() -> Result<L, String>,
     ) -> Result<(), String> {
         if tile == 0 {
@@ -207,7 +208,7 @@ mod tests {
         let [one, two] = [b"one", b"two"].map(|tile| hash_of_bytes(tile));
         let (list, picture, mut hashes) = ([one, two].concat(), hex(&[1; 32]), GroupHashes::default());
         hashes.insert([1; 32], vec![hash_of_list(&one), hash_of_list(&list)]);
-        let check = |tile, hash| hashes.check_tile(&picture, (tile, hash), || Ok(&list));
+        let check = |tile, hash| hashes.check_tile(&picture, tile, hash, || Ok(&list));
         assert_eq!([check(0, one), check(1, one), check(2, two)], [Ok(()), Ok(()), Ok(())]);
         assert!(check(0, two).is_err() && check(1, two).is_err() && check(3, two).is_err());
     }

@@ -43,7 +43,7 @@ impl StaticFiles {
     pub(super) fn file(&self, path: &str) -> Option<Response> {
         let StaticFile { bytes, tag, kind, packed } = self.files.get(path)?;
         // Revalidated, so that a rebuilt page shows.
-        Some(Response::found((Arc::clone(bytes), tag.clone()), kind, CachePolicy::Revalidate).or_packed(packed.clone()))
+        Some(Response::found(Arc::clone(bytes), tag.clone(), kind, CachePolicy::Revalidate).or_packed(packed.clone()))
     }
 
     /// Starts to listen at an address; port 0 selects a free port. Returns the address and the running server.

@@ -31,7 +31,7 @@ impl SceneService {
             cached.insert(format.into(), (hashes, tag));
         }
         let (hashes, tag) = cached.get(format).ok_or_else(wrong)?.clone();
-        Ok(Response::found((Arc::clone(&self.scene), tag), BYTES, CachePolicy::Revalidate).with_tail(hashes))
+        Ok(Response::found(Arc::clone(&self.scene), tag, BYTES, CachePolicy::Revalidate).with_tail(hashes))
     }
 
     /// Computes the hashes of all groups of all pictures; `None` if the format has another form.

@@ -133,7 +133,7 @@ pub(crate) struct Response {
 
 impl Response {
     /// Makes a response with status 200.
-    pub(crate) fn found((body, tag): (Arc<[u8]>, String), kind: &'static str, keep: CachePolicy) -> Self {
+    pub(crate) fn found(body: Arc<[u8]>, tag: String, kind: &'static str, keep: CachePolicy) -> Self {
         Self { status: 200, body, tail: [].into(), tag: Some(tag), kind, keep, packed: vec![], encoding: None }
     }
 
@@ -281,7 +281,7 @@ mod tests {
     fn body_is_compressed_as_accepted_with_own_tag() {
         let form = |name: &'static str| (name, name.as_bytes().into(), format!("\"{name}\""));
         let answer = || {
-            let plain = Response::found((b"plain"[..].into(), "\"plain\"".into()), "text/css", CachePolicy::Revalidate);
+            let plain = Response::found(b"plain"[..].into(), "\"plain\"".into(), "text/css", CachePolicy::Revalidate);
             plain.or_packed(vec![form("br"), form("gzip")])
         };
         let sent = |accepts| answer().accepted(accepts);
@@ -319,7 +319,7 @@ mod tests {
 
     #[test]
     fn known_tag_gets_not_modified() {
-        let answer = || Response::found((b"tile"[..].into(), "\"t\"".into()), "image/png", CachePolicy::Immutable);
+        let answer = || Response::found(b"tile"[..].into(), "\"t\"".into(), "image/png", CachePolicy::Immutable);
         for has in ["\"t\"", "\"s\", \"t\"", "W/\"t\""] {
             let unchanged = answer().unless(Some(has));
             assert!(unchanged.body.is_empty(), "{has}");

@@ -167,14 +167,15 @@ impl SceneService {
 
     /// Returns the response to a path that is no file of the viewer.
     pub(crate) fn respond_to(&self, path: &str) -> Result<Response, (u16, String)> {
-        let immutable = |(body, kind)| Response::found(fixed(body), kind, CachePolicy::Immutable);
+        let found = |(body, tag): FixedBody, kind, keep| Response::found(body, tag, kind, keep);
+        let immutable = |(body, kind)| found(fixed(body), kind, CachePolicy::Immutable);
         match path.split_once('/').and_then(|(_, path)| path.split_once('/')) {
             Some(("tile", asked)) => self.tiles(asked).map(immutable),
             Some(("bytes", asked)) => self.bytes(asked).map(immutable),
             Some(("hashes", asked)) => self.hash_list(asked).map(immutable),
             Some(("scene", format)) => self.scene(Some(format)),
             _ => match path {
-                "/" | "/served" => Ok(Response::found(self.index.clone(), "text/html; charset=utf-8", CachePolicy::Revalidate)),
+                "/" | "/served" => Ok(found(self.index.clone(), "text/html; charset=utf-8", CachePolicy::Revalidate)),
                 "/scene" => self.scene(None),
                 _ => Err((404, "expected /, /served, /scene/..., /tile/..., /hashes/... or /bytes/...\n".into())),
             },

@@ -52,7 +52,7 @@ fn scene_hashes() -> GroupHashes {
 }
 
 fn checked_tiles(url: &str, hashes: GroupHashes, tiles_per_request: u32, kept: Option<TileStore>) -> RemoteTiles {
-    RemoteTiles::new(new_fetcher(url, PATIENT), (fetch(2, tiles_per_request), hashes), kept, Arc::new(NoProgress))
+    RemoteTiles::new(new_fetcher(url, PATIENT), fetch(2, tiles_per_request), hashes, kept, Arc::new(NoProgress))
 }
 
 fn cache(folder: &Path, url: &str) -> Option<TileStore> {

@@ -234,7 +234,7 @@ fn lists(texture: &Arc<Texture>, fetch: &TileFetch) -> Vec<Vec<u8>> {
 fn source(fetcher: Fetcher, fetch: TileFetch, kept: Option<TileStore>) -> RemoteTiles {
     let (picture, mut hashes, lists) = (hash_of_picture(&texture()), GroupHashes::default(), lists(&texture(), &fetch));
     hashes.insert(picture, lists.iter().map(|list| hash_of_list(list)).collect());
-    let source = RemoteTiles::new(fetcher, (fetch, hashes), kept, Arc::new(NoProgress));
+    let source = RemoteTiles::new(fetcher, fetch, hashes, kept, Arc::new(NoProgress));
     (0..).zip(lists).for_each(|(group, list)| source.insert_list(&hex(&picture), group, list));
     source
 }
