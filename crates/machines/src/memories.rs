@@ -76,8 +76,10 @@ pub(crate) use memories_of;
 pub(crate) fn add_cached_client(
     memories: &mut MemorySystem,
     name: &str,
-    (memory, outstanding): (usize, u32),
-    (cache_name, cache): (&str, &CacheConfig),
+    memory: usize,
+    outstanding: u32,
+    cache_name: &str,
+    cache: &CacheConfig,
 ) -> usize {
     let client = memories.add_cached_client(name, memory, outstanding, cache_name, cache);
     memories.spread_look_ups(client);

@@ -92,12 +92,7 @@ pub fn group_prefix(prefix: &str, name: &str) -> String {
 }
 
 /// Returns the error of a value outside its range.
-pub fn range_error<T: ParameterValue + Debug>(
-    (prefix, key): (&str, &str),
-    value: &T,
-    range: &dyn Debug,
-    unit: &str,
-) -> RangeError {
+pub fn range_error<T: ParameterValue + Debug>(prefix: &str, key: &str, value: &T, range: &dyn Debug, unit: &str) -> RangeError {
     range_error_of(prefix, key, value.to_json().unwrap_or_default(), value, range, unit)
 }
 

@@ -170,7 +170,7 @@ macro_rules! parameters {
             #[allow(unused_variables, reason = "a struct without ranges needs no prefix")]
             fn check(&self, prefix: &str) -> Result<(), $crate::RangeError> {
                 $($(if !($range).contains(&self.$field) {
-                    return Err($crate::private::range_error((prefix, stringify!($field)), &self.$field, &$range, $unit));
+                    return Err($crate::private::range_error(prefix, stringify!($field), &self.$field, &$range, $unit));
                 })?)*
                 Ok(())
             }

@@ -31,12 +31,13 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         clients: &[ClientKind],
         setting: &TestEnvironment,
     ) -> Self {
-        Self::with_hook((unit, None), tokens, expected, clients, setting)
+        Self::with_hook(unit, None, tokens, expected, clients, setting)
     }
 
     /// Makes a bench with a hook that runs after each step of the unit.
     pub(super) fn with_hook(
-        (unit, after_step): (U, Option<AfterStep<U>>),
+        unit: U,
+        after_step: Option<AfterStep<U>>,
         tokens: <U::In as Popped>::Tokens,
         expected: Option<<U::Out as Emitted>::Tokens>,
         clients: &[ClientKind],

@@ -205,10 +205,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
             let after = write(unit)?;
             if after == before { Ok(()) } else { Err(format!("the state was {before}, and is {after} after a round trip")) }
         });
-        let unit = (self.fresh.clone(), Some(trip));
         let setting = TestEnvironment { depth: 2, ..default_environment() };
         let expected = self.functional()?.tokens();
-        let mut bench = Bench::with_hook(unit, self.tokens.clone(), Some(expected), &self.clients, &setting);
+        let mut bench =
+            Bench::with_hook(self.fresh.clone(), Some(trip), self.tokens.clone(), Some(expected), &self.clients, &setting);
         at_place("state through JSON after every step", completed(&run(&mut bench, Engine::Timed)))
     }
 

@@ -29,9 +29,9 @@ pub(super) fn build(config: &BumpProcessorConfig) -> (MemorySystem, ClientNumber
     let on_quantization = memory.quantization.outstanding;
     let on_graphics = memory.graphics.outstanding;
     let clients = ClientNumbers {
-        mapping: [add_cached_client(&mut m, "texels", (normal_map, on_normal_map), ("normal_map", &cache.normal_map))],
+        mapping: [add_cached_client(&mut m, "texels", normal_map, on_normal_map, "normal_map", &cache.normal_map)],
         brightness: [
-            add_cached_client(&mut m, "clut_read", (quantization, on_quantization), ("clut", &cache.clut)),
+            add_cached_client(&mut m, "clut_read", quantization, on_quantization, "clut", &cache.clut),
             m.add_client("clut_build", quantization, on_quantization),
         ],
         replacement: [
@@ -40,11 +40,11 @@ pub(super) fn build(config: &BumpProcessorConfig) -> (MemorySystem, ClientNumber
         ],
         frame_buffer: [m.add_client("pixel_write", graphics, on_graphics), config.swap_chain().add(&mut m, graphics)],
         graphics: [
-            add_cached_client(&mut m, "color_texels", (graphics, on_graphics), ("color_texture", &cache.color_texture)),
+            add_cached_client(&mut m, "color_texels", graphics, on_graphics, "color_texture", &cache.color_texture),
             m.add_client("held", graphics, on_graphics),
         ],
         depth: [
-            add_cached_client(&mut m, "z_read", (graphics, on_graphics), ("depth", &cache.depth)),
+            add_cached_client(&mut m, "z_read", graphics, on_graphics, "depth", &cache.depth),
             m.add_client("z_write", graphics, on_graphics),
         ],
     };

@@ -29,7 +29,7 @@ pub(super) fn build(config: &DeferConfig) -> (MemorySystem, ClientNumbers) {
     let pixel_write = m.add_client("pixel_write", pixel_depth, of_pixels);
     let (scan_out, flip) = config.swap_chain().add_with_scan_out(&mut m, pixel_depth);
     let mut depth = vec![
-        add_cached_client(&mut m, "z_read", (pixel_depth, of_pixels), ("depth", &config.cache.depth)),
+        add_cached_client(&mut m, "z_read", pixel_depth, of_pixels, "depth", &config.cache.depth),
         m.add_client("z_write", pixel_depth, of_pixels),
     ];
     if config.defer.depth_pixel == DepthPixel::Shared {
@@ -40,7 +40,7 @@ pub(super) fn build(config: &DeferConfig) -> (MemorySystem, ClientNumbers) {
         depth,
         reference_buffer: [m.add_client("cell_read", reference, of_cells), m.add_client("cell_write", reference, of_cells)],
         rasterization: [
-            add_cached_client(&mut m, "texel_read", (texture, of_texels), ("texel", &config.cache.texel)),
+            add_cached_client(&mut m, "texel_read", texture, of_texels, "texel", &config.cache.texel),
             m.add_client("tile_write", texture, of_texels),
             m.add_client("tile_read", texture, of_texels),
         ],

@@ -24,7 +24,7 @@ pub(super) fn build(config: &ShadeConfig) -> (MemorySystem, ClientNumbers) {
     let clients = ClientNumbers {
         frame_memory: [m.add_client("pixel_write", frame, outstanding), config.swap_chain().add(&mut m, frame)],
         depth: [
-            add_cached_client(&mut m, "z_read", (frame, outstanding), ("depth", &config.cache.depth)),
+            add_cached_client(&mut m, "z_read", frame, outstanding, "depth", &config.cache.depth),
             m.add_client("z_write", frame, outstanding),
         ],
         host: [m.add_client("host_write", local, of_local)],

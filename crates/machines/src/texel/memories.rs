@@ -26,10 +26,10 @@ pub(super) fn build(config: &TexelMachineConfig) -> (MemorySystem, ClientNumbers
         buffer: [m.add_client("pixel_write", pixel, of_pixel), config.swap_chain().add(&mut m, pixel)],
         combiner: [m.add_client("pixel_read", pixel, of_pixel)],
         depth: [
-            add_cached_client(&mut m, "z_read", (depth, of_depth), ("depth", &config.cache.depth)),
+            add_cached_client(&mut m, "z_read", depth, of_depth, "depth", &config.cache.depth),
             m.add_client("z_write", depth, of_depth),
         ],
-        look_up: [add_cached_client(&mut m, "texel_read", (texture, of_texture), ("texture", &config.cache.texture))],
+        look_up: [add_cached_client(&mut m, "texel_read", texture, of_texture, "texture", &config.cache.texture)],
     };
     (m, clients)
 }

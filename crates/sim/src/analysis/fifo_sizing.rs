@@ -196,7 +196,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
                     return Ok(depth);
                 }
             }
-            self.bisect(&recorded, (n, TRIED.min(recorded[n] - 1)), percent)
+            self.bisect(&recorded, n, TRIED.min(recorded[n] - 1), percent)
         });
         least.into_iter().collect()
     }
@@ -217,7 +217,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
         loop {
             let before = depths.clone();
             for &n in &order {
-                depths[n] = self.bisect(&depths, (n, least[n].min(depths[n]) - 1), percent)?;
+                depths[n] = self.bisect(&depths, n, least[n].min(depths[n]) - 1, percent)?;
             }
             if depths == before {
                 return self.without_spare_slots(depths, percent);
@@ -240,7 +240,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
     }
 
     /// Returns the smallest depth of FIFO `n` that keeps the cycles with the given other depths, by bisection above `too_small`.
-    fn bisect(&self, depths: &[u32], (n, mut too_small): (usize, u32), percent: f64) -> Result<u32, RecordingError> {
+    fn bisect(&self, depths: &[u32], n: usize, mut too_small: u32, percent: f64) -> Result<u32, RecordingError> {
         let mut enough = depths[n];
         while enough - too_small > 1 {
             let middle = too_small + (enough - too_small) / 2;

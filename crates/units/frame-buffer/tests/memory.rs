@@ -29,7 +29,7 @@ struct ColorMemory(BTreeMap<(u64, [u32; 2]), [u8; 3]>);
 
 impl ColorMemory {
     /// Stores the pixels of a line at the time of its write. `line_at` returns the line of a position.
-    fn write(&mut self, (base, line): (u64, u64), picture: &FinishedFrame, line_at: impl Fn([u32; 2]) -> u64) {
+    fn write(&mut self, base: u64, line: u64, picture: &FinishedFrame, line_at: impl Fn([u32; 2]) -> u64) {
         for (place, color) in picture.rgb.iter().enumerate() {
             let at = [place as u32 % picture.width, place as u32 / picture.width];
             if line_at(at) == line {
@@ -75,8 +75,8 @@ fn check<T: ColorToken>(frames: &[Drawn], config: FrameBufferConfig, buffers: u3
             let picture = unit.state.picture.clone().or(before).or_else(|| unit.state.finished.last().cloned());
             for request in traffic.requests() {
                 if request.client == 0 {
-                    let line = split(request.address, u64::from(LINE_PIXELS * 4));
-                    memory.write(line, picture.as_ref().unwrap(), |at| line_of::<T>(SIZE[0], at));
+                    let (base, line) = split(request.address, u64::from(LINE_PIXELS * 4));
+                    memory.write(base, line, picture.as_ref().unwrap(), |at| line_of::<T>(SIZE[0], at));
                 } else {
                     assert!(memory.read(request.address) == unit.state.finished.last().unwrap().rgb);
                 }
@@ -133,9 +133,9 @@ proptest! {
                 for request in traffic.requests() {
                     let base = if shared { basrelief_signals::layout::Z_BUFFER } else { request.address >> 27 << 27 };
                     if request.client == 0 {
-                        let line = (base, (request.address - base) / 64);
+                        let line = (request.address - base) / 64;
                         let picture = unit.state.picture.as_ref().unwrap();
-                        memory.write(line, picture, |[x, y]| u64::from(y / 4 * SIZE[0].div_ceil(4) + x / 4));
+                        memory.write(base, line, picture, |[x, y]| u64::from(y / 4 * SIZE[0].div_ceil(4) + x / 4));
                     } else {
                         let shown = if is_last { &unit.state.finished } else { &unit.state.rounds };
                         prop_assert!(memory.read(base) == shown.last().unwrap().rgb);
