@@ -55,7 +55,7 @@ fn single(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     );
     for (rate, options) in RUNS {
         for latency in LATENCIES {
-            let report = report(program, address, (rate, latency), options)?;
+            let report = report(program, address, rate, latency, options)?;
             println!("| {} | {latency} ms | {} | {} |", name(rate), agreement(&report, "first")?, agreement(&report, "final")?);
         }
     }
@@ -70,7 +70,7 @@ fn several(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     for (rate, latency) in PATHS {
         for most in [1, 4, 16, 64] {
             let options = format!("{SMALL_TILES} --set path.tiles_per_request={most}");
-            let report = report(program, address, (rate, latency), &options)?;
+            let report = report(program, address, rate, latency, &options)?;
             let path = &report["host"]["path"];
             let [requests, asked, heads, tiles] =
                 ["requests", "request_bytes", "head_bytes", "tile_bytes"].map(|name| path[name].as_u64().unwrap_or_default());
@@ -93,7 +93,7 @@ fn views(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
         let path = modelled_path(rate, latency);
         let options = format!("--size 640x480 --set defer.mode=progressive --views {}", script.display());
         let modelled = run(program, &format!("demo gallery {options} {path} --no-exact"))?;
-        let measured = report(program, address, (rate, latency), &options)?;
+        let measured = report(program, address, rate, latency, &options)?;
         let (model, real) = (last_pictures(&modelled, &modelled["figures"]), last_pictures(&measured, &measured["host"]["path"]));
         for (view, at) in TURNS.iter().enumerate() {
             let [of_model, of_path] = [&modelled, &measured].map(|report| &report["figures"]["view_tiles"][view]);
@@ -120,7 +120,7 @@ fn last_pictures(report: &Value, times: &Value) -> Vec<f64> {
 }
 
 /// Runs over a path of this rate \[bit/s\] and latency \[ms\] and returns the report.
-fn report(program: &Path, address: &str, (rate, latency): (u64, u64), options: &str) -> Result<Value, Box<dyn Error>> {
+fn report(program: &Path, address: &str, rate: u64, latency: u64, options: &str) -> Result<Value, Box<dyn Error>> {
     let shaped = relay::relay(address, rate as f64, Duration::from_millis(latency))?;
     run(program, &format!("run --from http://{shaped}/ {options} {}", modelled_path(rate, latency)))
 }

@@ -6,6 +6,7 @@ use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::{Cycle, Engine, Interval, NoProbe, RunLimits, RunReport, StallCause, run_with};
 use basrelief_kernel_conformance::plan::PlanMachine;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// A token as a reader sees it.
 #[derive(Debug, Default, PartialEq)]
@@ -85,14 +86,8 @@ fn life(number: u64) -> StepAttribution {
     }
 }
 
-fn add(
-    watcher: &mut TimelineProbe<'_>,
-    stage: usize,
-    cause: Option<StallCause>,
-    (from, to): (u64, u64),
-    whose: &StepAttribution,
-) {
-    watcher.add(Interval { stage, cause, from: Cycle(from), to: Cycle(to) }, whose);
+fn add(watcher: &mut TimelineProbe<'_>, stage: usize, cause: Option<StallCause>, cycles: Range<u64>, whose: &StepAttribution) {
+    watcher.add(Interval { stage, cause, from: Cycle(cycles.start), to: Cycle(cycles.end) }, whose);
 }
 
 /// Two stages next to each other, the second the last of all, and the FIFO between them.
@@ -107,12 +102,12 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
     let board = samples::board();
     let ([before, last], fifo) = pair(&board);
     let text = written(&board, &MemoryPool::default(), |watcher| {
-        add(watcher, before, Some(StallCause::Starved(0)), (0, 2), &life(0));
-        add(watcher, before, None, (2, 5), &life(0));
-        add(watcher, before, None, (5, 6), &life(64));
-        add(watcher, last, Some(StallCause::Memory(0)), (7, 9), &life(0));
-        add(watcher, last, None, (9, 10), &life(0));
-        add(watcher, last, None, (10, 11), &StepAttribution::default());
+        add(watcher, before, Some(StallCause::Starved(0)), 0..2, &life(0));
+        add(watcher, before, None, 2..5, &life(0));
+        add(watcher, before, None, 5..6, &life(64));
+        add(watcher, last, Some(StallCause::Memory(0)), 7..9, &life(0));
+        add(watcher, last, None, 9..10, &life(0));
+        add(watcher, last, None, 10..11, &StepAttribution::default());
     });
     let tokens = read(&text.unwrap());
     let [name_before, name_last] = [before, last].map(|stage| board.name(stage));
@@ -142,8 +137,8 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
 fn flushed(board: &TimelineLayout) -> Vec<bool> {
     let ([before, last], _) = pair(board);
     let text = written(board, &MemoryPool::default(), |watcher| {
-        (0..3).for_each(|k| add(watcher, before, None, (2 * k, 2 * k + 2), &life(k)));
-        add(watcher, last, None, (4, 6), &life(1));
+        (0..3).for_each(|k| add(watcher, before, None, 2 * k..2 * k + 2, &life(k)));
+        add(watcher, last, None, 4..6, &life(1));
     });
     read(&text.unwrap()).iter().map(|token| token.end.unwrap().1).collect()
 }
@@ -164,8 +159,8 @@ fn overlapping_unit_ends_when_the_next_begins() {
     let board = samples::board();
     let ([before, last], _) = pair(&board);
     let text = written(&board, &MemoryPool::default(), |watcher| {
-        add(watcher, before, None, (2, 8), &life(0));
-        add(watcher, last, None, (4, 6), &life(0));
+        add(watcher, before, None, 2..8, &life(0));
+        add(watcher, last, None, 4..6, &life(0));
     });
     let tokens = read(&text.unwrap());
     let names = [before, last].map(|stage| board.name(stage));
@@ -176,7 +171,7 @@ fn overlapping_unit_ends_when_the_next_begins() {
 fn memory_limit_is_kept() {
     let board = samples::board();
     let few = |watcher: &mut TimelineProbe<'_>| {
-        (0..1000).for_each(|k| add(watcher, 0, None, (2 * k, 2 * k + 1), &life(k)));
+        (0..1000).for_each(|k| add(watcher, 0, None, 2 * k..2 * k + 1, &life(k)));
     };
     let error = written(&board, &MemoryPool::new(10_000), few).unwrap_err();
     assert!(OverBudget::in_io_error(&error).is_some(), "{error}");

@@ -27,7 +27,7 @@ fn seconds(s: f64) -> String {
     format!("{s:.*}", digits.clamp(0, 6) as usize)
 }
 
-fn draw(scene: &Arc<Scene>, mode: &str, (_, rate, latency): (&str, &str, &str)) -> Result<Report, Box<dyn Error>> {
+fn draw(scene: &Arc<Scene>, mode: &str, rate: &str, latency: &str) -> Result<Report, Box<dyn Error>> {
     let set = [("defer.mode", mode), ("path.bits_per_second", rate), ("path.latency_us", latency)];
     report(scene, &settings("defer", &set, false)?)
 }
@@ -39,7 +39,8 @@ fn by_mode(scene: &Arc<Scene>, frames: u32) -> Result<String, Box<dyn Error>> {
     let head: Vec<&str> = head.into_iter().chain(PATHS.map(|p| p.0)).collect();
     let mut table = Table::new(&head, 1);
     for mode in MODES {
-        let reports: Vec<Report> = PATHS.into_iter().map(|path| draw(scene, mode, path)).collect::<Result<_, _>>()?;
+        let draw = |(_, rate, latency)| draw(scene, mode, rate, latency);
+        let reports: Vec<Report> = PATHS.into_iter().map(draw).collect::<Result<_, _>>()?;
         let counts = ["path_bytes", "tiles_loaded", "tiles_synthesized", "tiles_reused"];
         let counts = counts.map(|name| grouped(figure(&reports[0], name) as u64));
         let seconds = |report: &Report| {

@@ -62,7 +62,7 @@ fn changes(machine: &MachineInfo) -> Vec<(&'static str, Settings)> {
 }
 
 /// Checks each effect against a full run, and that all effects sum to the difference.
-fn check(machine: &MachineInfo, base: &Settings, (a, b): (&Report, &Report), explained: &MeasuredCauses) {
+fn check(machine: &MachineInfo, base: &Settings, a: &Report, b: &Report, explained: &MeasuredCauses) {
     for share in &explained.shares {
         let mut settings = base.clone();
         settings.extend(share.set.iter().map(|set| set.split_once('=').map(|(k, v)| (k.into(), v.into())).unwrap()));
@@ -87,7 +87,7 @@ fn effects_match_full_runs_and_sum_to_difference() {
         found.sort_unstable();
         keys.sort_unstable();
         assert_eq!(found, keys, "one cause per changed parameter, none for derived values");
-        check(machine, &vec![], (&a.0, &b.0), &explained);
+        check(machine, &vec![], &a.0, &b.0, &explained);
     }
 }
 
@@ -123,7 +123,7 @@ fn work_parameters_are_measured_one_by_one_with_runs() {
     let explained = explain(bump, &a, &b, true).unwrap();
     assert_eq!(explained.shares.len(), 3, "{explained:?}");
     assert!(explained.shares.iter().all(|share| share.needs_run), "{explained:?}");
-    check(bump, &before, (&a.0, &b.0), &explained);
+    check(bump, &before, &a.0, &b.0, &explained);
     let sum: f64 = explained.shares.iter().map(|share| share.share.unwrap()).sum();
     assert!((sum - (b.0.frame_cycles() as f64 - a.0.frame_cycles() as f64)).abs() < 0.01, "{explained:?}");
     assert_ne!(explained.together, 0, "entries and lanes interact");
@@ -162,7 +162,7 @@ fn inseparable_changes_have_no_effect_without_runs() {
     let apart: Vec<(&str, bool)> =
         explained.shares.iter().map(|share| (share.parameter.as_str(), share.cycles.is_none())).collect();
     assert_eq!(apart, [("fifo.shaded.depth", false), ("memory.normal_map.outstanding", true)], "{explained:?}");
-    check(&MACHINES[0], &vec![], (&a.0, &b.0), &explain(&MACHINES[0], &a, &b, true).unwrap());
+    check(&MACHINES[0], &vec![], &a.0, &b.0, &explain(&MACHINES[0], &a, &b, true).unwrap());
 }
 
 #[test]

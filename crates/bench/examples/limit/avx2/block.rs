@@ -69,7 +69,9 @@ impl LaneSteps {
         simd: V3,
         triangle: &Triangle,
         pixel: [i64; 2],
-        (covered, place, canvas): (u8, usize, &mut Canvas),
+        covered: u8,
+        place: usize,
+        canvas: &mut Canvas,
     ) -> Block {
         let (depth, areas) = self.depth(simd, triangle, pixel);
         Block { place, visible: canvas.test(simd, place, covered, depth, triangle.number), areas }

@@ -53,7 +53,7 @@ impl Drawing {
         let of_one_kind = |polygon: &Arc<Polygon>| polygon.bump && polygon.material == material;
         assert!(polygons.iter().all(of_one_kind) && material.color_texture.is_none(), "W1 has one material without texture");
         let normals = normals(&config);
-        let values = |level: &Vec<[i16; 3]>| entries(level, (&material.lighting, &lights), config.brightness.bits);
+        let values = |level: &Vec<[i16; 3]>| entries(level, &material.lighting, &lights, config.brightness.bits);
         Self {
             size: [640, 480],
             map: map(&material),
@@ -81,7 +81,7 @@ fn normals(config: &BumpProcessorConfig) -> Vec<Vec<[i16; 3]>> {
 }
 
 /// Returns the brightness of each normal, rounded to a number of bits.
-fn entries(normals: &[[i16; 3]], (lighting, lights): (&Lighting, &[LightVector]), bits: u32) -> Vec<f32> {
+fn entries(normals: &[[i16; 3]], lighting: &Lighting, lights: &[LightVector], bits: u32) -> Vec<f32> {
     let steps = ((1 << bits) - 1) as f32;
     let intensity: f32 = lights.iter().map(|light| light.intensity).sum();
     let full = lighting.ka + (lighting.kd + lighting.ks) * intensity;

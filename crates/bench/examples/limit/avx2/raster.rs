@@ -48,7 +48,7 @@ impl<'a> Drawer<'a> {
         }
         self.fragments += u64::from(covered.count_ones());
         let place = pixel[1] as usize * self.drawing.size[0] + pixel[0] as usize;
-        let block = steps.block(self.simd, triangle, pixel, (covered, place, &mut self.canvas));
+        let block = steps.block(self.simd, triangle, pixel, covered, place, &mut self.canvas);
         let columns = &mut self.levels[triangle.level];
         columns.push(self.simd, triangle, &block);
         if columns.count > BATCH {

@@ -79,18 +79,13 @@ pub(crate) fn triangles(polygon: &Polygon, size: [usize; 2], first: u32) -> impl
     (0..count).filter_map(move |i| {
         let of = [0, i + 1, i + 2];
         let (corners, vertices) = (of.map(|v| corners[v]), of.map(|v| &polygon.vertices[v]));
-        Triangle::new(sign, corners, vertices, (polygon.lod, size, first + i as u32))
+        Triangle::new(sign, corners, vertices, polygon.lod, size, first + i as u32)
     })
 }
 
 impl Triangle {
     /// Returns `None` if the triangle covers no pixel.
-    fn new(
-        sign: i64,
-        corners: [[i64; 2]; 3],
-        vertices: [&Vertex; 3],
-        (lod, size, number): (u8, [usize; 2], u32),
-    ) -> Option<Self> {
+    fn new(sign: i64, corners: [[i64; 2]; 3], vertices: [&Vertex; 3], lod: u8, size: [usize; 2], number: u32) -> Option<Self> {
         let doubled_area = sign * doubled_area(corners);
         let [columns, rows] = [0, 1].map(|axis| pixels(corners.map(|corner| corner[axis]), size[axis]));
         if doubled_area <= 0 || columns[0] >= columns[1] || rows[0] >= rows[1] {
