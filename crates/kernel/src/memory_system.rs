@@ -225,11 +225,19 @@ impl MemorySystem {
         self.port(client).answer(number)
     }
 
-    /// Records the completion of every request of a unit.
-    pub(crate) fn keep_answers(&mut self) {
+    /// Records the completion of every request of a unit, in the memory of earlier records.
+    pub(crate) fn keep_answers(&mut self, memory: Vec<Vec<Completion>>) {
         self.memories.iter_mut().for_each(|memory| memory.notes_bursts = true);
         let units = self.clients.iter_mut().filter(|client| !client.is_periodic);
-        units.for_each(|client| client.port.notes.get_or_insert_default().answered = Some(Vec::new()));
+        for (client, mut memory) in units.zip(memory.into_iter().chain(std::iter::repeat_with(Vec::new))) {
+            memory.clear();
+            client.port.notes.get_or_insert_default().answered = Some(memory);
+        }
+    }
+
+    /// Takes the records of completions, by client.
+    pub(crate) fn take_answers(&mut self) -> Vec<Vec<Completion>> {
+        self.clients.iter_mut().filter_map(|client| client.port.notes.as_mut()?.answered.take()).collect()
     }
 
     /// Records events of all memories, ports and caches from now on.
@@ -275,10 +283,19 @@ impl MemorySystem {
         answered.get(answered[..behind].partition_point(|request| request.answer < answer)).copied()
     }
 
+    /// Returns the request of a client whose data a unit got at `at`, through its cache if it has one.
+    pub(crate) fn last_received(&self, client: usize, at: Cycle) -> Option<Completion> {
+        self.last_answered(client, Cycle(at.since(Cycle(self.hit_latency(client)))))
+    }
+
     /// Returns true if a client got an answer at `at`, through its cache if it has one.
     pub(crate) fn is_answer(&self, client: usize, at: Cycle) -> bool {
-        let through = self.clients[client].cache.as_ref().map_or(0, |cache| cache.config.hit_latency);
-        self.last_answered(client, at).is_some_and(|request| request.answer + u64::from(through) >= at)
+        self.last_answered(client, at).is_some_and(|request| request.answer + self.hit_latency(client) >= at)
+    }
+
+    /// Cycles that data need to pass the cache of a client; 0 without a cache.
+    fn hit_latency(&self, client: usize) -> u64 {
+        self.clients[client].cache.as_ref().map_or(0, |cache| cache.config.hit_latency.into())
     }
 
     /// Number of served requests of a client: all earlier answers are known.

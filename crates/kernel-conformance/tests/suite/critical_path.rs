@@ -8,14 +8,14 @@ use basrelief_kernel_conformance::plan::{Plan, PlanRequest, UnitKind};
 use proptest::prelude::*;
 use std::borrow::Cow;
 
-fn path_of(plan: &Plan, most_events: usize) -> Option<CriticalPath> {
-    path_by(plan, most_events, &[])
+fn path_of(plan: &Plan, most_steps: usize) -> Option<CriticalPath> {
+    path_by(plan, most_steps, &[])
 }
 
-fn path_by(plan: &Plan, most_events: usize, groups: &[StageGroups]) -> Option<CriticalPath> {
+fn path_by(plan: &Plan, most_steps: usize, groups: &[StageGroups]) -> Option<CriticalPath> {
     let recording = record_plan(plan, u64::MAX);
     let mut chunks = recording.iter().map(Cow::Borrowed);
-    critical_path(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(chunks.next()), most_events, groups).unwrap()
+    critical_path(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(chunks.next()), most_steps, groups).unwrap()
 }
 
 /// Returns the segments of a path as text.
@@ -102,7 +102,7 @@ fn request_appears_phase_by_phase() {
 }
 
 #[test]
-fn too_many_events_give_no_path() {
+fn too_many_steps_give_no_path() {
     let mut draw = PlanBuilder::default();
     draw.fifo("a", 1, 1).unit("source", UnitKind::Source { tokens: 30 }, ["", "a"], &[1], &[0]).unit(
         "sink",
@@ -111,7 +111,8 @@ fn too_many_events_give_no_path() {
         &[1],
         &[0],
     );
-    assert_eq!(path_of(&draw.0, 20), None);
+    assert_eq!(path_of(&draw.0, 59), None);
+    assert!(path_of(&draw.0, 60).is_some());
 }
 
 /// Makes every unit and FIFO ideal that has no segment on the path.

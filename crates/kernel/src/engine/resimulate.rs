@@ -7,9 +7,7 @@ use crate::netlist::Netlist;
 use crate::recording::{RecordingChunk, RecordingError, RecordingReader};
 use crate::report::RunReport;
 use crate::step_requests::StepRequestsView;
-use crate::time::{
-    FifoMemory, FinalUnitState, InputMask, MachineTiming, PathEvent, PathTracer, StageVisit, StepTiming, StopReason,
-};
+use crate::time::{FifoMemory, FinalUnitState, InputMask, MachineTiming, PathTracer, StageVisit, StepTiming, StopReason};
 use crate::{CriticalPath, Cycle, Demand, MemoryPorts, NoProbe, Outcome, Probe, StageGroups};
 use std::borrow::Cow;
 use std::fmt;
@@ -110,20 +108,19 @@ pub fn resimulate<P: Probe>(
     Ok(timed_again((shape, readers), chunks, (probe, ResimulationGoal::Report), max_cycles)?.0)
 }
 
-/// Resimulates a recording and finds its critical path. It keeps up to `most_events` events of 16 bytes each, about three per
-/// step. Returns `None` if there are more events or the run is not complete. `groups`: groups of the steps of each stage; may be
-/// empty.
+/// Resimulates a recording and finds its critical path. It keeps about 56 bytes per step. Returns `None` if there are more than
+/// `most_steps` steps or the run is not complete. `groups`: groups of the steps of each stage; may be empty.
 ///
 /// # Errors
 /// See [`ResimulateError`].
 pub fn critical_path(
     shape: Netlist,
     chunks: &mut ChunkSource<'_, '_>,
-    most_events: usize,
+    most_steps: usize,
     groups: &[StageGroups],
 ) -> Result<Option<CriticalPath>, ResimulateError> {
     let readers = new_readers(&shape);
-    let goal = ResimulationGoal::Path { most_events, groups, memory: &mut PathMemory::default() };
+    let goal = ResimulationGoal::Path { most_steps, groups, memory: &mut PathMemory::default() };
     Ok(timed_again((shape, readers), chunks, (&mut NoProbe, goal), u64::MAX)?.1)
 }
 
@@ -142,11 +139,11 @@ pub struct Recording<'a> {
     room: u64,
 }
 
-/// Memory of the events of a critical path, and of deep FIFOs, for one path after the other. New memory for each path caused most page
+/// Memory of the steps of a critical path, and of FIFOs, for one path after the other. New memory for each path caused most page
 /// faults of bottleneck analysis.
 #[derive(Debug, Default)]
 pub struct PathMemory {
-    events: Vec<PathEvent>,
+    tracer: PathTracer,
     fifos: Vec<FifoMemory>,
 }
 
@@ -192,11 +189,11 @@ impl<'a> Recording<'a> {
     pub fn critical_path(
         &self,
         shape: Netlist,
-        most_events: usize,
+        most_steps: usize,
         groups: &[StageGroups],
         memory: &mut PathMemory,
     ) -> Result<Option<CriticalPath>, ResimulateError> {
-        Ok(self.timed_again(shape, ResimulationGoal::Path { most_events, groups, memory })?.1)
+        Ok(self.timed_again(shape, ResimulationGoal::Path { most_steps, groups, memory })?.1)
     }
 
     fn timed_again(
@@ -222,8 +219,8 @@ enum ResimulationGoal<'a> {
     Cycles,
     /// The whole report.
     Report,
-    /// The critical path, of so many events at most, with these groups, in this memory.
-    Path { most_events: usize, groups: &'a [StageGroups], memory: &'a mut PathMemory },
+    /// The critical path of so many steps at most, with these groups, in this memory.
+    Path { most_steps: usize, groups: &'a [StageGroups], memory: &'a mut PathMemory },
 }
 
 /// Returns the report, and the critical path if it is the goal.
@@ -246,8 +243,8 @@ fn timed_again<P: Probe>(
         time.account_for_nothing();
     }
     let path = match &mut wanted {
-        ResimulationGoal::Path { most_events, groups, memory } => {
-            Some(PathTracer::new(&mut time, (*most_events, std::mem::take(&mut memory.events)), groups))
+        ResimulationGoal::Path { most_steps, memory, .. } => {
+            Some(std::mem::take(&mut memory.tracer).begin(&mut time, *most_steps))
         }
         ResimulationGoal::Report => None,
         ResimulationGoal::Cycles => {
@@ -278,9 +275,10 @@ fn timed_again<P: Probe>(
     let unit_states: Vec<FinalUnitState> = readers.iter().map(rest).collect();
     let report = time.finalize(&unit_states, halt);
     time.show_fills(probe, Some(Cycle(report.total)));
-    let (ResimulationGoal::Path { memory, .. }, Some(mut tracer)) = (wanted, path) else { return Ok((report, None)) };
-    let path = if report.outcome == Outcome::Complete { tracer.trace(&time, report.total, &report.marks) } else { None };
-    (memory.events, memory.fifos) = (tracer.into_events(), time.into_fifo_memory());
+    let (ResimulationGoal::Path { memory, groups, .. }, Some(tracer)) = (wanted, path) else { return Ok((report, None)) };
+    let is_complete = report.outcome == Outcome::Complete;
+    let path = if is_complete { tracer.path(&time, report.total, &report.marks, groups) } else { None };
+    (memory.tracer, memory.fifos) = (tracer.end(&mut time), time.into_fifo_memory());
     Ok((report, path))
 }
 

@@ -5,7 +5,7 @@ use super::token_times::TokenTimes;
 use crate::Cycle;
 use crate::capacity::MAX_CLIENTS;
 use crate::netlist::FifoSpec;
-use std::cell::{Cell, RefCell};
+use std::cell::{Cell, Ref, RefCell};
 
 /// Tokens between two settlements of the occupancy. Settling each token as it came cost 100 instructions; a sweep costs 20. With
 /// a larger number, the times of a machine's FIFOs do not fit into the first-level cache.
@@ -20,6 +20,18 @@ const FIRST_RING: usize = 2 * SWEEP;
 pub(crate) struct FifoMemory {
     ring: Vec<TokenTimes>,
     awaits: Vec<Cell<[Cycle; MAX_CLIENTS]>>,
+    delivered: Vec<DeliveredToken>,
+}
+
+/// A delivered token, as probes and critical paths see it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DeliveredToken {
+    pub(crate) delivered: Cycle,
+    /// First cycle in which it can be popped.
+    pub(crate) visible: Cycle,
+    /// Memory client, as the producer numbers it, that gave the step its last answer; of equally late ones the first. Meaningless if
+    /// the step waited for no answer.
+    pub(crate) last_client: u8,
 }
 
 /// Indices of `news`.
@@ -65,10 +77,10 @@ pub(crate) struct FifoTiming {
     /// no memory client.
     awaits: Vec<Cell<[Cycle; MAX_CLIENTS]>>,
     occupancy: RefCell<OccupancyHistogram>,
-    /// True if a probe reads the visible cycles of tokens.
-    is_watched: Cell<bool>,
-    /// Visible cycles since they were last taken.
-    shown: RefCell<Vec<Cycle>>,
+    /// True if delivered tokens are kept.
+    keeps_tokens: Cell<bool>,
+    /// Delivered tokens since they were last taken.
+    kept: RefCell<Vec<DeliveredToken>>,
 }
 
 /// Index of a token in a ring whose length is a power of two.
@@ -101,8 +113,10 @@ impl FifoTiming {
     pub(crate) fn new(&FifoSpec { depth, latency, period, .. }: &FifoSpec, awaits: bool, memory: FifoMemory) -> Self {
         let full = full_ring(depth);
         let tokens = full.min(FIRST_RING);
+        let FifoMemory { ring, awaits: answers, mut delivered } = memory;
+        delivered.clear();
         Self {
-            ring: all_equal(memory.ring, tokens, TokenTimes::unused()),
+            ring: all_equal(ring, tokens, TokenTimes::unused()),
             must_grow: Cell::new(false),
             depth,
             slots_back: if tokens == full { depth } else { 0 },
@@ -117,10 +131,10 @@ impl FifoTiming {
             no_push_before: Cell::default(),
             no_pop_before: Cell::default(),
             news: Default::default(),
-            awaits: all_equal(memory.awaits, if awaits { tokens } else { 0 }, Cell::default()),
+            awaits: all_equal(answers, if awaits { tokens } else { 0 }, Cell::default()),
             occupancy: OccupancyHistogram::new(depth).into(),
-            is_watched: Cell::new(false),
-            shown: RefCell::default(),
+            keeps_tokens: Cell::new(false),
+            kept: delivered.into(),
         }
     }
 
@@ -206,9 +220,14 @@ impl FifoTiming {
         self.awaits.get(place(&self.awaits, self.slot())).map_or(Cycle::ZERO, |answers| answers.get()[client])
     }
 
-    /// Answers that the front token's step waited for, by client; `None` if its producer has no client.
-    pub(super) fn front_answers(&self) -> Option<[Cycle; MAX_CLIENTS]> {
-        self.awaits.get(place(&self.awaits, self.popped.get())).map(Cell::get)
+    /// Number of the front token.
+    pub(super) fn front_number(&self) -> usize {
+        self.popped.get()
+    }
+
+    /// Number of the token whose slot the next token takes in a full FIFO.
+    pub(super) fn next_slot_holder(&self) -> usize {
+        self.pushed.get().saturating_sub(self.depth)
     }
 
     /// Records until when the next token to be delivered waits for each client's answer.
@@ -248,8 +267,8 @@ impl FifoTiming {
         }
         let number = self.delivered.get();
         token(&self.ring, number).visible.set(visible);
-        if self.is_watched.get() {
-            self.show(visible);
+        if self.keeps_tokens.get() {
+            self.keep(delivered, visible);
         }
         self.next_visible.set(visible.after(1));
         self.delivered.set(number + 1);
@@ -259,11 +278,13 @@ impl FifoTiming {
         }
     }
 
-    /// Records the visible cycle of a token. (Within `deliver` this code costs a tenth of a step, although it never runs.)
+    /// Keeps the token that is being delivered. (Within `deliver` this code costs a tenth of a step, although it never runs.)
     #[cold]
     #[inline(never)]
-    fn show(&self, visible: Cycle) {
-        self.shown.borrow_mut().push(visible);
+    fn keep(&self, delivered: Cycle, visible: Cycle) {
+        let answers = self.awaits.get(place(&self.awaits, self.delivered.get())).map(Cell::get).unwrap_or_default();
+        let last = (1..MAX_CLIENTS).fold(0, |last, client| if answers[client] > answers[last] { client } else { last });
+        self.kept.borrow_mut().push(DeliveredToken { delivered, visible, last_client: last as u8 });
     }
 
     /// Pops the front token.
@@ -325,7 +346,7 @@ impl FifoTiming {
 
     /// Returns the memory of its times, for the next run.
     pub(super) fn into_memory(self) -> FifoMemory {
-        FifoMemory { ring: self.ring, awaits: self.awaits }
+        FifoMemory { ring: self.ring, awaits: self.awaits, delivered: self.kept.into_inner() }
     }
 
     /// See [`OccupancyHistogram::count_nothing`].
@@ -343,14 +364,19 @@ impl FifoTiming {
         self.occupancy.borrow_mut().keep_fills();
     }
 
-    /// Records the visible cycles of tokens.
-    pub(crate) fn keep_visible(&self) {
-        self.is_watched.set(true);
+    /// Keeps delivered tokens from now on, or no more.
+    pub(crate) fn keep_tokens(&self, keeps: bool) {
+        self.keeps_tokens.set(keeps);
     }
 
-    /// Takes the visible cycles since the last call.
-    pub(crate) fn take_visible(&self) -> Vec<Cycle> {
-        self.shown.take()
+    /// Delivered tokens since they were last taken.
+    pub(super) fn kept_tokens(&self) -> Ref<'_, Vec<DeliveredToken>> {
+        self.kept.borrow()
+    }
+
+    /// Takes the delivered tokens since the last call.
+    pub(crate) fn take_tokens(&self) -> Vec<DeliveredToken> {
+        self.kept.take()
     }
 
     /// See [`OccupancyHistogram::take_fills`].

@@ -9,6 +9,7 @@ mod input_mask;
 mod next_start;
 mod occupancy;
 mod path_tracer;
+mod path_walk;
 mod port_ids;
 mod stage_clock;
 mod stage_visit;
@@ -18,7 +19,7 @@ mod token_times;
 pub(crate) use fifo_timing::{FifoMemory, FifoTiming};
 pub(crate) use finalize::{FinalUnitState, StopReason};
 pub(crate) use input_mask::InputMask;
-pub(crate) use path_tracer::{PathEvent, PathTracer};
+pub(crate) use path_tracer::PathTracer;
 pub(crate) use stage_clock::{StageClock, Wait, charge};
 pub(crate) use stage_visit::StageVisit;
 pub(crate) use step_timing::{AnyArity, StageArity, StepTiming};
@@ -100,7 +101,7 @@ impl MachineTiming {
             self.memories.keep_events();
         }
         if P::is_on() && probe.reads_wires() {
-            self.fifos.iter().for_each(FifoTiming::keep_visible);
+            self.fifos.iter().for_each(|fifo| fifo.keep_tokens(true));
             self.stages.iter_mut().for_each(|clock| clock.answers = Some(Vec::new()));
         }
     }
@@ -115,7 +116,7 @@ impl MachineTiming {
         }
         if P::is_on() && probe.reads_wires() {
             for (number, fifo) in self.fifos.iter().enumerate() {
-                fifo.take_visible().into_iter().for_each(|at| probe.on_visible(number, at));
+                fifo.take_tokens().into_iter().for_each(|token| probe.on_visible(number, token.visible));
             }
             for (number, clock) in self.stages.iter_mut().enumerate() {
                 for (step, answers) in clock.answers.iter_mut().flat_map(|answers| answers.drain(..)) {

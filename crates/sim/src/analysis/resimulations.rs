@@ -5,8 +5,8 @@ use basrelief_kernel::{CriticalPath, Netlist, PathMemory, Recording, StageGroups
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Maximum number of events in the search for a critical path, of 16 bytes each.
-pub(crate) const EVENTS: usize = 8 << 20;
+/// Maximum number of steps of a run whose critical path is found, of about 56 bytes each.
+pub(crate) const MOST_STEPS: usize = 2_800_000;
 
 /// The recorded steps of a run, ready for repeated resimulation, and the results so far.
 pub(super) struct Resimulations<'a> {
@@ -33,7 +33,7 @@ impl<'a> Resimulations<'a> {
         }
     }
 
-    /// Returns the critical path with these settings; `None` if the run does not finish or its path has too many events.
+    /// Returns the critical path with these settings; `None` if the run does not finish or it has too many steps.
     pub(super) fn path(&self, set: &Settings) -> Option<CriticalPath> {
         self.paths.get(set, || self.grouped_path((self.netlist)(set)?, &[]))
     }
@@ -41,7 +41,7 @@ impl<'a> Resimulations<'a> {
     /// As [`Resimulations::path`], on this netlist, with the cycles of groups of steps. The result is not kept.
     pub(super) fn grouped_path(&self, netlist: Netlist, groups: &[StageGroups]) -> Option<CriticalPath> {
         let mut memory = lock(&self.spare).pop().unwrap_or_default();
-        let path = self.recording.critical_path(netlist, EVENTS, groups, &mut memory);
+        let path = self.recording.critical_path(netlist, MOST_STEPS, groups, &mut memory);
         lock(&self.spare).push(memory);
         path.ok()?
     }

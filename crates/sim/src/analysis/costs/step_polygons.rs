@@ -2,7 +2,7 @@
 
 use super::polygons::PolygonCost;
 use crate::analysis::attribution::TokenOrigin;
-use crate::analysis::resimulations::EVENTS;
+use crate::analysis::resimulations::MOST_STEPS;
 use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::StageGroups;
 use basrelief_report::costs::LISTED;
@@ -35,7 +35,7 @@ impl StepPolygons {
             self.held.try_grow(RUN_BYTES, "polygons of steps, for the critical path")?;
         }
         self.steps += 1;
-        if self.steps > EVENTS {
+        if self.steps > MOST_STEPS {
             self.stages = vec![];
             self.held.shrink_to(0);
         }
