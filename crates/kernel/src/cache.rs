@@ -140,10 +140,10 @@ impl Cache {
         if self.tags.spreads { start + u64::from(number / self.config.lookups_per_cycle.max(1)) } else { start }
     }
 
-    /// Accounts for look-ups whose fills are all known by `fill` and returns their answer time. Answers come in order, so never
-    /// before the previous one.
+    /// Accounts for look-ups whose fills are all known and returns their answer time. Answers come in order, so never before the
+    /// previous one.
     #[inline(always)]
-    pub(crate) fn resolve(&mut self, (start, last): (Cycle, Cycle), fill: Cycle, counts: CacheCounts) -> Cycle {
+    pub(crate) fn resolve(&mut self, &PendingLookUps { start, last, fill, counts, .. }: &PendingLookUps) -> Cycle {
         self.counts.hits += counts.hits;
         self.counts.misses += counts.misses;
         self.counts.merged += counts.merged;

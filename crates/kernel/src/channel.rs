@@ -24,8 +24,16 @@ struct QueuedBurst {
     from: Cycle,
 }
 
-/// A served burst: the burst, its row outcome, the cycle of its column command, and the cycle after its last data.
-pub(crate) type ServedBurst = (Burst, RowOutcome, Cycle, Cycle);
+/// A served burst.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ServedBurst {
+    pub(crate) burst: Burst,
+    pub(crate) row: RowOutcome,
+    /// Cycle of its column command.
+    pub(crate) column: Cycle,
+    /// The cycle after its last data.
+    pub(crate) end: Cycle,
+}
 
 /// One channel.
 #[derive(Clone, Debug)]
@@ -103,11 +111,11 @@ impl Channel {
         self.watch = Some(Box::new(ChannelEvents::new(self.banks.len())));
     }
 
-    /// Emits the events since the last call, or up to the `end` of a run.
-    pub(crate) fn emit(&mut self, place: [usize; 2], until: (Cycle, EventBounds), emit: impl FnMut(MemoryEvent)) {
+    /// See [`ChannelEvents::emit`].
+    pub(crate) fn emit(&mut self, place: [usize; 2], settled: Cycle, bounds: EventBounds, emit: impl FnMut(MemoryEvent)) {
         if let Some(watch) = &mut self.watch {
             let open = self.banks.iter().enumerate().filter(|(_, bank)| bank.row != CLOSED);
-            watch.emit(place, open.map(|(number, bank)| (number, bank.row, bank.until)), until, emit);
+            watch.emit(place, open.map(|(number, bank)| (number, bank.row, bank.until)), settled, bounds, emit);
         }
     }
 
@@ -278,7 +286,8 @@ impl Channel {
         self.columns[self.served & (self.columns.len() - 1)] = column.at;
         self.served += 1;
         self.command(&burst, &column);
-        Some((burst, column.row, column.at, column.at + self.timing.data[usize::from(burst.write)]))
+        let data = self.timing.data[usize::from(burst.write)];
+        Some(ServedBurst { burst, row: column.row, column: column.at, end: column.at + data })
     }
 
     /// Removes a burst from the queue. Its column command is issued at `at`, and the next burst comes into view after that.

@@ -1,6 +1,8 @@
 //! Connections of a stage: FIFOs on its two sides, and the memories that it uses.
 
 use crate::MemorySystem;
+use crate::cache::CacheTagArray;
+use crate::step_requests::TagLookup;
 
 /// Connections of a stage.
 #[derive(Debug)]
@@ -49,5 +51,16 @@ impl Clients for MemoryClients<'_> {
     }
     fn memories(&self) -> Option<&MemorySystem> {
         Some(self.memories)
+    }
+}
+
+impl TagLookup for MemoryClients<'_> {
+    #[inline(always)]
+    fn clients(&self) -> usize {
+        self.ids.len()
+    }
+    #[inline(always)]
+    fn tags(&mut self, client: usize) -> Option<(&mut CacheTagArray, u64)> {
+        self.memories.tags(self.ids[client])
     }
 }

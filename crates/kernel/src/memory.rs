@@ -36,17 +36,11 @@ impl MemoryRequest {
 
 mod among_periodic;
 
-/// Records how a burst was served.
+/// Records how a burst was served. Its data begin in cycle `data`.
 #[cold]
-fn note_burst(
-    channel: &mut Channel,
-    port: &mut Port,
-    (burst, row): (Burst, RowOutcome),
-    column: Cycle,
-    (data, end): (Cycle, Cycle),
-) {
+fn note_burst(channel: &mut Channel, port: &mut Port, burst: Burst, row: RowOutcome, column: Cycle, data: Cycle, end: Cycle) {
     if let Some(watch) = &mut channel.watch {
-        watch.serve(burst, column, (data, end));
+        watch.serve(burst, column, data, end);
     }
     let row = Cycle(column.0.saturating_sub(channel.row_cycles(row)));
     port.note(burst.request, Completion { arrival: burst.arrival, row, column, end, answer: Cycle::UNKNOWN });
@@ -190,7 +184,7 @@ impl Memory {
         while let Some((request, r, (first, last))) = port.split(until, self.burst) {
             self.arrived -= 1;
             if self.notes_arrivals {
-                self.note_arrival(client, port, &r, (first, last));
+                self.note_arrival(client, port, &r, first, last);
             }
             self.bursts += last - first + 1;
             // Not a range: usually there is one burst, and a range checks its end twice.
@@ -219,13 +213,13 @@ impl Memory {
     /// Emits the events since the last call, or up to the end of a run. This is memory `number`.
     pub(crate) fn emit(&mut self, number: usize, bounds: EventBounds, emit: &mut impl FnMut(MemoryEvent)) {
         for (channel, place) in self.channels.iter_mut().zip(0..) {
-            channel.emit([number, place], (self.data_end, bounds), &mut *emit);
+            channel.emit([number, place], self.data_end, bounds, &mut *emit);
         }
     }
 
-    /// Records a request that is split into these bursts.
+    /// Records a request that is split into the bursts `first` to `last`.
     #[cold]
-    fn note_arrival(&mut self, client: usize, port: &mut Port, r: &ArrivedRequest, (first, last): (u64, u64)) {
+    fn note_arrival(&mut self, client: usize, port: &mut Port, r: &ArrivedRequest, first: u64, last: u64) {
         if let Some(log) = &mut self.log {
             log.push(MemoryRequest { arrival: r.arrival, client, write: r.write, address: r.address, bytes: r.bytes });
         }
@@ -281,7 +275,7 @@ impl Memory {
 
     /// Accounts for a burst that a channel has served.
     #[inline(always)]
-    fn moved(&mut self, channel: usize, clients: &mut [Client], (burst, row, column, end): ServedBurst) {
+    fn moved(&mut self, channel: usize, clients: &mut [Client], ServedBurst { burst, row, column, end }: ServedBurst) {
         let Client { port, is_periodic, .. } = &mut clients[burst.client as usize];
         let data = Cycle(end.0 - self.burst_cycles);
         if *is_periodic {
@@ -296,7 +290,7 @@ impl Memory {
         port.counts.rows.count(row);
         port.counts.queue_wait += column.since(burst.arrival) - 1;
         if self.notes_bursts {
-            note_burst(&mut self.channels[channel], port, (burst, row), column, (data, end));
+            note_burst(&mut self.channels[channel], port, burst, row, column, data, end);
         }
         port.moved(burst.request, 1, end);
     }

@@ -160,7 +160,7 @@ impl ChannelEvents {
     }
 
     /// Records the column command of a burst and its data interval.
-    pub(crate) fn serve(&mut self, burst: Burst, column: Cycle, (from, to): (Cycle, Cycle)) {
+    pub(crate) fn serve(&mut self, burst: Burst, column: Cycle, from: Cycle, to: Cycle) {
         self.queue.down(column);
         self.moved.push((burst, from, to));
     }
@@ -178,7 +178,8 @@ impl ChannelEvents {
         &mut self,
         [memory, channel]: [usize; 2],
         left: impl Iterator<Item = (usize, u64, Cycle)>,
-        (settled, bounds): (Cycle, EventBounds),
+        settled: Cycle,
+        bounds: EventBounds,
         mut emit: impl FnMut(MemoryEvent),
     ) {
         // The last bursts of a periodic client may move data beyond the end of the run.

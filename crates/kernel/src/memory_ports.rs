@@ -1,8 +1,8 @@
 //! The memory ports of a unit: a step issues requests here and receives nothing back.
 
 use crate::request::Request;
-use crate::step_requests::{RequestCursor, StepRequests, StepRequestsView, request_error};
-use crate::{MAX_CLIENTS, MemorySystem};
+use crate::step_requests::{RequestCursor, StepRequests, StepRequestsView, UnitRequests, request_error};
+use crate::{MAX_CLIENTS, MemoryClients};
 
 /// Requests and look-ups of one step, in order of issue. They arrive at the step's start, or at the issue rate of their port (laws 4
 /// and 5).
@@ -108,12 +108,12 @@ impl MemoryPorts {
     #[inline(always)]
     pub(crate) fn settle(
         &mut self,
-        (ids, memories): (&[usize], &mut MemorySystem),
+        clients: &mut MemoryClients<'_>,
         largest: &[u32; MAX_CLIENTS],
     ) -> Option<StepRequestsView<'_>> {
-        let asks = (self.requests.as_slice(), self.look_ups.as_slice());
-        if !self.asked.settle(asks, (ids, &mut *memories), largest) {
-            let text = request_error(asks, (ids, memories), largest);
+        let asks = UnitRequests { requests: &self.requests, look_ups: &self.look_ups };
+        if !self.asked.settle(asks, clients, largest) {
+            let text = request_error(asks, clients, largest);
             self.fault(text);
             return None;
         }

@@ -4,6 +4,21 @@
 use crate::cache::CacheTagArray;
 use crate::{MAX_CLIENTS, Request};
 
+/// Requests and look-ups of one step as its unit issues them, before tag look-up.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct UnitRequests<'a> {
+    pub(crate) requests: &'a [Request],
+    pub(crate) look_ups: &'a [Request],
+}
+
+impl<'a> UnitRequests<'a> {
+    /// Iterates over the requests and then the look-ups.
+    #[inline]
+    pub(crate) fn all(self) -> impl Iterator<Item = &'a Request> {
+        self.requests.iter().chain(self.look_ups)
+    }
+}
+
 /// Look-ups of a step in one cache, each line once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CacheLookUps {
@@ -109,13 +124,13 @@ impl StepRequests {
     #[inline]
     pub(crate) fn settle(
         &mut self,
-        (requests, look_ups): (&[Request], &[Request]),
-        mut caches: impl TagLookup,
+        UnitRequests { requests, look_ups }: UnitRequests<'_>,
+        caches: &mut impl TagLookup,
         largest: &[u32; MAX_CLIENTS],
     ) -> bool {
         let mut left = *largest;
         self.lines.clear();
-        if !look_ups.is_empty() && !self.look_up(look_ups, &mut caches, &mut left) {
+        if !look_ups.is_empty() && !self.look_up(look_ups, caches, &mut left) {
             return false;
         }
         self.requests.extend_from_slice(requests);
@@ -143,8 +158,8 @@ impl StepRequests {
             if own >= caches.clients() {
                 return false;
             }
-            let Some(found) = caches.tags(own) else { return false };
-            let lines = self.look_up_in(found, look_ups, left[own]);
+            let Some((tags, next)) = caches.tags(own) else { return false };
+            let lines = self.look_up_in(tags, next, look_ups, left[own]);
             let Some(rest) = left[own].checked_sub(lines) else { return false };
             left[own] = rest;
             true
@@ -154,7 +169,7 @@ impl StepRequests {
     /// Looks up lines in one cache, whose next request has the number `next`, and stops after `most` lines. Returns the number of
     /// lines.
     #[inline(always)]
-    fn look_up_in(&mut self, (tags, next): (&mut CacheTagArray, u64), look_ups: &[Request], most: u32) -> u32 {
+    fn look_up_in(&mut self, tags: &mut CacheTagArray, next: u64, look_ups: &[Request], most: u32) -> u32 {
         let (held, new, first) = (self.held.len(), self.new.len(), self.lines.len());
         let mut last_held = 0;
         // One bit for all lines of equal remainder by 64: usually a line is new, and no other line of the step has its bit.
@@ -243,20 +258,16 @@ impl<'a> StepRequestsView<'a> {
 
 /// Describes how the requests of a step contradict the unit's declaration or the wiring.
 #[cold]
-pub(crate) fn request_error(
-    (requests, look_ups): (&[Request], &[Request]),
-    mut caches: impl TagLookup,
-    largest: &[u32; MAX_CLIENTS],
-) -> String {
+pub(crate) fn request_error(asked: UnitRequests<'_>, caches: &mut impl TagLookup, largest: &[u32; MAX_CLIENTS]) -> String {
     let wired = caches.clients();
-    if let Some(r) = requests.iter().chain(look_ups).find(|r| r.client as usize >= wired) {
+    if let Some(r) = asked.all().find(|r| r.client as usize >= wired) {
         return format!("a step uses memory client {}, but the wiring gives it {wired}", r.client);
     }
-    if let Some(r) = look_ups.iter().find(|r| caches.tags(r.client as usize).is_none()) {
+    if let Some(r) = asked.look_ups.iter().find(|r| caches.tags(r.client as usize).is_none()) {
         return format!("a step looks up a line in memory client {}, which has no cache", r.client);
     }
     for (own, &declared) in largest.iter().enumerate().take(wired) {
-        let needs = credits_needed((requests, look_ups), own, &mut caches);
+        let needs = credits_needed(asked, own, caches);
         if needs > declared {
             return format!("a step needs {needs} credits of memory client {own}, but largest_step({own}) declares {declared}");
         }
@@ -268,12 +279,12 @@ pub(crate) fn request_error(
 const MOST_LINES: usize = 1 << 20;
 
 /// Credits that a step needs of client `own`: its requests and the lines that it looks up.
-fn credits_needed((requests, look_ups): (&[Request], &[Request]), own: usize, caches: &mut impl TagLookup) -> u32 {
+fn credits_needed(asked: UnitRequests<'_>, own: usize, caches: &mut impl TagLookup) -> u32 {
     let mine = |r: &&Request| r.client as usize == own;
-    let requests = requests.iter().filter(mine).count();
+    let requests = asked.requests.iter().filter(mine).count();
     let Some((tags, _)) = caches.tags(own) else { return requests as u32 };
     let lines_of = |r: &Request| tags.lines(r.address, r.bytes);
-    let all = look_ups.iter().filter(mine).map(lines_of).flat_map(|(first, last)| first..=last);
+    let all = asked.look_ups.iter().filter(mine).map(lines_of).flat_map(|(first, last)| first..=last);
     // A recording is untrusted input, and a few bytes of it can name many lines.
     let mut lines: Vec<u64> = all.take(MOST_LINES).collect();
     lines.sort_unstable();

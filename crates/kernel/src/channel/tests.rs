@@ -37,7 +37,7 @@ fn served(config: &MemoryConfig, sent: &[Sent]) -> Vec<(u64, u64, u64)> {
         channel.push(Burst { bank, row, write, arrival: Cycle(arrival), client: 0, request });
     }
     let all = std::iter::from_fn(|| channel.serve(Cycle::UNKNOWN));
-    all.map(|(burst, _, column, end)| (burst.request, column.0, end.0)).collect()
+    all.map(|served| (served.burst.request, served.column.0, served.end.0)).collect()
 }
 
 /// Returns the column commands in order of service.

@@ -61,7 +61,7 @@ impl<SomeProbe: Probe> TickedCycle<'_, SomeProbe> {
     /// Counts one cycle of waiting.
     fn record_wait(&mut self, number: usize, demand: Demand) {
         let waits = &mut self.waits[number];
-        self.time.split_wait(number, demand, (self.now, self.now + 1), |wait| merge_wait(waits, wait));
+        self.time.split_wait(number, demand, self.now..self.now + 1, |wait| merge_wait(waits, wait));
     }
 }
 
@@ -85,10 +85,10 @@ impl<SomeProbe: Probe> Visitor for TickedCycle<'_, SomeProbe> {
     }
 }
 
-fn merge_wait(waits: &mut Vec<Wait>, (cause, from, to): Wait) {
+fn merge_wait(waits: &mut Vec<Wait>, wait: Wait) {
     match waits.last_mut() {
-        Some(last) if last.0 == cause && last.2 == from => last.2 = to,
-        _ => waits.push((cause, from, to)),
+        Some(last) if last.cause == wait.cause && last.to == wait.from => last.to = wait.to,
+        _ => waits.push(wait),
     }
 }
 

@@ -99,7 +99,7 @@ impl Memory {
             let until = until.min(second);
             match clients[client].control {
                 None => self.split_from(client, &mut clients[client].port, until),
-                Some(control) => self.control(&mut clients[client].port, control, until),
+                Some((place, control)) => self.control(&mut clients[client].port, place, control, until),
             }
         }
         Cycle::UNKNOWN
@@ -127,7 +127,8 @@ impl Memory {
             if let Some(address) = address {
                 // Bursts at the first view of a later burst, or before it, go first.
                 let until = bounds.end.min(next.min(bounds.units) + 2);
-                self.read(client, &mut clients[client].port, (arrival, address, bytes), ReadBounds { units: until, ..bounds });
+                let read = ArrivedRequest { arrival, address, bytes, write: false };
+                self.read(client, &mut clients[client].port, read, ReadBounds { units: until, ..bounds });
             }
             if next >= bounds.units || self.bursts + self.periodic_bursts > 0 {
                 return;
@@ -136,30 +137,30 @@ impl Memory {
     }
 
     /// Takes in a read of a periodic client. Serves it if no burst waits and its column commands are before `bounds.units`.
-    fn read(&mut self, client: usize, port: &mut Port, (arrival, address, bytes): (Cycle, u64, u32), bounds: ReadBounds) {
-        port.issue(arrival, address, bytes, false);
-        let Some((request, r, (first, last))) = port.split(arrival + 1, self.burst) else { return };
+    fn read(&mut self, client: usize, port: &mut Port, r: ArrivedRequest, bounds: ReadBounds) {
+        port.issue(r.arrival, r.address, r.bytes, r.write);
+        let Some((request, r, (first, last))) = port.split(r.arrival + 1, self.burst) else { return };
         if self.notes_arrivals {
-            self.note_arrival(client, port, &r, (first, last));
+            self.note_arrival(client, port, &r, first, last);
         }
         let Some(by) = self.piece else {
-            return (first..=last).for_each(|number| self.push_periodic(number, client, (request, &r)));
+            return (first..=last).for_each(|number| self.push_periodic(number, client, request, &r));
         };
         let pieces = (by.split(first).0, by.split(last).0);
         for piece in pieces.0..=pieces.1.min(pieces.0 + self.channels_by.by - 1) {
-            let part = self.part_of((piece, pieces.1), by.by, (first, last));
-            if self.read_at_once(client, port, (request, &r), &part, bounds) {
+            let part = self.part_of(piece, pieces.1, by.by, (first, last));
+            if self.read_at_once(client, port, request, &r, &part, bounds) {
                 continue;
             }
             for piece in (piece..=pieces.1).step_by(self.channels.len()) {
                 let bursts = part.bursts.0.max(piece * by.by)..=part.bursts.1.min(piece * by.by + by.by - 1);
-                bursts.for_each(|number| self.push_periodic(number, client, (request, &r)));
+                bursts.for_each(|number| self.push_periodic(number, client, request, &r));
             }
         }
     }
 
     /// Returns the part of a read that lies in the channel of `piece`, its first piece there of `by` bursts. `last`: last piece of the read.
-    fn part_of(&self, (piece, last): (u64, u64), by: u64, bursts: (u64, u64)) -> ChannelPart {
+    fn part_of(&self, piece: u64, last: u64, by: u64, bursts: (u64, u64)) -> ChannelPart {
         let (more, _) = self.channels_by.split(last - piece);
         let end = piece + more * self.channels_by.by;
         let (low, high) = (piece * by, end * by + by - 1);
@@ -174,7 +175,8 @@ impl Memory {
         &mut self,
         client: usize,
         port: &mut Port,
-        (request, r): (u64, &ArrivedRequest),
+        request: u64,
+        r: &ArrivedRequest,
         part: &ChannelPart,
         bounds: ReadBounds,
     ) -> bool {
@@ -196,7 +198,7 @@ impl Memory {
     }
 
     /// Appends a burst of a read to its channel.
-    fn push_periodic(&mut self, number: u64, client: usize, (request, r): (u64, &ArrivedRequest)) {
+    fn push_periodic(&mut self, number: u64, client: usize, request: u64, r: &ArrivedRequest) {
         let (channel, address) = self.place(number * self.burst.by);
         let burst = self.burst_in(address, client, request, r);
         self.channels[channel].push(burst);
@@ -227,7 +229,7 @@ impl Memory {
     }
 
     /// Takes in the requests of a port that arrived before `until`. They control the periodic client at this place.
-    fn control(&mut self, port: &mut Port, (place, control): (usize, PeriodicControl), until: Cycle) {
+    fn control(&mut self, port: &mut Port, place: usize, control: PeriodicControl, until: Cycle) {
         while let Some((request, ArrivedRequest { arrival, address, .. })) = port.take_without_data(until) {
             self.arrived -= 1;
             self.last_control = self.last_control.max(arrival + 1);

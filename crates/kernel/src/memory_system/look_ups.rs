@@ -34,11 +34,12 @@ impl MemorySystem {
         &mut self,
         client: usize,
         start: Cycle,
-        (look_ups, lines): (&CacheLookUps, CacheLines<'_>),
+        look_ups: &CacheLookUps,
+        lines: CacheLines<'_>,
         open: &mut VecDeque<OpenLookUp>,
     ) -> (PendingLookUps, u64) {
         if look_ups.is_spread && self.takes_cycles(client, look_ups.lines) {
-            return self.look_up_over_time(client, start, (look_ups, lines), open);
+            return self.look_up_over_time(client, start, look_ups, lines, open);
         }
         let CacheLines { held, new, .. } = lines;
         let Client { port, cache, .. } = &mut self.clients[client];
@@ -89,7 +90,8 @@ impl MemorySystem {
         &mut self,
         client: usize,
         start: Cycle,
-        (look_ups, lines): (&CacheLookUps, CacheLines<'_>),
+        look_ups: &CacheLookUps,
+        lines: CacheLines<'_>,
         open: &mut VecDeque<OpenLookUp>,
     ) -> (PendingLookUps, u64) {
         let Client { port, cache, .. } = &mut self.clients[client];
@@ -136,18 +138,19 @@ impl MemorySystem {
         let Client { port, cache, .. } = &mut self.clients[client];
         let Some(cache) = cache else { return };
         while *left > 0
-            && let Some(&PendingLookUps { start, last, request, mut fill, mut counts, open }) = queue.steps.front()
+            && let Some(&(mut pending)) = queue.steps.front()
         {
-            if let Some(last) = request.checked_sub(1) {
-                fill = port.answer(last);
+            if let Some(last) = pending.request.checked_sub(1) {
+                pending.fill = port.answer(last);
             }
-            if !fill.is_known() {
+            if !pending.fill.is_known() {
                 return;
             }
-            for OpenLookUp { request, at } in queue.open.drain(..open as usize) {
+            let counts = &mut pending.counts;
+            for OpenLookUp { request, at } in queue.open.drain(..pending.open as usize) {
                 *if port.answer(request) > at { &mut counts.merged } else { &mut counts.hits } += 1;
             }
-            *answer = cache.resolve((start, last), fill, counts);
+            *answer = cache.resolve(&pending);
             queue.steps.pop_front();
             *left -= 1;
         }
@@ -157,6 +160,6 @@ impl MemorySystem {
     #[inline(always)]
     pub(crate) fn resolve_at_once(&mut self, client: usize, pending: &PendingLookUps) -> Cycle {
         let cache = self.clients[client].cache.as_mut();
-        cache.map_or(Cycle::ZERO, |cache| cache.resolve((pending.start, pending.last), pending.fill, pending.counts))
+        cache.map_or(Cycle::ZERO, |cache| cache.resolve(pending))
     }
 }

@@ -64,7 +64,9 @@ pub(super) fn get(bytes: &[u8], at: &mut usize, what: &'static str) -> Result<u6
 pub(super) fn get_up_to(
     bytes: &[u8],
     at: &mut usize,
-    (what, most, expected): (&'static str, u64, &'static str),
+    what: &'static str,
+    most: u64,
+    expected: &'static str,
 ) -> Result<u64, RecordingError> {
     let value = get(bytes, at, what)?;
     if value <= most { Ok(value) } else { Err(RecordingError::Value { what, value, expected }) }

@@ -44,8 +44,8 @@ impl RecordingChunk {
     /// If the bytes are not a valid chunk.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, RecordingError> {
         let mut at = 0;
-        let last = get_up_to(bytes, &mut at, ("the end flag of a chunk", 1, "0 or 1"))? == 1;
-        let count = get_up_to(bytes, &mut at, ("the number of stages", 4096, "at most 4096"))?;
+        let last = get_up_to(bytes, &mut at, "the end flag of a chunk", 1, "0 or 1")? == 1;
+        let count = get_up_to(bytes, &mut at, "the number of stages", 4096, "at most 4096")?;
         let mut chunk = Self { stages: Vec::new(), unit_states: Vec::new(), last };
         for _ in 0..count {
             let rest = get(bytes, &mut at, "the final state of a unit")?;

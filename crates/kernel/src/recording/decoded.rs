@@ -88,7 +88,7 @@ pub(super) struct StageTags {
     issued: [u64; MAX_CLIENTS],
 }
 
-impl TagLookup for &mut StageTags {
+impl TagLookup for StageTags {
     #[inline(always)]
     fn clients(&self) -> usize {
         self.clients

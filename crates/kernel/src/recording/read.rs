@@ -6,7 +6,7 @@ use super::decoded::{DecodedSteps, RecordedStep, StageTags};
 use super::step_class::{CLASSES, NEW, StepClass};
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::netlist::StageInfo;
-use crate::step_requests::{RequestCount, RequestCursor, StepRequestsView, request_error};
+use crate::step_requests::{RequestCount, RequestCursor, StepRequestsView, UnitRequests, request_error};
 use crate::time::{FinalUnitState, InputMask, StepTiming};
 use crate::{Demand, MemoryPorts, MemorySystem, Request};
 use std::sync::Arc;
@@ -228,9 +228,10 @@ impl RecordingReader {
             *last = last.wrapping_add(unzigzag(get(&self.bytes, &mut self.at, "an address")?)) % ADDRESSES;
             r.address = *last;
         }
-        let asks = self.raw.split_at(class.requests.len());
+        let (requests, look_ups) = self.raw.split_at(class.requests.len());
+        let asks = UnitRequests { requests, look_ups };
         if ahead.asked.settle(asks, &mut self.tags, &self.largest) {
-            self.tags.count(ahead.asked.last(class.count.caches), asks.0);
+            self.tags.count(ahead.asked.last(class.count.caches), requests);
         } else {
             ahead.refused = Some(request_error(asks, &mut self.tags, &self.largest));
             step = step.as_refused();

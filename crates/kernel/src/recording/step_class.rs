@@ -2,7 +2,7 @@
 
 use super::bytes::{RecordingError, get_up_to, put};
 use crate::capacity::MAX_LINKS;
-use crate::step_requests::RequestCount;
+use crate::step_requests::{RequestCount, UnitRequests};
 use crate::time::StepTiming;
 use crate::{Demand, Request};
 
@@ -48,18 +48,18 @@ impl StepClass {
         Self { demand, timing: made, requests, look_ups, count }
     }
 
-    pub(super) fn of(demand: Demand, made: StepTiming, (requests, look_ups): (&[Request], &[Request])) -> Self {
+    pub(super) fn of(demand: Demand, made: StepTiming, asked: UnitRequests<'_>) -> Self {
         let strip = |requests: &[Request]| requests.iter().map(|r| Request { address: 0, ..*r }).collect();
-        Self::new(demand, made, strip(requests), strip(look_ups))
+        Self::new(demand, made, strip(asked.requests), strip(asked.look_ups))
     }
 
     /// Returns true if a step belongs to this class.
     #[inline]
-    pub(super) fn contains(&self, demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> bool {
+    pub(super) fn contains(&self, demand: Demand, made: &StepTiming, asked: UnitRequests<'_>) -> bool {
         self.demand == demand
             && self.timing == *made
-            && differ_in_address_only(&self.requests, requests)
-            && differ_in_address_only(&self.look_ups, look_ups)
+            && differ_in_address_only(&self.requests, asked.requests)
+            && differ_in_address_only(&self.look_ups, asked.look_ups)
     }
 
     pub(super) fn write(&self, bytes: &mut Vec<u8>) {
@@ -86,29 +86,29 @@ impl StepClass {
     /// # Errors
     /// If it is not valid for a stage with so many inputs and outputs.
     pub(super) fn read(bytes: &[u8], at: &mut usize, [inputs, outputs]: [usize; 2]) -> Result<Self, RecordingError> {
-        let demand = demand_of(get_up_to(bytes, at, ("the demand of a step", u64::MAX, ""))?, inputs)?;
+        let demand = demand_of(get_up_to(bytes, at, "the demand of a step", u64::MAX, "")?, inputs)?;
         let all: u64 = (1 << outputs << 1) - 1;
         let (what, expected) = ("the set of outputs of a step", "outputs that the stage has");
-        let bits = get_up_to(bytes, at, (what, u64::MAX, expected))?;
+        let bits = get_up_to(bytes, at, what, u64::MAX, expected)?;
         let delivers = bits & !(BLOCKS | HAS_AFTER_DATA);
         if delivers > all {
             return Err(RecordingError::Value { what, value: delivers, expected });
         }
-        let occupancy = get_up_to(bytes, at, ("the occupancy of a step", LONGEST, "1 to 4294967295 cycles"))?;
+        let occupancy = get_up_to(bytes, at, "the occupancy of a step", LONGEST, "1 to 4294967295 cycles")?;
         if occupancy == 0 {
             let (what, expected) = ("the occupancy of a step", "1 to 4294967295 cycles");
             return Err(RecordingError::Value { what, value: 0, expected });
         }
-        let latency = get_up_to(bytes, at, ("the latency of a step", LONGEST, "at most 4294967295 cycles"))?;
+        let latency = get_up_to(bytes, at, "the latency of a step", LONGEST, "at most 4294967295 cycles")?;
         let after_data = if bits & HAS_AFTER_DATA == 0 {
             0
         } else {
-            get_up_to(bytes, at, ("the work after data of a step", LONGEST, "at most 4294967295 cycles"))? as u32
+            get_up_to(bytes, at, "the work after data of a step", LONGEST, "at most 4294967295 cycles")? as u32
         };
         let (outputs, marked, blocking) = ((delivers >> 1) as u32, delivers & 1 != 0, bits & BLOCKS != 0);
         let made = StepTiming { occupancy, latency, after_data, outputs, marked, blocking };
         let mut requests = || -> Result<Vec<Request>, RecordingError> {
-            let count = get_up_to(bytes, at, ("the number of requests of a step", MOST, "at most 1048576"))?;
+            let count = get_up_to(bytes, at, "the number of requests of a step", MOST, "at most 1048576")?;
             (0..count).map(|_| request(bytes, at)).collect()
         };
         let (requests, look_ups) = (requests()?, requests()?);
@@ -117,8 +117,8 @@ impl StepClass {
 }
 
 fn request(bytes: &[u8], at: &mut usize) -> Result<Request, RecordingError> {
-    let client = get_up_to(bytes, at, ("a client", 2 * MAX_LINKS as u64, "one of the stage's"))?;
-    let size = get_up_to(bytes, at, ("the size of a request", MOST, "at most 1048576 bytes"))?;
+    let client = get_up_to(bytes, at, "a client", 2 * MAX_LINKS as u64, "one of the stage's")?;
+    let size = get_up_to(bytes, at, "the size of a request", MOST, "at most 1048576 bytes")?;
     Ok(Request { client: (client >> 1) as u32, write: client & 1 != 0, address: 0, bytes: size as u32 })
 }
 
@@ -131,7 +131,7 @@ fn differ_in_address_only(class: &[Request], requests: &[Request]) -> bool {
 
 /// Returns the place of a step's class. Steps of one class always have the same place.
 #[inline]
-pub(super) fn slot_of(demand: Demand, made: &StepTiming, (requests, look_ups): (&[Request], &[Request])) -> u8 {
+pub(super) fn slot_of(demand: Demand, made: &StepTiming, asked: UnitRequests<'_>) -> u8 {
     let mut hash = code(demand);
     let mut mix = |value: u64| hash = (hash ^ value).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     mix(made.occupancy);
@@ -139,7 +139,7 @@ pub(super) fn slot_of(demand: Demand, made: &StepTiming, (requests, look_ups): (
     if made.blocking || made.after_data > 0 {
         mix(u64::from(made.after_data) << 1 | u64::from(made.blocking));
     }
-    for r in requests.iter().chain(look_ups) {
+    for r in asked.all() {
         mix(u64::from(r.bytes) << 8 | u64::from(r.client) << 1 | u64::from(r.write));
     }
     ((hash >> 32) % CLASSES as u64) as u8
@@ -176,7 +176,7 @@ mod tests {
     /// A step with one input and one output.
     fn class(after_data: u32, blocking: bool) -> StepClass {
         let made = StepTiming { occupancy: 3, latency: 200, after_data, outputs: 1, marked: true, blocking };
-        StepClass::of(Demand::All, made, (&[], &[]))
+        StepClass::of(Demand::All, made, UnitRequests { requests: &[], look_ups: &[] })
     }
 
     #[test]
@@ -197,7 +197,7 @@ mod tests {
             let mut at = 0;
             assert_eq!(StepClass::read(&bytes, &mut at, [1, 1]).as_ref(), Ok(&class));
             assert_eq!(at, bytes.len());
-            places.push(slot_of(class.demand, &class.timing, (&[], &[])));
+            places.push(slot_of(class.demand, &class.timing, UnitRequests { requests: &[], look_ups: &[] }));
         }
         places.dedup();
         assert_eq!(places.len(), 4, "other classes usually have other places");

@@ -5,6 +5,7 @@ use super::chunk::RecordingChunk;
 use super::step_class::{CLASSES, NEW, StepClass, slot_of};
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::netlist::Netlist;
+use crate::step_requests::UnitRequests;
 use crate::time::{FinalUnitState, StepTiming};
 use crate::{Demand, MemoryPorts, MemorySystem, Request};
 
@@ -73,7 +74,7 @@ impl StageStream {
             let address = line * u64::from(self.line_bytes[client as usize % MAX_CLIENTS]);
             self.look_ups.push(Request { client, write: false, address, bytes: 1 });
         }
-        let asks = (traffic.requests(), self.look_ups.as_slice());
+        let asks = UnitRequests { requests: traffic.requests(), look_ups: &self.look_ups };
         let place = slot_of(demand, made, asks);
         let class = &mut self.classes[usize::from(place)];
         if !class.as_ref().is_some_and(|class| class.contains(demand, made, asks)) {
@@ -84,7 +85,7 @@ impl StageStream {
         } else {
             self.bytes.push(place);
         }
-        for r in asks.0.iter().chain(asks.1) {
+        for r in asks.all() {
             let last = &mut self.last[r.client as usize % MAX_LINKS];
             put(&mut self.bytes, zigzag(r.address.wrapping_sub(*last)));
             *last = r.address;

@@ -1,5 +1,6 @@
 //! The wait of a unit for the answers of its blocking step (laws 3 and 9).
 
+use super::stage_clock::Wait;
 use crate::capacity::MAX_CLIENTS;
 use crate::{Cycle, StallCause};
 
@@ -54,20 +55,16 @@ impl BlockingWait {
     }
 
     /// Passes the cycles of an interval in which the unit waits to `charge`, by the first client whose answer is missing. Returns
-    /// the rest of the interval.
-    pub(crate) fn split(
-        &self,
-        (mut from, to): (Cycle, Cycle),
-        charge: &mut impl FnMut((StallCause, Cycle, Cycle)),
-    ) -> (Cycle, Cycle) {
+    /// the start of the rest of the interval.
+    pub(super) fn split(&self, mut from: Cycle, to: Cycle, charge: &mut impl FnMut(Wait)) -> Cycle {
         for client in self.order.iter() {
             let end = self.answers[client].min(to);
             if end > from {
-                charge((StallCause::Memory(client), from, end));
+                charge(Wait { cause: StallCause::Memory(client), from, to: end });
                 from = end;
             }
         }
-        (from, to)
+        from
     }
 
     /// Returns the client whose answer ended the wait at `at`.

@@ -94,12 +94,12 @@ impl MachineTiming {
         account.busy = busy - free.since(total);
         let mut held_by = None;
         if demand == Demand::Finished || (complete && *steps > 0) {
-            clock.block.split((*free, total), &mut |(cause, from, to)| account.charge(cause, to.since(from)));
+            clock.block.split(*free, total, &mut |wait| account.charge(wait.cause, wait.to.since(wait.from)));
             account.done += total.since(clock.released());
         } else {
-            self.split_wait(stage, demand, (*free, total), |(cause, from, to)| account.charge(cause, to.since(from)));
+            self.split_wait(stage, demand, *free..total, |wait| account.charge(wait.cause, wait.to.since(wait.from)));
             // A unit that was busy until the end waits for it, too.
-            self.split_wait(stage, demand, (*free, Cycle::UNKNOWN), |(cause, ..)| held_by = Some(cause));
+            self.split_wait(stage, demand, *free..Cycle::UNKNOWN, |wait| held_by = Some(wait.cause));
         }
         let StageInfo { names, .. } = &self.shape.stages[stage];
         let (name, inputs, outputs) = (names.name.clone(), names.inputs.clone(), names.outputs.clone());

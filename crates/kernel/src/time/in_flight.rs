@@ -4,7 +4,7 @@ use super::blocking_wait::ClientOrder;
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::memory_system::LookUpQueue;
 use crate::step_requests::{CacheLines, CacheLookUps, StepRequestsView};
-use crate::{Cycle, MemorySystem, Request};
+use crate::{Cycle, MemoryClients, MemorySystem, Request};
 use std::collections::VecDeque;
 
 /// A step's delivery, as far as it does not depend on memory.
@@ -62,10 +62,10 @@ impl InFlightStep {
 
     /// Takes in the answers to reads. Returns true if all answers are known.
     #[inline(always)]
-    fn is_answered(&mut self, ids: &[usize], system: &MemorySystem) -> bool {
-        for ((&client, reads), last) in ids.iter().zip(&mut self.reads).zip(&mut self.answers) {
+    fn is_answered(&mut self, clients: &MemoryClients<'_>) -> bool {
+        for ((&client, reads), last) in clients.ids.iter().zip(&mut self.reads).zip(&mut self.answers) {
             if let Some(number) = reads.checked_sub(1) {
-                let answer = system.answer(client, number);
+                let answer = clients.memories.answer(client, number);
                 if !answer.is_known() {
                     return false;
                 }
@@ -122,14 +122,14 @@ impl InFlightSteps {
         &mut self,
         flight: &mut InFlightStep,
         start: Cycle,
-        (ids, system): (&[usize], &mut MemorySystem),
+        clients: &mut MemoryClients<'_>,
         asks: StepRequestsView<'_>,
     ) -> IssuedRequests {
         let mut issued = IssuedRequests { least: 1, at_once: false, awaits: false, order: ClientOrder::default() };
         let mut waits = false;
         let is_blocking = flight.is_blocking();
         let requests = asks.look_ups(|look_ups, lines| {
-            let (cycles, waits_too) = self.look_up(flight, start, (ids, &mut *system), (look_ups, lines));
+            let (cycles, waits_too) = self.look_up(flight, start, clients, look_ups, lines);
             issued.least = issued.least.max(cycles);
             issued.awaits = true;
             waits |= waits_too;
@@ -137,7 +137,7 @@ impl InFlightSteps {
                 issued.order.mention(look_ups.client as usize);
             }
         });
-        waits |= issue_requests(flight, start, (ids, system), requests, &mut issued);
+        waits |= issue_requests(flight, start, clients, requests, &mut issued);
         issued.awaits |= waits;
         issued.at_once = !waits && self.steps.is_empty();
         issued
@@ -163,41 +163,43 @@ impl InFlightSteps {
         &mut self,
         flight: &mut InFlightStep,
         start: Cycle,
-        (ids, system): (&[usize], &mut MemorySystem),
-        look_up: (&CacheLookUps, CacheLines<'_>),
+        clients: &mut MemoryClients<'_>,
+        look_ups: &CacheLookUps,
+        lines: CacheLines<'_>,
     ) -> (u64, bool) {
-        let own = look_up.0.client as usize;
+        let own = look_ups.client as usize;
+        let (client, system) = (clients.ids[own], &mut *clients.memories);
         let queue = &mut self.look_ups[own];
-        let (pending, least) = system.look_up(ids[own], start, look_up, &mut queue.open);
+        let (pending, least) = system.look_up(client, start, look_ups, lines, &mut queue.open);
         let waits = pending.request > 0 || !queue.steps.is_empty();
         if waits {
             queue.steps.push_back(pending);
             flight.look_ups[own] += 1;
         } else {
-            flight.answers[own] = system.resolve_at_once(ids[own], &pending);
+            flight.answers[own] = system.resolve_at_once(client, &pending);
         }
         (least, waits)
     }
 
     /// Appends a step that waits. Adjacent steps without deliveries wait only to be counted, so they are merged.
-    pub(crate) fn push(&mut self, mut flight: InFlightStep, (ids, system): (&[usize], &mut MemorySystem)) {
+    pub(crate) fn push(&mut self, mut flight: InFlightStep, clients: &mut MemoryClients<'_>) {
         match self.steps.back_mut() {
             Some(last) if last.delivery.outputs | flight.delivery.outputs == 0 => {
-                for i in 0..ids.len() {
+                for i in 0..clients.ids.len() {
                     last.look_ups[i] += flight.look_ups[i];
                     last.reads[i] = last.reads[i].max(flight.reads[i]);
                 }
             }
             _ => {
-                for (served, &client) in flight.served.iter_mut().zip(ids) {
-                    *served = system.served(client);
+                for (served, &client) in flight.served.iter_mut().zip(clients.ids) {
+                    *served = clients.memories.served(client);
                 }
                 self.steps.push_back(flight);
             }
         }
         self.asked_at = None;
         if self.steps.len() == 1 {
-            self.keep_answers(ids, system);
+            self.keep_answers(clients.ids, clients.memories);
         }
     }
 
@@ -210,18 +212,18 @@ impl InFlightSteps {
     pub(crate) fn deliver_known(
         &mut self,
         outputs: u32,
-        (ids, system): (&[usize], &mut MemorySystem),
+        clients: &mut MemoryClients<'_>,
         mut deliver: impl FnMut(&InFlightStep, u32),
     ) -> bool {
-        let known = system.served_of(ids);
+        let known = clients.memories.served_of(clients.ids);
         if self.asked_at.replace(known) == Some(known) {
             return false;
         }
         let mut moved = false;
         let (mut taken, mut stuck) = (0, 0);
         for flight in &mut self.steps {
-            resolve(&mut self.look_ups, &mut stuck, flight, ids, system);
-            if flight.is_answered(ids, system) {
+            resolve(&mut self.look_ups, &mut stuck, flight, clients);
+            if flight.is_answered(clients) {
                 let free = flight.delivery.outputs & !taken;
                 deliver(flight, free);
                 moved |= free != 0;
@@ -236,11 +238,11 @@ impl InFlightSteps {
             }
         }
         let before = self.steps.len();
-        while self.steps.front_mut().is_some_and(|f| f.delivery.outputs == 0 && f.is_answered(ids, system)) {
+        while self.steps.front_mut().is_some_and(|f| f.delivery.outputs == 0 && f.is_answered(clients)) {
             self.steps.pop_front();
         }
         if self.steps.len() < before {
-            self.keep_answers(ids, system);
+            self.keep_answers(clients.ids, clients.memories);
         }
         moved
     }
@@ -258,9 +260,9 @@ impl InFlightSteps {
     }
 
     /// Tells the memories which answers the oldest step in flight, and so any step, may still need.
-    fn keep_answers(&self, ids: &[usize], system: &mut MemorySystem) {
+    fn keep_answers(&self, ids: &[usize], memories: &mut MemorySystem) {
         for (i, &client) in ids.iter().enumerate() {
-            system.keep_from(client, self.steps.front().map_or(u64::MAX, |flight| flight.served[i]));
+            memories.keep_from(client, self.steps.front().map_or(u64::MAX, |flight| flight.served[i]));
         }
     }
 }
@@ -270,13 +272,13 @@ impl InFlightSteps {
 fn issue_requests(
     flight: &mut InFlightStep,
     start: Cycle,
-    (ids, system): (&[usize], &mut MemorySystem),
+    clients: &mut MemoryClients<'_>,
     requests: &[Request],
     issued: &mut IssuedRequests,
 ) -> bool {
     let mut waits = false;
     for r in requests {
-        let (number, arrival) = system.issue(ids[r.client as usize], start, r);
+        let (number, arrival) = clients.memories.issue(clients.ids[r.client as usize], start, r);
         issued.least = issued.least.max(arrival.since(start) + 1);
         if !r.write {
             flight.reads[r.client as usize] = number + 1;
@@ -291,17 +293,11 @@ fn issue_requests(
 
 /// Takes in the answers to a step's look-ups, unless an earlier step on the same client is `stuck` (one bit each).
 #[inline]
-fn resolve(
-    queues: &mut [LookUpQueue; MAX_CLIENTS],
-    stuck: &mut u32,
-    flight: &mut InFlightStep,
-    ids: &[usize],
-    system: &mut MemorySystem,
-) {
-    for (i, (queue, &client)) in queues.iter_mut().zip(ids).enumerate() {
+fn resolve(queues: &mut [LookUpQueue; MAX_CLIENTS], stuck: &mut u32, flight: &mut InFlightStep, clients: &mut MemoryClients<'_>) {
+    for (i, (queue, &client)) in queues.iter_mut().zip(clients.ids).enumerate() {
         let left = &mut flight.look_ups[i];
         if *left > 0 && *stuck & 1 << i == 0 {
-            system.resolve(client, queue, left, &mut flight.answers[i]);
+            clients.memories.resolve(client, queue, left, &mut flight.answers[i]);
             *stuck |= u32::from(*left > 0) << i;
         }
     }

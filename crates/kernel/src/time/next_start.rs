@@ -4,20 +4,21 @@ use super::port_ids::ConnectedFifos;
 use super::stage_clock::{CreditNeed, Wait};
 use super::{AnyArity, InputMask, MachineTiming, StageArity, StageClock};
 use crate::{Cycle, Demand, MemorySystem, StallCause};
+use std::ops::Range;
 
 impl MachineTiming {
     /// See [`StageClock::next_start`].
     pub(crate) fn next_start(&self, stage: usize, demand: Demand) -> Cycle {
         let clock = &self.stages[stage];
         let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
-        clock.next_start::<AnyArity>((&inputs, &outputs), &self.memories, clock.inputs_of(demand))
+        clock.next_start::<AnyArity>(&inputs, &outputs, &self.memories, clock.inputs_of(demand))
     }
 
     /// Splits the wait of a stage into its causes (law 9), in order, and passes each to `charge`.
-    pub(crate) fn split_wait(&self, stage: usize, demand: Demand, between: (Cycle, Cycle), charge: impl FnMut(Wait)) {
+    pub(crate) fn split_wait(&self, stage: usize, demand: Demand, interval: Range<Cycle>, charge: impl FnMut(Wait)) {
         let clock = &self.stages[stage];
         let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
-        clock.split_wait::<AnyArity>((&inputs, &outputs), &self.memories, clock.inputs_of(demand), between, charge);
+        clock.split_wait::<AnyArity>(&inputs, &outputs, &self.memories, clock.inputs_of(demand), interval, charge);
     }
 }
 
@@ -27,7 +28,8 @@ impl StageClock {
     #[inline(always)]
     pub(super) fn next_start<K: StageArity>(
         &self,
-        (inputs, outputs): (&ConnectedFifos<'_>, &ConnectedFifos<'_>),
+        inputs: &ConnectedFifos<'_>,
+        outputs: &ConnectedFifos<'_>,
         memories: &MemorySystem,
         takes: InputMask,
     ) -> Cycle {
@@ -56,15 +58,15 @@ impl StageClock {
     #[inline(always)]
     pub(super) fn split_wait<K: StageArity>(
         &self,
-        (inputs, outputs): (&ConnectedFifos<'_>, &ConnectedFifos<'_>),
+        inputs: &ConnectedFifos<'_>,
+        outputs: &ConnectedFifos<'_>,
         memories: &MemorySystem,
         takes: InputMask,
-        (from, to): (Cycle, Cycle),
+        Range { start, end }: Range<Cycle>,
         mut charge: impl FnMut(Wait),
     ) {
-        let (from, to) =
-            if K::HAS_MEMORY && self.block.until > from { self.block.split((from, to), &mut charge) } else { (from, to) };
-        let mut wait = WaitSplitter { at: from, to, charge };
+        let at = if K::HAS_MEMORY && self.block.until > start { self.block.split(start, end, &mut charge) } else { start };
+        let mut wait = WaitSplitter { at, to: end, charge };
         inputs.each(takes.inputs(), K::INPUTS, |i, fifo| wait.until(StallCause::Starved(i), fifo.front_visible()));
         if wait.is_over() {
             return;
@@ -103,7 +105,7 @@ impl<F: FnMut(Wait)> WaitSplitter<F> {
     fn until(&mut self, cause: StallCause, end: Cycle) {
         let end = end.min(self.to);
         if end > self.at {
-            (self.charge)((cause, self.at, end));
+            (self.charge)(Wait { cause, from: self.at, to: end });
             self.at = end;
         }
     }

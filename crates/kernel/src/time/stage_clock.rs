@@ -10,8 +10,14 @@ use crate::netlist::StageInfo;
 use crate::probe::Probe;
 use crate::{Cycle, Demand, MemorySystem};
 
-/// A wait: its cause, its first cycle, and the cycle after its last.
-pub(crate) type Wait = (StallCause, Cycle, Cycle);
+/// A wait of a stage.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wait {
+    pub(crate) cause: StallCause,
+    /// Its first cycle, and the cycle after its last.
+    pub(crate) from: Cycle,
+    pub(crate) to: Cycle,
+}
 
 /// The number of a step, and the cycles of its answers by memory client.
 pub(super) type StepAnswers = (u64, [Cycle; MAX_CLIENTS]);
@@ -141,7 +147,7 @@ impl StageClock {
 
 /// Charges a wait of stage `stage` to its account and reports it to the probe.
 #[inline]
-pub(crate) fn charge<P: Probe>(account: &mut CycleAccount, probe: &mut P, stage: usize, (cause, from, to): Wait) {
+pub(crate) fn charge<P: Probe>(account: &mut CycleAccount, probe: &mut P, stage: usize, Wait { cause, from, to }: Wait) {
     account.charge(cause, to.since(from));
     if P::is_on() {
         probe.on_stall(stage, cause, from, to);

@@ -7,7 +7,7 @@ use super::port_ids::{ConnectedFifos, PortIds};
 use super::stage_clock::StepAnswers;
 use super::{FifoTiming, InputMask, StageArity, StageClock, StepTiming, charge};
 use crate::step_requests::StepRequestsView;
-use crate::{Cycle, CycleAccount, MemoryPorts, MemorySystem, Probe};
+use crate::{Cycle, CycleAccount, MemoryClients, MemoryPorts, MemorySystem, Probe};
 
 /// A stage with mutable timing state.
 pub(crate) struct StageVisit<'a> {
@@ -51,21 +51,22 @@ impl StageVisit<'_> {
     /// further step.
     #[inline(always)]
     pub(crate) fn next_start<K: StageArity>(&self, takes: InputMask) -> Cycle {
-        self.clock.next_start::<K>((&self.inputs, &self.outputs), self.memories, takes)
+        self.clock.next_start::<K>(&self.inputs, &self.outputs, self.memories, takes)
     }
 
     /// Charges the wait from the end of its last step to the start of the next, at `at`.
     #[inline(always)]
     pub(crate) fn charge_wait<K: StageArity, P: Probe>(&mut self, takes: InputMask, at: Cycle, probe: &mut P) {
         let Self { stage, clock, account, memories, inputs, outputs, .. } = self;
-        let between = (clock.free, at);
-        clock.split_wait::<K>((inputs, outputs), memories, takes, between, |wait| charge(account, probe, *stage, wait));
+        let interval = clock.free..at;
+        clock.split_wait::<K>(inputs, outputs, memories, takes, interval, |wait| charge(account, probe, *stage, wait));
     }
 
     /// Returns the memory requests of a step: see [`MemoryPorts::settle`].
     #[inline(always)]
     pub(crate) fn settle<'t>(&mut self, traffic: &'t mut MemoryPorts) -> Option<StepRequestsView<'t>> {
-        traffic.settle((&self.clock.clients, self.memories), &self.clock.needs.credits)
+        let StageClock { clients, needs, .. } = &*self.clock;
+        traffic.settle(&mut MemoryClients { ids: clients, memories: self.memories }, &needs.credits)
     }
 
     /// Makes a step without requests that starts at `at`: updates the times of its FIFOs. Its delivery is known.
@@ -74,7 +75,8 @@ impl StageVisit<'_> {
         let (occupancy, latency) = self.take_and_reserve::<K>(at, takes, made);
         if K::HAS_MEMORY && !self.clock.flights.is_empty() {
             let delivery = Delivery { base: at.after(latency), after_data: 0, outputs: outputs_and_mark(made) };
-            self.clock.flights.push(InFlightStep::new(self.clock.steps, delivery), (&self.clock.clients, self.memories));
+            let clients = &mut MemoryClients { ids: &self.clock.clients, memories: self.memories };
+            self.clock.flights.push(InFlightStep::new(self.clock.steps, delivery), clients);
             return self.occupy(at, occupancy);
         }
         self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.deliver(at.after(latency)));
@@ -94,10 +96,10 @@ impl StageVisit<'_> {
         made: &StepTiming,
         asks: Option<StepRequestsView<'_>>,
     ) {
-        let kept = self.take_and_reserve::<K>(at, takes, made);
+        let (occupancy, latency) = self.take_and_reserve::<K>(at, takes, made);
         match asks {
-            Some(asks) => self.step_asking_on(at, kept, made, asks),
-            None => self.occupy(at, kept.0),
+            Some(asks) => self.step_asking_on(at, occupancy, latency, made, asks),
+            None => self.occupy(at, occupancy),
         }
     }
 
@@ -113,11 +115,11 @@ impl StageVisit<'_> {
     }
 
     #[inline(always)]
-    fn step_asking_on(&mut self, at: Cycle, (occupancy, latency): (u64, u64), made: &StepTiming, asks: StepRequestsView<'_>) {
+    fn step_asking_on(&mut self, at: Cycle, occupancy: u64, latency: u64, made: &StepTiming, asks: StepRequestsView<'_>) {
         let blocking = if made.blocking { BLOCKING } else { 0 };
         let outputs = outputs_and_mark(made) | blocking;
         let delivery = Delivery { base: at.after(latency), after_data: made.after_data, outputs };
-        let least = issue_step(self.clock, self.fifos, self.memories, (at, delivery), asks);
+        let least = issue_step(self.clock, self.fifos, self.memories, at, delivery, asks);
         self.occupy(at, occupancy.max(least));
     }
 
@@ -196,12 +198,14 @@ fn issue_step(
     clock: &mut StageClock,
     fifos: &[FifoTiming],
     memories: &mut MemorySystem,
-    (start, delivery): (Cycle, Delivery),
+    start: Cycle,
+    delivery: Delivery,
     asks: StepRequestsView<'_>,
 ) -> u64 {
     let StageClock { flights, clients, needs, steps, .. } = clock;
     let mut flight = InFlightStep::new(*steps, delivery);
-    let issued = flights.issue(&mut flight, start, (clients, memories), asks);
+    let clients = &mut MemoryClients { ids: clients, memories };
+    let issued = flights.issue(&mut flight, start, clients, asks);
     needs.asked = true;
     if !issued.awaits {
         flight.delivery.after_data = 0;
@@ -211,9 +215,9 @@ fn issue_step(
     }
     if issued.at_once {
         let StageClock { marks, outputs, block, answers, .. } = clock;
-        deliver_answered((marks, block, answers), *outputs, &flight, flight.delivery.outputs, fifos);
+        deliver_answered(marks, block, answers, *outputs, &flight, flight.delivery.outputs, fifos);
     } else {
-        clock.flights.push(flight, (&clock.clients, memories));
+        flights.push(flight, clients);
     }
     issued.least
 }
@@ -222,8 +226,8 @@ fn deliver_known(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut Me
     let StageClock { flights, marks, clients, outputs, block, answers, again, .. } = clock;
     let is_blocked = !block.until.is_known();
     let all = outputs.all() | if is_blocked { BLOCKING } else { 0 };
-    let moved = flights.deliver_known(all, (clients, memories), |flight, to| {
-        deliver_answered((marks, block, answers), *outputs, flight, to, fifos);
+    let moved = flights.deliver_known(all, &mut MemoryClients { ids: clients, memories }, |flight, to| {
+        deliver_answered(marks, block, answers, *outputs, flight, to, fifos);
     });
     *again |= is_blocked && block.until.is_known();
     moved
@@ -231,7 +235,9 @@ fn deliver_known(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut Me
 
 /// Delivers an answered step to these outputs.
 fn deliver_answered(
-    (marks, block, answers): (&mut Vec<Cycle>, &mut BlockingWait, &mut Option<Vec<StepAnswers>>),
+    marks: &mut Vec<Cycle>,
+    block: &mut BlockingWait,
+    answers: &mut Option<Vec<StepAnswers>>,
     outputs: PortIds,
     flight: &InFlightStep,
     to: u32,
