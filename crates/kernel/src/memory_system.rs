@@ -6,7 +6,6 @@ use crate::memory::{Memory, MemoryRequest};
 use crate::memory_events::{EventBounds, Gauge};
 use crate::periodic::{FlipTiming, PeriodicClient, PeriodicControl, PeriodicReads};
 use crate::port::{Completion, Port};
-use crate::step_requests::TagLookup;
 use crate::{CacheConfig, Cycle, MemoryConfig, MemoryEvent, Probe, Request};
 pub(crate) use look_ups::LookUpQueue;
 
@@ -406,17 +405,6 @@ fn serve_promised(memory: &mut Memory, clients: &mut [Client]) -> bool {
     }
     let none_before = memory.ports.iter().map(|&p| clients[p].port.none_before).min();
     memory.serve(clients, none_before.unwrap_or_default())
-}
-
-impl TagLookup for (&[usize], &mut MemorySystem) {
-    #[inline(always)]
-    fn clients(&self) -> usize {
-        self.0.len()
-    }
-    #[inline(always)]
-    fn tags(&mut self, client: usize) -> Option<(&mut CacheTagArray, u64)> {
-        self.1.tags(self.0[client])
-    }
 }
 
 mod look_ups;

@@ -28,19 +28,26 @@ pub(super) struct ActiveRecording<'a> {
     pub(super) keep: &'a mut dyn FnMut(RecordingChunk),
 }
 
+impl ActiveRecording<'_> {
+    /// Passes on a chunk of the recording, if there is enough for one.
+    pub(super) fn keep_chunk(recording: &mut Option<Self>, unit_states: impl FnOnce() -> Vec<FinalUnitState>) {
+        if let Some(Self { writer, keep }) = recording
+            && writer.is_full()
+        {
+            keep(writer.finish_chunk(unit_states(), false));
+        }
+    }
+}
+
 /// Between rounds: passes on a finished chunk of the recording and calls `progress` with the machine. The engine owns the
 /// memories during a run, so they are swapped in for the call.
 pub(super) fn report_progress<M: Machine>(
     machine: &mut M,
     time: &mut MachineTiming,
-    (writer, keep): (&mut Option<&mut RecordingWriter>, &mut Option<&mut dyn FnMut(RecordingChunk)>),
+    recording: &mut Option<ActiveRecording<'_>>,
     progress: &mut dyn FnMut(&mut M) -> bool,
 ) -> bool {
-    if let (Some(writer), Some(keep)) = (writer, keep)
-        && writer.is_full()
-    {
-        keep(writer.finish_chunk(unit_states(machine), false));
-    }
+    ActiveRecording::keep_chunk(recording, || unit_states(machine));
     std::mem::swap(machine.memories(), &mut time.memories);
     let goes_on = progress(machine);
     std::mem::swap(machine.memories(), &mut time.memories);

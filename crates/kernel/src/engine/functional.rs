@@ -98,7 +98,9 @@ pub(super) fn run<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) 
 pub(super) fn run_to<M: Machine>(
     machine: &mut M,
     progress: &mut dyn FnMut(&mut M) -> bool,
-    (steps, nothing, hand_on): (usize, Vec<StageSteps>, &mut dyn FnMut(StepBatch)),
+    steps: usize,
+    nothing: Vec<StageSteps>,
+    hand_on: &mut dyn FnMut(StepBatch),
 ) {
     let mut walk = FunctionalWalk::new(MemoryPorts::default(), Some(nothing), steps);
     let stopped = walk_on(machine, &mut walk, progress, &mut |walk, machine| {

@@ -41,22 +41,22 @@ pub fn run<M: Machine>(machine: &mut M, engine: Engine) -> RunReport {
 
 /// Runs `machine` under a probe, within limits.
 pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P, limits: RunLimits<'_, M>) -> RunReport {
-    run_on(machine, probe, |machine, time, probe| run_engine(machine, engine, (time, probe), limits, None))
+    run_on(machine, probe, |machine, time, probe| run_engine(machine, engine, time, probe, limits, None))
 }
 
-/// As [`run_with`], and passes the run's [recording](crate::recording) to `keep` in chunks of about `reel_bytes`. There is no
+/// As [`run_with`], and passes the run's [recording](crate::recording) to `keep` in chunks of about `chunk_bytes`. There is no
 /// last chunk if the run is stopped or a unit cannot continue.
 pub fn run_recorded<M: Machine, P: Probe>(
     machine: &mut M,
     engine: Engine,
     probe: &mut P,
     limits: RunLimits<'_, M>,
-    (reel_bytes, keep): (usize, &mut dyn FnMut(RecordingChunk)),
+    (chunk_bytes, keep): (usize, &mut dyn FnMut(RecordingChunk)),
 ) -> RunReport {
     run_on(machine, probe, |machine, time, probe| {
-        let mut writer = RecordingWriter::new(&time.shape, &time.memories, reel_bytes);
+        let mut writer = RecordingWriter::new(&time.shape, &time.memories, chunk_bytes);
         let recording = Some(ActiveRecording { writer: &mut writer, keep: &mut *keep });
-        let halt = run_engine(machine, engine, (time, probe), limits, recording);
+        let halt = run_engine(machine, engine, time, probe, limits, recording);
         if matches!(halt, StopReason::Quiet | StopReason::Limit(_)) {
             keep(writer.finish_chunk(unit_states(machine), true));
         }
@@ -64,12 +64,13 @@ pub fn run_recorded<M: Machine, P: Probe>(
     })
 }
 
-fn run_engine<M: Machine, P: Probe>(
+fn run_engine<'a, M: Machine, P: Probe>(
     machine: &mut M,
     engine: Engine,
-    (time, probe): (&mut MachineTiming, &mut P),
+    time: &'a mut MachineTiming,
+    probe: &'a mut P,
     limits: RunLimits<'_, M>,
-    recording: Option<ActiveRecording<'_>>,
+    recording: Option<ActiveRecording<'a>>,
 ) -> StopReason {
     match engine {
         Engine::Timed => timed::run(machine, time, probe, limits, recording),

@@ -26,7 +26,7 @@ pub fn make_steps<M: Machine>(
     (steps, hand_on): (usize, &mut dyn FnMut(StepBatch)),
 ) -> Result<(), WiringError> {
     let stages = Netlist::of(machine)?.stages.len();
-    run_to(machine, progress, (steps, vec![StageSteps::default(); stages], hand_on));
+    run_to(machine, progress, steps, vec![StageSteps::default(); stages], hand_on);
     Ok(())
 }
 
@@ -42,8 +42,8 @@ pub fn time_steps(
     let inputs = time.shape.stages.iter().map(|stage| stage.inputs.len());
     let mut queues: Vec<BatchedSteps> = inputs.map(BatchedSteps::new).collect();
     let mut recording = keep.map(|(bytes, keep)| (RecordingWriter::new(&time.shape, &time.memories, bytes), keep));
-    let writer = recording.as_mut().map(|(writer, keep)| ActiveRecording { writer, keep: &mut **keep });
-    let halt = compute_times(&mut time, &mut queues, batches, writer);
+    let active = recording.as_mut().map(|(writer, keep)| ActiveRecording { writer, keep: &mut **keep });
+    let halt = compute_times(&mut time, &mut NoProbe, &mut queues, batches, active);
     time.land_all();
     let unit_states = queue_states(&queues);
     if let (Some((mut writer, keep)), StopReason::Quiet) = (recording, &halt) {
@@ -52,25 +52,20 @@ pub fn time_steps(
     time.finalize(&unit_states, halt)
 }
 
-fn compute_times(
-    time: &mut MachineTiming,
+fn compute_times<'a>(
+    time: &'a mut MachineTiming,
+    probe: &'a mut NoProbe,
     queues: &mut [BatchedSteps],
     batches: &mut dyn FnMut() -> Option<StepBatch>,
-    writer: Option<ActiveRecording<'_>>,
+    recording: Option<ActiveRecording<'a>>,
 ) -> StopReason {
     let mut stopped = feed(queues, batches).unwrap_or(true);
-    let (writer, mut keep) = writer.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
-    let mut probe = NoProbe;
-    let mut walk = RunAhead::new(time, &mut probe, u64::MAX, writer);
+    let mut walk = RunAhead::new(time, probe, u64::MAX, recording);
     let after_round = |walk: &mut RunAhead<'_, NoProbe>, queues: &mut [BatchedSteps]| {
         if let Some(fault) = walk.fault.take() {
             return Err(StopReason::Fault(fault));
         }
-        if let (Some(writer), Some(keep)) = (&mut walk.writer, &mut keep)
-            && writer.is_full()
-        {
-            keep(writer.finish_chunk(queue_states(queues), false));
-        }
+        ActiveRecording::keep_chunk(&mut walk.recording, || queue_states(queues));
         Ok(())
     };
     let ended = run_stored_steps(&mut walk, queues, after_round, |_, queues| {
@@ -176,7 +171,7 @@ impl StepSource for BatchedSteps {
     }
 
     #[inline(always)]
-    fn write(&self, writer: &mut RecordingWriter, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts) {
+    fn write(&self, writer: &mut RecordingWriter, number: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
         writer.step(number, demand, made, traffic);
     }
 }

@@ -40,7 +40,8 @@ pub(crate) trait StepSource {
     fn report_step<P: Probe>(
         &self,
         number: usize,
-        (declared, made): (Self::Declared, &StepTiming),
+        declared: Self::Declared,
+        made: &StepTiming,
         traffic: &MemoryPorts,
         probe: &mut P,
     ) {
@@ -51,7 +52,8 @@ pub(crate) trait StepSource {
         &self,
         writer: &mut RecordingWriter,
         number: usize,
-        (declared, made): (Self::Declared, &StepTiming),
+        declared: Self::Declared,
+        made: &StepTiming,
         traffic: &MemoryPorts,
     ) {
         _ = (writer, number, declared, made, traffic);
@@ -108,7 +110,7 @@ where
     }
 
     #[inline(always)]
-    fn report_step<P: Probe>(&self, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts, probe: &mut P) {
+    fn report_step<P: Probe>(&self, number: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts, probe: &mut P) {
         if P::is_on() && probe.reads_labels() {
             let Connections { inputs, outputs, .. } = &self.connections;
             let given = (0..outputs.count()).filter(|i| made.outputs >> i & 1 == 1).map(|i| (i, outputs.last_label(i)));
@@ -125,7 +127,7 @@ where
     }
 
     #[inline(always)]
-    fn write(&self, writer: &mut RecordingWriter, number: usize, (demand, made): (Demand, &StepTiming), traffic: &MemoryPorts) {
+    fn write(&self, writer: &mut RecordingWriter, number: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
         writer.step(number, demand, made, traffic);
     }
 }

@@ -13,7 +13,6 @@ use super::context::{ActiveRecording, RunLimits, fault_of, report_progress};
 use super::step_source::{StepSource, UnitSteps};
 use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
-use crate::recording::RecordingWriter;
 use crate::time::{AnyArity, FifoTiming, MachineTiming, StopReason, Wait, charge};
 use crate::{Cycle, Demand, MemoryPorts, Probe, Unit};
 
@@ -29,7 +28,7 @@ struct TickedCycle<'a, SomeProbe> {
     /// Waits of each stage since its last step.
     waits: Vec<Vec<Wait>>,
     /// The recording, if one is made.
-    recording: Option<&'a mut RecordingWriter>,
+    recording: Option<ActiveRecording<'a>>,
 }
 
 impl<SomeProbe: Probe> TickedCycle<'_, SomeProbe> {
@@ -40,12 +39,12 @@ impl<SomeProbe: Probe> TickedCycle<'_, SomeProbe> {
         }
         let takes = self.time.stages[number].inputs_of(demand);
         let made = work.step(demand, &mut self.traffic);
-        work.report_step(number, (demand, &made), &self.traffic, self.probe);
+        work.report_step(number, demand, &made, &self.traffic, self.probe);
         let (mut visit, _) = self.time.visit::<AnyArity>(number);
         let asks = work.requests(&mut self.traffic, &mut visit);
         visit.step_asking::<AnyArity>(self.now, takes, &made, asks);
-        if let Some(writer) = &mut self.recording {
-            work.write(writer, number, (demand, &made), &self.traffic);
+        if let Some(recording) = &mut self.recording {
+            work.write(recording.writer, number, demand, &made, &self.traffic);
         }
         work.go_on(&mut self.traffic);
         self.fired = true;
@@ -113,19 +112,17 @@ impl Visitor for AnyStart<'_> {
     }
 }
 
-pub(super) fn run<M: Machine, P: Probe>(
+pub(super) fn run<'a, M: Machine, P: Probe>(
     machine: &mut M,
-    time: &mut MachineTiming,
-    probe: &mut P,
+    time: &'a mut MachineTiming,
+    probe: &'a mut P,
     limits: RunLimits<'_, M>,
-    recording: Option<ActiveRecording<'_>>,
+    recording: Option<ActiveRecording<'a>>,
 ) -> StopReason {
-    let (writer, mut keep) = recording.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
     time.memories.share_all();
     time.limit = Cycle(limits.max_cycles);
     let (traffic, waits) = (MemoryPorts::default(), vec![Vec::new(); time.stages.len()]);
-    let mut tick =
-        TickedCycle { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits, recording: writer };
+    let mut tick = TickedCycle { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits, recording };
     loop {
         if tick.now.0 >= limits.max_cycles {
             // No request is still to come.
@@ -164,7 +161,7 @@ pub(super) fn run<M: Machine, P: Probe>(
         if tick.now.0 <= tick.time.known_total() {
             tick.time.show_fills(tick.probe, None);
         }
-        if !report_progress(machine, tick.time, (&mut tick.recording, &mut keep), limits.progress) {
+        if !report_progress(machine, tick.time, &mut tick.recording, limits.progress) {
             return StopReason::Stopped;
         }
     }

@@ -58,7 +58,6 @@ use super::context::{ActiveRecording, RunLimits, fault_of, report_progress};
 use super::step_source::{StepSource, UnitSteps};
 use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
-use crate::recording::RecordingWriter;
 use crate::time::{InputMask, MachineTiming, PathTracer, StageArity, StopReason};
 use crate::{Cycle, MemoryPorts, Probe};
 
@@ -78,7 +77,7 @@ pub(super) struct RunAhead<'a, SomeProbe> {
     promises: bool,
     accounts_for: bool,
     /// The recording, if one is made.
-    pub(super) writer: Option<&'a mut RecordingWriter>,
+    pub(super) recording: Option<ActiveRecording<'a>>,
     /// The wait of every step, if the critical path is wanted.
     pub(super) path: Option<PathTracer>,
 }
@@ -88,7 +87,7 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
         time: &'a mut MachineTiming,
         probe: &'a mut SomeProbe,
         max_cycles: u64,
-        writer: Option<&'a mut RecordingWriter>,
+        recording: Option<ActiveRecording<'a>>,
     ) -> Self {
         time.limit = Cycle(max_cycles);
         let (promises, accounts_for) = (time.memories.has_any(), time.accounts_for);
@@ -106,7 +105,7 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
             needs_more_steps,
             promises,
             accounts_for,
-            writer,
+            recording,
             path: None,
         }
     }
@@ -127,7 +126,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Executes all steps of a stage whose starts are known.
     #[inline(always)]
     fn fire_known<K: StageArity, W: StepSource>(&mut self, number: usize, work: &mut W) -> InputMask {
-        let Self { time, probe, traffic, writer, path, accounts_for, .. } = self;
+        let Self { time, probe, traffic, recording, path, accounts_for, .. } = self;
         let (mut visit, shape) = time.visit::<K>(number);
         loop {
             let (declared, takes) = work.next();
@@ -146,7 +145,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 visit.charge_wait::<K, _>(takes, at, *probe);
             }
             let made = work.step(declared, traffic);
-            work.report_step(number, (declared, &made), traffic, probe);
+            work.report_step(number, declared, &made, traffic, probe);
             if let Some(path) = path {
                 path.step(&visit.view(), (at, takes), &{ made });
             }
@@ -156,8 +155,8 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 let asks = work.requests(traffic, &mut visit);
                 visit.step_asking::<K>(at, takes, &made, asks);
             }
-            if let Some(writer) = writer {
-                work.write(writer, number, (declared, &made), traffic);
+            if let Some(recording) = recording {
+                work.write(recording.writer, number, declared, &made, traffic);
             }
             work.go_on(traffic);
             self.moved = true;
@@ -216,15 +215,14 @@ impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
     }
 }
 
-pub(super) fn run<M: Machine, P: Probe>(
+pub(super) fn run<'a, M: Machine, P: Probe>(
     machine: &mut M,
-    time: &mut MachineTiming,
-    probe: &mut P,
+    time: &'a mut MachineTiming,
+    probe: &'a mut P,
     limits: RunLimits<'_, M>,
-    recording: Option<ActiveRecording<'_>>,
+    recording: Option<ActiveRecording<'a>>,
 ) -> StopReason {
-    let (writer, mut keep) = recording.map(|ActiveRecording { writer, keep }| (writer, keep)).unzip();
-    let mut walk = RunAhead::new(time, probe, limits.max_cycles, writer);
+    let mut walk = RunAhead::new(time, probe, limits.max_cycles, recording);
     for round in 1_u64.. {
         walk.begin();
         machine.wire(&mut walk);
@@ -236,7 +234,7 @@ pub(super) fn run<M: Machine, P: Probe>(
         }
         walk.time.show_fills(walk.probe, None);
         if (round.is_multiple_of(16) || machine.has_news())
-            && !report_progress(machine, walk.time, (&mut walk.writer, &mut keep), limits.progress)
+            && !report_progress(machine, walk.time, &mut walk.recording, limits.progress)
         {
             return StopReason::Stopped;
         }

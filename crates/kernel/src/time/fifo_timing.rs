@@ -316,7 +316,7 @@ impl FifoTiming {
     /// [grown](FifoTiming::grow).
     #[inline(never)]
     fn settle(&self) {
-        self.occupancy.borrow_mut().settle(&self.ring, (self.pushed.get(), self.popped.get()));
+        self.occupancy.borrow_mut().settle(&self.ring, self.pushed.get(), self.popped.get());
         if self.slots_back == 0 && self.pushed.get() + SWEEP >= self.ring.len() {
             self.must_grow.set(true);
             self.room.set(Cycle::UNKNOWN);
@@ -386,7 +386,7 @@ impl FifoTiming {
 
     /// Settles a run of `total` cycles and returns the histogram: `histogram[k]` cycles with k slots held (law 10).
     pub(crate) fn finish(&self, total: u64) -> Vec<u64> {
-        self.occupancy.borrow_mut().finish(&self.ring, (self.pushed.get(), self.popped.get()), Cycle(total))
+        self.occupancy.borrow_mut().finish(&self.ring, self.pushed.get(), self.popped.get(), Cycle(total))
     }
 
     /// Counts the slots in use in cycle `now`, after the actions of that cycle: law 10 taken literally.

@@ -82,23 +82,23 @@ impl OccupancyHistogram {
         self.settled_to = self.settled_to.max(to);
     }
 
-    /// Settles all events that can be settled. `ends`: numbers of pushed and popped tokens.
-    pub(crate) fn settle(&mut self, ring: &[TokenTimes], ends: (usize, usize)) {
+    /// Settles all events that can be settled. `pushed`, `popped`: numbers of tokens.
+    pub(crate) fn settle(&mut self, ring: &[TokenTimes], pushed: usize, popped: usize) {
         if self.counted.is_some() || self.is_off {
             return;
         }
         match self.fills.take() {
             // A separate case: checking for a probe at each event costs a tenth of a bare chain.
-            None => self.merge(ring, ends, |_, _| ()),
+            None => self.merge(ring, pushed, popped, |_, _| ()),
             Some(mut fills) => {
-                self.merge(ring, ends, |at, held| fills.hold(at, held));
+                self.merge(ring, pushed, popped, |at, held| fills.hold(at, held));
                 self.fills = Some(fills);
             }
         }
     }
 
     #[inline(always)]
-    fn merge(&mut self, ring: &[TokenTimes], (pushed, popped): (usize, usize), mut hold: impl FnMut(Cycle, usize)) {
+    fn merge(&mut self, ring: &[TokenTimes], pushed: usize, popped: usize, mut hold: impl FnMut(Cycle, usize)) {
         let mask = ring.len() - 1;
         let (mut push, mut pop, mut held, mut now) = (self.push, self.pop, self.held, self.settled_to);
         let mut change = |to: Cycle, by: isize| {
@@ -129,7 +129,7 @@ impl OccupancyHistogram {
     }
 
     /// Settles the rest of a run of `total` cycles.
-    pub(crate) fn finish(&mut self, ring: &[TokenTimes], (pushed, popped): (usize, usize), total: Cycle) -> Vec<u64> {
+    pub(crate) fn finish(&mut self, ring: &[TokenTimes], pushed: usize, popped: usize, total: Cycle) -> Vec<u64> {
         if let Some((held, last)) = self.counted {
             // The ticked engine detects the end of a run one cycle late.
             self.histogram[held] -= (last + 1).since(total);
@@ -138,7 +138,7 @@ impl OccupancyHistogram {
         if self.is_off {
             return vec![];
         }
-        self.settle(ring, (pushed, popped));
+        self.settle(ring, pushed, popped);
         let token = |number: usize| &ring[number & (ring.len() - 1)];
         for push in self.push..pushed {
             let at = token(push).reserved.get();
