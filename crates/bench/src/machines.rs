@@ -16,19 +16,16 @@ use crate::stopwatch::{UnitTime, unit_times};
 use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{
-    Engine, Machine, Netlist, NoProbe, Outcome, PathMemory, Probe, Recording, RunLimits, RunReport, resimulate, run_functional,
-    run_recorded, run_with,
-};
-use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
-use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
-use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
-use basrelief_machines::{ConfigProblem, PictureMachine, SceneFront};
+use basrelief_kernel::{Netlist, NoProbe, Outcome, PathMemory, Probe, Recording, RunReport, resimulate};
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_machines::defer::DeferConfig;
+use basrelief_machines::shade::ShadeConfig;
+use basrelief_machines::texel::TexelMachineConfig;
+use basrelief_machines::{BoxedDraws, MachineSpec as _, SceneFront, for_machine};
 use basrelief_parameters::Parameters;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Mesh, Object, Scene};
-use basrelief_sim::{MachineConfig, run_concurrent};
+use basrelief_sim::{BareMachine, MachineConfig, bare_machine};
 use basrelief_timeline::TimelineLayout;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -42,12 +39,6 @@ pub struct MachineScene {
     /// The scene.
     pub scene: Arc<Scene>,
     config: MachineConfig,
-}
-
-/// Job for a machine in its power-on state.
-trait MachineJob {
-    type Result;
-    fn with<M: Machine>(self, machine: &mut M) -> Self::Result;
 }
 
 impl MachineScene {
@@ -89,119 +80,59 @@ impl MachineScene {
         Self { scene: Arc::new(scene), config: load::<BumpProcessorConfig>(set) }
     }
 
-    /// Runs the job. Also returns the fragments of the machine.
-    fn work<J: MachineJob>(&self, job: J) -> (J::Result, u64) {
-        let draws = SceneDraws::new(Arc::clone(&self.scene));
-        match &self.config {
-            MachineConfig::Bump(config) => done(job, BumpProcessor::new(SceneFront::new(draws, config), config)),
-            MachineConfig::Shade(config) => done(job, FigureShadingDevice::new(SceneFront::new(draws, config), config)),
-            MachineConfig::Texel(config) => done(job, TextureMappingSystem::new(SceneFront::new(draws, config), config)),
-            MachineConfig::Defer(config) => done(job, DeferredRenderer::new(SceneFront::new(draws, config), config)),
-        }
+    fn machine(&self) -> Box<dyn BareMachine> {
+        bare_machine(&self.config, &self.scene).expect(FITS)
     }
 
-    /// Simulates the drawing, on an engine or without time.
-    pub fn simulate<P: Probe>(&self, engine: Option<Engine>, probe: &mut P) -> RunSample {
-        let (time, count) = self.work(SimulateMachine { engine, probe });
-        RunSample { time, count }
+    /// Measures a run of the machine, which must be complete.
+    fn measure(&self, run: impl FnOnce(&mut dyn BareMachine) -> bool) -> RunSample {
+        let mut machine = self.machine();
+        let (is_complete, time) = measured(|| run(&mut *machine));
+        assert!(is_complete, "a workload runs to its end");
+        RunSample { time, count: machine.fragments() }
+    }
+
+    /// Simulates the drawing on the timed engine.
+    pub fn simulate(&self, probe: Option<&mut dyn Probe>) -> RunSample {
+        self.measure(|machine| machine.run(probe).outcome == Outcome::Complete)
+    }
+
+    /// Simulates the drawing without time.
+    pub fn simulate_functional(&self) -> RunSample {
+        self.measure(|machine| machine.run_functional().is_ok())
     }
 
     /// Simulates the drawing with execution on one thread and timing on another.
     ///
     /// # Panics
     /// Panics on a single core.
-    pub fn simulate_apart(&self) -> RunSample {
-        let (time, count) = self.work(SimulateOnTwoThreads);
-        RunSample { time, count }
+    pub fn simulate_concurrent(&self) -> RunSample {
+        self.measure(|machine| machine.run_concurrent().expect("there are two cores").outcome == Outcome::Complete)
+    }
+
+    /// Returns the netlist of the machine, a recording of its run, and its fragments.
+    fn record(&self) -> (Netlist, Vec<RecordingChunk>, u64) {
+        let mut machine = self.machine();
+        let (shape, mut chunks) = (machine.netlist().expect("the machines are wired"), Vec::new());
+        let report = machine.run_recorded(1 << 20, &mut |chunk| chunks.push(chunk));
+        assert_eq!(report.outcome, Outcome::Complete, "a workload runs to its end");
+        (shape, chunks, machine.fragments())
     }
 
     /// Returns time and steps of every unit in the functional model.
     pub fn unit_times(&self) -> Vec<UnitTime> {
-        self.work(TimeUnits).0
+        let draws: BoxedDraws = Box::new(SceneDraws::new(Arc::clone(&self.scene)));
+        for_machine!(&self.config, spec => unit_times(&mut spec.build(SceneFront::new(draws, spec.front())).expect(FITS)))
     }
 
     /// Returns the machine's layout in a timeline.
     pub fn board(&self) -> TimelineLayout {
-        self.work(ShowBoard).0
+        let shape = self.machine().netlist().expect("its wiring was checked when it was built");
+        TimelineLayout::new("machine", 0, shape.diagram())
     }
 }
 
-struct SimulateMachine<'a, P> {
-    engine: Option<Engine>,
-    probe: &'a mut P,
-}
-
-impl<P: Probe> MachineJob for SimulateMachine<'_, P> {
-    type Result = std::time::Duration;
-
-    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        let Self { engine, probe } = self;
-        let (complete, time) = measured(|| match engine {
-            None => run_functional(machine, &mut |_| true).is_ok(),
-            Some(engine) => {
-                let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_| true };
-                run_with(machine, engine, probe, limits).outcome == Outcome::Complete
-            }
-        });
-        assert!(complete, "a workload runs to its end");
-        time
-    }
-}
-
-/// Job that simulates a machine on two threads.
-struct SimulateOnTwoThreads;
-
-impl MachineJob for SimulateOnTwoThreads {
-    type Result = std::time::Duration;
-
-    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        let (report, time) = measured(|| run_concurrent(machine, &mut |_| true, None));
-        assert_eq!(report.expect("there are two cores").outcome, Outcome::Complete, "a workload runs to its end");
-        time
-    }
-}
-
-/// Job that records a machine.
-struct RecordMachine;
-
-impl MachineJob for RecordMachine {
-    type Result = (Netlist, Vec<RecordingChunk>);
-
-    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        let shape = Netlist::of(machine).expect("the machines are wired");
-        let mut chunks = Vec::new();
-        let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
-        let report = run_recorded(machine, Engine::Timed, &mut NoProbe, limits, (1 << 20, &mut |reel| chunks.push(reel)));
-        assert_eq!(report.outcome, Outcome::Complete, "a workload runs to its end");
-        (shape, chunks)
-    }
-}
-
-struct TimeUnits;
-
-impl MachineJob for TimeUnits {
-    type Result = Vec<UnitTime>;
-
-    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        unit_times(machine)
-    }
-}
-
-struct ShowBoard;
-
-impl MachineJob for ShowBoard {
-    type Result = TimelineLayout;
-
-    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        TimelineLayout::new("machine", 0, Netlist::of(machine).expect("its wiring was checked when it was built").diagram())
-    }
-}
-
-/// Runs the job with a machine. Also returns its fragments.
-fn done<J: MachineJob, M: PictureMachine>(job: J, machine: Result<M, ConfigProblem>) -> (J::Result, u64) {
-    let mut machine = machine.expect("what the workloads set fits the defaults");
-    (job.with(&mut machine), machine.facts().count("fragments"))
-}
+const FITS: &str = "what the workloads set fits the defaults";
 
 fn load<C: Parameters>(set: SettingList) -> MachineConfig
 where
@@ -260,14 +191,14 @@ const MAKE: [WorkloadMaker; 6] = [
 
 /// Returns the machines with and without time.
 pub fn workloads(size: WorkloadSize) -> Vec<Workload> {
-    let workload = |(name, make): WorkloadMaker, engine: Option<Engine>| {
-        let mode = if engine.is_some() { "timed" } else { "functional" };
+    let workload = |(name, make): WorkloadMaker, is_timed: bool| {
+        let mode = if is_timed { "timed" } else { "functional" };
         Workload::new(format!("machine/{name}/{mode}"), ThroughputUnit::Fragments, move || {
             let drawing = make(size, &[]);
-            move || drawing.simulate(engine, &mut NoProbe)
+            move || if is_timed { drawing.simulate(None) } else { drawing.simulate_functional() }
         })
     };
-    let runs = MAKE.into_iter().flat_map(|make| [Some(Engine::Timed), None].map(|engine| workload(make, engine)));
+    let runs = MAKE.into_iter().flat_map(|make| [true, false].map(|is_timed| workload(make, is_timed)));
     runs.chain([Retiming::WhileRead, Retiming::Again, Retiming::Path].map(|how| retimed(size, how))).collect()
 }
 
@@ -298,7 +229,7 @@ fn retimed(size: WorkloadSize, how: Retiming) -> Workload {
         Retiming::Path => ("machine/w1/critical-path", DEEP_FIFOS),
     };
     Workload::new(name, ThroughputUnit::Fragments, move || {
-        let ((shape, chunks), count) = MachineScene::w1(size, set).work(RecordMachine);
+        let (shape, chunks, count) = MachineScene::w1(size, set).record();
         let recording = Recording::new(chunks.clone(), &shape, u64::MAX);
         let time_again = move |shape: Netlist| {
             let mut chunks = chunks.iter().map(Cow::Borrowed);

@@ -3,7 +3,6 @@
 use crate::machines::{self, MachineScene, SettingList};
 use crate::traces;
 use crate::workload::{PreparedRun, Workload, WorkloadSize};
-use basrelief_kernel::{Engine, NoProbe};
 use basrelief_threads as threads;
 use basrelief_timeline::{PerfettoTrace, TimelineProbe};
 use serde::Serialize;
@@ -57,14 +56,19 @@ fn ratio(name: &str, rounds: usize, mut above: PreparedRun, mut below: PreparedR
     TimeRatio { name: name.into(), rounds, median, low, high, ns }
 }
 
-fn engine(drawing: &MachineScene, engine: Option<Engine>) -> PreparedRun {
+fn timed(drawing: &MachineScene) -> PreparedRun {
     let drawing = drawing.clone();
-    Box::new(move || drawing.simulate(engine, &mut NoProbe))
+    Box::new(move || drawing.simulate(None))
 }
 
-fn apart(drawing: &MachineScene) -> PreparedRun {
+fn functional(drawing: &MachineScene) -> PreparedRun {
     let drawing = drawing.clone();
-    Box::new(move || drawing.simulate_apart())
+    Box::new(move || drawing.simulate_functional())
+}
+
+fn concurrent(drawing: &MachineScene) -> PreparedRun {
+    let drawing = drawing.clone();
+    Box::new(move || drawing.simulate_concurrent())
 }
 
 /// Prepares a run with the timeline of every unit, written to a sink.
@@ -73,7 +77,7 @@ fn probed(drawing: &MachineScene) -> PreparedRun {
     let board = drawing.board();
     Box::new(move || {
         let chart = Box::new(PerfettoTrace::new(sink(), &board));
-        drawing.simulate(Some(Engine::Timed), &mut TimelineProbe::new(board.clone(), vec![chart]))
+        drawing.simulate(Some(&mut TimelineProbe::new(board.clone(), vec![chart])))
     })
 }
 
@@ -87,7 +91,6 @@ pub fn prepared(workloads: &[Workload], name: &str) -> PreparedRun {
 
 /// Measures all ratios, each over this many pairs of runs. Calls `each` after every one.
 pub fn ratios(size: WorkloadSize, rounds: usize, mut each: impl FnMut(&TimeRatio)) -> Vec<TimeRatio> {
-    let timed = Some(Engine::Timed);
     let makes = [MachineScene::w1, MachineScene::w2, MachineScene::w3, MachineScene::w4, MachineScene::w5, MachineScene::w6];
     let drawings = makes.map(|make| make(size, &[]));
     let [w1, _, _, w4, ..] = &drawings;
@@ -100,18 +103,18 @@ pub fn ratios(size: WorkloadSize, rounds: usize, mut each: impl FnMut(&TimeRatio
         all.push(ratio);
     };
     for (number, drawing) in (1..).zip(&drawings) {
-        compare(&format!("W{number}: timed / functional"), engine(drawing, timed), engine(drawing, None));
+        compare(&format!("W{number}: timed / functional"), timed(drawing), functional(drawing));
     }
     if threads::workers() > 1 {
         for (number, drawing) in (1..).zip(&drawings) {
-            compare(&format!("W{number}: timed on two threads / on one"), apart(drawing), engine(drawing, timed));
+            compare(&format!("W{number}: timed on two threads / on one"), concurrent(drawing), timed(drawing));
         }
     }
     let machines = machines::workloads(size);
-    compare("W1: timed again from its recording / timed", prepared(&machines, "machine/w1/retimed-again"), engine(w1, timed));
-    compare("W1: search of 256 cycles / of 1", engine(&search[0], timed), engine(&search[1], timed));
+    compare("W1: timed again from its recording / timed", prepared(&machines, "machine/w1/retimed-again"), timed(w1));
+    compare("W1: search of 256 cycles / of 1", timed(&search[0]), timed(&search[1]));
     for (name, drawing) in [("W1", w1), ("W4", w4)] {
-        compare(&format!("{name}: time line of every unit / none"), probed(drawing), engine(drawing, timed));
+        compare(&format!("{name}: timeline of every unit / none"), probed(drawing), timed(drawing));
     }
     let read = |form: &str| prepared(&traces, &format!("trace/read/{form}"));
     compare("trace: reading JSON Lines / binary", read("json-lines"), read("binary"));

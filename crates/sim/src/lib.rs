@@ -43,7 +43,8 @@ pub use outputs::request_log::{LoggedMemory, RequestFormat, RequestLog, RequestL
 pub use outputs::steps::list_steps;
 pub use prepared::PreparedScene;
 pub use recording::{Recording, RecordingError, ResimulateOptions, resimulate, resimulate_to};
-pub use run::concurrent::run_concurrent;
+#[cfg(feature = "unwatched")]
+pub use run::bare::{BareMachine, bare_machine};
 pub use run::display_list::{display_list, input_sha256, trace_header};
 pub use run::memory_estimates::reserve_textures;
 pub use run::result::{RunError, RunResult};

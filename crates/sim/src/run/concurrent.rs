@@ -23,7 +23,7 @@ pub(crate) fn may_run_concurrently<P: Probe>(settings: &RunOptions) -> bool {
 
 /// Runs a machine to its end, without a cycle limit, and returns the report of the timed engine. Returns `None` and does nothing if no
 /// thread is available or the wiring is invalid. `keep` receives the recorded steps.
-pub fn run_concurrent<M: Machine>(
+pub(crate) fn run_concurrent<M: Machine>(
     machine: &mut M,
     progress: &mut dyn FnMut(&mut M) -> bool,
     keep: Option<&(dyn Fn(RecordingChunk) + Sync)>,

@@ -1,5 +1,7 @@
 //! Runs of a machine.
 
+#[cfg(feature = "unwatched")]
+pub(crate) mod bare;
 pub(crate) mod compared_frame;
 pub(crate) mod concurrent;
 pub(crate) mod display_list;
