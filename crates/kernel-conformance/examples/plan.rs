@@ -28,7 +28,7 @@ fn resimulated(plan: &Plan) -> Result<Value, String> {
     let machine = |plan: &Plan| PlanMachine::new(plan).map_err(|e| e.to_string());
     let mut chunks = Vec::new();
     let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut PlanMachine| true };
-    run_recorded(&mut machine(&deeper)?, Engine::Timed, &mut NoProbe, limits, (CHUNK_BYTES, &mut |chunk| chunks.push(chunk)));
+    run_recorded(&mut machine(&deeper)?, Engine::Timed, &mut NoProbe, limits, CHUNK_BYTES, &mut |chunk| chunks.push(chunk));
     let shape = Netlist::of(&mut machine(plan)?).map_err(|e| e.to_string())?;
     let mut chunks = chunks.iter().map(Cow::Borrowed);
     let report = resimulate(shape, &mut |_| Ok(chunks.next()), &mut NoProbe, u64::MAX);

@@ -107,7 +107,7 @@ fn stopped_work_is_timed_up_to_its_end() {
     plan.units[0].kind = UnitKind::Source { tokens: 400 };
     let whole = run_both(&plan, u64::MAX).0;
     let mut batches = Vec::new();
-    make_steps(&mut machine(&plan), &mut |_| false, (40, &mut |batch| batches.push(batch))).unwrap();
+    make_steps(&mut machine(&plan), &mut |_| false, 40, &mut |batch| batches.push(batch)).unwrap();
     let mut batches = batches.into_iter();
     let stopped = time_steps(Netlist::of(&mut machine(&plan)).unwrap(), &mut || batches.next(), None);
     assert_eq!(stopped.outcome, Outcome::Stopped);
@@ -122,7 +122,7 @@ fn step_batches_are_small() {
     plan.units[0].kind = UnitKind::Source { tokens: 5_000 };
     plan.fifos.iter_mut().for_each(|fifo| fifo.depth = 10_000);
     let mut batches = Vec::new();
-    make_steps(&mut machine(&plan), &mut |_| true, (40, &mut |batch| batches.push(batch.steps()))).unwrap();
+    make_steps(&mut machine(&plan), &mut |_| true, 40, &mut |batch| batches.push(batch.steps())).unwrap();
     assert_eq!(batches.iter().sum::<usize>(), 3 * 5_000);
     assert!(batches.iter().all(|steps| *steps <= 40 + 3 * 10), "{batches:?}");
 }

@@ -51,7 +51,8 @@ pub fn run_recorded<M: Machine, P: Probe>(
     engine: Engine,
     probe: &mut P,
     limits: RunLimits<'_, M>,
-    (chunk_bytes, keep): (usize, &mut dyn FnMut(RecordingChunk)),
+    chunk_bytes: usize,
+    keep: &mut dyn FnMut(RecordingChunk),
 ) -> RunReport {
     run_on(machine, probe, |machine, time, probe| {
         let mut writer = RecordingWriter::new(&time.shape, &time.memories, chunk_bytes);

@@ -23,7 +23,8 @@ use crate::{Demand, MemoryPorts, NoProbe};
 pub fn make_steps<M: Machine>(
     machine: &mut M,
     progress: &mut dyn FnMut(&mut M) -> bool,
-    (steps, hand_on): (usize, &mut dyn FnMut(StepBatch)),
+    steps: usize,
+    hand_on: &mut dyn FnMut(StepBatch),
 ) -> Result<(), WiringError> {
     let stages = Netlist::of(machine)?.stages.len();
     run_to(machine, progress, steps, vec![StageSteps::default(); stages], hand_on);

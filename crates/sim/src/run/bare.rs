@@ -52,7 +52,7 @@ impl<M: PictureMachine> BareMachine for M {
 
     fn run_recorded(&mut self, chunk_bytes: usize, keep: &mut dyn FnMut(RecordingChunk)) -> RunReport {
         let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
-        run_recorded(self, Engine::Timed, &mut NoProbe, limits, (chunk_bytes, keep))
+        run_recorded(self, Engine::Timed, &mut NoProbe, limits, chunk_bytes, keep)
     }
 
     fn run_functional(&mut self) -> Result<(), String> {

@@ -41,7 +41,7 @@ pub(crate) fn run_concurrent<M: Machine>(
         // The receiver is gone if a step was a fault.
         let is_over = Cell::new(false);
         let mut progress = |machine: &mut M| !is_over.get() && progress(machine);
-        make_steps(machine, &mut progress, (BATCH_STEPS, &mut |batch| is_over.set(send.send(batch).is_err())))
+        make_steps(machine, &mut progress, BATCH_STEPS, &mut |batch| is_over.set(send.send(batch).is_err()))
     };
     let (report, worked) = threads::join_concurrent(time, work)?;
     worked.ok().map(|()| report)

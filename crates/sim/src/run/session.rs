@@ -221,7 +221,7 @@ impl<'a> ActiveRun<'a> {
             (None, Some(engine)) => {
                 let limits = RunLimits { max_cycles, progress: &mut progress };
                 Ok(Some(if is_recorded {
-                    kernel::run_recorded(machine, engine, probe, limits, (CHUNK_BYTES, &mut |chunk| keep(chunk)))
+                    kernel::run_recorded(machine, engine, probe, limits, CHUNK_BYTES, &mut |chunk| keep(chunk))
                 } else {
                     kernel::run_with(machine, engine, probe, limits)
                 }))

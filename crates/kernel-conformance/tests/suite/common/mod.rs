@@ -131,7 +131,7 @@ pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
 /// Executes all steps first and computes the timing afterwards. Returns the report and the recording.
 pub fn run_and_record<M: Machine>(mut machine: impl FnMut() -> M) -> (RunReport, Vec<RecordingChunk>) {
     let mut batches = Vec::new();
-    make_steps(&mut machine(), &mut |_| true, (40, &mut |batch| batches.push(batch))).unwrap();
+    make_steps(&mut machine(), &mut |_| true, 40, &mut |batch| batches.push(batch)).unwrap();
     let (mut batches, mut chunks) = (batches.into_iter(), Vec::new());
     let shape = Netlist::of(&mut machine()).unwrap();
     (time_steps(shape, &mut || batches.next(), Some((64, &mut |chunk| chunks.push(chunk)))), chunks)
@@ -157,7 +157,7 @@ pub fn fault<M: Machine>(machine: impl Fn() -> M) -> String {
 pub fn record_plan(plan: &Plan, max_cycles: u64) -> Vec<RecordingChunk> {
     let mut chunks = Vec::new();
     let limits = RunLimits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
-    run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, (64, &mut |chunk| chunks.push(chunk)));
+    run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, 64, &mut |chunk| chunks.push(chunk));
     chunks
 }
 
