@@ -105,7 +105,7 @@ pub fn resimulate<P: Probe>(
     max_cycles: u64,
 ) -> Result<RunReport, ResimulateError> {
     let readers = new_readers(&shape);
-    Ok(timed_again((shape, readers), chunks, (probe, ResimulationGoal::Report), max_cycles)?.0)
+    Ok(timed_again(shape, readers, chunks, probe, ResimulationGoal::Report, max_cycles)?.0)
 }
 
 /// Resimulates a recording and finds its critical path. It keeps about 56 bytes per step. Returns `None` if there are more than
@@ -121,7 +121,7 @@ pub fn critical_path(
 ) -> Result<Option<CriticalPath>, ResimulateError> {
     let readers = new_readers(&shape);
     let goal = ResimulationGoal::Path { most_steps, groups, memory: &mut PathMemory::default() };
-    Ok(timed_again((shape, readers), chunks, (&mut NoProbe, goal), u64::MAX)?.1)
+    Ok(timed_again(shape, readers, chunks, &mut NoProbe, goal, u64::MAX)?.1)
 }
 
 fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
@@ -209,7 +209,7 @@ impl<'a> Recording<'a> {
         let readers: Option<Vec<RecordingReader>> = readers.and_then(|readers| readers.iter().enumerate().map(fitting).collect());
         let mut chunks = self.chunks.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.chunks.len() } else { 0 });
         let readers = readers.unwrap_or_else(|| new_readers(&shape));
-        timed_again((shape, readers), &mut |_| Ok(chunks.next()), (&mut NoProbe, wanted), u64::MAX)
+        timed_again(shape, readers, &mut |_| Ok(chunks.next()), &mut NoProbe, wanted, u64::MAX)
     }
 }
 
@@ -225,9 +225,11 @@ enum ResimulationGoal<'a> {
 
 /// Returns the report, and the critical path if it is the goal.
 fn timed_again<P: Probe>(
-    (shape, mut readers): (Netlist, Vec<RecordingReader>),
+    shape: Netlist,
+    mut readers: Vec<RecordingReader>,
     chunks: &mut ChunkSource<'_, '_>,
-    (probe, mut wanted): (&mut P, ResimulationGoal<'_>),
+    probe: &mut P,
+    mut wanted: ResimulationGoal<'_>,
     max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
     let fifos = match &mut wanted {

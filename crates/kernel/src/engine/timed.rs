@@ -147,7 +147,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             let made = work.step(declared, traffic);
             work.report_step(number, declared, &made, traffic, probe);
             if let Some(path) = path {
-                path.step(&visit.view(), (at, takes), &{ made });
+                path.step(&visit.view(), at, takes, &{ made });
             }
             if work.is_silent(traffic) {
                 visit.step::<K>(at, takes, &made);

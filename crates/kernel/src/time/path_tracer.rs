@@ -94,7 +94,7 @@ impl PathTracer {
     /// Keeps a step before timing takes it in. (Out of line, so that runs without a path pay nothing.)
     #[cold]
     #[inline(never)]
-    pub(crate) fn step(&mut self, visit: &StageView<'_>, (start, takes): (Cycle, InputMask), made: &StepTiming) {
+    pub(crate) fn step(&mut self, visit: &StageView<'_>, start: Cycle, takes: InputMask, made: &StepTiming) {
         let &StageView { stage, clock, fifos, memories } = visit;
         if self.left == 0 {
             self.has_all = false;

@@ -246,7 +246,7 @@ impl PathCycles {
         let mut from = begin;
         for &(to, cause) in segments {
             let by_span = self.by_cause.entry(cause).or_insert_with(|| vec![0; self.ends.len()]);
-            add_by_span(&self.ends, (from.0, to.0), by_span);
+            add_by_span(&self.ends, from.0, to.0, by_span);
             from = to;
         }
         if let PathEvent::Step(stage, number) = event
@@ -275,7 +275,7 @@ impl PathCycles {
 
 /// Adds the cycles between two times to the spans in which they lie. Each span ends at one of `ends`. (Found by binary search,
 /// because there may be thousands of marks and millions of events.)
-fn add_by_span(ends: &[u64], (mut from, to): (u64, u64), by_span: &mut [u64]) {
+fn add_by_span(ends: &[u64], mut from: u64, to: u64, by_span: &mut [u64]) {
     let first = ends.partition_point(|end| *end <= from);
     for (end, sum) in ends.iter().zip(by_span).skip(first) {
         if from >= to {
