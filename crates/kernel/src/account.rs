@@ -1,5 +1,6 @@
 //! Conserved cycle accounting (law 9).
 
+use crate::Cycle;
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 
 /// Cause of a stall of a unit.
@@ -11,6 +12,15 @@ pub enum StallCause {
     Memory(usize),
     /// Output `i` was the first one without a free slot.
     Blocked(usize),
+}
+
+/// A wait of a stage.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wait {
+    pub(crate) cause: StallCause,
+    /// Its first cycle, and the cycle after its last.
+    pub(crate) from: Cycle,
+    pub(crate) to: Cycle,
 }
 
 /// Breakdown of a unit's cycles, by number of input, client and output.

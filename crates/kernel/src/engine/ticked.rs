@@ -11,9 +11,10 @@
 
 use super::context::{ActiveRecording, RunLimits, fault_of, report_progress};
 use super::step_source::{StepSource, UnitSteps};
+use crate::account::Wait;
 use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
-use crate::time::{AnyArity, FifoTiming, MachineTiming, StopReason, Wait, charge};
+use crate::time::{AnyArity, FifoTiming, MachineTiming, StopReason, charge};
 use crate::{Cycle, Demand, MemoryPorts, Probe, Unit};
 
 /// One cycle of all stages.

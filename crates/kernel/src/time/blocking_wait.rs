@@ -1,6 +1,6 @@
 //! The wait of a unit for the answers of its blocking step (laws 3 and 9).
 
-use super::stage_clock::Wait;
+use crate::account::Wait;
 use crate::capacity::MAX_CLIENTS;
 use crate::{Cycle, StallCause};
 

@@ -20,7 +20,7 @@ pub(crate) use fifo_timing::{FifoMemory, FifoTiming};
 pub(crate) use finalize::{FinalUnitState, StopReason};
 pub(crate) use input_mask::InputMask;
 pub(crate) use path_tracer::PathTracer;
-pub(crate) use stage_clock::{StageClock, Wait, charge};
+pub(crate) use stage_clock::{StageClock, charge};
 pub(crate) use stage_visit::StageVisit;
 pub(crate) use step_timing::{AnyArity, StageArity, StepTiming};
 

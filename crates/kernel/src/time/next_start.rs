@@ -1,8 +1,9 @@
 //! Start of the next step of a stage, and the causes of its wait (laws 3 and 9).
 
 use super::port_ids::ConnectedFifos;
-use super::stage_clock::{CreditNeed, Wait};
+use super::stage_clock::CreditNeed;
 use super::{AnyArity, InputMask, MachineTiming, StageArity, StageClock};
+use crate::account::Wait;
 use crate::{Cycle, Demand, MemorySystem, StallCause};
 use std::ops::Range;
 

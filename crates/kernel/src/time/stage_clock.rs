@@ -4,20 +4,11 @@ use super::blocking_wait::BlockingWait;
 use super::in_flight::InFlightSteps;
 use super::port_ids::PortIds;
 use super::{FifoTiming, InputMask, StepTiming};
-use crate::account::{CycleAccount, StallCause};
+use crate::account::{CycleAccount, Wait};
 use crate::capacity::MAX_CLIENTS;
 use crate::netlist::StageInfo;
 use crate::probe::Probe;
 use crate::{Cycle, Demand, MemorySystem};
-
-/// A wait of a stage.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Wait {
-    pub(crate) cause: StallCause,
-    /// Its first cycle, and the cycle after its last.
-    pub(crate) from: Cycle,
-    pub(crate) to: Cycle,
-}
 
 /// The number of a step, and the cycles of its answers by memory client.
 pub(super) type StepAnswers = (u64, [Cycle; MAX_CLIENTS]);
