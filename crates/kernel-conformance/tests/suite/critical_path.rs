@@ -2,9 +2,9 @@
 //! run.
 
 use crate::common::random::recipe;
-use crate::common::{PlanBuilder, machine, record_plan, run_both, small_memory};
+use crate::common::{PlanBuilder, machine, record_plan, run_both, small_cache, small_memory};
 use basrelief_kernel::{CriticalPath, Netlist, Outcome, PathSegment, StageGroups, critical_path};
-use basrelief_kernel_conformance::plan::{Plan, PlanRequest, UnitKind};
+use basrelief_kernel_conformance::plan::{Plan, PlanLookUp, PlanRequest, UnitKind};
 use proptest::prelude::*;
 use std::borrow::Cow;
 
@@ -99,6 +99,23 @@ fn request_appears_phase_by_phase() {
     let phases = [("Arrival p", 2), ("Bank p", 2), ("Data p", 10)];
     expect(&draw, &[&[("fifo a", 1), ("fifo b", 1), ("occupancy sink", 1)][..], &phases].concat());
     assert_eq!(run_both(&draw.0, u64::MAX).0.total, 17);
+}
+
+/// Token 0 misses at 1: in view at 2, row open at 4, data complete at 9, past the cache at 11. The data of token 1 are complete at 11,
+/// too, but token 0 did not wait for them.
+#[test]
+fn request_behind_a_cache_is_its_own() {
+    let look_up = PlanLookUp { stride: 32, offset: 0, span: 64 };
+    let mut draw = PlanBuilder::default();
+    draw.fifo("a", 2, 1)
+        .fifo("b", 2, 1)
+        .unit("source", UnitKind::Source { tokens: 2 }, ["", "a"], &[1], &[0])
+        .unit("reader", UnitKind::Cached { cache: "cache".into(), lookups: vec![look_up] }, ["a", "b"], &[1], &[0])
+        .unit("sink", UnitKind::Sink, ["b", ""], &[20], &[0])
+        .memory(small_memory(), &[("p", 2)])
+        .cache(small_cache("p"));
+    let phases = [("Arrival p", 1), ("Bank p", 2), ("Data p", 5), ("Cache p", 2)];
+    expect(&draw, &[&[("fifo a", 1), ("fifo b", 1), ("occupancy sink", 40)][..], &phases].concat());
 }
 
 #[test]
