@@ -1,5 +1,5 @@
-//! What is kept of a run so that its critical path can be [found](super::path_walk) afterwards: the start of every step with the
-//! term of law 3 that bound it, and the steps that made and took every token.
+//! The record of a run from which its critical path is [found](super::path_walk) afterwards: for every step its start and the term of
+//! law 3 that bound the start, and for every token the steps that made and took it.
 //!
 //! A path passes few of the steps, so their segments are found only afterwards. With the segments of every step kept instead, a
 //! resimulation of W1 with its path took 8 % more instructions.
@@ -50,9 +50,8 @@ pub(super) struct TokenSteps {
 /// Steps of a run so far.
 #[derive(Debug, Default)]
 pub(crate) struct PathTracer {
-    /// Steps that may still come. Longer runs have no path.
-    left: usize,
-    pub(super) has_all: bool,
+    /// Steps that may still come; `None` if more came. Such a run has no path.
+    left: Option<usize>,
     /// By stage, in order.
     pub(super) stages: Vec<Vec<TracedStep>>,
     pub(super) fifos: Vec<TokenSteps>,
@@ -75,7 +74,7 @@ impl PathTracer {
     pub(crate) fn begin(mut self, time: &mut MachineTiming, most: usize) -> Self {
         time.memories.keep_answers(std::mem::take(&mut self.completions));
         time.fifos.iter().for_each(|fifo| fifo.keep_tokens(true));
-        (self.left, self.has_all, self.marked) = (most.min(NO_STEP as usize), true, None);
+        (self.left, self.marked) = (Some(most.min(NO_STEP as usize)), None);
         empty(&mut self.stages, time.stages.len(), Vec::clear);
         empty(&mut self.issued, time.memories.clients().len(), Vec::clear);
         empty(&mut self.fifos, time.fifos.len(), |TokenSteps { made, taken }| {
@@ -83,6 +82,11 @@ impl PathTracer {
             taken.clear();
         });
         self
+    }
+
+    /// Returns true if every step was kept.
+    pub(super) fn has_all(&self) -> bool {
+        self.left.is_some()
     }
 
     /// Ends a run. Its memory serves the next.
@@ -96,11 +100,11 @@ impl PathTracer {
     #[inline(never)]
     pub(crate) fn step(&mut self, visit: &StageView<'_>, start: Cycle, takes: InputMask, made: &StepTiming) {
         let &StageView { stage, clock, fifos, memories } = visit;
-        if self.left == 0 {
-            self.has_all = false;
+        let Some(left) = self.left else { return };
+        self.left = left.checked_sub(1);
+        if !self.has_all() {
             return fifos.iter().for_each(|fifo| fifo.keep_tokens(false));
         }
-        self.left -= 1;
         let number = self.stages[stage].len() as u32;
         // All its requests by now came from its last step at the latest.
         for &client in &clock.clients {

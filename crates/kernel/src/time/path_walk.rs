@@ -42,7 +42,7 @@ impl PathTracer {
     /// Returns the path back from the last mark, or from the end of a run of `total` cycles without marks. `marks`: cycles between
     /// marks. `groups`: groups of the steps of each stage; may be empty. Returns `None` if there were too many steps.
     pub(crate) fn path(&self, time: &MachineTiming, total: u64, marks: &[u64], groups: &[StageGroups]) -> Option<CriticalPath> {
-        if !self.has_all {
+        if !self.has_all() {
             return None;
         }
         let sum_up = |sum: &mut u64, cycles: &u64| {
