@@ -2,7 +2,7 @@
 
 use crate::machines::{self, MachineScene, SettingList};
 use crate::traces;
-use crate::workload::{PreparedRun, Workload, WorkloadSize};
+use crate::workload::{PreparedRun, RunSample, Workload, WorkloadSize};
 use basrelief_threads as threads;
 use basrelief_timeline::{PerfettoTrace, TimelineProbe};
 use serde::Serialize;
@@ -56,26 +56,20 @@ fn ratio(name: &str, rounds: usize, mut above: PreparedRun, mut below: PreparedR
     TimeRatio { name: name.into(), rounds, median, low, high, ns }
 }
 
+/// Prepares a way to simulate a drawing.
+fn way(drawing: &MachineScene, run: impl Fn(&MachineScene) -> RunSample + 'static) -> PreparedRun {
+    let drawing = drawing.clone();
+    Box::new(move || run(&drawing))
+}
+
 fn timed(drawing: &MachineScene) -> PreparedRun {
-    let drawing = drawing.clone();
-    Box::new(move || drawing.simulate(None))
-}
-
-fn functional(drawing: &MachineScene) -> PreparedRun {
-    let drawing = drawing.clone();
-    Box::new(move || drawing.simulate_functional())
-}
-
-fn concurrent(drawing: &MachineScene) -> PreparedRun {
-    let drawing = drawing.clone();
-    Box::new(move || drawing.simulate_concurrent())
+    way(drawing, |drawing| drawing.simulate(None))
 }
 
 /// Prepares a run with the timeline of every unit, written to a sink.
 fn probed(drawing: &MachineScene) -> PreparedRun {
-    let drawing = drawing.clone();
     let board = drawing.board();
-    Box::new(move || {
+    way(drawing, move |drawing| {
         let chart = Box::new(PerfettoTrace::new(sink(), &board));
         drawing.simulate(Some(&mut TimelineProbe::new(board.clone(), vec![chart])))
     })
@@ -103,11 +97,15 @@ pub fn ratios(size: WorkloadSize, rounds: usize, mut each: impl FnMut(&TimeRatio
         all.push(ratio);
     };
     for (number, drawing) in (1..).zip(&drawings) {
-        compare(&format!("W{number}: timed / functional"), timed(drawing), functional(drawing));
+        compare(&format!("W{number}: timed / functional"), timed(drawing), way(drawing, MachineScene::simulate_functional));
     }
     if threads::workers() > 1 {
         for (number, drawing) in (1..).zip(&drawings) {
-            compare(&format!("W{number}: timed on two threads / on one"), concurrent(drawing), timed(drawing));
+            compare(
+                &format!("W{number}: timed on two threads / on one"),
+                way(drawing, MachineScene::simulate_concurrent),
+                timed(drawing),
+            );
         }
     }
     let machines = machines::workloads(size);

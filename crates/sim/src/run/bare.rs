@@ -4,9 +4,7 @@
 use super::concurrent::run_concurrent;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{
-    self as kernel, Engine, Netlist, NoProbe, Probe, RunLimits, RunReport, WiringError, run_functional, run_recorded,
-};
+use basrelief_kernel::{self as kernel, Engine, Netlist, NoProbe, Probe, RunLimits, RunReport, WiringError};
 use basrelief_machines::{BoxedDraws, ConfigProblem, MachineConfig, MachineSpec as _, PictureMachine, SceneFront, for_machine};
 use basrelief_signals::Scene;
 use std::sync::Arc;
@@ -52,11 +50,11 @@ impl<M: PictureMachine> BareMachine for M {
 
     fn run_recorded(&mut self, chunk_bytes: usize, keep: &mut dyn FnMut(RecordingChunk)) -> RunReport {
         let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
-        run_recorded(self, Engine::Timed, &mut NoProbe, limits, chunk_bytes, keep)
+        kernel::run_recorded(self, Engine::Timed, &mut NoProbe, limits, chunk_bytes, keep)
     }
 
     fn run_functional(&mut self) -> Result<(), String> {
-        run_functional(self, &mut |_| true)
+        kernel::run_functional(self, &mut |_| true)
     }
 
     fn fragments(&mut self) -> u64 {
