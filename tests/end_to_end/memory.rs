@@ -57,9 +57,9 @@ fn names_of_a_trace_are_held_within_the_limit() {
         }
     };
     for command in ["run t.bdl.zst", "verify t.bdl.zst", "run t.bdl.zst --functional --no-exact"] {
+        refused(2048, command, "1 GiB");
         refused(400, &format!("{command} --memory-limit 100MiB"), "100 MiB");
     }
-    refused(2048, "run t.bdl.zst", "1 GiB");
     // The conversion keeps none of the names.
     let converted = run(&place, 2048, "convert t.bdl.zst t.jsonl.zst");
     assert_eq!(converted.code(), 0, "{}", converted.err);
