@@ -11,10 +11,10 @@
 
 mod common;
 
-use basrelief_deferred_renderer::{PyramidCut, TextureMemory, TexturePage, TileEncoding, TileSource as _};
+use basrelief_deferred_renderer::{PyramidCut, TextureMemory, TexturePage, TileSource as _};
 use basrelief_scene::SceneSubject;
 use basrelief_signals::Texture;
-use basrelief_tile_server::protocol::{hash_of, hash_of_picture, hex};
+use basrelief_tile_server::protocol::{hash_of, hash_of_picture, hex, parse_format};
 use common::{Server, program};
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -113,13 +113,9 @@ impl Model {
         let parts: Vec<&str> = address.split('/').collect();
         let [_, picture, size, encoding, number] = parts[..] else { return Err(format!("{address}: no tile").into()) };
         let texture = self.textures.get(picture).ok_or("a picture of another scene")?;
-        let (width, height) = size.split_once('x').ok_or("no size")?;
-        let cut = PyramidCut { tile: [width.parse()?, height.parse()?], ..PyramidCut::default() };
-        let (encoding, quality) = match encoding.split_once('-') {
-            Some((_, quality)) => (TileEncoding::Jpeg, quality.parse()?),
-            None => (if encoding == "png" { TileEncoding::Png } else { TileEncoding::Raw }, 100),
-        };
-        let mut memory = TextureMemory::new(encoding, quality);
+        let format = parse_format(&format!("{size}/{encoding}")).ok_or("another format of tiles")?;
+        let cut = PyramidCut { tile: format.size, ..PyramidCut::default() };
+        let mut memory = TextureMemory::new(format.encoding, format.quality);
         memory.offer(texture);
         let tile = memory.tile(&Arc::new(TexturePage::new(0, texture, cut, 0)), number.parse()?)?;
         let hash: Arc<str> = hash_of(&tile).into();

@@ -6,7 +6,7 @@ use crate::front::{BoxedControls, BoxedDraws, FrontConfig, FrontEnd, SceneFront,
 use crate::methods::MethodSpecs;
 use crate::problem::ConfigProblem;
 use crate::unit_info::{UnitInfo, units};
-use basrelief_deferred_renderer::{PicturePreview, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{PicturePreview, TileFormat, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{AreaModel, Hardware, Netlist, RunReport};
@@ -128,12 +128,8 @@ pub struct CostPoints {
 /// Tile requests of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileFetch {
-    /// Width and height of a tile \[texels\].
-    pub tile: [u32; 2],
-    /// Encoding of the tiles on the path.
-    pub encoding: TileEncoding,
-    /// JPEG quality, 1 to 100, if tiles are JPEG.
-    pub jpeg_quality: u8,
+    /// Size and encoding of the tiles.
+    pub format: TileFormat,
     /// Requests in flight.
     pub requests: u32,
     /// Maximum number of tiles per request.

@@ -103,7 +103,7 @@ impl SimulatedMachine for DeferConfig {
         };
         let options = RenderOptions {
             filter: TextureFilter::Trilinear,
-            pyramid: PyramidLevels::Tiled { tile: [self.tile.width, self.tile.height], centre },
+            pyramid: PyramidLevels::Tiled { tile: self.tile.format().size, centre },
             two_sided_lighting: self.geometry.two_sided_lighting,
             ..RenderOptions::default()
         };

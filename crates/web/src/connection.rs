@@ -1,7 +1,7 @@
 //! Connection to the server of the page. Received data is cached as long as the page is open.
 
 use crate::host_page::{HostPage, PageResponse};
-use basrelief_deferred_renderer::TileEncoding;
+use basrelief_deferred_renderer::TileFormat;
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_tile_server::protocol::{check_hash, check_scene_status, check_status, hash_from_etag, scene_path};
 use std::cell::{Cell, RefCell};
@@ -57,9 +57,9 @@ impl ServerConnection {
         self.come.set(come);
     }
 
-    /// Fetches the scene in wire format, with the hashes of tiles of this size and encoding.
-    pub(crate) fn scene(&self, tile: [u32; 2], encoding: (TileEncoding, u8)) -> Result<Vec<u8>, String> {
-        let scene = self.get_with(&scene_path(tile, encoding), check_scene_status, &|_| Ok(()))?;
+    /// Fetches the scene in wire format, with the hashes of tiles in this format.
+    pub(crate) fn scene(&self, format: TileFormat) -> Result<Vec<u8>, String> {
+        let scene = self.get_with(&scene_path(format), check_scene_status, &|_| Ok(()))?;
         self.count(|come| come.scene_bytes += scene.len() as u64);
         Ok(scene)
     }

@@ -8,7 +8,7 @@ use crate::host_page::{HostPage, PageResponse};
 use crate::message::Message;
 use crate::request::{RequestFile, RunRequest, ViewRequest};
 use crate::tiles::PathTiles;
-use basrelief_deferred_renderer::{TileEncoding, TileSource};
+use basrelief_deferred_renderer::{TileFormat, TileSource};
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_scene::{MemoryFiles, SceneSubject};
 use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, PreparedScene, RunInput};
@@ -42,9 +42,6 @@ struct SceneView {
     remote: Option<RemoteScene>,
 }
 
-/// Tile size, encoding and quality of the tiles of a server.
-type TileFormat = ([u32; 2], (TileEncoding, u8));
-
 /// Connection to a server, and the hashes of its tiles in one format.
 pub(crate) struct RemoteScene {
     path: Rc<ServerConnection>,
@@ -56,7 +53,7 @@ pub(crate) struct RemoteScene {
 
 impl RemoteScene {
     fn tiles(&self) -> PathTiles {
-        PathTiles::new(Rc::clone(&self.path), Rc::clone(&self.hashes), self.format.1)
+        PathTiles::new(Rc::clone(&self.path), Rc::clone(&self.hashes), self.format)
     }
 
     /// Keeps the textures of tiles that a draft lacked.
@@ -82,7 +79,7 @@ impl SceneView {
 
     /// Fetches the scene of a server with the hashes of tiles in a format.
     fn fetch_scene(path: Rc<ServerConnection>, format: TileFormat, budget: MemoryPool) -> Result<Self, String> {
-        let body = path.scene(format.0, format.1)?;
+        let body = path.scene(format)?;
         let ReceivedScene { subject, hashes, held } = unpack(&body, &format!("{}scene", path.server()), &budget)?;
         let remote = Some(RemoteScene { path, format, hashes: Rc::new(hashes), drafted: vec![] });
         Ok(Self { subject, prepared: None, budget, held, remote })
@@ -97,7 +94,7 @@ fn fetching_machine() -> &'static MachineInfo {
 /// Returns the format in which a machine fetches tiles.
 fn tile_format(config: &MachineConfig) -> Result<TileFormat, String> {
     let fetch = config.tile_fetch().ok_or_else(|| format!("only machine {} renders from a server", fetching_machine().name))?;
-    Ok((fetch.tile, (fetch.encoding, fetch.jpeg_quality)))
+    Ok(fetch.format)
 }
 
 /// Returns the memory limit for untrusted input. The page has 4 GiB of address space in total.

@@ -3,7 +3,7 @@
 use crate::connection::ServerConnection;
 use crate::host_page::PageResponse;
 use basrelief_deferred_renderer::server::place_of;
-use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileFormat, TileSource};
 use basrelief_signals::Texture;
 use basrelief_tile_server::protocol::{
     GroupHashes, MAX_LIST_BYTES, MAX_TILE_BYTES, TileCatalog, group_of, hash_of_received, hashes_path, max_tiles_per_request,
@@ -30,21 +30,21 @@ pub(crate) struct PathTiles {
 }
 
 impl PathTiles {
-    pub(crate) fn new(path: Rc<ServerConnection>, hashes: Rc<GroupHashes>, encoding: (TileEncoding, u8)) -> Self {
-        Self { path, hashes, offered: TileCatalog::new(encoding), announced: VecDeque::new(), ahead: Vec::new() }
+    pub(crate) fn new(path: Rc<ServerConnection>, hashes: Rc<GroupHashes>, format: TileFormat) -> Self {
+        Self { path, hashes, offered: TileCatalog::new(format), announced: VecDeque::new(), ahead: Vec::new() }
     }
 
     pub(crate) fn address(&self, page: &TexturePage, tiles: &[u32]) -> String {
-        tiles_path(&self.offered.picture(page.texture), page.cut, self.offered.encoding, tiles)
+        tiles_path(&self.offered.picture(page.texture), self.offered.format, tiles)
     }
 
     pub(crate) fn is_here(&self, address: &str) -> bool {
         self.ahead.iter().any(|(of, _)| of == address) || self.path.cached(address).is_some()
     }
 
-    /// Returns a tile of this size in the encoding of the tiles.
+    /// Encodes a tile of this size.
     pub(crate) fn encode(&self, texels: &[[u8; 4]], size: [u32; 2]) -> Result<Vec<u8>, String> {
-        let (encoding, quality) = self.offered.encoding;
+        let TileFormat { encoding, quality, .. } = self.offered.format;
         encoding.encode(texels, size, quality)
     }
 
@@ -66,13 +66,13 @@ impl PathTiles {
     /// Returns the address of the hashes that check a tile. `None` for the tile of the top layer, which the scene itself checks.
     pub(crate) fn list_address(&self, page: &TexturePage, tile: u32) -> Option<String> {
         let picture = self.offered.picture(page.texture);
-        (tile > 0).then(|| hashes_path(&picture, page.cut.tile, self.offered.encoding, group_of(tile)))
+        (tile > 0).then(|| hashes_path(&picture, self.offered.format, group_of(tile)))
     }
 
     /// Returns the list of the hashes of the group of a tile, and fetches it at its first use.
-    fn hashes_of(&self, picture: &str, page: &TexturePage, tile: u32) -> Result<Arc<[u8]>, String> {
+    fn hashes_of(&self, picture: &str, tile: u32) -> Result<Arc<[u8]>, String> {
         let group = group_of(tile);
-        let address = hashes_path(picture, page.cut.tile, self.offered.encoding, group);
+        let address = hashes_path(picture, self.offered.format, group);
         if let Some(list) = self.path.cached(&address) {
             return Ok(list);
         }
@@ -94,8 +94,8 @@ impl PathTiles {
             if tile.len() as u64 > MAX_TILE_BYTES {
                 return Err(format!("too long: more than {MAX_TILE_BYTES} bytes"));
             }
-            let hash = hash_of_received(self.offered.encoding.0, page, *number, tile)?;
-            self.hashes.check_tile(picture, *number, hash, || self.hashes_of(picture, page, *number))?;
+            let hash = hash_of_received(self.offered.format, page, *number, tile)?;
+            self.hashes.check_tile(picture, *number, hash, || self.hashes_of(picture, *number))?;
         }
         Ok(())
     }

@@ -42,7 +42,7 @@ fn scene_of(
     shown: &TileProgress,
     budget: &MemoryPool,
 ) -> CommandResult<(PreparedScene, GroupHashes)> {
-    let address = scene_path(fetch.tile, (fetch.encoding, fetch.jpeg_quality));
+    let address = scene_path(fetch.format);
     let (url, body, _held) = fetcher.scene(&address, |bytes| shown.scene(bytes)).map_err(CommandError::BadInput)?;
     let ReceivedScene { subject, hashes, held } = unpack(&body, &url, budget).map_err(CommandError::BadInput)?;
     held.keep_forever();

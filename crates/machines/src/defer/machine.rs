@@ -149,7 +149,7 @@ fn cell_format(config: &DeferConfig) -> CellFormat {
 }
 
 fn cut(config: &DeferConfig) -> PyramidCut {
-    PyramidCut { tile: [config.tile.width, config.tile.height], centre: config.defer.texel_centre, most_depth: config.defer.dmax }
+    PyramidCut { tile: config.tile.format().size, centre: config.defer.texel_centre, most_depth: config.defer.dmax }
 }
 
 impl<F: FrontEnd> PictureMachine for DeferredRenderer<F> {

@@ -45,11 +45,9 @@ impl MachineSpec for DeferConfig {
     }
 
     fn tile_fetch(&self) -> Option<TileFetch> {
-        let (tile, path) = (&self.tile, &self.path);
+        let path = &self.path;
         Some(TileFetch {
-            tile: [tile.width, tile.height],
-            encoding: tile.encoding,
-            jpeg_quality: tile.jpeg_quality,
+            format: self.tile.format(),
             requests: path.requests,
             tiles_per_request: path.tiles_per_request,
             left_at_ms: if self.acts_at_times() { self.defer.left_at_ms.clone() } else { vec![] },

@@ -4,7 +4,7 @@ use super::Fetcher;
 use super::fetch::EarlierAttempts;
 use super::metrics::BodyKind;
 use crate::protocol::{GroupHashes, MAX_LIST_BYTES, TileHash, group_of, hashes_path};
-use basrelief_deferred_renderer::TileEncoding;
+use basrelief_deferred_renderer::TileFormat;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -23,13 +23,12 @@ pub(super) struct HashLists {
     lists: Mutex<BTreeMap<GroupKey, ListSlot>>,
 }
 
-/// A tile of a picture, its size and its encoding.
+/// A tile of a picture, and its format.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HashedTile<'a> {
     pub(super) picture: &'a Arc<str>,
     pub(super) tile: u32,
-    pub(super) size: [u32; 2],
-    pub(super) encoding: (TileEncoding, u8),
+    pub(super) format: TileFormat,
 }
 
 /// Waits, and returns false if the tile is no longer needed.
@@ -91,7 +90,7 @@ impl HashLists {
     ) -> FetchedList {
         let fetch = || {
             let group = group_of(tile.tile);
-            let address = hashes_path(tile.picture, tile.size, tile.encoding, group);
+            let address = hashes_path(tile.picture, tile.format, group);
             let check = |body: &[u8]| self.hashes.check_list(tile.picture, group, body);
             let body = fetcher.body(&address, MAX_LIST_BYTES, BodyKind::Other, check, EarlierAttempts::default(), pause)?;
             fetcher.budget().try_reserve(body.len() as u64, "hashes of tiles").map_err(|e| e.to_string())?.keep_forever();

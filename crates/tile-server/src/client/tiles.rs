@@ -8,7 +8,7 @@ use super::schedule::ViewSchedule;
 use super::{FetchProgress, Fetcher, TileStore};
 use crate::protocol::{GroupHashes, MAX_TILE_BYTES, TileCatalog, hash_of_received, max_tiles_per_request, tiles_path};
 use basrelief_deferred_renderer::server::place_of;
-use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding, TileSource, ViewUser};
+use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileFormat, TileSource, ViewUser};
 use basrelief_signals::Texture;
 use basrelief_sim::TileFetch;
 use std::sync::Arc;
@@ -21,8 +21,7 @@ struct FetchWorker {
     queue: Arc<TileFetchQueue>,
     fetcher: Fetcher,
     hashes: Arc<HashLists>,
-    /// Encoding and quality.
-    encoding: (TileEncoding, u8),
+    format: TileFormat,
     tiles_per_request: usize,
     kept: Option<TileStore>,
     progress: Arc<dyn FetchProgress>,
@@ -53,7 +52,7 @@ impl FetchWorker {
 
     /// Returns a tile with its format.
     fn with_format<'a>(&self, wanted: &'a TileRequest) -> HashedTile<'a> {
-        HashedTile { picture: &wanted.picture, tile: wanted.tile, size: wanted.page.cut.tile, encoding: self.encoding }
+        HashedTile { picture: &wanted.picture, tile: wanted.tile, format: self.format }
     }
 
     /// Returns a function that waits, and returns false once the queue is closed.
@@ -89,7 +88,7 @@ impl FetchWorker {
 
     /// Checks a tile.
     fn check(&self, wanted: &TileRequest, body: &[u8]) -> Result<(), String> {
-        let hash = hash_of_received(self.encoding.0, &wanted.page, wanted.tile, body)?;
+        let hash = hash_of_received(self.format, &wanted.page, wanted.tile, body)?;
         self.hashes.check(self.with_format(wanted), hash, &self.fetcher, &self.pause())
     }
 
@@ -115,7 +114,7 @@ impl FetchWorker {
     fn address(&self, requests: &[&TileRequest]) -> String {
         let numbers: Vec<u32> = requests.iter().map(|request| request.tile).collect();
         let first = requests.first();
-        first.map_or_else(String::new, |first| tiles_path(&first.picture, first.page.cut, self.encoding, &numbers))
+        first.map_or_else(String::new, |first| tiles_path(&first.picture, self.format, &numbers))
     }
 }
 
@@ -137,12 +136,11 @@ impl RemoteTiles {
         kept: Option<TileStore>,
         progress: Arc<dyn FetchProgress>,
     ) -> Self {
-        let TileFetch { tile: _, encoding, jpeg_quality, requests, tiles_per_request, left_at_ms } = fetch;
-        let encoding = (encoding, jpeg_quality);
-        let queue = Arc::new(TileFetchQueue::new(TileCatalog::new(encoding), fetcher.metrics().clone(), progress.clone()));
+        let TileFetch { format, requests, tiles_per_request, left_at_ms } = fetch;
+        let queue = Arc::new(TileFetchQueue::new(TileCatalog::new(format), fetcher.metrics().clone(), progress.clone()));
         let user = (!left_at_ms.is_empty()).then(|| Arc::new(ViewSchedule::new(Arc::clone(&queue), left_at_ms)));
         let (hashes, tiles_per_request) = (Arc::new(HashLists::new(hashes)), tiles_per_request as usize);
-        let worker = FetchWorker { queue, fetcher, hashes, encoding, tiles_per_request, kept, progress };
+        let worker = FetchWorker { queue, fetcher, hashes, format, tiles_per_request, kept, progress };
         let start = |_| {
             let worker = worker.clone();
             thread::spawn(move || worker.fetch_until_closed())

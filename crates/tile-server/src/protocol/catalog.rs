@@ -1,7 +1,7 @@
 //! Tiles of a server as the renderer knows them: addresses, checks and sizes.
 
-use super::{encoding_name, hex};
-use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding};
+use super::{bytes_path, hex};
+use basrelief_deferred_renderer::{PyramidCut, TexturePage, TileEncoding, TileFormat};
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,19 +9,19 @@ use std::sync::Arc;
 /// Maximum size of a tile \[bytes\]; 512 x 512 texels are smaller in every encoding.
 pub const MAX_TILE_BYTES: u64 = 1 << 21;
 
-/// Textures on a server, and the encoding of their tiles.
+/// Textures on a server, and the format of their tiles.
 #[derive(Clone, Debug, Default)]
 pub struct TileCatalog {
-    /// Encoding of tiles, with its quality.
-    pub encoding: (TileEncoding, u8),
+    /// Format of the tiles.
+    pub format: TileFormat,
     /// Hashes of the pictures by texture number.
     pictures: BTreeMap<u32, Arc<str>>,
 }
 
 impl TileCatalog {
     /// Makes an empty catalog.
-    pub fn new(encoding: (TileEncoding, u8)) -> Self {
-        Self { encoding, pictures: BTreeMap::new() }
+    pub fn new(format: TileFormat) -> Self {
+        Self { format, pictures: BTreeMap::new() }
     }
 
     /// Adds a texture of the scene, which carries the hash of its picture.
@@ -44,21 +44,10 @@ impl TileCatalog {
         cut: PyramidCut,
         number: impl FnOnce(&str) -> Result<u64, String>,
     ) -> Option<u64> {
-        if self.encoding.0 == TileEncoding::Raw {
+        if self.format.encoding == TileEncoding::Raw {
             return Some(cut.raw_bytes(texture.levels.first().map_or([1; 2], |image| [image.width, image.height])));
         }
         let (picture, layer) = (hex(texture.elsewhere.as_ref()?), TexturePage::new(0, texture, cut, 0).dmax());
-        number(&format!("bytes/{}/{layer}", cut_name(&picture, cut.tile, self.encoding))).ok()
+        number(&bytes_path(&picture, self.format, layer)).ok()
     }
-}
-
-/// Returns picture, tile size and encoding as part of an address.
-pub(crate) fn cut_name(picture: &str, [width, height]: [u32; 2], encoding: (TileEncoding, u8)) -> String {
-    format!("{picture}/{width}x{height}/{}", encoding_name(encoding))
-}
-
-/// Returns the address of tiles of a picture.
-pub fn tiles_path(picture: &str, cut: PyramidCut, encoding: (TileEncoding, u8), tiles: &[u32]) -> String {
-    let numbers: Vec<String> = tiles.iter().map(u32::to_string).collect();
-    format!("tile/{}/{}", cut_name(picture, cut.tile, encoding), numbers.join(","))
 }

@@ -4,8 +4,8 @@
 //! The first group is tile 0 alone, the layer of a single tile. A client can compute its list from the tile, so the first progressive
 //! picture needs no list.
 
-use super::{cut_name, hash_of, hex};
-use basrelief_deferred_renderer::{TexturePage, TileEncoding};
+use super::{hash_of, hex};
+use basrelief_deferred_renderer::{TexturePage, TileEncoding, TileFormat};
 use basrelief_input::{MemoryPool, MemoryReservation};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
@@ -49,19 +49,19 @@ pub fn tiles_in_group(group: u32, tiles: u32) -> Range<u32> {
 ///
 /// # Errors
 /// The tile cannot be encoded.
-pub fn hash_of_tile((encoding, quality): (TileEncoding, u8), texels: &[[u8; 4]], size: [u32; 2]) -> Result<TileHash, String> {
-    let encoding = if encoding == TileEncoding::Jpeg { encoding } else { TileEncoding::Raw };
-    encoding.encode(texels, size, quality).map(|bytes| hash_of_bytes(&bytes))
+pub fn hash_of_tile(format: TileFormat, texels: &[[u8; 4]], size: [u32; 2]) -> Result<TileHash, String> {
+    let encoding = if format.encoding == TileEncoding::Jpeg { TileEncoding::Jpeg } else { TileEncoding::Raw };
+    encoding.encode(texels, size, format.quality).map(|bytes| hash_of_bytes(&bytes))
 }
 
 /// Returns the hash of a received tile.
 ///
 /// # Errors
 /// The tile is damaged or has another size.
-pub fn hash_of_received(encoding: TileEncoding, page: &TexturePage, tile: u32, body: &[u8]) -> Result<TileHash, String> {
+pub fn hash_of_received(format: TileFormat, page: &TexturePage, tile: u32, body: &[u8]) -> Result<TileHash, String> {
     let size = page.texels_of(tile).size();
-    let texels = encoding.decode(body, size).map_err(|e| format!("corrupt: {e}"))?;
-    if encoding == TileEncoding::Jpeg { Ok(hash_of_bytes(body)) } else { hash_of_tile((encoding, 100), &texels, size) }
+    let texels = format.encoding.decode(body, size).map_err(|e| format!("corrupt: {e}"))?;
+    if format.encoding == TileEncoding::Jpeg { Ok(hash_of_bytes(body)) } else { hash_of_tile(format, &texels, size) }
 }
 
 fn hash_of_bytes(bytes: &[u8]) -> TileHash {
@@ -72,11 +72,6 @@ fn hash_of_bytes(bytes: &[u8]) -> TileHash {
 /// Returns the hash of a list.
 pub fn hash_of_list(list: &[u8]) -> [u8; 32] {
     Sha256::digest(list).into()
-}
-
-/// Returns the address of the list of a group of tiles of a picture.
-pub fn hashes_path(picture: &str, tile: [u32; 2], encoding: (TileEncoding, u8), group: u32) -> String {
-    format!("hashes/{}/{group}", cut_name(picture, tile, encoding))
 }
 
 /// Error of a tile with another hash.

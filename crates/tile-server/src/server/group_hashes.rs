@@ -1,25 +1,22 @@
 //! The scene with the hashes of its tiles, and the lists behind these hashes.
 
 use super::http::{CachePolicy, Response};
-use super::scenes::{BYTES, BodyResult, SceneService, TiledPicture, parse_format};
+use super::scenes::{BYTES, BodyResult, SceneService, TiledPicture};
 use crate::protocol::{
-    GroupHashes, encoding_name, etag_of_parts, group_of, hash_of_list, hash_of_picture, hash_of_tile, tiles_in_group,
+    GroupHashes, etag_of_parts, format_name, group_of, hash_of_list, hash_of_picture, hash_of_tile, parse_format, tiles_in_group,
 };
-use basrelief_deferred_renderer::{PyramidCut, TileEncoding};
+use basrelief_deferred_renderer::TileFormat;
 use basrelief_threads as threads;
 use std::sync::{Arc, PoisonError};
 
 /// Maximum number of tile sizes and encodings whose hashes are cached.
 const MOST_FORMATS: usize = 16;
-/// Encoding of the tiles of `/scene` without a format, which is the default of the machine.
-const DEFAULT_ENCODING: (TileEncoding, u8) = (TileEncoding::Raw, 100);
 
 impl SceneService {
     /// Returns the scene with the hashes of its tiles. `format` is `WIDTHxHEIGHT/ENCODING`, or the default of the machine.
     pub(crate) fn scene(&self, format: Option<&str>) -> Result<Response, (u16, String)> {
         let wrong = || (400, "expected /scene/WIDTHxHEIGHT/ENCODING\n".to_owned());
-        let [width, height] = PyramidCut::default().tile;
-        let default = format!("{width}x{height}/{}", encoding_name(DEFAULT_ENCODING));
+        let default = format_name(TileFormat::default());
         let format = format.unwrap_or(&default);
         let mut cached = self.hashes.lock().unwrap_or_else(PoisonError::into_inner);
         if !cached.contains_key(format) {
@@ -67,7 +64,7 @@ impl SceneService {
         for number in tiles_in_group(group, cut.page.tiles()) {
             let _permit = self.encoders.acquire();
             let (texels, size) = cut.texels(number);
-            list.extend(hash_of_tile(cut.encoding, &texels, size).map_err(|e| (500, e))?);
+            list.extend(hash_of_tile(cut.format, &texels, size).map_err(|e| (500, e))?);
         }
         Ok(list)
     }

@@ -4,8 +4,8 @@ use super::StaticFiles;
 use super::http::{CachePolicy, Response};
 use super::listen::{ListeningServer, RequestHandler, ServerLimits, listen};
 use super::semaphore::Semaphore;
-use crate::protocol::{MAX_TILES_PER_REQUEST, etag_of, hash_of_picture, hex, join, parse_encoding};
-use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TexturePage, TileEncoding};
+use crate::protocol::{MAX_TILES_PER_REQUEST, etag_of, hash_of_picture, hex, join, parse_format};
+use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TexturePage, TileEncoding, TileFormat};
 use basrelief_signals::Texture;
 use basrelief_threads as threads;
 use std::collections::BTreeMap;
@@ -20,8 +20,8 @@ const MOST_SUMS: usize = 1 << 10;
 const SMALL_BODY: u64 = 1 << 16;
 pub(super) const BYTES: &str = "application/octet-stream";
 
-/// Size of tiles, encoding, and layer.
-type LayerKey = ([u32; 2], (TileEncoding, u8), usize);
+/// Format of tiles, and layer.
+type LayerKey = (TileFormat, usize);
 
 /// A served picture.
 #[derive(Debug)]
@@ -139,7 +139,7 @@ impl SceneService {
         let layers = &cut.page.layers;
         let found = layers.get(layer).ok_or_else(|| (404, format!("this picture has {} layers\n", layers.len())))?;
         let mut sums = cut.offered.sums.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (cut.page.cut.tile, cut.encoding, layer);
+        let key = (cut.format, layer);
         if let Some(&bytes) = sums.get(&key) {
             return Ok(bytes);
         }
@@ -157,12 +157,12 @@ impl SceneService {
     /// Parses picture, tile size and encoding; `None` if the address has another form.
     pub(super) fn parse_picture(&self, asked: &str) -> Result<Option<TiledPicture<'_>>, (u16, String)> {
         let Some((picture, format)) = asked.split_once('/') else { return Ok(None) };
-        let Some((tile, encoding)) = parse_format(format) else { return Ok(None) };
+        let Some(format) = parse_format(format) else { return Ok(None) };
         let Some(offered) = self.pictures.get(picture) else {
             return Err((404, "there is no such picture: the server may have another scene by now\n".into()));
         };
-        let page = TexturePage::new(0, &offered.texture, PyramidCut { tile, ..PyramidCut::default() }, 0);
-        Ok(Some(TiledPicture { offered, page, encoding }))
+        let page = TexturePage::new(0, &offered.texture, PyramidCut { tile: format.size, ..PyramidCut::default() }, 0);
+        Ok(Some(TiledPicture { offered, page, format }))
     }
 
     /// Returns the response to a path that is no file of the viewer.
@@ -191,15 +191,6 @@ impl SceneService {
     }
 }
 
-/// Parses `WIDTHxHEIGHT/ENCODING`.
-pub(super) fn parse_format(format: &str) -> Option<([u32; 2], (TileEncoding, u8))> {
-    let (size, encoding) = format.split_once('/')?;
-    let (width, height) = size.split_once('x')?;
-    // One address per tile: `+64` and `064` are no sizes.
-    let side = |s: &str| s.parse::<u32>().ok().filter(|n| n.is_power_of_two() && (4..=512).contains(n) && n.to_string() == s);
-    Some(([side(width)?, side(height)?], parse_encoding(encoding)?))
-}
-
 impl RequestHandler for SceneService {
     fn answer(&self, path: &str) -> Response {
         if let Some(file) = self.viewer.file(path) {
@@ -213,7 +204,7 @@ impl RequestHandler for SceneService {
     fn body_bytes(&self, path: &str) -> u64 {
         let tiles = path.strip_prefix("/tile/").and_then(|asked| asked.rsplit_once('/'));
         let texels = tiles.and_then(|(cut, numbers)| {
-            let ([width, height], _) = parse_format(cut.split_once('/')?.1)?;
+            let [width, height] = parse_format(cut.split_once('/')?.1)?.size;
             Some(u64::from(width * height) * numbers.split(',').count() as u64)
         });
         // An encoded tile is hardly larger than its raw texels, and has a length before it.
@@ -234,19 +225,18 @@ impl RequestHandler for SceneService {
 pub(super) struct TiledPicture<'a> {
     offered: &'a ServedPicture,
     pub(super) page: TexturePage,
-    /// Encoding and JPEG quality.
-    pub(super) encoding: (TileEncoding, u8),
+    pub(super) format: TileFormat,
 }
 
 impl TiledPicture<'_> {
     pub(super) fn tile(&self, number: u32) -> Result<Vec<u8>, (u16, String)> {
-        let Self { page, encoding: (encoding, quality), .. } = self;
+        let Self { page, format, .. } = self;
         if number >= page.tiles() {
             return Err((404, format!("this picture has {} tiles\n", page.tiles())));
         }
         let (texels, size) = self.texels(number);
         // Encoded without the lock, so that several threads can encode.
-        encoding.encode(&texels, size, *quality).map_err(|e| (500, e))
+        format.encoding.encode(&texels, size, format.quality).map_err(|e| (500, e))
     }
 
     /// Returns the texels of a tile, and its size.
@@ -257,7 +247,7 @@ impl TiledPicture<'_> {
 
     /// Returns the media type.
     fn kind(&self) -> &'static str {
-        match self.encoding.0 {
+        match self.format.encoding {
             TileEncoding::Raw => BYTES,
             TileEncoding::Png => "image/png",
             TileEncoding::Jpeg => "image/jpeg",

@@ -26,7 +26,8 @@ fn crowded_clients_get_every_tile() {
     let look_around = &|client: usize| {
         let fetcher = new_fetcher(&format!("http://{address}"), RetryPolicy::default());
         let meter = fetcher.metrics().clone();
-        let fetch = TileFetch { tile: [16, 16], encoding: TileEncoding::Raw, jpeg_quality: 100, ..fetch(IN_FLIGHT, 1) };
+        let format = TileFormat { size: [16, 16], encoding: TileEncoding::Raw, quality: 100 };
+        let fetch = TileFetch { format, ..fetch(IN_FLIGHT, 1) };
         let mut source = source_without_cache(fetcher, fetch);
         source.offer(&texture_without_texels());
         source.announce(&tiles);

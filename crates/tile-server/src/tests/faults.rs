@@ -17,7 +17,8 @@ fn tiles_are_equal_for_any_requests_in_flight() {
 #[test]
 fn prefetch_is_bounded() {
     let (url, count) = faulty(u32::MAX, |_| ResponseFault::None);
-    let mut tiles = source_without_cache(new_fetcher(&url, PATIENT), TileFetch { tile: [4, 4], ..fetch(4, 1) });
+    let mut tiles =
+        source_without_cache(new_fetcher(&url, PATIENT), TileFetch { format: TileFormat { size: [4, 4], ..PNG }, ..fetch(4, 1) });
     let page = Arc::new(TexturePage::new(0, &texture(), PyramidCut { tile: [4, 4], ..PyramidCut::default() }, 0));
     let all: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
     tiles.offer(&texture_without_texels());

@@ -46,7 +46,7 @@ fn lying_server(lists: bool) -> String {
 /// Returns the hashes in the scene of the honest server.
 fn scene_hashes() -> GroupHashes {
     let url = honest_server();
-    let (_, body, _) = new_fetcher(&url, PATIENT).scene(&scene_path([64, 64], (TileEncoding::Png, 85)), |_| ()).unwrap();
+    let (_, body, _) = new_fetcher(&url, PATIENT).scene(&scene_path(PNG), |_| ()).unwrap();
     let ReceivedScene { hashes, .. } = unpack(&body, &url, &MemoryPool::default()).unwrap();
     hashes
 }

@@ -11,7 +11,7 @@ mod turning;
 use crate::client::{Fetcher, NoProgress, RemoteTiles, RetryPolicy, TileCache, TileStore};
 use crate::protocol::{GroupHashes, group_of, hash_of, hash_of_list, hash_of_picture, hash_of_tile, hex, tiles_in_group};
 use crate::server::SceneService;
-use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TextureMemory, TexturePage, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{PyramidCut, ServedTexture, TextureMemory, TexturePage, TileEncoding, TileFormat, TileSource};
 use basrelief_input::MemoryPool;
 use basrelief_signals::{Image, Sampler, Texture};
 use basrelief_sim::TileFetch;
@@ -220,11 +220,11 @@ fn store_in(cache: TileCache) -> TileStore {
 
 /// Returns the lists of the groups of a texture.
 fn lists(texture: &Arc<Texture>, fetch: &TileFetch) -> Vec<Vec<u8>> {
-    let page = TexturePage::new(0, texture, PyramidCut { tile: fetch.tile, ..PyramidCut::default() }, 0);
+    let page = TexturePage::new(0, texture, PyramidCut { tile: fetch.format.size, ..PyramidCut::default() }, 0);
     let mut served = ServedTexture::new(Arc::clone(texture));
     let mut hash = |tile| {
         let size = page.texels_of(tile).size();
-        hash_of_tile((fetch.encoding, fetch.jpeg_quality), &served.tile(&page, tile), size).unwrap()
+        hash_of_tile(fetch.format, &served.tile(&page, tile), size).unwrap()
     };
     let groups = 0..=group_of(page.tiles() - 1);
     groups.map(|group| tiles_in_group(group, page.tiles()).flat_map(&mut hash).collect()).collect()
@@ -248,9 +248,12 @@ fn source_without_cache(fetcher: Fetcher, fetch: TileFetch) -> RemoteTiles {
     source(fetcher, fetch, None)
 }
 
+/// Format of tiles.
+const PNG: TileFormat = TileFormat { size: [64, 64], encoding: TileEncoding::Png, quality: 85 };
+
 /// Returns options for PNG tiles.
 fn fetch(requests: u32, tiles_per_request: u32) -> TileFetch {
-    TileFetch { tile: [64, 64], encoding: TileEncoding::Png, jpeg_quality: 85, requests, tiles_per_request, left_at_ms: vec![] }
+    TileFetch { format: PNG, requests, tiles_per_request, left_at_ms: vec![] }
 }
 
 fn announce_all(source: &mut dyn TileSource) {

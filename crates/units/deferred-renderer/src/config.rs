@@ -1,6 +1,6 @@
 //! Parameters of the rate-limited renderer (100).
 
-use crate::encoding::TileEncoding;
+use crate::encoding::{TileEncoding, TileFormat};
 use crate::page::TexelCentre;
 use basrelief_parameters::parameters;
 use basrelief_signals::WrapMode;
@@ -134,6 +134,20 @@ parameters! {
         order: TileOrder = TileOrder::Listed, unit: "", Stated("Figure 6");
         /// Texels that expansion outputs per cycle. Raw tiles need none.
         expand_rate: u32 = 1, unit: "texels/cycle", Assumed("an inverse cosine transform of one sample of each channel per cycle"), range: 1..=64;
+    }
+}
+
+impl TileConfig {
+    /// Returns size and encoding of the tiles.
+    pub fn format(&self) -> TileFormat {
+        TileFormat { size: [self.width, self.height], encoding: self.encoding, quality: self.jpeg_quality }
+    }
+}
+
+impl Default for TileFormat {
+    /// Returns the format that the device fetches by default.
+    fn default() -> Self {
+        TileConfig::default().format()
     }
 }
 

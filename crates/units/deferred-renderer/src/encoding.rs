@@ -19,6 +19,17 @@ pub enum TileEncoding {
     Jpeg,
 }
 
+/// Size and encoding of the tiles of pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct TileFormat {
+    /// Width and height of a whole tile \[texels\].
+    pub size: [u32; 2],
+    /// Encoding of the tiles on the path.
+    pub encoding: TileEncoding,
+    /// JPEG quality, 1 to 100; other encodings ignore it.
+    pub quality: u8,
+}
+
 impl TileEncoding {
     /// Encodes the texels of a tile of this size. `quality` (1..=100) applies to JPEG.
     ///

@@ -54,7 +54,7 @@ pub use config::{
     CellConfig, DepthPixel, EngineConfig, LightingMode, NumberFormat, PathConfig, RenderMode, RendererConfig, TileConfig,
     TileOrder, WrapOverride,
 };
-pub use encoding::TileEncoding;
+pub use encoding::{TileEncoding, TileFormat};
 pub use expander::Expander;
 pub use identification::{Identification, IdentificationCounters, IdentificationState};
 pub use leaving::{UpcomingTiles, ViewUser, ViewpointEnds};

@@ -3,12 +3,11 @@
 use super::*;
 use crate::connection::{ServerConnection, TransferTotals};
 use crate::host_page::HostPage as _;
-use crate::tiles::tests::{Server, expected, hash_list, hashes, page, path, texture_without_texels};
-use basrelief_deferred_renderer::TileEncoding;
+use crate::tiles::tests::{RAW, Server, expected, hash_list, hashes, page, path, texture_without_texels};
 use basrelief_input::MemoryPool;
 
 fn tiles(path: &Rc<ServerConnection>) -> PathTiles {
-    PathTiles::new(Rc::clone(path), hashes(&hash_list()), (TileEncoding::Raw, 100))
+    PathTiles::new(Rc::clone(path), hashes(&hash_list()), RAW)
 }
 
 /// Draws with these tiles in one list. Returns them and the record.

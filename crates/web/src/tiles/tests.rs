@@ -3,11 +3,14 @@
 use super::*;
 use crate::connection::TransferTotals;
 use crate::host_page::{HostPage, PageResponse};
-use basrelief_deferred_renderer::TextureMemory;
+use basrelief_deferred_renderer::{TextureMemory, TileEncoding};
 use basrelief_input::MemoryPool;
 use basrelief_signals::{Image, Sampler};
 use basrelief_tile_server::protocol::{etag_of, hash_of_list, hash_of_picture, hash_of_received, hex, join};
 use std::cell::RefCell;
+
+/// Format of the tiles.
+pub(crate) const RAW: TileFormat = TileFormat { size: [64, 64], encoding: TileEncoding::Raw, quality: 100 };
 
 fn texture() -> Arc<Texture> {
     let texels = (0..200 * 90).map(|i: u32| [i as u8, (i / 7) as u8, (i / 200) as u8, 255]).collect();
@@ -24,14 +27,14 @@ pub(crate) fn texture_without_texels() -> Arc<Texture> {
 /// Returns the list of the hashes of all tiles.
 pub(crate) fn hash_list() -> Vec<u8> {
     let tiles: Vec<u32> = (1..page().tiles()).collect();
-    let hash = |(body, tile): (&Arc<[u8]>, &u32)| hash_of_received(TileEncoding::Raw, &page(), *tile, body).unwrap();
+    let hash = |(body, tile): (&Arc<[u8]>, &u32)| hash_of_received(RAW, &page(), *tile, body).unwrap();
     expected(&tiles).iter().zip(&tiles).flat_map(hash).collect()
 }
 
 /// Returns the hashes in the scene.
 pub(crate) fn hashes(list: &[u8]) -> Rc<GroupHashes> {
     let mut hashes = GroupHashes::default();
-    let top = hash_of_received(TileEncoding::Raw, &page(), 0, &expected(&[0])[0]).unwrap();
+    let top = hash_of_received(RAW, &page(), 0, &expected(&[0])[0]).unwrap();
     hashes.insert(hash_of_picture(&texture()), vec![hash_of_list(&top), hash_of_list(list)]);
     Rc::new(hashes)
 }
@@ -91,7 +94,7 @@ fn take(path: &Rc<ServerConnection>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, St
 }
 
 fn take_with(path: &Rc<ServerConnection>, hashes: Rc<GroupHashes>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
-    let mut source = PathTiles::new(Rc::clone(path), hashes, (TileEncoding::Raw, 100));
+    let mut source = PathTiles::new(Rc::clone(path), hashes, RAW);
     source.offer(&texture_without_texels());
     source.announce(&tiles.iter().map(|tile| (page(), *tile)).collect::<Vec<_>>());
     tiles.iter().map(|tile| source.tile(&page(), *tile)).collect()
