@@ -184,7 +184,7 @@ impl ColumnChart<'_> {
         let placed = self.columns.iter().enumerate().map(|(i, (text, _))| (LEFT + (i as f64 + 0.5) * each, text));
         // A number that would be cut off at the right is left out.
         let shown = placed.step_by(every).filter(|(x, text)| x + text.chars().count() as f64 * DIGIT / 2.0 <= self.size.0);
-        shown.map(|(x, text)| label("middle", x, ABOVE + height + 14.0, text)).collect()
+        numbers_below(shown, height)
     }
 
     /// Round numbers under the columns, as many as there is room for.
@@ -200,7 +200,7 @@ impl ColumnChart<'_> {
             // A number that would be cut off at the right is left out.
             *x < end && x + text.chars().count() as f64 * DIGIT / 2.0 <= self.size.0
         });
-        shown.map(|(x, text)| label("middle", x, ABOVE + height + 14.0, &text)).collect()
+        numbers_below(shown, height)
     }
 
     fn description(&self) -> String {
@@ -211,6 +211,15 @@ impl ColumnChart<'_> {
         });
         format!("{}: {highest}", self.title)
     }
+}
+
+/// Numbers under columns of this height, at these places. On a narrow screen every second one is hidden.
+fn numbers_below(shown: impl Iterator<Item = (f64, impl AsRef<str>)>, height: f64) -> Html {
+    let place = |(i, (x, text)): (usize, (f64, _))| {
+        let number = label("middle", x, ABOVE + height + 14.0, AsRef::as_ref(&text));
+        if i % 2 == 0 { number } else { el("g", &[("class", "odd")], [number]) }
+    };
+    shown.enumerate().map(place).collect()
 }
 
 /// Whole numbers whole, others with two decimals.
