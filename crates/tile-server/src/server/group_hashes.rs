@@ -9,7 +9,7 @@ use basrelief_deferred_renderer::TileFormat;
 use basrelief_threads as threads;
 use std::sync::{Arc, PoisonError};
 
-/// Maximum number of tile sizes and encodings whose hashes are cached.
+/// Maximum number of formats of tiles whose hashes are cached.
 const MOST_FORMATS: usize = 16;
 
 impl SceneService {
