@@ -8,7 +8,7 @@ use crate::diagram::{Diagram, FifoTopology, StageTopology};
 use crate::machine::{Machine, Visitor};
 use crate::memory::Memory;
 use crate::wires::Wires;
-use crate::{MemorySystem, Unit};
+use crate::{FifoInfo, MemorySystem, Unit};
 
 /// Everything on which timing depends, apart from the work of the units: stages, FIFOs, and memories in their initial state.
 #[derive(Clone, Debug)]
@@ -43,6 +43,14 @@ pub(crate) struct FifoSpec {
     /// Numbers of its producer and consumer stages.
     pub(crate) producer: usize,
     pub(crate) consumer: usize,
+}
+
+impl FifoSpec {
+    fn of(link: &FifoInfo) -> Self {
+        let (producer, consumer) = (link.producer().unwrap_or_default(), link.consumer().unwrap_or_default());
+        let (depth, latency, period, bits) = (link.depth(), link.latency(), link.period(), link.bits());
+        Self { name: link.name().into(), depth, latency, period, bits, producer, consumer }
+    }
 }
 
 impl Netlist {
@@ -111,9 +119,14 @@ impl Netlist {
 struct FifoNumbering(usize);
 impl Visitor for FifoNumbering {
     fn stage<P: BoundStage>(&mut self, mut place: P) {
-        let (_, connections) = place.open();
-        for i in 0..connections.outputs.count() {
-            connections.outputs.link_mut(i).set_number(self.0);
+        self.number(&mut place.open().1.outputs);
+    }
+}
+
+impl FifoNumbering {
+    fn number(&mut self, outputs: &mut dyn Wires) {
+        for i in 0..outputs.count() {
+            outputs.link_mut(i).set_number(self.0);
             self.0 += 1;
         }
     }
@@ -128,16 +141,19 @@ struct NetlistWalk {
 impl Visitor for NetlistWalk {
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
-        let numbers = |wires: &dyn Wires| (0..wires.count()).map(|i| wires.link(i).number()).collect();
         let clients = connections.clients.ids().to_vec();
         let credits = std::array::from_fn(|i| if i < clients.len() { stage.unit.largest_step(i) } else { 0 });
-        let (inputs, outputs) = (numbers(&connections.inputs), numbers(&connections.outputs));
         let (names, ideal) = (StageTopology::of(stage, connections), stage.is_ideal());
+        let (inputs, outputs) = (numbers(&connections.inputs), numbers(&connections.outputs));
         self.stages.push(StageInfo { names, inputs, outputs, clients, credits, ideal });
-        for link in (0..connections.outputs.count()).map(|i| connections.outputs.link(i)) {
-            let (producer, consumer) = (link.producer().unwrap_or_default(), link.consumer().unwrap_or_default());
-            let (depth, latency, period, bits) = (link.depth(), link.latency(), link.period(), link.bits());
-            self.fifos.push(FifoSpec { name: link.name().into(), depth, latency, period, bits, producer, consumer });
-        }
+        self.fifos.extend(specs(&connections.outputs));
     }
+}
+
+fn numbers(wires: &dyn Wires) -> Vec<usize> {
+    (0..wires.count()).map(|i| wires.link(i).number()).collect()
+}
+
+fn specs(outputs: &dyn Wires) -> impl Iterator<Item = FifoSpec> {
+    (0..outputs.count()).map(|i| FifoSpec::of(outputs.link(i)))
 }

@@ -4,25 +4,30 @@ use crate::bound_stage::BoundStage;
 use crate::connections::{Clients, Connections};
 use crate::diagram::StageTopology;
 use crate::machine::{Machine, Visitor};
-use crate::wires::{Inputs, Outputs};
+use crate::wires::Wires;
 use crate::{Stage, Unit};
 
 impl StageTopology {
     /// Describes a stage with its connections.
-    pub(crate) fn of<U, I: Inputs, O: Outputs, C: Clients>(stage: &Stage<U>, connections: &Connections<I, O, C>) -> Self
-    where
-        U: Unit,
-    {
+    pub(crate) fn of<U: Unit>(stage: &Stage<U>, connections: &Connections<impl Wires, impl Wires, impl Clients>) -> Self {
         let Connections { inputs, outputs, clients } = connections;
-        let client = |&c: &usize| clients.memories().map_or("", |s| s.client_name(c)).to_owned();
         Self {
             name: stage.name().into(),
             role: U::INFO,
-            inputs: (0..inputs.count()).map(|i| inputs.link(i).name().to_owned()).collect(),
-            outputs: (0..outputs.count()).map(|i| outputs.link(i).name().to_owned()).collect(),
-            clients: clients.ids().iter().map(client).collect(),
+            inputs: fifo_names(inputs),
+            outputs: fifo_names(outputs),
+            clients: client_names(clients),
         }
     }
+}
+
+fn fifo_names(wires: &dyn Wires) -> Vec<String> {
+    (0..wires.count()).map(|i| wires.link(i).name().to_owned()).collect()
+}
+
+fn client_names(clients: &impl Clients) -> Vec<String> {
+    let client = |&c: &usize| clients.memories().map_or("", |s| s.client_name(c)).to_owned();
+    clients.ids().iter().map(client).collect()
 }
 
 /// Returns all stages of a machine, in the order of its wiring.

@@ -33,13 +33,19 @@ pub(crate) fn wired<M: Machine>(mut machine: M, ideal_units: &str) -> Result<M, 
 fn make_ideal(machine: &mut impl Machine, names: &str) -> Result<(), ConfigProblem> {
     /// Units to idealize, and all units.
     struct UnitIdealizer<'a>(Vec<&'a str>, Vec<String>);
+    impl UnitIdealizer<'_> {
+        /// Records a unit. Returns true if it is to be idealized.
+        fn wants(&mut self, unit: &str) -> bool {
+            self.1.push(unit.into());
+            self.0.contains(&unit)
+        }
+    }
     impl Visitor for UnitIdealizer<'_> {
         fn stage<P: BoundStage>(&mut self, mut place: P) {
             let (stage, _) = place.open();
-            if self.0.contains(&stage.name()) {
+            if self.wants(stage.name()) {
                 stage.make_ideal();
             }
-            self.1.push(stage.name().into());
         }
     }
     let wanted: Vec<&str> = names.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();

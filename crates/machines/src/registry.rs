@@ -69,6 +69,8 @@ impl Default for MachineConfig {
 
 impl MachineConfig {
     /// Returns the machine.
+    // Inlined in another crate, it would be compiled there with all functions that it refers to.
+    #[inline(never)]
     pub fn machine(&self) -> &'static MachineInfo {
         fn info<S: MachineSpec>(_: &S) -> &'static MachineInfo
         where

@@ -17,10 +17,10 @@ use crate::machine::{Machine, Visitor};
 use crate::time::{AnyArity, FifoTiming, MachineTiming, StopReason, charge};
 use crate::{Cycle, Demand, MemoryPorts, Probe, Unit};
 
-/// One cycle of all stages.
-struct TickedCycle<'a, SomeProbe> {
+/// One cycle of all stages. The probe stands behind a pointer: this engine need not be fast, and so it is compiled once for all probes.
+struct TickedCycle<'a> {
     time: &'a mut MachineTiming,
-    probe: &'a mut SomeProbe,
+    probe: &'a mut dyn Probe,
     traffic: MemoryPorts,
     now: Cycle,
     stage: usize,
@@ -32,15 +32,15 @@ struct TickedCycle<'a, SomeProbe> {
     recording: Option<ActiveRecording<'a>>,
 }
 
-impl<SomeProbe: Probe> TickedCycle<'_, SomeProbe> {
+impl TickedCycle<'_> {
     /// Executes a step that starts now.
     fn execute_step(&mut self, number: usize, demand: Demand, work: &mut impl StepSource<Declared = Demand>) {
         for wait in self.waits[number].drain(..) {
-            charge(&mut self.time.accounts[number], self.probe, number, wait);
+            charge(&mut self.time.accounts[number], &mut self.probe, number, wait);
         }
         let takes = self.time.stages[number].inputs_of(demand);
         let made = work.step(demand, &mut self.traffic);
-        work.report_step(number, demand, &made, &self.traffic, self.probe);
+        work.report_step(number, demand, &made, &self.traffic, &mut self.probe);
         let (mut visit, _) = self.time.visit::<AnyArity>(number);
         let asks = work.requests(&mut self.traffic, &mut visit);
         visit.step_asking::<AnyArity>(self.now, takes, &made, asks);
@@ -49,9 +49,7 @@ impl<SomeProbe: Probe> TickedCycle<'_, SomeProbe> {
         }
         work.go_on(&mut self.traffic);
         self.fired = true;
-        if SomeProbe::is_on() {
-            self.probe.on_busy(number, self.now, self.time.stages[number].free);
-        }
+        self.probe.on_busy(number, self.now, self.time.stages[number].free);
         if self.traffic.fault.is_some() && self.fault.is_none() {
             let name = &self.time.shape.stages[number].names.name;
             self.fault = fault_of(&mut self.traffic, name, Some(self.now));
@@ -65,7 +63,7 @@ impl<SomeProbe: Probe> TickedCycle<'_, SomeProbe> {
     }
 }
 
-impl<SomeProbe: Probe> Visitor for TickedCycle<'_, SomeProbe> {
+impl Visitor for TickedCycle<'_> {
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let number = self.stage;
@@ -113,10 +111,10 @@ impl Visitor for AnyStart<'_> {
     }
 }
 
-pub(super) fn run<'a, M: Machine, P: Probe>(
+pub(super) fn run<'a, M: Machine>(
     machine: &mut M,
     time: &'a mut MachineTiming,
-    probe: &'a mut P,
+    probe: &'a mut dyn Probe,
     limits: RunLimits<'_, M>,
     recording: Option<ActiveRecording<'a>>,
 ) -> StopReason {
@@ -160,7 +158,7 @@ pub(super) fn run<'a, M: Machine, P: Probe>(
         }
         // Changes that may come after the end wait until the end is known.
         if tick.now.0 <= tick.time.known_total() {
-            tick.time.show_fills(tick.probe, None);
+            tick.time.show_fills(&mut tick.probe, None);
         }
         if !report_progress(machine, tick.time, &mut tick.recording, limits.progress) {
             return StopReason::Stopped;

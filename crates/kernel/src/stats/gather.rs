@@ -4,14 +4,18 @@ use super::{SlowFifo, UnitStats};
 use crate::client::Client;
 use crate::hardware::Hardware;
 use crate::machine::{Machine, Visitor};
-use crate::wires::{Outputs, Wires};
+use crate::wires::Wires;
 use crate::{BoundStage, MemorySystem, Unit};
 
 impl UnitStats {
-    /// Reports the FIFOs that a unit fills and whose width is known.
-    fn report_fifos(&mut self, outputs: &impl Outputs) {
+    /// Reports the FIFOs that a unit fills: those of known width, and those that its rates make slow.
+    fn report_fifos(&mut self, unit: &str, outputs: &dyn Wires) {
         for link in (0..outputs.count()).map(|i| outputs.link(i)).filter(|link| link.bits() > 0) {
             self.hardware.push(Hardware::of_fifo(link.name(), link.depth() as u64, link.bits(), link.latency()));
+        }
+        for rate in std::mem::take(&mut self.rates) {
+            assert!(rate.output < outputs.count(), "{unit} tells the rate of output {}", rate.output);
+            self.slow_fifos.extend(SlowFifo::of(outputs.link(rate.output), rate));
         }
     }
 
@@ -37,12 +41,7 @@ pub fn unit_stats(machine: &mut impl Machine) -> UnitStats {
             let (stage, connections) = place.open();
             self.0.place = stage.name().into();
             stage.unit.report_stats(&mut self.0);
-            let outputs = &connections.outputs;
-            self.0.report_fifos(outputs);
-            for rate in std::mem::take(&mut self.0.rates) {
-                assert!(rate.output < outputs.count(), "{} tells the rate of output {}", stage.name(), rate.output);
-                self.0.slow_fifos.extend(SlowFifo::of(outputs.link(rate.output), rate));
-            }
+            self.0.report_fifos(stage.name(), &connections.outputs);
         }
     }
     let mut gather = StatsVisitor(UnitStats::default());
