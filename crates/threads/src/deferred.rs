@@ -1,8 +1,8 @@
 //! Values computed in the background.
 
-use crate::{spawn, value_or_panic};
+use crate::{spawn, take, value_or_panic};
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 
 /// A value computed on a background thread, or by `get()` if no thread is available. If it is dropped, the thread finishes and its result
@@ -43,8 +43,7 @@ impl<T> fmt::Debug for Deferred<T> {
 }
 
 fn take_and_run<T>(work: &SharedWork<T>) -> Option<T> {
-    let taken = work.lock().unwrap_or_else(PoisonError::into_inner).take();
-    taken.map(|work| work())
+    take(work).map(|work| work())
 }
 
 #[cfg(test)]
