@@ -27,6 +27,12 @@ pub trait TextureFiles {
     fn open(&mut self, name: &str) -> io::Result<Box<dyn Read>>;
 }
 
+impl TextureFiles for Box<dyn TextureFiles> {
+    fn open(&mut self, name: &str) -> io::Result<Box<dyn Read>> {
+        (**self).open(name)
+    }
+}
+
 impl<F: FnMut(&str) -> io::Result<Box<dyn Read>>> TextureFiles for F {
     fn open(&mut self, name: &str) -> io::Result<Box<dyn Read>> {
         self(name)

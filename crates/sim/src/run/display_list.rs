@@ -42,12 +42,12 @@ pub fn input_sha256(source: RunInput, config: &MachineConfig, budget: &MemoryPoo
             let _textures = memory_estimates::reserve_textures(prepared.scene(), 0, budget)?;
             SceneHash::start(&prepared, config.front()).get()?
         }
-        RunInput::Trace { reader, mut files, .. } => Some(trace_hash(reader, move |name: &str| files.open(name), budget)?),
+        RunInput::Trace { reader, files, .. } => Some(trace_hash(reader, files, budget)?),
     };
     Ok(digest.map(|digest| digest.to_string()).unwrap_or_default())
 }
 
-fn trace_hash(reader: Box<dyn Read>, files: impl TextureFiles, budget: &MemoryPool) -> Result<Digest, TraceError> {
+fn trace_hash(reader: Box<dyn Read>, files: Box<dyn TextureFiles>, budget: &MemoryPool) -> Result<Digest, TraceError> {
     let mut resolver = TraceResolver::new(reader, files, budget)?;
     let mut hash = CanonicalHash::new(resolver.begin());
     for command in &mut resolver {

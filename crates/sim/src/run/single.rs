@@ -184,13 +184,13 @@ impl RunJob<'_> {
         probe: &mut P,
     ) -> Result<RunResult, RunError> {
         let Self { options, observer, step_polygons } = self;
-        let TraceInput { reader, mut files, name } = source;
+        let TraceInput { reader, files, name } = source;
         if spec.acts_at_times() {
             // A trace is a stream that can be read only once.
             let message = "a trace can be read only once, but the times in `defer.left_at_ms` need preliminary runs; set `defer.left_at_tile` instead";
             return Err(RunError::Fault(message.into()));
         }
-        let resolver = TraceResolver::new(reader, move |name: &str| files.open(name), &options.budget)?;
+        let resolver = TraceResolver::new(reader, files, &options.budget)?;
         let resolver = resolver.with_texture_copies(S::TEXTURE_COPIES);
         let pictures = memory_estimates::reserve_pictures(options, resolver.begin());
         let _pictures = pictures.map_err(|error| resolver.over_budget(&error))?;

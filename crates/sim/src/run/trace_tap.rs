@@ -31,9 +31,11 @@ pub(crate) struct TraceNotes {
     pub(crate) seconds: f64,
 }
 
+type InputResolver = TraceResolver<Box<dyn Read>, Box<dyn TextureFiles>>;
+
 /// Iterator over the commands of a trace.
-pub(crate) struct TraceTap<R: Read, F> {
-    resolver: TraceResolver<R, F>,
+pub(crate) struct TraceTap {
+    resolver: InputResolver,
     hash: Option<CanonicalHash>,
     renderer: Option<PolygonRenderer>,
     seen: Rc<RefCell<TraceNotes>>,
@@ -41,9 +43,9 @@ pub(crate) struct TraceTap<R: Read, F> {
     budget: MemoryPool,
 }
 
-impl<R: Read, F: TextureFiles> TraceTap<R, F> {
+impl TraceTap {
     pub(crate) fn new(
-        resolver: TraceResolver<R, F>,
+        resolver: InputResolver,
         exact: Option<RenderStyle>,
         seen: Rc<RefCell<TraceNotes>>,
         settings: &RunOptions,
@@ -102,7 +104,7 @@ impl<R: Read, F: TextureFiles> TraceTap<R, F> {
     }
 }
 
-impl<R: Read, F: TextureFiles> Iterator for TraceTap<R, F> {
+impl Iterator for TraceTap {
     type Item = Result<(Control, Option<u64>), String>;
 
     fn next(&mut self) -> Option<Self::Item> {
