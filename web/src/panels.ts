@@ -13,9 +13,12 @@ const GROUPS: [string, string, string[]][] = [
   ["figures", "Figures", ["quality", "figures", "hardware", "sensitivity", "parameters"]], ["changes", "Changes", []],
 ];
 
+/** Returns the frames over which totals are averaged: 1 for an incomplete run, whose totals include an unfinished frame. */
+export const averagedFrames = ({ outcome, cycles }: Report): number => outcome.kind === "complete" ? Math.max(1, cycles?.frames.length ?? 1) : 1;
+
 /** Returns the headline figures: name, value and format. */
 export function figures(report: Report): [string, number, (n: number) => string][] {
-  const frames = Math.max(1, report.cycles?.frames.length ?? 1);
+  const frames = averagedFrames(report);
   const each = frames > 1 ? " per frame" : "";
   const list: [string, number, (n: number) => string][] = [];
   if (report.cycles) list.push([`cycles${each}`, frameCycles(report) / frames, n => thousands(Math.floor(n))]);

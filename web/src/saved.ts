@@ -1,6 +1,6 @@
 // The report of a run as one page, which needs no script and loads nothing: the sections of `basrelief --html`.
 import { el, thousands } from "./dom";
-import { figures } from "./panels";
+import { averagedFrames, figures } from "./panels";
 import type { Picture } from "./picture";
 import type { Report, Run } from "./protocol";
 
@@ -20,11 +20,11 @@ function figure({ about, width, height, rgba }: Picture): HTMLElement {
 /** Returns the figures of the head: name and number. */
 function headline(report: Report): [string, string][] {
   const list = figures(report).map(([name, n, told]): [string, string] => [name, told(n)]);
-  const { derived, cycles, config } = report;
+  const { derived, outcome, config } = report;
   const [key, per] = Object.entries(derived).find(([key]) => key.startsWith("cycles_per_")) ?? [];
   if (key && per) list.splice(1, 0, [key.replaceAll("_", " "), per.value.toFixed(2)]);
-  const ms = derived["frame_ms"];
-  const each = (cycles?.frames.length ?? 0) > 1 ? " per frame" : "";
+  const ms = derived[outcome.kind === "complete" ? "frame_ms" : "time_ms"];
+  const each = averagedFrames(report) > 1 ? " per frame" : "";
   if (ms) list.push([`ms${each} at ${thousands((config["clock"] as { hz: number }).hz / 1e6)} MHz`, ms.value.toFixed(3)]);
   return list;
 }

@@ -29,34 +29,39 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
 
     // In the tail, nothing is drawn.
     let drawing = report.frame_cycles() as f64;
-    let formula = format!("(cycles.total - cycles.write_tail) / {}", work.formula);
+    // Behind the last whole frame, an incomplete run still draws.
+    let is_whole = report.drain() == cycles.drain;
+    let render = if is_whole { "(cycles.total - cycles.write_tail)" } else { "cycles.total" };
+    let formula = format!("{render} / {}", work.formula);
     figures.ratio(format!("cycles_per_{}", work.one), drawing, fragments, "cycles", formula);
     let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
-    let formula = "(cycles.total - cycles.write_tail) / sum(figures.polygons_ROUTE)";
+    let formula = format!("{render} / sum(figures.polygons_ROUTE)");
     figures.ratio("cycles_per_polygon", drawing, polygons, "cycles", formula);
     for circuit in circuits(report) {
         let (name, idle) = (circuit.name, drawing - circuit.started as f64);
-        let formula = format!("cycles.total - cycles.write_tail - figures.{}", circuit.figure);
+        let formula = format!("{} - figures.{}", render.trim_matches(['(', ')']), circuit.figure);
         figures.ratio(format!("{name}.idle"), idle, 1.0, "cycles", formula);
     }
     figures.ratio("time_ms", 1e3 * total, hz, "ms", "1000 * cycles.total / config.clock.hz");
     let frames = cycles.frames.len() as f64;
     if frames > 0.0 {
+        let whole = cycles.frames.iter().sum::<u64>() as f64;
         let formula = "1000 * sum(cycles.frames) / (count(cycles.frames) * config.clock.hz)";
-        figures.ratio("frame_ms", 1e3 * drawing, frames * hz, "ms", formula);
+        figures.ratio("frame_ms", 1e3 * whole, frames * hz, "ms", formula);
         let formula = "config.clock.hz * count(cycles.frames) / sum(cycles.frames)";
-        figures.ratio("frames_per_s", hz * frames, drawing, "1/s", formula);
+        figures.ratio("frames_per_s", hz * frames, whole, "1/s", formula);
     }
-    let formula = format!("{} * config.clock.hz / (cycles.total - cycles.write_tail) / 1e6", work.formula);
+    let formula = format!("{} * config.clock.hz / {render} / 1e6", work.formula);
     figures.ratio("fill_rate", fragments * hz / 1e6, drawing, &format!("M {}s/s", work.one), formula);
-    add_memories(report, &mut figures, hz, &work);
+    let drawn = if is_whole { "sum(cycles.frames)" } else { "cycles.total" };
+    add_memories(report, &mut figures, hz, &work, drawn);
     add_display(report, &mut figures, hz, total);
     for (name, c) in report.caches.iter().flatten() {
         let formula = format!("caches.{name}.hits / caches.{name}.lookups");
         figures.ratio(format!("{name}.hit_rate"), c.hits as f64, c.look_ups as f64, "1", formula);
     }
     let base = report.breakdown_cycles();
-    let of = if base == report.frame_cycles() { "(cycles.total - cycles.write_tail)" } else { "cycles.total" };
+    let of = if base == report.frame_cycles() { render } else { "cycles.total" };
     for (name, u) in report.units.iter().flatten() {
         let formula = format!("units.{name}.busy / {of}");
         figures.ratio(format!("{name}.utilization"), u.busy as f64, base as f64, "1", formula);
@@ -64,7 +69,8 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     figures.0
 }
 
-fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &WorkCount) {
+/// `drawn` is the formula of the render cycles.
+fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &WorkCount, drawn: &str) {
     for (name, memory) in report.memories.iter().flatten() {
         let sum = |f: fn(&Client) -> u64| memory.clients.values().map(|c| f(c) as f64).sum::<f64>();
         let formula = format!("memories.{name}.bytes.moved / {}", work.formula);
@@ -74,7 +80,7 @@ fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &W
         figures.ratio(format!("{name}.row_hit_rate"), hits, bursts, "1", formula);
         let (busy, cycles) = within_frames(report, memory);
         let formula = format!(
-            "sum(memories.{name}.bus.busy[0..n]) / (n * memories.{name}.bus.interval * count(memories.{name}.channels)), n = sum(cycles.frames) div memories.{name}.bus.interval"
+            "sum(memories.{name}.bus.busy[0..n]) / (n * memories.{name}.bus.interval * count(memories.{name}.channels)), n = {drawn} div memories.{name}.bus.interval"
         );
         figures.ratio(format!("{name}.bus_utilization"), busy, cycles, "1", formula);
         if let Some([burst_bytes, burst_cycles]) = burst_shape(report, name) {
@@ -143,6 +149,21 @@ mod tests {
         }
         assert_eq!(after["time_ms"].value, 50.0);
         assert_eq!(crate::bottleneck::diagnose(&report), crate::bottleneck::diagnose(&samples::balanced()));
+    }
+
+    #[test]
+    fn incomplete_frame_counts_in_no_mean_per_frame() {
+        let mut report = samples::balanced();
+        report.outcome.kind = crate::model::OutcomeKind::Limit;
+        let cycles = report.cycles.as_mut().unwrap();
+        (cycles.frames, cycles.drain) = (vec![200_000], 800_000);
+        let derived = derive(&report);
+        assert_eq!((derived["frame_ms"].value, derived["frames_per_s"].value), (1.0, 1000.0));
+        // All other figures cover the whole run, and so do their formulas.
+        assert_eq!((derived["cycles_per_fragment"].value, derived["graphics.bus_utilization"].value), (5.0, 0.24));
+        let formulas: Vec<&str> = derived.values().map(|figure| &*figure.formula).collect();
+        assert!(formulas.iter().all(|formula| !formula.contains("write_tail")), "{formulas:?}");
+        assert!(derived["graphics.bus_utilization"].formula.ends_with("n = cycles.total div memories.graphics.bus.interval"));
     }
 
     #[test]

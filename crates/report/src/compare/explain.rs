@@ -1,7 +1,7 @@
 //! The change of the cycles and its causes in words.
 
 use super::comparison::{CauseShare, MeasuredCauses, WORK};
-use crate::model::Report;
+use crate::model::{OutcomeKind, Report};
 use crate::number::{real, signed, thousands};
 
 /// Causes below this share of the cycles of A are merged \[1/1000\].
@@ -26,10 +26,16 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&Me
     if a.input.sha256 != b.input.sha256 && ![a, b].iter().any(|r| r.input.sha256.is_empty()) {
         sentences.push("The inputs differ.".to_owned());
     }
+    let mut unfinished =
+        [("A", a), ("B", b)].into_iter().filter(|(_, report)| report.outcome.kind != OutcomeKind::Complete).peekable();
+    let can_measure = is_one_machine && unfinished.peek().is_none();
+    sentences.extend(unfinished.map(|(name, report)| {
+        format!("{name} did not finish ({}). Its figures cover only the part that ran.", report.outcome.kind.name())
+    }));
     sentences.push(match (&a.cycles, &b.cycles) {
         (Some(_), Some(_)) => {
             let why = explained.map(|explained| causes_in_words(explained, a.frame_cycles()));
-            cycles(a.frame_cycles(), b.frame_cycles(), why, is_one_machine)
+            cycles(a.frame_cycles(), b.frame_cycles(), why, can_measure)
         }
         (None, None) => "Both runs are functional: they have no timing.".into(),
         _ => "One run is functional: there are no cycles to compare.".into(),
@@ -37,7 +43,7 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&Me
     sentences.join(" ")
 }
 
-fn cycles(before: u64, after: u64, why: Option<String>, is_one_machine: bool) -> String {
+fn cycles(before: u64, after: u64, why: Option<String>, can_measure: bool) -> String {
     let delta = i128::from(after) - i128::from(before);
     let relative = if before == 0 { String::new() } else { format!(" ({})", percent(delta as f64 / before as f64)) };
     let head = match delta {
@@ -46,7 +52,7 @@ fn cycles(before: u64, after: u64, why: Option<String>, is_one_machine: bool) ->
     };
     match why {
         Some(why) => format!("{head}{why}."),
-        None if delta == 0 || !is_one_machine => format!("{head}."),
+        None if delta == 0 || !can_measure => format!("{head}."),
         None => format!("{head}. {UNMEASURED}"),
     }
 }
@@ -132,6 +138,14 @@ mod tests {
         let more = [two.as_slice(), &[("fifo.a", Some(-999)), ("fifo.b", Some(99)), ("fifo.c", Some(0))]].concat();
         assert_eq!(sentence(&more, -19_100), format!("{head}; interaction: -19,100; other: -900."));
         assert_eq!(sentence(&more, 10), format!("{head}; other: -890."));
+    }
+
+    #[test]
+    fn incomplete_run_is_named_first() {
+        let (a, mut b) = samples::before_and_after();
+        b.outcome.kind = OutcomeKind::Limit;
+        let first = "B did not finish (limit). Its figures cover only the part that ran. B takes 600,000 fewer cycles (-60 %).";
+        assert_eq!(compare(&a, &b, None).explanation, first);
     }
 
     #[test]

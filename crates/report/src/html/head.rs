@@ -26,9 +26,9 @@ pub fn big_numbers(numbers: impl IntoIterator<Item = (String, String)>) -> Html 
 }
 
 pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
-    let frames = report.cycles.as_ref().map_or(0, |cycles| cycles.frames.len() as u64);
-    let each = if frames > 1 { " per frame" } else { "" };
-    let per_frame = |n: u64| thousands(n / frames.max(1));
+    let frames = report.averaged_frames();
+    let each = if frames > Some(1) { " per frame" } else { "" };
+    let per_frame = |n: u64| thousands(n / frames.unwrap_or(1));
     let mut list = vec![];
     if report.cycles.is_some() {
         list.push((per_frame(report.frame_cycles()), format!("cycles{each}")));
@@ -47,7 +47,7 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
     if let Some(area) = report.hardware_area() {
         list.push((thousands(area.area_ge), "gate equivalents".into()));
     }
-    if let Some(d) = report.derived.get("frame_ms") {
+    if let Some(d) = report.derived.get(if frames.is_some() { "frame_ms" } else { "time_ms" }) {
         let hz = report.clock_hz().unwrap_or(0.0);
         list.push((format!("{:.3}", d.value), format!("ms{each} at {} MHz", real(hz / 1e6))));
     }

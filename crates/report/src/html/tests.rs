@@ -127,6 +127,14 @@ fn nothing_comes_from_outside_and_nothing_is_run() {
 }
 
 #[test]
+fn head_of_incomplete_run_has_no_mean_per_frame() {
+    let numbers = super::head::numbers(&samples::deadlocked());
+    for (number, unit) in [("1,000,000", "cycles"), ("4,992,000", "bytes of memory traffic"), ("5.000", "ms at 200 MHz")] {
+        assert!(numbers.contains(&(number.into(), unit.into())), "{numbers:?}");
+    }
+}
+
+#[test]
 fn parts_stand_in_their_order() {
     let page = page(&full("coin"));
     let ids: Vec<&str> = page.split("<section id=\"").skip(1).filter_map(|part| part.split('"').next()).collect();

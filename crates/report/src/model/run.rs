@@ -146,6 +146,13 @@ impl Report {
         self.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(self.drain()))
     }
 
+    /// Returns the frames over which totals are averaged, at least 1. `None` for an incomplete run: its totals include an unfinished
+    /// frame, so a mean per frame would be wrong.
+    pub(crate) fn averaged_frames(&self) -> Option<u64> {
+        let is_complete = self.outcome.kind == OutcomeKind::Complete;
+        is_complete.then(|| self.cycles.as_ref().map_or(1, |cycles| cycles.frames.len().max(1) as u64))
+    }
+
     /// Returns the value of a figure of the machine, if it is a number.
     pub fn device_number(&self, name: &str) -> Option<f64> {
         self.figures.get(name).and_then(Figure::number)

@@ -122,6 +122,13 @@ mod tests {
     }
 
     #[test]
+    fn incomplete_run_has_no_mean_per_frame() {
+        let text = to_text(&samples::deadlocked(), TextStyle::default(), &[]);
+        assert!(text.contains("\n1,000,000 cycles, 5.00 per fragment; 5.000 ms at 200 MHz\n"), "{text}");
+        assert!(text.contains("\n4,992,000 bytes of memory traffic, 24.96 per fragment\n"), "{text}");
+    }
+
+    #[test]
     fn tables_of_a_functional_run_and_of_a_deadlock() {
         insta::assert_snapshot!("functional", to_text(&samples::functional(), TextStyle::default(), &TableGroup::ALL));
         insta::assert_snapshot!(

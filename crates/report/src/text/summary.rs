@@ -1,6 +1,6 @@
 //! The first screen: cycles, picture quality, memory traffic and hardware, one line each.
 
-use crate::model::{Cycles, Hardware, Report};
+use crate::model::{Hardware, Report};
 use crate::number::{real, thousands};
 use crate::work::work;
 use basrelief_kernel::HardwareKind;
@@ -18,21 +18,22 @@ fn per_work_item(n: u64, per: &str, report: &Report) -> String {
     format!(", {each:.2} {per} {}", work.one)
 }
 
-fn frames(cycles: &Cycles) -> u64 {
-    (cycles.frames.len() as u64).max(1)
+/// Returns the frames to divide totals by, and the words behind the quotient.
+fn per_frame(report: &Report) -> (u64, &'static str) {
+    report.averaged_frames().map_or((1, ""), |frames| (frames, " per frame"))
 }
 
 fn cycles(report: &Report) -> Option<String> {
     let cycles = report.cycles.as_ref()?;
-    let all = report.frame_cycles();
-    let (mean, (least, most)) = (all / frames(cycles), (cycles.frames.iter().min(), cycles.frames.iter().max()));
-    let range = least.zip(most).filter(|(least, most)| least < most);
+    let (all, (frames, each)) = (report.frame_cycles(), per_frame(report));
+    let (least, most) = (cycles.frames.iter().min(), cycles.frames.iter().max());
+    let range = least.zip(most).filter(|(least, most)| least < most && !each.is_empty());
     let range = range.map_or(String::new(), |(least, most)| format!(" ({} to {})", thousands(*least), thousands(*most)));
     let hz = report.clock_hz();
     let time = hz.map_or(String::new(), |hz| {
-        format!("; {:.3} ms per frame at {} MHz", 1000.0 * all as f64 / frames(cycles) as f64 / hz, real(hz / 1e6))
+        format!("; {:.3} ms{each} at {} MHz", 1000.0 * all as f64 / frames as f64 / hz, real(hz / 1e6))
     });
-    Some(format!("{} cycles per frame{range}{}{time}", thousands(mean), per_work_item(all, "per", report)))
+    Some(format!("{} cycles{each}{range}{}{time}", thousands(all / frames), per_work_item(all, "per", report)))
 }
 
 fn quality(report: &Report) -> Option<String> {
@@ -51,8 +52,8 @@ fn quality(report: &Report) -> Option<String> {
 
 fn traffic(report: &Report) -> Option<String> {
     let bytes = report.memory_bytes()?;
-    let frames = report.cycles.as_ref().map_or(1, frames);
-    Some(format!("{} bytes of memory traffic per frame{}", thousands(bytes / frames), per_work_item(bytes, "per", report)))
+    let (frames, each) = per_frame(report);
+    Some(format!("{} bytes of memory traffic{each}{}", thousands(bytes / frames), per_work_item(bytes, "per", report)))
 }
 
 fn hardware(report: &Report) -> Option<String> {
