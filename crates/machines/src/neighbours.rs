@@ -58,10 +58,15 @@ fn changed(value: &Value, bounds: [f64; 2], step: NumberChange, next: f64) -> Op
     (changed != *value).then_some(changed)
 }
 
+/// Rounds to 15 significant digits, so that 1.5 x 1.4 is 2.1 and not 2.0999999999999996.
+fn to_15_digits(x: f64) -> f64 {
+    format!("{x:.14e}").parse().unwrap_or(x)
+}
+
 fn number(value: &Value, [min, max]: [f64; 2], step: NumberChange, next: f64) -> Option<Value> {
     let x = value.as_f64()?;
     if value.is_f64() {
-        return Some(step(x).clamp(min, max).into());
+        return Some(to_15_digits(step(x)).clamp(min, max).into());
     }
     let rounded = step(x).round();
     let changed = if rounded == x { x + next } else { rounded };

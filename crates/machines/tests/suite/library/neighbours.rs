@@ -21,6 +21,8 @@ fn numbers_are_halved_and_raised_by_half_within_range() {
     assert_eq!(of(1, "shade.ia", json!(1.0), &|_| true), [0.5, 1.5]);
     assert_eq!(of(1, "shade.ia", json!(12.0), &|_| true), [6.0, 16.0]);
     assert_eq!(of(1, "shade.ia", json!(0.0), &|_| true), [0.0; 0]);
+    // In binary, 1.5 x 1.4 is 2.0999999999999996.
+    assert_eq!(of(0, "area.memory_bit", json!(1.4), &|_| true), [0.7, 2.1]);
 }
 
 #[test]
