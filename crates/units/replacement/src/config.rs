@@ -96,7 +96,7 @@ parameters! {
         /// Width of each component of a table entry.
         entry_bits: u32 = 16, unit: "bits", Assumed("no coarser than N'"), range: 8..=16;
         /// Dot-product units that work in parallel on one search, which takes ceil(entries / lanes) cycles.
-        lanes: u32 = 64, unit: "inner products", Assumed("a search of 256 in 4 cycles"), range: 1..=65536;
+        lanes: u32 = 64, unit: "dot-product units", Assumed("a search of 256 in 4 cycles"), range: 1..=65536;
         /// True if a new search can start every cycle: the lanes exist ceil(entries / lanes) times.
         pipelined: bool = false, unit: "", Assumed("off: 64 inner-product units are 192 multipliers already");
         /// Offset of the MIP level that selects table and CLUT: a less important object uses coarser ones.
