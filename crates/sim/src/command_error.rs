@@ -54,6 +54,8 @@ impl CommandError {
         move |error| match folder.as_deref() {
             Some(folder) if is_missing(folder) => within(format!("{error}; create the folder {} first", folder.display())),
             _ if error.kind() == io::ErrorKind::IsADirectory => within(format!("{error}; expected a file")),
+            // Only making a folder fails in this way.
+            _ if error.kind() == io::ErrorKind::AlreadyExists => within(format!("{error}; expected a folder")),
             _ if is_stdin => within(format!("{error}; standard input is not accepted here, expected a file")),
             _ => within(error.to_string()),
         }
@@ -97,6 +99,10 @@ mod tests {
         assert_eq!(text("x", "be written"), "x: cannot be written: entity not found");
         assert_eq!(text("none/x", "be read"), "none/x: cannot be read: entity not found");
         assert_eq!(error(io::ErrorKind::IsADirectory, "src", "be read"), "src: cannot be read: is a directory; expected a file");
+        assert_eq!(
+            error(io::ErrorKind::AlreadyExists, "a.png", "be written"),
+            "a.png: cannot be written: entity already exists; expected a folder"
+        );
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Arguments that several commands share.
 
-use super::values::{TableSelection, angles, direction, finite, key_value, machine, size, socket, tables};
+use super::values::{TableSelection, angles, direction, finite, key_value, machine, output_file, size, socket, tables};
 use crate::commands::dump;
 use basrelief_report::TableGroup;
 use basrelief_sim::{MACHINES, MachineInfo};
@@ -155,19 +155,19 @@ pub struct SimulationArgs {
     #[arg(long)]
     pub costs: bool,
     /// Write a timeline of all units as a Perfetto trace (open at ui.perfetto.dev).
-    #[arg(long, value_name = "FILE", group = "time_line")]
+    #[arg(long, value_name = "FILE", value_parser = output_file(), group = "time_line")]
     pub timeline: Option<PathBuf>,
     /// Write waveforms of all units and FIFOs as an FST file (open in GTKWave or Surfer). They stay in memory until the end of the run,
     /// within --memory-limit.
-    #[arg(long, value_name = "FILE", group = "time_line")]
+    #[arg(long, value_name = "FILE", value_parser = output_file(), group = "time_line")]
     pub waves: Option<PathBuf>,
     /// Write the path of single tokens from unit to unit as a Kanata file (open in Konata): `.kanata`, or `.kanata.zst` compressed. A
     /// token that a test removes appears as flushed. The paths stay in memory until the end of the run, within --memory-limit.
-    #[arg(long, value_name = "FILE", group = "time_line")]
+    #[arg(long, value_name = "FILE", value_parser = output_file(), group = "time_line")]
     pub tokens: Option<PathBuf>,
     /// Write everything that crosses the wires: tokens in bits, cycles of steps and deliveries, memory requests and answers, and tables. It
     /// checks register-transfer code of a unit against the machine (see rtl/check). Text: `.wires`, or `.wires.zst` compressed.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["time_line", "costs"])]
+    #[arg(long, value_name = "FILE", value_parser = output_file(), conflicts_with_all = ["time_line", "costs"])]
     pub rtl: Option<PathBuf>,
     /// Write one token out of N.
     #[arg(long, value_name = "N", requires = "tokens", default_value = "64")]
@@ -185,7 +185,7 @@ pub struct SimulationArgs {
     #[arg(long, value_name = "NAME,NAME", requires = "time_line", value_delimiter = ',')]
     pub units: Vec<String>,
     /// Write the report as an HTML page with images and block diagram, in one file without scripts.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_file())]
     pub html: Option<PathBuf>,
     /// Live preview in a browser at http://127.0.0.1:8018/ or at this loopback address: shows each frame as it finishes, and with
     /// --from as its tiles arrive. At its end the run waits up to 3 s for the browser to fetch the last image.
@@ -194,7 +194,7 @@ pub struct SimulationArgs {
     pub watch: Option<SocketAddr>,
     /// Write a recording of all steps, without times; `basrelief resimulate` computes its timing with other FIFOs, memories and caches.
     /// A short recording is always written as run.recording beside the report.
-    #[arg(long, value_name = "FILE", conflicts_with = "functional")]
+    #[arg(long, value_name = "FILE", value_parser = output_file(), conflicts_with = "functional")]
     pub recording: Option<PathBuf>,
     /// Write all memory requests, one memory after the other, in order of arrival cycle, then port, then issue.
     #[arg(long, value_name = "FILE")]

@@ -1,7 +1,7 @@
 //! Arguments of the commands that do not simulate: `describe`, `compare`, `schema`.
 
 use super::common::ViewArgs;
-use super::values::{finite, key_value, machine};
+use super::values::{finite, key_value, machine, output_file};
 use basrelief_sim::{MACHINES, MachineInfo};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ pub struct CompareArgs {
     #[arg(long)]
     pub json: bool,
     /// Write the comparison as an HTML page with causes, images and block diagrams, in one file.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_file())]
     pub html: Option<PathBuf>,
     /// Measurement of the causes. Timing parameters need resimulations of the recordings, several work parameters need runs of
     /// --input.

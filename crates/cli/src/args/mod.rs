@@ -93,4 +93,17 @@ mod tests {
     fn command_line_is_consistent() {
         Cli::command().debug_assert();
     }
+
+    #[test]
+    fn dash_is_no_output_file() {
+        for option in ["--html", "--timeline", "--waves", "--tokens", "--rtl", "--recording"] {
+            let parse = |path| Cli::command().try_get_matches_from(["basrelief", "demo", option, path]);
+            let error = parse("-").unwrap_err();
+            assert!(error.to_string().contains("expected a file (`./-` for a file called `-`)"), "{error}");
+            assert!(parse("./-").is_ok(), "{option}");
+        }
+        for command in [["resimulate", "out", "--html", "-"].as_slice(), &["compare", "a", "b", "--html", "-"]] {
+            assert!(Cli::command().try_get_matches_from([&["basrelief"], command].concat()).is_err(), "{command:?}");
+        }
+    }
 }

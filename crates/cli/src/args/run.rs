@@ -1,7 +1,7 @@
 //! Arguments of the commands that draw or serve scenes.
 
 use super::common::{MachineArgs, SimulationArgs, TablesArgs, ViewArgs};
-use super::values::{finite, http, key_value, origin, socket};
+use super::values::{finite, http, key_value, origin, output_file, socket};
 use clap::Args;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -64,7 +64,7 @@ pub struct ResimulateArgs {
     #[arg(long, requires = "out")]
     pub csv: bool,
     /// Write the report as an HTML page without images, in one file.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_file())]
     pub html: Option<PathBuf>,
     /// Analyse bottlenecks, however long the recording.
     #[arg(long, conflicts_with = "no_bottlenecks")]

@@ -4,8 +4,9 @@ use basrelief_dse::Budget;
 use basrelief_report::TableGroup;
 pub use basrelief_scene::text::{angles, direction, finite, size};
 use basrelief_sim::{MACHINES, MachineInfo};
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PathBufValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use ureq::http::Uri;
 use ureq::http::uri::Authority;
@@ -35,6 +36,12 @@ pub fn tables() -> impl TypedValueParser<Value = TableSelection> {
         let named = TableGroup::ALL.iter().copied().filter(|of| name == "all" || name == of.name());
         TableSelection(named.collect())
     })
+}
+
+/// The path of an output. `-` is refused: elsewhere it means standard output, which prints the summary here.
+pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
+    let refused = "standard output is not accepted here; expected a file (`./-` for a file called `-`)";
+    PathBufValueParser::new().try_map(move |path| if path == Path::new("-") { Err(refused) } else { Ok(path) })
 }
 
 /// The address of a server.
