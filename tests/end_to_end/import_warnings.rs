@@ -45,6 +45,17 @@ fn import_warnings_reach_terminal_and_report() {
     assert!(warned >= 11, "{warned} models with a warning");
 }
 
+#[test]
+fn unused_normal_map_is_a_warning() {
+    let place = Place::new();
+    for machine in ["bump", "shade", "texel", "defer"] {
+        let run = place.ok(&format!("demo golf-ball --machine {machine} --size 16x12 --no-exact --quiet --out {machine}"));
+        let warnings = place.report(machine)["warnings"].to_string();
+        let expected = "polygons have a normal map; the device has no normal maps and leaves it out";
+        assert_eq!(warnings.contains(expected), machine != "bump", "{machine}: {warnings} {}", run.err);
+    }
+}
+
 /// An invalid glTF file that is drawn all the same.
 #[test]
 fn invalid_but_drawn_gltf_warns_in_report() {

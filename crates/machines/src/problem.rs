@@ -71,6 +71,12 @@ pub(crate) fn line_is_power_of_two(name: &str, line_bytes: u32) -> Result<(), Co
     problem(&format!("cache.{name}.line_bytes"), format!("is {line_bytes}, expected a power of two"))
 }
 
+/// Returns a warning if polygons have a normal map. Machines without normal maps call this function.
+pub fn unused_normal_maps(facts: &UnitStats) -> Option<String> {
+    let mapped = facts.count("bump_polygons");
+    (mapped > 0).then(|| format!("{mapped} polygons have a normal map; the device has no normal maps and leaves it out"))
+}
+
 /// Returns a warning for each FIFO that cannot sustain full throughput (law 2), with the throughput that it allows. Memory latency is not
 /// considered.
 pub fn slow_fifos(facts: &UnitStats) -> Vec<String> {

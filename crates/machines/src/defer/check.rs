@@ -2,7 +2,7 @@
 
 use super::DeferConfig;
 use crate::memories::check_memories;
-use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
+use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos, unused_normal_maps};
 use basrelief_deferred_renderer::{NumberFormat, RenderMode};
 use basrelief_kernel::stats::UnitStats;
 
@@ -69,7 +69,12 @@ fn check_leaving(c: &DeferConfig) -> Result<(), ConfigProblem> {
 
 /// Returns warnings for the report: FIFOs that limit the throughput or the requests in flight, and input that the machine cannot use.
 pub fn warnings(c: &DeferConfig, facts: &UnitStats) -> Vec<String> {
-    slow_fifos(facts).into_iter().chain(unused_requests(c)).chain(input_warnings(facts)).collect()
+    slow_fifos(facts)
+        .into_iter()
+        .chain(unused_requests(c))
+        .chain(unused_normal_maps(facts))
+        .chain(input_warnings(facts))
+        .collect()
 }
 
 /// Warns if the FIFO of orders limits the tiles in flight, because each tile in flight has a waiting order.

@@ -2,7 +2,7 @@
 
 use super::ShadeConfig;
 use crate::memories::check_memories;
-use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
+use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos, unused_normal_maps};
 use basrelief_kernel::stats::UnitStats;
 
 /// Checks that the parameters fit together.
@@ -24,7 +24,7 @@ pub(super) fn check(c: &ShadeConfig) -> Result<(), ConfigProblem> {
 
 /// Returns warnings for the report: FIFOs that limit the throughput, and input that the machine cannot use.
 pub fn warnings(facts: &UnitStats) -> Vec<String> {
-    slow_fifos(facts).into_iter().chain(input_warnings(facts)).collect()
+    slow_fifos(facts).into_iter().chain(unused_normal_maps(facts)).chain(input_warnings(facts)).collect()
 }
 
 /// Returns warnings about input that the device cannot draw as given.
