@@ -145,8 +145,8 @@ pub fn check_wiring(machine: &mut impl Machine) -> Result<(), WiringError> {
     found.map_or(Ok(()), Err)
 }
 
-// These visitors see the FIFOs of a stage through a pointer. Code that is compiled for every kind of stage was 0.5 of 19 MB of the
-// program.
+// These visitors, and those of netlist and topology, see the FIFOs of a stage through a pointer. Compiled for every kind of stage, they
+// took 0.5 instead of 0.2 MB of the program.
 
 /// Clears the producer and consumer of each FIFO.
 struct ForgetEnds;

@@ -37,7 +37,7 @@ pub fn workers() -> usize {
     *CORES.get_or_init(|| thread::available_parallelism().map_or(1, usize::from))
 }
 
-// Threads get their work through a pointer. Code that starts threads, compiled for each closure, was 0.4 of 19 MB of the program.
+// Threads get their work through a pointer. Compiled for each closure, what follows took 0.6 instead of 0.2 MB of the program.
 
 /// Runs two closures in parallel. Without a second thread the second closure, which is in the foreground, runs first.
 pub fn join<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
