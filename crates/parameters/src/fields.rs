@@ -3,6 +3,7 @@
 use schemars::{Schema, SchemaGenerator};
 use serde::{Serialize, de::DeserializeOwned, de::Error as _};
 use serde_json::{Error, Map, Value as Json, json};
+use std::any::Any;
 
 /// Value of one parameter.
 pub trait ParameterValue {
@@ -19,15 +20,23 @@ pub trait ParameterValue {
     fn set(&mut self, value: Json) -> Result<(), Error>;
 }
 
-impl<T: Serialize + DeserializeOwned> ParameterValue for T {
+impl<T: Serialize + DeserializeOwned + 'static> ParameterValue for T {
     fn to_json(&self) -> Result<Json, Error> {
-        serde_json::to_value(self)
+        match (self as &dyn Any).downcast_ref() {
+            Some(single) => Ok(to_decimal(*single)),
+            None => serde_json::to_value(self),
+        }
     }
 
     fn set(&mut self, value: Json) -> Result<(), Error> {
         *self = serde_json::from_value(value)?;
         Ok(())
     }
+}
+
+/// Returns a number of single precision as it is written: 0.1 and not 0.10000000149011612.
+fn to_decimal(single: f32) -> Json {
+    single.to_string().parse::<f64>().map_or(Json::Null, Json::from)
 }
 
 /// Named fields of a configuration, in order of declaration. The macros implement it.
@@ -123,5 +132,22 @@ fn add_description(schema: &mut Schema, doc: &[&str]) {
     let text = lines.join("\n");
     if !text.trim().is_empty() {
         schema.insert("description".into(), text.trim().into());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn number_of_single_precision_is_written_as_given() {
+        for (single, written) in
+            [(0.1_f32, "0.1"), (1e-4, "0.0001"), (1.0 / 510.0, "0.0019607844"), (2.0, "2.0"), (f32::NAN, "null")]
+        {
+            let json = ParameterValue::to_json(&single).unwrap();
+            assert_eq!(json.to_string(), written);
+            let mut read = 0.0_f32;
+            assert!(read.set(json).is_err() || read == single);
+        }
     }
 }

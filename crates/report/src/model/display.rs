@@ -10,7 +10,7 @@ pub struct Display {
     pub memory: String,
     /// Finished pictures that were passed to the display.
     pub flips: u64,
-    /// Those that the display showed before the end of the run.
+    /// Pictures that the display showed before the end of the run.
     pub pictures_shown: u64,
     /// Cycles from the end of a picture to its flip, summed over all flips.
     pub flip_wait: u64,

@@ -34,10 +34,10 @@ pub(crate) fn tell(pages: &[PageTexels], stats: &mut UnitStats) {
         let layer = &row.page.page.layers[usize::from(row.layer)];
         (layer.pitch * layer.rows).into()
     });
-    column("loaded", "tiles", "Those loaded", |row| row.counts.loaded);
-    column("synthesized", "tiles", "Those synthesized", |row| row.counts.synthesized);
-    column("reused", "tiles", "Those of an earlier frame that a frame was coloured from, frame by frame", |row| {
+    column("loaded", "tiles", "Tiles loaded", |row| row.counts.loaded);
+    column("synthesized", "tiles", "Tiles synthesized", |row| row.counts.synthesized);
+    column("reused", "tiles", "Tiles of an earlier frame that a frame was coloured from, frame by frame", |row| {
         row.counts.reused
     });
-    column("never_needed", "tiles", "Those that no pixel was coloured from", |row| row.counts.never_needed);
+    column("never_needed", "tiles", "Tiles that no pixel was coloured from", |row| row.counts.never_needed);
 }

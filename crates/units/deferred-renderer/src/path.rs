@@ -83,7 +83,7 @@ impl Unit for Path {
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {
-        stats.figure("path_bytes", self.state.counters.bytes, "bytes", "What the path carried");
+        stats.figure("path_bytes", self.state.counters.bytes, "bytes", "Bytes over the path");
         let [tiles, bytes] = self.receives;
         stats.hardware(HardwareKind::Table, "receive buffer of the I/O port (104): tiles", tiles, 8 * bytes);
     }

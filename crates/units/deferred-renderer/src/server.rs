@@ -287,13 +287,13 @@ impl Unit for Server {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         let (c, polygons) = (&self.state.counters, &self.state.polygons.counters);
-        stats.figure("path_polygon_bytes", polygons.mesh_bytes, "bytes", "Meshes and surfaces sent on the path");
-        stats.figure("path_command_bytes", polygons.command_bytes, "bytes", "Commands of frames and objects sent on it");
-        stats.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent on it");
-        stats.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent on it");
+        stats.figure("path_polygon_bytes", polygons.mesh_bytes, "bytes", "Meshes and surfaces sent over the path");
+        stats.figure("path_command_bytes", polygons.command_bytes, "bytes", "Commands of frames and objects sent over the path");
+        stats.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent over the path");
+        stats.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent over the path");
         stats.figure("path_tile_raw_bytes", c.raw_tile_bytes, "bytes", "The same tiles as raw texels");
         let heads = c.answers * u64::from(self.config.head_bytes);
-        stats.figure("path_head_bytes", heads, "bytes", "Heads of the answers that they came in");
-        stats.figure("path_tiles", c.tiles, "tiles", "Tiles sent on it");
+        stats.figure("path_head_bytes", heads, "bytes", "Heads of the answers with tiles");
+        stats.figure("path_tiles", c.tiles, "tiles", "Tiles sent over the path");
     }
 }

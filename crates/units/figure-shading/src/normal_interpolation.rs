@@ -243,7 +243,7 @@ impl Unit for NormalInterpolation {
             .figure("normal_interpolation_started_cycles", c.started_cycles, "cycles", "Cycles in which it was started")
             .part(FigureGroup::Started(circuit()));
         stats
-            .figure("normal_interpolation_needed_cycles", c.needed_cycles, "cycles", "Those whose result was needed")
+            .figure("normal_interpolation_needed_cycles", c.needed_cycles, "cycles", "Started cycles whose result was needed")
             .part(FigureGroup::Needed(circuit()));
         stats.figure("power_table_fills", c.table_fills, "fills", "Times that the table of powers was filled");
     }

@@ -193,7 +193,7 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
         stats.figure("pixels", c.pixels, "pixels", "Pixels written");
         stats.figure("frames", c.frames, "frames", "Frames finished");
         stats.figure("pixel_lines_written", c.lines_written, "lines", "Lines of pixels written");
-        stats.figure("pixel_lines_cleared", c.lines_cleared, "lines", "Those of them with background only");
+        stats.figure("pixel_lines_cleared", c.lines_cleared, "lines", "Lines with background only");
     }
 }
 

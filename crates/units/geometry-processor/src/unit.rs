@@ -303,12 +303,12 @@ impl Unit for GeometryProcessor {
         self.tell_hardware(stats);
         let c = &self.state.counters;
         stats.figure("triangles", c.triangles, "triangles", "Triangles of the scene");
-        stats.figure("triangles_outside", c.outside, "triangles", "Those outside the view");
-        stats.figure("triangles_culled", c.culled, "triangles", "Those that face away and are culled");
-        stats.figure("triangles_degenerate", c.degenerate, "triangles", "Those without area");
-        stats.figure("polygons_clipped", c.clipped, "polygons", "Those of `polygons` that were clipped");
+        stats.figure("triangles_outside", c.outside, "triangles", "Triangles outside the view");
+        stats.figure("triangles_culled", c.culled, "triangles", "Triangles that face away and are culled");
+        stats.figure("triangles_degenerate", c.degenerate, "triangles", "Triangles without area");
+        stats.figure("polygons_clipped", c.clipped, "polygons", "Polygons that were clipped");
         stats.figure("polygons", c.polygons, "polygons", "Polygons handed on");
-        stats.figure("bump_polygons", c.bump_polygons, "polygons", "Those of `polygons` that are bump targets");
+        stats.figure("bump_polygons", c.bump_polygons, "polygons", "Polygons that are bump targets");
         stats.figure("vertices_transformed", c.vertices, "vertices", "Vertices transformed");
         stats.figure("vertex_cache_hits", c.vertex_cache_hits, "vertices", "Vertices found transformed in the vertex cache");
         stats.figure("vertices_lit", c.vertices_lit, "vertices", "Vertices lit for polygons that are no bump target");

@@ -279,11 +279,16 @@ impl<T: DepthToken> Unit for DepthTest<T> {
         self.tell_hardware(stats);
         let c = &self.state.counters;
         stats.figure("z_tested", c.tested, "fragments", "Fragments tested for depth");
-        stats.figure("z_passed", c.passed, "fragments", "Those in front");
-        stats.figure("z_clear", c.clear, "fragments", "Those tested without reading z, as their line was clear");
-        stats.figure("z_gathered", c.gathered, "fragments", "Those tested without reading z, as their line was being gathered");
+        stats.figure("z_passed", c.passed, "fragments", "Fragments in front");
+        stats.figure("z_clear", c.clear, "fragments", "Fragments tested without reading z, as their line was clear");
+        stats.figure(
+            "z_gathered",
+            c.gathered,
+            "fragments",
+            "Fragments tested without reading z, as their line was being gathered",
+        );
         stats.figure("z_lines_written", c.lines_written, "lines", "Lines of z values written");
-        stats.figure("z_lines_cleared", c.lines_cleared, "lines", "Those of them with clear values only");
+        stats.figure("z_lines_cleared", c.lines_cleared, "lines", "Lines with clear values only");
         stats.figure("z_clear_flags", c.most_flags, "bits", "Flags of lines that are clear, a bit each");
     }
 }
