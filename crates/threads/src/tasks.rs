@@ -1,6 +1,6 @@
 //! Work that leads to more work.
 
-use crate::{run_on_workers, workers};
+use crate::{lock, run_on_workers, workers};
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -44,7 +44,7 @@ impl<T> TaskList<T> {
     }
 
     fn lock(&self) -> MutexGuard<'_, TaskQueue<T>> {
-        self.list.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.list)
     }
 
     /// The next, waited for as long as there may be one.

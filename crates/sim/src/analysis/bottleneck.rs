@@ -122,14 +122,13 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         let busiest = busiest_unit(&all, self.run.marked_cycles()).filter(|_| is_parallel);
         let first = [AnalysisTask::Path].into_iter().chain(busiest.map(|unit| self.early_task(unit)));
         let (progress, climbed) = (Mutex::<AnalysisProgress>::default(), AtomicUsize::new(0));
-        let lock = || progress.lock().unwrap_or_else(PoisonError::into_inner);
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
                 let path = resimulations.grouped_path(netlist.clone(), self.groups);
                 let candidates = resources.on_path(path.as_ref());
                 tasks.add(path.clone().map(AnalysisTask::Climb));
                 tasks.add(candidates.iter().cloned().map(AnalysisTask::Resimulate));
-                let mut progress = lock();
+                let mut progress = threads::lock(&progress);
                 (progress.path, progress.candidates) = (path, candidates);
             }
             AnalysisTask::Resimulate(relaxation) => {
@@ -141,7 +140,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
             AnalysisTask::Climb(path) => {
                 let ahead = PathsAhead::new(is_parallel.then_some(tasks), &climbed);
                 let ladder = LadderSearch { relaxations: &all, resimulations, ahead }.climb(&path);
-                lock().ladder = ladder;
+                threads::lock(&progress).ladder = ladder;
             }
             AnalysisTask::NeededPath(set) => _ = resimulations.path(&set),
             AnalysisTask::LikelyPath(set, rung) => {

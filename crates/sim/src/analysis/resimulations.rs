@@ -2,8 +2,9 @@
 
 use super::relaxations::Settings;
 use basrelief_kernel::{CriticalPath, Netlist, PathMemory, Recording, StageGroups};
+use basrelief_threads::lock;
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// Maximum number of steps of a run whose critical path is found, of about 56 bytes each.
 pub(crate) const MOST_STEPS: usize = 2_800_000;
@@ -67,8 +68,4 @@ impl<T: Clone> ResultsBySettings<T> {
     fn known(&self, set: &Settings) -> Option<T> {
         lock(&self.0).get(set)?.get()?.clone()
     }
-}
-
-fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
-    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
