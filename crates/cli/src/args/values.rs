@@ -1,12 +1,13 @@
 //! Values on the command line, checked where they are given.
 
+use crate::outputs::not_stdout;
 use basrelief_dse::Budget;
 use basrelief_report::TableGroup;
 pub use basrelief_scene::text::{angles, direction, finite, size};
 use basrelief_sim::{MACHINES, MachineInfo};
 use clap::builder::{PathBufValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::net::SocketAddr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 use ureq::http::Uri;
 use ureq::http::uri::Authority;
@@ -38,10 +39,9 @@ pub fn tables() -> impl TypedValueParser<Value = TableSelection> {
     })
 }
 
-/// The path of an output. `-` is refused: elsewhere it means standard output, which prints the summary here.
+/// The path of an output: a file.
 pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
-    let refused = "standard output is not accepted here; expected a file (`./-` for a file called `-`)";
-    PathBufValueParser::new().try_map(move |path| if path == Path::new("-") { Err(refused) } else { Ok(path) })
+    PathBufValueParser::new().try_map(|path| not_stdout(&path).map(|()| path.clone()))
 }
 
 /// The address of a server.

@@ -1,7 +1,7 @@
 //! `--dump`: auxiliary outputs as JSON Lines.
 
 use crate::error::{CommandError, CommandResult};
-use crate::outputs::PartialFile;
+use crate::outputs::{PartialFile, not_stdout};
 use basrelief_sim::{AuxForm, AuxOutputInfo, MACHINES, MachineConfig, MachineInfo};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -64,12 +64,7 @@ impl DumpFiles {
 /// # Errors
 /// Standard output.
 pub fn is_file(option: &str, path: &Path) -> Result<(), String> {
-    if path.as_os_str() == "-" {
-        return Err(format!(
-            "{option}: standard output is reserved for the report; expected a file (`./-` for a file called `-`)"
-        ));
-    }
-    Ok(())
+    not_stdout(path).map_err(|error| format!("{option}: {error}"))
 }
 
 /// Returns the auxiliary output of this name that has lines.

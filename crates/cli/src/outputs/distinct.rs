@@ -17,6 +17,15 @@ pub const OF_A_RUN: [&str; 4] = [REPORT, "report.csv", RUN_RECORDING, OLD_RUN_RE
 const OWN: [&str; 8] =
     [REPORT, "report.csv", RUN_RECORDING, OLD_RUN_RECORDING, "ablation.json", "ablation.csv", "methods.json", "methods.csv"];
 
+/// Checks that a path does not mean standard output, which prints the summary.
+///
+/// # Errors
+/// `-`.
+pub fn not_stdout(path: &Path) -> Result<(), &'static str> {
+    let refused = "standard output is reserved for the report; expected a file (`./-` for a file called `-`)";
+    if path == Path::new("-") { Err(refused) } else { Ok(()) }
+}
+
 /// Returns the recording in `folder`, under its present or its old name.
 pub fn recording_in(folder: &Path) -> PathBuf {
     let old = folder.join(OLD_RUN_RECORDING);

@@ -5,4 +5,4 @@ mod distinct;
 mod tests;
 
 pub use basrelief_outputs::{OutputFolder, PartialFile, remove_all, remove_remains};
-pub use distinct::{OF_A_RUN, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs, recording_in};
+pub use distinct::{OF_A_RUN, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs, not_stdout, recording_in};
