@@ -79,7 +79,7 @@ pub(crate) fn run_point(
     let PointObserver { host, picture, recording, .. } = watch;
     let png = picture.map(|picture| host.png(&picture)).transpose().map_err(SweepError)?;
     Ok(match ran {
-        Ok(run) if run.report.outcome.kind == OutcomeKind::Complete => {
+        Ok(run) if run.report.outcome.is_complete() => {
             let recording = recording.filter(|_| run.recording_is_complete).map(|(recording, _)| recording);
             PointResult { report: Ok(run.report), png, recording }
         }

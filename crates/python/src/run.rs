@@ -9,7 +9,6 @@ use crate::sensitivity::sensitivity_of;
 use crate::watch::RunWatcher;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::Engine;
-use basrelief_report::model::OutcomeKind;
 use basrelief_sim::{AnalysisPolicy, Observer, RunOptions, run_named};
 use pyo3::types::PyBytes;
 use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};
@@ -145,7 +144,7 @@ fn run_watched(source: &RunSource, settings: &RunOptions, options: &RunArguments
         return Err(stopped.into());
     }
     let mut ran = ran?;
-    if options.sensitivity && ran.report.outcome.kind == OutcomeKind::Complete {
+    if options.sensitivity && ran.report.outcome.is_complete() {
         ran.report.sensitivity = Some(sensitivity_of(source, settings)?);
     }
     charts.map_or(Ok(()), ChartFiles::publish)?;

@@ -1,7 +1,7 @@
 //! Derived figures, each with its unit and its formula. They are rounded to 6 decimals, so that the text of a report is the same on
 //! every host. A figure with a divisor that is 0 or unknown is left out.
 
-use crate::model::{Bus, Client, Derived, Memory, Report};
+use crate::model::{Bus, Client, Cycles, Derived, Memory, Report};
 use crate::number::round6;
 use crate::work::{WorkCount, circuits, routes, work};
 use indexmap::IndexMap;
@@ -18,6 +18,24 @@ impl DerivedFigures {
     }
 }
 
+/// Formulas of the render cycles: alone, as an operand, and as a sum of frames.
+struct RenderFormulas {
+    plain: &'static str,
+    grouped: &'static str,
+    summed: &'static str,
+}
+
+impl RenderFormulas {
+    /// Behind the last whole frame, an incomplete run still draws: its render cycles are all cycles.
+    fn of(report: &Report, cycles: &Cycles) -> Self {
+        if report.drain() != cycles.drain {
+            return Self { plain: "cycles.total", grouped: "cycles.total", summed: "cycles.total" };
+        }
+        let (plain, grouped) = ("cycles.total - cycles.write_tail", "(cycles.total - cycles.write_tail)");
+        Self { plain, grouped, summed: "sum(cycles.frames)" }
+    }
+}
+
 /// Returns all figures derived from a timed report; empty for a functional report.
 pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let mut figures = DerivedFigures::default();
@@ -29,9 +47,7 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
 
     // In the tail, nothing is drawn.
     let drawing = report.frame_cycles() as f64;
-    // Behind the last whole frame, an incomplete run still draws.
-    let is_whole = report.drain() == cycles.drain;
-    let render = if is_whole { "(cycles.total - cycles.write_tail)" } else { "cycles.total" };
+    let RenderFormulas { plain, grouped: render, summed } = RenderFormulas::of(report, cycles);
     let formula = format!("{render} / {}", work.formula);
     figures.ratio(format!("cycles_per_{}", work.one), drawing, fragments, "cycles", formula);
     let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
@@ -39,7 +55,7 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     figures.ratio("cycles_per_polygon", drawing, polygons, "cycles", formula);
     for circuit in circuits(report) {
         let (name, idle) = (circuit.name, drawing - circuit.started as f64);
-        let formula = format!("{} - figures.{}", render.trim_matches(['(', ')']), circuit.figure);
+        let formula = format!("{plain} - figures.{}", circuit.figure);
         figures.ratio(format!("{name}.idle"), idle, 1.0, "cycles", formula);
     }
     figures.ratio("time_ms", 1e3 * total, hz, "ms", "1000 * cycles.total / config.clock.hz");
@@ -53,8 +69,7 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     }
     let formula = format!("{} * config.clock.hz / {render} / 1e6", work.formula);
     figures.ratio("fill_rate", fragments * hz / 1e6, drawing, &format!("M {}s/s", work.one), formula);
-    let drawn = if is_whole { "sum(cycles.frames)" } else { "cycles.total" };
-    add_memories(report, &mut figures, hz, &work, drawn);
+    add_memories(report, &mut figures, hz, &work, summed);
     add_display(report, &mut figures, hz, total);
     for (name, c) in report.caches.iter().flatten() {
         let formula = format!("caches.{name}.hits / caches.{name}.lookups");

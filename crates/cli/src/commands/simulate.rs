@@ -142,7 +142,7 @@ impl<'a> Simulation<'a> {
 
     /// Returns the report of a run with the sensitivity analysis and the figures of the host.
     fn finish_report(&self, mut run: RunResult, around: Option<OneAtATimeBase>, files: &OutputFiles) -> CommandResult<Report> {
-        if let Some(around) = around.filter(|_| run.report.outcome.kind == OutcomeKind::Complete) {
+        if let Some(around) = around.filter(|_| run.report.outcome.is_complete()) {
             run.report.sensitivity = Some(run_analysis(around, self.global, self.is_quiet())?);
         }
         let mut report = run.with_host(seconds());

@@ -1,7 +1,7 @@
 //! The change of the cycles and its causes in words.
 
 use super::comparison::{CauseShare, MeasuredCauses, WORK};
-use crate::model::{OutcomeKind, Report};
+use crate::model::Report;
 use crate::number::{real, signed, thousands};
 
 /// Causes below this share of the cycles of A are merged \[1/1000\].
@@ -26,8 +26,7 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&Me
     if a.input.sha256 != b.input.sha256 && ![a, b].iter().any(|r| r.input.sha256.is_empty()) {
         sentences.push("The inputs differ.".to_owned());
     }
-    let mut unfinished =
-        [("A", a), ("B", b)].into_iter().filter(|(_, report)| report.outcome.kind != OutcomeKind::Complete).peekable();
+    let mut unfinished = [("A", a), ("B", b)].into_iter().filter(|(_, report)| !report.outcome.is_complete()).peekable();
     let can_measure = is_one_machine && unfinished.peek().is_none();
     sentences.extend(unfinished.map(|(name, report)| {
         format!("{name} did not finish ({}). Its figures cover only the part that ran.", report.outcome.kind.name())
@@ -143,7 +142,7 @@ mod tests {
     #[test]
     fn incomplete_run_is_named_first() {
         let (a, mut b) = samples::before_and_after();
-        b.outcome.kind = OutcomeKind::Limit;
+        b.outcome.kind = crate::model::OutcomeKind::Limit;
         let first = "B did not finish (limit). Its figures cover only the part that ran. B takes 600,000 fewer cycles (-60 %).";
         assert_eq!(compare(&a, &b, None).explanation, first);
     }

@@ -1,7 +1,7 @@
 //! The largest regression, and counted figures that cannot be judged. The parent module lists the figures that count.
 
 use super::comparison::{LargestRegression, UnjudgedFigure, Verdict};
-use crate::model::{Memory, OutcomeKind, PictureQuality, Report};
+use crate::model::{Memory, PictureQuality, Report};
 use crate::number::{round6, thousands};
 use basrelief_reference::QualityMetrics;
 use indexmap::IndexMap;
@@ -12,7 +12,7 @@ const LACKS: &str = "A has it and B lacks it";
 pub(super) fn verdict(a: &Report, b: &Report, equal: bool) -> Verdict {
     let mut judge = VerdictBuilder(Verdict::default());
     for (name, report) in [("A", a), ("B", b)] {
-        if report.outcome.kind != OutcomeKind::Complete {
+        if !report.outcome.is_complete() {
             judge.reject("outcome", format!("run {name} did not finish ({})", report.outcome.kind.name()));
         }
     }

@@ -1,7 +1,7 @@
 //! Heading of the page, with the key figures.
 
 use super::markup::{Html, el, el_text, text};
-use crate::model::{OutcomeKind, Report};
+use crate::model::Report;
 use crate::number::{real, thousands};
 use crate::work::work;
 use base64::Engine;
@@ -13,8 +13,11 @@ pub(super) fn head(report: &Report) -> Html {
     let title = el("h1", &[], [text("Basrelief "), el_text("span", "quiet", what)]);
     let numbers = big_numbers(numbers(report));
     let message = report.outcome.message.as_deref().unwrap_or("The run did not finish.");
-    let ended = report.outcome.kind == OutcomeKind::Complete;
-    let message = if ended { Html::default() } else { el("p", &[("class", "bad"), ("role", "alert")], [text(message)]) };
+    let message = if report.outcome.is_complete() {
+        Html::default()
+    } else {
+        el("p", &[("class", "bad"), ("role", "alert")], [text(message)])
+    };
     el("header", &[], [title, message, numbers])
 }
 

@@ -94,7 +94,7 @@ impl Report {
     /// Returns the tail: cycles after the last frame, in which memory takes the last pixels. In version 0.1 the display read the frame
     /// in them. The tail of an incomplete run is unknown; the result is then 0.
     pub fn drain(&self) -> u64 {
-        let ended = self.cycles.as_ref().filter(|c| self.outcome.kind == OutcomeKind::Complete && !c.frames.is_empty());
+        let ended = self.cycles.as_ref().filter(|c| self.outcome.is_complete() && !c.frames.is_empty());
         ended.map_or(0, |cycles| cycles.drain)
     }
 
@@ -149,8 +149,7 @@ impl Report {
     /// Returns the frames over which totals are averaged, at least 1. `None` for an incomplete run: its totals include an unfinished
     /// frame, so a mean per frame would be wrong.
     pub(crate) fn averaged_frames(&self) -> Option<u64> {
-        let is_complete = self.outcome.kind == OutcomeKind::Complete;
-        is_complete.then(|| self.cycles.as_ref().map_or(1, |cycles| cycles.frames.len().max(1) as u64))
+        self.outcome.is_complete().then(|| self.cycles.as_ref().map_or(1, |cycles| cycles.frames.len().max(1) as u64))
     }
 
     /// Returns the value of a figure of the machine, if it is a number.
@@ -178,6 +177,13 @@ pub struct Outcome {
     /// Blocked units of a deadlock, or the reason of a fault.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
+}
+
+impl Outcome {
+    /// Returns true if the run finished.
+    pub fn is_complete(&self) -> bool {
+        self.kind == OutcomeKind::Complete
+    }
 }
 
 /// Kind of the end of a run.

@@ -17,7 +17,7 @@ mod tables;
 pub use hardware::hardware;
 
 use crate::bottleneck::diagnose;
-use crate::model::{Cycles, OutcomeKind, Report};
+use crate::model::{Cycles, Report};
 use crate::number;
 pub(crate) use style::Emphasis;
 pub use style::TextStyle;
@@ -69,7 +69,7 @@ fn title(report: &Report) -> String {
         format!("{} x {}", report.size.width, report.size.height),
     ];
     parts.extend(pictures);
-    if report.outcome.kind != OutcomeKind::Complete {
+    if !report.outcome.is_complete() {
         parts.push("incomplete".into());
     }
     parts.join(" · ")
