@@ -4,7 +4,7 @@ use crate::compare::comparisons_text;
 use crate::html::{PageAssets, to_html};
 use crate::long_table;
 use crate::model::{Figure, HardwareArea, Report};
-use crate::number::thousands;
+use crate::number::{decimal, thousands};
 use crate::text::table::Table;
 use crate::text::{TableGroup, TextStyle, to_text};
 use crate::{samples, work};
@@ -104,7 +104,7 @@ fn headline_figures_agree_in_every_place() {
     let (text, html) = (to_text(&report, TextStyle::default(), &[]), to_html(&report, &PageAssets::default()).unwrap());
     let table = comparisons_text(("a", &report), &[], TextStyle::default());
     let cycles = thousands(report.frame_cycles());
-    let per_one = format!("{:.2}", derived(&report, &format!("cycles_per_{}", work::work(&report).one)));
+    let per_one = decimal(derived(&report, &format!("cycles_per_{}", work::work(&report).one)), 2);
     let bytes = thousands(report.memory_bytes().unwrap());
     let area = thousands(HardwareArea::sum(&report.hardware).area_ge);
     let psnr = format!("{:.2}", report.quality.as_ref().unwrap().min.psnr_db);

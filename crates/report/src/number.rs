@@ -15,13 +15,47 @@ pub fn real(x: f64) -> String {
     format!("{sign}{}{point}{decimals}", group_digits(whole))
 }
 
-/// Formats like [`real`], with about five significant digits.
+/// With `decimals` decimals: `5.00`. Below 0.1 with three significant digits, so that a small rate is not shown as 0; from 1,000 on as a
+/// whole number. Exactly 0 has `decimals` decimals too.
+pub fn decimal(x: f64, decimals: usize) -> String {
+    let sign = if x < 0.0 { "-" } else { "" };
+    let size = x.abs();
+    let fixed = format!("{size:.decimals$}");
+    let text = match size {
+        _ if !size.is_finite() || size == 0.0 => fixed,
+        _ if size < LEAST => format!("{size:.2e}"),
+        _ if size < 0.1 => three_digits(size),
+        // Rounded first: 999.996 is 1,000.
+        _ if fixed.parse().unwrap_or(size) < 1e3 => fixed,
+        _ => group_digits(&format!("{size:.0}")),
+    };
+    format!("{sign}{text}")
+}
+
+/// Numbers below have an exponent.
+const LEAST: f64 = 1e-6;
+
+/// A number from [`LEAST`] to 0.1, with three significant digits.
+fn three_digits(x: f64) -> String {
+    let exponent = format!("{x:.2e}").split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok()).unwrap_or(0);
+    let decimals = usize::try_from(2 - exponent).unwrap_or(0);
+    format!("{x:.decimals$}")
+}
+
+/// Formats like [`real`], with about five significant digits; below 0.1 like [`decimal`].
 pub fn rounded(x: f64) -> String {
     match x.abs() {
         a if a >= 1e4 => real(x.round()),
         a if a >= 10.0 => real((x * 100.0).round() / 100.0),
-        _ => real((x * 1e4).round() / 1e4),
+        a if a >= 0.1 || a == 0.0 => real((x * 1e4).round() / 1e4),
+        a if a >= LEAST => without_zeros(&decimal(x, 0)),
+        _ => decimal(x, 0),
     }
+}
+
+/// A number with a decimal point, without the zeros at its end.
+fn without_zeros(number: &str) -> String {
+    number.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// Formats like [`real`], with a sign for positive numbers too.
@@ -94,6 +128,17 @@ mod tests {
         assert_eq!([signed(2.0), signed(-2.0), signed(0.0)], ["+2", "-2", "0"]);
         let written = [223.288549, 12_345.678, 0.123456, -9.87654].map(rounded);
         assert_eq!(written, ["223.29", "12,346", "0.1235", "-9.8765"]);
+    }
+
+    #[test]
+    fn small_rates_have_digits_and_large_ones_separators() {
+        let written = [5.0, 0.67, 0.1, 0.05, 0.001_234_5, 0.099_99, 2e-6, 3.456e-9, 0.0].map(|x| decimal(x, 2));
+        assert_eq!(written, ["5.00", "0.67", "0.10", "0.0500", "0.00123", "0.100", "0.00000200", "3.46e-9", "0.00"]);
+        let written = [999.994, 999.996, 16_470.034, -16_470.5, 1e15].map(|x| decimal(x, 2));
+        assert_eq!(written, ["999.99", "1,000", "16,470", "-16,470", "1,000,000,000,000,000"]);
+        assert_eq!([decimal(5.0, 3), decimal(0.25, 1), decimal(-0.012, 3)], ["5.000", "0.2", "-0.0120"]);
+        assert_eq!([f64::INFINITY, f64::NAN].map(|x| decimal(x, 2)), ["inf", "NaN"]);
+        assert_eq!([0.001_234_5, 0.05, -0.002, 3e-9].map(rounded), ["0.00123", "0.05", "-0.002", "3.00e-9"]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::comparison::Comparison;
 use crate::model::Report;
-use crate::number::{real, thousands};
+use crate::number::{decimal, thousands};
 use crate::text::style::TextStyle;
 use crate::text::table::{Align, Table};
 use crate::work::work;
@@ -38,7 +38,7 @@ fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
         table.row([
             (*name).to_owned(),
             count(report, first, |of| of.cycles.as_ref().map(|_| of.frame_cycles())),
-            per_one.map_or_else(none, |figure| real((100.0 * figure.value).round() / 100.0)),
+            per_one.map_or_else(none, |figure| decimal(figure.value, 2)),
             count(report, first, Report::memory_bytes),
             count(report, first, |of| of.hardware_area().map(|area| area.area_ge)),
             psnr(report, first),

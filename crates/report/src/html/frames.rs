@@ -4,7 +4,7 @@ use super::markup::{Html, details};
 use super::svg::{ColumnChart, Ruler, bins, mean};
 use super::table::html;
 use crate::model::{Cycles, Report};
-use crate::number::thousands;
+use crate::number::{decimal, thousands};
 use crate::text::table::{Align::Right, Table};
 
 /// Maximum number of columns of the chart, and of rows of the table.
@@ -42,14 +42,14 @@ fn table(report: &Report, cycles: &Cycles) -> Table {
         let quality = report.quality.as_ref().and_then(|quality| quality.frames.get(k)).or(last);
         let [psnr, ssim, flip] = quality
             .map_or_else(Default::default, |q| [format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip)]);
-        let ms = hz.map_or(String::new(), |hz| format!("{:.3}", 1e3 * n as f64 / hz));
+        let ms = hz.map_or(String::new(), |hz| decimal(1e3 * n as f64 / hz, 3));
         table.row([(k + 1).to_string(), thousands(n), ms, psnr, ssim, flip]);
     }
     if cycles.frames.len() > ROWS {
         table.row([format!("{} more", thousands((cycles.frames.len() - ROWS) as u64))]);
     }
     if report.drain() > 0 {
-        let ms = hz.map_or(String::new(), |hz| format!("{:.3}", 1e3 * report.drain() as f64 / hz));
+        let ms = hz.map_or(String::new(), |hz| decimal(1e3 * report.drain() as f64 / hz, 3));
         table.row(["last writes".into(), thousands(report.drain()), ms]);
     }
     table

@@ -2,7 +2,7 @@
 
 use super::markup::{Html, el, el_text, text};
 use crate::model::Report;
-use crate::number::{real, thousands};
+use crate::number::{decimal, real, thousands};
 use crate::work::work;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -38,7 +38,7 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
     }
     let one = work(report).one;
     if let Some(d) = report.derived.get(&format!("cycles_per_{one}")) {
-        list.push((format!("{:.2}", d.value), format!("cycles per {one}")));
+        list.push((decimal(d.value, 2), format!("cycles per {one}")));
     }
     if let Some(quality) = &report.quality {
         let which = if quality.frames.is_empty() { "the reference image" } else { "reference images, worst frame" };
@@ -52,7 +52,7 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
     }
     if let Some(d) = report.derived.get(if frames.is_some() { "frame_ms" } else { "time_ms" }) {
         let hz = report.clock_hz().unwrap_or(0.0);
-        list.push((format!("{:.3}", d.value), format!("ms{each} at {} MHz", real(hz / 1e6))));
+        list.push((decimal(d.value, 3), format!("ms{each} at {} MHz", real(hz / 1e6))));
     }
     list
 }

@@ -4,7 +4,7 @@ use super::markup::{Html, breakable, details, el, el_text, text};
 use super::svg::{BarPart, ColumnChart, Ruler, bar, bins, mean, percent_of, px};
 use super::table::{html, with_cells};
 use crate::model::{Client, Memory, Report};
-use crate::number::thousands;
+use crate::number::{decimal, thousands};
 use crate::text::table::Align::{Left, Right};
 use crate::text::{display, sections};
 
@@ -76,7 +76,7 @@ fn latency(name: &str, client: &Client) -> Html {
     let columns: Vec<(String, f64)> = columns.collect();
     let most = client.latency.iter().copied().max().unwrap_or(0);
     let title = format!("Latency of {name}");
-    let mean = client.mean_latency().map_or(String::new(), |mean| format!(", mean {mean:.1}"));
+    let mean = client.mean_latency().map_or(String::new(), |mean| format!(", mean {}", decimal(mean, 1)));
     let heading = format!("Latency: {name}{mean}, 95 % below {}", thousands(client.latency_95));
     let axes = ["cycles: this value to twice it", "requests"];
     let top = (most as f64, thousands(most));

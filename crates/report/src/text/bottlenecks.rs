@@ -4,7 +4,7 @@ use super::table::{Align, Table};
 use crate::model::{
     Bottlenecks, FULLY_PIPELINED, PathPart, PathPolygon, PathPolygons, RelaxedCycles, RelaxedSet, Report, UNBOUNDED_FIFO,
 };
-use crate::number::{percent, percent_in_words, thousands};
+use crate::number::{decimal, percent, percent_in_words, thousands};
 use crate::work::work;
 use Align::{Left, Right};
 
@@ -43,9 +43,9 @@ fn balanced_in_words(balanced: &RelaxedSet, bottlenecks: &Bottlenecks, report: &
 }
 
 /// Work per cycle, such as `0.67 fragments per cycle`; `None` if the machine counts no work.
-fn rate(report: &Report, cycles: u64) -> Option<String> {
+pub(super) fn rate(report: &Report, cycles: u64) -> Option<String> {
     let work = work(report);
-    (work.count > 0 && cycles > 0).then(|| format!("{:.2} {}s per cycle", work.count as f64 / cycles as f64, work.one))
+    (work.count > 0 && cycles > 0).then(|| format!("{} {}s per cycle", decimal(work.count as f64 / cycles as f64, 2), work.one))
 }
 
 fn single_in_words(singles: &[RelaxedCycles], report: &Report) -> String {

@@ -3,7 +3,7 @@
 use super::table::{Align, Table};
 use crate::bottleneck::{Stall, largest_stall};
 use crate::model::{Difference, Fifo, Figure, FigureGroup, RealPath, Report};
-use crate::number::{percent, real, rounded, thousands};
+use crate::number::{decimal, percent, real, rounded, thousands};
 use crate::work;
 use Align::{Left, Right};
 use basrelief_reference::QualityMetrics;
@@ -142,7 +142,7 @@ pub(crate) fn memories(report: &Report) -> Table {
                 percent(c.row_hits, c.bursts),
                 percent(c.row_conflicts, c.bursts),
                 ratio_text(c.queue_wait, c.bursts),
-                c.mean_latency().map_or(String::new(), |mean| format!("{mean:.1}")),
+                c.mean_latency().map_or(String::new(), |mean| decimal(mean, 1)),
                 if c.latency_95 == 0 { String::new() } else { thousands(c.latency_95) },
             ]);
         }
@@ -150,9 +150,9 @@ pub(crate) fn memories(report: &Report) -> Table {
     table
 }
 
-/// With one decimal; nothing where there is nothing to divide by.
+/// As [`decimal`] with one decimal; nothing where there is nothing to divide by.
 fn ratio_text(above: u64, below: u64) -> String {
-    if below == 0 { String::new() } else { format!("{:.1}", above as f64 / below as f64) }
+    if below == 0 { String::new() } else { decimal(above as f64 / below as f64, 1) }
 }
 
 pub(crate) fn channels(report: &Report) -> Table {
@@ -332,8 +332,8 @@ pub(crate) fn derived(report: &Report) -> Table {
 /// Picture times of a real path beside the modelled times, and its traffic.
 fn real_path(report: &Report, path: &RealPath) -> String {
     let time = |name: &str, measured: f64, idle: f64| {
-        let modelled = report.device_number(name).map_or(String::new(), |ms| format!("modelled {:.2} s, ", ms / 1e3));
-        format!("{:.2} s ({modelled}path idle for {:.2} s)", measured / 1e3, idle / 1e3)
+        let modelled = report.device_number(name).map_or(String::new(), |ms| format!("modelled {} s, ", decimal(ms / 1e3, 2)));
+        format!("{} s ({modelled}path idle for {} s)", decimal(measured / 1e3, 2), decimal(idle / 1e3, 2))
     };
     let first = time("first_picture_ms", path.first_picture_ms, path.first_picture_idle_ms);
     let last = time("final_picture_ms", path.final_picture_ms, path.final_picture_idle_ms);
@@ -349,13 +349,18 @@ fn real_path(report: &Report, path: &RealPath) -> String {
     )
 }
 
+/// A number per second: in millions, small ones in full.
+fn host_rate(x: f64) -> String {
+    if x < 1e5 { decimal(x, 0) } else { format!("{} M", decimal(x / 1e6, 2)) }
+}
+
 pub(crate) fn host(report: &Report) -> Option<String> {
     let host = report.host.as_ref()?;
-    let millions = |x: f64| format!("{:.2} M", x / 1e6);
-    let cycles = host.cycles_per_s.map_or(String::new(), |c| format!("{} cycles/s, ", millions(c)));
-    let fragments = millions(host.fragments_per_s);
+    let cycles = host.cycles_per_s.map_or(String::new(), |c| format!("{} cycles/s, ", host_rate(c)));
+    let fragments = host_rate(host.fragments_per_s);
     let one = work::work(report).one;
-    let simulated = format!("Simulated in {:.2} s of {:.2} s: {cycles}{fragments} {one}s/s.", host.simulate_s, host.wall_s);
+    let [simulated, all] = [host.simulate_s, host.wall_s].map(|seconds| decimal(seconds, 2));
+    let simulated = format!("Simulated in {simulated} s of {all} s: {cycles}{fragments} {one}s/s.");
     Some(match &host.path {
         Some(path) => format!("{simulated}\n{}", real_path(report, path)),
         None => simulated,

@@ -1,7 +1,7 @@
 //! The first screen: cycles, picture quality, memory traffic and hardware, one line each.
 
 use crate::model::{Hardware, Report};
-use crate::number::{real, thousands};
+use crate::number::{decimal, real, thousands};
 use crate::work::work;
 use basrelief_kernel::HardwareKind;
 use basrelief_reference::QualityMetrics;
@@ -15,7 +15,7 @@ pub(super) fn lines(report: &Report) -> Vec<String> {
 fn per_work_item(n: u64, per: &str, report: &Report) -> String {
     let work = work(report);
     let Some(each) = (work.count > 0).then(|| n as f64 / work.count as f64) else { return String::new() };
-    format!(", {each:.2} {per} {}", work.one)
+    format!(", {} {per} {}", decimal(each, 2), work.one)
 }
 
 /// Returns the frames to divide totals by, and the words behind the quotient.
@@ -31,7 +31,7 @@ fn cycles(report: &Report) -> Option<String> {
     let range = range.map_or(String::new(), |(least, most)| format!(" ({} to {})", thousands(*least), thousands(*most)));
     let hz = report.clock_hz();
     let time = hz.map_or(String::new(), |hz| {
-        format!("; {:.3} ms{each} at {} MHz", 1000.0 * all as f64 / frames as f64 / hz, real(hz / 1e6))
+        format!("; {} ms{each} at {} MHz", decimal(1000.0 * all as f64 / frames as f64 / hz, 3), real(hz / 1e6))
     });
     Some(format!("{} cycles{each}{range}{}{time}", thousands(all / frames), per_work_item(all, "per", report)))
 }
