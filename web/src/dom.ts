@@ -37,6 +37,19 @@ const grouped = new Intl.NumberFormat("en-US");
 /** Formats a count with thousands separators. */
 export const thousands = (n: number): string => grouped.format(n);
 
+/**
+ * Formats a number with this many decimals, as the reports do: with three significant digits below 0.1, and from 1,000 on as a whole
+ * number with thousands separators.
+ */
+export function decimal(x: number, decimals: number): string {
+  const size = Math.abs(x);
+  if (size === 0 || !Number.isFinite(size)) return x.toFixed(decimals);
+  if (size < 1e-6) return x.toExponential(2);
+  if (size < 0.1) return x.toFixed(2 - Number(size.toExponential(2).split("e")[1]));
+  const fixed = x.toFixed(decimals);
+  return Math.abs(Number(fixed)) < 1000 ? fixed : thousands(Math.round(x));
+}
+
 export const percent = (part: number, whole: number): string => (whole > 0 ? `${((100 * part) / whole).toFixed(1)} %` : "0 %");
 
 /** Formats a relative change with its sign. */
@@ -45,5 +58,5 @@ export function change(now: number, before: number): string {
   const sign = now > before ? "+" : "\u2212";
   const share = before === 0 ? "" : ` (${sign}${((100 * Math.abs(now - before)) / Math.abs(before)).toFixed(2)} %)`;
   const by = Math.abs(now - before);
-  return `${sign}${Number.isInteger(by) ? thousands(by) : by.toFixed(2)}${share}`;
+  return `${sign}${Number.isInteger(by) ? thousands(by) : decimal(by, 2)}${share}`;
 }

@@ -1,6 +1,6 @@
 // The picture area: two pictures with a movable divider, rotation by dragging, and details of the pixel under the pointer.
 import { bytesAt } from "./client";
-import { el } from "./dom";
+import { decimal, el } from "./dom";
 import type { PictureInfo, Pixel } from "./protocol";
 
 export interface Picture { name: string; about: string; width: number; height: number; rgba: Uint8ClampedArray<ArrayBuffer> }
@@ -146,13 +146,13 @@ const WAYS = 4;
 
 function cost({ cycles, ways, overdraw, level, entry, polygon }: Pixel): string {
   const causes = { busy: "busy", memory: "waits for", starved: "is starved by", blocked: "is blocked by" };
-  const parts = ways.slice(0, WAYS).map(({ unit, kind, of, cycles }) => `${unit} ${causes[kind]}${of ? ` ${of}` : ""} ${cycles.toFixed(1)}`);
+  const parts = ways.slice(0, WAYS).map(({ unit, kind, of, cycles }) => `${unit} ${causes[kind]}${of ? ` ${of}` : ""} ${decimal(cycles, 1)}`);
   const more = ways.length > WAYS ? " \u2026" : "";
   const facts = [`${overdraw} ${overdraw === 1 ? "fragment" : "fragments"}`];
   if (level !== null) facts.push(`level ${level}`);
   if (entry !== null) facts.push(`entry ${entry}`);
   if (polygon) facts.push(`polygon ${polygon.polygon}${polygon.object === null ? "" : ` of object ${polygon.object}`}`);
-  return `${cycles.toFixed(1)} cycles of units: ${parts.join(", ")}${more}; ${facts.join(", ")}`;
+  return `${decimal(cycles, 1)} cycles of units: ${parts.join(", ")}${more}; ${facts.join(", ")}`;
 }
 
 function at({ rgba, width }: Picture, x: number, y: number): string {

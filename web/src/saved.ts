@@ -1,5 +1,5 @@
 // The report of a run as one page, which needs no script and loads nothing: the sections of `basrelief --html`.
-import { el, thousands } from "./dom";
+import { decimal, el, thousands } from "./dom";
 import { averagedFrames, figures } from "./panels";
 import type { Picture } from "./picture";
 import type { Report, Run } from "./protocol";
@@ -22,10 +22,10 @@ function headline(report: Report): [string, string][] {
   const list = figures(report).map(([name, n, told]): [string, string] => [name, told(n)]);
   const { derived, outcome, config } = report;
   const [key, per] = Object.entries(derived).find(([key]) => key.startsWith("cycles_per_")) ?? [];
-  if (key && per) list.splice(1, 0, [key.replaceAll("_", " "), per.value.toFixed(2)]);
+  if (key && per) list.splice(1, 0, [key.replaceAll("_", " "), decimal(per.value, 2)]);
   const ms = derived[outcome.kind === "complete" ? "frame_ms" : "time_ms"];
   const each = averagedFrames(report) > 1 ? " per frame" : "";
-  if (ms) list.push([`ms${each} at ${thousands((config["clock"] as { hz: number }).hz / 1e6)} MHz`, ms.value.toFixed(3)]);
+  if (ms) list.push([`ms${each} at ${thousands((config["clock"] as { hz: number }).hz / 1e6)} MHz`, decimal(ms.value, 3)]);
   return list;
 }
 
