@@ -156,6 +156,13 @@ async function resultStaysInView() {
     assert.equal(await page.evaluate(() => document.getElementById("inputs").open), !isNarrow, "parameters are collapsed on a phone");
     const top = await page.evaluate(() => document.getElementById("numbers").getBoundingClientRect().top);
     assert.ok(top < height / 2 + 50, `${width}: the figures begin at ${top}`);
+    const [captions, offsets] = await page.evaluate(() => {
+      const parts = name => [...document.querySelectorAll(`#numbers ${name}`)].map(part => part.getBoundingClientRect());
+      const [boxes, values] = [parts("div"), parts("dd")];
+      return [parts("dt").map(({ height }) => height), values.map(({ top }, at) => top - boxes[at].top)];
+    });
+    if (width === 390) assert.ok(Math.max(...captions) > 1.5 * Math.min(...captions), `no caption wraps: ${captions}`);
+    assert.ok(offsets.every(offset => Math.abs(offset) < 1), `${width}: figures of a row are not aligned: ${offsets}`);
     await page.evaluate(() => (document.getElementById("inputs").open = true));
     for (const place of ["#controls", "#panel"]) {
       await page.evaluate(place => document.querySelector(place).scrollIntoView({ block: "end" }), place);
