@@ -71,6 +71,33 @@ fn run_writes_recording_beside_report() {
 }
 
 #[test]
+fn resimulation_time_excludes_bottleneck_analysis() {
+    let place = Place::new();
+    place.ok(&format!("{RUN} --out a"));
+    place.ok("resimulate a --bottlenecks --out b --quiet");
+    let host = place.report("b")["host"].clone();
+    let [simulated, all] = ["simulate_s", "wall_s"].map(|key| host[key].as_f64().expect("seconds"));
+    assert!(simulated > 0.0 && 2.0 * simulated < all, "the analysis resimulates many times: {host}");
+}
+
+#[test]
+fn resimulation_lists_its_files() {
+    let place = Place::new();
+    place.ok(&format!("{RUN} --out a"));
+    let written = |options: &str| {
+        let said = place.ok(&format!("resimulate a {options}")).out;
+        said.split_once("\nWritten to ").map(|(_, files)| files.to_owned())
+    };
+    assert_eq!(written(""), None);
+    assert_eq!(written("--html a.html").as_deref(), Some("a.html\n"));
+    assert_eq!(written("--out b --csv").as_deref(), Some("b/: report.json, report.csv, run.recording\n"));
+    assert_eq!(place.names("b"), ["report.csv", "report.json", "run.recording"]);
+    let both = "--out c --no-bottlenecks --html c.html";
+    assert_eq!(written(both).as_deref(), Some("c/: report.json\n--html: c.html\n"));
+    assert_eq!(place.names("c"), ["report.json"]);
+}
+
+#[test]
 fn sized_fifos_keep_requested_cycles() {
     let place = Place::new();
     place.ok(&format!("{RUN} --recording a.recording"));

@@ -30,8 +30,8 @@ pub fn resimulate(
     let (limits, keep) = keep;
     let limits = analysis_policy(limits);
     let kept = if keep { AnalysisPolicy::Always } else { recording_policy(limits) };
-    let options =
-        ResimulateOptions { settings, bottlenecks: limits, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
+    let budget = budget(memory_limit.unwrap_or(MemoryPool::DEFAULT));
+    let options = ResimulateOptions { settings, bottlenecks: limits, budget, ..ResimulateOptions::default() };
     let (report, watch) = py.detach(|| resimulate_watched(&mut open_recording(&recording)?, &options, kept))?;
     RunOutput::new(py, (report, watch), true)
 }
@@ -46,6 +46,6 @@ fn resimulate_watched(
     if let Some(stopped) = watch.stopped() {
         return Err(stopped.into());
     }
-    let report = report.map_err(of_recording)?;
+    let report = report.map_err(of_recording)?.report;
     Ok((report.to_json().map_err(CommandError::bad_input)?, watch))
 }

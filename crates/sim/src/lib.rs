@@ -42,7 +42,7 @@ pub use outputs::recorded_trace::{TraceOptions, record_trace};
 pub use outputs::request_log::{LoggedMemory, RequestFormat, RequestLog, RequestLogError, logged_memories};
 pub use outputs::steps::list_steps;
 pub use prepared::PreparedScene;
-pub use recording::{Recording, RecordingError, ResimulateOptions, resimulate, resimulate_to};
+pub use recording::{Recording, RecordingError, ResimulateOptions, ResimulationResult, resimulate, resimulate_to};
 #[cfg(feature = "unwatched")]
 pub use run::bare::{BareMachine, bare_machine};
 pub use run::display_list::{display_list, input_sha256, trace_header};

@@ -9,6 +9,7 @@ use crate::clock::seconds;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::outputs::{OutputFolder, REPORT, RUN_RECORDING, check_distinct, check_outputs_keep_inputs};
+use basrelief_report::Report;
 use basrelief_sim::{ResimulateOptions, resimulate_to};
 use std::path::Path;
 
@@ -27,22 +28,43 @@ pub fn resimulate(args: &ResimulateArgs, global: &GlobalOptions) -> CommandResul
     }
     let mut reader = open(&path)?;
     let limits = limits_of(args.bottlenecks, args.no_bottlenecks);
-    let options = ResimulateOptions { settings: args.settings.clone(), bottlenecks: limits, budget: global.budget.clone() };
+    let settings = args.settings.clone();
+    let options = ResimulateOptions { settings, bottlenecks: limits, clock: seconds, budget: global.budget.clone() };
     let mut recording = ShortRecording::new(limits)?;
-    let report = resimulate_to(&mut reader, &options, &mut recording).map_err(failure(&name))?;
-    let took = seconds();
-    let report = report.with_host(took, took);
+    let result = resimulate_to(&mut reader, &options, &mut recording).map_err(failure(&name))?;
+    let report = result.with_host(seconds());
     let page = args.html.as_deref().map(|path| HtmlFile::open(path)?.finish(&report)).transpose()?;
     if args.json {
         print(&report.to_json().map_err(CommandError::bad_input)?)?;
     }
-    if let Some(folder) = &args.out {
-        let outputs = OutputFolder::begin(folder).map_err(CommandError::at_file(folder, "be written"))?;
-        recording.write_to(&outputs).map_err(CommandError::at_file(folder, "be written"))?;
-        publish_report(outputs, &report, args.csv).map_err(CommandError::at_file(folder, "be written"))?;
-    }
+    let names = args.out.as_deref().map(|folder| write_folder(folder, &report, recording, args.csv)).transpose()?;
     if let (Some(page), Some(path)) = (page, &args.html) {
         page.publish().map_err(CommandError::at_file(path, "be written"))?;
     }
-    if global.quiet || args.json { Ok(()) } else { show_report(&report, &args.tables, global.text_style()) }
+    if global.quiet || args.json {
+        return Ok(());
+    }
+    show_report(&report, &args.tables, global.text_style())?;
+    written_line(args, names).map_or(Ok(()), |line| print(&line))
+}
+
+/// Writes report and recording into a folder. Returns the names of the written files.
+fn write_folder(folder: &Path, report: &Report, recording: ShortRecording, csv: bool) -> CommandResult<Vec<&'static str>> {
+    let failed = || CommandError::at_file(folder, "be written");
+    let outputs = OutputFolder::begin(folder).map_err(failed())?;
+    let has_recording = recording.write_to(&outputs).map_err(failed())?;
+    publish_report(outputs, report, csv).map_err(failed())?;
+    let names = [(REPORT, true), ("report.csv", csv), (RUN_RECORDING, has_recording)];
+    Ok(names.into_iter().filter(|(_, is_written)| *is_written).map(|(name, _)| name).collect())
+}
+
+/// Returns the line that lists the written files, as after a run. `names` are the files in the folder of `--out`.
+fn written_line(args: &ResimulateArgs, names: Option<Vec<&'static str>>) -> Option<String> {
+    let folder = args.out.as_deref().zip(names).map(|(out, names)| format!("{}/: {}", out.display(), names.join(", ")));
+    let page = args.html.as_deref().map(|page| page.display().to_string());
+    let written = match (folder, page) {
+        (Some(folder), Some(page)) => format!("{folder}\n--html: {page}"),
+        (folder, page) => folder.or(page)?,
+    };
+    Some(format!("\nWritten to {written}\n"))
 }

@@ -14,5 +14,5 @@ pub(crate) use format::{CHUNK_BYTES, WorkHash, end, header, steps};
 pub(crate) use kept::KeptSteps;
 pub(crate) use loaded::LoadedRecording;
 pub(crate) use loaded::{config_error, of_build};
-pub use resimulation::{ResimulateOptions, resimulate, resimulate_to};
+pub use resimulation::{ResimulateOptions, ResimulationResult, resimulate, resimulate_to};
 pub(crate) use resimulation::{netlist_of_same_work, resimulated_cycles};

@@ -25,8 +25,33 @@ pub struct ResimulateOptions {
     pub settings: Vec<(String, String)>,
     /// As in [`RunOptions`](crate::RunOptions::bottlenecks).
     pub bottlenecks: AnalysisPolicy,
+    /// Monotonic clock \[s\] for the host figures, as in [`RunOptions`](crate::RunOptions::clock).
+    pub clock: fn() -> f64,
     /// Memory pool for the recorded steps.
     pub budget: MemoryPool,
+}
+
+impl Default for ResimulateOptions {
+    /// No settings and no bottleneck analysis, without a clock, and with its own memory pool.
+    fn default() -> Self {
+        Self { settings: vec![], bottlenecks: AnalysisPolicy::Never, clock: || 0.0, budget: MemoryPool::default() }
+    }
+}
+
+/// Result of a resimulation.
+#[derive(Debug)]
+pub struct ResimulationResult {
+    /// The report, without host figures.
+    pub report: Report,
+    /// Time of reading and resimulating the recording on the host, without bottleneck analysis \[s\].
+    pub simulate_s: f64,
+}
+
+impl ResimulationResult {
+    /// Returns the report with the host figures. `wall_s` is the total time \[s\].
+    pub fn with_host(self, wall_s: f64) -> Report {
+        self.report.with_host(wall_s, self.simulate_s)
+    }
 }
 
 /// Returns the report of a run with the recorded work and the given timing parameters. Needs neither the scene nor the units.
@@ -34,10 +59,10 @@ pub struct ResimulateOptions {
 /// # Errors
 /// See [`RecordingError`].
 pub fn resimulate(reader: &mut dyn Read, options: &ResimulateOptions) -> Result<Report, RecordingError> {
-    resimulate_to(reader, options, &mut NoObserver)
+    resimulate_to(reader, options, &mut NoObserver).map(|result| result.report)
 }
 
-/// Like [`resimulate`]. Also passes the recording of the resimulated run to the observer.
+/// Like [`resimulate`]. Also measures the time, and passes the recording of the resimulated run to the observer.
 ///
 /// # Errors
 /// See [`RecordingError`].
@@ -45,7 +70,7 @@ pub fn resimulate_to(
     reader: &mut dyn Read,
     options: &ResimulateOptions,
     observer: &mut dyn Observer,
-) -> Result<Report, RecordingError> {
+) -> Result<ResimulationResult, RecordingError> {
     let mut blocks = BlockReader { reader, budget: &options.budget };
     let (header, machine) = blocks.header()?;
     let table = machine.parameters();
@@ -74,16 +99,18 @@ struct Resimulation<'a> {
 }
 
 impl Resimulation<'_> {
-    fn report<S: MachineSpec>(self, spec: &S) -> Result<Report, RecordingError> {
+    fn report<S: MachineSpec>(self, spec: &S) -> Result<ResimulationResult, RecordingError> {
         let Self { build, recorded, overrides, input, blocks, options, observer } = self;
         let recorded: S =
             basrelief_parameters::from_json(recorded.to_value()).map_err(|error| RecordingError::Format(error.to_string()))?;
         let netlist = netlist_of_same_work(&recorded, spec, input)?;
         let mut chunks = ChunkReader::new(blocks, Some(observer), KeptSteps::new(options.bottlenecks, &options.budget));
         chunks.pass_on_to_observer(&header::<S>(&build, input, &overrides))?;
+        let began = (options.clock)();
         let timed = kernel::resimulate(netlist, &mut |waiting| chunks.next(waiting), &mut NoProbe, u64::MAX);
         // Reads to the end, which contains the untimed result.
         while timed.is_ok() && chunks.next(0).is_ok_and(|chunk| chunk.is_some()) {}
+        let simulate_s = (options.clock)() - began;
         let ChunkReader { work, kept, end, error, .. } = chunks;
         if let Some(error) = error {
             return Err(error);
@@ -100,7 +127,7 @@ impl Resimulation<'_> {
                 bottlenecks.add_to(&mut report);
             }
         }
-        Ok(report)
+        Ok(ResimulationResult { report, simulate_s })
     }
 }
 

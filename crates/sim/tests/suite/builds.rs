@@ -38,9 +38,8 @@ fn of_another_build(recording: &[u8]) -> Vec<u8> {
 }
 
 fn resimulated(recording: &[u8]) -> Result<(Report, Vec<u8>), RecordingError> {
-    let options = ResimulateOptions { settings: vec![], bottlenecks: AnalysisPolicy::Never, budget: MemoryPool::default() };
     let mut kept = CollectedRecording::default();
-    Ok((resimulate_to(&mut Cursor::new(recording), &options, &mut kept)?, kept.0))
+    Ok((resimulate_to(&mut Cursor::new(recording), &ResimulateOptions::default(), &mut kept)?.report, kept.0))
 }
 
 #[test]

@@ -64,8 +64,7 @@ impl FullRuns {
 
 /// Returns the render cycles of the recorded steps with these depths.
 fn resimulated_cycles(recording: &[u8], depths: &[(String, u32)]) -> u64 {
-    let options =
-        ResimulateOptions { settings: settings(depths), bottlenecks: AnalysisPolicy::Never, budget: MemoryPool::default() };
+    let options = ResimulateOptions { settings: settings(depths), ..ResimulateOptions::default() };
     resimulate(&mut Cursor::new(recording), &options).unwrap().frame_cycles()
 }
 

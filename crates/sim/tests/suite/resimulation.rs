@@ -64,7 +64,7 @@ fn recorded_here(
 }
 
 fn timed_again(recording: &[u8], settings: &Settings, limits: AnalysisPolicy) -> Result<Report, RecordingError> {
-    let options = ResimulateOptions { settings: settings.clone(), bottlenecks: limits, budget: MemoryPool::default() };
+    let options = ResimulateOptions { settings: settings.clone(), bottlenecks: limits, ..ResimulateOptions::default() };
     resimulate(&mut Cursor::new(recording), &options)
 }
 
@@ -273,9 +273,9 @@ fn kept_steps_count_against_the_memory_limit() {
     let (_, recording) = recorded(machine, of_scene(machine), &vec![], AnalysisPolicy::Never).unwrap();
     // A block and its decoded steps are in memory at the same time. Bottleneck analysis keeps the steps as well.
     let options = |limits| ResimulateOptions {
-        settings: vec![],
         bottlenecks: limits,
         budget: MemoryPool::new(recording.len() as u64 * 22 / 10),
+        ..ResimulateOptions::default()
     };
     resimulate(&mut Cursor::new(&recording), &options(AnalysisPolicy::Never)).unwrap();
     let error = resimulate(&mut Cursor::new(&recording), &options(AnalysisPolicy::Always)).unwrap_err();
