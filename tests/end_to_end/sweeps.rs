@@ -409,6 +409,20 @@ fn readme_figures_match_study() {
 }
 
 #[test]
+fn file_in_the_place_of_the_folder_is_named() {
+    let place = place();
+    fs::write(place.path("taken"), "mine").unwrap();
+    for command in ["sweep plan.toml", "explore plan.toml --budget 4", "run PATCH --size 16x12"] {
+        for out in ["taken", "taken/deeper"] {
+            let outcome = place.run(&format!("{command} --out {out}"));
+            let expected = format!("{out}: cannot be written: taken is a file, expected a folder; choose another folder\n");
+            assert_eq!(outcome.error(1), expected, "{command}");
+        }
+    }
+    assert_eq!(place.text("taken"), "mine");
+}
+
+#[test]
 fn exploration_reports_share_of_front() {
     let place = place();
     let said = place.ok("explore plan.toml --budget 10 --threads 2").out;

@@ -74,6 +74,7 @@ impl Plan {
             let points: Vec<&PlanPoint> = self.plan.points.iter().filter(|point| wanted.contains(&point.id)).collect();
             let threads = at_once.unwrap_or_else(threads::workers);
             let work = SweepJob { points: &points, retry_failed, pictures, threads };
+            CommandError::check_folder(&folder)?;
             let host = PythonHost::new(&self.files);
             let done = execute(&self.plan, &work, &SweepFolder::new(&folder), &host);
             if let Some(stopped) = host.stopped() {
@@ -131,6 +132,7 @@ pub fn explore(
     let (name, text, memory_limit) = plan;
     let Plan { plan, files } = Plan::new(py, name, &text, memory_limit)?;
     py.detach(|| {
+        CommandError::check_folder(&folder)?;
         let (host, folder) = (PythonHost::new(&files), SweepFolder::new(&folder));
         let threads = at_once.unwrap_or_else(threads::workers);
         let (all, work) = (plan.points.len(), SweepJob { points: &[], retry_failed, pictures, threads });

@@ -50,6 +50,18 @@ def client() -> Iterator[Any]:
         yield client
 
 
+def test_file_in_the_place_of_the_folder_is_named(plan: Path, tmp_path: Path) -> None:
+    taken = tmp_path / "taken"
+    taken.write_text("mine")
+    for out in (taken, taken / "deeper"):
+        expected = f"{out}: cannot be written: {taken} is a file, expected a folder; choose another folder"
+        for asked in (lambda: basrelief.sweep(plan, out=out), lambda: basrelief.explore(plan, budget=4, out=out)):
+            with pytest.raises(basrelief.InputError) as raised:
+                asked()
+            assert str(raised.value) == expected
+    assert taken.read_text() == "mine"
+
+
 def files(folder: Path) -> dict[str, bytes]:
     """Returns all files of a folder except unfinished ones, with names that begin with a point."""
     return {

@@ -3,7 +3,7 @@
 use crate::{RecordingError, RunError};
 use std::fmt::Display;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Error of a program, by the party that can mend it.
 #[derive(Debug, thiserror::Error)]
@@ -51,14 +51,29 @@ impl CommandError {
         // Commands that accept standard input do not open this path.
         let is_stdin = path == Path::new("-") && doing == "be read";
         let folder = path.parent().filter(|_| doing == "be written").map(Path::to_path_buf);
+        let output = (doing == "be written").then(|| path.to_path_buf());
         move |error| match folder.as_deref() {
             Some(folder) if is_missing(folder) => within(format!("{error}; create the folder {} first", folder.display())),
             _ if error.kind() == io::ErrorKind::IsADirectory => within(format!("{error}; expected a file")),
-            // Only making a folder fails in this way.
-            _ if error.kind() == io::ErrorKind::AlreadyExists => within(format!("{error}; expected a folder")),
+            // Only making a folder, or a file below a file, fails in these ways.
+            _ if matches!(error.kind(), io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory) => {
+                match output.as_deref().and_then(blocking_file) {
+                    Some(file) => within(format!("{} is a file, expected a folder; choose another folder", file.display())),
+                    None => within(format!("{error}; expected a folder")),
+                }
+            }
             _ if is_stdin => within(format!("{error}; standard input is not accepted here, expected a file")),
             _ => within(error.to_string()),
         }
+    }
+
+    /// Checks that a folder exists or can be made.
+    ///
+    /// # Errors
+    /// A file in its place, or in the place of a folder above it.
+    pub fn check_folder(path: &Path) -> CommandResult {
+        let blocked = || Self::at_file(path, "be written")(io::ErrorKind::NotADirectory.into());
+        blocking_file(path).map_or(Ok(()), |_| Err(blocked()))
     }
 
     /// Converts an error of a run. It names the input, unless a parameter or an output is at fault.
@@ -77,6 +92,11 @@ impl CommandError {
             _ => unreadable(error),
         }
     }
+}
+
+/// Returns the file in the place of this folder or of a folder above it.
+fn blocking_file(folder: &Path) -> Option<PathBuf> {
+    folder.ancestors().find(|path| path.exists()).filter(|path| !path.is_dir()).map(Path::to_path_buf)
 }
 
 /// Returns true for a folder that does not exist. An empty path is the working directory.
@@ -103,6 +123,21 @@ mod tests {
             error(io::ErrorKind::AlreadyExists, "a.png", "be written"),
             "a.png: cannot be written: entity already exists; expected a folder"
         );
+    }
+
+    #[test]
+    fn file_in_the_place_of_a_folder_is_named_with_the_cure() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "").unwrap();
+        let below = file.join("a").join("b");
+        for (path, kind) in [(&file, io::ErrorKind::AlreadyExists), (&below, io::ErrorKind::NotADirectory)] {
+            let text = CommandError::at_file(path, "be written")(kind.into()).to_string();
+            let cure = format!("{} is a file, expected a folder; choose another folder", file.display());
+            assert_eq!(text, format!("{}: cannot be written: {cure}", path.display()));
+            assert_eq!(CommandError::check_folder(path).unwrap_err().to_string(), text);
+        }
+        assert!([folder.path(), &folder.path().join("new")].map(CommandError::check_folder).iter().all(Result::is_ok));
     }
 
     #[test]

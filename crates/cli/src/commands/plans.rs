@@ -54,6 +54,7 @@ impl<'a> OpenedPlan<'a> {
             .try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says")
             .map_err(CommandError::in_input(&name))?;
         let plan = Plan::read(&text, &host).map_err(CommandError::in_input(&name))?;
+        CommandError::check_folder(&args.out)?;
         let tables = basrelief_dse::tables::FILES.iter().map(|(file, _)| args.out.join(file));
         let tables: Vec<PathBuf> = tables.collect();
         let tables: Vec<(&str, &Path)> = tables.iter().map(|table| ("--out", &**table)).collect();
