@@ -458,6 +458,21 @@ fn interrupted_server_reports_stop() {
     assert_eq!(last_words(&mut server.0), "server stopped\n");
 }
 
+#[cfg(unix)]
+#[test]
+fn server_interrupted_while_it_loads_reports_stop() {
+    let place = Place::new();
+    let model = place.path("slow.gltf");
+    assert!(std::process::Command::new("mkfifo").arg(&model).status().expect("mkfifo").success());
+    let line = "serve slow.gltf --listen 127.0.0.1:0";
+    let mut server = place.command(line).stderr(Stdio::piped()).spawn().expect("the program starts");
+    // Opens once the program reads the pipe.
+    let pipe = fs::File::options().write(true).open(&model).expect("a reader");
+    interrupt(&mut server);
+    assert_eq!(last_words(&mut server), "server stopped\n");
+    drop(pipe);
+}
+
 /// Environment variable that is set if this process may open as many files as the next test needs.
 #[cfg(unix)]
 const MANY_FILES: &str = "BASRELIEF_TEST_MANY_FILES";

@@ -19,6 +19,9 @@ const STANDALONE: &str = "standalone.html";
 
 /// Serves the page until interrupted, or writes it as one file.
 pub fn page(args: &PageArgs, quiet: bool) -> CommandResult {
+    if args.export.is_none() {
+        interrupt::set_message("server stopped");
+    }
     let files = PageFiles::find(args.folder.as_deref(), PAGE)?.ok_or_else(|| {
         CommandError::BadInput(
             "the page is not built; run `web/build` in the source folder, or name its output with --folder".into(),
@@ -36,7 +39,6 @@ pub fn page(args: &PageArgs, quiet: bool) -> CommandResult {
     }
     let (address, server) =
         site(&files, PAGE)?.with_host_names(args.allow_host.clone()).listen(args.listen).map_err(CommandError::BadInput)?;
-    interrupt::set_message("server stopped");
     if !quiet {
         print(&format!("Page: http://{address}/ (stop with Ctrl-C)\n"))?;
     }

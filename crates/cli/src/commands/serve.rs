@@ -17,6 +17,7 @@ use std::sync::Arc;
 
 /// Serves until interrupted.
 pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> CommandResult {
+    interrupt::set_message("server stopped");
     if !args.listen.ip().is_loopback() && !args.public {
         return Err(CommandError::Usage(format!(
             "--listen {}: other computers could read the scene; add --public to allow this",
@@ -40,7 +41,6 @@ pub fn serve(args: &ServeArgs, global: &GlobalOptions) -> CommandResult {
     let served = served.with_host_names(args.allow_host.clone());
     let served = args.allow_origin.iter().fold(served, |served, origin| served.with_allowed_origin(origin));
     let (address, server) = served.listen(args.listen, ServerLimits::default()).map_err(CommandError::BadInput)?;
-    interrupt::set_message("server stopped");
     if !global.quiet {
         print(&format!("Serving {path} at http://{address}/\n"))?;
     }
