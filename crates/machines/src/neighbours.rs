@@ -1,7 +1,8 @@
 //! Neighbouring values of a parameter, for sensitivity analysis.
 
 use crate::configuration_schema::bounds;
-use crate::parameter_info::{AllowedValues, ParameterInfo};
+use crate::parameter_info::{AllowedValues, ParameterChoice, ParameterInfo};
+use basrelief_kernel::MemoryPart;
 use serde_json::Value;
 
 impl ParameterInfo {
@@ -9,7 +10,8 @@ impl ParameterInfo {
     ///
     /// * Numbers are halved and multiplied by 1.5, rounded, and changed by at least 1. All numbers of a list change alike. If 1.5 times a
     ///   power of two does not fit, the next power of two is used.
-    /// * Choices have the previous and the next choice.
+    /// * Choices have the previous and the next choice. An ideal memory part is no neighbour and has none: it cannot be built, so its area
+    ///   has no meaning.
     /// * A switch has the other position.
     /// * A text has no neighbours.
     ///
@@ -18,6 +20,8 @@ impl ParameterInfo {
         match &self.takes {
             AllowedValues::Switch => self.value.as_bool().map(|on| Value::Bool(!on)).into_iter().collect(),
             AllowedValues::Choice { choices } => {
+                let is_buildable = |name: &str| name != MemoryPart::Ideal.name();
+                let choices: Vec<&ParameterChoice> = choices.iter().filter(|choice| is_buildable(&choice.name)).collect();
                 let at = choices.iter().position(|choice| self.value == choice.name);
                 let beside = |at: usize| [at.checked_sub(1), Some(at + 1)].into_iter().flatten();
                 let names = at.into_iter().flat_map(beside).filter_map(|at| choices.get(at));

@@ -37,6 +37,9 @@ fn powers_of_two_double_where_1_5_times_does_not_fit() {
 #[test]
 fn choices_and_switches_have_neighbours_but_texts_do_not() {
     assert_eq!(of(0, "memory.graphics.part", json!("ddr-400"), &|_| true), ["sdr-133", "ddr2-667"]);
+    // An ideal part cannot be built.
+    assert_eq!(of(0, "memory.graphics.part", json!("sram"), &|_| true), ["edram-ps2"]);
+    assert_eq!(of(0, "memory.graphics.part", json!("ideal"), &|_| true), [""; 0]);
     assert_eq!(of(0, "reference.filter", json!("trilinear"), &|_| true), ["bilinear"]);
     assert_eq!(of(0, "rasterizer.early_z", json!(true), &|_| true), [false]);
     assert_eq!(of(0, "ideal.units", json!(""), &|_| true), [""; 0]);
