@@ -3,8 +3,8 @@
 use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
 use basrelief_kernel::Source;
 use basrelief_kernel::{
-    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemoryPorts, MemorySystem, NoProbe, Outcome, Probe, Recorder,
-    RunLimits, Stage, Step, Unit, Visitor, run_functional, run_with,
+    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemoryPorts, MemorySystem, Outcome, Probe, Recorder, RunLimits,
+    Stage, Step, Unit, Visitor, run_functional, run_with,
 };
 use std::hint::black_box;
 use std::ops::Range;
@@ -264,18 +264,18 @@ impl<const N: usize> Machine for ClientRows<N> {
     }
 }
 
-fn simulate<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P) {
+fn simulate<M: Machine>(machine: &mut M, engine: Engine, probe: Option<&mut dyn Probe>) {
     let report = run_with(machine, engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
     assert_eq!(report.outcome, Outcome::Complete);
     black_box(report.total);
 }
 
 fn timed<M: Machine>(machine: &mut M) {
-    simulate(machine, Engine::Timed, &mut NoProbe);
+    simulate(machine, Engine::Timed, None);
 }
 
 fn ticked<M: Machine>(machine: &mut M) {
-    simulate(machine, Engine::Ticked, &mut NoProbe);
+    simulate(machine, Engine::Ticked, None);
 }
 
 fn functional<M: Machine>(machine: &mut M) {
@@ -284,7 +284,7 @@ fn functional<M: Machine>(machine: &mut M) {
 
 fn recorded<M: Machine>(machine: &mut M) {
     let mut intervals = Recorder::default();
-    simulate(machine, Engine::Timed, &mut intervals);
+    simulate(machine, Engine::Timed, Some(&mut intervals));
     black_box(intervals);
 }
 

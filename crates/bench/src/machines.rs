@@ -16,7 +16,7 @@ use crate::stopwatch::{UnitTime, unit_times};
 use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{Netlist, NoProbe, Outcome, PathMemory, Probe, Recording, RunReport, resimulate};
+use basrelief_kernel::{Netlist, Outcome, PathMemory, Probe, Recording, RunReport, resimulate};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
@@ -235,7 +235,7 @@ fn retimed(size: WorkloadSize, how: Retiming) -> Workload {
             let mut chunks = chunks.iter().map(Cow::Borrowed);
             let is_complete = |report: RunReport| report.outcome == Outcome::Complete;
             let timed = match how {
-                Retiming::WhileRead => resimulate(shape, &mut |_| Ok(chunks.next()), &mut NoProbe, u64::MAX).map(is_complete),
+                Retiming::WhileRead => resimulate(shape, &mut |_| Ok(chunks.next()), u64::MAX).map(is_complete),
                 Retiming::Again => recording.resimulate(shape).map(is_complete),
                 Retiming::Path => {
                     recording.critical_path(shape, usize::MAX, &[], &mut PathMemory::default()).map(|path| path.is_some())

@@ -3,7 +3,7 @@
 //! With a folder instead of a file, every `*.json` in it must be a `{"plan", "result"}` vector. Both engines run each vector, and a
 //! recording made with deeper FIFOs is resimulated. The exit code is 1 if any result differs.
 
-use basrelief_kernel::{Engine, Netlist, NoProbe, RunLimits, resimulate, run, run_recorded};
+use basrelief_kernel::{Engine, Netlist, RunLimits, resimulate, run, run_recorded};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, result};
 use serde_json::Value;
 use serde_json::ser::Formatter;
@@ -28,10 +28,10 @@ fn resimulated(plan: &Plan) -> Result<Value, String> {
     let machine = |plan: &Plan| PlanMachine::new(plan).map_err(|e| e.to_string());
     let mut chunks = Vec::new();
     let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut PlanMachine| true };
-    run_recorded(&mut machine(&deeper)?, Engine::Timed, &mut NoProbe, limits, CHUNK_BYTES, &mut |chunk| chunks.push(chunk));
+    run_recorded(&mut machine(&deeper)?, Engine::Timed, None, limits, CHUNK_BYTES, &mut |chunk| chunks.push(chunk));
     let shape = Netlist::of(&mut machine(plan)?).map_err(|e| e.to_string())?;
     let mut chunks = chunks.iter().map(Cow::Borrowed);
-    let report = resimulate(shape, &mut |_| Ok(chunks.next()), &mut NoProbe, u64::MAX);
+    let report = resimulate(shape, &mut |_| Ok(chunks.next()), u64::MAX);
     Ok(result(&report.map_err(|e| e.to_string())?))
 }
 

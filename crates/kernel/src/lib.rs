@@ -330,7 +330,7 @@ pub use diagram::{ClientTopology, Diagram, FifoTopology, MemoryTopology, StageTo
 pub use endpoints::{Sink, Source};
 pub use engine::{
     ChunkSource, Engine, PathMemory, Recording, ResimulateError, RunLimits, StepBatch, critical_path, make_steps, resimulate,
-    run, run_functional, run_recorded, run_with, time_steps,
+    resimulate_with, run, run_functional, run_recorded, run_with, time_steps,
 };
 pub use fifo::Fifo;
 pub use fifo_info::FifoInfo;
@@ -346,7 +346,7 @@ pub use operators::{OperatorConfig, OperatorCounts, Operators};
 pub use outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor};
 pub use parts::MemoryPart;
 pub use periodic::{FlipCounts, FlipTiming, PeriodicReads};
-pub use probe::{Interval, NoProbe, OutputWires, Probe, Recorder, StepWires, TokenBits, TokenField, UnitTable, UnitWires};
+pub use probe::{Interval, OutputWires, Probe, Recorder, StepWires, TokenBits, TokenField, UnitTable, UnitWires};
 pub use report::{CacheReport, FifoReport, MemoryReport, PeriodicCounts, PortReport, RunReport, UnitReport};
 pub use request::Request;
 pub use stage::Stage;

@@ -1,4 +1,4 @@
-//! Probes: observers of a run. A probe is a type parameter of the engines, so `NoProbe` costs nothing.
+//! Probes: observers of a run. The timed engine is compiled a second time without any, so that such runs pay nothing.
 
 use crate::{Cycle, Label, MemoryEvent, Request, StallCause};
 use std::collections::BTreeMap;
@@ -134,7 +134,7 @@ pub struct UnitWires {
 
 /// A probe that observes nothing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct NoProbe;
+pub(crate) struct NoProbe;
 
 impl Probe for NoProbe {
     fn is_on() -> bool {

@@ -155,7 +155,7 @@ impl ChartFiles {
         let tokens = tokens.as_mut().map(|file| CommandResult::Ok(((named(file), token_writer(file)?), *sample))).transpose()?;
         let timeline = timeline.as_mut().map(|file| -> ChartOutput<dyn Write + '_> { (named(file), Box::new(file)) });
         let waves = waves.as_mut().map(|file| -> ChartOutput<dyn WriteSeek + '_> { (named(file), Box::new(file)) });
-        charts.record(ChartOutputs { timeline, waves, tokens }, run)
+        charts.record(ChartOutputs { timeline, waves, tokens }, Box::new(run))
     }
 
     /// Publishes the files.

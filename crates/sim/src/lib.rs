@@ -33,7 +33,7 @@ pub use named_run::{run_named, run_quietly};
 pub use observer::{FramePictures, KeptRecording, MemoryRequests, NoObserver, Observer, picture_name};
 pub use options::{AnalysisPolicy, Overrides, OverridesError, RunInput, RunOptions, TOML_GROWTH};
 pub use outputs::aux_output::{AuxContent, AuxForm, AuxOutput, AuxOutputInfo};
-pub use outputs::charts::{ChartOutput, ChartOutputs, ChartRange, ChartRangeError, RunCharts, WriteSeek};
+pub use outputs::charts::{ChartOutput, ChartOutputs, ChartRange, ChartRangeError, ProbedRun, RunCharts, WriteSeek};
 pub use outputs::cost_maps::COST_PICTURES;
 pub use outputs::expectation::{check_expectation, expectation_of};
 pub use outputs::page_assets::{page_assets, page_pictures};

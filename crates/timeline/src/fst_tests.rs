@@ -15,9 +15,9 @@ fn board() -> TimelineLayout {
     TimelineLayout { hz: 200_000_000, ..samples::board() }
 }
 
-fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
+fn record(probe: &mut dyn Probe, engine: Engine) -> RunReport {
     let mut machine = PlanMachine::new(&samples::plan()).unwrap();
-    run_with(&mut machine, engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
+    run_with(&mut machine, engine, Some(probe), RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
 /// The waves of a run, in sections of so many bytes.

@@ -3,7 +3,7 @@
 use crate::samples;
 use crate::*;
 use basrelief_input::{MemoryPool, OverBudget};
-use basrelief_kernel::{Cycle, Engine, Interval, NoProbe, RunLimits, RunReport, StallCause, run_with};
+use basrelief_kernel::{Cycle, Engine, Interval, RunLimits, RunReport, StallCause, run_with};
 use basrelief_kernel_conformance::plan::PlanMachine;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -65,7 +65,7 @@ fn read(text: &str) -> Vec<DecodedToken> {
 
 fn run() -> RunReport {
     let mut machine = PlanMachine::new(&samples::plan()).unwrap();
-    run_with(&mut machine, Engine::Timed, &mut NoProbe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
+    run_with(&mut machine, Engine::Timed, None, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
 fn written(board: &TimelineLayout, budget: &MemoryPool, tell: impl FnOnce(&mut TimelineProbe<'_>)) -> std::io::Result<String> {

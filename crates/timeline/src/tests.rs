@@ -17,9 +17,9 @@ struct DecodedTrace {
     packet: Vec<TracePacket>,
 }
 
-fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
+fn record(probe: &mut dyn Probe, engine: Engine) -> RunReport {
     let mut machine = PlanMachine::new(&samples::plan()).unwrap();
-    run_with(&mut machine, engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
+    run_with(&mut machine, engine, Some(probe), RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
 /// Report and trace of a run with an engine.

@@ -57,7 +57,7 @@ impl TimelineFiles {
             }),
             tokens,
         };
-        charts.record(outputs, run)
+        charts.record(outputs, Box::new(run))
     }
 
     /// Publishes the files.

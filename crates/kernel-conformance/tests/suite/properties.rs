@@ -2,9 +2,7 @@
 
 use crate::common::random::{GraphPart, recipe, tight_recipe};
 use crate::common::{machine, report, run_both, sink_tokens};
-use basrelief_kernel::{
-    CacheCounts, Deadlock, Engine, MemoryEvent, NoProbe, Outcome, Recorder, RunLimits, RunReport, run, run_with,
-};
+use basrelief_kernel::{CacheCounts, Deadlock, Engine, MemoryEvent, Outcome, Recorder, RunLimits, RunReport, run, run_with};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, PlanMemory, Token, result};
 use proptest::prelude::*;
 
@@ -213,7 +211,7 @@ proptest! {
 
 /// Returns the report of a run without a probe.
 fn silent(plan: &Plan, engine: Engine, max_cycles: u64) -> RunReport {
-    run_with(&mut machine(plan), engine, &mut NoProbe, RunLimits { max_cycles, progress: &mut |_: &mut PlanMachine| true })
+    run_with(&mut machine(plan), engine, None, RunLimits { max_cycles, progress: &mut |_: &mut PlanMachine| true })
 }
 
 /// Returns true if a client is periodic or makes flips.

@@ -3,7 +3,7 @@
 use crate::common::random::{Recipe, recipe};
 use crate::common::{PlanBuilder, machine, record_plan, run_both, streams};
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{Netlist, NoProbe, Outcome, Recording, ResimulateError, RunReport, make_steps, resimulate, time_steps};
+use basrelief_kernel::{Netlist, Outcome, Recording, ResimulateError, RunReport, make_steps, resimulate, time_steps};
 use basrelief_kernel_conformance::plan::{Plan, UnitKind};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -27,7 +27,7 @@ fn other_times(plan: &Plan, other: &Recipe) -> Plan {
 
 fn timed_again(recording: &[RecordingChunk], plan: &Plan) -> Result<RunReport, ResimulateError> {
     let mut chunks = recording.iter().map(Cow::Borrowed);
-    resimulate(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(chunks.next()), &mut NoProbe, u64::MAX)
+    resimulate(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(chunks.next()), u64::MAX)
 }
 
 proptest! {
@@ -97,7 +97,7 @@ proptest! {
         let mut chunks = spoiled.into_iter().map(Cow::Owned);
         let shape = Netlist::of(&mut machine(&plan)).unwrap();
         // A cycle limit, because a corrupt step may occupy its unit for 2^32 cycles. The content of the report does not matter.
-        let _ = resimulate(shape, &mut |_| Ok(chunks.next()), &mut NoProbe, 1 << 20);
+        let _ = resimulate(shape, &mut |_| Ok(chunks.next()), 1 << 20);
     }
 }
 

@@ -15,10 +15,11 @@ impl<const I: usize, const O: usize, const MEMORY: bool> StageArity for FixedAri
 }
 
 /// Advances a stage, with code specialized for common numbers of FIFOs. A step of unspecialized code takes two thirds longer.
-fn advance<P: Probe, W: StepSource>(walk: &mut RunAhead<'_, P>, number: usize, work: &mut W) {
+pub(super) fn advance<P: Probe, W: StepSource>(walk: &mut RunAhead<'_, P>, number: usize, work: &mut W) {
     let stage = &walk.time.shape.stages[number];
     match ([stage.inputs.len(), stage.outputs.len()], !stage.clients.is_empty()) {
         ([0, 1], false) => walk.advance::<FixedArity<0, 1, false>, W>(number, work),
+        ([1, 0], true) => walk.advance::<FixedArity<1, 0, true>, W>(number, work),
         ([1, 1], false) => walk.advance::<FixedArity<1, 1, false>, W>(number, work),
         ([1, 1], true) => walk.advance::<FixedArity<1, 1, true>, W>(number, work),
         ([1, 2], false) => walk.advance::<FixedArity<1, 2, false>, W>(number, work),

@@ -28,7 +28,15 @@ pub(super) struct ActiveRecording<'a> {
     pub(super) keep: &'a mut dyn FnMut(RecordingChunk),
 }
 
-impl ActiveRecording<'_> {
+impl<'a> ActiveRecording<'a> {
+    /// Converts it to one with a shorter lifetime. (The compiler does not, because of the pointer to a function in it.)
+    pub(super) fn shortened<'b>(self) -> ActiveRecording<'b>
+    where
+        'a: 'b,
+    {
+        ActiveRecording { writer: self.writer, keep: self.keep }
+    }
+
     /// Passes on a chunk of the recording, if there is enough for one.
     pub(super) fn keep_chunk(recording: &mut Option<Self>, unit_states: impl FnOnce() -> Vec<FinalUnitState>) {
         if let Some(Self { writer, keep }) = recording

@@ -13,6 +13,7 @@ mod timed;
 use crate::check::check_wiring;
 use crate::machine::Machine;
 use crate::netlist::Netlist;
+use crate::probe::NoProbe;
 use crate::recording::{RecordingChunk, RecordingWriter};
 use crate::report::RunReport;
 use crate::time::{MachineTiming, StopReason};
@@ -21,7 +22,7 @@ pub use batch::StepBatch;
 pub use context::RunLimits;
 use context::{ActiveRecording, unit_states};
 pub use overlapped::{make_steps, time_steps};
-pub use resimulate::{ChunkSource, PathMemory, Recording, ResimulateError, critical_path, resimulate};
+pub use resimulate::{ChunkSource, PathMemory, Recording, ResimulateError, critical_path, resimulate, resimulate_with};
 use step_source::WireReport;
 
 /// The engine of a run.
@@ -36,20 +37,25 @@ pub enum Engine {
 
 /// Runs `machine` to its end.
 pub fn run<M: Machine>(machine: &mut M, engine: Engine) -> RunReport {
-    run_with(machine, engine, &mut crate::NoProbe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
+    run_with(machine, engine, None, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
-/// Runs `machine` under a probe, within limits.
-pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P, limits: RunLimits<'_, M>) -> RunReport {
+/// Runs `machine` within limits, under a probe if there is one.
+pub fn run_with<M: Machine>(
+    machine: &mut M,
+    engine: Engine,
+    probe: Option<&mut dyn Probe>,
+    limits: RunLimits<'_, M>,
+) -> RunReport {
     run_on(machine, probe, |machine, time, probe| run_engine(machine, engine, time, probe, limits, None))
 }
 
 /// As [`run_with`], and passes the run's [recording](crate::recording) to `keep` in chunks of about `chunk_bytes`. There is no
 /// last chunk if the run is stopped or a unit cannot continue.
-pub fn run_recorded<M: Machine, P: Probe>(
+pub fn run_recorded<M: Machine>(
     machine: &mut M,
     engine: Engine,
-    probe: &mut P,
+    probe: Option<&mut dyn Probe>,
     limits: RunLimits<'_, M>,
     chunk_bytes: usize,
     keep: &mut dyn FnMut(RecordingChunk),
@@ -65,38 +71,45 @@ pub fn run_recorded<M: Machine, P: Probe>(
     })
 }
 
-fn run_engine<'a, M: Machine, P: Probe>(
+fn run_engine<M: Machine>(
     machine: &mut M,
     engine: Engine,
-    time: &'a mut MachineTiming,
-    probe: &'a mut P,
+    time: &mut MachineTiming,
+    probe: Option<&mut dyn Probe>,
     limits: RunLimits<'_, M>,
-    recording: Option<ActiveRecording<'a>>,
+    recording: Option<ActiveRecording<'_>>,
 ) -> StopReason {
-    match engine {
-        Engine::Timed => timed::run(machine, time, probe, limits, recording),
-        // A constant condition, so that the engine is not compiled into programs without the feature.
-        Engine::Ticked if cfg!(feature = "ticked") => ticked::run(machine, time, probe, limits, recording),
-        Engine::Ticked => StopReason::Fault("this build has no ticked engine (feature `ticked` of basrelief-kernel)".into()),
+    match (engine, probe) {
+        // Constant conditions, so that no engine is compiled into programs without its feature.
+        (Engine::Timed, None) if cfg!(feature = "unwatched") => timed::run(machine, time, limits, recording),
+        (Engine::Timed, probe) => timed::run_probed(machine, time, probe.unwrap_or(&mut NoProbe), limits, recording),
+        (Engine::Ticked, probe) if cfg!(feature = "ticked") => {
+            ticked::run(machine, time, probe.unwrap_or(&mut NoProbe), limits, recording)
+        }
+        (Engine::Ticked, _) => StopReason::Fault("this build has no ticked engine (feature `ticked` of basrelief-kernel)".into()),
     }
 }
 
-fn run_on<M: Machine, P: Probe>(
+fn run_on<M: Machine>(
     machine: &mut M,
-    probe: &mut P,
-    engine: impl FnOnce(&mut M, &mut MachineTiming, &mut P) -> StopReason,
+    mut probe: Option<&mut dyn Probe>,
+    engine: impl FnOnce(&mut M, &mut MachineTiming, Option<&mut dyn Probe>) -> StopReason,
 ) -> RunReport {
     let shape = match Netlist::of(machine) {
         Ok(shape) => shape,
         Err(error) => return RunReport::of_fault(error.to_string()),
     };
     let mut time = MachineTiming::new(shape);
-    time.keep_fills(&*probe);
-    let halt = engine(machine, &mut time, probe);
+    if let Some(probe) = &probe {
+        time.keep_fills(probe);
+    }
+    let halt = engine(machine, &mut time, probe.as_mut().map(|probe| &mut **probe as &mut dyn Probe));
     let report = time.finalize(&unit_states(machine), halt);
-    time.show_fills(probe, Some(Cycle(report.total)));
-    if P::is_on() && probe.reads_wires() {
-        machine.wire(&mut WireReport { probe, stage: 0 });
+    if let Some(mut probe) = probe {
+        time.show_fills(&mut probe, Some(Cycle(report.total)));
+        if probe.reads_wires() {
+            machine.wire(&mut WireReport { probe, stage: 0 });
+        }
     }
     *machine.memories() = time.memories;
     report

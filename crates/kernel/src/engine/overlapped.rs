@@ -10,10 +10,11 @@ use super::timed::RunAhead;
 use crate::check::WiringError;
 use crate::machine::Machine;
 use crate::netlist::Netlist;
+use crate::probe::NoProbe;
 use crate::recording::{RecordingChunk, RecordingWriter};
 use crate::report::RunReport;
 use crate::time::{FinalUnitState, InputMask, MachineTiming, StepTiming, StopReason};
-use crate::{Demand, MemoryPorts, NoProbe};
+use crate::{Demand, MemoryPorts};
 
 /// Executes all steps of a machine and passes them on in batches of some `steps` steps. Execution runs ahead of timing, so it
 /// suits runs without a cycle limit. `progress` as in [`RunLimits`](super::RunLimits).

@@ -4,11 +4,12 @@ use super::arity::run_stored_steps;
 use super::step_source::StepSource;
 use super::timed::RunAhead;
 use crate::netlist::Netlist;
+use crate::probe::NoProbe;
 use crate::recording::{RecordingChunk, RecordingError, RecordingReader};
 use crate::report::RunReport;
 use crate::step_requests::StepRequestsView;
 use crate::time::{FifoMemory, FinalUnitState, InputMask, MachineTiming, PathTracer, StageVisit, StepTiming, StopReason};
-use crate::{CriticalPath, Cycle, Demand, MemoryPorts, NoProbe, Outcome, Probe, StageGroups};
+use crate::{CriticalPath, Cycle, Demand, MemoryPorts, Outcome, Probe, StageGroups};
 use std::borrow::Cow;
 use std::fmt;
 
@@ -98,7 +99,15 @@ impl StepSource for RecordingReader {
 ///
 /// # Errors
 /// See [`ResimulateError`].
-pub fn resimulate<P: Probe>(
+pub fn resimulate(shape: Netlist, chunks: &mut ChunkSource<'_, '_>, max_cycles: u64) -> Result<RunReport, ResimulateError> {
+    resimulate_with(shape, chunks, &mut NoProbe, max_cycles)
+}
+
+/// As [`resimulate`], under a probe.
+///
+/// # Errors
+/// See [`ResimulateError`].
+pub fn resimulate_with<P: Probe>(
     shape: Netlist,
     chunks: &mut ChunkSource<'_, '_>,
     probe: &mut P,

@@ -21,29 +21,38 @@ pub(crate) trait StepSource {
     fn step(&mut self, declared: Self::Declared, traffic: &mut MemoryPorts) -> StepTiming;
     /// Returns true if the step just made has no memory request.
     #[inline(always)]
-    fn is_silent(&self, traffic: &MemoryPorts) -> bool {
+    fn is_silent(&self, traffic: &MemoryPorts) -> bool
+    where
+        Self: Sized,
+    {
         traffic.is_empty()
     }
     /// Returns the memory requests of the step just made; `None`, with a fault in `traffic`, if they are not allowed.
     #[inline(always)]
-    fn requests<'a>(&'a mut self, traffic: &'a mut MemoryPorts, visit: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
+    fn requests<'a>(&'a mut self, traffic: &'a mut MemoryPorts, visit: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>>
+    where
+        Self: Sized,
+    {
         visit.settle(traffic)
     }
     /// Moves on to the next step.
     #[inline(always)]
-    fn go_on(&mut self, traffic: &mut MemoryPorts) {
+    fn go_on(&mut self, traffic: &mut MemoryPorts)
+    where
+        Self: Sized,
+    {
         if !traffic.is_empty() {
             traffic.clear();
         }
     }
-    /// Reports the labels of the step just made to a probe that reads them.
-    fn report_step<P: Probe>(
+    /// Reports labels and wires of the step just made to a probe that reads them.
+    fn report_step(
         &self,
         number: usize,
         declared: Self::Declared,
         made: &StepTiming,
         traffic: &MemoryPorts,
-        probe: &mut P,
+        probe: &mut dyn Probe,
     ) {
         _ = (number, declared, made, traffic, probe);
     }
@@ -69,6 +78,20 @@ pub(super) struct UnitSteps<'a, U, I, O, C> {
 impl<'a, U, I, O, C> UnitSteps<'a, U, I, O, C> {
     pub(super) fn new(stage: &'a mut Stage<U>, connections: &'a mut Connections<I, O, C>) -> Self {
         Self { unit: &mut stage.unit, connections }
+    }
+}
+
+impl<U, I, O, C> UnitSteps<'_, U, I, O, C>
+where
+    U: Unit,
+    I: Inputs<Item = U::In>,
+    O: Outputs<Item = U::Out>,
+    C: Clients,
+{
+    /// Returns the steps behind a pointer. (Inlined, the steps of a unit would be compiled once for each engine that uses them.)
+    #[inline(never)]
+    pub(super) fn behind_pointer(&mut self) -> &mut AnySteps<'_> {
+        self
     }
 }
 
@@ -109,15 +132,14 @@ where
         StepTiming { occupancy, latency, after_data, outputs, marked, blocking }
     }
 
-    #[inline(always)]
-    fn report_step<P: Probe>(&self, number: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts, probe: &mut P) {
-        if P::is_on() && probe.reads_labels() {
+    fn report_step(&self, number: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts, probe: &mut dyn Probe) {
+        if probe.reads_labels() {
             let Connections { inputs, outputs, .. } = &self.connections;
             let given = (0..outputs.count()).filter(|i| made.outputs >> i & 1 == 1).map(|i| (i, outputs.last_label(i)));
             let given: Vec<_> = given.collect();
             probe.on_step(number, [demand.of(inputs.count()), traffic.clients()], &given);
         }
-        if P::is_on() && probe.reads_wires() {
+        if probe.reads_wires() {
             let Connections { inputs, outputs, .. } = &self.connections;
             let given = (0..outputs.count()).filter(|i| made.outputs >> i & 1 == 1).map(|i| (i, outputs.last_bits(i)));
             let (taken, given) = (demand.of(inputs.count()), given.collect::<Vec<_>>());
@@ -132,13 +154,40 @@ where
     }
 }
 
+/// Steps behind a pointer, so that an engine is compiled once and not for each unit.
+type AnySteps<'a> = dyn StepSource<Declared = Demand> + 'a;
+
+impl StepSource for &mut AnySteps<'_> {
+    type Declared = Demand;
+
+    fn next(&self) -> (Demand, InputMask) {
+        (**self).next()
+    }
+
+    fn has_step(&self) -> bool {
+        (**self).has_step()
+    }
+
+    fn step(&mut self, demand: Demand, traffic: &mut MemoryPorts) -> StepTiming {
+        (**self).step(demand, traffic)
+    }
+
+    fn report_step(&self, number: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts, probe: &mut dyn Probe) {
+        (**self).report_step(number, demand, made, traffic, probe);
+    }
+
+    fn write(&self, writer: &mut RecordingWriter, number: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
+        (**self).write(writer, number, demand, made, traffic);
+    }
+}
+
 /// Reports every unit to a probe that reads wires.
-pub(super) struct WireReport<'a, P> {
-    pub(super) probe: &'a mut P,
+pub(super) struct WireReport<'a> {
+    pub(super) probe: &'a mut dyn Probe,
     pub(super) stage: usize,
 }
 
-impl<SomeProbe: Probe> Visitor for WireReport<'_, SomeProbe> {
+impl Visitor for WireReport<'_> {
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
         let outputs = &connections.outputs;

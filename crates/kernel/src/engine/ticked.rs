@@ -40,7 +40,7 @@ impl TickedCycle<'_> {
         }
         let takes = self.time.stages[number].inputs_of(demand);
         let made = work.step(demand, &mut self.traffic);
-        work.report_step(number, demand, &made, &self.traffic, &mut self.probe);
+        work.report_step(number, demand, &made, &self.traffic, self.probe);
         let (mut visit, _) = self.time.visit::<AnyArity>(number);
         let asks = work.requests(&mut self.traffic, &mut visit);
         visit.step_asking::<AnyArity>(self.now, takes, &made, asks);
@@ -75,8 +75,8 @@ impl Visitor for TickedCycle<'_> {
         }
         self.time.grow_outputs::<AnyArity>(number);
         if self.time.next_start(number, demand) <= self.now {
-            let work = &mut UnitSteps::new(stage, connections);
-            self.execute_step(number, demand, work);
+            let mut steps = UnitSteps::new(stage, connections);
+            self.execute_step(number, demand, &mut steps.behind_pointer());
         } else {
             self.record_wait(number, demand);
         }
@@ -111,16 +111,17 @@ impl Visitor for AnyStart<'_> {
     }
 }
 
-pub(super) fn run<'a, M: Machine>(
+pub(super) fn run<M: Machine>(
     machine: &mut M,
-    time: &'a mut MachineTiming,
-    probe: &'a mut dyn Probe,
+    time: &mut MachineTiming,
+    probe: &mut dyn Probe,
     limits: RunLimits<'_, M>,
-    recording: Option<ActiveRecording<'a>>,
+    recording: Option<ActiveRecording<'_>>,
 ) -> StopReason {
     time.memories.share_all();
     time.limit = Cycle(limits.max_cycles);
     let (traffic, waits) = (MemoryPorts::default(), vec![Vec::new(); time.stages.len()]);
+    let recording = recording.map(ActiveRecording::shortened);
     let mut tick = TickedCycle { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits, recording };
     loop {
         if tick.now.0 >= limits.max_cycles {

@@ -54,10 +54,12 @@
 //! By 1 both engines make the same steps. By 2, 3 and 5 to 7 the steps have the same times, and all requests are served in the order
 //! of law 4. By 8 both engines end in a state in which no step can start. So their reports are equal.
 
+use super::arity::advance;
 use super::context::{ActiveRecording, RunLimits, fault_of, report_progress};
 use super::step_source::{StepSource, UnitSteps};
 use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
+use crate::probe::NoProbe;
 use crate::time::{InputMask, MachineTiming, PathTracer, StageArity, StopReason};
 use crate::{Cycle, MemoryPorts, Probe};
 
@@ -145,7 +147,9 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 visit.charge_wait::<K, _>(takes, at, *probe);
             }
             let made = work.step(declared, traffic);
-            work.report_step(number, declared, &made, traffic, probe);
+            if SomeProbe::is_on() {
+                work.report_step(number, declared, &made, traffic, &mut **probe);
+            }
             if let Some(path) = path {
                 path.step(&visit.view(), at, takes, &{ made });
             }
@@ -204,7 +208,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     }
 }
 
-impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
+impl Visitor for RunAhead<'_, NoProbe> {
     #[inline]
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
@@ -215,17 +219,54 @@ impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
     }
 }
 
-pub(super) fn run<'a, M: Machine, P: Probe>(
+/// One round over all stages under a probe. Steps stand behind pointers: a stage that is compiled as a whole takes four times as
+/// long to build, and a run under a probe spends most of its time in the probe.
+struct ProbedRound<'w, 'a, SomeProbe>(&'w mut RunAhead<'a, SomeProbe>);
+
+impl<SomeProbe: Probe> Visitor for ProbedRound<'_, '_, SomeProbe> {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
+        let number = self.0.stage;
+        self.0.stage += 1;
+        let mut steps = UnitSteps::new(stage, connections);
+        advance(self.0, number, &mut steps.behind_pointer());
+    }
+}
+
+/// Runs a machine without a probe.
+pub(super) fn run<M: Machine>(
     machine: &mut M,
-    time: &'a mut MachineTiming,
-    probe: &'a mut P,
+    time: &mut MachineTiming,
     limits: RunLimits<'_, M>,
-    recording: Option<ActiveRecording<'a>>,
+    recording: Option<ActiveRecording<'_>>,
 ) -> StopReason {
-    let mut walk = RunAhead::new(time, probe, limits.max_cycles, recording);
-    for round in 1_u64.. {
+    let (probe, recording) = (&mut NoProbe, recording.map(ActiveRecording::shortened));
+    run_rounds(machine, RunAhead::new(time, probe, limits.max_cycles, recording), limits, M::wire)
+}
+
+/// Runs a machine under a probe.
+pub(super) fn run_probed<M: Machine>(
+    machine: &mut M,
+    time: &mut MachineTiming,
+    mut probe: &mut dyn Probe,
+    limits: RunLimits<'_, M>,
+    recording: Option<ActiveRecording<'_>>,
+) -> StopReason {
+    let recording = recording.map(ActiveRecording::shortened);
+    let walk = RunAhead::new(time, &mut probe, limits.max_cycles, recording);
+    run_rounds(machine, walk, limits, |machine, walk| machine.wire(&mut ProbedRound(walk)))
+}
+
+/// Runs a machine to its end. `round`: makes one round over all stages.
+fn run_rounds<'a, M: Machine, P: Probe>(
+    machine: &mut M,
+    mut walk: RunAhead<'a, P>,
+    limits: RunLimits<'_, M>,
+    round: impl Fn(&mut M, &mut RunAhead<'a, P>),
+) -> StopReason {
+    for number in 1_u64.. {
         walk.begin();
-        machine.wire(&mut walk);
+        round(machine, &mut walk);
         if let Some(fault) = walk.fault {
             return StopReason::Fault(fault);
         }
@@ -233,7 +274,7 @@ pub(super) fn run<'a, M: Machine, P: Probe>(
             break;
         }
         walk.time.show_fills(walk.probe, None);
-        if (round.is_multiple_of(16) || machine.has_news())
+        if (number.is_multiple_of(16) || machine.has_news())
             && !report_progress(machine, walk.time, &mut walk.recording, limits.progress)
         {
             return StopReason::Stopped;

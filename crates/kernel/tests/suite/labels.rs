@@ -80,7 +80,7 @@ fn probed_steps(engine: Engine, asks: bool) -> ProbedSteps {
         memories: MemorySystem::default(),
     };
     let mut reported = ProbedSteps { asks, ..ProbedSteps::default() };
-    run_with(&mut machine, engine, &mut reported, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
+    run_with(&mut machine, engine, Some(&mut reported), RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
     reported
 }
 

@@ -62,6 +62,9 @@ impl<W: Write + Seek> WriteSeek for W {}
 /// Output of a chart, and its name for messages.
 pub type ChartOutput<W> = (String, Box<W>);
 
+/// A run that calls a probe. It stands behind a pointer, so that the charts are compiled here and not in every program.
+pub type ProbedRun<'a> = Box<dyn FnOnce(&mut dyn Probe) -> CommandResult<RunResult> + 'a>;
+
 /// Outputs of the charts of a run. Each is flushed once, at its end.
 #[derive(Default)]
 pub struct ChartOutputs<'a> {
@@ -111,11 +114,7 @@ impl RunCharts {
     ///
     /// # Errors
     /// Errors of `run`, outputs that cannot be written, and charts beyond the memory limit.
-    pub fn record(
-        &self,
-        outputs: ChartOutputs<'_>,
-        run: impl FnOnce(&mut dyn Probe) -> CommandResult<RunResult>,
-    ) -> CommandResult<RunResult> {
+    pub fn record(&self, outputs: ChartOutputs<'_>, run: ProbedRun<'_>) -> CommandResult<RunResult> {
         let Self { layout, config, budget, .. } = self;
         let stages = &layout.diagram.stages;
         let ChartOutputs { timeline, waves, tokens } = outputs;

@@ -35,7 +35,7 @@ pub struct TraceOptions<'a> {
 /// A trace that cannot be written, a replay that does not finish, and data beyond the memory limit.
 pub fn record_trace(
     scene: &Arc<Scene>,
-    writer: impl Write,
+    writer: &mut dyn Write,
     options: &TraceOptions<'_>,
     progress: &mut dyn FnMut(u64),
 ) -> CommandResult<u64> {
@@ -45,7 +45,7 @@ pub fn record_trace(
 
 fn write_list(
     scene: &Arc<Scene>,
-    writer: impl Write,
+    writer: &mut dyn Write,
     options: &TraceOptions<'_>,
     expectations: Vec<ExpectedResults>,
     progress: &mut dyn FnMut(u64),

@@ -12,7 +12,7 @@ use crate::options::{AnalysisPolicy, Overrides};
 use crate::run::untimed::UntimedResult;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::stats::FigureValue;
-use basrelief_kernel::{self as kernel, Netlist, NoProbe, Outcome, RunReport};
+use basrelief_kernel::{self as kernel, Netlist, Outcome, RunReport};
 use basrelief_machines::{InputKind, MachineConfig, MachineSpec, for_machine};
 use basrelief_parameters::Effect;
 use basrelief_report::Report;
@@ -107,7 +107,7 @@ impl Resimulation<'_> {
         let mut chunks = ChunkReader::new(blocks, Some(observer), KeptSteps::new(options.bottlenecks, &options.budget));
         chunks.pass_on_to_observer(&header::<S>(&build, input, &overrides))?;
         let began = (options.clock)();
-        let timed = kernel::resimulate(netlist, &mut |waiting| chunks.next(waiting), &mut NoProbe, u64::MAX);
+        let timed = kernel::resimulate(netlist, &mut |waiting| chunks.next(waiting), u64::MAX);
         // Reads to the end, which contains the untimed result.
         while timed.is_ok() && chunks.next(0).is_ok_and(|chunk| chunk.is_some()) {}
         let simulate_s = (options.clock)() - began;

@@ -4,7 +4,7 @@
 use super::concurrent::run_concurrent;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{self as kernel, Engine, Netlist, NoProbe, Probe, RunLimits, RunReport, WiringError};
+use basrelief_kernel::{self as kernel, Engine, Netlist, Probe, RunLimits, RunReport, WiringError};
 use basrelief_machines::{BoxedDraws, ConfigProblem, MachineConfig, MachineSpec as _, PictureMachine, SceneFront, for_machine};
 use basrelief_signals::Scene;
 use std::sync::Arc;
@@ -38,10 +38,7 @@ impl<M: PictureMachine> BareMachine for M {
 
     fn run(&mut self, probe: Option<&mut dyn Probe>) -> RunReport {
         let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_| true };
-        match probe {
-            Some(mut probe) => kernel::run_with(self, Engine::Timed, &mut probe, limits),
-            None => kernel::run_with(self, Engine::Timed, &mut NoProbe, limits),
-        }
+        kernel::run_with(self, Engine::Timed, probe, limits)
     }
 
     fn run_concurrent(&mut self) -> Option<RunReport> {
@@ -50,7 +47,7 @@ impl<M: PictureMachine> BareMachine for M {
 
     fn run_recorded(&mut self, chunk_bytes: usize, keep: &mut dyn FnMut(RecordingChunk)) -> RunReport {
         let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
-        kernel::run_recorded(self, Engine::Timed, &mut NoProbe, limits, chunk_bytes, keep)
+        kernel::run_recorded(self, Engine::Timed, None, limits, chunk_bytes, keep)
     }
 
     fn run_functional(&mut self) -> Result<(), String> {

@@ -3,7 +3,7 @@
 use crate::options::RunOptions;
 use crate::recording::CHUNK_BYTES;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{Engine, Machine, Netlist, Probe, RunReport, StepBatch, make_steps, time_steps};
+use basrelief_kernel::{Engine, Machine, Netlist, RunReport, StepBatch, make_steps, time_steps};
 use basrelief_threads as threads;
 use std::cell::Cell;
 use std::sync::mpsc::sync_channel;
@@ -13,11 +13,11 @@ const BATCH_STEPS: usize = 4096;
 /// Maximum number of batches between the threads, so that memory does not grow with the run.
 const MAX_BATCHES: usize = 4;
 
-/// True if a run may use two threads. A probe, or a record of memory requests, needs execution and timing on one thread. With a cycle
-/// limit, execution would run beyond the limit. A core must be free; the reference image uses one.
-pub(crate) fn may_run_concurrently<P: Probe>(settings: &RunOptions) -> bool {
+/// True if a run without a probe may use two threads. A record of memory requests needs execution and timing on one thread. With a
+/// cycle limit, execution would run beyond the limit. A core must be free; the reference image uses one.
+pub(crate) fn may_run_concurrently(settings: &RunOptions) -> bool {
     let &RunOptions { engine, max_cycles, requests, exact, .. } = settings;
-    let needs_one_thread = P::is_on() || requests || max_cycles < u64::MAX;
+    let needs_one_thread = requests || max_cycles < u64::MAX;
     engine == Some(Engine::Timed) && !needs_one_thread && threads::workers() > 1 + usize::from(exact)
 }
 

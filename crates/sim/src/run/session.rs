@@ -122,12 +122,12 @@ impl<'a> ActiveRun<'a> {
     }
 
     /// Simulates to the end.
-    pub(crate) fn run_machine<S: SimulatedMachine, M: LoggingMachine<S::Log>, P: Probe>(
+    pub(crate) fn run_machine<S: SimulatedMachine, M: LoggingMachine<S::Log>>(
         &mut self,
         spec: &S,
         input: InputKind,
         mut machine: M,
-        probe: &mut P,
+        probe: Option<&mut dyn Probe>,
     ) -> Result<EngineResult, RunError> {
         if !self.options.aux_outputs.is_empty() {
             machine.keep_log();
@@ -198,11 +198,11 @@ impl<'a> ActiveRun<'a> {
     }
 
     /// Runs the engine.
-    fn simulate<S: SimulatedMachine, M: LoggingMachine<S::Log>, P: Probe>(
+    fn simulate<S: SimulatedMachine, M: LoggingMachine<S::Log>>(
         &mut self,
         spec: &S,
         machine: &mut M,
-        probe: &mut P,
+        probe: Option<&mut dyn Probe>,
         kept: &mut Option<KeptSteps>,
     ) -> SimulatedRun {
         let &RunOptions { clock, engine, max_cycles, .. } = self.options;
@@ -210,7 +210,8 @@ impl<'a> ActiveRun<'a> {
         let chunks = Mutex::new(Vec::new());
         let new_chunks = || std::mem::take(&mut *chunks.lock().unwrap_or_else(PoisonError::into_inner));
         let keep = |chunk| chunks.lock().unwrap_or_else(PoisonError::into_inner).push(chunk);
-        let (is_recorded, is_concurrent) = (kept.is_some() || self.needs_steps(), may_run_concurrently::<P>(self.options));
+        let (is_recorded, is_concurrent) =
+            (kept.is_some() || self.needs_steps(), probe.is_none() && may_run_concurrently(self.options));
         let mut progress = |machine: &mut M| {
             self.take_steps(new_chunks(), kept);
             self.take_outputs(spec, machine, &mut aside)

@@ -14,7 +14,7 @@ use crate::options::{AnalysisPolicy, RunInput, RunOptions};
 use crate::outputs::cost_maps::send_maps as show_cost_maps;
 use crate::prepared::PreparedScene;
 use basrelief_deferred_renderer::TileSource;
-use basrelief_kernel::{NoProbe, Probe};
+use basrelief_kernel::Probe;
 use basrelief_machines::{BoxedControls, ConfigProblem, InputKind, MachineSpec, SceneFront, TraceFront, for_machine, numeral_of};
 use basrelief_parameters::to_json;
 use basrelief_report::model::Input;
@@ -117,18 +117,6 @@ fn run_with_costs(
 
 impl RunJob<'_> {
     fn run(self, source: RunInput, probe: Option<&mut dyn Probe>) -> Result<RunResult, RunError> {
-        match probe {
-            // The probe is a trait object, so that the machines are compiled only in this crate and not in every program that runs them.
-            // Those copies took a fifth of the time of a test build.
-            Some(mut probe) => self.run_probed(source, &mut probe),
-            #[cfg(feature = "unwatched")]
-            None => self.run_probed(source, &mut NoProbe),
-            #[cfg(not(feature = "unwatched"))]
-            None => self.run(source, Some(&mut NoProbe)),
-        }
-    }
-
-    fn run_probed<P: Probe>(self, source: RunInput, probe: &mut P) -> Result<RunResult, RunError> {
         let options = self.options;
         for_machine!(&options.config, spec => match source {
             RunInput::Scene(prepared) => self.run_scene(SceneInput { prepared, tiles: None }, spec, probe),
@@ -137,11 +125,11 @@ impl RunJob<'_> {
         })
     }
 
-    fn run_scene<S: SimulatedMachine, P: Probe>(
+    fn run_scene<S: SimulatedMachine>(
         self,
         source: SceneInput,
         spec: &S,
-        probe: &mut P,
+        probe: Option<&mut dyn Probe>,
     ) -> Result<RunResult, RunError> {
         let Self { options, observer, step_polygons } = self;
         let SceneInput { prepared, tiles } = source;
@@ -177,11 +165,11 @@ impl RunJob<'_> {
         Ok(session.finish(spec, InputInfo { input, frame, warnings: &scene.warnings, expectations: vec![] }, result))
     }
 
-    fn run_trace<S: SimulatedMachine, P: Probe>(
+    fn run_trace<S: SimulatedMachine>(
         self,
         source: TraceInput,
         spec: &S,
-        probe: &mut P,
+        probe: Option<&mut dyn Probe>,
     ) -> Result<RunResult, RunError> {
         let Self { options, observer, step_polygons } = self;
         let TraceInput { reader, files, name } = source;

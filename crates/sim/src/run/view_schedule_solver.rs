@@ -60,9 +60,8 @@ fn run_ahead<S: MachineSpec>(
     let stages = Netlist::of(&mut machine).map(|shape| shape.diagram().stages).unwrap_or_default();
     let taker = stages.iter().position(|stage| stage.name == S::TAKES_TILES);
     let mut arrivals = TileArrivals { taker, cycles: Vec::new() };
-    let mut probe: &mut dyn Probe = &mut arrivals;
     let limits = RunLimits { max_cycles: settings.max_cycles, progress: &mut take };
-    let report = kernel::run_with(&mut machine, engine, &mut probe, limits);
+    let report = kernel::run_with(&mut machine, engine, Some(&mut arrivals), limits);
     take(&mut machine);
     if report.outcome != Outcome::Complete {
         return Ok(None);

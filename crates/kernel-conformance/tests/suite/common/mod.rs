@@ -3,9 +3,8 @@
 pub mod random;
 
 use basrelief_kernel::{
-    Cycle, Engine, Machine, MemoryConfig, MemoryPart, Netlist, NoProbe, Outcome, Probe, Recorder, RunLimits, RunReport,
-    StallCause, UnitReport, make_steps, recording::RecordingChunk, resimulate, run, run_functional, run_recorded, run_with,
-    time_steps,
+    Cycle, Engine, Machine, MemoryConfig, MemoryPart, Netlist, Outcome, Probe, Recorder, RunLimits, RunReport, StallCause,
+    UnitReport, make_steps, recording::RecordingChunk, resimulate_with, run, run_functional, run_recorded, run_with, time_steps,
 };
 use basrelief_kernel_conformance::plan::{
     Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token, UnitKind,
@@ -99,15 +98,18 @@ pub fn machine(plan: &Plan) -> PlanMachine {
     PlanMachine::new(plan).unwrap()
 }
 
-/// Runs a plan in all four ways, which must agree: both engines, resimulation, and execution separate from timing. Returns the
-/// report and the activity of every unit.
+/// Runs a plan in all five ways, which must agree: both engines, the timed engine without a probe, resimulation, and execution
+/// separate from timing. Returns the report and the activity of every unit.
 pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
         let mut intervals = Recorder::default();
         let limits = RunLimits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
-        (run_with(&mut machine(plan), engine, &mut intervals, limits), intervals)
+        (run_with(&mut machine(plan), engine, Some(&mut intervals), limits), intervals)
     });
     assert_eq!(timed, ticked, "timed, left, and ticked, right, of\n{}", serde_json::to_string(plan).unwrap());
+    let limits = RunLimits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
+    let bare = run_with(&mut machine(plan), Engine::Timed, None, limits);
+    assert_eq!(timed.0, bare, "with a probe, left, and without one, right, of\n{}", serde_json::to_string(plan).unwrap());
     let again = resimulate_plan(&record_plan(plan, max_cycles), plan, max_cycles);
     assert_eq!(timed, again, "timed, left, and from its recording, right, of\n{}", serde_json::to_string(plan).unwrap());
     if max_cycles == u64::MAX {
@@ -157,7 +159,7 @@ pub fn fault<M: Machine>(machine: impl Fn() -> M) -> String {
 pub fn record_plan(plan: &Plan, max_cycles: u64) -> Vec<RecordingChunk> {
     let mut chunks = Vec::new();
     let limits = RunLimits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
-    run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, 64, &mut |chunk| chunks.push(chunk));
+    run_recorded(&mut machine(plan), Engine::Timed, None, limits, 64, &mut |chunk| chunks.push(chunk));
     chunks
 }
 
@@ -166,7 +168,7 @@ pub fn resimulate_plan(recording: &[RecordingChunk], plan: &Plan, max_cycles: u6
     let mut intervals = Recorder::default();
     let mut chunks = recording.iter().map(Cow::Borrowed);
     let shape = Netlist::of(&mut machine(plan)).unwrap();
-    let report = resimulate(shape, &mut |_| Ok(chunks.next()), &mut intervals, max_cycles);
+    let report = resimulate_with(shape, &mut |_| Ok(chunks.next()), &mut intervals, max_cycles);
     (report.unwrap_or_else(|error| panic!("{error}: {}", serde_json::to_string(plan).unwrap())), intervals)
 }
 
@@ -218,7 +220,7 @@ pub fn starts(plan: &Plan, name: &str) -> Vec<u64> {
     let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
         let mut starts = StepStarts::default();
         let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut PlanMachine| true };
-        run_with(&mut machine(plan), engine, &mut starts, limits);
+        run_with(&mut machine(plan), engine, Some(&mut starts), limits);
         starts.0.get(stage).cloned().unwrap_or_default()
     });
     assert_eq!(timed, ticked);

@@ -58,7 +58,7 @@ fn long_idle_stretches_do_not_end_a_run() {
     // As above, with 2^40 instead of 50,000.
     let mut machine = crate::common::machine(&wire(3, (1, 1 << 40), 7));
     let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut _| true };
-    let report = run_with(&mut machine, Engine::Timed, &mut basrelief_kernel::NoProbe, limits);
+    let report = run_with(&mut machine, Engine::Timed, None, limits);
     assert_eq!((report.outcome, report.total), (Outcome::Complete, 3 * (1 << 40) + 5 + 7));
 }
 
@@ -118,7 +118,7 @@ fn caller_may_stop_a_run() {
     let plan = wire(100_000, (1, 0), 1);
     for engine in [Engine::Timed, Engine::Ticked] {
         let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut _| false };
-        let report = run_with(&mut crate::common::machine(&plan), engine, &mut basrelief_kernel::NoProbe, limits);
+        let report = run_with(&mut crate::common::machine(&plan), engine, None, limits);
         assert_eq!(report.outcome, Outcome::Stopped);
     }
 }

@@ -19,8 +19,8 @@ pub fn machine(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> BumpProcesso
     BumpProcessor::new(scene_front(scene, config), config).unwrap_or_else(|e| panic!("{e}"))
 }
 
-pub fn run_probed<P: Probe>(scene: &Arc<Scene>, config: &BumpProcessorConfig, engine: Engine, probe: &mut P) -> Ran {
-    common::run_probed(machine(scene, config), engine, probe)
+pub fn run_probed(scene: &Arc<Scene>, config: &BumpProcessorConfig, engine: Engine, probe: &mut dyn Probe) -> Ran {
+    common::run_probed(machine(scene, config), engine, Some(probe))
 }
 
 /// Runs the timed engine, and asserts that the run finishes.

@@ -6,7 +6,7 @@ pub mod trace;
 
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::{Engine, NoProbe, Outcome, Probe, RunLimits, RunReport, run_functional, run_with};
+use basrelief_kernel::{Engine, Outcome, Probe, RunLimits, RunReport, run_functional, run_with};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::{FrontConfig, FrontEnd, PictureMachine, SceneFront, TraceFront, UnitStats};
 use basrelief_parameters::{Parameters, load};
@@ -71,15 +71,15 @@ pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> SceneF
     SceneFront::new(SceneDraws::new(Arc::clone(scene)), config)
 }
 
-/// Runs a machine with a probe.
-pub fn run_probed<P: Probe>(mut machine: impl PictureMachine, engine: Engine, probe: &mut P) -> Ran {
+/// Runs a machine, with a probe if there is one.
+pub fn run_probed(mut machine: impl PictureMachine, engine: Engine, probe: Option<&mut dyn Probe>) -> Ran {
     let report = run_with(&mut machine, engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
     Ran { report, frames: machine.drain_finished(), facts: machine.facts() }
 }
 
 /// Runs a machine.
 pub fn run(machine: impl PictureMachine, engine: Engine) -> Ran {
-    run_probed(machine, engine, &mut NoProbe)
+    run_probed(machine, engine, None)
 }
 
 /// Runs the timed engine, and asserts that the run finishes.

@@ -4,7 +4,7 @@ use crate::common;
 pub use crate::common::replay;
 use basrelief_deferred_renderer::{FilledBuffer, TexturePage, TileList, TileOrigin, TileRecord};
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::{Engine, NoProbe, Outcome, RunLimits, RunReport, run_functional, run_with};
+use basrelief_kernel::{Engine, Outcome, RunLimits, RunReport, run_functional, run_with};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd};
 use basrelief_machines::{PictureMachine, UnitStats};
 use basrelief_signals::Control;
@@ -70,7 +70,7 @@ fn seen<F: FrontEnd>(mut machine: DeferredRenderer<F>) -> Seen {
 pub fn run(front: impl FrontEnd, config: &DeferConfig, engine: Engine) -> Ran {
     let mut machine = DeferredRenderer::new(front, config).unwrap_or_else(|e| panic!("{e}"));
     machine.keep();
-    let report = run_with(&mut machine, engine, &mut NoProbe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
+    let report = run_with(&mut machine, engine, None, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
     Ran { report, seen: seen(machine) }
 }
 
