@@ -9,6 +9,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
+import { QUICK } from "./actions.mjs";
 import { Browser } from "./chromium.mjs";
 import { Native } from "./native.mjs";
 
@@ -67,7 +68,7 @@ try {
   await check(await opened(pathToFileURL(resolve(sweep)).href), "sweep");
   for (const [name, model] of [["page"], ["viewer", "demo:cut-plane@1"]]) {
     const server = await native.serve(folder, model);
-    await simulator(await opened(`${server.address}#size=160x120${model ? "" : "&demo=golf-ball"}`), name);
+    await simulator(await opened(`${server.address}${model ? "#size=160x120" : QUICK}`), name);
     await server.stop();
   }
   assert.deepEqual(found, []);

@@ -2,6 +2,10 @@
 import { readFileSync } from "node:fs";
 import { basename } from "node:path";
 
+/** Addresses of scenes that two devices simulate fast, for tests that need no particular scene. */
+export const QUICK = "#demo=cut-plane@1&machine=bump&size=160x120";
+export const QUICK_SHADE = "#demo=goblet@1&size=160x120";
+
 /** Drops files onto the page: names with contents, or paths. */
 export async function drop(page, ...files) {
   const contents = files.map(file => (typeof file === "string" ? [basename(file), readFileSync(file)] : file));

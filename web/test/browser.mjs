@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { basename, dirname, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { drop, showsInput } from "./actions.mjs";
+import { QUICK, QUICK_SHADE, drop, showsInput } from "./actions.mjs";
 import { Browser } from "./chromium.mjs";
 import { Native } from "./native.mjs";
 
@@ -25,16 +25,20 @@ async function equalsNative(page, where) {
 }
 
 async function machines() {
-  for (const demo of ["golf-ball", "goblet", "corridor", "gallery"]) {
-    const page = await opened(`${server.address}#demo=${demo}&size=320x240`);
+  const page = await opened(`${server.address}${QUICK}`);
+  // The coin has other tables of brightness in each frame.
+  for (const demo of ["golf-ball", "coin&frames=2", "goblet", "corridor", "gallery"]) {
+    await page.evaluate(hash => (location.hash = hash), `#demo=${demo}&size=160x120`);
+    await showsInput(page, demo.split("&")[0]);
+    await whole(page);
     await equalsNative(page);
     assert.ok((await page.locator("#panel svg").count()) > 3, "bars of the units");
     for (const tab of await page.locator("#tabs button").all()) {
       await tab.click();
       assert.ok((await page.textContent("#panel")).length > 20, await tab.textContent());
     }
-    await page.close();
   }
+  await page.close();
 }
 
 /** Measures the time from a slider movement to the new picture and figures. */
@@ -60,7 +64,7 @@ async function slider() {
 }
 
 async function turned() {
-  const page = await opened(`${server.address}#demo=coin&size=160x120&frames=2`);
+  const page = await opened(`${server.address}${QUICK}&frames=2`);
   await page.focus("#picture");
   for (const key of ["ArrowRight", "ArrowUp", "+"]) await page.keyboard.press(key);
   await whole(page);
@@ -103,14 +107,14 @@ async function pinnedWhenComplete() {
     const note = () => globalThis.answers.push([document.documentElement.dataset.settled, document.getElementById("pin").disabled]);
     new MutationObserver(note).observe(document, { subtree: true, attributeFilter: ["data-settled"] });
   });
-  await page.goto(`${server.address}#demo=golf-ball&size=640x480`);
+  await page.goto(`${server.address}${QUICK.replace("160x120", "640x480")}`);
   await whole(page);
   const answers = await page.evaluate(() => globalThis.answers);
   assert.ok(answers.length > 2 && answers.every(([settled, isDisabled]) => isDisabled === (settled !== "true")), JSON.stringify(answers));
   assert.match(await page.getAttribute("#pin", "title"), /^Keep this run/);
   // A wrong first run gives no result at all.
   const failed = await browser.chromium.newPage();
-  await failed.goto(`${server.address}#demo=golf-ball&size=160x120&set=replacement.entries%3D0`);
+  await failed.goto(`${server.address}${QUICK}&set=replacement.entries%3D0`);
   await failed.waitForSelector("#problem:visible");
   for (const id of ["#pin", "#copy", "#export"]) assert.ok(await failed.isDisabled(id), id);
   assert.equal(await failed.getAttribute("#pin", "title"), "You can pin a run once it is complete");
@@ -132,7 +136,7 @@ async function costs() {
 }
 
 async function wrong() {
-  const page = await opened(`${server.address}#demo=cut-plane@1&size=160x120&machine=shade`);
+  const page = await opened(`${server.address}${QUICK_SHADE}`);
   await page.fill("#search", "lanes of nothing");
   assert.match(await page.textContent("#controls"), /No parameter matches/);
   await page.fill("#search", "fifo.polygons.depth");
@@ -160,7 +164,7 @@ async function wrong() {
 
 /** Drops a model onto the page. */
 async function dropped(model) {
-  const page = await opened(`${server.address}#demo=cut-plane@1&size=160x120&machine=shade`);
+  const page = await opened(`${server.address}${QUICK_SHADE}`);
   // A glTF file with all its neighbouring files except other models.
   const beside = model.endsWith(".gltf") ? readdirSync(dirname(model)).filter(name => !/\.(gltf|glb|obj)$/.test(name)) : [];
   await drop(page, model, ...beside.map(name => join(dirname(model), name)));
@@ -174,7 +178,7 @@ async function dropped(model) {
 async function warned() {
   const model = JSON.parse(readFileSync(new URL("../../tests/models/patch.gltf", import.meta.url)));
   for (const material of model.materials) material.occlusionTexture = { index: 0 };
-  const page = await opened(`${server.address}#demo=cut-plane@1&size=160x120&machine=shade`);
+  const page = await opened(`${server.address}${QUICK_SHADE}`);
   await page.setInputFiles("#files", { name: "warned.gltf", mimeType: "", buffer: Buffer.from(JSON.stringify(model)) });
   await showsInput(page, "warned.gltf");
   await browser.whole(page);
@@ -194,7 +198,7 @@ async function frames(page, number) {
 
 /** Tests a stop during a quick answer: neither the complete answer follows nor the answer to a later change. */
 async function stopped() {
-  const page = await opened(`${server.address}#demo=goblet&size=160x120`);
+  const page = await opened(`${server.address}${QUICK_SHADE}`);
   const before = await page.textContent("#command");
   for (const changes of [["64"], ["63", "64"]]) {
     await page.selectOption("#size", "160x120");
@@ -217,7 +221,7 @@ async function stopped() {
 
 /** Tests a stop without the server: the page starts no worker until the next change, says why that fails, and works again later. */
 async function stoppedOffline() {
-  const page = await opened(`${server.address}#demo=goblet&size=160x120`);
+  const page = await opened(`${server.address}${QUICK_SHADE}`);
   let starts = 0;
   page.on("request", request => (starts += Number(request.url().endsWith("/worker.js"))));
   await page.context().setOffline(true);

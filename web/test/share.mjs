@@ -7,7 +7,7 @@ import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { command, settles } from "./actions.mjs";
+import { QUICK, command, settles, showsInput } from "./actions.mjs";
 import { Browser } from "./chromium.mjs";
 import { Native, words } from "./native.mjs";
 
@@ -63,7 +63,7 @@ async function loadingShowsBytesAndDisablesControls() {
 }
 
 async function simulatorComesFromTheCache() {
-  const page = await opened("#demo=cut-plane@1&size=160x120&machine=shade");
+  const page = await opened(QUICK);
   await page.evaluate(async () => {
     await navigator.serviceWorker.ready;
     while (!(await (await caches.open("basrelief.wasm")).keys()).length) await new Promise(done => setTimeout(done, 50));
@@ -81,7 +81,7 @@ async function simulatorComesFromTheCache() {
 }
 
 async function commandIsCopied() {
-  const page = await opened("#demo=golf-ball&size=160x120");
+  const page = await opened(QUICK);
   await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
   await page.click("#pin");
   await page.focus('[id="slide-replacement.lanes"]');
@@ -93,7 +93,7 @@ async function commandIsCopied() {
   // Each pinned run has its own command.
   await page.click("#pins button:has-text('Copy')");
   await page.waitForFunction(() => document.querySelector("#pins button").textContent === "Copied");
-  assert.equal(await page.evaluate(() => navigator.clipboard.readText()), "basrelief demo golf-ball --size 160x120");
+  assert.equal(await page.evaluate(() => navigator.clipboard.readText()), "basrelief demo cut-plane@1 --machine bump --size 160x120");
   await page.close();
 }
 
@@ -110,8 +110,11 @@ function ran(lines, file) {
 
 /** The saved page has the sections of the page that the program writes. */
 async function savedPageEqualsTheNativePage() {
-  for (const hash of ["#demo=golf-ball&size=160x120", "#demo=corridor&size=160x120"]) {
-    const page = await opened(hash);
+  const page = await opened(QUICK);
+  for (const demo of ["golf-ball", "corridor"]) {
+    await page.evaluate(hash => (location.hash = hash), `#demo=${demo}&size=160x120`);
+    await showsInput(page, demo);
+    await browser.whole(page);
     const [download] = await Promise.all([page.waitForEvent("download"), page.click("#export")]);
     const saved = readFileSync(await download.path(), "utf8");
     const { text } = ran([[...words(await command(page)).slice(1), "--quiet", "--html", "report.html"]], "report.html");
@@ -127,8 +130,8 @@ async function savedPageEqualsTheNativePage() {
     await reader.close();
     assert.deepEqual(ours, theirs);
     assert.ok(!saved.includes("<script") && saved.includes("--busy"), "it has the style of reports, and no script");
-    await page.close();
   }
+  await page.close();
 }
 
 /** One click compares two pinned runs, and the causes add up to the difference. */
@@ -163,7 +166,7 @@ async function comparisonExplainsTheDifference() {
 }
 
 async function timelineZoomsAndMoves() {
-  const page = await opened("#demo=golf-ball&size=160x120&show=timeline");
+  const page = await opened(`${QUICK}&show=timeline`);
   const cycles = async () => (await page.textContent("#shown-cycles")).match(/[\d,]+/g).slice(0, 2).map(n => Number(n.replaceAll(",", "")));
   const all = await cycles();
   await page.focus("#time-strips");
@@ -265,7 +268,7 @@ async function timelineShowsSingleSteps() {
 }
 
 async function tabsAreFiveGroups() {
-  const page = await opened("#demo=golf-ball&size=160x120&show=memories");
+  const page = await opened(`${QUICK}&show=memories`);
   assert.equal(await page.locator("#tabs button").count(), 5);
   for (const width of [390, 1400]) {
     await page.setViewportSize({ width, height: 900 });

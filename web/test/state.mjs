@@ -3,7 +3,7 @@
 //   node test/state.mjs PROGRAM PAGE_FOLDER MODEL
 import assert from "node:assert/strict";
 import { basename } from "node:path";
-import { command, drop, problem, settles, showsInput } from "./actions.mjs";
+import { QUICK, command, drop, problem, settles, showsInput } from "./actions.mjs";
 import { Browser } from "./chromium.mjs";
 import { Native } from "./native.mjs";
 
@@ -21,7 +21,7 @@ const BROKEN = [
 ];
 
 async function failedDropKeepsTheOpenScene() {
-  const page = await opened("#demo=golf-ball&size=160x120");
+  const page = await opened(QUICK);
   for (const [file, message] of BROKEN) {
     const before = { address: page.url(), command: await command(page), title: await page.title() };
     await drop(page, file);
@@ -46,17 +46,17 @@ async function failedDropKeepsTheOpenScene() {
 }
 
 async function historyStepsThroughScenesAndParameters() {
-  const page = await opened("#demo=golf-ball&size=160x120");
+  const page = await opened(QUICK);
   const slide = page.locator('[id="slide-replacement.lanes"]');
   await slide.focus();
   await page.keyboard.press("Home");
   await settles(page, "--set replacement.lanes=1");
-  await page.selectOption("#demo", "coin");
-  await showsInput(page, "coin");
+  await page.selectOption("#demo", "ellipsoid");
+  await showsInput(page, "ellipsoid");
   await browser.whole(page);
-  assert.match(await page.title(), /coin/);
+  assert.match(await page.title(), /ellipsoid/);
   await page.goBack();
-  await showsInput(page, "golf-ball");
+  await showsInput(page, "cut-plane@1");
   await settles(page, "--set replacement.lanes=1");
   assert.equal(await slide.inputValue(), "0");
   await page.goBack();
@@ -65,13 +65,13 @@ async function historyStepsThroughScenesAndParameters() {
   await page.goForward();
   await settles(page, "--set replacement.lanes=1");
   await page.goForward();
-  await showsInput(page, "coin");
+  await showsInput(page, "ellipsoid");
   await browser.whole(page);
   await page.close();
 }
 
 async function dragIsOneStepOfUndo() {
-  const page = await opened("#demo=cut-plane@1&size=160x120&machine=shade");
+  const page = await opened(QUICK);
   const length = () => page.evaluate(() => history.length);
   const before = await length();
   assert.ok(await page.isDisabled("#undo") && await page.isDisabled("#redo"));
@@ -95,7 +95,7 @@ async function dragIsOneStepOfUndo() {
 }
 
 async function lightIsRestoredAndReset() {
-  const page = await opened("#demo=golf-ball&size=160x120");
+  const page = await opened(QUICK);
   await page.locator("#light").fill("90");
   await browser.whole(page);
   assert.match(await command(page), /--light 1,0\.9,0$/);
@@ -110,7 +110,7 @@ async function lightIsRestoredAndReset() {
 }
 
 async function reloadShowsTheDroppedFileAgain() {
-  const page = await opened("#demo=cut-plane@1&size=160x120&machine=shade");
+  const page = await opened(QUICK);
   await drop(page, model);
   await showsInput(page, basename(model));
   await browser.whole(page);
@@ -133,17 +133,17 @@ async function reloadShowsTheDroppedFileAgain() {
 }
 
 async function pinnedRunsSurviveInTheLink() {
-  const page = await opened("#demo=golf-ball&size=160x120");
+  const page = await opened(QUICK);
   await page.click("#pin");
-  await page.focus('[id="slide-replacement.lanes"]');
+  await page.focus('[id="slide-fifo.fragments.depth"]');
   await page.keyboard.press("Home");
-  await settles(page, "--set replacement.lanes=1");
+  await settles(page, "--set fifo.fragments.depth=1");
   const numbers = await page.textContent("#numbers");
   assert.match(numbers, /\+[\d,]+ \(/);
   const again = await opened(new URL(page.url()).hash);
   await again.waitForFunction(() => document.documentElement.dataset.pins === "1");
   assert.equal(await again.textContent("#numbers"), numbers);
-  assert.match(await again.textContent("#pins"), /basrelief demo golf-ball --size 160x120/);
+  assert.match(await again.textContent("#pins"), /basrelief demo cut-plane@1 --machine bump --size 160x120/);
   await again.close();
   await page.close();
 }
@@ -151,7 +151,7 @@ async function pinnedRunsSurviveInTheLink() {
 /** The picture and the figures stay in view while the page scrolls, and nothing is wider than the window. */
 async function resultStaysInView() {
   for (const [width, height] of [[390, 844], [820, 1180], [1400, 900]]) {
-    const page = await opened("#demo=golf-ball&size=640x480", { options: { viewport: { width, height } } });
+    const page = await opened(QUICK.replace("160x120", "640x480"), { options: { viewport: { width, height } } });
     const isNarrow = width < 992;
     assert.equal(await page.evaluate(() => document.getElementById("inputs").open), !isNarrow, "parameters are collapsed on a phone");
     const top = await page.evaluate(() => document.getElementById("numbers").getBoundingClientRect().top);
