@@ -9,7 +9,7 @@ use basrelief_report::{MeasuredCauses, Report};
 use basrelief_scene::SceneSubject;
 use basrelief_sim::{ExplainOptions, PreparedScene, RecordedRun, RunInput, explain, input_sha256};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// An input that threads open again.
 enum RerunInput {
@@ -26,11 +26,14 @@ impl RerunInput {
     }
 }
 
+/// Returns the input of the runs; `None` if it cannot be opened again.
+type InputOpener<'a> = Box<dyn Fn() -> Option<RunInput> + Sync + 'a>;
+
 /// Measures causes with the options of the command line.
 pub struct CauseMeasurement<'a> {
     policy: Explain,
-    /// Input for more runs; `None` if the machine must not run.
-    input: Option<RerunInput>,
+    /// Opens the input for more runs; `None` if the machine must not run.
+    open: Option<InputOpener<'a>>,
     global: &'a GlobalOptions,
 }
 
@@ -39,18 +42,27 @@ impl<'a> CauseMeasurement<'a> {
     ///
     /// # Errors
     /// An input that is not the one of the report, or that cannot be read.
-    pub fn new(args: &CompareArgs, first: (&Report, Option<&RecordedRun>), global: &'a GlobalOptions) -> CommandResult<Self> {
+    pub fn new(
+        args: &CompareArgs,
+        first: (&'a Report, Option<&'a RecordedRun>),
+        global: &'a GlobalOptions,
+    ) -> CommandResult<Self> {
         if args.input.is_none() && args.view != ViewArgs::default() {
             return Err(CommandError::Usage("options of the view apply to --input only".into()));
         }
-        let input = match (&args.input, first) {
+        let open: Option<InputOpener<'a>> = match (&args.input, first) {
             (Some(path), (report, Some(run))) if args.explain == Explain::All => {
-                Some(given(path, &args.view, report, run, global)?)
+                let input = given(path, &args.view, report, run, global)?;
+                Some(Box::new(move || input.open()))
             }
-            (None, (report, Some(run))) if args.explain == Explain::All => demo(report, run, global),
+            (None, (report, Some(run))) if args.explain == Explain::All => {
+                // Most comparisons need no further run, and some demos take a second to make.
+                let input = OnceLock::new();
+                Some(Box::new(move || input.get_or_init(|| demo(report, run, global)).as_ref()?.open()))
+            }
             _ => None,
         };
-        Ok(Self { policy: args.explain, input, global })
+        Ok(Self { policy: args.explain, open, global })
     }
 
     /// Explains the difference of two runs; `None` if it is not to be explained.
@@ -58,15 +70,13 @@ impl<'a> CauseMeasurement<'a> {
         if self.policy == Explain::None {
             return None;
         }
-        let open = || self.input.as_ref()?.open();
         let bar: Mutex<Option<Progress>> = Mutex::default();
         let progress = |done: usize, of: usize| {
             let mut bar = bar.lock().unwrap_or_else(PoisonError::into_inner);
             let bar = bar.get_or_insert_with(|| Progress::new(Some(of as u64), "runs and resimulations", self.global.quiet));
             bar.set_position(done as u64);
         };
-        let input = self.input.is_some().then_some(&open as &(dyn Fn() -> _ + Sync));
-        explain(a, b, &ExplainOptions { input, progress: &progress, budget: &self.global.budget })
+        explain(a, b, &ExplainOptions { input: self.open.as_deref(), progress: &progress, budget: &self.global.budget })
     }
 }
 

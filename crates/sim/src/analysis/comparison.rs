@@ -28,7 +28,7 @@ pub fn explain(a: &RecordedRun, b: &RecordedRun, options: &ExplainOptions<'_>) -
     }
     let same_input = a.recording.result.input.sha256 == b.recording.result.input.sha256;
     let runs = options.input.filter(|_| same_input);
-    let causes = separable(a, b, changed(a, b), runs.is_some());
+    let causes = separable(a, b, changed(a, b), &|| runs.is_some_and(|open| open().is_some()));
     let wanted = wanted_subsets(causes.len());
     let mixtures = Mixtures::measure(a, b, &causes, &wanted, &ExplainOptions { input: runs, ..*options });
     let total = b.cycles as i64 - a.cycles as i64;
@@ -78,10 +78,10 @@ fn changed(a: &RecordedRun, b: &RecordedRun) -> Vec<Cause> {
 
 /// Joins the work parameters if they cannot be measured one by one, because the machine must not run or the inputs differ. If the work
 /// differs although no work parameter does, for example because of another input, that is a cause of its own.
-fn separable(a: &RecordedRun, b: &RecordedRun, causes: Vec<Cause>, may_run: bool) -> Vec<Cause> {
+fn separable(a: &RecordedRun, b: &RecordedRun, causes: Vec<Cause>, may_run: &dyn Fn() -> bool) -> Vec<Cause> {
     let (work, timing): (Vec<Cause>, Vec<Cause>) = causes.into_iter().partition(|cause| cause.is_work);
     let differs = !work.is_empty() || a.recording.work != b.recording.work;
-    let one_by_one = work.len() == 1 || may_run && !work.is_empty();
+    let one_by_one = work.len() == 1 || !work.is_empty() && may_run();
     let same_input = a.recording.result.input.sha256 == b.recording.result.input.sha256;
     match (differs, one_by_one && same_input) {
         (false, _) => timing,
