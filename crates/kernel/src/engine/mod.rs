@@ -5,6 +5,7 @@ mod batch;
 mod context;
 mod functional;
 mod overlapped;
+mod probed;
 mod resimulate;
 mod step_source;
 mod ticked;
@@ -82,7 +83,7 @@ fn run_engine<M: Machine>(
     match (engine, probe) {
         // Constant conditions, so that no engine is compiled into programs without its feature.
         (Engine::Timed, None) if cfg!(feature = "unwatched") => timed::run(machine, time, limits, recording),
-        (Engine::Timed, probe) => timed::run_probed(machine, time, probe.unwrap_or(&mut NoProbe), limits, recording),
+        (Engine::Timed, probe) => probed::run(machine, time, probe.unwrap_or(&mut NoProbe), limits, recording),
         (Engine::Ticked, probe) if cfg!(feature = "ticked") => {
             ticked::run(machine, time, probe.unwrap_or(&mut NoProbe), limits, recording)
         }

@@ -54,7 +54,6 @@
 //! By 1 both engines make the same steps. By 2, 3 and 5 to 7 the steps have the same times, and all requests are served in the order
 //! of law 4. By 8 both engines end in a state in which no step can start. So their reports are equal.
 
-use super::arity::advance;
 use super::context::{ActiveRecording, RunLimits, fault_of, report_progress};
 use super::step_source::{StepSource, UnitSteps};
 use crate::bound_stage::BoundStage;
@@ -69,7 +68,7 @@ pub(super) struct RunAhead<'a, SomeProbe> {
     pub(super) probe: &'a mut SomeProbe,
     traffic: MemoryPorts,
     end: Cycle,
-    stage: usize,
+    pub(super) stage: usize,
     moved: bool,
     pub(super) limited: bool,
     pub(super) fault: Option<String>,
@@ -219,20 +218,6 @@ impl Visitor for RunAhead<'_, NoProbe> {
     }
 }
 
-/// One round over all stages under a probe. Steps stand behind pointers: a stage that is compiled as a whole takes four times as
-/// long to build, and a run under a probe spends most of its time in the probe.
-struct ProbedRound<'w, 'a, SomeProbe>(&'w mut RunAhead<'a, SomeProbe>);
-
-impl<SomeProbe: Probe> Visitor for ProbedRound<'_, '_, SomeProbe> {
-    fn stage<P: BoundStage>(&mut self, mut place: P) {
-        let (stage, connections) = place.open();
-        let number = self.0.stage;
-        self.0.stage += 1;
-        let mut steps = UnitSteps::new(stage, connections);
-        advance(self.0, number, &mut steps.behind_pointer());
-    }
-}
-
 /// Runs a machine without a probe.
 pub(super) fn run<M: Machine>(
     machine: &mut M,
@@ -244,21 +229,8 @@ pub(super) fn run<M: Machine>(
     run_rounds(machine, RunAhead::new(time, probe, limits.max_cycles, recording), limits, M::wire)
 }
 
-/// Runs a machine under a probe.
-pub(super) fn run_probed<M: Machine>(
-    machine: &mut M,
-    time: &mut MachineTiming,
-    mut probe: &mut dyn Probe,
-    limits: RunLimits<'_, M>,
-    recording: Option<ActiveRecording<'_>>,
-) -> StopReason {
-    let recording = recording.map(ActiveRecording::shortened);
-    let walk = RunAhead::new(time, &mut probe, limits.max_cycles, recording);
-    run_rounds(machine, walk, limits, |machine, walk| machine.wire(&mut ProbedRound(walk)))
-}
-
 /// Runs a machine to its end. `round`: makes one round over all stages.
-fn run_rounds<'a, M: Machine, P: Probe>(
+pub(super) fn run_rounds<'a, M: Machine, P: Probe>(
     machine: &mut M,
     mut walk: RunAhead<'a, P>,
     limits: RunLimits<'_, M>,
