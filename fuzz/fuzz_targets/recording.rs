@@ -3,11 +3,11 @@
 #![no_main]
 
 use basrelief_input::MemoryPool;
-use basrelief_sim::{ResimulateOptions, AnalysisPolicy, resimulate};
+use basrelief_sim::{ResimulateOptions, resimulate};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let options = ResimulateOptions { settings: vec![], bottlenecks: AnalysisPolicy::Never, budget: MemoryPool::new(64 << 20) };
+    let options = ResimulateOptions { budget: MemoryPool::new(64 << 20), ..ResimulateOptions::default() };
     if let Ok(report) = resimulate(&mut &bytes[..], &options) {
         assert!(report.cycles.is_some());
     }
