@@ -89,7 +89,7 @@ fn resimulation_lists_its_files() {
         said.split_once("\nWritten to ").map(|(_, files)| files.to_owned())
     };
     assert_eq!(written(""), None);
-    assert_eq!(written("--html a.html").as_deref(), Some("a.html\n"));
+    assert_eq!(written("--html a.html").as_deref(), Some("--html: a.html\n"));
     assert_eq!(written("--out b --csv").as_deref(), Some("b/: report.json, report.csv, run.recording\n"));
     assert_eq!(place.names("b"), ["report.csv", "report.json", "run.recording"]);
     let both = "--out c --no-bottlenecks --html c.html";

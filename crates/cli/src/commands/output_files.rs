@@ -8,7 +8,7 @@ use super::reporting::publish_report;
 use super::requests::RequestsFile;
 use crate::args::SimulationArgs;
 use crate::error::{CommandError, CommandResult};
-use crate::outputs::{OF_A_RUN, OutputFolder, PartialFile, REPORT, RUN_RECORDING};
+use crate::outputs::{OF_A_RUN, OutputFolder, PartialFile};
 use crate::progress::InputProgress;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
@@ -141,12 +141,8 @@ impl FinishedFiles {
             }
         }
         let mut names = self.image_names(report.image.len() > 1);
-        names.push(REPORT.to_owned());
-        names.extend(args.csv.then(|| "report.csv".to_owned()));
-        if self.run_recording.map_or(Ok(false), |recording| recording.write_to(&self.outputs)).map_err(failed())? {
-            names.push(RUN_RECORDING.to_owned());
-        }
-        publish_report(self.outputs, report, args.csv).map_err(failed())?;
+        let published = publish_report(self.outputs, report, args.csv, self.run_recording).map_err(failed())?;
+        names.extend(published.into_iter().map(str::to_owned));
         self.dumps.publish()?;
         for (file, path) in self.beside {
             file.publish().map_err(CommandError::at_file(&path, "be written"))?;

@@ -1,20 +1,42 @@
 //! Reports on the terminal and in files.
 
+use super::recording::ShortRecording;
 use crate::args::TablesArgs;
 use crate::error::{CommandResult, print_styled};
-use crate::outputs::{OF_A_RUN, OutputFolder, REPORT};
+use crate::outputs::{OF_A_RUN, OutputFolder, REPORT, RUN_RECORDING};
 use basrelief_report::{Report, TextStyle, to_csv, to_text};
 use std::io::{self, Write};
+use std::path::Path;
 
-/// Writes the report and its tables, and publishes everything.
-pub fn publish_report(outputs: OutputFolder, report: &Report, csv: bool) -> io::Result<()> {
+/// Writes the report, its tables and the recording, and publishes everything. Returns the names of the written files.
+pub fn publish_report(
+    outputs: OutputFolder,
+    report: &Report,
+    csv: bool,
+    recording: Option<ShortRecording>,
+) -> io::Result<Vec<&'static str>> {
+    let mut names = vec![REPORT];
     let mut file = outputs.create(REPORT)?;
     report.write_json(&mut file).and_then(|()| file.flush())?;
     if csv {
+        names.push("report.csv");
         let mut file = outputs.create("report.csv")?;
         file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush())?;
     }
-    outputs.publish(REPORT, &OF_A_RUN)
+    if recording.map_or(Ok(false), |recording| recording.write_to(&outputs))? {
+        names.push(RUN_RECORDING);
+    }
+    outputs.publish(REPORT, &OF_A_RUN)?;
+    Ok(names)
+}
+
+/// Returns the line that lists the written files: the names of those in the folder of `--out`, and those of other options. `None` if
+/// nothing was written.
+pub fn written_line(folder: Option<(&Path, String)>, others: &[(&str, &Path)]) -> Option<String> {
+    let folder = folder.map(|(folder, names)| format!("{}/: {names}", folder.display()));
+    let others = others.iter().map(|(option, path)| format!("{option}: {}", path.display()));
+    let written: Vec<String> = folder.into_iter().chain(others).collect();
+    (!written.is_empty()).then(|| format!("\nWritten to {}\n", written.join("\n")))
 }
 
 /// Prints the report.

@@ -2,7 +2,7 @@
 
 use super::output_files::OutputFiles;
 use super::real_times::RealTimes;
-use super::reporting::show_report;
+use super::reporting::{show_report, written_line};
 use super::sensitivity::run_analysis;
 use super::timelines::TimelineFiles;
 use super::wires::WireFile;
@@ -132,7 +132,7 @@ impl<'a> Simulation<'a> {
             }
             watched.finish();
         }
-        self.print_report(&report, &names)
+        self.print_report(&report, names)
     }
 
     /// Refuses outputs that would overwrite a file that the input names.
@@ -153,12 +153,11 @@ impl<'a> Simulation<'a> {
     }
 
     /// Prints the report and decides the outcome of the command.
-    fn print_report(&self, report: &Report, names: &str) -> CommandResult {
+    fn print_report(&self, report: &Report, names: String) -> CommandResult {
         if !self.is_quiet() {
             show_report(report, &self.args.tables, self.global.text_style())?;
-            let beside = named_outputs(self.args).into_iter().filter(|(_, path)| path.exists());
-            let beside: String = beside.map(|(option, path)| format!("\n{option}: {}", path.display())).collect();
-            print(&format!("\nWritten to {}/: {names}{beside}\n", self.args.out.display()))?;
+            let others: Vec<_> = named_outputs(self.args).into_iter().filter(|(_, path)| path.exists()).collect();
+            written_line(Some((&self.args.out, names)), &others).map_or(Ok(()), |line| print(&line))?;
         }
         let message = report.outcome.message.clone().unwrap_or_default();
         match report.outcome.kind {
