@@ -47,24 +47,8 @@ impl CommandError {
 
     /// Makes the error of a file that cannot be read or written.
     pub fn at_file(path: &Path, doing: &str) -> impl Fn(io::Error) -> Self + use<> {
-        let within = Self::in_input(&format!("{}: cannot {doing}", path.display()));
-        // Commands that accept standard input do not open this path.
-        let is_stdin = path == Path::new("-") && doing == "be read";
-        let folder = path.parent().filter(|_| doing == "be written").map(Path::to_path_buf);
-        let output = (doing == "be written").then(|| path.to_path_buf());
-        move |error| match folder.as_deref() {
-            Some(folder) if is_missing(folder) => within(format!("{error}; create the folder {} first", folder.display())),
-            _ if error.kind() == io::ErrorKind::IsADirectory => within(format!("{error}; expected a file")),
-            // Only making a folder, or a file below a file, fails in these ways.
-            _ if matches!(error.kind(), io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory) => {
-                match output.as_deref().and_then(blocking_file) {
-                    Some(file) => within(format!("{} is a file, expected a folder; choose another folder", file.display())),
-                    None => within(format!("{error}; expected a folder")),
-                }
-            }
-            _ if is_stdin => within(format!("{error}; standard input is not accepted here, expected a file")),
-            _ => within(error.to_string()),
-        }
+        let (path, doing) = (path.to_path_buf(), doing.to_owned());
+        move |error| Self::BadInput(format!("{}: cannot {doing}: {}", path.display(), reason_and_cure(&path, &doing, &error)))
     }
 
     /// Checks that a folder exists or can be made.
@@ -72,8 +56,8 @@ impl CommandError {
     /// # Errors
     /// A file in its place, or in the place of a folder above it.
     pub fn check_folder(path: &Path) -> CommandResult {
-        let blocked = || Self::at_file(path, "be written")(io::ErrorKind::NotADirectory.into());
-        blocking_file(path).map_or(Ok(()), |_| Err(blocked()))
+        let blocked = |file: PathBuf| format!("{}: cannot be written: {}", path.display(), expected_folder(&file));
+        blocking_file(path).map_or(Ok(()), |file| Err(Self::BadInput(blocked(file))))
     }
 
     /// Converts an error of a run. It names the input, unless a parameter or an output is at fault.
@@ -92,6 +76,29 @@ impl CommandError {
             _ => unreadable(error),
         }
     }
+}
+
+/// Returns why this could not be done with a file, and what helps.
+fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
+    let (is_output, is_input) = (doing == "be written", doing == "be read");
+    if let Some(folder) = path.parent().filter(|folder| is_output && is_missing(folder)) {
+        return format!("{error}; create the folder {} first", folder.display());
+    }
+    match error.kind() {
+        io::ErrorKind::IsADirectory => format!("{error}; expected a file"),
+        // Only making a folder, or a file below a file, fails in these ways.
+        io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
+            let file = blocking_file(path).filter(|_| is_output);
+            file.map_or_else(|| format!("{error}; expected a folder"), |file| expected_folder(&file))
+        }
+        // Commands that accept standard input do not open this path.
+        _ if is_input && path == Path::new("-") => format!("{error}; standard input is not accepted here, expected a file"),
+        _ => error.to_string(),
+    }
+}
+
+fn expected_folder(file: &Path) -> String {
+    format!("{} is a file, expected a folder; choose another folder", file.display())
 }
 
 /// Returns the file in the place of this folder or of a folder above it.
