@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""pictures.py - independent picture oracle: glTF 2.0 / OBJ -> Mesa (llvmpipe or softpipe, headless EGL) -> PNG (+ raw AOVs).
+"""pictures.py - independent picture oracle: glTF 2.0 / OBJ -> Mesa (llvmpipe or softpipe, headless EGL) -> PNG (+ raw pixels with coverage).
 
   pictures.py MODEL OUT.png [--mode bump|phong|gouraud|flat|tex] [--filter nearest|bilinear|trilinear]
      [--viewproj CAM.json|16 numbers, row-major, clip = M*[x y z 1]]      default: auto camera, written to OUT.cam.json
      [--L x y z] [--V x y z]   directions TO the light / TO the viewer at infinity, in WORLD space (default V = from auto cam)
      [--ka .1] [--kd .8] [--ks .4] [--n 32] [--size W H] [--gate] [--unlit-base] [--srgb] [--cull (back faces of materials that are not doubleSided)]
-     [--tangent file|vertex] [--npz OUT.npz] [--az deg --el deg]
+     [--tangent file|vertex] [--raw OUT.raw] [--az deg --el deg]
 Colour:  C = base*(ka + kd*max(N.L,0)) + ks*max(N.H,0)^n,  H = normalize(L+V) ; --gate: specular 0 when N.L<=0 (GL fixed function).
 base = baseColorFactor * baseColorTexture, texels used as stored unless --srgb (then decoded before filtering by the GL sampler).
 gouraud: C's lighting part at vertices, interpolated perspective-correctly, then modulated by the texture (separate specular added after).
 flat: geometric face normal, one colour per face (times texture).  bump: N = normalize(T*nx + B*ny + Nv*nz), B = cross(Nv,T)*w.
 N,T are interpolated unnormalised, then the sum is normalised (what MikkTSpace asks for).
---npz saves rgba (float32, unclamped), depth [0,1], prim (id+1, 0=background), uv, nrm; row 0 = TOP of picture.
+--raw saves four bytes per pixel without a head: red, green, blue, and 1 where a triangle covers the pixel; row 0 = TOP of picture.
 Environment: GALLIUM_DRIVER=llvmpipe|softpipe picks the rasteriser; GALLIVM_PERF=no_brilinear,no_rho_approx,no_quad_lod,no_aos_sampling
 turns off llvmpipe's mip/filter short cuts (set by default here unless already set)."""
 import os, sys, json, argparse, base64, io
@@ -211,7 +211,7 @@ if __name__ == '__main__':
     ap.add_argument('--az', type=float, default=30); ap.add_argument('--el', type=float, default=20)
     for k, v in dict(ka=.1, kd=.8, ks=.4, n=32.).items(): ap.add_argument('--'+k, type=float, default=v)
     ap.add_argument('--gate', action='store_true'); ap.add_argument('--srgb', action='store_true'); ap.add_argument('--cull', action='store_true'); ap.add_argument('--unlit-base', action='store_true', help='drop base texture/factor (white)')
-    ap.add_argument('--tangent', default='file', choices=['file', 'vertex']); ap.add_argument('--npz')
+    ap.add_argument('--tangent', default='file', choices=['file', 'vertex']); ap.add_argument('--raw')
     a = ap.parse_args(); prims = load_any(a.model)
     if a.unlit_base:
         for p in prims: p['base'] = None; p['factor'] = np.ones(4)
@@ -224,5 +224,5 @@ if __name__ == '__main__':
     png, aov, R = render(prims, M, L, V, a.mode, a.filter, tuple(a.size), a.ka, a.kd, a.ks, a.n, a.gate, a.srgb, a.cull, a.tangent)
     im = png.copy(); im[..., 3] = np.where(aov['prim'] > 0, 255, 255); Image.fromarray(im).save(a.out)
     json.dump(dict(viewproj=[float(x) for x in M.reshape(-1)], V=V.tolist(), L=L.tolist(), ka=a.ka, kd=a.kd, ks=a.ks, n=a.n, size=a.size, mode=a.mode, filter=a.filter, renderer=R), open(os.path.splitext(a.out)[0]+'.cam.json', 'w'))
-    if a.npz: np.savez_compressed(a.npz, **aov)
+    if a.raw: np.concatenate([png[..., :3], (aov['prim'] > 0)[..., None].astype(np.uint8)], 2).tofile(a.raw)
     print(R, '| prims', len(prims), 'tris', sum(len(p['idx'])//3 for p in prims), 'tangents', [p['tan'] is not None for p in prims][:3], 'nmap', [p['nmap'] is not None and p['nmap'][0].shape for p in prims][:3], 'covered px', int((aov['prim'] > 0).sum()))

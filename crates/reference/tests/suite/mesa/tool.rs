@@ -10,7 +10,7 @@ use basrelief_scene::{ViewOptions, load_path};
 use basrelief_signals::{Material, Object, Scene};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Width and height of the pictures \[pixels\].
 pub const SIDE: u32 = 512;
@@ -19,12 +19,8 @@ pub const SIDE: u32 = 512;
 const PROBE: &str = "import numpy, PIL, OpenGL, pygltflib, trimesh, scipy, moderngl; \
     moderngl.create_context(standalone=True, backend='egl', libgl='libGL.so.1', libegl='libEGL.so.1')";
 
-/// Writes the colours of the PNG and the triangle numbers as bytes that need no decoder.
-const UNPACK: &str = "import sys, numpy as np; from PIL import Image; png, npz, out = sys.argv[1:]; \
-    rgb = np.asarray(Image.open(png).convert('RGB')); hit = np.load(npz)['prim'] > 0; \
-    np.concatenate([rgb, hit[..., None].astype('u1')], 2).tofile(out)";
-
 /// The tool and the Python that runs it.
+#[derive(Clone)]
 pub struct Mesa {
     python: PathBuf,
     tool: PathBuf,
@@ -59,7 +55,8 @@ fn workspace() -> PathBuf {
 impl Mesa {
     /// Returns the tool, or prints the reason why it cannot run.
     pub fn find() -> Option<Self> {
-        Self::probe().map_err(|reason| println!("SKIPPED: no picture by Mesa: {reason}")).ok()
+        static MESA: OnceLock<Result<Mesa, String>> = OnceLock::new();
+        MESA.get_or_init(Self::probe).clone().map_err(|reason| println!("SKIPPED: no picture by Mesa: {reason}")).ok()
     }
 
     /// Returns the tool, or the reason why it cannot run.
@@ -74,24 +71,18 @@ impl Mesa {
         Ok(Self { python, tool: workspace().join("tests/oracles/pictures.py") })
     }
 
-    fn run(&self, command: &mut Command) {
-        let output = command.output().expect("python starts");
-        assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
-    }
-
     pub fn draw(&self, model: &Path, style: RenderStyle, cull: bool) -> RgbPicture {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let file = |name: &str| folder.path().join(name);
         let mut draw = Command::new(&self.python);
-        draw.arg(&self.tool).arg(model).arg(file("mesa.png")).arg("--npz").arg(file("mesa.npz"));
+        draw.arg(&self.tool).arg(model).arg(file("mesa.png")).arg("--raw").arg(file("mesa.raw"));
         draw.args(["--mode", mode(style.shading), "--filter", filter(style.options.filter)]);
         draw.args(["--size", &SIDE.to_string(), &SIDE.to_string()]);
         draw.args(cull.then_some("--cull"));
         draw.args((style.options.filter == TextureFilter::None).then_some("--unlit-base"));
-        self.run(&mut draw);
-        let files = [file("mesa.png"), file("mesa.npz"), file("mesa.raw")];
-        self.run(Command::new(&self.python).args(["-c", UNPACK]).args(&files));
-        let bytes = std::fs::read(&files[2]).expect("unpacked picture");
+        let output = draw.output().expect("python starts");
+        assert!(output.status.success(), "{draw:?}: {}", String::from_utf8_lossy(&output.stderr));
+        let bytes = std::fs::read(file("mesa.raw")).expect("pixels");
         let mut picture = RgbPicture::new(SIDE, SIDE);
         for (i, pixel) in bytes.chunks_exact(4).enumerate() {
             picture.rgb[i].copy_from_slice(&pixel[..3]);
