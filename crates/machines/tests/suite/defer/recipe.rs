@@ -219,7 +219,7 @@ const TIMING: &[Axis] = &[
         &[("depth.write_lines", "1"), ("depth.clear_flags", "false")],
     ],
     &[
-        &[],
+        &[("display.pixel_hz", "9000000"), ("display.refresh_hz", "9000")],
         &[("display.enabled", "false")],
         &[("display.mode", "fifo"), ("display.pixel_hz", "9000000"), ("display.refresh_hz", "9000"), ("display.buffers", "3")],
     ],
@@ -233,7 +233,12 @@ pub fn timings() -> impl Strategy<Value = Settings> {
     choices(TIMING)
 }
 
-/// A path fast enough for the ticked engine.
-pub const FAST: &[(&str, &str)] = &[("path.bits_per_second", "30000000000"), ("path.latency_us", "0")];
+/// A path and a display fast enough for the ticked engine, which visits every unit in every cycle.
+pub const FAST: &[(&str, &str)] = &[
+    ("path.bits_per_second", "30000000000"),
+    ("path.latency_us", "0"),
+    ("display.pixel_hz", "9000000"),
+    ("display.refresh_hz", "9000"),
+];
 /// Small tiles, so that small textures have several.
 pub const SMALL: &[(&str, &str)] = &[("tile.width", "8"), ("tile.height", "8")];

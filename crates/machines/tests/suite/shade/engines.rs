@@ -33,7 +33,7 @@ fn conserved(ran: &Ran) {
 // Claim: shade, engines: Both engines and the functional model agree on lists, configurations, demos.
 #[test]
 fn engines_agree_on_demos_in_every_mode() {
-    for demo in ["sphere", "mixed"] {
+    for demo in ["ellipsoid@4", "goblet@2"] {
         let scene = small_demo(demo);
         for mode in ["normal", "brightness", "polyhedron"] {
             let config = config(&[("shade.mode", mode)]);
