@@ -20,8 +20,8 @@ fn run(place: &Place, megabytes: u32, line: &str) -> Outcome {
     finish(shell.current_dir(place.path("")).stdin(Stdio::null()))
 }
 
-/// Writes a trace of a few kilobytes that defines materials with names of 15 MiB.
-fn write_names(place: &Place, name: &str, materials: u32) {
+/// Writes a trace of a few kilobytes that defines materials with names of this size \[MiB\].
+fn write_names(place: &Place, name: &str, materials: u32, size: usize) {
     let form = TraceForm::for_file_name(name).expect("a display list");
     let mut writer = TraceWriter::new(File::create(place.path(name)).expect("created"), form).expect("a writer");
     writer.write(&Line::Begin(BeginCommand::new(8, 8))).expect("written");
@@ -29,7 +29,7 @@ fn write_names(place: &Place, name: &str, materials: u32) {
         writer
             .write(&Line::Material(MaterialDefinition {
                 id,
-                name: "n".repeat(15 << 20),
+                name: "n".repeat(size << 20),
                 base_color: [1.0; 4],
                 normal_scale: 1.0,
                 lighting: Lighting::default(),
@@ -46,7 +46,7 @@ fn write_names(place: &Place, name: &str, materials: u32) {
 #[test]
 fn names_of_a_trace_are_held_within_the_limit() {
     let place = Place::new();
-    write_names(&place, "t.bdl.zst", 90);
+    write_names(&place, "t.bdl.zst", 90, 15);
     let refused = |megabytes: u32, command: &str, limit: &str| {
         let outcome = run(&place, megabytes, &format!("{command} --quiet"));
         assert_eq!(outcome.code(), 1, "{command}: {}", outcome.err);
@@ -61,7 +61,8 @@ fn names_of_a_trace_are_held_within_the_limit() {
         refused(400, &format!("{command} --memory-limit 100MiB"), "100 MiB");
     }
     // The conversion keeps none of the names.
-    let converted = run(&place, 2048, "convert t.bdl.zst t.jsonl.zst");
+    write_names(&place, "short.bdl.zst", 80, 2);
+    let converted = run(&place, 600, "convert short.bdl.zst short.jsonl.zst --memory-limit 150MiB");
     assert_eq!(converted.code(), 0, "{}", converted.err);
 }
 
@@ -95,7 +96,7 @@ fn address_space_limit_never_ends_in_signal() {
     fs::write(place.path("m.mtl"), "newmtl a\nmap_Kd large.png\n").expect("written");
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
     fs::write(place.path("m.obj"), format!("mtllib m.mtl\n{triangle}")).expect("written");
-    write_names(&place, "t.bdl.zst", 90);
+    write_names(&place, "t.bdl.zst", 90, 15);
     for megabytes in [160, 200, 300, 400, 600] {
         for (line, file) in [("run m.obj --size 16x12", "m.obj"), ("run t.bdl.zst", "t.bdl.zst")] {
             let outcome = run(&place, megabytes, &format!("{line} --quiet"));
