@@ -70,8 +70,11 @@ try {
   await check(await opened(pathToFileURL(resolve(sweep)).href), "sweep");
   for (const [name, model] of [["page"], ["viewer", "demo:cut-plane@1"]]) {
     const server = await native.serve(folder, model);
-    await simulator(await opened(`${server.address}${model ? "#size=160x120" : QUICK}`), name);
-    await server.stop();
+    try {
+      await simulator(await opened(`${server.address}${model ? "#size=160x120" : QUICK}`), name);
+    } finally {
+      await server.stop();
+    }
   }
   assert.deepEqual(found, []);
   console.log("accessible: page, viewer, report and sweep, at three widths, light and dark");
