@@ -15,7 +15,7 @@ pub fn budget(limit: ByteSize) -> MemoryPool {
     }
     match left {
         Some(left) if left < limit.0 => {
-            MemoryPool::with_advice(left, "the system grants no more (`ulimit -v`): raise that, if this input is to be trusted")
+            MemoryPool::of_process(left, "the system grants no more (`ulimit -v`): raise that, if this input is to be trusted")
         }
         _ => MemoryPool::new(limit.0),
     }

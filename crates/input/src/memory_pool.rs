@@ -17,6 +17,8 @@ struct PoolState {
     limit: u64,
     /// Advice for errors.
     advice: &'static str,
+    /// True if the process gets no more memory than this.
+    bounds_process: bool,
     /// Returns the bytes taken. Atomic, because several threads fetch tiles of a server.
     held: AtomicU64,
 }
@@ -38,7 +40,21 @@ impl MemoryPool {
 
     /// Creates a pool of this many bytes, with advice for its errors.
     pub fn with_advice(limit: u64, advice: &'static str) -> Self {
-        Self(Arc::new(PoolState { limit, advice, held: AtomicU64::new(0) }))
+        Self::create(limit, advice, false)
+    }
+
+    /// Creates the pool of a process that gets only this many bytes, with advice for its errors.
+    pub fn of_process(limit: u64, advice: &'static str) -> Self {
+        Self::create(limit, advice, true)
+    }
+
+    fn create(limit: u64, advice: &'static str, bounds_process: bool) -> Self {
+        Self(Arc::new(PoolState { limit, advice, bounds_process, held: AtomicU64::new(0) }))
+    }
+
+    /// Returns true if the process gets no more memory than this. Then memory that does not depend on an untrusted input counts too.
+    pub fn bounds_process(&self) -> bool {
+        self.0.bounds_process
     }
 
     /// Returns the bytes that are left.
@@ -75,7 +91,7 @@ impl MemoryReservation {
     /// # Errors
     /// `bytes` exceeds the bytes that are left. Nothing is taken then.
     pub fn try_grow(&mut self, bytes: u64, what: impl Display) -> Result<(), OverBudget> {
-        let PoolState { limit, advice, held } = &*self.budget.0;
+        let PoolState { limit, advice, held, .. } = &*self.budget.0;
         let more = |before: u64| before.checked_add(bytes).filter(|sum| sum <= limit);
         let taken = held.fetch_update(Relaxed, Relaxed, more);
         taken.map_err(|held| OverBudget { what: what.to_string(), bytes, held, limit: *limit, advice })?;

@@ -2,16 +2,13 @@
 
 use crate::options::RunOptions;
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
+use basrelief_machines::MachineSpec;
 use basrelief_signals::{Scene, Texture};
-use basrelief_trace::BeginCommand;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Memory per pixel of a picture in progress \[bytes\]: cells, colour and depth of the machine, the finished picture, and its file.
-/// Measured on fully covered pictures: 15, and 58 with `defer`.
-const PIXEL: u64 = 64;
-/// Memory per pixel together with the reference image \[bytes\].
-const PIXEL_WITH_EXACT: u64 = 96;
+/// Memory of the reference image and its difference per pixel \[bytes\]. Measured: 16.
+const EXACT_PIXEL: u64 = 24;
 /// Memory of the metrics per pixel that they process at a time \[bytes\].
 const METRICS_PIXEL: u64 = 48;
 /// Pixels that the metrics process at a time.
@@ -23,15 +20,33 @@ pub(crate) const WAITING_PIXEL: u64 = 4;
 /// Memory of a frame for the report \[bytes\]: cycles, digest, quality, and their texts.
 pub(crate) const FRAME: u64 = 1 << 10;
 
-/// Reserves memory for pictures of the size that a trace states.
-pub(crate) fn reserve_pictures(settings: &RunOptions, begin: &BeginCommand) -> Result<MemoryReservation, OverBudget> {
-    let &BeginCommand { width, height, .. } = begin;
+/// Reserves memory for pictures of this size by this machine.
+///
+/// # Errors
+/// The memory limit is exceeded.
+pub(crate) fn reserve_pictures<S: MachineSpec>(
+    settings: &RunOptions,
+    [width, height]: [u32; 2],
+) -> Result<MemoryReservation, OverBudget> {
     let pixels = u64::from(width) * u64::from(height);
-    let bytes = match settings.exact {
-        true => PIXEL_WITH_EXACT * pixels + METRICS_PIXEL * pixels.min(METRICS_PIXELS).max(METRICS_ROWS * u64::from(width)),
-        false => PIXEL * pixels,
+    let exact = match settings.exact {
+        true => EXACT_PIXEL * pixels + METRICS_PIXEL * pixels.min(METRICS_PIXELS).max(METRICS_ROWS * u64::from(width)),
+        false => 0,
     };
-    settings.budget.try_reserve(bytes, format!("pictures of {width} x {height} pixels"))
+    settings.budget.try_reserve(S::PIXEL_BYTES * pixels + exact, format!("pictures of {width} x {height} pixels"))
+}
+
+/// Reserves memory for the largest picture of a scene, whose size is given by the user, where the process gets only so much memory.
+///
+/// # Errors
+/// The memory limit is exceeded.
+pub(crate) fn reserve_frames<S: MachineSpec>(settings: &RunOptions, scene: &Scene) -> Result<MemoryReservation, OverBudget> {
+    let sizes = scene.frames.iter().map(|frame| [frame.width, frame.height]);
+    let largest = sizes.max_by_key(|&[width, height]| u64::from(width) * u64::from(height));
+    match largest.filter(|_| settings.budget.bounds_process()) {
+        Some(size) => reserve_pictures::<S>(settings, size),
+        None => Ok(settings.budget.empty_reservation()),
+    }
 }
 
 /// Reserves memory for copies of a scene's textures: `copies` of all textures, and one copy of the largest texture for hashing or recording.

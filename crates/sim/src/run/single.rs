@@ -19,7 +19,7 @@ use basrelief_machines::{BoxedControls, ConfigProblem, InputKind, MachineSpec, S
 use basrelief_parameters::to_json;
 use basrelief_report::model::Input;
 use basrelief_timeline::TimelineLayout;
-use basrelief_trace::{TextureFiles, TraceResolver};
+use basrelief_trace::{BeginCommand, TextureFiles, TraceResolver};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -135,6 +135,7 @@ impl RunJob<'_> {
         let SceneInput { prepared, tiles } = source;
         let scene = prepared.scene();
         let _textures = memory_estimates::reserve_textures(scene, S::TEXTURE_COPIES, &options.budget)?;
+        let _pictures = memory_estimates::reserve_frames::<S>(options, scene)?;
         let is_local = tiles.is_none();
         // With a real server, the clock is real too, and preliminary runs would request the tiles more than once.
         let spec = if is_local { &solve_view_schedule(scene, spec, options, observer)? } else { spec };
@@ -180,7 +181,8 @@ impl RunJob<'_> {
         }
         let resolver = TraceResolver::new(reader, files, &options.budget)?;
         let resolver = resolver.with_texture_copies(S::TEXTURE_COPIES);
-        let pictures = memory_estimates::reserve_pictures(options, resolver.begin());
+        let &BeginCommand { width, height, .. } = resolver.begin();
+        let pictures = memory_estimates::reserve_pictures::<S>(options, [width, height]);
         let _pictures = pictures.map_err(|error| resolver.over_budget(&error))?;
         let seen = Rc::new(RefCell::new(TraceNotes::default()));
         let tap = TraceTap::new(resolver, options.exact.then(|| spec.exact_style()), Rc::clone(&seen), options);
