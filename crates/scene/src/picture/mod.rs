@@ -53,7 +53,7 @@ fn decode_png(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(
     Ok((image, held))
 }
 
-/// Converts a picture. The conversion of the `image` crate works in any colour space, and takes fifty instructions per texel of the
+/// Converts a picture. The conversion of the `image` crate works in any colour space, and takes a hundred instructions per texel of the
 /// most common kind, RGB with 8 bits each.
 fn rgba_texels(picture: DynamicImage) -> Vec<[u8; 4]> {
     match picture {
