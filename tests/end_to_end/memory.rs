@@ -160,7 +160,7 @@ fn pictures_of_a_trace_count_against_limit() {
     writer.finish().expect("written");
     let error = place.run("run t.jsonl --memory-limit 100MiB --quiet");
     let error = error.error(1);
-    assert!(error.contains("t.jsonl: line 1: would hold 344 MiB of pictures of 4096 x 2048 pixels"), "{error}");
+    assert!(error.contains("t.jsonl: line 1: would hold 408 MiB of pictures of 4096 x 2048 pixels"), "{error}");
 }
 
 #[test]

@@ -41,8 +41,8 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     /// Stage that takes one tile per step. Empty if no view is ever left.
     const TAKES_TILES: &'static str = "";
     /// Memory per pixel of a picture in progress \[bytes\]: cells, colour and depth, the finished picture, and its file. Measured on
-    /// covered pictures: 13, and 64 with `defer`.
-    const PIXEL_BYTES: u64 = 16;
+    /// covered pictures of several frames: 16, and 64 with `defer`.
+    const PIXEL_BYTES: u64 = 24;
     /// Copies of each texture's texels that the machine and its reference image make.
     const TEXTURE_COPIES: u64 = 0;
     /// The machine behind one kind of input.

@@ -29,7 +29,7 @@ impl MachineSpec for DeferConfig {
     const FETCHES_TILES: bool = true;
     const LEFT_AT: Option<&'static str> = Some("defer.left_at_ms");
     const TAKES_TILES: &'static str = "expander";
-    const PIXEL_BYTES: u64 = 72;
+    const PIXEL_BYTES: u64 = 80;
     /// Layers at the server, the pyramid (134) with the states of its tiles, tile lists, and the pyramid of the reference image: 3.3
     /// times a texture of a single level.
     const TEXTURE_COPIES: u64 = 4;
