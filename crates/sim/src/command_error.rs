@@ -78,7 +78,7 @@ impl CommandError {
     }
 }
 
-/// Returns why this could not be done with a file, and what helps.
+/// Returns the reason of an error with a file, and its cure.
 fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
     let (is_output, is_input) = (doing == "be written", doing == "be read");
     if let Some(folder) = path.parent().filter(|folder| is_output && is_missing(folder)) {

@@ -36,7 +36,7 @@ pub(crate) fn reserve_pictures<S: MachineSpec>(
     settings.budget.try_reserve(S::PIXEL_BYTES * pixels + exact, format!("pictures of {width} x {height} pixels"))
 }
 
-/// Reserves memory for the largest picture of a scene, whose size is given by the user, where the process gets only so much memory.
+/// Reserves memory for the largest picture of a scene if the process gets only so much memory. The user gives the size.
 ///
 /// # Errors
 /// The memory limit is exceeded.
