@@ -116,16 +116,16 @@ vec2 shade(vec3 N){ float d=dot(N,L); vec3 H=normalize(L+V); float s=pow(max(dot
   if(gate==1 && d<=0.0) s=0.0; return vec2(K.x+K.y*max(d,0.0), K.z*s); }
 '''
 VS = '''#version 330
-in vec3 pos, nrm, fnrm; in vec2 uv; in vec4 tan; in float pid; flat out float fP;
+in vec3 pos, nrm, fnrm; in vec2 uv; in vec4 tan;
 uniform mat4 M; uniform int mode;
-out vec3 vN; out vec4 vT; out vec2 vUV; out vec2 vC; flat out vec2 fC; flat out vec3 fN;
+out vec3 vN; out vec4 vT; out vec2 vUV; out vec2 vC; flat out vec2 fC;
 ''' + LIGHT + '''
-void main(){ gl_Position=M*vec4(pos,1); vN=nrm; vT=tan; vUV=uv; vC=shade(normalize(nrm)); fC=shade(normalize(fnrm)); fN=fnrm; fP=pid; }
+void main(){ gl_Position=M*vec4(pos,1); vN=nrm; vT=tan; vUV=uv; vC=shade(normalize(nrm)); fC=shade(normalize(fnrm)); }
 '''
 FS = '''#version 330
-in vec3 vN; in vec4 vT; in vec2 vUV; in vec2 vC; flat in vec2 fC; flat in vec3 fN; flat in float fP;
+in vec3 vN; in vec4 vT; in vec2 vUV; in vec2 vC; flat in vec2 fC;
 uniform sampler2D base, nmap; uniform vec4 factor; uniform int mode, hasBase, hasN; uniform float nscale;
-layout(location=0) out vec4 oC; layout(location=1) out vec4 oUVP; layout(location=2) out vec4 oN;
+layout(location=0) out vec4 oC; layout(location=1) out float oCovered;
 ''' + LIGHT + '''
 void main(){
   vec4 b=factor; if(hasBase==1) b*=texture(base,vUV);
@@ -134,9 +134,9 @@ void main(){
     vec3 t=texture(nmap,vUV).xyz*2.0-1.0; t.xy*=nscale; vec3 T,B;
     T=vT.xyz; B=cross(vN,T)*vT.w; N=normalize(T*t.x+B*t.y+vN*t.z);
   }
-  if(mode==2) c=vC; else if(mode==3){ c=fC; N=fN; } else c=shade(N);
+  if(mode==2) c=vC; else if(mode==3) c=fC; else c=shade(N);
   if(mode==4) oC=b; else oC=vec4(b.rgb*c.x+c.y,b.a);
-  oUVP=vec4(vUV,fP,0); oN=vec4(N,1);
+  oCovered=1.0;
 }
 '''
 
@@ -158,10 +158,7 @@ def render(prims, M, L, V, mode, filt, size, ka, kd, ks, n, gate, srgb=False, cu
     ctx = moderngl.create_context(standalone=True, backend='egl', libgl='libGL.so.1', libegl='libEGL.so.1')
     W, H = size; R = ctx.info['GL_RENDERER']
     prog = ctx.program(vertex_shader=VS, fragment_shader=FS)
-    col = [ctx.texture(size, 4, dtype='f4') for _ in range(3)]; dep = ctx.depth_texture(size); fbo = ctx.framebuffer(col, dep)
-    c8 = ctx.texture(size, 4); d8 = ctx.depth_renderbuffer(size)
-    prog8 = ctx.program(vertex_shader=VS, fragment_shader=FS.replace('layout(location=1) out', '').replace('layout(location=2) out', ''))
-    fbo8 = ctx.framebuffer([c8], d8)
+    colour, covered = ctx.texture(size, 4), ctx.texture(size, 1); fbo = ctx.framebuffer([colour, covered], ctx.depth_renderbuffer(size))
     def tex(im):
         a, wrap, _ = im; t = ctx.texture((a.shape[1], a.shape[0]), 4, np.ascontiguousarray(a).tobytes(), **({'internal_format': 0x8C43} if (srgb and im_srgb[0]) else {}))
         t.filter = {'nearest': (0x2600, 0x2600), 'bilinear': (0x2601, 0x2601), 'trilinear': (0x2703, 0x2601)}[filt]
@@ -178,30 +175,27 @@ def render(prims, M, L, V, mode, filt, size, ka, kd, ks, n, gate, srgb=False, cu
         cache[k].use(unit)
     ctx.enable(ctx.DEPTH_TEST)
     mi = {'bump': 0, 'phong': 1, 'gouraud': 2, 'flat': 3, 'tex': 4}[mode]
-    for (fb, pg) in ((fbo, prog), (fbo8, prog8)):
-        fb.use(); fb.clear(0, 0, 0, 0, depth=1.0); pb = 0
-        def setu(k, v):
-            if k in pg: pg[k].value = v
-        for p in prims:
-            i = p['idx']; tri = p['pos'][i].reshape(-1, 3, 3); fn = np.cross(tri[:, 1]-tri[:, 0], tri[:, 2]-tri[:, 0])
-            fn /= np.maximum(np.linalg.norm(fn, axis=1, keepdims=True), 1e-30)
-            nr = p['nrm'][i] if p['nrm'] is not None else np.repeat(fn, 3, 0)
-            if p['nrm'] is None: p['nrm'] = np.zeros_like(p['pos']); p['nrm'][i] = nr
-            tn = p['tan'] if (p['tan'] is not None and tangent != 'vertex') else (vertex_tangents(p) if p['nmap'] is not None else np.zeros((len(p['pos']), 4)))
-            vb = np.concatenate([p['pos'][i], nr, np.repeat(fn, 3, 0), p['uv'][i], tn[i], np.repeat(pb+1.0+np.arange(len(tri)), 3)[:, None]], 1).astype('f4')
-            vbo = ctx.buffer(vb.tobytes()); names = [('3f', 'pos', 3), ('3f', 'nrm', 3), ('3f', 'fnrm', 3), ('2f', 'uv', 2), ('4f', 'tan', 4), ('1f', 'pid', 1)]
-            fmt = ' '.join(f if a in pg else f'{c*4}x' for f, a, c in names); vao = ctx.vertex_array(pg, [(vbo, fmt, *[a for _, a, _ in names if a in pg])])
-            setu('M', tuple(np.asarray(M, 'f4').T.reshape(-1))); setu('mode', mi); setu('L', tuple(L)); setu('V', tuple(V)); setu('K', (ka, kd, ks, n)); setu('gate', int(gate))
-            setu('factor', tuple(map(float, p['factor']))); setu('hasBase', int(p['base'] is not None)); setu('hasN', int(p['nmap'] is not None)); setu('nscale', float(p['nscale']));
-            setu('base', 0); setu('nmap', 1)
-            if p['base'] is not None: settex(p['base'], 0, True)
-            if p['nmap'] is not None: settex(p['nmap'], 1, False)
-            (ctx.enable if cull and not p['ds'] else ctx.disable)(ctx.CULL_FACE); ctx.front_face = 'cw' if p['det'] < 0 else 'ccw'
-            vao.render(moderngl.TRIANGLES); pb += len(tri)
-    rd = lambda t: np.frombuffer(t.read(), 'f4').reshape(H, W, -1)[::-1]
-    out = dict(rgba=rd(col[0]), uv=rd(col[1])[..., :2], prim=rd(col[1])[..., 2].round().astype(np.int32), nrm=rd(col[2])[..., :3], depth=np.frombuffer(dep.read(), 'f4').reshape(H, W)[::-1] if len(dep.read()) == W*H*4 else np.zeros((H, W)))
-    png = np.frombuffer(c8.read(), np.uint8).reshape(H, W, 4)[::-1]
-    return png, out, R
+    fbo.use(); fbo.clear(0, 0, 0, 0, depth=1.0)
+    def setu(k, v):
+        if k in prog: prog[k].value = v
+    for p in prims:
+        i = p['idx']; tri = p['pos'][i].reshape(-1, 3, 3); fn = np.cross(tri[:, 1]-tri[:, 0], tri[:, 2]-tri[:, 0])
+        fn /= np.maximum(np.linalg.norm(fn, axis=1, keepdims=True), 1e-30)
+        nr = p['nrm'][i] if p['nrm'] is not None else np.repeat(fn, 3, 0)
+        if p['nrm'] is None: p['nrm'] = np.zeros_like(p['pos']); p['nrm'][i] = nr
+        tn = p['tan'] if (p['tan'] is not None and tangent != 'vertex') else (vertex_tangents(p) if p['nmap'] is not None else np.zeros((len(p['pos']), 4)))
+        vb = np.concatenate([p['pos'][i], nr, np.repeat(fn, 3, 0), p['uv'][i], tn[i]], 1).astype('f4')
+        vbo = ctx.buffer(vb.tobytes()); names = [('3f', 'pos', 3), ('3f', 'nrm', 3), ('3f', 'fnrm', 3), ('2f', 'uv', 2), ('4f', 'tan', 4)]
+        fmt = ' '.join(f if a in prog else f'{c*4}x' for f, a, c in names); vao = ctx.vertex_array(prog, [(vbo, fmt, *[a for _, a, _ in names if a in prog])])
+        setu('M', tuple(np.asarray(M, 'f4').T.reshape(-1))); setu('mode', mi); setu('L', tuple(L)); setu('V', tuple(V)); setu('K', (ka, kd, ks, n)); setu('gate', int(gate))
+        setu('factor', tuple(map(float, p['factor']))); setu('hasBase', int(p['base'] is not None)); setu('hasN', int(p['nmap'] is not None)); setu('nscale', float(p['nscale']));
+        setu('base', 0); setu('nmap', 1)
+        if p['base'] is not None: settex(p['base'], 0, True)
+        if p['nmap'] is not None: settex(p['nmap'], 1, False)
+        (ctx.enable if cull and not p['ds'] else ctx.disable)(ctx.CULL_FACE); ctx.front_face = 'cw' if p['det'] < 0 else 'ccw'
+        vao.render(moderngl.TRIANGLES)
+    read = lambda texture, depth: np.frombuffer(texture.read(alignment=1), np.uint8).reshape(H, W, depth)[::-1]
+    return read(colour, 4), read(covered, 1) > 0, R
 
 if __name__ == '__main__':
     ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -221,8 +215,8 @@ if __name__ == '__main__':
         else: M = np.array(list(map(float, a.viewproj))).reshape(4, 4)
     if a.V: V = np.array(a.V)
     L = np.array(a.L if a.L else [.4, .8, .45]); L = L/np.linalg.norm(L); V = V/np.linalg.norm(V)
-    png, aov, R = render(prims, M, L, V, a.mode, a.filter, tuple(a.size), a.ka, a.kd, a.ks, a.n, a.gate, a.srgb, a.cull, a.tangent)
-    im = png.copy(); im[..., 3] = np.where(aov['prim'] > 0, 255, 255); Image.fromarray(im).save(a.out)
+    png, covered, R = render(prims, M, L, V, a.mode, a.filter, tuple(a.size), a.ka, a.kd, a.ks, a.n, a.gate, a.srgb, a.cull, a.tangent)
+    im = png.copy(); im[..., 3] = 255; Image.fromarray(im).save(a.out)
     json.dump(dict(viewproj=[float(x) for x in M.reshape(-1)], V=V.tolist(), L=L.tolist(), ka=a.ka, kd=a.kd, ks=a.ks, n=a.n, size=a.size, mode=a.mode, filter=a.filter, renderer=R), open(os.path.splitext(a.out)[0]+'.cam.json', 'w'))
-    if a.raw: np.concatenate([png[..., :3], (aov['prim'] > 0)[..., None].astype(np.uint8)], 2).tofile(a.raw)
-    print(R, '| prims', len(prims), 'tris', sum(len(p['idx'])//3 for p in prims), 'tangents', [p['tan'] is not None for p in prims][:3], 'nmap', [p['nmap'] is not None and p['nmap'][0].shape for p in prims][:3], 'covered px', int((aov['prim'] > 0).sum()))
+    if a.raw: np.concatenate([png[..., :3], covered.astype(np.uint8)], 2).tofile(a.raw)
+    print(R, '| prims', len(prims), 'tris', sum(len(p['idx'])//3 for p in prims), 'tangents', [p['tan'] is not None for p in prims][:3], 'nmap', [p['nmap'] is not None and p['nmap'][0].shape for p in prims][:3], 'covered px', int(covered.sum()))

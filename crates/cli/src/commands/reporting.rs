@@ -32,7 +32,7 @@ pub fn publish_report(
 
 /// Returns the line that lists the written files: the names of those in the folder of `--out`, and those of other options. `None` if
 /// nothing was written.
-pub fn written_line(folder: Option<(&Path, String)>, others: &[(&str, &Path)]) -> Option<String> {
+pub fn written_line(folder: Option<(&Path, &str)>, others: &[(&str, &Path)]) -> Option<String> {
     let folder = folder.map(|(folder, names)| format!("{}/: {names}", folder.display()));
     let others = others.iter().map(|(option, path)| format!("{option}: {}", path.display()));
     let written: Vec<String> = folder.into_iter().chain(others).collect();

@@ -37,7 +37,7 @@ pub fn resimulate(args: &ResimulateArgs, global: &GlobalOptions) -> CommandResul
         return Ok(());
     }
     show_report(&report, &args.tables, global.text_style())?;
-    written_line(args.out.as_deref().zip(names), &page).map_or(Ok(()), |line| print(&line))
+    written_line(args.out.as_deref().zip(names.as_deref()), &page).map_or(Ok(()), |line| print(&line))
 }
 
 /// Refuses outputs that would overwrite the recording, its report, or each other.

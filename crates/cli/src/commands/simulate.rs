@@ -132,7 +132,7 @@ impl<'a> Simulation<'a> {
             }
             watched.finish();
         }
-        self.print_report(&report, names)
+        self.print_report(&report, &names)
     }
 
     /// Refuses outputs that would overwrite a file that the input names.
@@ -153,7 +153,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Prints the report and decides the outcome of the command.
-    fn print_report(&self, report: &Report, names: String) -> CommandResult {
+    fn print_report(&self, report: &Report, names: &str) -> CommandResult {
         if !self.is_quiet() {
             show_report(report, &self.args.tables, self.global.text_style())?;
             let others: Vec<_> = named_outputs(self.args).into_iter().filter(|(_, path)| path.exists()).collect();

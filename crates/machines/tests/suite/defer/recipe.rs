@@ -153,13 +153,13 @@ const MEANING: &[Axis] = &[
     &[&[], &[("rasterizer.z_bits", "16"), ("rasterizer.block", "1"), ("rasterizer.stamp", "1")]],
 ];
 
+const FAST_PATH: (&str, &str) = ("path.bits_per_second", "30000000000");
+const FAST_PIXELS: (&str, &str) = ("display.pixel_hz", "9000000");
+const FAST_REFRESH: (&str, &str) = ("display.refresh_hz", "9000");
+
 /// Parameters that change only the timing. They must not change a picture.
 const TIMING: &[Axis] = &[
-    &[
-        &[("path.bits_per_second", "30000000000")],
-        &[("path.bits_per_second", "2000000000")],
-        &[("path.bits_per_second", "777777777777")],
-    ],
+    &[&[FAST_PATH], &[("path.bits_per_second", "2000000000")], &[("path.bits_per_second", "777777777777")]],
     &[&[("path.latency_us", "0")], &[("path.latency_us", "3")]],
     &[&[], &[("path.requests", "1")], &[("path.requests", "40")]],
     &[&[], &[("path.number_bytes", "0"), ("path.texture_size_bytes", "4")], &[("path.head_bytes", "99")]],
@@ -219,9 +219,9 @@ const TIMING: &[Axis] = &[
         &[("depth.write_lines", "1"), ("depth.clear_flags", "false")],
     ],
     &[
-        &[("display.pixel_hz", "9000000"), ("display.refresh_hz", "9000")],
+        &[FAST_PIXELS, FAST_REFRESH],
         &[("display.enabled", "false")],
-        &[("display.mode", "fifo"), ("display.pixel_hz", "9000000"), ("display.refresh_hz", "9000"), ("display.buffers", "3")],
+        &[("display.mode", "fifo"), FAST_PIXELS, FAST_REFRESH, ("display.buffers", "3")],
     ],
 ];
 
@@ -234,11 +234,6 @@ pub fn timings() -> impl Strategy<Value = Settings> {
 }
 
 /// A path and a display fast enough for the ticked engine, which visits every unit in every cycle.
-pub const FAST: &[(&str, &str)] = &[
-    ("path.bits_per_second", "30000000000"),
-    ("path.latency_us", "0"),
-    ("display.pixel_hz", "9000000"),
-    ("display.refresh_hz", "9000"),
-];
+pub const FAST: &[(&str, &str)] = &[FAST_PATH, ("path.latency_us", "0"), FAST_PIXELS, FAST_REFRESH];
 /// Small tiles, so that small textures have several.
 pub const SMALL: &[(&str, &str)] = &[("tile.width", "8"), ("tile.height", "8")];
