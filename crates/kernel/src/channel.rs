@@ -125,7 +125,7 @@ impl Channel {
     }
 
     /// Appends a burst. Bursts must come in order of (arrival, port number, order of issue, address).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn push(&mut self, burst: Burst) {
         let place = self.queue.len() - self.first;
         if self.queue.len() == self.queue.capacity() {

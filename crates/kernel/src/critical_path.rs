@@ -17,6 +17,11 @@ pub enum RequestPhase {
     Cache,
 }
 
+impl RequestPhase {
+    /// All phases, in order.
+    pub(crate) const ALL: [Self; 6] = [Self::Arrival, Self::Bus, Self::Bank, Self::Data, Self::Order, Self::Cache];
+}
+
 /// The resource that a segment of the path uses, by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PathSegment {

@@ -269,9 +269,9 @@ impl MemorySystem {
         self.port(client).issued
     }
 
-    /// Returns the request of a client whose answer returns so many credits.
-    pub(crate) fn credit_of(&self, client: usize, credits: u32) -> u64 {
-        self.port(client).credit_of(credits)
+    /// See [`Port::credit_of`].
+    pub(crate) fn credit_of(&self, client: usize, issued: u64, credits: u32) -> u64 {
+        self.port(client).credit_of(issued, credits)
     }
 
     /// Returns the first request of a client with the latest answer by `at`.

@@ -157,9 +157,9 @@ impl Port {
         }
     }
 
-    /// Returns the request whose answer returns so many credits.
-    pub(crate) fn credit_of(&self, credits: u32) -> u64 {
-        (self.issued + u64::from(credits)).saturating_sub(self.outstanding + 1)
+    /// Returns the request whose answer returned so many credits after `issued` requests.
+    pub(crate) fn credit_of(&self, issued: u64, credits: u32) -> u64 {
+        (issued + u64::from(credits)).saturating_sub(self.outstanding + 1)
     }
 
     /// Records the times of a burst, if they are kept and it is the last burst of its request so far.

@@ -3,7 +3,7 @@
 
 use crate::common::random::recipe;
 use crate::common::{PlanBuilder, machine, record_plan, run_both, small_cache, small_memory};
-use basrelief_kernel::{CriticalPath, Netlist, Outcome, PathSegment, StageGroups, critical_path};
+use basrelief_kernel::{CriticalPath, Netlist, Outcome, PathMemory, PathSegment, Recording, StageGroups, critical_path};
 use basrelief_kernel_conformance::plan::{Plan, PlanLookUp, PlanRequest, UnitKind};
 use proptest::prelude::*;
 use std::borrow::Cow;
@@ -12,10 +12,15 @@ fn path_of(plan: &Plan, most_steps: usize) -> Option<CriticalPath> {
     path_by(plan, most_steps, &[])
 }
 
+/// Finds the path of a recording that is read chunk by chunk, and of one that is read before. Both must be equal.
 fn path_by(plan: &Plan, most_steps: usize, groups: &[StageGroups]) -> Option<CriticalPath> {
     let recording = record_plan(plan, u64::MAX);
+    let netlist = || Netlist::of(&mut machine(plan)).unwrap();
     let mut chunks = recording.iter().map(Cow::Borrowed);
-    critical_path(Netlist::of(&mut machine(plan)).unwrap(), &mut |_| Ok(chunks.next()), most_steps, groups).unwrap()
+    let path = critical_path(netlist(), &mut |_| Ok(chunks.next()), most_steps, groups).unwrap();
+    let whole = Recording::new(&recording[..], &netlist(), u64::MAX);
+    assert_eq!(path, whole.critical_path(netlist(), most_steps, groups, &mut PathMemory::default()).unwrap());
+    path
 }
 
 /// Returns the segments of a path as text.
@@ -82,6 +87,19 @@ fn single_slot_alternates_on_path() {
         &[0],
     );
     expect(&draw, &[("fifo a", 3), ("slot a", 2), ("occupancy sink", 1)]);
+}
+
+/// The starts of `work` are too far apart for 32 bits. It is busy beyond the last token of `sink`.
+#[test]
+fn far_steps_are_on_the_path() {
+    let longest = u32::MAX.into();
+    let mut draw = PlanBuilder::default();
+    draw.fifo("a", 2, 1)
+        .fifo("b", 2, 1)
+        .unit("source", UnitKind::Source { tokens: 3 }, ["", "a"], &[1], &[0])
+        .unit("work", UnitKind::Work, ["a", "b"], &[longest], &[0])
+        .unit("sink", UnitKind::Sink, ["b", ""], &[1], &[0]);
+    expect(&draw, &[("fifo a", 1), ("occupancy work", 3 * longest)]);
 }
 
 /// The first request is issued at 1, in view at 2, its row open at 4, its data complete at 9. The second is issued at 9 with the

@@ -150,7 +150,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 work.report_step(number, declared, &made, traffic, &mut **probe);
             }
             if let Some(path) = path {
-                path.step(&visit.view(), at, takes, &{ made });
+                path.step::<K>(&visit.view(), at, takes, made.marked);
             }
             if work.is_silent(traffic) {
                 visit.step::<K>(at, takes, &made);

@@ -2,12 +2,12 @@
 
 use super::bytes::{RecordingError, get, unzigzag};
 use super::chunk::RecordingChunk;
-use super::decoded::{DecodedSteps, RecordedStep, StageTags};
+use super::decoded::{DecodedSteps, StageTags};
 use super::step_class::{CLASSES, NEW, StepClass};
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::netlist::StageInfo;
 use crate::step_requests::{RequestCount, RequestCursor, StepRequestsView, UnitRequests, request_error};
-use crate::time::{FinalUnitState, InputMask, StepTiming};
+use crate::time::{CompactStep, FinalUnitState, InputMask, StepTiming};
 use crate::{Demand, MemoryPorts, MemorySystem, Request};
 use std::sync::Arc;
 
@@ -27,11 +27,15 @@ const SHARED_BYTES: u64 = 64;
 pub(crate) struct RecordingReader {
     bytes: Vec<u8>,
     at: usize,
-    /// By place, each with a step of the class; occupancy 0 if undefined.
-    classes: Vec<(RecordedStep, StepClass)>,
+    /// By place, each with a step of the class.
+    classes: Vec<(CompactStep, StepClass)>,
     /// Decoded steps, and the next of them.
     ahead: Arc<DecodedSteps>,
     next: usize,
+    /// True if the decoded steps are all steps of the stream.
+    is_whole: bool,
+    /// Steps before the decoded ones, if they are kept.
+    earlier: Option<Vec<CompactStep>>,
     /// True if the last step has no requests.
     is_silent: bool,
     at_asked: RequestCursor,
@@ -53,9 +57,11 @@ impl RecordingReader {
         Self {
             bytes: Vec::new(),
             at: 0,
-            classes: vec![(RecordedStep::of(&StepClass::UNDEFINED, 0), StepClass::UNDEFINED); CLASSES + 1],
+            classes: vec![(StepClass::UNDEFINED.step(0), StepClass::UNDEFINED); CLASSES + 1],
             ahead: Arc::default(),
             next: 0,
+            is_whole: false,
+            earlier: None,
             is_silent: true,
             at_asked: RequestCursor::default(),
             rest: None,
@@ -83,17 +89,29 @@ impl RecordingReader {
         }
         let mut ahead = DecodedSteps::default();
         reader.read_up_to(SHARED.min((room / SHARED_BYTES) as usize), &mut ahead);
-        let is_whole = reader.at == reader.bytes.len() && reader.error.is_none();
+        reader.is_whole = reader.at == reader.bytes.len() && reader.error.is_none();
         reader.ahead = Arc::new(ahead);
         // The decoding state is no longer needed.
         (reader.bytes, reader.at, reader.classes) = Default::default();
         reader.tags.free_tags();
-        is_whole.then_some(reader)
+        reader.is_whole.then_some(reader)
     }
 
     /// Returns true if the decoded requests hold for a stage and its memories.
     pub(crate) fn fits(&self, shape: &StageInfo, memories: &MemorySystem) -> bool {
         self.largest == shape.credits && self.tags.is_alike(shape, memories)
+    }
+
+    /// Keeps the steps from now on, or no more. Steps of a whole stream are kept in any case.
+    pub(crate) fn keep_steps(&mut self, keeps: bool) {
+        self.earlier = (keeps && !self.is_whole).then(Vec::new);
+    }
+
+    /// Returns the kept steps, once all are made.
+    pub(crate) fn into_steps(self) -> Arc<DecodedSteps> {
+        let Some(mut steps) = self.earlier else { return self.ahead };
+        steps.extend_from_slice(&self.ahead.steps);
+        Arc::new(DecodedSteps { steps, ..DecodedSteps::default() })
     }
 
     /// Appends a part of the stream.
@@ -185,6 +203,9 @@ impl RecordingReader {
     fn read_ahead(&mut self) {
         // Steps that are decoded piece by piece are not shared.
         let mut ahead = Arc::try_unwrap(std::mem::take(&mut self.ahead)).unwrap_or_default();
+        if let Some(earlier) = &mut self.earlier {
+            earlier.append(&mut ahead.steps);
+        }
         ahead.steps.clear();
         ahead.asked.clear();
         (self.next, self.at_asked) = Default::default();
@@ -211,7 +232,7 @@ impl RecordingReader {
             place = self.define()?;
         }
         let (step, class) = &self.classes[usize::from(place)];
-        if step.occupancy == 0 {
+        if step.is_undefined() {
             let (what, expected) = ("the class of a step", "one that was defined before");
             return Err(RecordingError::Value { what, value: place.into(), expected });
         }
@@ -248,7 +269,7 @@ impl RecordingReader {
             return Err(RecordingError::Value { what: "the place of a class", value: place.into(), expected: "0 to 254" });
         }
         let class = StepClass::read(&self.bytes, &mut self.at, self.ends)?;
-        self.classes[usize::from(place)] = (RecordedStep::of(&class, self.ends[0]), class);
+        self.classes[usize::from(place)] = (class.step(self.ends[0]), class);
         Ok(place)
     }
 }

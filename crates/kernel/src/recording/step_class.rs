@@ -3,7 +3,7 @@
 use super::bytes::{RecordingError, get_up_to, put};
 use crate::capacity::MAX_LINKS;
 use crate::step_requests::{RequestCount, UnitRequests};
-use crate::time::StepTiming;
+use crate::time::{CompactStep, InputMask, StepTiming};
 use crate::{Demand, Request};
 
 /// Number of places for classes.
@@ -51,6 +51,11 @@ impl StepClass {
     pub(super) fn of(demand: Demand, made: StepTiming, asked: UnitRequests<'_>) -> Self {
         let strip = |requests: &[Request]| requests.iter().map(|r| Request { address: 0, ..*r }).collect();
         Self::new(demand, made, strip(asked.requests), strip(asked.look_ups))
+    }
+
+    /// Returns a step of this class of a stage with this number of inputs.
+    pub(super) fn step(&self, inputs: usize) -> CompactStep {
+        CompactStep::new(InputMask::of(self.demand, inputs), &self.timing, self.count)
     }
 
     /// Returns true if a step belongs to this class.

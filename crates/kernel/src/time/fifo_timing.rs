@@ -20,18 +20,26 @@ const FIRST_RING: usize = 2 * SWEEP;
 pub(crate) struct FifoMemory {
     ring: Vec<TokenTimes>,
     awaits: Vec<Cell<[Cycle; MAX_CLIENTS]>>,
-    delivered: Vec<DeliveredToken>,
+    visible: Vec<Cycle>,
+    deliveries: Vec<AnsweredDelivery>,
 }
 
-/// A delivered token, as probes and critical paths see it.
+/// The delivery of a token whose producer has memory clients.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DeliveredToken {
-    pub(crate) delivered: Cycle,
-    /// First cycle in which it can be popped.
-    pub(crate) visible: Cycle,
+pub(super) struct AnsweredDelivery {
+    pub(super) at: Cycle,
     /// Memory client, as the producer numbers it, that gave the step its last answer; of equally late ones the first. Meaningless if
     /// the step waited for no answer.
-    pub(crate) last_client: u8,
+    pub(super) last_client: u8,
+}
+
+/// The kept tokens of a FIFO.
+#[derive(Debug)]
+pub(super) struct KeptTokens<'a> {
+    /// For each token the first cycle in which it can be popped.
+    pub(super) visible: Ref<'a, Vec<Cycle>>,
+    /// Their deliveries; empty if the producer has no memory client.
+    pub(super) deliveries: Ref<'a, Vec<AnsweredDelivery>>,
 }
 
 /// Indices of `news`.
@@ -79,8 +87,10 @@ pub(crate) struct FifoTiming {
     occupancy: RefCell<OccupancyHistogram>,
     /// True if delivered tokens are kept.
     keeps_tokens: Cell<bool>,
-    /// Delivered tokens since they were last taken.
-    kept: RefCell<Vec<DeliveredToken>>,
+    /// For each delivered token since they were last taken: the first cycle in which it can be popped.
+    visible: RefCell<Vec<Cycle>>,
+    /// Their deliveries, if the producer has memory clients.
+    deliveries: RefCell<Vec<AnsweredDelivery>>,
 }
 
 /// Index of a token in a ring whose length is a power of two.
@@ -113,8 +123,9 @@ impl FifoTiming {
     pub(crate) fn new(&FifoSpec { depth, latency, period, .. }: &FifoSpec, awaits: bool, memory: FifoMemory) -> Self {
         let full = full_ring(depth);
         let tokens = full.min(FIRST_RING);
-        let FifoMemory { ring, awaits: answers, mut delivered } = memory;
-        delivered.clear();
+        let FifoMemory { ring, awaits: answers, mut visible, mut deliveries } = memory;
+        visible.clear();
+        deliveries.clear();
         Self {
             ring: all_equal(ring, tokens, TokenTimes::unused()),
             must_grow: Cell::new(false),
@@ -134,7 +145,8 @@ impl FifoTiming {
             awaits: all_equal(answers, if awaits { tokens } else { 0 }, Cell::default()),
             occupancy: OccupancyHistogram::new(depth).into(),
             keeps_tokens: Cell::new(false),
-            kept: delivered.into(),
+            visible: visible.into(),
+            deliveries: deliveries.into(),
         }
     }
 
@@ -220,14 +232,9 @@ impl FifoTiming {
         self.awaits.get(place(&self.awaits, self.slot())).map_or(Cycle::ZERO, |answers| answers.get()[client])
     }
 
-    /// Number of the front token.
-    pub(super) fn front_number(&self) -> usize {
+    /// Tokens popped so far.
+    pub(super) fn popped(&self) -> usize {
         self.popped.get()
-    }
-
-    /// Number of the token whose slot the next token takes in a full FIFO.
-    pub(super) fn next_slot_holder(&self) -> usize {
-        self.pushed.get().saturating_sub(self.depth)
     }
 
     /// Records until when the next token to be delivered waits for each client's answer.
@@ -282,9 +289,10 @@ impl FifoTiming {
     #[cold]
     #[inline(never)]
     fn keep(&self, delivered: Cycle, visible: Cycle) {
-        let answers = self.awaits.get(place(&self.awaits, self.delivered.get())).map(Cell::get).unwrap_or_default();
+        self.visible.borrow_mut().push(visible);
+        let Some(answers) = self.awaits.get(place(&self.awaits, self.delivered.get())).map(Cell::get) else { return };
         let last = (1..MAX_CLIENTS).fold(0, |last, client| if answers[client] > answers[last] { client } else { last });
-        self.kept.borrow_mut().push(DeliveredToken { delivered, visible, last_client: last as u8 });
+        self.deliveries.borrow_mut().push(AnsweredDelivery { at: delivered, last_client: last as u8 });
     }
 
     /// Pops the front token.
@@ -346,7 +354,8 @@ impl FifoTiming {
 
     /// Returns the memory of its times, for the next run.
     pub(super) fn into_memory(self) -> FifoMemory {
-        FifoMemory { ring: self.ring, awaits: self.awaits, delivered: self.kept.into_inner() }
+        let (visible, deliveries) = (self.visible.into_inner(), self.deliveries.into_inner());
+        FifoMemory { ring: self.ring, awaits: self.awaits, visible, deliveries }
     }
 
     /// See [`OccupancyHistogram::count_nothing`].
@@ -369,14 +378,15 @@ impl FifoTiming {
         self.keeps_tokens.set(keeps);
     }
 
-    /// Delivered tokens since they were last taken.
-    pub(super) fn kept_tokens(&self) -> Ref<'_, Vec<DeliveredToken>> {
-        self.kept.borrow()
+    /// Returns the kept tokens.
+    pub(super) fn kept_tokens(&self) -> KeptTokens<'_> {
+        KeptTokens { visible: self.visible.borrow(), deliveries: self.deliveries.borrow() }
     }
 
-    /// Takes the delivered tokens since the last call.
-    pub(crate) fn take_tokens(&self) -> Vec<DeliveredToken> {
-        self.kept.take()
+    /// Takes the first cycles in which the tokens delivered since the last call can be popped.
+    pub(crate) fn take_visible(&self) -> Vec<Cycle> {
+        self.deliveries.take();
+        self.visible.take()
     }
 
     /// See [`OccupancyHistogram::take_fills`].

@@ -2,20 +2,24 @@
 //! flight of each stage, the times of each FIFO's slots, and the memories.
 
 mod blocking_wait;
+mod compact_step;
 mod fifo_timing;
 mod finalize;
 mod in_flight;
 mod input_mask;
 mod next_start;
 mod occupancy;
+mod path_cycles;
 mod path_tracer;
 mod path_walk;
 mod port_ids;
 mod stage_clock;
+mod stage_cursor;
 mod stage_visit;
 mod step_timing;
 mod token_times;
 
+pub(crate) use compact_step::CompactStep;
 pub(crate) use fifo_timing::{FifoMemory, FifoTiming};
 pub(crate) use finalize::{FinalUnitState, StopReason};
 pub(crate) use input_mask::InputMask;
@@ -116,7 +120,7 @@ impl MachineTiming {
         }
         if P::is_on() && probe.reads_wires() {
             for (number, fifo) in self.fifos.iter().enumerate() {
-                fifo.take_tokens().into_iter().for_each(|token| probe.on_visible(number, token.visible));
+                fifo.take_visible().into_iter().for_each(|visible| probe.on_visible(number, visible));
             }
             for (number, clock) in self.stages.iter_mut().enumerate() {
                 for (step, answers) in clock.answers.iter_mut().flat_map(|answers| answers.drain(..)) {

@@ -1,16 +1,15 @@
-//! The record of a run from which its critical path is [found](super::path_walk) afterwards: for every step its start and the term of
-//! law 3 that bound the start, and for every token the steps that made and took it.
+//! The record of a run from which its critical path is [found](super::path_walk) afterwards: for every step the cycles since the step
+//! before, and the term of law 3 that bound its start.
 //!
-//! A path passes few of the steps, so their segments are found only afterwards. With the segments of every step kept instead, a
-//! resimulation of W1 with its path took 8 % more instructions.
+//! A path passes few of the steps, so their segments are found only afterwards, and so are the numbers of tokens and requests. With the
+//! segments of every step kept instead, a resimulation of W1 with its path took 8 % more instructions; with the steps that make and take
+//! each token kept as well, 15 % more.
 
 use super::stage_visit::StageView;
-use super::{FifoTiming, InputMask, MachineTiming, StepTiming};
+use super::{FifoTiming, InputMask, MachineTiming, StageArity};
 use crate::Cycle;
 use crate::port::Completion;
-
-/// Stands for no step.
-pub(super) const NO_STEP: u32 = u32::MAX;
+use std::collections::BTreeMap;
 
 /// The term of law 3 that bound a start, with the number of the input, output or client within the unit.
 #[derive(Clone, Copy, Debug)]
@@ -19,12 +18,12 @@ pub(super) enum StartTerm {
     Free,
     /// The last answer to the blocking step before.
     Answer(u8),
-    /// This token.
-    Token(u8, u32),
-    /// The credit that came with the answer to this request.
-    Credit(u8, u32),
-    /// The slot of this token.
-    Slot(u8, u32),
+    /// A token.
+    Token(u8),
+    /// The credit that came with an answer.
+    Credit(u8),
+    /// A slot.
+    Slot(u8),
     /// None of these.
     Rest,
 }
@@ -32,19 +31,47 @@ pub(super) enum StartTerm {
 /// A step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TracedStep {
-    pub(super) start: Cycle,
-    /// Cycles to its delivery without memory.
-    pub(super) latency: u32,
-    /// Cycles from the last answer to the delivery, at least.
-    pub(super) after_data: u32,
+    /// Cycles since the start of the step before, or [`FAR`].
+    after: u32,
     pub(super) bound_by: StartTerm,
 }
 
-/// The steps of a producer that made the tokens of a FIFO, and of a consumer that took them, in order.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TokenSteps {
-    pub(super) made: Vec<u32>,
-    pub(super) taken: Vec<u32>,
+/// The value of [`TracedStep::after`] for 2^32 - 1 cycles or more.
+const FAR: u32 = u32::MAX;
+
+/// The steps of a stage so far.
+#[derive(Debug, Default)]
+pub(super) struct TracedStage {
+    pub(super) steps: Vec<TracedStep>,
+    /// Start of the last step.
+    pub(super) last: Cycle,
+    /// For steps that are [`FAR`] behind the step before: by number, the cycles between them.
+    far: BTreeMap<u32, u64>,
+}
+
+impl TracedStage {
+    fn push(&mut self, start: Cycle, bound_by: StartTerm) {
+        let after = start.since(self.last);
+        if after >= FAR.into() {
+            self.far.insert(self.steps.len() as u32, after);
+        }
+        self.steps.push(TracedStep { after: after.min(FAR.into()) as u32, bound_by });
+        self.last = start;
+    }
+
+    /// Returns the cycles between a step and the step before.
+    pub(super) fn after(&self, number: u32) -> u64 {
+        match self.steps[number as usize].after {
+            FAR => self.far[&number],
+            after => after.into(),
+        }
+    }
+
+    fn clear(&mut self) {
+        self.steps.clear();
+        self.far.clear();
+        self.last = Cycle::ZERO;
+    }
 }
 
 /// Steps of a run so far.
@@ -53,9 +80,8 @@ pub(crate) struct PathTracer {
     /// Steps that may still come; `None` if more came. Such a run has no path.
     left: Option<usize>,
     /// By stage, in order.
-    pub(super) stages: Vec<Vec<TracedStep>>,
-    pub(super) fifos: Vec<TokenSteps>,
-    /// The step that issued each request, by client.
+    pub(super) stages: Vec<TracedStage>,
+    /// Number of requests that a client issued before each step of its stage, by client.
     pub(super) issued: Vec<Vec<u32>>,
     /// Stage and number of the last step that passes a mark.
     pub(super) marked: Option<(usize, u32)>,
@@ -63,10 +89,10 @@ pub(crate) struct PathTracer {
     completions: Vec<Vec<Completion>>,
 }
 
-/// Makes this number of empty vectors, of the memory of earlier ones.
-fn empty<T: Default>(vectors: &mut Vec<T>, count: usize, clear: impl FnMut(&mut T)) {
-    vectors.resize_with(count, T::default);
-    vectors.iter_mut().for_each(clear);
+/// Makes this number of empty lists, of the memory of earlier ones.
+fn empty<T: Default>(lists: &mut Vec<T>, count: usize, clear: impl FnMut(&mut T)) {
+    lists.resize_with(count, T::default);
+    lists.iter_mut().for_each(clear);
 }
 
 impl PathTracer {
@@ -74,18 +100,15 @@ impl PathTracer {
     pub(crate) fn begin(mut self, time: &mut MachineTiming, most: usize) -> Self {
         time.memories.keep_answers(std::mem::take(&mut self.completions));
         time.fifos.iter().for_each(|fifo| fifo.keep_tokens(true));
-        (self.left, self.marked) = (Some(most.min(NO_STEP as usize)), None);
-        empty(&mut self.stages, time.stages.len(), Vec::clear);
+        // Numbers of steps have 32 bits.
+        (self.left, self.marked) = (Some(most.min(u32::MAX as usize)), None);
+        empty(&mut self.stages, time.stages.len(), TracedStage::clear);
         empty(&mut self.issued, time.memories.clients().len(), Vec::clear);
-        empty(&mut self.fifos, time.fifos.len(), |TokenSteps { made, taken }| {
-            made.clear();
-            taken.clear();
-        });
         self
     }
 
     /// Returns true if every step was kept.
-    pub(super) fn has_all(&self) -> bool {
+    pub(crate) fn has_all(&self) -> bool {
         self.left.is_some()
     }
 
@@ -98,56 +121,52 @@ impl PathTracer {
     /// Keeps a step before timing takes it in. (Out of line, so that runs without a path pay nothing.)
     #[cold]
     #[inline(never)]
-    pub(crate) fn step(&mut self, visit: &StageView<'_>, start: Cycle, takes: InputMask, made: &StepTiming) {
+    pub(crate) fn step<K: StageArity>(&mut self, visit: &StageView<'_>, start: Cycle, takes: InputMask, is_marked: bool) {
         let &StageView { stage, clock, fifos, memories } = visit;
         let Some(left) = self.left else { return };
         self.left = left.checked_sub(1);
         if !self.has_all() {
             return fifos.iter().for_each(|fifo| fifo.keep_tokens(false));
         }
-        let number = self.stages[stage].len() as u32;
-        // All its requests by now came from its last step at the latest.
-        for &client in &clock.clients {
-            self.issued[client].resize(memories.issued(client) as usize, number.wrapping_sub(1));
+        if K::HAS_MEMORY {
+            clock.clients.iter().for_each(|&client| self.issued[client].push(memories.issued(client) as u32));
         }
-        let bound_by = start_term(visit, start, takes.inputs());
-        for (_, fifo) in clock.inputs.of(takes.inputs()) {
-            self.fifos[fifo].taken.push(number);
+        let traced = &mut self.stages[stage];
+        if is_marked {
+            self.marked = Some((stage, traced.steps.len() as u32));
         }
-        for (_, fifo) in clock.outputs.of(made.outputs) {
-            self.fifos[fifo].made.push(number);
-        }
-        let (latency, after_data) = (clock.known_timing(made).1 as u32, made.after_data);
-        self.stages[stage].push(TracedStep { start, latency, after_data, bound_by });
-        if made.marked {
-            self.marked = Some((stage, number));
-        }
+        traced.push(start, start_term::<K>(visit, start, takes.inputs()));
     }
 }
 
 /// Returns the term that bound a start. Of equal terms, the unit's own occupancy comes before its tokens, and tokens come before
 /// credits and slots.
-fn start_term(visit: &StageView<'_>, start: Cycle, inputs: u32) -> StartTerm {
+#[inline(always)]
+fn start_term<K: StageArity>(visit: &StageView<'_>, start: Cycle, inputs: u32) -> StartTerm {
     let &StageView { clock, fifos, memories, .. } = visit;
     if clock.free == start {
         return StartTerm::Free;
     }
-    if clock.block.until == start
+    if K::HAS_MEMORY
+        && clock.block.until == start
         && let Some(client) = clock.block.last(start)
     {
         return StartTerm::Answer(client as u8);
     }
-    if let Some((input, fifo)) = clock.inputs.of(inputs).find(|&(_, fifo)| fifos[fifo].front_visible() == start) {
-        return StartTerm::Token(input as u8, fifos[fifo].front_number() as u32);
+    let bound = |at: Cycle, place: usize| (at == start).then_some(place as u8);
+    let mut token = None;
+    clock.inputs.join(fifos, K::INPUTS).each(inputs, K::INPUTS, |i, fifo| token = token.or(bound(fifo.front_visible(), i)));
+    if let Some(input) = token {
+        return StartTerm::Token(input);
     }
-    for (own, (&client, &credits)) in clock.clients.iter().zip(&clock.needs.credits).enumerate() {
-        if memories.credits_at(client, credits) == start {
-            return StartTerm::Credit(own as u8, memories.credit_of(client, credits) as u32);
+    if K::HAS_MEMORY {
+        let mut needs = clock.clients.iter().zip(&clock.needs.credits).enumerate();
+        let credit = needs.find_map(|(own, (&client, &credits))| bound(memories.credits_at(client, credits), own));
+        if let Some(own) = credit {
+            return StartTerm::Credit(own);
         }
     }
-    let slot = |fifo: &FifoTiming| fifo.room_at() == start;
-    match clock.outputs.of(clock.outputs.all()).find(|&(_, fifo)| slot(&fifos[fifo])) {
-        Some((output, fifo)) => StartTerm::Slot(output as u8, fifos[fifo].next_slot_holder() as u32),
-        None => StartTerm::Rest,
-    }
+    let (mut slot, outputs) = (None, clock.outputs.join(fifos, K::OUTPUTS));
+    outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |i, fifo: &FifoTiming| slot = slot.or(bound(fifo.room_at(), i)));
+    slot.map_or(StartTerm::Rest, StartTerm::Slot)
 }

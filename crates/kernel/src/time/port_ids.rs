@@ -31,6 +31,12 @@ impl PortIds {
         usize::from(self.numbers[i % MAX_LINKS])
     }
 
+    /// Returns the index of a number; 0 if it is not among them.
+    pub(super) fn place_of(&self, number: usize) -> u8 {
+        let place = self.numbers.iter().take(usize::from(self.count)).position(|&known| usize::from(known) == number);
+        place.unwrap_or_default() as u8
+    }
+
     /// Returns one bit per entry.
     #[inline(always)]
     pub(super) fn all(&self) -> u32 {

@@ -96,11 +96,9 @@ impl StageVisit<'_> {
         made: &StepTiming,
         asks: Option<StepRequestsView<'_>>,
     ) {
-        let (occupancy, latency) = self.take_and_reserve::<K>(at, takes, made);
-        match asks {
-            Some(asks) => self.step_asking_on(at, occupancy, latency, made, asks),
-            None => self.occupy(at, occupancy),
-        }
+        let (occupancy, _) = self.take_and_reserve::<K>(at, takes, made);
+        let least = asks.map_or(1, |asks| issue_step(self.clock, self.fifos, self.memories, at, made, asks));
+        self.occupy(at, occupancy.max(least));
     }
 
     /// Takes tokens and reserves slots. Returns occupancy and latency, as far as no memory decides.
@@ -112,15 +110,6 @@ impl StageVisit<'_> {
         self.inputs.each(takes.inputs(), K::INPUTS, |_, fifo| fifo.pop(at));
         self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.reserve(at));
         self.clock.known_timing(made)
-    }
-
-    #[inline(always)]
-    fn step_asking_on(&mut self, at: Cycle, occupancy: u64, latency: u64, made: &StepTiming, asks: StepRequestsView<'_>) {
-        let blocking = if made.blocking { BLOCKING } else { 0 };
-        let outputs = outputs_and_mark(made) | blocking;
-        let delivery = Delivery { base: at.after(latency), after_data: made.after_data, outputs };
-        let least = issue_step(self.clock, self.fifos, self.memories, at, delivery, asks);
-        self.occupy(at, occupancy.max(least));
     }
 
     #[inline(always)]
@@ -199,9 +188,12 @@ fn issue_step(
     fifos: &[FifoTiming],
     memories: &mut MemorySystem,
     start: Cycle,
-    delivery: Delivery,
+    made: &StepTiming,
     asks: StepRequestsView<'_>,
 ) -> u64 {
+    let (base, after_data) = (start.after(clock.known_timing(made).1), made.after_data);
+    let outputs = outputs_and_mark(made) | if made.blocking { BLOCKING } else { 0 };
+    let delivery = Delivery { base, after_data, outputs };
     let StageClock { flights, clients, needs, steps, .. } = clock;
     let mut flight = InFlightStep::new(*steps, delivery);
     let clients = &mut MemoryClients { ids: clients, memories };
