@@ -82,16 +82,13 @@ fn table(claims: &[ClaimedTest]) -> String {
         let order = SUBJECTS.iter().position(|s| *s == subject).unwrap_or_else(|| panic!("{}: subject `{subject}`", first.test));
         let others = others.get(first.test.as_str()).into_iter().flatten().copied();
         let tests = std::iter::once(first.test.as_str()).chain(others).collect::<Vec<_>>().join(" ");
-        ((order, sort_key(place), first.test.clone()), [subject, place, statement, &tests].map(quoted).join(","))
+        ((order, sort_key(place), first.test.clone()), [subject, place, statement, &tests].map(str::to_owned))
     };
     let rows: BTreeMap<_, _> = firsts.into_iter().map(row).collect();
-    let lines: Vec<_> = rows.into_values().collect();
-    format!("subject,place,shown,tests\n{}\n", lines.join("\n"))
-}
-
-/// Returns a cell of a CSV file.
-fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let heads = ["subject", "place", "shown", "tests"].map(str::to_owned);
+    std::iter::once(heads).chain(rows.into_values()).for_each(|row| table.write_record(row).unwrap());
+    String::from_utf8(table.into_inner().unwrap()).unwrap()
 }
 
 #[test]

@@ -43,9 +43,9 @@ impl FromIterator<Html> for Html {
     }
 }
 
-/// A text, escaped.
+/// A text, escaped. A percent sign stays in the line of its number.
 pub fn text(text: impl AsRef<str>) -> Html {
-    Html(escape(text.as_ref()))
+    Html(escape(text.as_ref()).replace(" %", "\u{a0}%"))
 }
 
 /// Names, escaped, with places for line breaks after the separators within them.
@@ -117,6 +117,11 @@ mod tests {
     fn text_and_attributes_are_escaped() {
         let page = el("p", &[("title", "\"><script>")], [text("a < b & 'c'\u{0}")]);
         assert_eq!(page.into_text(), "<p title=\"&quot;&gt;&lt;script&gt;\">a &lt; b &amp; &#39;c&#39; </p>\n");
+    }
+
+    #[test]
+    fn percent_signs_stay_with_their_numbers() {
+        assert_eq!(text("48.5 % of 7").into_text(), "48.5\u{a0}% of 7");
     }
 
     #[test]

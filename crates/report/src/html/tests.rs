@@ -156,7 +156,7 @@ fn parts_stand_in_their_order() {
     for number in ["500,000", "5.00", "41.25"] {
         assert!(page.contains(&format!("<dd>{number}</dd>")), "{number}");
     }
-    assert!(page.contains("replacement (110): busy 97.0 %, starved: pseudo_normals 2.0 %, done 1.0 %"));
+    assert!(page.contains("replacement (110): busy 97.0\u{a0}%, starved: pseudo_normals 2.0\u{a0}%, done 1.0\u{a0}%"));
     assert!(page.contains("full red, green or blue is 12 of 255 steps"));
 }
 

@@ -53,7 +53,7 @@ fn wires_and_texts_are_distinguished() {
 fn unit_drawn_twice_is_filled_once() {
     let report = crate::samples::balanced();
     let page = draw(" [geometry] --polygons--> [rasterizer]\n [geometry] --polygons--> [x]\n", &report).into_text();
-    assert_eq!(page.matches("geometry: busy 3.0 %").count(), 1, "{page}");
+    assert_eq!(page.matches("geometry: busy 3.0\u{a0}%").count(), 1, "{page}");
     assert_eq!((page.matches("class=\"gauge\"").count(), page.matches("class=\"unit absent\"").count()), (1, 1));
 }
 
