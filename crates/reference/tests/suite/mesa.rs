@@ -233,11 +233,29 @@ fn obj_texture_agrees_with_mesa() {
     std::fs::copy(models.join("spot_texture.png"), file("spot.png")).expect("Spot's texture");
     std::fs::write(file("spot.mtl"), "newmtl skin\nmap_Kd spot.png\n").expect("a temporary file");
     std::fs::write(file("spot.obj"), format!("mtllib spot.mtl\nusemtl skin\n{plain}")).expect("a temporary file");
-    let scene = load(&file("spot.obj"));
+    assert_obj_agrees(&mesa, folder.path(), "spot.obj", "spot.png");
+}
+
+/// A quad of our own with its texture, without the colour and the normal map of its material.
+// Claim: as textures_agree_with_mesa.
+#[test]
+fn own_obj_texture_agrees_with_mesa() {
+    let Some(mesa) = Mesa::find() else { return };
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let copied = |name: &str| std::fs::copy(models.join(name), folder.path().join(name)).expect("a model of our own");
+    ["patch.obj", "checks.png"].iter().for_each(|name| _ = copied(name));
+    std::fs::write(folder.path().join("patch.mtl"), "newmtl bumpy\nmap_Kd checks.png\n").expect("a temporary file");
+    assert_obj_agrees(&mesa, folder.path(), "patch.obj", "checks.png");
+}
+
+/// Draws an OBJ file of one mesh, and the same mesh as glTF with the picture of its material.
+fn assert_obj_agrees(mesa: &Mesa, folder: &Path, name: &str, picture: &str) {
+    let scene = load(&folder.join(name));
     let mesh = only_mesh(&scene);
     assert!(scene.objects[0].material.color_texture.is_some() && !mesh.uv.is_empty(), "{:?}", scene.warnings);
-    let model = as_gltf(&mesh, Look { picture: Some(("spot.png", [10497, 10497])), ..PLAIN }, folder.path());
-    assert_textures_agree(&mesa, "spot.obj", &scene, &model, 45.0);
+    let model = as_gltf(&mesh, Look { picture: Some((picture, [10497, 10497])), ..PLAIN }, folder);
+    assert_textures_agree(mesa, name, &scene, &model, 45.0);
 }
 
 /// A floor that extends to the horizon. Its texture is not square, its sides are no powers of two, and it uses each wrap mode of

@@ -142,16 +142,24 @@ fn check_mesh(mesh: &basrelief_signals::Mesh, bump: bool) {
     assert!(mesh.tangents.iter().all(|t| (length(&t[..3]) - 1.0).abs() < 1e-5 && t[3].abs() == 1.0));
 }
 
-/// MikkTSpace on a mesh whose file has tangents gives those tangents: the same handedness, nearly the same directions.
 #[test]
 fn computed_tangents_agree_with_a_files_own() {
     let Some(folder) = inputs("models/Avocado") else { return };
-    let text = std::fs::read_to_string(folder.join("Avocado.gltf")).unwrap();
-    let files = basrelief_scene::FolderFiles::new(&folder);
+    check_tangents(&folder, "Avocado.gltf");
+}
+
+#[test]
+fn computed_tangents_agree_with_those_of_own_model() {
+    check_tangents(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models"), "patch.gltf");
+}
+
+/// MikkTSpace on the first mesh of a file, which has tangents, gives those tangents: the same handedness, nearly the same directions.
+fn check_tangents(folder: &Path, name: &str) {
+    let text = std::fs::read_to_string(folder.join(name)).unwrap();
+    let files = basrelief_scene::FolderFiles::new(folder);
     let mesh = |text: &str| {
         let view = ViewOptions::default();
-        let (scene, _held) =
-            basrelief_scene::load(text.as_bytes(), "Avocado.gltf", &files, &view, &MemoryPool::default()).unwrap();
+        let (scene, _held) = basrelief_scene::load(text.as_bytes(), name, &files, &view, &MemoryPool::default()).unwrap();
         scene.objects[0].mesh.clone()
     };
     let given = mesh(&text);
