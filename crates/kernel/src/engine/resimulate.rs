@@ -296,7 +296,7 @@ fn timed_again<P: Probe>(
     let is_complete = report.outcome == Outcome::Complete;
     let steps: Vec<_> = readers.into_iter().map(RecordingReader::into_steps).collect();
     let steps: Vec<&[CompactStep]> = steps.iter().map(|decoded| decoded.steps.as_slice()).collect();
-    let path = if is_complete { tracer.path(&time, &steps, (report.total, &report.marks), groups) } else { None };
+    let path = if is_complete { tracer.path(&time, &steps, &report, groups) } else { None };
     (memory.tracer, memory.fifos) = (tracer.end(&mut time), time.into_fifo_memory());
     Ok((report, path))
 }

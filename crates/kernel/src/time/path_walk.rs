@@ -13,6 +13,7 @@ use super::{CompactStep, FifoTiming, MachineTiming, StageClock};
 use crate::Cycle;
 use crate::critical_path::{CriticalPath, RequestPhase, StageGroups};
 use crate::port::Completion;
+use crate::report::RunReport;
 
 /// An event on the path.
 #[derive(Clone, Copy, Debug)]
@@ -28,14 +29,13 @@ enum PathEvent {
 }
 
 impl PathTracer {
-    /// Returns the path back from the last mark, or from the end of a run of `total` cycles without marks. `steps`: all steps, by stage.
-    /// `marks`: cycles between marks. `groups`: groups of the steps of each stage; may be empty. Returns `None` if there were too many
-    /// steps.
+    /// Returns the path back from the last mark of a run, or from its end if it has no marks. `steps`: all steps, by stage. `groups`:
+    /// groups of the steps of each stage; may be empty. Returns `None` if there were too many steps.
     pub(crate) fn path(
         &self,
         time: &MachineTiming,
         steps: &[&[CompactStep]],
-        (total, marks): (u64, &[u64]),
+        RunReport { total, marks, .. }: &RunReport,
         groups: &[StageGroups],
     ) -> Option<CriticalPath> {
         if !self.has_all() {
@@ -45,7 +45,7 @@ impl PathTracer {
             *sum += cycles;
             Some(*sum)
         };
-        let ends: Vec<u64> = if marks.is_empty() { vec![total] } else { marks.iter().scan(0, sum_up).collect() };
+        let ends: Vec<u64> = if marks.is_empty() { vec![*total] } else { marks.iter().scan(0, sum_up).collect() };
         let tokens = time.fifos.iter().map(FifoTiming::kept_tokens).collect();
         let end = Cycle(ends.last().copied().unwrap_or_default());
         let stages = steps.iter().zip(&self.stages).enumerate();
