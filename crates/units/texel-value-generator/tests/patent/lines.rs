@@ -11,24 +11,20 @@ const PLANES: usize = 300;
 /// Edges between texels, evenly from the least to the largest u of a plane.
 const EDGES: usize = 16;
 
-/// Generator of numbers 0..1 (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
+/// Returns four numbers 0..1. All points fill their space evenly, because the factors are powers of the root of x^4 + x^5 = 1.
+fn point(number: usize) -> [f64; 4] {
+    let root = 1.167_303_978_261_418_7_f64.recip();
+    let square = root * root;
+    [root, square, square * root, square * square].map(|factor| (number as f64 * factor).fract())
 }
 
 /// Returns the scan lines of a plane that fills a picture of 64 x 64. W at its corners is 0.02 to 1, even in its logarithm, and u
 /// is turned by any angle.
-fn plane(random: &mut Random) -> Vec<ScanSpan> {
-    let mut w = || libm::pow(0.02, random.next()) as f32;
-    let corners = [[0.0, 0.0, w()], [128.0, 0.0, w()], [0.0, 128.0, w()]];
-    let (sin, cos) = libm::sincos(random.next() * std::f64::consts::TAU);
+fn plane(number: usize) -> Vec<ScanSpan> {
+    let [left, right, below, turn] = point(number);
+    let w = |t: f64| libm::pow(0.02, t) as f32;
+    let corners = [[0.0, 0.0, w(left)], [128.0, 0.0, w(right)], [0.0, 128.0, w(below)]];
+    let (sin, cos) = libm::sincos(turn * std::f64::consts::TAU);
     let turned = |mut span: ScanSpan| {
         let [p, q] = span.scale.map(|n| 2f64.powi(n.into()));
         let of = |[u, v, w]: [f64; 3]| [0.125 * (cos * p * u + sin * q * v), 0.0, w];
@@ -58,8 +54,7 @@ fn reversals(spans: &[ScanSpan], config: &TexelConfig) -> usize {
 
 /// Returns the number of planes with a reversal, and of all reversals.
 fn turning(config: &TexelConfig) -> (usize, usize) {
-    let mut random = Random(1997);
-    let all: Vec<usize> = (0..PLANES).map(|_| reversals(&plane(&mut random), config)).collect();
+    let all: Vec<usize> = (0..PLANES).map(|number| reversals(&plane(number), config)).collect();
     (all.iter().filter(|n| **n > 0).count(), all.iter().sum())
 }
 
@@ -67,7 +62,7 @@ fn turning(config: &TexelConfig) -> (usize, usize) {
 #[test]
 fn larger_e_gives_more_non_monotonic_texel_edges() {
     let exact = turning(&TexelConfig { method: Method::Exact, ..config(0.5) });
-    let by_bound = [0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0].map(|e| turning(&config(e)));
+    let by_bound = [0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0].map(|e| turning(&config(e)));
     assert_eq!(exact, (0, 0));
-    assert_eq!(by_bound.map(|(planes, _)| planes), [0, 0, 5, 17, 28, 39, 45], "{by_bound:?}");
+    assert_eq!(by_bound.map(|(planes, _)| planes), [0, 2, 3, 10, 18, 30, 36, 41], "{by_bound:?}");
 }
