@@ -113,31 +113,36 @@ struct StallSearch<'a> {
     drain: u64,
 }
 
-type NamedUnit<'a> = (&'a str, &'a Unit);
+/// A unit with its name.
+#[derive(Clone, Copy)]
+struct NamedUnit<'a> {
+    name: &'a str,
+    unit: &'a Unit,
+}
 
 impl<'a> StallSearch<'a> {
     fn find_bottleneck(&self) -> (BottleneckKind, String) {
         let by_work = self
             .named_units()
-            .filter(|(_, u)| u.done >= self.drain)
-            .reduce(|best, u| if u.1.busy > best.1.busy { u } else { best });
-        let Some(busiest) = by_work.filter(|(_, u)| u.busy > 0) else {
+            .filter(|named| named.unit.done >= self.drain)
+            .reduce(|best, named| if named.unit.busy > best.unit.busy { named } else { best });
+        let Some(busiest) = by_work.filter(|named| named.unit.busy > 0) else {
             return (BottleneckKind::Ended, "No unit made a step.".into());
         };
-        if self.busy_share(busiest.1) >= BOTTLENECK {
+        if self.busy_share(busiest.unit) >= BOTTLENECK {
             return self.saturated_unit(busiest);
         }
         let mut path = vec![busiest];
         loop {
-            let Some(&(name, unit)) = path.last() else { return self.main_bottleneck(busiest) };
-            let next = match largest_stall(unit).filter(|&(_, n)| n > unit.busy) {
-                None => return self.main_bottleneck((name, unit)),
-                Some((Stall::Memory(client), n)) => return self.memory_bottleneck((name, unit), client, n),
+            let Some(&last) = path.last() else { return self.main_bottleneck(busiest) };
+            let next = match largest_stall(last.unit).filter(|&(_, n)| n > last.unit.busy) {
+                None => return self.main_bottleneck(last),
+                Some((Stall::Memory(client), n)) => return self.memory_bottleneck(last, client, n),
                 Some((Stall::Starved(fifo), _)) => self.producer(fifo),
                 Some((Stall::Blocked(fifo), _)) => self.consumer(fifo),
             };
-            let Some(next) = next else { return self.main_bottleneck((name, unit)) };
-            if let Some(first) = path.iter().position(|&(n, _)| n == next.0) {
+            let Some(next) = next else { return self.main_bottleneck(last) };
+            if let Some(first) = path.iter().position(|named| named.name == next.name) {
                 return self.waiting_circle(path.get(first..).unwrap_or(&path));
             }
             path.push(next);
@@ -145,15 +150,15 @@ impl<'a> StallSearch<'a> {
     }
 
     fn named_units(&self) -> impl Iterator<Item = NamedUnit<'a>> + use<'a> {
-        self.units.iter().map(|(name, unit)| (name.as_str(), unit))
+        self.units.iter().map(|(name, unit)| NamedUnit { name, unit })
     }
 
     fn producer(&self, fifo: &str) -> Option<NamedUnit<'a>> {
-        self.named_units().find(|(_, u)| u.blocked.contains_key(fifo))
+        self.named_units().find(|named| named.unit.blocked.contains_key(fifo))
     }
 
     fn consumer(&self, fifo: &str) -> Option<NamedUnit<'a>> {
-        self.named_units().find(|(_, u)| u.starved.contains_key(fifo))
+        self.named_units().find(|named| named.unit.starved.contains_key(fifo))
     }
 
     fn busy_share(&self, unit: &Unit) -> f64 {
@@ -175,7 +180,7 @@ impl<'a> StallSearch<'a> {
         self.cycles_after_last_step(unit) as f64 >= LONG_DRAIN * self.total as f64
     }
 
-    fn saturated_unit(&self, (name, unit): NamedUnit<'a>) -> (BottleneckKind, String) {
+    fn saturated_unit(&self, NamedUnit { name, unit }: NamedUnit<'a>) -> (BottleneckKind, String) {
         let drains = self.ends_early(unit);
         let up_to = if drains { " up to its last step" } else { "" };
         let busy = percent_in_words(self.busy_share(unit));
@@ -188,7 +193,7 @@ impl<'a> StallSearch<'a> {
         (BottleneckKind::Unit(name.into()), sentence)
     }
 
-    fn main_bottleneck(&self, (name, unit): NamedUnit<'a>) -> (BottleneckKind, String) {
+    fn main_bottleneck(&self, NamedUnit { name, unit }: NamedUnit<'a>) -> (BottleneckKind, String) {
         let busy = percent_in_words(self.busy_share(unit));
         let own = largest_stall(unit).map_or(String::new(), |(wait, n)| {
             let what = match wait {
@@ -211,20 +216,20 @@ impl<'a> StallSearch<'a> {
     /// shows that work was ready, starvation only that there was none.
     fn waiting_neighbour(&self, name: &str) -> String {
         let caused = |how: &'static str| {
-            let all = self.named_units().filter(move |&(n, _)| n != name).flat_map(stalls_of);
+            let all = self.named_units().filter(move |named| named.name != name).flat_map(stalls_of);
             let by = move |wait: Stall<'_>| match wait {
                 Stall::Starved(fifo) if how == "starved" => self.producer(fifo),
                 Stall::Blocked(fifo) if how == "blocked" => self.consumer(fifo),
                 _ => None,
             };
-            let ours = all.filter(move |&(_, wait, n)| n > 0 && by(wait).is_some_and(|(by, _)| by == name));
+            let ours = all.filter(move |&(_, wait, n)| n > 0 && by(wait).is_some_and(|by| by.name == name));
             ours.map(move |(victim, _, n)| (victim, how, n)).reduce(|best, c| if c.2 > best.2 { c } else { best })
         };
         let largest = caused("blocked").or_else(|| caused("starved"));
         largest.map_or(String::new(), |(victim, how, n)| format!(" `{victim}` is {how} by it {} of the time.", self.of_total(n)))
     }
 
-    fn memory_bottleneck(&self, (name, unit): NamedUnit<'a>, client: &str, cycles: u64) -> (BottleneckKind, String) {
+    fn memory_bottleneck(&self, NamedUnit { name, unit }: NamedUnit<'a>, client: &str, cycles: u64) -> (BottleneckKind, String) {
         let memory = self.report.memories.iter().flatten().find(|(_, m)| m.clients.contains_key(client));
         let memory = memory.map_or("behind it", |(name, _)| name.as_str());
         let bus = self.report.derived.get(&format!("{memory}.bus_utilization")).map_or(String::new(), |bus| {
@@ -244,7 +249,7 @@ impl<'a> StallSearch<'a> {
     }
 
     fn waiting_circle(&self, path: &[NamedUnit<'a>]) -> (BottleneckKind, String) {
-        let waits = path.iter().filter_map(|&(name, unit)| {
+        let waits = path.iter().filter_map(|NamedUnit { name, unit }| {
             largest_stall(unit).and_then(|(wait, n)| match wait {
                 Stall::Starved(fifo) => Some((fifo, format!("`{name}` waits {} for a token from `{fifo}`", self.of_total(n)))),
                 Stall::Blocked(fifo) => Some((fifo, format!("`{name}` waits {} for a slot in `{fifo}`", self.of_total(n)))),
@@ -271,7 +276,7 @@ impl<'a> StallSearch<'a> {
     }
 }
 
-fn stalls_of<'a>((name, unit): NamedUnit<'a>) -> impl Iterator<Item = (&'a str, Stall<'a>, u64)> {
+fn stalls_of<'a>(NamedUnit { name, unit }: NamedUnit<'a>) -> impl Iterator<Item = (&'a str, Stall<'a>, u64)> {
     stalls(unit).map(move |(wait, n)| (name, wait, n))
 }
 
