@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -91,6 +92,12 @@ def test_package_errors_are_sentences(tmp_path: Path) -> None:
     says("`replacement.entries` changes the work of the units", lambda: recording.resimulate({"replacement.entries": 64}))
     says("no image", lambda: recording.resimulate().image, basrelief.Error)
     says("not a recording", lambda: basrelief.Recording(b"none").resimulate(), InputError)
+
+
+def test_missing_library_of_data_frames_names_its_cure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "polars", None)
+    with pytest.raises(ModuleNotFoundError, match=r"frame: .*polars.*; install polars, for example with `pip install polars`"):
+        Machine("bump").describe().frame("polars")
 
 
 @pytest.mark.parametrize("option", ["timeline", "waves", "tokens", "requests"])

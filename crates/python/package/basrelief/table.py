@@ -28,7 +28,11 @@ class Table(dict[str, list[Any]]):
         """Returns a data frame of pandas or polars, which must be installed."""
         if library not in _LIBRARIES:
             raise UsageError(f"frame: `{library}`; expected {' or '.join(_LIBRARIES)}")
-        return import_module(library).DataFrame(dict(self))
+        try:
+            return import_module(library).DataFrame(dict(self))
+        except ModuleNotFoundError as error:
+            cure = f"install {library}, for example with `pip install {library}`"
+            raise ModuleNotFoundError(f"frame: {error}; {cure}", name=error.name) from error
 
     def _repr_html_(self) -> str:
         def line(kind: str, cells: list[Any]) -> str:
