@@ -8,9 +8,7 @@ use crate::probe::NoProbe;
 use crate::recording::{RecordingChunk, RecordingError, RecordingReader};
 use crate::report::RunReport;
 use crate::step_requests::StepRequestsView;
-use crate::time::{
-    CompactStep, FifoMemory, FinalUnitState, InputMask, MachineTiming, PathTracer, StageVisit, StepTiming, StopReason,
-};
+use crate::time::{FifoMemory, FinalUnitState, InputMask, MachineTiming, PathTracer, StageVisit, StepTiming, StopReason};
 use crate::{CriticalPath, Cycle, Demand, MemoryPorts, Outcome, Probe, StageGroups};
 use std::borrow::Cow;
 use std::fmt;
@@ -119,7 +117,7 @@ pub fn resimulate_with<P: Probe>(
     Ok(timed_again(shape, readers, chunks, probe, ResimulationGoal::Report, max_cycles)?.0)
 }
 
-/// Resimulates a recording and finds its critical path. It keeps about 30 bytes per step and 40 per request. Returns `None` if there are
+/// Resimulates a recording and finds its critical path. It keeps about 50 bytes per step and 40 per request. Returns `None` if there are
 /// more than `most_steps` steps or the run is not complete. `groups`: groups of the steps of each stage; may be empty.
 ///
 /// # Errors
@@ -268,19 +266,6 @@ fn timed_again<P: Probe>(
     };
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
     walk.path = path;
-    let after_round = |walk: &mut RunAhead<'_, P>, readers: &mut [RecordingReader]| {
-        if let Some(fault) = walk.fault.take() {
-            return Err(ResimulateError::Fault(fault));
-        }
-        if let Some(error) = readers.iter_mut().find_map(|reader| reader.error.take()) {
-            return Err(error.into());
-        }
-        if walk.path.as_ref().is_some_and(|path| !path.has_all()) {
-            readers.iter_mut().for_each(|reader| reader.keep_steps(false));
-        }
-        walk.time.show_fills(walk.probe, None);
-        Ok(())
-    };
     run_stored_steps(&mut walk, &mut readers, after_round, |time, readers| feed(readers, chunks, time))?;
     let halt = if walk.limited { StopReason::Limit(max_cycles) } else { StopReason::Quiet };
     let path = walk.path;
@@ -294,11 +279,25 @@ fn timed_again<P: Probe>(
     time.show_fills(probe, Some(Cycle(report.total)));
     let (ResimulationGoal::Path { memory, groups, .. }, Some(tracer)) = (wanted, path) else { return Ok((report, None)) };
     let is_complete = report.outcome == Outcome::Complete;
-    let steps: Vec<_> = readers.into_iter().map(RecordingReader::into_steps).collect();
-    let steps: Vec<&[CompactStep]> = steps.iter().map(|decoded| decoded.steps.as_slice()).collect();
-    let path = if is_complete { tracer.path(&time, &steps, &report, groups) } else { None };
+    let steps = || readers.iter().map(RecordingReader::kept_steps).collect::<Vec<_>>();
+    let path = if is_complete { tracer.path(&time, &steps(), &report, groups) } else { None };
     (memory.tracer, memory.fifos) = (tracer.end(&mut time), time.into_fifo_memory());
     Ok((report, path))
+}
+
+/// Ends a round: reports what a reader or a stage found wrong.
+fn after_round<P: Probe>(walk: &mut RunAhead<'_, P>, readers: &mut [RecordingReader]) -> Result<(), ResimulateError> {
+    if let Some(fault) = walk.fault.take() {
+        return Err(ResimulateError::Fault(fault));
+    }
+    if let Some(error) = readers.iter_mut().find_map(|reader| reader.error.take()) {
+        return Err(error.into());
+    }
+    if walk.path.as_ref().is_some_and(|path| !path.has_all()) {
+        readers.iter_mut().for_each(|reader| reader.keep_steps(false));
+    }
+    walk.time.show_fills(walk.probe, None);
+    Ok(())
 }
 
 /// Reads the next chunk, which a stage needs.

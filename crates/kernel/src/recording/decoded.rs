@@ -9,8 +9,8 @@ use crate::{MemorySystem, Request};
 
 /// Decoded steps. Several resimulations may share them, because they hold no times.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct DecodedSteps {
-    pub(crate) steps: Vec<CompactStep>,
+pub(super) struct DecodedSteps {
+    pub(super) steps: Vec<CompactStep>,
     /// Their memory requests.
     pub(super) asked: StepRequests,
     /// Error in the requests of the last step.

@@ -9,6 +9,7 @@ use crate::netlist::StageInfo;
 use crate::step_requests::{RequestCount, RequestCursor, StepRequestsView, UnitRequests, request_error};
 use crate::time::{CompactStep, FinalUnitState, InputMask, StepTiming};
 use crate::{Demand, MemoryPorts, MemorySystem, Request};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Bound of addresses, so that the end of no request overflows.
@@ -107,11 +108,10 @@ impl RecordingReader {
         self.earlier = (keeps && !self.is_whole).then(Vec::new);
     }
 
-    /// Returns the kept steps, once all are made.
-    pub(crate) fn into_steps(self) -> Arc<DecodedSteps> {
-        let Some(mut steps) = self.earlier else { return self.ahead };
-        steps.extend_from_slice(&self.ahead.steps);
-        Arc::new(DecodedSteps { steps, ..DecodedSteps::default() })
+    /// Returns the kept steps.
+    pub(crate) fn kept_steps(&self) -> Cow<'_, [CompactStep]> {
+        let ahead = self.ahead.steps.as_slice();
+        self.earlier.as_ref().map_or(Cow::Borrowed(ahead), |earlier| [earlier, ahead].concat().into())
     }
 
     /// Appends a part of the stream.

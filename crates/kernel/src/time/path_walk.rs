@@ -14,6 +14,7 @@ use crate::Cycle;
 use crate::critical_path::{CriticalPath, RequestPhase, StageGroups};
 use crate::port::Completion;
 use crate::report::RunReport;
+use std::borrow::Cow;
 
 /// An event on the path.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +35,7 @@ impl PathTracer {
     pub(crate) fn path(
         &self,
         time: &MachineTiming,
-        steps: &[&[CompactStep]],
+        steps: &[Cow<'_, [CompactStep]>],
         RunReport { total, marks, .. }: &RunReport,
         groups: &[StageGroups],
     ) -> Option<CriticalPath> {
