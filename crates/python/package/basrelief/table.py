@@ -29,10 +29,11 @@ class Table(dict[str, list[Any]]):
         if library not in _LIBRARIES:
             raise UsageError(f"frame: `{library}`; expected {' or '.join(_LIBRARIES)}")
         try:
-            return import_module(library).DataFrame(dict(self))
+            module = import_module(library)
         except ModuleNotFoundError as error:
             cure = f"install {library}, for example with `pip install {library}`"
             raise ModuleNotFoundError(f"frame: {error}; {cure}", name=error.name) from error
+        return module.DataFrame(dict(self))
 
     def _repr_html_(self) -> str:
         def line(kind: str, cells: list[Any]) -> str:
