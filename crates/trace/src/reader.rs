@@ -200,9 +200,11 @@ impl<R: Read> TraceReader<R> {
             TracePlace::Line { line, .. } => TracePlace::Line { line, column: Some(fault.column) },
             other => other,
         };
-        let path = Some(fault.path.to_string()).filter(|path| path != ".").unwrap_or_default();
         let message = fault.message.as_str();
-        let message = if path.is_empty() { message.replace("unknown variant", "unknown command") } else { message.into() };
+        if let (0..=1, Some(unknown)) = (fault.path.0.len(), message.strip_prefix("unknown variant")) {
+            return TraceError::new(at, ErrorKind::Malformed, String::new(), format!("unknown command{unknown}"));
+        }
+        let path = if fault.path.0.is_empty() { String::new() } else { fault.path.to_string() };
         TraceError::new(at, ErrorKind::Malformed, path, message)
     }
 

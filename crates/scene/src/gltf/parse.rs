@@ -3,8 +3,7 @@
 use super::json::GltfDocument;
 use crate::SceneError;
 use crate::outside::ImportContext;
-use basrelief_input::{JsonFault, MemoryReservation, json_weight};
-use serde_path_to_error::{Path, Segment};
+use basrelief_input::{JsonFault, JsonPath, JsonStep, MemoryReservation, json_weight};
 
 /// Parses the JSON of a glTF file, with its reservation.
 pub(crate) fn parse(bytes: &[u8], outside: &ImportContext<'_>) -> Result<(GltfDocument, MemoryReservation), SceneError> {
@@ -37,15 +36,12 @@ pub fn json_error(fault: &JsonFault) -> SceneError {
 }
 
 /// The JSON pointer of a place.
-fn pointer(path: &Path) -> String {
-    path.iter()
-        .map(|segment| match segment {
-            Segment::Seq { index } => format!("/{index}"),
-            Segment::Map { key } => format!("/{}", escape(key)),
-            Segment::Enum { variant } => format!("/{variant}"),
-            Segment::Unknown => String::new(),
-        })
-        .collect()
+fn pointer(path: &JsonPath) -> String {
+    let step = |step: &JsonStep| match step {
+        JsonStep::Item(item) => format!("/{item}"),
+        JsonStep::Key(key) => format!("/{}", escape(key)),
+    };
+    path.0.iter().map(step).collect()
 }
 
 /// A name as part of a JSON pointer.
