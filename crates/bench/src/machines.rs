@@ -21,7 +21,7 @@ use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
 use basrelief_machines::texel::TexelMachineConfig;
-use basrelief_machines::{BoxedDraws, MachineSpec as _, SceneFront, for_machine};
+use basrelief_machines::{FrontEnd, MachineSpec as _, for_machine};
 use basrelief_parameters::Parameters;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Mesh, Object, Scene};
@@ -121,8 +121,8 @@ impl MachineScene {
 
     /// Returns time and steps of every unit in the functional model.
     pub fn unit_times(&self) -> Vec<UnitTime> {
-        let draws: BoxedDraws = Box::new(SceneDraws::new(Arc::clone(&self.scene)));
-        for_machine!(&self.config, spec => unit_times(&mut spec.build(SceneFront::new(draws, spec.front())).expect(FITS)))
+        let draws = SceneDraws::new(Arc::clone(&self.scene));
+        for_machine!(&self.config, spec => unit_times(&mut spec.build(FrontEnd::of_scene(draws, spec.front())).expect(FITS)))
     }
 
     /// Returns the machine's layout in a timeline.

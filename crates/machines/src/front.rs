@@ -5,20 +5,7 @@ use basrelief_geometry_processor::{
 };
 use basrelief_kernel::{Fifo, Operators, Stage, Visitor};
 use basrelief_signals::{Control, Draw, VertexAttributes};
-use std::fmt::Display;
-
-/// Draw commands of any scene. One type for all, because each type of iterator would be another machine to compile.
-pub type BoxedDraws = Box<dyn Iterator<Item = Draw>>;
-
-/// Commands of any trace, each with its arrival. One type for all, because each type of iterator would be another machine to compile.
-pub type BoxedControls = Box<dyn Iterator<Item = Result<(Control, Option<u64>), String>>>;
-
-/// Stages at the front of a machine, which fill the FIFO `polygons`.
-pub trait FrontEnd {
-    /// Visits the stages, with two FIFOs of the machine: `polygons`, which the front end fills, and `draws`, between host and geometry
-    /// processor.
-    fn wire<V: Visitor>(&mut self, v: &mut V, draws: &mut Fifo<Draw>, polygons: &mut Fifo<Control>);
-}
+use std::fmt;
 
 /// Configuration of a front end, converted from a reference to the machine's configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,46 +48,62 @@ macro_rules! front_of {
 }
 pub(crate) use front_of;
 
-/// Front end for a scene: host and geometry processor (102).
-#[derive(Debug)]
-pub struct SceneFront<I: Iterator<Item = Draw>> {
-    host: Stage<SceneSource<I>>,
-    geometry: Stage<GeometryProcessor>,
+/// Draw commands of any scene.
+type Draws = Box<dyn Iterator<Item = Draw>>;
+
+/// Commands of any trace, each with its arrival.
+type Controls = Box<dyn Iterator<Item = Result<(Control, Option<u64>), String>>>;
+
+/// Stages at the front of a machine, which fill the FIFO `polygons`.
+///
+/// One type for both kinds of input and for all iterators. With one type for each, every machine was compiled once for each: a third of the
+/// time for `sim`.
+pub struct FrontEnd(FrontStages);
+
+enum FrontStages {
+    /// Host and geometry processor (102).
+    Scene(Stage<SceneSource<Draws>>, Stage<GeometryProcessor>),
+    /// The recorded output of a geometry processor.
+    Trace(Stage<DisplayListSource<Controls>>),
 }
 
-impl<I: Iterator<Item = Draw>> SceneFront<I> {
-    /// Creates a front end for these draw commands.
-    pub fn new(draws: I, config: impl Into<FrontConfig>) -> Self {
-        let geometry = config.into().geometry_processor();
-        Self { host: Stage::new("host", SceneSource::new(draws)), geometry: Stage::new("geometry", geometry) }
+impl fmt::Debug for FrontEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let input = match self.0 {
+            FrontStages::Scene(..) => "scene",
+            FrontStages::Trace(_) => "trace",
+        };
+        f.debug_tuple("FrontEnd").field(&input).finish()
     }
 }
 
-impl<I: Iterator<Item = Draw>> FrontEnd for SceneFront<I> {
-    fn wire<V: Visitor>(&mut self, v: &mut V, draws: &mut Fifo<Draw>, polygons: &mut Fifo<Control>) {
-        v.stage(self.host.between((), &mut *draws));
-        v.stage(self.geometry.between(draws, polygons));
+impl FrontEnd {
+    /// Creates the front end for the draw commands of a scene: host and geometry processor (102).
+    pub fn of_scene(draws: impl Iterator<Item = Draw> + 'static, config: impl Into<FrontConfig>) -> Self {
+        let (host, geometry) = (SceneSource::new(Box::new(draws) as Draws), config.into().geometry_processor());
+        Self(FrontStages::Scene(Stage::new("host", host), Stage::new("geometry", geometry)))
     }
-}
 
-/// Front end for a trace: the recorded output of a geometry processor.
-#[derive(Debug)]
-pub struct TraceFront<I> {
-    display_list: Stage<DisplayListSource<I>>,
-}
-
-impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> TraceFront<I> {
-    /// Creates a front end that replays these commands.
-    pub fn new(controls: I, config: impl Into<FrontConfig>) -> Self {
+    /// Creates the front end that replays the commands of a trace (display list), each with its arrival.
+    pub fn of_trace(
+        controls: impl Iterator<Item = Result<(Control, Option<u64>), String>> + 'static,
+        config: impl Into<FrontConfig>,
+    ) -> Self {
         let FrontConfig { geometry, display_list, taken, .. } = config.into();
         let link = PolygonLink { bytes_per_cycle: geometry.link_bytes, taken };
-        let source = DisplayListSource::new(display_list, link, controls);
-        Self { display_list: Stage::new("display-list", source) }
+        let source = DisplayListSource::new(display_list, link, Box::new(controls) as Controls);
+        Self(FrontStages::Trace(Stage::new("display-list", source)))
     }
-}
 
-impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> FrontEnd for TraceFront<I> {
-    fn wire<V: Visitor>(&mut self, v: &mut V, _: &mut Fifo<Draw>, polygons: &mut Fifo<Control>) {
-        v.stage(self.display_list.between((), polygons));
+    /// Visits the stages, with two FIFOs of the machine: `polygons`, which the front end fills, and `draws`, between host and geometry
+    /// processor.
+    pub(crate) fn wire<V: Visitor>(&mut self, v: &mut V, draws: &mut Fifo<Draw>, polygons: &mut Fifo<Control>) {
+        match &mut self.0 {
+            FrontStages::Scene(host, geometry) => {
+                v.stage(host.between((), &mut *draws));
+                v.stage(geometry.between(draws, polygons));
+            }
+            FrontStages::Trace(display_list) => v.stage(display_list.between((), polygons)),
+        }
     }
 }

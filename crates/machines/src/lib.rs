@@ -40,7 +40,7 @@ pub use basrelief_kernel::stats::UnitStats;
 pub use config::{ClockConfig, IdealConfig, ReferenceConfig, ReferenceFilter};
 pub use diagram::{BlockDiagram, CellSide, PlacedText, WireCell, drawn_units, numeral_of};
 pub use draws::PictureMachine;
-pub use front::{BoxedControls, BoxedDraws, FrontConfig, FrontEnd, SceneFront, TraceFront};
+pub use front::{FrontConfig, FrontEnd};
 pub use methods::{MethodNumber, MethodSpec, MethodSpecs};
 pub use parameter_info::{AllowedValues, ParameterChoice, ParameterInfo, ValueSource};
 pub use problem::{ConfigProblem, slow_fifos};

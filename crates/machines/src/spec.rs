@@ -2,7 +2,7 @@
 
 use crate::defer::RunAhead;
 use crate::draws::PictureMachine;
-use crate::front::{BoxedControls, BoxedDraws, FrontConfig, FrontEnd, SceneFront, TraceFront};
+use crate::front::{FrontConfig, FrontEnd};
 use crate::methods::MethodSpecs;
 use crate::problem::ConfigProblem;
 use crate::unit_info::{UnitInfo, units};
@@ -45,8 +45,8 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     const PIXEL_BYTES: u64 = 24;
     /// Copies of each texture's texels that the machine and its reference image make.
     const TEXTURE_COPIES: u64 = 0;
-    /// The machine behind one kind of input.
-    type Machine<F: FrontEnd>: LoggingMachine<Self::Log>;
+    /// The machine.
+    type Machine: LoggingMachine<Self::Log>;
     /// Entry of the machine's log, from which auxiliary outputs are made.
     type Log: 'static;
 
@@ -54,12 +54,12 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     ///
     /// # Errors
     /// Parameters that are in range but do not fit together.
-    fn build<F: FrontEnd>(&self, front: F) -> Result<Self::Machine<F>, ConfigProblem>;
+    fn build(&self, front: FrontEnd) -> Result<Self::Machine, ConfigProblem>;
     /// Builds the machine with tiles from a server. A machine that fetches no tiles ignores them.
     ///
     /// # Errors
     /// Parameters that are in range but do not fit together.
-    fn build_remote<F: FrontEnd>(&self, front: F, tiles: Box<dyn TileSource>) -> Result<Self::Machine<F>, ConfigProblem> {
+    fn build_remote(&self, front: FrontEnd, tiles: Box<dyn TileSource>) -> Result<Self::Machine, ConfigProblem> {
         drop(tiles);
         self.build(front)
     }
@@ -241,10 +241,10 @@ impl InputKind {
 /// # Errors
 /// Parameters that do not fit together.
 pub(crate) fn empty_machine<S: MachineSpec>(spec: &S) -> Result<impl PictureMachine + use<S>, ConfigProblem> {
-    spec.build(SceneFront::new(Box::new(std::iter::empty()) as BoxedDraws, spec.front()))
+    spec.build(FrontEnd::of_scene(std::iter::empty(), spec.front()))
 }
 
 /// Builds the machine behind an empty trace.
 fn empty_trace_machine<S: MachineSpec>(spec: &S) -> Result<impl PictureMachine + use<S>, ConfigProblem> {
-    spec.build(TraceFront::new(Box::new(std::iter::empty()) as BoxedControls, spec.front()))
+    spec.build(FrontEnd::of_trace(std::iter::empty(), spec.front()))
 }

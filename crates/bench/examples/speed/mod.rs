@@ -1,7 +1,7 @@
 //! Host speed of a machine on a trace, with the timed engine and the functional model.
 
 use basrelief_kernel::{Engine, run, run_functional};
-use basrelief_machines::{ConfigProblem, FrontEnd, PictureMachine, TraceFront};
+use basrelief_machines::{ConfigProblem, FrontEnd, PictureMachine};
 use basrelief_parameters::Parameters;
 use basrelief_signals::Control;
 use std::time::Instant;
@@ -14,11 +14,11 @@ pub fn config<C: Parameters>() -> Result<C, String> {
 }
 
 /// Creates a front end that replays these commands.
-pub fn replay<'a, C>(controls: &'a [Control], config: &'a C) -> impl FrontEnd + use<'a, C>
+pub fn replay<'a, C>(controls: &[Control], config: &'a C) -> FrontEnd
 where
     basrelief_machines::FrontConfig: From<&'a C>,
 {
-    TraceFront::new(controls.iter().map(|control| Ok::<_, String>((control.clone(), None))), config)
+    FrontEnd::of_trace(controls.to_vec().into_iter().map(|control| Ok((control, None))), config)
 }
 
 /// Runs the timed engine and the functional model, and prints the elements per second. `figure` is the number of elements.

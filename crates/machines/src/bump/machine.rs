@@ -16,9 +16,9 @@ use basrelief_replacement::Replacement;
 use basrelief_signals::{Fragment, Pixel, Stamp};
 
 /// Bump-mapping processor (106) between geometry processor (102) and graphics processor (104), with its memories.
-#[derive(Clone, Debug)]
-pub struct BumpProcessor<F> {
-    front: F,
+#[derive(Debug)]
+pub struct BumpProcessor {
+    front: FrontEnd,
     fifos: Fifos,
     rasterizer: Stage<Rasterizer>,
     early_depth: Stage<DepthTest<Stamp<Fragment>>>,
@@ -34,12 +34,12 @@ pub struct BumpProcessor<F> {
     early_z: bool,
 }
 
-impl<F: FrontEnd> BumpProcessor<F> {
+impl BumpProcessor {
     /// Creates the machine at power-on.
     ///
     /// # Errors
     /// Parameters that are in range but do not fit together.
-    pub fn new(front: F, config: &BumpProcessorConfig) -> Result<Self, ConfigProblem> {
+    pub fn new(front: FrontEnd, config: &BumpProcessorConfig) -> Result<Self, ConfigProblem> {
         check::check(config)?;
         let c = config.clone();
         let samples = c.normal_mapping.samples(c.brightness.levels);
@@ -91,13 +91,13 @@ impl<F: FrontEnd> BumpProcessor<F> {
     }
 }
 
-impl<F: FrontEnd> PictureMachine for BumpProcessor<F> {
+impl PictureMachine for BumpProcessor {
     fn finished(&mut self) -> &mut Vec<FinishedFrame> {
         &mut self.frame_buffer.unit.state.finished
     }
 }
 
-impl<F: FrontEnd> Machine for BumpProcessor<F> {
+impl Machine for BumpProcessor {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
         self.front.wire(v, &mut f.draws, &mut f.polygons);

@@ -13,10 +13,10 @@ impl MachineSpec for BumpProcessorConfig {
     const DIAGRAM: &'static str = super::DIAGRAM;
     const DEMOS: &'static [&'static str] = &["golf-ball", "coin", "brick", "mixed", "sphere"];
     const COST_POINTS: CostPoints = CostPoints { drawn: "fragments", shown: &["tested_pixels", "pixels"] };
-    type Machine<F: FrontEnd> = BumpProcessor<F>;
+    type Machine = BumpProcessor;
     type Log = ();
 
-    fn build<F: FrontEnd>(&self, front: F) -> Result<BumpProcessor<F>, ConfigProblem> {
+    fn build(&self, front: FrontEnd) -> Result<BumpProcessor, ConfigProblem> {
         BumpProcessor::new(front, self)
     }
 
@@ -33,4 +33,4 @@ impl MachineSpec for BumpProcessorConfig {
     }
 }
 
-impl<F: FrontEnd> LoggingMachine<()> for BumpProcessor<F> {}
+impl LoggingMachine<()> for BumpProcessor {}

@@ -24,8 +24,8 @@ use std::sync::Arc;
 
 /// Rendering device (100) at the end of a path (104, 106, 108) from a server (110).
 #[derive(Debug)]
-pub struct DeferredRenderer<F> {
-    front: F,
+pub struct DeferredRenderer {
+    front: FrontEnd,
     config: DeferConfig,
     fifos: Fifos,
     /// Path to expander. Its depth is the number of tiles in flight, so it has no parameter.
@@ -52,12 +52,12 @@ impl DeferConfig {
     }
 }
 
-impl<F: FrontEnd> DeferredRenderer<F> {
+impl DeferredRenderer {
     /// Creates the machine at power-on, with a server that has all textures of the polygons.
     ///
     /// # Errors
     /// Parameters that are in range but do not fit together.
-    pub fn new(front: F, config: &DeferConfig) -> Result<Self, ConfigProblem> {
+    pub fn new(front: FrontEnd, config: &DeferConfig) -> Result<Self, ConfigProblem> {
         let source = TextureMemory::new(config.tile.encoding, config.tile.jpeg_quality);
         Self::with_source(front, config, Box::new(source))
     }
@@ -66,7 +66,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
     ///
     /// # Errors
     /// Parameters that are in range but do not fit together.
-    pub fn with_source(front: F, config: &DeferConfig, source: Box<dyn TileSource>) -> Result<Self, ConfigProblem> {
+    pub fn with_source(front: FrontEnd, config: &DeferConfig, source: Box<dyn TileSource>) -> Result<Self, ConfigProblem> {
         check(config)?;
         let c = config.clone();
         let (memories, clients) = build(config);
@@ -152,7 +152,7 @@ fn cut(config: &DeferConfig) -> PyramidCut {
     PyramidCut { tile: config.tile.format().size, centre: config.defer.texel_centre, most_depth: config.defer.dmax }
 }
 
-impl<F: FrontEnd> PictureMachine for DeferredRenderer<F> {
+impl PictureMachine for DeferredRenderer {
     fn finished(&mut self) -> &mut Vec<FinishedFrame> {
         &mut self.pixel_buffer.unit.state.finished
     }
@@ -183,7 +183,7 @@ impl<F: FrontEnd> PictureMachine for DeferredRenderer<F> {
     }
 }
 
-impl<F: FrontEnd> Machine for DeferredRenderer<F> {
+impl Machine for DeferredRenderer {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
         self.front.wire(v, &mut f.draws, &mut f.polygons);

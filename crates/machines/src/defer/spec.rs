@@ -34,14 +34,14 @@ impl MachineSpec for DeferConfig {
     /// times a texture of a single level.
     const TEXTURE_COPIES: u64 = 4;
     const COST_POINTS: CostPoints = CostPoints { drawn: "fragments", shown: &["cells"] };
-    type Machine<F: FrontEnd> = DeferredRenderer<F>;
+    type Machine = DeferredRenderer;
     type Log = DeferLog;
 
-    fn build<F: FrontEnd>(&self, front: F) -> Result<DeferredRenderer<F>, ConfigProblem> {
+    fn build(&self, front: FrontEnd) -> Result<DeferredRenderer, ConfigProblem> {
         DeferredRenderer::new(front, self)
     }
 
-    fn build_remote<F: FrontEnd>(&self, front: F, tiles: Box<dyn TileSource>) -> Result<DeferredRenderer<F>, ConfigProblem> {
+    fn build_remote(&self, front: FrontEnd, tiles: Box<dyn TileSource>) -> Result<DeferredRenderer, ConfigProblem> {
         DeferredRenderer::with_source(front, self, tiles)
     }
 
@@ -135,7 +135,7 @@ fn milliseconds(cycles: u64, hz: u64) -> f64 {
     (cycles as f64 * 1e9 / hz as f64).round() / 1e6
 }
 
-impl<F: FrontEnd> LoggingMachine<DeferLog> for DeferredRenderer<F> {
+impl LoggingMachine<DeferLog> for DeferredRenderer {
     fn drain_rounds(&mut self) -> Vec<FinishedFrame> {
         DeferredRenderer::drain_rounds(self)
     }

@@ -16,9 +16,9 @@ use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::{Pixel, SignalWidths, Stamp};
 
 /// Figure shading device (200) between host computer (100) and frame memory (300).
-#[derive(Clone, Debug)]
-pub struct FigureShadingDevice<F> {
-    front: F,
+#[derive(Debug)]
+pub struct FigureShadingDevice {
+    front: FrontEnd,
     fifos: Fifos,
     host: Stage<HostInterface>,
     microcomputer: Stage<Microcomputer>,
@@ -36,12 +36,12 @@ pub struct FigureShadingDevice<F> {
     depth_test: bool,
 }
 
-impl<F: FrontEnd> FigureShadingDevice<F> {
+impl FigureShadingDevice {
     /// Creates the machine at power-on.
     ///
     /// # Errors
     /// Parameters that are in range but do not fit together.
-    pub fn new(front: F, config: &ShadeConfig) -> Result<Self, ConfigProblem> {
+    pub fn new(front: FrontEnd, config: &ShadeConfig) -> Result<Self, ConfigProblem> {
         check(config)?;
         let c = config.clone();
         let (memories, clients) = build(config);
@@ -73,13 +73,13 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
     }
 }
 
-impl<F: FrontEnd> PictureMachine for FigureShadingDevice<F> {
+impl PictureMachine for FigureShadingDevice {
     fn finished(&mut self) -> &mut Vec<FinishedFrame> {
         &mut self.frame_memory.unit.state.finished
     }
 }
 
-impl<F: FrontEnd> Machine for FigureShadingDevice<F> {
+impl Machine for FigureShadingDevice {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
         self.front.wire(v, &mut f.draws, &mut f.polygons);

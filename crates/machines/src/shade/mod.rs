@@ -13,7 +13,7 @@ mod memories;
 mod spec;
 
 pub use crate::config::ClockConfig;
-pub use crate::front::{FrontEnd, SceneFront, TraceFront};
+pub use crate::front::FrontEnd;
 pub use crate::problem::ConfigProblem;
 pub use check::warnings;
 pub use config::{CacheConfigs, FifoConfigs, FrameMemoryConfig, MemoryConfigs, ShadeConfig};

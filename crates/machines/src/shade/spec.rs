@@ -18,10 +18,10 @@ impl MachineSpec for ShadeConfig {
         ("same-plane", |c| c.shortcut.same_plane.enabled = false),
     ];
     const COST_POINTS: CostPoints = CostPoints { drawn: "pixels", shown: &["tested_pixels", "pixels"] };
-    type Machine<F: FrontEnd> = FigureShadingDevice<F>;
+    type Machine = FigureShadingDevice;
     type Log = ();
 
-    fn build<F: FrontEnd>(&self, front: F) -> Result<FigureShadingDevice<F>, ConfigProblem> {
+    fn build(&self, front: FrontEnd) -> Result<FigureShadingDevice, ConfigProblem> {
         FigureShadingDevice::new(front, self)
     }
 
@@ -38,4 +38,4 @@ impl MachineSpec for ShadeConfig {
     }
 }
 
-impl<F: FrontEnd> LoggingMachine<()> for FigureShadingDevice<F> {}
+impl LoggingMachine<()> for FigureShadingDevice {}

@@ -19,9 +19,9 @@ use basrelief_texel_value_generator::{
 };
 
 /// Texture mapping system (300) with the texel value generator (310).
-#[derive(Clone, Debug)]
-pub struct TextureMappingSystem<F> {
-    front: F,
+#[derive(Debug)]
+pub struct TextureMappingSystem {
+    front: FrontEnd,
     fifos: Fifos,
     scan_converter: Stage<ScanConverter>,
     step_calculator: Stage<StepCalculator>,
@@ -38,12 +38,12 @@ pub struct TextureMappingSystem<F> {
     depth_test: bool,
 }
 
-impl<F: FrontEnd> TextureMappingSystem<F> {
+impl TextureMappingSystem {
     /// Creates the machine at power-on.
     ///
     /// # Errors
     /// Parameters that are in range but do not fit together.
-    pub fn new(front: F, config: &TexelMachineConfig) -> Result<Self, ConfigProblem> {
+    pub fn new(front: FrontEnd, config: &TexelMachineConfig) -> Result<Self, ConfigProblem> {
         let c = config.clone();
         let trilinear = c.mip.mode == MipMode::Trilinear;
         let look_up = TextureLookUpTable::new(c.look_up, trilinear, c.cache.texture.line_bytes).with_layout(c.texture.layout());
@@ -108,7 +108,7 @@ fn lines_in_flight(config: &TexelMachineConfig) -> u32 {
     1 + config.fifo.pixels.depth + config.frame_buffer.write_lines + config.memory.pixel.outstanding
 }
 
-impl<F: FrontEnd> PictureMachine for TextureMappingSystem<F> {
+impl PictureMachine for TextureMappingSystem {
     fn finished(&mut self) -> &mut Vec<FinishedFrame> {
         &mut self.buffer.unit.state.finished
     }
@@ -139,7 +139,7 @@ impl<F: FrontEnd> PictureMachine for TextureMappingSystem<F> {
     }
 }
 
-impl<F: FrontEnd> Machine for TextureMappingSystem<F> {
+impl Machine for TextureMappingSystem {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
         self.front.wire(v, &mut f.draws, &mut f.polygons);

@@ -27,10 +27,10 @@ impl MachineSpec for TexelMachineConfig {
     const METHODS: Option<MethodSpecs<Self>> =
         Some(MethodSpecs { bound: |c| c.texel.error_bound, error: "displacement_largest", methods: &METHODS });
     const COST_POINTS: CostPoints = CostPoints { drawn: "texels", shown: &["pixels"] };
-    type Machine<F: FrontEnd> = TextureMappingSystem<F>;
+    type Machine = TextureMappingSystem;
     type Log = TexelLog;
 
-    fn build<F: FrontEnd>(&self, front: F) -> Result<TextureMappingSystem<F>, ConfigProblem> {
+    fn build(&self, front: FrontEnd) -> Result<TextureMappingSystem, ConfigProblem> {
         TextureMappingSystem::new(front, self)
     }
 
@@ -87,7 +87,7 @@ const METHODS: [MethodSpec<TexelMachineConfig>; 6] = [
     },
 ];
 
-impl<F: FrontEnd> LoggingMachine<TexelLog> for TextureMappingSystem<F> {
+impl LoggingMachine<TexelLog> for TextureMappingSystem {
     fn keep_log(&mut self) {
         self.keep_log();
     }

@@ -25,7 +25,7 @@ macro_rules! each_machine {
 type Accesses = Vec<(String, u64, u64)>;
 
 /// Runs a machine, and returns the requests of all clients with its report.
-fn recorded<S: MachineSpec>(front: impl FrontEnd, config: &S) -> (Accesses, basrelief_kernel::RunReport) {
+fn recorded<S: MachineSpec>(front: FrontEnd, config: &S) -> (Accesses, basrelief_kernel::RunReport) {
     let mut machine = config.build(front).unwrap();
     machine.memories().keep_requests();
     let mut all: Vec<MemoryRequest> = Vec::new();

@@ -5,9 +5,8 @@ use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
 use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
 use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
-use basrelief_machines::{ConfigProblem, MACHINES, SceneFront};
+use basrelief_machines::{ConfigProblem, FrontConfig, FrontEnd, MACHINES};
 use basrelief_parameters::{ConfigError, Parameter, Parameters, load, resolved};
-use basrelief_signals::Draw;
 
 fn bump(toml: &str, set: &[(&str, &str)]) -> BumpProcessorConfig {
     load(toml, set).unwrap_or_else(|e| panic!("{e}"))
@@ -75,8 +74,8 @@ fn unfit_or_unknown_part_is_rejected_with_alternatives() {
     assert_eq!(graphics("", &set).part, MemoryPart::Fpm80);
 }
 
-fn no_draws<C: Into<basrelief_machines::FrontConfig>>(config: C) -> SceneFront<std::iter::Empty<Draw>> {
-    SceneFront::new(std::iter::empty(), config)
+fn no_draws(config: impl Into<FrontConfig>) -> FrontEnd {
+    FrontEnd::of_scene(std::iter::empty(), config)
 }
 
 /// Builds each machine with this setting of its memory, and passes on the error.

@@ -5,7 +5,7 @@ use super::concurrent::run_concurrent;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{self as kernel, Engine, Netlist, Probe, RunLimits, RunReport, WiringError};
-use basrelief_machines::{BoxedDraws, ConfigProblem, MachineConfig, MachineSpec as _, PictureMachine, SceneFront, for_machine};
+use basrelief_machines::{ConfigProblem, FrontEnd, MachineConfig, MachineSpec as _, PictureMachine, for_machine};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 
@@ -64,6 +64,6 @@ impl<M: PictureMachine> BareMachine for M {
 /// # Errors
 /// Parameters that are in range but do not fit together.
 pub fn bare_machine(config: &MachineConfig, scene: &Arc<Scene>) -> Result<Box<dyn BareMachine>, ConfigProblem> {
-    let draws: BoxedDraws = Box::new(SceneDraws::new(Arc::clone(scene)));
-    for_machine!(config, spec => Ok(Box::new(spec.build(SceneFront::new(draws, spec.front()))?)))
+    let draws = SceneDraws::new(Arc::clone(scene));
+    for_machine!(config, spec => Ok(Box::new(spec.build(FrontEnd::of_scene(draws, spec.front()))?)))
 }

@@ -7,8 +7,8 @@ use crate::prepared::PreparedScene;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::{Demand, MemoryPorts, Unit};
-use basrelief_machines::{BoxedDraws, FrontConfig, MachineConfig};
-use basrelief_signals::{Control, Scene};
+use basrelief_machines::{FrontConfig, MachineConfig};
+use basrelief_signals::{Control, Draw, Scene};
 use basrelief_threads::Deferred;
 use basrelief_trace::{BeginCommand, CanonicalHash, Digest, TextureFiles, TraceError, TraceResolver};
 use std::cell::Cell;
@@ -70,14 +70,14 @@ pub(crate) struct DrawProgress {
 }
 
 /// Returns the draw commands of a scene, and counts them as they enter the machine.
-pub(crate) fn counted_draws(scene: &Arc<Scene>, progress: &Rc<Cell<DrawProgress>>) -> BoxedDraws {
+pub(crate) fn counted_draws(scene: &Arc<Scene>, progress: &Rc<Cell<DrawProgress>>) -> impl Iterator<Item = Draw> + use<> {
     let (mut draws, progress) = (SceneDraws::new(Arc::clone(scene)), Rc::clone(progress));
-    Box::new(std::iter::from_fn(move || {
+    std::iter::from_fn(move || {
         let draw = draws.next();
         let commands = progress.get().commands + u64::from(draw.is_some());
         progress.set(DrawProgress { commands, all: draw.is_none() });
         draw
-    }))
+    })
 }
 
 /// Hash of a scene's display list, equal to the hash of a trace of the scene. A second geometry processor computes it in the background,

@@ -15,7 +15,7 @@ use crate::outputs::cost_maps::send_maps as show_cost_maps;
 use crate::prepared::PreparedScene;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_kernel::Probe;
-use basrelief_machines::{BoxedControls, ConfigProblem, InputKind, MachineSpec, SceneFront, TraceFront, for_machine, numeral_of};
+use basrelief_machines::{ConfigProblem, FrontEnd, InputKind, MachineSpec, for_machine, numeral_of};
 use basrelief_parameters::to_json;
 use basrelief_report::model::Input;
 use basrelief_timeline::TimelineLayout;
@@ -140,7 +140,7 @@ impl RunJob<'_> {
         // With a real server, the clock is real too, and preliminary runs would request the tiles more than once.
         let spec = if is_local { &solve_view_schedule(scene, spec, options, observer)? } else { spec };
         let progress = Rc::new(Cell::new(DrawProgress::default()));
-        let front = SceneFront::new(counted_draws(scene, &progress), spec.front());
+        let front = FrontEnd::of_scene(counted_draws(scene, &progress), spec.front());
         let machine = match tiles {
             Some(tiles) => spec.build_remote(front, tiles)?,
             None => spec.build(front)?,
@@ -186,7 +186,7 @@ impl RunJob<'_> {
         let _pictures = pictures.map_err(|error| resolver.over_budget(&error))?;
         let seen = Rc::new(RefCell::new(TraceNotes::default()));
         let tap = TraceTap::new(resolver, options.exact.then(|| spec.exact_style()), Rc::clone(&seen), options);
-        let machine = spec.build(TraceFront::new(Box::new(tap) as BoxedControls, spec.front()))?;
+        let machine = spec.build(FrontEnd::of_trace(tap, spec.front()))?;
         // The first command is read when the machine is built, before the simulation.
         let ahead = seen.borrow().seconds;
         let exact = if options.exact { ExactSource::Trace(Rc::clone(&seen)) } else { ExactSource::None };

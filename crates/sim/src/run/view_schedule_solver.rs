@@ -12,7 +12,7 @@ use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::stats::FigureValue;
 use basrelief_kernel::{self as kernel, Cycle, Netlist, Outcome, Probe, RunLimits, StallCause};
 use basrelief_machines::defer::RunAhead;
-use basrelief_machines::{BoxedDraws, LoggingMachine as _, MachineSpec, PictureMachine as _, SceneFront};
+use basrelief_machines::{FrontEnd, LoggingMachine as _, MachineSpec, PictureMachine as _};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 
@@ -47,11 +47,9 @@ fn run_ahead<S: MachineSpec>(
     observer: &mut dyn Observer,
 ) -> Result<Option<RunAhead>, RunError> {
     let engine = settings.engine.ok_or(RunError::NoTimes)?;
-    // The type is that of the final run, so that no other engine has to be compiled.
-    let draws = Box::new(SceneDraws::new(Arc::clone(scene))) as BoxedDraws;
-    let mut machine = spec.build(SceneFront::new(draws, spec.front()))?;
+    let mut machine = spec.build(FrontEnd::of_scene(SceneDraws::new(Arc::clone(scene)), spec.front()))?;
     let mut pictures = Vec::new();
-    let mut take = |machine: &mut S::Machine<SceneFront<BoxedDraws>>| {
+    let mut take = |machine: &mut S::Machine| {
         let rounds = machine.drain_rounds().into_iter().map(|picture| (picture.index, false));
         let last = machine.drain_finished().into_iter().map(|picture| (picture.index, true));
         pictures.extend(rounds.chain(last));

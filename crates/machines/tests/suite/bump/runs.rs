@@ -3,10 +3,9 @@
 use crate::common::{self, scene_front};
 pub use crate::common::{Ran, small_demo};
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Probe};
 use basrelief_machines::UnitStats;
-use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, SceneFront};
+use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 
@@ -15,7 +14,7 @@ pub fn config(settings: &[(&str, &str)]) -> BumpProcessorConfig {
     common::config(settings)
 }
 
-pub fn machine(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> BumpProcessor<SceneFront<SceneDraws>> {
+pub fn machine(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> BumpProcessor {
     BumpProcessor::new(scene_front(scene, config), config).unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -7,7 +7,7 @@ use basrelief_machines::{FrontEnd, MachineSpec, UnitStats};
 use basrelief_signals::Control;
 
 /// Builds a machine.
-pub fn machine<S: MachineSpec, F: FrontEnd>(front: F, config: &S) -> S::Machine<F> {
+pub fn machine<S: MachineSpec>(front: FrontEnd, config: &S) -> S::Machine {
     config.build(front).unwrap_or_else(|problem| panic!("{problem}"))
 }
 
@@ -25,7 +25,7 @@ pub fn most_arrivals<S: MachineSpec>(demo: &str, settings: &[(&str, &str)], clie
 }
 
 /// Runs a machine.
-pub fn run<S: MachineSpec>(front: impl FrontEnd, config: &S, engine: Engine) -> Ran {
+pub fn run<S: MachineSpec>(front: FrontEnd, config: &S, engine: Engine) -> Ran {
     super::run(machine(front, config), engine)
 }
 
@@ -36,7 +36,7 @@ pub fn timed<S: MachineSpec>(controls: &[Control], settings: &[(&str, &str)]) ->
 }
 
 /// Returns pictures and figures of the functional model.
-pub fn functional<S: MachineSpec>(front: impl FrontEnd, config: &S) -> (Vec<FinishedFrame>, UnitStats) {
+pub fn functional<S: MachineSpec>(front: FrontEnd, config: &S) -> (Vec<FinishedFrame>, UnitStats) {
     super::functional(machine(front, config))
 }
 

@@ -8,7 +8,7 @@ use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Outcome, Probe, RunLimits, RunReport, run_functional, run_with};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::{FrontConfig, FrontEnd, PictureMachine, SceneFront, TraceFront, UnitStats};
+use basrelief_machines::{FrontConfig, FrontEnd, PictureMachine, UnitStats};
 use basrelief_parameters::{Parameters, load};
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Control, Scene};
@@ -61,14 +61,14 @@ pub fn small_demo(name: &str, frames: u32) -> Arc<Scene> {
 }
 
 /// Creates a front end that replays these commands.
-pub fn replay<C: Into<FrontConfig>>(controls: &[Control], config: C) -> impl FrontEnd + use<C> {
-    let commands: Vec<_> = controls.iter().map(|c| Ok::<_, String>((c.clone(), None))).collect();
-    TraceFront::new(commands.into_iter(), config)
+pub fn replay(controls: &[Control], config: impl Into<FrontConfig>) -> FrontEnd {
+    let commands: Vec<_> = controls.iter().map(|c| Ok((c.clone(), None))).collect();
+    FrontEnd::of_trace(commands.into_iter(), config)
 }
 
 /// Creates a front end that draws this scene.
-pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> SceneFront<SceneDraws> {
-    SceneFront::new(SceneDraws::new(Arc::clone(scene)), config)
+pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> FrontEnd {
+    FrontEnd::of_scene(SceneDraws::new(Arc::clone(scene)), config)
 }
 
 /// Runs a machine, with a probe if there is one.

@@ -134,7 +134,7 @@ fn lost_tile_keeps_complete_pictures_on_every_engine() {
         machine
     };
     let loaded = whole.count("tiles_loaded") as u32;
-    let pictures_of = |mut machine: DeferredRenderer<_>| {
+    let pictures_of = |mut machine: DeferredRenderer| {
         assert!(machine.lost().is_some_and(|lost| lost.contains("the server is gone")));
         let pictures = machine.drain_rounds().into_iter().chain(machine.drain_finished());
         pictures.map(|shown| shown.rgb).collect::<Vec<_>>()

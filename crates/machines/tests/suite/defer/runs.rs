@@ -56,7 +56,7 @@ pub fn config(settings: &[(&str, &str)]) -> DeferConfig {
     common::config(settings)
 }
 
-fn seen<F: FrontEnd>(mut machine: DeferredRenderer<F>) -> Seen {
+fn seen(mut machine: DeferredRenderer) -> Seen {
     Seen {
         finished: machine.drain_finished(),
         rounds: machine.drain_rounds(),
@@ -67,7 +67,7 @@ fn seen<F: FrontEnd>(mut machine: DeferredRenderer<F>) -> Seen {
     }
 }
 
-pub fn run(front: impl FrontEnd, config: &DeferConfig, engine: Engine) -> Ran {
+pub fn run(front: FrontEnd, config: &DeferConfig, engine: Engine) -> Ran {
     let mut machine = DeferredRenderer::new(front, config).unwrap_or_else(|e| panic!("{e}"));
     machine.keep();
     let report = run_with(&mut machine, engine, None, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });

@@ -9,7 +9,7 @@ use basrelief_machines::shade::{FrontEnd, ShadeConfig};
 use proptest::prelude::*;
 
 /// Runs both engines and the functional model, asserts that they agree, and returns the timed run.
-fn agree<F: FrontEnd>(front: impl Fn() -> F, config: &ShadeConfig) -> Ran {
+fn agree(front: impl Fn() -> FrontEnd, config: &ShadeConfig) -> Ran {
     let timed = common::agree(|| machine(front(), config));
     conserved(&timed);
     timed

@@ -10,7 +10,7 @@ use basrelief_machines::texel::{FrontEnd, TexelMachineConfig};
 use proptest::prelude::*;
 
 /// Runs both engines and the functional model, asserts that they agree, and returns the timed run.
-fn agree<F: FrontEnd>(front: impl Fn() -> F, config: &TexelMachineConfig) -> Ran {
+fn agree(front: impl Fn() -> FrontEnd, config: &TexelMachineConfig) -> Ran {
     let timed = common::agree(|| machine(front(), config));
     conserved(&timed);
     timed
