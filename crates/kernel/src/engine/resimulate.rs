@@ -8,7 +8,9 @@ use crate::probe::NoProbe;
 use crate::recording::{RecordingChunk, RecordingError, RecordingReader};
 use crate::report::RunReport;
 use crate::step_requests::StepRequestsView;
-use crate::time::{FifoMemory, FinalUnitState, InputMask, MachineTiming, PathTracer, StageVisit, StepTiming, StopReason};
+use crate::time::{
+    FifoMemory, FinalUnitState, InputMask, MachineTiming, PathTracer, StageArity, StageVisit, StepTiming, StopReason,
+};
 use crate::{CriticalPath, Cycle, Demand, MemoryPorts, Outcome, Probe, StageGroups};
 use std::borrow::Cow;
 use std::fmt;
@@ -85,6 +87,19 @@ impl StepSource for RecordingReader {
     #[inline]
     fn requests<'a>(&'a mut self, traffic: &'a mut MemoryPorts, _: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
         self.next_requests(traffic)
+    }
+
+    #[inline]
+    fn trace<K: StageArity>(
+        path: &mut Option<PathTracer>,
+        visit: &StageVisit<'_>,
+        start: Cycle,
+        takes: InputMask,
+        is_marked: bool,
+    ) {
+        if let Some(path) = path {
+            path.step::<K>(&visit.view(), start, takes, is_marked);
+        }
     }
 
     #[inline]

@@ -5,9 +5,9 @@ use crate::connections::Clients;
 use crate::machine::Visitor;
 use crate::recording::RecordingWriter;
 use crate::step_requests::StepRequestsView;
-use crate::time::{FinalUnitState, InputMask, StageArity, StageVisit, StepTiming};
+use crate::time::{FinalUnitState, InputMask, PathTracer, StageArity, StageVisit, StepTiming};
 use crate::wires::{Inputs, Outputs, Wires};
-use crate::{Connections, Demand, MAX_CLIENTS, MemoryPorts, OutputWires, Probe, Stage, Step, StepWires, Unit, UnitWires};
+use crate::{Connections, Cycle, Demand, MAX_CLIENTS, MemoryPorts, OutputWires, Probe, Stage, Step, StepWires, Unit, UnitWires};
 
 /// The steps of one stage, in order.
 pub(crate) trait StepSource {
@@ -34,6 +34,19 @@ pub(crate) trait StepSource {
         Self: Sized,
     {
         visit.settle(traffic)
+    }
+    /// Traces a step for the critical path, if one is wanted. Only recorded steps have one, so no tracer is compiled for each unit.
+    #[inline(always)]
+    fn trace<K: StageArity>(
+        path: &mut Option<PathTracer>,
+        visit: &StageVisit<'_>,
+        start: Cycle,
+        takes: InputMask,
+        is_marked: bool,
+    ) where
+        Self: Sized,
+    {
+        _ = (path, visit, start, takes, is_marked);
     }
     /// Moves on to the next step.
     #[inline(always)]

@@ -37,7 +37,7 @@
 //! 7. **If nothing moves, no request can arrive before the horizon.** Every stage with further steps waits, through
 //!    some chain of FIFOs and credits, for an answer to a waiting request. The horizon is the earliest possible such answer:
 //!    the least latency after the first column command that a memory can still issue. Therefore a delivery must not seem to
-//!    wait for an answer on which it does not depend: `InFlightSteps::land` lets steps overtake earlier steps that emit nothing or emit
+//!    wait for an answer on which it does not depend: `InFlightSteps::deliver_known` lets steps overtake earlier steps that emit nothing or emit
 //!    elsewhere. `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `in_flight`.
 //! 8. **The engine terminates.** An answer comes at least one cycle after its column command, so the burst that sets the horizon is
 //!    served, or its request is split into bursts. Each round makes a step, advances a memory, or is the last. Test `laws/law_8_end`.
@@ -149,9 +149,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             if SomeProbe::is_on() {
                 work.report_step(number, declared, &made, traffic, &mut **probe);
             }
-            if let Some(path) = path {
-                path.step::<K>(&visit.view(), at, takes, made.marked);
-            }
+            W::trace::<K>(path, &visit, at, takes, made.marked);
             if work.is_silent(traffic) {
                 visit.step::<K>(at, takes, &made);
             } else {

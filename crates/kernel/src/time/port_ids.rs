@@ -93,20 +93,20 @@ impl<'a> ConnectedFifos<'a> {
     /// Calls `see` for the entries of these bits in order, with their indices. The compiler unrolls it if the count is known.
     #[inline(always)]
     pub(super) fn each(&self, bits: u32, known: Option<usize>, mut see: impl FnMut(usize, &'a FifoTiming)) {
-        let Some(count) = known else {
-            for (place, &number) in self.ends.numbers.iter().enumerate().take(usize::from(self.ends.count)) {
-                if bits & 1 << place != 0 {
-                    see(place, &self.fifos[usize::from(number)]);
-                }
-            }
-            return;
-        };
-        for (place, slots) in self.slots.iter().enumerate().take(count) {
+        // One loop with one call: this code is compiled hundreds of times.
+        let count = self.count(known);
+        let mut place = 0;
+        while place < count {
+            let fifo = match known {
+                Some(_) => self.slots[place % MAX_LINKS],
+                None => self.fifos.get(self.ends.at(place)),
+            };
             if bits & 1 << place != 0
-                && let Some(slots) = slots
+                && let Some(fifo) = fifo
             {
-                see(place, slots);
+                see(place, fifo);
             }
+            place += 1;
         }
     }
 }
