@@ -48,14 +48,24 @@ impl Noise {
 
 /// Interpolates the numbers of a lattice that repeats.
 fn interpolated(side: usize, numbers: &[f64], u: f64, v: f64) -> f64 {
-    let (x, y) = (u * side as f64, v * side as f64);
-    let (i, j) = (x.floor(), y.floor());
-    let (fx, fy) = (smoothstep(0.0, 1.0, x - i), smoothstep(0.0, 1.0, y - j));
-    let wrapped = |place: f64| (place as i64).rem_euclid(side as i64) as usize;
+    let ((i, x), (j, y)) = (lattice_place(u, side), lattice_place(v, side));
+    let (fx, fy) = (smoothstep(0.0, 1.0, x), smoothstep(0.0, 1.0, y));
     let next = |place: usize| if place + 1 < side { place + 1 } else { 0 };
-    let (i, j) = (wrapped(i), wrapped(j));
     let row = |j: usize| numbers[j * side + i] + (numbers[j * side + next(i)] - numbers[j * side + i]) * fx;
     row(j) + (row(next(j)) - row(j)) * fy
+}
+
+/// Returns the lattice point before a place, and the distance from it. `side`: lattice points per 1.
+#[inline]
+fn lattice_place(place: f64, side: usize) -> (usize, f64) {
+    let x = place * side as f64;
+    let whole = x as i32;
+    // Almost always. `floor` is a call on processors without SSE 4.1, and the remainder is a division: three quarters of the instructions.
+    if x >= 0.0 && (whole as usize) < side {
+        return (whole as usize, x - f64::from(whole));
+    }
+    let floor = x.floor();
+    ((floor as i64).rem_euclid(side as i64) as usize, x - floor)
 }
 
 /// Courses of stones: how many bricks and courses per tile, every other course shifted by half a brick.
@@ -80,12 +90,14 @@ impl BrickPattern {
         // Weathered edges are not straight.
         let waver = 0.05 * (self.waver.at(u, v) - 0.5);
         let y = v * self.courses as f64;
-        let course = (y.floor() as i64).rem_euclid(self.courses);
+        let bottom = y.floor();
+        let course = (bottom as i64).rem_euclid(self.courses);
         let x = u * self.bricks as f64 + 0.5 * (course % 2) as f64;
-        let brick = (x.floor() as i64).rem_euclid(self.bricks);
+        let left = x.floor();
+        let brick = (left as i64).rem_euclid(self.bricks);
         let length = self.courses as f64 / self.bricks as f64;
         let inside = |f: f64| f.min(1.0 - f);
-        let edge = (inside(x - x.floor()) * length).min(inside(y - y.floor()));
+        let edge = (inside(x - left) * length).min(inside(y - bottom));
         ((brick, course), edge - 0.05 + waver)
     }
 
@@ -134,6 +146,21 @@ mod tests {
             }
             assert!((wall.height(t, 0.0) - wall.height(t, 1.0)).abs() < 1e-9);
             assert!((wall.height(0.0, t) - wall.height(1.0, t)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn lattice_place_wraps_on_both_sides() {
+        for (place, expected) in [
+            (0.0, (0, 0.0)),
+            (0.3125, (1, 0.25)),
+            (1.0, (0, 0.0)),
+            (1.5, (2, 0.0)),
+            (-0.0625, (3, 0.75)),
+            (-1.0, (0, 0.0)),
+            (2e9, (0, 0.0)),
+        ] {
+            assert_eq!(lattice_place(place, 4), expected, "{place}");
         }
     }
 
