@@ -15,6 +15,7 @@ use crate::recording::{RecordingChunk, RecordingWriter};
 use crate::report::RunReport;
 use crate::time::{FinalUnitState, InputMask, MachineTiming, StepTiming, StopReason};
 use crate::{Demand, MemoryPorts};
+use std::collections::VecDeque;
 
 /// Executes all steps of a machine and passes them on in batches of some `steps` steps. Execution runs ahead of timing, so it
 /// suits runs without a cycle limit. `progress` as in [`RunLimits`](super::RunLimits).
@@ -96,8 +97,10 @@ fn queue_states(queues: &[BatchedSteps]) -> Vec<FinalUnitState> {
 
 /// Steps of a stage that wait for their times.
 struct BatchedSteps {
+    /// The batch in use, and batches behind it. (Appending one batch to the other took a twelfth of a run on two threads.)
     waiting: StageSteps,
-    /// Number of steps taken, and of their requests.
+    behind: VecDeque<StageSteps>,
+    /// Number of steps of the batch that were taken, and of their requests.
     next: usize,
     asked: usize,
     /// State of the unit after these steps.
@@ -109,6 +112,7 @@ impl BatchedSteps {
     fn new(inputs: usize) -> Self {
         Self {
             waiting: StageSteps::default(),
+            behind: VecDeque::new(),
             next: 0,
             asked: 0,
             rest: FinalUnitState { demand: Demand::Finished, empty: true },
@@ -116,18 +120,22 @@ impl BatchedSteps {
         }
     }
 
-    fn feed(&mut self, mut steps: StageSteps, rest: FinalUnitState) {
-        let waiting = &mut self.waiting;
-        if self.next < waiting.steps.len() {
-            waiting.steps.drain(..self.next);
-            waiting.asked.drain(..self.asked);
-            waiting.steps.append(&mut steps.steps);
-            waiting.asked.append(&mut steps.asked);
-            waiting.fault = waiting.fault.take().or(steps.fault);
-        } else {
-            *waiting = steps;
+    fn feed(&mut self, steps: StageSteps, rest: FinalUnitState) {
+        self.rest = rest;
+        if !steps.steps.is_empty() {
+            self.behind.push_back(steps);
         }
-        (self.next, self.asked, self.rest) = (0, 0, rest);
+        if !self.has_step() {
+            self.use_next_batch();
+        }
+    }
+
+    /// Goes on to the next batch, if there is one.
+    #[cold]
+    fn use_next_batch(&mut self) {
+        if let Some(steps) = self.behind.pop_front() {
+            (self.waiting, self.next, self.asked) = (steps, 0, 0);
+        }
     }
 
     #[inline(always)]
@@ -164,10 +172,11 @@ impl StepSource for BatchedSteps {
             self.asked += requests.len() + look_ups as usize;
         }
         self.next += 1;
-        if self.next == steps.len()
-            && let Some(fault) = fault.take()
-        {
-            traffic.fault(fault);
+        if self.next == steps.len() {
+            if let Some(fault) = fault.take() {
+                traffic.fault(fault);
+            }
+            self.use_next_batch();
         }
         made
     }
