@@ -62,7 +62,7 @@ pub struct FrontEnd(FrontStages);
 
 enum FrontStages {
     /// Host and geometry processor (102).
-    Scene(Stage<SceneSource<Draws>>, Stage<GeometryProcessor>),
+    Scene(Stage<SceneSource<Draws>>, Box<Stage<GeometryProcessor>>),
     /// The recorded output of a geometry processor.
     Trace(Stage<DisplayListSource<Controls>>),
 }
@@ -81,7 +81,7 @@ impl FrontEnd {
     /// Creates the front end for the draw commands of a scene: host and geometry processor (102).
     pub fn of_scene(draws: impl Iterator<Item = Draw> + 'static, config: impl Into<FrontConfig>) -> Self {
         let (host, geometry) = (SceneSource::new(Box::new(draws) as Draws), config.into().geometry_processor());
-        Self(FrontStages::Scene(Stage::new("host", host), Stage::new("geometry", geometry)))
+        Self(FrontStages::Scene(Stage::new("host", host), Box::new(Stage::new("geometry", geometry))))
     }
 
     /// Creates the front end that replays the commands of a trace (display list), each with its arrival.
