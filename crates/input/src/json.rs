@@ -2,10 +2,11 @@
 
 use crate::error_text::error_text;
 use crate::json_path::JsonPath;
-use crate::reject_seq::RejectSeqForStruct;
+use crate::reject_seq::{FaultLine, RejectSeqForStruct, ValuePlace};
 use serde::de::DeserializeOwned;
 use serde_json::Deserializer;
 use serde_json::de::Read;
+use std::cell::Cell;
 
 /// Fault of a JSON text, with its place.
 #[derive(Debug)]
@@ -27,7 +28,7 @@ pub struct JsonFault {
 /// # Errors
 /// Not JSON, or not the JSON that was expected.
 pub fn from_str<T: DeserializeOwned>(text: &str) -> Result<T, JsonFault> {
-    read(Deserializer::from_str(text)).map_err(|error| fault(text.as_bytes(), &error))
+    read(Deserializer::from_str(text), text.as_bytes())
 }
 
 /// Parses like [`from_str`], from bytes that should be UTF-8.
@@ -35,20 +36,25 @@ pub fn from_str<T: DeserializeOwned>(text: &str) -> Result<T, JsonFault> {
 /// # Errors
 /// Errors of [`from_str`].
 pub fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, JsonFault> {
-    read(Deserializer::from_slice(bytes)).map_err(|error| fault(bytes, &error))
+    read(Deserializer::from_slice(bytes), bytes)
 }
 
-fn read<'a, T: DeserializeOwned>(mut json: Deserializer<impl Read<'a>>) -> serde_json::Result<T> {
-    let value = T::deserialize(RejectSeqForStruct(&mut json))?;
-    json.end().map(|()| value)
+fn read<'a, T: DeserializeOwned>(mut json: Deserializer<impl Read<'a>>, text: &[u8]) -> Result<T, JsonFault> {
+    let line = Cell::default();
+    let value = T::deserialize(RejectSeqForStruct(&mut json, ValuePlace::outermost(&line)));
+    value.and_then(|value| json.end().map(|()| value)).map_err(|error| fault(text, &error, line.get()))
 }
 
-/// Locates an error. Its path follows from its line and column. (A reader that keeps track of the path is a second reader of every
-/// type: a tenth of the time to compile, and slower.)
-fn fault(text: &[u8], error: &serde_json::Error) -> JsonFault {
+/// Locates an error. Its path follows from its line and column. (A reader that keeps track of the path is a second reader of every type: a
+/// tenth of the time to compile, and slower.)
+fn fault(text: &[u8], error: &serde_json::Error, from: FaultLine) -> JsonFault {
     let (line, column) = (error.line(), error.column());
     let (beginning, is_data) = (&text[..offset(text, line, column)], error.is_data());
-    let path = if is_data { JsonPath::of_value_at_end(beginning) } else { JsonPath::of_gap_at_end(beginning) };
+    let path = match from {
+        _ if !is_data => JsonPath::of_gap_at_end(beginning),
+        FaultLine::OfContainer(depth) => JsonPath::of_value_at_end(beginning, Some(depth)),
+        FaultLine::OfValue | FaultLine::None => JsonPath::of_value_at_end(beginning, None),
+    };
     JsonFault { path, line, column, is_data, message: error_text(error) }
 }
 
@@ -114,6 +120,38 @@ mod tests {
         ] {
             assert_eq!(says(text), (path.into(), expected.into()), "{text}");
         }
+    }
+
+    /// `serde_json` finds the line of an error of `try_from` behind the object around the value, if nothing else stands there.
+    #[test]
+    fn error_of_a_conversion_has_the_path_of_its_value() {
+        #[derive(Debug, Deserialize)]
+        #[serde(try_from = "Vec<u32>")]
+        struct Pair([u32; 2]);
+        impl TryFrom<Vec<u32>> for Pair {
+            type Error = String;
+            fn try_from(given: Vec<u32>) -> Result<Self, String> {
+                given.try_into().map(Self).map_err(|_| "two numbers wanted".into())
+            }
+        }
+        #[derive(Debug, Deserialize)]
+        struct Pairs {
+            a: Pair,
+            b: Option<BTreeMap<String, Pair>>,
+        }
+        for (text, path) in [
+            (r#"[{"a": [1]}]"#, "[0].a"),
+            (r#"[{"a": [1] }, {"a": [1, 2]}]"#, "[0].a"),
+            (r#"[{"a": [1], "b": {}}]"#, "[0].a"),
+            (r#"[{"b": {}, "a": [1]}]"#, "[0].a"),
+            (r#"[{"a": [1, 2]}, {"a": [1, 2], "b": {"x": [1, 2], "y": []}}]"#, "[1].b.y"),
+            (r#"[{"b": {"x": []}, "a": [1, 2]}]"#, "[0].b.x"),
+        ] {
+            let fault = from_str::<Vec<Pairs>>(text).unwrap_err();
+            assert_eq!((fault.path.to_string(), fault.message.as_str()), (path.into(), "two numbers wanted"), "{text}");
+        }
+        let pairs = from_str::<Pairs>(r#"{"a": [1, 2], "b": {"x": [3, 4]}}"#).unwrap();
+        assert_eq!((pairs.a.0, pairs.b.unwrap()["x"].0), ([1, 2], [3, 4]));
     }
 
     #[test]

@@ -33,9 +33,15 @@ impl fmt::Display for JsonPath {
 
 impl JsonPath {
     /// Returns the path of the value at the end of the beginning of a text: of the value that ends there or lies there in part,
-    /// otherwise of the next one. Behind a key it is the path of its value. The beginning must be valid.
-    pub(crate) fn of_value_at_end(beginning: &[u8]) -> Self {
-        OpenValues::at_end(beginning).into_path()
+    /// otherwise of the next one. Behind a key it is the path of its value. The beginning must be valid. With `depth`, the value lies in so
+    /// many lists and objects, the last of which may end there.
+    pub(crate) fn of_value_at_end(beginning: &[u8], depth: Option<usize>) -> Self {
+        let mut open = OpenValues::at_end(beginning);
+        if depth.is_some_and(|depth| open.steps.len() < depth) {
+            let closed = open.closed.take();
+            open.steps.push(closed);
+        }
+        open.into_path()
     }
 
     /// As [`JsonPath::of_value_at_end`], but behind a bracket or a value it is the path of the list or object around it.
@@ -53,6 +59,8 @@ impl JsonPath {
 struct OpenValues {
     /// Of each its item, or its key once it is known.
     steps: Vec<Option<JsonStep>>,
+    /// The last step in the list or object that ended last.
+    closed: Option<JsonStep>,
     /// True if the text ends with a bracket or a string that is no key.
     ends_in_gap: bool,
 }
@@ -75,7 +83,7 @@ impl OpenValues {
         match first {
             b'{' => self.steps.push(None),
             b'[' => self.steps.push(Some(JsonStep::Item(0))),
-            b'}' | b']' => _ = self.steps.pop(),
+            b'}' | b']' => self.closed = self.steps.pop().flatten(),
             b',' => {
                 if let Some(last) = self.steps.last_mut() {
                     *last = match last {
@@ -130,7 +138,15 @@ mod tests {
             (r#"{"a\"\\": [["x,[", "]"#, r#"a"\[0][1]"#),
             (r#"[{"a": "b"#, "[0].a"),
         ] {
-            assert_eq!(JsonPath::of_value_at_end(text.as_bytes()).to_string(), path, "{text}");
+            assert_eq!(JsonPath::of_value_at_end(text.as_bytes(), None).to_string(), path, "{text}");
+        }
+    }
+
+    #[test]
+    fn depth_leads_into_what_ends_there() {
+        let text = br#"{"a": [1, {"b": {}, "c": [5]}"#;
+        for (depth, path) in [(3, "a[1].c"), (2, "a[1]")] {
+            assert_eq!(JsonPath::of_value_at_end(text, Some(depth)).to_string(), path);
         }
     }
 

@@ -4,20 +4,67 @@
 //! its keys out. This module refuses lists for all structs. An attribute at each struct would be forgotten at the next one.
 
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error, MapAccess, SeqAccess, VariantAccess, Visitor};
+use std::cell::Cell;
 use std::fmt;
 
 /// Forwards every call to the wrapped value, and wraps the result.
-pub(crate) struct RejectSeqForStruct<T>(pub T);
+pub(crate) struct RejectSeqForStruct<'p, T>(pub T, pub ValuePlace<'p>);
+
+/// Place of a value, as far as an error needs it.
+#[derive(Clone, Copy)]
+pub(crate) struct ValuePlace<'p> {
+    /// Number of lists and objects around the value.
+    depth: usize,
+    fault: &'p Cell<FaultLine>,
+}
+
+/// Where the line of an error comes from.
+#[derive(Clone, Copy, Default)]
+pub(crate) enum FaultLine {
+    /// There was no error within a list or an object.
+    #[default]
+    None,
+    /// From the faulty value.
+    OfValue,
+    /// From the list or object around the value, because an error of a conversion has no line. It is the line behind the value, or behind
+    /// all of the list or object if nothing else stands there. This is the depth of the value.
+    OfContainer(usize),
+}
+
+impl<'p> ValuePlace<'p> {
+    /// The place of the outermost value.
+    pub(crate) fn outermost(fault: &'p Cell<FaultLine>) -> Self {
+        Self { depth: 0, fault }
+    }
+
+    fn inner(self) -> Self {
+        Self { depth: self.depth + 1, ..self }
+    }
+
+    /// Takes in an error of the value. Only the innermost value decides. (The text of an error may be as long as the file.)
+    fn note(self, error: &impl fmt::Display) {
+        if let FaultLine::None = self.fault.get() {
+            let has_line = has_line(&error.to_string());
+            self.fault.set(if has_line { FaultLine::OfValue } else { FaultLine::OfContainer(self.depth) });
+        }
+    }
+}
+
+/// Returns true if the text of an error of `serde_json` ends with its line and column.
+fn has_line(text: &str) -> bool {
+    let place = text.rsplit_once(" at line ").and_then(|(_, place)| place.split_once(" column "));
+    place.is_some_and(|(line, column)| [line, column].iter().all(|number| number.bytes().all(|byte| byte.is_ascii_digit())))
+}
 
 macro_rules! pass_on {
     ($($method:ident($($argument:ident: $type:ty),*);)*) => {$(
         fn $method<V: Visitor<'de>>(self, $($argument: $type,)* visitor: V) -> Result<V::Value, D::Error> {
-            self.0.$method($($argument,)* RejectSeqForStruct(visitor))
+            self.0.$method($($argument,)* RejectSeqForStruct(visitor, self.1))
         }
     )*};
 }
 
-impl<'de, D: Deserializer<'de>> Deserializer<'de> for RejectSeqForStruct<D> {
+impl<'de, D: Deserializer<'de>> Deserializer<'de> for RejectSeqForStruct<'_, D> {
     type Error = D::Error;
 
     pass_on! {
@@ -60,7 +107,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for RejectSeqForStruct<D> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        self.0.deserialize_map(RejectSeqForStruct(visitor))
+        self.0.deserialize_map(RejectSeqForStruct(visitor, self.1))
     }
 }
 
@@ -72,7 +119,7 @@ macro_rules! visit {
     )*};
 }
 
-impl<'de, V: Visitor<'de>> Visitor<'de> for RejectSeqForStruct<V> {
+impl<'de, V: Visitor<'de>> Visitor<'de> for RejectSeqForStruct<'_, V> {
     type Value = V::Value;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -111,39 +158,39 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for RejectSeqForStruct<V> {
     }
 
     fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<V::Value, D::Error> {
-        self.0.visit_some(RejectSeqForStruct(deserializer))
+        self.0.visit_some(RejectSeqForStruct(deserializer, self.1))
     }
 
     fn visit_newtype_struct<D: Deserializer<'de>>(self, deserializer: D) -> Result<V::Value, D::Error> {
-        self.0.visit_newtype_struct(RejectSeqForStruct(deserializer))
+        self.0.visit_newtype_struct(RejectSeqForStruct(deserializer, self.1))
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<V::Value, A::Error> {
-        self.0.visit_seq(RejectSeqForStruct(list))
+        self.0.visit_seq(RejectSeqForStruct(list, self.1.inner()))
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<V::Value, A::Error> {
-        self.0.visit_map(RejectSeqForStruct(map))
+        self.0.visit_map(RejectSeqForStruct(map, self.1.inner()))
     }
 
     fn visit_enum<A: EnumAccess<'de>>(self, choice: A) -> Result<V::Value, A::Error> {
-        self.0.visit_enum(RejectSeqForStruct(choice))
+        self.0.visit_enum(RejectSeqForStruct(choice, self.1.inner()))
     }
 }
 
-impl<'de, S: DeserializeSeed<'de>> DeserializeSeed<'de> for RejectSeqForStruct<S> {
+impl<'de, S: DeserializeSeed<'de>> DeserializeSeed<'de> for RejectSeqForStruct<'_, S> {
     type Value = S::Value;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<S::Value, D::Error> {
-        self.0.deserialize(RejectSeqForStruct(deserializer))
+        self.0.deserialize(RejectSeqForStruct(deserializer, self.1))
     }
 }
 
-impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for RejectSeqForStruct<A> {
+impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for RejectSeqForStruct<'_, A> {
     type Error = A::Error;
 
     fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, A::Error> {
-        self.0.next_element_seed(RejectSeqForStruct(seed))
+        self.0.next_element_seed(RejectSeqForStruct(seed, self.1)).inspect_err(|error| self.1.note(error))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -151,15 +198,15 @@ impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for RejectSeqForStruct<A> {
     }
 }
 
-impl<'de, A: MapAccess<'de>> MapAccess<'de> for RejectSeqForStruct<A> {
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for RejectSeqForStruct<'_, A> {
     type Error = A::Error;
 
     fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, A::Error> {
-        self.0.next_key_seed(RejectSeqForStruct(seed))
+        self.0.next_key_seed(RejectSeqForStruct(seed, self.1))
     }
 
     fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, A::Error> {
-        self.0.next_value_seed(RejectSeqForStruct(seed))
+        self.0.next_value_seed(RejectSeqForStruct(seed, self.1)).inspect_err(|error| self.1.note(error))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -167,16 +214,16 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for RejectSeqForStruct<A> {
     }
 }
 
-impl<'de, A: EnumAccess<'de>> EnumAccess<'de> for RejectSeqForStruct<A> {
+impl<'de, 'p, A: EnumAccess<'de>> EnumAccess<'de> for RejectSeqForStruct<'p, A> {
     type Error = A::Error;
-    type Variant = RejectSeqForStruct<A::Variant>;
+    type Variant = RejectSeqForStruct<'p, A::Variant>;
 
     fn variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<(S::Value, Self::Variant), A::Error> {
-        self.0.variant_seed(RejectSeqForStruct(seed)).map(|(value, variant)| (value, RejectSeqForStruct(variant)))
+        self.0.variant_seed(RejectSeqForStruct(seed, self.1)).map(|(value, variant)| (value, RejectSeqForStruct(variant, self.1)))
     }
 }
 
-impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for RejectSeqForStruct<A> {
+impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for RejectSeqForStruct<'_, A> {
     type Error = A::Error;
 
     fn unit_variant(self) -> Result<(), A::Error> {
@@ -184,26 +231,26 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for RejectSeqForStruct<A> {
     }
 
     fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, A::Error> {
-        self.0.newtype_variant_seed(RejectSeqForStruct(seed))
+        self.0.newtype_variant_seed(RejectSeqForStruct(seed, self.1))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, A::Error> {
-        self.0.tuple_variant(length, RejectSeqForStruct(visitor))
+        self.0.tuple_variant(length, RejectSeqForStruct(visitor, self.1))
     }
 
     /// Reads a variant as a value of its own, because `serde_json` accepts a list for its fields, too.
     fn struct_variant<V: Visitor<'de>>(self, _: &'static [&'static str], visitor: V) -> Result<V::Value, A::Error> {
-        self.0.newtype_variant_seed(VariantFields(visitor))
+        self.0.newtype_variant_seed(VariantFields(visitor, self.1))
     }
 }
 
 /// The fields of a variant.
-struct VariantFields<V>(V);
+struct VariantFields<'p, V>(V, ValuePlace<'p>);
 
-impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for VariantFields<V> {
+impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for VariantFields<'_, V> {
     type Value = V::Value;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<V::Value, D::Error> {
-        deserializer.deserialize_map(RejectSeqForStruct(self.0))
+        deserializer.deserialize_map(RejectSeqForStruct(self.0, self.1))
     }
 }

@@ -18,7 +18,8 @@ pub fn replay<'a, C>(controls: &[Control], config: &'a C) -> FrontEnd
 where
     basrelief_machines::FrontConfig: From<&'a C>,
 {
-    FrontEnd::of_trace(controls.to_vec().into_iter().map(|control| Ok((control, None))), config)
+    let commands: Vec<_> = controls.iter().map(|control| Ok((control.clone(), None))).collect();
+    FrontEnd::of_trace(commands.into_iter(), config)
 }
 
 /// Runs the timed engine and the functional model, and prints the elements per second. `figure` is the number of elements.

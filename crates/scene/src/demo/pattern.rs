@@ -49,7 +49,8 @@ impl Noise {
 /// Interpolates the numbers of a lattice that repeats.
 fn interpolated(side: usize, numbers: &[f64], u: f64, v: f64) -> f64 {
     let ((i, x), (j, y)) = (lattice_place(u, side), lattice_place(v, side));
-    let (fx, fy) = (smoothstep(0.0, 1.0, x), smoothstep(0.0, 1.0, y));
+    // `smoothstep` between 0 and 1, where it need not limit.
+    let [fx, fy] = [x, y].map(|t| t * t * (3.0 - 2.0 * t));
     let next = |place: usize| if place + 1 < side { place + 1 } else { 0 };
     let row = |j: usize| numbers[j * side + i] + (numbers[j * side + next(i)] - numbers[j * side + i]) * fx;
     row(j) + (row(next(j)) - row(j)) * fy
