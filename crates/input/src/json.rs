@@ -2,11 +2,10 @@
 
 use crate::error_text::error_text;
 use crate::json_path::JsonPath;
-use crate::reject_seq::{FaultLine, RejectSeqForStruct, ValuePlace};
+use crate::reject_seq::{FaultTrail, RejectSeqForStruct};
 use serde::de::DeserializeOwned;
 use serde_json::Deserializer;
 use serde_json::de::Read;
-use std::cell::Cell;
 
 /// Fault of a JSON text, with its place.
 #[derive(Debug)]
@@ -40,20 +39,20 @@ pub fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, JsonFault> {
 }
 
 fn read<'a, T: DeserializeOwned>(mut json: Deserializer<impl Read<'a>>, text: &[u8]) -> Result<T, JsonFault> {
-    let line = Cell::default();
-    let value = T::deserialize(RejectSeqForStruct(&mut json, ValuePlace::outermost(&line)));
-    value.and_then(|value| json.end().map(|()| value)).map_err(|error| fault(text, &error, line.get()))
+    let trail = FaultTrail::default();
+    let value = T::deserialize(RejectSeqForStruct(&mut json, &trail));
+    value.and_then(|value| json.end().map(|()| value)).map_err(|error| fault(text, &error, &trail))
 }
 
 /// Locates an error. Its path follows from its line and column. (A reader that keeps track of the path is a second reader of every type: a
 /// tenth of the time to compile, and slower.)
-fn fault(text: &[u8], error: &serde_json::Error, from: FaultLine) -> JsonFault {
+fn fault(text: &[u8], error: &serde_json::Error, trail: &FaultTrail) -> JsonFault {
     let (line, column) = (error.line(), error.column());
     let (beginning, is_data) = (&text[..offset(text, line, column)], error.is_data());
-    let path = match from {
-        _ if !is_data => JsonPath::of_gap_at_end(beginning),
-        FaultLine::OfContainer(depth) => JsonPath::of_value_at_end(beginning, Some(depth)),
-        FaultLine::OfValue | FaultLine::None => JsonPath::of_value_at_end(beginning, None),
+    let path = if is_data {
+        JsonPath::of_value_at_end(beginning, trail.depth_without_line())
+    } else {
+        JsonPath::of_gap_at_end(beginning)
     };
     JsonFault { path, line, column, is_data, message: error_text(error) }
 }
@@ -138,6 +137,12 @@ mod tests {
         struct Pairs {
             a: Pair,
             b: Option<BTreeMap<String, Pair>>,
+            c: Option<Either>,
+        }
+        #[derive(Debug, Deserialize)]
+        enum Either {
+            New(Pair),
+            Fields { x: Pair },
         }
         for (text, path) in [
             (r#"[{"a": [1]}]"#, "[0].a"),
@@ -146,12 +151,15 @@ mod tests {
             (r#"[{"b": {}, "a": [1]}]"#, "[0].a"),
             (r#"[{"a": [1, 2]}, {"a": [1, 2], "b": {"x": [1, 2], "y": []}}]"#, "[1].b.y"),
             (r#"[{"b": {"x": []}, "a": [1, 2]}]"#, "[0].b.x"),
+            (r#"[{"a": [1, 2], "c": {"New": []}, "b": {}}]"#, "[0].c.New"),
+            (r#"[{"a": [1, 2], "c": {"Fields": {"x": []}}}]"#, "[0].c.Fields.x"),
         ] {
             let fault = from_str::<Vec<Pairs>>(text).unwrap_err();
             assert_eq!((fault.path.to_string(), fault.message.as_str()), (path.into(), "two numbers wanted"), "{text}");
         }
-        let pairs = from_str::<Pairs>(r#"{"a": [1, 2], "b": {"x": [3, 4]}}"#).unwrap();
-        assert_eq!((pairs.a.0, pairs.b.unwrap()["x"].0), ([1, 2], [3, 4]));
+        let pairs = from_str::<Pairs>(r#"{"a": [1, 2], "b": {"x": [3, 4]}, "c": {"Fields": {"x": [5, 6]}}}"#).unwrap();
+        let Some(Either::New(c) | Either::Fields { x: c }) = pairs.c else { panic!("`c` is read") };
+        assert_eq!((pairs.a.0, pairs.b.unwrap()["x"].0, c.0), ([1, 2], [3, 4], [5, 6]));
     }
 
     #[test]

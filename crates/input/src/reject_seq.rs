@@ -8,45 +8,31 @@ use std::cell::Cell;
 use std::fmt;
 
 /// Forwards every call to the wrapped value, and wraps the result.
-pub(crate) struct RejectSeqForStruct<'p, T>(pub T, pub ValuePlace<'p>);
+pub(crate) struct RejectSeqForStruct<'t, T>(pub T, pub &'t FaultTrail);
 
-/// Place of a value, as far as an error needs it.
-#[derive(Clone, Copy)]
-pub(crate) struct ValuePlace<'p> {
-    /// Number of lists and objects around the value.
-    depth: usize,
-    fault: &'p Cell<FaultLine>,
+/// Way of an error from the faulty value outwards.
+#[derive(Default)]
+pub(crate) struct FaultTrail {
+    /// Number of lists and objects around the faulty value.
+    depth: Cell<usize>,
+    /// True if the value's error has no line, because a conversion made it. The list or object around the value gives it the line behind
+    /// the value, or behind all of the list or object if nothing else stands there.
+    lacks_line: Cell<bool>,
 }
 
-/// Where the line of an error comes from.
-#[derive(Clone, Copy, Default)]
-pub(crate) enum FaultLine {
-    /// There was no error within a list or an object.
-    #[default]
-    None,
-    /// From the faulty value.
-    OfValue,
-    /// From the list or object around the value, because an error of a conversion has no line. It is the line behind the value, or behind
-    /// all of the list or object if nothing else stands there. This is the depth of the value.
-    OfContainer(usize),
-}
-
-impl<'p> ValuePlace<'p> {
-    /// The place of the outermost value.
-    pub(crate) fn outermost(fault: &'p Cell<FaultLine>) -> Self {
-        Self { depth: 0, fault }
-    }
-
-    fn inner(self) -> Self {
-        Self { depth: self.depth + 1, ..self }
-    }
-
-    /// Takes in an error of the value. Only the innermost value decides. (The text of an error may be as long as the file.)
-    fn note(self, error: &impl fmt::Display) {
-        if let FaultLine::None = self.fault.get() {
-            let has_line = has_line(&error.to_string());
-            self.fault.set(if has_line { FaultLine::OfValue } else { FaultLine::OfContainer(self.depth) });
+impl FaultTrail {
+    /// Takes in an error on its way out of a list or an object. (The text of an error may be as long as the file, so only the first list or
+    /// object reads it.)
+    fn pass(&self, error: &impl fmt::Display) {
+        if self.depth.get() == 0 {
+            self.lacks_line.set(!has_line(&error.to_string()));
         }
+        self.depth.set(self.depth.get() + 1);
+    }
+
+    /// Depth of a value whose error lacks a line.
+    pub(crate) fn depth_without_line(&self) -> Option<usize> {
+        self.lacks_line.get().then_some(self.depth.get())
     }
 }
 
@@ -166,15 +152,15 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for RejectSeqForStruct<'_, V> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<V::Value, A::Error> {
-        self.0.visit_seq(RejectSeqForStruct(list, self.1.inner()))
+        self.0.visit_seq(RejectSeqForStruct(list, self.1))
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<V::Value, A::Error> {
-        self.0.visit_map(RejectSeqForStruct(map, self.1.inner()))
+        self.0.visit_map(RejectSeqForStruct(map, self.1))
     }
 
     fn visit_enum<A: EnumAccess<'de>>(self, choice: A) -> Result<V::Value, A::Error> {
-        self.0.visit_enum(RejectSeqForStruct(choice, self.1.inner()))
+        self.0.visit_enum(RejectSeqForStruct(choice, self.1))
     }
 }
 
@@ -190,7 +176,7 @@ impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for RejectSeqForStruct<'_, A> {
     type Error = A::Error;
 
     fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, A::Error> {
-        self.0.next_element_seed(RejectSeqForStruct(seed, self.1)).inspect_err(|error| self.1.note(error))
+        self.0.next_element_seed(RejectSeqForStruct(seed, self.1)).inspect_err(|error| self.1.pass(error))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -206,7 +192,7 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for RejectSeqForStruct<'_, A> {
     }
 
     fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, A::Error> {
-        self.0.next_value_seed(RejectSeqForStruct(seed, self.1)).inspect_err(|error| self.1.note(error))
+        self.0.next_value_seed(RejectSeqForStruct(seed, self.1)).inspect_err(|error| self.1.pass(error))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -214,9 +200,9 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for RejectSeqForStruct<'_, A> {
     }
 }
 
-impl<'de, 'p, A: EnumAccess<'de>> EnumAccess<'de> for RejectSeqForStruct<'p, A> {
+impl<'de, 't, A: EnumAccess<'de>> EnumAccess<'de> for RejectSeqForStruct<'t, A> {
     type Error = A::Error;
-    type Variant = RejectSeqForStruct<'p, A::Variant>;
+    type Variant = RejectSeqForStruct<'t, A::Variant>;
 
     fn variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<(S::Value, Self::Variant), A::Error> {
         self.0.variant_seed(RejectSeqForStruct(seed, self.1)).map(|(value, variant)| (value, RejectSeqForStruct(variant, self.1)))
@@ -231,7 +217,7 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for RejectSeqForStruct<'_, A
     }
 
     fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, A::Error> {
-        self.0.newtype_variant_seed(RejectSeqForStruct(seed, self.1))
+        self.0.newtype_variant_seed(RejectSeqForStruct(seed, self.1)).inspect_err(|error| self.1.pass(error))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, A::Error> {
@@ -240,12 +226,12 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for RejectSeqForStruct<'_, A
 
     /// Reads a variant as a value of its own, because `serde_json` accepts a list for its fields, too.
     fn struct_variant<V: Visitor<'de>>(self, _: &'static [&'static str], visitor: V) -> Result<V::Value, A::Error> {
-        self.0.newtype_variant_seed(VariantFields(visitor, self.1))
+        self.0.newtype_variant_seed(VariantFields(visitor, self.1)).inspect_err(|error| self.1.pass(error))
     }
 }
 
 /// The fields of a variant.
-struct VariantFields<'p, V>(V, ValuePlace<'p>);
+struct VariantFields<'t, V>(V, &'t FaultTrail);
 
 impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for VariantFields<'_, V> {
     type Value = V::Value;
