@@ -44,8 +44,8 @@ fn read<'a, T: DeserializeOwned>(mut json: Deserializer<impl Read<'a>>, text: &[
     value.and_then(|value| json.end().map(|()| value)).map_err(|error| fault(text, &error, &trail))
 }
 
-/// Locates an error. Its path follows from its line and column. (A reader that keeps track of the path is a second reader of every type: a
-/// tenth of the time to compile, and slower.)
+/// Locates an error. Its path follows from its line and column. (A reader that keeps track of the path is slower, so it
+/// would be a second reader of every type: 7 to 17 % of the intermediate code of a crate.)
 fn fault(text: &[u8], error: &serde_json::Error, trail: &FaultTrail) -> JsonFault {
     let (line, column) = (error.line(), error.column());
     let (beginning, is_data) = (&text[..offset(text, line, column)], error.is_data());

@@ -56,8 +56,7 @@ type Controls = Box<dyn Iterator<Item = Result<(Control, Option<u64>), String>>>
 
 /// Stages at the front of a machine, which fill the FIFO `polygons`.
 ///
-/// One type for both kinds of input and for all iterators. With one type for each, every machine was compiled once for each: a third of the
-/// time for `sim`.
+/// One type for both kinds of input and for all iterators, because each type would be another machine to compile.
 pub struct FrontEnd(FrontStages);
 
 enum FrontStages {

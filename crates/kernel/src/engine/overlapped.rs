@@ -97,7 +97,7 @@ fn queue_states(queues: &[BatchedSteps]) -> Vec<FinalUnitState> {
 
 /// Steps of a stage that wait for their times.
 struct BatchedSteps {
-    /// The batch in use, and batches behind it. (Appending one batch to the other took a twelfth of a run on two threads.)
+    /// The batch in use, and batches behind it. (Appending one to the other took 1.6 % of the instructions of `brick`.)
     waiting: StageSteps,
     behind: VecDeque<StageSteps>,
     /// Number of steps of the batch that were taken, and of their requests.

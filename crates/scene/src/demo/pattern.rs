@@ -61,7 +61,7 @@ fn interpolated(side: usize, numbers: &[f64], u: f64, v: f64) -> f64 {
 fn lattice_place(place: f64, side: usize) -> (usize, f64) {
     let x = place * side as f64;
     let whole = x as i32;
-    // Almost always. `floor` is a call on processors without SSE 4.1, and the remainder is a division: three quarters of the instructions.
+    // Almost always. Without SSE 4.1, `floor` is a call, and the remainder is a division: they took a third of the instructions of noise.
     if x >= 0.0 && (whole as usize) < side {
         return (whole as usize, x - f64::from(whole));
     }
