@@ -37,8 +37,8 @@
 //! 7. **If nothing moves, no request can arrive before the horizon.** Every stage with further steps waits, through
 //!    some chain of FIFOs and credits, for an answer to a waiting request. The horizon is the earliest possible such answer:
 //!    the least latency after the first column command that a memory can still issue. Therefore a delivery must not seem to
-//!    wait for an answer on which it does not depend: `InFlightSteps::deliver_known` lets steps overtake earlier steps that emit nothing or emit
-//!    elsewhere. `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `in_flight`.
+//!    wait for an answer on which it does not depend: `InFlightSteps::deliver_known` lets steps overtake earlier steps that emit
+//!    nothing or emit elsewhere. `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `in_flight`.
 //! 8. **The engine terminates.** An answer comes at least one cycle after its column command, so the burst that sets the horizon is
 //!    served, or its request is split into bursts. Each round makes a step, advances a memory, or is the last. Test `laws/law_8_end`.
 //! 9. **A skipped stage could do nothing.** A visit depends on the stage itself and on four inputs: its front token is visible, its
