@@ -5,7 +5,11 @@ use glam::DVec2;
 
 /// 0 below `low`, 1 above `high`, smooth between.
 pub(super) fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    ease(((x - low) / (high - low)).clamp(0.0, 1.0))
+}
+
+/// Rises from 0 to 1 with t, level at both ends.
+fn ease(t: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
@@ -49,8 +53,7 @@ impl Noise {
 /// Interpolates the numbers of a lattice that repeats.
 fn interpolated(side: usize, numbers: &[f64], u: f64, v: f64) -> f64 {
     let ((i, x), (j, y)) = (lattice_place(u, side), lattice_place(v, side));
-    // `smoothstep` between 0 and 1, where it need not limit.
-    let [fx, fy] = [x, y].map(|t| t * t * (3.0 - 2.0 * t));
+    let (fx, fy) = (ease(x), ease(y));
     let next = |place: usize| if place + 1 < side { place + 1 } else { 0 };
     let row = |j: usize| numbers[j * side + i] + (numbers[j * side + next(i)] - numbers[j * side + i]) * fx;
     row(j) + (row(next(j)) - row(j)) * fy
