@@ -48,7 +48,7 @@ fn read<'a, T: DeserializeOwned>(mut json: Deserializer<impl Read<'a>>, text: &[
 /// would be a second reader of every type: 7 to 17 % of the intermediate code of a crate.)
 fn fault(text: &[u8], error: &serde_json::Error, trail: &FaultTrail) -> JsonFault {
     let (line, column) = (error.line(), error.column());
-    let (beginning, is_data) = (&text[..offset(text, line, column)], error.is_data());
+    let (beginning, is_data) = (&text[..fault_offset(text, line, column)], error.is_data());
     let path = if is_data {
         JsonPath::of_value_at_end(beginning, trail.depth_without_line())
     } else {
@@ -57,11 +57,10 @@ fn fault(text: &[u8], error: &serde_json::Error, trail: &FaultTrail) -> JsonFaul
     JsonFault { path, line, column, is_data, message: error_text(error) }
 }
 
-/// Number of bytes of a text up to a column of a line, both from 1; 0 for line 0.
-fn offset(text: &[u8], line: usize, column: usize) -> usize {
-    let Some(lines_before) = line.checked_sub(1) else { return 0 };
-    let line_start: usize = text.split_inclusive(|byte| *byte == b'\n').take(lines_before).map(<[u8]>::len).sum();
-    (line_start + column).min(text.len())
+/// Returns the number of bytes of a text up to the line and column of a [`JsonFault`].
+pub fn fault_offset(text: &[u8], line: usize, column: usize) -> usize {
+    let lines_before = text.split_inclusive(|byte| *byte == b'\n').take(line.saturating_sub(1));
+    (lines_before.map(<[u8]>::len).sum::<usize>() + column).min(text.len())
 }
 
 #[cfg(test)]

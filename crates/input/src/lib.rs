@@ -10,7 +10,7 @@ mod reject_seq;
 mod weight;
 
 pub use file::{open_in_folder, read_text};
-pub use json::{JsonFault, from_slice, from_str};
+pub use json::{JsonFault, fault_offset, from_slice, from_str};
 pub use json_path::{JsonPath, JsonStep};
 pub use memory_pool::{ByteSize, CountedBuffer, MemoryPool, MemoryReservation, OverBudget, read_to_end};
 pub use weight::json_weight;

@@ -63,8 +63,7 @@ fn with_escapes(text: &str) -> String {
 
 /// Returns the line of the original text that holds a place of the escaped text.
 fn original_line(bytes: &[u8], escaped: &str, line: usize, column: usize) -> usize {
-    let before: usize = escaped.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
-    let end = (before + column).min(escaped.len());
+    let end = basrelief_input::fault_offset(escaped.as_bytes(), line, column);
     let mut at = 0;
     let mut lines = 1;
     for &byte in bytes {
