@@ -148,7 +148,7 @@ impl StepRequests {
     /// port.)
     #[inline]
     fn look_up(&mut self, look_ups: &[Request], caches: &mut impl TagLookup, left: &mut [u32; MAX_CLIENTS]) -> bool {
-        if !look_ups.is_sorted_by_key(|r| r.client) {
+        if caches.clients() > 1 && !look_ups.is_sorted_by_key(|r| r.client) {
             let mut sorted = look_ups.to_vec();
             sorted.sort_by_key(|r| r.client);
             return self.look_up(&sorted, caches, left);
@@ -173,29 +173,32 @@ impl StepRequests {
         let (held, new, first) = (self.held.len(), self.new.len(), self.lines.len());
         let mut last_held = 0;
         // One bit for all lines of equal remainder by 64: usually a line is new, and no other line of the step has its bit.
-        let mut seen = 0;
+        let (mut seen, mut before) = (0, u64::MAX);
         for r in look_ups {
             let (mut line, last) = tags.lines(r.address, r.bytes);
             // Not a range: usually there is one line, and a range checks its end twice.
             loop {
                 let bit = 1_u64 << (line % 64);
-                if seen & bit == 0 || !self.lines[first..].contains(&line) {
+                // Data that lie side by side are often in one line.
+                if line != before && (seen & bit == 0 || !self.lines[first..].contains(&line)) {
                     seen |= bit;
+                    let number = (self.lines.len() - first) as u32;
                     self.lines.push(line);
-                    let found = tags.look_up(line, next + (self.new.len() - new) as u64);
-                    if tags.spreads && !tags.always_hits {
-                        let number = (self.lines.len() - first - 1) as u32;
-                        self.order.push(SpreadLookUp { number, is_miss: found.is_none() });
-                    }
-                    match found {
-                        Some(_) if tags.always_hits => {}
-                        Some(request) => {
-                            self.held.push(request);
-                            last_held = last_held.max(request + 1);
+                    if !tags.always_hits {
+                        let found = tags.look_up(line, next + (self.new.len() - new) as u64);
+                        if tags.spreads {
+                            self.order.push(SpreadLookUp { number, is_miss: found.is_none() });
                         }
-                        None => self.new.push(line),
+                        match found {
+                            Some(request) => {
+                                self.held.push(request);
+                                last_held = last_held.max(request + 1);
+                            }
+                            None => self.new.push(line),
+                        }
                     }
                 }
+                before = line;
                 if line == last || self.lines.len() - first > most as usize {
                     break;
                 }
