@@ -1,7 +1,7 @@
 //! Times of a FIFO: laws 1, 2 and 10.
 
 use super::occupancy::OccupancyHistogram;
-use super::token_times::TokenTimes;
+use super::token_ring::TokenRing;
 use crate::Cycle;
 use crate::capacity::MAX_CLIENTS;
 use crate::netlist::FifoSpec;
@@ -18,8 +18,7 @@ const FIRST_RING: usize = 2 * SWEEP;
 /// Memory of the times of a FIFO, for one run after the other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FifoMemory {
-    ring: Vec<TokenTimes>,
-    awaits: Vec<Cell<[Cycle; MAX_CLIENTS]>>,
+    ring: TokenRing,
     visible: Vec<Cycle>,
     deliveries: Vec<AnsweredDelivery>,
 }
@@ -55,8 +54,7 @@ const PRODUCER: usize = 1;
 /// Two stages act on a FIFO, and each reads several FIFOs while it changes its own clock. Hence the cells.
 #[derive(Clone, Debug)]
 pub(crate) struct FifoTiming {
-    /// Its length is a power of two.
-    ring: Vec<TokenTimes>,
+    ring: TokenRing,
     /// True if the ring has no room for the tokens up to the next settlement.
     must_grow: Cell<bool>,
     depth: usize,
@@ -81,9 +79,6 @@ pub(crate) struct FifoTiming {
     no_pop_before: Cell<Cycle>,
     /// True if values for the consumer or the producer have changed since it last looked.
     news: [Cell<bool>; 2],
-    /// For each token in the ring, the answers that the producer's step waits for, by client (law 9). Empty if the producer has
-    /// no memory client.
-    awaits: Vec<Cell<[Cycle; MAX_CLIENTS]>>,
     occupancy: RefCell<OccupancyHistogram>,
     /// True if delivered tokens are kept.
     keeps_tokens: Cell<bool>,
@@ -93,28 +88,9 @@ pub(crate) struct FifoTiming {
     deliveries: RefCell<Vec<AnsweredDelivery>>,
 }
 
-/// Index of a token in a ring whose length is a power of two.
-#[inline(always)]
-fn place<T>(ring: &[T], number: usize) -> usize {
-    number & ring.len().wrapping_sub(1)
-}
-
-/// Refills memory with this number of equal elements.
-fn all_equal<T: Clone>(mut memory: Vec<T>, length: usize, element: T) -> Vec<T> {
-    memory.clear();
-    memory.resize(length, element);
-    memory
-}
-
 /// Full length of the ring of a FIFO of this depth.
 fn full_ring(depth: usize) -> usize {
     (depth + SWEEP).next_power_of_two()
-}
-
-/// Returns a token of the ring.
-#[inline(always)]
-fn token(ring: &[TokenTimes], number: usize) -> &TokenTimes {
-    &ring[place(ring, number)]
 }
 
 impl FifoTiming {
@@ -123,11 +99,11 @@ impl FifoTiming {
     pub(crate) fn new(&FifoSpec { depth, latency, period, .. }: &FifoSpec, awaits: bool, memory: FifoMemory) -> Self {
         let full = full_ring(depth);
         let tokens = full.min(FIRST_RING);
-        let FifoMemory { ring, awaits: answers, mut visible, mut deliveries } = memory;
+        let FifoMemory { ring, mut visible, mut deliveries } = memory;
         visible.clear();
         deliveries.clear();
         Self {
-            ring: all_equal(ring, tokens, TokenTimes::unused()),
+            ring: TokenRing::in_memory(ring, tokens, awaits),
             must_grow: Cell::new(false),
             depth,
             slots_back: if tokens == full { depth } else { 0 },
@@ -142,7 +118,6 @@ impl FifoTiming {
             no_push_before: Cell::default(),
             no_pop_before: Cell::default(),
             news: Default::default(),
-            awaits: all_equal(answers, if awaits { tokens } else { 0 }, Cell::default()),
             occupancy: OccupancyHistogram::new(depth).into(),
             keeps_tokens: Cell::new(false),
             visible: visible.into(),
@@ -229,7 +204,7 @@ impl FifoTiming {
     /// meaningful while the FIFO is full; unknown while the answer is unknown.
     #[inline]
     pub(crate) fn oldest_awaits(&self, client: usize) -> Cycle {
-        self.awaits.get(place(&self.awaits, self.slot())).map_or(Cycle::ZERO, |answers| answers.get()[client])
+        self.ring.awaits(self.slot()).map_or(Cycle::ZERO, |answers| answers.get()[client])
     }
 
     /// Tokens popped so far.
@@ -240,7 +215,7 @@ impl FifoTiming {
     /// Records until when the next token to be delivered waits for each client's answer.
     #[inline]
     pub(crate) fn set_awaits(&self, answers: [Cycle; MAX_CLIENTS]) {
-        if let Some(awaits) = self.awaits.get(place(&self.awaits, self.delivered.get())) {
+        if let Some(awaits) = self.ring.awaits(self.delivered.get()) {
             awaits.set(answers);
         }
     }
@@ -248,17 +223,17 @@ impl FifoTiming {
     /// Reserves a slot at the start of the step that fills it.
     #[inline(always)]
     pub(crate) fn reserve(&self, start: Cycle) {
-        let (ring, number) = (self.ring.as_slice(), self.pushed.get());
-        let new = token(ring, number);
+        let (ring, number) = (&self.ring, self.pushed.get());
+        let new = ring.token(number);
         new.reserved.set(start);
         new.free.set(Cycle::UNKNOWN);
         // The entry after it is older than the ring.
-        token(ring, number + 1).visible.set(Cycle::UNKNOWN);
-        if let Some(awaits) = self.awaits.get(place(&self.awaits, number)) {
+        ring.token(number + 1).visible.set(Cycle::UNKNOWN);
+        if let Some(awaits) = ring.awaits(number) {
             awaits.set(Default::default());
         }
         self.pushed.set(number + 1);
-        self.room.set(token(ring, self.slot()).free.get());
+        self.room.set(ring.token(self.slot()).free.get());
         if (number + 1).is_multiple_of(SWEEP) {
             self.settle();
         }
@@ -273,7 +248,7 @@ impl FifoTiming {
             visible = Cycle(visible.0.next_multiple_of(self.period));
         }
         let number = self.delivered.get();
-        token(&self.ring, number).visible.set(visible);
+        self.ring.token(number).visible.set(visible);
         if self.keeps_tokens.get() {
             self.keep(delivered, visible);
         }
@@ -290,7 +265,7 @@ impl FifoTiming {
     #[inline(never)]
     fn keep(&self, delivered: Cycle, visible: Cycle) {
         self.visible.borrow_mut().push(visible);
-        let Some(answers) = self.awaits.get(place(&self.awaits, self.delivered.get())).map(Cell::get) else { return };
+        let Some(answers) = self.ring.awaits(self.delivered.get()).map(Cell::get) else { return };
         let last = (1..MAX_CLIENTS).fold(0, |last, client| if answers[client] > answers[last] { client } else { last });
         self.deliveries.borrow_mut().push(AnsweredDelivery { at: delivered, last_client: last as u8 });
     }
@@ -298,10 +273,10 @@ impl FifoTiming {
     /// Pops the front token.
     #[inline(always)]
     pub(crate) fn pop(&self, at: Cycle) {
-        let (ring, number, free) = (self.ring.as_slice(), self.popped.get(), at.after(1));
-        token(ring, number).free.set(free);
+        let (ring, number, free) = (&self.ring, self.popped.get(), at.after(1));
+        ring.token(number).free.set(free);
         self.popped.set(number + 1);
-        self.front.set(token(ring, number + 1).visible.get());
+        self.front.set(ring.token(number + 1).visible.get());
         if number + self.depth == self.pushed.get() {
             self.room.set(free);
             self.news[PRODUCER].set(true);
@@ -339,23 +314,19 @@ impl FifoTiming {
 
     #[cold]
     fn double(&mut self) -> bool {
-        let tokens = 2 * self.ring.len();
-        self.ring.resize(tokens, TokenTimes::unused());
-        if !self.awaits.is_empty() {
-            self.awaits.resize(tokens, Cell::default());
-        }
-        if tokens == full_ring(self.depth) {
+        self.ring.double();
+        if self.ring.len() == full_ring(self.depth) {
             self.slots_back = self.depth;
         }
         self.must_grow.set(false);
-        self.room.set(token(&self.ring, self.slot()).free.get());
+        self.room.set(self.ring.token(self.slot()).free.get());
         true
     }
 
     /// Returns the memory of its times, for the next run.
     pub(super) fn into_memory(self) -> FifoMemory {
         let (visible, deliveries) = (self.visible.into_inner(), self.deliveries.into_inner());
-        FifoMemory { ring: self.ring, awaits: self.awaits, visible, deliveries }
+        FifoMemory { ring: self.ring, visible, deliveries }
     }
 
     /// See [`OccupancyHistogram::count_nothing`].
@@ -365,7 +336,7 @@ impl FifoTiming {
 
     /// Forgets the answers that the steps of tokens wait for.
     pub(crate) fn forget_awaits(&mut self) {
-        self.awaits.clear();
+        self.ring.forget_awaits();
     }
 
     /// See [`OccupancyHistogram::keep_fills`].
@@ -402,7 +373,7 @@ impl FifoTiming {
     /// Counts the slots in use in cycle `now`, after the actions of that cycle: law 10 taken literally.
     pub(crate) fn count_held(&self, now: Cycle) {
         // A slot popped in this cycle is in use until its end.
-        let last = self.popped.get().checked_sub(1).map(|last| token(&self.ring, last).free.get());
+        let last = self.popped.get().checked_sub(1).map(|last| self.ring.token(last).free.get());
         let held = self.len() + usize::from(last == Some(now + 1));
         self.occupancy.borrow_mut().count(held, now);
     }

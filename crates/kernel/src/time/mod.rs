@@ -17,7 +17,7 @@ mod stage_clock;
 mod stage_cursor;
 mod stage_visit;
 mod step_timing;
-mod token_times;
+mod token_ring;
 
 pub(crate) use compact_step::CompactStep;
 pub(crate) use fifo_timing::{FifoMemory, FifoTiming};

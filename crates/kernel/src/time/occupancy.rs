@@ -1,6 +1,6 @@
 //! Occupancy of a FIFO (law 10): slots reserved or filled, from reservation through pop.
 
-use super::token_times::TokenTimes;
+use super::token_ring::{TokenRing, TokenTimes};
 use crate::Cycle;
 
 /// Histogram of one FIFO's occupancy.
@@ -83,7 +83,7 @@ impl OccupancyHistogram {
     }
 
     /// Settles all events that can be settled. `pushed`, `popped`: numbers of tokens.
-    pub(crate) fn settle(&mut self, ring: &[TokenTimes], pushed: usize, popped: usize) {
+    pub(crate) fn settle(&mut self, ring: &TokenRing, pushed: usize, popped: usize) {
         if self.counted.is_some() || self.is_off {
             return;
         }
@@ -98,9 +98,19 @@ impl OccupancyHistogram {
     }
 
     #[inline(always)]
-    fn merge(&mut self, ring: &[TokenTimes], pushed: usize, popped: usize, mut hold: impl FnMut(Cycle, usize)) {
-        let mask = ring.len() - 1;
-        let (mut push, mut pop, mut held, mut now) = (self.push, self.pop, self.held, self.settled_to);
+    fn merge(&mut self, ring: &TokenRing, pushed: usize, popped: usize, mut hold: impl FnMut(Cycle, usize)) {
+        while self.push < pushed && self.pop < popped {
+            self.merge_runs(ring.run(self.push, pushed), ring.run(self.pop, popped), &mut hold);
+        }
+    }
+
+    /// Settles the events of two runs in order of time, until one of them ends.
+    #[inline(always)]
+    fn merge_runs(&mut self, pushes: &[TokenTimes], pops: &[TokenTimes], hold: &mut impl FnMut(Cycle, usize)) {
+        let mut next_pushes = pushes.iter().map(|token| token.reserved.get());
+        let mut next_pops = pops.iter().map(|token| token.free.get());
+        let (Some(mut push), Some(mut pop)) = (next_pushes.next(), next_pops.next()) else { return };
+        let (mut held, mut now) = (self.held, self.settled_to);
         let mut change = |to: Cycle, by: isize| {
             self.histogram[held] += to.0 - now.0;
             now = to;
@@ -110,26 +120,25 @@ impl OccupancyHistogram {
         // In one cycle a slot may be freed and another reserved; the level in between lasts 0 cycles. The free slot counts first,
         // because it is in use until the end of the cycle, so the level never exceeds the depth. Usually pushes and pops
         // alternate, which a branch predictor foresees. Without a branch every event would wait for the previous times.
-        while push < pushed && pop < popped {
-            let free = ring[pop & mask].free.get();
-            while push < pushed && ring[push & mask].reserved.get() < free {
-                change(ring[push & mask].reserved.get(), 1);
-                push += 1;
+        let unsettled = 'events: loop {
+            while push < pop {
+                change(push, 1);
+                let Some(next) = next_pushes.next() else { break 'events [0, 1] };
+                push = next;
             }
-            if push == pushed {
-                break;
+            while pop <= push {
+                change(pop, -1);
+                let Some(next) = next_pops.next() else { break 'events [1, 0] };
+                pop = next;
             }
-            let reserved = ring[push & mask].reserved.get();
-            while pop < popped && ring[pop & mask].free.get() <= reserved {
-                change(ring[pop & mask].free.get(), -1);
-                pop += 1;
-            }
-        }
-        (self.push, self.pop, self.held, self.settled_to) = (push, pop, held, now);
+        };
+        (self.held, self.settled_to) = (held, now);
+        self.push += pushes.len() - next_pushes.len() - unsettled[0];
+        self.pop += pops.len() - next_pops.len() - unsettled[1];
     }
 
     /// Settles the rest of a run of `total` cycles.
-    pub(crate) fn finish(&mut self, ring: &[TokenTimes], pushed: usize, popped: usize, total: Cycle) -> Vec<u64> {
+    pub(crate) fn finish(&mut self, ring: &TokenRing, pushed: usize, popped: usize, total: Cycle) -> Vec<u64> {
         if let Some((held, last)) = self.counted {
             // The ticked engine detects the end of a run one cycle late.
             self.histogram[held] -= (last + 1).since(total);
@@ -139,15 +148,14 @@ impl OccupancyHistogram {
             return vec![];
         }
         self.settle(ring, pushed, popped);
-        let token = |number: usize| &ring[number & (ring.len() - 1)];
         for push in self.push..pushed {
-            let at = token(push).reserved.get();
+            let at = ring.token(push).reserved.get();
             self.advance(at);
             self.held += 1;
             self.hold(at);
         }
         for pop in self.pop..popped {
-            let at = token(pop).free.get();
+            let at = ring.token(pop).free.get();
             self.advance(at.min(total));
             self.held -= 1;
             self.hold(at);
