@@ -24,39 +24,50 @@ pub(super) fn scatter(x: i64, y: i64, seed: u32) -> f64 {
     f64::from(h) / 4_294_967_296.0
 }
 
-/// Smooth noise of several scales, 0..1. It holds the numbers at the points of its lattices, because hashing them for every texel took most
-/// of the time of a texture.
+/// Smooth noise of several scales, 0..1.
 pub(super) struct Noise {
-    /// Side of each lattice, and its numbers row by row; the coarsest first.
-    lattices: [(usize, Vec<f64>); 4],
+    /// The coarsest first.
+    lattices: [Lattice; 4],
 }
 
 impl Noise {
     /// Noise with `cells` cells per side of the coarsest lattice.
     pub(super) fn new(cells: usize, seed: u32) -> Self {
-        let lattice = |k: u32| {
-            let side = cells << k;
-            let row = |y: usize| (0..side).map(move |x| scatter(x as i64, y as i64, seed + k));
-            (side, (0..side).flat_map(row).collect())
-        };
-        Self { lattices: std::array::from_fn(|k| lattice(k as u32)) }
+        Self { lattices: [0, 1, 2, 3].map(|k| Lattice::new(cells << k, seed + k)) }
     }
 
     /// Returns the noise at a point.
     pub(super) fn at(&self, u: f64, v: f64) -> f64 {
-        let scaled =
-            |(k, (side, numbers)): (usize, &(usize, Vec<f64>))| interpolated(*side, numbers, u, v) / f64::from(2u32 << k);
-        self.lattices.iter().enumerate().map(scaled).sum::<f64>() / 0.9375
+        let weights = [0.5, 0.25, 0.125, 0.0625];
+        self.lattices.iter().zip(weights).map(|(lattice, weight)| lattice.at(u, v) * weight).sum::<f64>() / 0.9375
     }
 }
 
-/// Interpolates the numbers of a lattice that repeats.
-fn interpolated(side: usize, numbers: &[f64], u: f64, v: f64) -> f64 {
-    let ((i, x), (j, y)) = (lattice_place(u, side), lattice_place(v, side));
-    let (fx, fy) = (ease(x), ease(y));
-    let next = |place: usize| if place + 1 < side { place + 1 } else { 0 };
-    let row = |j: usize| numbers[j * side + i] + (numbers[j * side + next(i)] - numbers[j * side + i]) * fx;
-    row(j) + (row(next(j)) - row(j)) * fy
+/// Numbers at the points of a lattice that repeats. Hashing them for every texel took most of the time of a texture.
+struct Lattice {
+    side: usize,
+    /// Row by row. The first number of a row also ends it, and the first row also ends the lattice.
+    numbers: Vec<f64>,
+}
+
+impl Lattice {
+    fn new(side: usize, seed: u32) -> Self {
+        let number = |y: usize, x: usize| scatter((x % side) as i64, (y % side) as i64, seed);
+        Self { side, numbers: (0..=side).flat_map(|y| (0..=side).map(move |x| number(y, x))).collect() }
+    }
+
+    /// Interpolates between the four numbers around a point.
+    fn at(&self, u: f64, v: f64) -> f64 {
+        let ((i, x), (j, y)) = (lattice_place(u, self.side), lattice_place(v, self.side));
+        let (fx, fy) = (ease(x), ease(y));
+        let first = j * (self.side + 1) + i;
+        let row = |at: usize| {
+            let [left, right] = [self.numbers[at], self.numbers[at + 1]];
+            left + (right - left) * fx
+        };
+        let (near, far) = (row(first), row(first + self.side + 1));
+        near + (far - near) * fy
+    }
 }
 
 /// Returns the lattice point before a place, and the distance from it. `side`: lattice points per 1.
