@@ -50,7 +50,7 @@ pub(super) fn run_stored_steps<P: Probe, W: StepSource, E>(
         if walk.goes_on() {
             continue;
         }
-        if !walk.needs_more_steps {
+        if !walk.round.needs_more_steps {
             return Ok(());
         }
         read_more(walk.time, sources)?;

@@ -65,10 +65,10 @@ fn compute_times<'a>(
     let mut stopped = feed(queues, batches).unwrap_or(true);
     let mut walk = RunAhead::new(time, probe, u64::MAX, recording);
     let after_round = |walk: &mut RunAhead<'_, NoProbe>, queues: &mut [BatchedSteps]| {
-        if let Some(fault) = walk.fault.take() {
+        if let Some(fault) = walk.round.fault.take() {
             return Err(StopReason::Fault(fault));
         }
-        ActiveRecording::keep_chunk(&mut walk.recording, || queue_states(queues));
+        ActiveRecording::keep_chunk(&mut walk.round.recording, || queue_states(queues));
         Ok(())
     };
     let ended = run_stored_steps(&mut walk, queues, after_round, |_, queues| {

@@ -16,8 +16,8 @@ struct ProbedRound<'w, 'a, SomeProbe>(&'w mut RunAhead<'a, SomeProbe>);
 impl<SomeProbe: Probe> Visitor for ProbedRound<'_, '_, SomeProbe> {
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
-        let number = self.0.stage;
-        self.0.stage += 1;
+        let number = self.0.round.stage;
+        self.0.round.stage += 1;
         let mut steps = UnitSteps::new(stage, connections);
         advance(self.0, number, &mut steps.behind_pointer());
     }

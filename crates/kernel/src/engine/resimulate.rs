@@ -280,10 +280,10 @@ fn timed_again<P: Probe>(
         }
     };
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
-    walk.path = path;
+    walk.round.path = path;
     run_stored_steps(&mut walk, &mut readers, after_round, |time, readers| feed(readers, chunks, time))?;
-    let halt = if walk.limited { StopReason::Limit(max_cycles) } else { StopReason::Quiet };
-    let path = walk.path;
+    let halt = if walk.round.limited { StopReason::Limit(max_cycles) } else { StopReason::Quiet };
+    let path = walk.round.path;
     time.land_all();
     let rest = |reader: &RecordingReader| FinalUnitState {
         demand: reader.demand().unwrap_or(Demand::Finished),
@@ -302,16 +302,16 @@ fn timed_again<P: Probe>(
 
 /// Ends a round: reports what a reader or a stage found wrong.
 fn after_round<P: Probe>(walk: &mut RunAhead<'_, P>, readers: &mut [RecordingReader]) -> Result<(), ResimulateError> {
-    if let Some(fault) = walk.fault.take() {
+    if let Some(fault) = walk.round.fault.take() {
         return Err(ResimulateError::Fault(fault));
     }
     if let Some(error) = readers.iter_mut().find_map(|reader| reader.error.take()) {
         return Err(error.into());
     }
-    if walk.path.as_ref().is_some_and(|path| !path.has_all()) {
+    if walk.round.path.as_ref().is_some_and(|path| !path.has_all()) {
         readers.iter_mut().for_each(|reader| reader.keep_steps(false));
     }
-    walk.time.show_fills(walk.probe, None);
+    walk.time.show_fills(walk.round.probe, None);
     Ok(())
 }
 

@@ -73,7 +73,7 @@ impl Visitor for TickedCycle<'_> {
         if clock.free > self.now || (demand == Demand::Finished && clock.released() <= self.now) {
             return;
         }
-        self.time.grow_outputs::<AnyArity>(number);
+        self.time.grow_outputs(number);
         if self.time.next_start(number, demand) <= self.now {
             let mut steps = UnitSteps::new(stage, connections);
             self.execute_step(number, demand, &mut steps.behind_pointer());

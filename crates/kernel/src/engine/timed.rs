@@ -58,13 +58,19 @@ use super::context::{ActiveRecording, RunLimits, fault_of, report_progress};
 use super::step_source::{StepSource, UnitSteps};
 use crate::bound_stage::BoundStage;
 use crate::machine::{Machine, Visitor};
+use crate::netlist::Netlist;
 use crate::probe::NoProbe;
-use crate::time::{InputMask, MachineTiming, PathTracer, StageArity, StopReason};
+use crate::time::{InputMask, MachineTiming, PathTracer, StageArity, StageVisit, StopReason};
 use crate::{Cycle, MemoryPorts, Probe};
 
 /// One round over all stages.
 pub(super) struct RunAhead<'a, SomeProbe> {
     pub(super) time: &'a mut MachineTiming,
+    pub(super) round: Round<'a, SomeProbe>,
+}
+
+/// What a round needs beside the times, and what it finds.
+pub(super) struct Round<'a, SomeProbe> {
     pub(super) probe: &'a mut SomeProbe,
     traffic: MemoryPorts,
     end: Cycle,
@@ -94,8 +100,7 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
         let (promises, accounts_for) = (time.memories.has_any(), time.accounts_for);
         let (traffic, end, fault) = (MemoryPorts::default(), Cycle(max_cycles), None);
         let (stage, moved, limited, needs_more_steps) = (0, false, false, false);
-        Self {
-            time,
+        let round = Round {
             probe,
             traffic,
             end,
@@ -108,27 +113,65 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
             accounts_for,
             recording,
             path: None,
-        }
+        };
+        Self { time, round }
     }
 
     /// Begins a round.
     pub(super) fn begin(&mut self) {
-        (self.stage, self.moved, self.limited, self.needs_more_steps) = (0, false, false, false);
+        let Round { stage, moved, limited, needs_more_steps, .. } = &mut self.round;
+        (*stage, *moved, *limited, *needs_more_steps) = (0, false, false, false);
     }
 
     /// Ends a round: memories serve what is promised or safe. Returns true if anything moved.
     pub(super) fn goes_on(&mut self) -> bool {
-        let served = self.time.memories.serve_promised();
-        self.moved || served || (!self.needs_more_steps && self.time.memories.serve_safe())
+        let Self { time, round } = self;
+        let served = time.memories.serve_promised();
+        round.moved || served || (!round.needs_more_steps && time.memories.serve_safe())
+    }
+
+    /// Advances a stage as far as possible.
+    #[inline(always)]
+    pub(super) fn advance<K: StageArity, W: StepSource>(&mut self, number: usize, work: &mut W) {
+        let Self { time, round } = self;
+        let (mut visit, mut shape) = time.visit::<K>(number);
+        if !visit.has_news::<K>() {
+            return;
+        }
+        round.moved |= visit.deliver_known_steps::<K>();
+        loop {
+            let takes = round.fire_known::<K, W>(&mut visit, shape, work);
+            if visit.must_grow::<K>() {
+                time.grow_outputs(number);
+                (visit, shape) = time.visit::<K>(number);
+                continue;
+            }
+            round.moved |= visit.deliver_known_steps::<K>();
+            if !round.promises {
+                break;
+            }
+            let start = visit.promise::<K>(takes);
+            if !visit.serve_private::<K>(start) && !visit.serve_awaited::<K>() {
+                break;
+            }
+            round.moved = true;
+            visit.deliver_known_steps::<K>();
+        }
+        visit.end_visit::<K>();
     }
 }
 
-impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
+impl<SomeProbe: Probe> Round<'_, SomeProbe> {
     /// Executes all steps of a stage whose starts are known.
     #[inline(always)]
-    fn fire_known<K: StageArity, W: StepSource>(&mut self, number: usize, work: &mut W) -> InputMask {
-        let Self { time, probe, traffic, recording, path, accounts_for, .. } = self;
-        let (mut visit, shape) = time.visit::<K>(number);
+    fn fire_known<K: StageArity, W: StepSource>(
+        &mut self,
+        visit: &mut StageVisit<'_>,
+        shape: &Netlist,
+        work: &mut W,
+    ) -> InputMask {
+        let Self { probe, traffic, recording, path, accounts_for, .. } = self;
+        let number = visit.stage;
         loop {
             let (declared, takes) = work.next();
             let at = visit.next_start::<K>(takes);
@@ -149,11 +192,11 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             if SomeProbe::is_on() {
                 work.report_step(number, declared, &made, traffic, &mut **probe);
             }
-            W::trace::<K>(path, &visit, at, takes, made.marked);
+            W::trace::<K>(path, visit, at, takes, made.marked);
             if work.is_silent(traffic) {
                 visit.step::<K>(at, takes, &made);
             } else {
-                let asks = work.requests(traffic, &mut visit);
+                let asks = work.requests(traffic, visit);
                 visit.step_asking::<K>(at, takes, &made, asks);
             }
             if let Some(recording) = recording {
@@ -175,42 +218,14 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             }
         }
     }
-
-    /// Advances a stage as far as possible.
-    #[inline(always)]
-    pub(super) fn advance<K: StageArity, W: StepSource>(&mut self, number: usize, work: &mut W) {
-        let (mut visit, _) = self.time.visit::<K>(number);
-        if !visit.has_news::<K>() {
-            return;
-        }
-        self.moved |= visit.deliver_known_steps::<K>();
-        loop {
-            let takes = self.fire_known::<K, W>(number, work);
-            if self.time.grow_outputs::<K>(number) {
-                continue;
-            }
-            let (mut visit, _) = self.time.visit::<K>(number);
-            self.moved |= visit.deliver_known_steps::<K>();
-            if !self.promises {
-                break;
-            }
-            let start = visit.promise::<K>(takes);
-            if !visit.serve_private::<K>(start) && !visit.serve_awaited::<K>() {
-                break;
-            }
-            self.moved = true;
-            visit.deliver_known_steps::<K>();
-        }
-        self.time.visit::<K>(number).0.end_visit::<K>();
-    }
 }
 
 impl Visitor for RunAhead<'_, NoProbe> {
     #[inline]
     fn stage<P: BoundStage>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
-        let number = self.stage;
-        self.stage += 1;
+        let number = self.round.stage;
+        self.round.stage += 1;
         let work = &mut UnitSteps::new(stage, connections);
         self.advance::<UnitSteps<'_, P::Unit, P::Inputs, P::Outputs, P::Clients>, _>(number, work);
     }
@@ -237,19 +252,19 @@ pub(super) fn run_rounds<'a, M: Machine, P: Probe>(
     for number in 1_u64.. {
         walk.begin();
         round(machine, &mut walk);
-        if let Some(fault) = walk.fault {
+        if let Some(fault) = walk.round.fault {
             return StopReason::Fault(fault);
         }
         if !walk.goes_on() {
             break;
         }
-        walk.time.show_fills(walk.probe, None);
+        walk.time.show_fills(walk.round.probe, None);
         if (number.is_multiple_of(16) || machine.has_news())
-            && !report_progress(machine, walk.time, &mut walk.recording, limits.progress)
+            && !report_progress(machine, walk.time, &mut walk.round.recording, limits.progress)
         {
             return StopReason::Stopped;
         }
     }
     walk.time.land_all();
-    if walk.limited { StopReason::Limit(limits.max_cycles) } else { StopReason::Quiet }
+    if walk.round.limited { StopReason::Limit(limits.max_cycles) } else { StopReason::Quiet }
 }

@@ -306,21 +306,28 @@ impl FifoTiming {
         }
     }
 
-    /// Doubles the ring if it must grow. Returns true if so: then pushes are possible again. Its producer asks after each visit.
+    /// Returns true if no push is possible until the ring has [grown](FifoTiming::grow). Its producer asks after each visit.
     #[inline(always)]
-    pub(crate) fn grow(&mut self) -> bool {
-        self.must_grow.get() && self.double()
+    pub(crate) fn must_grow(&self) -> bool {
+        self.must_grow.get()
+    }
+
+    /// Doubles the ring if it must grow. Then pushes are possible again.
+    #[inline]
+    pub(crate) fn grow(&mut self) {
+        if self.must_grow() {
+            self.double();
+        }
     }
 
     #[cold]
-    fn double(&mut self) -> bool {
+    fn double(&mut self) {
+        self.must_grow.set(false);
         self.ring.double();
         if self.ring.len() == full_ring(self.depth) {
             self.slots_back = self.depth;
         }
-        self.must_grow.set(false);
         self.room.set(self.ring.token(self.slot()).free.get());
-        true
     }
 
     /// Returns the memory of its times, for the next run.

@@ -90,12 +90,10 @@ impl MachineTiming {
         (StageVisit { stage, clock, account, fifos, memories, inputs, outputs }, shape)
     }
 
-    /// Makes room for the times of further tokens on the outputs of a stage. Returns true if that was necessary: the stage may have
-    /// stopped for it.
-    #[inline(always)]
-    pub(crate) fn grow_outputs<K: StageArity>(&mut self, stage: usize) -> bool {
+    /// Makes room for the times of further tokens on the outputs of a stage, where that is necessary.
+    pub(crate) fn grow_outputs(&mut self, stage: usize) {
         let outputs = self.stages[stage].outputs;
-        (0..outputs.count(K::OUTPUTS)).fold(false, |any, i| self.fifos[outputs.at(i)].grow() | any)
+        outputs.of(outputs.all()).for_each(|(_, fifo)| self.fifos[fifo].grow());
     }
 
     /// Records FIFO levels and memory events, if the probe reads them.

@@ -11,7 +11,7 @@ use crate::{Cycle, CycleAccount, MemoryClients, MemoryPorts, MemorySystem, Probe
 
 /// A stage with mutable timing state.
 pub(crate) struct StageVisit<'a> {
-    pub(super) stage: usize,
+    pub(crate) stage: usize,
     pub(crate) clock: &'a mut StageClock,
     pub(super) account: &'a mut CycleAccount,
     pub(super) fifos: &'a [FifoTiming],
@@ -37,6 +37,14 @@ impl StageVisit<'_> {
         inputs.each(inputs.all(K::INPUTS), K::INPUTS, |_, fifo| news |= fifo.has_news_for_consumer());
         outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |_, fifo| news |= fifo.has_news_for_producer());
         news || (K::HAS_MEMORY && clock.served != memories.served_of(&clock.clients))
+    }
+
+    /// Returns true if the stage may have stopped because an output must [grow](FifoTiming::grow).
+    #[inline(always)]
+    pub(crate) fn must_grow<K: StageArity>(&self) -> bool {
+        let mut must_grow = false;
+        self.outputs.each(self.outputs.all(K::OUTPUTS), K::OUTPUTS, |_, fifo| must_grow |= fifo.must_grow());
+        must_grow
     }
 
     /// Ends the visit. Requests served by now are not news.
