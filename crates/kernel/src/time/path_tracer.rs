@@ -50,6 +50,7 @@ pub(super) struct TracedStage {
 }
 
 impl TracedStage {
+    #[inline(always)]
     fn push(&mut self, start: Cycle, bound_by: StartTerm) {
         let after = start.since(self.last);
         if after >= FAR.into() {
