@@ -57,6 +57,7 @@ fn image_size_and_frame_count_are_bounded() {
     {
         run(&place, line).error(2);
     }
+    assert!(run(&place, "demo --size -640x480").error(2).contains("expected WIDTHxHEIGHT"), "a minus is no other option");
     let huge = r#"{"begin":{"format":"basrelief-display-list","version":1,"width":16384,"height":16384,"generator":"x"}}"#;
     fs::write(place.path("t.jsonl"), format!("{huge}\n{{\"end\":{{\"commands\":1}}}}\n")).expect("written");
     assert!(run(&place, "run t.jsonl").error(1).contains("t.jsonl: line 1"), "size");

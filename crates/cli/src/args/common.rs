@@ -53,7 +53,7 @@ pub struct MachineArgs {
 #[command(next_help_heading = "View (scenes only: a trace has its own view)")]
 pub struct ViewArgs {
     /// Image size [pixels; default: 640x480].
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Camera file (JSON): view_projection (row-major, clip = M [x y z 1]^T), to_light, to_viewer.
     #[arg(long, value_name = "FILE")]
