@@ -25,7 +25,7 @@ impl Comparison {
         if worst.percent > 0.0 {
             parts.push(format!("Largest regression: {}, {}.", worst.what, worst.size()));
         } else if unjudged.is_empty() && !self.equal {
-            parts.push("Nothing got worse.".into());
+            parts.push("No regression in cycles, bytes or quality.".into());
         }
         parts.join("\n\n") + "\n"
     }

@@ -146,7 +146,7 @@ mod tests {
     fn unjudged(change: impl FnOnce(&mut Report)) -> Vec<String> {
         let comparison = changed(change);
         assert!(!comparison.failures(f64::MAX).is_empty(), "no limit lets them pass");
-        assert!(!comparison.to_text(crate::TextStyle::default()).contains("Nothing got worse"));
+        assert!(!comparison.to_text(crate::TextStyle::default()).contains("No regression"));
         comparison.verdict.unjudged.into_iter().map(|u| format!("{}: {}", u.figure, u.reason)).collect()
     }
 
