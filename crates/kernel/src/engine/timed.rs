@@ -69,7 +69,7 @@ pub(super) struct RunAhead<'a, SomeProbe> {
     pub(super) round: Round<'a, SomeProbe>,
 }
 
-/// What a round needs beside the times, and what it finds.
+/// A round apart from the times: its limits, its outputs, and its findings so far.
 pub(super) struct Round<'a, SomeProbe> {
     pub(super) probe: &'a mut SomeProbe,
     traffic: MemoryPorts,
