@@ -20,14 +20,14 @@ mod progress;
 mod terminal;
 mod views;
 
-use clap::{CommandFactory, FromArgMatches};
+use clap::FromArgMatches;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let _start = clock::seconds();
     let (arguments, notes) = legacy::current_names(std::env::args_os());
     let color = args::ColorMode::find(arguments.iter().filter_map(|arg| arg.to_str()));
-    let parsed = args::Cli::command().color(color.into()).get_matches_from(arguments);
+    let parsed = args::command().color(color.into()).get_matches_from(arguments);
     let cli = args::Cli::from_arg_matches(&parsed).unwrap_or_else(|error| error.exit());
     notes.iter().for_each(|note| terminal::print_note(note));
     let global = global::GlobalOptions::new(&cli);

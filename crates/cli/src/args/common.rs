@@ -69,14 +69,14 @@ pub struct ViewArgs {
     pub frames: Option<u32>,
     /// Rotates the camera about the model by this angle over all frames (degrees). Frame k of N, from 0, has turned by k / N of
     /// it, so one frame alone does not turn.
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, value_name = "DEGREES", value_parser = finite)]
     pub orbit: Option<f64>,
     /// Direction to the light in world space; replaces the lights of the scene.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
     pub light: Option<[f64; 3]>,
     /// Rotates the light about the vertical axis by this angle over all frames (degrees). Frame k of N, from 0, has turned by k
     /// / N of it, so one frame alone does not turn.
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, value_name = "DEGREES", value_parser = finite)]
     pub light_orbit: Option<f64>,
     /// View file (TOML or JSON) with one frame per view: `views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit = 30 }]`. Each view
     /// overrides camera, turn, zoom, orbit, light and light_orbit of the command line. `at_ms` is the time at which the user changes

@@ -18,7 +18,7 @@ pub use run::{DemoArgs, PageArgs, ResimulateArgs, RunArgs, ServeArgs, SizeFifosA
 pub use sweep::{ExploreArgs, PlanArgs, SweepArgs};
 
 use basrelief_input::{ByteSize, MemoryPool};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Cycle-level simulator of four patented shading devices: cycles, bottlenecks, memory traffic and image quality.
 #[derive(Debug, Parser)]
@@ -84,26 +84,48 @@ pub enum Command {
     Serve(ServeArgs),
 }
 
+/// Returns the definition of the command line. A negative number after an option is its value, so that the message about it names the
+/// option.
+pub fn command() -> clap::Command {
+    taking_negative_numbers(Cli::command())
+}
+
+fn taking_negative_numbers(command: clap::Command) -> clap::Command {
+    let option = |arg: clap::Arg| {
+        let is_option = !arg.is_positional() && arg.get_action().takes_values();
+        if is_option { arg.allow_negative_numbers(true) } else { arg }
+    };
+    command.mut_args(option).mut_subcommands(taking_negative_numbers)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn command_line_is_consistent() {
-        Cli::command().debug_assert();
+        command().debug_assert();
     }
 
     #[test]
     fn dash_is_no_output_file() {
         for option in ["--html", "--timeline", "--waves", "--tokens", "--rtl", "--recording"] {
-            let parse = |path| Cli::command().try_get_matches_from(["basrelief", "demo", option, path]);
+            let parse = |path| command().try_get_matches_from(["basrelief", "demo", option, path]);
             let error = parse("-").unwrap_err();
             assert!(error.to_string().contains("expected a file (`./-` for a file called `-`)"), "{error}");
             assert!(parse("./-").is_ok(), "{option}");
         }
         for command in [["resimulate", "out", "--html", "-"].as_slice(), &["compare", "a", "b", "--html", "-"]] {
-            assert!(Cli::command().try_get_matches_from([&["basrelief"], command].concat()).is_err(), "{command:?}");
+            assert!(super::command().try_get_matches_from([&["basrelief"], command].concat()).is_err(), "{command:?}");
+        }
+    }
+
+    #[test]
+    fn negative_number_belongs_to_the_option_before_it() {
+        for line in ["demo --frames -1", "demo --max-cycles -5", "demo --memory-limit -1"] {
+            let words = ["basrelief"].into_iter().chain(line.split(' '));
+            let error = command().try_get_matches_from(words).unwrap_err().to_string();
+            assert!(error.contains("invalid value '-"), "{line}: {error}");
         }
     }
 }

@@ -1,13 +1,13 @@
 //! `basrelief completions` and `basrelief man`, both from the definition of the command line.
 
-use crate::args::{Cli, CompletionsArgs, ManArgs};
+use crate::args::{self, CompletionsArgs, ManArgs};
 use crate::error::{CommandError, CommandResult, print};
-use clap::{Command, CommandFactory};
+use clap::Command;
 
 /// Prints the completions for a shell.
 pub fn completions(args: &CompletionsArgs) -> CommandResult {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "basrelief", &mut script);
+    clap_complete::generate(args.shell, &mut args::command(), "basrelief", &mut script);
     print_bytes(&script)
 }
 
@@ -22,7 +22,7 @@ pub fn man(args: &ManArgs) -> CommandResult {
 
 /// Returns the program, or its subcommand under the name that manual pages have: `basrelief-run`.
 fn documented(name: Option<&str>) -> CommandResult<Command> {
-    let mut program = Cli::command();
+    let mut program = args::command();
     program.build();
     let Some(name) = name else { return Ok(program) };
     let commands = program.get_subcommands().map(Command::get_name).collect::<Vec<_>>().join(", ");
