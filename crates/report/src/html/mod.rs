@@ -38,7 +38,7 @@ use crate::text::{
     costs as cost_tables, hardware as hardware_tables, sections as text_sections, sensitivity as sensitivity_tables,
 };
 use crate::work;
-use markup::{Html, details, el, el_text};
+use markup::{Html, details, el, el_text, sentence};
 use page::POLICY;
 
 pub use crate::text::Align;
@@ -115,7 +115,7 @@ fn el_list(items: &[String]) -> Html {
     if items.is_empty() {
         return Html::default();
     }
-    el("ul", &[("class", "warnings")], items.iter().map(|item| el_text("li", "", item)))
+    el("ul", &[("class", "warnings")], items.iter().map(|item| el("li", &[], [sentence(item)])))
 }
 
 /// Sensitivity to assumed parameters.
@@ -189,7 +189,8 @@ fn counts_table(report: &Report) -> Html {
     let row = |row: &Vec<String>| {
         let legend = row.first().and_then(|name| report.legend.get(name));
         let [unit, about] = legend.map_or_else(Default::default, |legend| [legend.unit.as_str(), legend.about.as_str()]);
-        row.iter().map(String::as_str).chain([unit, about]).map(markup::text).collect()
+        let cells = row.iter().map(String::as_str).chain([unit]).map(markup::text);
+        cells.chain([sentence(about)]).collect()
     };
     let columns = [("figure", Align::Left), ("", Align::Right), ("unit", Align::Left), ("description", Align::Left)];
     table::with_cells("Counts", &columns, table.rows().iter().map(row).collect())

@@ -1,7 +1,7 @@
 //! Pictures of the last frame.
 
 use super::head::data_url;
-use super::markup::{Html, el, el_text, text};
+use super::markup::{Html, el, el_text, sentence, text};
 use crate::model::Report;
 
 /// A picture on the page.
@@ -37,8 +37,11 @@ fn figure(report: &Report, picture: &PagePicture) -> Html {
 /// Returns the colour scale from zero to the largest difference.
 fn scale(largest: u8) -> Html {
     let says = format!(
-        "scaled to the largest difference in this picture: black is 0, full red, green or blue is {largest} of 255 steps"
+        "scaled to the largest difference in this picture; `difference.png` of a run is amplified eight times instead. \
+         Black is 0, full red, green or blue is {largest} of 255 steps."
     );
     let ends = [el_text("span", "", "0"), el("span", &[("class", "ramp")], []), el_text("span", "", largest.to_string())];
-    [el_text("span", "says", says), el("span", &[("class", "scale"), ("aria-hidden", "true")], ends)].into_iter().collect()
+    [el("span", &[("class", "says")], [sentence(&says)]), el("span", &[("class", "scale"), ("aria-hidden", "true")], ends)]
+        .into_iter()
+        .collect()
 }
