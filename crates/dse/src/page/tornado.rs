@@ -36,15 +36,17 @@ fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
         let share = |x: f64| if high > low { (x - low) / (high - low) * 1000.0 } else { 0.0 };
         let (from, to) = (share(least.mean), share(most.mean));
         let shape = rect("amount", [from, 0.0, (to - from).max(2.0), 10.0], "");
-        let says = format!("from {} at {} to {} at {}", rounded(least.mean), least.label, rounded(most.mean), most.label);
+        let is_flat = effect.mean_range() == 0.0;
+        let [at_least, at_most] = [least, most].map(|level| if is_flat { "all values" } else { level.label.as_str() });
+        let says = format!("from {} at {at_least} to {} at {at_most}", rounded(least.mean), rounded(most.mean));
         vec![
             breakable(&sweep.table.columns[effect.axis].name),
             svg("bar", (1000.0, 10.0), &says, "none", shape),
             text(rounded(effect.mean_range())),
             text(rounded(least.mean)),
-            text(&least.label),
+            text(at_least),
             text(rounded(most.mean)),
-            text(&most.label),
+            text(at_most),
             text(rounded(effect.best_moved())),
         ]
     });
