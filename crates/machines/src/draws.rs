@@ -1,11 +1,11 @@
 //! Interface of every machine.
 
+use crate::engines::MachineEngines;
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::Machine;
-use basrelief_kernel::stats::{UnitStats, unit_stats};
+use basrelief_kernel::stats::UnitStats;
 
 /// A machine that finishes pictures.
-pub trait PictureMachine: Machine {
+pub trait PictureMachine: MachineEngines {
     /// Returns the finished pictures in the frame buffer.
     fn finished(&mut self) -> &mut Vec<FinishedFrame>;
     /// Adds figures that depend on several units or on the configuration.
@@ -20,11 +20,8 @@ pub trait PictureMachine: Machine {
     }
 
     /// Returns the statistics of the units in the order of the wiring, then the derived figures. Must be called after a run.
-    fn facts(&mut self) -> UnitStats
-    where
-        Self: Sized,
-    {
-        let mut facts = unit_stats(self);
+    fn facts(&mut self) -> UnitStats {
+        let mut facts = self.unit_stats();
         self.derive(&mut facts);
         facts
     }

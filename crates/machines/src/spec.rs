@@ -2,6 +2,7 @@
 
 use crate::defer::RunAhead;
 use crate::draws::PictureMachine;
+use crate::engines::MachineEngines as _;
 use crate::front::{FrontConfig, FrontEnd};
 use crate::methods::MethodSpecs;
 use crate::problem::ConfigProblem;
@@ -217,8 +218,8 @@ impl InputKind {
     /// Parameters that do not fit together.
     pub fn shape<S: MachineSpec>(self, spec: &S) -> Result<Netlist, ConfigProblem> {
         let shape = match self {
-            Self::Scene => Netlist::of(&mut empty_machine(spec)?),
-            Self::Trace => Netlist::of(&mut empty_trace_machine(spec)?),
+            Self::Scene => empty_machine(spec)?.netlist(),
+            Self::Trace => empty_trace_machine(spec)?.netlist(),
         };
         // The wiring was checked when the machine was built.
         shape.map_err(|error| ConfigProblem { key: "wiring".into(), message: error.to_string() })

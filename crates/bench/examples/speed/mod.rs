@@ -1,6 +1,6 @@
 //! Host speed of a machine on a trace, with the timed engine and the functional model.
 
-use basrelief_kernel::{Engine, run, run_functional};
+use basrelief_kernel::Engine;
 use basrelief_machines::{ConfigProblem, FrontEnd, PictureMachine};
 use basrelief_parameters::Parameters;
 use basrelief_signals::Control;
@@ -31,11 +31,11 @@ pub fn print_speed<M: PictureMachine>(
     let machine = || machine().map_err(|e| e.to_string());
     let mut timed = machine()?;
     let began = Instant::now();
-    let report = run(&mut timed, Engine::Timed);
+    let report = timed.run(Engine::Timed);
     let timed_s = began.elapsed().as_secs_f64();
     let mut functional = machine()?;
     let began = Instant::now();
-    run_functional(&mut functional, &mut |_| true)?;
+    functional.run_functional(&mut |_| true)?;
     let functional_s = began.elapsed().as_secs_f64();
     let count = timed.facts().count(figure);
     println!("{:?}: {count} {elements}, {} cycles", report.outcome, report.total);

@@ -2,12 +2,12 @@
 
 use crate::common::trace::frame;
 use crate::common::{config, replay, same, scene_front, small_demo};
-use basrelief_kernel::{Engine, Machine, MemoryRequest, Outcome, RunLimits, run_with};
+use basrelief_kernel::{Engine, Machine, MemoryRequest, Outcome, RunLimits};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
 use basrelief_machines::texel::TexelMachineConfig;
-use basrelief_machines::{FrontEnd, MachineSpec};
+use basrelief_machines::{FrontEnd, MachineEngines as _, MachineSpec};
 use basrelief_signals::{Control, layout};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,7 +29,7 @@ fn recorded<S: MachineSpec>(front: FrontEnd, config: &S) -> (Accesses, basrelief
     let mut machine = config.build(front).unwrap();
     machine.memories().keep_requests();
     let mut all: Vec<MemoryRequest> = Vec::new();
-    let report = run_with(&mut machine, Engine::Timed, None, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
+    let report = machine.run_with(Engine::Timed, None, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
     assert_eq!(report.outcome, Outcome::Complete);
     all.extend(machine.memories().take_requests().flat_map(|(_, requests)| requests));
     let names: Vec<String> = machine.memories().client_names().map(str::to_owned).collect();

@@ -4,8 +4,8 @@
 use super::concurrent::run_concurrent;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{self as kernel, Engine, Netlist, Probe, RunLimits, RunReport, WiringError};
-use basrelief_machines::{ConfigProblem, FrontEnd, MachineConfig, MachineSpec as _, PictureMachine, for_machine};
+use basrelief_kernel::{Engine, Netlist, Probe, RunLimits, RunReport, WiringError};
+use basrelief_machines::{ConfigProblem, FrontEnd, MachineConfig, MachineEngines, MachineSpec as _, PictureMachine, for_machine};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 
@@ -33,12 +33,12 @@ pub trait BareMachine {
 
 impl<M: PictureMachine> BareMachine for M {
     fn netlist(&mut self) -> Result<Netlist, WiringError> {
-        Netlist::of(self)
+        MachineEngines::netlist(self)
     }
 
     fn run(&mut self, probe: Option<&mut dyn Probe>) -> RunReport {
         let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_| true };
-        kernel::run_with(self, Engine::Timed, probe, limits)
+        self.run_with(Engine::Timed, probe, limits)
     }
 
     fn run_concurrent(&mut self) -> Option<RunReport> {
@@ -47,11 +47,11 @@ impl<M: PictureMachine> BareMachine for M {
 
     fn run_recorded(&mut self, chunk_bytes: usize, keep: &mut dyn FnMut(RecordingChunk)) -> RunReport {
         let limits = RunLimits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
-        kernel::run_recorded(self, Engine::Timed, None, limits, chunk_bytes, keep)
+        MachineEngines::run_recorded(self, Engine::Timed, None, limits, chunk_bytes, keep)
     }
 
     fn run_functional(&mut self) -> Result<(), String> {
-        kernel::run_functional(self, &mut |_| true)
+        MachineEngines::run_functional(self, &mut |_| true)
     }
 
     fn fragments(&mut self) -> u64 {

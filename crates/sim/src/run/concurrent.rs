@@ -3,7 +3,8 @@
 use crate::options::RunOptions;
 use crate::recording::CHUNK_BYTES;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{Engine, Machine, Netlist, RunReport, StepBatch, make_steps, time_steps};
+use basrelief_kernel::{Engine, RunReport, StepBatch, time_steps};
+use basrelief_machines::MachineEngines;
 use basrelief_threads as threads;
 use std::cell::Cell;
 use std::sync::mpsc::sync_channel;
@@ -23,12 +24,12 @@ pub(crate) fn may_run_concurrently(settings: &RunOptions) -> bool {
 
 /// Runs a machine to its end, without a cycle limit, and returns the report of the timed engine. Returns `None` and does nothing if no
 /// thread is available or the wiring is invalid. `keep` receives the recorded steps.
-pub(crate) fn run_concurrent<M: Machine>(
+pub(crate) fn run_concurrent<M: MachineEngines>(
     machine: &mut M,
     progress: &mut dyn FnMut(&mut M) -> bool,
     keep: Option<&(dyn Fn(RecordingChunk) + Sync)>,
 ) -> Option<RunReport> {
-    let netlist = Netlist::of(machine).ok()?;
+    let netlist = machine.netlist().ok()?;
     let (send, batches) = sync_channel::<StepBatch>(MAX_BATCHES);
     let time = move || {
         let mut keep = keep.map(|keep| move |chunk| keep(chunk));
@@ -41,7 +42,7 @@ pub(crate) fn run_concurrent<M: Machine>(
         // The receiver is gone if a step was a fault.
         let is_over = Cell::new(false);
         let mut progress = |machine: &mut M| !is_over.get() && progress(machine);
-        make_steps(machine, &mut progress, BATCH_STEPS, &mut |batch| is_over.set(send.send(batch).is_err()))
+        machine.make_steps(&mut progress, BATCH_STEPS, &mut |batch| is_over.set(send.send(batch).is_err()))
     };
     let (report, worked) = threads::join_concurrent(time, work)?;
     worked.ok().map(|()| report)

@@ -16,7 +16,7 @@ use crate::options::{AnalysisPolicy, RunOptions};
 use crate::recording::{self, CHUNK_BYTES, KeptSteps, WorkHash};
 use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{self as kernel, Machine, Outcome, Probe, RunLimits, RunReport};
+use basrelief_kernel::{Machine, Outcome, Probe, RunLimits, RunReport};
 use basrelief_machines::{InputKind, LoggingMachine, PictureRecord, UnitStats};
 use basrelief_reference::{QualityMetrics, RgbPicture, SizeMismatch};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
@@ -222,12 +222,12 @@ impl<'a> ActiveRun<'a> {
             (None, Some(engine)) => {
                 let limits = RunLimits { max_cycles, progress: &mut progress };
                 Ok(Some(if is_recorded {
-                    kernel::run_recorded(machine, engine, probe, limits, CHUNK_BYTES, &mut |chunk| keep(chunk))
+                    machine.run_recorded(engine, probe, limits, CHUNK_BYTES, &mut |chunk| keep(chunk))
                 } else {
-                    kernel::run_with(machine, engine, probe, limits)
+                    machine.run_with(engine, probe, limits)
                 }))
             }
-            (None, None) => kernel::run_functional(machine, &mut progress).map(|()| None),
+            (None, None) => machine.run_functional(&mut progress).map(|()| None),
         };
         self.simulate_s = clock() - began - aside;
         SimulatedRun { report, chunks: new_chunks() }

@@ -10,9 +10,9 @@ use crate::observer::Observer;
 use crate::options::RunOptions;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::stats::FigureValue;
-use basrelief_kernel::{self as kernel, Cycle, Netlist, Outcome, Probe, RunLimits, StallCause};
+use basrelief_kernel::{Cycle, Outcome, Probe, RunLimits, StallCause};
 use basrelief_machines::defer::RunAhead;
-use basrelief_machines::{FrontEnd, LoggingMachine as _, MachineSpec, PictureMachine as _};
+use basrelief_machines::{FrontEnd, LoggingMachine as _, MachineEngines as _, MachineSpec, PictureMachine as _};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 
@@ -55,11 +55,11 @@ fn run_ahead<S: MachineSpec>(
         pictures.extend(rounds.chain(last));
         observer.progress(0, None)
     };
-    let stages = Netlist::of(&mut machine).map(|shape| shape.diagram().stages).unwrap_or_default();
+    let stages = machine.netlist().map(|shape| shape.diagram().stages).unwrap_or_default();
     let taker = stages.iter().position(|stage| stage.name == S::TAKES_TILES);
     let mut arrivals = TileArrivals { taker, cycles: Vec::new() };
     let limits = RunLimits { max_cycles: settings.max_cycles, progress: &mut take };
-    let report = kernel::run_with(&mut machine, engine, Some(&mut arrivals), limits);
+    let report = machine.run_with(engine, Some(&mut arrivals), limits);
     take(&mut machine);
     if report.outcome != Outcome::Complete {
         return Ok(None);

@@ -2,9 +2,8 @@
 
 use basrelief_bench::machines::demo_scene;
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::run_functional;
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::{FrontEnd, PictureMachine as _};
+use basrelief_machines::{FrontEnd, MachineEngines as _, PictureMachine as _};
 use basrelief_shading::{LEVELS, LightVector, brightness, light_vectors};
 use basrelief_signals::{Control, Lighting, Material, Polygon, Scene};
 use basrelief_sim::{MachineConfig, display_list};
@@ -96,6 +95,6 @@ fn entries(normals: &[[i16; 3]], lighting: &Lighting, lights: &[LightVector], bi
 fn picture(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> Vec<[u8; 3]> {
     let front = FrontEnd::of_scene(SceneDraws::new(Arc::clone(scene)), config);
     let mut machine = BumpProcessor::new(front, config).expect("the defaults fit together");
-    run_functional(&mut machine, &mut |_| true).expect("W1 runs to its end");
+    machine.run_functional(&mut |_| true).expect("W1 runs to its end");
     machine.drain_finished().pop().expect("W1 has a frame").rgb
 }

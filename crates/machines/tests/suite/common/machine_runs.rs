@@ -3,7 +3,7 @@
 use super::{Ran, config, replay};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Engine, Machine, Outcome};
-use basrelief_machines::{FrontEnd, MachineSpec, UnitStats};
+use basrelief_machines::{FrontEnd, MachineEngines as _, MachineSpec, UnitStats};
 use basrelief_signals::Control;
 
 /// Builds a machine.
@@ -17,7 +17,7 @@ pub fn most_arrivals<S: MachineSpec>(demo: &str, settings: &[(&str, &str)], clie
     let mut machine = machine(super::scene_front(&super::small_demo(demo, 1), config.front()), &config);
     let number = machine.memories().client_names().position(|name| name == client).expect("such a client");
     machine.memories().keep_requests();
-    assert_eq!(basrelief_kernel::run(&mut machine, Engine::Timed).outcome, Outcome::Complete);
+    assert_eq!(machine.run(Engine::Timed).outcome, Outcome::Complete);
     let mut arrivals = std::collections::BTreeMap::new();
     let requests = machine.memories().take_requests().flat_map(|(_, requests)| requests).filter(|r| r.client == number);
     requests.for_each(|request| *arrivals.entry(request.arrival).or_insert(0) += 1);

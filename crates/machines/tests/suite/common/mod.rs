@@ -6,7 +6,7 @@ pub mod trace;
 
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::{Engine, Outcome, Probe, RunLimits, RunReport, run_functional, run_with};
+use basrelief_kernel::{Engine, Outcome, Probe, RunLimits, RunReport};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::{FrontConfig, FrontEnd, PictureMachine, UnitStats};
 use basrelief_parameters::{Parameters, load};
@@ -73,7 +73,7 @@ pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> FrontE
 
 /// Runs a machine, with a probe if there is one.
 pub fn run_probed(mut machine: impl PictureMachine, engine: Engine, probe: Option<&mut dyn Probe>) -> Ran {
-    let report = run_with(&mut machine, engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
+    let report = machine.run_with(engine, probe, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
     Ran { report, frames: machine.drain_finished(), facts: machine.facts() }
 }
 
@@ -91,7 +91,7 @@ pub fn timed(machine: impl PictureMachine, settings: &[(&str, &str)]) -> Ran {
 
 /// Returns pictures and figures of the functional model.
 pub fn functional(mut machine: impl PictureMachine) -> (Vec<FinishedFrame>, UnitStats) {
-    run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
+    machine.run_functional(&mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
     (machine.drain_finished(), machine.facts())
 }
 

@@ -7,9 +7,9 @@ use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{
     FilledBuffer, PyramidCut, ReferenceCell, TextureMemory, TexturePage, TileEncoding, TileOrigin, TileSource,
 };
-use basrelief_kernel::{Engine, Outcome, run, run_functional};
-use basrelief_machines::PictureMachine;
+use basrelief_kernel::{Engine, Outcome};
 use basrelief_machines::defer::DeferredRenderer;
+use basrelief_machines::{MachineEngines as _, PictureMachine};
 use basrelief_signals::Texture;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -112,7 +112,7 @@ fn missing_or_truncated_tile_is_an_error_with_its_name() {
         let config = config(&[FAST, SMALL].concat());
         let source = Damaged { good: TextureMemory::new(TileEncoding::Raw, 85), left: 3, lost };
         let mut machine = DeferredRenderer::with_source(replay(&views(&[0.0]), &config), &config, Box::new(source)).unwrap();
-        let text = match run(&mut machine, Engine::Timed).outcome {
+        let text = match machine.run(Engine::Timed).outcome {
             Outcome::Fault(text) => text,
             outcome => machine.lost().unwrap_or_else(|| panic!("{outcome:?}")).to_owned(),
         };
@@ -143,11 +143,11 @@ fn lost_tile_keeps_complete_pictures_on_every_engine() {
     for left in [loaded / 3, 2 * loaded / 3, loaded - 1] {
         let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
             let mut machine = machine(left);
-            assert!(matches!(run(&mut machine, engine).outcome, Outcome::Deadlock(_)));
+            assert!(matches!(machine.run(engine).outcome, Outcome::Deadlock(_)));
             pictures_of(machine)
         });
         let mut functional = machine(left);
-        run_functional(&mut functional, &mut |_| true).unwrap();
+        functional.run_functional(&mut |_| true).unwrap();
         let functional = pictures_of(functional);
         assert!(timed == ticked && timed == functional, "{left}");
         counts.push(timed.len());
@@ -190,7 +190,7 @@ fn asked(order: &str) -> (Vec<Tile>, Vec<(Tile, [u32; 2])>) {
     let source = Recording { good, asked: Rc::clone(&asked), announced: Rc::clone(&announced) };
     let mut machine = DeferredRenderer::with_source(replay(&views(&[0.0]), &config), &config, Box::new(source)).unwrap();
     machine.keep();
-    assert_eq!(run(&mut machine, Engine::Timed).outcome, Outcome::Complete);
+    assert_eq!(machine.run(Engine::Timed).outcome, Outcome::Complete);
     assert_eq!(*asked.borrow(), *announced.borrow(), "{order}: a server that looks ahead is told the order");
     let filled = machine.drain_filled().remove(0);
     let reads = (0..).zip(&filled.cells).flat_map(|(i, cell)| {

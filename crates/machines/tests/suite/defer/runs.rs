@@ -4,9 +4,9 @@ use crate::common;
 pub use crate::common::replay;
 use basrelief_deferred_renderer::{FilledBuffer, TexturePage, TileList, TileOrigin, TileRecord};
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::{Engine, Outcome, RunLimits, RunReport, run_functional, run_with};
+use basrelief_kernel::{Engine, Outcome, RunLimits, RunReport};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd};
-use basrelief_machines::{PictureMachine, UnitStats};
+use basrelief_machines::{MachineEngines as _, PictureMachine, UnitStats};
 use basrelief_signals::Control;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -70,7 +70,7 @@ fn seen(mut machine: DeferredRenderer) -> Seen {
 pub fn run(front: FrontEnd, config: &DeferConfig, engine: Engine) -> Ran {
     let mut machine = DeferredRenderer::new(front, config).unwrap_or_else(|e| panic!("{e}"));
     machine.keep();
-    let report = run_with(&mut machine, engine, None, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
+    let report = machine.run_with(engine, None, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true });
     Ran { report, seen: seen(machine) }
 }
 
@@ -86,6 +86,6 @@ pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
 pub fn functional(controls: &[Control], config: &DeferConfig) -> Seen {
     let mut machine = DeferredRenderer::new(replay(controls, config), config).unwrap_or_else(|e| panic!("{e}"));
     machine.keep();
-    run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
+    machine.run_functional(&mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
     seen(machine)
 }

@@ -4,11 +4,10 @@ use crate::common::covered_by_bump;
 use crate::shade::recipe::{display_lists, frame, material, object, polygon, sun, unit};
 use crate::shade::runs::{Ran, config, machine, replay, run, small_demo, timed};
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::stats::unit_stats;
 use basrelief_kernel::{Engine, Hardware, HardwareKind, MemoryPorts, Unit};
-use basrelief_machines::FrontConfig;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::shade::warnings;
+use basrelief_machines::{FrontConfig, MachineEngines as _};
 use basrelief_signals::{Control, Draw, Lighting, Material, Polygon};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -252,7 +251,7 @@ const CIRCUITS: [&str; 9] = [
 fn hardware_of_circuits_follows_parameters() {
     let hardware = |settings: &[(&str, &str)]| {
         let config = config(settings);
-        unit_stats(&mut machine(replay(&[], &config), &config)).all_hardware().to_vec()
+        machine(replay(&[], &config), &config).unit_stats().all_hardware().to_vec()
     };
     let all = hardware(&[]);
     for circuit in CIRCUITS {

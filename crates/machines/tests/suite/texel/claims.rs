@@ -3,9 +3,9 @@
 use crate::common::covered_by_bump;
 use crate::texel::recipe::{display_lists, frame, material, object, polygon, texture};
 use crate::texel::runs::{Ran, config, figure, replay, run, scene_front, small_demo, timed};
-use basrelief_kernel::{Engine, run_functional};
-use basrelief_machines::PictureMachine;
+use basrelief_kernel::Engine;
 use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, warnings};
+use basrelief_machines::{MachineEngines as _, PictureMachine};
 use basrelief_signals::{Control, WrapMode};
 use proptest::prelude::*;
 
@@ -21,7 +21,7 @@ fn floor(size: [u32; 2], w: [f32; 2], tiles: f32) -> Vec<Control> {
 fn log_of(list: &[Control], config: &TexelMachineConfig) -> FrameLog {
     let mut machine = TextureMappingSystem::new(replay(list, config), config).unwrap();
     machine.keep_log();
-    run_functional(&mut machine, &mut |_| true).unwrap();
+    machine.run_functional(&mut |_| true).unwrap();
     machine.drain_finished();
     machine.drain_logs(1).remove(0)
 }
@@ -232,7 +232,7 @@ fn log_changes_nothing_and_contains_all_spans() {
     let config = config(&[]);
     let mut machine = TextureMappingSystem::new(scene_front(&scene, &config), &config).unwrap();
     machine.keep_log();
-    let report = basrelief_kernel::run(&mut machine, Engine::Timed);
+    let report = machine.run(Engine::Timed);
     let plain = run(scene_front(&scene, &config), &config, Engine::Timed);
     assert!(report == plain.report && machine.facts() == plain.facts && machine.drain_finished() == plain.frames);
     let log = machine.drain_logs(1).remove(0);
