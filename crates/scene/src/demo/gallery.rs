@@ -1,7 +1,7 @@
 //! A hall with many large pictures.
 
 use super::paintings::painting;
-use super::pattern::{Noise, scatter};
+use super::pattern::{Noise, floor, scatter};
 use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, WHOLE, append, rectangle};
 use crate::camera::{Projection, Viewpoint};
 use basrelief_signals::Mesh;
@@ -188,9 +188,10 @@ fn pillars() -> Mesh {
 /// Staves of wood in a plain pattern, eight by two to a tile.
 fn parquet_color(grain: &Noise, u: f64, v: f64) -> DVec3 {
     let (x, y) = (u * 8.0, v * 2.0);
-    let row = x.floor() as i64;
-    let stave = (y + 0.5 * (row % 2) as f64).floor() as i64 % 2;
-    let edge = (x - x.floor()).min(x.ceil() - x);
+    let left = floor(x);
+    let row = left as i64;
+    let stave = floor(y + 0.5 * (row % 2) as f64) as i64 % 2;
+    let edge = (x - left).min(left + 1.0 - x);
     let wood = DVec3::new(0.44, 0.27, 0.14).lerp(DVec3::new(0.72, 0.50, 0.29), scatter(row, stave, 61));
     wood * (0.85 + 0.15 * grain.at(u, v)) * if edge < 0.04 { 0.6 } else { 1.0 }
 }

@@ -3,7 +3,7 @@
 //! A painting computes everything that does not differ from texel to texel before its first texel. Sines and cosines of each texel took a
 //! third of the time of the whole `gallery`.
 
-use super::pattern::{scatter, smoothstep};
+use super::pattern::{floor, scatter, smoothstep};
 use super::stage::PI;
 use glam::DVec3;
 
@@ -100,8 +100,8 @@ impl Mosaic {
 impl Painting for Mosaic {
     fn at(&self, u: f64, v: f64) -> DVec3 {
         let (x, y) = (u * Self::ROWS as f64, v * Self::ROWS as f64);
-        let shift = 0.3 * (scatter(y.floor() as i64, 7, self.seed) - 0.5);
-        let (i, j) = ((x + shift).floor(), y.floor());
+        let shift = 0.3 * (scatter(floor(y) as i64, 7, self.seed) - 0.5);
+        let (i, j) = (floor(x + shift), floor(y));
         let inside = |f: f64| f.min(1.0 - f);
         let edge = inside(x + shift - i).min(inside(y - j));
         let stone = self.stones[j as usize][(i + 1.0) as usize];
@@ -160,7 +160,7 @@ impl Stripes {
 impl Painting for Stripes {
     fn at(&self, u: f64, v: f64) -> DVec3 {
         let at = 24.0 * (u + self.slant * v);
-        let stripe = (at + 0.8 * libm::sin(0.7 * at)).floor() as i64;
+        let stripe = floor(at + 0.8 * libm::sin(0.7 * at)) as i64;
         let hatch = 0.9 + 0.1 * libm::sin(2.0 * PI * 90.0 * (v - self.slant * u));
         self.colors[(stripe - Self::FIRST) as usize] * hatch * grain(self.seed, u, v)
     }
@@ -168,7 +168,7 @@ impl Painting for Stripes {
 
 /// The brush and the canvas: some hundred threads per side.
 fn grain(seed: u32, u: f64, v: f64) -> f64 {
-    0.93 + 0.07 * scatter((u * 420.0).floor() as i64, (v * 420.0).floor() as i64, seed + 77)
+    0.93 + 0.07 * scatter(floor(u * 420.0) as i64, floor(v * 420.0) as i64, seed + 77)
 }
 
 /// A colour of the circle of hues, one turn per unit.

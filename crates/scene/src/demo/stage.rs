@@ -228,10 +228,6 @@ impl DemoBuilder {
         wrap: [WrapMode; 2],
         at: impl Fn([u32; 2]) -> DVec3 + Sync,
     ) -> Arc<Texture> {
-        let stored = |c: DVec3| {
-            let [r, g, b] = (c.clamp(DVec3::ZERO, DVec3::ONE) * 255.0).round().to_array().map(|c| c as u8);
-            [r, g, b, 255]
-        };
         let texels = by_texel(size, |texel| stored(at(texel)));
         let levels = color_levels(Image { width: size[0], height: size[1], texels });
         self.store.add(name, sampler(wrap), TextureContent::Color, levels)
@@ -321,6 +317,15 @@ fn by_texel<T: Clone + Default + Send>([width, height]: [u32; 2], at: impl Fn([u
             *texel = at([column, row as u32]);
         }
     })
+}
+
+/// Returns the texel of a colour, each component to the nearest of 255 steps. (Without SSE 4.1, `f64::round` is a call.)
+fn stored(color: DVec3) -> [u8; 4] {
+    let [r, g, b] = (color.clamp(DVec3::ZERO, DVec3::ONE) * 255.0).to_array().map(|steps| {
+        let whole = steps as u8;
+        whole + u8::from(steps - f64::from(whole) >= 0.5)
+    });
+    [r, g, b, 255]
 }
 
 /// Returns the position of the centre of texel `i` on a side of `size` texels and length 1.
