@@ -1,12 +1,8 @@
 //! The engines of the kernel, compiled for each machine.
 
-use crate::bump::BumpProcessor;
-use crate::defer::DeferredRenderer;
-use crate::shade::FigureShadingDevice;
-use crate::texel::TextureMappingSystem;
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{self as kernel, Engine, Machine, Netlist, Probe, RunLimits, RunReport, StepBatch, WiringError};
+use basrelief_kernel::{Engine, Machine, Netlist, Probe, RunLimits, RunReport, StepBatch, WiringError};
 
 /// A machine with the engines that run it.
 ///
@@ -18,13 +14,13 @@ pub trait MachineEngines: Machine + Sized {
     /// # Errors
     /// The wiring is invalid.
     fn netlist(&mut self) -> Result<Netlist, WiringError>;
-    /// See [`kernel::run_with`].
+    /// See [`basrelief_kernel::run_with`].
     fn run_with(&mut self, engine: Engine, probe: Option<&mut dyn Probe>, limits: RunLimits<'_, Self>) -> RunReport;
-    /// See [`kernel::run`].
+    /// See [`basrelief_kernel::run`].
     fn run(&mut self, engine: Engine) -> RunReport {
         self.run_with(engine, None, RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
     }
-    /// See [`kernel::run_recorded`].
+    /// See [`basrelief_kernel::run_recorded`].
     fn run_recorded(
         &mut self,
         engine: Engine,
@@ -33,12 +29,12 @@ pub trait MachineEngines: Machine + Sized {
         chunk_bytes: usize,
         keep: &mut dyn FnMut(RecordingChunk),
     ) -> RunReport;
-    /// See [`kernel::run_functional`].
+    /// See [`basrelief_kernel::run_functional`].
     ///
     /// # Errors
     /// A unit raises a fault, or the wiring is invalid.
     fn run_functional(&mut self, progress: &mut dyn FnMut(&mut Self) -> bool) -> Result<(), String>;
-    /// See [`kernel::make_steps`].
+    /// See [`basrelief_kernel::make_steps`].
     ///
     /// # Errors
     /// The wiring is invalid.
@@ -48,50 +44,55 @@ pub trait MachineEngines: Machine + Sized {
         steps: usize,
         hand_on: &mut dyn FnMut(StepBatch),
     ) -> Result<(), WiringError>;
-    /// See [`kernel::stats::unit_stats`].
+    /// See [`basrelief_kernel::stats::unit_stats`].
     fn unit_stats(&mut self) -> UnitStats;
 }
 
+/// Implements [`MachineEngines`] for a machine.
 macro_rules! compile_engines {
-    ($($machine:ty),+) => { $(
-        impl MachineEngines for $machine {
-            fn netlist(&mut self) -> Result<Netlist, WiringError> {
-                Netlist::of(self)
+    ($machine:ty) => {
+        impl $crate::MachineEngines for $machine {
+            fn netlist(&mut self) -> Result<basrelief_kernel::Netlist, basrelief_kernel::WiringError> {
+                basrelief_kernel::Netlist::of(self)
             }
 
-            fn run_with(&mut self, engine: Engine, probe: Option<&mut dyn Probe>, limits: RunLimits<'_, Self>) -> RunReport {
-                kernel::run_with(self, engine, probe, limits)
+            fn run_with(
+                &mut self,
+                engine: basrelief_kernel::Engine,
+                probe: Option<&mut dyn basrelief_kernel::Probe>,
+                limits: basrelief_kernel::RunLimits<'_, Self>,
+            ) -> basrelief_kernel::RunReport {
+                basrelief_kernel::run_with(self, engine, probe, limits)
             }
 
             fn run_recorded(
                 &mut self,
-                engine: Engine,
-                probe: Option<&mut dyn Probe>,
-                limits: RunLimits<'_, Self>,
+                engine: basrelief_kernel::Engine,
+                probe: Option<&mut dyn basrelief_kernel::Probe>,
+                limits: basrelief_kernel::RunLimits<'_, Self>,
                 chunk_bytes: usize,
-                keep: &mut dyn FnMut(RecordingChunk),
-            ) -> RunReport {
-                kernel::run_recorded(self, engine, probe, limits, chunk_bytes, keep)
+                keep: &mut dyn FnMut(basrelief_kernel::recording::RecordingChunk),
+            ) -> basrelief_kernel::RunReport {
+                basrelief_kernel::run_recorded(self, engine, probe, limits, chunk_bytes, keep)
             }
 
             fn run_functional(&mut self, progress: &mut dyn FnMut(&mut Self) -> bool) -> Result<(), String> {
-                kernel::run_functional(self, progress)
+                basrelief_kernel::run_functional(self, progress)
             }
 
             fn make_steps(
                 &mut self,
                 progress: &mut dyn FnMut(&mut Self) -> bool,
                 steps: usize,
-                hand_on: &mut dyn FnMut(StepBatch),
-            ) -> Result<(), WiringError> {
-                kernel::make_steps(self, progress, steps, hand_on)
+                hand_on: &mut dyn FnMut(basrelief_kernel::StepBatch),
+            ) -> Result<(), basrelief_kernel::WiringError> {
+                basrelief_kernel::make_steps(self, progress, steps, hand_on)
             }
 
-            fn unit_stats(&mut self) -> UnitStats {
-                kernel::stats::unit_stats(self)
+            fn unit_stats(&mut self) -> basrelief_kernel::stats::UnitStats {
+                basrelief_kernel::stats::unit_stats(self)
             }
         }
-    )+ };
+    };
 }
-
-compile_engines!(BumpProcessor, FigureShadingDevice, TextureMappingSystem, DeferredRenderer);
+pub(crate) use compile_engines;

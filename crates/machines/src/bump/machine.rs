@@ -4,6 +4,7 @@ use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
 use crate::PictureMachine;
+use crate::engines::compile_engines;
 use crate::front::FrontEnd;
 use crate::problem::wired;
 use basrelief_brightness::{BrightnessFetch, Components};
@@ -96,6 +97,8 @@ impl PictureMachine for BumpProcessor {
         &mut self.frame_buffer.unit.state.finished
     }
 }
+
+compile_engines!(BumpProcessor);
 
 impl Machine for BumpProcessor {
     fn wire<V: Visitor>(&mut self, v: &mut V) {

@@ -5,6 +5,7 @@ use super::check::check;
 use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use crate::PictureMachine;
+use crate::engines::compile_engines;
 use crate::fifos::{fifo, slots};
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
@@ -182,6 +183,8 @@ impl PictureMachine for DeferredRenderer {
         );
     }
 }
+
+compile_engines!(DeferredRenderer);
 
 impl Machine for DeferredRenderer {
     fn wire<V: Visitor>(&mut self, v: &mut V) {

@@ -5,6 +5,7 @@ use super::check::check;
 use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use crate::PictureMachine;
+use crate::engines::compile_engines;
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_figure_shading::{
@@ -78,6 +79,8 @@ impl PictureMachine for FigureShadingDevice {
         &mut self.frame_memory.unit.state.finished
     }
 }
+
+compile_engines!(FigureShadingDevice);
 
 impl Machine for FigureShadingDevice {
     fn wire<V: Visitor>(&mut self, v: &mut V) {

@@ -5,6 +5,7 @@ use super::check::check;
 use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use crate::PictureMachine;
+use crate::engines::compile_engines;
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer};
@@ -138,6 +139,8 @@ impl PictureMachine for TextureMappingSystem {
         facts.figure("points_per_pixel", points as f64 / pixels, "", "Points divided per pixel with a texture");
     }
 }
+
+compile_engines!(TextureMappingSystem);
 
 impl Machine for TextureMappingSystem {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
