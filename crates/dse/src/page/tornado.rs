@@ -38,7 +38,10 @@ fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
         let shape = rect("amount", [from, 0.0, (to - from).max(2.0), 10.0], "");
         let is_flat = effect.mean_range() == 0.0;
         let [at_least, at_most] = [least, most].map(|level| if is_flat { "all values" } else { level.label.as_str() });
-        let says = format!("from {} at {at_least} to {} at {at_most}", rounded(least.mean), rounded(most.mean));
+        let says = match is_flat {
+            true => format!("{} at all values", rounded(least.mean)),
+            false => format!("from {} at {at_least} to {} at {at_most}", rounded(least.mean), rounded(most.mean)),
+        };
         vec![
             breakable(&sweep.table.columns[effect.axis].name),
             svg("bar", (1000.0, 10.0), &says, "none", shape),
