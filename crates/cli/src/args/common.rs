@@ -1,6 +1,6 @@
 //! Arguments that several commands share.
 
-use super::values::{TableSelection, angles, direction, finite, key_value, machine, output_file, size, socket, tables};
+use super::values::{TableSelection, angles, direction, finite, key_value, machine, output_file, size, socket, tables, whole};
 use crate::commands::dump;
 use basrelief_report::TableGroup;
 use basrelief_sim::{MACHINES, MachineInfo};
@@ -65,7 +65,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "FACTOR", value_parser = finite)]
     pub zoom: Option<f64>,
     /// Number of frames.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
     pub frames: Option<u32>,
     /// Rotates the camera about the model by this angle over all frames (degrees). Frame k of N, from 0, has turned by k / N of
     /// it, so one frame alone does not turn.
@@ -121,7 +121,7 @@ pub struct SimulationArgs {
     #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "waves", "tokens", "rtl", "requests", "costs"])]
     pub functional: bool,
     /// Stop after this many cycles with exit code 1; the report holds the state so far.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole::<u64>(1..=u64::MAX))]
     pub max_cycles: Option<u64>,
     /// Folder for images and report; created if absent.
     #[arg(long, value_name = "DIR", default_value = "out")]
@@ -170,16 +170,16 @@ pub struct SimulationArgs {
     #[arg(long, value_name = "FILE", value_parser = output_file(), conflicts_with_all = ["time_line", "costs"])]
     pub rtl: Option<PathBuf>,
     /// Write one token out of N.
-    #[arg(long, value_name = "N", requires = "tokens", default_value = "64")]
+    #[arg(long, value_name = "N", requires = "tokens", default_value = "64", value_parser = whole::<NonZeroU64>(1..=u64::MAX))]
     pub tokens_every: NonZeroU64,
     /// Kind of tokens to write.
     #[arg(long, value_name = "WHAT", requires = "tokens", value_enum, default_value_t)]
     pub tokens_of: TokenKind,
     /// First cycle of timeline, waveforms and tokens [default: 0].
-    #[arg(long, value_name = "N", requires = "time_line")]
+    #[arg(long, value_name = "N", requires = "time_line", value_parser = whole::<u64>(0..=u64::MAX))]
     pub from_cycle: Option<u64>,
     /// End of timeline, waveforms and tokens (exclusive) [cycle; default: the end of the run].
-    #[arg(long, value_name = "N", requires = "time_line", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", requires = "time_line", value_parser = whole::<u64>(1..=u64::MAX))]
     pub to_cycle: Option<u64>,
     /// Units in timeline, waveforms and tokens (comma-separated list), with their FIFOs and memories [default: all].
     #[arg(long, value_name = "NAME,NAME", requires = "time_line", value_delimiter = ',')]

@@ -1,5 +1,6 @@
 //! Arguments of the commands for frames of OpenGL applications.
 
+use super::values::{percent, whole};
 use basrelief_opengl::{MapEntry, MapKey};
 use clap::Args;
 use std::ffi::OsString;
@@ -23,10 +24,10 @@ pub struct CaptureArgs {
     pub program: Vec<OsString>,
     /// Number of the frame, from 0, among the frames that draw [default: the last one that the application has shown]. apitrace replays
     /// frame 0 in a window of another size.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>(0..=u64::MAX))]
     pub frame: Option<usize>,
     /// Import these draw calls only (comma-separated list of call numbers) [default: all of the frame].
-    #[arg(long, value_name = "CALL", value_delimiter = ',')]
+    #[arg(long, value_name = "CALL", value_delimiter = ',', value_parser = whole::<u64>(0..=u64::MAX))]
     pub calls: Vec<u64>,
     /// Interface between application and window system, as `apitrace trace --api` takes it: gl (GLX) or egl.
     #[arg(long, value_name = "NAME", default_value = "gl")]
@@ -45,7 +46,7 @@ pub struct GlSceneArgs {
     #[arg(long = "map", value_name = "KEY=VALUE", value_delimiter = ',', help = map_help())]
     pub entries: Vec<MapEntry>,
     /// End with exit code 1 if coverage and depth agree on less than this percentage of pixels.
-    #[arg(long, value_name = "PERCENT")]
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub agree: Option<f64>,
 }
 

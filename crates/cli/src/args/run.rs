@@ -1,7 +1,7 @@
 //! Arguments of the commands that draw or serve scenes.
 
 use super::common::{MachineArgs, SimulationArgs, TablesArgs, ViewArgs};
-use super::values::{finite, http, key_value, origin, output_file, socket};
+use super::values::{finite, http, key_value, origin, output_file, socket, whole};
 use clap::Args;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate", "compare_methods", "sensitivity"], value_parser = http)]
     pub from: Option<String>,
     /// Connection timeout: how long to wait for a server that does not listen yet [s; default: 30].
-    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(..=86_400))]
+    #[arg(long, value_name = "SECONDS", value_parser = whole::<u64>(0..=86_400))]
     pub wait: Option<u64>,
     /// Cache folder for tiles of the server.
     #[arg(long, value_name = "DIR")]

@@ -1,6 +1,6 @@
 //! Arguments of `sweep` and `explore`.
 
-use super::values::{Shard, budget, percent, shard};
+use super::values::{Shard, budget, percent, shard, whole};
 use basrelief_dse::Budget;
 use clap::Args;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ pub struct PlanArgs {
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
     /// Parallel runs [default: one per core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=u16::MAX.into()))]
     pub threads: Option<u16>,
     /// Write no images beside the reports.
     #[arg(long)]
@@ -33,7 +33,7 @@ pub struct ExploreArgs {
     #[arg(long, value_name = "N|SECONDSs", value_parser = budget)]
     pub budget: Budget,
     /// Choose differently among points that promise the same: 0 prefers the first in the plan.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=u32::MAX.into()))]
     pub seed: u32,
 }
 

@@ -7,6 +7,7 @@ pub use basrelief_scene::text::{angles, direction, finite, size};
 use basrelief_sim::{MACHINES, MachineInfo};
 use clap::builder::{PathBufValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::net::SocketAddr;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 use ureq::http::Uri;
@@ -80,6 +81,14 @@ pub fn key_value(text: &str) -> Result<(String, String), String> {
     Ok((key.trim().into(), value.trim().into()))
 }
 
+/// A whole number among these.
+pub fn whole<T: TryFrom<u64>>(allowed: RangeInclusive<u64>) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|number| allowed.contains(number)).and_then(|number| T::try_from(number).ok());
+        number.ok_or_else(|| format!("expected a whole number from {} to {}", allowed.start(), allowed.end()))
+    }
+}
+
 /// A share of all.
 pub fn percent(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|p| (0.0..=100.0).contains(p)).ok_or_else(|| "expected a number from 0 to 100".into())
@@ -104,6 +113,15 @@ pub fn shard(text: &str) -> Result<Shard, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn whole_number_lies_in_its_range() {
+        let small = whole::<u8>(1..=300);
+        assert_eq!(small("200"), Ok(200));
+        for bad in ["0", "256", "301", "-1", "1.5", "", "99999999999999999999"] {
+            assert_eq!(small(bad), Err("expected a whole number from 1 to 300".into()), "{bad}");
+        }
+    }
 
     #[test]
     fn setting_is_split_into_key_and_value() {
