@@ -131,7 +131,7 @@ pub(super) fn parallel(sweep: &SweepView<'_>) -> Html {
     let [of_front, front, of_others, not] = all;
     let about = format!(
         "One line per point, from parameters to results: {of_front} of {front} Pareto-optimal points (bold) and {of_others} of {not} \
-         others."
+         others. On an axis with few values, lines through the same value lie beside each other."
     );
     let line = |class: &'static str| {
         let threads = &threads;
