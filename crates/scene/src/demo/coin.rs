@@ -1,7 +1,7 @@
 //! A coin in relief under a circling light.
 
 use super::lettering::{distance, width};
-use super::pattern::{Noise, smoothstep};
+use super::pattern::{Noise, floor, smoothstep};
 use super::stage::{DemoBuilder, DemoScene, PI, SurfaceGrid, SurfacePoint, framing};
 use crate::view::LightOrbit;
 use basrelief_signals::Mesh;
@@ -102,7 +102,7 @@ fn garland(r: f64, angle: f64) -> f64 {
     if turn >= PAIRS {
         return 0.0;
     }
-    let along = (turn - turn.floor() - 0.5) / PAIRS * REACH * STEM;
+    let along = (turn - floor(turn) - 0.5) / PAIRS * REACH * STEM;
     let across = (r - STEM).abs();
     // Each leaf grows out of the stem at 35 degrees.
     let (sin, cos) = (0.5736, 0.8192);

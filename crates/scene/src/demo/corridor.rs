@@ -1,6 +1,6 @@
 //! A corridor to the vanishing point.
 
-use super::pattern::Noise;
+use super::pattern::{Noise, floor};
 use super::stage::{DemoBuilder, DemoScene, WHOLE, rectangle};
 use crate::camera::{Projection, Viewpoint};
 use basrelief_signals::Mesh;
@@ -79,7 +79,7 @@ fn wall(side: f64, x: f64, [low, high]: [f64; 2]) -> Mesh {
 
 /// Returns checks of two colours, this many per side (even), each with its own shade and veins.
 fn checks(veins: &Noise, count: i64, dark: DVec3, light: DVec3) -> impl Fn(f64, f64) -> DVec3 + Sync {
-    let cell = move |c: f64| (c * count as f64).floor() as i64;
+    let cell = move |c: f64| floor(c * count as f64) as i64;
     move |u, v| {
         let base = if (cell(u) + cell(v)) % 2 == 0 { dark } else { light };
         base * (0.86 + 0.14 * veins.at(u, v))

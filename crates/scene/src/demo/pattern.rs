@@ -82,11 +82,11 @@ pub(super) fn floor(x: f64) -> f64 {
 fn lattice_place(place: f64, side: usize) -> (usize, f64) {
     let x = place * side as f64;
     let whole = x as i32;
-    // Almost always. Without SSE 4.1, `floor` is a call, and the remainder is a division: they took a third of the instructions of noise.
+    // Almost always. The remainder is a division.
     if x >= 0.0 && (whole as usize) < side {
         return (whole as usize, x - f64::from(whole));
     }
-    let floor = x.floor();
+    let floor = floor(x);
     ((floor as i64).rem_euclid(side as i64) as usize, x - floor)
 }
 
