@@ -34,10 +34,12 @@ pub(super) fn advance<P: Probe, W: StepSource>(walk: &mut RunAhead<'_, P>, numbe
 
 /// Advances stages without units, round by round, until no step can start.
 ///
-/// `after_round` is called after each round, before the memories are served. `read_more` reads the next steps once a stage needs them.
-pub(super) fn run_stored_steps<P: Probe, W: StepSource, E>(
+/// `advance` advances a stage. `after_round` is called after each round, before the memories are served. `read_more` reads the next
+/// steps once a stage needs them.
+pub(super) fn run_stored_steps<P: Probe, W, E>(
     walk: &mut RunAhead<'_, P>,
     sources: &mut [W],
+    advance: impl Fn(&mut RunAhead<'_, P>, usize, &mut W),
     mut after_round: impl FnMut(&mut RunAhead<'_, P>, &mut [W]) -> Result<(), E>,
     mut read_more: impl FnMut(&MachineTiming, &mut [W]) -> Result<(), E>,
 ) -> Result<(), E> {

@@ -1,7 +1,7 @@
 //! A run in two halves, which may be on two threads: one executes the steps, the other computes their times. The work of a step
 //! does not depend on time (law 6), so the first half never waits for a result of the second.
 
-use super::arity::run_stored_steps;
+use super::arity::{advance, run_stored_steps};
 use super::batch::{BatchedStep, StageSteps, StepBatch};
 use super::context::ActiveRecording;
 use super::functional::run_to;
@@ -71,7 +71,7 @@ fn compute_times<'a>(
         ActiveRecording::keep_chunk(&mut walk.round.recording, || queue_states(queues));
         Ok(())
     };
-    let ended = run_stored_steps(&mut walk, queues, after_round, |_, queues| {
+    let ended = run_stored_steps(&mut walk, queues, advance, after_round, |_, queues| {
         stopped = feed(queues, batches).ok_or(StopReason::Stopped)?;
         Ok(())
     });

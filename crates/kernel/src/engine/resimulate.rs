@@ -1,6 +1,6 @@
 //! Resimulation: the timed engine, with steps from a recording instead of units.
 
-use super::arity::run_stored_steps;
+use super::arity::{advance, run_stored_steps};
 use super::step_source::StepSource;
 use super::timed::RunAhead;
 use crate::netlist::Netlist;
@@ -61,35 +61,39 @@ impl From<RecordingError> for ResimulateError {
 /// the number of bytes of earlier chunks that are not timed yet.
 pub type ChunkSource<'a, 'f> = dyn FnMut(usize) -> Result<Option<Cow<'f, RecordingChunk>>, String> + 'a;
 
-impl StepSource for RecordingReader {
+/// Recorded steps of a stage. With `TRACED` a [`PathTracer`] keeps them. It is a constant, because a tracer that is called in each step
+/// takes twice the instructions, and because steps without it are not slowed down.
+struct StoredSteps<'a, const TRACED: bool>(&'a mut RecordingReader);
+
+impl<const TRACED: bool> StepSource for StoredSteps<'_, TRACED> {
     type Declared = ();
 
     #[inline]
     fn next(&self) -> ((), InputMask) {
-        ((), self.next_inputs())
+        ((), self.0.next_inputs())
     }
 
     #[inline]
     fn has_step(&self) -> bool {
-        self.has_step()
+        self.0.has_step()
     }
 
     #[inline]
     fn step(&mut self, (): (), _: &mut MemoryPorts) -> StepTiming {
-        self.step()
+        self.0.step()
     }
 
     #[inline]
     fn is_silent(&self, _: &MemoryPorts) -> bool {
-        self.is_silent()
+        self.0.is_silent()
     }
 
     #[inline]
     fn requests<'a>(&'a mut self, traffic: &'a mut MemoryPorts, _: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
-        self.next_requests(traffic)
+        self.0.next_requests(traffic)
     }
 
-    #[inline]
+    #[inline(always)]
     fn trace<K: StageArity>(
         path: &mut Option<PathTracer>,
         visit: &StageVisit<'_>,
@@ -97,15 +101,20 @@ impl StepSource for RecordingReader {
         takes: InputMask,
         is_marked: bool,
     ) {
-        if let Some(path) = path {
-            path.step::<K>(&visit.view(), start, takes, is_marked);
+        if TRACED && let Some(path) = path {
+            path.step::<K>(visit, start, takes, is_marked);
         }
     }
 
     #[inline]
     fn go_on(&mut self, _: &mut MemoryPorts) {
-        self.go_on();
+        self.0.go_on();
     }
+}
+
+/// Advances a stage of a resimulation.
+fn advance_stored<const TRACED: bool, P: Probe>(walk: &mut RunAhead<'_, P>, stage: usize, reader: &mut RecordingReader) {
+    advance(walk, stage, &mut StoredSteps::<TRACED>(reader));
 }
 
 /// Computes the timing of a recording on a machine with this netlist. Returns the report that a run of the machine gives.
@@ -129,7 +138,7 @@ pub fn resimulate_with<P: Probe>(
     max_cycles: u64,
 ) -> Result<RunReport, ResimulateError> {
     let readers = new_readers(&shape);
-    Ok(timed_again(shape, readers, chunks, probe, ResimulationGoal::Report, max_cycles)?.0)
+    Ok(timed_again(shape, readers, chunks, probe, ResimulationGoal::Report, advance_stored::<false, P>, max_cycles)?.0)
 }
 
 /// Resimulates a recording and finds its critical path. It keeps about 50 bytes per step and 40 per request. Returns `None` if there are
@@ -145,7 +154,7 @@ pub fn critical_path(
 ) -> Result<Option<CriticalPath>, ResimulateError> {
     let readers = new_readers(&shape);
     let goal = ResimulationGoal::Path { most_steps, groups, memory: &mut PathMemory::default() };
-    Ok(timed_again(shape, readers, chunks, &mut NoProbe, goal, u64::MAX)?.1)
+    Ok(timed_again(shape, readers, chunks, &mut NoProbe, goal, advance_stored::<true, NoProbe>, u64::MAX)?.1)
 }
 
 fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
@@ -233,7 +242,13 @@ impl<'a> Recording<'a> {
         let readers: Option<Vec<RecordingReader>> = readers.and_then(|readers| readers.iter().enumerate().map(fitting).collect());
         let mut chunks = self.chunks.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.chunks.len() } else { 0 });
         let readers = readers.unwrap_or_else(|| new_readers(&shape));
-        timed_again(shape, readers, &mut |_| Ok(chunks.next()), &mut NoProbe, wanted, u64::MAX)
+        let (chunks, probe) = (&mut |_| Ok(chunks.next()), &mut NoProbe);
+        match wanted {
+            ResimulationGoal::Path { .. } => {
+                timed_again(shape, readers, chunks, probe, wanted, advance_stored::<true, NoProbe>, u64::MAX)
+            }
+            _ => timed_again(shape, readers, chunks, probe, wanted, advance_stored::<false, NoProbe>, u64::MAX),
+        }
     }
 }
 
@@ -247,13 +262,14 @@ enum ResimulationGoal<'a> {
     Path { most_steps: usize, groups: &'a [StageGroups], memory: &'a mut PathMemory },
 }
 
-/// Returns the report, and the critical path if it is the goal.
+/// Returns the report, and the critical path if it is the goal. `advance`: [`advance_stored`].
 fn timed_again<P: Probe>(
     shape: Netlist,
     mut readers: Vec<RecordingReader>,
     chunks: &mut ChunkSource<'_, '_>,
     probe: &mut P,
     mut wanted: ResimulationGoal<'_>,
+    advance: impl Fn(&mut RunAhead<'_, P>, usize, &mut RecordingReader),
     max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
     let fifos = match &mut wanted {
@@ -281,7 +297,7 @@ fn timed_again<P: Probe>(
     };
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
     walk.round.path = path;
-    run_stored_steps(&mut walk, &mut readers, after_round, |time, readers| feed(readers, chunks, time))?;
+    run_stored_steps(&mut walk, &mut readers, advance, after_round, |time, readers| feed(readers, chunks, time))?;
     let halt = if walk.round.limited { StopReason::Limit(max_cycles) } else { StopReason::Quiet };
     let path = walk.round.path;
     time.land_all();

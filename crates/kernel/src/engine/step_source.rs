@@ -35,7 +35,7 @@ pub(crate) trait StepSource {
     {
         visit.settle(traffic)
     }
-    /// Traces a step for the critical path, if one is wanted. Only recorded steps have one, so no tracer is compiled for each unit.
+    /// Traces a step for the critical path, if one is wanted.
     #[inline(always)]
     fn trace<K: StageArity>(
         path: &mut Option<PathTracer>,

@@ -19,8 +19,7 @@ const FIRST_RING: usize = 2 * SWEEP;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FifoMemory {
     ring: TokenRing,
-    visible: Vec<Cycle>,
-    deliveries: Vec<AnsweredDelivery>,
+    kept: KeptTokens,
 }
 
 /// The delivery of a token whose producer has memory clients.
@@ -33,12 +32,12 @@ pub(super) struct AnsweredDelivery {
 }
 
 /// The kept tokens of a FIFO.
-#[derive(Debug)]
-pub(super) struct KeptTokens<'a> {
+#[derive(Clone, Debug, Default)]
+pub(super) struct KeptTokens {
     /// For each token the first cycle in which it can be popped.
-    pub(super) visible: Ref<'a, Vec<Cycle>>,
+    pub(super) visible: Vec<Cycle>,
     /// Their deliveries; empty if the producer has no memory client.
-    pub(super) deliveries: Ref<'a, Vec<AnsweredDelivery>>,
+    pub(super) deliveries: Vec<AnsweredDelivery>,
 }
 
 /// Indices of `news`.
@@ -82,10 +81,8 @@ pub(crate) struct FifoTiming {
     occupancy: RefCell<OccupancyHistogram>,
     /// True if delivered tokens are kept.
     keeps_tokens: Cell<bool>,
-    /// For each delivered token since they were last taken: the first cycle in which it can be popped.
-    visible: RefCell<Vec<Cycle>>,
-    /// Their deliveries, if the producer has memory clients.
-    deliveries: RefCell<Vec<AnsweredDelivery>>,
+    /// Delivered tokens since they were last taken, if they are kept.
+    kept: RefCell<KeptTokens>,
 }
 
 /// Full length of the ring of a FIFO of this depth.
@@ -99,9 +96,9 @@ impl FifoTiming {
     pub(crate) fn new(&FifoSpec { depth, latency, period, .. }: &FifoSpec, awaits: bool, memory: FifoMemory) -> Self {
         let full = full_ring(depth);
         let tokens = full.min(FIRST_RING);
-        let FifoMemory { ring, mut visible, mut deliveries } = memory;
-        visible.clear();
-        deliveries.clear();
+        let FifoMemory { ring, mut kept } = memory;
+        kept.visible.clear();
+        kept.deliveries.clear();
         Self {
             ring: TokenRing::in_memory(ring, tokens, awaits),
             must_grow: Cell::new(false),
@@ -120,8 +117,7 @@ impl FifoTiming {
             news: Default::default(),
             occupancy: OccupancyHistogram::new(depth).into(),
             keeps_tokens: Cell::new(false),
-            visible: visible.into(),
-            deliveries: deliveries.into(),
+            kept: kept.into(),
         }
     }
 
@@ -264,10 +260,11 @@ impl FifoTiming {
     #[cold]
     #[inline(never)]
     fn keep(&self, delivered: Cycle, visible: Cycle) {
-        self.visible.borrow_mut().push(visible);
+        let mut kept = self.kept.borrow_mut();
+        kept.visible.push(visible);
         let Some(answers) = self.ring.awaits(self.delivered.get()).map(Cell::get) else { return };
         let last = (1..MAX_CLIENTS).fold(0, |last, client| if answers[client] > answers[last] { client } else { last });
-        self.deliveries.borrow_mut().push(AnsweredDelivery { at: delivered, last_client: last as u8 });
+        kept.deliveries.push(AnsweredDelivery { at: delivered, last_client: last as u8 });
     }
 
     /// Pops the front token.
@@ -332,8 +329,7 @@ impl FifoTiming {
 
     /// Returns the memory of its times, for the next run.
     pub(super) fn into_memory(self) -> FifoMemory {
-        let (visible, deliveries) = (self.visible.into_inner(), self.deliveries.into_inner());
-        FifoMemory { ring: self.ring, visible, deliveries }
+        FifoMemory { ring: self.ring, kept: self.kept.into_inner() }
     }
 
     /// See [`OccupancyHistogram::count_nothing`].
@@ -357,14 +353,13 @@ impl FifoTiming {
     }
 
     /// Returns the kept tokens.
-    pub(super) fn kept_tokens(&self) -> KeptTokens<'_> {
-        KeptTokens { visible: self.visible.borrow(), deliveries: self.deliveries.borrow() }
+    pub(super) fn kept_tokens(&self) -> Ref<'_, KeptTokens> {
+        self.kept.borrow()
     }
 
     /// Takes the first cycles in which the tokens delivered since the last call can be popped.
     pub(crate) fn take_visible(&self) -> Vec<Cycle> {
-        self.deliveries.take();
-        self.visible.take()
+        self.kept.take().visible
     }
 
     /// See [`OccupancyHistogram::take_fills`].

@@ -5,10 +5,9 @@
 //! segments of every step kept instead, a resimulation of W1 with its path took 8 % more instructions; with the steps that make and take
 //! each token kept as well, 16 % more.
 
-use super::stage_visit::StageView;
-use super::{FifoTiming, InputMask, MachineTiming, StageArity};
-use crate::Cycle;
+use super::{FifoTiming, InputMask, MachineTiming, StageArity, StageClock, StageVisit};
 use crate::port::Completion;
+use crate::{Cycle, MemorySystem};
 use std::collections::BTreeMap;
 
 /// The term of law 3 that bound a start, with the number of the input, output or client within the unit.
@@ -82,8 +81,9 @@ pub(crate) struct PathTracer {
     left: Option<usize>,
     /// By stage, in order.
     pub(super) stages: Vec<TracedStage>,
-    /// Number of requests that a client issued before each step of its stage, by client.
-    pub(super) issued: Vec<Vec<u32>>,
+    /// For each request of a client the number of the step that issued it, by client. Requests of the last step of a stage are missing:
+    /// no later step waits for their credits.
+    pub(super) issuers: Vec<Vec<u32>>,
     /// Stage and number of the last step that passes a mark.
     pub(super) marked: Option<(usize, u32)>,
     /// Memory of the completions of requests, between runs.
@@ -104,7 +104,7 @@ impl PathTracer {
         // Numbers of steps have 32 bits.
         (self.left, self.marked) = (Some(most.min(u32::MAX as usize)), None);
         empty(&mut self.stages, time.stages.len(), TracedStage::clear);
-        empty(&mut self.issued, time.memories.clients().len(), Vec::clear);
+        empty(&mut self.issuers, time.memories.clients().len(), Vec::clear);
         self
     }
 
@@ -119,32 +119,45 @@ impl PathTracer {
         self
     }
 
-    /// Keeps a step before timing takes it in. (Out of line, so that runs without a path pay nothing.)
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn step<K: StageArity>(&mut self, visit: &StageView<'_>, start: Cycle, takes: InputMask, is_marked: bool) {
-        let &StageView { stage, clock, fifos, memories } = visit;
-        let Some(left) = self.left else { return };
-        self.left = left.checked_sub(1);
-        if !self.has_all() {
-            return fifos.iter().for_each(|fifo| fifo.keep_tokens(false));
-        }
-        if K::HAS_MEMORY {
-            clock.clients.iter().for_each(|&client| self.issued[client].push(memories.issued(client) as u32));
-        }
-        let traced = &mut self.stages[stage];
-        if is_marked {
-            self.marked = Some((stage, traced.steps.len() as u32));
-        }
+    /// Keeps a step before timing takes it in.
+    #[inline(always)]
+    pub(crate) fn step<K: StageArity>(&mut self, visit: &StageVisit<'_>, start: Cycle, takes: InputMask, is_marked: bool) {
+        let Some(left @ 1..) = self.left else { return self.give_up(visit.fifos) };
+        self.left = Some(left - 1);
+        let traced = &mut self.stages[visit.stage];
+        let number = traced.steps.len() as u32;
         traced.push(start, start_term::<K>(visit, start, takes.inputs()));
+        if is_marked {
+            self.marked = Some((visit.stage, number));
+        }
+        if K::HAS_MEMORY && visit.clock.needs.asked {
+            self.note_requests(visit.clock, visit.memories, number);
+        }
+    }
+
+    /// Gives the path up, because there are too many steps.
+    #[cold]
+    fn give_up(&mut self, fifos: &[FifoTiming]) {
+        self.left = None;
+        fifos.iter().for_each(|fifo| fifo.keep_tokens(false));
+    }
+
+    /// Notes the requests of the step before step `next` of a stage.
+    fn note_requests(&mut self, clock: &StageClock, memories: &MemorySystem, next: u32) {
+        for &client in &clock.clients {
+            let issuers = &mut self.issuers[client];
+            for _ in issuers.len()..memories.issued(client) as usize {
+                issuers.push(next.saturating_sub(1));
+            }
+        }
     }
 }
 
 /// Returns the term that bound a start. Of equal terms, the unit's own occupancy comes before its tokens, and tokens come before
 /// credits and slots.
 #[inline(always)]
-fn start_term<K: StageArity>(visit: &StageView<'_>, start: Cycle, inputs: u32) -> StartTerm {
-    let &StageView { clock, fifos, memories, .. } = visit;
+fn start_term<K: StageArity>(visit: &StageVisit<'_>, start: Cycle, inputs: u32) -> StartTerm {
+    let StageVisit { clock, memories, .. } = visit;
     if clock.free == start {
         return StartTerm::Free;
     }
@@ -156,7 +169,7 @@ fn start_term<K: StageArity>(visit: &StageView<'_>, start: Cycle, inputs: u32) -
     }
     let bound = |at: Cycle, place: usize| (at == start).then_some(place as u8);
     let mut token = None;
-    clock.inputs.join(fifos, K::INPUTS).each(inputs, K::INPUTS, |i, fifo| token = token.or(bound(fifo.front_visible(), i)));
+    visit.inputs.each(inputs, K::INPUTS, |i, fifo| token = token.or(bound(fifo.front_visible(), i)));
     if let Some(input) = token {
         return StartTerm::Token(input);
     }
@@ -167,7 +180,7 @@ fn start_term<K: StageArity>(visit: &StageView<'_>, start: Cycle, inputs: u32) -
             return StartTerm::Credit(own);
         }
     }
-    let (mut slot, outputs) = (None, clock.outputs.join(fifos, K::OUTPUTS));
-    outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |i, fifo: &FifoTiming| slot = slot.or(bound(fifo.room_at(), i)));
+    let mut slot = None;
+    visit.outputs.each(visit.outputs.all(K::OUTPUTS), K::OUTPUTS, |i, fifo| slot = slot.or(bound(fifo.room_at(), i)));
     slot.map_or(StartTerm::Rest, StartTerm::Slot)
 }

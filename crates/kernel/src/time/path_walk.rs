@@ -15,6 +15,7 @@ use crate::critical_path::{CriticalPath, RequestPhase, StageGroups};
 use crate::port::Completion;
 use crate::report::RunReport;
 use std::borrow::Cow;
+use std::cell::Ref;
 
 /// An event on the path.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +65,7 @@ struct PathWalk<'a> {
     time: &'a MachineTiming,
     steps: &'a PathTracer,
     /// By FIFO.
-    tokens: Vec<KeptTokens<'a>>,
+    tokens: Vec<Ref<'a, KeptTokens>>,
     /// By stage.
     cursors: Vec<StageCursor<'a>>,
     end: Cycle,
@@ -189,11 +190,10 @@ impl PathWalk<'_> {
     /// Returns the step whose request, once answered, gave a step the last credit that it needed of its client `own`.
     fn issue_of_credit(&self, stage: usize, number: u32, own: usize) -> PathEvent {
         let StageClock { clients, needs, .. } = &self.time.stages[stage];
-        let issued = &self.steps.issued[clients[own]];
-        let request = self.time.memories.credit_of(clients[own], issued[number as usize].into(), needs.credits[own]);
-        // The last step before which it was not issued yet.
-        let steps = issued.partition_point(|before| u64::from(*before) <= request);
-        steps.checked_sub(1).map_or(PathEvent::Begin, |step| PathEvent::Step(stage, step as u32))
+        let issuers = &self.steps.issuers[clients[own]];
+        let issued = issuers.partition_point(|issuer| *issuer < number) as u64;
+        let request = self.time.memories.credit_of(clients[own], issued, needs.credits[own]);
+        issuers.get(request as usize).map_or(PathEvent::Begin, |&step| PathEvent::Step(stage, step))
     }
 
     /// Adds the segments until a token becomes visible.

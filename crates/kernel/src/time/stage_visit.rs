@@ -20,14 +20,6 @@ pub(crate) struct StageVisit<'a> {
     pub(super) outputs: ConnectedFifos<'a>,
 }
 
-/// A stage with read-only timing state.
-pub(crate) struct StageView<'a> {
-    pub(super) stage: usize,
-    pub(super) clock: &'a StageClock,
-    pub(super) fifos: &'a [FifoTiming],
-    pub(super) memories: &'a MemorySystem,
-}
-
 impl StageVisit<'_> {
     /// Returns true if any input of its timing has changed since the last visit. Otherwise a visit can do nothing new.
     #[inline(always)]
@@ -134,11 +126,6 @@ impl StageVisit<'_> {
     #[inline(always)]
     pub(crate) fn deliver_known_steps<K: StageArity>(&mut self) -> bool {
         K::HAS_MEMORY && !self.clock.flights.is_empty() && deliver_known(self.clock, self.fifos, self.memories)
-    }
-
-    /// Returns the view for a critical path.
-    pub(crate) fn view(&self) -> StageView<'_> {
-        StageView { stage: self.stage, clock: self.clock, fifos: self.fifos, memories: self.memories }
     }
 
     /// Promises that it makes no step before its earliest possible start, which builds on the promises of its neighbours. The
