@@ -140,6 +140,17 @@ impl Cache {
         if self.tags.spreads { start + u64::from(number / self.config.lookups_per_cycle.max(1)) } else { start }
     }
 
+    /// Makes this many look-ups (>= 1) of lines that are there, in a step that starts at `start`. Returns their answer time and the
+    /// cycles that they take.
+    #[inline(always)]
+    pub(crate) fn hit(&mut self, start: Cycle, look_ups: u32) -> (Cycle, u64) {
+        let cycles = self.cycles(look_ups);
+        let last = if self.tags.spreads { start + (cycles - 1) } else { start };
+        let counts = CacheCounts { hits: look_ups.into(), ..CacheCounts::default() };
+        let answer = self.resolve(&PendingLookUps { start, last, counts, ..PendingLookUps::default() });
+        (answer, cycles)
+    }
+
     /// Accounts for look-ups whose fills are all known and returns their answer time. Answers come in order, so never before the
     /// previous one.
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! The memory ports of a unit: a step issues requests here and receives nothing back.
 
 use crate::request::Request;
-use crate::step_requests::{RequestCursor, StepRequests, StepRequestsView, UnitRequests, request_error};
+use crate::step_requests::{StepRequests, StepRequestsView, UnitRequests, request_error};
 use crate::{MAX_CLIENTS, MemoryClients};
 
 /// Requests and look-ups of one step, in order of issue. They arrive at the step's start, or at the issue rate of their port (laws 4
@@ -14,7 +14,6 @@ pub struct MemoryPorts {
     pub(crate) fault: Option<String>,
     /// The requests after tag look-up.
     asked: StepRequests,
-    at: RequestCursor,
 }
 
 impl MemoryPorts {
@@ -95,7 +94,6 @@ impl MemoryPorts {
         self.requests.clear();
         self.look_ups.clear();
         self.asked.clear();
-        self.at = RequestCursor::default();
     }
 
     /// Returns the distinct lines that the step looks up, with their clients. Call it after `settle`.
@@ -117,6 +115,6 @@ impl MemoryPorts {
             self.fault(text);
             return None;
         }
-        Some(self.asked.all(&mut self.at))
+        Some(self.asked.all())
     }
 }

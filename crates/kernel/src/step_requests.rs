@@ -27,12 +27,32 @@ pub(crate) struct CacheLookUps {
     /// Number of distinct lines.
     pub(crate) lines: u32,
     /// `held`: lines that an earlier request fills. `new`: lines that this step requests.
-    pub(crate) held: u32,
-    pub(crate) new: u32,
+    pub(crate) held: Places,
+    pub(crate) new: Places,
+    /// Place of its first entry in `order`.
+    order: u32,
     /// Number of the last of the earlier requests, plus one; 0 for none.
     pub(crate) last_held: u64,
     /// True if the look-ups take several cycles.
     pub(crate) is_spread: bool,
+}
+
+/// Places in a list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Places {
+    first: u32,
+    pub(crate) count: u32,
+}
+
+impl Places {
+    /// Places from `first` to the end of a list.
+    fn from<T>(first: usize, list: &[T]) -> Self {
+        Self { first: first as u32, count: (list.len() - first) as u32 }
+    }
+
+    fn of<T>(self, list: &[T]) -> &[T] {
+        &list[self.first as usize..][..self.count as usize]
+    }
 }
 
 /// Requests of one step, or of several steps in order.
@@ -71,12 +91,14 @@ pub(crate) struct CacheLines<'a> {
     pub(crate) order: &'a [SpreadLookUp],
 }
 
-/// The requests of one step: a range of a [`StepRequests`] that starts at a cursor.
-#[derive(Debug)]
+/// The requests of one step of a [`StepRequests`].
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct StepRequestsView<'a> {
     asked: &'a StepRequests,
-    at: &'a mut RequestCursor,
-    count: RequestCount,
+    /// Its look-ups, by client.
+    pub(crate) look_ups: &'a [CacheLookUps],
+    /// Its direct requests.
+    pub(crate) requests: &'a [Request],
 }
 
 /// Read position in a [`StepRequests`].
@@ -84,9 +106,6 @@ pub(crate) struct StepRequestsView<'a> {
 pub(crate) struct RequestCursor {
     requests: usize,
     look_ups: usize,
-    held: usize,
-    new: usize,
-    order: usize,
 }
 
 /// Number of requests of a step, and number of caches with look-ups.
@@ -170,7 +189,7 @@ impl StepRequests {
     /// lines.
     #[inline(always)]
     fn look_up_in(&mut self, tags: &mut CacheTagArray, next: u64, look_ups: &[Request], most: u32) -> u32 {
-        let (held, new, first) = (self.held.len(), self.new.len(), self.lines.len());
+        let (held, new, order, first) = (self.held.len(), self.new.len(), self.order.len(), self.lines.len());
         let mut last_held = 0;
         // One bit for all lines of equal remainder by 64: usually a line is new, and no other line of the step has its bit.
         let (mut seen, mut before) = (0, u64::MAX);
@@ -206,24 +225,27 @@ impl StepRequests {
             }
         }
         let lines = (self.lines.len() - first) as u32;
-        let (held, new) = ((self.held.len() - held) as u32, (self.new.len() - new) as u32);
+        let (held, new, order) = (Places::from(held, &self.held), Places::from(new, &self.new), order as u32);
         let client = look_ups.first().map_or(0, |r| r.client);
         let is_spread = tags.spreads;
-        self.look_ups.push(CacheLookUps { client, lines, held, new, last_held, is_spread });
+        self.look_ups.push(CacheLookUps { client, lines, held, new, order, last_held, is_spread });
         lines
     }
 
-    /// Returns everything behind a cursor as one step.
+    /// Returns all requests as one step.
     #[inline]
-    pub(crate) fn all<'a>(&'a self, at: &'a mut RequestCursor) -> StepRequestsView<'a> {
-        let count = RequestCount { requests: self.requests.len() - at.requests, caches: self.look_ups.len() - at.look_ups };
-        self.next(at, count)
+    pub(crate) fn all(&self) -> StepRequestsView<'_> {
+        StepRequestsView { asked: self, look_ups: &self.look_ups, requests: &self.requests }
     }
 
-    /// Returns the step at a cursor.
+    /// Returns the step at a cursor, and moves the cursor behind it.
     #[inline(always)]
-    pub(crate) fn next<'a>(&'a self, at: &'a mut RequestCursor, count: RequestCount) -> StepRequestsView<'a> {
-        StepRequestsView { asked: self, at, count }
+    pub(crate) fn next(&self, at: &mut RequestCursor, count: RequestCount) -> StepRequestsView<'_> {
+        let look_ups = &self.look_ups[at.look_ups..][..count.caches];
+        let requests = &self.requests[at.requests..][..count.requests];
+        at.look_ups += count.caches;
+        at.requests += count.requests;
+        StepRequestsView { asked: self, look_ups, requests }
     }
 
     /// Returns the look-ups of the most recent step, which uses so many caches.
@@ -240,22 +262,19 @@ impl StepRequests {
 }
 
 impl<'a> StepRequestsView<'a> {
-    /// Passes the look-ups to `see`, by client, with their lines. Returns the direct requests.
-    #[inline(always)]
-    pub(crate) fn look_ups(self, mut see: impl FnMut(&CacheLookUps, CacheLines<'_>)) -> &'a [Request] {
-        let Self { asked, at, count } = self;
-        for look_up in &asked.look_ups[at.look_ups..][..count.caches] {
-            let (held, new) = (&asked.held[at.held..][..look_up.held as usize], &asked.new[at.new..][..look_up.new as usize]);
-            let order = if look_up.is_spread { &asked.order[at.order..][..held.len() + new.len()] } else { &[] };
-            see(look_up, CacheLines { held, new, order });
-            at.held += held.len();
-            at.new += new.len();
-            at.order += order.len();
-        }
-        at.look_ups += count.caches;
-        let first = at.requests;
-        at.requests += count.requests;
-        &asked.requests[first..at.requests]
+    /// Returns true if the step issues a request, directly or by a miss.
+    #[inline]
+    pub(crate) fn issue_any(&self) -> bool {
+        !self.requests.is_empty() || self.look_ups.iter().any(|look_ups| look_ups.new.count > 0)
+    }
+
+    /// Returns the lines of look-ups of the step.
+    #[inline]
+    pub(crate) fn lines(&self, look_ups: &CacheLookUps) -> CacheLines<'a> {
+        let StepRequests { held, new, order, .. } = self.asked;
+        let (held, new) = (look_ups.held.of(held), look_ups.new.of(new));
+        let order = if look_ups.is_spread { &order[look_ups.order as usize..][..held.len() + new.len()] } else { &[] };
+        CacheLines { held, new, order }
     }
 }
 

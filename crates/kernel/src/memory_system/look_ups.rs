@@ -5,7 +5,7 @@ use crate::Cycle;
 use crate::cache::PendingLookUps;
 use crate::client::Client;
 use crate::counts::CacheCounts;
-use crate::step_requests::{CacheLines, CacheLookUps, SpreadLookUp};
+use crate::step_requests::{CacheLines, CacheLookUps, SpreadLookUp, StepRequestsView};
 use std::collections::VecDeque;
 
 /// Look-ups of a client without an answer.
@@ -27,6 +27,17 @@ pub(crate) struct OpenLookUp {
 }
 
 impl MemorySystem {
+    /// Makes the look-ups of a step that starts at `start`, if all lines are there by then. Returns their answer time, and the least
+    /// occupancy that they need (law 5). Call it if no earlier look-up of the client waits. Most steps make such look-ups.
+    #[inline]
+    pub(crate) fn hit(&mut self, client: usize, start: Cycle, look_ups: &CacheLookUps) -> Option<(Cycle, u64)> {
+        let Client { port, cache, .. } = &mut self.clients[client];
+        let cache = cache.as_mut().filter(|_| look_ups.new.count == 0)?;
+        // Answers come in order, so the last fill is the latest.
+        let is_there = look_ups.last_held.checked_sub(1).is_none_or(|last| port.answer(last) <= start);
+        is_there.then(|| cache.hit(start, look_ups.lines))
+    }
+
     /// Makes the look-ups of a step that starts at `start`. Returns their state, as far as it is known, and the least occupancy
     /// that they need (law 5). Appends to `open` the requests with unknown answers among the lines of earlier requests.
     #[inline]
@@ -35,9 +46,10 @@ impl MemorySystem {
         client: usize,
         start: Cycle,
         look_ups: &CacheLookUps,
-        lines: CacheLines<'_>,
+        asks: &StepRequestsView<'_>,
         open: &mut VecDeque<OpenLookUp>,
     ) -> (PendingLookUps, u64) {
+        let lines = asks.lines(look_ups);
         if look_ups.is_spread && self.takes_cycles(client, look_ups.lines) {
             return self.look_up_over_time(client, start, look_ups, lines, open);
         }
@@ -48,7 +60,8 @@ impl MemorySystem {
         for &line in new {
             port.issue(start, line * u64::from(line_bytes), line_bytes, false);
         }
-        let counts = CacheCounts { hits: (look_ups.lines - look_ups.new).into(), misses: look_ups.new.into(), merged: 0 };
+        let counts =
+            CacheCounts { hits: (look_ups.lines - look_ups.new.count).into(), misses: look_ups.new.count.into(), merged: 0 };
         let request = if new.is_empty() { look_ups.last_held } else { port.issued };
         let mut pending = PendingLookUps { start, last: start, request, fill: Cycle::ZERO, counts, open: 0 };
         let Some(last) = look_ups.last_held.checked_sub(1) else { return (pending, cycles) };
@@ -99,7 +112,8 @@ impl MemorySystem {
         let last = cache.look_up_at(start, look_ups.lines.saturating_sub(1));
         let line_bytes = cache.config.line_bytes;
         self.memories[port.memory].arrived += lines.new.len() as u64;
-        let counts = CacheCounts { hits: (look_ups.lines - look_ups.new).into(), misses: look_ups.new.into(), merged: 0 };
+        let counts =
+            CacheCounts { hits: (look_ups.lines - look_ups.new.count).into(), misses: look_ups.new.count.into(), merged: 0 };
         let mut pending = PendingLookUps { start, last, request: 0, fill: Cycle::ZERO, counts, open: 0 };
         let (mut held, mut new) = (lines.held.iter(), lines.new.iter());
         for &SpreadLookUp { number, is_miss } in lines.order {
@@ -121,7 +135,7 @@ impl MemorySystem {
             }
         }
         let known = look_ups.last_held.checked_sub(1).map_or(Cycle::ZERO, |last| port.answer(last));
-        if look_ups.new > 0 {
+        if look_ups.new.count > 0 {
             pending.request = port.issued;
         } else if known.is_known() {
             pending.fill = known;

@@ -59,7 +59,7 @@ impl StageTags {
     /// Counts the requests of a step.
     #[inline(always)]
     pub(super) fn count(&mut self, look_ups: &[CacheLookUps], requests: &[Request]) {
-        look_ups.iter().for_each(|l| self.issued[l.client as usize % MAX_CLIENTS] += u64::from(l.new));
+        look_ups.iter().for_each(|l| self.issued[l.client as usize % MAX_CLIENTS] += u64::from(l.new.count));
         requests.iter().for_each(|r| self.issued[r.client as usize % MAX_CLIENTS] += 1);
     }
 }

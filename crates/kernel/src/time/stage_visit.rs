@@ -188,20 +188,24 @@ fn issue_step(
 ) -> u64 {
     let (base, after_data) = (start.after(clock.known_timing(made).1), made.after_data);
     let outputs = outputs_and_mark(made) | if made.blocking { BLOCKING } else { 0 };
-    let delivery = Delivery { base, after_data, outputs };
-    let StageClock { flights, clients, needs, steps, .. } = clock;
-    let mut flight = InFlightStep::new(*steps, delivery);
+    let mut flight = InFlightStep::new(clock.steps, Delivery { base, after_data, outputs });
+    let StageClock { flights, clients, needs, marks, outputs, block, answers, .. } = clock;
     let clients = &mut MemoryClients { ids: clients, memories };
+    if !made.blocking
+        && let Some(least) = flights.hit(&mut flight, start, clients, asks)
+    {
+        deliver_answered(marks, block, answers, *outputs, &flight, flight.delivery.outputs, fifos);
+        return least;
+    }
+    needs.asked = asks.issue_any();
     let issued = flights.issue(&mut flight, start, clients, asks);
-    needs.asked = true;
     if !issued.awaits {
         flight.delivery.after_data = 0;
         flight.delivery.outputs &= !BLOCKING;
     } else if flight.is_blocking() {
-        clock.block.begin(issued.order);
+        block.begin(issued.order);
     }
     if issued.at_once {
-        let StageClock { marks, outputs, block, answers, .. } = clock;
         deliver_answered(marks, block, answers, *outputs, &flight, flight.delivery.outputs, fifos);
     } else {
         flights.push(flight, clients);
@@ -221,6 +225,7 @@ fn deliver_known(clock: &mut StageClock, fifos: &[FifoTiming], memories: &mut Me
 }
 
 /// Delivers an answered step to these outputs.
+#[inline(always)]
 fn deliver_answered(
     marks: &mut Vec<Cycle>,
     block: &mut BlockingWait,
