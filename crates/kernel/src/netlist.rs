@@ -32,7 +32,7 @@ pub(crate) struct StageInfo {
 }
 
 /// A FIFO.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub(crate) struct FifoSpec {
     pub(crate) name: String,
     pub(crate) depth: usize,

@@ -223,8 +223,7 @@ impl FifoTiming {
         let new = ring.token(number);
         new.reserved.set(start);
         new.free.set(Cycle::UNKNOWN);
-        // The entry after it is older than the ring.
-        ring.token(number + 1).visible.set(Cycle::UNKNOWN);
+        new.next_visible.set(Cycle::UNKNOWN);
         if let Some(awaits) = ring.awaits(number) {
             awaits.set(Default::default());
         }
@@ -244,7 +243,7 @@ impl FifoTiming {
             visible = Cycle(visible.0.next_multiple_of(self.period));
         }
         let number = self.delivered.get();
-        self.ring.token(number).visible.set(visible);
+        self.ring.token(number.wrapping_sub(1)).next_visible.set(visible);
         if self.keeps_tokens.get() {
             self.keep(delivered, visible);
         }
@@ -270,10 +269,11 @@ impl FifoTiming {
     /// Pops the front token.
     #[inline(always)]
     pub(crate) fn pop(&self, at: Cycle) {
-        let (ring, number, free) = (&self.ring, self.popped.get(), at.after(1));
-        ring.token(number).free.set(free);
+        let (number, free) = (self.popped.get(), at.after(1));
+        let token = self.ring.token(number);
+        token.free.set(free);
         self.popped.set(number + 1);
-        self.front.set(ring.token(number + 1).visible.get());
+        self.front.set(token.next_visible.get());
         if number + self.depth == self.pushed.get() {
             self.room.set(free);
             self.news[PRODUCER].set(true);

@@ -29,7 +29,7 @@ pub(crate) use stage_visit::StageVisit;
 pub(crate) use step_timing::{AnyArity, StageArity, StepTiming};
 
 use crate::memory_events::EventBounds;
-use crate::netlist::Netlist;
+use crate::netlist::{FifoSpec, Netlist};
 use crate::{Cycle, CycleAccount, MemorySystem, Probe};
 
 /// The timing state of a run.
@@ -39,6 +39,8 @@ pub(crate) struct MachineTiming {
     pub(crate) stages: Vec<StageClock>,
     pub(crate) accounts: Vec<CycleAccount>,
     pub(crate) fifos: Vec<FifoTiming>,
+    /// A FIFO without tokens, for places of a stage without one.
+    no_fifo: FifoTiming,
     pub(crate) memories: MemorySystem,
     /// True if waits are charged and occupancy is counted.
     pub(crate) accounts_for: bool,
@@ -62,7 +64,8 @@ impl MachineTiming {
         let fifos = shape.fifos.iter().zip(memory);
         let fifos = fifos.map(|(fifo, memory)| FifoTiming::new(fifo, has_clients(fifo.producer), memory)).collect();
         let (accounts, limit) = (vec![CycleAccount::default(); shape.stages.len()], Cycle::UNKNOWN);
-        Self { accounts, shape, stages, fifos, memories, accounts_for: true, limit }
+        let no_fifo = FifoTiming::new(&FifoSpec::default(), false, FifoMemory::default());
+        Self { accounts, shape, stages, fifos, no_fifo, memories, accounts_for: true, limit }
     }
 
     /// Returns the memory of its FIFOs, for the next run.
@@ -84,9 +87,10 @@ impl MachineTiming {
     /// Returns a stage to work on, and the netlist.
     #[inline(always)]
     pub(crate) fn visit<K: StageArity>(&mut self, stage: usize) -> (StageVisit<'_>, &Netlist) {
-        let Self { shape, stages, accounts, fifos, memories, .. } = self;
+        let Self { shape, stages, accounts, fifos, no_fifo, memories, .. } = self;
         let (clock, account) = (&mut stages[stage], &mut accounts[stage]);
-        let (inputs, outputs) = (clock.inputs.join(fifos, K::INPUTS), clock.outputs.join(fifos, K::OUTPUTS));
+        let inputs = clock.inputs.join(fifos, no_fifo, K::INPUTS);
+        let outputs = clock.outputs.join(fifos, no_fifo, K::OUTPUTS);
         (StageVisit { stage, clock, account, fifos, memories, inputs, outputs }, shape)
     }
 

@@ -11,14 +11,14 @@ impl MachineTiming {
     /// See [`StageClock::next_start`].
     pub(crate) fn next_start(&self, stage: usize, demand: Demand) -> Cycle {
         let clock = &self.stages[stage];
-        let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
+        let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, &self.no_fifo, None));
         clock.next_start::<AnyArity>(&inputs, &outputs, &self.memories, clock.inputs_of(demand))
     }
 
     /// Splits the wait of a stage into its causes (law 9), in order, and passes each to `charge`.
     pub(crate) fn split_wait(&self, stage: usize, demand: Demand, interval: Range<Cycle>, charge: impl FnMut(Wait)) {
         let clock = &self.stages[stage];
-        let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
+        let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, &self.no_fifo, None));
         clock.split_wait::<AnyArity>(&inputs, &outputs, &self.memories, clock.inputs_of(demand), interval, charge);
     }
 }

@@ -57,12 +57,13 @@ impl PortIds {
         })
     }
 
-    /// Looks up the FIFOs of these numbers: once if their count is known at compile time, otherwise at each use.
+    /// Looks up the FIFOs of these numbers: once if their count is known at compile time, otherwise at each use. `none`: a FIFO for
+    /// places without one.
     #[inline(always)]
-    pub(super) fn join(self, fifos: &[FifoTiming], known: Option<usize>) -> ConnectedFifos<'_> {
-        let mut slots = [None; MAX_LINKS];
+    pub(super) fn join<'a>(self, fifos: &'a [FifoTiming], none: &'a FifoTiming, known: Option<usize>) -> ConnectedFifos<'a> {
+        let mut slots = [none; MAX_LINKS];
         for (place, slot) in slots.iter_mut().enumerate().take(known.unwrap_or(0)) {
-            *slot = Some(&fifos[self.at(place)]);
+            *slot = &fifos[self.at(place)];
         }
         ConnectedFifos { ends: self, fifos, slots }
     }
@@ -74,7 +75,7 @@ pub(super) struct ConnectedFifos<'a> {
     ends: PortIds,
     fifos: &'a [FifoTiming],
     /// As many as are known at compile time.
-    slots: [Option<&'a FifoTiming>; MAX_LINKS],
+    slots: [&'a FifoTiming; MAX_LINKS],
 }
 
 impl<'a> ConnectedFifos<'a> {
@@ -97,14 +98,8 @@ impl<'a> ConnectedFifos<'a> {
         let count = self.count(known);
         let mut place = 0;
         while place < count {
-            let fifo = match known {
-                Some(_) => self.slots[place % MAX_LINKS],
-                None => self.fifos.get(self.ends.at(place)),
-            };
-            if bits & 1 << place != 0
-                && let Some(fifo) = fifo
-            {
-                see(place, fifo);
+            if bits & 1 << place != 0 {
+                see(place, if known.is_some() { self.slots[place % MAX_LINKS] } else { &self.fifos[self.ends.at(place)] });
             }
             place += 1;
         }

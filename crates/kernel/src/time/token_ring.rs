@@ -9,8 +9,9 @@ use std::cell::Cell;
 pub(super) struct TokenTimes {
     /// Start of the step that reserved a slot for it.
     pub(super) reserved: Cell<Cycle>,
-    /// First cycle in which it can be popped; unknown until it is delivered, and if there is no token.
-    pub(super) visible: Cell<Cycle>,
+    /// First cycle in which the token after it can be popped; unknown until that is delivered. (It is kept here, because both ends need it
+    /// with the other times of this token.)
+    pub(super) next_visible: Cell<Cycle>,
     /// First cycle in which its slot is free again, the cycle after its pop; unknown before the pop.
     pub(super) free: Cell<Cycle>,
 }
@@ -18,7 +19,7 @@ pub(super) struct TokenTimes {
 impl TokenTimes {
     /// Creates the times of an entry that was never used.
     fn unused() -> Self {
-        Self { reserved: Cell::default(), visible: Cell::new(Cycle::UNKNOWN), free: Cell::default() }
+        Self { reserved: Cell::default(), next_visible: Cell::new(Cycle::UNKNOWN), free: Cell::default() }
     }
 }
 
