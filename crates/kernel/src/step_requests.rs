@@ -2,6 +2,7 @@
 //! work: computed with the step, or once for a recording and reused by every resimulation.
 
 use crate::cache::CacheTagArray;
+use crate::counts::CacheCounts;
 use crate::{MAX_CLIENTS, Request};
 
 /// Requests and look-ups of one step as its unit issues them, before tag look-up.
@@ -167,30 +168,28 @@ impl StepRequests {
     /// port.)
     #[inline]
     fn look_up(&mut self, look_ups: &[Request], caches: &mut impl TagLookup, left: &mut [u32; MAX_CLIENTS]) -> bool {
-        if caches.clients() > 1 && !look_ups.is_sorted_by_key(|r| r.client) {
-            let mut sorted = look_ups.to_vec();
-            sorted.sort_by_key(|r| r.client);
-            return self.look_up(&sorted, caches, left);
+        let first = look_ups[0].client;
+        // Usually all are in one cache.
+        if look_ups.iter().all(|r| r.client == first) {
+            return self.look_up_in(look_ups, caches, left);
         }
-        look_ups.chunk_by(|a, b| a.client == b.client).all(|look_ups| {
-            let own = look_ups[0].client as usize;
-            if own >= caches.clients() {
-                return false;
-            }
-            let Some((tags, next)) = caches.tags(own) else { return false };
-            let lines = self.look_up_in(tags, next, look_ups, left[own]);
-            let Some(rest) = left[own].checked_sub(lines) else { return false };
-            left[own] = rest;
-            true
-        })
+        let mut sorted = look_ups.to_vec();
+        sorted.sort_by_key(|r| r.client);
+        sorted.chunk_by(|a, b| a.client == b.client).all(|look_ups| self.look_up_in(look_ups, caches, left))
     }
 
-    /// Looks up lines in one cache, whose next request has the number `next`, and stops after `most` lines. Returns the number of
-    /// lines.
+    /// Looks up lines in the cache of one client. Returns false if it has none, or if there are more lines than it has credits
+    /// `left`.
     #[inline(always)]
-    fn look_up_in(&mut self, tags: &mut CacheTagArray, next: u64, look_ups: &[Request], most: u32) -> u32 {
+    fn look_up_in(&mut self, look_ups: &[Request], caches: &mut impl TagLookup, left: &mut [u32; MAX_CLIENTS]) -> bool {
+        let client = look_ups[0].client;
+        if client as usize >= caches.clients() {
+            return false;
+        }
+        let Some((tags, mut next)) = caches.tags(client as usize) else { return false };
+        let most = &mut left[client as usize];
         let (held, new, order, first) = (self.held.len(), self.new.len(), self.order.len(), self.lines.len());
-        let mut last_held = 0;
+        let (mut lines, mut last_held) = (0, 0);
         // One bit for all lines of equal remainder by 64: usually a line is new, and no other line of the step has its bit.
         let (mut seen, mut before) = (0, u64::MAX);
         for r in look_ups {
@@ -201,35 +200,34 @@ impl StepRequests {
                 // Data that lie side by side are often in one line.
                 if line != before && (seen & bit == 0 || !self.lines[first..].contains(&line)) {
                     seen |= bit;
-                    let number = (self.lines.len() - first) as u32;
                     self.lines.push(line);
                     if !tags.always_hits {
-                        let found = tags.look_up(line, next + (self.new.len() - new) as u64);
+                        let found = tags.look_up(line, next);
                         if tags.spreads {
-                            self.order.push(SpreadLookUp { number, is_miss: found.is_none() });
+                            self.order.push(SpreadLookUp { number: lines, is_miss: found.is_none() });
                         }
-                        match found {
-                            Some(request) => {
-                                self.held.push(request);
-                                last_held = last_held.max(request + 1);
-                            }
-                            None => self.new.push(line),
+                        if let Some(request) = found {
+                            self.held.push(request);
+                            last_held = last_held.max(request + 1);
+                        } else {
+                            self.new.push(line);
+                            next += 1;
                         }
                     }
+                    lines += 1;
                 }
                 before = line;
-                if line == last || self.lines.len() - first > most as usize {
+                if line == last || lines > *most {
                     break;
                 }
                 line += 1;
             }
         }
-        let lines = (self.lines.len() - first) as u32;
         let (held, new, order) = (Places::from(held, &self.held), Places::from(new, &self.new), order as u32);
-        let client = look_ups.first().map_or(0, |r| r.client);
-        let is_spread = tags.spreads;
-        self.look_ups.push(CacheLookUps { client, lines, held, new, order, last_held, is_spread });
-        lines
+        self.look_ups.push(CacheLookUps { client, lines, held, new, order, last_held, is_spread: tags.spreads });
+        let is_allowed = lines <= *most;
+        *most = most.saturating_sub(lines);
+        is_allowed
     }
 
     /// Returns all requests as one step.
@@ -258,6 +256,13 @@ impl StepRequests {
     pub(crate) fn lines(&self) -> impl Iterator<Item = (u32, u64)> {
         let clients = self.look_ups.iter().flat_map(|l| std::iter::repeat_n(l.client, l.lines as usize));
         clients.zip(self.lines.iter().copied())
+    }
+}
+
+impl CacheLookUps {
+    /// Returns the results, if all lines of earlier requests are there.
+    pub(crate) fn counts(&self) -> CacheCounts {
+        CacheCounts { hits: (self.lines - self.new.count).into(), misses: self.new.count.into(), merged: 0 }
     }
 }
 

@@ -4,7 +4,6 @@ use super::MemorySystem;
 use crate::Cycle;
 use crate::cache::PendingLookUps;
 use crate::client::Client;
-use crate::counts::CacheCounts;
 use crate::step_requests::{CacheLines, CacheLookUps, SpreadLookUp, StepRequestsView};
 use std::collections::VecDeque;
 
@@ -60,8 +59,7 @@ impl MemorySystem {
         for &line in new {
             port.issue(start, line * u64::from(line_bytes), line_bytes, false);
         }
-        let counts =
-            CacheCounts { hits: (look_ups.lines - look_ups.new.count).into(), misses: look_ups.new.count.into(), merged: 0 };
+        let counts = look_ups.counts();
         let request = if new.is_empty() { look_ups.last_held } else { port.issued };
         let mut pending = PendingLookUps { start, last: start, request, fill: Cycle::ZERO, counts, open: 0 };
         let Some(last) = look_ups.last_held.checked_sub(1) else { return (pending, cycles) };
@@ -112,8 +110,7 @@ impl MemorySystem {
         let last = cache.look_up_at(start, look_ups.lines.saturating_sub(1));
         let line_bytes = cache.config.line_bytes;
         self.memories[port.memory].arrived += lines.new.len() as u64;
-        let counts =
-            CacheCounts { hits: (look_ups.lines - look_ups.new.count).into(), misses: look_ups.new.count.into(), merged: 0 };
+        let counts = look_ups.counts();
         let mut pending = PendingLookUps { start, last, request: 0, fill: Cycle::ZERO, counts, open: 0 };
         let (mut held, mut new) = (lines.held.iter(), lines.new.iter());
         for &SpreadLookUp { number, is_miss } in lines.order {
