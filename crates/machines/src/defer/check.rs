@@ -3,7 +3,7 @@
 use super::DeferConfig;
 use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos, unused_normal_maps};
-use basrelief_deferred_renderer::{NumberFormat, RenderMode};
+use basrelief_deferred_renderer::{LightingMode, NumberFormat, RenderMode};
 use basrelief_kernel::stats::UnitStats;
 
 /// Latest time of a user action: three months \[ms\].
@@ -73,7 +73,7 @@ pub fn warnings(c: &DeferConfig, facts: &UnitStats) -> Vec<String> {
         .into_iter()
         .chain(unused_requests(c))
         .chain(unused_normal_maps(facts))
-        .chain(input_warnings(facts))
+        .chain(input_warnings(c, facts))
         .collect()
 }
 
@@ -88,8 +88,15 @@ fn unused_requests(c: &DeferConfig) -> Option<String> {
 }
 
 /// Returns warnings about input that the renderer cannot use.
-fn input_warnings(facts: &UnitStats) -> Vec<String> {
-    let none = facts.count("cells_direct") > 0 && facts.count("cells_textured") == 0;
-    let unused = "no pixel has a colour texture, so no tile was needed".to_owned();
-    none.then_some(unused).into_iter().collect()
+fn input_warnings(c: &DeferConfig, facts: &UnitStats) -> Vec<String> {
+    if facts.count("cells_direct") == 0 || facts.count("cells_textured") > 0 {
+        return Vec::new();
+    }
+    let unlit = match c.defer.lighting {
+        LightingMode::None => {
+            ". `defer.lighting = none` computes no light, so each surface has one colour; `gouraud` lights vertices"
+        }
+        LightingMode::Gouraud => "",
+    };
+    vec![format!("no pixel has a colour texture, so no tile was needed{unlit}")]
 }

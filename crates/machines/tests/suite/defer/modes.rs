@@ -238,7 +238,10 @@ fn trace_without_textures_warns_that_no_tile_is_needed() {
     let list = [vec![frame(0), object(0)], vec![floor(&plain, 3.0), Control::FrameEnd]].concat();
     let ran = timed(&list, &[FAST, SMALL].concat());
     assert_eq!((ran.seen.count("path_tile_bytes"), ran.seen.finished.len()), (0, 1));
-    assert!(warnings(&config(&[FAST, SMALL].concat()), &ran.seen.facts)[0].contains("no pixel has a colour texture"));
+    let unlit = warnings(&config(&[FAST, SMALL].concat()), &ran.seen.facts);
+    assert!(unlit[0].contains("no pixel has a colour texture") && unlit[0].contains("defer.lighting"), "{unlit:?}");
+    let lit = warnings(&config(&[FAST, SMALL, &[("defer.lighting", "gouraud")]].concat()), &ran.seen.facts);
+    assert_eq!(lit, ["no pixel has a colour texture, so no tile was needed"]);
     let warned = |more: &[(&str, &str)]| {
         let settings = [FAST, SMALL, more].concat();
         warnings(&config(&settings), &timed(&views(&[0.0]), &settings).seen.facts)
