@@ -18,12 +18,12 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&Me
     let is_one_machine = a.machine == b.machine;
     if !is_one_machine {
         sentences.push(format!(
-            "The machines differ: A is {}, B is {}. Units and figures with the same name may mean different things.",
+            "The machines differ: A is {}, B is {}. Units and figures with the same name may mean different things. Each machine has draw \
+             commands of its own, so the hashes of the inputs do not tell if the model is the same.",
             a.machine, b.machine
         ));
-    }
     // A run that was cut short does not know its input to the end.
-    if a.input.sha256 != b.input.sha256 && ![a, b].iter().any(|r| r.input.sha256.is_empty()) {
+    } else if a.input.sha256 != b.input.sha256 && ![a, b].iter().any(|r| r.input.sha256.is_empty()) {
         sentences.push("The inputs differ.".to_owned());
     }
     let mut unfinished = [("A", a), ("B", b)].into_iter().filter(|(_, report)| !report.outcome.is_complete()).peekable();
@@ -182,6 +182,7 @@ mod tests {
         assert!(compare(&a, &b, None).explanation.contains("there are no cycles to compare"));
         let other = compare(&a, &samples::with_routes(), None).explanation;
         assert!(other.starts_with("The machines differ: A is bump, B is shade."), "{other}");
+        assert!(!other.contains("The inputs differ"), "{other}");
         assert!(!other.contains("tape"), "{other}");
         b.input.sha256 = "cd".repeat(32);
         let functional = samples::functional();

@@ -29,16 +29,20 @@ fn balanced_in_words(balanced: &RelaxedSet, bottlenecks: &Bottlenecks, report: &
     let total = report.frame_cycles();
     let names: Vec<String> = balanced.relaxed.iter().map(|name| format!("`{name}`")).collect();
     let (last, first) = names.split_last().map_or((String::new(), vec![]), |(last, first)| (last.clone(), first.to_vec()));
-    let best = bottlenecks.single.first().map_or(0, |best| best.saved);
+    let alone = match bottlenecks.single.first() {
+        Some(best) if best.saved > 0 => {
+            let share = percent_in_words(best.saved as f64 / total.max(1) as f64);
+            format!("at most {share} (`{}`)", best.resource)
+        }
+        _ => "none".into(),
+    };
     let now = rate(report, total).map_or(String::new(), |rate| format!(" at {rate}"));
     let then = rate(report, balanced.cycles).map_or(String::new(), |rate| format!(" and reach {rate}"));
     format!(
         "Bottleneck: balanced across {} and {last}{now}. Relaxed together they would save {} of the cycles{then}; one resource alone \
-         saves {}{}.",
+         saves {alone}.",
         first.join(", "),
         percent_in_words(balanced.saved),
-        if best == 0 { "" } else { "at most " },
-        if best == 0 { "none".into() } else { percent_in_words(best as f64 / total.max(1) as f64) },
     )
 }
 
@@ -231,7 +235,7 @@ mod tests {
         let (now, then) = (fragments / total as f64, fragments / (total / 2) as f64);
         let expected = format!(
             "Bottleneck: balanced across `a` and `b` at {now:.2} fragments per cycle. Relaxed together they would save 50 % of the \
-             cycles and reach {then:.2} fragments per cycle; one resource alone saves at most 2 %."
+             cycles and reach {then:.2} fragments per cycle; one resource alone saves at most 2 % (`a`)."
         );
         assert_eq!(text, expected);
         let line = ladder_line(&report).unwrap();
