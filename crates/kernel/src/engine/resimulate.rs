@@ -205,8 +205,8 @@ impl<'a> Recording<'a> {
         Ok(self.timed_again(shape, ResimulationGoal::Report)?.0)
     }
 
-    /// Returns only the cycles [up to the last mark](RunReport::marked_cycles), with seven eighths of the instructions. Returns
-    /// `None` if the run is not complete.
+    /// Returns only the cycles [up to the last mark](RunReport::marked_cycles), with fewer instructions. Returns `None` if the run is not
+    /// complete.
     ///
     /// # Errors
     /// See [`ResimulateError`].

@@ -27,7 +27,7 @@ pub(crate) struct OpenLookUp {
 
 impl MemorySystem {
     /// Makes the look-ups of a step that starts at `start`, if all lines are there by then. Returns their answer time, and the least
-    /// occupancy that they need (law 5). Call it if no earlier look-up of the client waits. Most steps make such look-ups.
+    /// occupancy that they need (law 5). Call it if no earlier look-up of the client waits.
     #[inline]
     pub(crate) fn hit(&mut self, client: usize, start: Cycle, look_ups: &CacheLookUps) -> Option<(Cycle, u64)> {
         let Client { port, cache, .. } = &mut self.clients[client];

@@ -117,7 +117,8 @@ impl InFlightSteps {
     }
 
     /// Makes the look-ups of a step that starts at `start`, if it asks for nothing else, all hit in one cache, and no step is ahead.
-    /// Most steps with requests are like this. Returns the least occupancy that they need.
+    /// Returns the least occupancy that they need. (Such a step needs no place among the steps in flight, and later steps need no new
+    /// credits.)
     #[inline]
     pub(crate) fn hit(
         &self,
