@@ -20,6 +20,7 @@ mod turntable;
 use crate::model::bounds;
 use crate::view::{LightSource, ViewHints};
 use crate::{SceneError, SceneSubject, ViewOptions};
+use basrelief_parameters::nearest;
 use basrelief_signals::{Scene, ShadingSettings};
 use stage::DemoScene;
 use std::ops::RangeInclusive;
@@ -146,7 +147,8 @@ fn subject(name: &str) -> Result<SceneSubject, SceneError> {
     let (title, tessellation) = name.split_once('@').map_or((name, None), |(title, n)| (title, Some(n)));
     let info = DEMOS.iter().find(|d| d.name == title).ok_or_else(|| {
         let names: Vec<&str> = DEMOS.iter().map(|d| d.name).collect();
-        SceneError::at("demo", format!("no demo is called `{title}`")).expected(names.join(", "))
+        let near = nearest(title, names.iter().copied()).map_or_else(String::new, |near| format!("did you mean `{near}`?"));
+        SceneError::at("demo", format!("no demo is called `{title}`")).expected(names.join(", ")).cure(near)
     })?;
     let stage = info.stage(tessellation)?;
     let hints = ViewHints {
@@ -234,6 +236,13 @@ mod tests {
             error.contains("golf-ball, coin, brick, mixed, sphere, ellipsoid, cut-plane, goblet, corridor, turntable, gallery"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn mistyped_demo_error_names_nearest_demo() {
+        let error = |name| demo(name, &ViewOptions::default()).unwrap_err().to_string();
+        assert!(error("golf-bal").ends_with("gallery; did you mean `golf-ball`?"), "{}", error("golf-bal"));
+        assert!(error("teapot").ends_with("turntable, gallery"), "{}", error("teapot"));
     }
 
     fn triangles(scene: &Scene) -> usize {
