@@ -11,6 +11,7 @@ mod compatibility;
 mod costs;
 mod defer;
 #[cfg(unix)]
+mod error_cures;
 mod import_warnings;
 mod interrupt;
 #[cfg(unix)]

@@ -8,7 +8,9 @@ use crate::views::ViewScript;
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_scene::{SceneError, SceneSubject, ViewOptions, load_path_with, read_camera};
 use basrelief_signals::Scene;
-use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput};
+use basrelief_sim::{
+    MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput, looks_like_recording,
+};
 use basrelief_trace::{TraceForm, looks_like_trace};
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -105,6 +107,18 @@ impl TraceFile {
         self.reader = Box::new(Cursor::new(start).chain(rest));
         Ok(is_one)
     }
+
+    /// Refuses the recording of a run, which is compressed like a trace.
+    fn check_is_no_recording(&self) -> CommandResult {
+        let mut decoder = self.file.as_deref().and_then(|path| zstd::Decoder::new(File::open(path).ok()?).ok());
+        // No recording has a larger window than 2^23 bytes, and a trace with a larger window takes no memory here.
+        let is_small = decoder.as_mut().is_some_and(|decoder| decoder.window_log_max(23).is_ok());
+        if !is_small || !decoder.is_some_and(looks_like_recording) {
+            return Ok(());
+        }
+        let cure = format!("the recording of a run, expected a model or a trace; `basrelief resimulate {}` reads it", self.name);
+        Err(CommandError::in_input(&self.name)(cure))
+    }
 }
 
 /// Counts bytes read.
@@ -130,6 +144,7 @@ pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> Com
     }
     let mut trace = TraceFile::open(path)?;
     if path == Path::new("-") || trace.is_one()? {
+        trace.check_is_no_recording()?;
         if *view != ViewOptions::default() {
             return Err(CommandError::Usage("a trace has its own view; --size, --camera, --turn, --zoom, --frames, --orbit, --light, --light-orbit and --views apply to scenes only".into()));
         }
@@ -170,10 +185,12 @@ pub fn demo_scene(name: &str, view: &ViewOptions, budget: &MemoryPool) -> Comman
     Ok(Arc::new(scene))
 }
 
-/// Reads a text file. Returns the text and its memory.
-pub fn read_text(path: &Path, budget: &MemoryPool) -> CommandResult<(String, MemoryReservation)> {
+/// Reads a text file with this `content`, for example `a camera (JSON)`. Returns the text and its memory.
+pub fn read_text(path: &Path, content: &str, budget: &MemoryPool) -> CommandResult<(String, MemoryReservation)> {
+    let in_file = |error: String| CommandError::in_input(&path.display().to_string())(error);
     basrelief_input::read_text(path, budget).map_err(|e| match OverBudget::in_io_error(&e) {
-        Some(error) => CommandError::in_input(&path.display().to_string())(error),
+        Some(error) => in_file(error.to_string()),
+        None if e.kind() == io::ErrorKind::InvalidData => in_file(format!("not a text file in UTF-8; expected {content}")),
         None => CommandError::at_file(path, "be read")(e),
     })
 }
@@ -225,14 +242,15 @@ pub fn resolve_view(view: &ViewArgs, budget: &MemoryPool) -> CommandResult<Resol
         None => None,
         Some(path) => {
             let name = path.display().to_string();
-            let (text, _held) = read_text(path, budget)?;
+            let (text, _held) = read_text(path, "a camera (JSON)", budget)?;
             let _held =
                 budget.try_reserve(json_weight(text.as_bytes()), "what a camera says").map_err(CommandError::in_input(&name))?;
             Some(read_camera(&text, &name).map_err(CommandError::bad_input)?)
         }
     };
     let script = |path: &PathBuf| {
-        ViewScript::read(&read_text(path, budget)?.0, budget).map_err(CommandError::in_input(&path.display().to_string()))
+        let (text, _held) = read_text(path, "views (TOML or JSON)", budget)?;
+        ViewScript::read(&text, budget).map_err(CommandError::in_input(&path.display().to_string()))
     };
     let ViewScript { views, left_at_ms } = view.views.as_ref().map(script).transpose()?.unwrap_or_default();
     let default = ViewOptions::default();
@@ -268,7 +286,8 @@ pub fn config_of(
     settings: &[(String, String)],
     budget: &MemoryPool,
 ) -> CommandResult<(MachineConfig, Overrides)> {
-    let (toml, _held) = file.map_or_else(|| Ok((String::new(), budget.empty_reservation())), |path| read_text(path, budget))?;
+    let read = |path| read_text(path, "parameters of a machine (TOML)", budget);
+    let (toml, _held) = file.map_or_else(|| Ok((String::new(), budget.empty_reservation())), read)?;
     let name = file.map(|path| path.display().to_string()).unwrap_or_default();
     let given = Overrides { toml, settings: settings.to_vec() };
     let config = given.load_checked(machine, budget).map_err(|wrong| match wrong {

@@ -1,5 +1,6 @@
 //! Errors of the programs around a run.
 
+use crate::file_cure::{blocking_file, expected_folder, reason_and_cure};
 use crate::{RecordingError, RunError};
 use std::fmt::Display;
 use std::io;
@@ -78,58 +79,63 @@ impl CommandError {
     }
 }
 
-/// Returns the reason of an error with a file, and its cure.
-fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
-    let (is_output, is_input) = (doing == "be written", doing == "be read");
-    if let Some(folder) = path.parent().filter(|folder| is_output && is_missing(folder)) {
-        return format!("{error}; create the folder {} first", folder.display());
-    }
-    match error.kind() {
-        io::ErrorKind::IsADirectory => format!("{error}; expected a file"),
-        // Only making a folder, or a file below a file, fails in these ways.
-        io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
-            let file = blocking_file(path).filter(|_| is_output);
-            file.map_or_else(|| format!("{error}; expected a folder"), |file| expected_folder(&file))
-        }
-        // Commands that accept standard input do not open this path.
-        _ if is_input && path == Path::new("-") => format!("{error}; standard input is not accepted here, expected a file"),
-        _ => error.to_string(),
-    }
-}
-
-fn expected_folder(file: &Path) -> String {
-    format!("{} is a file, expected a folder; choose another folder", file.display())
-}
-
-/// Returns the file in the place of this folder or of a folder above it.
-fn blocking_file(folder: &Path) -> Option<PathBuf> {
-    folder.ancestors().find(|path| path.exists()).filter(|path| !path.is_dir()).map(Path::to_path_buf)
-}
-
-/// Returns true for a folder that does not exist. An empty path is the working directory.
-fn is_missing(folder: &Path) -> bool {
-    !folder.as_os_str().is_empty() && matches!(folder.try_exists(), Ok(false))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn error(kind: io::ErrorKind, path: &Path, doing: &str) -> String {
+        let text = CommandError::at_file(path, doing)(kind.into()).to_string();
+        text.strip_prefix(&format!("{}: cannot {doing}: ", path.display())).unwrap().to_owned()
+    }
+
     #[test]
     fn output_into_missing_folder_names_folder_and_cure() {
-        let error = |kind: io::ErrorKind, path, doing| CommandError::at_file(Path::new(path), doing)(kind.into()).to_string();
-        let text = |path, doing| error(io::ErrorKind::NotFound, path, doing);
-        assert_eq!(
-            text("none/deep/x", "be written"),
-            "none/deep/x: cannot be written: entity not found; create the folder none/deep first"
-        );
-        assert_eq!(text("x", "be written"), "x: cannot be written: entity not found");
-        assert_eq!(text("none/x", "be read"), "none/x: cannot be read: entity not found");
-        assert_eq!(error(io::ErrorKind::IsADirectory, "src", "be read"), "src: cannot be read: is a directory; expected a file");
-        assert_eq!(
-            error(io::ErrorKind::AlreadyExists, "a.png", "be written"),
-            "a.png: cannot be written: entity already exists; expected a folder"
-        );
+        let error = |kind, path: &str, doing| error(kind, Path::new(path), doing);
+        let text = |path| error(io::ErrorKind::NotFound, path, "be written");
+        assert_eq!(text("none/deep/x"), "entity not found; create the folder none/deep first");
+        assert_eq!(text("x"), "entity not found");
+        assert_eq!(error(io::ErrorKind::IsADirectory, "src", "be read"), "is a directory; expected a file");
+        assert_eq!(error(io::ErrorKind::AlreadyExists, "a.png", "be written"), "entity already exists; expected a folder");
+    }
+
+    #[test]
+    fn missing_input_names_similar_file_or_demo() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["patch.gltf", "board.glb", ".hidden.glb"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let text = |path: &Path| error(io::ErrorKind::NotFound, path, "be read");
+        let meant = |path: &str| format!("entity not found; expected an existing file; did you mean `{path}`?");
+        for (given, file) in [("patch.obj", "patch.gltf"), ("patch", "patch.gltf"), ("baord.glb", "board.glb")] {
+            let expected = meant(&folder.path().join(file).display().to_string());
+            assert_eq!(text(&folder.path().join(given)), expected, "{given}");
+        }
+        for demo in ["golf-ball", "goblet@8"] {
+            assert_eq!(text(Path::new(demo)), meant(&format!("demo:{demo}")));
+        }
+    }
+
+    #[test]
+    fn missing_input_without_similar_file_has_a_cure() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("board.glb"), "").unwrap();
+        let text = |path: &Path| error(io::ErrorKind::NotFound, path, "be read");
+        let absolute = text(&folder.path().join("zzz.glb"));
+        assert_eq!(absolute, "entity not found; expected an existing file; check the name");
+        let cure = "check the name, which is looked up from the current folder";
+        assert_eq!(text(Path::new("zzzzz.glb")), format!("entity not found; expected an existing file; {cure}"));
+        assert_eq!(text(Path::new("none/deep/x")), format!("entity not found; the folder none does not exist; {cure}"));
+    }
+
+    #[test]
+    fn refused_output_names_refusing_folder_and_cure() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, shown) = (folder.path().join("file"), folder.path().display());
+        std::fs::write(&file, "").unwrap();
+        let cure = format!("the folder {shown} does not allow writing; choose another folder, or allow writing to it");
+        for path in [folder.path().to_path_buf(), folder.path().join("a/b/c"), file] {
+            assert_eq!(error(io::ErrorKind::PermissionDenied, &path, "be written"), format!("permission denied: {cure}"));
+        }
     }
 
     #[test]

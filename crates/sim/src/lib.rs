@@ -4,6 +4,7 @@
 mod analysis;
 mod build;
 mod command_error;
+mod file_cure;
 mod machine;
 mod named_run;
 mod observer;
@@ -28,6 +29,7 @@ pub use basrelief_machines::{
 };
 pub use build::BUILD;
 pub use command_error::{CommandError, CommandResult};
+pub use file_cure::reason_and_cure;
 pub use machine::aux_outputs;
 pub use named_run::{run_named, run_quietly};
 pub use observer::{FramePictures, KeptRecording, MemoryRequests, NoObserver, Observer, picture_name};
@@ -42,7 +44,9 @@ pub use outputs::recorded_trace::{TraceOptions, record_trace};
 pub use outputs::request_log::{LoggedMemory, RequestFormat, RequestLog, RequestLogError, logged_memories};
 pub use outputs::steps::list_steps;
 pub use prepared::PreparedScene;
-pub use recording::{Recording, RecordingError, ResimulateOptions, ResimulationResult, resimulate, resimulate_to};
+pub use recording::{
+    Recording, RecordingError, ResimulateOptions, ResimulationResult, looks_like_recording, resimulate, resimulate_to,
+};
 #[cfg(feature = "unwatched")]
 pub use run::bare::{BareMachine, bare_machine};
 pub use run::display_list::{display_list, input_sha256, trace_header};

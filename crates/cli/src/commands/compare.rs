@@ -107,7 +107,7 @@ impl ReportPair<'_> {
 impl ReportSide {
     fn read(path: &Path, budget: &MemoryPool) -> CommandResult<Self> {
         let file = if path.is_dir() { path.join(REPORT) } else { path.to_path_buf() };
-        let (text, _held) = read_text(&file, budget)?;
+        let (text, _held) = read_text(&file, "a report (report.json), or the folder that holds it", budget)?;
         let name = file.display().to_string();
         // The memory stays reserved until the end of the program.
         budget

@@ -11,7 +11,7 @@ use basrelief_dse::{OpenedInput, Plan, PlanPoint, SweepError, SweepFolder, Sweep
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_parameters::nearest;
 use basrelief_reference::RgbPicture;
-use basrelief_sim::{RunInput, TOML_GROWTH, to_png};
+use basrelief_sim::{RunInput, TOML_GROWTH, reason_and_cure, to_png};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
 use serde_json::{Map, Value, json};
@@ -48,7 +48,7 @@ impl<'a> OpenedPlan<'a> {
             progress: PointProgress::new(global.quiet),
         };
         let name = args.plan.display().to_string();
-        let (text, held) = read_text(&args.plan, &global.budget)?;
+        let (text, held) = read_text(&args.plan, "a plan (TOML)", &global.budget)?;
         let growth = global
             .budget
             .try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says")
@@ -182,7 +182,8 @@ impl SweepHost for SweepProgram<'_> {
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        read_text(&self.path_of(name), &self.global.budget).map(|(text, _)| text).map_err(|failure| failure.to_string())
+        let read = read_text(&self.path_of(name), "parameters of a machine (TOML)", &self.global.budget);
+        read.map(|(text, _)| text).map_err(|failure| failure.to_string())
     }
 
     fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {
@@ -191,8 +192,9 @@ impl SweepHost for SweepProgram<'_> {
 
     fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         self.check_outputs(&[("--out", path)]).map_err(io::Error::other)?;
-        path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
-        PartialFile::write_whole(path, bytes)
+        let created = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+        let written = created.and_then(|()| PartialFile::write_whole(path, bytes));
+        written.map_err(|error| io::Error::new(error.kind(), reason_and_cure(path, "be written", &error)))
     }
 
     fn progress(&self, tally: &SweepProgress) {

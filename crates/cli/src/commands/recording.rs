@@ -4,7 +4,7 @@ use crate::error::{CommandError, CommandResult};
 use crate::outputs::{OutputFolder, PartialFile, RUN_RECORDING, recording_in};
 use basrelief_sim::{AnalysisPolicy, Observer, RecordingError};
 use std::fs::File;
-use std::io::{self, BufReader, Write};
+use std::io::{self, BufReader, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// The file of `--recording`, compressed with zstd.
@@ -82,12 +82,28 @@ pub fn place_of(path: &Path) -> PathBuf {
     if path.is_dir() { recording_in(path) } else { path.to_path_buf() }
 }
 
+/// Message about a folder without the recording of its run.
+const NO_RECORDING: &str = "expected the recording of a run. Long, functional and incomplete runs, and runs with \
+    --no-bottlenecks, keep none beside the report; `basrelief run INPUT --recording FILE` writes one of any complete run with timing";
+
+/// Returns the folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
 /// Opens a recording.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub fn open(path: &Path) -> CommandResult<zstd::Decoder<'static, BufReader<File>>> {
-    let file = File::open(path).map_err(CommandError::at_file(path, "be read"))?;
+    let file = File::open(path).map_err(|error| {
+        let is_absent_beside_report = error.kind() == ErrorKind::NotFound && path == recording_in(folder_of(path));
+        if is_absent_beside_report && folder_of(path).is_dir() {
+            CommandError::in_input(&path.display().to_string())(format!("cannot be read: {error}; {NO_RECORDING}"))
+        } else {
+            CommandError::at_file(path, "be read")(error)
+        }
+    })?;
     zstd::Decoder::new(file).map_err(CommandError::at_file(path, "be read"))
 }
 

@@ -162,9 +162,10 @@ impl<'a> Simulation<'a> {
         let message = report.outcome.message.clone().unwrap_or_default();
         match report.outcome.kind {
             OutcomeKind::Complete => Ok(()),
-            OutcomeKind::Limit => {
-                Err(CommandError::BadInput("stopped at --max-cycles; the report holds the state so far".into()))
-            }
+            OutcomeKind::Limit => Err(CommandError::BadInput(format!(
+                "stopped at --max-cycles {}; the report holds the state so far; a larger --max-cycles, or none, lets the run finish",
+                self.options.max_cycles
+            ))),
             OutcomeKind::Deadlock | OutcomeKind::Stopped | OutcomeKind::Fault => Err(CommandError::BadInput(message)),
         }
     }

@@ -25,7 +25,7 @@ pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> CommandResult {
         ));
     }
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
-    let (mut wrong, mut failed) = (0, 0);
+    let (mut wrong, mut failures) = (0, Vec::new());
     for trace in &traces {
         let result =
             if args.bless { bless(trace, &global.budget).map(|()| vec![]) } else { check(trace, &engines, &global.budget) };
@@ -36,25 +36,26 @@ pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> CommandResult {
                 ("FAILED", why)
             }
             Err(failure) => {
-                failed += 1;
-                ("FAILED", vec![failure.to_string()])
+                failures.push(failure.to_string());
+                ("FAILED", vec![])
             }
         };
-        if !global.quiet || !why.is_empty() {
+        if !global.quiet || verdict == "FAILED" {
             print(&format!("{verdict:<7} {}\n", trace.display()))?;
             why.iter().try_for_each(|w| print(&format!("        {w}\n")))?;
         }
     }
-    report_failures(wrong, failed, traces.len())
+    report_failures(wrong, failures, traces.len())
 }
 
 /// Reports failures. New expectations help only for traces that run.
-fn report_failures(wrong: usize, failed: usize, of: usize) -> CommandResult {
+fn report_failures(wrong: usize, failures: Vec<String>, of: usize) -> CommandResult {
     let wrong = (wrong > 0).then(|| {
         format!("{wrong} of {of} traces differ from their expectations; after review, `basrelief verify --bless` updates them")
     });
-    let failed = (failed > 0).then(|| format!("{failed} of {of} traces cannot be read, run or written (see above)"));
-    let sentences: Vec<String> = wrong.into_iter().chain(failed).collect();
+    let failed = failures.len();
+    let failed = (failed > 0).then(|| format!("{failed} of {of} traces cannot be read, run or written"));
+    let sentences: Vec<String> = failures.into_iter().chain(wrong).chain(failed).collect();
     if sentences.is_empty() { Ok(()) } else { Err(CommandError::BadInput(sentences.join("\n"))) }
 }
 

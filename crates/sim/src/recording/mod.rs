@@ -14,5 +14,6 @@ pub(crate) use format::{CHUNK_BYTES, WorkHash, end, header, steps};
 pub(crate) use kept::KeptSteps;
 pub(crate) use loaded::LoadedRecording;
 pub(crate) use loaded::{config_error, of_build};
+pub use reader::looks_like_recording;
 pub use resimulation::{ResimulateOptions, ResimulationResult, resimulate, resimulate_to};
 pub(crate) use resimulation::{netlist_of_same_work, resimulated_cycles};

@@ -12,6 +12,12 @@ use serde::Deserialize;
 use std::borrow::Cow;
 use std::io::{self, Read};
 
+/// Returns true if a decompressed stream begins like a recording.
+pub fn looks_like_recording(reader: impl Read) -> bool {
+    let mut first = Vec::new();
+    reader.take(FIRST_LINE.len() as u64).read_to_end(&mut first).is_ok() && first == FIRST_LINE
+}
+
 /// Blocks of a recording.
 pub(super) struct BlockReader<'a> {
     pub(super) reader: &'a mut dyn Read,

@@ -1,0 +1,118 @@
+//! Reason and cure of an error with a file.
+
+use basrelief_machines::MACHINES;
+use basrelief_parameters::nearest;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// Maximum number of entries of a folder that are searched for a similar name.
+const MOST_ENTRIES: usize = 10_000;
+
+/// Maximum number of names in a suggestion.
+const MOST_NAMES: usize = 3;
+
+/// Returns the reason of an error with a file, and its cure. `doing` is `be read` or `be written`, for example.
+pub fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
+    let (is_output, is_input) = (matches!(doing, "be written" | "be created"), doing == "be read");
+    match error.kind() {
+        ErrorKind::NotFound if is_input => format!("{error}; {}", missing_input(path)),
+        ErrorKind::NotFound if is_output && is_missing(folder_of(path)) => {
+            format!("{error}; create the folder {} first", folder_of(path).display())
+        }
+        ErrorKind::PermissionDenied if is_input => format!("{error}; allow reading {}, or choose another file", path.display()),
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem if is_output => {
+            let folder = refusing_folder(path);
+            format!(
+                "{error}: the folder {} does not allow writing; choose another folder, or allow writing to it",
+                folder.display()
+            )
+        }
+        ErrorKind::IsADirectory => format!("{error}; expected a file"),
+        // Only making a folder, or a file below a file, fails in these ways.
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+            let file = blocking_file(path).filter(|_| is_output);
+            file.map_or_else(|| format!("{error}; expected a folder"), |file| expected_folder(&file))
+        }
+        // Commands that accept standard input do not open this path.
+        _ if is_input && path == Path::new("-") => format!("{error}; standard input is not accepted here, expected a file"),
+        _ => error.to_string(),
+    }
+}
+
+pub(crate) fn expected_folder(file: &Path) -> String {
+    format!("{} is a file, expected a folder; choose another folder", file.display())
+}
+
+/// Returns the file in the place of this folder or of a folder above it.
+pub(crate) fn blocking_file(folder: &Path) -> Option<PathBuf> {
+    folder.ancestors().find(|path| path.exists()).filter(|path| !path.is_dir()).map(Path::to_path_buf)
+}
+
+/// Returns the expectation and the cure for an input that does not exist.
+fn missing_input(path: &Path) -> String {
+    if path == Path::new("-") {
+        return "standard input is not accepted here, expected a file".into();
+    }
+    let mut names = demo_input(path).map_or_else(|| similar_files(path), |demo| vec![demo]);
+    names.truncate(MOST_NAMES);
+    let absent = path.ancestors().skip(1).filter(|folder| is_missing(folder)).last();
+    if !names.is_empty() {
+        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        format!("expected an existing file; did you mean {}?", names.join(" or "))
+    } else if let Some(folder) = absent {
+        format!("the folder {} does not exist; {}", folder.display(), check_of(path))
+    } else {
+        format!("expected an existing file; {}", check_of(path))
+    }
+}
+
+fn check_of(path: &Path) -> &'static str {
+    if path.is_absolute() { "check the name" } else { "check the name, which is looked up from the current folder" }
+}
+
+/// Returns `demo:NAME` if the path is the name of a demo, with or without a tessellation.
+fn demo_input(path: &Path) -> Option<String> {
+    let given = path.to_str()?;
+    let name = given.split('@').next()?;
+    MACHINES.iter().any(|machine| machine.demos.contains(&name)).then(|| format!("demo:{given}"))
+}
+
+/// Returns the files beside a missing file that have its name with another extension, or else the file with the nearest name.
+fn similar_files(path: &Path) -> Vec<String> {
+    let Some(given) = path.file_name().and_then(|name| name.to_str()) else { return Vec::new() };
+    let names = names_in(folder_of(path));
+    let stem = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
+    let mut similar: Vec<&String> = names.iter().filter(|name| stem(name) == stem(given)).collect();
+    if similar.is_empty() {
+        // A dot separates groups of parameters, but an equal extension does not make two files similar.
+        let plain = |name: &str| name.replace('.', "_");
+        let known: Vec<String> = names.iter().map(|name| plain(name)).collect();
+        let near = nearest(&plain(given), known.iter().map(String::as_str));
+        similar = names.iter().filter(|name| near == Some(&*plain(name))).take(1).collect();
+    }
+    similar.into_iter().map(|name| path.with_file_name(name).display().to_string()).collect()
+}
+
+/// Returns the names in a folder in order, without hidden ones.
+fn names_in(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().take(MOST_ENTRIES).flatten();
+    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.retain(|name| !name.starts_with('.'));
+    names.sort();
+    names
+}
+
+/// Returns the folder that does not allow this output: the deepest folder on its path that exists.
+fn refusing_folder(path: &Path) -> &Path {
+    path.ancestors().find(|folder| folder.is_dir()).unwrap_or(Path::new("."))
+}
+
+/// Returns the folder of a file. It is `.` for a name alone.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Returns true for a folder that does not exist. An empty path is the current folder.
+fn is_missing(folder: &Path) -> bool {
+    !folder.as_os_str().is_empty() && matches!(folder.try_exists(), Ok(false))
+}
