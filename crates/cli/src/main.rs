@@ -27,7 +27,8 @@ fn main() -> ExitCode {
     let _start = clock::seconds();
     let (arguments, notes) = legacy::current_names(std::env::args_os());
     let color = args::ColorMode::find(arguments.iter().filter_map(|arg| arg.to_str()));
-    let parsed = args::command().color(color.into()).get_matches_from(arguments);
+    let parsed = args::command().color(color.into()).try_get_matches_from(arguments);
+    let parsed = parsed.unwrap_or_else(|error| args::with_cure(error).exit());
     let cli = args::Cli::from_arg_matches(&parsed).unwrap_or_else(|error| error.exit());
     notes.iter().for_each(|note| terminal::print_note(note));
     let global = global::GlobalOptions::new(&cli);

@@ -1,6 +1,8 @@
 //! Arguments that several commands share.
 
-use super::values::{TableSelection, angles, direction, finite, key_value, machine, output_file, size, socket, tables, whole};
+use super::values::{
+    TableSelection, angles, direction, finite, key_value, machine, output_file, size, socket, tables, whole, zoom,
+};
 use crate::commands::dump;
 use basrelief_report::TableGroup;
 use basrelief_sim::{MACHINES, MachineInfo};
@@ -62,7 +64,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "AROUND,UP", allow_hyphen_values = true, value_parser = angles)]
     pub turn: Option<[f64; 2]>,
     /// Zoom factor about the image centre.
-    #[arg(long, value_name = "FACTOR", value_parser = finite)]
+    #[arg(long, value_name = "FACTOR", value_parser = zoom)]
     pub zoom: Option<f64>,
     /// Number of frames.
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
@@ -118,7 +120,7 @@ pub struct SimulationArgs {
     #[arg(long, value_enum, default_value_t)]
     pub engine: EngineName,
     /// Functional mode: execute the units without timing. Same images, no cycles.
-    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "waves", "tokens", "rtl", "requests", "costs"])]
+    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "waves", "tokens", "rtl", "requests", "costs", "bottlenecks"])]
     pub functional: bool,
     /// Stop after this many cycles with exit code 1; the report holds the state so far.
     #[arg(long, value_name = "N", value_parser = whole::<u64>(1..=u64::MAX))]

@@ -1,7 +1,7 @@
 //! Arguments of the commands that do not simulate: `describe`, `compare`, `schema`.
 
 use super::common::ViewArgs;
-use super::values::{finite, key_value, machine, output_file};
+use super::values::{key_value, machine, output_file, tolerance};
 use basrelief_sim::{MACHINES, MachineInfo};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ pub struct CompareArgs {
     #[arg(required = true, value_name = "B")]
     pub others: Vec<PathBuf>,
     /// Exit with code 1 if a figure of any report is worse by more than this [%], or cannot be judged.
-    #[arg(long, value_name = "PERCENT", value_parser = finite)]
+    #[arg(long, value_name = "PERCENT", value_parser = tolerance)]
     pub fail_over: Option<f64>,
     /// With --fail-over, judge runs with different inputs too; without this option they fail.
     #[arg(long, requires = "fail_over")]

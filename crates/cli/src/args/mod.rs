@@ -7,6 +7,7 @@ mod manual;
 mod opengl;
 mod run;
 mod sweep;
+mod usage_error;
 mod values;
 
 pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, TablesArgs, TokenKind, ViewArgs};
@@ -16,6 +17,7 @@ pub use manual::{ColorMode, CompletionsArgs, ManArgs};
 pub use opengl::{CaptureArgs, GlSceneArgs, ImportGlArgs};
 pub use run::{DemoArgs, PageArgs, ResimulateArgs, RunArgs, ServeArgs, SizeFifosArgs};
 pub use sweep::{ExploreArgs, PlanArgs, SweepArgs};
+pub use usage_error::with_cure;
 
 use basrelief_input::{ByteSize, MemoryPool};
 use clap::{CommandFactory, Parser, Subcommand};

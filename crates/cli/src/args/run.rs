@@ -1,7 +1,7 @@
 //! Arguments of the commands that draw or serve scenes.
 
 use super::common::{MachineArgs, SimulationArgs, TablesArgs, ViewArgs};
-use super::values::{finite, http, key_value, origin, output_file, socket, whole};
+use super::values::{http, key_value, origin, output_file, socket, tolerance, whole};
 use clap::Args;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -82,7 +82,7 @@ pub struct SizeFifosArgs {
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
     /// Allowed increase of the render cycles [%]; a comma-separated list gives one result per value.
-    #[arg(long, value_name = "PERCENT", value_delimiter = ',', default_values_t = [0.1], value_parser = finite)]
+    #[arg(long, value_name = "PERCENT", value_delimiter = ',', default_values_t = [0.1], value_parser = tolerance)]
     pub within: Vec<f64>,
     /// Print the result as JSON.
     #[arg(long)]

@@ -91,7 +91,22 @@ pub fn whole<T: TryFrom<u64>>(allowed: RangeInclusive<u64>) -> impl Fn(&str) -> 
 
 /// A share of all.
 pub fn percent(text: &str) -> Result<f64, String> {
-    finite(text).ok().filter(|p| (0.0..=100.0).contains(p)).ok_or_else(|| "expected a number from 0 to 100".into())
+    number_in(text, 0.0..=100.0)
+}
+
+/// A zoom factor.
+pub fn zoom(text: &str) -> Result<f64, String> {
+    number_in(text, 0.01..=100.0)
+}
+
+fn number_in(text: &str, allowed: RangeInclusive<f64>) -> Result<f64, String> {
+    let expected = || format!("expected a number from {} to {}", allowed.start(), allowed.end());
+    finite(text).ok().filter(|number| allowed.contains(number)).ok_or_else(expected)
+}
+
+/// An allowed increase \[%\].
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|percent| *percent >= 0.0).ok_or_else(|| "expected a percentage of 0 or more".into())
 }
 
 /// One of several parts of a plan.
@@ -113,6 +128,7 @@ pub fn shard(text: &str) -> Result<Shard, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use basrelief_scene::ViewOptions;
 
     #[test]
     fn whole_number_lies_in_its_range() {
@@ -131,6 +147,22 @@ mod tests {
         assert!(["0/8", "9/8", "1/0", "-1/2", "1", "a/b", "1/2/3"].iter().all(|wrong| shard(wrong).is_err()));
         assert_eq!(percent("12.5"), Ok(12.5));
         assert!(percent("-1").is_err() && percent("101").is_err() && percent("NaN").is_err());
+    }
+
+    #[test]
+    fn zoom_and_tolerance_lie_in_their_ranges() {
+        let options = |zoom| ViewOptions { zoom: Some(zoom), ..ViewOptions::default() };
+        for (text, factor) in [("0.01", 0.01), ("100", 100.0)] {
+            assert_eq!(zoom(text), Ok(factor));
+            assert!(basrelief_scene::demo("turntable", &options(factor)).is_ok(), "the range of the importer");
+        }
+        for wrong in ["0", "-1", "0.009", "101", "inf", "x"] {
+            assert_eq!(zoom(wrong), Err("expected a number from 0.01 to 100".into()), "{wrong}");
+        }
+        assert_eq!((tolerance("0"), tolerance("150")), (Ok(0.0), Ok(150.0)));
+        for wrong in ["-1", "nan", "inf", "x"] {
+            assert_eq!(tolerance(wrong), Err("expected a percentage of 0 or more".into()), "{wrong}");
+        }
     }
 
     #[test]
