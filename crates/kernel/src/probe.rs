@@ -213,10 +213,7 @@ pub struct Recorder {
 
 impl Recorder {
     fn add(&mut self, new: Interval) {
-        if self.stages.len() <= new.stage {
-            self.stages.resize(new.stage + 1, Vec::new());
-        }
-        let stage = &mut self.stages[new.stage];
+        let stage = list_of(&mut self.stages, new.stage);
         match stage.last_mut() {
             Some(last) if last.cause == new.cause && last.to == new.from => last.to = new.to,
             _ => stage.push(new),
@@ -232,10 +229,18 @@ impl Probe for Recorder {
         self.add(Interval { stage, cause: Some(cause), from, to });
     }
     fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
-        self.fifos.resize(self.fifos.len().max(fifo + 1), Vec::new());
-        self.fifos[fifo].push((at, slots));
+        list_of(&mut self.fifos, fifo).push((at, slots));
     }
     fn on_memory_event(&mut self, event: MemoryEvent) {
         self.memories.entry(event.source()).or_default().push(event);
     }
+}
+
+/// Returns list `number`. Makes it, and those before it, if they are new.
+#[inline]
+fn list_of<T: Clone>(lists: &mut Vec<Vec<T>>, number: usize) -> &mut Vec<T> {
+    if lists.len() <= number {
+        lists.resize(number + 1, Vec::new());
+    }
+    &mut lists[number]
 }
