@@ -89,11 +89,11 @@ fn resimulation_lists_its_files() {
         said.split_once("\nWritten to ").map(|(_, files)| files.to_owned())
     };
     assert_eq!(written(""), None);
-    assert_eq!(written("--html a.html").as_deref(), Some("--html: a.html\n"));
+    assert_eq!(written("--html a.html").as_deref(), Some("a.html (--html)\n"));
     assert_eq!(written("--out b --csv").as_deref(), Some("b/: report.json, report.csv, run.recording\n"));
     assert_eq!(place.names("b"), ["report.csv", "report.json", "run.recording"]);
     let both = "--out c --no-bottlenecks --html c.html";
-    assert_eq!(written(both).as_deref(), Some("c/: report.json\n--html: c.html\n"));
+    assert_eq!(written(both).as_deref(), Some("c/: report.json\nc.html (--html)\n"));
     assert_eq!(place.names("c"), ["report.json"]);
 }
 

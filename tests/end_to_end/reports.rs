@@ -68,8 +68,8 @@ fn csv_and_time_line_are_written_on_request() {
     let place = Place::new();
     let said = place.ok(&format!("{SMALL} --csv --timeline run.pftrace --waves run.fst --html run.html")).out;
     let (_, written) = said.split_once("\nWritten to out/: ").expect("a list of files");
-    let expected = "image.png, reference.png, difference.png, report.json, report.csv, run.recording\n--timeline: run.pftrace\n\
-                    --waves: run.fst\n--html: run.html\n";
+    let expected = "image.png, reference.png, difference.png, report.json, report.csv, run.recording\nrun.pftrace (--timeline)\n\
+                    run.fst (--waves)\nrun.html (--html)\n";
     assert_eq!(written, expected);
     let csv = place.text("out/report.csv");
     let columns = csv.lines().next().expect("a header").split(',').count();

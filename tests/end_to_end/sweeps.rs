@@ -376,7 +376,7 @@ fn exploration_of_study_matches_its_page() {
     let plan = workspace().join("studies/fifo-depths.toml");
     place.ok(&format!("sweep {} --no-pictures", plan.display()));
     let said = place.ok(&format!("explore {} --no-pictures --budget 27", plan.display())).out;
-    let (_, share) = said.split_once("which all exist: ").unwrap();
+    let (_, share) = said.split_once("which all exist; these reach ").unwrap();
     let share = share.split_once(" of the hypervolume").unwrap().0;
     let page = fs::read_to_string(workspace().join("docs/experiments/studies.md")).unwrap();
     assert!(page.contains(&format!("| 108 | 27 | {share} |")), "{share}");
@@ -427,7 +427,7 @@ fn exploration_reports_share_of_front() {
     let place = place();
     let said = place.ok("explore plan.toml --budget 10 --threads 2").out;
     assert!(said.starts_with("10 points: 0 reused, "), "{said}");
-    assert!(said.contains("\nof 24 in the grid\n"), "{said}");
+    assert!(said.contains("\nthe grid has 24 points\n"), "{said}");
     assert_eq!(reports(&place), 10);
     let few = files(&place.path("out"));
     place.ok("explore plan.toml --budget 10 --threads 1 --out alone");
@@ -442,7 +442,9 @@ fn exploration_reports_share_of_front() {
     assert!(said.starts_with("10 points: 10 reused, 0 run, 0 resimulated; 0 failed\n"), "{said}");
     let share: f64 = said.split("all exist: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((90.0..=100.0).contains(&share), "{said}");
-    assert!(place.ok("explore plan.toml --budget 24").out.contains("100.00 % of the hypervolume of their Pareto front"));
+    assert!(
+        place.ok("explore plan.toml --budget 24").out.contains("these reach 100.00 % of the hypervolume of its Pareto front")
+    );
     fs::write(
         place.path("two.toml"),
         PLAN.replace("input = \"demo:ellipsoid@2\"", "input = [\"demo:ellipsoid@2\", \"demo:coin\"]"),

@@ -25,9 +25,12 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
     }
     said += &match share {
         Some(share) => {
-            format!("of {all} in the grid, which all exist: {:.2} % of the hypervolume of their Pareto front\n", 100.0 * share)
+            format!(
+                "the grid has {all} points, which all exist; these reach {:.2} % of the hypervolume of its Pareto front\n",
+                100.0 * share
+            )
         }
-        None => format!("of {all} in the grid\n"),
+        None => format!("the grid has {all} points\n"),
     };
     said += &write_tables(&plan, &folder, &args.plan, &host)?;
     drop(host);

@@ -34,7 +34,7 @@ pub fn publish_report(
 /// nothing was written.
 pub fn written_line(folder: Option<(&Path, &str)>, others: &[(&str, &Path)]) -> Option<String> {
     let folder = folder.map(|(folder, names)| format!("{}/: {names}", folder.display()));
-    let others = others.iter().map(|(option, path)| format!("{option}: {}", path.display()));
+    let others = others.iter().map(|(option, path)| format!("{} ({option})", path.display()));
     let written: Vec<String> = folder.into_iter().chain(others).collect();
     (!written.is_empty()).then(|| format!("\nWritten to {}\n", written.join("\n")))
 }
