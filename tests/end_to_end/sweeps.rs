@@ -440,7 +440,7 @@ fn exploration_reports_share_of_front() {
     assert!(place.ok("sweep plan.toml").out.starts_with("24 points: 10 reused, "));
     let said = place.ok("explore plan.toml --budget 10").out;
     assert!(said.starts_with("10 points: 10 reused, 0 run, 0 resimulated; 0 failed\n"), "{said}");
-    let share: f64 = said.split("all exist: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let share: f64 = said.split("these reach ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((90.0..=100.0).contains(&share), "{said}");
     assert!(
         place.ok("explore plan.toml --budget 24").out.contains("these reach 100.00 % of the hypervolume of its Pareto front")
