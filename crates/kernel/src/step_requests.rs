@@ -4,6 +4,7 @@
 use crate::cache::CacheTagArray;
 use crate::counts::CacheCounts;
 use crate::{MAX_CLIENTS, Request};
+use std::borrow::Cow;
 
 /// Requests and look-ups of one step as its unit issues them, before tag look-up.
 #[derive(Clone, Copy, Debug)]
@@ -173,8 +174,10 @@ impl StepRequests {
         if look_ups.iter().all(|r| r.client == first) {
             return self.look_up_in(look_ups, caches, left);
         }
-        let mut sorted = look_ups.to_vec();
-        sorted.sort_by_key(|r| r.client);
+        let mut sorted = Cow::Borrowed(look_ups);
+        if !sorted.is_sorted_by_key(|r| r.client) {
+            sorted.to_mut().sort_by_key(|r| r.client);
+        }
         sorted.chunk_by(|a, b| a.client == b.client).all(|look_ups| self.look_up_in(look_ups, caches, left))
     }
 
