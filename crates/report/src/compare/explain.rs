@@ -22,8 +22,7 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&Me
              commands of its own, so the hashes of the inputs do not tell if the model is the same.",
             a.machine, b.machine
         ));
-    // A run that was cut short does not know its input to the end.
-    } else if a.input.sha256 != b.input.sha256 && ![a, b].iter().any(|r| r.input.sha256.is_empty()) {
+    } else if inputs_differ(a, b) {
         sentences.push("The inputs differ.".to_owned());
     }
     let mut unfinished = [("A", a), ("B", b)].into_iter().filter(|(_, report)| !report.outcome.is_complete()).peekable();
@@ -40,6 +39,11 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&Me
         _ => "One run is functional: there are no cycles to compare.".into(),
     });
     sentences.join(" ")
+}
+
+/// Returns true if the inputs are known to differ. A run that was cut short does not know its input to the end.
+fn inputs_differ(a: &Report, b: &Report) -> bool {
+    a.input.sha256 != b.input.sha256 && ![a, b].iter().any(|report| report.input.sha256.is_empty())
 }
 
 fn cycles(before: u64, after: u64, why: Option<String>, can_measure: bool) -> String {
