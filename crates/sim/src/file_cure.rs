@@ -14,8 +14,9 @@ const MOST_NAMES: usize = 3;
 /// Returns the reason of an error with a file, and its cure. `doing` is `be read` or `be written`, for example.
 pub fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
     let (is_output, is_input) = (matches!(doing, "be written" | "be created"), doing == "be read");
+    let is_standard_input = is_input && path == Path::new("-");
     match error.kind() {
-        ErrorKind::NotFound if is_input => format!("{error}; {}", missing_input(path)),
+        ErrorKind::NotFound if is_input && !is_standard_input => format!("{error}; {}", missing_input(path)),
         ErrorKind::NotFound if is_output && is_missing(folder_of(path)) => {
             format!("{error}; create the folder {} first", folder_of(path).display())
         }
@@ -34,7 +35,7 @@ pub fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
             file.map_or_else(|| format!("{error}; expected a folder"), |file| expected_folder(&file))
         }
         // Commands that accept standard input do not open this path.
-        _ if is_input && path == Path::new("-") => format!("{error}; standard input is not accepted here, expected a file"),
+        _ if is_standard_input => format!("{error}; standard input is not accepted here, expected a file"),
         _ => error.to_string(),
     }
 }
@@ -50,9 +51,6 @@ pub(crate) fn blocking_file(folder: &Path) -> Option<PathBuf> {
 
 /// Returns the expectation and the cure for an input that does not exist.
 fn missing_input(path: &Path) -> String {
-    if path == Path::new("-") {
-        return "standard input is not accepted here, expected a file".into();
-    }
     let mut names = demo_input(path).map_or_else(|| similar_files(path), |demo| vec![demo]);
     names.truncate(MOST_NAMES);
     let absent = path.ancestors().skip(1).filter(|folder| is_missing(folder)).last();
