@@ -28,7 +28,7 @@ pub use files::{FolderFiles, MemoryFiles, ModelFiles, OnRead};
 pub use gltf::parse::json_error;
 pub use outside::over_budget;
 pub use subject::SceneSubject;
-pub use view::{OwnView, ViewOptions};
+pub use view::{OwnView, ViewOptions, ZOOM};
 
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget};
 use basrelief_signals::{Image, Scene};

@@ -14,8 +14,8 @@ const DEFAULT_LIGHT: [f64; 3] = [0.4, 0.8, 0.45];
 /// Maximum number of pixels per side: coordinates of fragments have 16 bits, and a frame buffer must fit in memory.
 const MAX_SIDE: u32 = 16_384;
 
-/// Range of the zoom factor.
-const ZOOM: RangeInclusive<f64> = 0.01..=100.0;
+/// Range of [zoom factors](ViewOptions::zoom).
+pub const ZOOM: RangeInclusive<f64> = 0.01..=100.0;
 
 /// Maximum number of frames of one scene.
 pub(crate) const MAX_FRAMES: u32 = 1_000_000;

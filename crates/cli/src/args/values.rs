@@ -3,6 +3,7 @@
 use crate::outputs::not_stdout;
 use basrelief_dse::Budget;
 use basrelief_report::TableGroup;
+use basrelief_scene::ZOOM;
 pub use basrelief_scene::text::{angles, direction, finite, size};
 use basrelief_sim::{MACHINES, MachineInfo};
 use clap::builder::{PathBufValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -96,7 +97,7 @@ pub fn percent(text: &str) -> Result<f64, String> {
 
 /// A zoom factor.
 pub fn zoom(text: &str) -> Result<f64, String> {
-    number_in(text, 0.01..=100.0)
+    number_in(text, ZOOM)
 }
 
 fn number_in(text: &str, allowed: RangeInclusive<f64>) -> Result<f64, String> {
