@@ -86,19 +86,14 @@ pub fn place_of(path: &Path) -> PathBuf {
 const NO_RECORDING: &str = "expected the recording of a run. Long, functional and incomplete runs, and runs with \
     --no-bottlenecks, keep none beside the report; `basrelief run INPUT --recording FILE` writes one of any complete run with timing";
 
-/// Returns the folder of a file.
-fn folder_of(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new(""))
-}
-
 /// Opens a recording.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub fn open(path: &Path) -> CommandResult<zstd::Decoder<'static, BufReader<File>>> {
     let file = File::open(path).map_err(|error| {
-        let is_absent_beside_report = error.kind() == ErrorKind::NotFound && path == recording_in(folder_of(path));
-        if is_absent_beside_report && folder_of(path).is_dir() {
+        let is_of_folder = path.parent().is_some_and(|folder| folder.is_dir() && path == recording_in(folder));
+        if error.kind() == ErrorKind::NotFound && is_of_folder {
             CommandError::in_input(&path.display().to_string())(format!("cannot be read: {error}; {NO_RECORDING}"))
         } else {
             CommandError::at_file(path, "be read")(error)
