@@ -1,14 +1,17 @@
 //! Bounded FIFOs: the wires between units.
 
 use crate::{FifoInfo, Label, TokenBits, TokenField};
-use std::collections::VecDeque;
 use std::sync::Arc;
+
+/// Slots of a ring at first.
+const FIRST_SLOTS: usize = 8;
 
 /// A bounded FIFO of tokens.
 #[derive(Clone, Debug)]
 pub struct Fifo<T> {
     pub(crate) link: FifoInfo,
-    tokens: VecDeque<T>,
+    /// Slots in a ring, a power of two. Token n lies in slot n modulo their number. (A `VecDeque` copies each token twice more.)
+    slots: Vec<Option<T>>,
     /// Returns the label of a token.
     label: fn(&T) -> Label,
     /// Returns the bits of a token.
@@ -41,7 +44,7 @@ impl<T> Fifo<T> {
     pub fn new(name: &str, depth: usize, latency: u64) -> Self {
         let pack = TokenPacker { pack: Arc::new(|_: &T| TokenBits::new()), fields: Arc::new(Vec::new) };
         let (link, label) = (FifoInfo::new(name, depth, latency), |_: &T| Label::default());
-        Self { link, tokens: VecDeque::with_capacity(depth), label, pack }
+        Self { link, slots: std::iter::repeat_with(|| None).take(FIRST_SLOTS).collect(), label, pack }
     }
 
     /// Sets the width of a slot \[bits\]. It matters for hardware counts only.
@@ -87,21 +90,49 @@ impl<T> Fifo<T> {
 
     /// Returns the bits of the newest token.
     pub(crate) fn newest_bits(&self) -> TokenBits {
-        self.tokens.back().map(|token| (self.pack.pack)(token)).unwrap_or_default()
+        self.newest().map(|token| (self.pack.pack)(token)).unwrap_or_default()
     }
 
     /// Returns the label of the newest token.
     pub(crate) fn newest_label(&self) -> Label {
-        self.tokens.back().map(self.label).unwrap_or_default()
+        self.newest().map(self.label).unwrap_or_default()
+    }
+
+    fn newest(&self) -> Option<&T> {
+        self.slots.get(self.slot(self.link.pushed().wrapping_sub(1)))?.as_ref()
+    }
+
+    /// Returns the slot of a token.
+    #[inline(always)]
+    fn slot(&self, number: u64) -> usize {
+        number as usize & self.slots.len().wrapping_sub(1)
     }
 
     /// Pushes `token` if it is `Some`. Returns the number of tokens pushed.
     #[inline(always)]
     pub(crate) fn put(&mut self, token: Option<T>) -> u32 {
-        let Some(token) = token else { return 0 };
-        self.tokens.push_back(token);
+        if token.is_none() {
+            return 0;
+        }
+        let slot = self.slot(self.link.pushed());
+        // The slot is empty. An assignment would drop its content, and then the compiler copies each token once more.
+        std::mem::forget(std::mem::replace(&mut self.slots[slot], token));
         self.link.count_push();
+        if self.link.len() == self.slots.len() {
+            self.grow();
+        }
         1
+    }
+
+    /// Doubles the ring. (It grows with its tokens, because a FIFO may be far deeper than it is ever full.)
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        let first = self.slot(self.link.popped());
+        self.slots.rotate_left(first);
+        self.slots.resize_with(2 * self.slots.len(), || None);
+        let first = self.slot(self.link.popped());
+        self.slots.rotate_right(first);
     }
 
     /// Pops the front token if `declared`.
@@ -110,7 +141,9 @@ impl<T> Fifo<T> {
         if !declared {
             return None;
         }
+        let slot = self.slot(self.link.popped());
+        let token = self.slots.get_mut(slot).and_then(Option::take);
         self.link.count_pop();
-        self.tokens.pop_front()
+        token
     }
 }

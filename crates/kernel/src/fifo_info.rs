@@ -114,6 +114,18 @@ impl FifoInfo {
         self.len() < self.depth
     }
 
+    /// Tokens pushed so far.
+    #[inline(always)]
+    pub(crate) fn pushed(&self) -> u64 {
+        self.pushed
+    }
+
+    /// Tokens popped so far.
+    #[inline(always)]
+    pub(crate) fn popped(&self) -> u64 {
+        self.popped
+    }
+
     #[inline(always)]
     pub(crate) fn count_push(&mut self) {
         self.pushed += 1;

@@ -72,7 +72,8 @@ impl<O> Step<O> {
     #[inline]
     pub fn over(items: usize, interval: u64, latency: u64, out: O) -> Self {
         let occupancy = (items as u64 * interval).max(1);
-        Self { occupancy, latency: latency + occupancy.saturating_sub(interval), ..Self::after(latency, out) }
+        let latency = latency + occupancy.saturating_sub(interval);
+        Self { out, occupancy, latency, after_data: 0, blocking: false, marked: false }
     }
 
     /// A step of so many cycles, one item per cycle. The last one is delivered `latency` cycles after it entered.

@@ -137,11 +137,11 @@ where
     #[inline(always)]
     fn step(&mut self, demand: Demand, traffic: &mut MemoryPorts) -> StepTiming {
         let step = self.unit.step(self.connections.inputs.pop(demand), traffic);
-        let Step { out, occupancy, latency, after_data, blocking, marked } = step;
+        let Step { occupancy, latency, after_data, blocking, marked, .. } = step;
+        let outputs = self.connections.outputs.push(step.out);
         if occupancy == 0 {
             traffic.fault("a step kept its unit for 0 cycles, expected at least 1 (law 3)".into());
         }
-        let outputs = self.connections.outputs.push(out);
         StepTiming { occupancy, latency, after_data, outputs, marked, blocking }
     }
 
