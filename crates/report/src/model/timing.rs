@@ -114,7 +114,7 @@ pub struct Bottlenecks {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub balanced: Option<RelaxedSet>,
     /// Bottleneck ladder, from first to last rung. Each rung relaxes the resources of the rung before it, and the resource that holds
-    /// most of the critical path then. It ends where no further relaxation saves cycles.
+    /// most of the critical path then, together with units that are busy equally long. It ends where no further relaxation saves cycles.
     pub ladder: Vec<RelaxedSet>,
     /// Cycles saved when one resource is relaxed, largest saving first.
     pub single: Vec<RelaxedCycles>,

@@ -2,7 +2,7 @@
 
 use super::analysis_task::{AnalysisTask, PathsAhead};
 use super::ladder::{Ladder, LadderSearch};
-use super::relaxations::{PART, Relaxation, RelaxationCandidates, Settings, busiest_unit};
+use super::relaxations::{PART, Relaxation, RelaxationCandidates, Settings, busiest_unit, joined_settings, with_equals};
 use super::resimulations::Resimulations;
 use crate::options::Overrides;
 use basrelief_kernel::recording::RecordingChunk;
@@ -120,7 +120,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         let is_parallel = threads::workers() > 1;
         let all = resources.all();
         let busiest = busiest_unit(&all, self.run.marked_cycles()).filter(|_| is_parallel);
-        let first = [AnalysisTask::Path].into_iter().chain(busiest.map(|unit| self.early_task(unit)));
+        let first = [AnalysisTask::Path].into_iter().chain(busiest.map(|unit| self.early_task(unit, &all)));
         let (progress, climbed) = (Mutex::<AnalysisProgress>::default(), AtomicUsize::new(0));
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
@@ -154,9 +154,9 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
 
     /// Returns a task for the time before the first path is known. If the busiest unit is saturated, the ladder is likely to begin with
     /// it. Otherwise it is at least a candidate, as a rule.
-    fn early_task(&self, busiest: &Relaxation) -> AnalysisTask {
+    fn early_task(&self, busiest: &Relaxation, all: &[Relaxation]) -> AnalysisTask {
         match busiest.is_saturated(self.run.marked_cycles()) {
-            true => AnalysisTask::NeededPath(busiest.set.clone()),
+            true => AnalysisTask::NeededPath(joined_settings(with_equals(busiest, all.iter()).into_iter().map(|unit| &unit.set))),
             false => AnalysisTask::Resimulate(busiest.clone()),
         }
     }

@@ -1,10 +1,11 @@
 //! Bottleneck ladder: relaxes the resource that holds most of the critical path, finds the new critical path, and continues with it.
+//! Units that are busy equally long are relaxed together.
 //!
 //! A relaxation of one resource saves nothing if several resources are saturated together. The ladder finds such a group, because it
 //! continues from each rung whether the rung saved cycles or not.
 
 use super::analysis_task::PathsAhead;
-use super::relaxations::{PART, Relaxation, ResourceKind, Settings, busiest_unit, joined_settings};
+use super::relaxations::{PART, Relaxation, ResourceKind, Settings, busiest_unit, joined_settings, with_equals};
 use super::resimulations::Resimulations;
 use basrelief_kernel::CriticalPath;
 use basrelief_report::model::RelaxedSet;
@@ -13,6 +14,8 @@ use basrelief_report::model::RelaxedSet;
 const RUNGS: usize = 16;
 /// A resource whose relaxation alone saves this share of the ladder's saving is the bottleneck by itself \[1 / share\].
 const ALONE: u64 = 3;
+/// Relaxed FIFOs are not tried if they take at most this share fewer cycles than the other choice \[1 / share\].
+const MORE: u64 = 20;
 
 /// Relaxed resources, and the critical path with them.
 struct Rung<'a> {
@@ -73,31 +76,44 @@ impl LadderSearch<'_> {
         rungs
     }
 
-    /// Relaxes the resource with most of the path, or all FIFOs whose slots the path waits for, whichever takes fewer cycles. A wait
-    /// for a slot is short on the path, but it may cause long latencies there.
+    /// Relaxes the resource with most of the path and its equals, or all FIFOs whose slots the path waits for, whichever takes fewer
+    /// cycles. A wait for a slot is short on the path, but it may cause long latencies there.
+    ///
+    /// No run is shorter than the busy cycles of a unit that is not relaxed. So FIFOs are not tried if they cannot save noticeably more.
     fn next<'a>(&'a self, path: &CriticalPath, relaxed: &[&'a Relaxation]) -> Option<(Vec<&'a Relaxation>, CriticalPath)> {
-        let open = self.not_in(relaxed);
-        let (fifos, others): (Vec<&Relaxation>, Vec<&Relaxation>) = open.partition(|new| new.kind == ResourceKind::Fifo);
-        let fifos: Vec<&Relaxation> = fifos.into_iter().filter(|fifo| fifo.path_cycles(path) > 0).collect();
+        let together = |more: Vec<&'a Relaxation>| (!more.is_empty()).then(|| [relaxed, &more].concat());
+        let (largest, fifos) = (together(self.largest(path, relaxed)), together(self.waited_fifos(path, relaxed)));
+        let busiest = busiest_unit(self.not_in(relaxed), path.cycles);
+        let is_saturated = busiest.is_some_and(|unit| unit.is_saturated(path.cycles));
+        match (&largest, &fifos) {
+            (Some(_), Some(fifos)) if !is_saturated => self.ahead.need(settings(fifos)),
+            (Some(largest), _) => self.guess_next(path, largest),
+            _ => {}
+        }
+        let tried = |all: Vec<&'a Relaxation>| self.resimulations.path(&settings(&all)).map(|path| (all, path));
+        let first = largest.and_then(tried);
+        let least = busiest.map_or(0, |unit| unit.busy + unit.busy / MORE);
+        if first.as_ref().is_some_and(|(_, path)| path.cycles <= least) {
+            return first;
+        }
+        first.into_iter().chain(fifos.and_then(tried)).min_by_key(|(_, path)| path.cycles)
+    }
+
+    /// Returns the resource other than a FIFO that holds most of the path, with its equals; nothing if it holds next to nothing.
+    fn largest<'a>(&'a self, path: &CriticalPath, relaxed: &[&Relaxation]) -> Vec<&'a Relaxation> {
         let mut largest: Option<(&Relaxation, u64)> = None;
-        for other in others {
+        for other in self.not_in(relaxed).filter(|new| new.kind != ResourceKind::Fifo) {
             let cycles = other.path_cycles(path);
             if cycles > largest.map_or(path.cycles / PART, |(_, most)| most) {
                 largest = Some((other, cycles));
             }
         }
-        let choices = [largest.into_iter().map(|(largest, _)| largest).collect(), fifos];
-        let choices = choices.into_iter().filter(|more: &Vec<&Relaxation>| !more.is_empty());
-        let together: Vec<Vec<&Relaxation>> = choices.map(|more| relaxed.iter().copied().chain(more).collect()).collect();
-        match together.as_slice() {
-            [only] => self.guess_next(path, only),
-            all => all.iter().skip(1).for_each(|other| self.ahead.need(settings(other))),
-        }
-        let tried = together.into_iter().filter_map(|all| {
-            let path = self.resimulations.path(&settings(&all))?;
-            Some((all, path))
-        });
-        tried.min_by_key(|(_, path)| path.cycles)
+        largest.map_or(vec![], |(largest, _)| with_equals(largest, self.not_in(relaxed)))
+    }
+
+    /// Returns the FIFOs whose slots the path waits for.
+    fn waited_fifos<'a>(&'a self, path: &CriticalPath, relaxed: &[&Relaxation]) -> Vec<&'a Relaxation> {
+        self.not_in(relaxed).filter(|new| new.kind == ResourceKind::Fifo && new.path_cycles(path) > 0).collect()
     }
 
     /// Returns the relaxations that are not among these.
@@ -109,7 +125,7 @@ impl LadderSearch<'_> {
     fn guess_next(&self, path: &CriticalPath, relaxed: &[&Relaxation]) {
         let busiest = busiest_unit(self.not_in(relaxed), path.cycles);
         if let Some(busiest) = busiest.filter(|new| new.is_saturated(path.cycles)) {
-            self.ahead.guess(settings(&[relaxed, &[busiest]].concat()));
+            self.ahead.guess(settings(&[relaxed, &with_equals(busiest, self.not_in(relaxed))].concat()));
         }
     }
 

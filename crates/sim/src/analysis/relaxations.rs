@@ -10,6 +10,8 @@ use serde_json::{Map, Value};
 const SLOTS: u32 = 65_536;
 /// Threshold: relaxations that could save less than 1/PART of the critical path are not tried.
 pub(crate) const PART: u64 = 1000;
+/// Units are busy equally long if they differ by this share at most \[1 / share\].
+const EQUAL: u64 = 10;
 /// Parameter that lists the fully pipelined units.
 const IDEAL_UNITS: &str = "ideal.units";
 
@@ -191,6 +193,13 @@ impl<S: MachineSpec> RelaxationCandidates<'_, S> {
 /// continue after the frames.
 pub(crate) fn busiest_unit<'a>(among: impl IntoIterator<Item = &'a Relaxation>, cycles: u64) -> Option<&'a Relaxation> {
     among.into_iter().filter(|unit| unit.busy > 0 && unit.busy <= cycles).max_by_key(|unit| unit.busy)
+}
+
+/// Returns a resource, and the units among these that are busy about as long as it, in their order. Such units hide each other: the
+/// relaxation of one alone saves nothing.
+pub(crate) fn with_equals<'a>(resource: &'a Relaxation, among: impl Iterator<Item = &'a Relaxation>) -> Vec<&'a Relaxation> {
+    let is_equal = |other: &Relaxation| other.busy > 0 && other.busy.abs_diff(resource.busy) <= resource.busy / EQUAL;
+    among.filter(|other| std::ptr::eq(*other, resource) || is_equal(other)).collect()
 }
 
 /// Returns the settings of several relaxations together. Lists of ideal units are joined.
