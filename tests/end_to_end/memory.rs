@@ -126,7 +126,7 @@ fn data_of_server_stays_within_memory_limit() {
     let place = Place::new();
     let outcome = run(&place, 1024, &format!("run --from http://{address}/ --quiet --memory-limit 64MiB"));
     let error = outcome.error(1);
-    assert!(error.contains("/scene/64x64/raw: would hold") && error.contains("over the limit of 64 MiB"), "{error}");
+    assert!(error.contains("/scene/64x64/raw: needs") && error.contains("over the limit of 64 MiB"), "{error}");
     assert!(!error.contains("attempt"), "asked for once: {error}");
 }
 
@@ -160,7 +160,7 @@ fn pictures_of_a_trace_count_against_limit() {
     writer.finish().expect("written");
     let error = place.run("run t.jsonl --memory-limit 100MiB --quiet");
     let error = error.error(1);
-    assert!(error.contains("t.jsonl: line 1: would hold 408 MiB of pictures of 4096 x 2048 pixels"), "{error}");
+    assert!(error.contains("t.jsonl: line 1: needs 408 MiB for pictures of 4096 x 2048 pixels"), "{error}");
 }
 
 #[test]

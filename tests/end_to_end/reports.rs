@@ -106,8 +106,8 @@ fn time_line_of_few_cycles_and_units_is_small() {
 fn waves_over_memory_limit_leave_no_file() {
     let place = Place::new();
     let error = place.run("demo ellipsoid@1 --size 64x48 --waves w.fst --memory-limit 20KiB");
-    assert!(error.error(1).contains("w.fst: would hold"), "{}", error.err);
-    for part in ["of waves", "over the limit of 20 KiB", "--memory-limit", "--from-cycle", "--units"] {
+    assert!(error.error(1).contains("w.fst: needs"), "{}", error.err);
+    for part in ["for waves", "over the limit of 20 KiB", "--memory-limit", "--from-cycle", "--units"] {
         assert!(error.err.contains(part), "{}", error.err);
     }
     assert!(!place.path("w.fst").exists());

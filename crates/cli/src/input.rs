@@ -243,8 +243,9 @@ pub fn resolve_view(view: &ViewArgs, budget: &MemoryPool) -> CommandResult<Resol
         Some(path) => {
             let name = path.display().to_string();
             let (text, _held) = read_text(path, "a camera (JSON)", budget)?;
-            let _held =
-                budget.try_reserve(json_weight(text.as_bytes()), "what a camera says").map_err(CommandError::in_input(&name))?;
+            let _held = budget
+                .try_reserve(json_weight(text.as_bytes()), "the values of a camera")
+                .map_err(CommandError::in_input(&name))?;
             Some(read_camera(&text, &name).map_err(CommandError::bad_input)?)
         }
     };

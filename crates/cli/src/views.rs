@@ -95,7 +95,7 @@ impl ViewScript {
     pub fn read(text: &str, budget: &MemoryPool) -> Result<Self, String> {
         let is_json = text.trim_start().starts_with('{');
         let weight = if is_json { json_weight(text.as_bytes()) } else { TOML_GROWTH * text.len() as u64 };
-        let _held = budget.try_reserve(weight, "what a script of views says").map_err(|e| e.to_string())?;
+        let _held = budget.try_reserve(weight, "the values of a script of views").map_err(|e| e.to_string())?;
         let written: ViewFile = if is_json {
             from_str(text).map_err(|fault| json(&fault))?
         } else {

@@ -162,7 +162,7 @@ impl Display for OverBudget {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let [bytes, held, limit] = [self.bytes, self.held, self.limit].map(ByteSize);
         let (what, advice) = (&self.what, self.advice);
-        write!(f, "would hold {bytes} of {what}, with {held} held already: over the limit of {limit}; {advice}")
+        write!(f, "needs {bytes} for {what}, beside {held} in use: over the limit of {limit}; {advice}")
     }
 }
 
@@ -295,11 +295,11 @@ mod tests {
         let _held = budget.try_reserve(1 << 19, "texels").unwrap();
         assert_eq!(
             budget.try_reserve(3 << 19, "names").unwrap_err().to_string(),
-            "would hold 1.5 MiB of names, with 512 KiB held already: over the limit of 1 MiB; give more with --memory-limit, if \
+            "needs 1.5 MiB for names, beside 512 KiB in use: over the limit of 1 MiB; give more with --memory-limit, if \
              this input is to be trusted"
         );
         let other = MemoryPool::with_advice(5, "buy more").try_reserve(6, "names").unwrap_err().to_string();
-        assert_eq!(other, "would hold 6 bytes of names, with 0 bytes held already: over the limit of 5 bytes; buy more");
+        assert_eq!(other, "needs 6 bytes for names, beside 0 bytes in use: over the limit of 5 bytes; buy more");
     }
 
     #[test]

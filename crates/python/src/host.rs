@@ -7,9 +7,9 @@ use basrelief_input::MemoryPool;
 use basrelief_outputs::PartialFile;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::{ImportOptions, demo, load_path_with};
-use basrelief_sim::{PreparedScene, RunInput, to_png};
+use basrelief_sim::{PreparedScene, RunInput, reason_and_cure, to_png};
 use pyo3::{PyErr, Python};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -80,10 +80,9 @@ impl SweepHost for PythonHost<'_> {
 
     fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         self.check_interrupt()?;
-        path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
-        let mut file = PartialFile::create(path)?;
-        file.write_all(bytes)?;
-        file.publish()
+        let created = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+        let written = created.and_then(|()| PartialFile::write_whole(path, bytes));
+        written.map_err(|error| io::Error::new(error.kind(), reason_and_cure(path, "be written", &error)))
     }
 
     fn progress(&self, _: &SweepProgress) {}

@@ -4,7 +4,7 @@ use crate::error::{CommandError, CommandResult, PythonResult, budget};
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_parameters::nearest;
 use basrelief_scene::{FolderFiles, MemoryFiles, ModelFiles, SceneError, ViewOptions, demo, load, read_camera, text};
-use basrelief_sim::{PreparedScene, RunInput};
+use basrelief_sim::{MACHINES, PreparedScene, RunInput};
 use basrelief_trace::{TraceForm, looks_like_trace};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyAnyMethods, PyBytes, PyType};
@@ -76,7 +76,7 @@ impl ViewArguments {
             })
         };
         let camera = |(name, text): &(String, String)| {
-            let weight = budget.try_reserve(json_weight(text.as_bytes()), "what a camera says");
+            let weight = budget.try_reserve(json_weight(text.as_bytes()), "the values of a camera");
             let _held = weight.map_err(CommandError::in_input(name))?;
             read_camera(text, name).map_err(CommandError::bad_input)
         };
@@ -355,8 +355,16 @@ impl DisplayList {
 fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> CommandError {
     move |error| match OverBudget::in_io_error(&error) {
         Some(error) => CommandError::in_input(name)(error),
-        None => CommandError::bad_input(format_args!("{name}: cannot be read: {error}")),
+        None if is_demo(name) => {
+            CommandError::bad_input(format_args!("{name}: cannot be read: {error}; basrelief.demo opens a demo"))
+        }
+        None => CommandError::at_file(Path::new(name), "be read")(error),
     }
+}
+
+/// Returns true for the name of a demo, with or without a tessellation.
+fn is_demo(name: &str) -> bool {
+    MACHINES.iter().any(|machine| machine.demos.iter().any(|demo| name.split('@').next() == Some(*demo)))
 }
 
 /// Reads a text file, such as a configuration or a camera.

@@ -29,7 +29,7 @@ impl Plan {
         py.detach(|| {
             let shown = name.display().to_string();
             let files = PlanFiles { plan: name, budget: budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)) };
-            let growth = files.budget.try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says");
+            let growth = files.budget.try_reserve(TOML_GROWTH * text.len() as u64, "the values of a plan");
             let _growth = growth.map_err(CommandError::in_input(&shown))?;
             let host = PythonHost::new(&files);
             let plan = SweepPlan::read(text, &host).map_err(CommandError::in_input(&shown))?;

@@ -78,6 +78,7 @@ def test_package_errors_are_sentences(tmp_path: Path) -> None:
     says("functional mode has no timing", lambda: machine.run(scene, engine="functional", recording=True))
     says("max_cycles: 0; expected 1 or more", lambda: machine.run(scene, max_cycles=0))
     says("basrelief.display_list opens it", lambda: basrelief.scene(trace))
+    says("No such file or directory (os error 2); basrelief.demo opens a demo", lambda: basrelief.scene("goblet@8"), InputError)
     says("basrelief.scene opens a model", lambda: basrelief.display_list(PATCH))
     says("not a regular file", lambda: basrelief.display_list(tmp_path), InputError)
     says("frame: `arrow`; expected pandas or polars", lambda: machine.describe().frame("arrow"))

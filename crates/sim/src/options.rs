@@ -114,7 +114,7 @@ impl Overrides {
     /// # Errors
     /// Unknown parameters, values out of range, and parameters that do not fit together, with the place of the error.
     pub fn load_checked(&self, machine: &MachineInfo, budget: &MemoryPool) -> Result<MachineConfig, OverridesError> {
-        let growth = budget.try_reserve(TOML_GROWTH * self.toml.len() as u64, "what a configuration says");
+        let growth = budget.try_reserve(TOML_GROWTH * self.toml.len() as u64, "the values of a configuration");
         let _growth = growth.map_err(|error| OverridesError::File(error.to_string()))?;
         // Single settings may repair a file whose parameters do not fit together, and vice versa.
         let file_fits = match machine.load(&self.toml, &[]) {

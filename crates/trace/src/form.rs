@@ -97,7 +97,7 @@ impl<R: Read> TraceBytes<R> {
         let mut decoder = zstd::Decoder::new(reader)?;
         let bits = window_bits(head);
         decoder.window_log_max(bits.max(COMMON_WINDOW))?;
-        let window = budget.try_reserve(1 << bits, "the window that its compression looks back into")?;
+        let window = budget.try_reserve(1 << bits, "the window of its compression")?;
         let (head, reader) = peek(decoder, BINARY_MAGIC.len() as u64)?;
         Ok((head, Self::Zstd(Box::new(BufReader::with_capacity(1 << 16, reader))), window))
     }

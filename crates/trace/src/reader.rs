@@ -149,7 +149,7 @@ impl<R: Read> TraceReader<R> {
             return Err(self.unfinished_line());
         }
         if self.buffer.len() > SMALL {
-            self.hold(json_weight(&self.buffer), "what a line says")?;
+            self.hold(json_weight(&self.buffer), "the values of a line")?;
         }
         // The last line may lack its line end. It is whole if its JSON is.
         let fault = |fault| if ended { self.line_error(&fault) } else { self.unfinished_line() };
@@ -220,7 +220,7 @@ impl<R: Read> TraceReader<R> {
         self.fill(u64::from(length))?;
         if self.buffer.len() > SMALL {
             let growth = if name == Some(&"texture") { 1 } else { GROWTH };
-            self.hold(growth * u64::from(length), "what a record says")?;
+            self.hold(growth * u64::from(length), "the values of a record")?;
         }
         let malformed = |what: String| {
             let message = format!("not a valid record ({what}): the file is damaged, or not of this version");

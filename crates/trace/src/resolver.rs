@@ -86,7 +86,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
         let reader = open(reader, budget)?;
         let begin = reader.begin();
         // Hashing the trace copies it.
-        let generator = budget.try_reserve(4 * begin.generator.len() as u64, "the name of what made the trace");
+        let generator = budget.try_reserve(4 * begin.generator.len() as u64, "the name of its generator");
         let held = generator.map_err(|e| CommandFault::over_budget("generator")(e).at(reader.place(), "begin"))?;
         Ok(Self {
             reader,

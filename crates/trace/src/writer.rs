@@ -102,7 +102,7 @@ pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: TraceForm, budget:
     let mut written = budget.empty_reservation();
     while let Some(command) = commands.next().transpose()? {
         written.shrink_to(0);
-        written.try_grow(commands.held(), "a command to be written").map_err(|e| commands.over_budget(&e))?;
+        written.try_grow(commands.held(), "a command").map_err(|e| commands.over_budget(&e))?;
         out.write(&command)?;
     }
     let count = out.count();

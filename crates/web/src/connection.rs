@@ -104,7 +104,7 @@ impl ServerConnection {
     /// Caches data if memory is left.
     pub(crate) fn cache(&self, address: String, body: &Arc<[u8]>) {
         let bytes = (address.len() + body.len()) as u64 + ENTRY;
-        if self.held.borrow_mut().try_grow(bytes, "what has come").is_ok() {
+        if self.held.borrow_mut().try_grow(bytes, "received data").is_ok() {
             self.kept.borrow_mut().insert(address, Arc::clone(body));
         }
     }

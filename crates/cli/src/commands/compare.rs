@@ -111,7 +111,7 @@ impl ReportSide {
         let name = file.display().to_string();
         // The memory stays reserved until the end of the program.
         budget
-            .try_reserve(json_weight(text.as_bytes()), "what a report says")
+            .try_reserve(json_weight(text.as_bytes()), "the values of a report")
             .map_err(CommandError::in_input(&name))?
             .keep_forever();
         let report = Report::from_json(&text).map_err(CommandError::in_input(&name))?;

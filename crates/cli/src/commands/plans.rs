@@ -51,7 +51,7 @@ impl<'a> OpenedPlan<'a> {
         let (text, held) = read_text(&args.plan, "a plan (TOML)", &global.budget)?;
         let growth = global
             .budget
-            .try_reserve(TOML_GROWTH * text.len() as u64, "what a plan says")
+            .try_reserve(TOML_GROWTH * text.len() as u64, "the values of a plan")
             .map_err(CommandError::in_input(&name))?;
         let plan = Plan::read(&text, &host).map_err(CommandError::in_input(&name))?;
         CommandError::check_folder(&args.out)?;

@@ -113,7 +113,7 @@ fn unsupported_draw_calls_are_named() {
     );
     assert!(drawn("21 glFinish()").unwrap_err().contains("call 20: is not in the trace"));
     let huge = "9 glBufferData(target = GL_ARRAY_BUFFER, size = 99999999999999, data = NULL)";
-    assert!(drawn(huge).unwrap_err().starts_with("call 9: glBufferData: would hold"));
+    assert!(drawn(huge).unwrap_err().starts_with("call 9: glBufferData: needs"));
     assert!(
         drawn("9 glBufferData(target = A, size = 1, data = blob(\"none\"))")
             .unwrap_err()

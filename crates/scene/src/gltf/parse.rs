@@ -17,7 +17,7 @@ pub(crate) fn parse(bytes: &[u8], outside: &ImportContext<'_>) -> Result<(GltfDo
             .expected("JSON text in UTF-8")
             .cure("save the file in UTF-8")
     })?;
-    let held = outside.take(json_weight(bytes), "", "what its JSON says")?;
+    let held = outside.take(json_weight(bytes), "", "its JSON")?;
     let document = basrelief_input::from_str(text).map_err(|fault| json_error(&fault))?;
     Ok((document, held))
 }
@@ -86,6 +86,6 @@ mod tests {
     #[test]
     fn too_many_objects_are_refused() {
         let text = format!("[{}{{}}]", "{},".repeat(10_000));
-        assert!(says(&text).starts_with("would hold 6.8 MiB of what its JSON says"), "{}", says(&text));
+        assert!(says(&text).starts_with("needs 6.8 MiB for its JSON"), "{}", says(&text));
     }
 }

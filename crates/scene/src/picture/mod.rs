@@ -156,7 +156,7 @@ pub(crate) mod tests {
     fn oversized_picture_is_not_decoded() {
         let error = decoded(&png(512, 512, |_, _| [0; 4]), "big.png", 2 << 20).unwrap_err();
         let text = error.to_string();
-        assert!(text.starts_with("big.png: would hold 2 MiB of texels of big.png, a picture of 512 x 512, with"), "{text}");
+        assert!(text.starts_with("big.png: needs 2 MiB for texels of big.png, a picture of 512 x 512, beside"), "{text}");
         assert!(text.contains("over the limit of 2 MiB; give more with --memory-limit") && error.over_budget, "{text}");
     }
 

@@ -105,10 +105,10 @@ fn gltf_size_over_budget_is_refused() {
     let cases: Vec<(&str, &str, Value)> = vec![
         (
             "/buffers/uri, a file",
-            "large.bin: /buffers/0/uri: would hold 4 MiB of a file",
+            "large.bin: /buffers/0/uri: needs 4 MiB for a file",
             with(&[("/buffers/0", json!({"uri": "large.bin", "byteLength": 36}))]),
         ),
-        ("/buffers/uri, data", "/buffers/0/uri: would hold", with(&[("/buffers/0", json!({"uri": uri, "byteLength": 36}))])),
+        ("/buffers/uri, data", "/buffers/0/uri: needs", with(&[("/buffers/0", json!({"uri": uri, "byteLength": 36}))])),
         (
             "/images/uri, data",
             "m.gltf: ",
@@ -119,12 +119,12 @@ fn gltf_size_over_budget_is_refused() {
                 ("/meshes/0/primitives/0", primitive(0)),
             ]),
         ),
-        ("/images, its texels", "large.png: /images/0: would hold", textured("large.png", "baseColorTexture")),
-        ("/images, its normals", "large.png: /images/0: would hold", textured("large.png", "normalTexture")),
-        ("/accessors/count", "of elements of accessor 0", with(&[("/accessors/0", zeros(200_000, "VEC3"))])),
+        ("/images, its texels", "large.png: /images/0: needs", textured("large.png", "baseColorTexture")),
+        ("/images, its normals", "large.png: /images/0: needs", textured("large.png", "normalTexture")),
+        ("/accessors/count", "for elements of accessor 0", with(&[("/accessors/0", zeros(200_000, "VEC3"))])),
         (
             "/accessors/count, decoded",
-            "of vertices and triangles",
+            "for vertices and triangles",
             with(&[
                 ("/buffers/0", json!({"uri": "wide.bin", "byteLength": 1 << 18})),
                 ("/bufferViews/0/byteLength", (1 << 18).into()),
@@ -134,7 +134,7 @@ fn gltf_size_over_budget_is_refused() {
         ),
         (
             "/accessors/sparse",
-            "of elements of accessor 0",
+            "for elements of accessor 0",
             with(&[(
                 "/accessors/0",
                 json!({"componentType": 5126, "count": 200_000, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 0, "componentType": 5121}, "values": {"bufferView": 0}}}),
@@ -142,7 +142,7 @@ fn gltf_size_over_budget_is_refused() {
         ),
         (
             "/meshes/primitives/indices",
-            "of vertices and triangles",
+            "for vertices and triangles",
             with(&[
                 ("/bufferViews/1", json!({"buffer": 1, "byteLength": 1 << 16})),
                 ("/buffers/1", json!({"uri": "wide.bin", "byteLength": 1 << 18})),
@@ -150,10 +150,10 @@ fn gltf_size_over_budget_is_refused() {
                 ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 0}, "indices": 1, "mode": 5})),
             ]),
         ),
-        ("/meshes/primitives, without normals", "of vertices and triangles", with(&[("/accessors/0", zeros(9_000, "VEC3"))])),
+        ("/meshes/primitives, without normals", "for vertices and triangles", with(&[("/accessors/0", zeros(9_000, "VEC3"))])),
         (
             "/meshes/primitives, without tangents",
-            "of vertices and triangles",
+            "for vertices and triangles",
             with(&[
                 ("/accessors/0", zeros(3_000, "VEC3")),
                 ("/accessors/1", zeros(3_000, "VEC2")),
@@ -164,15 +164,15 @@ fn gltf_size_over_budget_is_refused() {
             ]),
         ),
         ("/meshes/primitives, many", "", repeated),
-        ("/meshes/name", "of objects and their names", with(&names("mesh"))),
-        ("/nodes/name", "of objects and their names", with(&names("node"))),
-        ("/nodes", "of what its JSON says", with(&[("/nodes", many(json!({}), 5_000))])),
-        ("/nodes/children", "of what its JSON says", with(&[("/nodes/0/children", many(1.into(), 50_000))])),
-        ("/scenes/nodes", "of what its JSON says", with(&[("/scenes/0/nodes", many(0.into(), 50_000))])),
-        ("/materials", "of what its JSON says", with(&[("/materials", many(json!({}), 5_000))])),
-        ("/extensionsUsed", "of what its JSON says", with(&[("/extensionsUsed", many("X".into(), 50_000))])),
-        ("/accessors/min", "of what its JSON says", with(&[("/accessors/0/min", many(0.into(), 50_000))])),
-        ("/asset/generator", "of what its JSON says", with(&[("/asset/generator", "x".repeat(2 << 20).into())])),
+        ("/meshes/name", "for objects and their names", with(&names("mesh"))),
+        ("/nodes/name", "for objects and their names", with(&names("node"))),
+        ("/nodes", "for its JSON", with(&[("/nodes", many(json!({}), 5_000))])),
+        ("/nodes/children", "for its JSON", with(&[("/nodes/0/children", many(1.into(), 50_000))])),
+        ("/scenes/nodes", "for its JSON", with(&[("/scenes/0/nodes", many(0.into(), 50_000))])),
+        ("/materials", "for its JSON", with(&[("/materials", many(json!({}), 5_000))])),
+        ("/extensionsUsed", "for its JSON", with(&[("/extensionsUsed", many("X".into(), 50_000))])),
+        ("/accessors/min", "for its JSON", with(&[("/accessors/0/min", many(0.into(), 50_000))])),
+        ("/asset/generator", "for its JSON", with(&[("/asset/generator", "x".repeat(2 << 20).into())])),
     ];
     for (what, part, document) in cases {
         says_so(&error_of(document.to_string().as_bytes(), "m.gltf", &files(), &ViewOptions::default()), what, part);
@@ -187,7 +187,7 @@ fn lights_are_counted_in_every_frame() {
     document["scenes"] = json!([{"nodes": (0..101).collect::<Vec<_>>()}]);
     let view = ViewOptions { frames: Some(1_000), ..ViewOptions::default() };
     let error = error_of(document.to_string().as_bytes(), "m.gltf", &files(), &view);
-    says_so(&error, "/nodes/extensions/KHR_lights_punctual", "of frames and their lights");
+    says_so(&error, "/nodes/extensions/KHR_lights_punctual", "for frames and their lights");
 }
 
 #[test]
@@ -195,28 +195,28 @@ fn obj_statement_over_budget_is_refused() {
     let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n";
     let face = "f 1/1 2/1 3/1\n";
     let cases = [
-        ("v", "of positions", "v 0 0 0\n".repeat(60_000)),
+        ("v", "for positions", "v 0 0 0\n".repeat(60_000)),
         ("v with colours", "", "v 0 0 0 1 1 1\n".repeat(25_000)),
-        ("vt", "of texture coordinates", "vt 0 0\n".repeat(80_000)),
-        ("vn", "of normals", "vn 0 0 1\n".repeat(100_000)),
-        ("f", "of corners of faces", "f 1 2 3\n".repeat(40_000)),
-        ("f, one", "line 5: would hold", format!("f{}\n", " 1 2 3".repeat(40_000))),
+        ("vt", "for texture coordinates", "vt 0 0\n".repeat(80_000)),
+        ("vn", "for normals", "vn 0 0 1\n".repeat(100_000)),
+        ("f", "for corners of faces", "f 1 2 3\n".repeat(40_000)),
+        ("f, one", "line 5: needs", format!("f{}\n", " 1 2 3".repeat(40_000))),
         (
             "f, each with a vertex of its own",
-            "of vertices and triangles",
+            "for vertices and triangles",
             (0..6_000).map(|i| format!("vt 0 0\nf 1/{} 2/1 3/1\n", i + 2)).collect(),
         ),
         (
             "o",
-            "of groups and their names",
+            "for groups and their names",
             (0..200).map(|i| format!("usemtl {i}\n{face}")).fold(format!("o {}\n", "n".repeat(9_000)), |a, b| a + &b),
         ),
         ("usemtl", "", (0..4_000).map(|i| format!("usemtl {i}\n{face}")).collect()),
-        ("mtllib", "of names of material libraries", "mtllib x\n".repeat(20_000)),
-        ("joined lines", "of lines of OBJ text", "f 1 2 \\\n3\n".repeat(60_000)),
-        ("newmtl", "large.mtl: would hold", format!("mtllib large.mtl\n{face}")),
-        ("map_Kd", "large.png: would hold", format!("mtllib picture.mtl\nusemtl a\n{face}")),
-        ("bump", "large.png: would hold", format!("mtllib bump.mtl\nusemtl a\n{face}")),
+        ("mtllib", "for names of material libraries", "mtllib x\n".repeat(20_000)),
+        ("joined lines", "for lines of OBJ text", "f 1 2 \\\n3\n".repeat(60_000)),
+        ("newmtl", "large.mtl: needs", format!("mtllib large.mtl\n{face}")),
+        ("map_Kd", "large.png: needs", format!("mtllib picture.mtl\nusemtl a\n{face}")),
+        ("bump", "large.png: needs", format!("mtllib bump.mtl\nusemtl a\n{face}")),
     ];
     for (what, part, text) in cases {
         let text = format!("{start}{text}{face}");

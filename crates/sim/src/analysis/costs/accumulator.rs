@@ -102,7 +102,7 @@ impl CostAccumulator {
         }
         if slot.parts.is_empty() {
             let [width, height] = pixels.size.map(u64::from);
-            held.try_grow(size_of::<u64>() as u64 * width * height, "what each pixel costs")?;
+            held.try_grow(size_of::<u64>() as u64 * width * height, "costs of pixels")?;
             slot.parts = vec![0; (width * height) as usize];
         }
         slot.on_pixels += cycles;

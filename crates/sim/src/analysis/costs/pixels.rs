@@ -30,7 +30,7 @@ impl PixelRecords {
             return Ok(());
         }
         let pixels = u64::from(size[0]) * u64::from(size[1]);
-        held.try_grow(PIXEL_BYTES * pixels, "the records of each pixel")?;
+        held.try_grow(PIXEL_BYTES * pixels, "records of pixels")?;
         let pixels = pixels as usize;
         self.size = size;
         (self.overdraw, self.polygons) = (vec![0; pixels], vec![NONE; pixels]);

@@ -31,7 +31,7 @@ impl ActiveRun<'_> {
                 output.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer))
             });
             let bytes = memory_estimates::WAITING_PIXEL * picture.rgb.len() as u64;
-            let held = self.rounds_held.try_grow(bytes, "pictures that better pictures follow");
+            let held = self.rounds_held.try_grow(bytes, "earlier pictures of a frame");
             if self.check_memory(held) {
                 self.rounds.push((frame, picture));
             }
