@@ -2,7 +2,7 @@
 
 use super::analysis_task::{AnalysisTask, PathsAhead};
 use super::ladder::{Ladder, LadderSearch};
-use super::relaxations::{PART, Relaxation, RelaxationCandidates, Settings, busiest_unit, joined_settings, with_equals};
+use super::relaxations::{Relaxation, RelaxationCandidates, Settings, busiest_unit, joined_settings, with_equals};
 use super::resimulations::Resimulations;
 use crate::options::Overrides;
 use basrelief_kernel::recording::RecordingChunk;
@@ -13,6 +13,9 @@ use basrelief_report::model::{Bottlenecks, CriticalPath, PathPart, RelaxedCycles
 use basrelief_threads as threads;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+/// The parts of a relaxation are tried if the whole saves more than this share of the cycles \[1 / share\].
+const MUCH: u64 = 100;
 
 /// Converts a part of the critical path for the report.
 fn path_part(kernel::PathPart { stretch, cycles, by_mark: frames }: kernel::PathPart) -> PathPart {
@@ -161,11 +164,11 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         }
     }
 
-    /// True if the parts of a relaxation are worth a resimulation each. The parts of memories that save next to nothing were as many
+    /// True if the parts of a relaxation are worth a resimulation each. The parts of memories that save little were as many
     /// resimulations as all others.
     fn saves_much(&self, cycles: u64) -> bool {
         let total = self.run.marked_cycles();
-        total.saturating_sub(cycles) > total / PART
+        total.saturating_sub(cycles) > total / MUCH
     }
 
     fn bottleneck(&self, relaxation: Relaxation, cycles: u64) -> Option<RelaxedCycles> {
