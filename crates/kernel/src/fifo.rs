@@ -10,7 +10,8 @@ const FIRST_SLOTS: usize = 8;
 #[derive(Clone, Debug)]
 pub struct Fifo<T> {
     pub(crate) link: FifoInfo,
-    /// Slots in a ring, a power of two. Token n lies in slot n modulo their number. (A `VecDeque` copies each token twice more.)
+    /// Slots in a ring, a power of two. Token n lies in slot n modulo their number. (With a `VecDeque` the compiler copies each
+    /// token once more.)
     slots: Vec<Option<T>>,
     /// Returns the label of a token.
     label: fn(&T) -> Label,
@@ -98,6 +99,7 @@ impl<T> Fifo<T> {
         self.newest().map(self.label).unwrap_or_default()
     }
 
+    /// Returns the newest token, if it is still inside.
     fn newest(&self) -> Option<&T> {
         self.slots.get(self.slot(self.link.pushed().wrapping_sub(1)))?.as_ref()
     }
@@ -145,5 +147,28 @@ impl<T> Fifo<T> {
         let token = self.slots.get_mut(slot).and_then(Option::take);
         self.link.count_pop();
         token
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn growing_ring_keeps_tokens_in_order() {
+        let mut fifo = Fifo::new("fifo", 100, 1);
+        let mut popped = Vec::new();
+        // The ring is full for the first time while its oldest token lies in the middle.
+        for token in 0..60_u32 {
+            assert_eq!((fifo.put(None), fifo.put(Some(token))), (0, 1));
+            assert_eq!(fifo.newest(), Some(&token));
+            if token < 5 {
+                popped.extend(fifo.take_if(true));
+            }
+            assert_eq!(fifo.take_if(false), None);
+        }
+        assert_eq!(fifo.link.len(), 55);
+        popped.extend(std::iter::from_fn(|| fifo.take_if(!fifo.link.is_empty())));
+        assert!(popped.into_iter().eq(0..60));
     }
 }
