@@ -210,7 +210,7 @@ fn waves_beyond_the_memory_limit_are_an_error() {
     let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(waves)]);
     let run = record(&mut watcher, Engine::Timed);
     let error = watcher.finish(&run).remove(0).unwrap_err().to_string();
-    assert!(error.contains("of waves") && error.contains("--memory-limit"), "{error}");
+    assert!(error.contains("for waves") && error.contains("--memory-limit"), "{error}");
 }
 
 /// Takes bytes in order alone.

@@ -111,7 +111,7 @@ mod tests {
         let budget = MemoryPool::new(1000);
         let mut streams = ChangeStreams::new(2, &budget);
         (0..1000).for_each(|at| streams.change(at as usize % 2, at, 1));
-        assert!(streams.in_order().err().unwrap().to_string().contains("of waves"));
+        assert!(streams.in_order().err().unwrap().to_string().contains("for waves"));
         assert_eq!(budget.left(), 1000, "what is given up is given back");
     }
 }
