@@ -4,7 +4,7 @@ use crate::error::{CommandError, CommandResult, PythonResult, budget};
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_parameters::nearest;
 use basrelief_scene::{FolderFiles, MemoryFiles, ModelFiles, SceneError, ViewOptions, demo, load, read_camera, text};
-use basrelief_sim::{MACHINES, PreparedScene, RunInput};
+use basrelief_sim::{PreparedScene, RunInput, is_demo};
 use basrelief_trace::{TraceForm, looks_like_trace};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyAnyMethods, PyBytes, PyType};
@@ -360,11 +360,6 @@ fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> CommandError {
         }
         None => CommandError::at_file(Path::new(name), "be read")(error),
     }
-}
-
-/// Returns true for the name of a demo, with or without a tessellation.
-fn is_demo(name: &str) -> bool {
-    MACHINES.iter().any(|machine| machine.demos.iter().any(|demo| name.split('@').next() == Some(*demo)))
 }
 
 /// Reads a text file, such as a configuration or a camera.

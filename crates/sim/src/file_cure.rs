@@ -71,8 +71,13 @@ fn check_of(path: &Path) -> &'static str {
 /// Returns `demo:NAME` if the path is the name of a demo, with or without a tessellation.
 fn demo_input(path: &Path) -> Option<String> {
     let given = path.to_str()?;
-    let name = given.split('@').next()?;
-    MACHINES.iter().any(|machine| machine.demos.contains(&name)).then(|| format!("demo:{given}"))
+    is_demo(given).then(|| format!("demo:{given}"))
+}
+
+/// Returns true for the name of a demo, with or without a tessellation.
+pub fn is_demo(name: &str) -> bool {
+    let demo = name.split('@').next().unwrap_or(name);
+    MACHINES.iter().any(|machine| machine.demos.contains(&demo))
 }
 
 /// Returns the files beside a missing file that have its name with another extension, or else the file with the nearest name.
