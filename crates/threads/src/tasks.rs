@@ -37,12 +37,6 @@ impl<T> TaskList<T> {
         self.changed.notify_all();
     }
 
-    /// Adds a task before all others.
-    pub fn add_first(&self, task: T) {
-        self.lock().waiting.push_front(task);
-        self.changed.notify_all();
-    }
-
     fn lock(&self) -> MutexGuard<'_, TaskQueue<T>> {
         lock(&self.list)
     }
@@ -97,21 +91,6 @@ mod tests {
             assert_eq!(done.iter().sum::<u32>(), 7 * 64);
         }
         run_tasks([], |(): (), _| unreachable!());
-    }
-
-    #[test]
-    fn task_added_first_is_next() {
-        let order = Mutex::new(Vec::new());
-        crate::sequential(|| {
-            run_tasks([1, 2], |n, tasks| {
-                order.lock().unwrap().push(n);
-                if n == 1 {
-                    tasks.add([3]);
-                    tasks.add_first(4);
-                }
-            });
-        });
-        assert_eq!(order.into_inner().unwrap(), [1, 4, 2, 3]);
     }
 
     #[test]

@@ -11,8 +11,8 @@ pub(super) enum AnalysisTask {
     Resimulate(Relaxation),
     /// Climbs the ladder from the critical path.
     Climb(CriticalPath),
-    /// Finds a critical path that the ladder needs.
-    NeededPath(Settings),
+    /// Finds the critical path that the first rung of the ladder is likely to need.
+    FirstRung(Settings),
     /// Finds a critical path that the ladder may need, unless it has left the rung of this number.
     LikelyPath(Settings, usize),
 }
@@ -33,13 +33,6 @@ impl<'a> PathsAhead<'a> {
     /// Begins the search for the rung of this number.
     pub(super) fn begin_rung(&self, number: usize) {
         self.climbed.store(number, Ordering::Relaxed);
-    }
-
-    /// Lets another thread find a path that this rung needs.
-    pub(super) fn need(&self, set: Settings) {
-        if let Some(tasks) = self.tasks {
-            tasks.add_first(AnalysisTask::NeededPath(set));
-        }
     }
 
     /// Lets another thread, if it has nothing else to do, find a path that the next rung is likely to need.

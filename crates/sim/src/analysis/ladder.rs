@@ -14,8 +14,8 @@ use basrelief_report::model::RelaxedSet;
 const RUNGS: usize = 16;
 /// A resource whose relaxation alone saves this share of the ladder's saving is the bottleneck by itself \[1 / share\].
 const ALONE: u64 = 3;
-/// Relaxed FIFOs are not tried if they take at most this share fewer cycles than the other choice \[1 / share\].
-const MORE: u64 = 20;
+/// A choice saves little if it saves no more than this share of the cycles \[1 / share\].
+const LITTLE: u64 = 20;
 
 /// Relaxed resources, and the critical path with them.
 struct Rung<'a> {
@@ -76,27 +76,25 @@ impl LadderSearch<'_> {
         rungs
     }
 
-    /// Relaxes the resource with most of the path and its equals, or all FIFOs whose slots the path waits for, whichever takes fewer
-    /// cycles. A wait for a slot is short on the path, but it may cause long latencies there.
+    /// Relaxes the resource with most of the path and its equals. If that saves little, the other choice is all FIFOs whose slots the
+    /// path waits for, and the choice with fewer cycles becomes the rung. A wait for a slot is short on the path, but it may cause long
+    /// latencies there.
     ///
-    /// No run is shorter than the busy cycles of a unit that is not relaxed. So FIFOs are not tried if they cannot save noticeably more.
+    /// No run is shorter than the busy cycles of a unit that is not relaxed. So FIFOs are not tried if they could save little more.
     fn next<'a>(&'a self, path: &CriticalPath, relaxed: &[&'a Relaxation]) -> Option<(Vec<&'a Relaxation>, CriticalPath)> {
         let together = |more: Vec<&'a Relaxation>| (!more.is_empty()).then(|| [relaxed, &more].concat());
-        let (largest, fifos) = (together(self.largest(path, relaxed)), together(self.waited_fifos(path, relaxed)));
-        let busiest = busiest_unit(self.not_in(relaxed), path.cycles);
-        let is_saturated = busiest.is_some_and(|unit| unit.is_saturated(path.cycles));
-        match (&largest, &fifos) {
-            (Some(_), Some(fifos)) if !is_saturated => self.ahead.need(settings(fifos)),
-            (Some(largest), _) => self.guess_next(path, largest),
-            _ => {}
-        }
         let tried = |all: Vec<&'a Relaxation>| self.resimulations.path(&settings(&all)).map(|path| (all, path));
+        let largest = together(self.largest(path, relaxed));
+        let busiest = busiest_unit(self.not_in(relaxed), path.cycles);
+        largest.iter().for_each(|largest| self.guess_next(path, largest));
         let first = largest.and_then(tried);
-        let least = busiest.map_or(0, |unit| unit.busy + unit.busy / MORE);
-        if first.as_ref().is_some_and(|(_, path)| path.cycles <= least) {
+        let bound = busiest.map_or(0, |unit| unit.busy + unit.busy / LITTLE);
+        let enough = bound.max(path.cycles - path.cycles / LITTLE);
+        if first.as_ref().is_some_and(|(_, path)| path.cycles <= enough) {
             return first;
         }
-        first.into_iter().chain(fifos.and_then(tried)).min_by_key(|(_, path)| path.cycles)
+        let fifos = together(self.waited_fifos(path, relaxed)).and_then(tried);
+        first.into_iter().chain(fifos).min_by_key(|(_, path)| path.cycles)
     }
 
     /// Returns the resource other than a FIFO that holds most of the path, with its equals; nothing if it holds next to nothing.
